@@ -1,0 +1,35 @@
+# The compile settings that every target shares, and the two ways to declare one.
+
+add_library(musclebench_settings INTERFACE)
+target_compile_features(musclebench_settings INTERFACE cxx_std_20)
+target_include_directories(musclebench_settings INTERFACE "${CMAKE_SOURCE_DIR}")
+# Contraction would let the compiler fuse a*b+c where it likes: results would then differ between compilers and flags.
+target_compile_options(musclebench_settings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -ffp-contract=off -fno-math-errno
+  $<$<BOOL:${MUSCLEBENCH_WERROR}>:-Werror>
+  $<$<BOOL:${MUSCLEBENCH_NATIVE}>:-march=native>)
+if(MUSCLEBENCH_SANITIZE)
+  target_compile_options(musclebench_settings INTERFACE
+    -fsanitize=${MUSCLEBENCH_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(musclebench_settings INTERFACE -fsanitize=${MUSCLEBENCH_SANITIZE})
+endif()
+set_property(GLOBAL PROPERTY MUSCLEBENCH_TEST_TARGETS "")
+
+# musclebench_library(NAME SOURCES file... [DEPENDS target...] [PRIVATE target...])
+# DEPENDS shows in the headers of NAME; PRIVATE does not, so its users cannot include it by mistake.
+function(musclebench_library name)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;PRIVATE" ${ARGN})
+  add_library(${name} STATIC ${arg_SOURCES})
+  target_link_libraries(${name} PUBLIC musclebench_settings ${arg_DEPENDS} PRIVATE ${arg_PRIVATE})
+endfunction()
+
+# musclebench_test(NAME SOURCES file... DEPENDS target...)
+function(musclebench_test name)
+  if(NOT MUSCLEBENCH_WITH_TESTS)
+    return()
+  endif()
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE musclebench_settings ${arg_DEPENDS} GTest::gtest_main)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 240)
+endfunction()

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/contact/contact.hpp"
+#include "core/geometry/repair_mesh.hpp"
+#include "core/geometry/rigid_motion.hpp"
+
+namespace musclebench {
+
+/// A rigid bone as a backend gets it: its repaired surface in rest pose.
+struct Bone {
+  std::string name;
+  RepairedMesh surface;
+};
+
+/// What a backend can do, and what the contract tests and the response may expect of it.
+struct Capabilities {
+  /// Contacts carry depth and normal.
+  bool depth = true;
+  /// `detect` can be asked about a subset of the nodes, at any positions (false: it needs the whole muscle surface).
+  bool point_queries = true;
+  /// Every node with negative signed distance is reported.
+  bool conservative = true;
+};
+
+/// A collision backend: finds the nodes of one muscle surface that lie inside rigid bones.
+///
+/// Calls come in this order: `build` once; then for every iteration `update` and `detect`, `detect` any number of times.
+/// All positions are in the world frame, in metres. One virtual call answers for a batch of nodes. A backend is built,
+/// measured and destroyed in one thread; inside a call it may use `threads` threads, with the same result for any number.
+class CollisionBackend {
+ public:
+  CollisionBackend() = default;
+  CollisionBackend(const CollisionBackend&) = delete;
+  CollisionBackend& operator=(const CollisionBackend&) = delete;
+  virtual ~CollisionBackend() = default;
+
+  [[nodiscard]] virtual Capabilities capabilities() const = 0;
+
+  /// Bytes of the structures made by `build`, counted from their sizes (deterministic), without the input meshes.
+  [[nodiscard]] virtual std::size_t structure_bytes() const = 0;
+
+  /// Builds the structures over `bones` in rest pose. `muscle` is the muscle's surface at rest, for backends that collide
+  /// surfaces. Both outlive the backend. Throws InputError when the parameters do not fit the bones.
+  void build(std::span<const Bone> bones, const TriangleMesh& muscle, int threads);
+
+  /// Tells this iteration's bone poses and node positions (one a vertex of the muscle).
+  void update(std::span<const RigidMotion> bone_poses, std::span<const Vec3> positions);
+
+  /// Finds the contacts of `nodes` (ascending indices into `positions`), into `contacts`, which is overwritten: ordered by
+  /// bone, then by node. A backend without `point_queries` may only be asked with the positions of the last `update`.
+  void detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts);
+
+ protected:
+  [[nodiscard]] std::span<const Bone> bones() const { return m_bones; }
+  [[nodiscard]] const TriangleMesh& muscle() const { return *m_muscle; }
+  [[nodiscard]] std::span<const RigidMotion> poses() const { return m_poses; }
+  [[nodiscard]] int threads() const { return m_threads; }
+
+ private:
+  virtual void do_build() = 0;
+  /// Backends that query in the bones' rest frame have nothing to do here.
+  virtual void do_update(std::span<const Vec3> /*positions*/) {}
+  /// Appends to `contacts`, which is empty.
+  virtual void do_detect(std::span<const Vec3> positions, std::span<const int> nodes,
+                         std::vector<Contact>& contacts) = 0;
+
+  std::span<const Bone> m_bones;
+  const TriangleMesh* m_muscle = nullptr;
+  std::vector<RigidMotion> m_poses;
+  int m_threads = 1;
+};
+
+}  // namespace musclebench

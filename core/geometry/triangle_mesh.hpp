@@ -1,0 +1,23 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace musclebench {
+
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+
+/// Vertex indices of one triangle, counter-clockwise seen from outside.
+using Triangle = std::array<int, 3>;
+
+/// A triangle surface: positions in metres, triangles index into them. Nothing is promised about closedness or winding;
+/// `check_mesh` tells, `repair_mesh` makes the best of it.
+struct TriangleMesh {
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;
+};
+
+}  // namespace musclebench
