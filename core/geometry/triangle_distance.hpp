@@ -13,12 +13,14 @@ struct ClosestOnTriangle {
   Feature feature = Feature::face;
 };
 
-/// Closest point of the triangle a b c to `point` (Ericson 2005, Real-Time Collision Detection, 5.1.5). A degenerate triangle
-/// is answered as the segment or point that it is.
+/// Closest point of the triangle a b c to `point`: the foot of the perpendicular where that lies in the triangle (its
+/// barycentric coordinates tell), else the closest point of the three edges. A degenerate triangle is answered as the
+/// segment or point that it is.
 ClosestOnTriangle closest_on_triangle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c);
 
-/// Signed solid angle of the triangle a b c seen from `point`, in steradians, positive where the triangle's back is seen, so
-/// that a closed outward surface sums to 4 pi at an inner point (van Oosterom and Strackee 1983). 0 for a degenerate triangle.
+/// Signed solid angle of the triangle a b c seen from `point`, in steradians, positive where the triangle's back is
+/// seen, so that a closed outward surface sums to 4 pi at an inner point (van Oosterom and Strackee 1983). 0 for a
+/// degenerate triangle and in a triangle's own plane.
 double solid_angle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c);
 
 }  // namespace musclebench
