@@ -1,0 +1,1 @@
+"""Makes the LHDL data folder (meshes/*.ply, lhdl.json) from checkouts of the two upstream repositories."""

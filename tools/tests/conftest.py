@@ -1,0 +1,29 @@
+"""Shared fixtures; the tools folder goes on the path as it does for the scripts in it."""
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+TOOLS = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(TOOLS))
+
+
+@pytest.fixture(scope="session")
+def lhdl_folder() -> Path:
+    """The LHDL data folder; skips where it is absent."""
+    candidates = [os.environ.get("MUSCLEBENCH_DATA"), TOOLS.parent.parent / "shared" / "data" / "lhdl"]
+    for candidate in candidates:
+        if candidate and (Path(candidate) / "lhdl.json").is_file():
+            return Path(candidate)
+    pytest.skip("LHDL data not found: set MUSCLEBENCH_DATA to the folder with lhdl.json (README: how to get it)")
+
+
+@pytest.fixture(scope="session")
+def lhdl_upstream(lhdl_folder) -> Path:
+    """The upstream checkouts beside the data folder; skips where they are absent."""
+    upstream = lhdl_folder / "upstream"
+    if not (upstream / "SHA256SUMS").is_file():
+        pytest.skip(f"LHDL upstream files not found: {upstream} has no SHA256SUMS")
+    return upstream
