@@ -16,6 +16,8 @@ constexpr int bin_count = 16;
 /// mesh.
 constexpr int deepest_by_area = 24;
 constexpr int stack_capacity = 256;
+/// Closed surfaces have whole winding numbers; one this close to 0.5 shows that the dipoles were too coarse.
+constexpr double safe_margin = 0.25;
 
 struct Box {
   Vec3 lower = Vec3::Constant(std::numeric_limits<double>::infinity());
@@ -45,6 +47,48 @@ using Lane = Eigen::Array4d;
 using ConstLane = Eigen::Map<const Lane>;
 
 ConstLane lane(const std::array<double, 4>& values) { return ConstLane(values.data()); }
+
+struct LaneVec {
+  Lane x, y, z;
+};
+
+LaneVec operator-(const LaneVec& a, const LaneVec& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+
+LaneVec cross(const LaneVec& a, const LaneVec& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+Lane dot(const LaneVec& a, const LaneVec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+/// Squared distances from the end of `arm` to the segments along `edge` that start where `arm` does.
+Lane squared_distances_to_edges(const LaneVec& arm, const LaneVec& edge) {
+  const Lane length = dot(edge, edge).max(std::numeric_limits<double>::min());
+  const Lane along = (dot(edge, arm) / length).max(0.0).min(1.0);
+  const LaneVec rest{arm.x - along * edge.x, arm.y - along * edge.y, arm.z - along * edge.z};
+  return dot(rest, rest);
+}
+
+/// `closest_on_triangle` for the distance alone, four triangles at once.
+template <typename Corners>
+Lane squared_distances_to_triangles(const Corners& corner, const Vec3& point) {
+  const auto load = [&](std::size_t i) { return LaneVec{lane(corner[i][0]), lane(corner[i][1]), lane(corner[i][2])}; };
+  const LaneVec a = load(0);
+  const LaneVec b = load(1);
+  const LaneVec c = load(2);
+  const LaneVec p{Lane::Constant(point.x()), Lane::Constant(point.y()), Lane::Constant(point.z())};
+  const LaneVec ab = b - a;
+  const LaneVec ac = c - a;
+  const LaneVec ap = p - a;
+  const Lane edges = squared_distances_to_edges(ap, ab)
+                         .min(squared_distances_to_edges(p - b, c - b))
+                         .min(squared_distances_to_edges(ap, ac));
+  const LaneVec normal = cross(ab, ac);
+  const Lane squared_normal = dot(normal, normal).max(std::numeric_limits<double>::min());
+  const Lane v = dot(normal, cross(ap, ac)) / squared_normal;
+  const Lane w = dot(normal, cross(ab, ap)) / squared_normal;
+  const LaneVec rest{ap.x - v * ab.x - w * ac.x, ap.y - v * ab.y - w * ac.y, ap.z - v * ab.z - w * ac.z};
+  return (v.min(w).min(1.0 - v - w) >= 0.0).select(dot(rest, rest).min(edges), edges);
+}
 
 }  // namespace
 
@@ -170,7 +214,6 @@ struct TriangleTree::Builder {
       const double reach = std::sqrt(std::max({(a - cluster.centre).squaredNorm(), (b - cluster.centre).squaredNorm(),
                                                (c - cluster.centre).squaredNorm()}));
       cluster.radius = std::max(cluster.radius, reach);
-      cluster.area_moment += 0.5 * (b - a).cross(c - a).norm() * reach;
     });
     return cluster;
   }
@@ -276,10 +319,14 @@ struct TriangleTree::Search {
 };
 
 void TriangleTree::search_leaf(const Leaf& leaf, Search& state) const {
+  const Lane squared = squared_distances_to_triangles(leaf.corner, state.point);
   for (int place = 0; place < leaf.count; ++place) {
-    const int triangle = leaf.triangle[static_cast<std::size_t>(place)];
-    const auto [a, b, c] = corners(triangle);
-    state.offer(closest_on_triangle(state.point, a, b, c), triangle);
+    // The slack lets the exact function, not the order of its operations here, decide between near equals.
+    if (squared[place] <= state.best.squared_distance_m2 * (1 + 1e-12)) {
+      const int triangle = leaf.triangle[static_cast<std::size_t>(place)];
+      const auto [a, b, c] = corners(triangle);
+      state.offer(closest_on_triangle(state.point, a, b, c), triangle);
+    }
   }
 }
 
@@ -353,42 +400,41 @@ double TriangleTree::leaf_winding(const Leaf& leaf, const Vec3& point) const {
   return angle / (4 * std::numbers::pi);
 }
 
+double TriangleTree::winding_number(const Vec3& point, double opening) const {
+  double winding = 0;
+  std::array<int, stack_capacity> stack;
+  int top = 0;
+  stack[0] = 0;
+  while (top >= 0) {
+    const auto index = static_cast<std::size_t>(stack[static_cast<std::size_t>(top--)]);
+    const Node& node = m_nodes[index];
+    for (std::size_t part = 0; part < width && node.lower[0][part] <= node.upper[0][part]; ++part) {
+      const Cluster& cluster = m_clusters[index][part];
+      const Vec3 arm = cluster.centre - point;
+      const double squared = arm.squaredNorm();
+      if (squared > opening * opening * cluster.radius * cluster.radius) {
+        winding += cluster.area_normal.dot(arm) / (4 * std::numbers::pi * squared * std::sqrt(squared));
+      } else if (node.child[part] < 0) {
+        winding += leaf_winding(m_leaves[static_cast<std::size_t>(~node.child[part])], point);
+      } else {
+        stack[static_cast<std::size_t>(++top)] = node.child[part];
+      }
+    }
+  }
+  return winding;
+}
+
 double TriangleTree::winding_number(const Vec3& point) const {
   if (m_nodes.empty()) {
     return 0;
   }
-  // Each cluster may err by `allowed`; the sum of the bounds decides whether that was fine enough.
-  for (double allowed = 1e-2;; allowed = allowed > 1e-7 ? allowed / 16 : 0) {
-    double winding = 0;
-    double error = 0;
-    std::array<int, stack_capacity> stack;
-    int top = 0;
-    stack[0] = 0;
-    while (top >= 0) {
-      const auto index = static_cast<std::size_t>(stack[static_cast<std::size_t>(top--)]);
-      const Node& node = m_nodes[index];
-      for (std::size_t part = 0; part < width && node.lower[0][part] <= node.upper[0][part]; ++part) {
-        const Cluster& cluster = m_clusters[index][part];
-        const Vec3 arm = cluster.centre - point;
-        const double distance = arm.norm();
-        const double gap = distance - cluster.radius;
-        // |gradient of n.x/|x|^3| <= 2 |n| / |x|^3, and every triangle lies at least `gap` away.
-        const double bound = gap > 0 ? cluster.area_moment / (2 * std::numbers::pi * gap * gap * gap)
-                                     : std::numeric_limits<double>::infinity();
-        if (bound <= allowed) {
-          winding += cluster.area_normal.dot(arm) / (4 * std::numbers::pi * distance * distance * distance);
-          error += bound;
-        } else if (node.child[part] < 0) {
-          winding += leaf_winding(m_leaves[static_cast<std::size_t>(~node.child[part])], point);
-        } else {
-          stack[static_cast<std::size_t>(++top)] = node.child[part];
-        }
-      }
-    }
-    if (std::abs(winding - 0.5) > error || allowed == 0) {
+  for (const double opening : {2.0, 4.0, 8.0}) {
+    const double winding = winding_number(point, opening);
+    if (std::abs(winding - 0.5) > safe_margin) {
       return winding;
     }
   }
+  return winding_number(point, std::numeric_limits<double>::infinity());
 }
 
 std::size_t TriangleTree::bytes() const {

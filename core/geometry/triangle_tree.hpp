@@ -34,10 +34,9 @@ class TriangleTree {
   /// `triangle` is any triangle of the mesh; the answer is that of `closest_point`.
   [[nodiscard]] ClosestPoint closest_point_from(const Vec3& point, int triangle) const;
 
-  /// Generalised winding number (Jacobson et al. 2013), far clusters by their dipole (Barill et al. 2018), refined
-  /// until the rounding of the result to inside (> 0.5) or outside is safe: the error of the dipoles is bounded, and
-  /// the bound is smaller than the distance of the result from 0.5. About 1 inside an outward closed surface, 0
-  /// outside.
+  /// Generalised winding number (Jacobson et al. 2013), far clusters by their dipole (Barill et al. 2018): about 1
+  /// inside an outward closed surface, 0 outside; inside is > 0.5. A result within 0.25 of 0.5 is refined, in the end
+  /// exactly.
   [[nodiscard]] double winding_number(const Vec3& point) const;
 
   [[nodiscard]] std::size_t triangle_count() const { return m_place.size(); }
@@ -62,14 +61,15 @@ class TriangleTree {
   struct Cluster {
     Vec3 centre = Vec3::Zero();
     Vec3 area_normal = Vec3::Zero();
-    double radius = 0;       ///< of the ball about `centre` that holds the triangles
-    double area_moment = 0;  ///< sum of area times largest distance from `centre`: bounds the dipole's error
+    double radius = 0;  ///< of the ball about `centre` that holds the triangles
   };
   struct Builder;
   struct Search;
 
   void search(Search& state) const;
   void search_leaf(const Leaf& leaf, Search& state) const;
+  /// Clusters count as far beyond `opening` times their radius.
+  [[nodiscard]] double winding_number(const Vec3& point, double opening) const;
   [[nodiscard]] double leaf_winding(const Leaf& leaf, const Vec3& point) const;
   [[nodiscard]] std::array<Vec3, 3> corners(int triangle) const;
 
