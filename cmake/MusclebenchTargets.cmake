@@ -3,6 +3,9 @@
 add_library(musclebench_settings INTERFACE)
 target_compile_features(musclebench_settings INTERFACE cxx_std_20)
 target_include_directories(musclebench_settings INTERFACE "${CMAKE_SOURCE_DIR}")
+# FCL and other packaged libraries have Eigen members by value and are compiled for the baseline CPU. With -march=native
+# Eigen would align them wider here than there: another layout of the same classes.
+target_compile_definitions(musclebench_settings INTERFACE EIGEN_MAX_ALIGN_BYTES=16)
 # Contraction would let the compiler fuse a*b+c where it likes: results would then differ between compilers and flags.
 target_compile_options(musclebench_settings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -ffp-contract=off -fno-math-errno
