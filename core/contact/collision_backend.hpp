@@ -30,9 +30,10 @@ struct Capabilities {
 
 /// A collision backend: finds the nodes of one muscle surface that lie inside rigid bones.
 ///
-/// Calls come in this order: `build` once; then for every iteration `update` and `detect`, `detect` any number of times.
-/// All positions are in the world frame, in metres. One virtual call answers for a batch of nodes. A backend is built,
-/// measured and destroyed in one thread; inside a call it may use `threads` threads, with the same result for any number.
+/// Calls come in this order: `build` once; then for every iteration `update` and `detect`, `detect` any number of
+/// times. All positions are in the world frame, in metres. One virtual call answers for a batch of nodes. A backend is
+/// built, measured and destroyed in one thread; inside a call it may use `threads` threads, with the same result for
+/// any number.
 class CollisionBackend {
  public:
   CollisionBackend() = default;
@@ -45,15 +46,19 @@ class CollisionBackend {
   /// Bytes of the structures made by `build`, counted from their sizes (deterministic), without the input meshes.
   [[nodiscard]] virtual std::size_t structure_bytes() const = 0;
 
-  /// Builds the structures over `bones` in rest pose. `muscle` is the muscle's surface at rest, for backends that collide
-  /// surfaces. Both outlive the backend. Throws InputError when the parameters do not fit the bones.
+  /// Step of the backtracking response out of `bone`: the smallest edge of a cell. 0 for a backend without cells.
+  [[nodiscard]] virtual double step_m(int /*bone*/) const { return 0; }
+
+  /// Builds the structures over `bones` in rest pose. `muscle` is the muscle's surface at rest, for backends that
+  /// collide surfaces. Both outlive the backend. Throws InputError when the parameters do not fit the bones.
   void build(std::span<const Bone> bones, const TriangleMesh& muscle, int threads);
 
   /// Tells this iteration's bone poses and node positions (one a vertex of the muscle).
   void update(std::span<const RigidMotion> bone_poses, std::span<const Vec3> positions);
 
-  /// Finds the contacts of `nodes` (ascending indices into `positions`), into `contacts`, which is overwritten: ordered by
-  /// bone, then by node. A backend without `point_queries` may only be asked with the positions of the last `update`.
+  /// Finds the contacts of `nodes` (ascending indices into `positions`), into `contacts`, which is overwritten: ordered
+  /// by bone, then by node. A backend without `point_queries` may only be asked with the positions of the last
+  /// `update`.
   void detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts);
 
  protected:

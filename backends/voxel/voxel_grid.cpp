@@ -1,0 +1,160 @@
+#include "backends/voxel/voxel_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "core/base/input_error.hpp"
+#include "core/base/system_memory.hpp"
+#include "core/geometry/triangle_tree.hpp"
+
+namespace musclebench {
+
+namespace {
+
+/// Whether the projections of triangle and box on `axis` overlap; the box is centred at the origin.
+bool overlaps_along(const Vec3& axis, const std::array<Vec3, 3>& corners, const Vec3& half) {
+  const double p0 = axis.dot(corners[0]);
+  const double p1 = axis.dot(corners[1]);
+  const double p2 = axis.dot(corners[2]);
+  const double reach = half.dot(axis.cwiseAbs());
+  return std::min({p0, p1, p2}) <= reach && std::max({p0, p1, p2}) >= -reach;
+}
+
+/// Separating axes of a triangle and a box (Akenine-Moeller 2001): the box's, the triangle's normal, the nine edge
+/// pairs. An axis of no length separates nothing, so degenerate triangles are treated conservatively.
+bool triangle_touches_box(const std::array<Vec3, 3>& triangle, const Vec3& centre, const Vec3& half) {
+  const std::array<Vec3, 3> corners = {triangle[0] - centre, triangle[1] - centre, triangle[2] - centre};
+  const std::array<Vec3, 3> edges = {corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2]};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!overlaps_along(Vec3::Unit(axis), corners, half)) {
+      return false;
+    }
+  }
+  if (!overlaps_along(edges[0].cross(edges[1]), corners, half)) {
+    return false;
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const Vec3& edge : edges) {
+      if (!overlaps_along(Vec3::Unit(axis).cross(edge), corners, half)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+VoxelGrid::VoxelGrid(const TriangleMesh& surface, int cells, double voxel_size_m, const std::string& name) {
+  size_cells(surface, cells, voxel_size_m);
+  const double total = m_counts_real.prod();
+  constexpr double bytes_while_building = 2 * sizeof(Cell) + 1.0 / 8;
+  if (!(total < 1e18)) {
+    throw InputError(name, fmt::format("asks for {:.3g} voxels; choose larger cells", total));
+  }
+  require_memory(static_cast<std::size_t>(total * bytes_while_building), name, "choose fewer or larger cells");
+
+  std::vector<Cell> states(index(0, 0, m_counts[2]), Cell::unknown);
+  mark_border(surface, states);
+  mark_inside(surface, states);
+  m_bits.assign((states.size() + 63) / 64, 0);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (states[i] == Cell::border || states[i] == Cell::inside) {
+      m_bits[i / 64] |= std::uint64_t{1} << (i % 64);
+    }
+  }
+}
+
+void VoxelGrid::size_cells(const TriangleMesh& surface, int cells, double voxel_size_m) {
+  Vec3 lower = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 upper = -lower;
+  for (const Vec3& vertex : surface.vertices) {
+    lower = lower.cwiseMin(vertex);
+    upper = upper.cwiseMax(vertex);
+  }
+  // A hair of room, so that no point of the surface is rounded out of the grid and no cell of a flat bone is empty.
+  const Vec3 room = Vec3::Constant(1e-9 * (upper - lower).norm()) +
+                    4 * std::numeric_limits<double>::epsilon() * lower.cwiseAbs().cwiseMax(upper.cwiseAbs());
+  m_lower = lower - room;
+  const Vec3 extent = upper - lower + 2 * room;
+  if (voxel_size_m > 0) {
+    m_cell_size_m.setConstant(voxel_size_m);
+    m_counts_real = (extent / voxel_size_m).array().floor() + 1;
+    m_lower -= 0.5 * (m_counts_real * voxel_size_m - extent);
+  } else {
+    m_cell_size_m = extent / cells;
+    m_counts_real.setConstant(cells);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    m_counts[axis] = m_counts_real[axis] < 1e9 ? static_cast<int>(m_counts_real[axis]) : 0;
+  }
+}
+
+void VoxelGrid::mark_border(const TriangleMesh& surface, std::vector<Cell>& states) const {
+  // Cells are tested a little larger than they are: rounding must not lose the surface.
+  const Vec3 half = (0.5 + 1e-9) * m_cell_size_m;
+  for (const Triangle& triangle : surface.triangles) {
+    const std::array<Vec3, 3> corners = {surface.vertices[triangle[0]], surface.vertices[triangle[1]],
+                                         surface.vertices[triangle[2]]};
+    const Vec3 low = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]) - m_lower;
+    const Vec3 high = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]) - m_lower;
+    std::array<int, 3> first{};
+    std::array<int, 3> last{};
+    for (int axis = 0; axis < 3; ++axis) {
+      first[axis] = std::clamp(static_cast<int>(low[axis] / m_cell_size_m[axis] - 1e-9), 0, m_counts[axis] - 1);
+      last[axis] = std::clamp(static_cast<int>(high[axis] / m_cell_size_m[axis] + 1e-9), 0, m_counts[axis] - 1);
+    }
+    for (int z = first[2]; z <= last[2]; ++z) {
+      for (int y = first[1]; y <= last[1]; ++y) {
+        for (int x = first[0]; x <= last[0]; ++x) {
+          Cell& state = states[index(x, y, z)];
+          const Vec3 centre = m_lower + m_cell_size_m.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5));
+          if (state != Cell::border && triangle_touches_box(corners, centre, half)) {
+            state = Cell::border;
+          }
+        }
+      }
+    }
+  }
+}
+
+/// Cells between border cells form connected regions that the surface does not cross: one winding number decides for
+/// each. A flood from a corner would call every enclosed pocket of free space inside.
+void VoxelGrid::mark_inside(const TriangleMesh& surface, std::vector<Cell>& states) const {
+  const TriangleTree tree(surface);
+  std::vector<std::array<int, 3>> front;
+  for (int z = 0; z < m_counts[2]; ++z) {
+    for (int y = 0; y < m_counts[1]; ++y) {
+      for (int x = 0; x < m_counts[0]; ++x) {
+        if (states[index(x, y, z)] != Cell::unknown) {
+          continue;
+        }
+        const Vec3 centre = m_lower + m_cell_size_m.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5));
+        const Cell region = tree.winding_number(centre) > 0.5 ? Cell::inside : Cell::outside;
+        states[index(x, y, z)] = region;
+        front.assign(1, {x, y, z});
+        while (!front.empty()) {
+          const std::array<int, 3> cell = front.back();
+          front.pop_back();
+          for (int side = 0; side < 6; ++side) {
+            std::array<int, 3> next = cell;
+            next[side / 2] += side % 2 == 0 ? 1 : -1;
+            if (next[side / 2] < 0 || next[side / 2] >= m_counts[side / 2]) {
+              continue;
+            }
+            Cell& state = states[index(next[0], next[1], next[2])];
+            if (state == Cell::unknown) {
+              state = region;
+              front.push_back(next);
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+}  // namespace musclebench

@@ -1,0 +1,134 @@
+#include "core/contact/response.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace musclebench {
+
+namespace {
+
+constexpr int projection_steps = 3;
+
+void collect_nodes(std::span<const Contact> contacts, std::vector<int>& nodes) {
+  nodes.clear();
+  for (const Contact& contact : contacts) {
+    nodes.push_back(contact.node);
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+}
+
+void push_out(std::span<const Contact> contacts, std::span<Vec3> positions) {
+  for (const Contact& contact : contacts) {
+    positions[contact.node] += contact.depth_m * contact.normal;
+  }
+}
+
+}  // namespace
+
+void Response::resolve(CollisionBackend& backend, const ResponseInput& input, std::span<const Contact> contacts,
+                       std::span<Vec3> predicted) {
+  if (contacts.empty()) {
+    return;
+  }
+  if (m_kind == ResponseKind::project) {
+    project(backend, contacts, predicted);
+  } else {
+    backtrack(backend, input, contacts, predicted);
+  }
+}
+
+void Response::project(CollisionBackend& backend, std::span<const Contact> contacts, std::span<Vec3> predicted) {
+  push_out(contacts, predicted);
+  if (!backend.capabilities().point_queries) {
+    return;
+  }
+  collect_nodes(contacts, m_nodes);
+  for (int step = 1; step < projection_steps; ++step) {
+    backend.detect(predicted, m_nodes, m_contacts);
+    if (m_contacts.empty()) {
+      return;
+    }
+    push_out(m_contacts, predicted);
+    collect_nodes(m_contacts, m_nodes);
+  }
+}
+
+void Response::backtrack(CollisionBackend& backend, const ResponseInput& input, std::span<const Contact> contacts,
+                         std::span<Vec3> predicted) {
+  assert(backend.capabilities().point_queries);
+  m_trial.resize(predicted.size());
+  m_corrections.assign(contacts.size(), Vec3::Zero());
+  for (std::size_t first = 0; first < contacts.size();) {
+    std::size_t last = first;
+    while (last < contacts.size() && contacts[last].bone == contacts[first].bone) {
+      ++last;
+    }
+    const auto of_bone = contacts.subspan(first, last - first);
+    backtrack_from_bone(backend, input, of_bone, predicted);
+    for (std::size_t i = first; i < last; ++i) {
+      m_corrections[i] = m_trial[contacts[i].node] - predicted[contacts[i].node];
+    }
+    first = last;
+  }
+  // Only now: every bone has to see the same p, else the answer would depend on the order of the bones.
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    predicted[contacts[i].node] += m_corrections[i];
+  }
+}
+
+/// Leaves the freed positions of the nodes of `contacts` (all of one bone) in m_trial.
+void Response::backtrack_from_bone(CollisionBackend& backend, const ResponseInput& input,
+                                   std::span<const Contact> contacts, std::span<const Vec3> predicted) {
+  const int bone = contacts.front().bone;
+  m_nodes.clear();
+  for (const Contact& contact : contacts) {
+    m_nodes.push_back(contact.node);
+    m_trial[contact.node] = input.substep_start[contact.node];
+  }
+
+  backend.detect(m_trial, m_nodes, m_contacts);
+  const RigidMotion bone_motion = input.bone_poses[bone] * input.previous_bone_poses[bone].inverse();
+  auto next_start_inside = m_contacts.begin();
+  m_nodes.clear();
+  for (const Contact& contact : contacts) {
+    while (next_start_inside != m_contacts.end() &&
+           (next_start_inside->bone < bone ||
+            (next_start_inside->bone == bone && next_start_inside->node < contact.node))) {
+      ++next_start_inside;
+    }
+    if (next_start_inside != m_contacts.end() && next_start_inside->bone == bone &&
+        next_start_inside->node == contact.node) {
+      m_trial[contact.node] = bone_motion.apply(input.substep_start[contact.node]);
+    } else {
+      m_nodes.push_back(contact.node);
+    }
+  }
+
+  const double step_m = backend.step_m(bone);
+  assert(step_m > 0);
+  // The walk ends at x, which is free, so it is finite however far p is.
+  for (double walked_m = step_m; !m_nodes.empty(); walked_m += step_m) {
+    for (const int node : m_nodes) {
+      const Vec3 back = input.substep_start[node] - predicted[node];
+      const double length_m = back.norm();
+      m_trial[node] =
+          walked_m >= length_m ? input.substep_start[node] : Vec3(predicted[node] + (walked_m / length_m) * back);
+    }
+    std::erase_if(m_nodes, [&](int node) { return m_trial[node] == input.substep_start[node]; });
+    backend.detect(m_trial, m_nodes, m_contacts);
+    keep_nodes_in_contact_with(bone);
+  }
+}
+
+void Response::keep_nodes_in_contact_with(int bone) {
+  m_nodes.clear();
+  for (const Contact& contact : m_contacts) {
+    if (contact.bone == bone) {
+      m_nodes.push_back(contact.node);
+    }
+  }
+}
+
+}  // namespace musclebench

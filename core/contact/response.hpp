@@ -1,0 +1,51 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/contact/collision_backend.hpp"
+
+namespace musclebench {
+
+/// How a node that was found inside a bone gets out again.
+enum class ResponseKind {
+  /// Back from p towards x, step by step, until free; a node whose x is inside too follows the bone (paper, II-A and
+  /// III-B).
+  backtrack,
+  /// Along the contact normal by the depth, until the depth is gone or three steps are done (paper, IV-A).
+  project,
+};
+
+/// What a response needs to know of the substep.
+struct ResponseInput {
+  std::span<const Vec3> substep_start;               ///< x: positions at the start of the substep, world
+  std::span<const RigidMotion> previous_bone_poses;  ///< the poses that x was computed with
+  std::span<const RigidMotion> bone_poses;           ///< the poses that contacts were found with
+};
+
+/// Corrects `predicted` (p) so that it leaves the bones. Corrections by several bones are added (paper, IV-C).
+class Response {
+ public:
+  explicit Response(ResponseKind kind) : m_kind(kind) {}
+
+  /// `contacts` are those of the last detection at `predicted`, ordered by bone, then node.
+  void resolve(CollisionBackend& backend, const ResponseInput& input, std::span<const Contact> contacts,
+               std::span<Vec3> predicted);
+
+ private:
+  void project(CollisionBackend& backend, std::span<const Contact> contacts, std::span<Vec3> predicted);
+  void backtrack(CollisionBackend& backend, const ResponseInput& input, std::span<const Contact> contacts,
+                 std::span<Vec3> predicted);
+  void backtrack_from_bone(CollisionBackend& backend, const ResponseInput& input, std::span<const Contact> contacts,
+                           std::span<const Vec3> predicted);
+  void keep_nodes_in_contact_with(int bone);
+
+  ResponseKind m_kind;
+  // Scratch memory, kept so that a frame allocates nothing.
+  std::vector<Contact> m_contacts;
+  std::vector<int> m_nodes;
+  std::vector<Vec3> m_trial;
+  std::vector<Vec3> m_corrections;
+};
+
+}  // namespace musclebench

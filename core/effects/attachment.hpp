@@ -1,0 +1,14 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/effects/effect_registry.hpp"
+
+namespace musclebench {
+
+/// Bound nodes follow their bone: p = pose(rest position in the bone's frame). Their inverse mass is 0 already.
+std::unique_ptr<Effect> make_attachment(const EffectInput& input, const Parameters& parameters);
+std::vector<ParameterSpec> attachment_parameters();
+
+}  // namespace musclebench

@@ -1,0 +1,32 @@
+#include "core/effects/effect_registry.hpp"
+
+#include "core/effects/attachment.hpp"
+#include "core/effects/bending.hpp"
+#include "core/effects/edge_length.hpp"
+#include "core/effects/gravity.hpp"
+#include "core/effects/volume.hpp"
+
+namespace musclebench {
+
+const std::vector<EffectEntry>& effect_registry() {
+  static const std::vector<EffectEntry> entries = {
+      {"gravity", "constant acceleration of all free nodes", gravity_parameters(), make_gravity},
+      {"attachment", "bound nodes move with their bone", attachment_parameters(), make_attachment},
+      {"edge_length", "edges keep their rest length, softer along the fibres", edge_length_parameters(),
+       make_edge_length},
+      {"volume", "the closed surface keeps its volume", volume_parameters(), make_volume},
+      {"bending", "neighbouring triangles keep their dihedral angle (local shape)", bending_parameters(), make_bending},
+  };
+  return entries;
+}
+
+const EffectEntry* find_effect(std::string_view name) {
+  for (const EffectEntry& entry : effect_registry()) {
+    if (entry.name == name) {
+      return &entry;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace musclebench

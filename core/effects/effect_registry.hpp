@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/parameters.hpp"
+#include "core/effects/fibres.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+#include "core/pbd/effect.hpp"
+
+namespace musclebench {
+
+/// A node that a bone carries.
+struct BoundNode {
+  int node = 0;
+  int bone = 0;
+};
+
+/// What effects are made from: the muscle at rest, the bones' poses at that time, and what the scene says of it.
+struct EffectInput {
+  const TriangleMesh& muscle;
+  const std::vector<FibreSegment>& fibres;
+  const std::vector<BoundNode>& bound_nodes;
+  const std::vector<RigidMotion>& rest_poses;
+};
+
+/// One row of the table of effects.
+struct EffectEntry {
+  std::string name;
+  std::string help;
+  std::vector<ParameterSpec> parameters;
+  std::function<std::unique_ptr<Effect>(const EffectInput&, const Parameters&)> make;
+};
+
+/// All effects, in the order in which a solver iteration applies them.
+const std::vector<EffectEntry>& effect_registry();
+
+/// The row of `name`, or nullptr.
+const EffectEntry* find_effect(std::string_view name);
+
+}  // namespace musclebench

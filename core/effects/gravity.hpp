@@ -1,0 +1,14 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/effects/effect_registry.hpp"
+
+namespace musclebench {
+
+/// Constant acceleration: v += dt g for every free node.
+std::unique_ptr<Effect> make_gravity(const EffectInput& input, const Parameters& parameters);
+std::vector<ParameterSpec> gravity_parameters();
+
+}  // namespace musclebench

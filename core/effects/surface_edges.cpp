@@ -1,0 +1,85 @@
+#include "core/effects/surface_edges.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <numeric>
+
+namespace musclebench {
+
+namespace {
+
+struct HalfEdge {
+  int low;
+  int high;
+  int opposite;
+  bool forward;  ///< runs low -> high
+};
+
+std::vector<SurfaceEdge> edges_in_mesh_order(const TriangleMesh& mesh) {
+  std::vector<HalfEdge> half_edges;
+  half_edges.reserve(3 * mesh.triangles.size());
+  for (const Triangle& triangle : mesh.triangles) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const int from = triangle[corner];
+      const int to = triangle[(corner + 1) % 3];
+      half_edges.push_back({std::min(from, to), std::max(from, to), triangle[(corner + 2) % 3], from < to});
+    }
+  }
+  std::stable_sort(half_edges.begin(), half_edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    return a.low != b.low ? a.low < b.low : a.high < b.high;
+  });
+  std::vector<SurfaceEdge> edges;
+  for (const HalfEdge& half : half_edges) {
+    if (edges.empty() || edges.back().start != half.low || edges.back().end != half.high) {
+      edges.push_back({half.low, half.high, -1, -1});
+    }
+    (half.forward ? edges.back().left : edges.back().right) = half.opposite;
+  }
+  return edges;
+}
+
+/// Greedy colouring: the smallest colour that no vertex of the edge has seen. 64 colours are enough for any mesh with
+/// fewer than some 20 triangles a vertex; edges beyond share the last colour, which costs speed only.
+std::vector<int> colours_of(const std::vector<SurfaceEdge>& edges, std::size_t vertices) {
+  constexpr int last_colour = 63;
+  std::vector<std::uint64_t> seen(vertices, 0);
+  std::vector<int> colours;
+  colours.reserve(edges.size());
+  for (const SurfaceEdge& edge : edges) {
+    const std::array<int, 4> corners = {edge.start, edge.end, edge.left, edge.right};
+    std::uint64_t taken = 0;
+    for (const int corner : corners) {
+      taken |= corner >= 0 ? seen[corner] : 0;
+    }
+    int colour = 0;
+    while (colour < last_colour && ((taken >> colour) & 1U) != 0) {
+      ++colour;
+    }
+    for (const int corner : corners) {
+      if (corner >= 0) {
+        seen[corner] |= std::uint64_t{1} << colour;
+      }
+    }
+    colours.push_back(colour);
+  }
+  return colours;
+}
+
+}  // namespace
+
+std::vector<SurfaceEdge> surface_edges(const TriangleMesh& mesh) {
+  const std::vector<SurfaceEdge> edges = edges_in_mesh_order(mesh);
+  const std::vector<int> colours = colours_of(edges, mesh.vertices.size());
+  std::vector<int> order(edges.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return colours[a] < colours[b]; });
+  std::vector<SurfaceEdge> coloured;
+  coloured.reserve(edges.size());
+  for (const int edge : order) {
+    coloured.push_back(edges[edge]);
+  }
+  return coloured;
+}
+
+}  // namespace musclebench

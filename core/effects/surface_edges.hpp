@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "core/geometry/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// An edge of a surface with the corners opposite to it; -1 where there is no triangle on that side.
+struct SurfaceEdge {
+  int start = 0;
+  int end = 0;
+  int left = -1;   ///< opposite corner of the triangle that runs start -> end
+  int right = -1;  ///< opposite corner of the triangle that runs end -> start
+};
+
+/// Every edge of the mesh once. Edges are ordered in groups in which no two edges share a vertex (of start, end, left,
+/// right), in mesh order inside a group: Gauss-Seidel steps that follow each other then do not wait for one another's
+/// result. Of a non-manifold edge the last triangle on each side counts.
+std::vector<SurfaceEdge> surface_edges(const TriangleMesh& mesh);
+
+}  // namespace musclebench

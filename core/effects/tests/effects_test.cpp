@@ -1,0 +1,240 @@
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/effects/effect_registry.hpp"
+#include "core/effects/surface_edges.hpp"
+#include "core/geometry/shapes.hpp"
+#include "core/geometry/surface_volume.hpp"
+
+namespace musclebench {
+namespace {
+
+struct Fixture {
+  TriangleMesh mesh;
+  std::vector<FibreSegment> fibres;
+  std::vector<BoundNode> bound;
+  std::vector<RigidMotion> poses = {RigidMotion{}};
+
+  std::unique_ptr<Effect> make(const std::string& name, const std::map<std::string, ParameterValue>& given = {}) {
+    const EffectEntry* entry = find_effect(name);
+    return entry->make({mesh, fibres, bound, poses}, Parameters(entry->parameters, given, "test"));
+  }
+
+  [[nodiscard]] Particles particles() const {
+    Particles p;
+    p.positions = mesh.vertices;
+    p.predicted = mesh.vertices;
+    p.velocities.assign(mesh.vertices.size(), Vec3::Zero());
+    p.inverse_masses.assign(mesh.vertices.size(), 1.0);
+    return p;
+  }
+
+  void project(Effect& effect, Particles& p, int times = 1) {
+    for (int i = 0; i < times; ++i) {
+      effect.project(p, {1e-3, poses});
+    }
+  }
+};
+
+TriangleMesh hinge(double angle_rad) {
+  return {{{0, 0, 0}, {1, 0, 0}, {0.3, 1, 0}, {0.6, -0.8 * std::cos(angle_rad), 0.8 * std::sin(angle_rad)}},
+          {{0, 1, 2}, {1, 0, 3}}};
+}
+
+double hinge_angle(const std::vector<Vec3>& x) {
+  const Vec3 e = (x[1] - x[0]).normalized();
+  const Vec3 to_left = x[2] - x[0] - e * e.dot(x[2] - x[0]);
+  const Vec3 to_right = x[3] - x[0] - e * e.dot(x[3] - x[0]);
+  return std::atan2(to_left.cross(to_right).dot(e), to_left.dot(to_right));
+}
+
+TEST(Bending, OneFullProjectionRestoresTheAngleInBothDirections) {
+  for (const double rest : {0.0, 0.4, -0.4, 1.5, -2.5}) {
+    for (const double change : {1e-3, -1e-3}) {
+      Fixture f{.mesh = hinge(rest)};
+      const auto bending = f.make("bending", {{"stiffness", 1.0}});
+      Particles p = f.particles();
+      const double wanted = hinge_angle(p.predicted);
+      p.predicted = hinge(rest + change).vertices;
+      const double before = std::abs(std::remainder(hinge_angle(p.predicted) - wanted, 2 * M_PI));
+      ASSERT_NEAR(before, 1e-3, 1e-9);
+      f.project(*bending, p);
+      EXPECT_LT(std::abs(std::remainder(hinge_angle(p.predicted) - wanted, 2 * M_PI)), 1e-5) << rest << " " << change;
+    }
+  }
+}
+
+TEST(Bending, KeepsLinearAndAngularMomentum) {
+  Fixture f{.mesh = hinge(0.3)};
+  const auto bending = f.make("bending");
+  Particles p = f.particles();
+  p.inverse_masses = {1.0, 0.5, 2.0, 1e-6};
+  const std::vector<Vec3> before = hinge(0.8).vertices;
+  p.predicted = before;
+  f.project(*bending, p);
+  Vec3 linear = Vec3::Zero();
+  Vec3 angular = Vec3::Zero();
+  double scale = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3 momentum = (p.predicted[i] - before[i]) / p.inverse_masses[i];
+    linear += momentum;
+    angular += before[i].cross(momentum);
+    scale += momentum.norm();
+  }
+  EXPECT_GT(scale, 1e-3);
+  EXPECT_LT(linear.norm(), 1e-12 * scale);
+  EXPECT_LT(angular.norm(), 1e-12 * scale);
+}
+
+TEST(Bending, RatioGateActsInOneDirectionOnly) {
+  Fixture f{.mesh = hinge(0.4)};
+  const auto gated = f.make("bending", {{"public_code_ratio_gate", true}});
+  const double rest = hinge_angle(f.mesh.vertices);
+  int moved = 0;
+  for (const double change : {0.2, -0.2}) {
+    Particles p = f.particles();
+    p.predicted = hinge(0.4 + change).vertices;
+    const double before = hinge_angle(p.predicted) - rest;
+    f.project(*gated, p);
+    moved += std::abs(hinge_angle(p.predicted) - rest) < 0.5 * std::abs(before) ? 1 : 0;
+  }
+  EXPECT_EQ(moved, 1);
+}
+
+TEST(Bending, DegenerateTriangleChangesNothing) {
+  Fixture f{.mesh = hinge(0.4)};
+  const auto bending = f.make("bending");
+  Particles p = f.particles();
+  p.predicted[2] = Vec3(0.5, 0, 0);
+  const auto before = p.predicted;
+  f.project(*bending, p);
+  EXPECT_EQ(p.predicted, before);
+}
+
+TEST(EdgeLength, OneEdgeIsRestoredByMassRatio) {
+  Fixture f{.mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}};
+  const auto length = f.make("edge_length");
+  Particles p = f.particles();
+  p.inverse_masses = {0.0, 1.0, 0.0};
+  p.predicted[1] = Vec3(2, 0, 0);
+  p.predicted[2] = Vec3(0, 1, 0);
+  f.project(*length, p, 200);
+  EXPECT_NEAR((p.predicted[1] - p.predicted[0]).norm(), 1.0, 1e-9);
+  EXPECT_NEAR((p.predicted[1] - p.predicted[2]).norm(), std::sqrt(2.0), 1e-9);
+  EXPECT_EQ(p.predicted[0], f.mesh.vertices[0]);
+}
+
+TEST(EdgeLength, CollapsedEdgeStaysFinite) {
+  Fixture f{.mesh = make_sphere(1, 1)};
+  const auto length = f.make("edge_length");
+  Particles p = f.particles();
+  for (Vec3& x : p.predicted) {
+    x.setZero();
+  }
+  f.project(*length, p);
+  for (const Vec3& x : p.predicted) {
+    EXPECT_TRUE(x.allFinite());
+  }
+}
+
+TEST(EdgeLength, IsSoftAlongFibresOnly) {
+  Fixture f{.mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, .fibres = {{Vec3(-5, 0, 0), Vec3(5, 0, 0)}}};
+  const auto length = f.make("edge_length");
+  Particles p = f.particles();
+  p.inverse_masses = {0.0, 1.0, 0.0};
+  p.predicted[1] = Vec3(1.5, 0, 0);  // the edge 0-1 runs along the fibre: only the oblique edge 1-2 pulls
+  f.project(*length, p);
+  const double k = std::sqrt(1 - std::sqrt(0.5));
+  const double oblique = std::hypot(1.5, 1.0);
+  EXPECT_NEAR((p.predicted[1] - p.predicted[2]).norm(), oblique - k * (oblique - std::sqrt(2.0)), 1e-12);
+}
+
+TEST(EdgeLength, TwoVisitsCorrectMoreThanOne) {
+  Fixture f{.mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 9, 0}}, {{0, 1, 2}}}};
+  Particles once = f.particles();
+  once.inverse_masses = {0.0, 1.0, 0.0};
+  once.predicted[1] = Vec3(2, 0, 0);
+  Particles twice = once;
+  f.project(*f.make("edge_length", {{"stiffness", 0.5}}), once);
+  f.project(*f.make("edge_length", {{"stiffness", 0.5}, {"visits_per_edge", std::int64_t{2}}}), twice);
+  EXPECT_GT(once.predicted[1].x(), twice.predicted[1].x() + 0.1);
+}
+
+TEST(Volume, FullProjectionRestoresTheVolume) {
+  Fixture f{.mesh = make_sphere(0.05, 3)};
+  for (Vec3& x : f.mesh.vertices) {
+    x += Vec3(1000, 0, 0);
+  }
+  const auto volume = f.make("volume");
+  Particles p = f.particles();
+  const double rest = surface_volume_m3(p.predicted, f.mesh.triangles);
+  for (Vec3& x : p.predicted) {
+    x.z() *= 0.8;
+  }
+  f.project(*volume, p, 3);
+  EXPECT_NEAR(surface_volume_m3(p.predicted, f.mesh.triangles) / rest, 1.0, 1e-6);
+}
+
+TEST(Volume, ScaledProjectionCorrectsItsPart) {
+  Fixture f{.mesh = make_sphere(0.05, 3)};
+  const auto volume = f.make("volume", {{"pressure", 1.01}, {"projection_scale", 1.0 / 6}});
+  Particles p = f.particles();
+  const double rest = surface_volume_m3(p.predicted, f.mesh.triangles);
+  f.project(*volume, p);
+  EXPECT_NEAR(surface_volume_m3(p.predicted, f.mesh.triangles) / rest, 1 + 0.01 / 6, 1e-5);
+}
+
+TEST(Volume, BoundNodesDoNotMove) {
+  Fixture f{.mesh = make_sphere(0.05, 2)};
+  const auto volume = f.make("volume", {{"pressure", 1.5}});
+  Particles p = f.particles();
+  p.inverse_masses[7] = 0;
+  f.project(*volume, p);
+  EXPECT_EQ(p.predicted[7], f.mesh.vertices[7]);
+  EXPECT_NE(p.predicted[8], f.mesh.vertices[8]);
+}
+
+TEST(Attachment, BoundNodesFollowTheirBone) {
+  Fixture f{.mesh = make_sphere(0.05, 1), .bound = {{3, 0}}};
+  f.poses[0] = RigidMotion::about_axis(Vec3::UnitZ(), Vec3(0.01, 0, 0), 0.3);
+  const auto attachment = f.make("attachment");
+  const RigidMotion further = RigidMotion::about_axis(Vec3::UnitX(), Vec3(0, 0.02, 0), 1.0);
+  f.poses[0] = further * f.poses[0];
+  Particles p = f.particles();
+  f.project(*attachment, p);
+  EXPECT_LT((p.predicted[3] - further.apply(f.mesh.vertices[3])).norm(), 1e-15);
+  EXPECT_EQ(p.predicted[4], f.mesh.vertices[4]);
+}
+
+TEST(Gravity, AcceleratesFreeNodesOnly) {
+  Fixture f{.mesh = make_sphere(0.05, 1)};
+  const auto gravity = f.make("gravity");
+  Particles p = f.particles();
+  p.inverse_masses[2] = 0;
+  gravity->apply_force(p, {0.1, f.poses});
+  EXPECT_NEAR(p.velocities[1].z(), -0.980665, 1e-15);
+  EXPECT_EQ(p.velocities[2], Vec3(0, 0, 0));
+}
+
+TEST(SurfaceEdges, EveryEdgeOnceAndBothSidesKnown) {
+  const TriangleMesh mesh = make_sphere(1, 3);
+  const auto edges = surface_edges(mesh);
+  EXPECT_EQ(edges.size(), mesh.triangles.size() * 3 / 2);
+  for (const SurfaceEdge& edge : edges) {
+    EXPECT_GE(edge.left, 0);
+    EXPECT_GE(edge.right, 0);
+  }
+}
+
+TEST(Registry, NamesAreThoseOfTheEffects) {
+  Fixture f{.mesh = make_sphere(1, 1)};
+  for (const EffectEntry& entry : effect_registry()) {
+    EXPECT_EQ(f.make(entry.name)->name(), entry.name);
+  }
+  EXPECT_EQ(find_effect("nonsense"), nullptr);
+}
+
+}  // namespace
+}  // namespace musclebench

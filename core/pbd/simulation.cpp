@@ -1,0 +1,94 @@
+#include "core/pbd/simulation.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace musclebench {
+
+Simulation::Simulation(const LoopParameters& loop, Particles particles, std::vector<int> free_nodes,
+                       std::vector<std::unique_ptr<Effect>> effects, CollisionBackend& backend, ResponseKind response,
+                       PoseFunction poses)
+    : m_loop(loop),
+      m_particles(std::move(particles)),
+      m_free_nodes(std::move(free_nodes)),
+      m_effects(std::move(effects)),
+      m_backend(backend),
+      m_response(response),
+      m_pose_function(std::move(poses)) {
+  m_pose_function(0, m_poses);
+  m_previous_poses = m_poses;
+}
+
+StageTimes Simulation::step_frame(int frame, LastDetection* last_detection) {
+  StageTimes times;
+  times.effects_ns.assign(m_effects.size(), 0);
+  const Nanoseconds start_ns = monotonic_now_ns();
+  Nanoseconds recording_ns = 0;
+  for (int substep = 1; substep <= m_loop.substeps; ++substep) {
+    m_previous_poses.swap(m_poses);
+    const double part = m_loop.interpolate_poses ? static_cast<double>(substep) / m_loop.substeps : 1.0;
+    m_pose_function(frame - 1 + part, m_poses);
+    const SubstepInput input{m_loop.time_step_s, m_poses};
+
+    for (std::size_t i = 0; i < m_effects.size(); ++i) {
+      const ScopedTimer timer(times.effects_ns[i]);
+      m_effects[i]->apply_force(m_particles, input);
+    }
+    {
+      const ScopedTimer timer(times.predict_ns);
+      predict(input);
+    }
+    for (int iteration = 1; iteration <= m_loop.iterations; ++iteration) {
+      for (std::size_t i = 0; i < m_effects.size(); ++i) {
+        const ScopedTimer timer(times.effects_ns[i]);
+        m_effects[i]->project(m_particles, input);
+      }
+      const bool last = substep == m_loop.substeps && iteration == m_loop.iterations;
+      if (last && last_detection != nullptr) {
+        const ScopedTimer timer(recording_ns);
+        last_detection->positions = m_particles.predicted;
+        last_detection->bone_poses = m_poses;
+      }
+      collide(times, last && last_detection != nullptr ? last_detection : nullptr);
+    }
+    const ScopedTimer timer(times.finish_ns);
+    finish_substep();
+  }
+  times.frame_ns = monotonic_now_ns() - start_ns - recording_ns;
+  return times;
+}
+
+void Simulation::predict(const SubstepInput& input) {
+  const double kept = std::exp(-m_loop.damping_per_s * input.time_step_s);
+  for (const int node : m_free_nodes) {
+    Vec3& velocity = m_particles.velocities[node];
+    velocity *= kept;
+    m_particles.predicted[node] = m_particles.positions[node] + input.time_step_s * velocity;
+  }
+}
+
+void Simulation::collide(StageTimes& times, LastDetection* last_detection) {
+  {
+    const ScopedTimer timer(times.update_ns);
+    m_backend.update(m_poses, m_particles.predicted);
+  }
+  {
+    const ScopedTimer timer(times.detect_ns);
+    m_backend.detect(m_particles.predicted, m_free_nodes, m_contacts);
+  }
+  if (last_detection != nullptr) {
+    last_detection->contacts = m_contacts;
+  }
+  const ScopedTimer timer(times.respond_ns);
+  m_response.resolve(m_backend, {m_particles.positions, m_previous_poses, m_poses}, m_contacts, m_particles.predicted);
+}
+
+void Simulation::finish_substep() {
+  const double per_time_step = 1.0 / m_loop.time_step_s;
+  for (const int node : m_free_nodes) {
+    m_particles.velocities[node] = per_time_step * (m_particles.predicted[node] - m_particles.positions[node]);
+  }
+  m_particles.positions = m_particles.predicted;
+}
+
+}  // namespace musclebench

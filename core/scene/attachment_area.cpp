@@ -1,0 +1,94 @@
+#include "core/scene/attachment_area.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
+
+namespace musclebench {
+
+namespace {
+
+using Vec2 = Eigen::Vector2d;
+
+double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+/// Counter-clockwise, without collinear points (Andrew's monotone chain).
+std::vector<Vec2> convex_hull(std::vector<Vec2> points) {
+  std::sort(points.begin(), points.end(),
+            [](const Vec2& a, const Vec2& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
+  std::vector<Vec2> hull;
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t first = hull.size();
+    for (const Vec2& point : points) {
+      while (hull.size() >= first + 2 && cross(hull.back() - hull[hull.size() - 2], point - hull.back()) <= 0) {
+        hull.pop_back();
+      }
+      hull.push_back(point);
+    }
+    hull.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  return hull;
+}
+
+/// 0 inside.
+double distance_to_hull(const std::vector<Vec2>& hull, const Vec2& point) {
+  bool inside = hull.size() >= 3;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Vec2& start = hull[i];
+    const Vec2 along = hull[(i + 1) % hull.size()] - start;
+    inside = inside && cross(along, point - start) >= 0;
+    const double length2 = along.squaredNorm();
+    const double t = length2 > 0 ? std::clamp((point - start).dot(along) / length2, 0.0, 1.0) : 0.0;
+    nearest = std::min(nearest, (start + t * along - point).norm());
+  }
+  return inside ? 0 : nearest;
+}
+
+struct MeanPlane {
+  Vec3 centre;
+  Vec3 u, v, normal;
+  double extent_m;  ///< largest distance of an outline point from the centre
+
+  explicit MeanPlane(const std::vector<Vec3>& points) : centre(Vec3::Zero()), extent_m(0) {
+    for (const Vec3& point : points) {
+      centre += point;
+    }
+    centre /= static_cast<double>(points.size());
+    Mat3 covariance = Mat3::Zero();
+    for (const Vec3& point : points) {
+      covariance += (point - centre) * (point - centre).transpose();
+      extent_m = std::max(extent_m, (point - centre).norm());
+    }
+    const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance);
+    normal = solver.eigenvectors().col(0);
+    u = solver.eigenvectors().col(2);
+    v = normal.cross(u);
+  }
+
+  [[nodiscard]] Vec2 flat(const Vec3& point) const { return {u.dot(point - centre), v.dot(point - centre)}; }
+};
+
+}  // namespace
+
+std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleTree& bone, const AttachmentArea& area) {
+  const MeanPlane plane(area.outline_m);
+  std::vector<Vec2> outline;
+  for (const Vec3& point : area.outline_m) {
+    outline.push_back(plane.flat(point));
+  }
+  const std::vector<Vec2> hull = convex_hull(outline);
+  std::vector<int> bound;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto closest = bone.closest_point(nodes[i], area.distance_m);
+    if (closest && std::abs(plane.normal.dot(closest->point - plane.centre)) <= plane.extent_m &&
+        distance_to_hull(hull, plane.flat(closest->point)) <= area.margin_m) {
+      bound.push_back(static_cast<int>(i));
+    }
+  }
+  return bound;
+}
+
+}  // namespace musclebench

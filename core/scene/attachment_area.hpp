@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/geometry/triangle_tree.hpp"
+
+namespace musclebench {
+
+/// An area on a bone, outlined by points on it, and how near a node has to be to be bound to it.
+struct AttachmentArea {
+  std::vector<Vec3> outline_m;  ///< at least 3 points, any order; the area is their convex hull in their mean plane
+  double distance_m = 0;        ///< from the node to the bone
+  double margin_m = 0;          ///< by which the area is grown on all sides
+};
+
+/// The nodes (ascending) within `distance_m` of the bone whose closest point on it lies over the area. Everything in
+/// one frame. Points on the far side of the bone do not count: the closest point must be nearer to the mean plane than
+/// the outline is wide.
+std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleTree& bone, const AttachmentArea& area);
+
+}  // namespace musclebench

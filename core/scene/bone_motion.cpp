@@ -1,0 +1,103 @@
+#include "core/scene/bone_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "core/base/input_error.hpp"
+
+namespace musclebench {
+
+double BoneMotion::angle_rad(double progress) const {
+  if (angles_rad.empty()) {
+    return 0;
+  }
+  const double part = there_and_back ? 1 - std::abs(2 * progress - 1) : progress;
+  const double time = times.front() + std::clamp(part, 0.0, 1.0) * (times.back() - times.front());
+  const auto next = std::upper_bound(times.begin() + 1, times.end() - 1, time);
+  const auto i = static_cast<std::size_t>(next - times.begin());
+  const double weight = (time - times[i - 1]) / (times[i] - times[i - 1]);
+  return (1 - weight) * angles_rad[i - 1] + weight * angles_rad[i];
+}
+
+RigidMotion BoneMotion::pose(double progress) const {
+  return angles_rad.empty() ? RigidMotion{} : RigidMotion::about_axis(axis, centre_m, angle_rad(progress));
+}
+
+namespace {
+
+std::vector<std::string> words_of(const std::string& line) {
+  std::istringstream stream(line);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) {
+    words.push_back(word);
+  }
+  return words;
+}
+
+double number_at(const std::string& word, const std::string& place) {
+  std::size_t used = 0;
+  double value = NAN;
+  try {
+    value = std::stod(word, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  if (used != word.size() || !std::isfinite(value)) {
+    throw InputError(place, fmt::format("'{}' is not a finite number", word));
+  }
+  return value;
+}
+
+}  // namespace
+
+MotionTable read_motion_table(const std::filesystem::path& path, const std::string& column) {
+  std::ifstream file(path);
+  if (!file) {
+    throw InputError(path.string(), "cannot be read; is the path right?");
+  }
+  MotionTable table;
+  std::vector<std::string> header;
+  std::size_t value_column = 0;
+  int line_number = 0;
+  bool in_rows = false;
+  for (std::string line; std::getline(file, line);) {
+    const std::string place = fmt::format("{}:{}", path.string(), ++line_number);
+    const std::vector<std::string> words = words_of(line);
+    if (words.empty()) {
+      continue;
+    }
+    if (!in_rows) {
+      in_rows = words.front() == "endheader";
+      continue;
+    }
+    if (header.empty()) {
+      header = words;
+      const auto found = std::find(header.begin(), header.end(), column);
+      if (found == header.end() || header.front() != "time") {
+        throw InputError(place, fmt::format("has no column '{}' beside 'time'; did you mean '{}'?", column,
+                                            nearest_word(column, header)));
+      }
+      value_column = static_cast<std::size_t>(found - header.begin());
+      continue;
+    }
+    if (words.size() != header.size()) {
+      throw InputError(place,
+                       fmt::format("has {} values where the header has {} columns", words.size(), header.size()));
+    }
+    table.times.push_back(number_at(words.front(), place));
+    table.values.push_back(number_at(words[value_column], place));
+    if (table.times.size() > 1 && !(table.times.back() > table.times[table.times.size() - 2])) {
+      throw InputError(place, "time does not ascend");
+    }
+  }
+  if (table.times.size() < 2) {
+    throw InputError(path.string(), "holds fewer than two rows after 'endheader'; is it an OpenSim motion file?");
+  }
+  return table;
+}
+
+}  // namespace musclebench

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/effects/fibres.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// The points of an attachment in a landmark file (the JSON beside the LHDL meshes): `selector` is `muscle/role` or
+/// `muscle/role/part`. Throws InputError with the nearest known selector.
+std::vector<Vec3> read_landmark_outline(const std::filesystem::path& path, const std::string& selector);
+
+/// The fibre polylines of `muscle` in a landmark file, as segments. Throws InputError with the nearest known muscle.
+std::vector<FibreSegment> read_landmark_fibres(const std::filesystem::path& path, const std::string& muscle);
+
+}  // namespace musclebench

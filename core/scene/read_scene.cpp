@@ -1,0 +1,281 @@
+#include "core/scene/read_scene.hpp"
+
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "core/base/input_error.hpp"
+#include "core/base/sha256.hpp"
+#include "core/geometry/read_mesh.hpp"
+#include "core/scene/attachment_area.hpp"
+#include "core/scene/landmarks.hpp"
+#include "core/scene/toml_table.hpp"
+
+namespace musclebench {
+
+namespace {
+
+constexpr double radians_per_degree = std::numbers::pi / 180;
+constexpr int straight_fibres = 9;
+
+std::string sha256_of(const TriangleMesh& mesh) {
+  Sha256 hash;
+  hash.add(std::as_bytes(std::span(mesh.vertices)));
+  hash.add(std::as_bytes(std::span(mesh.triangles)));
+  return hash.hex_digest();
+}
+
+/// A path of the scene, or `file#selector` cut in two.
+struct Reference {
+  std::filesystem::path path;
+  std::string selector;
+};
+
+Reference resolve(const SceneRequest& request, const std::string& text, const std::string& place) {
+  const std::size_t hash = text.find('#');
+  Reference reference{text.substr(0, hash), hash == std::string::npos ? "" : text.substr(hash + 1)};
+  static const std::string data_prefix = "${data}/";
+  const std::string path = reference.path.string();
+  if (path.starts_with(data_prefix)) {
+    if (!request.data_folder) {
+      throw InputError(place, "needs the anatomical data: pass --data DIR or set MUSCLEBENCH_DATA (see the README)");
+    }
+    reference.path = *request.data_folder / path.substr(data_prefix.size());
+  } else if (reference.path.is_relative()) {
+    reference.path = request.folder / reference.path;
+  }
+  return reference;
+}
+
+SceneMesh read_scene_mesh(const SceneRequest& request, const TomlTable& table) {
+  SceneMesh result;
+  result.reference = table.word("mesh");
+  static const std::string synthetic_prefix = "synthetic:";
+  try {
+    result.mesh = result.reference.starts_with(synthetic_prefix)
+                      ? request.synthetic_mesh(result.reference.substr(synthetic_prefix.size()))
+                      : read_mesh(resolve(request, result.reference, table.place("mesh")).path);
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    throw message.starts_with(table.place("mesh")) ? error : InputError(table.place("mesh"), message);
+  }
+  result.sha256 = sha256_of(result.mesh);
+  return result;
+}
+
+BoneMotion read_motion(const SceneRequest& request, const TomlTable& table) {
+  table.allow_only({"axis", "centre_m", "from_deg", "to_deg", "course", "table", "column", "relative_to_first_row"});
+  BoneMotion motion;
+  const Vec3 axis = table.point("axis");
+  if (!(axis.norm() > 0)) {
+    throw InputError(table.place("axis"), "has no length; give the direction of the rotation axis");
+  }
+  motion.axis = axis.normalized();
+  motion.centre_m = table.point("centre_m");
+  const std::string course = table.word_or("course", "there_and_back");
+  if (course != "there" && course != "there_and_back") {
+    throw InputError(table.place("course"), fmt::format("'{}' is not one of there, there_and_back", course));
+  }
+  motion.there_and_back = course == "there_and_back";
+  if (table.has("table")) {
+    if (table.has("from_deg") || table.has("to_deg")) {
+      throw InputError(table.place("table"), "stands beside from_deg or to_deg; give either a table or two angles");
+    }
+    const auto path = resolve(request, table.word("table"), table.place("table")).path;
+    const MotionTable rows = read_motion_table(path, table.word("column"));
+    const double zero = table.flag_or("relative_to_first_row", true) ? rows.values.front() : 0;
+    motion.times = rows.times;
+    for (const double value : rows.values) {
+      motion.angles_rad.push_back((value - zero) * radians_per_degree);
+    }
+  } else {
+    constexpr double limit_deg = 3600;
+    motion.times = {0, 1};
+    motion.angles_rad = {table.number("from_deg", -limit_deg, limit_deg) * radians_per_degree,
+                         table.number("to_deg", -limit_deg, limit_deg) * radians_per_degree};
+  }
+  return motion;
+}
+
+void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene) {
+  for (const TomlTable& table : root.tables("bone")) {
+    table.allow_only({"name", "mesh", "motion"});
+    const std::string name = table.word("name");
+    for (const Bone& bone : scene.bones) {
+      if (bone.name == name) {
+        throw InputError(table.place("name"), fmt::format("'{}' is the name of an earlier bone; choose another", name));
+      }
+    }
+    SceneMesh mesh = read_scene_mesh(request, table);
+    scene.bones.push_back({name, repair_mesh(mesh.mesh, fmt::format("{} ({})", table.place("mesh"), mesh.reference))});
+    scene.bone_meshes.push_back(std::move(mesh));
+    const auto motion = table.table("motion");
+    scene.motions.push_back(motion ? read_motion(request, *motion) : BoneMotion{});
+  }
+  if (scene.bones.empty()) {
+    throw InputError(fmt::format("{}: bone", request.file), "is missing; a scene needs at least one [[bone]]");
+  }
+}
+
+int bone_index(const Scene& scene, const TomlTable& table) {
+  const std::string name = table.word("bone");
+  std::vector<std::string> known;
+  for (std::size_t i = 0; i < scene.bones.size(); ++i) {
+    if (scene.bones[i].name == name) {
+      return static_cast<int>(i);
+    }
+    known.push_back(scene.bones[i].name);
+  }
+  throw InputError(table.place("bone"), fmt::format("'{}' is not a bone of this scene; did you mean '{}'?", name,
+                                                    nearest_word(name, known)));
+}
+
+AttachmentArea read_area(const SceneRequest& request, const TomlTable& table) {
+  AttachmentArea area;
+  if (table.has("outline") == table.has("outline_m")) {
+    throw InputError(table.place(), "needs either outline (file#selector) or outline_m (points)");
+  }
+  if (table.has("outline")) {
+    const Reference reference = resolve(request, table.word("outline"), table.place("outline"));
+    area.outline_m = read_landmark_outline(reference.path, reference.selector);
+  } else {
+    area.outline_m = table.points("outline_m");
+  }
+  if (area.outline_m.size() < 3) {
+    throw InputError(table.place(), "outlines no area; give at least three points");
+  }
+  area.distance_m = table.number("distance_m", 0, 10);
+  area.margin_m = table.has("margin_m") ? table.number("margin_m", 0, 10) : 0;
+  return area;
+}
+
+void read_attachments(const SceneRequest& request, const TomlTable& root, Scene& scene) {
+  if (root.is_word("attachment")) {
+    if (root.word("attachment") != "first_contact") {
+      throw InputError(root.place("attachment"), "has to be \"first_contact\", or write [[attachment]] tables");
+    }
+    scene.attach_at_first_contact = true;
+    return;
+  }
+  for (const TomlTable& table : root.tables("attachment")) {
+    table.allow_only({"name", "bone", "outline", "outline_m", "distance_m", "margin_m"});
+    Attachment attachment;
+    attachment.name = table.word("name");
+    attachment.bone = bone_index(scene, table);
+    const TriangleTree tree(scene.bones[attachment.bone].surface.mesh);
+    attachment.nodes = nodes_over_area(scene.muscle.mesh.vertices, tree, read_area(request, table));
+    scene.attachments.push_back(std::move(attachment));
+  }
+}
+
+/// Straight fibres run from the bone of the first attachment to the others' bones.
+std::vector<FibreSegment> fibres_of_attachments(const Scene& scene) {
+  std::vector<Vec3> origin;
+  std::vector<Vec3> insertion;
+  for (const Attachment& attachment : scene.attachments) {
+    auto& side = attachment.bone == scene.attachments.front().bone ? origin : insertion;
+    for (const int node : attachment.nodes) {
+      side.push_back(scene.muscle.mesh.vertices[node]);
+    }
+  }
+  return fibres_between(origin, insertion, straight_fibres);
+}
+
+void read_muscle(const SceneRequest& request, const TomlTable& root, Scene& scene) {
+  const auto table = root.table("muscle");
+  if (!table) {
+    throw InputError(root.place("muscle"), "is missing; add a [muscle] table with name and mesh");
+  }
+  table->allow_only({"name", "mesh", "fibres"});
+  scene.muscle_name = table->word("name");
+  scene.muscle = read_scene_mesh(request, *table);
+  read_attachments(request, root, scene);
+  const std::string fibres = table->word_or("fibres", "none");
+  if (fibres == "between_attachments") {
+    scene.fibres = fibres_of_attachments(scene);
+    if (scene.fibres.empty() && !scene.attach_at_first_contact) {
+      throw InputError(table->place("fibres"), "'between_attachments' needs bound nodes on two bones");
+    }
+  } else if (fibres != "none") {
+    const Reference reference = resolve(request, fibres, table->place("fibres"));
+    scene.fibres = read_landmark_fibres(reference.path, reference.selector);
+  }
+}
+
+/// The values of a table of the preset, overwritten by the same table of the scene.
+std::map<std::string, ParameterValue> merged_values(const std::optional<TomlTable>& preset,
+                                                    const std::optional<TomlTable>& scene) {
+  std::map<std::string, ParameterValue> values = preset ? preset->values() : std::map<std::string, ParameterValue>{};
+  if (scene) {
+    for (const auto& [key, value] : scene->values()) {
+      values[key] = value;
+    }
+  }
+  return values;
+}
+
+Parameters checked(const std::vector<ParameterSpec>& specs, const std::optional<TomlTable>& preset,
+                   const std::optional<TomlTable>& scene) {
+  // Each table is checked alone first, so that a message names the file that the key stands in.
+  for (const auto& table : {preset, scene}) {
+    if (table) {
+      (void)Parameters(specs, table->values(), table->place());
+    }
+  }
+  return {specs, merged_values(preset, scene), scene ? scene->place() : "preset"};
+}
+
+void read_effects(const std::optional<TomlTable>& preset, const std::optional<TomlTable>& own, Scene& scene) {
+  std::vector<std::string> known;
+  for (const EffectEntry& entry : effect_registry()) {
+    known.push_back(entry.name);
+  }
+  for (const auto& table : {preset, own}) {
+    if (table) {
+      table->allow_only(known);
+    }
+  }
+  for (const EffectEntry& entry : effect_registry()) {
+    // `bending = false` in the scene takes away what the preset names.
+    if (own && own->is_false(entry.name)) {
+      continue;
+    }
+    const auto of_preset = preset ? preset->table(entry.name) : std::nullopt;
+    const auto of_scene = own ? own->table(entry.name) : std::nullopt;
+    if (of_preset || of_scene) {
+      scene.effects.push_back({entry.name, checked(entry.parameters, of_preset, of_scene)});
+    }
+  }
+}
+
+}  // namespace
+
+Scene read_scene(const SceneRequest& request) {
+  const toml::table text = parse_toml(request.text, request.file);
+  const TomlTable root(text, request.file, "");
+  root.allow_only({"title", "preset", "bone", "muscle", "attachment", "effects", "loop"});
+
+  Scene scene;
+  scene.name = request.name;
+  scene.title = root.word_or("title", request.name);
+  scene.preset = request.preset_override.empty() ? root.word_or("preset", "") : request.preset_override;
+  toml::table preset_text;
+  if (!scene.preset.empty()) {
+    preset_text = parse_toml(request.preset_text(scene.preset), fmt::format("preset '{}'", scene.preset));
+  }
+  const TomlTable preset(preset_text, fmt::format("preset '{}'", scene.preset), "");
+  preset.allow_only({"title", "effects", "loop"});
+
+  const Parameters loop = checked(loop_parameters(), preset.table("loop"), root.table("loop"));
+  auto loop_values = loop.values();
+  for (const auto& [key, value] : request.loop_overrides) {
+    loop_values[key] = value;
+  }
+  scene.loop = loop_from(Parameters(loop_parameters(), loop_values, "--loop"));
+  read_effects(preset.table("effects"), root.table("effects"), scene);
+  read_bones(request, root, scene);
+  read_muscle(request, root, scene);
+  return scene;
+}
+
+}  // namespace musclebench

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "core/scene/scene.hpp"
+
+namespace musclebench {
+
+/// Where a scene comes from and where its references lead.
+struct SceneRequest {
+  std::string name;                                  ///< of the scene, for results
+  std::string file;                                  ///< of the scene, for messages
+  std::string text;                                  ///< TOML
+  std::filesystem::path folder;                      ///< relative mesh paths start here
+  std::string preset_override;                       ///< preset to use instead of the scene's; empty: the scene's own
+  std::optional<std::filesystem::path> data_folder;  ///< what `${data}` stands for
+  std::function<std::string(const std::string& preset)> preset_text;    ///< throws InputError for an unknown preset
+  std::function<TriangleMesh(const std::string& name)> synthetic_mesh;  ///< throws InputError for an unknown name
+  std::map<std::string, ParameterValue> loop_overrides;                 ///< such as `frames`, from the command line
+};
+
+/// Reads a scene with all its files. Throws InputError that names file, line and key.
+Scene read_scene(const SceneRequest& request);
+
+}  // namespace musclebench

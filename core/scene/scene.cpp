@@ -1,0 +1,99 @@
+#include "core/scene/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace musclebench {
+
+void Scene::poses_at(double frame_position, std::vector<RigidMotion>& poses) const {
+  poses.resize(motions.size());
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    poses[i] = motions[i].pose(frame_position / loop.frames);
+  }
+}
+
+double Scene::angle_rad(double frame_position) const {
+  double largest = 0;
+  for (const BoneMotion& motion : motions) {
+    const double angle = motion.angle_rad(frame_position / loop.frames);
+    largest = std::abs(angle) > std::abs(largest) ? angle : largest;
+  }
+  return largest;
+}
+
+std::vector<BoundNode> Scene::bound_nodes() const {
+  std::vector<BoundNode> bound;
+  for (const Attachment& attachment : attachments) {
+    for (const int node : attachment.nodes) {
+      bound.push_back({node, attachment.bone});
+    }
+  }
+  std::stable_sort(bound.begin(), bound.end(), [](const BoundNode& a, const BoundNode& b) { return a.node < b.node; });
+  bound.erase(
+      std::unique(bound.begin(), bound.end(), [](const BoundNode& a, const BoundNode& b) { return a.node == b.node; }),
+      bound.end());
+  return bound;
+}
+
+std::vector<ParameterSpec> loop_parameters() {
+  return {
+      {"frames", std::int64_t{314}, "frames of the whole motion", 1, 1e7, {}},
+      {"substeps", std::int64_t{3}, "substeps a frame, each with one prediction and one velocity update", 1, 1e6, {}},
+      {"iterations", std::int64_t{1}, "passes over constraints, detection and response a substep", 1, 1e6, {}},
+      {"time_step_s", 1e-3, "time of one substep", 1e-9, 1e3, {}},
+      {"damping_per_s", 0.0, "velocities decay as exp(-damping time)", 0, 1e9, {}},
+      {"node_mass_kg", 1.0, "mass of every node", 1e-12, 1e12, {}},
+      {"bone_motion",
+       std::string("per_frame"),
+       "per_frame: bones jump to the frame's pose in its first substep (paper); interpolated: they move in every "
+       "substep",
+       -1e300,
+       1e300,
+       {"per_frame", "interpolated"}},
+  };
+}
+
+LoopParameters loop_from(const Parameters& parameters) {
+  LoopParameters loop;
+  loop.frames = static_cast<int>(parameters.integer("frames"));
+  loop.substeps = static_cast<int>(parameters.integer("substeps"));
+  loop.iterations = static_cast<int>(parameters.integer("iterations"));
+  loop.time_step_s = parameters.number("time_step_s");
+  loop.damping_per_s = parameters.number("damping_per_s");
+  loop.node_mass_kg = parameters.number("node_mass_kg");
+  loop.interpolate_poses = parameters.word("bone_motion") == "interpolated";
+  return loop;
+}
+
+std::vector<std::string> scene_warnings(const Scene& scene) {
+  std::vector<std::string> warnings;
+  const auto has = [&](std::string_view name) {
+    return std::any_of(scene.effects.begin(), scene.effects.end(), [&](const auto& e) { return e.name == name; });
+  };
+  for (const Attachment& attachment : scene.attachments) {
+    if (attachment.nodes.empty()) {
+      warnings.push_back(fmt::format(
+          "attachment '{}' binds no node: enlarge distance_m or margin_m, or check its outline", attachment.name));
+    }
+  }
+  const bool wants_attachment = scene.attach_at_first_contact || !scene.attachments.empty();
+  if (has("attachment") && !wants_attachment) {
+    warnings.emplace_back("effect 'attachment' can't act: the scene has no [[attachment]]");
+  }
+  if (!has("attachment") && wants_attachment) {
+    warnings.emplace_back("the scene has attachments but lacks [effects.attachment]: its bound nodes stand still");
+  }
+  for (const SceneEffect& effect : scene.effects) {
+    if (effect.name == "edge_length" && !scene.fibres.empty() && effect.parameters.number("anisotropy_exponent") == 0) {
+      warnings.emplace_back("the muscle has fibres, but edge_length.anisotropy_exponent = 0 ignores them");
+    }
+  }
+  if (!has("edge_length")) {
+    warnings.emplace_back("the scene lacks [effects.edge_length]: nothing holds the surface together");
+  }
+  return warnings;
+}
+
+}  // namespace musclebench

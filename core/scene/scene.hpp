@@ -1,0 +1,66 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/parameters.hpp"
+#include "core/contact/collision_backend.hpp"
+#include "core/effects/effect_registry.hpp"
+#include "core/pbd/simulation.hpp"
+#include "core/scene/bone_motion.hpp"
+
+namespace musclebench {
+
+/// The nodes that one bone carries because the scene says so.
+struct Attachment {
+  std::string name;
+  int bone = 0;
+  std::vector<int> nodes;  ///< ascending
+};
+
+struct SceneEffect {
+  std::string name;
+  Parameters parameters;
+};
+
+struct SceneMesh {
+  std::string reference;  ///< as the scene names it
+  std::string sha256;     ///< of the coordinates and indices as read
+  TriangleMesh mesh;      ///< as shipped
+};
+
+/// A complete, checked description of what is simulated: all files read, all parameters known.
+struct Scene {
+  std::string name;
+  std::string title;
+  std::string preset;
+  std::vector<Bone> bones;             ///< repaired, rest pose
+  std::vector<SceneMesh> bone_meshes;  ///< as shipped, one a bone
+  std::vector<BoneMotion> motions;     ///< one a bone
+  std::string muscle_name;
+  SceneMesh muscle;
+  std::vector<FibreSegment> fibres;
+  std::vector<Attachment> attachments;
+  /// Instead of attachments: every node that the backend finds in a bone before the first frame is bound to that bone,
+  /// the paper's own way. The boundary condition then depends on the backend.
+  bool attach_at_first_contact = false;
+  std::vector<SceneEffect> effects;  ///< only those the scene names, in the order of the registry
+  LoopParameters loop;
+
+  /// Poses at `frame_position` (0 at rest, `loop.frames` at the end).
+  void poses_at(double frame_position, std::vector<RigidMotion>& poses) const;
+  /// Largest flexion angle over the bones at `frame_position`, rad: what the frame is labelled with.
+  [[nodiscard]] double angle_rad(double frame_position) const;
+  /// Bound nodes of all attachments; a node that two areas claim belongs to the first.
+  [[nodiscard]] std::vector<BoundNode> bound_nodes() const;
+};
+
+/// The parameters of the `[loop]` table.
+std::vector<ParameterSpec> loop_parameters();
+LoopParameters loop_from(const Parameters& parameters);
+
+/// What is odd about the scene, one line each: effects that cannot act, effects that are missing, attachments without
+/// nodes. Empty when all is well.
+std::vector<std::string> scene_warnings(const Scene& scene);
+
+}  // namespace musclebench
