@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "backends/fcl/surface_collider.hpp"
+#include "core/geometry/pseudo_normals.hpp"
+
+namespace musclebench {
+
+/// Makes contacts of nodes out of intersecting triangles, with what these alone can tell: a node of a muscle triangle
+/// that intersects bone triangles is measured against the closest of the bone triangles met by its muscle triangles,
+/// and is in contact where it lies behind that one. A node of no such triangle is not looked at, however deep in the
+/// bone it is.
+class NodeContacts {
+ public:
+  /// `muscle_triangles` are those that `TrianglePair` counts. Keeps references to the bones' meshes.
+  NodeContacts(std::span<const Bone> bones, std::vector<Triangle> muscle_triangles, std::size_t nodes);
+
+  /// Appends the contacts of `wanted` nodes (ascending) with bone `bone`, ordered by node. `positions` are in the world
+  /// frame, in metres. The result does not depend on the order of `pairs`.
+  void append(int bone, const RigidMotion& pose, std::span<const TrianglePair> pairs, std::span<const Vec3> positions,
+              std::span<const int> wanted, std::vector<Contact>& contacts);
+
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  /// The closest bone triangle met so far by a node's muscle triangles.
+  struct Closest {
+    Vec3 rest_position;
+    Vec3 point;
+    double squared_distance_m2;
+    int triangle;
+    Feature feature;
+  };
+
+  void start_round();
+  void measure_pairs(const TriangleMesh& bone, const RigidMotion& pose, std::span<const TrianglePair> pairs,
+                     std::span<const Vec3> positions);
+  void measure(const TriangleMesh& bone, int triangle, Closest& closest) const;
+
+  std::span<const Bone> m_bones;
+  std::vector<Triangle> m_triangles;
+  std::vector<PseudoNormals> m_normals;  ///< one a bone
+  std::vector<std::uint32_t> m_rounds;   ///< by node: the last call of `append` that met it
+  std::vector<Closest> m_closest;        ///< by node, valid where its round is the current one
+  std::uint32_t m_round = 0;
+};
+
+}  // namespace musclebench
