@@ -1,0 +1,183 @@
+#include "backends/sdf/field_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <span>
+#include <string_view>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "core/base/input_error.hpp"
+#include "core/base/sha256.hpp"
+
+namespace musclebench {
+
+namespace {
+
+using Digest = std::array<char, 64>;
+
+/// Raise when the meaning of a field's bytes changes.
+constexpr std::uint32_t format_version = 1;
+constexpr std::uint32_t byte_order_mark = 0x01020304;
+constexpr std::array<char, 8> magic{'M', 'B', 'F', 'I', 'E', 'L', 'D', '\0'};
+
+struct Header {
+  std::array<char, 8> name = magic;
+  std::uint32_t byte_order = byte_order_mark;
+  std::uint32_t version = format_version;
+  std::array<double, 3> lower_m{};
+  std::array<double, 3> cell_size_m{};
+  std::array<std::int32_t, 3> cells{};
+  std::uint32_t bytes_per_value = 0;
+  Digest surface{};
+  Digest content{};  ///< of the header with this field zero, the values and the mask
+};
+static_assert(sizeof(Header) == 8 + 8 + 48 + 16 + 128, "written as it stands: there must be no padding");
+
+template <typename Range>
+auto bytes_of(Range& range) {
+  return std::as_writable_bytes(std::span(range));
+}
+
+Digest as_digest(const std::string& text) {
+  Digest digest{};
+  std::copy_n(text.begin(), std::min(text.size(), digest.size()), digest.begin());
+  return digest;
+}
+
+Header header_of(const GridShape& shape, FieldPrecision precision, const std::string& digest) {
+  Header header;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    header.lower_m[axis] = shape.lower_m[static_cast<Eigen::Index>(axis)];
+    header.cell_size_m[axis] = shape.cell_size_m[static_cast<Eigen::Index>(axis)];
+  }
+  header.cells = shape.cells;
+  header.bytes_per_value = static_cast<std::uint32_t>(precision);
+  header.surface = as_digest(digest);
+  return header;
+}
+
+Digest content_digest(Header header, const CubicField& field) {
+  header.content.fill('\0');
+  Sha256 hash;
+  hash.add(std::as_bytes(std::span(&header, 1)));
+  hash.add(std::as_bytes(std::span(field.single_values())));
+  hash.add(std::as_bytes(std::span(field.double_values())));
+  hash.add(std::as_bytes(std::span(field.mask())));
+  return as_digest(hash.hex_digest());
+}
+
+std::string first_difference(const Header& found, const Header& wanted) {
+  if (found.name != wanted.name) {
+    return "is not a field file";
+  }
+  if (found.byte_order != wanted.byte_order) {
+    return "was written on a machine of another byte order";
+  }
+  if (found.version != wanted.version) {
+    return fmt::format("has format version {}, this program reads {}", found.version, wanted.version);
+  }
+  if (found.bytes_per_value != wanted.bytes_per_value) {
+    return fmt::format("holds values of {} bytes, wanted are {}", found.bytes_per_value, wanted.bytes_per_value);
+  }
+  if (found.cells != wanted.cells) {
+    return fmt::format("has {} x {} x {} cells, wanted are {} x {} x {}", found.cells[0], found.cells[1],
+                       found.cells[2], wanted.cells[0], wanted.cells[1], wanted.cells[2]);
+  }
+  if (found.surface != wanted.surface) {
+    return "was made from another surface";
+  }
+  if (found.lower_m != wanted.lower_m || found.cell_size_m != wanted.cell_size_m) {
+    return "covers another box (another margin or cell size)";
+  }
+  return "";
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason) {
+  throw InputError(path.string(), reason + "; remove the file or name another folder in `structures`");
+}
+
+void write_all(std::ostream& out, const Header& header, const CubicField& field) {
+  const auto write = [&](std::span<const std::byte> bytes) {
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  };
+  write(std::as_bytes(std::span(&header, 1)));
+  write(std::as_bytes(std::span(field.single_values())));
+  write(std::as_bytes(std::span(field.double_values())));
+  write(std::as_bytes(std::span(field.mask())));
+  out.flush();
+}
+
+}  // namespace
+
+std::string surface_digest(const RepairedMesh& surface) {
+  Sha256 hash;
+  hash.add(std::as_bytes(std::span(surface.mesh.vertices)));
+  hash.add(std::as_bytes(std::span(surface.mesh.triangles)));
+  hash.add(surface.clean ? std::string_view("pseudo-normals") : std::string_view("winding number"));
+  return hash.hex_digest();
+}
+
+void save_field(const CubicField& field, const std::string& digest, const std::filesystem::path& path) {
+  std::error_code error;
+  if (path.has_parent_path()) {
+    std::filesystem::create_directories(path.parent_path(), error);
+  }
+  Header header = header_of(field.shape(), field.precision(), digest);
+  header.content = content_digest(header, field);
+  const std::filesystem::path temporary = path.string() + fmt::format(".{}.part", getpid());
+  bool written = false;
+  {
+    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
+    write_all(out, header, field);
+    out.close();
+    written = out.good();
+  }
+  if (written) {
+    std::filesystem::rename(temporary, path, error);
+  }
+  if (!written || error) {
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    throw InputError(path.string(), "cannot be written; is the folder writable and is there room on the disk?");
+  }
+}
+
+std::optional<CubicField> load_field(const std::filesystem::path& path, const std::string& digest,
+                                     const GridShape& shape, FieldPrecision precision) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    return std::nullopt;
+  }
+  std::ifstream in(path, std::ios::binary);
+  const auto read = [&](std::span<std::byte> bytes) {
+    return static_cast<bool>(
+        in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())));
+  };
+  Header found;
+  const bool header_read = read(std::as_writable_bytes(std::span(&found, 1)));
+  if (!header_read) {
+    refuse(path, in.is_open() ? "is too short for a field file" : "cannot be read");
+  }
+  if (const std::string difference = first_difference(found, header_of(shape, precision, digest));
+      !difference.empty()) {
+    refuse(path, difference);
+  }
+  CubicField field(shape, precision);
+  if (!read(bytes_of(field.single_values())) || !read(bytes_of(field.double_values())) ||
+      !read(bytes_of(field.mask()))) {
+    refuse(path, "is truncated");
+  }
+  if (in.peek() != std::ifstream::traits_type::eof()) {
+    refuse(path, "goes on after its end");
+  }
+  if (content_digest(found, field) != found.content) {
+    refuse(path, "is damaged: its checksum does not fit");
+  }
+  return field;
+}
+
+}  // namespace musclebench
