@@ -1,0 +1,202 @@
+#include "backends/sdf/field_builder.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "backends/sdf/tests/field_samples.hpp"
+#include "core/base/input_error.hpp"
+#include "core/geometry/read_mesh.hpp"
+#include "core/geometry/shapes.hpp"
+#include "core/geometry/tests/lhdl_data.hpp"
+
+namespace musclebench {
+namespace {
+
+constexpr auto single_precision = FieldPrecision::single_precision;
+constexpr auto double_precision = FieldPrecision::double_precision;
+
+RepairedMesh surface_of(TriangleMesh mesh, bool clean = true) { return {std::move(mesh), clean, {}}; }
+
+/// A sphere on which a sheet of no thickness stands.
+RepairedMesh sphere_with_fin() {
+  TriangleMesh mesh = make_sphere(1, 3);
+  const auto first = static_cast<int>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), {{0.9, -0.3, 0}, {0.9, 0.3, 0}, {2, 0, 0}});
+  mesh.triangles.push_back({first, first + 1, first + 2});
+  mesh.triangles.push_back({first + 1, first, first + 2});
+  return surface_of(std::move(mesh), false);
+}
+
+TEST(GridOver, CutsTheGrownBoxIntoTheCellsAskedFor) {
+  const TriangleMesh box = make_box({0.5, 1, 0.25}, 1);
+  const GridShape shape = grid_over(box, {.cells = 10, .margin = 0.1}, "box");
+  const double grown = 0.1 * 2 * Vec3(0.5, 1, 0.25).norm();
+  EXPECT_EQ(shape.cells, (std::array<std::int32_t, 3>{10, 10, 10}));
+  EXPECT_NEAR((shape.upper_m() - Vec3(0.5, 1, 0.25) - Vec3::Constant(grown)).norm(), 0, 1e-14);
+  EXPECT_NEAR((shape.lower_m + Vec3(0.5, 1, 0.25) + Vec3::Constant(grown)).norm(), 0, 1e-14);
+}
+
+TEST(GridOver, MakesCubesThatCoverTheBone) {
+  const TriangleMesh box = make_box({0.5, 1, 0.25}, 1);
+  const GridShape shape = grid_over(box, {.cell_size_m = 0.3}, "box");
+  EXPECT_EQ(shape.cells, (std::array<std::int32_t, 3>{4, 7, 2}));
+  EXPECT_EQ(shape.cell_size_m, Vec3::Constant(0.3));
+  EXPECT_TRUE((shape.lower_m.array() < Vec3(-0.5, -1, -0.25).array()).all());
+  EXPECT_TRUE((shape.upper_m().array() > Vec3(0.5, 1, 0.25).array()).all());
+}
+
+TEST(GridOver, RefusesCellsThatCannotBeMeant) {
+  const TriangleMesh box = make_box({0.5, 1, 0.25}, 1);
+  for (const double size : {2.5, 1e-7}) {
+    try {
+      (void)grid_over(box, {.cell_size_m = size}, "femur");
+      FAIL() << size;
+    } catch (const InputError& error) {
+      const std::string line = error.what();
+      EXPECT_NE(line.find("cell_size_m (femur)"), std::string::npos) << line;
+      EXPECT_NE(line.find("0.0078 to 0.12"), std::string::npos) << line;
+    }
+  }
+}
+
+TEST(BuildField, HoldsTheExactSignedDistanceAtEveryNode) {
+  for (const bool clean : {true, false}) {
+    const RepairedMesh capsule = surface_of(make_capsule(0.3, 0.5, 16), clean);
+    const SignedSurface surface(capsule);
+    GridShape shape = grid_over(capsule.mesh, {.margin = 0.1}, "capsule");
+    shape.cells = {5, 6, 9};
+    shape.cell_size_m = shape.cell_size_m.cwiseProduct(Vec3(64.0 / 5, 64.0 / 6, 64.0 / 9));
+    const CubicField field = build_field(surface, shape, double_precision, 1);
+    for_each_node(shape, [&](std::size_t place, const Vec3& position) {
+      EXPECT_NEAR(field.stored(place), *surface.distance(position, 10), 1e-14);
+    });
+  }
+}
+
+TEST(BuildField, DoesNotDependOnTheNumberOfThreads) {
+  const RepairedMesh box = surface_of(make_box({0.5, 0.2, 0.3}, 5));
+  const SignedSurface surface(box);
+  const GridShape shape = grid_over(box.mesh, {.cells = 21}, "box");
+  const CubicField one = build_field(surface, shape, double_precision, 1);
+  for (const int threads : {2, 3}) {
+    const CubicField several = build_field(surface, shape, double_precision, threads);
+    EXPECT_EQ(one.double_values(), several.double_values());
+    EXPECT_EQ(one.mask(), several.mask());
+  }
+}
+
+void expect_mask_is_rigorous(const CubicField& field, double most_flagged) {
+  const GridShape& shape = field.shape();
+  std::size_t flagged = 0;
+  for (std::size_t k = 0; k < shape.count(2); ++k) {
+    for (std::size_t j = 0; j < shape.count(1); ++j) {
+      for (std::size_t i = 0; i < shape.count(0); ++i) {
+        if (field.may_be_negative(shape.cell(i, j, k))) {
+          ++flagged;
+          continue;
+        }
+        const CubicCell cell = field.cell(i, j, k);
+        for (int sample = 0; sample < 9 * 9 * 9; ++sample) {
+          ASSERT_GE(cell.value(Vec3(sample % 9, sample / 9 % 9, sample / 81) / 8), 0);
+        }
+      }
+    }
+  }
+  EXPECT_GT(flagged, 0U);
+  EXPECT_LE(flagged, static_cast<std::size_t>(most_flagged * static_cast<double>(shape.cell_count())));
+}
+
+TEST(BuildField, MarksEveryCellWhereTheFieldIsNegative) {
+  const std::vector<std::pair<RepairedMesh, double>> bones{{surface_of(make_capsule(0.3, 0.5, 16)), 0.9},
+                                                           {surface_of(make_box({0.5, 0.5, 0.01}, 1)), 1.0},
+                                                           {sphere_with_fin(), 0.6}};
+  for (const auto& [bone, most_flagged] : bones) {
+    const SignedSurface surface(bone);
+    const GridShape shape = grid_over(bone.mesh, {.cells = 11}, "bone");
+    expect_mask_is_rigorous(build_field(surface, shape, single_precision, 1), most_flagged);
+  }
+}
+
+void expect_positive_border(const CubicField& field) {
+  const Vec3 lower = field.shape().lower_m;
+  const Vec3 extent = field.shape().upper_m() - lower;
+  constexpr int steps = 60;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int side = 0; side < 2; ++side) {
+      for (int sample = 0; sample <= steps * (steps + 2); ++sample) {
+        Vec3 share;
+        share[axis] = side == 0 ? 1e-12 : 1 - 1e-12;  // a hair inside: products may round to just outside
+        share[(axis + 1) % 3] = std::clamp(static_cast<double>(sample % (steps + 1)) / steps, 1e-12, 1 - 1e-12);
+        share[(axis + 2) % 3] = std::clamp(static_cast<double>(sample / (steps + 1)) / steps, 1e-12, 1 - 1e-12);
+        const std::optional<double> value = field.value(lower + share.cwiseProduct(extent));
+        ASSERT_TRUE(value);
+        ASSERT_GT(*value, 0) << share.transpose();
+      }
+    }
+  }
+}
+
+TEST(BuildField, IsPositiveOnItsBorder) {
+  // Few cells and edges close to the border make the cubics swing there.
+  TriangleMesh tetrahedron;
+  tetrahedron.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.05, 0.9, 1}};
+  tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  for (const RepairedMesh& bone : {surface_of(tetrahedron), surface_of(make_box({0.5, 0.5, 0.002}, 1)),
+                                   surface_of(make_capsule(0.05, 0.5, 8)), sphere_with_fin()}) {
+    const SignedSurface surface(bone);
+    for (const int cells : {1, 2, 3, 5, 8}) {
+      const GridShape shape = grid_over(bone.mesh, {.cells = cells}, "bone");
+      expect_positive_border(build_field(surface, shape, single_precision, 1));
+    }
+  }
+}
+
+TEST(BuildField, SignsAZeroThicknessFinByTheWindingNumber) {
+  const RepairedMesh bone = sphere_with_fin();
+  const SignedSurface surface(bone);
+  const CubicField field = build_field(surface, grid_over(bone.mesh, {.cells = 30}, "fin"), double_precision, 1);
+  const FieldError error = estimate_error(field, surface, 5000);
+  EXPECT_LT(error.deepest_wrong_sign_m, field.shape().cell_size_m.norm());
+  for (const Vec3& beyond : {Vec3(2.0, 0.1, 0.1), Vec3(1.9, -0.1, 0.3), Vec3(1.5, 0, 0.2)}) {
+    EXPECT_GT(*field.value(beyond), 0) << beyond.transpose();
+  }
+  EXPECT_LT(*field.value({0.5, 0, 0}), 0);
+}
+
+TEST(BuildField, FemurIsWithinAHundredMicrometresOrSo) {
+  const auto folder = lhdl_folder();
+  if (!folder) {
+    GTEST_SKIP() << "the LHDL data are not here (set MUSCLEBENCH_DATA)";
+  }
+  const RepairedMesh femur = repair_mesh(read_mesh(*folder / "meshes/femur_r.ply"), "femur");
+  ASSERT_TRUE(femur.clean);
+  const SignedSurface surface(femur);
+  const CubicField field = build_field(surface, grid_over(femur.mesh, {}, "femur"), single_precision, 2);
+  const FieldError error = estimate_error(field, surface, 10000);
+  EXPECT_LT(error.p99_m, 0.15e-3);
+  EXPECT_LT(error.largest_m, 1e-3);
+  EXPECT_LT(error.deepest_wrong_sign_m, 0.3e-3);
+  expect_positive_border(field);
+}
+
+TEST(BuildField, PelvisHasNoWrongSignsAwayFromItsSurface) {
+  const auto folder = lhdl_folder();
+  if (!folder) {
+    GTEST_SKIP() << "the LHDL data are not here (set MUSCLEBENCH_DATA)";
+  }
+  const RepairedMesh pelvis = repair_mesh(read_mesh(*folder / "meshes/pelvis.ply"), "pelvis");
+  const SignedSurface surface(pelvis);
+  const CubicField field = build_field(surface, grid_over(pelvis.mesh, {.cells = 24}, "pelvis"), single_precision, 2);
+  const FieldError error = estimate_error(field, surface, 5000);
+  EXPECT_EQ(error.samples, 5000);
+  EXPECT_LT(error.deepest_wrong_sign_m, field.shape().cell_size_m.norm());
+  expect_positive_border(field);
+}
+
+}  // namespace
+}  // namespace musclebench

@@ -1,0 +1,120 @@
+#include "backends/sdf/field_file.hpp"
+
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+#include <gtest/gtest.h>
+
+#include "backends/sdf/field_builder.hpp"
+#include "core/base/input_error.hpp"
+#include "core/geometry/shapes.hpp"
+
+namespace musclebench {
+namespace {
+
+constexpr auto single_precision = FieldPrecision::single_precision;
+constexpr auto double_precision = FieldPrecision::double_precision;
+
+class FieldFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    m_folder = std::filesystem::path(testing::TempDir()) /
+               ("field_file_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::remove_all(m_folder);
+    m_path = m_folder / "deep" / "bone.field";
+  }
+  void TearDown() override { std::filesystem::remove_all(m_folder); }
+
+  std::string refusal(const std::string& digest, const GridShape& shape, FieldPrecision precision) const {
+    try {
+      (void)load_field(m_path, digest, shape, precision);
+    } catch (const InputError& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find(m_path.string()), std::string::npos);
+      return error.what();
+    }
+    return "accepted";
+  }
+  [[nodiscard]] std::string refusal() const { return refusal(m_digest, m_shape, single_precision); }
+
+  void change(const std::function<void(std::string&)>& edit) const {
+    std::ifstream in(m_path, std::ios::binary);
+    std::string content((std::istreambuf_iterator<char>(in)), {});
+    in.close();
+    edit(content);
+    std::ofstream(m_path, std::ios::binary) << content;
+  }
+
+  void expect_refusal_of_change(const std::string& words, const std::function<void(std::string&)>& edit) const {
+    save_field(m_field, m_digest, m_path);
+    change(edit);
+    EXPECT_NE(refusal().find(words), std::string::npos) << refusal();
+  }
+
+  RepairedMesh m_bone{make_sphere(0.1, 2), true, {}};
+  GridShape m_shape = grid_over(m_bone.mesh, {.cells = 6}, "sphere");
+  std::string m_digest = surface_digest(m_bone);
+  CubicField m_field = build_field(SignedSurface(m_bone), m_shape, single_precision, 1);
+  std::filesystem::path m_folder;
+  std::filesystem::path m_path;
+};
+
+TEST_F(FieldFile, ComesBackAsItWas) {
+  EXPECT_FALSE(load_field(m_path, m_digest, m_shape, single_precision));
+  for (const FieldPrecision precision : {single_precision, double_precision}) {
+    const CubicField field = build_field(SignedSurface(m_bone), m_shape, precision, 1);
+    save_field(field, m_digest, m_path);
+    const std::optional<CubicField> loaded = load_field(m_path, m_digest, m_shape, precision);
+    ASSERT_TRUE(loaded);
+    EXPECT_EQ(loaded->single_values(), field.single_values());
+    EXPECT_EQ(loaded->double_values(), field.double_values());
+    EXPECT_EQ(loaded->mask(), field.mask());
+    EXPECT_EQ(loaded->shape(), field.shape());
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(m_path.parent_path()), {}), 1) << "something is left";
+  }
+}
+
+TEST_F(FieldFile, OfAnotherSurfaceIsRefused) {
+  save_field(m_field, m_digest, m_path);
+  RepairedMesh other = m_bone;
+  other.mesh.vertices[3].x() += 1e-15;
+  EXPECT_NE(refusal(surface_digest(other), m_shape, single_precision).find("another surface"), std::string::npos);
+  other = m_bone;
+  other.clean = false;
+  EXPECT_NE(refusal(surface_digest(other), m_shape, single_precision).find("another surface"), std::string::npos);
+}
+
+TEST_F(FieldFile, OfOtherParametersIsRefused) {
+  save_field(m_field, m_digest, m_path);
+  const GridShape finer = grid_over(m_bone.mesh, {.cells = 7}, "sphere");
+  EXPECT_NE(refusal(m_digest, finer, single_precision).find("6 x 6 x 6 cells, wanted are 7 x 7 x 7"),
+            std::string::npos);
+  const GridShape wider = grid_over(m_bone.mesh, {.cells = 6, .margin = 0.1}, "sphere");
+  EXPECT_NE(refusal(m_digest, wider, single_precision).find("another box"), std::string::npos);
+  EXPECT_NE(refusal(m_digest, m_shape, double_precision).find("4 bytes, wanted are 8"), std::string::npos);
+}
+
+TEST_F(FieldFile, ThatIsDamagedIsRefused) {
+  expect_refusal_of_change("too short", [](std::string& content) { content.resize(50); });
+  expect_refusal_of_change("too short", [](std::string& content) { content.clear(); });
+  expect_refusal_of_change("not a field file", [](std::string& content) { content[0] = 'x'; });
+  expect_refusal_of_change("byte order", [](std::string& content) { std::swap(content[8], content[11]); });
+  expect_refusal_of_change("format version 2", [](std::string& content) { content[12] = 2; });
+  expect_refusal_of_change("truncated", [](std::string& content) { content.pop_back(); });
+  expect_refusal_of_change("goes on", [](std::string& content) { content += '\0'; });
+  for (const double share : {0.3, 0.6, 0.9999}) {
+    expect_refusal_of_change("checksum", [&](std::string& content) {
+      content[static_cast<std::size_t>(share * static_cast<double>(content.size()))] ^= 4;
+    });
+  }
+}
+
+TEST_F(FieldFile, ThatCannotBeWrittenIsAnError) {
+  std::filesystem::create_directories(m_folder);
+  std::ofstream(m_folder / "deep") << "a file where the folder should be";
+  EXPECT_THROW(save_field(m_field, m_digest, m_path), InputError);
+}
+
+}  // namespace
+}  // namespace musclebench

@@ -1,0 +1,171 @@
+#include "backends/sdf/sdf_backend.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "core/base/input_error.hpp"
+#include "core/geometry/shapes.hpp"
+
+namespace musclebench {
+namespace {
+
+using Given = std::map<std::string, ParameterValue>;
+
+std::unique_ptr<CollisionBackend> make(const Given& given = {{"cells", std::int64_t{16}}}) {
+  return make_sdf_backend(Parameters(sdf_parameters(), given, "test"));
+}
+
+std::vector<Bone> two_bones() {
+  return {{"sphere", {make_sphere(0.1, 4), true, {}}}, {"box/of 2", {make_box({0.05, 0.1, 0.05}, 3), true, {}}}};
+}
+
+std::vector<Vec3> random_points(double reach, int count) {
+  std::mt19937 generator(21);
+  std::uniform_real_distribution<double> coordinate(-reach, reach);
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) {
+    const double x = coordinate(generator);
+    const double y = coordinate(generator);
+    points.emplace_back(x, y, coordinate(generator));
+  }
+  return points;
+}
+
+std::vector<Contact> contacts_of(CollisionBackend& backend, const std::vector<Vec3>& positions) {
+  std::vector<int> nodes(positions.size());
+  std::iota(nodes.begin(), nodes.end(), 0);
+  std::vector<Contact> contacts{{99, 99, 1, Vec3::Zero()}};
+  backend.detect(positions, nodes, contacts);
+  return contacts;
+}
+
+TEST(SdfBackend, FindsDepthAndNormalInMovedBones) {
+  const std::vector<Bone> bones = two_bones();
+  const auto backend = make();
+  backend->build(bones, {}, 1);
+  const RigidMotion away = RigidMotion::about_axis(Vec3(1, 2, 2) / 3, {0.1, 0.2, 0.3}, 2.5);
+  const std::vector<RigidMotion> poses{RigidMotion{Mat3::Identity(), {0.3, 0, 0}}, away};
+  const std::vector<Vec3> in_box = random_points(0.12, 3000);
+  std::vector<Vec3> positions;
+  for (const Vec3& point : in_box) {
+    positions.push_back(away.apply(point));
+  }
+  backend->update(poses, positions);
+  const std::vector<Contact> contacts = contacts_of(*backend, positions);
+  std::vector<bool> found(positions.size(), false);
+  for (const Contact& contact : contacts) {
+    const auto node = static_cast<std::size_t>(contact.node);
+    ASSERT_EQ(contact.bone, 1);
+    found[node] = true;
+    const Vec3 gaps = Vec3(0.05, 0.1, 0.05) - in_box[node].cwiseAbs();
+    EXPECT_NEAR(contact.depth_m, gaps.minCoeff(), 2e-3);
+    EXPECT_NEAR(contact.normal.norm(), 1, 1e-12);
+    if (contact.depth_m < 0.01 && (gaps.array() > 0.02).count() == 2) {
+      int axis = 0;
+      gaps.minCoeff(&axis);
+      const Vec3 expected = away.apply_to_direction(Vec3::Unit(axis) * (in_box[node][axis] > 0 ? 1 : -1));
+      EXPECT_GT(contact.normal.dot(expected), 0.98);
+    }
+  }
+  for (std::size_t node = 0; node < positions.size(); ++node) {
+    const double gap = (Vec3(0.05, 0.1, 0.05) - in_box[node].cwiseAbs()).minCoeff();
+    if (std::abs(gap) > 1e-3) {
+      EXPECT_EQ(found[node], gap > 0) << in_box[node].transpose();
+    }
+  }
+}
+
+TEST(SdfBackend, OrdersByBoneThenNodeAndAnswersForSubsets) {
+  const std::vector<Bone> bones = two_bones();
+  const auto backend = make();
+  backend->build(bones, {}, 1);
+  const std::vector<Vec3> positions = random_points(0.12, 1000);
+  const std::vector<Contact> all = contacts_of(*backend, positions);
+  EXPECT_TRUE(std::is_sorted(all.begin(), all.end(), [](const Contact& a, const Contact& b) {
+    return std::pair(a.bone, a.node) < std::pair(b.bone, b.node);
+  }));
+  EXPECT_GT(std::count_if(all.begin(), all.end(), [](const Contact& c) { return c.bone == 0; }), 50);
+  EXPECT_GT(std::count_if(all.begin(), all.end(), [](const Contact& c) { return c.bone == 1; }), 50);
+  std::vector<Contact> subset;
+  const std::vector<int> nodes{all[3].node, all[7].node};
+  backend->detect(positions, nodes, subset);
+  for (const Contact& contact : subset) {
+    EXPECT_TRUE(contact.node == nodes[0] || contact.node == nodes[1]);
+  }
+  EXPECT_GE(subset.size(), 2U);
+}
+
+TEST(SdfBackend, NodesFarAwayAndNodesThatAreNoNumbersAreFree) {
+  const std::vector<Bone> bones = two_bones();
+  const auto backend = make();
+  backend->build(bones, {}, 1);
+  EXPECT_TRUE(contacts_of(*backend, {{5, 5, 5}, {1e300, 0, 0}, {0, std::nan(""), 0}, {-INFINITY, 0, 0}}).empty());
+}
+
+TEST(SdfBackend, HasANormalWhereTheGradientVanishes) {
+  // With one cell the field of a sphere is flat in the middle of the sphere.
+  const std::vector<Bone> bones{{"sphere", {make_sphere(0.1, 3), true, {}}}};
+  for (const std::int64_t cells : {1, 2, 3}) {
+    const auto backend = make({{"cells", cells}, {"precision", std::string("double")}});
+    backend->build(bones, {}, 1);
+    for (const Contact& contact : contacts_of(*backend, {{0, 0, 0}, {1e-9, 0, 0}, {0, 1e-18, 0}})) {
+      EXPECT_NEAR(contact.normal.norm(), 1, 1e-12);
+    }
+  }
+}
+
+TEST(SdfBackend, CountsItsBytes) {
+  const std::vector<Bone> bones = two_bones();
+  const auto backend = make({{"cells", std::int64_t{8}}});
+  backend->build(bones, {}, 1);
+  EXPECT_EQ(backend->structure_bytes(), 2 * (9 * 9 * (7 * 9 - 2) * sizeof(float) + 512 / 8));
+  EXPECT_FALSE(backend->capabilities().conservative);
+  EXPECT_TRUE(backend->capabilities().depth);
+}
+
+TEST(SdfBackend, RefusesAGridThatDoesNotFitBeforeItAllocates) {
+  const std::vector<Bone> bones = two_bones();
+  try {
+    make({{"cells", std::int64_t{4096}}, {"precision", std::string("double")}})->build(bones, {}, 1);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("MB"), std::string::npos) << error.what();
+  }
+  EXPECT_THROW(make({{"cell_size_m", 0.5}})->build(bones, {}, 1), InputError);
+  EXPECT_THROW(make({{"cells", std::int64_t{0}}}), InputError);
+  EXPECT_THROW(make({{"precision", std::string("half")}}), InputError);
+}
+
+TEST(SdfBackend, KeepsItsStructuresAndChecksThem) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "sdf_backend_structures";
+  std::filesystem::remove_all(folder);
+  const std::vector<Bone> bones = two_bones();
+  const Given given{{"cells", std::int64_t{8}}, {"structures", folder.string()}};
+  const std::vector<Vec3> positions = random_points(0.12, 500);
+  std::vector<std::vector<Contact>> answers;
+  for (int run = 0; run < 2; ++run) {
+    const auto backend = make(given);
+    backend->build(bones, {}, 1);
+    answers.push_back(contacts_of(*backend, positions));
+  }
+  ASSERT_EQ(answers[0].size(), answers[1].size());
+  for (std::size_t i = 0; i < answers[0].size(); ++i) {
+    EXPECT_EQ(answers[0][i].node, answers[1][i].node);
+    EXPECT_EQ(answers[0][i].depth_m, answers[1][i].depth_m);
+    EXPECT_EQ(answers[0][i].normal, answers[1][i].normal);
+  }
+  ASSERT_TRUE(std::filesystem::exists(folder / "box_of_2-8cells-float.field"));
+  std::ofstream(folder / "box_of_2-8cells-float.field") << "rubbish";
+  EXPECT_THROW(make(given)->build(bones, {}, 1), InputError);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace musclebench
