@@ -102,10 +102,10 @@ class Bending final : public Effect {
       return;
     }
     const double multiplier = m_stiffness * error_rad / weighted;
-    left += (multiplier * inverse_masses[constraint.left]) * left_per_height;
-    right += (multiplier * inverse_masses[constraint.right]) * right_per_height;
-    start -= (multiplier * inverse_masses[constraint.start]) * start_gradient;
-    end -= (multiplier * inverse_masses[constraint.end]) * end_gradient;
+    left -= (multiplier * inverse_masses[constraint.left]) * left_per_height;
+    right -= (multiplier * inverse_masses[constraint.right]) * right_per_height;
+    start += (multiplier * inverse_masses[constraint.start]) * start_gradient;
+    end += (multiplier * inverse_masses[constraint.end]) * end_gradient;
   }
 
   /// Angle minus rest angle through sine and cosine of the difference, so that it never jumps by 2 pi.

@@ -60,6 +60,8 @@ class Simulation {
 
   [[nodiscard]] const Particles& particles() const { return m_particles; }
   [[nodiscard]] std::span<const RigidMotion> bone_poses() const { return m_poses; }
+  /// Answered by the last detection.
+  [[nodiscard]] std::span<const Contact> contacts() const { return m_contacts; }
   [[nodiscard]] std::span<const int> free_nodes() const { return m_free_nodes; }
   [[nodiscard]] std::span<const std::unique_ptr<Effect>> effects() const { return m_effects; }
 

@@ -1,0 +1,34 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/build_info.hpp"
+#include "bench/commands.hpp"
+#include "core/base/input_error.hpp"
+
+int main(int argc, char** argv) {
+  using namespace musclebench;
+  CLI::App app(
+      "musclebench: what does collision accuracy cost in a muscle simulation?\n"
+      "One position-based-dynamics loop moves a muscle against rigid bones; one collision backend is plugged in and "
+      "measured for time, memory and true penetration depth.");
+  app.require_subcommand(1);
+  const BuildInfo build = build_info();
+  app.set_version_flag(
+      "--version", fmt::format("musclebench {} ({}, {}, {})", build.version, build.git, build.compiler, build.type));
+  int exit_code = 0;
+  add_run_command(app, exit_code);
+  add_list_command(app, exit_code);
+  add_check_command(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : exit_bad_input;
+  } catch (const InputError& error) {
+    fmt::print(stderr, "musclebench: {}\n", error.what());
+    return exit_bad_input;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "musclebench: unexpected failure: {}\n", error.what());
+    return exit_unexpected;
+  }
+  return exit_code;
+}

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "backends/registry.hpp"
+#include "core/measure/step_record.hpp"
+#include "core/scene/scene.hpp"
+
+namespace musclebench {
+
+/// One case: what is run, fully resolved.
+struct RunCase {
+  const Scene& scene;
+  const BackendEntry& backend;
+  Parameters parameters;  ///< of the backend
+  int threads = 1;
+  int repetition = 0;
+  int warm_up_frames = 2;      ///< recorded and marked
+  bool judge = true;           ///< whether the Referee judges every frame
+  std::vector<int> snapshots;  ///< frames (0: rest) whose shape is kept, ascending
+};
+
+/// The shape of the muscle at the end of a frame.
+struct Snapshot {
+  int frame = 0;
+  double angle_deg = 0;
+  std::vector<Vec3> positions;
+  std::vector<double> depths_m;  ///< a node: > 0 inside a bone; 0 for free and bound nodes
+  std::vector<RigidMotion> bone_poses;
+};
+
+struct RunResult {
+  std::string status = "ok";  ///< ok or diverged
+  std::string status_detail;
+  std::vector<std::string> effect_names;
+  std::vector<StepRecord> records;
+  std::vector<Snapshot> snapshots;
+  std::vector<BoundNode> bound_nodes;
+  std::size_t structure_bytes = 0;
+  Nanoseconds build_ns = 0;
+  Nanoseconds wall_ns = 0;  ///< from the first frame to the last, with judging
+  std::size_t memory_before_bytes = 0;
+  std::size_t memory_after_bytes = 0;
+  std::size_t memory_peak_bytes = 0;
+  double rest_volume_m3 = 0;
+  std::string state_hash;  ///< of all positions and velocities at the end
+};
+
+/// Runs the case. `report` is called after each frame. A run that blows up ends with status `diverged` at that frame.
+/// Throws InputError when the backend's parameters do not fit the scene.
+RunResult run_case(const RunCase& run, const std::function<void(int frames_done)>& report);
+
+}  // namespace musclebench

@@ -1,0 +1,300 @@
+#include "bench/run_output.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/build_info.hpp"
+#include "core/base/input_error.hpp"
+#include "core/base/sha256.hpp"
+#include "core/geometry/read_mesh.hpp"
+
+namespace musclebench {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+constexpr int schema_version = 1;
+
+Json json_of(const Parameters& parameters) {
+  Json json = Json::object();
+  for (const auto& [name, value] : parameters.values()) {
+    std::visit([&, &key = name](const auto& v) { json[key] = v; }, value);
+  }
+  return json;
+}
+
+Json json_of_case(const RunCase& run) {
+  const LoopParameters& loop = run.scene.loop;
+  Json effects = Json::object();
+  for (const SceneEffect& effect : run.scene.effects) {
+    effects[effect.name] = json_of(effect.parameters);
+  }
+  return {{"scene", run.scene.name},
+          {"preset", run.scene.preset},
+          {"backend", run.backend.name},
+          {"parameters", json_of(run.parameters)},
+          {"threads", run.threads},
+          {"repetition", run.repetition},
+          {"warm_up_frames", run.warm_up_frames},
+          {"judged", run.judge},
+          {"snapshots", run.snapshots},
+          {"attachment", run.scene.attach_at_first_contact ? "first_contact" : "areas"},
+          {"effects", effects},
+          {"loop",
+           {{"frames", loop.frames},
+            {"substeps", loop.substeps},
+            {"iterations", loop.iterations},
+            {"time_step_s", loop.time_step_s},
+            {"damping_per_s", loop.damping_per_s},
+            {"node_mass_kg", loop.node_mass_kg},
+            {"bone_motion", loop.interpolate_poses ? "interpolated" : "per_frame"}}}};
+}
+
+Json json_of_mesh(const std::string& name, const SceneMesh& mesh) {
+  return {{"name", name},
+          {"mesh", mesh.reference},
+          {"vertices", mesh.mesh.vertices.size()},
+          {"triangles", mesh.mesh.triangles.size()},
+          {"mesh_sha256", mesh.sha256}};
+}
+
+Json json_of_build() {
+  const BuildInfo build = build_info();
+  return {{"version", build.version},
+          {"git", build.git},
+          {"compiler", build.compiler},
+          {"flags", build.flags},
+          {"type", build.type}};
+}
+
+Json json_of_inputs(const RunCase& run) {
+  Json bones = Json::array();
+  for (std::size_t i = 0; i < run.scene.bones.size(); ++i) {
+    Json bone = json_of_mesh(run.scene.bones[i].name, run.scene.bone_meshes[i]);
+    bone["repairs"] = run.scene.bones[i].surface.changes;
+    const BoneMotion& motion = run.scene.motions[i];
+    bone["motion"] = {{"axis", {motion.axis.x(), motion.axis.y(), motion.axis.z()}},
+                      {"centre_m", {motion.centre_m.x(), motion.centre_m.y(), motion.centre_m.z()}},
+                      {"times", motion.times},
+                      {"angles_rad", motion.angles_rad},
+                      {"there_and_back", motion.there_and_back}};
+    bones.push_back(bone);
+  }
+  return {{"muscle", json_of_mesh(run.scene.muscle_name, run.scene.muscle)}, {"bones", bones}};
+}
+
+Json json_of_attachments(const RunCase& run, const RunResult& result) {
+  Json attachments = Json::array();
+  for (const Attachment& attachment : run.scene.attachments) {
+    attachments.push_back({{"name", attachment.name},
+                           {"bone", run.scene.bones[attachment.bone].name},
+                           {"nodes", attachment.nodes.size()}});
+  }
+  if (run.scene.attach_at_first_contact) {
+    for (std::size_t bone = 0; bone < run.scene.bones.size(); ++bone) {
+      const auto nodes = std::count_if(result.bound_nodes.begin(), result.bound_nodes.end(),
+                                       [&](const BoundNode& n) { return n.bone == static_cast<int>(bone); });
+      attachments.push_back({{"name", "first_contact"}, {"bone", run.scene.bones[bone].name}, {"nodes", nodes}});
+    }
+  }
+  return attachments;
+}
+
+std::string snapshot_file(const Snapshot& snapshot) { return fmt::format("snapshots/frame_{:04}.ply", snapshot.frame); }
+
+Json json_of_snapshots(const RunResult& result) {
+  Json snapshots = Json::array();
+  for (const Snapshot& snapshot : result.snapshots) {
+    Json poses = Json::array();
+    for (const RigidMotion& pose : snapshot.bone_poses) {
+      Json rotation = Json::array();
+      for (int i = 0; i < 9; ++i) {
+        rotation.push_back(pose.rotation(i / 3, i % 3));
+      }
+      poses.push_back({{"rotation", rotation},
+                       {"translation_m", {pose.translation_m.x(), pose.translation_m.y(), pose.translation_m.z()}}});
+    }
+    snapshots.push_back({{"frame", snapshot.frame},
+                         {"angle_deg", snapshot.angle_deg},
+                         {"file", snapshot_file(snapshot)},
+                         {"bone_poses", poses}});
+  }
+  return snapshots;
+}
+
+Json manifest(const RunCase& run, const RunResult& result) {
+  const MachineInfo machine = machine_info();
+  Json json = {{"schema_version", schema_version},
+               {"status", result.status},
+               {"status_detail", result.status_detail},
+               {"run_id", run_id(run)},
+               {"title", run.scene.title},
+               {"case", json_of_case(run)}};
+  json.update(json_of_inputs(run));
+  json["muscle"]["rest_volume_m3"] = result.rest_volume_m3;
+  json["attachments"] = json_of_attachments(run, result);
+  json["bound_nodes"] = result.bound_nodes.size();
+  json["build"] = json_of_build();
+  json["machine"] = {{"cpu", machine.cpu},
+                     {"cores", machine.cores},
+                     {"governor", machine.governor},
+                     {"clock_resolution_ns", machine.clock_resolution_ns}};
+  json["structure_bytes"] = result.structure_bytes;
+  json["build_ns"] = result.build_ns;
+  json["memory"] = {{"before_first_frame_bytes", result.memory_before_bytes},
+                    {"after_last_frame_bytes", result.memory_after_bytes},
+                    {"peak_bytes", result.memory_peak_bytes}};
+  json["state_hash"] = result.state_hash;
+  json["wall_ns"] = result.wall_ns;
+  json["frames"] = result.records.size();
+  json["snapshots"] = json_of_snapshots(result);
+  return json;
+}
+
+/// A file whose every failure, up to closing, is an InputError.
+class OutputFile {
+ public:
+  explicit OutputFile(const fs::path& path) : m_path(path), m_stream(path, std::ios::binary) { check(); }
+  std::ostream& stream() { return m_stream; }
+  void close() {
+    m_stream.close();
+    check();
+  }
+
+ private:
+  void check() const {
+    if (!m_stream) {
+      throw InputError(m_path.string(), "cannot be written; is the disk full or the folder write-protected?");
+    }
+  }
+  fs::path m_path;
+  std::ofstream m_stream;
+};
+
+template <typename Value>
+void put(std::string& bytes, Value value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+void write_snapshot(const fs::path& path, const Snapshot& snapshot, const RunCase& run,
+                    const std::vector<BoundNode>& bound_nodes) {
+  std::vector<unsigned char> attached(snapshot.positions.size(), 0);
+  for (const BoundNode& bound : bound_nodes) {
+    attached[bound.node] = 1;
+  }
+  const std::vector<Triangle>& triangles = run.scene.muscle.mesh.triangles;
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double "
+      "z\n"
+      "property double depth_m\nproperty uchar attached\nelement face {}\nproperty list uchar int vertex_indices\n"
+      "end_header\n",
+      snapshot.positions.size(), triangles.size());
+  for (std::size_t i = 0; i < snapshot.positions.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      put(bytes, snapshot.positions[i][axis]);
+    }
+    put(bytes, snapshot.depths_m[i]);
+    put(bytes, attached[i]);
+  }
+  for (const Triangle& triangle : triangles) {
+    put(bytes, static_cast<unsigned char>(3));
+    for (const int corner : triangle) {
+      put(bytes, corner);
+    }
+  }
+  OutputFile file(path);
+  file.stream() << bytes;
+  file.close();
+}
+
+void write_files(const fs::path& folder, const RunCase& run, const RunResult& result) {
+  OutputFile frames(folder / "frames.csv");
+  write_frames_csv(frames.stream(), result.effect_names, result.records);
+  frames.close();
+  if (!result.snapshots.empty()) {
+    fs::create_directory(folder / "snapshots");
+    fs::create_directory(folder / "meshes");
+    for (const Snapshot& snapshot : result.snapshots) {
+      write_snapshot(folder / snapshot_file(snapshot), snapshot, run, result.bound_nodes);
+    }
+    for (const Bone& bone : run.scene.bones) {
+      write_ply(bone.surface.mesh, folder / "meshes" / (bone.name + ".ply"));
+    }
+  }
+  OutputFile json(folder / "run.json");
+  json.stream() << manifest(run, result).dump(2) << '\n';
+  json.close();
+}
+
+fs::path temporary_beside(const fs::path& folder) {
+  const fs::path absolute = fs::absolute(folder).lexically_normal();
+  const fs::path named = absolute.has_filename() ? absolute : absolute.parent_path();
+  return named.parent_path() / fmt::format(".{}.{}.part", named.filename().string(), getpid());
+}
+
+/// Removes the folder unless it was released.
+struct TemporaryFolder {
+  explicit TemporaryFolder(fs::path folder) : path(std::move(folder)) { fs::create_directories(path); }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+  fs::path path;
+};
+
+}  // namespace
+
+std::string run_id(const RunCase& run) {
+  Sha256 hash;
+  hash.add(json_of_case(run).dump());
+  hash.add(json_of_inputs(run).dump());
+  hash.add(json_of_build().dump());
+  return hash.hex_digest().substr(0, 16);
+}
+
+bool is_complete(const fs::path& folder, const std::string& id) {
+  std::ifstream file(folder / "run.json");
+  const Json json = Json::parse(file, nullptr, false);
+  return json.is_object() && json.value("run_id", "") == id && json.value("status", "") == "ok";
+}
+
+void require_writable(const fs::path& folder) {
+  std::error_code error;
+  const bool parent_existed = fs::exists(temporary_beside(folder).parent_path());
+  try {
+    const TemporaryFolder probe(temporary_beside(folder));
+  } catch (const fs::filesystem_error& failure) {
+    throw InputError(folder.string(),
+                     fmt::format("cannot be written ({}); choose another --out", failure.code().message()));
+  }
+  if (!parent_existed) {
+    fs::remove(temporary_beside(folder).parent_path(), error);
+  }
+  if (fs::exists(folder) && !fs::is_directory(folder)) {
+    throw InputError(folder.string(), "is a file; choose another --out");
+  }
+  if (fs::is_directory(folder) && !fs::is_empty(folder) && !fs::exists(folder / "run.json")) {
+    throw InputError(folder.string(), "holds something else than a run and would be replaced; choose another --out");
+  }
+}
+
+void write_run(const fs::path& folder, const RunCase& run, const RunResult& result) {
+  try {
+    const TemporaryFolder part(temporary_beside(folder));
+    write_files(part.path, run, result);
+    fs::remove_all(folder);
+    fs::rename(part.path, folder);
+  } catch (const fs::filesystem_error& failure) {
+    throw InputError(folder.string(), fmt::format("cannot be written ({})", failure.code().message()));
+  }
+}
+
+}  // namespace musclebench

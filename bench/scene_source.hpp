@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+
+namespace musclebench {
+
+/// How the user names a scene.
+struct SceneChoice {
+  std::string scene;   ///< the name of an embedded scene or the path of a .toml file
+  std::string preset;  ///< empty: the scene's own
+  std::string data;    ///< folder of the anatomical data; empty: $MUSCLEBENCH_DATA
+  std::map<std::string, ParameterValue> loop_overrides;
+};
+
+/// Reads the scene. Throws InputError; an unknown name is answered with the list of embedded scenes.
+Scene load_scene(const SceneChoice& choice);
+
+/// The folder of the anatomical data: `option`, else $MUSCLEBENCH_DATA, else nothing.
+std::optional<std::filesystem::path> data_folder(const std::string& option);
+
+}  // namespace musclebench

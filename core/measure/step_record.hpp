@@ -1,0 +1,31 @@
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "core/measure/contact_comparison.hpp"
+#include "core/pbd/simulation.hpp"
+
+namespace musclebench {
+
+/// One row of frames.csv. Figures that are not known stay empty in the file.
+struct StepRecord {
+  int frame = 0;         ///< 1-based
+  double angle_deg = 0;  ///< of the bone that turns most
+  bool warm_up = false;
+  StageTimes times;
+  int contacts = 0;              ///< answered by the last detection of the frame
+  bool judged = false;           ///< whether the Referee looked at this frame
+  DepthStatistics depth;         ///< at the frame's end
+  ContactDifference difference;  ///< of the last detection
+  double volume_m3 = 0;
+  std::size_t resident_bytes = 0;  ///< 0: unknown
+};
+
+/// Writes the header and one line a record. `effect_names` are those of the simulation, in its order. Numbers read back
+/// to the same bits; a figure that is unknown or not finite is an empty cell.
+void write_frames_csv(std::ostream& out, const std::vector<std::string>& effect_names,
+                      const std::vector<StepRecord>& records);
+
+}  // namespace musclebench
