@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 TOOLS = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(TOOLS))
+sys.path[:0] = [str(TOOLS), str(TOOLS / "tests")]
+
+import fake_runs  # noqa: E402  (found through the path that is set above)
 
 
 @pytest.fixture(scope="session")
@@ -27,3 +29,13 @@ def lhdl_upstream(lhdl_folder) -> Path:
     if not (upstream / "SHA256SUMS").is_file():
         pytest.skip(f"LHDL upstream files not found: {upstream} has no SHA256SUMS")
     return upstream
+
+
+@pytest.fixture
+def fake_raw(tmp_path) -> Path:
+    """Run folders of 4 muscles x 4 backends with the known numbers of fake_runs.py."""
+    raw = tmp_path / "raw"
+    for muscle in fake_runs.MUSCLES:
+        for backend in fake_runs.BACKENDS:
+            fake_runs.write_run(raw / f"{muscle}-{backend}", f"synthetic/{muscle}", backend)
+    return raw

@@ -1,0 +1,27 @@
+#!/usr/bin/python3
+"""Draws the surface figures of an experiment's runs. A process of its own, because VTK needs a display (xvfb-run)."""
+
+import sys
+from pathlib import Path
+
+from musclebench_report import results, surface_figures
+
+
+def main(arguments: list[str]) -> int:
+    """Arguments: the experiment's folder and the names of its runs. Prints `drawing WHAT` and `file PATH` lines."""
+    out_dir, names = Path(arguments[0]), arguments[1:]
+    try:
+        runs = [results.read_run(out_dir / "raw" / name) for name in names]
+        files = surface_figures.draw_surface_figures(
+            runs, out_dir / "figures", lambda text: print(f"drawing {text}", flush=True)
+        )
+    except (results.ResultProblem, OSError) as problem:
+        print(f"draw_surfaces: {problem}", file=sys.stderr)
+        return 2
+    for path in files:
+        print(f"file {path}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

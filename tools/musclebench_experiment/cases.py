@@ -1,0 +1,54 @@
+"""The cases of the experiment: which scene with which backend, how long each may take, in which order."""
+
+import math
+import random
+from dataclasses import dataclass
+from pathlib import Path
+
+VERTICES = {"adductor_brevis": 502, "gluteus_maximus": 9878, "gluteus_medius": 5313, "iliacus": 6931}
+COST_FACTORS = {"null": 1.0, "voxel": 1.0, "sdf": 1.5, "fcl": 30.0}  # first guesses; corrected from what runs take
+PAPER_FRAMES = 314  # 157 of 0.573 degrees to full flexion, and back
+PRESET = "paper"
+
+
+@dataclass(frozen=True)
+class Case:
+    data_set: str  # synthetic or lhdl
+    muscle: str
+    backend: str
+    frames_limit: int | None = None  # None: as many as the preset has
+
+    @property
+    def scene(self) -> str:
+        return f"{self.data_set}/{self.muscle}"
+
+    @property
+    def name(self) -> str:
+        return f"{self.muscle}-{self.backend}"
+
+    @property
+    def guessed_cost(self) -> float:
+        return VERTICES[self.muscle] * COST_FACTORS[self.backend]
+
+    @property
+    def snapshot_frames(self) -> list[int]:
+        """Rest, half and full flexion; any number of frames is the whole motion, there and back."""
+        full = (self.frames_limit or PAPER_FRAMES) // 2
+        return sorted({0, math.ceil(full / 2), full})
+
+    def arguments(self, data_dir: Path | None) -> list[str]:
+        """Of `musclebench`, without the output folder."""
+        words = ["run", self.scene, "--backend", self.backend, "--preset", PRESET, "--threads", "1"]
+        words += ["--snapshots", ",".join(map(str, self.snapshot_frames))]
+        if data_dir is not None:
+            words += ["--data", str(data_dir)]
+        if self.frames_limit is not None:
+            words += ["--frames", str(self.frames_limit)]
+        return words
+
+
+def plan(data_set: str, frames_limit: int | None = None, seed: int = 1) -> list[Case]:
+    """Shuffled, so that no backend always runs first; then by magnitude of the cost, so that no long case runs last."""
+    cases = [Case(data_set, muscle, backend, frames_limit) for muscle in VERTICES for backend in COST_FACTORS]
+    random.Random(seed).shuffle(cases)
+    return sorted(cases, key=lambda case: -round(math.log10(case.guessed_cost)))

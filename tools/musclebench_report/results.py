@@ -1,0 +1,105 @@
+"""Finished runs: run.json and frames.csv of each case, and runs.csv with one row a run."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+
+COLLISION_STAGES = ["update_ns", "detect_ns", "respond_ns"]
+FRAME_COLUMNS = [
+    "frame", "angle_deg", "warm_up", *COLLISION_STAGES, "frame_ns", "contacts", "nodes_inside", "max_depth_m",
+    "mean_depth_m", "missed_contacts", "false_contacts", "resident_bytes",
+]
+
+
+class ResultProblem(Exception):
+    """A run folder that can't be read; the message is one line with the place and the problem."""
+
+
+@dataclass
+class Run:
+    folder: Path
+    record: dict  # run.json
+    frames: pd.DataFrame  # frames.csv and collision_ns; empty where the run left none
+
+    @property
+    def scene(self) -> str:
+        return self.record["case"]["scene"]
+
+    @property
+    def muscle(self) -> str:
+        return self.scene.split("/")[-1]
+
+    @property
+    def backend(self) -> str:
+        return self.record["case"]["backend"]
+
+    @property
+    def status(self) -> str:
+        return self.record["status"]
+
+    @property
+    def timed_frames(self) -> pd.DataFrame:
+        """Frames without warm-up, by frame number."""
+        timed = self.frames[self.frames["warm_up"] != 1]
+        return timed.set_index("frame", drop=False)
+
+
+def read_run(folder: Path) -> Run:
+    try:
+        record = json.loads((folder / "run.json").read_text())
+    except (OSError, ValueError) as problem:
+        raise ResultProblem(f"{folder / 'run.json'}: can't be read ({problem}); run the case again") from None
+    for key in ("status", "case"):
+        if key not in record:
+            raise ResultProblem(f"{folder / 'run.json'}: has no '{key}'; run the case again")
+    return Run(folder, record, read_frames(folder / "frames.csv"))
+
+
+def read_frames(path: Path) -> pd.DataFrame:
+    """Unknown is NaN. A run that failed before its first frame has no file and gives no rows."""
+    if not path.is_file() or path.stat().st_size == 0:
+        return pd.DataFrame(columns=[*FRAME_COLUMNS, "collision_ns"], dtype=float)
+    try:
+        frames = pd.read_csv(path)
+    except ValueError as problem:
+        raise ResultProblem(f"{path}: not a table of frames ({problem}); run the case again") from None
+    missing = [column for column in FRAME_COLUMNS if column not in frames.columns]
+    if missing:
+        raise ResultProblem(f"{path}: lacks the columns {', '.join(missing)}; run the case again")
+    frames["collision_ns"] = frames[COLLISION_STAGES].sum(axis=1, min_count=1)
+    return frames
+
+
+def read_runs(raw_dir: Path) -> list[Run]:
+    """Runs of every complete folder, in the order of their names."""
+    folders = sorted(path.parent for path in raw_dir.glob("*/run.json") if not path.parent.name.startswith("."))
+    return [read_run(folder) for folder in folders]
+
+
+def runs_table(runs: list[Run]) -> pd.DataFrame:
+    return pd.DataFrame([_row(run) for run in runs])
+
+
+def _row(run: Run) -> dict:
+    record, frames = run.record, run.timed_frames
+    build, machine, memory = (record.get(key, {}) for key in ("build", "machine", "memory"))
+    return {
+        "run_id": record.get("run_id"), "scene": run.scene, "muscle": run.muscle, "backend": run.backend,
+        "preset": record["case"].get("preset"), "threads": record["case"].get("threads"),
+        "status": run.status, "status_detail": record.get("status_detail", ""),
+        "muscle_vertices": record.get("muscle", {}).get("vertices"), "frames": record.get("frames"),
+        "build_ns": record.get("build_ns"), "structure_bytes": record.get("structure_bytes"),
+        "before_first_frame_bytes": memory.get("before_first_frame_bytes"),
+        "after_last_frame_bytes": memory.get("after_last_frame_bytes"), "peak_bytes": memory.get("peak_bytes"),
+        "median_collision_ns": frames["collision_ns"].median(), "median_frame_ns": frames["frame_ns"].median(),
+        "max_depth_m": frames["max_depth_m"].max(), "missed_contacts": _total(frames["missed_contacts"]),
+        "false_contacts": _total(frames["false_contacts"]), "wall_ns": record.get("wall_ns"),
+        "state_hash": record.get("state_hash"), "git": build.get("git"), "compiler": build.get("compiler"),
+        "cpu": machine.get("cpu"), "folder": run.folder.name,
+    }
+
+
+def _total(column: pd.Series) -> float:
+    return column.sum(min_count=1)

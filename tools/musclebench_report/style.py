@@ -1,0 +1,52 @@
+"""One look for all figures: names, colours and line styles of backends and muscles, saving."""
+
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+from matplotlib import pyplot as plt  # noqa: E402  (the backend must be chosen first)
+
+BACKENDS = ["null", "voxel", "sdf", "fcl", "bvh", "brute_force"]
+MUSCLES = ["adductor_brevis", "gluteus_maximus", "gluteus_medius", "iliacus"]
+
+# The colours of Okabe and Ito, which the common kinds of colour blindness keep apart.
+BACKEND_COLOURS = {
+    "null": "#7f7f7f", "voxel": "#E69F00", "sdf": "#0072B2", "fcl": "#009E73", "bvh": "#CC79A7", "brute_force": "#000000",
+}
+BACKEND_DASHES = {
+    "null": (0, (1, 1.2)), "voxel": "solid", "sdf": "solid", "fcl": "solid", "bvh": "dashed", "brute_force": "dotted",
+}
+PNG_DPI = 180
+
+
+def muscle_label(muscle: str) -> str:
+    return muscle.replace("_", " ")
+
+
+def backend_colour(backend: str) -> str:
+    return BACKEND_COLOURS.get(backend, "#56B4E9")
+
+
+def in_order(names, order: list[str]) -> list[str]:
+    """Names without repetition, the known ones first and in their order."""
+    names = set(names)
+    return [name for name in order if name in names] + sorted(names - set(order))
+
+
+def apply_style() -> None:
+    plt.rcParams.update({
+        "font.size": 10, "axes.titlesize": 11, "axes.labelsize": 10, "legend.fontsize": 9,
+        "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#e3e3e3",
+        "grid.linewidth": 0.6, "lines.linewidth": 1.6, "figure.facecolor": "white", "svg.fonttype": "none",
+        "axes.axisbelow": True,
+    })
+
+
+def save_figure(figure, stem: Path) -> list[Path]:
+    """PNG and SVG; closes the figure."""
+    paths = [stem.with_suffix(".png"), stem.with_suffix(".svg")]
+    for path in paths:
+        figure.savefig(path, dpi=PNG_DPI, bbox_inches="tight", pad_inches=0.12)
+    plt.close(figure)
+    return paths

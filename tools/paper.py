@@ -1,0 +1,157 @@
+#!/usr/bin/python3
+"""Runs the paper's experiment (4 muscles, 3 backends and the control without collision) and makes its tables and figures."""
+
+import argparse
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+from musclebench_experiment import cases as experiment
+from musclebench_experiment import fingerprint
+from musclebench_experiment.pool import Settings, run_cases
+from musclebench_report import figures, published, results, table_formats, tables
+
+TOOLS = Path(__file__).resolve().parent
+PROJECT = TOOLS.parent
+
+
+class Problem(Exception):
+    """The experiment can't go on; one line with place, problem and cure."""
+
+
+def parse_arguments(arguments):
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--musclebench", type=Path, required=True, help="the program to measure")
+    parser.add_argument("--data", type=Path, help="LHDL data folder: run lhdl/* scenes instead of synthetic/*")
+    parser.add_argument("--out", type=Path, help="default: reports/out/paper-synthetic or paper-lhdl in the project")
+    parser.add_argument("--jobs", type=int, help="cases at a time, each on a core (default: 2, or 1 on one core)")
+    parser.add_argument("--frames-limit", type=int, metavar="N", help="only N frames a case, for a quick look")
+    parser.add_argument("--timeout", type=float, default=1800.0, metavar="SECONDS", help="of one case (default 1800)")
+    parser.add_argument("--force", action="store_true", help="run complete cases again")
+    return parser.parse_args(arguments)
+
+
+def check_input(options) -> None:
+    if not os.access(options.musclebench, os.X_OK) or not options.musclebench.is_file():
+        raise Problem(f"{options.musclebench}: no such program; build it first (tools/paper does)")
+    if options.data is not None and not (options.data / "lhdl.json").is_file():
+        raise Problem(f"{options.data}: has no lhdl.json; tools/import_lhdl.py makes such a folder")
+    if options.jobs is not None and options.jobs < 1:
+        raise Problem(f"--jobs {options.jobs}: must be 1 or more")
+    if options.frames_limit is not None and options.frames_limit < 1:
+        raise Problem(f"--frames-limit {options.frames_limit}: must be 1 or more")
+
+
+def chosen_cores(jobs: int | None) -> list[int]:
+    allowed = sorted(os.sched_getaffinity(0))
+    return allowed[: min(jobs or 2, len(allowed))]
+
+
+def run_experiment(options, out_dir: Path) -> list[str]:
+    """Runs what is not complete yet; the names of all runs of the plan."""
+    data_dir = options.data.resolve() if options.data else None
+    binary = options.musclebench.resolve()
+    raw_dir = out_dir / "raw"
+    raw_dir.mkdir(parents=True, exist_ok=True)
+    binary_digest, data_digest = fingerprint.file_digest(binary), fingerprint.data_digest(data_dir)
+
+    def print_of(case):
+        return fingerprint.fingerprint(case.arguments(data_dir), binary_digest, data_digest)
+
+    plan = experiment.plan("lhdl" if data_dir else "synthetic", options.frames_limit)
+    todo = [c for c in plan if options.force or not fingerprint.is_complete(raw_dir / c.name, print_of(c))]
+    if len(todo) < len(plan):
+        print(f"{len(plan) - len(todo)} of {len(plan)} runs are complete already (--force runs them again)")
+    settings = Settings(
+        raw_dir=raw_dir, cores=chosen_cores(options.jobs), timeout_seconds=options.timeout,
+        command_of=lambda case: [str(binary), *case.arguments(data_dir)],
+        on_finished=lambda case, folder: fingerprint.seal(folder, print_of(case)),
+    )
+    if todo:
+        run_cases(todo, settings)
+    return [case.name for case in plan]
+
+
+def write_report(out_dir: Path, names: list[str]) -> tuple[list[results.Run], list[tables.Table], list[Path]]:
+    """Tables and figures drawn from numbers."""
+    runs = [results.read_run(out_dir / "raw" / name) for name in names]
+    paper = published.read_published()
+    for folder in ("tables", "figures"):
+        (out_dir / folder).mkdir(exist_ok=True)
+    runs_file = out_dir / "runs.csv"
+    results.runs_table(runs).to_csv(runs_file, index=False)
+    made = [tables.memory_table(runs, paper), tables.time_table(runs, paper)]
+    files = [runs_file]
+    for table in made:
+        files += table_formats.write_table(table, out_dir / "tables")
+    return runs, made, files + figures.draw_figures(runs, paper, out_dir / "figures")
+
+
+def draw_surfaces(out_dir: Path, names: list[str]) -> list[Path]:
+    """Pictures of the surfaces; raises Problem where they can't be drawn."""
+    command = [sys.executable, str(TOOLS / "draw_surfaces.py"), str(out_dir), *names]
+    if shutil.which("xvfb-run"):
+        command = ["xvfb-run", "-a", *command]
+    elif not os.environ.get("DISPLAY"):
+        raise Problem("surface figures: no display and no xvfb-run; install the packages xvfb and xauth")
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    files = []
+    for line in process.stdout:
+        kind, _, text = line.rstrip().partition(" ")
+        if kind == "file":
+            files.append(Path(text))
+        elif kind == "drawing" and sys.stderr.isatty():
+            print(f"\rdrawing {text}\x1b[K", end="", file=sys.stderr, flush=True)
+    errors = process.communicate()[1]
+    if sys.stderr.isatty():
+        print("\r\x1b[K", end="", file=sys.stderr)
+    if process.returncode != 0:
+        reason = errors.strip().splitlines()[-1] if errors.strip() else f"exit code {process.returncode}"
+        raise Problem(f"surface figures: {reason}")
+    return files
+
+
+def print_report(runs: list[results.Run], made: list[tables.Table], files: list[Path]) -> None:
+    for table in made:
+        print(f"\n{table.caption}\n\n{table_formats.as_text(table)}")
+    print(f"\n{figures.caption(runs)}\n\nWritten:")
+    for path in files:
+        print(f"  {path}")
+
+
+def run_and_report(options) -> int:
+    check_input(options)
+    default_out = PROJECT / "reports" / "out" / ("paper-lhdl" if options.data else "paper-synthetic")
+    out_dir = (options.out or default_out).absolute()
+    names = run_experiment(options, out_dir)
+    runs, made, files = write_report(out_dir, names)
+    problems = [f"{run.scene} with {run.backend}: {run.status}, {run.record.get('status_detail')}"
+                for run in runs if run.status != "ok"]
+    try:
+        files += draw_surfaces(out_dir, names)
+    except Problem as problem:
+        problems.append(str(problem))
+    print_report(runs, made, files)
+    for problem in problems:
+        print(f"paper: {problem}", file=sys.stderr)
+    return 1 if problems else 0
+
+
+def main(arguments=None) -> int:
+    signal.signal(signal.SIGTERM, signal.getsignal(signal.SIGINT))
+    options = parse_arguments(arguments)
+    try:
+        return run_and_report(options)
+    except (Problem, results.ResultProblem, OSError) as problem:
+        print(f"paper: {problem}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("\npaper: interrupted; complete runs are kept, unfinished ones removed", file=sys.stderr)
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,144 @@
+"""Run folders with known numbers, as `musclebench run` writes them."""
+
+import csv
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+MUSCLES = {"adductor_brevis": 502, "gluteus_maximus": 9878, "gluteus_medius": 5313, "iliacus": 6931}
+BACKENDS = ["null", "voxel", "sdf", "fcl"]
+DETECT_NS = {"null": 0, "voxel": 1_000_000, "sdf": 3_000_000, "fcl": 200_000_000}
+STRUCTURE_BYTES = {"null": 0, "voxel": 70_000, "sdf": 15_000_000, "fcl": 90_000_000}
+FIRST_BYTES = {"null": 100_000_000, "voxel": 110_000_000, "sdf": 125_000_000, "fcl": 200_000_000}
+OTHER_NS = 1_000_000
+STATIC = {"axis": [1, 0, 0], "centre_m": [0, 0, 0], "angles_rad": []}
+COLUMNS = [
+    "frame", "angle_deg", "warm_up", "edge_length_ns", "bending_ns", "volume_ns", "attachment_ns", "predict_ns",
+    "update_ns", "detect_ns", "respond_ns", "finish_ns", "frame_ns", "contacts", "nodes_inside", "max_depth_m",
+    "p99_depth_m", "mean_depth_m", "missed_contacts", "false_contacts", "volume_m3", "resident_bytes",
+]
+
+
+@dataclass
+class Body:
+    """A surface in the rest pose."""
+
+    vertices_m: np.ndarray
+    triangles: np.ndarray
+
+
+@dataclass
+class Snapshot:
+    frame: int
+    angle_deg: float
+    vertices_m: np.ndarray
+    depth_m: np.ndarray
+    attached: np.ndarray
+    poses: list = field(default_factory=list)  # (rotation (3, 3), translation_m (3,)) a bone
+
+
+def sphere(centre_m, radius_m: float, rings: int = 12) -> Body:
+    """A closed latitude-longitude sphere."""
+    polar, turn = np.linspace(0, np.pi, rings + 1)[1:-1], np.linspace(0, 2 * np.pi, 2 * rings, endpoint=False)
+    grid = [(np.sin(p) * np.cos(t), np.sin(p) * np.sin(t), np.cos(p)) for p in polar for t in turn]
+    vertices = np.array([*grid, (0, 0, 1), (0, 0, -1)]) * radius_m + np.asarray(centre_m)
+    wide, top, bottom = 2 * rings, len(grid), len(grid) + 1
+    triangles = []
+    for i in range(wide):
+        j = (i + 1) % wide
+        last = (rings - 2) * wide
+        triangles += [(top, i, j), (bottom, last + j, last + i)]
+        for ring in range(rings - 2):
+            a, b = ring * wide + i, ring * wide + j
+            triangles += [(a, a + wide, b), (b, a + wide, b + wide)]
+    return Body(vertices, np.array(triangles))
+
+
+def turn_about_x(angle_deg: float, centre_m) -> tuple[np.ndarray, np.ndarray]:
+    c, s = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+    rotation = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+    return rotation, np.asarray(centre_m) - rotation @ np.asarray(centre_m)
+
+
+def frame_rows(backend: str, frames: int) -> list[dict]:
+    """Detection takes DETECT_NS in every frame; the rest of the loop OTHER_NS; depths grow to the middle."""
+    rows = []
+    for frame in range(1, frames + 1):
+        flexion = 1 - abs(2 * frame / frames - 1)
+        row = dict.fromkeys(COLUMNS, "")
+        row |= {
+            "frame": frame, "angle_deg": repr(90.0 * flexion), "warm_up": int(frame <= 2), "update_ns": 0,
+            "detect_ns": DETECT_NS[backend], "respond_ns": 0, "frame_ns": DETECT_NS[backend] + OTHER_NS,
+            "contacts": 10, "nodes_inside": 5, "max_depth_m": repr(0.002 * flexion), "mean_depth_m": repr(0.001 * flexion),
+            "p99_depth_m": repr(0.0015 * flexion), "missed_contacts": 1, "false_contacts": 2,
+            "resident_bytes": FIRST_BYTES[backend] + 1000 * frame,
+        }
+        rows.append(row)
+    return rows
+
+
+def run_record(scene: str, backend: str, frames: int, status: str = "ok", detail: str = "") -> dict:
+    muscle = scene.split("/")[-1]
+    case = {"scene": scene, "preset": "paper", "backend": backend, "parameters": {},
+            "threads": 1, "repetition": 0}
+    return {
+        "schema_version": 1, "status": status, "status_detail": detail, "run_id": f"id-{muscle}-{backend}", "case": case,
+        "muscle": {"name": muscle, "vertices": MUSCLES[muscle], "triangles": 2 * MUSCLES[muscle] - 4},
+        "bones": [{"name": "pelvis"}, {"name": "femur"}],
+        "attachments": [{"name": "origin", "bone": "pelvis", "nodes": 7}, {"name": "insertion", "bone": "femur", "nodes": 3}],
+        "build": {"git": "abc1234", "compiler": "GNU 12.2.0", "flags": "-O2", "type": "Release"},
+        "machine": {"cpu": "A processor", "cores": 2, "governor": "performance"},
+        "structure_bytes": STRUCTURE_BYTES[backend], "build_ns": 5_000_000,
+        "memory": {"before_first_frame_bytes": FIRST_BYTES[backend],
+                   "after_last_frame_bytes": FIRST_BYTES[backend] + 20_000_000,
+                   "peak_bytes": FIRST_BYTES[backend] + 30_000_000},
+        "state_hash": "00ff", "wall_ns": 1_000_000_000, "frames": frames, "snapshots": [],
+    }
+
+
+def write_run(folder: Path, scene: str, backend: str, frames: int = 20, status: str = "ok", detail: str = "",
+              bones: dict[str, Body] | None = None, triangles=None, snapshots=(), motions=MappingProxyType({})) -> Path:
+    folder.mkdir(parents=True)
+    record = run_record(scene, backend, frames, status, detail)
+    with open(folder / "frames.csv", "w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        writer.writeheader()
+        writer.writerows(frame_rows(backend, frames))
+    if bones:
+        record["bones"] = [{"name": name, "motion": motions.get(name, STATIC)} for name in bones]
+        (folder / "meshes").mkdir()
+        for name, bone in bones.items():
+            write_ply(folder / "meshes" / f"{name}.ply", bone.vertices_m, bone.triangles)
+    for snapshot in snapshots:
+        record["snapshots"].append(_write_snapshot(folder, snapshot, triangles))
+    (folder / "run.json").write_text(json.dumps(record))
+    return folder
+
+
+def _write_snapshot(folder: Path, snapshot: Snapshot, triangles) -> dict:
+    name = f"snapshots/frame_{snapshot.frame:04d}.ply"
+    (folder / "snapshots").mkdir(exist_ok=True)
+    extra = {"depth_m": snapshot.depth_m.astype("<f8"), "attached": snapshot.attached.astype("u1")}
+    write_ply(folder / name, snapshot.vertices_m, triangles, extra)
+    poses = [{"rotation": np.ravel(r).tolist(), "translation_m": np.asarray(t).tolist()} for r, t in snapshot.poses]
+    return {"frame": snapshot.frame, "angle_deg": snapshot.angle_deg, "file": name, "bone_poses": poses}
+
+
+def write_ply(path: Path, vertices_m, triangles, extra: dict | None = None) -> None:
+    extra = extra or {}
+    kinds = {"f8": "double", "u1": "uchar"}
+    fields = [(axis, "<f8") for axis in "xyz"] + [(name, values.dtype.str) for name, values in extra.items()]
+    rows = np.empty(len(vertices_m), dtype=fields)
+    for i, axis in enumerate("xyz"):
+        rows[axis] = np.asarray(vertices_m)[:, i]
+    for name, values in extra.items():
+        rows[name] = values
+    faces = np.empty(len(triangles), dtype=[("size", "u1"), ("corners", "<i4", 3)])
+    faces["size"], faces["corners"] = 3, triangles
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(rows)}"]
+    header += [f"property {kinds[kind[1:]]} {name}" for name, kind in fields]
+    header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
+    path.write_bytes(("\n".join(header) + "\n").encode() + rows.tobytes() + faces.tobytes())

@@ -1,0 +1,183 @@
+"""The experiment from end to end, with a stand-in for the program."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+import pandas as pd
+import pytest
+
+import paper
+from musclebench_experiment.cases import Case, plan
+from musclebench_experiment.pool import Settings, run_cases
+from musclebench_report import results, surface_figures, surface_pictures
+
+PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
+BY_NUMBERS = ["fig_7_collision_time", "fig_8_memory", "depth_by_frame"]
+OF_SURFACES = ["fig_6_iliacus", "muscles_at_full_flexion", "attachments"]
+CAN_DRAW = shutil.which("xvfb-run") or os.environ.get("DISPLAY")
+
+
+def run_paper(out, *more, log=None, behaviour=""):
+    environment = {**os.environ, "FAKE_BEHAVIOUR": behaviour, **({"FAKE_LOG": str(log)} if log else {})}
+    command = [sys.executable, paper.__file__, "--musclebench", str(PROGRAM), "--out", str(out), "--frames-limit", "12"]
+    return subprocess.run([*command, *more], env=environment, capture_output=True, text=True, timeout=120)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("paper")
+    done = run_paper(folder / "out", log=folder / "log")
+    return folder / "out", folder / "log", done
+
+
+@pytest.fixture
+def in_process(tmp_path, monkeypatch, capfd):
+    """Runs paper.main with the stand-in on two muscles, without drawing; gives (exit code, standard output, standard
+    error, cases that were run)."""
+    log = tmp_path / "log"
+    monkeypatch.setattr(paper, "draw_surfaces", lambda out_dir, names: [])
+    monkeypatch.setattr(paper.figures, "draw_figures", lambda runs, paper, folder: [])
+    monkeypatch.setattr(paper.experiment, "VERTICES", {"iliacus": 6931, "gluteus_medius": 5313})
+
+    def run(*more, behaviour=""):
+        monkeypatch.setenv("FAKE_BEHAVIOUR", behaviour)
+        monkeypatch.setenv("FAKE_LOG", str(log))
+        log.write_text("")
+        code = paper.main(["--musclebench", str(PROGRAM), "--out", str(tmp_path / "out"), "--frames-limit", "12", *more])
+        return code, *capfd.readouterr(), [line.split()[0] for line in log.read_text().splitlines()]
+
+    return run
+
+
+def test_every_case_runs_once_on_a_core_of_its_own(finished):
+    _, log, done = finished
+    calls = [line.split() for line in log.read_text().splitlines()]
+    assert sorted(call[0] for call in calls) == sorted(case.name for case in plan("synthetic"))
+    assert all(len(call) == 2 for call in calls)
+
+
+@pytest.mark.skipif(not CAN_DRAW, reason="no display and no xvfb-run: surface figures can't be drawn")
+def test_everything_is_written_named_and_printed(finished):
+    out, _, done = finished
+    assert done.returncode == 0, done.stderr
+    names = [f"figures/{name}{suffix}" for name in BY_NUMBERS + OF_SURFACES for suffix in (".png", ".svg", ".csv")]
+    names += [f"tables/table_{name}{suffix}" for name in ("1_memory", "2_times") for suffix in (".csv", ".md", ".tex")]
+    for name in [*names, "runs.csv"]:
+        assert (out / name).stat().st_size > 0, name
+        assert str(out / name) in done.stdout
+    assert "Table I." in done.stdout and "95 %" in done.stdout
+    assert len(pd.read_csv(out / "runs.csv")) == 16
+
+
+@pytest.mark.skipif(not CAN_DRAW, reason="no display and no xvfb-run: surface figures can't be drawn")
+def test_figures_are_not_blank(finished):
+    for name in BY_NUMBERS + OF_SURFACES:
+        pixels = matplotlib.image.imread(finished[0] / "figures" / f"{name}.png")[:, :, :3]
+        assert pixels.shape[1] > 1000 and pixels.var() > 0.003, name
+
+
+@pytest.mark.skipif(not CAN_DRAW, reason="no display and no xvfb-run: surface figures can't be drawn")
+def test_surfaces_show_muscle_bone_and_depth(finished):
+    pixels = matplotlib.image.imread(finished[0] / "figures" / "fig_6_iliacus.png")[:, :-300, :3]
+    red, green, blue = pixels[..., 0], pixels[..., 1], pixels[..., 2]
+    assert np.mean((red > 1.4 * green) & (red > 1.4 * blue)) > 0.01  # muscle
+    assert np.mean((blue > 1.3 * red) & (blue > 0.3)) > 0.0005  # depth
+    assert np.mean((red < 0.95) & (red > blue * 1.08) & (np.abs(red - green) < 0.1)) > 0.01  # bone
+
+
+def test_rows_of_figures_hold_the_frames(finished):
+    rows = pd.read_csv(finished[0] / "figures" / "fig_7_collision_time.csv")
+    assert set(rows["backend"]) == {"voxel", "sdf", "fcl"} and set(rows["muscle"]) == {"iliacus"}
+    assert (rows[rows["backend"] == "sdf"]["collision_ns"] == 3_000_000).all() and len(rows) == 36
+
+
+def test_complete_cases_are_skipped_until_something_changes(in_process, tmp_path):
+    assert len(in_process()[3]) == 8
+    assert in_process()[3] == []
+    assert len(in_process("--force")[3]) == 8
+    shutil.rmtree(tmp_path / "out" / "raw" / "iliacus-sdf")
+    assert in_process()[3] == ["iliacus-sdf"]
+    sealed = tmp_path / "out" / "raw" / "gluteus_medius-fcl" / "case.json"
+    sealed.write_text(json.dumps({**json.loads(sealed.read_text()), "binary_sha256": "of another build"}))
+    assert in_process()[3] == ["gluteus_medius-fcl"]
+    assert len(in_process("--frames-limit", "14")[3]) == 8
+
+
+def test_failures_become_rows_and_the_others_go_on(in_process, tmp_path):
+    behaviour = "iliacus-voxel=crash gluteus_medius-sdf=diverge"
+    code, text, errors, _ = in_process(behaviour=behaviour)
+    rows = pd.read_csv(tmp_path / "out" / "runs.csv").set_index(["muscle", "backend"])
+    assert code == 1 and len(rows) == 8 and (rows["status"] == "ok").sum() == 6
+    assert rows.loc[("iliacus", "voxel"), "status"] == "failed"
+    assert "key 'x': no such thing" in rows.loc[("iliacus", "voxel"), "status_detail"]
+    assert rows.loc[("gluteus_medius", "sdf"), "status"] == "diverged"
+    assert "synthetic/iliacus with voxel: failed, exit code 2" in errors
+    again = in_process()
+    assert again[0] == 0 and sorted(again[3]) == ["gluteus_medius-sdf", "iliacus-voxel"]
+
+
+def test_a_case_that_hangs_is_stopped_and_said_so(tmp_path, monkeypatch):
+    monkeypatch.setenv("FAKE_BEHAVIOUR", "iliacus-sdf=hang")
+    case = Case("synthetic", "iliacus", "sdf", 12)
+    settings = Settings(tmp_path, [0], 1.0, lambda c: [str(PROGRAM), *c.arguments(None)], lambda c, folder: None)
+    assert run_cases([case], settings) == {case: "timeout"}
+    assert results.read_run(tmp_path / case.name).record["status_detail"].startswith("stopped after")
+
+
+def test_an_interrupt_ends_the_children_and_leaves_no_half_folder(tmp_path):
+    environment = {**os.environ, "FAKE_BEHAVIOUR": " ".join(f"{case.name}=hang" for case in plan("synthetic")),
+                   "FAKE_LOG": str(tmp_path / "log")}
+    command = [sys.executable, paper.__file__, "--musclebench", str(PROGRAM), "--out", str(tmp_path / "out")]
+    process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 30
+    while not list(tmp_path.glob("out/raw/.*/run")) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=30)
+    assert process.returncode == 130 and "interrupted" in errors
+    assert list((tmp_path / "out" / "raw").iterdir()) == []
+    listed = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout
+    assert str(tmp_path) not in listed
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (["--musclebench", "/no/such/program"], "no such program"),
+    (["--musclebench", str(PROGRAM), "--data", "/no/such/data"], "lhdl.json"),
+    (["--musclebench", str(PROGRAM), "--jobs", "0"], "--jobs 0"),
+    (["--musclebench", str(PROGRAM), "--frames-limit", "-3"], "--frames-limit -3"),
+    (["--musclebench", str(PROGRAM), "--out", "/proc/here"], "/proc/here"),
+])
+def test_bad_input_is_one_line_and_exit_code_2(arguments, words, capsys):
+    assert paper.main(arguments) == 2
+    errors = capsys.readouterr().err
+    assert errors.count("\n") == 1 and words in errors
+
+
+def test_moments_are_the_rest_the_half_and_the_full_angle():
+    shots = [surface_pictures.Snapshot(f, a, None, []) for f, a in ((0, 0.0), (40, 23.0), (79, 45.3), (157, 90.0))]
+    chosen = surface_figures.choose_moments(shots)
+    assert (chosen.rest.frame, chosen.half.frame, chosen.full.frame) == (0, 79, 157)
+    assert surface_figures.choose_moments([]) is None
+
+
+def test_depth_colours_begin_where_nodes_are_inside():
+    colours = surface_pictures.depth_colours(np.array([-1.0, 0.01, 0.05, 4.0, 40.0]), 4.0)
+    assert np.array_equal(colours[0], surface_pictures.MUSCLE_COLOUR) and np.array_equal(colours[0], colours[1])
+    assert colours[2][2] > colours[2][0] and np.array_equal(colours[3], colours[4])
+
+
+def test_the_depth_scale_leaves_out_the_control_without_collision():
+    def moments(depth_mm):
+        mesh = type("Mesh", (), {"extra": {"depth_m": np.array([depth_mm / 1e3])}})()
+        return surface_figures.Moments(*[surface_pictures.Snapshot(0, 0.0, mesh, [])] * 3)
+
+    assert surface_figures.depth_scale_mm({("iliacus", "null"): moments(30), ("iliacus", "sdf"): moments(2.4)}) == 3
+    assert surface_figures.depth_scale_mm({"null": moments(30), "sdf": moments(0.1)}) == 1

@@ -1,0 +1,89 @@
+"""The estimate counts work: what is measured beats what was guessed."""
+
+import io
+
+import pytest
+
+from musclebench_experiment.cases import Case, plan
+from musclebench_experiment.progress import SECONDS_PER_COST, Estimate, ProgressBar, duration
+
+VOXEL, FCL = Case("lhdl", "iliacus", "voxel"), Case("lhdl", "iliacus", "fcl")
+SMALL_FCL = Case("lhdl", "adductor_brevis", "fcl")
+
+
+def test_nothing_measured_counts_by_guessed_cost():
+    estimate = Estimate([VOXEL, FCL])
+    assert estimate.seconds(VOXEL) == pytest.approx(6931 * SECONDS_PER_COST)
+    assert estimate.seconds(FCL) == pytest.approx(30 * estimate.seconds(VOXEL))
+    assert estimate.fraction() == 0.0
+
+
+def test_a_finished_case_weighs_what_it_took_and_corrects_its_backend():
+    estimate = Estimate([VOXEL, FCL, SMALL_FCL], finished={FCL: 69.31})
+    assert estimate.seconds(FCL) == 69.31
+    assert estimate.seconds(SMALL_FCL) == pytest.approx(5.02)
+    assert estimate.seconds(VOXEL) == pytest.approx(69.31 / 30)
+    assert estimate.remaining_seconds(1) == pytest.approx(5.02 + 69.31 / 30)
+
+
+def test_a_running_case_is_extrapolated_from_its_fraction():
+    estimate = Estimate([VOXEL, FCL], finished={VOXEL: 10.0}, running={FCL: (30.0, 0.25)})
+    assert estimate.seconds(FCL) == 120.0
+    assert estimate.total_seconds() == 130.0
+    assert estimate.fraction() == pytest.approx(40.0 / 130.0)
+    assert estimate.remaining_seconds(2) == pytest.approx(90.0)  # one case can't be split over two cores
+
+
+def test_a_case_that_has_hardly_begun_is_not_extrapolated():
+    estimate = Estimate([VOXEL], running={VOXEL: (8.0, 0.01)})
+    assert estimate.seconds(VOXEL) == pytest.approx(max(8.0, 6931 * SECONDS_PER_COST))
+
+
+def test_all_finished_is_all_done():
+    estimate = Estimate([VOXEL, FCL], finished={VOXEL: 1.0, FCL: 2.0})
+    assert estimate.fraction() == 1.0 and estimate.remaining_seconds(2) == 0.0
+
+
+def test_the_bar_never_runs_back():
+    estimate = Estimate([VOXEL, FCL], finished={VOXEL: 10.0}, running={FCL: (5.0, 0.5)})
+    stream = io.StringIO()
+    bar = ProgressBar(estimate, 2, stream)
+    bar.show(force=True)
+    estimate.running[FCL] = (500.0, 0.5)
+    bar.show(force=True)
+    shares = [line.split("]")[1].split("%")[0] for line in stream.getvalue().splitlines()]
+    assert shares == ["  75 ", "  75 "]
+
+
+def test_off_a_terminal_lines_come_seldom():
+    stream = io.StringIO()
+    bar = ProgressBar(Estimate([VOXEL]), 1, stream)
+    for _ in range(5):
+        bar.show()
+    assert stream.getvalue() == ""
+    bar.end()
+    assert stream.getvalue().count("\n") == 1
+
+
+@pytest.mark.parametrize("seconds, text", [(0.2, "0 s"), (59.4, "59 s"), (60, "1:00 min"), (754, "12:34 min")])
+def test_durations_read_well(seconds, text):
+    assert duration(seconds) == text
+
+
+def test_the_plan_has_every_case_once_shuffled_with_long_ones_first():
+    cases = plan("synthetic")
+    assert len(cases) == len(set(cases)) == 16
+    assert {case.backend for case in cases[:3]} == {"fcl"}
+    assert plan("synthetic") == cases != plan("synthetic", seed=2)
+
+
+def test_snapshots_are_rest_half_and_full_flexion():
+    assert VOXEL.snapshot_frames == [0, 79, 157]
+    assert Case("lhdl", "iliacus", "sdf", 20).snapshot_frames == [0, 5, 10]
+    assert Case("lhdl", "iliacus", "sdf", 1).snapshot_frames == [0]
+
+
+def test_the_command_names_the_case(tmp_path):
+    words = Case("lhdl", "iliacus", "sdf", 20).arguments(tmp_path)
+    assert words[:4] == ["run", "lhdl/iliacus", "--backend", "sdf"]
+    assert words[words.index("--data") + 1] == str(tmp_path) and words[words.index("--frames") + 1] == "20"

@@ -1,0 +1,103 @@
+"""The tables hold the numbers that follow from known runs."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import fake_runs
+from musclebench_report import published, results, table_formats, tables
+from musclebench_report.statistics import median_ratio
+
+
+@pytest.fixture
+def made(fake_raw):
+    runs = results.read_runs(fake_raw)
+    paper = published.read_published()
+    return tables.memory_table(runs, paper), tables.time_table(runs, paper)
+
+
+def row_of(table, muscle, backend):
+    rows = table.rows
+    return rows[(rows["muscle"] == muscle) & (rows["backend"] == backend)].iloc[0]
+
+
+def test_memory_is_given_as_total_offset_and_structures_beside_the_paper(made):
+    row = row_of(made[0], "iliacus", "fcl")
+    assert (row["first_mb"], row["last_mb"], row["structure_mb"]) == (200.0, 220.0, 90.0)
+    assert (row["first_offset_mb"], row["last_offset_mb"]) == (90.0, 90.0)
+    assert (row["paper_first_mb"], row["paper_first_offset_mb"], row["paper_last_offset_mb"]) == (786, 249, 303)
+
+
+def test_null_has_no_numbers_in_the_paper(made):
+    row = row_of(made[0], "iliacus", "null")
+    assert np.isnan(row["paper_first_mb"]) and row["first_offset_mb"] == -10.0
+
+
+def test_times_ratios_and_rates_follow_from_the_frames(made):
+    row = row_of(made[1], "gluteus_medius", "sdf")
+    assert row["collision_ms"] == 3.0 and row["ratio"] == row["ratio_low"] == row["ratio_high"] == 3.0
+    assert row["fps"] == pytest.approx(1e9 / 4e6) and row["fps_without"] == pytest.approx(1e9 / 1e6)
+    assert (row["missed_contacts"], row["false_contacts"]) == (20, 40)
+    assert row["largest_depth_mm"] == pytest.approx(2.0)
+    assert row["paper_ratio"] == "~3"
+
+
+def test_rows_come_in_the_order_of_the_paper(made):
+    assert made[1].rows["muscle"].unique().tolist() == list(fake_runs.MUSCLES)
+    assert made[1].rows["backend"].tolist()[:4] == fake_runs.BACKENDS
+
+
+def test_without_voxel_there_is_no_ratio(fake_raw):
+    runs = [run for run in results.read_runs(fake_raw) if run.backend != "voxel"]
+    row = row_of(tables.time_table(runs, published.read_published()), "iliacus", "fcl")
+    assert np.isnan(row["ratio"]) and row["collision_ms"] == 200.0
+
+
+def test_a_diverged_run_is_compared_over_the_frames_it_has(tmp_path):
+    fake_runs.write_run(tmp_path / "a", "lhdl/iliacus", "voxel", frames=20)
+    fake_runs.write_run(tmp_path / "b", "lhdl/iliacus", "fcl", frames=7, status="diverged", detail="frame 7")
+    row = row_of(tables.time_table(results.read_runs(tmp_path), published.read_published()), "iliacus", "fcl")
+    assert row["status"] == "diverged" and row["frames"] == 7 and row["ratio"] == 200.0
+
+
+def test_text_fits_100_columns_and_names_every_case(made):
+    for table in made:
+        text = table_formats.as_text(table)
+        assert max(map(len, text.splitlines())) <= 100
+        assert all(text.count(f"\n  {backend} ") == 4 for backend in fake_runs.BACKENDS)
+
+
+def test_files_agree_with_the_rows(made, tmp_path):
+    paths = table_formats.write_table(made[0], tmp_path)
+    assert [path.suffix for path in paths] == [".csv", ".md", ".tex"]
+    read_back = pd.read_csv(paths[0])
+    assert read_back["first_mb"].tolist() == made[0].rows["first_mb"].tolist()
+    markdown, latex = paths[1].read_text(), paths[2].read_text()
+    assert markdown.count("\n| ") == 18 and "| iliacus | fcl | ok | 200.0 | 220.0 | 90.0 |" in markdown
+    assert latex.count("\\\\") == 17 and "gluteus maximus & fcl & ok & 200.0" in latex
+
+
+def test_the_ratio_is_matched_by_frame():
+    times, reference = pd.Series([4.0, 60.0, 9.0], index=[1, 2, 3]), pd.Series([3.0, 2.0], index=[3, 1])
+    ratio = median_ratio(times, reference)
+    assert ratio.frames == 2 and ratio.value == pytest.approx(2.5)
+
+
+def noisy_ratio(count, seed):
+    times = pd.Series(3.0 + np.random.default_rng(seed).normal(0, 0.5, count))
+    return median_ratio(times, pd.Series(np.ones(count)), draws=200)
+
+
+def test_the_interval_mostly_holds_the_true_ratio():
+    ratios = [noisy_ratio(200, seed) for seed in range(40)]
+    assert all(ratio.low <= ratio.value <= ratio.high for ratio in ratios)
+    assert 32 <= sum(ratio.low <= 3.0 <= ratio.high for ratio in ratios)
+
+
+def test_the_interval_narrows_with_more_frames():
+    few, many = noisy_ratio(100, 1), noisy_ratio(10000, 1)
+    assert many.high - many.low < 0.3 * (few.high - few.low)
+
+
+def test_no_common_frames_give_no_ratio():
+    assert np.isnan(median_ratio(pd.Series([1.0], index=[1]), pd.Series([1.0], index=[2])).value)
