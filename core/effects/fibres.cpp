@@ -1,10 +1,11 @@
 #include "core/effects/fibres.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/SparseCholesky>
 
 namespace musclebench {
 
@@ -17,23 +18,70 @@ double squared_distance_to(const FibreSegment& segment, const Vec3& point) {
   return (segment.start + t * along - point).squaredNorm();
 }
 
-Vec3 longest_direction(const std::vector<Vec3>& points) {
-  Vec3 mean = Vec3::Zero();
-  for (const Vec3& point : points) {
-    mean += point;
+/// The harmonic function of the surface with the given boundary values; empty where the system has no unique solution.
+std::vector<double> harmonic_function(const TriangleMesh& mesh, const std::vector<int>& origin,
+                                      const std::vector<int>& insertion) {
+  const std::size_t count = mesh.vertices.size();
+  std::vector<double> values(count, std::numeric_limits<double>::quiet_NaN());
+  for (const int node : origin) {
+    values[node] = 0;
   }
-  mean /= static_cast<double>(points.size());
-  Mat3 covariance = Mat3::Zero();
-  for (const Vec3& point : points) {
-    covariance += (point - mean) * (point - mean).transpose();
+  for (const int node : insertion) {
+    values[node] = 1;
   }
-  return Eigen::SelfAdjointEigenSolver<Mat3>(covariance).eigenvectors().col(2);
+  std::vector<int> unknown(count, -1);
+  int unknowns = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    unknown[i] = std::isnan(values[i]) ? unknowns++ : -1;
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);
+  const auto join = [&](int i, int j, double weight) {
+    if (unknown[i] < 0) {
+      return;
+    }
+    entries.emplace_back(unknown[i], unknown[i], weight);
+    if (unknown[j] >= 0) {
+      entries.emplace_back(unknown[i], unknown[j], -weight);
+    } else {
+      right[unknown[i]] += weight * values[j];
+    }
+  };
+  for (const Triangle& triangle : mesh.triangles) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const int i = triangle[corner];
+      const int j = triangle[(corner + 1) % 3];
+      const Vec3 to_i = mesh.vertices[i] - mesh.vertices[triangle[(corner + 2) % 3]];
+      const Vec3 to_j = mesh.vertices[j] - mesh.vertices[triangle[(corner + 2) % 3]];
+      const double sine = to_i.cross(to_j).norm();
+      // Kept positive and bounded: the function then has no extremes of its own, whatever the triangles look like.
+      const double cotangent = sine > 0 ? std::clamp(to_i.dot(to_j) / sine, 0.01, 100.0) : 0.01;
+      join(i, j, cotangent);
+      join(j, i, cotangent);
+    }
+  }
+  Eigen::SparseMatrix<double> matrix(unknowns, unknowns);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
+  if (solver.info() != Eigen::Success) {
+    return {};
+  }
+  const Eigen::VectorXd solution = solver.solve(right);
+  for (std::size_t i = 0; i < count; ++i) {
+    values[i] = unknown[i] >= 0 ? solution[unknown[i]] : values[i];
+  }
+  return values;
 }
 
-std::vector<Vec3> sorted_along(std::vector<Vec3> points, const Vec3& direction) {
-  std::stable_sort(points.begin(), points.end(),
-                   [&](const Vec3& a, const Vec3& b) { return a.dot(direction) < b.dot(direction); });
-  return points;
+/// Direction in which a function that is linear on the triangle grows; zero where it is constant.
+Vec3 growth_direction(const std::array<Vec3, 3>& corners, const std::array<double, 3>& values) {
+  const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+  Vec3 gradient = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    gradient += values[k] * normal.cross(corners[(k + 2) % 3] - corners[(k + 1) % 3]);
+  }
+  const double norm = gradient.norm();
+  return norm > 0 ? Vec3(gradient / norm) : Vec3::Zero();
 }
 
 }  // namespace
@@ -56,25 +104,35 @@ double alignment_with_nearest_fibre(const std::vector<FibreSegment>& fibres, con
   return lengths > 0 ? std::min(1.0, std::abs(along.dot(direction)) / lengths) : 0.0;
 }
 
-std::vector<FibreSegment> fibres_between(const std::vector<Vec3>& origin, const std::vector<Vec3>& insertion,
-                                         int count) {
+std::vector<FibreSegment> fibres_between(const TriangleMesh& muscle, const std::vector<int>& origin,
+                                         const std::vector<int>& insertion, int most_segments) {
   if (origin.empty() || insertion.empty()) {
     return {};
   }
-  const Vec3 origin_direction = longest_direction(origin);
-  Vec3 insertion_direction = longest_direction(insertion);
-  if (insertion_direction.dot(origin_direction) < 0) {
-    insertion_direction = -insertion_direction;
+  const std::vector<double> values = harmonic_function(muscle, origin, insertion);
+  if (values.empty()) {
+    return {};
   }
-  const std::vector<Vec3> starts = sorted_along(origin, origin_direction);
-  const std::vector<Vec3> ends = sorted_along(insertion, insertion_direction);
   std::vector<FibreSegment> fibres;
-  for (int i = 0; i < count; ++i) {
-    const double part = (i + 0.5) / count;
-    fibres.push_back({starts[static_cast<std::size_t>(part * static_cast<double>(starts.size()))],
-                      ends[static_cast<std::size_t>(part * static_cast<double>(ends.size()))]});
+  for (const Triangle& triangle : muscle.triangles) {
+    const std::array<double, 3> at = {values[triangle[0]], values[triangle[1]], values[triangle[2]]};
+    const auto [least, largest] = std::minmax({at[0], at[1], at[2]});
+    if (!(largest - least > 1e-9)) {
+      continue;
+    }
+    const std::array<Vec3, 3> corners = {muscle.vertices[triangle[0]], muscle.vertices[triangle[1]],
+                                         muscle.vertices[triangle[2]]};
+    const Vec3 centre = (corners[0] + corners[1] + corners[2]) / 3;
+    const Vec3 half = 0.5 * (corners[1] - corners[0]).norm() * growth_direction(corners, at);
+    fibres.push_back({centre - half, centre + half});
   }
-  return fibres;
+  const std::size_t step = (fibres.size() + static_cast<std::size_t>(most_segments) - 1) /
+                           static_cast<std::size_t>(std::max(1, most_segments));
+  std::vector<FibreSegment> thinned;
+  for (std::size_t i = 0; i < fibres.size(); i += std::max<std::size_t>(1, step)) {
+    thinned.push_back(fibres[i]);
+  }
+  return thinned;
 }
 
 }  // namespace musclebench

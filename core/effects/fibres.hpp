@@ -16,9 +16,12 @@ struct FibreSegment {
 /// or a fibre of no length.
 double alignment_with_nearest_fibre(const std::vector<FibreSegment>& fibres, const Vec3& point, const Vec3& direction);
 
-/// Straight fibres from an origin area to an insertion area: `count` lines that join the areas' nodes in the order of
-/// their places along each area's longest direction. Empty when an area has no nodes.
-std::vector<FibreSegment> fibres_between(const std::vector<Vec3>& origin, const std::vector<Vec3>& insertion,
-                                         int count);
+/// Fibres along the surface from an origin area to an insertion area: the direction field is the gradient of the
+/// harmonic function that is 0 on `origin` and 1 on `insertion` (Choi and Blemker 2013 reconstruct fascicles from such
+/// a field), here solved on the surface with cotangent weights. A segment a triangle, evenly thinned to at most
+/// `most_segments`; triangles in which the function is constant (inside the areas) have none. Empty when an area has no
+/// nodes or no path joins them.
+std::vector<FibreSegment> fibres_between(const TriangleMesh& muscle, const std::vector<int>& origin,
+                                         const std::vector<int>& insertion, int most_segments);
 
 }  // namespace musclebench

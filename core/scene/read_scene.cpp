@@ -16,7 +16,7 @@ namespace musclebench {
 namespace {
 
 constexpr double radians_per_degree = std::numbers::pi / 180;
-constexpr int straight_fibres = 9;
+constexpr int most_fibre_segments = 1000;
 
 std::string sha256_of(const TriangleMesh& mesh) {
   Sha256 hash;
@@ -168,17 +168,14 @@ void read_attachments(const SceneRequest& request, const TomlTable& root, Scene&
   }
 }
 
-/// Straight fibres run from the bone of the first attachment to the others' bones.
+/// Fibres run from the bone of the first attachment to the others' bones.
 std::vector<FibreSegment> fibres_of_attachments(const Scene& scene) {
-  std::vector<Vec3> origin;
-  std::vector<Vec3> insertion;
-  for (const Attachment& attachment : scene.attachments) {
-    auto& side = attachment.bone == scene.attachments.front().bone ? origin : insertion;
-    for (const int node : attachment.nodes) {
-      side.push_back(scene.muscle.mesh.vertices[node]);
-    }
+  std::vector<int> origin;
+  std::vector<int> insertion;
+  for (const BoundNode& bound : scene.bound_nodes()) {
+    (bound.bone == scene.attachments.front().bone ? origin : insertion).push_back(bound.node);
   }
-  return fibres_between(origin, insertion, straight_fibres);
+  return fibres_between(scene.muscle.mesh, origin, insertion, most_fibre_segments);
 }
 
 void read_muscle(const SceneRequest& request, const TomlTable& root, Scene& scene) {
