@@ -44,7 +44,12 @@ class FclBackend final : public CollisionBackend {
   explicit FclBackend(ColliderOptions options) : m_options(std::move(options)) { check_collider_options(m_options); }
 
   [[nodiscard]] Capabilities capabilities() const override {
-    return {.depth = true, .point_queries = false, .conservative = false};
+    return {.depth = true, .point_queries = false};
+  }
+
+  /// Nodes behind the surface are missed at any depth; a node that is reported hangs on a triangle that cuts the bone.
+  [[nodiscard]] AnswerBound answer_bound(int /*bone*/) const override {
+    return {std::numeric_limits<double>::infinity(), m_longest_edge_m};
   }
 
   [[nodiscard]] std::size_t structure_bytes() const override {

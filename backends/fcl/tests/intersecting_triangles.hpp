@@ -49,10 +49,12 @@ inline std::vector<TriangleCorners> corners_of(std::span<const Vec3> vertices, s
   return all;
 }
 
-inline bool boxes_overlap(const TriangleCorners& a, const TriangleCorners& b) {
-  const auto lower = [](const TriangleCorners& t) { return Vec3(t[0].cwiseMin(t[1]).cwiseMin(t[2])); };
-  const auto upper = [](const TriangleCorners& t) { return Vec3(t[0].cwiseMax(t[1]).cwiseMax(t[2])); };
-  return (lower(a).array() <= upper(b).array()).all() && (lower(b).array() <= upper(a).array()).all();
+inline std::vector<Eigen::AlignedBox3d> boxes_of(const std::vector<TriangleCorners>& triangles) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const TriangleCorners& t : triangles) {
+    boxes.emplace_back(Vec3(t[0].cwiseMin(t[1]).cwiseMin(t[2])), Vec3(t[0].cwiseMax(t[1]).cwiseMax(t[2])));
+  }
+  return boxes;
 }
 
 /// All pairs (muscle triangle, bone triangle) that intersect, each against each. Knows nothing of FCL.
@@ -64,10 +66,12 @@ inline PairSet intersecting_pairs(std::span<const Vec3> positions, std::span<con
   }
   const auto muscle = corners_of(positions, muscle_triangles);
   const auto bones = corners_of(moved, bone.triangles);
+  const auto muscle_boxes = boxes_of(muscle);
+  const auto bone_boxes = boxes_of(bones);
   PairSet pairs;
   for (std::size_t i = 0; i < muscle.size(); ++i) {
     for (std::size_t j = 0; j < bones.size(); ++j) {
-      if (boxes_overlap(muscle[i], bones[j]) && triangles_intersect(muscle[i], bones[j])) {
+      if (muscle_boxes[i].intersects(bone_boxes[j]) && triangles_intersect(muscle[i], bones[j])) {
         pairs.emplace(static_cast<int>(i), static_cast<int>(j));
       }
     }
