@@ -16,6 +16,8 @@ constexpr int bin_count = 16;
 /// mesh.
 constexpr int deepest_by_area = 24;
 constexpr int stack_capacity = 256;
+/// Relative rounding error of a dot product, generously.
+constexpr double rounding = 1e-14;
 /// Closed surfaces have whole winding numbers; one this close to 0.5 shows that the dipoles were too coarse.
 constexpr double safe_margin = 0.25;
 
@@ -218,6 +220,28 @@ struct TriangleTree::Builder {
     return cluster;
   }
 
+  /// Grown by the rounding of the products, so that a bound from it never exceeds a distance.
+  void set_slab(Range range, Vec3 normal, std::size_t part, Node& node) const {
+    const double length = normal.norm();
+    normal = length > 0 ? Vec3(normal / length) : Vec3(Vec3::Zero());
+    double lower = std::numeric_limits<double>::infinity();
+    double upper = -lower;
+    double reach = 0;
+    for (int i = range.begin; i < range.end; ++i) {
+      for (const int vertex : mesh.triangles[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])]) {
+        const Vec3& point = mesh.vertices[static_cast<std::size_t>(vertex)];
+        lower = std::min(lower, normal.dot(point));
+        upper = std::max(upper, normal.dot(point));
+        reach = std::max(reach, point.cwiseAbs().maxCoeff());
+      }
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      node.normal[axis][part] = normal[static_cast<Eigen::Index>(axis)];
+    }
+    node.slab_lower[part] = lower - rounding * reach;
+    node.slab_upper[part] = upper + rounding * reach;
+  }
+
   [[nodiscard]] int add_leaf(Range range) {
     Leaf leaf;
     leaf.count = range.count();
@@ -255,7 +279,7 @@ struct TriangleTree::Builder {
       *largest = lower;
       parts[static_cast<std::size_t>(count++)] = upper;
     }
-    Node node;
+    Node node{};
     std::array<Cluster, width> clusters;
     for (std::size_t part = 0; part < width; ++part) {
       const bool used = static_cast<int>(part) < count;
@@ -264,9 +288,9 @@ struct TriangleTree::Builder {
         node.lower[axis][part] = box.lower[static_cast<Eigen::Index>(axis)];
         node.upper[axis][part] = box.upper[static_cast<Eigen::Index>(axis)];
       }
-      node.child[part] = 0;
       if (used) {
         clusters[part] = cluster_of(parts[part]);
+        set_slab(parts[part], clusters[part].area_normal, part, node);
       }
     }
     const auto index = tree.m_nodes.size();
@@ -353,6 +377,12 @@ void TriangleTree::search(Search& state) const {
       const double p = state.point[static_cast<Eigen::Index>(axis)];
       squared += (lane(node.lower[axis]) - p).max(p - lane(node.upper[axis])).max(0.0).square();
     }
+    Lane height = Lane::Zero();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      height += state.point[static_cast<Eigen::Index>(axis)] * lane(node.normal[axis]);
+    }
+    height = (lane(node.slab_lower) - height).max(height - lane(node.slab_upper)).max(0.0) * (1 - rounding);
+    squared = squared.max(height.square());
     // Insertion from the nearest end: the stack's top stays the nearest child.
     const int base = top;
     for (int part = 0; part < width; ++part) {

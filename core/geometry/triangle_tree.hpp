@@ -45,10 +45,15 @@ class TriangleTree {
  private:
   static constexpr int width = 4;
 
-  /// Boxes of up to `width` children; an unused one is empty (lower = infinity), so that it is never the closest.
+  /// Up to `width` children, each bounded by a box and by a slab across its mean normal: a nearly flat patch fills
+  /// little of its box, and most of what a search must look into is such a box that the sphere of the best distance
+  /// cuts. An unused child's box is empty (lower = infinity), so that it is never the closest.
   struct Node {
     std::array<std::array<double, width>, 3> lower;
     std::array<std::array<double, width>, 3> upper;
+    std::array<std::array<double, width>, 3> normal;
+    std::array<double, width> slab_lower;
+    std::array<double, width> slab_upper;
     std::array<int, width> child;  ///< index of a node, or ~index of a leaf
   };
   /// Up to `width` triangles; unused places repeat the first one.
