@@ -18,7 +18,8 @@ EPILOG = f"""UPSTREAM_DIR holds two checkouts:
   git clone {upstream.SOURCES[1]['repository']}  (commit {upstream.SOURCES[1]['commit'][:12]})
 The data are under {data_folder.LICENCE}: not for commercial use, and derived files carry the same licence.
 The adductor brevis of 502 vertices is not published; it is decimated here from the published one of 8564, and its
-attachment points, which are not published either, are taken from where that muscle touches the bones."""
+attachment points, which are not published either, are taken from where that muscle touches the bones. Copies of this
+data set whose points on the femur differ by some millimetres took them from a finer femur."""
 
 
 def parse_arguments(arguments):

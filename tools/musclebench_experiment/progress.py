@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 
 from .cases import Case
 
-SECONDS_PER_COST = 5e-4  # before anything has been measured
 TRUSTED_FRACTION = 0.05  # from here on a running case says how long it takes
 BAR_WIDTH = 30
 LINE_SECONDS = 10.0
@@ -25,7 +24,7 @@ class Estimate:
         if measured is not None:
             return measured
         elapsed = self.running.get(case, (0.0, 0.0))[0]
-        return max(elapsed, case.guessed_cost * self._seconds_per_cost(case.backend))
+        return max(elapsed, case.guessed_seconds * self._slowness(case.backend))
 
     def total_seconds(self) -> float:
         return sum(self.seconds(case) for case in self.cases)
@@ -49,13 +48,13 @@ class Estimate:
         elapsed, fraction = self.running.get(case, (0.0, 0.0))
         return elapsed / fraction if fraction >= TRUSTED_FRACTION else None
 
-    def _seconds_per_cost(self, backend: str) -> float:
-        """From measured cases of the same backend, else of any."""
+    def _slowness(self, backend: str) -> float:
+        """Measured over guessed seconds, of the cases of the same backend that are measured, else of any."""
         measured = {case: self._measured(case) for case in self.cases}
         known = {case: seconds for case, seconds in measured.items() if seconds is not None}
         alike = {case: seconds for case, seconds in known.items() if case.backend == backend} or known
-        cost = sum(case.guessed_cost for case in alike)
-        return sum(alike.values()) / cost if cost > 0 else SECONDS_PER_COST
+        guessed = sum(case.guessed_seconds for case in alike)
+        return sum(alike.values()) / guessed if guessed > 0 else 1.0
 
 
 class ProgressBar:

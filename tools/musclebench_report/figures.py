@@ -10,6 +10,7 @@ from . import style
 from .published import Published
 from .results import Run
 from .style import plt
+from .table_formats import as_ratio
 from .tables import MEGABYTE, by_case, collision_ratio
 
 MUSCLE_OF_FIGURES = "iliacus"
@@ -24,7 +25,7 @@ def caption(runs: list[Run]) -> str:
     data = case["scene"].split("/")[0]
     known = [
         f"{data} data, {case.get('preset', '?')} preset, {frames} frames, one run a case, {case.get('threads', '?')} thread",
-        machine.get("cpu"), build.get("compiler"), f"git {build['git']}" if build.get("git") else None,
+        machine.get("cpu"), build.get("compiler"), f"git {build['git']}" if build.get("git", "unknown") != "unknown" else None,
     ]
     return "; ".join(text for text in known if text)
 
@@ -54,7 +55,7 @@ def _draw_times(cases, iliacus: dict[str, Run], published: Published, folder: Pa
         _line(axes, backend, frames["frame"], milliseconds)
         ratio = collision_ratio(cases, MUSCLE_OF_FIGURES, backend)
         paper = published.time_ratio(backend)
-        text = backend if backend == "voxel" else f"{backend}: {ratio.value:.3g} x voxel\n(paper: {paper or 'none'})"
+        text = backend if backend == "voxel" else f"{backend}: {as_ratio(ratio.value)} x voxel\n(paper: {paper or 'none'})"
         labels.append((milliseconds.iloc[-30:].median(), text, backend))
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter(PLAIN_NUMBERS)
@@ -105,7 +106,7 @@ def _draw_depths(cases, folder: Path) -> list[Path]:
     handles = {h.get_label(): h for panel in panels[0] for h in panel.get_lines()}
     figure.legend(handles.values(), handles.keys(), ncols=len(handles), loc="upper left", bbox_to_anchor=(0.01, 1.0),
                   frameon=False)
-    figure.tight_layout(rect=(0, 0, 1, 0.97))
+    figure.tight_layout(rect=(0, 0, 1, 0.99))
     runs = list(cases.values())
     _footnote(figure, runs)
     columns = ["nodes_inside", "max_depth_m", "p99_depth_m", "mean_depth_m"]

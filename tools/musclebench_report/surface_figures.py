@@ -19,6 +19,9 @@ from .surface_pictures import (
 from .tables import by_case
 
 
+DEEPEST_SHOWN_MM = 5
+
+
 @dataclass
 class Moments:
     """The snapshots that the pictures show."""
@@ -57,14 +60,14 @@ def choose_moments(snapshots: list[Snapshot]) -> Moments | None:
 
 
 def depth_scale_mm(moments: dict) -> float:
-    """Upper end of the colour scale: the greatest depth with collision handling; null may exceed it."""
+    """Upper end of the colour scale: the greatest depth with collision handling, but no more than shows small ones."""
     depths = [
         snapshot.depth_mm.max()
         for case, chosen in moments.items()
         for snapshot in (chosen.rest, chosen.half, chosen.full)
         if "null" not in (case, case[-1])
     ]
-    return math.ceil(max([1.0, *depths]))
+    return min(math.ceil(max([1.0, *depths])), DEEPEST_SHOWN_MM)
 
 
 def _draw_iliacus(studio: Studio, moments: dict[str, Moments], runs, folder: Path, say) -> list[Path]:

@@ -1,5 +1,6 @@
 """A table of results as CSV, Markdown, LaTeX and plain text."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +18,7 @@ class Column:
     title: str
     digits: int | None = None  # None: text
     head: str = ""  # title for a terminal, where it has to be narrower; one or two lines
+    is_ratio: bool = False  # three significant digits instead of fixed ones
 
 
 @dataclass
@@ -89,7 +91,12 @@ def _cell(value, column: Column) -> str:
         return UNKNOWN
     if column.digits is None:
         return muscle_label(value) if column.key == "muscle" else str(value)
-    return f"{value:.{column.digits}f}"
+    return as_ratio(value) if column.is_ratio else f"{value:.{column.digits}f}"
+
+
+def as_ratio(value: float) -> str:
+    """Three significant digits, without an exponent."""
+    return f"{value:.{max(0, 2 - math.floor(math.log10(value)))}f}" if 0 < value < 100 else f"{value:.0f}"
 
 
 def _latex(text: str) -> str:

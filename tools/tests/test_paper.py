@@ -181,3 +181,4 @@ def test_the_depth_scale_leaves_out_the_control_without_collision():
 
     assert surface_figures.depth_scale_mm({("iliacus", "null"): moments(30), ("iliacus", "sdf"): moments(2.4)}) == 3
     assert surface_figures.depth_scale_mm({"null": moments(30), "sdf": moments(0.1)}) == 1
+    assert surface_figures.depth_scale_mm({"voxel": moments(14)}) == surface_figures.DEEPEST_SHOWN_MM

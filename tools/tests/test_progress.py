@@ -5,25 +5,30 @@ import io
 import pytest
 
 from musclebench_experiment.cases import Case, plan
-from musclebench_experiment.progress import SECONDS_PER_COST, Estimate, ProgressBar, duration
+from musclebench_experiment.progress import Estimate, ProgressBar, duration
 
 VOXEL, FCL = Case("lhdl", "iliacus", "voxel"), Case("lhdl", "iliacus", "fcl")
 SMALL_FCL = Case("lhdl", "adductor_brevis", "fcl")
 
 
-def test_nothing_measured_counts_by_guessed_cost():
+def test_nothing_measured_counts_by_guessed_seconds():
     estimate = Estimate([VOXEL, FCL])
-    assert estimate.seconds(VOXEL) == pytest.approx(6931 * SECONDS_PER_COST)
-    assert estimate.seconds(FCL) == pytest.approx(30 * estimate.seconds(VOXEL))
+    assert estimate.seconds(VOXEL) == VOXEL.guessed_seconds
+    assert estimate.seconds(FCL) == FCL.guessed_seconds > 5 * VOXEL.guessed_seconds
     assert estimate.fraction() == 0.0
 
 
 def test_a_finished_case_weighs_what_it_took_and_corrects_its_backend():
-    estimate = Estimate([VOXEL, FCL, SMALL_FCL], finished={FCL: 69.31})
-    assert estimate.seconds(FCL) == 69.31
-    assert estimate.seconds(SMALL_FCL) == pytest.approx(5.02)
-    assert estimate.seconds(VOXEL) == pytest.approx(69.31 / 30)
-    assert estimate.remaining_seconds(1) == pytest.approx(5.02 + 69.31 / 30)
+    estimate = Estimate([VOXEL, FCL, SMALL_FCL], finished={FCL: 3 * FCL.guessed_seconds})
+    assert estimate.seconds(FCL) == 3 * FCL.guessed_seconds
+    assert estimate.seconds(SMALL_FCL) == pytest.approx(3 * SMALL_FCL.guessed_seconds)
+    assert estimate.seconds(VOXEL) == pytest.approx(3 * VOXEL.guessed_seconds)
+    assert estimate.remaining_seconds(1) == pytest.approx(3 * (SMALL_FCL.guessed_seconds + VOXEL.guessed_seconds))
+
+
+def test_a_backend_is_corrected_from_its_own_runs_first():
+    estimate = Estimate([VOXEL, FCL, SMALL_FCL], finished={FCL: 2 * FCL.guessed_seconds, VOXEL: 50 * VOXEL.guessed_seconds})
+    assert estimate.seconds(SMALL_FCL) == pytest.approx(2 * SMALL_FCL.guessed_seconds)
 
 
 def test_a_running_case_is_extrapolated_from_its_fraction():
@@ -36,7 +41,7 @@ def test_a_running_case_is_extrapolated_from_its_fraction():
 
 def test_a_case_that_has_hardly_begun_is_not_extrapolated():
     estimate = Estimate([VOXEL], running={VOXEL: (8.0, 0.01)})
-    assert estimate.seconds(VOXEL) == pytest.approx(max(8.0, 6931 * SECONDS_PER_COST))
+    assert estimate.seconds(VOXEL) == pytest.approx(max(8.0, VOXEL.guessed_seconds))
 
 
 def test_all_finished_is_all_done():
