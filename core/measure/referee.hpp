@@ -81,7 +81,7 @@ class Referee {
   std::vector<Contact> m_found;                 // by place in `nodes`, valid where m_inside
   std::vector<unsigned char> m_inside;
   RefereeEffort m_effort;
-  int m_threads;
+  [[maybe_unused]] int m_threads;  // unused where the compiler has no OpenMP
   bool m_budgets;
 };
 
