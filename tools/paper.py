@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Runs the paper's experiment (4 muscles, 3 backends and the control without collision) and makes its tables and figures."""
+"""Runs the paper's experiment (4 muscles, 3 backends and a control without collision); makes its tables and figures."""
 
 import argparse
 import os

@@ -51,7 +51,8 @@ def contact_attachment(muscle: str, role: str, place: dict, muscle_vertices_m, b
         "muscle": muscle, "role": role, "bone": place["bone"], "upstream_name": None,
         "provenance": "derived here, no upstream landmark cloud exists: bone-surface points closest to the muscle "
         "vertices lying within 3 mm of the bone, thinned to 20 by farthest-point sampling",
-        "count": len(points), "points_m": np.round(points, 9).tolist(), "muscle_vertices_within_3mm": len(near), **place,
+        "count": len(points), "points_m": np.round(points, 9).tolist(),
+        "muscle_vertices_within_3mm": len(near), **place,
     }
 
 

@@ -8,6 +8,7 @@ from .cases import Case
 
 TRUSTED_FRACTION = 0.05  # from here on a running case says how long it takes
 BAR_WIDTH = 30
+LINE_WIDTH = 99
 LINE_SECONDS = 10.0
 
 
@@ -39,8 +40,9 @@ class Estimate:
 
     def remaining_seconds(self, jobs: int) -> float:
         """No shorter than the longest case that is left."""
-        left = {c: self.seconds(c) * (1 - self.running.get(c, (0, 0.0))[1]) for c in self.cases if c not in self.finished}
-        return max(sum(left.values()) / jobs, max(left.values(), default=0.0))
+        unfinished = [case for case in self.cases if case not in self.finished]
+        left = [self.seconds(case) * (1 - self.running.get(case, (0.0, 0.0))[1]) for case in unfinished]
+        return max(sum(left) / jobs, max(left, default=0.0))
 
     def _measured(self, case: Case) -> float | None:
         if case in self.finished:
@@ -87,8 +89,8 @@ class ProgressBar:
         names = ", ".join(case.name for case in self._estimate.running) or "done"
         eta = duration(self._estimate.remaining_seconds(self._jobs))
         count = f"{len(self._estimate.finished)}/{len(self._estimate.cases)} runs"
-        text = f"[{'#' * full}{'.' * (BAR_WIDTH - full)}] {100 * self._shown_fraction:3.0f} %  {count}  ETA {eta}  {names}"
-        return text[:99]
+        bar = f"[{'#' * full}{'.' * (BAR_WIDTH - full)}] {100 * self._shown_fraction:3.0f} %"
+        return f"{bar}  {count}  ETA {eta}  {names}"[:LINE_WIDTH]
 
 
 def duration(seconds: float) -> str:

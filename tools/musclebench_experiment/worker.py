@@ -1,4 +1,4 @@
-"""One case in one process: started on a core of its own, followed by its progress lines, its folder moved into place."""
+"""One case in one process: started on a core of its own, followed by its progress lines, its folder put in place."""
 
 import json
 import os
@@ -91,8 +91,7 @@ class Worker:
         self._process.stderr.close()
 
     def _failure_record(self, timed_out: bool) -> dict:
-        case = {"scene": self.case.scene, "preset": PRESET, "backend": self.case.backend, "parameters": {}, "threads": 1,
-                "repetition": 0}
+        case = {"scene": self.case.scene, "preset": PRESET, "backend": self.case.backend, "threads": 1}
         status = "timeout" if timed_out else "failed"
         return {"schema_version": 1, "status": status, "status_detail": self._reason(timed_out), "case": case}
 

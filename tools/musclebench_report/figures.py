@@ -22,10 +22,11 @@ def caption(runs: list[Run]) -> str:
     first = runs[0].record
     case, build, machine = first["case"], first.get("build", {}), first.get("machine", {})
     frames = max((run.record.get("frames") or 0) for run in runs)
-    data = case["scene"].split("/")[0]
+    data, threads = case["scene"].split("/")[0], case.get("threads", "?")
+    git = build.get("git", "unknown")
     known = [
-        f"{data} data, {case.get('preset', '?')} preset, {frames} frames, one run a case, {case.get('threads', '?')} thread",
-        machine.get("cpu"), build.get("compiler"), f"git {build['git']}" if build.get("git", "unknown") != "unknown" else None,
+        f"{data} data, {case.get('preset', '?')} preset, {frames} frames, one run a case, threads: {threads}",
+        machine.get("cpu"), build.get("compiler"), f"git {git}" if git != "unknown" else None,
     ]
     return "; ".join(text for text in known if text)
 
@@ -55,8 +56,8 @@ def _draw_times(cases, iliacus: dict[str, Run], published: Published, folder: Pa
         _line(axes, backend, frames["frame"], milliseconds)
         ratio = collision_ratio(cases, MUSCLE_OF_FIGURES, backend)
         paper = published.time_ratio(backend)
-        text = backend if backend == "voxel" else f"{backend}: {as_ratio(ratio.value)} x voxel\n(paper: {paper or 'none'})"
-        labels.append((milliseconds.iloc[-30:].median(), text, backend))
+        note = "" if backend == "voxel" else f": {as_ratio(ratio.value)} x voxel\n(paper: {paper or 'none'})"
+        labels.append((milliseconds.iloc[-30:].median(), f"{backend}{note}", backend))
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter(PLAIN_NUMBERS)
     axes.set(xlabel="frame", ylabel="collision time a frame (ms)")

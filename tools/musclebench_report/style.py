@@ -12,7 +12,8 @@ MUSCLES = ["adductor_brevis", "gluteus_maximus", "gluteus_medius", "iliacus"]
 
 # The colours of Okabe and Ito, which the common kinds of colour blindness keep apart.
 BACKEND_COLOURS = {
-    "null": "#7f7f7f", "voxel": "#E69F00", "sdf": "#0072B2", "fcl": "#009E73", "bvh": "#CC79A7", "brute_force": "#000000",
+    "null": "#7f7f7f", "voxel": "#E69F00", "sdf": "#0072B2", "fcl": "#009E73", "bvh": "#CC79A7",
+    "brute_force": "#000000",
 }
 BACKEND_DASHES = {
     "null": (0, (1, 1.2)), "voxel": "solid", "sdf": "solid", "fcl": "solid", "bvh": "dashed", "brute_force": "dotted",

@@ -118,7 +118,8 @@ def _draw_full_flexion(studios, moments, runs, folder: Path, say) -> list[Path]:
 def _draw_attachments(studios, cases, moments, runs, folder: Path, say) -> list[Path]:
     width, height = 3.4 * len(studios) + 0.4, 5.2
     figure, panels = plt.subplots(1, len(studios), figsize=(width, height), squeeze=False)
-    figure.subplots_adjust(left=0.1 / width, right=1 - 0.1 / width, top=1 - 1.0 / height, bottom=1.0 / height, wspace=0.05)
+    left, bottom = 0.1 / width, 1.0 / height
+    figure.subplots_adjust(left=left, right=1 - left, top=1 - bottom, bottom=bottom, wspace=0.05)
     rows = []
     for panel, (muscle, studio) in zip(panels[0], studios.items()):
         say(f"attachments, {style.muscle_label(muscle)}")
@@ -131,16 +132,17 @@ def _draw_attachments(studios, cases, moments, runs, folder: Path, say) -> list[
         rows += listed
         lines = [f"{entry['name']} ({entry['bone']}): {entry['nodes']} nodes" for entry in listed]
         panel.text(0.0, -0.03, "\n".join(lines), transform=panel.transAxes, va="top", fontsize=9)
-    figure.suptitle("Bound nodes at rest, seen through the muscle", x=0.1 / width, y=1 - 0.1 / height, ha="left", va="top")
-    _bone_legend(figure, next(iter(studios.values())), (0.1 / width, 1 - 0.3 / height))
-    figure.text(0.1 / width, 0.15 / height, caption(runs), fontsize=7.5, color="#555555", va="top")
+    figure.suptitle("Bound nodes at rest, seen through the muscle", x=left, y=1 - 0.1 / height, ha="left", va="top")
+    _bone_legend(figure, next(iter(studios.values())), (left, 1 - 0.3 / height))
+    figure.text(left, 0.15 / height, caption(runs), fontsize=7.5, color="#555555", va="top")
     return _save(figure, pd.DataFrame(rows), folder / "attachments")
 
 
 def _bone_legend(figure, studio: Studio, place) -> None:
     marks = [plt.Line2D([], [], marker="o", linestyle="", color=c) for c, _ in zip(ATTACHMENT_COLOURS, studio.bones)]
     names = [f"nearest to {name}" for name in studio.bones]
-    figure.legend(marks, names, ncols=len(names), loc="upper left", bbox_to_anchor=place, borderaxespad=0, frameon=False)
+    figure.legend(marks, names, ncols=len(names), loc="upper left", bbox_to_anchor=place, borderaxespad=0,
+                  frameon=False)
 
 
 def _show(panel, picture: np.ndarray) -> None:

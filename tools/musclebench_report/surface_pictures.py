@@ -54,7 +54,7 @@ def read_bones(run: Run) -> dict[str, PlyMesh]:
 
 
 class Studio:
-    """Bones of one scene, loaded once, and its cameras. `run` is any run of the scene, best one that keeps its shape."""
+    """Bones of one scene, loaded once, and its cameras, which hold every shape of the given run of that scene."""
 
     def __init__(self, run: Run):
         self.bones = read_bones(run)

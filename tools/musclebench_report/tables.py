@@ -103,7 +103,8 @@ def _time_row(cases, muscle: str, backend: str, published: Published) -> dict:
         "fps_without": frames_per_second(cases.get((muscle, "null"))),
         "missed_contacts": run.frames["missed_contacts"].sum(min_count=1),
         "false_contacts": run.frames["false_contacts"].sum(min_count=1),
-        "largest_depth_mm": 1e3 * run.frames["max_depth_m"].max(), "mean_depth_mm": 1e3 * run.frames["mean_depth_m"].mean(),
+        "largest_depth_mm": 1e3 * run.frames["max_depth_m"].max(),
+        "mean_depth_mm": 1e3 * run.frames["mean_depth_m"].mean(),
         "build_s": float("nan") if build_ns is None else build_ns / 1e9,
     }
 

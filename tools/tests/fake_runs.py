@@ -72,7 +72,8 @@ def frame_rows(backend: str, frames: int) -> list[dict]:
         row |= {
             "frame": frame, "angle_deg": repr(90.0 * flexion), "warm_up": int(frame <= 2), "update_ns": 0,
             "detect_ns": DETECT_NS[backend], "respond_ns": 0, "frame_ns": DETECT_NS[backend] + OTHER_NS,
-            "contacts": 10, "nodes_inside": 5, "max_depth_m": repr(0.002 * flexion), "mean_depth_m": repr(0.001 * flexion),
+            "contacts": 10, "nodes_inside": 5, "max_depth_m": repr(0.002 * flexion),
+            "mean_depth_m": repr(0.001 * flexion),
             "p99_depth_m": repr(0.0015 * flexion), "missed_contacts": 1, "false_contacts": 2,
             "resident_bytes": FIRST_BYTES[backend] + 1000 * frame,
         }
@@ -85,10 +86,12 @@ def run_record(scene: str, backend: str, frames: int, status: str = "ok", detail
     case = {"scene": scene, "preset": "paper", "backend": backend, "parameters": {},
             "threads": 1, "repetition": 0}
     return {
-        "schema_version": 1, "status": status, "status_detail": detail, "run_id": f"id-{muscle}-{backend}", "case": case,
+        "schema_version": 1, "status": status, "status_detail": detail,
+        "run_id": f"id-{muscle}-{backend}", "case": case,
         "muscle": {"name": muscle, "vertices": MUSCLES[muscle], "triangles": 2 * MUSCLES[muscle] - 4},
         "bones": [{"name": "pelvis"}, {"name": "femur"}],
-        "attachments": [{"name": "origin", "bone": "pelvis", "nodes": 7}, {"name": "insertion", "bone": "femur", "nodes": 3}],
+        "attachments": [{"name": "origin", "bone": "pelvis", "nodes": 7},
+                        {"name": "insertion", "bone": "femur", "nodes": 3}],
         "build": {"git": "abc1234", "compiler": "GNU 12.2.0", "flags": "-O2", "type": "Release"},
         "machine": {"cpu": "A processor", "cores": 2, "governor": "performance"},
         "structure_bytes": STRUCTURE_BYTES[backend], "build_ns": 5_000_000,

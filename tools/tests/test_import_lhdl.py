@@ -43,7 +43,8 @@ def test_published_meshes_are_reproduced_byte_for_byte(imported, lhdl_folder, na
 
 
 def test_the_decimated_adductor_brevis_has_the_given_triangles_and_vertices(imported, lhdl_folder):
-    ours, theirs = [_numbers(folder / "meshes" / "adductor_brevis_r_502.ply", 502) for folder in (imported, lhdl_folder)]
+    files = [folder / "meshes" / "adductor_brevis_r_502.ply" for folder in (imported, lhdl_folder)]
+    ours, theirs = [_numbers(file, 502) for file in files]
     assert np.array_equal(ours[1], theirs[1])
     assert np.abs(ours[0] - theirs[0]).max() <= 5e-8  # single precision in millimetres, and VTK versions differ in it
 

@@ -51,7 +51,8 @@ def in_process(tmp_path, monkeypatch, capfd):
         monkeypatch.setenv("FAKE_BEHAVIOUR", behaviour)
         monkeypatch.setenv("FAKE_LOG", str(log))
         log.write_text("")
-        code = paper.main(["--musclebench", str(PROGRAM), "--out", str(tmp_path / "out"), "--frames-limit", "12", *more])
+        always = ["--musclebench", str(PROGRAM), "--out", str(tmp_path / "out"), "--frames-limit", "12"]
+        code = paper.main([*always, *more])
         return code, *capfd.readouterr(), [line.split()[0] for line in log.read_text().splitlines()]
 
     return run

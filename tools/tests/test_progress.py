@@ -27,7 +27,8 @@ def test_a_finished_case_weighs_what_it_took_and_corrects_its_backend():
 
 
 def test_a_backend_is_corrected_from_its_own_runs_first():
-    estimate = Estimate([VOXEL, FCL, SMALL_FCL], finished={FCL: 2 * FCL.guessed_seconds, VOXEL: 50 * VOXEL.guessed_seconds})
+    took = {FCL: 2 * FCL.guessed_seconds, VOXEL: 50 * VOXEL.guessed_seconds}
+    estimate = Estimate([VOXEL, FCL, SMALL_FCL], finished=took)
     assert estimate.seconds(SMALL_FCL) == pytest.approx(2 * SMALL_FCL.guessed_seconds)
 
 

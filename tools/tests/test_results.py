@@ -15,7 +15,8 @@ def test_every_complete_folder_gives_a_run(fake_raw):
     (fake_raw / ".half.12" / "run.json").write_text("{}")
     runs = results.read_runs(fake_raw)
     assert len(runs) == 16
-    assert {(run.muscle, run.backend) for run in runs} == {(m, b) for m in fake_runs.MUSCLES for b in fake_runs.BACKENDS}
+    expected = {(muscle, backend) for muscle in fake_runs.MUSCLES for backend in fake_runs.BACKENDS}
+    assert {(run.muscle, run.backend) for run in runs} == expected
 
 
 def test_collision_time_is_update_detect_and_respond(tmp_path):

@@ -103,6 +103,8 @@ def test_no_common_frames_give_no_ratio():
     assert np.isnan(median_ratio(pd.Series([1.0], index=[1]), pd.Series([1.0], index=[2])).value)
 
 
-@pytest.mark.parametrize("value, text", [(0.7164, "0.716"), (2.5, "2.50"), (99.94, "99.9"), (1046.7, "1047"), (0.0, "0")])
+@pytest.mark.parametrize(
+    "value, text", [(0.7164, "0.716"), (2.5, "2.50"), (99.94, "99.9"), (1046.7, "1047"), (0.0, "0")]
+)
 def test_ratios_have_three_digits_and_no_exponent(value, text):
     assert table_formats.as_ratio(value) == text
