@@ -50,7 +50,8 @@ def as_markdown(table: Table) -> str:
 def as_latex(table: Table) -> str:
     layout = "".join("l" if column.digits is None else "r" for column in table.columns)
     lines = ["\\begin{table}", "\\centering", f"\\caption{{{_latex(table.caption)}}}"]
-    lines += [f"\\begin{{tabular}}{{{layout}}}", "\\hline", " & ".join(_latex(column.title) for column in table.columns) + " \\\\", "\\hline"]
+    titles = " & ".join(_latex(column.title) for column in table.columns)
+    lines += [f"\\begin{{tabular}}{{{layout}}}", "\\hline", f"{titles} \\\\", "\\hline"]
     lines += [" & ".join(_latex(cell) for cell in cells) + " \\\\" for cells in _cells(table, table.columns)]
     return "\n".join([*lines, "\\hline", "\\end{tabular}", "\\end{table}"]) + "\n"
 
