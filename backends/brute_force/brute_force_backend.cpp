@@ -51,6 +51,7 @@ SurfacePoint locate(const TriangleMesh& mesh, const Vec3& point) {
 class BruteForceBackend final : public CollisionBackend {
  public:
   [[nodiscard]] Capabilities capabilities() const override { return {}; }
+  [[nodiscard]] AnswerBound answer_bound(int /*bone*/) const override { return {}; }
   [[nodiscard]] std::size_t structure_bytes() const override { return 0; }
 
  private:

@@ -1,5 +1,8 @@
 #include "backends/fcl/fcl_backend.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "backends/fcl/node_contacts.hpp"
@@ -26,6 +29,18 @@ std::vector<Triangle> triangles_with_area(const TriangleMesh& mesh) {
   return kept;
 }
 
+double longest_edge_m(const TriangleMesh& mesh) {
+  double squared = 0;
+  for (const Triangle& triangle : mesh.triangles) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const Vec3& from = mesh.vertices[static_cast<std::size_t>(triangle[corner])];
+      const Vec3& to = mesh.vertices[static_cast<std::size_t>(triangle[(corner + 1) % 3])];
+      squared = std::max(squared, (to - from).squaredNorm());
+    }
+  }
+  return std::sqrt(squared);
+}
+
 ColliderOptions collider_options(const Parameters& parameters) {
   ColliderOptions options;
   options.bounding_volume = parameters.word("bounding_volume");
@@ -43,13 +58,12 @@ class FclBackend final : public CollisionBackend {
  public:
   explicit FclBackend(ColliderOptions options) : m_options(std::move(options)) { check_collider_options(m_options); }
 
-  [[nodiscard]] Capabilities capabilities() const override {
-    return {.depth = true, .point_queries = false};
-  }
+  [[nodiscard]] Capabilities capabilities() const override { return {.depth = true, .point_queries = false}; }
 
-  /// Nodes behind the surface are missed at any depth; a node that is reported hangs on a triangle that cuts the bone.
+  /// Nodes behind the surface are missed at any depth; a node that is reported hangs on a triangle that cuts the bone
+  /// (as long as the muscle's edges are not stretched).
   [[nodiscard]] AnswerBound answer_bound(int /*bone*/) const override {
-    return {std::numeric_limits<double>::infinity(), m_longest_edge_m};
+    return {std::numeric_limits<double>::infinity(), longest_edge_m(muscle())};
   }
 
   [[nodiscard]] std::size_t structure_bytes() const override {

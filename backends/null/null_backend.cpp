@@ -1,13 +1,16 @@
 #include "backends/null/null_backend.hpp"
 
+#include <limits>
+
 namespace musclebench {
 
 namespace {
 
 class NullBackend final : public CollisionBackend {
  public:
-  [[nodiscard]] Capabilities capabilities() const override {
-    return {.depth = false, .point_queries = true, .conservative = false};
+  [[nodiscard]] Capabilities capabilities() const override { return {.depth = false, .point_queries = true}; }
+  [[nodiscard]] AnswerBound answer_bound(int /*bone*/) const override {
+    return {std::numeric_limits<double>::infinity(), 0};
   }
   [[nodiscard]] std::size_t structure_bytes() const override { return 0; }
 

@@ -58,7 +58,14 @@ class SdfBackend final : public CollisionBackend {
                                                             : FieldPrecision::double_precision),
         m_folder(parameters.word("structures")) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.conservative = false}; }
+  [[nodiscard]] Capabilities capabilities() const override { return {}; }
+
+  /// Half a cell: what a cubic field errs by at kinks, where it is of first order. Sheets thinner than a cell lie
+  /// outside it.
+  [[nodiscard]] AnswerBound answer_bound(int bone) const override {
+    const double half_cell_m = 0.5 * m_fields[static_cast<std::size_t>(bone)].shape().cell_size_m.norm();
+    return {half_cell_m, half_cell_m};
+  }
 
   [[nodiscard]] std::size_t structure_bytes() const override {
     std::size_t bytes = 0;

@@ -24,8 +24,13 @@ struct Capabilities {
   bool depth = true;
   /// `detect` can be asked about a subset of the nodes, at any positions (false: it needs the whole muscle surface).
   bool point_queries = true;
-  /// Every node with negative signed distance is reported.
-  bool conservative = true;
+};
+
+/// How far a backend's answer may be from the truth. A node inside a bone and deeper than `missed_depth_m` is reported;
+/// a node outside and farther than `false_distance_m` from the surface is not.
+struct AnswerBound {
+  double missed_depth_m = 0;
+  double false_distance_m = 0;
 };
 
 /// A collision backend: finds the nodes of one muscle surface that lie inside rigid bones.
@@ -42,6 +47,9 @@ class CollisionBackend {
   virtual ~CollisionBackend() = default;
 
   [[nodiscard]] virtual Capabilities capabilities() const = 0;
+
+  /// What the backend, once built, declares for `bone`; the contract tests hold it to this.
+  [[nodiscard]] virtual AnswerBound answer_bound(int bone) const = 0;
 
   /// Bytes of the structures made by `build`, counted from their sizes (deterministic), without the input meshes.
   [[nodiscard]] virtual std::size_t structure_bytes() const = 0;

@@ -123,7 +123,6 @@ TEST(FclBackend, SaysWhatItCanDo) {
   const Capabilities can = make_backend()->capabilities();
   EXPECT_TRUE(can.depth);
   EXPECT_FALSE(can.point_queries);
-  EXPECT_FALSE(can.conservative);
 }
 
 TEST(FclBackend, EmptyWhenApartOrWhollyInsideOrWithoutBones) {

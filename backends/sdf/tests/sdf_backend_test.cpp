@@ -126,8 +126,28 @@ TEST(SdfBackend, CountsItsBytes) {
   const auto backend = make({{"cells", std::int64_t{8}}});
   backend->build(bones, {}, 1);
   EXPECT_EQ(backend->structure_bytes(), 2 * (9 * 9 * (7 * 9 - 2) * sizeof(float) + 512 / 8));
-  EXPECT_FALSE(backend->capabilities().conservative);
   EXPECT_TRUE(backend->capabilities().depth);
+}
+
+TEST(SdfBackend, StaysWithinTheBoundItDeclares) {
+  const std::vector<Bone> bones = two_bones();
+  const auto backend = make();
+  backend->build(bones, {}, 1);
+  const std::vector<Vec3> positions = random_points(0.12, 3000);
+  std::vector<bool> found(positions.size(), false);
+  for (const Contact& contact : contacts_of(*backend, positions)) {
+    if (contact.bone == 1) {
+      found[static_cast<std::size_t>(contact.node)] = true;
+    }
+  }
+  const AnswerBound bound = backend->answer_bound(1);
+  EXPECT_LT(bound.missed_depth_m, 0.01);
+  for (std::size_t node = 0; node < positions.size(); ++node) {
+    // Beyond a face, edge or corner of the box the distance is at least the largest overshoot.
+    const double inner_gap = (Vec3(0.05, 0.1, 0.05) - positions[node].cwiseAbs()).minCoeff();
+    EXPECT_TRUE(found[node] || inner_gap <= bound.missed_depth_m) << positions[node].transpose();
+    EXPECT_TRUE(!found[node] || inner_gap >= -bound.false_distance_m) << positions[node].transpose();
+  }
 }
 
 TEST(SdfBackend, RefusesAGridThatDoesNotFitBeforeItAllocates) {

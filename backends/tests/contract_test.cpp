@@ -1,0 +1,300 @@
+// What every backend promises, tested on all of them. A bug found in one adds a case for all.
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "backends/registry.hpp"
+#include "core/geometry/shapes.hpp"
+
+namespace musclebench {
+namespace {
+
+using Answer = std::set<std::pair<int, int>>;  // bone, node
+
+Answer keys(const std::vector<Contact>& contacts) {
+  Answer answer;
+  for (const Contact& contact : contacts) {
+    answer.insert({contact.bone, contact.node});
+  }
+  return answer;
+}
+
+/// A bone with a signed distance that a formula gives.
+struct AnalyticBone {
+  std::string name;
+  TriangleMesh mesh;
+  double (*signed_distance_m)(const Vec3&);
+  double faceting_m;  ///< distance of the mesh from the shape that the formula means
+};
+
+constexpr double sphere_radius_m = 0.025;
+constexpr double capsule_radius_m = 0.012;
+constexpr double capsule_half_length_m = 0.02;
+const Vec3 box_half_m(0.02, 0.03, 0.025);
+
+std::vector<AnalyticBone> analytic_bones() {
+  return {{"sphere", make_sphere(sphere_radius_m, 4), [](const Vec3& x) { return x.norm() - sphere_radius_m; }, 6e-5},
+          {"box", make_box(box_half_m, 4),
+           [](const Vec3& x) {
+             const Vec3 q = x.cwiseAbs() - box_half_m;
+             return q.cwiseMax(0).norm() + std::min(0.0, q.maxCoeff());
+           },
+           1e-15},
+          {"capsule", make_capsule(capsule_radius_m, capsule_half_length_m, 64),
+           [](const Vec3& x) {
+             const double z = std::clamp(x.z(), -capsule_half_length_m, capsule_half_length_m);
+             return (x - Vec3(0, 0, z)).norm() - capsule_radius_m;
+           },
+           3e-5}};
+}
+
+/// A muscle that the bone cuts into: a sphere whose surface runs through the origin.
+TriangleMesh muscle() {
+  TriangleMesh mesh = make_sphere(0.03, 3);
+  for (Vec3& x : mesh.vertices) {
+    x += Vec3(0.034, 0.006, -0.004);
+  }
+  return mesh;
+}
+
+std::vector<int> all_nodes(const TriangleMesh& mesh) {
+  std::vector<int> nodes(mesh.vertices.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    nodes[i] = static_cast<int>(i);
+  }
+  return nodes;
+}
+
+std::vector<Vec3> moved(const std::vector<Vec3>& points, const RigidMotion& motion) {
+  std::vector<Vec3> result;
+  for (const Vec3& point : points) {
+    result.push_back(motion.apply(point));
+  }
+  return result;
+}
+
+class Contract : public testing::TestWithParam<std::string> {
+ protected:
+  std::unique_ptr<CollisionBackend> build(const std::string& name, const std::vector<Bone>& bones,
+                                          const TriangleMesh& muscle_mesh, int threads = 1) {
+    const BackendEntry& entry = find_backend(name);
+    auto backend = entry.make(Parameters(entry.parameters, {}, "test"));
+    backend->build(bones, muscle_mesh, threads);
+    return backend;
+  }
+
+  static std::vector<Contact> ask(CollisionBackend& backend, const std::vector<RigidMotion>& poses,
+                                  const std::vector<Vec3>& positions, const std::vector<int>& nodes) {
+    std::vector<Contact> contacts;
+    backend.update(poses, positions);
+    backend.detect(positions, nodes, contacts);
+    return contacts;
+  }
+
+  [[nodiscard]] bool collides() const { return GetParam() != "null"; }
+};
+
+std::vector<Bone> one_bone(const AnalyticBone& bone) { return {{bone.name, repair_mesh(bone.mesh, bone.name)}}; }
+
+const RigidMotion tilted = RigidMotion::about_axis(Vec3(1, 2, -0.5).normalized(), Vec3(0.01, -0.02, 0.005), 0.9) *
+                           RigidMotion{Mat3::Identity(), Vec3(0.3, -0.1, 0.2)};
+
+TEST_P(Contract, AnalyticShapesWithinTheDeclaredBound) {
+  for (const AnalyticBone& shape : analytic_bones()) {
+    const std::vector<Bone> bones = one_bone(shape);
+    const TriangleMesh mesh = muscle();
+    const auto backend = build(GetParam(), bones, mesh);
+    const AnswerBound bound = backend->answer_bound(0);
+    const Answer answer = keys(ask(*backend, {RigidMotion{}}, mesh.vertices, all_nodes(mesh)));
+    int inside = 0;
+    for (const int node : all_nodes(mesh)) {
+      const double d = shape.signed_distance_m(mesh.vertices[node]);
+      inside += d < 0 ? 1 : 0;
+      if (d < -bound.missed_depth_m - shape.faceting_m) {
+        EXPECT_TRUE(answer.count({0, node})) << shape.name << " node " << node << " d " << d;
+      }
+      if (d > bound.false_distance_m + shape.faceting_m) {
+        EXPECT_FALSE(answer.count({0, node})) << shape.name << " node " << node << " d " << d;
+      }
+    }
+    EXPECT_GT(inside, 20) << shape.name;
+    EXPECT_EQ(!answer.empty(), collides()) << shape.name;
+  }
+}
+
+TEST_P(Contract, AgreesWithBruteForceWithinTheDeclaredBound) {
+  for (const AnalyticBone& shape : analytic_bones()) {
+    const std::vector<Bone> bones = one_bone(shape);
+    const TriangleMesh mesh = muscle();
+    const std::vector<Vec3> positions = moved(mesh.vertices, tilted);
+    const auto backend = build(GetParam(), bones, mesh);
+    const auto truth_backend = build("brute_force", bones, mesh);
+    const AnswerBound bound = backend->answer_bound(0);
+    const Answer answer = keys(ask(*backend, {tilted}, positions, all_nodes(mesh)));
+    const std::vector<Contact> truth = ask(*truth_backend, {tilted}, positions, all_nodes(mesh));
+    ASSERT_GT(truth.size(), 20U);
+    for (const Contact& contact : truth) {
+      if (contact.depth_m > bound.missed_depth_m + 1e-12) {
+        EXPECT_TRUE(answer.count({0, contact.node})) << shape.name << " depth " << contact.depth_m;
+      }
+    }
+    const Answer true_answer = keys(truth);
+    for (const auto& [bone, node] : answer) {
+      if (!true_answer.count({bone, node})) {
+        EXPECT_LE(shape.signed_distance_m(mesh.vertices[node]), bound.false_distance_m + shape.faceting_m)
+            << shape.name;
+      }
+    }
+  }
+}
+
+TEST_P(Contract, DepthAndNormalPointTheShortestWayOut) {
+  for (const AnalyticBone& shape : analytic_bones()) {
+    const std::vector<Bone> bones = one_bone(shape);
+    const TriangleMesh mesh = muscle();
+    const auto backend = build(GetParam(), bones, mesh);
+    if (!backend->capabilities().depth) {
+      for (const Contact& contact : ask(*backend, {RigidMotion{}}, mesh.vertices, all_nodes(mesh))) {
+        EXPECT_EQ(contact.depth_m, 0);
+        EXPECT_EQ(contact.normal, Vec3(0, 0, 0));
+      }
+      continue;
+    }
+    const std::vector<Vec3> positions = moved(mesh.vertices, tilted);
+    for (const Contact& contact : ask(*backend, {tilted}, positions, all_nodes(mesh))) {
+      EXPECT_GE(contact.depth_m, 0);
+      EXPECT_NEAR(contact.normal.norm(), 1, 1e-9);
+      if (backend->capabilities().point_queries) {
+        const double tolerance = backend->answer_bound(0).missed_depth_m + shape.faceting_m + 1e-12;
+        EXPECT_NEAR(contact.depth_m, -shape.signed_distance_m(mesh.vertices[contact.node]), tolerance) << shape.name;
+        const Vec3 out = tilted.apply_inverse(positions[contact.node] + contact.depth_m * contact.normal);
+        EXPECT_NEAR(shape.signed_distance_m(out), 0, tolerance) << shape.name;
+      }
+    }
+  }
+}
+
+TEST_P(Contract, EmptyWhenApart) {
+  const AnalyticBone shape = analytic_bones().front();
+  const std::vector<Bone> bones = one_bone(shape);
+  const TriangleMesh mesh = muscle();
+  const auto backend = build(GetParam(), bones, mesh);
+  for (const double gap_m : {0.01, 1.0, 1e6}) {
+    const RigidMotion away{Mat3::Identity(), Vec3(gap_m + 0.02, 0, 0)};
+    EXPECT_TRUE(ask(*backend, {RigidMotion{}}, moved(mesh.vertices, away), all_nodes(mesh)).empty()) << gap_m;
+  }
+}
+
+TEST_P(Contract, TheSameAnswerTwice) {
+  const std::vector<Bone> bones = one_bone(analytic_bones()[1]);
+  const TriangleMesh mesh = muscle();
+  const auto backend = build(GetParam(), bones, mesh);
+  const auto again = build(GetParam(), bones, mesh, 2);
+  const auto first = ask(*backend, {tilted}, moved(mesh.vertices, tilted), all_nodes(mesh));
+  const auto second = ask(*backend, {tilted}, moved(mesh.vertices, tilted), all_nodes(mesh));
+  const auto rebuilt = ask(*again, {tilted}, moved(mesh.vertices, tilted), all_nodes(mesh));
+  for (const auto& other : {second, rebuilt}) {
+    ASSERT_EQ(first.size(), other.size());
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      EXPECT_EQ(first[i].node, other[i].node);
+      EXPECT_EQ(first[i].depth_m, other[i].depth_m);
+      EXPECT_EQ(first[i].normal, other[i].normal);
+    }
+  }
+}
+
+TEST_P(Contract, RigidMotionOfEverythingMovesTheAnswer) {
+  const AnalyticBone shape = analytic_bones()[2];
+  const std::vector<Bone> bones = one_bone(shape);
+  const TriangleMesh mesh = muscle();
+  const auto backend = build(GetParam(), bones, mesh);
+  const auto at_rest = ask(*backend, {RigidMotion{}}, mesh.vertices, all_nodes(mesh));
+  const auto elsewhere = ask(*backend, {tilted}, moved(mesh.vertices, tilted), all_nodes(mesh));
+  ASSERT_EQ(at_rest.size(), elsewhere.size());
+  for (std::size_t i = 0; i < at_rest.size(); ++i) {
+    EXPECT_EQ(at_rest[i].node, elsewhere[i].node);
+    EXPECT_NEAR(at_rest[i].depth_m, elsewhere[i].depth_m, 1e-9 * 0.1);
+    EXPECT_LT((tilted.apply_to_direction(at_rest[i].normal) - elsewhere[i].normal).norm(), 1e-6);
+  }
+}
+
+TEST_P(Contract, PermutedVerticesGiveTheSameSet) {
+  const std::vector<Bone> bones = one_bone(analytic_bones()[0]);
+  const TriangleMesh mesh = muscle();
+  std::vector<int> new_place = all_nodes(mesh);
+  std::shuffle(new_place.begin(), new_place.end(), std::mt19937(7));
+  TriangleMesh permuted = mesh;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    permuted.vertices[new_place[i]] = mesh.vertices[i];
+  }
+  for (Triangle& triangle : permuted.triangles) {
+    for (int& corner : triangle) {
+      corner = new_place[corner];
+    }
+  }
+  const auto backend = build(GetParam(), bones, mesh);
+  const auto backend_permuted = build(GetParam(), bones, permuted);
+  Answer expected;
+  for (const auto& [bone, node] : keys(ask(*backend, {RigidMotion{}}, mesh.vertices, all_nodes(mesh)))) {
+    expected.insert({bone, new_place[node]});
+  }
+  EXPECT_EQ(keys(ask(*backend_permuted, {RigidMotion{}}, permuted.vertices, all_nodes(mesh))), expected);
+}
+
+TEST_P(Contract, OrderedByBoneThenNodeAndOnlyWhatWasAsked) {
+  std::vector<Bone> bones = one_bone(analytic_bones()[0]);
+  bones.push_back(one_bone(analytic_bones()[1]).front());
+  const TriangleMesh mesh = muscle();
+  const auto backend = build(GetParam(), bones, mesh);
+  const std::vector<RigidMotion> poses(2);
+  const auto all = ask(*backend, poses, mesh.vertices, all_nodes(mesh));
+  std::vector<int> some;
+  for (const int node : all_nodes(mesh)) {
+    if (node % 3 == 0) {
+      some.push_back(node);
+    }
+  }
+  const auto subset = ask(*backend, poses, mesh.vertices, some);
+  const auto before = [](const Contact& a, const Contact& b) {
+    return a.bone != b.bone ? a.bone < b.bone : a.node < b.node;
+  };
+  EXPECT_TRUE(std::is_sorted(all.begin(), all.end(), before));
+  Answer expected;
+  for (const auto& key : keys(all)) {
+    if (key.second % 3 == 0) {
+      expected.insert(key);
+    }
+  }
+  EXPECT_EQ(keys(all).size(), all.size());
+  EXPECT_EQ(keys(subset), expected);
+  EXPECT_EQ(keys(all).count({1, all.empty() ? -1 : all.back().node}), all.empty() ? 0U : 1U);
+}
+
+TEST_P(Contract, NoNodesNoContactsAndNonFiniteNodesAreFree) {
+  const std::vector<Bone> bones = one_bone(analytic_bones()[0]);
+  TriangleMesh mesh = muscle();
+  const auto backend = build(GetParam(), bones, mesh);
+  EXPECT_TRUE(ask(*backend, {RigidMotion{}}, mesh.vertices, {}).empty());
+  if (backend->capabilities().point_queries) {
+    mesh.vertices[5] = Vec3::Constant(std::nan(""));
+    mesh.vertices[6] = Vec3::Constant(INFINITY);
+    EXPECT_TRUE(ask(*backend, {RigidMotion{}}, mesh.vertices, {5, 6}).empty());
+  }
+}
+
+std::vector<std::string> backend_names() {
+  std::vector<std::string> names;
+  for (const BackendEntry& entry : backend_registry()) {
+    names.push_back(entry.name);
+  }
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, Contract, testing::ValuesIn(backend_names()),
+                         [](const auto& info) { return info.param; });
+
+}  // namespace
+}  // namespace musclebench

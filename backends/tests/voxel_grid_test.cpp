@@ -1,0 +1,87 @@
+#include "backends/voxel/voxel_grid.hpp"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "core/base/input_error.hpp"
+#include "core/geometry/shapes.hpp"
+
+namespace musclebench {
+namespace {
+
+TEST(VoxelGrid, EveryPointInsideIsFlaggedAndFalseOnesAreWithinACell) {
+  const double radius = 0.04;
+  const TriangleMesh sphere = make_sphere(radius, 4);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-1.2 * radius, 1.2 * radius);
+  for (const int cells : {1, 2, 7, 32, 64}) {
+    const VoxelGrid grid(sphere, cells, 0, "test");
+    int false_ones = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const Vec3 x(place(random), place(random), place(random));
+      const double d = x.norm() - radius;
+      if (d < -1e-4 * radius - 2e-4 * radius) {
+        ASSERT_TRUE(grid.contains(x)) << cells << " " << d;
+      }
+      if (d > 0 && grid.contains(x)) {
+        ++false_ones;
+        ASSERT_LE(d, grid.cell_size_m().norm());
+      }
+    }
+    EXPECT_GT(false_ones, 0) << cells;
+  }
+}
+
+TEST(VoxelGrid, CellsFollowTheBoxOrAreCubes) {
+  const TriangleMesh box = make_box(Vec3(0.01, 0.02, 0.04), 2);
+  const VoxelGrid counted(box, 10, 0, "test");
+  EXPECT_EQ(counted.counts(), (std::array<int, 3>{10, 10, 10}));
+  EXPECT_NEAR(counted.cell_size_m().z() / counted.cell_size_m().x(), 4, 1e-6);
+  const VoxelGrid cubes(box, 10, 0.003, "test");
+  EXPECT_EQ(cubes.cell_size_m(), Vec3::Constant(0.003));
+  EXPECT_EQ(cubes.counts(), (std::array<int, 3>{7, 14, 27}));
+}
+
+TEST(VoxelGrid, OneBitACell) { EXPECT_EQ(VoxelGrid(make_sphere(1, 2), 64, 0, "test").bytes(), 32768U); }
+
+TEST(VoxelGrid, AnEnclosedPocketOfFreeSpaceIsFree) {
+  // A hollow ball: the cavity is cut off from the outside, yet it is not inside the bone.
+  TriangleMesh shell = make_sphere(0.04, 4);
+  const TriangleMesh cavity = make_sphere(0.03, 4);
+  const int offset = static_cast<int>(shell.vertices.size());
+  shell.vertices.insert(shell.vertices.end(), cavity.vertices.begin(), cavity.vertices.end());
+  for (const Triangle& t : cavity.triangles) {
+    shell.triangles.push_back({t[0] + offset, t[2] + offset, t[1] + offset});
+  }
+  const VoxelGrid grid(shell, 64, 0, "test");
+  EXPECT_FALSE(grid.contains(Vec3(0, 0, 0)));
+  EXPECT_TRUE(grid.contains(Vec3(0.035, 0, 0)));
+  EXPECT_FALSE(grid.contains(Vec3(0.05, 0, 0)));
+}
+
+TEST(VoxelGrid, FarFromTheOriginTheSurfaceStaysIn) {
+  TriangleMesh box = make_box(Vec3(0.01, 0.02, 0.04), 2);
+  for (Vec3& x : box.vertices) {
+    x += Vec3(1e3, -1e3, 1e3);
+  }
+  const VoxelGrid grid(box, 16, 0, "test");
+  for (const Vec3& x : box.vertices) {
+    EXPECT_TRUE(grid.contains(x));
+  }
+}
+
+TEST(VoxelGrid, TooManyCellsAreRefusedWithTheirSize) {
+  try {
+    const VoxelGrid grid(make_sphere(1, 2), 100000, 0, "voxel: cells (bone 'femur')");
+    FAIL();
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("femur"), std::string::npos);
+    EXPECT_NE(message.find("MB"), std::string::npos) << message;
+  }
+}
+
+}  // namespace
+}  // namespace musclebench
