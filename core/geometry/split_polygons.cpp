@@ -17,8 +17,9 @@ void append(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
-/// The polygons of more than three corners as a PLY file for assimp: each with vertices of its own, at its own centre
-/// and size, because assimp drops triangles below an absolute area, which a face of some millimetres has in metres.
+/// The polygons of more than three corners as a PLY file for assimp. Each has vertices of its own, which tell whose the
+/// triangles are, at its own centre and size, because assimp's floats have no digits for small faces far from the
+/// origin.
 std::string large_polygons_as_ply(const PolygonMesh& mesh, const std::vector<int>& large) {
   constexpr double size = 1000;
   std::string vertices;

@@ -9,6 +9,7 @@
 #include <string>
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
@@ -229,23 +230,29 @@ TEST_F(ReadMesh, ReadsOtherFormatsThroughAssimp) {
   expect_refused("broken.gltf", "{\"asset\":", "assimp can't read it");
 }
 
-TEST_F(ReadMesh, SplitsConcavePolygonsOfMillimetresRight) {
-  // An arrowhead of 2 mm: a fan from its first corner would cover more than the arrowhead.
-  const std::string off =
-      "OFF\n6 2 0\n0.5 0.002 0\n0.5 0 0\n0.502 0 0\n0.502 0.002 0\n0.501 0.0005 0\n0.501 0.003 0\n"
-      "5 0 1 2 3 4\n3 0 3 5\n";
-  const TriangleMesh mesh = read_mesh(write("a.off", off));
-  ASSERT_EQ(mesh.vertices.size(), 6U);
-  ASSERT_EQ(mesh.triangles.size(), 4U);
-  EXPECT_EQ(mesh.triangles.back(), (Triangle{0, 3, 5}));
-  for (const Triangle& triangle : mesh.triangles) {
-    const Vec3 a = mesh.vertices[triangle[0]];
-    EXPECT_GT((mesh.vertices[triangle[1]] - a).cross(mesh.vertices[triangle[2]] - a).z(),
-              &triangle == &mesh.triangles.back() ? -1 : 0);
+TEST_F(ReadMesh, SplitsConcavePolygonsRightWhereverTheyAre) {
+  // An arrowhead, of which a fan from its first corner would cover more than there is; then a triangle.
+  const std::vector<Vec3> corners = {{0, 2, 0}, {0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 0.5, 0}, {1, 3, 0}};
+  struct Place {
+    double size, offset;
+  };
+  for (const auto& [size, offset] : {Place{1, 0}, Place{1e-3, 0.5}, Place{1e-5, 600}}) {
+    std::string off = "OFF\n6 2 0\n";
+    for (const Vec3& corner : corners) {
+      off += fmt::format("{} {} {}\n", offset + size * corner.x(), offset + size * corner.y(), offset);
+    }
+    const TriangleMesh mesh = read_mesh(write("a.off", off + "5 0 1 2 3 4\n3 0 3 5\n"));
+    ASSERT_EQ(mesh.vertices.size(), 6U);
+    ASSERT_EQ(mesh.triangles.size(), 4U);
+    EXPECT_EQ(mesh.triangles.back(), (Triangle{0, 3, 5}));
+    TriangleMesh arrowhead = mesh;
+    arrowhead.triangles.pop_back();
+    for (const auto& [i, j, k] : arrowhead.triangles) {
+      const Vec3 a = mesh.vertices[i];
+      EXPECT_GT((mesh.vertices[j] - a).cross(mesh.vertices[k] - a).z(), 0) << size;
+    }
+    EXPECT_NEAR(check_mesh(arrowhead).area_m2, 2.5 * size * size, 1e-6 * size * size);
   }
-  TriangleMesh polygon = mesh;
-  polygon.triangles.pop_back();
-  EXPECT_NEAR(check_mesh(polygon).area_m2, 2.5e-6, 1e-12);
 }
 
 TEST_F(ReadMesh, WhatIsWrittenComesBack) {
