@@ -1,0 +1,216 @@
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "core/base/input_error.hpp"
+#include "core/geometry/shapes.hpp"
+#include "core/scene/attachment_area.hpp"
+#include "core/scene/read_scene.hpp"
+
+namespace musclebench {
+namespace {
+
+constexpr const char* bones_and_muscle = R"(
+[[bone]]
+name = "box"
+mesh = "synthetic:box"
+[bone.motion]
+axis = [0, 0, 2]
+centre_m = [0, 0, 0]
+from_deg = 0
+to_deg = 90
+
+[muscle]
+name = "ball"
+mesh = "synthetic:ball"
+)";
+
+SceneRequest request(const std::string& text) {
+  SceneRequest request;
+  request.name = "test";
+  request.file = "test.toml";
+  request.text = text;
+  request.preset_text = [](const std::string& name) -> std::string {
+    if (name != "soft") {
+      throw InputError("preset", "unknown");
+    }
+    return "[loop]\nframes = 10\nsubsteps = 4\n[effects.edge_length]\nstiffness = 0.5\n[effects.gravity]\n";
+  };
+  request.synthetic_mesh = [](const std::string& name) {
+    TriangleMesh mesh = name == "box" ? make_box(Vec3(0.02, 0.03, 0.01), 4) : make_sphere(0.01, 2);
+    if (name == "ball") {
+      for (Vec3& x : mesh.vertices) {
+        x += Vec3(0, 0, 0.021);
+      }
+    }
+    return mesh;
+  };
+  return request;
+}
+
+std::string error_of(const SceneRequest& request) {
+  try {
+    (void)read_scene(request);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string error_of(const std::string& text) { return error_of(request(text)); }
+
+void expect_mentions(const std::string& message, const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    EXPECT_NE(message.find(word), std::string::npos) << "'" << word << "' is not in: " << message;
+  }
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+}
+
+TEST(ReadScene, SceneOverwritesItsPreset) {
+  const Scene scene = read_scene(request(std::string("preset = \"soft\"\n") + bones_and_muscle +
+                                         "[loop]\nframes = 7\n[effects.edge_length]\nvisits_per_edge = 2\n"));
+  EXPECT_EQ(scene.loop.frames, 7);
+  EXPECT_EQ(scene.loop.substeps, 4);
+  ASSERT_EQ(scene.effects.size(), 2U);
+  EXPECT_EQ(scene.effects[0].name, "gravity");
+  EXPECT_EQ(scene.effects[1].parameters.number("stiffness"), 0.5);
+  EXPECT_EQ(scene.effects[1].parameters.integer("visits_per_edge"), 2);
+}
+
+TEST(ReadScene, AnEffectThatTheSceneTakesAwayDoesNotExist) {
+  const Scene scene =
+      read_scene(request(std::string("preset = \"soft\"\n") + bones_and_muscle + "[effects]\ngravity = false\n"));
+  ASSERT_EQ(scene.effects.size(), 1U);
+  EXPECT_EQ(scene.effects[0].name, "edge_length");
+}
+
+TEST(ReadScene, TheMotionGoesThereAndBack) {
+  const Scene scene = read_scene(request(std::string("preset = \"soft\"\n") + bones_and_muscle));
+  EXPECT_NEAR(scene.angle_rad(0), 0, 1e-15);
+  EXPECT_NEAR(scene.angle_rad(5), std::numbers::pi / 2, 1e-15);
+  EXPECT_NEAR(scene.angle_rad(2.5), std::numbers::pi / 4, 1e-15);
+  EXPECT_NEAR(scene.angle_rad(10), 0, 1e-15);
+  std::vector<RigidMotion> poses;
+  scene.poses_at(5, poses);
+  EXPECT_LT((poses[0].apply(Vec3(1, 0, 0)) - Vec3(0, 1, 0)).norm(), 1e-15);
+}
+
+TEST(ReadScene, NamesFileLineKeyAndNearestKnownKey) {
+  expect_mentions(error_of(std::string(bones_and_muscle) + "[loop]\nframse = 3\n"), {"test.toml:", "frames", "framse"});
+  expect_mentions(error_of(std::string(bones_and_muscle) + "[effects.bendin]\n"), {"test.toml:", "bendin", "bending"});
+  expect_mentions(error_of(std::string(bones_and_muscle) + "[effects.volume]\npresure = 1\n"),
+                  {"test.toml:", "effects.volume", "presure", "pressure"});
+  expect_mentions(error_of(std::string("titel = \"x\"\n") + bones_and_muscle), {"test.toml:1", "titel", "title"});
+  expect_mentions(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n[bone.motion]\naxes = [1, 0, 0]\n"),
+                  {"test.toml:5", "axes", "axis"});
+}
+
+TEST(ReadScene, RefusesValuesOutOfRangeAndOfTheWrongKind) {
+  expect_mentions(error_of(std::string(bones_and_muscle) + "[loop]\nframes = 0\n"), {"frames", "0", "1"});
+  expect_mentions(error_of(std::string(bones_and_muscle) + "[loop]\ntime_step_s = nan\n"), {"time_step_s", "nan"});
+  expect_mentions(error_of(std::string(bones_and_muscle) + "[loop]\nsubsteps = \"many\"\n"),
+                  {"substeps", "whole number"});
+  expect_mentions(error_of(std::string(bones_and_muscle) + "[loop]\nbone_motion = \"jumpy\"\n"),
+                  {"bone_motion", "jumpy", "per_frame"});
+  expect_mentions(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n[bone.motion]\naxis = [0, 0, 0]\n"
+                           "centre_m = [0, 0, 0]\nfrom_deg = 0\nto_deg = 1\n"),
+                  {"axis", "no length"});
+  expect_mentions(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n[bone.motion]\naxis = [0, inf, 0]\n"),
+                  {"axis", "finite"});
+}
+
+TEST(ReadScene, RefusesWhatIsMissingOrTwice) {
+  expect_mentions(error_of("title = \"empty\"\n"), {"bone", "missing"});
+  expect_mentions(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n"), {"muscle", "missing"});
+  expect_mentions(error_of("[[bone]]\nname = \"b\"\n"), {"mesh", "missing"});
+  expect_mentions(error_of("this is not TOML"), {"test.toml:1", "TOML"});
+  expect_mentions(error_of("preset = \"hard\"\n"), {"preset"});
+  expect_mentions(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n[[bone]]\nname = \"b\"\n"
+                           "mesh = \"synthetic:box\"\n"),
+                  {"earlier bone"});
+  expect_mentions(error_of("[[bone]]\nname = \"b\"\nmesh = \"${data}/x.ply\"\n"), {"--data", "MUSCLEBENCH_DATA"});
+  expect_mentions(error_of("[[bone]]\nname = \"b\"\nmesh = \"no/such/file.ply\"\n"), {"test.toml:3", "file.ply"});
+}
+
+TEST(ReadScene, AttachmentsBindTheNodesOverTheirArea) {
+  const std::string area = R"(
+[[attachment]]
+name = "foot"
+bone = "box"
+outline_m = [[-0.02, -0.03, 0.01], [0.02, -0.03, 0.01], [0.02, 0.03, 0.01], [-0.02, 0.03, 0.01]]
+distance_m = 0.004
+)";
+  const Scene scene = read_scene(request(std::string(bones_and_muscle) + area));
+  const auto& vertices = scene.muscle.mesh.vertices;
+  std::vector<int> expected;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (vertices[i].z() - 0.01 <= 0.004) {
+      expected.push_back(static_cast<int>(i));
+    }
+  }
+  EXPECT_GT(expected.size(), 5U);
+  EXPECT_EQ(scene.attachments.front().nodes, expected);
+  EXPECT_TRUE(scene_warnings(scene).size() >= 1);  // attachments without the effect
+  expect_mentions(error_of(std::string(bones_and_muscle) + "[[attachment]]\nname = \"a\"\nbone = \"bx\"\n"),
+                  {"bx", "box"});
+  expect_mentions(error_of(std::string(bones_and_muscle) +
+                           "[[attachment]]\nname = \"a\"\nbone = \"box\"\noutline_m = [[0,0,0]]\ndistance_m = 1\n"),
+                  {"three points"});
+}
+
+TEST(ReadScene, FirstContactNeedsNoAreas) {
+  const Scene scene = read_scene(request("attachment = \"first_contact\"\n" + std::string(bones_and_muscle)));
+  EXPECT_TRUE(scene.attach_at_first_contact);
+  expect_mentions(error_of("attachment = \"glue\"\n" + std::string(bones_and_muscle)), {"first_contact"});
+}
+
+TEST(AttachmentArea, TheFarSideOfTheBoneDoesNotCount) {
+  const TriangleMesh plate = make_box(Vec3(0.03, 0.03, 0.02), 6);
+  const TriangleTree tree(plate);
+  const AttachmentArea area{{Vec3(-0.01, -0.01, 0.02), Vec3(0.01, -0.01, 0.02), Vec3(0.0, 0.012, 0.02)}, 0.005, 0.001};
+  const std::vector<Vec3> nodes = {{0, 0, 0.021}, {0, 0, -0.021}, {0.02, 0, 0.021}, {0, -0.0105, 0.024}, {0, 0, 0.03}};
+  EXPECT_EQ(nodes_over_area(nodes, tree, area), (std::vector<int>{0, 3}));
+}
+
+class MotionTableFile : public testing::Test {
+ protected:
+  std::string write(const std::string& text) {
+    const auto path = std::filesystem::path(testing::TempDir()) / "musclebench_motion_test.mot";
+    std::ofstream(path) << text;
+    return path.string();
+  }
+  std::string error_of_table(const std::string& text) {
+    try {
+      (void)read_motion_table(write(text), "hip");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+TEST_F(MotionTableFile, ReadsAColumnWhateverTheHeaderAnnounces) {
+  const MotionTable table =
+      read_motion_table(write("name\nnRows=99\nendheader\ntime\tknee\thip\n0\t1\t-10\n0.5\t2\t0\n1\t3\t20\n"), "hip");
+  EXPECT_EQ(table.times, (std::vector<double>{0, 0.5, 1}));
+  EXPECT_EQ(table.values, (std::vector<double>{-10, 0, 20}));
+  BoneMotion motion{Vec3::UnitX(), Vec3::Zero(), table.times, table.values, false};
+  EXPECT_NEAR(motion.angle_rad(0.25), -5, 1e-15);
+  EXPECT_NEAR(motion.angle_rad(1), 20, 1e-15);
+  EXPECT_NEAR(motion.angle_rad(0), -10, 1e-15);
+}
+
+TEST_F(MotionTableFile, RefusesDamage) {
+  expect_mentions(error_of_table("endheader\ntime\thipp\n0 1\n1 2\n"), {":2", "hipp"});
+  expect_mentions(error_of_table("endheader\ntime\thip\n0 1\n1 nan\n"), {":4", "nan"});
+  expect_mentions(error_of_table("endheader\ntime\thip\n0 1\n0 2\n"), {":4", "ascend"});
+  expect_mentions(error_of_table("endheader\ntime\thip\n0 1\n1\n"), {":4", "values"});
+  expect_mentions(error_of_table("endheader\ntime\thip\n0 1\n"), {"two rows"});
+  expect_mentions(error_of_table(""), {"two rows"});
+}
+
+}  // namespace
+}  // namespace musclebench
