@@ -54,7 +54,10 @@ Particles particles_of(const Scene& scene, const std::vector<BoundNode>& bound) 
   particles.positions = scene.muscle.mesh.vertices;
   particles.predicted = particles.positions;
   particles.velocities.assign(particles.size(), Vec3::Zero());
-  particles.inverse_masses.assign(particles.size(), 1 / scene.loop.node_mass_kg);
+  const double volume_m3 = surface_volume_m3(scene.muscle.mesh.vertices, scene.muscle.mesh.triangles);
+  const double shared_mass_kg = scene.loop.density_kg_per_m3 * volume_m3 / static_cast<double>(particles.size());
+  particles.inverse_masses.assign(particles.size(),
+                                  1 / (shared_mass_kg > 0 ? shared_mass_kg : scene.loop.node_mass_kg));
   for (const BoundNode& node : bound) {
     particles.inverse_masses[node.node] = 0;
   }

@@ -53,6 +53,7 @@ Json json_of_case(const RunCase& run) {
             {"time_step_s", loop.time_step_s},
             {"damping_per_s", loop.damping_per_s},
             {"node_mass_kg", loop.node_mass_kg},
+            {"density_kg_per_m3", loop.density_kg_per_m3},
             {"bone_motion", loop.interpolate_poses ? "interpolated" : "per_frame"}}}};
 }
 

@@ -20,7 +20,7 @@ struct ParameterSpec {
   std::string help;
   double minimum = -1e300;           ///< inclusive, numbers only
   double maximum = 1e300;            ///< inclusive, numbers only
-  std::vector<std::string> choices;  ///< the allowed words, strings only; empty: any
+  std::vector<std::string> choices = {};  ///< the allowed words, strings only; empty: any
 };
 
 /// A complete, checked set of parameter values.

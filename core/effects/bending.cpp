@@ -43,7 +43,9 @@ Dihedral dihedral(const Vec3& start, const Vec3& end, const Vec3& left, const Ve
 class Bending final : public Effect {
  public:
   Bending(const EffectInput& input, const Parameters& parameters)
-      : m_stiffness(parameters.number("stiffness")), m_ratio_gate(parameters.flag("public_code_ratio_gate")) {
+      : m_stiffness(parameters.number("stiffness")),
+        m_compliance_rad_per_n_m(parameters.number("compliance_rad_per_n_m")),
+        m_ratio_gate(parameters.flag("public_code_ratio_gate")) {
     const double flat_cosine = std::cos(parameters.number("skip_flatter_than_rad"));
     const bool skip_flat = parameters.number("skip_flatter_than_rad") > 0;
     const auto& x = input.muscle.vertices;
@@ -62,14 +64,22 @@ class Bending final : public Effect {
 
   [[nodiscard]] std::string_view name() const override { return "bending"; }
 
-  void project(Particles& particles, const SubstepInput& /*input*/) override {
-    for (const BendingConstraint& constraint : m_constraints) {
-      project(constraint, particles.predicted.data(), particles.inverse_masses.data());
+  void apply_force(Particles& /*particles*/, const SubstepInput& /*input*/) override {
+    m_multipliers.assign(m_constraints.size(), 0);
+  }
+
+  void project(Particles& particles, const SubstepInput& input) override {
+    const double compliance = m_compliance_rad_per_n_m / (input.time_step_s * input.time_step_s);
+    m_multipliers.resize(m_constraints.size(), 0);
+    for (std::size_t i = 0; i < m_constraints.size(); ++i) {
+      project(m_constraints[i], compliance, m_multipliers[i], particles.predicted.data(),
+              particles.inverse_masses.data());
     }
   }
 
  private:
-  void project(const BendingConstraint& constraint, Vec3* predicted, const double* inverse_masses) const {
+  void project(const BendingConstraint& constraint, double compliance, double& multiplier, Vec3* predicted,
+               const double* inverse_masses) const {
     Vec3& start = predicted[constraint.start];
     Vec3& end = predicted[constraint.end];
     Vec3& left = predicted[constraint.left];
@@ -101,11 +111,12 @@ class Bending final : public Effect {
     if (!(weighted > 0)) {
       return;
     }
-    const double multiplier = m_stiffness * error_rad / weighted;
-    left -= (multiplier * inverse_masses[constraint.left]) * left_per_height;
-    right -= (multiplier * inverse_masses[constraint.right]) * right_per_height;
-    start += (multiplier * inverse_masses[constraint.start]) * start_gradient;
-    end += (multiplier * inverse_masses[constraint.end]) * end_gradient;
+    const double change = m_stiffness * (error_rad - compliance * multiplier) / (weighted + compliance);
+    multiplier += change;
+    left -= (change * inverse_masses[constraint.left]) * left_per_height;
+    right -= (change * inverse_masses[constraint.right]) * right_per_height;
+    start += (change * inverse_masses[constraint.start]) * start_gradient;
+    end += (change * inverse_masses[constraint.end]) * end_gradient;
   }
 
   /// Angle minus rest angle through sine and cosine of the difference, so that it never jumps by 2 pi.
@@ -121,7 +132,9 @@ class Bending final : public Effect {
   }
 
   std::vector<BendingConstraint> m_constraints;
+  std::vector<double> m_multipliers;  ///< of the substep, one a constraint
   double m_stiffness;
+  double m_compliance_rad_per_n_m;
   bool m_ratio_gate;
 };
 
@@ -132,14 +145,14 @@ std::unique_ptr<Effect> make_bending(const EffectInput& input, const Parameters&
 }
 
 std::vector<ParameterSpec> bending_parameters() {
-  return {{"stiffness", 0.9, "part of the error that one visit corrects", 0, 1, {}},
-          {"public_code_ratio_gate",
-           false,
-           "as the paper's public code: correct only where error over rest angle is between 0.1 and 10 (one direction)",
-           -1e300,
-           1e300,
-           {}},
-          {"skip_flatter_than_rad", 0.0, "leave out pairs that are flatter than this at rest; 0: none", 0, 3.2, {}}};
+  return {
+      {"stiffness", 0.9, "part of the error that one visit corrects", 0, 1, {}},
+      {"compliance_rad_per_n_m", 0.0, "compliance of the angle (XPBD); 0: none", 0, 1e12, {}},
+      {.name = "public_code_ratio_gate",
+       .default_value = false,
+       .help = "as the paper's public code: correct only where error over rest angle is 0.1 to 10 (one direction)"},
+      {"skip_flatter_than_rad", 0.0, "leave out pairs that are flatter than this at rest; 0: none", 0, 3.2, {}},
+  };
 }
 
 }  // namespace musclebench

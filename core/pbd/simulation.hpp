@@ -21,7 +21,8 @@ struct LoopParameters {
   int iterations = 1;
   double time_step_s = 1e-3;       ///< of one substep
   double damping_per_s = 0;        ///< velocities decay as exp(-damping t)
-  double node_mass_kg = 1;         ///< of every node
+  double node_mass_kg = 1;         ///< of every node, unless a density is given
+  double density_kg_per_m3 = 0;    ///< of the muscle, whose mass its nodes share evenly; 0: use node_mass_kg
   bool interpolate_poses = false;  ///< false: bones jump to the frame's pose in its first substep, as in the paper
 };
 

@@ -44,7 +44,13 @@ std::vector<ParameterSpec> loop_parameters() {
       {"iterations", std::int64_t{1}, "passes over constraints, detection and response a substep", 1, 1e6, {}},
       {"time_step_s", 1e-3, "time of one substep", 1e-9, 1e3, {}},
       {"damping_per_s", 0.0, "velocities decay as exp(-damping time)", 0, 1e9, {}},
-      {"node_mass_kg", 1.0, "mass of every node", 1e-12, 1e12, {}},
+      {"node_mass_kg", 1.0, "mass of every node (unless a density is given)", 1e-12, 1e12, {}},
+      {"density_kg_per_m3",
+       0.0,
+       "density of the muscle, whose mass its nodes share evenly; 0: use node_mass_kg",
+       0,
+       1e6,
+       {}},
       {"bone_motion",
        std::string("per_frame"),
        "per_frame: bones jump to the frame's pose in its first substep (paper); interpolated: they move in every "
@@ -63,6 +69,7 @@ LoopParameters loop_from(const Parameters& parameters) {
   loop.time_step_s = parameters.number("time_step_s");
   loop.damping_per_s = parameters.number("damping_per_s");
   loop.node_mass_kg = parameters.number("node_mass_kg");
+  loop.density_kg_per_m3 = parameters.number("density_kg_per_m3");
   loop.interpolate_poses = parameters.word("bone_motion") == "interpolated";
   return loop;
 }
