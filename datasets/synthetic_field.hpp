@@ -2,7 +2,6 @@
 
 #include <functional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "core/geometry/triangle_mesh.hpp"
@@ -57,7 +56,8 @@ class Strand {
 /// Several strands, blended into one another within `blend_m`.
 class StrandBundle {
  public:
-  StrandBundle(std::vector<Strand> strands, double blend_m) : m_strands(std::move(strands)), m_blend_m(blend_m) {}
+  StrandBundle(std::span<const std::vector<Station>> strands, double blend_m)
+      : m_strands(strands.begin(), strands.end()), m_blend_m(blend_m) {}
 
   /// The smooth minimum of `start_m` and of all strands.
   [[nodiscard]] double distance(const Vec3& point, double start_m = 1e3) const;

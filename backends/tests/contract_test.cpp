@@ -294,7 +294,7 @@ std::vector<std::string> backend_names() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, Contract, testing::ValuesIn(backend_names()),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& test) { return test.param; });
 
 }  // namespace
 }  // namespace musclebench

@@ -168,7 +168,9 @@ class Body {
     std::copy_n(m_rest.begin(), bytes, raw.begin());
     m_rest.remove_prefix(bytes);
     if ((m_encoding == Encoding::big_endian) != (std::endian::native == std::endian::big)) {
-      std::reverse(raw.begin(), raw.begin() + static_cast<long>(bytes));
+      for (std::size_t i = 0; i < bytes / 2; ++i) {
+        std::swap(raw[i % raw.size()], raw[(bytes - 1 - i) % raw.size()]);  // % tells GCC 12 that both are in range
+      }
     }
     return convert(raw, type);
   }
