@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
@@ -125,7 +126,7 @@ class Marcher {
       const auto b = static_cast<std::size_t>(tetrahedron[static_cast<std::size_t>(o[static_cast<std::size_t>(to)])]);
       return cut(corners[a], values[a], corners[b], values[b]);
     };
-    const int count = __builtin_popcount(inside);
+    const int count = std::popcount(inside);
     if (count == 2) {
       const int ik = cut_edge(0, 2);
       const int il = cut_edge(0, 3);

@@ -15,6 +15,7 @@ namespace {
 
 constexpr int passes = 5;
 constexpr int final_passes = 4;
+constexpr int newton_steps = 3;
 
 class Remesher {
  public:
@@ -26,13 +27,13 @@ class Remesher {
       split_long_edges();
       collapse_short_edges();
       even_out_valences();
-      relax();
+      relax(1);
       m_edge_m = edge_for_count();
     }
     reach_count();
     for (int pass = 0; pass < final_passes; ++pass) {
       make_delaunay();
-      relax();
+      relax(newton_steps);
     }
     make_delaunay();
     return m_surface.mesh();
@@ -167,13 +168,13 @@ class Remesher {
   }
 
   /// Every vertex moves within the surface towards the centroid of its triangles, then back onto field = 0.
-  void relax() {
+  void relax(int steps) {
     std::vector<Vec3> moved(static_cast<std::size_t>(m_surface.vertex_slots()));
     const int slots = m_surface.vertex_slots();
 #pragma omp parallel for schedule(static)
     for (int v = 0; v < slots; ++v) {
       if (m_surface.vertex_alive(v)) {
-        moved[static_cast<std::size_t>(v)] = onto_surface(relaxed(v));
+        moved[static_cast<std::size_t>(v)] = onto_surface(relaxed(v), steps);
       }
     }
     for (int v = 0; v < slots; ++v) {
@@ -206,9 +207,9 @@ class Remesher {
   }
 
   /// Newton steps along the gradient, none longer than half an edge: near the rim of a thin wedge the gradient is weak.
-  [[nodiscard]] Vec3 onto_surface(Vec3 point) const {
+  [[nodiscard]] Vec3 onto_surface(Vec3 point, int steps) const {
     const double reach = 1e-3 * m_edge_m;
-    for (int iteration = 0; iteration < 3; ++iteration) {
+    for (int iteration = 0; iteration < steps; ++iteration) {
       const double value = m_field(point);
       if (std::abs(value) < 1e-4 * m_edge_m) {
         break;
@@ -235,7 +236,7 @@ class Remesher {
         }
       }
       std::sort(edges.begin(), edges.end());
-      // A quarter at a time: each change lengthens or shortens the neighbours.
+      // Few at a time: each change lengthens or shortens the edges around it.
       const int wanted = std::abs(m_surface.vertex_count() - m_vertices);
       int left = std::min(wanted, static_cast<int>(edges.size()) / 24 + 1);
       const int before = m_surface.vertex_count();
@@ -252,7 +253,7 @@ class Remesher {
         break;
       }
       make_delaunay();
-      relax();
+      relax(1);
     }
   }
 
