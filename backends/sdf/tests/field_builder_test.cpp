@@ -168,7 +168,7 @@ TEST(BuildField, SignsAZeroThicknessFinByTheWindingNumber) {
   EXPECT_LT(*field.value({0.5, 0, 0}), 0);
 }
 
-TEST(BuildField, FemurIsWithinAHundredMicrometresOrSo) {
+TEST(BuildField, FemurIsWithinSomeHundredMicrometres) {
   const auto folder = lhdl_folder();
   if (!folder) {
     GTEST_SKIP() << "the LHDL data are not here (set MUSCLEBENCH_DATA)";
@@ -176,11 +176,11 @@ TEST(BuildField, FemurIsWithinAHundredMicrometresOrSo) {
   const RepairedMesh femur = repair_mesh(read_mesh(*folder / "meshes/femur_r.ply"), "femur");
   ASSERT_TRUE(femur.clean);
   const SignedSurface surface(femur);
-  const CubicField field = build_field(surface, grid_over(femur.mesh, {}, "femur"), single_precision, 2);
-  const FieldError error = estimate_error(field, surface, 10000);
-  EXPECT_LT(error.p99_m, 0.15e-3);
-  EXPECT_LT(error.largest_m, 1e-3);
-  EXPECT_LT(error.deepest_wrong_sign_m, 0.3e-3);
+  const CubicField field = build_field(surface, grid_over(femur.mesh, {.cells = 32}, "femur"), single_precision, 2);
+  const FieldError error = estimate_error(field, surface, 4000);
+  EXPECT_LT(error.p99_m, 0.4e-3);
+  EXPECT_LT(error.largest_m, 2e-3);
+  EXPECT_LT(error.deepest_wrong_sign_m, 1e-3);
   expect_positive_border(field);
 }
 
@@ -191,9 +191,9 @@ TEST(BuildField, PelvisHasNoWrongSignsAwayFromItsSurface) {
   }
   const RepairedMesh pelvis = repair_mesh(read_mesh(*folder / "meshes/pelvis.ply"), "pelvis");
   const SignedSurface surface(pelvis);
-  const CubicField field = build_field(surface, grid_over(pelvis.mesh, {.cells = 24}, "pelvis"), single_precision, 2);
-  const FieldError error = estimate_error(field, surface, 5000);
-  EXPECT_EQ(error.samples, 5000);
+  const CubicField field = build_field(surface, grid_over(pelvis.mesh, {.cells = 16}, "pelvis"), single_precision, 2);
+  const FieldError error = estimate_error(field, surface, 2000);
+  EXPECT_EQ(error.samples, 2000);
   EXPECT_LT(error.deepest_wrong_sign_m, field.shape().cell_size_m.norm());
   expect_positive_border(field);
 }
