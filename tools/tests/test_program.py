@@ -1,0 +1,258 @@
+"""The program as a user meets it: results, exit codes, and one clear line for bad input with nothing left behind."""
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from musclebench_report.ply import read_ply
+
+PROGRAM = os.environ.get("MUSCLEBENCH_BINARY", "")
+pytestmark = pytest.mark.skipif(not PROGRAM, reason="MUSCLEBENCH_BINARY does not name the program (tools/test sets it)")
+
+SCENE = """
+title = "a ball on a box"
+[[bone]]
+name = "box"
+mesh = "box.off"
+[bone.motion]
+axis = [0, 1, 0]
+centre_m = [0, 0, 0]
+from_deg = 0
+to_deg = 20
+[muscle]
+name = "ball"
+mesh = "ball.off"
+[loop]
+frames = 12
+substeps = 2
+[effects.gravity]
+[effects.edge_length]
+[effects.bending]
+[effects.volume]
+"""
+
+
+def off(vertices, triangles) -> str:
+    lines = ["OFF", f"{len(vertices)} {len(triangles)} 0"]
+    lines += [" ".join(f"{float(x)!r}" for x in vertex) for vertex in vertices]
+    return "\n".join(lines + ["3 " + " ".join(map(str, triangle)) for triangle in triangles]) + "\n"
+
+
+def box(half):
+    vertices = [[x, y, z] for x in (-half, half) for y in (-half, half) for z in (-half, half)]
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return np.array(vertices), [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+
+
+def ball(radius, centre, rings=9, around=12):
+    vertices = [[0, 0, -1]]
+    for i in range(1, rings):
+        for j in range(around):
+            polar, azimuth = np.pi * i / rings, 2 * np.pi * j / around
+            vertices.append([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), -np.cos(polar)])
+    vertices.append([0, 0, 1])
+    top = len(vertices) - 1
+    triangles = []
+    for j in range(around):
+        k = (j + 1) % around
+        triangles.append((0, 1 + k, 1 + j))
+        triangles.append((top, top - around + j, top - around + k))
+        for i in range(rings - 2):
+            a, b = 1 + i * around, 1 + (i + 1) * around
+            triangles += [(a + j, a + k, b + k), (a + j, b + k, b + j)]
+    return radius * np.array(vertices) + centre, triangles
+
+
+@pytest.fixture()
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "box.off").write_text(off(*box(0.03)))
+    (tmp_path / "ball.off").write_text(off(*ball(0.02, [0.005, 0, 0.0485])))
+    return tmp_path
+
+
+def run(folder: Path, *arguments, scene="scene.toml", backend="sdf", **options):
+    command = [PROGRAM, "run", str(folder / scene), "--backend", backend, "--out", str(folder / "out"), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, **options)
+
+
+def assert_refused(done, folder: Path, *words):
+    assert done.returncode == 2, done.stderr
+    lines = [line for line in done.stderr.splitlines() if "warning" not in line]
+    assert len(lines) == 1, done.stderr
+    for word in words:
+        assert word in lines[0]
+    assert not (folder / "out").exists()
+    assert not list(folder.glob(".out*"))
+
+
+@pytest.mark.parametrize("backend", ["null", "voxel", "sdf", "fcl", "brute_force"])
+def test_every_backend_leaves_a_complete_run(folder, backend):
+    done = run(folder, "--snapshots", "0,6,12", backend=backend)
+    assert done.returncode == 0, done.stderr
+    manifest = json.loads((folder / "out/run.json").read_text())
+    frames = pd.read_csv(folder / "out/frames.csv")
+    assert manifest["status"] == "ok"
+    assert len(frames) == manifest["frames"] == 12
+    assert list(frames.frame) == list(range(1, 13))
+    assert frames.notna().all().all()
+    collision = frames.update_ns + frames.detect_ns + frames.respond_ns
+    assert (collision <= frames.frame_ns).all()
+    assert frames.angle_deg[5] == pytest.approx(20)
+    assert [shot["frame"] for shot in manifest["snapshots"]] == [0, 6, 12]
+    shape = read_ply(folder / "out" / manifest["snapshots"][1]["file"])
+    assert len(shape.vertices_m) == manifest["muscle"]["vertices"]
+    assert np.isfinite(shape.vertices_m).all()
+    if backend in ("sdf", "brute_force"):
+        assert frames.max_depth_m.max() < 1e-3  # held by the box
+        assert frames.missed_contacts.sum() <= 5
+    if backend == "null":
+        assert frames.max_depth_m.max() > 1e-3  # it falls through
+        assert "detect_ns" in frames and manifest["structure_bytes"] == 0
+    if backend == "voxel":
+        assert frames.missed_contacts.sum() == 0
+
+
+def test_effects_the_scene_does_not_name_have_no_column(folder):
+    (folder / "scene.toml").write_text(SCENE.replace("[effects.bending]\n", ""))
+    assert run(folder).returncode == 0
+    assert "bending_ns" not in pd.read_csv(folder / "out/frames.csv").columns
+    assert "volume_ns" in pd.read_csv(folder / "out/frames.csv").columns
+
+
+def test_the_same_run_ends_in_the_same_state(folder):
+    hashes = set()
+    for threads in ("1", "2"):
+        assert run(folder, "--threads", threads, "--force").returncode == 0
+        hashes.add(json.loads((folder / "out/run.json").read_text())["state_hash"])
+    assert len(hashes) == 1
+
+
+def test_a_complete_run_is_skipped_unless_forced(folder):
+    assert run(folder).returncode == 0
+    written = (folder / "out/run.json").stat().st_mtime_ns
+    assert "complete already" in run(folder).stdout
+    assert (folder / "out/run.json").stat().st_mtime_ns == written
+    assert run(folder, "--force").returncode == 0
+    assert (folder / "out/run.json").stat().st_mtime_ns > written
+
+
+def test_numbers_read_back_to_the_same_bits(folder):
+    assert run(folder).returncode == 0
+    text = (folder / "out/frames.csv").read_text().splitlines()
+    column = text[0].split(",").index("volume_m3")
+    for line in text[1:]:
+        value = line.split(",")[column]
+        assert float(repr(float(value))) == float(value)
+        assert len(value) >= 15
+
+
+@pytest.mark.parametrize(("content", "words"), [
+    (None, ["no such file"]),
+    (b"", ["empty"]),
+    (b"OFF\n4 4 0\n0 0 0\n1 0 0\n", ["box.off"]),
+    (bytes(range(256)) * 20, ["box.off"]),
+    (b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", ["box.off", "7"]),
+    (b"OFF\n3 1 0\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", ["box.off"]),
+    (b"OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", ["box.off", "triangle"]),
+])
+def test_a_broken_mesh_is_refused(folder, content, words):
+    (folder / "box.off").unlink()
+    if content is not None:
+        (folder / "box.off").write_bytes(content)
+    assert_refused(run(folder), folder, "scene.toml:", *words)
+
+
+@pytest.mark.parametrize(("arguments", "words"), [
+    (["--backend", "sfd"], ["sfd", "voxel", "sdf"]),
+    (["--param", "cels=3"], ["cels", "cells"]),
+    (["--param", "cells=0"], ["cells", "0"]),
+    (["--param", "cells=four"], ["cells", "four"]),
+    (["--param", "cells"], ["cells", "key=value"]),
+    (["--param", "cells=4096"], ["cells", "MB"]),
+    (["--preset", "papr"], ["papr", "paper"]),
+    (["--loop", "substep=3"], ["substep", "substeps"]),
+    (["--loop", "time_step_s=-1"], ["time_step_s", "-1"]),
+    (["--data", "/no/such/folder"], ["/no/such/folder"]),
+    (["--out", "/proc/nowhere/out"], ["/proc/nowhere/out"]),
+])
+def test_a_bad_option_is_refused(folder, arguments, words):
+    command = [PROGRAM, "run", str(folder / "scene.toml")]
+    if "--backend" not in arguments:
+        command += ["--backend", "sdf"]
+    if "--out" not in arguments:
+        command += ["--out", str(folder / "out")]
+    done = subprocess.run(command + arguments, capture_output=True, text=True, timeout=60, check=False)
+    assert_refused(done, folder, *words)
+
+
+def test_bad_command_lines_exit_with_2(folder):
+    for arguments in ([], ["rum"], ["run"], ["run", "x.toml"], ["run", "nowhere", "--backend", "sdf"], ["check"]):
+        done = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, timeout=60, check=False)
+        assert done.returncode == 2, arguments
+        assert done.stderr
+    assert subprocess.run([PROGRAM, "--help"], capture_output=True, check=False).returncode == 0
+
+
+def test_a_full_disk_leaves_nothing(folder):
+    def small_files_only():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+
+    done = run(folder, preexec_fn=small_files_only)
+    assert_refused(done, folder, "cannot be written")
+
+
+def test_a_foreign_folder_is_not_replaced(folder):
+    (folder / "out").mkdir()
+    (folder / "out/thesis.txt").write_text("three years")
+    done = run(folder)
+    assert done.returncode == 2
+    assert "something else" in done.stderr
+    assert (folder / "out/thesis.txt").read_text() == "three years"
+
+
+def test_a_blow_up_keeps_its_rows(folder):
+    (folder / "scene.toml").write_text(
+        SCENE.replace("[effects.gravity]", "[effects.gravity]\nz_m_per_s2 = -1e6\n")
+        .replace("substeps = 2", "substeps = 2\ntime_step_s = 0.01"))
+    done = run(folder, backend="null")
+    assert done.returncode == 3
+    assert "frame" in done.stderr
+    manifest = json.loads((folder / "out/run.json").read_text())
+    assert manifest["status"] == "diverged"
+    assert "frame" in manifest["status_detail"]
+    text = (folder / "out/frames.csv").read_text()
+    assert len(text.splitlines()) == manifest["frames"] + 1
+    assert "nan" not in text and "inf" not in text
+
+
+def test_ctrl_c_leaves_no_half_folder(folder):
+    process = subprocess.Popen([PROGRAM, "run", str(folder / "scene.toml"), "--backend", "voxel", "--frames", "9999999",
+                                "--out", str(folder / "out")], stderr=subprocess.PIPE, text=True)
+    time.sleep(1.5)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert "nothing was written" in errors
+    assert not (folder / "out").exists()
+    assert not list(folder.glob(".out*"))
+
+
+def test_check_and_list_speak(folder):
+    checked = subprocess.run([PROGRAM, "check", str(folder / "scene.toml")], capture_output=True, text=True, check=False)
+    assert checked.returncode == 0
+    assert "overlap with box at rest" in checked.stdout
+    mesh = subprocess.run([PROGRAM, "check", str(folder / "box.off")], capture_output=True, text=True, check=False)
+    assert "no defects" in mesh.stdout
+    listed = subprocess.run([PROGRAM, "list"], capture_output=True, text=True, check=False).stdout
+    for word in ("voxel", "cells", "bending", "synthetic/iliacus", "paper", "standard", "time_step_s"):
+        assert word in listed
