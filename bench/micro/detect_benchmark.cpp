@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
   try {
     for (const musclebench::BackendEntry& entry : musclebench::backend_registry()) {
       for (const auto& [kernel, function] :
-           {std::pair("update", musclebench::update), std::pair("detect", musclebench::detect)}) {
+           {std::pair("update", &musclebench::update), std::pair("detect", &musclebench::detect)}) {
         auto* registered = benchmark::RegisterBenchmark(fmt::format("{}/{}", kernel, entry.name).c_str(),
                                                         [&entry, f = function](benchmark::State& s) { f(s, entry); });
         registered->Unit(benchmark::kMicrosecond);
