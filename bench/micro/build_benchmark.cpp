@@ -40,16 +40,15 @@ void sdf_build_a_node(benchmark::State& state) {
 }
 BENCHMARK(sdf_build_a_node)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-/// Vertices of the muscle and of the bone, jittered by 2 mm: as near to the surface as nodes come.
-void referee_query_near(benchmark::State& state) {
-  const Bone& bone = scene().bones.front();
+/// One exact closest point with sign, at vertices of `mesh` jittered by 2 mm.
+void referee_query(benchmark::State& state, const TriangleMesh& mesh) {
   const Referee referee(scene().bones, 0);
   std::mt19937 random(1);
   std::normal_distribution<double> jitter(0, 0.002);
   std::vector<Vec3> points;
-  const auto& vertices = bone.surface.mesh.vertices;
-  for (std::size_t i = 0; i < vertices.size(); i += std::max<std::size_t>(1, vertices.size() / 20000)) {
-    points.push_back(vertices[i] + Vec3(jitter(random), jitter(random), jitter(random)));
+  const std::size_t step = std::max<std::size_t>(1, mesh.vertices.size() / 20000);
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += step) {
+    points.push_back(mesh.vertices[i] + Vec3(jitter(random), jitter(random), jitter(random)));
   }
   std::size_t next = 0;
   for (auto _ : state) {
@@ -57,7 +56,13 @@ void referee_query_near(benchmark::State& state) {
     next = next + 1 < points.size() ? next + 1 : 0;
   }
 }
-BENCHMARK(referee_query_near);
+
+/// Where the queries of a run are.
+void referee_query_at_muscle(benchmark::State& state) { referee_query(state, scene().muscle.mesh); }
+BENCHMARK(referee_query_at_muscle);
+
+void referee_query_at_bone(benchmark::State& state) { referee_query(state, scene().bones.front().surface.mesh); }
+BENCHMARK(referee_query_at_bone);
 
 }  // namespace
 }  // namespace musclebench
