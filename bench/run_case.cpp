@@ -135,7 +135,8 @@ class CaseRunner {
 
     m_result.bound_nodes = bind_nodes(m_scene, *m_backend, rest_poses);
     std::vector<std::unique_ptr<Effect>> effects;
-    const EffectInput input{m_scene.muscle.mesh, m_scene.fibres, m_result.bound_nodes, rest_poses};
+    const std::vector<FibreSegment> fibres = m_scene.fibres_with(m_result.bound_nodes);
+    const EffectInput input{m_scene.muscle.mesh, fibres, m_result.bound_nodes, rest_poses};
     for (const SceneEffect& effect : m_scene.effects) {
       effects.push_back(find_effect(effect.name)->make(input, effect.parameters));
       m_result.effect_names.push_back(effect.name);

@@ -257,6 +257,13 @@ std::string run_id(const RunCase& run) {
   Sha256 hash;
   hash.add(json_of_case(run).dump());
   hash.add(json_of_inputs(run).dump());
+  // What a scene file outlines or draws in becomes nodes and fibres; they are the input, however they were described.
+  for (const Attachment& attachment : run.scene.attachments) {
+    hash.add(fmt::format("{} {} ", attachment.name, attachment.bone));
+    hash.add(std::as_bytes(std::span(attachment.nodes)));
+  }
+  hash.add(run.scene.fibres_between_attachments ? "fibres between attachments" : "fibres of a file");
+  hash.add(std::as_bytes(std::span(run.scene.fibres)));
   hash.add(json_of_build().dump());
   return hash.hex_digest().substr(0, 16);
 }

@@ -16,7 +16,6 @@ namespace musclebench {
 namespace {
 
 constexpr double radians_per_degree = std::numbers::pi / 180;
-constexpr int most_fibre_segments = 1000;
 
 std::string sha256_of(const TriangleMesh& mesh) {
   Sha256 hash;
@@ -168,16 +167,6 @@ void read_attachments(const SceneRequest& request, const TomlTable& root, Scene&
   }
 }
 
-/// Fibres run from the bone of the first attachment to the others' bones.
-std::vector<FibreSegment> fibres_of_attachments(const Scene& scene) {
-  std::vector<int> origin;
-  std::vector<int> insertion;
-  for (const BoundNode& bound : scene.bound_nodes()) {
-    (bound.bone == scene.attachments.front().bone ? origin : insertion).push_back(bound.node);
-  }
-  return fibres_between(scene.muscle.mesh, origin, insertion, most_fibre_segments);
-}
-
 void read_muscle(const SceneRequest& request, const TomlTable& root, Scene& scene) {
   const auto table = root.table("muscle");
   if (!table) {
@@ -189,8 +178,8 @@ void read_muscle(const SceneRequest& request, const TomlTable& root, Scene& scen
   read_attachments(request, root, scene);
   const std::string fibres = table->word_or("fibres", "none");
   if (fibres == "between_attachments") {
-    scene.fibres = fibres_of_attachments(scene);
-    if (scene.fibres.empty() && !scene.attach_at_first_contact) {
+    scene.fibres_between_attachments = true;
+    if (!scene.attach_at_first_contact && scene.fibres_with(scene.bound_nodes()).empty()) {
       throw InputError(table->place("fibres"), "'between_attachments' needs bound nodes on two bones");
     }
   } else if (fibres != "none") {

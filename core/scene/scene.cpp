@@ -37,6 +37,20 @@ std::vector<BoundNode> Scene::bound_nodes() const {
   return bound;
 }
 
+std::vector<FibreSegment> Scene::fibres_with(const std::vector<BoundNode>& bound) const {
+  if (!fibres_between_attachments) {
+    return fibres;
+  }
+  constexpr int most_segments = 1000;
+  const int origin_bone = attachments.empty() ? 0 : attachments.front().bone;
+  std::vector<int> origin;
+  std::vector<int> insertion;
+  for (const BoundNode& node : bound) {
+    (node.bone == origin_bone ? origin : insertion).push_back(node.node);
+  }
+  return fibres_between(muscle.mesh, origin, insertion, most_segments);
+}
+
 std::vector<ParameterSpec> loop_parameters() {
   return {
       {"frames", std::int64_t{314}, "frames of the whole motion", 1, 1e7, {}},
@@ -93,7 +107,8 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
     warnings.emplace_back("the scene has attachments but lacks [effects.attachment]: its bound nodes stand still");
   }
   for (const SceneEffect& effect : scene.effects) {
-    if (effect.name == "edge_length" && !scene.fibres.empty() && effect.parameters.number("anisotropy_exponent") == 0) {
+    const bool fibres = scene.fibres_between_attachments || !scene.fibres.empty();
+    if (effect.name == "edge_length" && fibres && effect.parameters.number("anisotropy_exponent") == 0) {
       warnings.emplace_back("the muscle has fibres, but edge_length.anisotropy_exponent = 0 ignores them");
     }
   }

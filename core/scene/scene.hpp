@@ -39,7 +39,8 @@ struct Scene {
   std::vector<BoneMotion> motions;     ///< one a bone
   std::string muscle_name;
   SceneMesh muscle;
-  std::vector<FibreSegment> fibres;
+  std::vector<FibreSegment> fibres;  ///< from a file; none where they run between the attachments
+  bool fibres_between_attachments = false;
   std::vector<Attachment> attachments;
   /// Instead of attachments: every node that the backend finds in a bone before the first frame is bound to that bone,
   /// the paper's own way. The boundary condition then depends on the backend.
@@ -53,6 +54,9 @@ struct Scene {
   [[nodiscard]] double angle_rad(double frame_position) const;
   /// Bound nodes of all attachments; a node that two areas claim belongs to the first.
   [[nodiscard]] std::vector<BoundNode> bound_nodes() const;
+  /// The fibres of the scene, given the nodes that are bound: they run from the bone of the first attachment to the
+  /// others.
+  [[nodiscard]] std::vector<FibreSegment> fibres_with(const std::vector<BoundNode>& bound) const;
 };
 
 /// The parameters of the `[loop]` table.

@@ -145,6 +145,23 @@ def test_a_complete_run_is_skipped_unless_forced(folder):
     assert (folder / "out/run.json").stat().st_mtime_ns > written
 
 
+def test_a_changed_scene_is_another_run(folder):
+    attachment = """
+[[attachment]]
+name = "foot"
+bone = "box"
+outline_m = [[-0.02, -0.02, 0.03], [0.02, -0.02, 0.03], [0.0, 0.02, 0.03]]
+distance_m = {}
+[effects.attachment]
+"""
+    ids = set()
+    for distance in (0.002, 0.006):
+        (folder / "scene.toml").write_text(SCENE + attachment.format(distance))
+        assert run(folder).returncode == 0
+        ids.add(json.loads((folder / "out/run.json").read_text())["run_id"])
+    assert len(ids) == 2
+
+
 def test_numbers_read_back_to_the_same_bits(folder):
     assert run(folder).returncode == 0
     text = (folder / "out/frames.csv").read_text().splitlines()

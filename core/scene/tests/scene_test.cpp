@@ -167,6 +167,33 @@ TEST(ReadScene, FirstContactNeedsNoAreas) {
   expect_mentions(error_of("attachment = \"glue\"\n" + std::string(bones_and_muscle)), {"first_contact"});
 }
 
+TEST(Fibres, FollowTheMuscleFromOriginToInsertion) {
+  // A bent tube: its fibres have to turn with it, which straight lines between its ends would not.
+  TriangleMesh tube = make_capsule(0.01, 0.05, 24);
+  std::vector<BoundNode> bound;
+  for (std::size_t i = 0; i < tube.vertices.size(); ++i) {
+    Vec3& x = tube.vertices[i];
+    if (std::abs(x.z()) > 0.05) {
+      bound.push_back({static_cast<int>(i), x.z() < 0 ? 0 : 1});
+    }
+    const double angle = x.z() / 0.06;
+    x = Vec3((0.06 + x.x()) * std::cos(angle), x.y(), (0.06 + x.x()) * std::sin(angle));
+  }
+  Scene scene;
+  scene.muscle.mesh = tube;
+  scene.fibres_between_attachments = true;
+  const std::vector<FibreSegment> fibres = scene.fibres_with(bound);
+  ASSERT_GT(fibres.size(), 100U);
+  double worst = 1;
+  for (const FibreSegment& fibre : fibres) {
+    const Vec3 centre = 0.5 * (fibre.start + fibre.end);
+    const Vec3 along = Vec3(-centre.z(), 0, centre.x()).normalized();
+    worst = std::min(worst, along.dot((fibre.end - fibre.start).normalized()));
+  }
+  EXPECT_GT(worst, 0.8);
+  EXPECT_TRUE(scene.fibres_with({}).empty());
+}
+
 TEST(AttachmentArea, TheFarSideOfTheBoneDoesNotCount) {
   const TriangleMesh plate = make_box(Vec3(0.03, 0.03, 0.02), 6);
   const TriangleTree tree(plate);
