@@ -23,7 +23,8 @@ void write_frames_csv(std::ostream& out, const std::vector<std::string>& effect_
   for (const std::string& name : effect_names) {
     out << ',' << name << "_ns";
   }
-  out << ",predict_ns,update_ns,detect_ns,respond_ns,finish_ns,frame_ns,contacts,nodes_inside,max_depth_m,p99_depth_m,"
+  out << ",predict_ns,update_ns,detect_ns,respond_ns,finish_ns,frame_ns,recording_ns,contacts,nodes_inside,max_depth_m,"
+         "p99_depth_m,"
          "mean_depth_m,missed_contacts,false_contacts,volume_m3,resident_bytes\n";
   for (const StepRecord& record : records) {
     const StageTimes& times = record.times;
@@ -31,8 +32,8 @@ void write_frames_csv(std::ostream& out, const std::vector<std::string>& effect_
     for (const Nanoseconds ns : times.effects_ns) {
       line += fmt::format(",{}", ns);
     }
-    line += fmt::format(",{},{},{},{},{},{},{}", times.predict_ns, times.update_ns, times.detect_ns, times.respond_ns,
-                        times.finish_ns, times.frame_ns, record.contacts);
+    line += fmt::format(",{},{},{},{},{},{},{},{}", times.predict_ns, times.update_ns, times.detect_ns,
+                        times.respond_ns, times.finish_ns, times.frame_ns, times.recording_ns, record.contacts);
     line += cell_if(record.judged, record.depth.nodes_inside);
     for (const double depth : {record.depth.max_depth_m, record.depth.p99_depth_m, record.depth.mean_depth_m}) {
       line += record.judged ? cell(depth) : ",";

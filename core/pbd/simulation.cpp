@@ -23,7 +23,6 @@ StageTimes Simulation::step_frame(int frame, LastDetection* last_detection) {
   StageTimes times;
   times.effects_ns.assign(m_effects.size(), 0);
   const Nanoseconds start_ns = monotonic_now_ns();
-  Nanoseconds recording_ns = 0;
   for (int substep = 1; substep <= m_loop.substeps; ++substep) {
     m_previous_poses.swap(m_poses);
     const double part = m_loop.interpolate_poses ? static_cast<double>(substep) / m_loop.substeps : 1.0;
@@ -45,7 +44,7 @@ StageTimes Simulation::step_frame(int frame, LastDetection* last_detection) {
       }
       const bool last = substep == m_loop.substeps && iteration == m_loop.iterations;
       if (last && last_detection != nullptr) {
-        const ScopedTimer timer(recording_ns);
+        const ScopedTimer timer(times.recording_ns);
         last_detection->positions = m_particles.predicted;
         last_detection->bone_poses = m_poses;
       }
@@ -54,7 +53,7 @@ StageTimes Simulation::step_frame(int frame, LastDetection* last_detection) {
     const ScopedTimer timer(times.finish_ns);
     finish_substep();
   }
-  times.frame_ns = monotonic_now_ns() - start_ns - recording_ns;
+  times.frame_ns = monotonic_now_ns() - start_ns - times.recording_ns;
   return times;
 }
 
@@ -77,6 +76,7 @@ void Simulation::collide(StageTimes& times, LastDetection* last_detection) {
     m_backend.detect(m_particles.predicted, m_free_nodes, m_contacts);
   }
   if (last_detection != nullptr) {
+    const ScopedTimer timer(times.recording_ns);
     last_detection->contacts = m_contacts;
   }
   const ScopedTimer timer(times.respond_ns);

@@ -34,7 +34,8 @@ struct StageTimes {
   Nanoseconds detect_ns = 0;
   Nanoseconds respond_ns = 0;
   Nanoseconds finish_ns = 0;
-  Nanoseconds frame_ns = 0;  ///< wall time of the frame's loop, without the copy of the last detection
+  Nanoseconds frame_ns = 0;      ///< wall time of the frame's loop, without the recording
+  Nanoseconds recording_ns = 0;  ///< copies of the last detection, for the Referee
 };
 
 /// The input and the answer of the last detection of a frame: what the Referee judges.

@@ -1,0 +1,100 @@
+#include "core/measure/step_record.hpp"
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+namespace musclebench {
+namespace {
+
+std::vector<std::string> cells(const std::string& line) {
+  std::vector<std::string> result(1);
+  for (const char c : line) {
+    if (c == ',') {
+      result.emplace_back();
+    } else {
+      result.back() += c;
+    }
+  }
+  return result;
+}
+
+struct Csv {
+  std::vector<std::string> header;
+  std::vector<std::string> row;
+
+  explicit Csv(const StepRecord& record) {
+    std::ostringstream out;
+    write_frames_csv(out, {"volume"}, {record});
+    std::istringstream in(out.str());
+    std::string line;
+    std::getline(in, line);
+    header = cells(line);
+    std::getline(in, line);
+    row = cells(line);
+  }
+
+  [[nodiscard]] std::string operator[](const std::string& column) const {
+    for (std::size_t i = 0; i < header.size(); ++i) {
+      if (header[i] == column) {
+        return row.at(i);
+      }
+    }
+    return "no such column";
+  }
+};
+
+StepRecord record() {
+  StepRecord r;
+  r.frame = 3;
+  r.angle_deg = 1.0 / 3;
+  r.times.effects_ns = {17};
+  r.times.predict_ns = 1;
+  r.times.update_ns = 2;
+  r.times.detect_ns = 3;
+  r.times.respond_ns = 4;
+  r.times.finish_ns = 5;
+  r.times.frame_ns = 6;
+  r.times.recording_ns = 7;
+  r.contacts = 8;
+  r.judged = true;
+  r.depth = {9, 0.1, 0.2, 0.3};
+  r.difference = {10, 11};
+  r.volume_m3 = 1e-5;
+  r.resident_bytes = 12;
+  return r;
+}
+
+TEST(FramesCsv, EveryFigureStandsUnderItsName) {
+  const Csv csv(record());
+  ASSERT_EQ(csv.header.size(), csv.row.size());
+  const std::vector<std::pair<std::string, std::string>> expected = {
+      {"frame", "3"},           {"warm_up", "0"},       {"volume_ns", "17"},     {"predict_ns", "1"},
+      {"update_ns", "2"},       {"detect_ns", "3"},     {"respond_ns", "4"},     {"finish_ns", "5"},
+      {"frame_ns", "6"},        {"recording_ns", "7"},  {"contacts", "8"},       {"nodes_inside", "9"},
+      {"max_depth_m", "0.1"},   {"p99_depth_m", "0.2"}, {"mean_depth_m", "0.3"}, {"missed_contacts", "10"},
+      {"false_contacts", "11"}, {"volume_m3", "1e-05"}, {"resident_bytes", "12"}};
+  for (const auto& [column, value] : expected) {
+    EXPECT_EQ(csv[column], value) << column;
+  }
+  EXPECT_EQ(std::stod(csv["angle_deg"]), 1.0 / 3);
+}
+
+TEST(FramesCsv, UnknownIsEmptyAndNothingNonFiniteIsWritten) {
+  StepRecord r = record();
+  r.judged = false;
+  r.volume_m3 = std::numeric_limits<double>::infinity();
+  r.angle_deg = std::nan("");
+  r.resident_bytes = 0;
+  const Csv csv(r);
+  for (const char* column :
+       {"nodes_inside", "max_depth_m", "missed_contacts", "volume_m3", "angle_deg", "resident_bytes"}) {
+    EXPECT_EQ(csv[column], "") << column;
+  }
+  EXPECT_EQ(csv["contacts"], "8");
+}
+
+}  // namespace
+}  // namespace musclebench
