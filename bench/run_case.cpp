@@ -39,6 +39,7 @@ std::vector<BoundNode> bind_nodes(const Scene& scene, CollisionBackend& backend,
   backend.update(rest_poses, scene.muscle.mesh.vertices);
   backend.detect(scene.muscle.mesh.vertices, all_nodes(scene), contacts);
   std::vector<BoundNode> bound;
+  bound.reserve(contacts.size());
   for (const Contact& contact : contacts) {
     bound.push_back({contact.node, contact.bone});
   }

@@ -38,7 +38,7 @@ class Volume final : public Effect {
   /// Leaves dV/dp in m_gradients; returns V.
   double accumulate_gradients(const std::vector<Vec3>& positions) {
     std::fill(m_gradients.begin(), m_gradients.end(), Vec3::Zero());
-    const Vec3 origin = positions.front();
+    const Vec3& origin = positions.front();
     double six_volumes = 0;
     for (const Triangle& triangle : m_triangles) {
       const Vec3 a = positions[triangle[0]] - origin;

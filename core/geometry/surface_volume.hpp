@@ -12,7 +12,7 @@ inline double surface_volume_m3(const std::vector<Vec3>& positions, const std::v
   if (positions.empty()) {
     return 0;
   }
-  const Vec3 origin = positions.front();
+  const Vec3& origin = positions.front();
   double six_volumes = 0;
   for (const Triangle& triangle : triangles) {
     const Vec3 a = positions[triangle[0]] - origin;
