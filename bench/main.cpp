@@ -1,3 +1,6 @@
+#include <filesystem>
+#include <new>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -22,9 +25,19 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : exit_bad_input;
+    if (error.get_exit_code() == 0) {
+      return app.exit(error);
+    }
+    fmt::print(stderr, "musclebench: {}; --help shows the options\n", InputError("command line", error.what()).what());
+    return exit_bad_input;
   } catch (const InputError& error) {
     fmt::print(stderr, "musclebench: {}\n", error.what());
+    return exit_bad_input;
+  } catch (const std::filesystem::filesystem_error& error) {
+    fmt::print(stderr, "musclebench: {}\n", InputError("files", error.what()).what());
+    return exit_bad_input;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "musclebench: there is not enough memory for this run; choose fewer cells or frames\n");
     return exit_bad_input;
   } catch (const std::exception& error) {
     fmt::print(stderr, "musclebench: unexpected failure: {}\n", error.what());

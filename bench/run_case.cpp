@@ -55,7 +55,7 @@ Particles particles_of(const Scene& scene, const std::vector<BoundNode>& bound) 
   particles.positions = scene.muscle.mesh.vertices;
   particles.predicted = particles.positions;
   particles.velocities.assign(particles.size(), Vec3::Zero());
-  const double volume_m3 = surface_volume_m3(scene.muscle.mesh.vertices, scene.muscle.mesh.triangles);
+  const double volume_m3 = std::abs(surface_volume_m3(scene.muscle.mesh.vertices, scene.muscle.mesh.triangles));
   const double shared_mass_kg = scene.loop.density_kg_per_m3 * volume_m3 / static_cast<double>(particles.size());
   particles.inverse_masses.assign(particles.size(),
                                   1 / (shared_mass_kg > 0 ? shared_mass_kg : scene.loop.node_mass_kg));
@@ -119,7 +119,7 @@ class CaseRunner {
       report(frame);
     }
     m_result.wall_ns = monotonic_now_ns() - start_ns;
-    m_result.memory_after_bytes = resident_memory_bytes();
+    m_result.memory_after_bytes = memory_without_referee_bytes();
     m_result.memory_peak_bytes = peak_resident_memory_bytes();
     m_result.state_hash = hash_of(m_simulation->particles());
     return std::move(m_result);
@@ -148,14 +148,22 @@ class CaseRunner {
         m_scene.loop, std::move(particles), std::move(free_nodes), std::move(effects), *m_backend,
         m_run.backend.response,
         [this](double position, std::vector<RigidMotion>& poses) { m_scene.poses_at(position, poses); });
-    if (m_run.judge) {
-      m_referee = std::make_unique<Referee>(m_scene.bones, static_cast<int>(m_scene.muscle.mesh.vertices.size()));
-    }
     m_result.rest_volume_m3 = surface_volume_m3(m_scene.muscle.mesh.vertices, m_scene.muscle.mesh.triangles);
     m_range_m = divergence_diagonals * scene_diagonal_m(m_scene);
-    m_result.records.reserve(static_cast<std::size_t>(m_scene.loop.frames));
+    m_result.records.reserve(static_cast<std::size_t>(std::min(m_scene.loop.frames, 100000)));
     malloc_trim(0);  // what only the building needed shall not count as the structures' memory
     m_result.memory_before_bytes = resident_memory_bytes();
+    if (m_run.judge) {
+      m_referee = std::make_unique<Referee>(m_scene.bones, static_cast<int>(m_scene.muscle.mesh.vertices.size()));
+      malloc_trim(0);
+      m_result.referee_bytes =
+          resident_memory_bytes() - std::min(resident_memory_bytes(), m_result.memory_before_bytes);
+    }
+  }
+
+  /// The judge is the harness's; only the rest is what the simulation needs.
+  [[nodiscard]] std::size_t memory_without_referee_bytes() const {
+    return resident_memory_bytes() - std::min(resident_memory_bytes(), m_result.referee_bytes);
   }
 
   void step(int frame) {
@@ -165,7 +173,7 @@ class CaseRunner {
     record.warm_up = frame <= m_run.warm_up_frames;
     record.times = m_simulation->step_frame(frame, m_referee ? &m_last_detection : nullptr);
     record.contacts = static_cast<int>(m_simulation->contacts().size());
-    record.resident_bytes = resident_memory_bytes();
+    record.resident_bytes = memory_without_referee_bytes();
 
     const Particles& particles = m_simulation->particles();
     record.volume_m3 = surface_volume_m3(particles.positions, m_scene.muscle.mesh.triangles);

@@ -42,9 +42,10 @@ struct RunResult {
   std::size_t structure_bytes = 0;
   Nanoseconds build_ns = 0;
   Nanoseconds wall_ns = 0;  ///< from the first frame to the last, with judging
-  std::size_t memory_before_bytes = 0;
-  std::size_t memory_after_bytes = 0;
-  std::size_t memory_peak_bytes = 0;
+  std::size_t memory_before_bytes = 0;  ///< resident, without what the Referee took
+  std::size_t memory_after_bytes = 0;   ///< the same
+  std::size_t memory_peak_bytes = 0;    ///< of the whole process
+  std::size_t referee_bytes = 0;        ///< by which making the Referee raised the resident memory
   double rest_volume_m3 = 0;
   std::string state_hash;  ///< of all positions and velocities at the end
 };

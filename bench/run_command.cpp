@@ -45,7 +45,7 @@ std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::s
   return values;
 }
 
-double median_ms(const std::vector<StepRecord>& records, Nanoseconds (*figure)(const StepRecord&)) {
+std::string median_ms(const std::vector<StepRecord>& records, Nanoseconds (*figure)(const StepRecord&)) {
   std::vector<double> values;
   for (const StepRecord& record : records) {
     if (!record.warm_up) {
@@ -53,16 +53,16 @@ double median_ms(const std::vector<StepRecord>& records, Nanoseconds (*figure)(c
     }
   }
   if (values.empty()) {
-    return 0;
+    return "unknown (warm-up only)";
   }
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
+  return fmt::format("{:10.3f} ms", values[values.size() / 2]);
 }
 
 void print_summary(const RunCase& run, const RunResult& result, const std::string& out) {
-  const double collision_ms = median_ms(
+  const std::string collision_ms = median_ms(
       result.records, [](const StepRecord& r) { return r.times.update_ns + r.times.detect_ns + r.times.respond_ns; });
-  const double frame_ms = median_ms(result.records, [](const StepRecord& r) { return r.times.frame_ns; });
+  const std::string frame_ms = median_ms(result.records, [](const StepRecord& r) { return r.times.frame_ns; });
   double deepest_m = 0;
   for (const StepRecord& record : result.records) {
     deepest_m = std::max(deepest_m, record.depth.max_depth_m);
@@ -73,9 +73,12 @@ void print_summary(const RunCase& run, const RunResult& result, const std::strin
     fmt::print("  attachment {:<18} {:>6} nodes on {}\n", attachment.name, attachment.nodes.size(),
                run.scene.bones[attachment.bone].name);
   }
+  if (run.scene.attach_at_first_contact) {
+    fmt::print("  bound at first contact        {:>6} nodes\n", result.bound_nodes.size());
+  }
   fmt::print("  frames                        {:>6}\n", result.records.size());
-  fmt::print("  frame, median                 {:>10.3f} ms\n", frame_ms);
-  fmt::print("  of it collision               {:>10.3f} ms\n", collision_ms);
+  fmt::print("  frame, median                 {}\n", frame_ms);
+  fmt::print("  of it collision               {}\n", collision_ms);
   fmt::print("  structures                    {:>10.3f} MB, built in {:.2f} s\n",
              static_cast<double>(result.structure_bytes) * 1e-6, static_cast<double>(result.build_ns) * 1e-9);
   if (run.judge) {
@@ -91,10 +94,30 @@ Progress::Style progress_style(const RunOptions& options) {
   return isatty(STDERR_FILENO) != 0 ? Progress::Style::bar : Progress::Style::none;
 }
 
-volatile std::sig_atomic_t interrupted = 0;
+/// Nothing of a run is on the disk before it is written, so until then the process may end at once.
+void end_at_once(int /*signal*/) {
+  static constexpr char message[] = "\nmusclebench: interrupted; nothing was written\n";
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, message, sizeof message - 1);
+  _exit(exit_interrupted);
+}
 
-/// Thrown between two frames, so that nothing half-written is left.
-struct Interrupted {};
+/// Holds back Ctrl-C and termination while files are being moved.
+class HeldSignals {
+ public:
+  HeldSignals() {
+    sigset_t held;
+    sigemptyset(&held);
+    sigaddset(&held, SIGINT);
+    sigaddset(&held, SIGTERM);
+    sigprocmask(SIG_BLOCK, &held, &m_before);
+  }
+  HeldSignals(const HeldSignals&) = delete;
+  HeldSignals& operator=(const HeldSignals&) = delete;
+  ~HeldSignals() { sigprocmask(SIG_SETMASK, &m_before, nullptr); }
+
+ private:
+  sigset_t m_before{};
+};
 
 int run(RunOptions options) {
   if (options.frames > 0) {
@@ -119,21 +142,28 @@ int run(RunOptions options) {
     fmt::print("{} with {}: complete already in {} (--force runs it again)\n", scene.name, backend.name, out);
     return 0;
   }
-  require_writable(out);
+  {
+    const HeldSignals held;
+    require_writable(out);
+  }
+  if (!options.snapshots.empty() && options.snapshots.back() > scene.loop.frames) {
+    fmt::print(stderr, "musclebench: warning: --snapshots: frame {} is not among the {} frames of the run\n",
+               options.snapshots.back(), scene.loop.frames);
+  }
 
-  std::signal(SIGINT, [](int) { interrupted = 1; });
-  std::signal(SIGTERM, [](int) { interrupted = 1; });
+  std::signal(SIGINT, end_at_once);
+  std::signal(SIGTERM, end_at_once);
   RunResult result;
   {
     Progress progress(progress_style(options), fmt::format("{} {}", scene.name, backend.name), scene.loop.frames);
-    result = run_case(run_of, [&](int done) {
-      if (interrupted != 0) {
-        throw Interrupted{};
-      }
-      progress.show(done);
-    });
+    result = run_case(run_of, [&](int done) { progress.show(done); });
   }
-  write_run(out, run_of, result);
+  {
+    const HeldSignals held;
+    write_run(out, run_of, result);
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
+  }
   print_summary(run_of, result, out);
   if (result.status == "diverged") {
     fmt::print(stderr, "musclebench: {}: diverged: {}\n", scene.name, result.status_detail);
@@ -158,21 +188,14 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 10000000));
   command->add_option("--threads", options->threads, "Threads of the backend (default: 1)")->check(CLI::Range(1, 4096));
   command->add_option("--repetition", options->repetition, "Number of the repetition, a part of the run's identity")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0, 1000000));
   command->add_option("--snapshots", options->snapshots, "Frames whose shape is kept, such as 0,79,157")
       ->delimiter(',')
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0, 10000000));
   command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
   command->add_flag("--no-referee", options->unjudged, "Do not judge: depths, missed and false contacts stay empty");
   command->add_flag("--force", options->force, "Run even when the result is complete already");
-  command->callback([options, &exit_code] {
-    try {
-      exit_code = run(*options);
-    } catch (const Interrupted&) {
-      fmt::print(stderr, "musclebench: interrupted; nothing was written\n");
-      exit_code = exit_interrupted;
-    }
-  });
+  command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace musclebench

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <set>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -20,6 +21,11 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr int schema_version = 1;
+
+/// Names that are no UTF-8 are written with replacement characters.
+std::string text_of(const Json& json, int indent = -1) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
 
 Json json_of(const Parameters& parameters) {
   Json json = Json::object();
@@ -150,7 +156,8 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["build_ns"] = result.build_ns;
   json["memory"] = {{"before_first_frame_bytes", result.memory_before_bytes},
                     {"after_last_frame_bytes", result.memory_after_bytes},
-                    {"peak_bytes", result.memory_peak_bytes}};
+                    {"peak_bytes", result.memory_peak_bytes},
+                    {"referee_bytes", result.referee_bytes}};
   json["state_hash"] = result.state_hash;
   json["wall_ns"] = result.wall_ns;
   json["frames"] = result.records.size();
@@ -229,34 +236,79 @@ void write_files(const fs::path& folder, const RunCase& run, const RunResult& re
     }
   }
   OutputFile json(folder / "run.json");
-  json.stream() << manifest(run, result).dump(2) << '\n';
+  json.stream() << text_of(manifest(run, result), 2) << '\n';
   json.close();
 }
 
-fs::path temporary_beside(const fs::path& folder) {
-  const fs::path absolute = fs::absolute(folder).lexically_normal();
-  const fs::path named = absolute.has_filename() ? absolute : absolute.parent_path();
-  return named.parent_path() / fmt::format(".{}.{}.part", named.filename().string(), getpid());
+/// Makes the missing folders of a path, and removes those again that it made unless told to keep them.
+class MissingFolders {
+ public:
+  explicit MissingFolders(const fs::path& folder) {
+    for (fs::path path = folder; !fs::exists(path); path = path.parent_path()) {
+      m_first_made = path;
+    }
+    fs::create_directories(folder);
+  }
+  MissingFolders(const MissingFolders&) = delete;
+  MissingFolders& operator=(const MissingFolders&) = delete;
+  ~MissingFolders() {
+    if (!m_first_made.empty()) {
+      std::error_code ignored;
+      fs::remove_all(m_first_made, ignored);
+    }
+  }
+  void keep() { m_first_made.clear(); }
+
+ private:
+  fs::path m_first_made;
+};
+
+/// Absolute, without links and without a slash at its end.
+fs::path resolved(const fs::path& folder) {
+  const fs::path canonical = fs::weakly_canonical(fs::absolute(folder));
+  return canonical.has_filename() ? canonical : canonical.parent_path();
 }
 
-/// Removes the folder unless it was released.
-struct TemporaryFolder {
-  explicit TemporaryFolder(fs::path folder) : path(std::move(folder)) { fs::create_directories(path); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
+fs::path beside(const fs::path& folder, std::string_view ending) {
+  return folder.parent_path() / fmt::format(".{}.{}.{}", folder.filename().string(), getpid(), ending);
+}
+
+Json read_manifest(const fs::path& folder) {
+  std::ifstream file(folder / "run.json");
+  return Json::parse(file, nullptr, false);
+}
+
+bool is_text(const Json& manifest, const char* key) {
+  return manifest.is_object() && manifest.contains(key) && manifest[key].is_string();
+}
+
+/// A folder is replaced only when it is empty or holds a run and nothing else.
+void require_replaceable(const fs::path& folder) {
+  if (!fs::exists(folder)) {
+    return;
   }
-  fs::path path;
-};
+  if (!fs::is_directory(folder)) {
+    throw InputError(folder.string(), "is a file; choose another --out");
+  }
+  const fs::path current = fs::current_path();
+  if (current == folder || current.string().starts_with(folder.string() + "/")) {
+    throw InputError(folder.string(), "holds the current folder and can't be replaced; choose another --out");
+  }
+  static const std::set<std::string> of_a_run = {"run.json", "frames.csv", "snapshots", "meshes", "case.json"};
+  const bool foreign = std::any_of(fs::directory_iterator(folder), fs::directory_iterator(), [](const auto& entry) {
+    return of_a_run.count(entry.path().filename().string()) == 0;
+  });
+  if (foreign || (!fs::is_empty(folder) && !is_text(read_manifest(folder), "run_id"))) {
+    throw InputError(folder.string(), "holds something else than a run and would be replaced; choose another --out");
+  }
+}
 
 }  // namespace
 
 std::string run_id(const RunCase& run) {
   Sha256 hash;
-  hash.add(json_of_case(run).dump());
-  hash.add(json_of_inputs(run).dump());
+  hash.add(text_of(json_of_case(run)));
+  hash.add(text_of(json_of_inputs(run)));
   // What a scene file outlines or draws in becomes nodes and fibres; they are the input, however they were described.
   for (const Attachment& attachment : run.scene.attachments) {
     hash.add(fmt::format("{} {} ", attachment.name, attachment.bone));
@@ -264,42 +316,43 @@ std::string run_id(const RunCase& run) {
   }
   hash.add(run.scene.fibres_between_attachments ? "fibres between attachments" : "fibres of a file");
   hash.add(std::as_bytes(std::span(run.scene.fibres)));
-  hash.add(json_of_build().dump());
+  hash.add(text_of(json_of_build()));
   return hash.hex_digest().substr(0, 16);
 }
 
 bool is_complete(const fs::path& folder, const std::string& id) {
-  std::ifstream file(folder / "run.json");
-  const Json json = Json::parse(file, nullptr, false);
-  return json.is_object() && json.value("run_id", "") == id && json.value("status", "") == "ok";
+  const Json manifest = read_manifest(folder);
+  return is_text(manifest, "run_id") && manifest["run_id"] == id && is_text(manifest, "status") &&
+         manifest["status"] == "ok" && fs::exists(folder / "frames.csv");
 }
 
 void require_writable(const fs::path& folder) {
-  std::error_code error;
-  const bool parent_existed = fs::exists(temporary_beside(folder).parent_path());
   try {
-    const TemporaryFolder probe(temporary_beside(folder));
+    const fs::path place = resolved(folder);
+    require_replaceable(place);
+    const MissingFolders probe(beside(place, "part"));
   } catch (const fs::filesystem_error& failure) {
     throw InputError(folder.string(),
                      fmt::format("cannot be written ({}); choose another --out", failure.code().message()));
-  }
-  if (!parent_existed) {
-    fs::remove(temporary_beside(folder).parent_path(), error);
-  }
-  if (fs::exists(folder) && !fs::is_directory(folder)) {
-    throw InputError(folder.string(), "is a file; choose another --out");
-  }
-  if (fs::is_directory(folder) && !fs::is_empty(folder) && !fs::exists(folder / "run.json")) {
-    throw InputError(folder.string(), "holds something else than a run and would be replaced; choose another --out");
   }
 }
 
 void write_run(const fs::path& folder, const RunCase& run, const RunResult& result) {
   try {
-    const TemporaryFolder part(temporary_beside(folder));
-    write_files(part.path, run, result);
-    fs::remove_all(folder);
-    fs::rename(part.path, folder);
+    const fs::path place = resolved(folder);
+    MissingFolders parents(place.parent_path());
+    const fs::path part = beside(place, "part");
+    const MissingFolders part_folder(part);
+    write_files(part, run, result);
+    require_replaceable(place);
+    // The old run stays until the new one is in its place.
+    const fs::path old = beside(place, "old");
+    if (fs::exists(place)) {
+      fs::rename(place, old);
+    }
+    fs::rename(part, place);
+    fs::remove_all(old);
+    parents.keep();
   } catch (const fs::filesystem_error& failure) {
     throw InputError(folder.string(), fmt::format("cannot be written ({})", failure.code().message()));
   }

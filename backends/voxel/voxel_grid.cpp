@@ -125,32 +125,46 @@ void VoxelGrid::mark_border(const TriangleMesh& surface, std::vector<Cell>& stat
 /// each. A flood from a corner would call every enclosed pocket of free space inside.
 void VoxelGrid::mark_inside(const TriangleMesh& surface, std::vector<Cell>& states) const {
   const TriangleTree tree(surface);
-  std::vector<std::array<int, 3>> front;
   for (int z = 0; z < m_counts[2]; ++z) {
     for (int y = 0; y < m_counts[1]; ++y) {
       for (int x = 0; x < m_counts[0]; ++x) {
-        if (states[index(x, y, z)] != Cell::unknown) {
-          continue;
+        if (states[index(x, y, z)] == Cell::unknown) {
+          const Vec3 centre = m_lower + m_cell_size_m.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5));
+          flood({x, y, z}, tree.winding_number(centre) > 0.5 ? Cell::inside : Cell::outside, states);
         }
-        const Vec3 centre = m_lower + m_cell_size_m.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5));
-        const Cell region = tree.winding_number(centre) > 0.5 ? Cell::inside : Cell::outside;
-        states[index(x, y, z)] = region;
-        front.assign(1, {x, y, z});
-        while (!front.empty()) {
-          const std::array<int, 3> cell = front.back();
-          front.pop_back();
-          for (int side = 0; side < 6; ++side) {
-            std::array<int, 3> next = cell;
-            next[side / 2] += side % 2 == 0 ? 1 : -1;
-            if (next[side / 2] < 0 || next[side / 2] >= m_counts[side / 2]) {
-              continue;
-            }
-            Cell& state = states[index(next[0], next[1], next[2])];
-            if (state == Cell::unknown) {
-              state = region;
-              front.push_back(next);
-            }
-          }
+      }
+    }
+  }
+}
+
+/// Fills whole runs along x, so that what waits is a cell a run and not a cell a cell.
+void VoxelGrid::flood(const std::array<int, 3>& seed, Cell region, std::vector<Cell>& states) const {
+  const auto unknown = [&](int x, int y, int z) { return states[index(x, y, z)] == Cell::unknown; };
+  std::vector<std::array<int, 3>> front = {seed};
+  while (!front.empty()) {
+    const auto [x, y, z] = front.back();
+    front.pop_back();
+    if (!unknown(x, y, z)) {
+      continue;
+    }
+    int first = x;
+    int last = x;
+    while (first > 0 && unknown(first - 1, y, z)) {
+      --first;
+    }
+    while (last + 1 < m_counts[0] && unknown(last + 1, y, z)) {
+      ++last;
+    }
+    std::fill_n(states.begin() + static_cast<std::ptrdiff_t>(index(first, y, z)), last - first + 1, region);
+    for (const auto& [dy, dz] : {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)}) {
+      const int ny = y + dy;
+      const int nz = z + dz;
+      if (ny < 0 || nz < 0 || ny >= m_counts[1] || nz >= m_counts[2]) {
+        continue;
+      }
+      for (int nx = first; nx <= last; ++nx) {
+        if (unknown(nx, ny, nz) && (nx == first || !unknown(nx - 1, ny, nz))) {
+          front.push_back({nx, ny, nz});
         }
       }
     }

@@ -48,6 +48,7 @@ class VoxelGrid {
   void size_cells(const TriangleMesh& surface, int cells, double voxel_size_m);
   void mark_border(const TriangleMesh& surface, std::vector<Cell>& states) const;
   void mark_inside(const TriangleMesh& surface, std::vector<Cell>& states) const;
+  void flood(const std::array<int, 3>& seed, Cell region, std::vector<Cell>& states) const;
 
   Vec3 m_lower = Vec3::Zero();
   Vec3 m_cell_size_m = Vec3::Ones();

@@ -22,7 +22,17 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+/// Names of files and keys may hold anything; the message stays one line.
+std::string one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, ' ');
+  return text;
+}
+
 }  // namespace
+
+InputError::InputError(std::string_view place, std::string_view problem)
+    : std::runtime_error(one_line(std::string(place) + ": " + std::string(problem))) {}
 
 std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates) {
   const auto nearest = std::min_element(

@@ -11,8 +11,7 @@ namespace musclebench {
 /// The program prints it and exits with code 2.
 class InputError : public std::runtime_error {
  public:
-  InputError(std::string_view place, std::string_view problem)
-      : std::runtime_error(std::string(place) + ": " + std::string(problem)) {}
+  InputError(std::string_view place, std::string_view problem);
 };
 
 /// The candidate with the smallest edit distance to `word`; empty when there are no candidates.

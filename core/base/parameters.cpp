@@ -57,7 +57,8 @@ Parameters::Parameters(const std::vector<ParameterSpec>& specs, const std::map<s
   }
   for (const auto& [name, value] : given) {
     const std::string key = fmt::format("{}: {}", place, name);
-    const auto spec = std::find_if(specs.begin(), specs.end(), [&wanted = name](const auto& s) { return s.name == wanted; });
+    const auto spec =
+        std::find_if(specs.begin(), specs.end(), [&wanted = name](const auto& s) { return s.name == wanted; });
     if (spec == specs.end()) {
       std::vector<std::string> known;
       for (const ParameterSpec& s : specs) {

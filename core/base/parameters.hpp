@@ -18,8 +18,8 @@ struct ParameterSpec {
   std::string name;  ///< ends in the unit where it has one (`voxel_size_m`)
   ParameterValue default_value;
   std::string help;
-  double minimum = -1e300;           ///< inclusive, numbers only
-  double maximum = 1e300;            ///< inclusive, numbers only
+  double minimum = -1e300;                ///< inclusive, numbers only
+  double maximum = 1e300;                 ///< inclusive, numbers only
   std::vector<std::string> choices = {};  ///< the allowed words, strings only; empty: any
 };
 

@@ -1,5 +1,6 @@
 #include "core/base/system_memory.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -12,7 +13,11 @@
 
 namespace musclebench {
 
-std::size_t available_memory_bytes() {
+namespace {
+
+constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
+
+std::size_t available_on_machine() {
   std::ifstream file("/proc/meminfo");
   std::string name;
   std::size_t kibibytes = 0;
@@ -21,7 +26,36 @@ std::size_t available_memory_bytes() {
       return kibibytes * 1024;
     }
   }
-  return std::numeric_limits<std::size_t>::max();
+  return unlimited;
+}
+
+/// Of the process's address space (ulimit -v).
+std::size_t available_address_space() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) {
+    return unlimited;
+  }
+  std::size_t used_pages = 0;
+  std::ifstream("/proc/self/statm") >> used_pages;
+  const std::size_t used = used_pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  return limit.rlim_cur - std::min<std::size_t>(limit.rlim_cur, used);
+}
+
+/// Of the container (cgroup version 2).
+std::size_t available_in_group() {
+  std::size_t most = 0;
+  std::size_t used = 0;
+  if (!(std::ifstream("/sys/fs/cgroup/memory.max") >> most) ||
+      !(std::ifstream("/sys/fs/cgroup/memory.current") >> used)) {
+    return unlimited;
+  }
+  return most - std::min(most, used);
+}
+
+}  // namespace
+
+std::size_t available_memory_bytes() {
+  return std::min({available_on_machine(), available_address_space(), available_in_group()});
 }
 
 std::size_t resident_memory_bytes() {

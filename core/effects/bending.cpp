@@ -127,7 +127,8 @@ class Bending final : public Effect {
 
   static bool passes_ratio_gate(double error_rad, const BendingConstraint& rest) {
     const double rest_angle = std::atan2(rest.rest_sine, rest.rest_cosine);
-    return error_rad * rest_angle >= 0.1 * rest_angle * rest_angle &&
+    // Flat at rest: the ratio is infinite.
+    return rest_angle != 0 && error_rad * rest_angle >= 0.1 * rest_angle * rest_angle &&
            error_rad * rest_angle <= 10 * rest_angle * rest_angle;
   }
 

@@ -45,9 +45,9 @@ class EdgeLength final : public Effect {
   void project(Particles& particles, const SubstepInput& input) override {
     const double per_time_step2 = 1 / (input.time_step_s * input.time_step_s);
     m_multipliers.resize(m_constraints.size(), 0);
-    for (std::size_t i = 0; i < m_constraints.size(); ++i) {
-      // The public code of the paper meets every edge from both of its ends.
-      for (int visit = 0; visit < m_visits; ++visit) {
+    // The public code of the paper goes over the nodes and their edges, so it meets every edge twice.
+    for (int visit = 0; visit < m_visits; ++visit) {
+      for (std::size_t i = 0; i < m_constraints.size(); ++i) {
         project(m_constraints[i], m_constraints[i].compliance_m_per_n * per_time_step2, m_multipliers[i],
                 particles.predicted.data(), particles.inverse_masses.data());
       }

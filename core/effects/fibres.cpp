@@ -29,10 +29,17 @@ std::vector<double> harmonic_function(const TriangleMesh& mesh, const std::vecto
   for (const int node : insertion) {
     values[node] = 1;
   }
+  // A vertex without triangles has no equation.
+  std::vector<bool> used(count, false);
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const int corner : triangle) {
+      used[corner] = true;
+    }
+  }
   std::vector<int> unknown(count, -1);
   int unknowns = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    unknown[i] = std::isnan(values[i]) ? unknowns++ : -1;
+    unknown[i] = std::isnan(values[i]) && used[i] ? unknowns++ : -1;
   }
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -64,6 +65,7 @@ MotionTable read_motion_table(const std::filesystem::path& path, const std::stri
   std::size_t value_column = 0;
   int line_number = 0;
   bool in_rows = false;
+  bool in_degrees = true;
   for (std::string line; std::getline(file, line);) {
     const std::string place = fmt::format("{}:{}", path.string(), ++line_number);
     const std::vector<std::string> words = words_of(line);
@@ -72,6 +74,7 @@ MotionTable read_motion_table(const std::filesystem::path& path, const std::stri
     }
     if (!in_rows) {
       in_rows = words.front() == "endheader";
+      in_degrees = in_degrees && words.front() != "inDegrees=no";
       continue;
     }
     if (header.empty()) {
@@ -89,7 +92,7 @@ MotionTable read_motion_table(const std::filesystem::path& path, const std::stri
                        fmt::format("has {} values where the header has {} columns", words.size(), header.size()));
     }
     table.times.push_back(number_at(words.front(), place));
-    table.values.push_back(number_at(words[value_column], place));
+    table.values.push_back(number_at(words[value_column], place) * (in_degrees ? 1 : 180 / std::numbers::pi));
     if (table.times.size() > 1 && !(table.times.back() > table.times[table.times.size() - 2])) {
       throw InputError(place, "time does not ascend");
     }

@@ -24,7 +24,7 @@ struct BoneMotion {
 /// A column of an OpenSim motion file (.mot) and its time column.
 struct MotionTable {
   std::vector<double> times;
-  std::vector<double> values;
+  std::vector<double> values;  ///< degrees, also where the file says `inDegrees=no`
 };
 
 /// Reads `column` of the OpenSim motion file at `path`. Only the rows that are there count, whatever its header

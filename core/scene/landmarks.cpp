@@ -13,7 +13,7 @@ namespace {
 
 nlohmann::json read_json(const std::filesystem::path& path) {
   std::ifstream file(path);
-  if (!file) {
+  if (!file || std::filesystem::is_directory(path)) {
     throw InputError(path.string(), "cannot be read; is the path right?");
   }
   try {

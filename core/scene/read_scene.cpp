@@ -1,5 +1,7 @@
 #include "core/scene/read_scene.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -96,10 +98,22 @@ BoneMotion read_motion(const SceneRequest& request, const TomlTable& table) {
   return motion;
 }
 
+/// Names become file names.
+std::string checked_name(const TomlTable& table) {
+  const std::string name = table.word("name");
+  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+  });
+  if (!plain || name.front() == '.') {
+    throw InputError(table.place("name"), fmt::format("'{}' may hold letters, digits, '_', '-' and '.' only", name));
+  }
+  return name;
+}
+
 void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene) {
   for (const TomlTable& table : root.tables("bone")) {
     table.allow_only({"name", "mesh", "motion"});
-    const std::string name = table.word("name");
+    const std::string name = checked_name(table);
     for (const Bone& bone : scene.bones) {
       if (bone.name == name) {
         throw InputError(table.place("name"), fmt::format("'{}' is the name of an earlier bone; choose another", name));
@@ -173,7 +187,7 @@ void read_muscle(const SceneRequest& request, const TomlTable& root, Scene& scen
     throw InputError(root.place("muscle"), "is missing; add a [muscle] table with name and mesh");
   }
   table->allow_only({"name", "mesh", "fibres"});
-  scene.muscle_name = table->word("name");
+  scene.muscle_name = checked_name(*table);
   scene.muscle = read_scene_mesh(request, *table);
   read_attachments(request, root, scene);
   const std::string fibres = table->word_or("fibres", "none");

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
+
+#include "core/geometry/check_mesh.hpp"
 
 namespace musclebench {
 
@@ -111,6 +114,20 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
     if (effect.name == "edge_length" && fibres && effect.parameters.number("anisotropy_exponent") == 0) {
       warnings.emplace_back("the muscle has fibres, but edge_length.anisotropy_exponent = 0 ignores them");
     }
+  }
+  const MeshReport muscle = check_mesh(scene.muscle.mesh);
+  if (has("volume") && muscle.boundary_edges > 0) {
+    warnings.push_back(fmt::format(
+        "effect 'volume' has no meaning for an open surface: the muscle has {} boundary edges", muscle.boundary_edges));
+  }
+  if (muscle.volume_m3 < 0) {
+    warnings.emplace_back("the muscle is wound inwards (negative volume): turn its triangles");
+  }
+  if (std::abs(scene.angle_rad(0)) > 1e-9) {
+    warnings.push_back(
+        fmt::format("the motion starts at {:.3g} degrees from the pose of the meshes: the bones jump there in "
+                    "the first frame",
+                    scene.angle_rad(0) * 180 / std::numbers::pi));
   }
   if (!has("edge_length")) {
     warnings.emplace_back("the scene lacks [effects.edge_length]: nothing holds the surface together");

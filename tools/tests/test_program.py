@@ -15,6 +15,7 @@ import pytest
 from musclebench_report.ply import read_ply
 
 PROGRAM = os.environ.get("MUSCLEBENCH_BINARY", "")
+PROGRAM = PROGRAM and str(Path(PROGRAM).resolve())
 pytestmark = pytest.mark.skipif(not PROGRAM, reason="MUSCLEBENCH_BINARY does not name the program (tools/test sets it)")
 
 SCENE = """
@@ -237,6 +238,50 @@ def test_a_foreign_folder_is_not_replaced(folder):
     assert (folder / "out/thesis.txt").read_text() == "three years"
 
 
+@pytest.mark.parametrize("manifest", ["{}", '{"run_id": 5}', '{"run_id": "x", "status": "ok"}'])
+def test_a_folder_with_more_than_a_run_is_not_replaced(folder, manifest):
+    (folder / "out").mkdir()
+    (folder / "out/run.json").write_text(manifest)
+    (folder / "out/thesis.txt").write_text("three years")
+    assert run(folder, "--force").returncode == 2
+    assert (folder / "out/thesis.txt").read_text() == "three years"
+
+
+def test_the_current_folder_is_not_replaced(folder):
+    assert run(folder).returncode == 0
+    command = [PROGRAM, "run", str(folder / "scene.toml"), "--backend", "null", "--out", "."]
+    done = subprocess.run(command, cwd=folder / "out", capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert (folder / "out/run.json").exists()
+
+
+def test_a_refused_run_removes_the_folders_it_made(folder):
+    done = run(folder, "--param", "cells=4096", "--out", str(folder / "a/b/c"))
+    assert done.returncode == 2
+    assert not (folder / "a").exists()
+
+
+def test_names_are_no_paths(folder):
+    (folder / "scene.toml").write_text(SCENE.replace('name = "box"', 'name = "../box"'))
+    assert_refused(run(folder, "--snapshots", "0"), folder, "scene.toml:", "name", "../box")
+
+
+def test_an_incomplete_run_is_run_again(folder):
+    assert run(folder).returncode == 0
+    (folder / "out/frames.csv").unlink()
+    assert run(folder).returncode == 0
+    assert (folder / "out/frames.csv").exists()
+
+
+def test_odd_scenes_are_warned_of(folder):
+    vertices, triangles = ball(0.02, [0.005, 0, 0.0485])
+    (folder / "ball.off").write_text(off(vertices, triangles[1:]))
+    (folder / "scene.toml").write_text(SCENE.replace("from_deg = 0", "from_deg = 5"))
+    errors = run(folder, backend="null").stderr
+    assert "volume" in errors and "boundary edges" in errors
+    assert "starts at 5 degrees" in errors
+
+
 def test_a_blow_up_keeps_its_rows(folder):
     (folder / "scene.toml").write_text(
         SCENE.replace("[effects.gravity]", "[effects.gravity]\nz_m_per_s2 = -1e6\n")
@@ -257,11 +302,21 @@ def test_ctrl_c_leaves_no_half_folder(folder):
                                 "--out", str(folder / "out")], stderr=subprocess.PIPE, text=True)
     time.sleep(1.5)
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=20)
+    _, errors = process.communicate(timeout=5)
     assert process.returncode == 130
     assert "nothing was written" in errors
     assert not (folder / "out").exists()
     assert not list(folder.glob(".out*"))
+
+
+def test_ctrl_c_ends_a_long_build(folder):
+    process = subprocess.Popen([PROGRAM, "run", str(folder / "scene.toml"), "--backend", "sdf", "--param", "cells=300",
+                                "--out", str(folder / "deep/er/out")], stderr=subprocess.PIPE, text=True)
+    time.sleep(1.5)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=3)
+    assert process.returncode == 130
+    assert not (folder / "deep").exists()
 
 
 def test_check_and_list_speak(folder):

@@ -108,6 +108,16 @@ TEST(Bending, RatioGateActsInOneDirectionOnly) {
   EXPECT_EQ(moved, 1);
 }
 
+TEST(Bending, RatioGateLeavesPairsThatAreFlatAtRest) {
+  Fixture f(hinge(0));
+  const auto gated = f.make("bending", {{"public_code_ratio_gate", true}});
+  Particles p = f.particles();
+  p.predicted = hinge(0.5).vertices;
+  const auto before = p.predicted;
+  f.project(*gated, p);
+  EXPECT_EQ(p.predicted, before);
+}
+
 TEST(Bending, DegenerateTriangleChangesNothing) {
   Fixture f(hinge(0.4));
   const auto bending = f.make("bending");

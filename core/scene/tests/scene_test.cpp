@@ -230,6 +230,11 @@ TEST_F(MotionTableFile, ReadsAColumnWhateverTheHeaderAnnounces) {
   EXPECT_NEAR(motion.angle_rad(0), -10, 1e-15);
 }
 
+TEST_F(MotionTableFile, RadiansBecomeDegrees) {
+  const MotionTable table = read_motion_table(write("inDegrees=no\nendheader\ntime\thip\n0 0\n1 1.5\n"), "hip");
+  EXPECT_NEAR(table.values[1], 1.5 * 180 / std::numbers::pi, 1e-12);
+}
+
 TEST_F(MotionTableFile, RefusesDamage) {
   expect_mentions(error_of_table("endheader\ntime\thipp\n0 1\n1 2\n"), {":2", "hipp"});
   expect_mentions(error_of_table("endheader\ntime\thip\n0 1\n1 nan\n"), {":4", "nan"});
