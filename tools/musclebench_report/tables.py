@@ -50,8 +50,9 @@ def memory_table(runs: list[Run], published: Published) -> Table:
     cases = by_case(runs)
     rows = pd.DataFrame([_memory_row(cases, m, b, published) for m, b in cases], columns=_keys(MEMORY_COLUMNS))
     caption = (
-        "Table I. Memory in MB (1e6 bytes) before the first and after the last iteration: resident memory of the whole "
-        "process, its offset against voxel, and the counted bytes of the backend's structures; the paper's beside them."
+        "Table I. Memory in MB (1e6 bytes) before the first and after the last iteration: resident memory of the process "
+        "without the Referee, its offset against voxel, and the counted bytes of the backend's structures; the paper's "
+        "beside them."
     )
     shown = [key for key in _keys(MEMORY_COLUMNS) if key not in ("muscle", "status")]
     return Table("table_1_memory", caption, MEMORY_COLUMNS, rows, shown)
