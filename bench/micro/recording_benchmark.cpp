@@ -22,8 +22,9 @@ BENCHMARK(scoped_timer);
 void copy_of_last_detection(benchmark::State& state) {
   const std::vector<Vec3> positions(6931, Vec3::Ones());
   LastDetection last;
+  const CollisionStep step{positions, {}, positions, {}, true};
   for (auto _ : state) {
-    last.positions = positions;
+    last.before_detection(step);
     benchmark::DoNotOptimize(last.positions.data());
   }
 }

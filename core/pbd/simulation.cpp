@@ -5,6 +5,22 @@
 
 namespace musclebench {
 
+void LastDetection::before_detection(const CollisionStep& step) {
+  if (!step.last_of_frame) {
+    return;
+  }
+  substep_start.assign(step.substep_start.begin(), step.substep_start.end());
+  previous_bone_poses.assign(step.previous_bone_poses.begin(), step.previous_bone_poses.end());
+  positions.assign(step.positions.begin(), step.positions.end());
+  bone_poses.assign(step.bone_poses.begin(), step.bone_poses.end());
+}
+
+void LastDetection::after_detection(const CollisionStep& step, std::span<const Contact> answered) {
+  if (step.last_of_frame) {
+    contacts.assign(answered.begin(), answered.end());
+  }
+}
+
 Simulation::Simulation(const LoopParameters& loop, Particles particles, std::vector<int> free_nodes,
                        std::vector<std::unique_ptr<Effect>> effects, CollisionBackend& backend, ResponseKind response,
                        PoseFunction poses)
@@ -19,7 +35,7 @@ Simulation::Simulation(const LoopParameters& loop, Particles particles, std::vec
   m_previous_poses = m_poses;
 }
 
-StageTimes Simulation::step_frame(int frame, LastDetection* last_detection) {
+StageTimes Simulation::step_frame(int frame, CollisionObserver* observer) {
   StageTimes times;
   times.effects_ns.assign(m_effects.size(), 0);
   const Nanoseconds start_ns = monotonic_now_ns();
@@ -42,13 +58,7 @@ StageTimes Simulation::step_frame(int frame, LastDetection* last_detection) {
         const ScopedTimer timer(times.effects_ns[i]);
         m_effects[i]->project(m_particles, input);
       }
-      const bool last = substep == m_loop.substeps && iteration == m_loop.iterations;
-      if (last && last_detection != nullptr) {
-        const ScopedTimer timer(times.recording_ns);
-        last_detection->positions = m_particles.predicted;
-        last_detection->bone_poses = m_poses;
-      }
-      collide(times, last && last_detection != nullptr ? last_detection : nullptr);
+      collide(times, substep == m_loop.substeps && iteration == m_loop.iterations, observer);
     }
     const ScopedTimer timer(times.finish_ns);
     finish_substep();
@@ -66,7 +76,12 @@ void Simulation::predict(const SubstepInput& input) {
   }
 }
 
-void Simulation::collide(StageTimes& times, LastDetection* last_detection) {
+void Simulation::collide(StageTimes& times, bool last_of_frame, CollisionObserver* observer) {
+  const CollisionStep step{m_particles.positions, m_previous_poses, m_particles.predicted, m_poses, last_of_frame};
+  if (observer != nullptr) {
+    const ScopedTimer timer(times.recording_ns);
+    observer->before_detection(step);
+  }
   {
     const ScopedTimer timer(times.update_ns);
     m_backend.update(m_poses, m_particles.predicted);
@@ -75,9 +90,9 @@ void Simulation::collide(StageTimes& times, LastDetection* last_detection) {
     const ScopedTimer timer(times.detect_ns);
     m_backend.detect(m_particles.predicted, m_free_nodes, m_contacts);
   }
-  if (last_detection != nullptr) {
+  if (observer != nullptr) {
     const ScopedTimer timer(times.recording_ns);
-    last_detection->contacts = m_contacts;
+    observer->after_detection(step, m_contacts);
   }
   const ScopedTimer timer(times.respond_ns);
   m_response.resolve(m_backend, {m_particles.positions, m_previous_poses, m_poses}, m_contacts, m_particles.predicted);

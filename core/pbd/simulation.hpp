@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
+#include <span>
 #include <vector>
 
 #include "core/contact/collision_backend.hpp"
@@ -35,14 +35,42 @@ struct StageTimes {
   Nanoseconds respond_ns = 0;
   Nanoseconds finish_ns = 0;
   Nanoseconds frame_ns = 0;      ///< wall time of the frame's loop, without the recording
-  Nanoseconds recording_ns = 0;  ///< copies of the last detection, for the Referee
+  Nanoseconds recording_ns = 0;  ///< taken by the observer
 };
 
-/// The input and the answer of the last detection of a frame: what the Referee judges.
-struct LastDetection {
+/// What one collision step of the loop works on, before the backend is told: world frame, metres.
+struct CollisionStep {
+  std::span<const Vec3> substep_start;               ///< x
+  std::span<const RigidMotion> previous_bone_poses;  ///< the poses that x was computed with
+  std::span<const Vec3> positions;                   ///< p, which the backend is asked about
+  std::span<const RigidMotion> bone_poses;
+  bool last_of_frame = false;
+};
+
+/// Looks on while the loop collides: what it takes is recording time, not the frame's.
+class CollisionObserver {
+ public:
+  CollisionObserver() = default;
+  CollisionObserver(const CollisionObserver&) = delete;
+  CollisionObserver& operator=(const CollisionObserver&) = delete;
+  virtual ~CollisionObserver() = default;
+
+  virtual void before_detection(const CollisionStep& step) = 0;
+  /// The same step; the response has not moved anything yet.
+  virtual void after_detection(const CollisionStep& step, std::span<const Contact> contacts) = 0;
+};
+
+/// Keeps the last detection of a frame: what the Referee judges.
+class LastDetection final : public CollisionObserver {
+ public:
+  std::vector<Vec3> substep_start;
+  std::vector<RigidMotion> previous_bone_poses;
   std::vector<Vec3> positions;
   std::vector<RigidMotion> bone_poses;
   std::vector<Contact> contacts;
+
+  void before_detection(const CollisionStep& step) override;
+  void after_detection(const CollisionStep& step, std::span<const Contact> answered) override;
 };
 
 /// Poses of all bones at `frame_position`: 0 before the first frame, 1 at the end of the first, fractions between.
@@ -57,8 +85,8 @@ class Simulation {
              std::vector<std::unique_ptr<Effect>> effects, CollisionBackend& backend, ResponseKind response,
              PoseFunction poses);
 
-  /// Runs frame `frame` (1-based). `last_detection`, when given, receives the last detection.
-  StageTimes step_frame(int frame, LastDetection* last_detection = nullptr);
+  /// Runs frame `frame` (1-based). `observer`, when given, sees every collision step.
+  StageTimes step_frame(int frame, CollisionObserver* observer = nullptr);
 
   [[nodiscard]] const Particles& particles() const { return m_particles; }
   [[nodiscard]] std::span<const RigidMotion> bone_poses() const { return m_poses; }
@@ -69,7 +97,7 @@ class Simulation {
 
  private:
   void predict(const SubstepInput& input);
-  void collide(StageTimes& times, LastDetection* last_detection);
+  void collide(StageTimes& times, bool last_of_frame, CollisionObserver* observer);
   void finish_substep();
 
   LoopParameters m_loop;

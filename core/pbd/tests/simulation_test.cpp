@@ -157,6 +157,7 @@ TEST(Simulation, TheLastDetectionIsWhatTheBackendSaw) {
                         [](double, std::vector<RigidMotion>& poses) { poses.assign(1, RigidMotion{}); });
   LastDetection last;
   simulation.step_frame(1, &last);
+  EXPECT_EQ(last.substep_start[0], Vec3(0, 0, 1));
   EXPECT_EQ(last.positions[0], Vec3(0, 0, -2));
   ASSERT_EQ(last.contacts.size(), 1U);
   EXPECT_EQ(last.contacts[0].depth_m, 2);
