@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "backends/brute_force/brute_force_backend.hpp"
+#include "backends/bvh/bvh_backend.hpp"
 #include "backends/null/null_backend.hpp"
 #include "backends/sdf/sdf_backend.hpp"
 #include "backends/voxel/voxel_backend.hpp"
@@ -22,6 +23,8 @@ const std::vector<BackendEntry>& backend_registry() {
        voxel_parameters(), make_voxel_backend},
       {"sdf", "cubic signed distance field over each bone (the Discregrid method)", ResponseKind::project,
        sdf_parameters(), make_sdf_backend},
+      {"bvh", "exact: closest point by a tree of boxes over each bone, signed robustly", ResponseKind::project,
+       bvh_parameters(), make_bvh_backend},
 #ifdef MUSCLEBENCH_WITH_FCL
       {"fcl", "FCL: muscle and bones as BVH models in dynamic AABB trees (the paper's way)", ResponseKind::project,
        fcl_parameters(), make_fcl_backend},

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "backends/sdf/cubic_field.hpp"
-#include "backends/sdf/signed_surface.hpp"
+#include "core/geometry/signed_surface.hpp"
 
 namespace musclebench {
 

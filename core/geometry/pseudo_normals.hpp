@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/geometry/triangle_distance.hpp"
@@ -21,6 +22,11 @@ class PseudoNormals {
   /// Whether `point` lies on the inner side, seen from its closest point on the surface.
   [[nodiscard]] bool is_inside(const Vec3& point, const Vec3& closest, int triangle, Feature feature) const {
     return (point - closest).dot(at(triangle, feature)) < 0;
+  }
+
+  [[nodiscard]] std::size_t bytes() const {
+    return m_triangles.capacity() * sizeof(Triangle) + (m_of_face.capacity() + m_of_vertex.capacity()) * sizeof(Vec3) +
+           m_neighbour.capacity() * sizeof(int);
   }
 
  private:

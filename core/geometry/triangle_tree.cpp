@@ -331,6 +331,11 @@ std::array<Vec3, 3> TriangleTree::corners(int triangle) const {
   return result;
 }
 
+Vec3 TriangleTree::area_normal(int triangle) const {
+  const auto [a, b, c] = corners(triangle);
+  return (b - a).cross(c - a);
+}
+
 struct TriangleTree::Search {
   Vec3 point;
   ClosestOnTriangle best;

@@ -39,6 +39,9 @@ class TriangleTree {
   /// exactly.
   [[nodiscard]] double winding_number(const Vec3& point) const;
 
+  /// Normal of a triangle by its winding, as long as twice its area; zero where it has none.
+  [[nodiscard]] Vec3 area_normal(int triangle) const;
+
   [[nodiscard]] std::size_t triangle_count() const { return m_place.size(); }
   [[nodiscard]] std::size_t bytes() const;
 
