@@ -1,6 +1,7 @@
 #include "bench/progress.hpp"
 
 #include <cstdio>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -44,6 +45,13 @@ void Progress::show(int done) {
   fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} % ETA {:.0f} s", m_label, "", filled, "", bar_width - filled,
              100 * part, part > 0 ? seconds * (1 - part) / part : 0.0);
   std::fflush(stderr);
+}
+
+Progress::Style progress_style(bool lines_wanted) {
+  if (lines_wanted) {
+    return Progress::Style::lines;
+  }
+  return isatty(STDERR_FILENO) != 0 ? Progress::Style::bar : Progress::Style::none;
 }
 
 }  // namespace musclebench

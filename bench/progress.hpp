@@ -30,4 +30,7 @@ class Progress {
   bool m_on_screen = false;
 };
 
+/// Lines when asked for, else a bar on a terminal.
+Progress::Style progress_style(bool lines_wanted);
+
 }  // namespace musclebench

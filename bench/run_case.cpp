@@ -1,13 +1,13 @@
 #include "bench/run_case.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <malloc.h>
 #include <memory>
 #include <numbers>
 
 #include <fmt/format.h>
 
+#include "bench/make_simulation.hpp"
 #include "core/base/sha256.hpp"
 #include "core/base/system_memory.hpp"
 #include "core/geometry/surface_volume.hpp"
@@ -21,72 +21,6 @@ constexpr double degrees_per_radian = 180 / std::numbers::pi;
 
 /// Positions farther than this many scene diagonals from the start count as blown up.
 constexpr double divergence_diagonals = 10;
-
-std::vector<int> all_nodes(const Scene& scene) {
-  std::vector<int> nodes(scene.muscle.mesh.vertices.size());
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    nodes[i] = static_cast<int>(i);
-  }
-  return nodes;
-}
-
-std::vector<BoundNode> bind_nodes(const Scene& scene, CollisionBackend& backend,
-                                  const std::vector<RigidMotion>& rest_poses) {
-  if (!scene.attach_at_first_contact) {
-    return scene.bound_nodes();
-  }
-  std::vector<Contact> contacts;
-  backend.update(rest_poses, scene.muscle.mesh.vertices);
-  backend.detect(scene.muscle.mesh.vertices, all_nodes(scene), contacts);
-  std::vector<BoundNode> bound;
-  bound.reserve(contacts.size());
-  for (const Contact& contact : contacts) {
-    bound.push_back({contact.node, contact.bone});
-  }
-  std::stable_sort(bound.begin(), bound.end(), [](const BoundNode& a, const BoundNode& b) { return a.node < b.node; });
-  bound.erase(
-      std::unique(bound.begin(), bound.end(), [](const BoundNode& a, const BoundNode& b) { return a.node == b.node; }),
-      bound.end());
-  return bound;
-}
-
-Particles particles_of(const Scene& scene, const std::vector<BoundNode>& bound) {
-  Particles particles;
-  particles.positions = scene.muscle.mesh.vertices;
-  particles.predicted = particles.positions;
-  particles.velocities.assign(particles.size(), Vec3::Zero());
-  const double volume_m3 = std::abs(surface_volume_m3(scene.muscle.mesh.vertices, scene.muscle.mesh.triangles));
-  const double shared_mass_kg = scene.loop.density_kg_per_m3 * volume_m3 / static_cast<double>(particles.size());
-  particles.inverse_masses.assign(particles.size(),
-                                  1 / (shared_mass_kg > 0 ? shared_mass_kg : scene.loop.node_mass_kg));
-  for (const BoundNode& node : bound) {
-    particles.inverse_masses[node.node] = 0;
-  }
-  return particles;
-}
-
-std::vector<int> free_nodes_of(const Particles& particles) {
-  std::vector<int> nodes;
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    if (particles.inverse_masses[i] > 0) {
-      nodes.push_back(static_cast<int>(i));
-    }
-  }
-  return nodes;
-}
-
-double scene_diagonal_m(const Scene& scene) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& vertex : scene.muscle.mesh.vertices) {
-    box.extend(vertex);
-  }
-  for (const Bone& bone : scene.bones) {
-    for (const Vec3& vertex : bone.surface.mesh.vertices) {
-      box.extend(vertex);
-    }
-  }
-  return box.diagonal().norm();
-}
 
 /// The first node that left the range of the scene; -1 when all is well. Written so that NaN counts as lost.
 int lost_node(const std::vector<Vec3>& positions, const std::vector<Vec3>& rest, double range_m) {
@@ -127,27 +61,15 @@ class CaseRunner {
 
  private:
   void start() {
-    std::vector<RigidMotion> rest_poses(m_scene.bones.size());
-    m_backend = m_run.backend.make(m_run.parameters);
-    const Nanoseconds start_ns = monotonic_now_ns();
-    m_backend->build(m_scene.bones, m_scene.muscle.mesh, m_run.threads);
-    m_result.build_ns = monotonic_now_ns() - start_ns;
+    BuiltBackend built = build_backend(m_run);
+    m_backend = std::move(built.backend);
+    m_result.build_ns = built.build_ns;
     m_result.structure_bytes = m_backend->structure_bytes();
 
-    m_result.bound_nodes = bind_nodes(m_scene, *m_backend, rest_poses);
-    std::vector<std::unique_ptr<Effect>> effects;
-    const std::vector<FibreSegment> fibres = m_scene.fibres_with(m_result.bound_nodes);
-    const EffectInput input{m_scene.muscle.mesh, fibres, m_result.bound_nodes, rest_poses};
-    for (const SceneEffect& effect : m_scene.effects) {
-      effects.push_back(find_effect(effect.name)->make(input, effect.parameters));
-      m_result.effect_names.push_back(effect.name);
-    }
-    Particles particles = particles_of(m_scene, m_result.bound_nodes);
-    std::vector<int> free_nodes = free_nodes_of(particles);
-    m_simulation = std::make_unique<Simulation>(
-        m_scene.loop, std::move(particles), std::move(free_nodes), std::move(effects), *m_backend,
-        m_run.backend.response,
-        [this](double position, std::vector<RigidMotion>& poses) { m_scene.poses_at(position, poses); });
+    PreparedSimulation prepared = prepare_simulation(m_run, *m_backend);
+    m_simulation = std::move(prepared.simulation);
+    m_result.bound_nodes = std::move(prepared.bound_nodes);
+    m_result.effect_names = std::move(prepared.effect_names);
     m_result.rest_volume_m3 = surface_volume_m3(m_scene.muscle.mesh.vertices, m_scene.muscle.mesh.triangles);
     m_range_m = divergence_diagonals * scene_diagonal_m(m_scene);
     m_result.records.reserve(static_cast<std::size_t>(std::min(m_scene.loop.frames, 100000)));

@@ -1,23 +1,16 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
-#include "backends/registry.hpp"
+#include "bench/case.hpp"
 #include "core/measure/step_record.hpp"
-#include "core/scene/scene.hpp"
 
 namespace musclebench {
 
-/// One case: what is run, fully resolved.
-struct RunCase {
-  const Scene& scene;
-  const BackendEntry& backend;
-  Parameters parameters;  ///< of the backend
-  int threads = 1;
-  int repetition = 0;
+/// One case and how its run is looked at.
+struct RunCase : Case {
   int warm_up_frames = 2;      ///< recorded and marked
   bool judge = true;           ///< whether the Referee judges every frame
   std::vector<int> snapshots;  ///< frames (0: rest) whose shape is kept, ascending
@@ -41,7 +34,7 @@ struct RunResult {
   std::vector<BoundNode> bound_nodes;
   std::size_t structure_bytes = 0;
   Nanoseconds build_ns = 0;
-  Nanoseconds wall_ns = 0;  ///< from the first frame to the last, with judging
+  Nanoseconds wall_ns = 0;              ///< from the first frame to the last, with judging
   std::size_t memory_before_bytes = 0;  ///< resident, without what the Referee took
   std::size_t memory_after_bytes = 0;   ///< the same
   std::size_t memory_peak_bytes = 0;    ///< of the whole process

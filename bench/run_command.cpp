@@ -1,49 +1,30 @@
 #include <algorithm>
-#include <csignal>
-#include <numeric>
-#include <thread>
-#include <unistd.h>
+#include <optional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "bench/command_options.hpp"
 #include "bench/commands.hpp"
 #include "bench/progress.hpp"
+#include "bench/result_folder.hpp"
 #include "bench/run_output.hpp"
-#include "bench/scene_source.hpp"
-#include "core/base/input_error.hpp"
+#include "bench/signals.hpp"
 
 namespace musclebench {
 
 namespace {
 
 struct RunOptions {
-  SceneChoice choice;
-  std::string backend;
-  std::vector<std::string> parameters;
-  std::vector<std::string> loop;
+  SceneOptions scene;
+  BackendOptions backend;
   std::string out;
-  int threads = 1;
-  int frames = 0;
   int repetition = 0;
   std::vector<int> snapshots;
   bool progress_lines = false;
   bool unjudged = false;
   bool force = false;
 };
-
-std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::string>& texts,
-                                                        const std::string& option) {
-  std::map<std::string, ParameterValue> values;
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      throw InputError(fmt::format("{} {}", option, text), "has to read key=value");
-    }
-    values[text.substr(0, equals)] = parse_parameter_value(std::string_view(text).substr(equals + 1));
-  }
-  return values;
-}
 
 std::string median_ms(const std::vector<StepRecord>& records, Nanoseconds (*figure)(const StepRecord&)) {
   std::vector<double> values;
@@ -87,58 +68,32 @@ void print_summary(const RunCase& run, const RunResult& result, const std::strin
   fmt::print("  state hash                    {}\n  written to {}\n", result.state_hash, out);
 }
 
-Progress::Style progress_style(const RunOptions& options) {
-  if (options.progress_lines) {
-    return Progress::Style::lines;
+RunResult run_and_write(const RunCase& run, const RunOptions& options, const std::string& out) {
+  std::optional<EndAtOnce> until_written(std::in_place);
+  RunResult result;
+  {
+    Progress progress(progress_style(options.progress_lines), fmt::format("{} {}", run.scene.name, run.backend.name),
+                      run.scene.loop.frames);
+    result = run_case(run, [&](int done) { progress.show(done); });
   }
-  return isatty(STDERR_FILENO) != 0 ? Progress::Style::bar : Progress::Style::none;
+  const HeldSignals held;
+  write_run(out, run, result);
+  until_written.reset();
+  return result;
 }
-
-/// Nothing of a run is on the disk before it is written, so until then the process may end at once.
-void end_at_once(int /*signal*/) {
-  static constexpr char message[] = "\nmusclebench: interrupted; nothing was written\n";
-  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, message, sizeof message - 1);
-  _exit(exit_interrupted);
-}
-
-/// Holds back Ctrl-C and termination while files are being moved.
-class HeldSignals {
- public:
-  HeldSignals() {
-    sigset_t held;
-    sigemptyset(&held);
-    sigaddset(&held, SIGINT);
-    sigaddset(&held, SIGTERM);
-    sigprocmask(SIG_BLOCK, &held, &m_before);
-  }
-  HeldSignals(const HeldSignals&) = delete;
-  HeldSignals& operator=(const HeldSignals&) = delete;
-  ~HeldSignals() { sigprocmask(SIG_SETMASK, &m_before, nullptr); }
-
- private:
-  sigset_t m_before{};
-};
 
 int run(RunOptions options) {
-  if (options.frames > 0) {
-    options.choice.loop_overrides["frames"] = std::int64_t{options.frames};
-  }
-  for (const auto& [key, value] : parse_assignments(options.loop, "--loop")) {
-    options.choice.loop_overrides[key] = value;
-  }
-  const BackendEntry& backend = find_backend(options.backend);
-  const Parameters parameters(backend.parameters, parse_assignments(options.parameters, "--param"),
-                              fmt::format("--param ({})", backend.name));
-  const Scene scene = load_scene(options.choice);
-  for (const std::string& warning : scene_warnings(scene)) {
-    fmt::print(stderr, "musclebench: warning: {}: {}\n", scene.name, warning);
-  }
+  const BackendEntry& backend = find_backend(options.backend.backend);
+  const Parameters parameters = backend_parameters(backend, options.backend.parameters);
+  const Scene scene = load_scene(options.scene);
   std::sort(options.snapshots.begin(), options.snapshots.end());
-  const RunCase run_of{scene, backend,           parameters,       options.threads, options.repetition,
-                       2,     !options.unjudged, options.snapshots};
+  const RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition},
+                       2,
+                       !options.unjudged,
+                       options.snapshots};
   const std::string id = run_id(run_of);
   const std::string out = options.out.empty() ? fmt::format("reports/out/runs/raw/{}", id) : options.out;
-  if (!options.force && is_complete(out, id)) {
+  if (!options.force && is_complete(out, id, "frames.csv")) {
     fmt::print("{} with {}: complete already in {} (--force runs it again)\n", scene.name, backend.name, out);
     return 0;
   }
@@ -151,19 +106,7 @@ int run(RunOptions options) {
                options.snapshots.back(), scene.loop.frames);
   }
 
-  std::signal(SIGINT, end_at_once);
-  std::signal(SIGTERM, end_at_once);
-  RunResult result;
-  {
-    Progress progress(progress_style(options), fmt::format("{} {}", scene.name, backend.name), scene.loop.frames);
-    result = run_case(run_of, [&](int done) { progress.show(done); });
-  }
-  {
-    const HeldSignals held;
-    write_run(out, run_of, result);
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
-  }
+  const RunResult result = run_and_write(run_of, options, out);
   print_summary(run_of, result, out);
   if (result.status == "diverged") {
     fmt::print(stderr, "musclebench: {}: diverged: {}\n", scene.name, result.status_detail);
@@ -177,16 +120,9 @@ int run(RunOptions options) {
 void add_run_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = app.add_subcommand("run", "Run one case and write run.json and frames.csv");
-  command->add_option("scene", options->choice.scene, "Name of an embedded scene or path of a .toml file")->required();
-  command->add_option("--backend", options->backend, "Collision backend (see `musclebench list`)")->required();
-  command->add_option("--param", options->parameters, "Parameter of the backend, key=value; may be repeated");
-  command->add_option("--preset", options->choice.preset, "Loop and effects: paper or standard (default: the scene's)");
-  command->add_option("--loop", options->loop, "Parameter of the loop, key=value, over scene and preset");
-  command->add_option("--data", options->choice.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
+  add_scene_options(*command, options->scene);
+  add_backend_options(*command, options->backend);
   command->add_option("--out", options->out, "Result folder (default: reports/out/runs/raw/<run id>)");
-  command->add_option("--frames", options->frames, "Frames of the whole motion (default: the preset's)")
-      ->check(CLI::Range(1, 10000000));
-  command->add_option("--threads", options->threads, "Threads of the backend (default: 1)")->check(CLI::Range(1, 4096));
   command->add_option("--repetition", options->repetition, "Number of the repetition, a part of the run's identity")
       ->check(CLI::Range(0, 1000000));
   command->add_option("--snapshots", options->snapshots, "Frames whose shape is kept, such as 0,79,157")

@@ -1,0 +1,61 @@
+#include "bench/command_options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "core/base/input_error.hpp"
+
+namespace musclebench {
+
+void add_scene_options(CLI::App& command, SceneOptions& options) {
+  command.add_option("scene", options.choice.scene, "Name of an embedded scene or path of a .toml file")->required();
+  command.add_option("--preset", options.choice.preset, "Loop and effects: paper or standard (default: the scene's)");
+  command.add_option("--loop", options.loop, "Parameter of the loop, key=value, over scene and preset");
+  command.add_option("--data", options.choice.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
+  command.add_option("--frames", options.frames, "Frames of the whole motion (default: the preset's)")
+      ->check(CLI::Range(1, 10000000));
+}
+
+Scene load_scene(const SceneOptions& options) {
+  SceneChoice choice = options.choice;
+  if (options.frames > 0) {
+    choice.loop_overrides["frames"] = std::int64_t{options.frames};
+  }
+  for (const auto& [key, value] : parse_assignments(options.loop, "--loop")) {
+    choice.loop_overrides[key] = value;
+  }
+  Scene scene = load_scene(choice);
+  for (const std::string& warning : scene_warnings(scene)) {
+    fmt::print(stderr, "musclebench: warning: {}: {}\n", scene.name, warning);
+  }
+  return scene;
+}
+
+void add_backend_options(CLI::App& command, BackendOptions& options) {
+  command.add_option("--backend", options.backend, "Collision backend (see `musclebench list`)")->required();
+  command.add_option("--param", options.parameters, "Parameter of the backend, key=value; may be repeated");
+  add_threads_option(command, options.threads);
+}
+
+void add_threads_option(CLI::App& command, int& threads) {
+  command.add_option("--threads", threads, "Threads of the backend (default: 1)")->check(CLI::Range(1, 4096));
+}
+
+Parameters backend_parameters(const BackendEntry& backend, const std::vector<std::string>& assignments) {
+  return {backend.parameters, parse_assignments(assignments, "--param"), fmt::format("--param ({})", backend.name)};
+}
+
+std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::string>& texts,
+                                                        const std::string& option) {
+  std::map<std::string, ParameterValue> values;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw InputError(fmt::format("{} {}", option, text), "has to read key=value");
+    }
+    values[text.substr(0, equals)] = parse_parameter_value(std::string_view(text).substr(equals + 1));
+  }
+  return values;
+}
+
+}  // namespace musclebench

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <csignal>
+
+namespace musclebench {
+
+/// While it lives, Ctrl-C and termination end the process at once with one line and exit code 130: for work that has
+/// nothing on the disk yet.
+class EndAtOnce {
+ public:
+  EndAtOnce();
+  EndAtOnce(const EndAtOnce&) = delete;
+  EndAtOnce& operator=(const EndAtOnce&) = delete;
+  ~EndAtOnce();
+};
+
+/// Holds back Ctrl-C and termination while files are being moved.
+class HeldSignals {
+ public:
+  HeldSignals();
+  HeldSignals(const HeldSignals&) = delete;
+  HeldSignals& operator=(const HeldSignals&) = delete;
+  ~HeldSignals();
+
+ private:
+  sigset_t m_before{};
+};
+
+}  // namespace musclebench
