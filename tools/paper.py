@@ -4,22 +4,21 @@
 import argparse
 import os
 import shutil
-import signal
 import subprocess
 import sys
 from pathlib import Path
 
-from musclebench_experiment import cases as experiment
-from musclebench_experiment import fingerprint
-from musclebench_experiment.pool import Settings, run_cases
+from musclebench_experiment import paper_cases
+from musclebench_experiment.case import Places
+from musclebench_experiment.disk import DiskFull
+from musclebench_experiment.experiment import Experiment
+from musclebench_experiment.front import Problem, check_data, check_positive, check_program, chosen_cores, end_by_interrupt
+from musclebench_experiment.out_folder import FolderInUse, claimed
+from musclebench_experiment.pool import Limits, run_cases
 from musclebench_report import figures, published, results, table_formats, tables
 
 TOOLS = Path(__file__).resolve().parent
 PROJECT = TOOLS.parent
-
-
-class Problem(Exception):
-    """The experiment can't go on; one line with place, problem and cure."""
 
 
 def parse_arguments(arguments):
@@ -35,43 +34,24 @@ def parse_arguments(arguments):
 
 
 def check_input(options) -> None:
-    if not os.access(options.musclebench, os.X_OK) or not options.musclebench.is_file():
-        raise Problem(f"{options.musclebench}: no such program; build it first (tools/paper does)")
-    if options.data is not None and not (options.data / "lhdl.json").is_file():
-        raise Problem(f"{options.data}: has no lhdl.json; tools/import_lhdl.py makes such a folder")
-    if options.jobs is not None and options.jobs < 1:
-        raise Problem(f"--jobs {options.jobs}: must be 1 or more")
-    if options.frames_limit is not None and options.frames_limit < 1:
-        raise Problem(f"--frames-limit {options.frames_limit}: must be 1 or more")
-
-
-def chosen_cores(jobs: int | None) -> list[int]:
-    allowed = sorted(os.sched_getaffinity(0))
-    return allowed[: min(jobs or 2, len(allowed))]
+    check_program(options.musclebench, "tools/paper")
+    check_data(options.data)
+    check_positive("--jobs", options.jobs)
+    check_positive("--frames-limit", options.frames_limit)
+    check_positive("--timeout", options.timeout)
 
 
 def run_experiment(options, out_dir: Path) -> list[str]:
     """Runs what is not complete yet; the names of all runs of the plan."""
     data_dir = options.data.resolve() if options.data else None
-    binary = options.musclebench.resolve()
-    raw_dir = out_dir / "raw"
-    raw_dir.mkdir(parents=True, exist_ok=True)
-    binary_digest, data_digest = fingerprint.file_digest(binary), fingerprint.data_digest(data_dir)
-
-    def print_of(case):
-        return fingerprint.fingerprint(case.arguments(data_dir), binary_digest, data_digest)
-
-    plan = experiment.plan("lhdl" if data_dir else "synthetic", options.frames_limit)
-    todo = [c for c in plan if options.force or not fingerprint.is_complete(raw_dir / c.name, print_of(c))]
+    experiment = Experiment(options.musclebench, Places(out_dir, data_dir), options.force)
+    plan = paper_cases.plan("lhdl" if data_dir else "synthetic", options.frames_limit)
+    todo = [case for case in plan if experiment.wants(case)]
     if len(todo) < len(plan):
         print(f"{len(plan) - len(todo)} of {len(plan)} runs are complete already (--force runs them again)")
-    settings = Settings(
-        raw_dir=raw_dir, cores=chosen_cores(options.jobs), timeout_seconds=options.timeout,
-        command_of=lambda case: [str(binary), *case.arguments(data_dir)],
-        on_finished=lambda case, folder: fingerprint.seal(folder, print_of(case)),
-    )
     if todo:
-        run_cases(todo, settings)
+        with claimed(out_dir, "raw"):
+            run_cases(todo, experiment, Limits(chosen_cores(options.jobs), options.timeout))
     return [case.name for case in plan]
 
 
@@ -141,11 +121,11 @@ def run_and_report(options) -> int:
 
 
 def main(arguments=None) -> int:
-    signal.signal(signal.SIGTERM, signal.getsignal(signal.SIGINT))
+    end_by_interrupt()
     options = parse_arguments(arguments)
     try:
         return run_and_report(options)
-    except (Problem, results.ResultProblem, OSError) as problem:
+    except (Problem, DiskFull, FolderInUse, results.ResultProblem, OSError) as problem:
         print(f"paper: {problem}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:

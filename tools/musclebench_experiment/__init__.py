@@ -1,1 +1,1 @@
-"""Runs the cases of the paper's experiment, one process a case, and keeps one folder a case."""
+"""Runs the cases of an experiment, one process a case, and keeps one folder a case."""

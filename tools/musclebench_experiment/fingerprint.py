@@ -8,7 +8,8 @@ FILE_NAME = "case.json"
 
 
 def file_digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def data_digest(data_dir: Path | None) -> str:
@@ -19,8 +20,9 @@ def data_digest(data_dir: Path | None) -> str:
     return hashlib.sha256("".join(file_digest(path) for path in files if path.is_file()).encode()).hexdigest()
 
 
-def fingerprint(arguments: list[str], binary_digest: str, data: str) -> dict:
-    return {"arguments": arguments, "binary_sha256": binary_digest, "data_sha256": data}
+def fingerprint(arguments: list[str], binary_digest: str, data: str, **more: str) -> dict:
+    """`more`: digests of further inputs, by name."""
+    return {"arguments": arguments, "binary_sha256": binary_digest, "data_sha256": data, **more}
 
 
 def seal(folder: Path, print_of_case: dict) -> None:
@@ -28,11 +30,11 @@ def seal(folder: Path, print_of_case: dict) -> None:
     (folder / FILE_NAME).write_text(json.dumps(print_of_case) + "\n")
 
 
-def is_complete(folder: Path, print_of_case: dict) -> bool:
-    """True when the folder holds an `ok` run of just this case, build and data."""
+def status_when_sealed(folder: Path, print_of_case: dict) -> str | None:
+    """Status of the run in the folder; None unless it is of just this case, build and data."""
     try:
         noted = json.loads((folder / FILE_NAME).read_text())
         status = json.loads((folder / "run.json").read_text())["status"]
     except (OSError, ValueError, KeyError):
-        return False
-    return status == "ok" and noted == print_of_case and (folder / "frames.csv").is_file()
+        return None
+    return status if noted == print_of_case else None

@@ -1,60 +1,95 @@
-"""Runs cases side by side, one process a core."""
+"""Runs cases side by side, one process a case."""
 
+import os
 import time
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Callable
 
-from .cases import Case
+from .case import Case
+from .case_queue import CaseQueue
+from .disk import DiskFull, is_disk_full
+from .experiment import Experiment, Refusal
 from .progress import Estimate, ProgressBar
-from .worker import Worker
+from .worker import Worker, put_refusal_in_place
 
-POLL_SECONDS = 0.2
+POLL_SECONDS = 0.1
 
 
 @dataclass
-class Settings:
-    raw_dir: Path
+class Limits:
     cores: list[int]  # one running case on each
     timeout_seconds: float
-    command_of: Callable[[Case], list[str]]  # without --out and --progress
-    on_finished: Callable[[Case, Path], None]  # the case and its folder, now in place
+    memory_bytes: int | None = None  # of one case; None: as much as there is
 
 
-def run_cases(cases: list[Case], settings: Settings) -> dict[Case, str]:
-    """{case: status}. An interrupt ends the children, removes their folders and is passed on."""
-    waiting, free, running = list(cases), list(settings.cores), []
-    estimate = Estimate(list(cases))
-    bar = ProgressBar(estimate, len(settings.cores))
-    statuses: dict[Case, str] = {}
-    try:
-        while waiting or running:
-            while waiting and free:
-                case = waiting.pop(0)
-                running.append(Worker(case, settings.command_of(case), settings.raw_dir, free.pop(0)))
-            time.sleep(POLL_SECONDS)
-            for worker in [w for w in running if _is_over(w, settings.timeout_seconds)]:
-                statuses[worker.case] = _finish(worker, settings)
-                running.remove(worker)
-                free.append(worker.core)
-                estimate.finished[worker.case] = worker.elapsed
-            estimate.running = {w.case: (w.elapsed, w.fraction) for w in running}
-            bar.show()
-    finally:
-        for worker in running:
-            worker.stop()
-    bar.end()
-    return statuses
+def run_cases(cases: list[Case], experiment: Experiment, limits: Limits) -> dict[Case, str]:
+    """{case: status}. An interrupt or a full disk ends the children, removes their folders and is passed on."""
+    return _Pool(cases, experiment, limits).run()
 
 
-def _is_over(worker: Worker, timeout_seconds: float) -> bool:
-    return not worker.is_running() or worker.elapsed > timeout_seconds
+class _Pool:
+    def __init__(self, cases: list[Case], experiment: Experiment, limits: Limits):
+        self._queue, self._experiment, self._limits = CaseQueue(cases), experiment, limits
+        self._free, self._running = list(limits.cores), []
+        self._estimate = Estimate(list(cases))
+        self._statuses: dict[Case, str] = {}
 
+    def run(self) -> dict[Case, str]:
+        bar = ProgressBar(self._estimate, len(self._limits.cores))
+        try:
+            while self._queue:
+                self._start_cases()
+                if self._running:
+                    time.sleep(POLL_SECONDS)
+                self._end_cases()
+                self._estimate.running = {w.case: (w.elapsed, w.fraction) for w in self._running}
+                bar.show()
+        except OSError as problem:
+            if is_disk_full(problem):
+                raise DiskFull(self._experiment.places.out_dir) from None
+            raise
+        finally:
+            for worker in self._running:
+                worker.stop()
+        bar.end()
+        return self._statuses
 
-def _finish(worker: Worker, settings: Settings) -> str:
-    timed_out = worker.is_running()
-    if timed_out:
-        worker.kill_for_timeout()
-    status = worker.finish(timed_out)
-    settings.on_finished(worker.case, worker.final)
-    return status
+    def _start_cases(self) -> None:
+        while self._free and (case := self._queue.take()) is not None:
+            # What a case needed may have come out as it was before, or not at all.
+            if not self._experiment.wants(case):
+                self._leave_out(case, "complete")
+            elif (refusal := self._refusal(case)) is not None:
+                self._leave_out(case, put_refusal_in_place(case, self._experiment, refusal))
+            else:
+                self._start(case)
+
+    def _start(self, case: Case) -> None:
+        cores = sorted(os.sched_getaffinity(0))[: case.threads] if case.threads > 1 else [self._free.pop(0)]
+        self._experiment.prepare(case)
+        self._running.append(Worker(case, self._experiment, cores, self._limits.memory_bytes))
+
+    def _refusal(self, case: Case) -> Refusal | None:
+        cores = len(os.sched_getaffinity(0))
+        if case.threads > cores:
+            return Refusal("unsupported", f"not run: wants {case.threads} cores, there are {cores}")
+        return self._experiment.refusal(case)
+
+    def _leave_out(self, case: Case, status: str) -> None:
+        self._statuses[case] = status
+        self._queue.end(case)
+        self._estimate.cases.remove(case)
+
+    def _end_cases(self) -> None:
+        for worker in [w for w in self._running if self._is_over(w)]:
+            self._running.remove(worker)
+            timed_out = worker.is_running()
+            if timed_out:
+                worker.kill_for_timeout()
+            self._statuses[worker.case] = worker.finish(timed_out)
+            self._queue.end(worker.case)
+            self._estimate.finished[worker.case] = worker.elapsed
+            if worker.case.threads == 1:
+                self._free.append(worker.cores[0])
+
+    def _is_over(self, worker: Worker) -> bool:
+        return not worker.is_running() or worker.elapsed > self._limits.timeout_seconds

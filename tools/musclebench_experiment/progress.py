@@ -4,11 +4,12 @@ import sys
 import time
 from dataclasses import dataclass, field
 
-from .cases import Case
+from .case import Case
 
 TRUSTED_FRACTION = 0.05  # from here on a running case says how long it takes
 BAR_WIDTH = 30
 LINE_WIDTH = 99
+REDRAW_SECONDS = 0.5  # drawing takes time from the cases that are measured
 LINE_SECONDS = 10.0
 
 
@@ -21,28 +22,35 @@ class Estimate:
     running: dict[Case, tuple[float, float]] = field(default_factory=dict)  # elapsed seconds, fraction done
 
     def seconds(self, case: Case) -> float:
-        measured = self._measured(case)
-        if measured is not None:
-            return measured
-        elapsed = self.running.get(case, (0.0, 0.0))[0]
-        return max(elapsed, case.guessed_seconds * self._slowness(case.backend))
+        return self._all_seconds()[case]
 
     def total_seconds(self) -> float:
-        return sum(self.seconds(case) for case in self.cases)
+        return sum(self._all_seconds().values())
 
     def done_seconds(self) -> float:
-        running = sum(self.seconds(case) * fraction for case, (_, fraction) in self.running.items())
-        return sum(self.finished.values()) + running
+        return self._done(self._all_seconds())
 
     def fraction(self) -> float:
-        total = self.total_seconds()
-        return min(1.0, self.done_seconds() / total) if total > 0 else 1.0
+        seconds = self._all_seconds()
+        total = sum(seconds.values())
+        return min(1.0, self._done(seconds) / total) if total > 0 else 1.0
 
     def remaining_seconds(self, jobs: int) -> float:
         """No shorter than the longest case that is left."""
-        unfinished = [case for case in self.cases if case not in self.finished]
-        left = [self.seconds(case) * (1 - self.running.get(case, (0.0, 0.0))[1]) for case in unfinished]
+        left = [seconds * (1 - self.running.get(case, (0.0, 0.0))[1])
+                for case, seconds in self._all_seconds().items() if case not in self.finished]
         return max(sum(left) / jobs, max(left, default=0.0))
+
+    def _all_seconds(self) -> dict[Case, float]:
+        measured = {case: seconds for case in self.cases if (seconds := self._measured(case)) is not None}
+        by_kind: dict[str, dict[Case, float]] = {}
+        for case, seconds in measured.items():
+            by_kind.setdefault(case.kind, {})[case] = seconds
+        slowness = {kind: _slowness(of_kind) for kind, of_kind in by_kind.items()}
+        of_any = _slowness(measured)
+        return {case: measured[case] if case in measured
+                else max(self.running.get(case, (0.0, 0.0))[0], case.guessed_seconds * slowness.get(case.kind, of_any))
+                for case in self.cases}
 
     def _measured(self, case: Case) -> float | None:
         if case in self.finished:
@@ -50,13 +58,15 @@ class Estimate:
         elapsed, fraction = self.running.get(case, (0.0, 0.0))
         return elapsed / fraction if fraction >= TRUSTED_FRACTION else None
 
-    def _slowness(self, backend: str) -> float:
-        """Measured over guessed seconds, of the cases of the same backend that are measured, else of any."""
-        measured = {case: self._measured(case) for case in self.cases}
-        known = {case: seconds for case, seconds in measured.items() if seconds is not None}
-        alike = {case: seconds for case, seconds in known.items() if case.backend == backend} or known
-        guessed = sum(case.guessed_seconds for case in alike)
-        return sum(alike.values()) / guessed if guessed > 0 else 1.0
+    def _done(self, seconds: dict[Case, float]) -> float:
+        running = sum(seconds[case] * fraction for case, (_, fraction) in self.running.items())
+        return sum(self.finished.values()) + running
+
+
+def _slowness(measured: dict[Case, float]) -> float:
+    """Measured over guessed seconds."""
+    guessed = sum(case.guessed_seconds for case in measured)
+    return sum(measured.values()) / guessed if guessed > 0 else 1.0
 
 
 class ProgressBar:
@@ -66,16 +76,18 @@ class ProgressBar:
         self._estimate, self._jobs, self._stream = estimate, jobs, stream
         self._is_terminal = stream.isatty()
         self._shown_fraction = 0.0
-        self._last_line = time.monotonic()
+        self._last_shown = time.monotonic()
 
     def show(self, force: bool = False) -> None:
-        text = self._text()
+        now = time.monotonic()
+        if not force and now - self._last_shown < (REDRAW_SECONDS if self._is_terminal else LINE_SECONDS):
+            return
+        self._last_shown = now
         if self._is_terminal:
-            self._stream.write(f"\r{text}\x1b[K")
+            self._stream.write(f"\r{self._text()}\x1b[K")
             self._stream.flush()
-        elif force or time.monotonic() - self._last_line >= LINE_SECONDS:
-            self._last_line = time.monotonic()
-            print(text, file=self._stream, flush=True)
+        else:
+            print(self._text(), file=self._stream, flush=True)
 
     def end(self) -> None:
         self.show(force=True)

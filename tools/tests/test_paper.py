@@ -15,8 +15,10 @@ import pandas as pd
 import pytest
 
 import paper
-from musclebench_experiment.cases import Case, plan
-from musclebench_experiment.pool import Settings, run_cases
+from musclebench_experiment.case import Places
+from musclebench_experiment.experiment import Experiment
+from musclebench_experiment.paper_cases import PaperCase, plan
+from musclebench_experiment.pool import Limits, run_cases
 from musclebench_report import results, surface_figures, surface_pictures
 
 PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
@@ -45,7 +47,7 @@ def in_process(tmp_path, monkeypatch, capfd):
     log = tmp_path / "log"
     monkeypatch.setattr(paper, "draw_surfaces", lambda out_dir, names: [])
     monkeypatch.setattr(paper.figures, "draw_figures", lambda runs, paper, folder: [])
-    monkeypatch.setattr(paper.experiment, "VERTICES", {"iliacus": 6931, "gluteus_medius": 5313})
+    monkeypatch.setattr(paper.paper_cases, "VERTICES", {"iliacus": 6931, "gluteus_medius": 5313})
 
     def run(*more, behaviour=""):
         monkeypatch.setenv("FAKE_BEHAVIOUR", behaviour)
@@ -127,10 +129,9 @@ def test_failures_become_rows_and_the_others_go_on(in_process, tmp_path):
 
 def test_a_case_that_hangs_is_stopped_and_said_so(tmp_path, monkeypatch):
     monkeypatch.setenv("FAKE_BEHAVIOUR", "iliacus-sdf=hang")
-    case = Case("synthetic", "iliacus", "sdf", 12)
-    settings = Settings(tmp_path, [0], 1.0, lambda c: [str(PROGRAM), *c.arguments(None)], lambda c, folder: None)
-    assert run_cases([case], settings) == {case: "timeout"}
-    assert results.read_run(tmp_path / case.name).record["status_detail"].startswith("stopped after")
+    case = PaperCase("synthetic", "iliacus", "sdf", 12)
+    assert run_cases([case], Experiment(PROGRAM, Places(tmp_path)), Limits([0], 1.0)) == {case: "timeout"}
+    assert results.read_run(tmp_path / "raw" / case.name).record["status_detail"].startswith("stopped after")
 
 
 def test_an_interrupt_ends_the_children_and_leaves_no_half_folder(tmp_path):

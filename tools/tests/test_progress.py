@@ -4,11 +4,12 @@ import io
 
 import pytest
 
-from musclebench_experiment.cases import Case, plan
+from musclebench_experiment.case import Places
+from musclebench_experiment.paper_cases import PaperCase, plan
 from musclebench_experiment.progress import Estimate, ProgressBar, duration
 
-VOXEL, FCL = Case("lhdl", "iliacus", "voxel"), Case("lhdl", "iliacus", "fcl")
-SMALL_FCL = Case("lhdl", "adductor_brevis", "fcl")
+VOXEL, FCL = PaperCase("lhdl", "iliacus", "voxel"), PaperCase("lhdl", "iliacus", "fcl")
+SMALL_FCL = PaperCase("lhdl", "adductor_brevis", "fcl")
 
 
 def test_nothing_measured_counts_by_guessed_seconds():
@@ -85,11 +86,11 @@ def test_the_plan_has_every_case_once_shuffled_with_long_ones_first():
 
 def test_snapshots_are_rest_half_and_full_flexion():
     assert VOXEL.snapshot_frames == [0, 79, 157]
-    assert Case("lhdl", "iliacus", "sdf", 20).snapshot_frames == [0, 5, 10]
-    assert Case("lhdl", "iliacus", "sdf", 1).snapshot_frames == [0]
+    assert PaperCase("lhdl", "iliacus", "sdf", 20).snapshot_frames == [0, 5, 10]
+    assert PaperCase("lhdl", "iliacus", "sdf", 1).snapshot_frames == [0]
 
 
 def test_the_command_names_the_case(tmp_path):
-    words = Case("lhdl", "iliacus", "sdf", 20).arguments(tmp_path)
+    words = PaperCase("lhdl", "iliacus", "sdf", 20).arguments(Places(tmp_path / "out", tmp_path))
     assert words[:4] == ["run", "lhdl/iliacus", "--backend", "sdf"]
     assert words[words.index("--data") + 1] == str(tmp_path) and words[words.index("--frames") + 1] == "20"

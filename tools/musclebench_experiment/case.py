@@ -1,0 +1,55 @@
+"""What the pool, the progress bar and the fingerprint know of a case, whatever its experiment is."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Places:
+    """Folders that a command line names and that may differ between machines."""
+
+    out_dir: Path
+    data_dir: Path | None = None  # None: no anatomical data are wanted
+
+    def symbolic(self) -> "Places":
+        """Stands for these folders in a fingerprint, so that results may be moved and merged."""
+        return Places(Path("OUT"), Path("DATA") if self.data_dir else None)
+
+
+class Case(ABC):
+    """One process to run. Cases are hashable and have names of their own."""
+
+    threads: int = 1  # more than one: it runs while nothing else does
+    needs: tuple[str, ...] = ()  # names of cases that must have ended before this one starts
+    builds: str = ""  # what the first case of this kind leaves for the others, which wait for it; empty: nothing
+
+    @property
+    @abstractmethod
+    def name(self) -> str: ...
+
+    @property
+    @abstractmethod
+    def kind(self) -> str:
+        """Cases of a kind are slower or faster than guessed by about the same factor."""
+
+    @property
+    @abstractmethod
+    def guessed_seconds(self) -> float: ...
+
+    @abstractmethod
+    def arguments(self, places: Places) -> list[str]:
+        """Of `musclebench`, without the output: all that the result depends on."""
+
+    @abstractmethod
+    def record(self) -> dict:
+        """`case` of the run.json of a case that left none."""
+
+    @property
+    def folder(self) -> str:
+        """Of the results, below the experiment's."""
+        return f"raw/{self.name}"
+
+    def output(self, folder: Path) -> list[str]:
+        """Arguments that make `musclebench` write into `folder`."""
+        return ["--out", str(folder), "--progress"]

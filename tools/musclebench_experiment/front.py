@@ -1,0 +1,40 @@
+"""What the commands that run experiments share: checks of their options, cores, interrupts."""
+
+import os
+import signal
+from pathlib import Path
+
+
+class Problem(Exception):
+    """The experiment can't go on; one line with place, problem and cure."""
+
+
+def check_program(program: Path, builder: str) -> None:
+    if not os.access(program, os.X_OK) or not program.is_file():
+        raise Problem(f"{program}: no such program; build it first ({builder} does)")
+
+
+def check_data(data_dir: Path | None) -> None:
+    if data_dir is not None and not (data_dir / "lhdl.json").is_file():
+        raise Problem(f"{data_dir}: has no lhdl.json; tools/import_lhdl.py makes such a folder")
+
+
+def check_positive(option: str, value: float | None) -> None:
+    """Whole numbers are 1 or more; others are above 0. None is not given."""
+    if value is None:
+        return
+    if isinstance(value, int) and value < 1:
+        raise Problem(f"{option} {value}: must be 1 or more")
+    if not 0 < value < float("inf"):
+        raise Problem(f"{option} {value:g}: must be a number above 0")
+
+
+def chosen_cores(jobs: int | None) -> list[int]:
+    """One a job; two jobs unless told, or one on one core."""
+    allowed = sorted(os.sched_getaffinity(0))
+    return allowed[: min(jobs or 2, len(allowed))]
+
+
+def end_by_interrupt() -> None:
+    """Being terminated ends a command as Ctrl-C does: tidily."""
+    signal.signal(signal.SIGTERM, signal.getsignal(signal.SIGINT))
