@@ -1,52 +1,10 @@
 #include "backends/brute_force/brute_force_backend.hpp"
 
-#include <cmath>
-#include <limits>
-#include <numbers>
-
-#include "core/geometry/triangle_distance.hpp"
+#include "backends/brute_force/brute_force_surface.hpp"
 
 namespace musclebench {
 
 namespace {
-
-struct SurfacePoint {
-  bool inside = false;
-  double distance_m = 0;
-  Vec3 normal = Vec3::Zero();  ///< outward, unit
-};
-
-SurfacePoint locate(const TriangleMesh& mesh, const Vec3& point) {
-  ClosestOnTriangle closest;
-  closest.squared_distance_m2 = std::numeric_limits<double>::infinity();
-  Vec3 face_normal = Vec3::UnitZ();
-  double angle_sum = 0;
-  for (const Triangle& triangle : mesh.triangles) {
-    const Vec3& a = mesh.vertices[triangle[0]];
-    const Vec3& b = mesh.vertices[triangle[1]];
-    const Vec3& c = mesh.vertices[triangle[2]];
-    const ClosestOnTriangle candidate = closest_on_triangle(point, a, b, c);
-    if (candidate.squared_distance_m2 < closest.squared_distance_m2) {
-      closest = candidate;
-      face_normal = (b - a).cross(c - a);
-    }
-    angle_sum += solid_angle(point, a, b, c);
-  }
-  SurfacePoint result;
-  result.inside = angle_sum > 2 * std::numbers::pi;  // winding number above one half
-  result.distance_m = std::sqrt(closest.squared_distance_m2);
-  const Vec3 towards = closest.point - point;
-  const double length = towards.norm();
-  // On the surface the way to the closest point has no direction left; the face's normal still has.
-  if (length > 1e-12 * closest.point.cwiseAbs().maxCoeff()) {
-    result.normal = (result.inside ? 1.0 : -1.0) / length * towards;
-  } else if (const double norm = face_normal.norm(); norm > 0) {
-    result.normal = face_normal / norm;
-  } else {
-    result.normal = Vec3::UnitZ();
-  }
-  return result;
-}
 
 class BruteForceBackend final : public CollisionBackend {
  public:
@@ -65,7 +23,7 @@ class BruteForceBackend final : public CollisionBackend {
       const RigidMotion& pose = poses()[bone];
 #pragma omp parallel for num_threads(threads()) schedule(dynamic, 16)
       for (std::ptrdiff_t i = 0; i < count; ++i) {
-        m_points[i] = locate(mesh, pose.apply_inverse(positions[nodes[i]]));
+        m_points[i] = locate_by_brute_force(mesh, pose.apply_inverse(positions[nodes[i]]));
       }
       for (std::size_t i = 0; i < nodes.size(); ++i) {
         if (m_points[i].inside) {

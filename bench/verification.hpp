@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/contact/collision_backend.hpp"
+
+namespace musclebench {
+
+struct VerificationSettings {
+  std::int64_t points = 1'000'000;           ///< where `bvh` and the Referee are compared
+  std::int64_t brute_force_points = 10'000;  ///< the first of them, where both are compared with `brute_force`
+  std::uint64_t seed = 1;
+  int threads = 1;
+};
+
+/// How far two signed distances may lie apart, and how far from the surface their signs may differ, as a share of the
+/// surface's diagonal.
+constexpr double agreed_share = 1e-12;
+
+/// How two ways to the same signed distance agree.
+struct Agreement {
+  std::int64_t points = 0;
+  double largest_difference_m = 0;  ///< of the distances without their signs
+  Vec3 worst_point_m = Vec3::Zero();
+  std::int64_t sign_differences = 0;  ///< farther than `agreed_share` of the diagonal from the surface
+  std::int64_t inside = 0;            ///< by the first of the two
+};
+
+struct SurfaceVerification {
+  double diagonal_m = 0;
+  Agreement bvh_referee;
+  Agreement bvh_brute_force;
+  Agreement referee_brute_force;
+  double seconds = 0;
+
+  [[nodiscard]] bool held() const;
+};
+
+/// `count` points about a surface that provoke trouble, in the same mix at every length of the list, the same for the
+/// same seed: anywhere in the box enlarged by 10 % on each side; on the surface, moved by about 1/200 of the diagonal
+/// (2 mm at a hip), by 1e-6 and by 1e-12 of it; vertices and middles of edges as they are. Small triangles get as many
+/// as large ones.
+std::vector<Vec3> points_about(const TriangleMesh& mesh, std::int64_t count, std::uint64_t seed);
+
+/// Work that has been done, of the whole of one stage.
+using VerificationProgress = std::function<void(const std::string& stage, int done, int total)>;
+
+/// Compares `bvh`, the Referee and `brute_force` about one surface. The result does not depend on the number of
+/// threads. Throws InputError where the surface has no triangles.
+SurfaceVerification verify_surface(const Bone& bone, const VerificationSettings& settings,
+                                   const VerificationProgress& progress);
+
+}  // namespace musclebench
