@@ -1,6 +1,7 @@
 #include "bench/result_folder.hpp"
 
 #include <algorithm>
+#include <fstream>
 #include <set>
 #include <unistd.h>
 
@@ -81,19 +82,6 @@ void require_replaceable(const fs::path& folder) {
 }
 
 }  // namespace
-
-OutputFile::OutputFile(const fs::path& path) : m_path(path), m_stream(path, std::ios::binary) { check(); }
-
-void OutputFile::close() {
-  m_stream.close();
-  check();
-}
-
-void OutputFile::check() const {
-  if (!m_stream) {
-    throw InputError(m_path.string(), "cannot be written; is the disk full or the folder write-protected?");
-  }
-}
 
 bool is_complete(const fs::path& folder, const std::string& id, std::string_view rows_file) {
   const Json manifest = read_manifest(folder);

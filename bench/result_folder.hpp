@@ -1,26 +1,11 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <ostream>
 #include <string>
 #include <string_view>
 
 namespace musclebench {
-
-/// A file whose every failure, up to closing, is an InputError.
-class OutputFile {
- public:
-  explicit OutputFile(const std::filesystem::path& path);
-  std::ostream& stream() { return m_stream; }
-  void close();
-
- private:
-  void check() const;
-  std::filesystem::path m_path;
-  std::ofstream m_stream;
-};
 
 /// Whether `folder` holds a complete result with this id: its run.json says `ok` and its table `rows_file` is there.
 bool is_complete(const std::filesystem::path& folder, const std::string& id, std::string_view rows_file);

@@ -6,6 +6,7 @@
 
 #include "bench/manifest.hpp"
 #include "bench/result_folder.hpp"
+#include "core/base/output_file.hpp"
 #include "core/geometry/read_mesh.hpp"
 
 namespace musclebench {

@@ -1,0 +1,106 @@
+#include "core/recording/recording_header.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/base/input_error.hpp"
+
+namespace musclebench {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int rounding_bits = 32;
+
+ParameterValue parameter_of(const Json& json) {
+  if (json.is_boolean()) {
+    return json.get<bool>();
+  }
+  if (json.is_number_integer()) {
+    return json.get<std::int64_t>();
+  }
+  if (json.is_number()) {
+    return json.get<double>();
+  }
+  return json.get<std::string>();
+}
+
+RecordingHeader header_of(const Json& json) {
+  RecordingHeader header;
+  header.scene = json.at("scene");
+  header.scene_source = json.at("scene_source");
+  header.preset = json.at("preset");
+  for (const auto& [key, value] : json.at("loop_overrides").items()) {
+    header.loop_overrides[key] = parameter_of(value);
+  }
+  header.scene_sha256 = json.at("scene_sha256");
+  header.backend = json.at("backend");
+  header.build = json.at("build");
+  header.nodes = json.at("nodes");
+  header.bones = json.at("bones");
+  header.substeps = json.at("substeps");
+  header.iterations = json.at("iterations");
+  header.rounding_m = json.at("rounding_m");
+  header.angles_deg = json.at("angles_deg").get<std::vector<double>>();
+  header.free_nodes = json.at("free_nodes").get<std::vector<int>>();
+  return header;
+}
+
+bool is_consistent(const RecordingHeader& header) {
+  const std::vector<int>& free_nodes = header.free_nodes;
+  const bool ascending =
+      std::adjacent_find(free_nodes.begin(), free_nodes.end(), std::greater_equal<>()) == free_nodes.end();
+  const bool in_range = free_nodes.empty() || (free_nodes.front() >= 0 && free_nodes.back() < header.nodes);
+  return header.nodes > 0 && header.bones > 0 && header.substeps > 0 && header.iterations > 0 &&
+         std::int64_t{header.substeps} * header.iterations < std::int64_t{1} << 31 && header.frames() > 0 &&
+         std::isfinite(header.rounding_m) && header.rounding_m > 0 && ascending && in_range;
+}
+
+}  // namespace
+
+double rounding_step_m(double scene_diagonal_m) {
+  int exponent = 0;
+  std::frexp(scene_diagonal_m, &exponent);
+  return std::ldexp(1.0, exponent - 1 - rounding_bits);
+}
+
+std::string text_of(const RecordingHeader& header) {
+  Json overrides = Json::object();
+  for (const auto& [name, value] : header.loop_overrides) {
+    std::visit([&, &key = name](const auto& v) { overrides[key] = v; }, value);
+  }
+  const Json json = {{"scene", header.scene},
+                     {"scene_source", header.scene_source},
+                     {"preset", header.preset},
+                     {"loop_overrides", overrides},
+                     {"scene_sha256", header.scene_sha256},
+                     {"backend", header.backend},
+                     {"build", header.build},
+                     {"nodes", header.nodes},
+                     {"bones", header.bones},
+                     {"frames", header.frames()},
+                     {"substeps", header.substeps},
+                     {"iterations", header.iterations},
+                     {"rounding_m", header.rounding_m},
+                     {"angles_deg", header.angles_deg},
+                     {"free_nodes", header.free_nodes}};
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+RecordingHeader header_of(std::string_view text, std::string_view place) {
+  try {
+    const RecordingHeader header = header_of(Json::parse(text));
+    if (is_consistent(header)) {
+      return header;
+    }
+  } catch (const Json::exception& failure) {
+    throw InputError(place, fmt::format("has a header that cannot be read ({}); record it again", failure.what()));
+  }
+  throw InputError(place, "has a header that contradicts itself; record it again");
+}
+
+}  // namespace musclebench

@@ -1,0 +1,131 @@
+#include "core/recording/recording_reader.hpp"
+
+#include <cstdint>
+#include <cstring>
+#include <zstd.h>
+
+#include <fmt/format.h>
+
+#include "core/base/input_error.hpp"
+#include "core/base/sha256.hpp"
+#include "core/recording/recording_header.hpp"
+
+namespace musclebench {
+
+namespace {
+
+constexpr std::size_t chunk_bytes = std::size_t{1} << 20U;
+constexpr std::size_t end_bytes = recording_hash_mark.size() + recording_hash_digits;
+
+template <typename Number>
+Number number_of(std::string_view bytes) {
+  Number number{};
+  std::memcpy(&number, bytes.data(), sizeof number);
+  return number;
+}
+
+}  // namespace
+
+RecordingReader::RecordingReader(std::filesystem::path file)
+    : m_path(std::move(file)), m_stream(m_path, std::ios::binary), m_decoder(m_header) {
+  if (!m_stream || !std::filesystem::is_regular_file(m_path)) {
+    refuse("cannot be read; is the path right?");
+  }
+  m_written.bytes = std::filesystem::file_size(m_path);
+  std::string first_line(recording_magic.size(), '\0');
+  if (!m_stream.read(first_line.data(), static_cast<std::streamsize>(first_line.size())) ||
+      first_line != recording_magic) {
+    refuse("is not a recording of musclebench; make one with `musclebench record`");
+  }
+  std::getline(m_stream, first_line);
+  if (first_line + '\n' != recording_version) {
+    refuse(fmt::format("is a recording of version '{}', this program reads version {}; record it again",
+                       first_line.substr(0, 20), recording_version.substr(0, recording_version.size() - 1)));
+  }
+  check_hash();
+  read_header();
+  rewind();
+}
+
+void RecordingReader::rewind() {
+  m_stream.clear();
+  m_stream.seekg(m_first_block);
+  m_frames_read = 0;
+  m_decoder = StepDecoder(m_header);
+}
+
+void RecordingReader::read(RecordedFrame& frame) {
+  if (m_frames_read == m_header.frames()) {
+    refuse(fmt::format("has no more than {} frames", m_frames_read));
+  }
+  read_bytes(m_block, sizeof(std::uint32_t));
+  read_bytes(m_block, number_of<std::uint32_t>(m_block));
+  const unsigned long long size = ZSTD_getFrameContentSize(m_block.data(), m_block.size());
+  // Zstandard shrinks by less than this factor; a larger claim is no frame of an encoder.
+  constexpr unsigned long long most_shrinking = 200000;
+  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN || size > most_shrinking * m_block.size()) {
+    refuse("holds a frame that cannot be read; record it again");
+  }
+  m_bytes.resize(size);
+  if (ZSTD_decompress(m_bytes.data(), m_bytes.size(), m_block.data(), m_block.size()) != size) {
+    refuse("holds a frame that cannot be read; record it again");
+  }
+  frame.frame = m_frames_read + 1;
+  frame.angle_deg = m_header.angles_deg[static_cast<std::size_t>(m_frames_read)];
+  frame.steps.resize(static_cast<std::size_t>(m_header.steps_per_frame()));
+  std::string_view rest = m_bytes;
+  for (RecordedStep& step : frame.steps) {
+    if (!m_decoder.decode(rest, step)) {
+      refuse("holds a frame that cannot be read; record it again");
+    }
+  }
+  ++m_frames_read;
+}
+
+void RecordingReader::refuse(std::string_view problem) const { throw InputError(m_path.string(), problem); }
+
+void RecordingReader::check_hash() {
+  constexpr std::string_view cut = "is truncated: it does not end in its hash; record or copy it again";
+  if (m_written.bytes < end_bytes) {
+    refuse(cut);
+  }
+  m_stream.seekg(0);
+  Sha256 hash;
+  std::uintmax_t left = m_written.bytes - end_bytes;
+  while (left > 0) {
+    read_bytes(m_bytes, static_cast<std::size_t>(std::min<std::uintmax_t>(left, chunk_bytes)));
+    hash.add(m_bytes);
+    left -= m_bytes.size();
+  }
+  read_bytes(m_bytes, end_bytes);
+  if (!m_bytes.starts_with(recording_hash_mark)) {
+    refuse(cut);
+  }
+  const std::string expected = m_bytes.substr(recording_hash_mark.size());
+  m_written.sha256 = hash.hex_digest();
+  if (m_written.sha256 != expected) {
+    refuse(fmt::format("was changed after it was recorded: its hash is {}, it ends in {}; record or copy it again",
+                       m_written.sha256, expected));
+  }
+}
+
+void RecordingReader::read_header() {
+  m_stream.seekg(static_cast<std::streamoff>(recording_magic.size() + recording_version.size()));
+  read_bytes(m_bytes, sizeof(std::uint64_t));
+  const auto size = number_of<std::uint64_t>(m_bytes);
+  if (size > m_written.bytes) {
+    refuse("has a header that is longer than the file; record it again");
+  }
+  read_bytes(m_bytes, size);
+  m_header = header_of(m_bytes, m_path.string());
+  m_first_block = m_stream.tellg();
+}
+
+void RecordingReader::read_bytes(std::string& bytes, std::size_t size) {
+  bytes.resize(size);
+  if (!m_stream.read(bytes.data(), static_cast<std::streamsize>(size))) {
+    refuse("is truncated, or was changed while it was read; record or copy it again");
+  }
+}
+
+}  // namespace musclebench

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "core/recording/recording.hpp"
+#include "core/recording/step_codec.hpp"
+
+namespace musclebench {
+
+/// One frame as recorded.
+struct RecordedFrame {
+  int frame = 0;  ///< 1-based
+  double angle_deg = 0;
+  std::vector<RecordedStep> steps;
+};
+
+/// Reads a recording from the disk, a frame at a time.
+class RecordingReader {
+ public:
+  /// Reads the whole file once, to check its hash. Throws InputError that says what is wrong: no recording, of another
+  /// version, truncated, or changed (with the hash that it ends in and the hash that it has).
+  explicit RecordingReader(std::filesystem::path file);
+
+  [[nodiscard]] const RecordingHeader& header() const { return m_header; }
+  [[nodiscard]] const RecordingFile& file() const { return m_written; }
+
+  /// Before the first frame again.
+  void rewind();
+  /// The next frame; frames that follow are predicted from it, so none can be left out. Throws InputError after the
+  /// last, or when the file was changed after it was opened.
+  void read(RecordedFrame& frame);
+
+ private:
+  [[noreturn]] void refuse(std::string_view problem) const;
+  void check_hash();
+  void read_header();
+  void read_bytes(std::string& bytes, std::size_t size);
+
+  std::filesystem::path m_path;
+  std::ifstream m_stream;
+  RecordingFile m_written;
+  RecordingHeader m_header;
+  std::streamoff m_first_block = 0;
+  int m_frames_read = 0;
+  StepDecoder m_decoder;
+  std::string m_block;
+  std::string m_bytes;
+};
+
+}  // namespace musclebench
