@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """Runs the paper's experiment (4 muscles, 3 backends and a control without collision); makes its tables and figures."""
 
-import argparse
 import os
 import shutil
 import subprocess
@@ -12,7 +11,9 @@ from musclebench_experiment import paper_cases
 from musclebench_experiment.case import Places
 from musclebench_experiment.disk import DiskFull
 from musclebench_experiment.experiment import Experiment
-from musclebench_experiment.front import Problem, check_data, check_positive, check_program, chosen_cores, end_by_interrupt
+from musclebench_experiment.front import (
+    OneLineParser, Problem, check_data, check_positive, check_program, chosen_cores, end_by_interrupt,
+)
 from musclebench_experiment.out_folder import FolderInUse, claimed
 from musclebench_experiment.pool import Limits, run_cases
 from musclebench_report import figures, published, results, table_formats, tables
@@ -22,7 +23,7 @@ PROJECT = TOOLS.parent
 
 
 def parse_arguments(arguments):
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = OneLineParser(description=__doc__)
     parser.add_argument("--musclebench", type=Path, required=True, help="the program to measure")
     parser.add_argument("--data", type=Path, help="LHDL data folder: run lhdl/* scenes instead of synthetic/*")
     parser.add_argument("--out", type=Path, help="default: reports/out/paper-synthetic or paper-lhdl in the project")
@@ -122,9 +123,8 @@ def run_and_report(options) -> int:
 
 def main(arguments=None) -> int:
     end_by_interrupt()
-    options = parse_arguments(arguments)
     try:
-        return run_and_report(options)
+        return run_and_report(parse_arguments(arguments))
     except (Problem, DiskFull, FolderInUse, results.ResultProblem, OSError) as problem:
         print(f"paper: {problem}", file=sys.stderr)
         return 2

@@ -22,7 +22,6 @@ class Case(ABC):
 
     threads: int = 1  # more than one: it runs while nothing else does
     needs: tuple[str, ...] = ()  # names of cases that must have ended before this one starts
-    builds: str = ""  # what the first case of this kind leaves for the others, which wait for it; empty: nothing
 
     @property
     @abstractmethod

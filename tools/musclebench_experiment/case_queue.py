@@ -4,13 +4,11 @@ from .case import Case
 
 
 class CaseQueue:
-    """Cases in their order, but for those that have to wait: for another case, for what another one builds, or for a
-    machine of their own."""
+    """Cases in their order, but for those that have to wait: for another case, or for a machine of their own."""
 
     def __init__(self, cases: list[Case]):
         self._waiting = list(cases)
         self._running: list[Case] = []
-        self._built: set[str] = set()
 
     def __bool__(self) -> bool:
         return bool(self._waiting or self._running)
@@ -18,9 +16,8 @@ class CaseQueue:
     def take(self) -> Case | None:
         """The first case that may start beside those that run; None when there is none."""
         pending = {case.name for case in self._waiting} | {case.name for case in self._running}
-        building = {case.builds for case in self._running} - self._built
         for case in self._waiting:
-            if self._has_room(case) and case.builds not in building and pending.isdisjoint(case.needs):
+            if self._has_room(case) and pending.isdisjoint(case.needs):
                 self._waiting.remove(case)
                 self._running.append(case)
                 return case
@@ -28,8 +25,6 @@ class CaseQueue:
 
     def end(self, case: Case) -> None:
         self._running.remove(case)
-        if case.builds:
-            self._built.add(case.builds)
 
     def _has_room(self, case: Case) -> bool:
         alone = case.threads > 1 or any(running.threads > 1 for running in self._running)

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 from pathlib import Path
 
 FILE_NAME = "case.json"
@@ -28,6 +29,16 @@ def fingerprint(arguments: list[str], binary_digest: str, data: str, **more: str
 def seal(folder: Path, print_of_case: dict) -> None:
     """Notes in the folder what the run depended on."""
     (folder / FILE_NAME).write_text(json.dumps(print_of_case) + "\n")
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Under a temporary name first: the file is there whole or as it was."""
+    part = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        part.write_text(text)
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def status_when_sealed(folder: Path, print_of_case: dict) -> str | None:

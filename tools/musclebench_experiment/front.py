@@ -1,5 +1,6 @@
 """What the commands that run experiments share: checks of their options, cores, interrupts."""
 
+import argparse
 import os
 import signal
 from pathlib import Path
@@ -7,6 +8,13 @@ from pathlib import Path
 
 class Problem(Exception):
     """The experiment can't go on; one line with place, problem and cure."""
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """Raises Problem where argparse prints its usage and ends the process."""
+
+    def error(self, message):
+        raise Problem(f"{message}; --help shows the options")
 
 
 def check_program(program: Path, builder: str) -> None:

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Stands in for the program: writes a run folder as `musclebench run` does. FAKE_BEHAVIOUR maps cases to misbehaviour,
-such as "iliacus-voxel=crash iliacus-sdf=diverge gluteus_medius-fcl=hang"; FAKE_LOG gets one line a call."""
+"""Stands in for the program: writes what `musclebench run`, `record`, `replay` and `probe` write. FAKE_BEHAVIOUR maps
+cases to misbehaviour, such as "iliacus-voxel=crash iliacus-sdf=diverge"; FAKE_LOG gets one line a call."""
 
 import argparse
 import json
@@ -9,23 +9,38 @@ import sys
 import time
 from pathlib import Path
 
-import numpy as np
-
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-import fake_runs  # noqa: E402  (beside this file, which the program's folder is not)
+
+LAST_WORDS = {
+    "crash": "musclebench: scene.toml: key 'x': no such thing",
+    "full_disk": "musclebench: run/frames.csv: cannot be written; is the disk full or the folder write-protected?",
+    "greedy": "musclebench: sdf: cells: needs 900000 MB of memory, 8000 MB are there; choose fewer cells",
+}
 
 
 def parse_arguments():
     parser = argparse.ArgumentParser()
-    parser.add_argument("command")
-    parser.add_argument("scene")
-    for option in ("--backend", "--preset", "--out", "--data", "--snapshots", "--threads", "--frames"):
+    parser.add_argument("command", choices=["run", "record", "replay", "probe"])
+    parser.add_argument("input")
+    for option in ("--backend", "--preset", "--out", "--data", "--snapshots", "--threads", "--frames", "--stride",
+                   "--band-mm", "--points"):
         parser.add_argument(option)
+    parser.add_argument("--repetition", type=int)
+    parser.add_argument("--param", action="append", default=[])
     parser.add_argument("--progress", action="store_true")
+    parser.add_argument("--no-referee", action="store_true")
     return parser.parse_args()
 
 
-def snapshots(muscle, frames_wanted):
+def case_name(options) -> str:
+    """The experiments let a case write into .NAME.PROCESS/run."""
+    hidden = next(part for part in reversed(Path(options.out).parts) if part.startswith("."))
+    return hidden[1:].rpartition(".")[0]
+
+
+def paper_snapshots(muscle, frames_wanted):
+    import fake_runs
+    import numpy as np
     full = max(frames_wanted)
     rest, turn = muscle.vertices_m, fake_runs.turn_about_x
     for frame in frames_wanted:
@@ -36,30 +51,64 @@ def snapshots(muscle, frames_wanted):
         yield fake_runs.Snapshot(frame, angle, rest, depth, (rest[:, 2] > 0.055).astype("u1"), poses)
 
 
+def write_paper_run(options, status: str) -> None:
+    import fake_runs
+    bones = {"pelvis": fake_runs.sphere((0, 0, 0.03), 0.03), "femur": fake_runs.sphere((0, 0, -0.05), 0.04)}
+    muscle = fake_runs.sphere((0, -0.05, 0.0), 0.06)
+    wanted = [int(frame) for frame in options.snapshots.split(",")]
+    shots = [] if status == "diverged" else list(paper_snapshots(muscle, wanted))
+    fake_runs.write_run(Path(options.out), options.input, options.backend, int(options.frames or 314), status,
+                        "frame 3" if status == "diverged" else "", bones, muscle.triangles, shots,
+                        {"femur": {"axis": [-1, 0, 0], "centre_m": [0, 0, 0], "angles_rad": [0, 1.57]}})
+
+
+def write_study_case(options, status: str, answer: str) -> None:
+    """Only what the sweep looks at."""
+    parameters = dict(assignment.split("=", 1) for assignment in options.param)
+    structures = parameters.get("structures")
+    built = bool(structures) and not (Path(structures) / "bone.field").exists()
+    if built:
+        (Path(structures) / "bone.field").write_text("a field")
+    mode = {"run": "coupled"}.get(options.command, options.command)
+    record = {
+        "status": status, "status_detail": "", "contact_hash": answer, "state_hash": answer,
+        "structures": "built" if built else "loaded",
+        "case": {"mode": mode, "backend": options.backend, "parameters": parameters},
+    }
+    folder = Path(options.out)
+    folder.mkdir(parents=True)
+    (folder / "frames.csv").write_text("frame\n1\n")
+    (folder / "run.json").write_text(json.dumps(record))
+
+
+def write_recording(options) -> None:
+    Path(options.out).parent.mkdir(parents=True, exist_ok=True)
+    Path(options.out).write_text(f"positions of {options.input}")
+
+
 def main() -> int:
     options = parse_arguments()
-    muscle_name = options.scene.split("/")[-1]
-    name = f"{muscle_name}-{options.backend}"
-    behaviour = dict(item.split("=") for item in os.environ.get("FAKE_BEHAVIOUR", "").split()).get(name, "")
+    name = case_name(options)
+    behaviours = dict(item.rsplit("=", 1) for item in os.environ.get("FAKE_BEHAVIOUR", "").split())
+    behaviour = behaviours.get(name, "")
     if "FAKE_LOG" in os.environ:
         with open(os.environ["FAKE_LOG"], "a") as log:
             print(name, *sorted(os.sched_getaffinity(0)), file=log)
-    if behaviour == "crash":
-        print("musclebench: scene.toml: key 'x': no such thing", file=sys.stderr)
+    if behaviour in LAST_WORDS:
+        print(LAST_WORDS[behaviour], file=sys.stderr)
         return 2
     frames = int(options.frames or 314)
     print(f"progress {frames // 2} {frames}", file=sys.stderr, flush=True)
     if behaviour == "hang":
         Path(options.out).mkdir(parents=True)
         time.sleep(60)
-    bones = {"pelvis": fake_runs.sphere((0, 0, 0.03), 0.03), "femur": fake_runs.sphere((0, 0, -0.05), 0.04)}
-    muscle = fake_runs.sphere((0, -0.05, 0.0), 0.06)
     status = "diverged" if behaviour == "diverge" else "ok"
-    shots = [] if behaviour == "diverge" else list(snapshots(muscle, [int(f) for f in options.snapshots.split(",")]))
-    fake_runs.write_run(Path(options.out), options.scene, options.backend, frames, status,
-                        "frame 3" if behaviour == "diverge" else "", bones, muscle.triangles, shots,
-                        {"femur": {"axis": [-1, 0, 0], "centre_m": [0, 0, 0], "angles_rad": [0, 1.57]}})
-    print(json.dumps({"done": name}))
+    if options.command == "record":
+        write_recording(options)
+    elif options.command == "run" and options.repetition is None:
+        write_paper_run(options, status)
+    else:
+        write_study_case(options, status, "another answer" if behaviour == "differ" else "the answer")
     return 3 if behaviour == "diverge" else 0
 
 

@@ -156,6 +156,7 @@ def test_an_interrupt_ends_the_children_and_leaves_no_half_folder(tmp_path):
     (["--musclebench", str(PROGRAM), "--jobs", "0"], "--jobs 0"),
     (["--musclebench", str(PROGRAM), "--frames-limit", "-3"], "--frames-limit -3"),
     (["--musclebench", str(PROGRAM), "--out", "/proc/here"], "/proc/here"),
+    (["--musclebench", str(PROGRAM), "--jobs", "two"], "--jobs: invalid int value: 'two'"),
 ])
 def test_bad_input_is_one_line_and_exit_code_2(arguments, words, capsys):
     assert paper.main(arguments) == 2

@@ -1,0 +1,205 @@
+#!/usr/bin/python3
+"""Measures what accuracy costs in time: every backend over its resolutions and choices, fed with the same positions
+(replay) and driving the muscle (coupled). Draws figures and the price list from what it measured.
+
+A study goes on where it was stopped: complete cases are skipped until their arguments, the program or the data change;
+cases that failed, timed out or ran out of memory are tried again. Lengths are in mm, times in seconds.
+"""
+
+import argparse
+import shlex
+import sys
+import time
+from pathlib import Path
+
+from musclebench_experiment.case import Places
+from musclebench_experiment.disk import DiskFull, free_bytes
+from musclebench_experiment.front import (
+    OneLineParser, Problem, check_data, check_positive, check_program, chosen_cores, end_by_interrupt,
+)
+from musclebench_experiment.out_folder import FolderInUse, claimed
+from musclebench_experiment.paper_cases import VERTICES
+from musclebench_experiment.pool import Limits, run_cases
+from musclebench_experiment.progress import duration
+from musclebench_experiment.study import RESULT_DIRS, AccuracyStudy
+from musclebench_experiment.study_cases import ReplayCase
+from musclebench_experiment.study_manifest import total_memory_bytes, write_manifest
+from musclebench_experiment.study_plan import StudyCase, Wishes, is_too_long, plan
+from musclebench_report import accuracy as report
+from musclebench_report.results import ResultProblem
+
+PROJECT = Path(__file__).resolve().parent.parent
+PROGRAM = PROJECT / "build" / "release" / "bench" / "musclebench"
+QUICK_MUSCLES = ("iliacus",)
+REPETITIONS = 3
+SPARE_BYTES = 100e6
+MEMORY_SHARE = 0.9
+
+
+def parse_arguments(arguments):
+    parser = OneLineParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    what = parser.add_argument_group("what is measured")
+    what.add_argument("--quick", action="store_true",
+                      help="a first picture in under 5 minutes: fewer configurations, frames and repetitions")
+    what.add_argument("--data", type=Path, metavar="DIR",
+                      help="LHDL data folder: measure lhdl/* scenes (default: synthetic/*)")
+    what.add_argument("--muscle", action="append", metavar="NAME", choices=sorted(VERTICES),
+                      help=f"one of {', '.join(sorted(VERTICES))}; may be repeated "
+                           "(default: all; with --quick iliacus)")
+    what.add_argument("--repetitions", type=int, metavar="N",
+                      help=f"of each case; long ones are repeated less (default {REPETITIONS}; with --quick 1)")
+    what.add_argument("--band-mm", type=float, default=10.0, metavar="MM",
+                      help="errors are measured at nodes that are no farther from the surface (default 10 mm)")
+    what.add_argument("--frames-limit", type=int, metavar="N",
+                      help="frames of the whole motion (default: the preset's 314)")
+    what.add_argument("--shard", type=_shard, default=(1, 1), metavar="I/N",
+                      help="run only the I-th of N parts, on machines of one kind with one build; copy the folders "
+                           "together, then --report-only (default 1/1)")
+    how = parser.add_argument_group("how it runs")
+    how.add_argument("--out", type=Path, metavar="DIR", help="default: reports/out/accuracy[-quick]-synthetic or -lhdl")
+    how.add_argument("--jobs", type=int, metavar="N",
+                     help="cases at a time, each on a core; 1 gives the quietest times (default: 2, or 1 on one core)")
+    how.add_argument("--timeout", type=float, default=1200.0, metavar="SECONDS", help="of one case (default 1200 s)")
+    how.add_argument("--memory-gb", type=float, metavar="GB",
+                     help="of one case (default: its share of 90 %% of the machine's memory)")
+    how.add_argument("--force", action="store_true", help="run complete cases again")
+    how.add_argument("--keep-structures", action="store_true",
+                     help="keep the distance fields (about 0.7 GB a muscle), which otherwise go at the end")
+    how.add_argument("--musclebench", type=Path, default=PROGRAM, metavar="PROGRAM",
+                     help="the program to measure (default: the release build)")
+    instead = parser.add_mutually_exclusive_group()
+    instead.add_argument("--dry-run", "--plan", action="store_true", help="print the cases with their guessed times")
+    instead.add_argument("--report-only", action="store_true", help="draw what is there, run nothing")
+    return parser.parse_args(arguments)
+
+
+def _shard(text: str) -> tuple[int, int]:
+    number, _, count = text.partition("/")
+    if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
+        raise argparse.ArgumentTypeError(f"'{text}' is not like 2/3, the second of three parts")
+    return int(number), int(count)
+
+
+def check_input(options) -> None:
+    check_data(options.data)
+    for option in ("jobs", "repetitions", "frames_limit", "timeout", "band_mm", "memory_gb"):
+        check_positive(f"--{option.replace('_', '-')}", getattr(options, option))
+    if not options.report_only:
+        check_program(options.musclebench, "tools/accuracy")
+
+
+def wishes_of(options) -> Wishes:
+    muscles = tuple(dict.fromkeys(options.muscle or (QUICK_MUSCLES if options.quick else sorted(VERTICES))))
+    repetitions = options.repetitions or (1 if options.quick else REPETITIONS)
+    return Wishes("lhdl" if options.data else "synthetic", muscles, repetitions, options.quick, options.frames_limit,
+                  options.band_mm, options.shard)
+
+
+def out_dir_of(options) -> Path:
+    name = "-".join(["accuracy", *(["quick"] if options.quick else []), "lhdl" if options.data else "synthetic"])
+    return (options.out or PROJECT / "reports" / "out" / name).absolute()
+
+
+def limits_of(options) -> Limits:
+    cores = chosen_cores(options.jobs)
+    share = MEMORY_SHARE * total_memory_bytes() / len(cores)
+    return Limits(cores, options.timeout, int(options.memory_gb * 1e9 if options.memory_gb else share))
+
+
+def print_plan(cases: list[StudyCase], study: AccuracyStudy, jobs: int) -> None:
+    print("  seconds  stride  case")
+    left = 0.0
+    for case in cases:
+        note = "not run, too long" if is_too_long(case) else "" if study.wants(case) else "complete"
+        left += 0.0 if note else case.guessed_seconds
+        stride = case.stride if isinstance(case, ReplayCase) else ""
+        print(f"{case.guessed_seconds:9.1f}  {stride:>6}  {case.name}{f'  ({note})' if note else ''}")
+    print(f"{len(cases)} cases; about {duration(left)} of work left, {duration(left / jobs)} with {jobs} at a time; "
+          f"about {_bytes_left(cases, study) / 1e9:.1f} GB")
+
+
+def _bytes_left(cases: list[StudyCase], study: AccuracyStudy) -> float:
+    return sum(case.guessed_bytes for case in cases if study.wants(case))
+
+
+def check_space(cases: list[StudyCase], study: AccuracyStudy) -> None:
+    needed, free = _bytes_left(cases, study) + SPARE_BYTES, free_bytes(study.places.out_dir)
+    if needed > free:
+        raise Problem(f"{study.places.out_dir}: {needed / 1e9:.1f} GB are needed and {free / 1e9:.1f} GB are free; "
+                      "make room, choose another --out or fewer muscles")
+
+
+def run_study(cases: list[StudyCase], study: AccuracyStudy, options) -> list[str]:
+    """Runs what is not complete yet; a line for each case that has no result."""
+    todo = [case for case in cases if study.wants(case)]
+    if len(todo) < len(cases):
+        print(f"{len(cases) - len(todo)} of {len(cases)} cases are complete already (--force runs them again)")
+    check_space(todo, study)
+    with claimed(study.places.out_dir, *RESULT_DIRS):
+        write_manifest(study.places.out_dir, wishes_of(options), planned_everywhere(options), command_line())
+        statuses = run_cases(todo, study, limits_of(options))
+        marked = study.mark_nondeterministic(cases)
+        failed = [case for case in cases if not study.is_complete(case) and not is_too_long(case)]
+        if not failed and not options.keep_structures:
+            study.remove_structures()
+    problems = [f"{case.name}: {statuses.get(case, 'failed')}, see {study.folder(case) / 'run.json'}" for case in failed]
+    return problems + [f"{case.name}: nondeterministic, see {study.folder(case) / 'run.json'}" for case in marked]
+
+
+def planned_everywhere(options) -> list[StudyCase]:
+    options = argparse.Namespace(**{**vars(options), "shard": (1, 1)})
+    return plan(wishes_of(options))
+
+
+def command_line() -> list[str]:
+    return [shlex.quote(word) for word in sys.argv]
+
+
+def print_report(out_dir: Path) -> None:
+    files = report.write_report(out_dir)
+    for path in files:
+        if path.stem.startswith("price_list") and path.suffix in (".txt", ".md"):
+            print(f"\n{path.read_text().rstrip()}")
+    print("\nWritten:")
+    for path in files:
+        print(f"  {path}")
+
+
+def measure_and_report(options) -> int:
+    check_input(options)
+    out_dir, started = out_dir_of(options), time.monotonic()
+    if options.report_only:
+        if not (out_dir / "raw").is_dir():
+            raise Problem(f"{out_dir}: holds no study; run one, or name its folder with --out")
+        print_report(out_dir)
+        return 0
+    cases = plan(wishes_of(options))
+    places = Places(out_dir, options.data and options.data.resolve())
+    study = AccuracyStudy(options.musclebench, places, options.force)
+    if options.dry_run:
+        print_plan(cases, study, len(chosen_cores(options.jobs)))
+        return 0
+    problems = run_study(cases, study, options)
+    measured = time.monotonic()
+    print_report(out_dir)
+    print(f"\nMeasured in {duration(measured - started)}, drawn in {duration(time.monotonic() - measured)}.")
+    for problem in problems:
+        print(f"accuracy: {problem}", file=sys.stderr)
+    return 1 if problems else 0
+
+
+def main(arguments=None) -> int:
+    end_by_interrupt()
+    try:
+        return measure_and_report(parse_arguments(arguments))
+    except (Problem, DiskFull, FolderInUse, ResultProblem, OSError) as problem:
+        print(f"accuracy: {problem}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("\naccuracy: interrupted; complete cases are kept, unfinished ones removed (--report-only draws them)",
+              file=sys.stderr)
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

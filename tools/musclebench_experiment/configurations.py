@@ -1,0 +1,117 @@
+"""The configurations of the accuracy study: each backend with its resolutions or choices, and what a step may cost.
+
+Times are guesses for the LHDL iliacus (6,931 nodes, 2 bones) on one thread of a 2.5 GHz core. They choose strides and
+repetitions, deal the parts of a split study, and feed the progress bar, which corrects them.
+"""
+
+from dataclasses import dataclass
+
+VOXEL_CELLS = (16, 32, 64, 128, 256)
+VOXEL_EDGES_M = (8e-3, 4e-3, 2e-3, 1e-3)
+SDF_CELLS = (8, 16, 32, 64, 128)
+SDF_PRECISIONS = ("float", "double")
+SDF_EDGES_M = (8e-3, 4e-3, 2e-3)
+QUICK_VOXELS = {"cells": (16, 64, 256), "voxel_size_m": (4e-3,)}
+QUICK_SDFS = {"cells": (16, 32, 64), "cell_size_m": (4e-3,)}
+
+BONES = 2
+BOXES_M3 = 0.0125  # of a pelvis and a femur together
+SDF_SECONDS_A_CELL = 2.3e-5
+SDF_BYTES_A_CELL = 30  # float
+VOXEL_SECONDS_A_CELL = 1e-7
+
+FCL_BUILD_SECONDS = 1.5
+FCL = (
+    # ms a step, runs with --quick, drives the muscle, parameters
+    (40, True, True, {}),  # the paper's way
+    (22, True, True, {"bounding_volume": "OBB"}),
+    (20, False, False, {"bounding_volume": "RSS"}),
+    (60, False, False, {"bounding_volume": "kIOS"}),
+    (80, False, False, {"bounding_volume": "AABB"}),
+    (110, False, False, {"bounding_volume": "KDOP24"}),
+    (60, False, False, {"update": "refit_top_down"}),
+    (55, False, False, {"update": "rebuild"}),
+    (60, False, False, {"model": "update"}),
+    (40, False, False, {"manager": "sweep_and_prune"}),
+    (40, True, False, {"manager": "none"}),
+    (40, False, False, {"solver": "indep"}),
+    (30, False, False, {"bounding_volume": "OBB", "update": "rebuild"}),
+    (45, False, False, {"bounding_volume": "RSS", "update": "rebuild"}),
+    (45, False, False, {"bounding_volume": "RSS", "update": "refit_top_down"}),
+    (120, True, False, {"query": "node_distance"}),
+    (110, False, True, {"query": "node_distance", "bounding_volume": "RSS"}),
+    (150, False, False, {"query": "node_distance", "bounding_volume": "kIOS"}),
+    (200, False, False, {"query": "node_distance", "manager": "none"}),
+    (120, False, False, {"query": "node_distance", "solver": "indep"}),
+    (20, True, True, {"query": "node_collide"}),
+    (15, False, True, {"query": "node_collide", "bounding_volume": "OBB"}),
+    (25, False, False, {"query": "node_collide", "node_radius_m": 2e-3}),
+)
+FCL_THREADS = ((25, {}), (14, {"bounding_volume": "OBB"}), (65, {"query": "node_distance"}))  # with 2 threads
+
+
+@dataclass(frozen=True)
+class Configuration:
+    backend: str
+    parameters: tuple[tuple[str, object], ...] = ()
+    threads: int = 1
+    step_ms: float = 0.0
+    build_seconds: float = 0.0
+    stored_bytes: float = 0.0  # 0: it stores no structures
+    in_quick: bool = True
+    replays: bool = True
+    drives: bool = True  # takes part in coupled runs
+    is_probed: bool = False
+
+    @property
+    def label(self) -> str:
+        """Unique, and fit for a folder's name: sdf-cells=64,precision=float."""
+        words = [f"{key}={value}" for key, value in self.parameters]
+        words += [f"threads={self.threads}"] if self.threads > 1 else []
+        return "-".join([self.backend, *([",".join(words)] if words else [])])
+
+    @property
+    def stores(self) -> bool:
+        return self.stored_bytes > 0
+
+
+def configurations() -> list[Configuration]:
+    return [
+        Configuration("null", replays=False),
+        *_voxels(), *_sdfs(), *_fcls(),
+        Configuration("bvh", step_ms=15.0, build_seconds=0.5),
+        Configuration("brute_force", step_ms=25_000.0, in_quick=False),
+    ]
+
+
+def _voxels() -> list[Configuration]:
+    sizes = [("cells", cells) for cells in VOXEL_CELLS] + [("voxel_size_m", edge) for edge in VOXEL_EDGES_M]
+    return [Configuration("voxel", ((key, size),), step_ms=0.05, is_probed=True, in_quick=size in QUICK_VOXELS[key],
+                          build_seconds=0.1 + VOXEL_SECONDS_A_CELL * _cells(key, size)) for key, size in sizes]
+
+
+def _sdfs() -> list[Configuration]:
+    sizes = [("cells", cells, precision) for cells in SDF_CELLS for precision in SDF_PRECISIONS]
+    sizes += [("cell_size_m", edge, "float") for edge in SDF_EDGES_M]
+    return [_sdf(key, size, precision) for key, size, precision in sizes]
+
+
+def _sdf(key: str, size: float, precision: str) -> Configuration:
+    cells, width = _cells(key, size), 2 if precision == "double" else 1
+    return Configuration(
+        "sdf", ((key, size), ("precision", precision)), step_ms=0.15, build_seconds=SDF_SECONDS_A_CELL * cells,
+        stored_bytes=SDF_BYTES_A_CELL * width * cells, is_probed=True,
+        in_quick=size in QUICK_SDFS[key] and (precision == "float" or size == 32))
+
+
+def _fcls() -> list[Configuration]:
+    one = [Configuration("fcl", tuple(parameters.items()), step_ms=ms, in_quick=quick, drives=coupled,
+                         build_seconds=FCL_BUILD_SECONDS) for ms, quick, coupled, parameters in FCL]
+    two = [Configuration("fcl", tuple(parameters.items()), threads=2, step_ms=ms, in_quick=False, drives=False,
+                         build_seconds=FCL_BUILD_SECONDS) for ms, parameters in FCL_THREADS]
+    return one + two
+
+
+def _cells(key: str, size: float) -> float:
+    """Of all bones: of fixed count along the axes, or cubes of an edge in metres."""
+    return BONES * size**3 if key == "cells" else BOXES_M3 / size**3

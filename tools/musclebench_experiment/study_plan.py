@@ -1,0 +1,104 @@
+"""Which cases the accuracy study has, how often each is repeated, in which order, and how it is split over machines."""
+
+import random
+from dataclasses import dataclass, replace
+
+from .configurations import Configuration, configurations
+from .study_cases import CoupledCase, MeasuredCase, MuscleScene, ProbeCase, RecordCase, ReplayCase
+
+REPLAY_SECONDS = 12.0  # of the steps of one replay; the stride keeps to it
+QUICK_REPLAY_SECONDS = 4.0
+FEWEST_FRAMES = 5  # of a replay, two of them for warming up
+LONGEST_COUPLED_SECONDS = 240.0
+FEWER_REPETITIONS = ((60.0, 1), (8.0, 2))  # of more seconds a repetition there are no more
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What a command line asks of the study."""
+
+    data_set: str = "synthetic"
+    muscles: tuple[str, ...] = ("iliacus",)
+    repetitions: int = 3
+    quick: bool = False
+    frames_limit: int | None = None
+    band_mm: float = 10.0
+    shard: tuple[int, int] = (1, 1)  # the i-th of n
+    seed: int = 1
+
+
+StudyCase = RecordCase | MeasuredCase
+
+
+def plan(wishes: Wishes) -> list[StudyCase]:
+    """Recordings first, then round by round; the cases of a round are shuffled."""
+    scenes = [MuscleScene(wishes.data_set, muscle, wishes.frames_limit) for muscle in wishes.muscles]
+    chosen = [c for c in configurations() if c.in_quick or not wishes.quick]
+    firsts = [case for scene in scenes for configuration in chosen for case in _modes(scene, configuration, wishes)]
+    measured = _rounds(in_shard(firsts, *wishes.shard), wishes)
+    recorded = {case.recording for case in measured if isinstance(case, ReplayCase)}
+    return [case for case in map(RecordCase, scenes) if case in recorded] + measured
+
+
+def is_too_long(case: StudyCase) -> bool:
+    """True for a case that is shown as a row with its estimate and never run."""
+    return isinstance(case, CoupledCase) and case.guessed_seconds > LONGEST_COUPLED_SECONDS
+
+
+def in_shard(cases: list[MeasuredCase], number: int, count: int) -> list[MeasuredCase]:
+    """The number-th (from 1) of `count` parts of about the same time. A configuration stays on one machine: its cases
+    share structures."""
+    groups: dict[tuple, list[MeasuredCase]] = {}
+    for case in cases:
+        groups.setdefault((case.scene.muscle, case.configuration.label), []).append(case)
+    loads, mine = [0.0] * count, set()
+    for key, group in sorted(groups.items(), key=lambda item: (-_seconds(item[1]), item[0])):
+        lightest = loads.index(min(loads))
+        loads[lightest] += _seconds(group)
+        if lightest == number - 1:
+            mine.add(key)
+    return [case for case in cases if (case.scene.muscle, case.configuration.label) in mine]
+
+
+def _modes(scene: MuscleScene, configuration: Configuration, wishes: Wishes) -> list[MeasuredCase]:
+    cases = []
+    if configuration.is_probed:
+        cases.append(ProbeCase(scene, configuration))
+    if configuration.replays:
+        stride = stride_of(scene, configuration, QUICK_REPLAY_SECONDS if wishes.quick else REPLAY_SECONDS)
+        cases.append(ReplayCase(scene, configuration, stride=stride, band_mm=wishes.band_mm))
+    if configuration.drives:
+        cases.append(CoupledCase(scene, configuration))
+    return cases
+
+
+def stride_of(scene: MuscleScene, configuration: Configuration, seconds: float) -> int:
+    """A power of two, so that the frames of a longer stride are among those of a shorter one."""
+    stride = 1
+    while (ReplayCase(scene, configuration, stride=stride).guessed_step_seconds > seconds
+           and scene.frames // (2 * stride) >= FEWEST_FRAMES):
+        stride *= 2
+    return stride
+
+
+def _rounds(firsts: list[MeasuredCase], wishes: Wishes) -> list[MeasuredCase]:
+    order = random.Random(wishes.seed)
+    cases = []
+    for repetition in range(wishes.repetitions):
+        of_round = [replace(case, repetition=repetition) for case in firsts if repetition < _repetitions(case, wishes)]
+        order.shuffle(of_round)
+        cases += of_round
+    return cases
+
+
+def _repetitions(case: MeasuredCase, wishes: Wishes) -> int:
+    """Errors of a probe and estimates of what is too long don't vary; long runs average over themselves."""
+    if isinstance(case, ProbeCase) or is_too_long(case):
+        return 1
+    another = replace(case, repetition=1).guessed_seconds
+    fewest = [count for seconds, count in FEWER_REPETITIONS if another > seconds]
+    return min([wishes.repetitions, *fewest])
+
+
+def _seconds(cases: list[MeasuredCase]) -> float:
+    return sum(case.guessed_seconds for case in cases if not is_too_long(case))

@@ -1,0 +1,134 @@
+"""Which cases the accuracy study has, in which order, and what may run beside what."""
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from musclebench_experiment.case import Places
+from musclebench_experiment.case_queue import CaseQueue
+from musclebench_experiment.configurations import Configuration, configurations
+from musclebench_experiment.paper_cases import VERTICES
+from musclebench_experiment.study_cases import CoupledCase, MeasuredCase, MuscleScene, ProbeCase, RecordCase, ReplayCase
+from musclebench_experiment.study_plan import Wishes, in_shard, is_too_long, plan, stride_of
+
+PLACES = Places(Path("out"), Path("data"))
+FULL = Wishes("lhdl", ("iliacus",))
+ILIACUS = MuscleScene("lhdl", "iliacus")
+
+
+def measured(wishes):
+    return [case for case in plan(wishes) if isinstance(case, MeasuredCase)]
+
+
+def seconds(cases):
+    return sum(case.guessed_seconds for case in cases if not is_too_long(case))
+
+
+def test_names_are_unique_and_every_muscle_is_recorded_first():
+    cases = plan(Wishes("lhdl", tuple(VERTICES)))
+    assert len({case.name for case in cases}) == len(cases)
+    assert [case.scene.muscle for case in cases[:4]] == list(VERTICES)
+    assert all(isinstance(case, RecordCase) for case in cases[:4])
+
+
+def test_the_full_study_has_what_the_study_asks_for():
+    firsts = [case for case in measured(FULL) if case.repetition == 0]
+    count = Counter((case.mode, case.configuration.backend) for case in firsts)
+    assert count["replay", "voxel"] == count["coupled", "voxel"] == count["probe", "voxel"] == 9
+    assert count["replay", "sdf"] == count["coupled", "sdf"] == count["probe", "sdf"] == 13
+    assert count["replay", "fcl"] > 20 and 3 <= count["coupled", "fcl"] <= 6
+    assert count["replay", "bvh"] == count["coupled", "bvh"] == count["replay", "brute_force"] == 1
+    assert count["coupled", "null"] == 1 and count["replay", "null"] == 0
+    cells = {dict(c.configuration.parameters).get("cells") for c in firsts if c.configuration.backend == "voxel"}
+    assert {16, 32, 64, 128, 256} <= cells
+
+
+def test_repetitions_come_round_by_round_and_shuffled():
+    cases = measured(FULL)
+    rounds = [case.repetition for case in cases]
+    assert rounds == sorted(rounds) and set(rounds) == {0, 1, 2}
+    orders = [[c.name[:-3] for c in cases if c.repetition == r and c.configuration.backend == "voxel"
+               and not isinstance(c, ProbeCase)] for r in range(3)]
+    assert sorted(orders[0]) == sorted(orders[1]) == sorted(orders[2])
+    assert orders[0] != orders[1] != orders[2] != sorted(orders[0])
+    assert plan(FULL) == plan(FULL) != plan(Wishes("lhdl", ("iliacus",), seed=2))
+
+
+def test_only_the_first_repetition_is_judged_and_keeps_shapes():
+    for case in measured(FULL):
+        words = case.arguments(PLACES)
+        is_first = case.repetition == 0
+        assert ("--no-referee" in words) != is_first
+        assert ("--snapshots" in words) == (is_first and isinstance(case, CoupledCase))
+
+
+def test_long_cases_are_repeated_less():
+    count = Counter((case.mode, case.configuration.label) for case in measured(FULL))
+    assert count["replay", "voxel-cells=64"] == 3
+    assert count["coupled", "fcl"] == 2
+    assert count["coupled", "fcl-query=node_distance,bounding_volume=RSS"] == 1
+
+
+def test_work_keeps_to_the_promised_minutes():
+    assert seconds(plan(FULL)) / 2 < 30 * 60
+    assert seconds(plan(Wishes(quick=True, repetitions=1))) / 2 < 4.5 * 60
+
+
+def test_brute_force_drives_no_muscle():
+    too_long = [case.name for case in plan(Wishes("lhdl", tuple(VERTICES))) if is_too_long(case)]
+    assert too_long and all("coupled-brute_force" in name for name in too_long)
+
+
+@pytest.mark.parametrize("milliseconds", [0.0, 0.1, 10.0, 100.0, 1000.0])
+def test_strides_are_powers_of_two_that_keep_enough_frames(milliseconds):
+    configuration = Configuration("fcl", step_ms=milliseconds)
+    stride = stride_of(ILIACUS, configuration, 12.0)
+    assert stride & (stride - 1) == 0 and ILIACUS.frames // stride >= 5
+    assert ReplayCase(ILIACUS, configuration, stride=stride).guessed_step_seconds <= 12.0 or stride >= 32
+    assert stride == 1 or ReplayCase(ILIACUS, configuration, stride=stride // 2).guessed_step_seconds > 12.0
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 7, 500])
+def test_parts_are_disjoint_complete_and_even(count):
+    whole = measured(Wishes("lhdl", tuple(VERTICES)))
+    parts = [in_shard(whole, number, count) for number in range(1, count + 1)]
+    assert sorted(case.name for part in parts for case in part) == sorted(case.name for case in whole)
+    if count <= 7:
+        assert max(map(seconds, parts)) < 1.3 * seconds(whole) / count
+
+
+def test_a_part_records_only_the_muscles_that_it_replays():
+    for number in (1, 2, 3):
+        cases = plan(Wishes("lhdl", tuple(VERTICES), shard=(number, 3)))
+        replayed = {case.scene for case in cases if isinstance(case, ReplayCase)}
+        assert {case.scene for case in cases if isinstance(case, RecordCase)} == replayed
+
+
+def test_a_configuration_stays_in_one_part():
+    parts = [in_shard(measured(FULL), number, 4) for number in (1, 2, 3, 4)]
+    labels = [{case.configuration.label for case in part} for part in parts]
+    assert sum(map(len, labels)) == len(set().union(*labels)) == len(configurations())
+
+
+def test_a_queue_keeps_cases_until_what_they_need_has_ended():
+    sdf = Configuration("sdf", (("cells", 8),), stored_bytes=1.0)
+    probe, replay, recording = ProbeCase(ILIACUS, sdf), ReplayCase(ILIACUS, sdf), RecordCase(ILIACUS)
+    queue = CaseQueue([replay, recording, probe])
+    assert queue.take() == recording and queue.take() == probe and queue.take() is None
+    queue.end(recording)
+    assert queue.take() is None
+    queue.end(probe)
+    assert queue.take() == replay
+    queue.end(replay)
+    assert not queue
+
+
+def test_a_queue_gives_several_threads_a_machine_of_their_own():
+    wide, narrow = CoupledCase(ILIACUS, Configuration("fcl", threads=2)), CoupledCase(ILIACUS, Configuration("null"))
+    queue = CaseQueue([narrow, wide])
+    assert queue.take() == narrow and queue.take() is None
+    queue.end(narrow)
+    assert queue.take() == wide
+    queue = CaseQueue([wide, narrow])
+    assert queue.take() == wide and queue.take() is None
