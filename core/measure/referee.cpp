@@ -57,6 +57,13 @@ SurfaceDistance Referee::closest(int bone, const Vec3& rest_point) const {
   return answer;
 }
 
+double Referee::least_distance(int bone, int node, const Vec3& rest_point) const {
+  const Memory& memory = m_memories[static_cast<std::size_t>(bone)][static_cast<std::size_t>(node)];
+  const RefereeTree& bone_tree = tree(bone);
+  const double moved = (rest_point - bone_tree.centre_m() - memory.point_m).norm();
+  return memory.clearance_m * (1 - rounding_share) - moved - rounding_share * bone_tree.diagonal_m();
+}
+
 bool Referee::examine(const RefereeTree& tree, const Vec3& point, Memory& memory, SurfaceDistance& found,
                       RefereeEffort& effort) const {
   const bool may_remember = m_budgets && tree.closed();

@@ -51,6 +51,13 @@ class Referee {
   /// The same with the closest point and the normal, both in the rest frame.
   [[nodiscard]] SurfaceDistance closest(int bone, const Vec3& rest_point) const;
 
+  /// The surface of bone number `bone`, for questions of another kind.
+  [[nodiscard]] const RefereeTree& tree(int bone) const { return m_trees[static_cast<std::size_t>(bone)]; }
+
+  /// What `judge` remembers of `node`: a lower bound of the distance from `rest_point` to the surface of bone number
+  /// `bone`, at no cost; 0 or less where nothing useful is known.
+  [[nodiscard]] double least_distance(int bone, int node, const Vec3& rest_point) const;
+
   /// Finds the true contacts of `nodes` (ascending indices into `positions`; world frame, metres) with the bones at
   /// `poses`, into `truth`, which is overwritten: one for every bone and node with negative signed distance, ordered by
   /// bone, then by node. A node at a position that is not finite is in no bone.

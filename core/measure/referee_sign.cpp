@@ -1,5 +1,6 @@
 #include "core/measure/referee_sign.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -97,7 +98,16 @@ int exact_plane_side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p)
   return sum.sign();
 }
 
-/// +1 where p lies in front of the plane of (a, b, c), -1 behind it, 0 on it.
+/// On which side of the edge a -> b the directed line from -> to passes. Swapping a and b swaps the sign, also where
+/// the line meets the edge.
+int edge_side(const Vec3& from, const Vec3& to, const Vec3& a, const Vec3& b) {
+  const bool swapped = std::lexicographical_compare(b.data(), b.data() + 3, a.data(), a.data() + 3);
+  const int side = swapped ? plane_side(from, to, b, a) : plane_side(from, to, a, b);
+  return (side >= 0) != swapped ? 1 : -1;
+}
+
+}  // namespace
+
 int plane_side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
   const Vec3 u = a - p;
   const Vec3 v = b - p;
@@ -114,7 +124,13 @@ int plane_side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
   return exact_plane_side(a, b, c, p);
 }
 
-}  // namespace
+int segment_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& from, const Vec3& to) {
+  const bool starts_behind = plane_side(a, b, c, from) < 0;
+  if (starts_behind == (plane_side(a, b, c, to) < 0)) return 0;
+  const int side = edge_side(from, to, a, b);
+  if (edge_side(from, to, b, c) != side || edge_side(from, to, c, a) != side) return 0;
+  return starts_behind ? 1 : -1;
+}
 
 int ray_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& start, AxisRay ray) {
   const int i = (ray.axis + 1) % 3;

@@ -17,6 +17,15 @@ struct AxisRay {
 /// every start that does not lie on the surface.
 int ray_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& start, AxisRay ray);
 
+/// +1 where p lies in front of the plane of (a, b, c), from which they run counter-clockwise; -1 behind it, 0 on it.
+/// Decided without rounding errors.
+int plane_side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p);
+
+/// Whether the segment passes through the triangle (a, b, c): +1 leaves through its front, -1 enters through it, 0
+/// misses it. Decided without rounding errors. An end on the triangle's plane counts as in front of it; of two
+/// triangles that share an edge which the segment meets, one is crossed. Through a vertex no such promise is made.
+int segment_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& from, const Vec3& to);
+
 /// Solid angle of the triangle (a, b, c) seen from `eye`, over 4 pi: the triangle's share of the winding number;
 /// positive where its back is seen (Van Oosterom and Strackee 1983). 0 for a triangle without area.
 double winding_share(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& eye);

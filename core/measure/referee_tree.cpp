@@ -44,6 +44,10 @@ void keep_nearer_of_edge(const Vec3& query, const Vec3& from, const Vec3& to, do
 
 RefereeTree::RefereeTree(const TriangleMesh& mesh) { RefereeTreeBuilder(mesh, *this).build(); }
 
+void RefereeTree::refit(std::span<const Triangle> triangles, std::span<const Vec3> vertices) {
+  RefereeTreeBuilder::refit(triangles, vertices, *this);
+}
+
 double RefereeTree::box_distance(const Vec3& point) const {
   return (point.cwiseAbs() - m_half_extents).cwiseMax(0.0).norm();
 }

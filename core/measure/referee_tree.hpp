@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -15,6 +16,13 @@ struct ClosestSurfacePoint {
   double squared_distance_m2 = std::numeric_limits<double>::infinity();
   Vec3 point_m = Vec3::Zero();  ///< relative to RefereeTree::centre_m()
   int place = -1;               ///< of the triangle, in the order of the tree; -1: none
+};
+
+/// Where a segment passes through a surface.
+struct SurfaceCrossing {
+  double share = 0;       ///< of the segment, from its start to the crossing
+  bool entering = false;  ///< from the front of the triangle to its back
+  int place = -1;         ///< of the triangle, in the order of the tree
 };
 
 /// A tree of boxes, four children a node, over the triangles of one surface: the Referee's own, shared with no backend.
@@ -48,6 +56,23 @@ class RefereeTree {
   /// Unit normal of the triangle at `place`, by its winding; zero for a triangle without area.
   [[nodiscard]] Vec3 face_normal(int place) const;
 
+  /// Index in the mesh of the triangle at `place`.
+  [[nodiscard]] int triangle_index(int place) const { return m_triangles[static_cast<std::size_t>(place)].index; }
+
+  /// Whether the triangle (a, b, c), seen as filled, touches the surface. Never false for one that passes through the
+  /// surface by more than rounding; may be true for one that only comes that close.
+  [[nodiscard]] bool meets(const Vec3& a, const Vec3& b, const Vec3& c) const;
+
+  /// The crossings of the segment with the surface, into `crossings`, in the order that they are met in. A point on the
+  /// surface counts as in front of it. Which triangles are crossed is decided without rounding errors; a segment
+  /// through an edge crosses one of the triangles there; through a vertex it may cross any number.
+  void cross(const Vec3& from, const Vec3& to, std::vector<SurfaceCrossing>& crossings) const;
+
+  /// Moves the vertices and keeps the tree's shape: answers stay exact, queries get slower the more the surface
+  /// deforms. `triangles` and the number of `vertices` are those of the mesh that the tree was made of; `vertices` are
+  /// not relative to `centre_m()`, which stays what it was.
+  void refit(std::span<const Triangle> triangles, std::span<const Vec3> vertices);
+
   [[nodiscard]] std::size_t bytes() const;
 
  private:
@@ -64,6 +89,11 @@ class RefereeTree {
   };
 
   friend class RefereeTreeBuilder;
+
+  /// Calls `visit_place` for the triangles in all boxes that `may_matter` (of a node: which of its children), until it
+  /// returns false.
+  template <typename Filter, typename Visit>
+  void visit(const Filter& may_matter, const Visit& visit_place) const;
 
   void consider(const Vec3& point, int place, ClosestSurfacePoint& best) const;
   [[nodiscard]] int count_crossings(const Vec3& point) const;

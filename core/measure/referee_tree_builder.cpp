@@ -216,4 +216,41 @@ void RefereeTreeBuilder::copy_triangles() {
   }
 }
 
+void RefereeTreeBuilder::refit(std::span<const Triangle> triangles, std::span<const Vec3> vertices, RefereeTree& tree) {
+  tree.m_half_extents.setZero();
+  for (RefereeTree::Corners& corners : tree.m_triangles) {
+    const Triangle& triangle = triangles[static_cast<std::size_t>(corners.index)];
+    corners.a = vertices[static_cast<std::size_t>(triangle[0])] - tree.m_centre;
+    corners.b = vertices[static_cast<std::size_t>(triangle[1])] - tree.m_centre;
+    corners.c = vertices[static_cast<std::size_t>(triangle[2])] - tree.m_centre;
+    corners.sliver = is_sliver(corners.a, corners.b, corners.c);
+    const Vec3 reach = corners.a.cwiseAbs().cwiseMax(corners.b.cwiseAbs()).cwiseMax(corners.c.cwiseAbs());
+    tree.m_half_extents = tree.m_half_extents.cwiseMax(reach);
+  }
+  // A node stands before its children.
+  for (auto node = tree.m_nodes.rbegin(); node != tree.m_nodes.rend(); ++node) {
+    for (Eigen::Index lane = 0; lane < 4; ++lane) {
+      if (!(node->low[0][lane] <= node->high[0][lane])) continue;  // absent
+      const int child = node->child[lane];
+      if (child >= 0) {
+        const RefereeTree::Node& below = tree.m_nodes[static_cast<std::size_t>(child)];
+        for (int axis = 0; axis < 3; ++axis) {
+          node->low[axis][lane] = below.low[axis].minCoeff();
+          node->high[axis][lane] = below.high[axis].maxCoeff();
+        }
+        continue;
+      }
+      Box box;
+      for (int place = ~child / 8; place < ~child / 8 + ~child % 8; ++place) {
+        const RefereeTree::Corners& corners = tree.m_triangles[static_cast<std::size_t>(place)];
+        box.extend(corners.a).extend(corners.b).extend(corners.c);
+      }
+      for (int axis = 0; axis < 3; ++axis) {
+        node->low[axis][lane] = round_down(box.min()[axis]);
+        node->high[axis][lane] = round_up(box.max()[axis]);
+      }
+    }
+  }
+}
+
 }  // namespace musclebench

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,8 @@ class RefereeTreeBuilder {
 
   RefereeTreeBuilder(const TriangleMesh& mesh, RefereeTree& tree) : m_mesh(mesh), m_tree(tree) {}
   void build();
+  /// Gives the vertices of `mesh` new places in a tree that was built with its triangles.
+  static void refit(std::span<const Triangle> triangles, std::span<const Vec3> vertices, RefereeTree& tree);
 
  private:
   using Box = Eigen::AlignedBox3d;

@@ -25,7 +25,8 @@ void write_frames_csv(std::ostream& out, const std::vector<std::string>& effect_
   }
   out << ",predict_ns,update_ns,detect_ns,respond_ns,finish_ns,frame_ns,recording_ns,contacts,nodes_inside,max_depth_m,"
          "p99_depth_m,"
-         "mean_depth_m,missed_contacts,false_contacts,volume_m3,resident_bytes\n";
+         "mean_depth_m,missed_contacts,false_contacts,volume_m3,resident_bytes,surface_depth_m,bone_vertex_depth_m,"
+         "tunnelled_nodes,stuck_nodes\n";
   for (const StepRecord& record : records) {
     const StageTimes& times = record.times;
     std::string line = fmt::format("{}{},{}", record.frame, cell(record.angle_deg), record.warm_up ? 1 : 0);
@@ -40,6 +41,8 @@ void write_frames_csv(std::ostream& out, const std::vector<std::string>& effect_
     }
     line += cell_if(record.judged, record.difference.missed) + cell_if(record.judged, record.difference.false_contacts);
     line += cell(record.volume_m3) + cell_if(record.resident_bytes > 0, record.resident_bytes);
+    line += cell(record.surface_depth_m) + cell(record.bone_vertex_depth_m);
+    line += cell_if(record.judged, record.tunnelled_nodes) + cell_if(record.judged, record.stuck_nodes);
     out << line << '\n';
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -19,6 +20,11 @@ struct StepRecord {
   bool judged = false;           ///< whether the Referee looked at this frame
   DepthStatistics depth;         ///< at the frame's end
   ContactDifference difference;  ///< of the last detection
+  /// At the frame's end: see SurfaceDepthMeter and BoneVertexDepthMeter. NaN: not measured.
+  double surface_depth_m = std::numeric_limits<double>::quiet_NaN();
+  double bone_vertex_depth_m = std::numeric_limits<double>::quiet_NaN();
+  int tunnelled_nodes = 0;  ///< so far, see PassageTracker
+  int stuck_nodes = 0;      ///< in this frame, see count_stuck_nodes
   double volume_m3 = 0;
   std::size_t resident_bytes = 0;  ///< 0: unknown
 };

@@ -64,18 +64,39 @@ StepRecord record() {
   r.difference = {10, 11};
   r.volume_m3 = 1e-5;
   r.resident_bytes = 12;
+  r.surface_depth_m = 0.4;
+  r.bone_vertex_depth_m = 0.5;
+  r.tunnelled_nodes = 13;
+  r.stuck_nodes = 14;
   return r;
 }
 
 TEST(FramesCsv, EveryFigureStandsUnderItsName) {
   const Csv csv(record());
   ASSERT_EQ(csv.header.size(), csv.row.size());
-  const std::vector<std::pair<std::string, std::string>> expected = {
-      {"frame", "3"},           {"warm_up", "0"},       {"volume_ns", "17"},     {"predict_ns", "1"},
-      {"update_ns", "2"},       {"detect_ns", "3"},     {"respond_ns", "4"},     {"finish_ns", "5"},
-      {"frame_ns", "6"},        {"recording_ns", "7"},  {"contacts", "8"},       {"nodes_inside", "9"},
-      {"max_depth_m", "0.1"},   {"p99_depth_m", "0.2"}, {"mean_depth_m", "0.3"}, {"missed_contacts", "10"},
-      {"false_contacts", "11"}, {"volume_m3", "1e-05"}, {"resident_bytes", "12"}};
+  const std::vector<std::pair<std::string, std::string>> expected = {{"frame", "3"},
+                                                                     {"warm_up", "0"},
+                                                                     {"volume_ns", "17"},
+                                                                     {"predict_ns", "1"},
+                                                                     {"update_ns", "2"},
+                                                                     {"detect_ns", "3"},
+                                                                     {"respond_ns", "4"},
+                                                                     {"finish_ns", "5"},
+                                                                     {"frame_ns", "6"},
+                                                                     {"recording_ns", "7"},
+                                                                     {"contacts", "8"},
+                                                                     {"nodes_inside", "9"},
+                                                                     {"max_depth_m", "0.1"},
+                                                                     {"p99_depth_m", "0.2"},
+                                                                     {"mean_depth_m", "0.3"},
+                                                                     {"missed_contacts", "10"},
+                                                                     {"false_contacts", "11"},
+                                                                     {"volume_m3", "1e-05"},
+                                                                     {"resident_bytes", "12"},
+                                                                     {"surface_depth_m", "0.4"},
+                                                                     {"bone_vertex_depth_m", "0.5"},
+                                                                     {"tunnelled_nodes", "13"},
+                                                                     {"stuck_nodes", "14"}};
   for (const auto& [column, value] : expected) {
     EXPECT_EQ(csv[column], value) << column;
   }
@@ -85,12 +106,15 @@ TEST(FramesCsv, EveryFigureStandsUnderItsName) {
 TEST(FramesCsv, UnknownIsEmptyAndNothingNonFiniteIsWritten) {
   StepRecord r = record();
   r.judged = false;
+  r.surface_depth_m = StepRecord().surface_depth_m;
+  r.bone_vertex_depth_m = StepRecord().bone_vertex_depth_m;
   r.volume_m3 = std::numeric_limits<double>::infinity();
   r.angle_deg = std::nan("");
   r.resident_bytes = 0;
   const Csv csv(r);
   for (const char* column :
-       {"nodes_inside", "max_depth_m", "missed_contacts", "volume_m3", "angle_deg", "resident_bytes"}) {
+       {"nodes_inside", "max_depth_m", "missed_contacts", "volume_m3", "angle_deg", "resident_bytes", "surface_depth_m",
+        "bone_vertex_depth_m", "tunnelled_nodes", "stuck_nodes"}) {
     EXPECT_EQ(csv[column], "") << column;
   }
   EXPECT_EQ(csv["contacts"], "8");

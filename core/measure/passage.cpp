@@ -1,0 +1,81 @@
+#include "core/measure/passage.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace musclebench {
+
+PassageTracker::PassageTracker(int bones, int nodes)
+    : m_ways(static_cast<std::size_t>(bones), std::vector<Way>(static_cast<std::size_t>(nodes))) {}
+
+void PassageTracker::Way::enter(const Vec3& normal) {
+  inside = true;
+  entry_normal = normal;
+}
+
+void PassageTracker::Way::leave(const Vec3& normal) {
+  inside = false;
+  if (entry_normal.dot(normal) < opposed_cosine) tunnelled = !tunnelled;
+}
+
+int PassageTracker::update(const Referee& referee, std::span<const RigidMotion> poses, std::span<const Vec3> positions,
+                           std::span<const int> nodes, std::span<const Contact> truth) {
+  assert(poses.size() == m_ways.size());
+  auto contact = truth.begin();
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const int bone = static_cast<int>(i);
+    const RefereeTree& tree = referee.tree(bone);
+    for (const int node : nodes) {
+      const bool inside = contact != truth.end() && contact->bone == bone && contact->node == node;
+      const Contact* truth_here = inside ? &*contact++ : nullptr;
+      const Vec3 rest_point = poses[i].apply_inverse(positions[static_cast<std::size_t>(node)]);
+      if (!rest_point.allFinite()) continue;
+      Way& way = m_ways[i][static_cast<std::size_t>(node)];
+      const Vec3 point = rest_point - tree.centre_m();
+      const bool same_side = way.seen && way.inside == inside;
+      const bool far = same_side && (point - way.point_m).norm() < referee.least_distance(bone, node, rest_point);
+      if (way.seen && !far) follow_crossings(tree, point, way);
+      // The sides are sure; crossings may lack where the surface is open, and for a node that is seen first.
+      if (inside && !way.inside) way.enter(poses[i].rotation.transpose() * truth_here->normal);
+      if (!inside && way.inside) way.leave(referee.closest(bone, rest_point).normal);
+      way.point_m = point;
+      way.seen = true;
+    }
+  }
+  return tunnelled_nodes();
+}
+
+void PassageTracker::follow_crossings(const RefereeTree& tree, const Vec3& point, Way& way) {
+  tree.cross(way.point_m, point, m_crossings);
+  if (m_crossings.empty()) return;
+  // Where components of the surface overlap, only the outermost crossing enters or leaves the bone.
+  int layers = way.inside ? 1 : 0;
+  if (tree.closed() && way.inside)
+    layers = std::max(1, static_cast<int>(std::lround(tree.winding_number(way.point_m))));
+  for (const SurfaceCrossing& crossing : m_crossings) {
+    layers += crossing.entering ? 1 : -1;
+    if (layers > 0 && !way.inside) way.enter(tree.face_normal(crossing.place));
+    if (layers <= 0 && way.inside) way.leave(tree.face_normal(crossing.place));
+  }
+}
+
+bool PassageTracker::tunnelled(int node) const {
+  return std::any_of(m_ways.begin(), m_ways.end(),
+                     [node](const std::vector<Way>& ways) { return ways[static_cast<std::size_t>(node)].tunnelled; });
+}
+
+int PassageTracker::tunnelled_nodes() const {
+  int count = 0;
+  const std::size_t nodes = m_ways.empty() ? 0 : m_ways.front().size();
+  for (std::size_t node = 0; node < nodes; ++node) count += tunnelled(static_cast<int>(node)) ? 1 : 0;
+  return count;
+}
+
+std::size_t PassageTracker::bytes() const {
+  std::size_t sum = m_crossings.capacity() * sizeof(SurfaceCrossing);
+  for (const std::vector<Way>& ways : m_ways) sum += ways.capacity() * sizeof(Way);
+  return sum;
+}
+
+}  // namespace musclebench

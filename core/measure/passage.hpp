@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/contact/contact.hpp"
+#include "core/geometry/rigid_motion.hpp"
+#include "core/measure/referee.hpp"
+
+namespace musclebench {
+
+/// Follows nodes from frame to frame and counts those that tunnelled: entered a bone through one face and left it
+/// through one that faces the other way, within one frame or over many.
+///
+/// A node's way is taken as straight between two frames, in the bone's rest frame. Crossings of this segment with the
+/// surface are exact. Entry and exit are opposed where their outward normals n make n_in . n_out < opposed_cosine: a
+/// plate, a sphere near its middle. A node that dips in and comes out on the same side, or whose way cuts a convex
+/// corner of a right angle or more, did not tunnel; across a sharper edge it did. A node that tunnels once more through
+/// the same bone is back and no longer counts. A node inside when it is seen first entered where the surface is
+/// closest.
+class PassageTracker {
+ public:
+  static constexpr double opposed_cosine = -0.1;
+
+  PassageTracker(int bones, int nodes);
+
+  /// Looks at the next frame. `truth`: what `referee.judge` answered last, for these poses, positions (world frame) and
+  /// `nodes` (ascending). A node at a position that is not finite stays what it was. Returns `tunnelled_nodes()`.
+  int update(const Referee& referee, std::span<const RigidMotion> poses, std::span<const Vec3> positions,
+             std::span<const int> nodes, std::span<const Contact> truth);
+
+  /// Nodes on the wrong side of some bone.
+  [[nodiscard]] int tunnelled_nodes() const;
+  [[nodiscard]] bool tunnelled(int node) const;
+
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  /// Of one node and one bone.
+  struct Way {
+    Vec3 point_m = Vec3::Zero();       ///< where it was, relative to the tree's centre
+    Vec3 entry_normal = Vec3::Zero();  ///< rest frame; where it is inside
+    bool seen = false;
+    bool inside = false;
+    bool tunnelled = false;
+
+    void enter(const Vec3& normal);
+    void leave(const Vec3& normal);
+  };
+
+  void follow_crossings(const RefereeTree& tree, const Vec3& point, Way& way);
+
+  std::vector<std::vector<Way>> m_ways;      // by bone, by node
+  std::vector<SurfaceCrossing> m_crossings;  // scratch memory
+};
+
+}  // namespace musclebench

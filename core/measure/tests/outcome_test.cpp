@@ -1,0 +1,78 @@
+#include "core/measure/outcome.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace musclebench {
+namespace {
+
+StepRecord judged(double depth_m, double surface_m, double vertex_m, int tunnelled, int stuck) {
+  StepRecord record;
+  record.judged = true;
+  record.depth.max_depth_m = depth_m;
+  record.surface_depth_m = surface_m;
+  record.bone_vertex_depth_m = vertex_m;
+  record.tunnelled_nodes = tunnelled;
+  record.stuck_nodes = stuck;
+  record.volume_m3 = 2;
+  return record;
+}
+
+TEST(Outcome, OverTheRun) {
+  std::vector<StepRecord> records{judged(0.1, 0.3, 0, 2, 0), judged(0.2, 0.2, 0.5, 3, 7), judged(0, 0, 0, 1, 4)};
+  records[0].times.update_ns = 1;
+  records[1].times.detect_ns = 20;
+  records[2].times.respond_ns = 300;
+  records[0].times.frame_ns = 1000;
+  records[2].times.frame_ns = 4000;
+  records[0].volume_m3 = 1.5;
+  records[2].volume_m3 = 2.25;
+  const Outcome outcome = outcome_of(records, 2);
+  EXPECT_EQ(outcome.max_depth_m, 0.2);
+  EXPECT_EQ(outcome.max_surface_depth_m, 0.5);
+  EXPECT_EQ(outcome.tunnelled_nodes, 1);
+  EXPECT_EQ(outcome.stuck_nodes, 7);
+  EXPECT_EQ(outcome.max_volume_error, 0.25);
+  EXPECT_EQ(outcome.final_volume_error, 0.125);
+  EXPECT_EQ(outcome.collision_ns, 321);
+  EXPECT_EQ(outcome.loop_ns, 5000);
+}
+
+TEST(Outcome, PercentileByNearestRank) {
+  std::vector<StepRecord> records;
+  for (int i = 200; i > 0; --i) records.push_back(judged(i, 2 * i, 0, 0, 0));
+  EXPECT_EQ(outcome_of(records, 2).p99_depth_m, 198);
+  EXPECT_EQ(outcome_of(records, 2).p99_surface_depth_m, 396);
+  records.resize(1);
+  EXPECT_EQ(outcome_of(records, 2).p99_depth_m, 200);
+}
+
+TEST(Outcome, AMuscleWoundInwardsHasTheSameVolumeError) {
+  StepRecord record;
+  record.volume_m3 = -1.5;
+  EXPECT_EQ(outcome_of(std::vector{record}, -2).final_volume_error, 0.25);
+}
+
+TEST(Outcome, WhatWasNotMeasuredIsMissing) {
+  StepRecord lost;  // not judged, as it blew up
+  lost.volume_m3 = std::numeric_limits<double>::quiet_NaN();
+  const Outcome nothing = outcome_of(std::vector{lost}, 2);
+  for (const auto& figure : {nothing.max_depth_m, nothing.p99_depth_m, nothing.max_surface_depth_m,
+                             nothing.p99_surface_depth_m, nothing.max_volume_error, nothing.final_volume_error}) {
+    EXPECT_FALSE(figure.has_value());
+  }
+  EXPECT_FALSE(nothing.tunnelled_nodes.has_value());
+  EXPECT_FALSE(nothing.stuck_nodes.has_value());
+
+  const Outcome before = outcome_of(std::vector{judged(0.1, 0.2, 0, 3, 4), lost}, 2);
+  EXPECT_EQ(before.max_depth_m, 0.1);
+  EXPECT_EQ(before.tunnelled_nodes, 3);
+  EXPECT_EQ(before.max_volume_error, 0);
+  EXPECT_FALSE(before.final_volume_error.has_value());
+  EXPECT_FALSE(outcome_of({}, 2).max_depth_m.has_value());
+  EXPECT_FALSE(outcome_of(std::vector{judged(0, 0, 0, 0, 0)}, 0).max_volume_error.has_value());
+}
+
+}  // namespace
+}  // namespace musclebench
