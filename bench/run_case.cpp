@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "bench/coupled_judge.hpp"
 #include "bench/make_simulation.hpp"
 #include "core/base/sha256.hpp"
 #include "core/base/system_memory.hpp"
 #include "core/geometry/surface_volume.hpp"
-#include "core/measure/referee.hpp"
 
 namespace musclebench {
 
@@ -76,7 +76,7 @@ class CaseRunner {
     malloc_trim(0);  // what only the building needed shall not count as the structures' memory
     m_result.memory_before_bytes = resident_memory_bytes();
     if (m_run.judge) {
-      m_referee = std::make_unique<Referee>(m_scene.bones, static_cast<int>(m_scene.muscle.mesh.vertices.size()));
+      m_judge = std::make_unique<CoupledJudge>(m_scene, m_result.bound_nodes, *m_simulation);
       malloc_trim(0);
       m_result.referee_bytes =
           resident_memory_bytes() - std::min(resident_memory_bytes(), m_result.memory_before_bytes);
@@ -93,7 +93,7 @@ class CaseRunner {
     record.frame = frame;
     record.angle_deg = m_scene.angle_rad(frame) * degrees_per_radian;
     record.warm_up = frame <= m_run.warm_up_frames;
-    record.times = m_simulation->step_frame(frame, m_referee ? &m_last_detection : nullptr);
+    record.times = m_simulation->step_frame(frame, m_judge ? &m_last_detection : nullptr);
     record.contacts = static_cast<int>(m_simulation->contacts().size());
     record.resident_bytes = memory_without_referee_bytes();
 
@@ -104,12 +104,8 @@ class CaseRunner {
       m_result.status = "diverged";
       m_result.status_detail =
           fmt::format("frame {}: node {} left the scene by more than {:.3g} m", frame, lost, m_range_m);
-    } else if (m_referee) {
-      m_referee->judge(m_last_detection.bone_poses, m_last_detection.positions, m_simulation->free_nodes(), m_truth);
-      record.difference = compare_contacts(m_last_detection.contacts, m_truth);
-      m_referee->judge(m_simulation->bone_poses(), particles.positions, m_simulation->free_nodes(), m_truth);
-      record.depth = depth_statistics(m_truth);
-      record.judged = true;
+    } else if (m_judge) {
+      m_judge->judge(*m_simulation, m_last_detection, record);
     }
     m_result.records.push_back(record);
     if (lost < 0) {
@@ -127,12 +123,8 @@ class CaseRunner {
                       m_simulation->particles().positions,
                       std::vector<double>(m_simulation->particles().size(), 0.0),
                       {poses.begin(), poses.end()}};
-    if (m_referee) {
-      m_referee->judge(poses, snapshot.positions, m_simulation->free_nodes(), m_truth);
-      for (const Contact& contact : m_truth) {
-        double& depth_m = snapshot.depths_m[contact.node];
-        depth_m = std::max(depth_m, contact.depth_m);
-      }
+    if (m_judge) {
+      snapshot.depths_m = m_judge->depths(*m_simulation);
     }
     m_result.snapshots.push_back(std::move(snapshot));
   }
@@ -142,9 +134,8 @@ class CaseRunner {
   RunResult m_result;
   std::unique_ptr<CollisionBackend> m_backend;
   std::unique_ptr<Simulation> m_simulation;
-  std::unique_ptr<Referee> m_referee;
+  std::unique_ptr<CoupledJudge> m_judge;
   LastDetection m_last_detection;
-  std::vector<Contact> m_truth;
   double m_range_m = 0;
 };
 

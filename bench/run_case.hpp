@@ -38,7 +38,7 @@ struct RunResult {
   std::size_t memory_before_bytes = 0;  ///< resident, without what the Referee took
   std::size_t memory_after_bytes = 0;   ///< the same
   std::size_t memory_peak_bytes = 0;    ///< of the whole process
-  std::size_t referee_bytes = 0;        ///< by which making the Referee raised the resident memory
+  std::size_t referee_bytes = 0;        ///< by which what judges raised the resident memory
   double rest_volume_m3 = 0;
   std::string state_hash;  ///< of all positions and velocities at the end
 };

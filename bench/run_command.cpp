@@ -10,6 +10,7 @@
 #include "bench/result_folder.hpp"
 #include "bench/run_output.hpp"
 #include "bench/signals.hpp"
+#include "core/measure/outcome.hpp"
 
 namespace musclebench {
 
@@ -44,10 +45,7 @@ void print_summary(const RunCase& run, const RunResult& result, const std::strin
   const std::string collision_ms = median_ms(
       result.records, [](const StepRecord& r) { return r.times.update_ns + r.times.detect_ns + r.times.respond_ns; });
   const std::string frame_ms = median_ms(result.records, [](const StepRecord& r) { return r.times.frame_ns; });
-  double deepest_m = 0;
-  for (const StepRecord& record : result.records) {
-    deepest_m = std::max(deepest_m, record.depth.max_depth_m);
-  }
+  const Outcome outcome = outcome_of(result.records, result.rest_volume_m3);
   fmt::print("{} with {}: {}{}{}\n", run.scene.name, run.backend.name, result.status,
              result.status_detail.empty() ? "" : ", ", result.status_detail);
   for (const Attachment& attachment : run.scene.attachments) {
@@ -62,8 +60,11 @@ void print_summary(const RunCase& run, const RunResult& result, const std::strin
   fmt::print("  of it collision               {}\n", collision_ms);
   fmt::print("  structures                    {:>10.3f} MB, built in {:.2f} s\n",
              static_cast<double>(result.structure_bytes) * 1e-6, static_cast<double>(result.build_ns) * 1e-9);
-  if (run.judge) {
-    fmt::print("  largest true depth            {:>10.3f} mm\n", deepest_m * 1e3);
+  if (outcome.max_depth_m) {
+    fmt::print("  largest true depth            {:>10.3f} mm, of the surface {:.3f} mm\n", *outcome.max_depth_m * 1e3,
+               outcome.max_surface_depth_m.value_or(0) * 1e3);
+    fmt::print("  nodes tunnelled, stuck        {:>6}, at most {} at once\n", *outcome.tunnelled_nodes,
+               *outcome.stuck_nodes);
   }
   fmt::print("  state hash                    {}\n  written to {}\n", result.state_hash, out);
 }

@@ -1,6 +1,7 @@
 #include "bench/run_output.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -8,6 +9,7 @@
 #include "bench/result_folder.hpp"
 #include "core/base/output_file.hpp"
 #include "core/geometry/read_mesh.hpp"
+#include "core/measure/outcome.hpp"
 
 namespace musclebench {
 
@@ -62,6 +64,25 @@ Json json_of_snapshots(const RunResult& result) {
   return snapshots;
 }
 
+template <typename Value>
+Json json_of(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json json_of_outcome(const RunResult& result) {
+  const Outcome outcome = outcome_of(result.records, result.rest_volume_m3);
+  return {{"max_depth_m", json_of(outcome.max_depth_m)},
+          {"p99_depth_m", json_of(outcome.p99_depth_m)},
+          {"max_surface_depth_m", json_of(outcome.max_surface_depth_m)},
+          {"p99_surface_depth_m", json_of(outcome.p99_surface_depth_m)},
+          {"max_volume_error", json_of(outcome.max_volume_error)},
+          {"final_volume_error", json_of(outcome.final_volume_error)},
+          {"tunnelled_nodes", json_of(outcome.tunnelled_nodes)},
+          {"stuck_nodes", json_of(outcome.stuck_nodes)},
+          {"collision_ns", outcome.collision_ns},
+          {"loop_ns", outcome.loop_ns}};
+}
+
 Json manifest(const RunCase& run, const RunResult& result) {
   Json json = manifest_head(result.status, result.status_detail, json_of_run(run), run.scene);
   json["muscle"]["rest_volume_m3"] = result.rest_volume_m3;
@@ -76,6 +97,7 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["state_hash"] = result.state_hash;
   json["wall_ns"] = result.wall_ns;
   json["frames"] = result.records.size();
+  json["outcome"] = json_of_outcome(result);
   json["snapshots"] = json_of_snapshots(result);
   return json;
 }
