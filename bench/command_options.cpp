@@ -16,19 +16,29 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       ->check(CLI::Range(1, 10000000));
 }
 
-Scene load_scene(const SceneOptions& options) {
-  SceneChoice choice = options.choice;
+std::map<std::string, ParameterValue> loop_overrides(const SceneOptions& options) {
+  std::map<std::string, ParameterValue> overrides;
   if (options.frames > 0) {
-    choice.loop_overrides["frames"] = std::int64_t{options.frames};
+    overrides["frames"] = std::int64_t{options.frames};
   }
   for (const auto& [key, value] : parse_assignments(options.loop, "--loop")) {
-    choice.loop_overrides[key] = value;
+    overrides[key] = value;
   }
+  return overrides;
+}
+
+Scene load_scene(const SceneOptions& options) {
+  SceneChoice choice = options.choice;
+  choice.loop_overrides = loop_overrides(options);
   Scene scene = load_scene(choice);
+  print_warnings(scene);
+  return scene;
+}
+
+void print_warnings(const Scene& scene) {
   for (const std::string& warning : scene_warnings(scene)) {
     fmt::print(stderr, "musclebench: warning: {}: {}\n", scene.name, warning);
   }
-  return scene;
 }
 
 void add_backend_options(CLI::App& command, BackendOptions& options) {

@@ -21,8 +21,12 @@ struct SceneOptions {
 /// Adds the argument `scene` and the options that change it.
 void add_scene_options(CLI::App& command, SceneOptions& options);
 
+/// All that the options change of the loop. Throws InputError.
+std::map<std::string, ParameterValue> loop_overrides(const SceneOptions& options);
+
 /// Reads the scene and prints its warnings. Throws InputError.
 Scene load_scene(const SceneOptions& options);
+void print_warnings(const Scene& scene);
 
 /// How a command line names a backend.
 struct BackendOptions {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "bench/coupled_judge.hpp"
+#include "bench/divergence.hpp"
 #include "bench/make_simulation.hpp"
 #include "core/base/sha256.hpp"
 #include "core/base/system_memory.hpp"
@@ -19,19 +20,6 @@ namespace {
 
 constexpr double degrees_per_radian = 180 / std::numbers::pi;
 
-/// Positions farther than this many scene diagonals from the start count as blown up.
-constexpr double divergence_diagonals = 10;
-
-/// The first node that left the range of the scene; -1 when all is well. Written so that NaN counts as lost.
-int lost_node(const std::vector<Vec3>& positions, const std::vector<Vec3>& rest, double range_m) {
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (!((positions[i] - rest[i]).norm() <= range_m)) {
-      return static_cast<int>(i);
-    }
-  }
-  return -1;
-}
-
 std::string hash_of(const Particles& particles) {
   Sha256 hash;
   hash.add(std::as_bytes(std::span(particles.positions)));
@@ -42,7 +30,7 @@ std::string hash_of(const Particles& particles) {
 /// Drives one simulation and looks at it between frames.
 class CaseRunner {
  public:
-  explicit CaseRunner(const RunCase& run) : m_run(run), m_scene(run.scene) {}
+  explicit CaseRunner(const RunCase& run) : m_run(run), m_scene(run.scene), m_divergence(run.scene) {}
 
   RunResult run(const std::function<void(int)>& report) {
     start();
@@ -71,7 +59,6 @@ class CaseRunner {
     m_result.bound_nodes = std::move(prepared.bound_nodes);
     m_result.effect_names = std::move(prepared.effect_names);
     m_result.rest_volume_m3 = surface_volume_m3(m_scene.muscle.mesh.vertices, m_scene.muscle.mesh.triangles);
-    m_range_m = divergence_diagonals * scene_diagonal_m(m_scene);
     m_result.records.reserve(static_cast<std::size_t>(std::min(m_scene.loop.frames, 100000)));
     malloc_trim(0);  // what only the building needed shall not count as the structures' memory
     m_result.memory_before_bytes = resident_memory_bytes();
@@ -99,16 +86,15 @@ class CaseRunner {
 
     const Particles& particles = m_simulation->particles();
     record.volume_m3 = surface_volume_m3(particles.positions, m_scene.muscle.mesh.triangles);
-    const int lost = lost_node(particles.positions, m_scene.muscle.mesh.vertices, m_range_m);
-    if (lost >= 0) {
+    const std::string lost = m_divergence.describe(frame, particles.positions);
+    if (!lost.empty()) {
       m_result.status = "diverged";
-      m_result.status_detail =
-          fmt::format("frame {}: node {} left the scene by more than {:.3g} m", frame, lost, m_range_m);
+      m_result.status_detail = lost;
     } else if (m_judge) {
       m_judge->judge(*m_simulation, m_last_detection, record);
     }
     m_result.records.push_back(record);
-    if (lost < 0) {
+    if (lost.empty()) {
       keep_snapshot(frame);
     }
   }
@@ -136,7 +122,7 @@ class CaseRunner {
   std::unique_ptr<Simulation> m_simulation;
   std::unique_ptr<CoupledJudge> m_judge;
   LastDetection m_last_detection;
-  double m_range_m = 0;
+  Divergence m_divergence;
 };
 
 }  // namespace

@@ -1,17 +1,21 @@
 #pragma once
 
 #include <csignal>
+#include <filesystem>
 
 namespace musclebench {
 
 /// While it lives, Ctrl-C and termination end the process at once with one line and exit code 130: for work that has
-/// nothing on the disk yet.
+/// nothing on the disk yet but one temporary file. One at a time.
 class EndAtOnce {
  public:
   EndAtOnce();
   EndAtOnce(const EndAtOnce&) = delete;
   EndAtOnce& operator=(const EndAtOnce&) = delete;
   ~EndAtOnce();
+
+  /// The temporary file.
+  void remove_first(const std::filesystem::path& file);
 };
 
 /// Holds back Ctrl-C and termination while files are being moved.
