@@ -1,0 +1,98 @@
+#include "core/measure/answer_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+namespace musclebench {
+
+namespace {
+
+constexpr double degrees_per_radian = 180 / std::numbers::pi;
+
+std::pair<int, int> place_of(const Contact& contact) { return {contact.bone, contact.node}; }
+
+void add_normal_error(const Contact& contact, const Vec3& true_normal, AnswerErrors& errors) {
+  if (!contact.normal.isZero(0) && !true_normal.isZero(0)) {
+    const double angle_rad = std::atan2(contact.normal.cross(true_normal).norm(), contact.normal.dot(true_normal));
+    errors.normal_errors_deg.push_back(angle_rad * degrees_per_radian);
+  }
+}
+
+void add_answered(const JudgedAnswer& answer, const Contact& contact, double signed_distance_m, const Vec3& true_normal,
+                  double band_m, AnswerErrors& errors) {
+  if (std::abs(signed_distance_m) <= band_m) {
+    errors.depth_errors_m.push_back(answer.depths_known ? std::abs(-contact.depth_m - signed_distance_m)
+                                                        : std::max(0.0, signed_distance_m));
+    add_normal_error(contact, true_normal, errors);
+  }
+}
+
+void add_false(const Referee& referee, const JudgedAnswer& answer, const Contact& contact, double band_m,
+               AnswerErrors& errors) {
+  const RigidMotion& pose = answer.bone_poses[contact.bone];
+  const SurfaceDistance surface = referee.closest(contact.bone, pose.apply_inverse(answer.positions[contact.node]));
+  ++errors.false_contacts;
+  errors.max_false_distance_m = std::max(errors.max_false_distance_m, surface.signed_distance_m);
+  add_answered(answer, contact, surface.signed_distance_m, pose.apply_to_direction(surface.normal), band_m, errors);
+}
+
+void add_missed(const Contact& real, double band_m, AnswerErrors& errors) {
+  ++errors.missed_contacts;
+  errors.max_missed_depth_m = std::max(errors.max_missed_depth_m, real.depth_m);
+  if (real.depth_m <= band_m) {
+    errors.depth_errors_m.push_back(real.depth_m);
+  }
+}
+
+void append(const std::vector<double>& from, std::vector<double>& to) { to.insert(to.end(), from.begin(), from.end()); }
+
+}  // namespace
+
+void AnswerErrors::add(const AnswerErrors& other) {
+  contacts += other.contacts;
+  true_contacts += other.true_contacts;
+  missed_contacts += other.missed_contacts;
+  false_contacts += other.false_contacts;
+  max_missed_depth_m = std::max(max_missed_depth_m, other.max_missed_depth_m);
+  max_false_distance_m = std::max(max_false_distance_m, other.max_false_distance_m);
+  append(other.depth_errors_m, depth_errors_m);
+  append(other.normal_errors_deg, normal_errors_deg);
+}
+
+void measure_answer(const Referee& referee, const JudgedAnswer& answer, std::span<const Contact> truth, double band_m,
+                    AnswerErrors& errors) {
+  errors.contacts += static_cast<long>(answer.contacts.size());
+  errors.true_contacts += static_cast<long>(truth.size());
+  auto real = truth.begin();
+  for (const Contact& contact : answer.contacts) {
+    for (; real != truth.end() && place_of(*real) < place_of(contact); ++real) {
+      add_missed(*real, band_m, errors);
+    }
+    if (real != truth.end() && place_of(*real) == place_of(contact)) {
+      add_answered(answer, contact, -real->depth_m, real->normal, band_m, errors);
+      ++real;
+    } else {
+      add_false(referee, answer, contact, band_m, errors);
+    }
+  }
+  for (; real != truth.end(); ++real) {
+    add_missed(*real, band_m, errors);
+  }
+}
+
+std::optional<ErrorStatistics> error_statistics(std::vector<double> values) {
+  if (values.empty()) {
+    return std::nullopt;
+  }
+  // Summed in the order in which they came; the statistics below reorder them.
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  const std::size_t rank = (99 * values.size() + 99) / 100;
+  const auto ranked = values.begin() + static_cast<std::ptrdiff_t>(rank - 1);
+  std::nth_element(values.begin(), ranked, values.end());
+  return ErrorStatistics{*std::max_element(ranked, values.end()), *ranked, sum / static_cast<double>(values.size())};
+}
+
+}  // namespace musclebench

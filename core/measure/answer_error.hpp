@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/contact/contact.hpp"
+#include "core/geometry/rigid_motion.hpp"
+#include "core/measure/referee.hpp"
+
+namespace musclebench {
+
+/// How far answers are from the truth, gathered over any number of collision steps. Contacts are pairs of a bone and a
+/// node.
+struct AnswerErrors {
+  long contacts = 0;  ///< answered
+  long true_contacts = 0;
+  long missed_contacts = 0;               ///< true ones that were not answered
+  long false_contacts = 0;                ///< answered ones that are not true
+  double max_missed_depth_m = 0;          ///< of the missed contacts, however deep
+  double max_false_distance_m = 0;        ///< of the false contacts, however far
+  std::vector<double> depth_errors_m;     ///< one a measured contact
+  std::vector<double> normal_errors_deg;  ///< one a measured contact whose normal both sides know
+
+  void add(const AnswerErrors& other);
+};
+
+/// What is asked about, and what was answered, in one collision step.
+struct JudgedAnswer {
+  std::span<const RigidMotion> bone_poses;
+  std::span<const Vec3> positions;    ///< world frame, m
+  std::span<const Contact> contacts;  ///< ordered by bone, then node
+  bool depths_known = true;           ///< Capabilities::depth of the backend
+};
+
+/// Compares the answer with `truth`, the Referee's of the same nodes, and adds to `errors`.
+///
+/// Measured are true and answered contacts not farther than `band_m` from the surface, inside or outside. The depth
+/// error is the smallest error of the signed distance s (negative inside) that the answer admits: |-depth - s| where a
+/// depth was answered, max(0, s) where only "inside" was, max(0, -s) where nothing was. The normal error is the angle
+/// between the answered normal and the Referee's.
+void measure_answer(const Referee& referee, const JudgedAnswer& answer, std::span<const Contact> truth, double band_m,
+                    AnswerErrors& errors);
+
+struct ErrorStatistics {
+  double max = 0;
+  double p99 = 0;  ///< by nearest rank: the ceil(0.99 n)-th smallest
+  double mean = 0;
+};
+
+/// Nothing for no values.
+std::optional<ErrorStatistics> error_statistics(std::vector<double> values);
+
+}  // namespace musclebench
