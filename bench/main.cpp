@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   add_list_command(app, exit_code);
   add_check_command(app, exit_code);
   add_verify_command(app, exit_code);
+  add_probe_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

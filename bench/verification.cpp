@@ -4,10 +4,11 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <random>
 
 #include "backends/brute_force/brute_force_surface.hpp"
 #include "backends/bvh/centred_surface.hpp"
+#include "core/base/random_numbers.hpp"
+#include "core/geometry/surface_sampler.hpp"
 #include "core/measure/referee.hpp"
 
 namespace musclebench {
@@ -24,56 +25,38 @@ Eigen::AlignedBox3d box_of_triangles(const TriangleMesh& mesh) {
   return box;
 }
 
-/// Draws without the standard's distributions, which differ between libraries.
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : m_generator(seed) {}
-
-  double share() { return static_cast<double>(m_generator() >> 11) * 0x1p-53; }
-  std::size_t below(std::size_t count) { return static_cast<std::size_t>(m_generator() % count); }
-  Vec3 within_unit_box() {
-    const double x = share();
-    const double y = share();
-    return {x, y, share()};
-  }
-
- private:
-  std::mt19937_64 m_generator;
-};
-
 /// A random point of a random triangle, of its edges and of its corners.
 class PointSource {
  public:
   PointSource(const TriangleMesh& mesh, std::uint64_t seed)
-      : m_mesh(mesh), m_box(box_of_triangles(mesh)), m_diagonal_m(m_box.diagonal().norm()), m_draw(seed) {}
+      : m_mesh(mesh), m_box(box_of_triangles(mesh)), m_diagonal_m(m_box.diagonal().norm()), m_random(seed) {}
 
-  Vec3 anywhere() {
-    return m_box.min() + m_box.sizes().cwiseProduct(1.2 * m_draw.within_unit_box() - Vec3::Constant(0.1));
-  }
+  Vec3 anywhere() { return m_box.min() + m_box.sizes().cwiseProduct(1.2 * within_unit_box() - Vec3::Constant(0.1)); }
 
   Vec3 near_surface(double jitter_share) {
     const auto corner = random_triangle();
-    double v = m_draw.share();
-    double w = m_draw.share();
-    if (v + w > 1) {
-      v = 1 - v;
-      w = 1 - w;
-    }
-    const Vec3 on_surface = corner[0] + v * (corner[1] - corner[0]) + w * (corner[2] - corner[0]);
-    return on_surface + jitter_share * m_diagonal_m * (2 * m_draw.within_unit_box() - Vec3::Ones());
+    const double v = m_random.share();
+    const Vec3 on_surface = point_of_triangle(corner[0], corner[1], corner[2], v, m_random.share());
+    return on_surface + jitter_share * m_diagonal_m * (2 * within_unit_box() - Vec3::Ones());
   }
 
-  Vec3 vertex() { return random_triangle()[m_draw.below(3)]; }
+  Vec3 vertex() { return random_triangle()[m_random.below(3)]; }
 
   Vec3 edge_middle() {
     const auto corner = random_triangle();
-    const std::size_t edge = m_draw.below(3);
+    const std::size_t edge = m_random.below(3);
     return 0.5 * (corner[edge] + corner[(edge + 1) % 3]);
   }
 
  private:
+  Vec3 within_unit_box() {
+    const double x = m_random.share();
+    const double y = m_random.share();
+    return {x, y, m_random.share()};
+  }
+
   std::array<Vec3, 3> random_triangle() {
-    const Triangle& triangle = m_mesh.triangles[m_draw.below(m_mesh.triangles.size())];
+    const Triangle& triangle = m_mesh.triangles[m_random.below(m_mesh.triangles.size())];
     std::array<Vec3, 3> corners;
     for (std::size_t i = 0; i < 3; ++i) {
       corners[i] = m_mesh.vertices[static_cast<std::size_t>(triangle[i])];
@@ -84,7 +67,7 @@ class PointSource {
   const TriangleMesh& m_mesh;
   Eigen::AlignedBox3d m_box;
   double m_diagonal_m;
-  Draw m_draw;
+  RandomNumbers m_random;
 };
 
 /// The signed distances of the points from `first` to the end of `answers`, a batch at a time.

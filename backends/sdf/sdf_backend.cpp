@@ -67,6 +67,10 @@ class SdfBackend final : public CollisionBackend {
     return {half_cell_m, half_cell_m};
   }
 
+  [[nodiscard]] double step_m(int bone) const override {
+    return m_fields[static_cast<std::size_t>(bone)].shape().cell_size_m.minCoeff();
+  }
+
   [[nodiscard]] std::size_t structure_bytes() const override {
     std::size_t bytes = 0;
     for (const CubicField& field : m_fields) {
