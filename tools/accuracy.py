@@ -142,8 +142,8 @@ def run_study(cases: list[StudyCase], study: AccuracyStudy, options) -> list[str
         failed = [case for case in cases if not study.is_complete(case) and not is_too_long(case)]
         if not failed and not options.keep_structures:
             study.remove_structures()
-    problems = [f"{case.name}: {statuses.get(case, 'failed')}, see {study.folder(case) / 'run.json'}" for case in failed]
-    return problems + [f"{case.name}: nondeterministic, see {study.folder(case) / 'run.json'}" for case in marked]
+    ends = [(case, statuses.get(case, "failed")) for case in failed] + [(case, "nondeterministic") for case in marked]
+    return [f"{case.name}: {status}, see {study.folder(case) / 'run.json'}" for case, status in ends]
 
 
 def planned_everywhere(options) -> list[StudyCase]:

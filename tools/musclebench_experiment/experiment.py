@@ -54,8 +54,8 @@ class Experiment:
         """Asked when its turn comes."""
         return None
 
-    def prepare(self, case: Case) -> None:
-        """Called just before a case starts."""
+    def prepare(self, case: Case, folder: Path) -> None:
+        """Called just before a case starts; `folder` is not there yet, and `musclebench` makes it."""
 
     def complete(self, case: Case, folder: Path) -> None:
         """Adds to the folder of a process that ended well what the process did not write."""

@@ -65,7 +65,6 @@ class _Pool:
 
     def _start(self, case: Case) -> None:
         cores = sorted(os.sched_getaffinity(0))[: case.threads] if case.threads > 1 else [self._free.pop(0)]
-        self._experiment.prepare(case)
         self._running.append(Worker(case, self._experiment, cores, self._limits.memory_bytes))
 
     def _refusal(self, case: Case) -> Refusal | None:

@@ -43,13 +43,16 @@ class AccuracyStudy(Experiment):
             return Refusal("failed", f"not run: there is no recording; {self._reason(case.recording)}")
         return None
 
-    def prepare(self, case: Case) -> None:
-        """A probe builds what it finds nowhere, so that its building time is real."""
-        if isinstance(case, MeasuredCase) and case.configuration.stores:
-            folder = self.places.out_dir / case.structures
+    def prepare(self, case: Case, folder: Path) -> None:
+        """A recording is a file and wants its folder. A probe builds what it finds nowhere, so that its building time is
+        real."""
+        if isinstance(case, RecordCase):
+            folder.mkdir()
+        elif case.configuration.stores:
+            structures = self.places.out_dir / case.structures
             if isinstance(case, ProbeCase):
-                shutil.rmtree(folder, ignore_errors=True)
-            folder.mkdir(parents=True, exist_ok=True)
+                shutil.rmtree(structures, ignore_errors=True)
+            structures.mkdir(parents=True, exist_ok=True)
 
     def complete(self, case: Case, folder: Path) -> None:
         """`musclebench record` leaves a recording; its row is written here."""

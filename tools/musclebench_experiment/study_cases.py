@@ -16,7 +16,7 @@ LOOP_SECONDS_A_FRAME = 0.008
 JUDGING_SECONDS_A_STEP = 0.008
 JUDGING_SECONDS_A_FRAME = 0.02
 PROBING_SECONDS = 3.0
-BYTES_A_NODE_AND_STEP = 48
+BYTES_A_NODE_AND_STEP = 8
 BYTES_A_JUDGED_RUN = 10e6
 BYTES_A_RUN = 0.3e6
 
@@ -187,7 +187,12 @@ class ReplayCase(MeasuredCase):
         """A judged replay goes through the steps twice, first undisturbed."""
         a_step = self.configuration.step_ms * 1e-3
         seconds = 2 * a_step + JUDGING_SECONDS_A_STEP if self.is_judged else a_step
-        return self.scene.size * self.scene.steps / self.stride * seconds
+        return self.scene.size * self.frames * ITERATIONS_A_FRAME * seconds
+
+    @property
+    def frames(self) -> int:
+        """Every stride-th and the last."""
+        return -(-self.scene.frames // self.stride)
 
     def arguments(self, places: Places) -> list[str]:
         return ["replay", str(places.out_dir / self.recording.file), *self.backend_arguments(places),

@@ -8,7 +8,7 @@ from .study_cases import CoupledCase, MeasuredCase, MuscleScene, ProbeCase, Reco
 
 REPLAY_SECONDS = 12.0  # of the steps of one replay; the stride keeps to it
 QUICK_REPLAY_SECONDS = 4.0
-FEWEST_FRAMES = 5  # of a replay, two of them for warming up
+FEWEST_FRAMES = 3  # of a replay, two of them for warming up
 LONGEST_COUPLED_SECONDS = 240.0
 FEWER_REPETITIONS = ((60.0, 1), (8.0, 2))  # of more seconds a repetition there are no more
 
@@ -76,7 +76,7 @@ def stride_of(scene: MuscleScene, configuration: Configuration, seconds: float) 
     """A power of two, so that the frames of a longer stride are among those of a shorter one."""
     stride = 1
     while (ReplayCase(scene, configuration, stride=stride).guessed_step_seconds > seconds
-           and scene.frames // (2 * stride) >= FEWEST_FRAMES):
+           and ReplayCase(scene, configuration, stride=2 * stride).frames >= FEWEST_FRAMES):
         stride *= 2
     return stride
 

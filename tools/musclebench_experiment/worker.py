@@ -32,6 +32,7 @@ class Worker:
         self._lines: deque[str] = deque(maxlen=KEPT_LINES)
         shutil.rmtree(self._hidden, ignore_errors=True)
         self._hidden.mkdir(parents=True)
+        experiment.prepare(case, self._hidden / "run")
         self._process = self._start(limits(memory_bytes) + experiment.command(case, self._hidden / "run"))
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()

@@ -82,7 +82,6 @@ def write_study_case(options, status: str, answer: str) -> None:
 
 
 def write_recording(options) -> None:
-    Path(options.out).parent.mkdir(parents=True, exist_ok=True)
     Path(options.out).write_text(f"positions of {options.input}")
 
 

@@ -80,12 +80,13 @@ def test_brute_force_drives_no_muscle():
     assert too_long and all("coupled-brute_force" in name for name in too_long)
 
 
-@pytest.mark.parametrize("milliseconds", [0.0, 0.1, 10.0, 100.0, 1000.0])
+@pytest.mark.parametrize("milliseconds", [0.0, 0.1, 10.0, 100.0, 1e4])
 def test_strides_are_powers_of_two_that_keep_enough_frames(milliseconds):
     configuration = Configuration("fcl", step_ms=milliseconds)
     stride = stride_of(ILIACUS, configuration, 12.0)
-    assert stride & (stride - 1) == 0 and ILIACUS.frames // stride >= 5
-    assert ReplayCase(ILIACUS, configuration, stride=stride).guessed_step_seconds <= 12.0 or stride >= 32
+    replay = ReplayCase(ILIACUS, configuration, stride=stride)
+    assert stride & (stride - 1) == 0 and replay.frames >= 3
+    assert replay.guessed_step_seconds <= 12.0 or replay.frames == 3
     assert stride == 1 or ReplayCase(ILIACUS, configuration, stride=stride // 2).guessed_step_seconds > 12.0
 
 
