@@ -5,33 +5,25 @@
 #include <string>
 #include <vector>
 
-#include "core/recording/recording.hpp"
+#include "core/recording/frame_source.hpp"
 #include "core/recording/step_codec.hpp"
 
 namespace musclebench {
 
-/// One frame as recorded.
-struct RecordedFrame {
-  int frame = 0;  ///< 1-based
-  double angle_deg = 0;
-  std::vector<RecordedStep> steps;
-};
-
 /// Reads a recording from the disk, a frame at a time.
-class RecordingReader {
+class RecordingReader final : public FrameSource {
  public:
   /// Reads the whole file once, to check its hash. Throws InputError that says what is wrong: no recording, of another
   /// version, truncated, or changed (with the hash that it ends in and the hash that it has).
   explicit RecordingReader(std::filesystem::path file);
 
-  [[nodiscard]] const RecordingHeader& header() const { return m_header; }
+  [[nodiscard]] const RecordingHeader& header() const override { return m_header; }
   [[nodiscard]] const RecordingFile& file() const { return m_written; }
 
-  /// Before the first frame again.
-  void rewind();
-  /// The next frame; frames that follow are predicted from it, so none can be left out. Throws InputError after the
-  /// last, or when the file was changed after it was opened.
-  void read(RecordedFrame& frame);
+  void rewind() override;
+  /// Frames that follow are predicted from this one, so none can be left out. Throws InputError after the last, or when
+  /// the file was changed after it was opened.
+  void read(RecordedFrame& frame) override;
 
  private:
   [[noreturn]] void refuse(std::string_view problem) const;
