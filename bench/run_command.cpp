@@ -10,6 +10,7 @@
 #include "bench/result_folder.hpp"
 #include "bench/run_output.hpp"
 #include "bench/signals.hpp"
+#include "bench/summary.hpp"
 #include "core/measure/outcome.hpp"
 
 namespace musclebench {
@@ -28,17 +29,13 @@ struct RunOptions {
 };
 
 std::string median_ms(const std::vector<StepRecord>& records, Nanoseconds (*figure)(const StepRecord&)) {
-  std::vector<double> values;
+  std::vector<Nanoseconds> values;
   for (const StepRecord& record : records) {
     if (!record.warm_up) {
-      values.push_back(static_cast<double>(figure(record)) * 1e-6);
+      values.push_back(figure(record));
     }
   }
-  if (values.empty()) {
-    return "unknown (warm-up only)";
-  }
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return fmt::format("{:10.3f} ms", values[values.size() / 2]);
+  return median_ms(std::move(values));
 }
 
 void print_summary(const RunCase& run, const RunResult& result, const std::string& out) {
