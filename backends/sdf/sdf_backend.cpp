@@ -60,6 +60,10 @@ class SdfBackend final : public CollisionBackend {
 
   [[nodiscard]] Capabilities capabilities() const override { return {}; }
 
+  [[nodiscard]] bool built_from_file() const override {
+    return m_loaded_fields > 0 && m_loaded_fields == m_fields.size();
+  }
+
   /// Half a cell: what a cubic field errs by at kinks, where it is of first order. Sheets thinner than a cell lie
   /// outside it.
   [[nodiscard]] AnswerBound answer_bound(int bone) const override {
@@ -82,6 +86,7 @@ class SdfBackend final : public CollisionBackend {
  private:
   void do_build() override {
     m_fields.clear();
+    m_loaded_fields = 0;
     std::vector<GridShape> shapes;
     double bytes = 0;
     for (const Bone& bone : bones()) {
@@ -95,13 +100,14 @@ class SdfBackend final : public CollisionBackend {
     }
   }
 
-  [[nodiscard]] CubicField load_or_build(const Bone& bone, const GridShape& shape) const {
+  [[nodiscard]] CubicField load_or_build(const Bone& bone, const GridShape& shape) {
     if (m_folder.empty()) {
       return build_field(SignedSurface(bone.surface), shape, m_precision, threads());
     }
     const std::string digest = surface_digest(bone.surface);
     const std::filesystem::path path = m_folder / file_name(bone);
     if (std::optional<CubicField> loaded = load_field(path, digest, shape, m_precision)) {
+      ++m_loaded_fields;
       return *std::move(loaded);
     }
     CubicField built = build_field(SignedSurface(bone.surface), shape, m_precision, threads());
@@ -158,6 +164,7 @@ class SdfBackend final : public CollisionBackend {
   GridSettings m_settings;
   FieldPrecision m_precision;
   std::filesystem::path m_folder;
+  std::size_t m_loaded_fields = 0;
   std::vector<CubicField> m_fields;
 };
 

@@ -54,6 +54,9 @@ class CollisionBackend {
   /// Bytes of the structures made by `build`, counted from their sizes (deterministic), without the input meshes.
   [[nodiscard]] virtual std::size_t structure_bytes() const = 0;
 
+  /// Whether `build` read the structures from a file instead of computing them.
+  [[nodiscard]] virtual bool built_from_file() const { return false; }
+
   /// Step of the backtracking response out of `bone`: the smallest edge of a cell. 0 for a backend without cells.
   [[nodiscard]] virtual double step_m(int /*bone*/) const { return 0; }
 

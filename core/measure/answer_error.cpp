@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <utility>
+
+#include "core/measure/depth_error.hpp"
 
 namespace musclebench {
 
@@ -24,8 +25,7 @@ void add_normal_error(const Contact& contact, const Vec3& true_normal, AnswerErr
 void add_answered(const JudgedAnswer& answer, const Contact& contact, double signed_distance_m, const Vec3& true_normal,
                   double band_m, AnswerErrors& errors) {
   if (std::abs(signed_distance_m) <= band_m) {
-    errors.depth_errors_m.push_back(answer.depths_known ? std::abs(-contact.depth_m - signed_distance_m)
-                                                        : std::max(0.0, signed_distance_m));
+    errors.depth_errors_m.push_back(depth_error_m(signed_distance_m, &contact, answer.depths_known));
     add_normal_error(contact, true_normal, errors);
   }
 }
@@ -39,11 +39,11 @@ void add_false(const Referee& referee, const JudgedAnswer& answer, const Contact
   add_answered(answer, contact, surface.signed_distance_m, pose.apply_to_direction(surface.normal), band_m, errors);
 }
 
-void add_missed(const Contact& real, double band_m, AnswerErrors& errors) {
+void add_missed(const JudgedAnswer& answer, const Contact& real, double band_m, AnswerErrors& errors) {
   ++errors.missed_contacts;
   errors.max_missed_depth_m = std::max(errors.max_missed_depth_m, real.depth_m);
   if (real.depth_m <= band_m) {
-    errors.depth_errors_m.push_back(real.depth_m);
+    errors.depth_errors_m.push_back(depth_error_m(-real.depth_m, nullptr, answer.depths_known));
   }
 }
 
@@ -69,7 +69,7 @@ void measure_answer(const Referee& referee, const JudgedAnswer& answer, std::spa
   auto real = truth.begin();
   for (const Contact& contact : answer.contacts) {
     for (; real != truth.end() && place_of(*real) < place_of(contact); ++real) {
-      add_missed(*real, band_m, errors);
+      add_missed(answer, *real, band_m, errors);
     }
     if (real != truth.end() && place_of(*real) == place_of(contact)) {
       add_answered(answer, contact, -real->depth_m, real->normal, band_m, errors);
@@ -79,20 +79,8 @@ void measure_answer(const Referee& referee, const JudgedAnswer& answer, std::spa
     }
   }
   for (; real != truth.end(); ++real) {
-    add_missed(*real, band_m, errors);
+    add_missed(answer, *real, band_m, errors);
   }
-}
-
-std::optional<ErrorStatistics> error_statistics(std::vector<double> values) {
-  if (values.empty()) {
-    return std::nullopt;
-  }
-  // Summed in the order in which they came; the statistics below reorder them.
-  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
-  const std::size_t rank = (99 * values.size() + 99) / 100;
-  const auto ranked = values.begin() + static_cast<std::ptrdiff_t>(rank - 1);
-  std::nth_element(values.begin(), ranked, values.end());
-  return ErrorStatistics{*std::max_element(ranked, values.end()), *ranked, sum / static_cast<double>(values.size())};
 }
 
 }  // namespace musclebench

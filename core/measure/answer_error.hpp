@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -35,20 +34,9 @@ struct JudgedAnswer {
 
 /// Compares the answer with `truth`, the Referee's of the same nodes, and adds to `errors`.
 ///
-/// Measured are true and answered contacts not farther than `band_m` from the surface, inside or outside. The depth
-/// error is the smallest error of the signed distance s (negative inside) that the answer admits: |-depth - s| where a
-/// depth was answered, max(0, s) where only "inside" was, max(0, -s) where nothing was. The normal error is the angle
-/// between the answered normal and the Referee's.
+/// Measured are true and answered contacts not farther than `band_m` from the surface, inside or outside: their error
+/// is depth_error_m. The normal error is the angle between the answered normal and the Referee's.
 void measure_answer(const Referee& referee, const JudgedAnswer& answer, std::span<const Contact> truth, double band_m,
                     AnswerErrors& errors);
-
-struct ErrorStatistics {
-  double max = 0;
-  double p99 = 0;  ///< by nearest rank: the ceil(0.99 n)-th smallest
-  double mean = 0;
-};
-
-/// Nothing for no values.
-std::optional<ErrorStatistics> error_statistics(std::vector<double> values);
 
 }  // namespace musclebench

@@ -173,6 +173,7 @@ TEST(SdfBackend, KeepsItsStructuresAndChecksThem) {
   for (int run = 0; run < 2; ++run) {
     const auto backend = make(given);
     backend->build(bones, {}, 1);
+    EXPECT_EQ(backend->built_from_file(), run == 1);
     answers.push_back(contacts_of(*backend, positions));
   }
   ASSERT_EQ(answers[0].size(), answers[1].size());
