@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   add_run_command(app, exit_code);
   add_record_command(app, exit_code);
+  add_replay_command(app, exit_code);
   add_list_command(app, exit_code);
   add_check_command(app, exit_code);
   add_verify_command(app, exit_code);

@@ -14,7 +14,7 @@ namespace musclebench {
 
 /// One backend that is asked what a recording asks.
 struct ReplayCase : Case {
-  RecordingFile recording;
+  RecordingFile recording = {};  ///< none for frames that were never in a file
   int warm_up_frames = 2;  ///< of those replayed; recorded and marked
   int stride = 1;          ///< every so many-th frame is replayed, and the last
   double band_m = 0.01;    ///< errors are measured so far from the surface (AnswerErrors)
