@@ -12,11 +12,16 @@ PassageTracker::PassageTracker(int bones, int nodes)
 void PassageTracker::Way::enter(const Vec3& normal) {
   inside = true;
   entry_normal = normal;
+  deepest_m = 0;
 }
 
-void PassageTracker::Way::leave(const Vec3& normal) {
+void PassageTracker::Way::leave(const Vec3& normal, double grazing_m) {
   inside = false;
-  if (entry_normal.dot(normal) < opposed_cosine) tunnelled = !tunnelled;
+  if (entry_normal.dot(normal) < opposed_cosine && deepest_m > grazing_m) tunnelled = !tunnelled;
+}
+
+void PassageTracker::Way::look(const RefereeTree& tree, const Vec3& inner_point) {
+  deepest_m = std::max(deepest_m, std::sqrt(tree.closest(inner_point).squared_distance_m2));
 }
 
 int PassageTracker::update(const Referee& referee, std::span<const RigidMotion> poses, std::span<const Vec3> positions,
@@ -35,10 +40,12 @@ int PassageTracker::update(const Referee& referee, std::span<const RigidMotion> 
       const Vec3 point = rest_point - tree.centre_m();
       const bool same_side = way.seen && way.inside == inside;
       const bool far = same_side && (point - way.point_m).norm() < referee.least_distance(bone, node, rest_point);
+      if (way.seen && far && inside) way.look(tree, 0.5 * (way.point_m + point));
       if (way.seen && !far) follow_crossings(tree, point, way);
       // The sides are sure; crossings may lack where the surface is open, and for a node that is seen first.
       if (inside && !way.inside) way.enter(poses[i].rotation.transpose() * truth_here->normal);
-      if (!inside && way.inside) way.leave(referee.closest(bone, rest_point).normal);
+      if (!inside && way.inside) way.leave(referee.closest(bone, rest_point).normal, grazing_depth * tree.diagonal_m());
+      if (inside) way.deepest_m = std::max(way.deepest_m, truth_here->depth_m);
       way.point_m = point;
       way.seen = true;
     }
@@ -48,16 +55,26 @@ int PassageTracker::update(const Referee& referee, std::span<const RigidMotion> 
 
 void PassageTracker::follow_crossings(const RefereeTree& tree, const Vec3& point, Way& way) {
   tree.cross(way.point_m, point, m_crossings);
-  if (m_crossings.empty()) return;
+  if (m_crossings.empty() && !way.inside) return;
   // Where components of the surface overlap, only the outermost crossing enters or leaves the bone.
   int layers = way.inside ? 1 : 0;
   if (tree.closed() && way.inside)
     layers = std::max(1, static_cast<int>(std::lround(tree.winding_number(way.point_m))));
+  double inside_since = 0;
+  const auto look_in_the_middle = [&](double until) {
+    way.look(tree, way.point_m + 0.5 * (inside_since + until) * (point - way.point_m));
+  };
   for (const SurfaceCrossing& crossing : m_crossings) {
     layers += crossing.entering ? 1 : -1;
-    if (layers > 0 && !way.inside) way.enter(tree.face_normal(crossing.place));
-    if (layers <= 0 && way.inside) way.leave(tree.face_normal(crossing.place));
+    if (layers > 0 && !way.inside) {
+      way.enter(tree.face_normal(crossing.place));
+      inside_since = crossing.share;
+    } else if (layers <= 0 && way.inside) {
+      look_in_the_middle(crossing.share);
+      way.leave(tree.face_normal(crossing.place), grazing_depth * tree.diagonal_m());
+    }
   }
+  if (way.inside) look_in_the_middle(1);
 }
 
 bool PassageTracker::tunnelled(int node) const {

@@ -84,6 +84,18 @@ TEST(Passage, CuttingACornerIsNone) {
   EXPECT_EQ(walk.to(motion.apply({1.05, 0.1, 0.9})), 0);
 }
 
+TEST(Passage, CuttingASharpEdgeByALittleIsNone) {
+  const TriangleMesh wedge = make_roof(0.1, 1, 2);
+  const double little = PassageTracker::grazing_depth * 4;
+  const double much = 0.2;
+  for (const double sunk : {little, much}) {
+    const Vec3 from(-0.2, 0.1, -sunk);
+    const Vec3 to(0.2, 0.1, -sunk);
+    EXPECT_EQ(Walk({wedge}).along({from, to}), sunk == much ? 1 : 0);
+    EXPECT_EQ(Walk({wedge}).along({from, {0, 0.1, -sunk}, to}), sunk == much ? 1 : 0);
+  }
+}
+
 TEST(Passage, PassingByIsNone) { EXPECT_EQ(Walk({plate()}).along({{0.9, 0, 0.3}, {1.3, 0, 0}, {0.9, 0, -0.3}}), 0); }
 
 TEST(Passage, TheBoneMoves) {
