@@ -1,133 +1,13 @@
 #include "backends/fcl/fcl_backend.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <utility>
-
-#include "backends/fcl/node_contacts.hpp"
-#include "backends/fcl/surface_collider.hpp"
-#include "core/base/input_error.hpp"
+#include "backends/fcl/node_backend.hpp"
+#include "backends/fcl/surface_backend.hpp"
 
 namespace musclebench {
 
-namespace {
-
-/// The triangles that have an area: the others are no surface, and some of FCL's volumes around them are not numbers.
-/// Their edges belong to their neighbours too, so no contact is lost.
-std::vector<Triangle> triangles_with_area(const TriangleMesh& mesh) {
-  std::vector<Triangle> kept;
-  kept.reserve(mesh.triangles.size());
-  for (const Triangle& triangle : mesh.triangles) {
-    const Vec3& a = mesh.vertices[static_cast<std::size_t>(triangle[0])];
-    const Vec3 ab = mesh.vertices[static_cast<std::size_t>(triangle[1])] - a;
-    const Vec3 ac = mesh.vertices[static_cast<std::size_t>(triangle[2])] - a;
-    if (ab.cross(ac).squaredNorm() > 0) {
-      kept.push_back(triangle);
-    }
-  }
-  return kept;
-}
-
-double longest_edge_m(const TriangleMesh& mesh) {
-  double squared = 0;
-  for (const Triangle& triangle : mesh.triangles) {
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      const Vec3& from = mesh.vertices[static_cast<std::size_t>(triangle[corner])];
-      const Vec3& to = mesh.vertices[static_cast<std::size_t>(triangle[(corner + 1) % 3])];
-      squared = std::max(squared, (to - from).squaredNorm());
-    }
-  }
-  return std::sqrt(squared);
-}
-
-ColliderOptions collider_options(const Parameters& parameters) {
-  ColliderOptions options;
-  options.bounding_volume = parameters.word("bounding_volume");
-  options.broad_phase =
-      parameters.word("manager") == "sweep_and_prune" ? BroadPhase::sweep_and_prune : BroadPhase::dynamic_aabb_tree;
-  const std::string& update = parameters.word("update");
-  options.tree_update = update == "refit"     ? TreeUpdate::refit
-                        : update == "rebuild" ? TreeUpdate::rebuild
-                                              : TreeUpdate::refit_top_down;
-  options.vertex_update = parameters.word("model") == "update" ? VertexUpdate::update : VertexUpdate::replace;
-  return options;
-}
-
-class FclBackend final : public CollisionBackend {
- public:
-  explicit FclBackend(ColliderOptions options) : m_options(std::move(options)) { check_collider_options(m_options); }
-
-  [[nodiscard]] Capabilities capabilities() const override { return {.depth = true, .point_queries = false}; }
-
-  /// Nodes behind the surface are missed at any depth; a node that is reported hangs on a triangle that cuts the bone
-  /// (as long as the muscle's edges are not stretched).
-  [[nodiscard]] AnswerBound answer_bound(int /*bone*/) const override {
-    return {std::numeric_limits<double>::infinity(), longest_edge_m(muscle())};
-  }
-
-  [[nodiscard]] std::size_t structure_bytes() const override {
-    return m_collider == nullptr ? 0 : m_collider->bytes() + m_contacts->bytes();
-  }
-
- private:
-  void do_build() override {
-    std::vector<Triangle> triangles = triangles_with_area(muscle());
-    if (triangles.empty()) {
-      throw InputError("fcl: muscle", "none of its triangles has an area; give a surface");
-    }
-    m_collider = make_surface_collider(m_options, bones(), muscle().vertices, triangles);
-    m_contacts = std::make_unique<NodeContacts>(bones(), std::move(triangles), muscle().vertices.size());
-    m_pairs_by_bone.assign(bones().size(), {});
-  }
-
-  void do_update(std::span<const Vec3> positions) override { m_collider->update(poses(), positions); }
-
-  void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
-    if (nodes.empty()) {
-      return;
-    }
-    m_collider->collide(m_pairs_by_bone);
-    for (std::size_t bone = 0; bone < m_pairs_by_bone.size(); ++bone) {
-      m_contacts->append(static_cast<int>(bone), poses()[bone], m_pairs_by_bone[bone], positions, nodes, contacts);
-    }
-  }
-
-  ColliderOptions m_options;
-  std::unique_ptr<SurfaceCollider> m_collider;
-  std::unique_ptr<NodeContacts> m_contacts;
-  std::vector<std::vector<TrianglePair>> m_pairs_by_bone;
-};
-
-}  // namespace
-
-std::vector<ParameterSpec> fcl_parameters() {
-  return {
-      {.name = "bounding_volume",
-       .default_value = std::string("OBBRSS"),
-       .help =
-           "volume of the trees' nodes; OBB gives the same contacts as OBBRSS in less time and memory; AABB and KDOP24 "
-           "transform and rebuild a moved bone in every detection",
-       .choices = bounding_volumes()},
-      {.name = "manager",
-       .default_value = std::string("dynamic_aabb_tree"),
-       .help = "broad phase over the objects; with a few bones both cost nothing",
-       .choices = {"dynamic_aabb_tree", "sweep_and_prune"}},
-      {.name = "update",
-       .default_value = std::string("refit"),
-       .help =
-           "how the muscle's tree follows the nodes: refit (from the leaves up), refit_top_down, or rebuild; RSS is "
-           "wrong with refit and refused",
-       .choices = {"refit", "refit_top_down", "rebuild"}},
-      {.name = "model",
-       .default_value = std::string("replace"),
-       .help = "replace the vertices, or update them: keeps the previous ones and encloses both, slower",
-       .choices = {"replace", "update"}},
-  };
-}
-
 std::unique_ptr<CollisionBackend> make_fcl_backend(const Parameters& parameters) {
-  return std::make_unique<FclBackend>(collider_options(parameters));
+  const FclOptions options = fcl_options(parameters);
+  return options.query == Query::surfaces ? make_surface_backend(options) : make_node_backend(options);
 }
 
 }  // namespace musclebench

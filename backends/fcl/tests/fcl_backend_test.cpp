@@ -160,21 +160,22 @@ TEST(FclBackend, GivesTheSameAnswerTwice) {
   expect_equal(first, contacts_of(scene.bones, scene.muscle, scene.poses, scene.positions));
 }
 
-TEST(FclBackend, EveryOptionGivesTheSameContacts) {
+TEST(FclBackend, EveryOptionGivesTheSameContactsButOne) {
   const PressedBall scene;
   const auto expected = contacts_of(scene.bones, scene.muscle, scene.poses, scene.positions);
   for (const char* volume : {"OBBRSS", "OBB", "RSS", "kIOS", "AABB", "KDOP24"}) {
     for (const char* update : {"refit", "refit_top_down", "rebuild"}) {
-      for (const char* manager : {"dynamic_aabb_tree", "sweep_and_prune"}) {
+      for (const char* manager : {"dynamic_aabb_tree", "sweep_and_prune", "none"}) {
         const Given given = {{"bounding_volume", std::string(volume)},
                              {"update", std::string(update)},
                              {"manager", std::string(manager)},
                              {"model", std::string(update[2] == 'f' ? "update" : "replace")}};
         SCOPED_TRACE(std::string(volume) + " " + update + " " + manager);
+        const auto found = contacts_of(scene.bones, scene.muscle, scene.poses, scene.positions, given);
         if (std::string(volume) == "RSS" && std::string(update) == "refit") {
-          EXPECT_THROW(make_backend(given), InputError);
+          EXPECT_LT(found.size(), expected.size()) << "FCL 0.7 loses pairs here; has it been repaired?";
         } else {
-          expect_equal(contacts_of(scene.bones, scene.muscle, scene.poses, scene.positions, given), expected);
+          expect_equal(found, expected);
         }
       }
     }

@@ -1,0 +1,108 @@
+#include "backends/fcl/fcl_options.hpp"
+
+#include "core/base/input_error.hpp"
+
+namespace musclebench {
+
+namespace {
+
+Query query_of(const std::string& word) {
+  return word == "surfaces" ? Query::surfaces : word == "node_distance" ? Query::node_distance : Query::node_collide;
+}
+
+BroadPhase broad_phase_of(const std::string& word) {
+  return word == "dynamic_aabb_tree" ? BroadPhase::dynamic_aabb_tree
+         : word == "sweep_and_prune" ? BroadPhase::sweep_and_prune
+                                     : BroadPhase::none;
+}
+
+TreeUpdate tree_update_of(const std::string& word) {
+  return word == "refit" ? TreeUpdate::refit : word == "rebuild" ? TreeUpdate::rebuild : TreeUpdate::refit_top_down;
+}
+
+/// A parameter that would do nothing is refused, so that no row of a study bears a choice that was none.
+void check_for_meaning(const FclOptions& options) {
+  const FclOptions defaults;
+  if (options.query != Query::surfaces &&
+      (options.tree_update != defaults.tree_update || options.vertex_update != defaults.vertex_update)) {
+    throw InputError(options.tree_update != defaults.tree_update ? "fcl: update" : "fcl: model",
+                     "says how the tree of the muscle's surface follows the nodes, and there is none where single "
+                     "nodes are asked; leave it out, or take query = surfaces");
+  }
+  if (options.query != Query::node_collide && options.node_radius_m != defaults.node_radius_m) {
+    throw InputError("fcl: node_radius_m", "is the radius of the spheres of query = node_collide; leave it out");
+  }
+}
+
+void check_for_support(const FclOptions& options) {
+  const std::string& volume = options.bounding_volume;
+  if (options.query == Query::node_distance && (volume == "OBB" || volume == "AABB" || volume == "KDOP24")) {
+    throw InputError("fcl: bounding_volume", "unsupported: FCL 0.7 has no distance between a sphere and a tree of " +
+                                                 volume + "; query = node_distance can have OBBRSS, RSS or kIOS");
+  }
+}
+
+}  // namespace
+
+const std::vector<std::string>& bounding_volumes() {
+  static const std::vector<std::string> names = {"OBBRSS", "OBB", "RSS", "kIOS", "AABB", "KDOP24"};
+  return names;
+}
+
+std::vector<ParameterSpec> fcl_parameters() {
+  return {
+      {.name = "query",
+       .default_value = std::string("surfaces"),
+       .help = "surfaces: the muscle's triangles against the bones', blind to nodes deep inside; node_distance: each "
+               "node's distance to the bone's triangles, exact; node_collide: a small sphere about each node against "
+               "them, blind to nodes deeper than its radius",
+       .choices = {"surfaces", "node_distance", "node_collide"}},
+      {.name = "bounding_volume",
+       .default_value = std::string("OBBRSS"),
+       .help = "volume of the trees' nodes; OBB gives the contacts of OBBRSS in less time and memory; AABB and "
+               "KDOP24 copy a bone in every query of a node, and rebuild a moved one in every detection of surfaces; "
+               "node_distance knows OBBRSS, RSS and kIOS only",
+       .choices = bounding_volumes()},
+      {.name = "manager",
+       .default_value = std::string("dynamic_aabb_tree"),
+       .help = "broad phase: the bones whose boxes overlap that of the muscle or of a node; none: all bones",
+       .choices = {"dynamic_aabb_tree", "sweep_and_prune", "none"}},
+      {.name = "update",
+       .default_value = std::string("refit"),
+       .help =
+           "how the muscle's tree follows the nodes (surfaces only): refit (from the leaves up), refit_top_down, or "
+           "rebuild; FCL 0.7 merges RSS volumes wrongly, so RSS with refit misses contacts, up to all",
+       .choices = {"refit", "refit_top_down", "rebuild"}},
+      {.name = "model",
+       .default_value = std::string("replace"),
+       .help = "replace the muscle's vertices, or update them: keeps the previous ones and encloses both, slower "
+               "(surfaces only)",
+       .choices = {"replace", "update"}},
+      {.name = "node_radius_m",
+       .default_value = FclOptions{}.node_radius_m,
+       .help = "radius of the spheres of node_collide: a node deeper than this is missed",
+       .minimum = 1e-9,
+       .maximum = 1},
+      {.name = "solver",
+       .default_value = std::string("libccd"),
+       .help = "FCL's narrow phase for convex shapes; FCL has formulas of its own for two triangles and for sphere and "
+               "triangle, so that both give the same here",
+       .choices = {"libccd", "indep"}},
+  };
+}
+
+FclOptions fcl_options(const Parameters& parameters) {
+  FclOptions options;
+  options.bounding_volume = parameters.word("bounding_volume");
+  options.query = query_of(parameters.word("query"));
+  options.broad_phase = broad_phase_of(parameters.word("manager"));
+  options.tree_update = tree_update_of(parameters.word("update"));
+  options.vertex_update = parameters.word("model") == "update" ? VertexUpdate::update : VertexUpdate::replace;
+  options.narrow_phase = parameters.word("solver") == "libccd" ? NarrowPhase::libccd : NarrowPhase::indep;
+  options.node_radius_m = parameters.number("node_radius_m");
+  check_for_meaning(options);
+  check_for_support(options);
+  return options;
+}
+
+}  // namespace musclebench
