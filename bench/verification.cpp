@@ -104,6 +104,12 @@ Agreement compare(std::span<const Vec3> points, std::span<const double> one, std
   return result;
 }
 
+std::int64_t points_for(const CentredSurface& surface, const VerificationSettings& settings) {
+  constexpr std::int64_t share_if_open = 50;
+  const std::int64_t fewer = std::max(settings.points / share_if_open, settings.brute_force_points);
+  return surface.closed() ? settings.points : std::min(settings.points, fewer);
+}
+
 }  // namespace
 
 bool SurfaceVerification::held() const {
@@ -151,8 +157,8 @@ SurfaceVerification verify_surface(const Bone& bone, const VerificationSettings&
   const TriangleMesh& mesh = bone.surface.mesh;
   const Referee referee(std::span(&bone, 1), 0);
   const CentredSurface bvh(bone.surface);
-  const std::vector<Vec3> points = points_about(mesh, settings.points, settings.seed);
-  const std::size_t few = static_cast<std::size_t>(std::min(settings.points, settings.brute_force_points));
+  const std::vector<Vec3> points = points_about(mesh, points_for(bvh, settings), settings.seed);
+  const std::size_t few = static_cast<std::size_t>(std::min(std::ssize(points), settings.brute_force_points));
 
   std::vector<double> by_bvh(points.size());
   std::vector<double> by_referee(points.size());

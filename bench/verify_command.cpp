@@ -86,7 +86,9 @@ void add_verify_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "verify", "Compare bvh, the Referee and brute_force about each bone of a scene, repaired and as shipped");
   command->add_option("scene", options->choice.scene, "Name of an embedded scene or path of a .toml file")->required();
-  command->add_option("--points", options->settings.points, "Points about each surface for bvh and Referee")
+  command
+      ->add_option("--points", options->settings.points,
+                   "Points about each surface for bvh and Referee; 1/50 of them about an open one")
       ->capture_default_str()
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
   command

@@ -28,6 +28,9 @@ class CentredSurface {
     return m_surface.locate(rest_point - m_centre_m).signed_distance_m();
   }
 
+  /// Whether the directed edges of all triangles cancel.
+  [[nodiscard]] bool closed() const { return m_surface.closed(); }
+
   [[nodiscard]] std::size_t bytes() const { return sizeof(CentredSurface) + m_surface.bytes(); }
 
  private:

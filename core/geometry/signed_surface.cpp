@@ -1,6 +1,7 @@
 #include "core/geometry/signed_surface.hpp"
 
 #include <algorithm>
+#include <vector>
 
 #include "core/geometry/mesh_edges.hpp"
 
@@ -11,7 +12,14 @@ namespace {
 /// Rounding errors of a position stay below this share of its coordinates.
 constexpr double rounding_share = 1e-13;
 
-bool is_closed(const TriangleMesh& mesh) {
+/// Vertices at equal positions count as one.
+bool is_closed(TriangleMesh mesh) {
+  const std::vector<int> first = first_at_position(mesh.vertices);
+  for (Triangle& triangle : mesh.triangles) {
+    for (int& vertex : triangle) {
+      vertex = first[static_cast<std::size_t>(vertex)];
+    }
+  }
   const MeshEdges edges(mesh);
   for (int edge = 0; edge < edges.count(); ++edge) {
     int balance = 0;

@@ -28,7 +28,8 @@ class SignedSurface {
 
   [[nodiscard]] const TriangleTree& tree() const { return m_tree; }
 
-  /// Whether the directed edges of all triangles cancel: then nothing outside the surface's box is inside.
+  /// Whether the directed edges of all triangles cancel (vertices at equal positions count as one): then nothing
+  /// outside the surface's box is inside.
   [[nodiscard]] bool closed() const { return m_closed; }
 
   /// Whether `point` is inside, given its closest point.

@@ -1,0 +1,129 @@
+"""`verify` and `probe` as a user meets them."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from test_program import SCENE, ball, box, off
+
+PROGRAM = os.environ.get("MUSCLEBENCH_BINARY", "")
+PROGRAM = PROGRAM and str(Path(PROGRAM).resolve())
+pytestmark = pytest.mark.skipif(not PROGRAM, reason="MUSCLEBENCH_BINARY does not name the program (tools/test sets it)")
+
+
+@pytest.fixture()
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "box.off").write_text(off(*box(0.03)))
+    (tmp_path / "ball.off").write_text(off(*ball(0.02, [0.005, 0, 0.0485])))
+    return tmp_path
+
+
+def call(command: str, folder: Path, *arguments) -> subprocess.CompletedProcess:
+    return subprocess.run([PROGRAM, command, str(folder / "scene.toml"), *arguments], capture_output=True, text=True,
+                          timeout=120, check=False)
+
+
+def test_verify_holds_and_says_so(folder):
+    done = call("verify", folder, "--points", "2000", "--brute-force-points", "500", "--threads", "2")
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    rows = [line.split() for line in lines if line.startswith("box ")]
+    assert len(rows) == 6
+    assert {row[1] for row in rows} == {"repaired", "as"}
+    assert lines[-1] == "held"
+
+
+def test_verify_reports_progress_in_lines(folder):
+    done = call("verify", folder, "--points", "60000", "--brute-force-points", "60000", "--progress")
+    assert done.returncode == 0
+    assert all(line.split()[0] == "progress" for line in done.stderr.splitlines())
+
+
+@pytest.mark.parametrize("arguments", [["--points", "0"], ["--points", "many"], ["--brute-force-points", "-1"]])
+def test_verify_refuses_bad_options(folder, arguments):
+    done = call("verify", folder, *arguments)
+    assert done.returncode == 2
+    assert arguments[0] in done.stderr
+
+
+def test_verify_can_do_without_brute_force(folder):
+    done = call("verify", folder, "--points", "100", "--brute-force-points", "0")
+    assert done.returncode == 0
+    assert done.stdout.splitlines()[-1] == "held"
+
+
+def probe(folder: Path, backend: str, *arguments) -> tuple[subprocess.CompletedProcess, dict, pd.DataFrame]:
+    done = call("probe", folder, "--backend", backend, "--points", "3000", "--out", str(folder / "out"), *arguments)
+    manifest = json.loads((folder / "out/run.json").read_text())
+    return done, manifest, pd.read_csv(folder / "out/probe.csv").set_index(["bone", "place"])
+
+
+def test_the_exact_backends_err_by_rounding(folder):
+    for backend in ("bvh", "brute_force"):
+        done, manifest, rows = probe(folder, backend, "--force")
+        assert done.returncode == 0, done.stderr
+        assert manifest["status"] == "ok"
+        assert manifest["case"]["mode"] == "probe"
+        assert manifest["probed"][0]["cell_edge_m"] is None
+        assert manifest["probed"][0]["sharp_edges"] == 12
+        assert rows.max_error_m.max() < 1e-15
+        assert rows.wrong_side.max() == 0
+
+
+def test_a_grid_errs_by_order_of_its_cells_and_most_at_edges(folder):
+    errors = []
+    for cells in (8, 32):
+        done, manifest, rows = probe(folder, "sdf", "--param", f"cells={cells}", "--force")
+        assert done.returncode == 0, done.stderr
+        assert manifest["probed"][0]["cell_edge_m"] == pytest.approx(0.06 / cells, rel=0.01)
+        assert manifest["structure_bytes"] > 0 and manifest["build_ns"] > 0
+        points = rows.points
+        assert points["box", "smooth"] + points["box", "sharp"] == points["box", "all"] == 3000
+        assert 0.6 < rows.measured_points["box", "all"] / 3000 < 0.9
+        assert rows.mean_error_m["box", "sharp"] > 2 * rows.mean_error_m["box", "smooth"]
+        assert rows.max_error_m["box", "all"] == max(rows.max_error_m["box", "sharp"], rows.max_error_m["box", "smooth"])
+        assert rows.mean_error_m["box", "all"] <= rows.rms_error_m["box", "all"] <= rows.max_error_m["box", "all"]
+        errors.append(rows.mean_error_m["box", "all"])
+    assert errors[1] < errors[0] / 2
+
+
+def test_contacts_without_depth_err_by_how_far_outside_they_are(folder):
+    _, manifest, rows = probe(folder, "voxel", "--param", "cells=10")
+    assert manifest["status"] == "ok"
+    assert 0 < rows.max_error_m["box", "all"] < 0.0061 * 3**0.5
+    assert rows.wrong_side["box", "all"] > 0.01
+
+
+def test_what_cannot_be_asked_about_points_is_unsupported(folder):
+    done = call("probe", folder, "--backend", "fcl", "--out", str(folder / "out"))
+    if "not a backend of this build" in done.stderr:
+        pytest.skip("built without FCL")
+    assert done.returncode == 3
+    assert len(done.stderr.splitlines()) == 1 and "unsupported" in done.stderr
+    manifest = json.loads((folder / "out/run.json").read_text())
+    assert manifest["status"] == "unsupported"
+    assert manifest["structure_bytes"] is None
+    assert len((folder / "out/probe.csv").read_text().splitlines()) == 1
+
+
+def test_a_complete_probe_is_skipped_and_the_same_again(folder):
+    _, _, first = probe(folder, "sdf", "--param", "cells=8")
+    done, _, _ = probe(folder, "sdf", "--param", "cells=8")
+    assert "complete already" in done.stdout
+    _, _, again = probe(folder, "sdf", "--param", "cells=8", "--force")
+    assert first.equals(again)
+    _, _, other = probe(folder, "sdf", "--param", "cells=8", "--seed", "2")
+    assert not first.equals(other)
+
+
+@pytest.mark.parametrize("arguments", [["--points", "0"], ["--band-mm", "-1"], ["--param", "cels=3"]])
+def test_a_bad_probe_is_refused(folder, arguments):
+    done = call("probe", folder, "--backend", "sdf", "--out", str(folder / "out"), *arguments)
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
+    assert not (folder / "out").exists()
