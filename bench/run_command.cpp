@@ -28,7 +28,7 @@ struct RunOptions {
   bool force = false;
 };
 
-std::string median_ms(const std::vector<StepRecord>& records, Nanoseconds (*figure)(const StepRecord&)) {
+std::string median_frame_ms(const std::vector<StepRecord>& records, Nanoseconds (*figure)(const StepRecord&)) {
   std::vector<Nanoseconds> values;
   for (const StepRecord& record : records) {
     if (!record.warm_up) {
@@ -39,9 +39,9 @@ std::string median_ms(const std::vector<StepRecord>& records, Nanoseconds (*figu
 }
 
 void print_summary(const RunCase& run, const RunResult& result, const std::string& out) {
-  const std::string collision_ms = median_ms(
+  const std::string collision_ms = median_frame_ms(
       result.records, [](const StepRecord& r) { return r.times.update_ns + r.times.detect_ns + r.times.respond_ns; });
-  const std::string frame_ms = median_ms(result.records, [](const StepRecord& r) { return r.times.frame_ns; });
+  const std::string frame_ms = median_frame_ms(result.records, [](const StepRecord& r) { return r.times.frame_ns; });
   const Outcome outcome = outcome_of(result.records, result.rest_volume_m3);
   fmt::print("{} with {}: {}{}{}\n", run.scene.name, run.backend.name, result.status,
              result.status_detail.empty() ? "" : ", ", result.status_detail);
