@@ -11,6 +11,11 @@ FRAME_COLUMNS = [
     "frame", "angle_deg", "warm_up", *COLLISION_STAGES, "frame_ns", "contacts", "nodes_inside", "max_depth_m",
     "mean_depth_m", "missed_contacts", "false_contacts", "resident_bytes",
 ]
+REPLAY_COLUMNS = [
+    "frame", "angle_deg", "warm_up", *COLLISION_STAGES, "contacts", "true_contacts", "missed_contacts",
+    "false_contacts", "measured_contacts", "max_depth_error_m", "p99_depth_error_m", "mean_depth_error_m",
+]
+COLUMNS_OF_MODE = {"coupled": FRAME_COLUMNS, "replay": REPLAY_COLUMNS}
 
 
 class ResultProblem(Exception):
@@ -22,6 +27,10 @@ class Run:
     folder: Path
     record: dict  # run.json
     frames: pd.DataFrame  # frames.csv and collision_ns; empty where the run left none
+
+    @property
+    def mode(self) -> str:
+        return self.record["case"].get("mode", "coupled")
 
     @property
     def scene(self) -> str:
@@ -54,22 +63,27 @@ def read_run(folder: Path) -> Run:
     for key in ("status", "case"):
         if key not in record:
             raise ResultProblem(f"{folder / 'run.json'}: has no '{key}'; run the case again")
-    return Run(folder, record, read_frames(folder / "frames.csv"))
+    columns = COLUMNS_OF_MODE.get(record["case"].get("mode"), FRAME_COLUMNS)
+    return Run(folder, record, read_frames(folder / "frames.csv", columns))
 
 
-def read_frames(path: Path) -> pd.DataFrame:
+def read_frames(path: Path, columns: list[str]) -> pd.DataFrame:
     """Unknown is NaN. A run that failed before its first frame has no file and gives no rows."""
     if not path.is_file() or path.stat().st_size == 0:
-        return pd.DataFrame(columns=[*FRAME_COLUMNS, "collision_ns"], dtype=float)
+        return no_frames(columns)
     try:
         frames = pd.read_csv(path)
     except ValueError as problem:
         raise ResultProblem(f"{path}: not a table of frames ({problem}); run the case again") from None
-    missing = [column for column in FRAME_COLUMNS if column not in frames.columns]
+    missing = [column for column in columns if column not in frames.columns]
     if missing:
         raise ResultProblem(f"{path}: lacks the columns {', '.join(missing)}; run the case again")
     frames["collision_ns"] = frames[COLLISION_STAGES].sum(axis=1, min_count=1)
     return frames
+
+
+def no_frames(columns: list[str]) -> pd.DataFrame:
+    return pd.DataFrame(columns=[*columns, "collision_ns"], dtype=float)
 
 
 def read_runs(raw_dir: Path) -> list[Run]:

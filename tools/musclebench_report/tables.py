@@ -4,7 +4,7 @@ import pandas as pd
 
 from .published import Published
 from .results import Run
-from .statistics import Ratio, median_ratio
+from .statistics import Estimate, median_ratio
 from .style import BACKENDS, MUSCLES, in_order
 from .table_formats import Column, Table
 
@@ -110,11 +110,11 @@ def _time_row(cases, muscle: str, backend: str, published: Published) -> dict:
     }
 
 
-def collision_ratio(cases, muscle: str, backend: str) -> Ratio:
+def collision_ratio(cases, muscle: str, backend: str) -> Estimate:
     """Collision time of a backend over voxel's, for one muscle; null has none to compare."""
     voxel = cases.get((muscle, "voxel"))
     if voxel is None or backend == "null":
-        return Ratio.unknown()
+        return Estimate.unknown()
     return median_ratio(cases[muscle, backend].timed_frames["collision_ns"], voxel.timed_frames["collision_ns"])
 
 
