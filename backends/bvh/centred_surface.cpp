@@ -36,11 +36,11 @@ bool CentredSurface::penetrates(const Vec3& rest_point, Penetration& found) cons
   if (!in_box && (m_surface.closed() || !point.allFinite())) {
     return false;
   }
-  const SignedPoint place = m_surface.locate(point);
-  if (place.inside) {
-    found = {place.closest.distance_m, m_surface.outward(point, place)};
+  const std::optional<SignedPoint> place = m_surface.locate_inside(point);
+  if (place) {
+    found = {place->closest.distance_m, m_surface.outward(point, *place)};
   }
-  return place.inside;
+  return place.has_value();
 }
 
 }  // namespace musclebench

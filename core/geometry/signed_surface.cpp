@@ -51,6 +51,16 @@ SignedPoint SignedSurface::locate(const Vec3& point) const {
   return result;
 }
 
+std::optional<SignedPoint> SignedSurface::locate_inside(const Vec3& point) const {
+  if (!m_normals && !(m_tree.winding_number(point) > 0.5)) {
+    return std::nullopt;
+  }
+  SignedPoint result;
+  result.closest = m_tree.closest_point(point).value();
+  result.inside = m_normals ? is_inside(point, result.closest) : result.closest.distance_m > 0;
+  return result.inside ? std::optional(result) : std::nullopt;
+}
+
 std::optional<double> SignedSurface::distance(const Vec3& point, double max_distance_m) const {
   const std::optional<ClosestPoint> closest = m_tree.closest_point(point, max_distance_m);
   if (!closest) {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "backends/bvh/centred_surface.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/geometry/shapes.hpp"
 
@@ -204,6 +205,21 @@ TEST(BvhBackend, AnyNumberOfThreadsGivesTheSameBits) {
       EXPECT_EQ(shared[i].depth_m, alone[i].depth_m);
       EXPECT_EQ(shared[i].normal, alone[i].normal);
     }
+  }
+}
+
+TEST(CentredSurface, PenetratesWhereItsSignedDistanceIsNegative) {
+  for (const TriangleMesh& mesh : {make_box({1, 1, 1}, 3), cube_with_fin()}) {
+    const CentredSurface surface(repair_mesh(mesh, "mesh"));
+    int inside = 0;
+    for (const Vec3& point : random_points({1.5, 1.5, 2.2}, 1000, 5)) {
+      Penetration found;
+      const double distance_m = surface.signed_distance_m(point);
+      ASSERT_EQ(surface.penetrates(point, found), distance_m < 0) << point.transpose();
+      EXPECT_TRUE(distance_m >= 0 || found.depth_m == -distance_m);
+      inside += distance_m < 0 ? 1 : 0;
+    }
+    EXPECT_GT(inside, 100);
   }
 }
 
