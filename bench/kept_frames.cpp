@@ -1,0 +1,22 @@
+#include "bench/kept_frames.hpp"
+
+namespace musclebench {
+
+KeptFrames::KeptFrames(int nodes, std::span<const int> free_nodes) {
+  m_header.nodes = nodes;
+  m_header.free_nodes.assign(free_nodes.begin(), free_nodes.end());
+}
+
+void KeptFrames::begin_frame(int frame, double angle_deg) {
+  m_header.angles_deg.push_back(angle_deg);
+  m_frames.push_back({frame, angle_deg, {}});
+}
+
+void KeptFrames::before_detection(const CollisionStep& step) {
+  m_frames.back().steps.push_back({{step.substep_start.begin(), step.substep_start.end()},
+                                   {step.previous_bone_poses.begin(), step.previous_bone_poses.end()},
+                                   {step.positions.begin(), step.positions.end()},
+                                   {step.bone_poses.begin(), step.bone_poses.end()}});
+}
+
+}  // namespace musclebench

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/pbd/simulation.hpp"
+#include "core/recording/frame_source.hpp"
+
+namespace musclebench {
+
+/// Some frames of a run, held in memory: a recording that lives no longer than its process.
+class KeptFrames final : public FrameSource, public CollisionObserver {
+ public:
+  KeptFrames(int nodes, std::span<const int> free_nodes);
+
+  /// The steps that follow belong to this frame.
+  void begin_frame(int frame, double angle_deg);
+
+  void before_detection(const CollisionStep& step) override;
+  void after_detection(const CollisionStep& /*step*/, std::span<const Contact> /*contacts*/) override {}
+
+  /// Its frames are the kept ones.
+  [[nodiscard]] const RecordingHeader& header() const override { return m_header; }
+  void rewind() override { m_next = 0; }
+  void read(RecordedFrame& frame) override { frame = m_frames.at(m_next++); }
+
+ private:
+  RecordingHeader m_header;
+  std::vector<RecordedFrame> m_frames;
+  std::size_t m_next = 0;
+};
+
+}  // namespace musclebench

@@ -1,0 +1,34 @@
+"""`musclebench advise` as a user meets it."""
+
+import os
+import re
+import subprocess
+
+import pytest
+
+BINARY = os.environ.get("MUSCLEBENCH_BINARY")
+pytestmark = pytest.mark.skipif(BINARY is None, reason="MUSCLEBENCH_BINARY names no program")
+
+
+def advise(*arguments):
+    command = [BINARY, "advise", "synthetic/adductor_brevis", "--frames", "12", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60)
+
+
+def test_it_names_what_holds_the_depth_with_the_reason_and_the_command():
+    answer = advise("--depth-mm", "5", "--seconds", "60")
+    assert answer.returncode == 0, answer.stderr
+    chosen = [line for line in answer.stdout.splitlines() if line.startswith("*")]
+    assert len(chosen) == 1
+    name = re.match(r"\* (\S+(?: \S+=\S+)*)", chosen[0]).group(1)
+    assert f"Take {name}: 99 of 100 contacts are" in answer.stdout
+    assert f"musclebench run synthetic/adductor_brevis --backend {name.split()[0]}" in answer.stdout
+    p99 = re.match(re.escape(f"* {name}") + r"\s+(\S+)", chosen[0]).group(1)
+    assert p99 == "exact" or float(p99) <= 5
+
+
+@pytest.mark.parametrize("depth_mm", ["-1", "0", "nan", "deep"])
+def test_what_is_no_depth_is_refused(depth_mm):
+    answer = advise("--depth-mm", depth_mm)
+    assert answer.returncode == 2
+    assert len(answer.stderr.strip().splitlines()) == 1 and "--depth-mm" in answer.stderr
