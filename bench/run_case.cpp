@@ -53,6 +53,7 @@ class CaseRunner {
     m_backend = std::move(built.backend);
     m_result.build_ns = built.build_ns;
     m_result.structure_bytes = m_backend->structure_bytes();
+    m_result.structures_loaded = m_backend->built_from_file();
 
     PreparedSimulation prepared = prepare_simulation(m_run, *m_backend);
     m_simulation = std::move(prepared.simulation);

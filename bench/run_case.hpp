@@ -33,7 +33,8 @@ struct RunResult {
   std::vector<Snapshot> snapshots;
   std::vector<BoundNode> bound_nodes;
   std::size_t structure_bytes = 0;
-  Nanoseconds build_ns = 0;
+  bool structures_loaded = false;       ///< from a file; built otherwise
+  Nanoseconds build_ns = 0;             ///< building or loading
   Nanoseconds wall_ns = 0;              ///< from the first frame to the last, with judging
   std::size_t memory_before_bytes = 0;  ///< resident, without what the Referee took
   std::size_t memory_after_bytes = 0;   ///< the same

@@ -89,6 +89,7 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["attachments"] = json_of_attachments(run, result);
   json["bound_nodes"] = result.bound_nodes.size();
   json["structure_bytes"] = result.structure_bytes;
+  json["structures"] = result.structures_loaded ? "loaded" : "built";
   json["build_ns"] = result.build_ns;
   json["memory"] = {{"before_first_frame_bytes", result.memory_before_bytes},
                     {"after_last_frame_bytes", result.memory_after_bytes},

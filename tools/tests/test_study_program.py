@@ -1,0 +1,50 @@
+"""The accuracy study with the real program: it takes every command line of the plan, and its answers are understood."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import accuracy
+from musclebench_experiment import study_plan
+from musclebench_experiment.case import Places
+from musclebench_experiment.configurations import Configuration
+from musclebench_experiment.study_cases import ReplayCase
+
+PROGRAM = os.environ.get("MUSCLEBENCH_BINARY", "")
+pytestmark = pytest.mark.skipif(not PROGRAM, reason="MUSCLEBENCH_BINARY does not name the program (tools/test sets it)")
+FEW = [
+    Configuration("sdf", (("cells", 8), ("precision", "float")), stored_bytes=1e5, is_probed=True),
+    Configuration("bvh"),
+]
+
+
+def test_the_program_takes_every_configuration(tmp_path):
+    """Parameters are checked before the recording is looked for."""
+    cases = [case for case in study_plan.plan(study_plan.Wishes()) if isinstance(case, ReplayCase)]
+    chosen = {case.configuration: case for case in cases}
+    for case in chosen.values():
+        done = subprocess.run([PROGRAM, *case.arguments(Places(tmp_path))], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 2 and done.stderr.startswith(f"musclebench: {tmp_path / case.recording.file}:"), (
+            f"{case.name}: {done.stderr}")
+
+
+def test_a_small_study_comes_out_complete(tmp_path, monkeypatch, capfd):
+    monkeypatch.setattr(study_plan, "configurations", lambda: FEW)
+    monkeypatch.setattr(accuracy.report, "write_report", lambda out_dir: [], raising=False)
+    arguments = ["--musclebench", PROGRAM, "--out", str(tmp_path / "out"), "--muscle", "adductor_brevis",
+                 "--frames-limit", "4", "--repetitions", "2"]
+    assert accuracy.main(arguments) == 0, capfd.readouterr().err
+    runs = {path.parent.name: json.loads(path.read_text()) for path in (tmp_path / "out" / "raw").glob("*/run.json")}
+    assert {name: run["status"] for name, run in runs.items()} == dict.fromkeys(runs, "ok") and len(runs) == 9
+    assert {run["case"]["mode"] for run in runs.values()} == {"replay", "coupled", "probe"}
+    sdf = "sdf-cells=8,precision=float"
+    assert runs[f"adductor_brevis-probe-{sdf}-r0"]["structures"] == "built"
+    assert runs[f"adductor_brevis-replay-{sdf}-r0"]["structures"] == "loaded"
+    assert runs["adductor_brevis-replay-bvh-r0"]["accuracy"]["missed_contacts"] == 0
+    hashes = {runs[f"adductor_brevis-replay-{sdf}-r{r}"]["contact_hash"] for r in (0, 1)}
+    assert len(hashes) == 1 and None not in hashes
+    files = {Path(shot["file"]).name for shot in runs["adductor_brevis-coupled-bvh-r0"]["snapshots"]}
+    assert files == {f"frame_{frame:04d}.ply" for frame in (0, 2, 4)}
