@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from test_program import SCENE, ball, box, off
+from ball_on_box import SCENE, ball, box, off
 
 PROGRAM = os.environ.get("MUSCLEBENCH_BINARY", "")
 PROGRAM = PROGRAM and str(Path(PROGRAM).resolve())
@@ -85,17 +85,19 @@ def test_a_grid_errs_by_order_of_its_cells_and_most_at_edges(folder):
         points = rows.points
         assert points["box", "smooth"] + points["box", "sharp"] == points["box", "all"] == 3000
         assert 0.6 < rows.measured_points["box", "all"] / 3000 < 0.9
-        assert rows.mean_error_m["box", "sharp"] > 2 * rows.mean_error_m["box", "smooth"]
-        assert rows.max_error_m["box", "all"] == max(rows.max_error_m["box", "sharp"], rows.max_error_m["box", "smooth"])
+        assert rows.mean_error_m["box", "sharp"] > 1.5 * rows.mean_error_m["box", "smooth"]
+        largest = rows.max_error_m["box"]
+        assert largest["all"] == max(largest["sharp"], largest["smooth"])
         assert rows.mean_error_m["box", "all"] <= rows.rms_error_m["box", "all"] <= rows.max_error_m["box", "all"]
         errors.append(rows.mean_error_m["box", "all"])
     assert errors[1] < errors[0] / 2
 
 
 def test_contacts_without_depth_err_by_how_far_outside_they_are(folder):
-    _, manifest, rows = probe(folder, "voxel", "--param", "cells=10")
+    (folder / "box.off").write_text(off(*ball(0.03, [0, 0, 0], rings=24, around=32)))  # a box fills its own grid
+    _, manifest, rows = probe(folder, "voxel", "--param", "cells=20")
     assert manifest["status"] == "ok"
-    assert 0 < rows.max_error_m["box", "all"] < 0.0061 * 3**0.5
+    assert 0 < rows.max_error_m["box", "all"] <= 2e-3  # the band
     assert rows.wrong_side["box", "all"] > 0.01
 
 
