@@ -1,0 +1,244 @@
+"""Folders of an accuracy study with known numbers, as `musclebench replay`, `run` and `probe` write them."""
+
+import csv
+import json
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+import fake_runs
+
+FRAMES = 40
+BAND_M = 0.01
+TRUE_CONTACTS = 10_000
+REPLAY_COLUMNS = [
+    "frame", "angle_deg", "warm_up", "iterations", "update_ns", "detect_ns", "respond_ns", "contacts", "true_contacts",
+    "missed_contacts", "false_contacts", "measured_contacts", "max_depth_error_m", "p99_depth_error_m",
+    "mean_depth_error_m", "max_normal_error_deg", "p99_normal_error_deg", "mean_normal_error_deg",
+]
+PROBE_COLUMNS = ["bone", "place", "points", "max_error_m", "p99_error_m", "mean_error_m", "rms_error_m", "wrong_side"]
+EDGES_M = {"pelvis": 0.2, "femur": 0.1}  # of the bones' boxes
+SMOOTH_ORDER, SHARP_ORDER, VOXEL_ORDER = 3.0, 1.0, 1.0
+
+
+@dataclass
+class Truth:
+    """What a configuration does in each frame and in the whole run, in the units of the figures."""
+
+    ms: float = 1.0
+    p99_mm: float = 0.1
+    missed: int = 0
+    false: int = 0
+    structure_bytes: int = 1_000_000
+    build_s: float = 1.0
+    remaining_mm: float = 0.1
+    shift_mm: float = 0.0  # of the whole muscle against the exact run's
+    noise: float = 0.02  # of times, relative
+    parameters: dict = field(default_factory=dict)
+    threads: int = 1
+    structures: str = "built"
+
+
+def record(mode: str, scene: str, backend: str, truth: Truth, repetition: int = 0, status: str = "ok",
+           detail: str = "") -> dict:
+    """run.json without what only one mode has."""
+    made = fake_runs.run_record(scene, "sdf", FRAMES, status, detail)
+    made["case"] |= {"mode": mode, "backend": backend, "parameters": truth.parameters, "threads": truth.threads,
+                     "repetition": repetition}
+    made |= {"structure_bytes": truth.structure_bytes, "build_ns": round(1e9 * truth.build_s),
+             "structures": truth.structures, "snapshots": []}
+    return made
+
+
+def frame_times_ns(truth: Truth, seed: int) -> list[int]:
+    random = np.random.default_rng(seed)
+    return [round(1e6 * truth.ms * (1 + truth.noise * value)) for value in random.normal(size=FRAMES)]
+
+
+def write_replay(folder: Path, scene: str, backend: str, truth: Truth, repetition: int = 0, stride: int = 1) -> Path:
+    """A tenth of the time is update, eight detect, one respond."""
+    folder.mkdir(parents=True)
+    made = record("replay", scene, backend, truth, repetition)
+    reported = TRUE_CONTACTS - truth.missed + truth.false
+    made |= {
+        "band_m": BAND_M, "contact_hash": f"hash-{backend}-{truth.parameters}",
+        "recording": {"file": "a.recording", "sha256": "00aa", "bytes": 1000, "frames": FRAMES, "iterations": 3 * FRAMES,
+                      "stride": stride},
+    }
+    if repetition == 0:  # the others are not judged
+        made["accuracy"] = {
+            "contacts": reported, "true_contacts": TRUE_CONTACTS, "missed_contacts": truth.missed,
+            "false_contacts": truth.false, "measured_contacts": TRUE_CONTACTS + truth.false,
+            "max_depth_error_m": 3e-3 * truth.p99_mm, "p99_depth_error_m": 1e-3 * truth.p99_mm,
+            "mean_depth_error_m": 3e-4 * truth.p99_mm, "max_normal_error_deg": 3.0, "p99_normal_error_deg": 2.0,
+            "mean_normal_error_deg": 1.0, "max_missed_depth_m": 1e-3 if truth.missed else 0.0,
+            "max_false_distance_m": 1e-3 if truth.false else 0.0,
+        }
+    times = frame_times_ns(truth, repetition)
+    rows = [_replay_row(frame, times[frame - 1], truth) for frame in range(1, FRAMES + 1) if frame % stride == 0]
+    _write_rows(folder / "frames.csv", REPLAY_COLUMNS, rows)
+    (folder / "run.json").write_text(json.dumps(made))
+    return folder
+
+
+def _replay_row(frame: int, ns: int, truth: Truth) -> dict:
+    row = dict.fromkeys(REPLAY_COLUMNS, "")
+    return row | {
+        "frame": frame, "angle_deg": _angle(frame), "warm_up": int(frame <= 2), "iterations": 3, "update_ns": ns // 10,
+        "detect_ns": 8 * ns // 10, "respond_ns": ns - ns // 10 - 8 * ns // 10, "contacts": 10, "true_contacts": 10,
+        "missed_contacts": 0, "false_contacts": 0, "measured_contacts": 10, "max_depth_error_m": 3e-3 * truth.p99_mm,
+        "p99_depth_error_m": 1e-3 * truth.p99_mm, "mean_depth_error_m": 3e-4 * truth.p99_mm,
+    }
+
+
+def write_coupled(folder: Path, scene: str, backend: str, truth: Truth, repetition: int = 0) -> Path:
+    """The muscle is a sphere, in the first repetition with snapshots of rest, full flexion and the end."""
+    folder.mkdir(parents=True)
+    made = record("coupled", scene, backend, truth, repetition)
+    made["state_hash"] = f"hash-{backend}-{truth.parameters}"
+    times = frame_times_ns(truth, repetition)
+    if repetition == 0:
+        depth = 1e-3 * truth.remaining_mm
+        made["outcome"] = {
+            "max_depth_m": 1.2 * depth, "p99_depth_m": depth, "max_surface_depth_m": 2.4 * depth,
+            "p99_surface_depth_m": 2 * depth, "max_volume_error": 0.02, "final_volume_error": 0.01,
+            "tunnelled_nodes": truth.missed // 100, "stuck_nodes": 3, "collision_ns": sum(times),
+            "loop_ns": sum(times) + FRAMES * 4_000_000,
+        }
+        ball = fake_runs.sphere((truth.shift_mm * 1e-3, 0, 0), 0.05)
+        for frame in (0, FRAMES // 2, FRAMES):
+            shot = fake_runs.Snapshot(frame, _angle(frame), ball.vertices_m, np.zeros(len(ball.vertices_m)),
+                                      np.zeros(len(ball.vertices_m)))
+            made["snapshots"].append(fake_runs._write_snapshot(folder, shot, ball.triangles))
+    _write_rows(folder / "frames.csv", fake_runs.COLUMNS, [_coupled_row(f, times[f - 1]) for f in range(1, FRAMES + 1)])
+    (folder / "run.json").write_text(json.dumps(made))
+    return folder
+
+
+def _coupled_row(frame: int, ns: int) -> dict:
+    row = dict.fromkeys(fake_runs.COLUMNS, "")
+    return row | {
+        "frame": frame, "angle_deg": _angle(frame), "warm_up": int(frame <= 2), "attachment_ns": 20_000,
+        "edge_length_ns": 800_000, "volume_ns": 330_000, "bending_ns": 2_800_000, "predict_ns": 30_000,
+        "finish_ns": 20_000, "update_ns": ns // 10, "detect_ns": 8 * ns // 10, "respond_ns": ns - ns // 10 - 8 * ns // 10,
+        "frame_ns": ns + 4_000_000, "contacts": 10, "nodes_inside": 1, "max_depth_m": 1e-4, "mean_depth_m": 1e-5,
+        "missed_contacts": 0, "false_contacts": 0, "resident_bytes": 100_000_000, "volume_m3": 1e-4,
+    }
+
+
+def write_probe(folder: Path, scene: str, backend: str, truth: Truth) -> Path:
+    """Errors that fall with the powers of the cell size that stand above."""
+    folder.mkdir(parents=True)
+    made = record("probe", scene, backend, truth)
+    rows = []
+    for bone, edge in EDGES_M.items():
+        cell = edge / truth.parameters["cells"]
+        orders = {"smooth": SMOOTH_ORDER, "sharp": SHARP_ORDER} if backend == "sdf" else \
+            {"smooth": VOXEL_ORDER, "sharp": VOXEL_ORDER}
+        for place, order in orders.items():
+            error = 0.5 * cell * (cell / edge) ** (order - 1)
+            rows.append({"bone": bone, "place": place, "points": 1000, "max_error_m": 2 * error, "p99_error_m": error,
+                         "mean_error_m": error / 3, "rms_error_m": error / 2, "wrong_side": 0.01})
+    _write_rows(folder / "probe.csv", PROBE_COLUMNS, rows)
+    made["bones"] = [{"name": bone, "mesh_sha256": f"sha-{bone}"} for bone in EDGES_M]
+    (folder / "run.json").write_text(json.dumps(made))
+    return folder
+
+
+def write_failure(folder: Path, mode: str, scene: str, backend: str, status: str, truth: Truth | None = None) -> Path:
+    folder.mkdir(parents=True)
+    made = {"schema_version": 1, "status": status, "status_detail": f"why {status}",
+            "case": record(mode, scene, backend, truth or Truth())["case"]}
+    (folder / "run.json").write_text(json.dumps(made))
+    return folder
+
+
+def write_plan(out_dir: Path, cases: list[dict]) -> None:
+    (out_dir / "study.json").write_text(json.dumps({"cases": cases}))
+
+
+def _angle(frame: int) -> float:
+    return 90.0 * (1 - abs(2 * frame / FRAMES - 1))
+
+
+def _write_rows(path: Path, columns: list[str], rows: list[dict]) -> None:
+    with open(path, "w", newline="") as file:
+        writer = csv.DictWriter(file, columns)
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+SURFACES = {"bounding_volume": "OBBRSS", "manager": "dynamic_aabb_tree", "update": "refit", "model": "replace",
+            "query": "surfaces", "node_radius_m": 5e-4, "solver": "libccd"}
+
+
+def realistic_truths() -> list[tuple[str, Truth]]:
+    """About what the iliacus of the LHDL data gives: (backend, truth) of each configuration."""
+    made = [("null", Truth(0.0005, 11.0, structure_bytes=0, remaining_mm=9.0, shift_mm=4.0))]
+    for cells in (16, 32, 64, 128, 256):
+        mm = 3.0 * (64 / cells) ** 0.9
+        made.append(("voxel", Truth(0.22 * (cells / 64) ** 0.1, mm, false=5000, structure_bytes=2 * cells**3 // 8,
+                                    build_s=3e-7 * cells**3, remaining_mm=mm, shift_mm=mm / 2,
+                                    parameters={"cells": cells, "voxel_size_m": 0.0})))
+    for edge in (8e-3, 4e-3, 2e-3, 1e-3):
+        made.append(("voxel", Truth(0.2 * (2e-3 / edge) ** 0.1, 900 * edge, structure_bytes=round(0.0125 / edge**3 / 8),
+                                    remaining_mm=900 * edge, shift_mm=500 * edge,
+                                    parameters={"cells": 64, "voxel_size_m": edge})))
+    for cells in (8, 16, 32, 64, 128):
+        for precision, width in (("float", 1), ("double", 2)):
+            mm = 0.3 * (64 / cells) ** 1.4
+            made.append(("sdf", Truth(0.2 * (cells / 64) ** 0.32 * (1 + 0.15 * (width - 1)), mm,
+                                      structure_bytes=60 * width * cells**3, build_s=4.6e-5 * cells**3,
+                                      remaining_mm=mm / 3, shift_mm=mm / 2, parameters={
+                                          "cells": cells, "cell_size_m": 0.0, "precision": precision, "margin": 0.001})))
+    for edge in (8e-3, 4e-3, 2e-3):
+        mm = 0.25 * (edge / 2e-3) ** 1.4
+        made.append(("sdf", Truth(0.21 * (2e-3 / edge) ** 0.3, mm, structure_bytes=round(0.375 / edge**3),
+                                  remaining_mm=mm / 3, shift_mm=mm / 2, parameters={
+                                      "cells": 64, "cell_size_m": edge, "precision": "float", "margin": 0.001})))
+    for ms, mm, missed, threads, choices in (
+        (72, 0.02, 150, 1, {}), (40, 0.02, 150, 1, {"bounding_volume": "OBB"}),
+        (60, 4.0, 9990, 1, {"bounding_volume": "RSS"}), (110, 0.02, 150, 1, {"bounding_volume": "kIOS"}),
+        (200, 0.02, 150, 1, {"bounding_volume": "AABB"}), (260, 0.02, 150, 1, {"bounding_volume": "KDOP24"}),
+        (95, 0.02, 150, 1, {"update": "refit_top_down"}), (90, 0.02, 150, 1, {"update": "rebuild"}),
+        (110, 0.02, 150, 1, {"model": "update"}), (72, 0.02, 150, 1, {"manager": "sweep_and_prune"}),
+        (72, 0.02, 150, 1, {"manager": "none"}), (73, 0.02, 150, 1, {"solver": "indep"}),
+        (55, 0.02, 150, 1, {"bounding_volume": "OBB", "update": "rebuild"}),
+        (800, 1e-14, 0, 1, {"query": "node_distance"}), (620, 1e-14, 0, 1, {"query": "node_distance", "manager": "none"}),
+        (700, 1e-14, 0, 1, {"query": "node_distance", "bounding_volume": "RSS"}),
+        (60, 1.9, 8100, 1, {"query": "node_collide"}), (38, 0.02, 150, 2, {}),
+    ):
+        made.append(("fcl", Truth(ms, mm, missed, structure_bytes=200_000_000, build_s=2.0, remaining_mm=max(mm, 0.05),
+                                  shift_mm=mm, parameters=SURFACES | choices, threads=threads)))
+    made.append(("bvh", Truth(15, 1e-14, structure_bytes=23_000_000, build_s=0.4, remaining_mm=0.02)))
+    made.append(("brute_force", Truth(75_000, 1e-14, structure_bytes=11_000_000, build_s=0.05, remaining_mm=0.02)))
+    return made
+
+
+def write_realistic_study(out_dir: Path, scenes: dict[str, float], repetitions: int = 2) -> None:
+    """`scenes`: {name: size against the iliacus}. With failures of each kind, and planned cases that have not run."""
+    raw = out_dir / "raw"
+    for scene, size in scenes.items():
+        muscle = scene.split("/")[-1]
+        for place, (backend, like_iliacus) in enumerate(realistic_truths()):
+            truth = Truth(**{**vars(like_iliacus), "ms": like_iliacus.ms * size})
+            name, many = f"{muscle}-{{}}-{backend}-{place}", 1 if truth.ms > 1000 else repetitions
+            for repetition in range(many):
+                end = f"-r{repetition}"
+                if backend != "null":
+                    write_replay(raw / (name.format("replay") + end), scene, backend, truth, repetition,
+                                 stride=8 if truth.ms > 1000 else 1)
+                if truth.ms < 1000 and truth.threads == 1:
+                    write_coupled(raw / (name.format("coupled") + end), scene, backend, truth, repetition)
+            if backend in ("voxel", "sdf") and not math.prod(
+                    truth.parameters.get(key, 0) for key in ("voxel_size_m", "cell_size_m")) and not any(
+                    truth.parameters.get(key) for key in ("voxel_size_m", "cell_size_m")):
+                write_probe(raw / name.format("probe"), scene, backend, truth)
+        refused = Truth(parameters=SURFACES | {"bounding_volume": "RSS", "update": "refit_top_down"})
+        write_failure(raw / f"{muscle}-refused", "replay", scene, "fcl", "unsupported", refused)
+        write_failure(raw / f"{muscle}-slow", "coupled", scene, "brute_force", "timeout")
+    first = next(iter(scenes))
+    write_plan(out_dir, [{"name": "not-yet", "mode": "replay", "scene": first, "backend": "voxel", "threads": 1,
+                          "parameters": {"cells": 48}, "repetition": 0}])
