@@ -58,17 +58,6 @@ class Replayer {
       m_result.status_detail = "the two passes over the same input did not get the same contacts";
     }
     m_result.wall_ns = monotonic_now_ns() - start_ns;
-    return std::move(m_result);
-  }
-
- private:
-  void ask_twice() {
-    const ScopedTimer timer(m_result.wall_ns);
-    m_result.contact_hash = timed_pass();
-    if (m_replay.judge && judged_pass() != m_result.contact_hash) {
-      m_result.status = "nondeterministic";
-      m_result.status_detail = "the two passes over the same input did not get the same contacts";
-    }
   }
 
   [[nodiscard]] bool is_replayed(int frame) const {

@@ -80,6 +80,7 @@ def test_the_exact_backend_answers_its_own_recording_exactly(recording, tmp_path
     assert list(frames.frame) == list(range(1, FRAMES + 1))
     assert (frames.iterations == STEPS).all()
     assert (frames.detect_ns > 0).all()
+    assert manifest["wall_ns"] > frames[["update_ns", "detect_ns", "respond_ns"]].to_numpy().sum()
     for count in ("contacts", "true_contacts", "missed_contacts", "false_contacts", "measured_contacts"):
         assert frames[count].sum() == accuracy[count]
     assert frames.max_depth_error_m.max() == accuracy["max_depth_error_m"]
