@@ -224,11 +224,10 @@ void add_advise_command(CLI::App& app, int& exit_code) {
   add_scene_options(*command, options->scene);
   command->add_option("--depth-mm", options->depth_mm, "Wanted: the 99th percentile of the depth error, mm")
       ->required()
-      ->check(CLI::PositiveNumber);
-  command->add_option("--seconds", options->seconds, "Time for all of it (default: 90)")
-      ->check(CLI::Range(1.0, 86400.0));
+      ->check(positive_and_finite());
+  command->add_option("--seconds", options->seconds, "Time for all of it (default: 90)")->check(positive_and_finite());
   command->add_option("--band-mm", options->band_mm, "Errors count so far from a bone's surface (default: 10)")
-      ->check(CLI::Range(1e-6, 1e6));
+      ->check(positive_and_finite());
   add_threads_option(*command, options->threads);
   command->callback([options, &exit_code] { exit_code = advise(*options); });
 }

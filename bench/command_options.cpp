@@ -1,5 +1,7 @@
 #include "bench/command_options.hpp"
 
+#include <cmath>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -66,6 +68,17 @@ std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::s
     values[text.substr(0, equals)] = parse_parameter_value(std::string_view(text).substr(equals + 1));
   }
   return values;
+}
+
+CLI::Validator positive_and_finite() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        double value = 0;
+        const bool is_number = CLI::detail::lexical_cast(text, value);
+        return is_number && std::isfinite(value) && value > 0 ? std::string()
+                                                              : text + " is not a positive, finite number";
+      },
+      "POSITIVE");
 }
 
 }  // namespace musclebench

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <CLI/App.hpp>
+#include <CLI/Validators.hpp>
 
 #include "backends/registry.hpp"
 #include "bench/scene_source.hpp"
@@ -40,6 +41,10 @@ void add_threads_option(CLI::App& command, int& threads);
 
 /// The checked parameters of `backend`. Throws InputError.
 Parameters backend_parameters(const BackendEntry& backend, const std::vector<std::string>& assignments);
+
+/// Of an option that is a length, a time: refuses what is not a positive finite number, which CLI::Range lets pass when
+/// it is NaN.
+CLI::Validator positive_and_finite();
 
 /// Texts `key=value`; `option` is the place that an InputError names.
 std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::string>& texts,

@@ -94,7 +94,7 @@ void add_probe_command(CLI::App& app, int& exit_code) {
   command->add_option("--seed", options->seed, "Of the points")->capture_default_str();
   command->add_option("--band-mm", options->band_mm, "How far from the surface the points lie at most")
       ->capture_default_str()
-      ->check(CLI::Range(1e-6, 1e6));
+      ->check(positive_and_finite());
   command->add_option("--out", options->out, "Result folder (default: reports/out/probes/raw/<run id>)");
   command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
   command->add_flag("--force", options->force, "Run even when the result is complete already");
