@@ -32,6 +32,7 @@ PROJECT = Path(__file__).resolve().parent.parent
 PROGRAM = PROJECT / "build" / "release" / "bench" / "musclebench"
 QUICK_MUSCLES = ("iliacus",)
 REPETITIONS = 3
+PRICE_LIST = "price_list.txt"
 SPARE_BYTES = 100e6
 MEMORY_SHARE = 0.9
 
@@ -158,7 +159,7 @@ def command_line() -> list[str]:
 def print_report(out_dir: Path) -> None:
     files = report.write_report(out_dir)
     for path in files:
-        if path.stem.startswith("price_list") and path.suffix in (".txt", ".md"):
+        if path.name == PRICE_LIST:
             print(f"\n{path.read_text().rstrip()}")
     print("\nWritten:")
     for path in files:

@@ -38,16 +38,16 @@ FCL = (
     (30, False, False, {"bounding_volume": "OBB", "update": "rebuild"}),
     (45, False, False, {"bounding_volume": "RSS", "update": "rebuild"}),
     (45, False, False, {"bounding_volume": "RSS", "update": "refit_top_down"}),
-    (120, True, False, {"query": "node_distance"}),
-    (110, False, True, {"query": "node_distance", "bounding_volume": "RSS"}),
-    (150, False, False, {"query": "node_distance", "bounding_volume": "kIOS"}),
-    (200, False, False, {"query": "node_distance", "manager": "none"}),
-    (120, False, False, {"query": "node_distance", "solver": "indep"}),
+    (240, True, False, {"query": "node_distance"}),
+    (200, False, True, {"query": "node_distance", "bounding_volume": "RSS"}),
+    (300, False, False, {"query": "node_distance", "bounding_volume": "kIOS"}),
+    (400, False, False, {"query": "node_distance", "manager": "none"}),
+    (240, False, False, {"query": "node_distance", "solver": "indep"}),
     (20, True, True, {"query": "node_collide"}),
     (15, False, True, {"query": "node_collide", "bounding_volume": "OBB"}),
     (25, False, False, {"query": "node_collide", "node_radius_m": 2e-3}),
 )
-FCL_THREADS = ((25, {}), (14, {"bounding_volume": "OBB"}), (65, {"query": "node_distance"}))  # with 2 threads
+FCL_THREADS = ((25, {}), (14, {"bounding_volume": "OBB"}), (130, {"query": "node_distance"}))  # with 2 threads
 
 
 @dataclass(frozen=True)

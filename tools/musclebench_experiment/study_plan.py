@@ -9,7 +9,7 @@ from .study_cases import CoupledCase, MeasuredCase, MuscleScene, ProbeCase, Reco
 REPLAY_SECONDS = 12.0  # of the steps of one replay; the stride keeps to it
 QUICK_REPLAY_SECONDS = 4.0
 FEWEST_FRAMES = 3  # of a replay, two of them for warming up
-LONGEST_COUPLED_SECONDS = 240.0
+LONGEST_COUPLED_SECONDS = 360.0
 FEWER_REPETITIONS = ((60.0, 1), (8.0, 2))  # of more seconds a repetition there are no more
 
 
