@@ -44,7 +44,7 @@ class AccuracyStudy(Experiment):
         return None
 
     def prepare(self, case: Case, folder: Path) -> None:
-        """A recording is a file and wants its folder. A probe finds nothing built, so that its building time is real."""
+        """A recording is a file and wants its folder. A probe finds nothing built: its building time is real."""
         if isinstance(case, RecordCase):
             folder.mkdir()
         elif case.configuration.stores:
