@@ -143,6 +143,19 @@ TEST_F(AnswerError, ContactsWithTwoBonesAreApart) {
   EXPECT_NEAR(found.depth_errors_m[3], 0.002, 1e-15);
 }
 
+TEST_F(AnswerError, TheOrderIsByBoneFirst) {
+  m_poses[1] = m_poses[0];
+  m_poses[1].translation_m -= 0.002 * m_up;
+  node_at(-0.003);
+  node_at(-0.001);
+  answer(node_at(0.002), 0.001, m_up, 0);
+  answer(0, 0.001, m_up, 1);
+  const AnswerErrors found = errors();
+  EXPECT_EQ(found.true_contacts, 3);
+  EXPECT_EQ(found.missed_contacts, 2);
+  EXPECT_EQ(found.false_contacts, 1);
+}
+
 TEST(AnswerErrors, Add) {
   AnswerErrors sum{1, 2, 3, 4, 0.5, 0.6, {1}, {2}};
   sum.add({10, 20, 30, 40, 0.1, 0.9, {3, 4}, {}});
