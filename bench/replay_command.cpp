@@ -11,7 +11,6 @@
 #include "bench/result_folder.hpp"
 #include "bench/signals.hpp"
 #include "bench/summary.hpp"
-#include "core/recording/recording_reader.hpp"
 #include "core/base/input_error.hpp"
 #include "core/recording/recording_reader.hpp"
 
@@ -151,7 +150,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   command->add_option("--stride", options->stride, "Replay every so many-th frame, and the last (default: 1)")
       ->check(CLI::Range(1, 10000000));
   command->add_option("--band-mm", options->band_mm, "How far from the surface errors are measured (default: 10)")
-      ->check(CLI::Range(1e-9, 1e9));
+      ->check(positive_and_finite());
   command->add_option("--repetition", options->repetition, "Number of the repetition, a part of the run's identity")
       ->check(CLI::Range(0, 1000000));
   command->add_option("--out", options->out, "Result folder (default: reports/out/runs/raw/<run id>)");
