@@ -143,6 +143,7 @@ def write_probe(folder: Path, scene: str, backend: str, truth: Truth) -> Path:
                          "mean_error_m": error / 3, "rms_error_m": error / 2, "wrong_side": 0.01})
     _write_rows(folder / "probe.csv", PROBE_COLUMNS, rows)
     made["bones"] = [{"name": bone, "mesh_sha256": f"sha-{bone}"} for bone in EDGES_M]
+    made["probed"] = [{"name": bone, "cell_edge_m": edge / truth.parameters["cells"]} for bone, edge in EDGES_M.items()]
     (folder / "run.json").write_text(json.dumps(made))
     return folder
 

@@ -57,7 +57,7 @@ def _how_often(cases: list[StudyCase]) -> str:
     strides = {(case.run.record.get("recording") or {}).get("stride") for case in cases} - {None}
     if strides - {1}:
         text += f" (slow ones replay every {_range(strides)}th frame)" if len(strides) == 1 else \
-            f" (slow ones replay fewer frames: every 1st to {max(strides)}th)"
+            f" (slow ones replay fewer frames, down to every {max(strides)}th)"
     return text + "."
 
 

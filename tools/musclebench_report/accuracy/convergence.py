@@ -10,7 +10,6 @@ from ..style import plt
 from .orders import PLACES, slope
 from .pareto import SERIES_STYLES, series_style
 
-PLACE_FILLS = {"smooth": True, "sharp": False}
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 
 
@@ -42,15 +41,21 @@ def _draw_curves(axes, rows: pd.DataFrame) -> None:
     axes.set(xscale="log", yscale="log")
     for series in style.in_order(rows["series"], list(SERIES_STYLES)):
         curve = rows[rows["series"] == series]
-        shape, dashes = series_style(series)
         order = curve["fitted_order"].iloc[0]
         known = f", order {order:.1f}" if pd.notna(order) else ""
-        axes.plot(1e3 * curve["cell_edge_m"], 1e3 * curve["p99_error_m"], dashes, marker=shape, markersize=4.5,
-                  color=style.backend_colour(series.split()[0]), label=f"{series}{known}")
+        _draw_curve(axes, 1e3 * curve["cell_edge_m"], 1e3 * curve["p99_error_m"], series, f"{series}{known}")
     _draw_guides(axes, rows)
     _plain_ticks(axes)
     # Curves rise to the right, so that the lower right corner is free.
     axes.legend(loc="lower right", fontsize=7.5, framealpha=0.85, edgecolor="none")
+
+
+def _draw_curve(axes, x, y, series: str, label: str) -> None:
+    """Double precision hollow and larger: it mostly lies upon single."""
+    shape, dashes = series_style(series)
+    is_double = " double " in series
+    axes.plot(x, y, dashes, marker=shape, markersize=7.5 if is_double else 4.5, label=label,
+              markerfacecolor="none" if is_double else None, color=style.backend_colour(series.split()[0]))
 
 
 def _draw_guides(axes, rows: pd.DataFrame) -> None:
@@ -73,18 +78,22 @@ def draw_costs(rows: pd.DataFrame, stem: Path) -> list[Path]:
     for axes, key, title, unit in ((panels[0], "build_s", "build time (s)", 1.0),
                                    (panels[1], "structure_bytes", "structures (MB)", 1e-6)):
         axes.set(xscale="log", yscale="log", xlabel="cells of all bones", ylabel=title)
-        for (bones, series), curve in rows[rows[key].notna()].groupby(["bones", "series"], sort=False):
-            shape, dashes = series_style(series)
+        for bones, series in _curves(rows):
+            curve = rows[(rows["bones"] == bones) & (rows["series"] == series) & rows[key].notna()]
             fitted = slope(curve["cells"], curve[key])
             known = f", slope {fitted:.2f}" if pd.notna(fitted) else ""
-            axes.plot(curve["cells"], unit * curve[key], dashes, marker=shape, markersize=4.5, label=f"{series}{known}",
-                      color=style.backend_colour(series.split()[0]))
+            _draw_curve(axes, curve["cells"], unit * curve[key], series, f"{series}{known}")
         axes.yaxis.set_major_formatter(PLAIN)
         axes.yaxis.set_minor_formatter(NullFormatter())
         axes.legend(loc="upper left", fontsize=7.5, framealpha=0.85, edgecolor="none")
     figure.suptitle("What resolution costs before the first frame", x=0.01, ha="left", fontsize=12)
     figure.tight_layout(rect=(0, 0, 1, 0.98), w_pad=1.5)
     return _save(figure, rows, stem)
+
+
+def _curves(rows: pd.DataFrame) -> list[tuple[str, str]]:
+    series = style.in_order(rows["series"], list(SERIES_STYLES))
+    return [(bones, name) for bones in dict.fromkeys(rows["bones"]) for name in series]
 
 
 def _plain_ticks(axes) -> None:

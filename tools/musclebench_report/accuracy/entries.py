@@ -4,7 +4,8 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
-from ..results import COLLISION_STAGES
+import pandas as pd
+
 from ..statistics import Estimate, pooled_median
 from ..style import BACKENDS, MUSCLES, in_order
 from .cases import StudyCase
@@ -58,18 +59,19 @@ class Entry:
         """Figures and prices show complete and deterministic configurations only."""
         return self.status == "ok"
 
-    def stage_ms(self, columns: list[str]) -> Estimate:
-        """Median over the frames without warm-up of the stages' sum."""
-        return pooled_median([sum_of_columns(case, columns) for case in self.ok]).scaled(NANOSECONDS_TO_MS)
+    def stage_ms(self, column: str) -> float:
+        """Median over the frames without warm-up of all repetitions."""
+        parts = [stage_ns(case, column) for case in self.ok]
+        return NANOSECONDS_TO_MS * float(pd.concat(parts).median()) if parts else math.nan
 
     @cached_property
     def collision_ms(self) -> Estimate:
-        return self.stage_ms(COLLISION_STAGES)
+        return pooled_median(list(self.times_ns.values())).scaled(NANOSECONDS_TO_MS)
 
     @property
     def times_ns(self) -> dict:
         """{repetition: collision time by frame}"""
-        return {case.repetition: case.run.timed_frames["collision_ns"] for case in self.ok}
+        return {case.repetition: stage_ns(case, "collision_ns") for case in self.ok}
 
     def number(self, *keys: str) -> float:
         """Worst over the repetitions of a number of run.json; NaN where none knows it."""
@@ -108,8 +110,8 @@ class Entry:
         if not self.is_shown:
             return self.status
         faults = [
-            f"{100 * self.missed_share:.2g} % missed" if self.missed_share > ALLOWED_MISSED_SHARE else "",
-            f"{100 * self.false_share:.2g} % false" if self.false_share > ALLOWED_FALSE_SHARE else "",
+            f"{_percent(self.missed_share)} % missed" if self.missed_share > ALLOWED_MISSED_SHARE else "",
+            f"{_percent(self.false_share)} % false" if self.false_share > ALLOWED_FALSE_SHARE else "",
             f"{self.p99_error_mm:.2g} mm off" if self.p99_error_mm > ALLOWED_P99_ERROR_MM else "",
         ]
         faults = [fault for fault in faults if fault]
@@ -160,8 +162,9 @@ def exact_entry(entries: list[Entry], scene: str) -> Entry | None:
     return None
 
 
-def sum_of_columns(case: StudyCase, columns: list[str]):
-    return case.run.timed_frames.reindex(columns=columns).sum(axis=1, min_count=1).dropna()
+def stage_ns(case: StudyCase, column: str) -> pd.Series:
+    """By frame, without warm-up; empty where the run doesn't tell."""
+    return case.run.timed_frames.reindex(columns=[column])[column].dropna()
 
 
 def number(record: dict, *keys: str) -> float:
@@ -170,6 +173,10 @@ def number(record: dict, *keys: str) -> float:
     for key in keys:
         value = value.get(key) if isinstance(value, dict) else None
     return math.nan if value is None or isinstance(value, (str, dict, list)) else float(value)
+
+
+def _percent(value: float) -> str:
+    return f"{100 * value:.1f}" if value < 0.0995 else f"{100 * value:.0f}"
 
 
 def share(part: float, whole: float) -> float:

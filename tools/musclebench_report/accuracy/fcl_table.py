@@ -55,10 +55,15 @@ def summaries(replays: list[Entry]) -> list[str]:
         rest = ratio_to(best, find_voxel_64(replays, best)).value
         if math.isnan(whole) or math.isnan(share):
             continue
-        texts.append(
-            f"{muscle_label(scene.split('/')[-1])}: the default costs {as_ratio(whole)} x voxel 64; the fastest "
-            f"configuration that answers right, {best.configuration.name}, {as_ratio(rest)} x; so {as_ratio(share)} x of it "
-            "is configuration.")
+        muscle, fault = muscle_label(scene.split("/")[-1]), default.verdict.removeprefix("wrong: ")
+        start = f"{muscle}: the default costs {as_ratio(whole)} x voxel 64"
+        end = f"the fastest that answers right, {best.configuration.name}, {as_ratio(rest)} x"
+        if default.is_wrong:
+            texts.append(f"{start} and answers wrong ({fault}); {end}.")
+        elif best is default:
+            texts.append(f"{start}; no configuration that answers right is faster.")
+        else:
+            texts.append(f"{start}; {end}: a factor of {as_ratio(share)} is configuration, the rest is FCL.")
     return texts
 
 

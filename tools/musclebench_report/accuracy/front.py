@@ -12,14 +12,14 @@ EXACT_MM = 1e-6  # a nanometre: what double precision leaves of millimetres is d
 ALL_MUSCLES = "all"
 
 
-def points_of(entries: list[Entry], error_mm) -> pd.DataFrame:
-    """One row a panel and configuration. `error_mm`: of an entry; NaN where it is unknown. Runs of one thread only: what
-    threads gain is another question."""
+def points_of(entries: list[Entry], error_mm, wrong: set) -> pd.DataFrame:
+    """One row a panel and configuration. `error_mm`: of an entry; NaN where it is unknown. `wrong`: pairs (scene,
+    configuration) that answer wrongly. Runs of one thread only: what threads gain is another question."""
     shown = [entry for entry in entries if entry.is_shown and entry.configuration.threads == 1]
-    rows = [_row(entry.scene, [entry], error_mm) for entry in shown]
+    rows = [_row(entry.scene, [entry], error_mm, wrong) for entry in shown]
     scenes = {entry.scene for entry in shown}
     if len(scenes) > 1:
-        rows += [_row(ALL_MUSCLES, group, error_mm) for group in _on_all(shown, scenes)]
+        rows += [_row(ALL_MUSCLES, group, error_mm, wrong) for group in _on_all(shown, scenes)]
     points = pd.DataFrame(rows, columns=_row_keys())
     points = points[points["time_ms"].notna() & points["error_mm"].notna()].reset_index(drop=True)
     points["on_front"] = False
@@ -48,7 +48,7 @@ def _on_all(entries: list[Entry], scenes: set[str]) -> list[list[Entry]]:
     return [group for group in groups.values() if {entry.scene for entry in group} == scenes]
 
 
-def _row(panel: str, group: list[Entry], error_mm) -> dict:
+def _row(panel: str, group: list[Entry], error_mm, wrong: set) -> dict:
     """Of all muscles: the sum of their times, the largest of their errors."""
     chosen, time = group[0].configuration, total([entry.collision_ms for entry in group])
     return {
@@ -56,7 +56,7 @@ def _row(panel: str, group: list[Entry], error_mm) -> dict:
         "label": chosen.short, "fineness": chosen.fineness, "time_ms": time.value, "time_ms_low": time.low,
         "time_ms_high": time.high, "error_mm": float(np.max([error_mm(entry) for entry in group])),
         "structure_bytes": sum(entry.structure_bytes for entry in group) / len(group),
-        "is_wrong": any(entry.is_wrong for entry in group), "repetitions": min(len(entry.ok) for entry in group),
+        "is_wrong": any((entry.scene, entry.configuration) in wrong for entry in group), "repetitions": min(len(entry.ok) for entry in group),
         "frames": time.frames,
     }
 

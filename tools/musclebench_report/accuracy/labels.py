@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.patheffects import withStroke
 
 DIRECTIONS = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)]
 DISTANCES_POINTS = (4, 8, 14, 21, 29, 38)
 LEADER_FROM_POINTS = 10
+GAP_PIXELS = 2  # two numbers side by side must not read as one
 
 
 @dataclass
@@ -16,6 +18,7 @@ class Label:
     text: str
     colour: str
     radius_points: float = 3.0  # of the point that it names
+    prefer: tuple[int, int] = (1, 0)  # direction that is tried first
 
 
 def place_labels(axes, labels: list[Label], size: float = 7.0) -> None:
@@ -30,7 +33,7 @@ def place_labels(axes, labels: list[Label], size: float = 7.0) -> None:
     frame, taken = axes.get_window_extent(renderer), []
     for place, label in enumerate(labels):
         extent = _extent(axes, label.text, size, renderer)
-        box, distance = _free_box(centres[place], radii[place], extent, frame, points, taken, pixels)
+        box, distance = _free_box(centres[place], radii[place], label.prefer, extent, frame, points, taken, pixels)
         taken.append(box)
         _draw(axes, label, centres[place], box, size, distance > LEADER_FROM_POINTS)
 
@@ -39,15 +42,15 @@ def _extent(axes, text: str, size: float, renderer) -> np.ndarray:
     drawn = axes.text(0.5, 0.5, text, fontsize=size, transform=axes.transAxes)
     box = drawn.get_window_extent(renderer)
     drawn.remove()
-    return np.array([box.width, box.height])
+    return np.array([box.width + 2 * GAP_PIXELS, box.height])
 
 
-def _free_box(centre, radius, extent, frame, points, taken, pixels):
+def _free_box(centre, radius, prefer, extent, frame, points, taken, pixels):
     """(left, bottom, right, top) in pixels and its distance in points; the least covered where none is free."""
     others = np.array([*points, *taken])
     best = None
     for distance in DISTANCES_POINTS:
-        for direction in DIRECTIONS:
+        for direction in [prefer, *DIRECTIONS]:
             middle = centre + np.array(direction) * (radius + (distance - 2) * pixels + extent / 2)
             box = np.concatenate([middle - extent / 2, middle + extent / 2])
             covered = _covered(box, others) + _outside(box, frame)
@@ -75,7 +78,7 @@ def _draw(axes, label: Label, centre, box, size: float, has_leader: bool) -> Non
     to_axes = axes.transAxes.inverted()
     (x, y), (from_x, from_y) = to_axes.transform(middle), to_axes.transform(centre)
     axes.text(x, y, label.text, fontsize=size, color=label.colour, ha="center", va="center", transform=axes.transAxes,
-              zorder=6)
+              zorder=6, path_effects=[withStroke(linewidth=1.5, foreground="white", alpha=0.8)])
     if has_leader:
         axes.plot([from_x, x], [from_y, y], color=label.colour, linewidth=0.4, alpha=0.6, transform=axes.transAxes,
                   zorder=1.5)

@@ -22,6 +22,7 @@ SERIES_STYLES = {
     "voxel cells": ("o", "-"), "voxel cubes": ("s", "--"), "sdf float cells": ("o", "-"), "sdf float cubes": ("s", "--"),
     "sdf double cells": ("D", ":"), "sdf double cubes": ("^", "-."),
 }
+PREFERRED_SIDES = {"sdf float cells": (-1, 0), "sdf float cubes": (-1, 0), "voxel cubes": (-1, 0)}
 POINT_MARKERS = {"fcl": "o", "bvh": "*", "brute_force": "P"}
 LEGEND_BYTES = (1e4, 1e6, 1e8)
 FRONT_COLOUR = "#555555"
@@ -32,7 +33,7 @@ class Axis:
     """The range of errors that all panels share."""
 
     low_mm: float  # end of the log axis, a power of ten
-    bottom_mm: float  # end of the band of what is exact, below it
+    bottom_mm: float  # end of the band of what is exact, below it; `low_mm` where nothing is
     high_mm: float
 
     def height(self, error_mm: float, lane: int) -> float:
@@ -86,7 +87,8 @@ def error_axis(errors_mm: pd.Series) -> Axis:
     low, high = (measured.min(), measured.max()) if len(measured) else (1e-3, 1.0)
     low = 10.0 ** math.floor(math.log10(low) - 1e-9)
     high = max(high * 2.5, low * 10)
-    decades = math.log10(high / low) * BAND_SHARE / (1 - BAND_SHARE)
+    band = BAND_SHARE if (errors_mm < EXACT_MM).any() else 0.0
+    decades = math.log10(high / low) * band / (1 - band)
     return Axis(low, low / 10**decades, high)
 
 
@@ -110,17 +112,19 @@ def _draw_panel(axes, points: pd.DataFrame, axis: Axis, numbers: dict[str, int])
             _draw_null(axes, point, heights[place], times)
             continue
         _draw_point(axes, point, heights[place])
-        text = _label_text(point, numbers)
+        text = _label_text(point, points, numbers)
         radius = math.sqrt(marker_area(point["structure_bytes"])) / 2
-        labels.append(Label(point["time_ms"], heights[place], text, style.backend_colour(point["backend"]), radius))
-    # The labels of curves first: they have one right place, points in the band have many.
-    place_labels(axes, sorted(labels, key=lambda label: not label.text), size=6.8)
+        labels.append(Label(point["time_ms"], heights[place], text, style.backend_colour(point["backend"]), radius,
+                            PREFERRED_SIDES.get(point["series"], (1, 0))))
+    place_labels(axes, labels, size=6.8)
 
 
 def _mark_exact(axes, axis: Axis) -> None:
-    axes.axhspan(axis.bottom_mm, axis.low_mm, facecolor="#eef2f5", edgecolor="none", zorder=0)
-    axes.axhline(axis.low_mm, color="#888888", linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
-    axes.text(0.012, 0.012, "exact (below 1 nm)", transform=axes.transAxes, fontsize=7.5, color="#555555", va="bottom")
+    if axis.bottom_mm < axis.low_mm:
+        axes.axhspan(axis.bottom_mm, axis.low_mm, facecolor="#eef2f5", edgecolor="none", zorder=0)
+        axes.axhline(axis.low_mm, color="#888888", linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
+        axes.text(0.012, 0.012, "exact (below 1 nm)", transform=axes.transAxes, fontsize=7.5, color="#555555",
+                  va="bottom")
     # Ticks only where the axis is one: not in the band.
     decades = np.arange(round(math.log10(axis.low_mm)), math.floor(math.log10(axis.high_mm)) + 1)
     axes.set_yticks([10.0**decade for decade in decades])
@@ -158,15 +162,18 @@ def _draw_null(axes, point, height: float, times: tuple[float, float]) -> None:
     colour = style.backend_colour("null")
     axes.axhline(height, color=colour, linestyle=style.BACKEND_DASHES["null"], linewidth=1.0, zorder=1)
     axes.scatter([times[0]], [height], marker="<", s=50, color=colour, clip_on=False, zorder=5)
-    axes.annotate("null: no collision", (times[0], height), xytext=(6, 3), textcoords="offset points", fontsize=7,
-                  color=colour)
+    axes.annotate("null: no collision", (times[1], height), xytext=(-2, 3), textcoords="offset points", fontsize=7,
+                  color=colour, ha="right")
 
 
-def _label_text(point, numbers: dict[str, int]) -> str:
+def _label_text(point, points: pd.DataFrame, numbers: dict[str, int]) -> str:
+    """Cells in double precision are those in single; of cubes the coarsest and the finest are named."""
     if point["backend"] == "fcl":
         return str(numbers[point["configuration"]])
     if point["series"]:
-        return "" if " double " in point["series"] else point["label"]
+        alike = points.loc[points["series"] == point["series"], "fineness"]
+        is_inner = "cubes" in point["series"] and alike.min() < point["fineness"] < alike.max()
+        return "" if " double " in point["series"] or is_inner else point["label"]
     return point["configuration"]
 
 
@@ -177,7 +184,7 @@ def _fcl_numbers(points: pd.DataFrame) -> dict[str, int]:
 
 def _time_limits(points: pd.DataFrame) -> tuple[float, float]:
     times = points.loc[points["backend"] != "null", ["time_ms", "time_ms_low", "time_ms_high"]]
-    return 0.5 * float(times.min().min()), 2.2 * float(times.max().max())
+    return 0.3 * float(times.min().min()), 2.2 * float(times.max().max())
 
 
 def series_style(series: str) -> tuple[str, str]:

@@ -22,8 +22,8 @@ from .stages import draw_stages, stage_rows
 
 FRONT_WORDS = (
     "The grey line is the Pareto front: nothing is both faster and more accurate than what lies on it. Configurations of fcl "
-    "that answer wrongly are crossed out and not on it; errors below a nanometre count as equal and are drawn in a band in "
-    "which height means nothing. A marker's area grows with the bytes of the structures, a step a factor of ten. All "
+    "that answer wrongly on replayed positions are crossed out and not on it; errors below a nanometre count as equal "
+    "and are drawn in a band in which height means nothing. A marker's area grows with the bytes of the structures, a step a factor of ten. All "
     "muscles: the sum of their times, the largest of their errors, of configurations that are complete on each.")
 
 
@@ -47,13 +47,14 @@ def write_report(out_dir: Path) -> AccuracyReport:
     builds = build_seconds_of(entries)
     files = _write_rows(cases, entries, builds, out_dir)
     replays, coupled = of_mode(entries, "replay"), of_mode(entries, "coupled")
+    wrong = {(entry.scene, entry.configuration) for entry in replays if entry.is_wrong}
     shapes = shape_distances(coupled)
     made = [table for table in (price_list(replays, builds), fcl_table(replays), outcomes_table(coupled, shapes))
             if not table.rows.empty]
     for table in made:
         files += _write_table(table, tables)
-    files += _draw_replay(replays, figures)
-    files += _draw_coupled(coupled, shapes, figures)
+    files += _draw_replay(replays, wrong, figures)
+    files += _draw_coupled(coupled, wrong, shapes, figures)
     files += _draw_convergence(entries, builds, figures)
     files += _draw_stages(coupled, replays, figures)
     return AccuracyReport(files, made)
@@ -81,8 +82,8 @@ def _notes(table: Table) -> str:
     return "\n".join(["", *lines, ""]) if lines else ""
 
 
-def _draw_replay(replays: list[Entry], folder: Path) -> list[Path]:
-    points = points_of(replays, lambda entry: entry.p99_error_mm)
+def _draw_replay(replays: list[Entry], wrong: set, folder: Path) -> list[Path]:
+    points = points_of(replays, lambda entry: entry.p99_error_mm, wrong)
     title = "What accuracy costs in time: the same positions for every backend (replay)"
     files = draw_pareto(points, folder / "pareto_replay", title, "depth error, 99th percentile (mm)")
     error = captions.REPLAY_ERROR.format(band=captions.band_of(_cases(replays)))
@@ -90,11 +91,11 @@ def _draw_replay(replays: list[Entry], folder: Path) -> list[Path]:
     return _with_caption(files, title, texts, _cases(replays))
 
 
-def _draw_coupled(coupled: list[Entry], shapes: dict, folder: Path) -> list[Path]:
+def _draw_coupled(coupled: list[Entry], wrong: set, shapes: dict, folder: Path) -> list[Path]:
     def distance(entry: Entry) -> float:
         return shapes.get((entry.scene, entry.configuration), {}).get("full_rms_mm", math.nan)
 
-    depths = points_of(coupled, lambda entry: entry.remaining_depth_mm)
+    depths = points_of(coupled, lambda entry: entry.remaining_depth_mm, wrong)
     title = "What accuracy costs in time: every backend moves its own muscle (coupled)"
     files = draw_pareto(depths, folder / "pareto_coupled", title, "remaining depth, 99th percentile (mm)")
     error = (
@@ -102,7 +103,7 @@ def _draw_coupled(coupled: list[Entry], shapes: dict, folder: Path) -> list[Path
         "triangle inside a bone or of a bone's vertex inside the muscle (of the nodes where the surface was not judged), "
         "99th percentile over the run's frames. Trajectories part: the table of coupled outcomes has times of whole runs.")
     files = _with_caption(files, title, [error, captions.TIME, FRONT_WORDS, _left_out(coupled, depths)], _cases(coupled))
-    distances = points_of(coupled, distance)
+    distances = points_of(coupled, distance, wrong)
     title = "How far the muscle's shape at full flexion is from the exact run's (coupled)"
     drawn = draw_pareto(distances, folder / "pareto_coupled_shape", title, "distance to exact shape, RMS (mm)")
     error = "The error is the root mean square over all nodes of their distance to the same nodes of the run with bvh."

@@ -6,7 +6,7 @@ import math
 import pandas as pd
 
 from ..results import COLLISION_STAGES
-from ..statistics import paired_ratio, pooled_median
+from ..statistics import paired_ratio
 from .cases import StudyCase
 from .configurations import configuration
 from .entries import Entry, find, number
@@ -56,7 +56,7 @@ def _build_key(entry: Entry) -> tuple:
 def _case_row(case: StudyCase) -> dict:
     record, frames = case.run.record, case.run.timed_frames
     recording, build, machine = (record.get(key) or {} for key in ("recording", "build", "machine"))
-    times = {key: pooled_median([frames[key].dropna()]).value for key in [*COLLISION_STAGES, "collision_ns"]}
+    times = {key: frames[key].median() for key in [*COLLISION_STAGES, "collision_ns"]}
     return {
         "case": case.name, **_identity(case.mode, case.scene, case.configuration),
         "preset": record["case"].get("preset"), "repetition": case.repetition, "status": case.run.status,
@@ -75,7 +75,7 @@ def _case_row(case: StudyCase) -> dict:
 
 def _entry_row(entry: Entry, entries: list[Entry], measured: dict) -> dict:
     time, ratio = entry.collision_ms, ratio_to(entry, find_voxel_64(entries, entry))
-    stages = {stage.replace("_ns", "_ms"): entry.stage_ms([stage]).value for stage in COLLISION_STAGES}
+    stages = {stage.replace("_ns", "_ms"): entry.stage_ms(stage) for stage in COLLISION_STAGES}
     return {
         **_identity(entry.mode, entry.scene, entry.configuration), "status": entry.status, "detail": entry.detail,
         "repetitions": len(entry.cases), "ok_repetitions": len(entry.ok), "distinct_answers": len(entry.answers) or None,

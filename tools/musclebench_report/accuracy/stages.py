@@ -6,16 +6,17 @@ import pandas as pd
 
 from .. import style
 from ..results import COLLISION_STAGES
+from ..statistics import pooled_median
 from ..style import plt
 from .configurations import configuration
-from .entries import NANOSECONDS_TO_MS, Entry, find, sum_of_columns
+from .entries import NANOSECONDS_TO_MS, Entry, find, stage_ns
 from .fcl_table import best_right
-from ..statistics import pooled_median
 
 NOT_STAGES = {*COLLISION_STAGES, "frame_ns", "recording_ns", "collision_ns"}
 # Of Okabe and Ito; the three of collision are warm, so that their share is seen at once.
 COLOURS = {"update_ns": "#F0E442", "detect_ns": "#D55E00", "respond_ns": "#CC79A7"}
 OTHER_COLOURS = ["#0072B2", "#56B4E9", "#009E73", "#4d4d4d", "#999999", "#c7c7c7"]
+LEGEND_INCHES = 0.6
 STAGE_ORDER = ["edge_length_ns", "bending_ns", "volume_ns", "attachment_ns", "gravity_ns", "predict_ns", "finish_ns"]
 CHOSEN = [configuration("null", {}), configuration("voxel", {}), configuration("sdf", {}), configuration("bvh", {}),
           configuration("fcl", {})]
@@ -27,7 +28,7 @@ def stage_rows(coupled: list[Entry], replays: list[Entry]) -> pd.DataFrame:
     for scene in dict.fromkeys(entry.scene for entry in coupled):
         for entry in chosen_entries(coupled, replays, scene):
             for stage in stages_of(entry):
-                series = [sum_of_columns(case, [stage]) for case in entry.ok]
+                series = [stage_ns(case, stage) for case in entry.ok]
                 time = pooled_median(series).scaled(NANOSECONDS_TO_MS)
                 rows.append({"scene": scene, "configuration": entry.configuration.name, "stage": stage, "ms": time.value,
                              "ms_low": time.low, "ms_high": time.high})
@@ -57,13 +58,14 @@ def draw_stages(rows: pd.DataFrame, stem: Path) -> list[Path]:
     style.apply_style()
     scenes, names = list(dict.fromkeys(rows["scene"])), list(dict.fromkeys(rows["stage"]))
     bars = max(rows[rows["scene"] == scene]["configuration"].nunique() for scene in scenes)
-    figure, panels = plt.subplots(len(scenes), 1, figsize=(9.6, len(scenes) * (0.34 * bars + 0.75) + 0.5), squeeze=False)
+    height = len(scenes) * (0.34 * bars + 0.75) + LEGEND_INCHES
+    figure, panels = plt.subplots(len(scenes), 1, figsize=(9.6, height), squeeze=False)
     colours = _colours(names)
     for axes, scene in zip(panels[:, 0], scenes):
         _draw_bars(axes, rows[rows["scene"] == scene], names, colours)
         axes.set_title(style.muscle_label(scene.split("/")[-1]), loc="left")
     panels[-1, 0].set_xlabel("share of the frame's stages (%), medians")
-    figure.tight_layout(rect=(0, 0, 1, 0.93 if len(scenes) > 2 else 0.85), h_pad=1.2)
+    figure.tight_layout(rect=(0, 0, 1, 1 - LEGEND_INCHES / height), h_pad=1.2)
     handles = [plt.Rectangle((0, 0), 1, 1, color=colours[name]) for name in names]
     figure.legend(handles, [_words(name) for name in names], ncols=5, loc="upper left", bbox_to_anchor=(0.0, 1.0),
                   frameon=False, fontsize=8.5)
@@ -81,7 +83,7 @@ def _draw_bars(axes, rows: pd.DataFrame, names: list[str], colours: dict) -> Non
             axes.barh(height, width, left=left, height=0.74, color=colours[stage], edgecolor="white", linewidth=0.5)
             left += width
         collision = mine.loc[[s for s in COLLISION_STAGES if s in mine.index], "ms"].sum()
-        axes.text(101, height, f"{_ms(mine['ms'].sum())} ms, of it collision {_ms(collision)} ms", va="center",
+        axes.text(101, height, f"{_ms(mine['ms'].sum())} ms, collision {_ms(collision)} ms", va="center",
                   fontsize=8.5)
     axes.set_yticks(range(len(configurations)), configurations)
     axes.set(xlim=(0, 100), ylim=(len(configurations) - 0.45, -0.55))
@@ -100,4 +102,5 @@ def _words(stage: str) -> str:
 
 
 def _ms(value: float) -> str:
-    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
+    """Three digits, no more than microseconds."""
+    return f"{value:.3g}" if 0.01 <= value < 1000 else f"{value:.0f}" if value >= 1000 else "below 0.01"
