@@ -28,8 +28,8 @@ class Estimate:
 
 def pooled_median(repetitions: list[pd.Series], draws: int = DRAWS, seed: int = 1) -> Estimate:
     """Median over the frames (index) that all repetitions have, of all repetitions together. The bootstrap draws
-    repetitions, and in each of them blocks of neighbouring frames (Künsch 1989), so that its interval holds what differs
-    from process to process as well as from frame to frame."""
+    repetitions, and in each of them blocks of neighbouring frames (Künsch 1989), so that its interval holds what
+    differs from process to process as well as from frame to frame."""
     if not repetitions:
         return Estimate.unknown()
     values = pd.concat(repetitions, axis=1, join="inner").dropna().to_numpy().T

@@ -64,8 +64,8 @@ def write_replay(folder: Path, scene: str, backend: str, truth: Truth, repetitio
     reported = TRUE_CONTACTS - truth.missed + truth.false
     made |= {
         "band_m": BAND_M, "contact_hash": f"hash-{backend}-{truth.parameters}",
-        "recording": {"file": "a.recording", "sha256": "00aa", "bytes": 1000, "frames": FRAMES, "iterations": 3 * FRAMES,
-                      "stride": stride},
+        "recording": {"file": "a.recording", "sha256": "00aa", "bytes": 1000, "frames": FRAMES,
+                      "iterations": 3 * FRAMES, "stride": stride},
     }
     if repetition == 0:  # the others are not judged
         made["accuracy"] = {
@@ -122,7 +122,8 @@ def _coupled_row(frame: int, ns: int) -> dict:
     return row | {
         "frame": frame, "angle_deg": _angle(frame), "warm_up": int(frame <= 2), "attachment_ns": 20_000,
         "edge_length_ns": 800_000, "volume_ns": 330_000, "bending_ns": 2_800_000, "predict_ns": 30_000,
-        "finish_ns": 20_000, "update_ns": ns // 10, "detect_ns": 8 * ns // 10, "respond_ns": ns - ns // 10 - 8 * ns // 10,
+        "finish_ns": 20_000, "update_ns": ns // 10, "detect_ns": 8 * ns // 10,
+        "respond_ns": ns - ns // 10 - 8 * ns // 10,
         "frame_ns": ns + 4_000_000, "contacts": 10, "nodes_inside": 1, "max_depth_m": 1e-4, "mean_depth_m": 1e-5,
         "missed_contacts": 0, "false_contacts": 0, "resident_bytes": 100_000_000, "volume_m3": 1e-4,
     }
@@ -193,7 +194,8 @@ def realistic_truths() -> list[tuple[str, Truth]]:
             made.append(("sdf", Truth(0.2 * (cells / 64) ** 0.32 * (1 + 0.15 * (width - 1)), mm,
                                       structure_bytes=60 * width * cells**3, build_s=4.6e-5 * cells**3,
                                       remaining_mm=mm / 3, shift_mm=mm / 2, parameters={
-                                          "cells": cells, "cell_size_m": 0.0, "precision": precision, "margin": 0.001})))
+                                          "cells": cells, "cell_size_m": 0.0, "precision": precision,
+                                          "margin": 0.001})))
     for edge in (8e-3, 4e-3, 2e-3):
         mm = 0.25 * (edge / 2e-3) ** 1.4
         made.append(("sdf", Truth(0.21 * (2e-3 / edge) ** 0.3, mm, structure_bytes=round(0.375 / edge**3),
@@ -207,7 +209,8 @@ def realistic_truths() -> list[tuple[str, Truth]]:
         (110, 0.02, 150, 1, {"model": "update"}), (72, 0.02, 150, 1, {"manager": "sweep_and_prune"}),
         (72, 0.02, 150, 1, {"manager": "none"}), (73, 0.02, 150, 1, {"solver": "indep"}),
         (55, 0.02, 150, 1, {"bounding_volume": "OBB", "update": "rebuild"}),
-        (800, 1e-14, 0, 1, {"query": "node_distance"}), (620, 1e-14, 0, 1, {"query": "node_distance", "manager": "none"}),
+        (800, 1e-14, 0, 1, {"query": "node_distance"}),
+        (620, 1e-14, 0, 1, {"query": "node_distance", "manager": "none"}),
         (700, 1e-14, 0, 1, {"query": "node_distance", "bounding_volume": "RSS"}),
         (60, 1.9, 8100, 1, {"query": "node_collide"}), (38, 0.02, 150, 2, {}),
     ):

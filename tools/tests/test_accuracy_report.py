@@ -216,7 +216,7 @@ def test_all_muscles_are_the_sum_of_times_and_the_largest_error(study):
 
 def test_exact_backends_count_as_equal():
     rows = [("a", 1.0, 2e-17), ("b", 2.0, 0.0), ("c", 0.5, 1e-3)]
-    points = pd.DataFrame([{"backend": name, "time_ms": ms, "error_mm": mm, "is_wrong": False} for name, ms, mm in rows])
+    points = pd.DataFrame(rows, columns=["backend", "time_ms", "error_mm"]).assign(is_wrong=False)
     assert [points.loc[i, "backend"] for i in front.on_front(points)] == ["c", "a"]
 
 
@@ -262,6 +262,14 @@ def test_a_configuration_that_fails_on_one_muscle_holds_not_for_all(study):
     replays = replays_of(study)
     assert price(replays, "iliacus", "0.1")["configuration"] == "sdf 128"
     assert price(replays, front.ALL_MUSCLES, "0.1")["configuration"] == "bvh"
+
+
+def test_a_configuration_that_one_muscle_lacks_holds_not_for_all(study):
+    write_failure(study / "raw" / "late", "replay", SCENES[1], "sdf", "timeout", Truth(parameters={"cells": 200}))
+    write_replay(study / "raw" / "fine", SCENES[0], "sdf", Truth(0.5, 0.005, parameters={"cells": 200}))
+    replays = replays_of(study)
+    assert price(replays, "iliacus", "0.01")["configuration"] == "sdf 200"
+    assert price(replays, front.ALL_MUSCLES, "0.01")["configuration"] == "bvh"
 
 
 def test_a_depth_that_none_holds_names_the_best_found(tmp_path):

@@ -12,8 +12,8 @@ REPLAY_ERROR = (
     "contacts included, within {band} of the surface."
 )
 TIME = (
-    "Time is update + detect + respond of one thread: the median over the frames without warm-up of all repetitions, with "
-    "its 95 % interval (bootstrap over repetitions and, in each, blocks of 10 neighbouring frames)."
+    "Time is update + detect + respond of one thread: the median over the frames without warm-up of all repetitions, "
+    "with its 95 % interval (bootstrap over repetitions and, in each, blocks of 10 neighbouring frames)."
 )
 
 

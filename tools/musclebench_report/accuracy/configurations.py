@@ -15,7 +15,8 @@ EDGE_OF_CUBES = {"voxel": "voxel_size_m", "sdf": "cell_size_m"}
 NO_CHOICE = {"structures"}  # where fields are kept changes no answer and no time of a frame
 WORDS = {
     ("manager", "none"): "no manager", ("manager", "sweep_and_prune"): "sweep and prune",
-    ("update", "refit_top_down"): "refit top-down", ("update", "rebuild"): "rebuild", ("model", "update"): "update model",
+    ("update", "refit_top_down"): "refit top-down", ("update", "rebuild"): "rebuild",
+    ("model", "update"): "update model",
     ("query", "node_distance"): "node distance", ("query", "node_collide"): "node spheres",
     ("solver", "indep"): "own solver", ("precision", "double"): "double",
 }
@@ -55,7 +56,8 @@ class Configuration:
         if self.backend not in EDGE_OF_CUBES:
             return None
         precision = f" {self.choice('precision')}" if self.backend == "sdf" else ""
-        others = [text for key, text in self._spoken() if key not in ("cells", EDGE_OF_CUBES[self.backend], "precision")]
+        told = ("cells", EDGE_OF_CUBES[self.backend], "precision")
+        others = [text for key, text in self._spoken() if key not in told]
         kind = "cubes" if self.cube_edge_m is not None else "cells"
         return " ".join([f"{self.backend}{precision}", kind, *others])
 

@@ -29,8 +29,8 @@ def fcl_table(replays: list[Entry]) -> Table:
         [r.scene for r in replays].index(e.scene), e.configuration.factors, e.configuration.name))
     rows = pd.DataFrame([_row(entry, replays) for entry in entries], columns=[column.key for column in COLUMNS])
     caption = " ".join([
-        "FCL's configurations on replayed positions, the default being the paper's way. Factors are medians over the same "
-        "frames.", rule(), *summaries(replays)])
+        "FCL's configurations on replayed positions, the default being the paper's way. Factors are medians over the "
+        "same frames.", rule(), *summaries(replays)])
     return Table("fcl_factors", caption, COLUMNS, rows, SHOWN)
 
 
@@ -38,8 +38,8 @@ def rule() -> str:
     return (
         f"Wrong is an exact method that misses more than {100 * ALLOWED_MISSED_SHARE:g} % of the true contacts (nodes "
         f"inside a bone), reports more than {100 * ALLOWED_FALSE_SHARE:g} % false ones, or whose depth error's 99th "
-        f"percentile is over {ALLOWED_P99_ERROR_MM:g} mm. Intersecting surfaces says nothing of nodes deeper inside than "
-        "the crossing triangles: the paper's way is judged by the same rule."
+        f"percentile is over {ALLOWED_P99_ERROR_MM:g} mm. Intersecting surfaces says nothing of nodes deeper inside "
+        "than the crossing triangles: the paper's way is judged by the same rule."
     )
 
 

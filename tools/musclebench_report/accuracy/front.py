@@ -56,7 +56,8 @@ def _row(panel: str, group: list[Entry], error_mm, wrong: set) -> dict:
         "label": chosen.short, "fineness": chosen.fineness, "time_ms": time.value, "time_ms_low": time.low,
         "time_ms_high": time.high, "error_mm": float(np.max([error_mm(entry) for entry in group])),
         "structure_bytes": sum(entry.structure_bytes for entry in group) / len(group),
-        "is_wrong": any((entry.scene, entry.configuration) in wrong for entry in group), "repetitions": min(len(entry.ok) for entry in group),
+        "is_wrong": any((entry.scene, entry.configuration) in wrong for entry in group),
+        "repetitions": min(len(entry.ok) for entry in group),
         "frames": time.frames,
     }
 

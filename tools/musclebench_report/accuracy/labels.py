@@ -19,6 +19,7 @@ class Label:
     colour: str
     radius_points: float = 3.0  # of the point that it names
     prefer: tuple[int, int] = (1, 0)  # direction that is tried first
+    bar: tuple[float, float] | None = None  # x of the ends of its error bar
 
 
 def place_labels(axes, labels: list[Label], size: float = 7.0) -> None:
@@ -30,6 +31,7 @@ def place_labels(axes, labels: list[Label], size: float = 7.0) -> None:
     centres = np.array([axes.transData.transform((label.x, label.y)) for label in labels]).reshape(-1, 2)
     radii = np.array([label.radius_points * pixels for label in labels])
     points = np.concatenate([centres - radii[:, None], centres + radii[:, None]], axis=1)
+    points = np.concatenate([points, _bars(axes, labels)])
     frame, taken = axes.get_window_extent(renderer), []
     for place, label in enumerate(labels):
         extent = _extent(axes, label.text, size, renderer)
@@ -43,6 +45,12 @@ def _extent(axes, text: str, size: float, renderer) -> np.ndarray:
     box = drawn.get_window_extent(renderer)
     drawn.remove()
     return np.array([box.width + 2 * GAP_PIXELS, box.height])
+
+
+def _bars(axes, labels: list[Label]) -> np.ndarray:
+    ends = [(axes.transData.transform((label.bar[0], label.y)), axes.transData.transform((label.bar[1], label.y)))
+            for label in labels if label.bar is not None]
+    return np.array([[*left - GAP_PIXELS, *right + GAP_PIXELS] for left, right in ends]).reshape(-1, 4)
 
 
 def _free_box(centre, radius, prefer, extent, frame, points, taken, pixels):

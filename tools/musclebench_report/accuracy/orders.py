@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from .entries import Entry, number
+from .entries import Entry
 from .rows import build_seconds
 
 PLACES = ("smooth", "sharp")

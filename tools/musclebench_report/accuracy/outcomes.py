@@ -33,10 +33,10 @@ def outcomes_table(coupled: list[Entry], shapes: dict) -> Table:
     """`shapes` as `shape_distances` gives them."""
     rows = pd.DataFrame([_row(entry, shapes) for entry in coupled], columns=[column.key for column in COLUMNS])
     caption = (
-        "Coupled runs: each configuration moves its own muscle. Largest true depth over the run of nodes and of the surface "
-        "(a muscle triangle in a bone, a bone's vertex in the muscle), the 99th percentile over frames of the latter; RMS "
-        "over nodes and symmetric Hausdorff distance (vertices to surface) to the exact run's shape; collision time summed "
-        "over the whole run, median of the repetitions."
+        "Coupled runs: each configuration moves its own muscle. Largest true depth over the run of nodes and of the "
+        "surface (a muscle triangle in a bone, a bone's vertex in the muscle), the 99th percentile over frames of the "
+        "latter; RMS over nodes and symmetric Hausdorff distance (vertices to surface) to the exact run's shape; "
+        "collision time summed over the whole run, median of the repetitions."
     )
     return Table("coupled_outcomes", caption, COLUMNS, rows, SHOWN)
 

@@ -19,7 +19,8 @@ COLUMNS = 2
 BAND_SHARE = 0.30  # of the axis' height for what is exact
 LANES = 5  # in that band, so that points of about the same time stand apart
 SERIES_STYLES = {
-    "voxel cells": ("o", "-"), "voxel cubes": ("s", "--"), "sdf float cells": ("o", "-"), "sdf float cubes": ("s", "--"),
+    "voxel cells": ("o", "-"), "voxel cubes": ("s", "--"),
+    "sdf float cells": ("o", "-"), "sdf float cubes": ("s", "--"),
     "sdf double cells": ("D", ":"), "sdf double cubes": ("^", "-."),
 }
 PREFERRED_SIDES = {"sdf float cells": (-1, 0), "sdf float cubes": (-1, 0), "voxel cubes": (-1, 0)}
@@ -44,8 +45,8 @@ class Axis:
         return self.low_mm * (self.bottom_mm / self.low_mm) ** share
 
 
-def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str) -> list[Path]:
-    """PNG, SVG and CSV; nothing without points."""
+def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str, nothing: str) -> list[Path]:
+    """PNG, SVG and CSV; nothing without points. `nothing`: what an error below a nanometre is called."""
     if points.empty or (points["backend"] == "null").all():
         return []
     style.apply_style()
@@ -53,7 +54,9 @@ def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str) 
     columns = min(COLUMNS, len(panels) + 1)
     rows = math.ceil((len(panels) + 1) / columns)
     width, height = PANEL_INCHES
-    figure, cells = plt.subplots(rows, columns, figsize=(width * columns, height * rows), squeeze=False)
+    shares = [1.0, 0.65] if len(panels) == 1 else [1.0] * columns
+    figure, cells = plt.subplots(rows, columns, figsize=(width * sum(shares), height * rows), squeeze=False,
+                                 width_ratios=shares)
     cells = list(cells.flat)
     numbers = _fcl_numbers(points)
     for cell, panel in zip(cells, panels):
@@ -66,7 +69,7 @@ def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str) 
     # Labels find their places in pixels: the panels must have their final size before.
     axis = error_axis(points["error_mm"])
     for cell, panel in zip(cells, panels):
-        _draw_panel(cell, points[points["panel"] == panel], axis, numbers)
+        _draw_panel(cell, points[points["panel"] == panel], axis, numbers, nothing)
     _draw_key(cells[len(panels)], points, numbers)
     table = stem.with_suffix(".csv")
     points.to_csv(table, index=False)
@@ -92,10 +95,10 @@ def error_axis(errors_mm: pd.Series) -> Axis:
     return Axis(low, low / 10**decades, high)
 
 
-def _draw_panel(axes, points: pd.DataFrame, axis: Axis, numbers: dict[str, int]) -> None:
+def _draw_panel(axes, points: pd.DataFrame, axis: Axis, numbers: dict[str, int], nothing: str) -> None:
     times = _time_limits(points)
     axes.set(xscale="log", yscale="log", xlim=times, ylim=(axis.bottom_mm, axis.high_mm))
-    _mark_exact(axes, axis)
+    _mark_exact(axes, axis, nothing)
     points = points.sort_values("time_ms").reset_index(drop=True)
     exact = points["error_mm"] < EXACT_MM
     lanes = exact.cumsum() - 1
@@ -114,16 +117,17 @@ def _draw_panel(axes, points: pd.DataFrame, axis: Axis, numbers: dict[str, int])
         _draw_point(axes, point, heights[place])
         text = _label_text(point, points, numbers)
         radius = math.sqrt(marker_area(point["structure_bytes"])) / 2
-        labels.append(Label(point["time_ms"], heights[place], text, style.backend_colour(point["backend"]), radius,
-                            PREFERRED_SIDES.get(point["series"], (1, 0))))
+        side, bar = PREFERRED_SIDES.get(point["series"], (1, 0)), (point["time_ms_low"], point["time_ms_high"])
+        colour = style.backend_colour(point["backend"])
+        labels.append(Label(point["time_ms"], heights[place], text, colour, radius, side, bar))
     place_labels(axes, labels, size=6.8)
 
 
-def _mark_exact(axes, axis: Axis) -> None:
+def _mark_exact(axes, axis: Axis, nothing: str) -> None:
     if axis.bottom_mm < axis.low_mm:
         axes.axhspan(axis.bottom_mm, axis.low_mm, facecolor="#eef2f5", edgecolor="none", zorder=0)
         axes.axhline(axis.low_mm, color="#888888", linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
-        axes.text(0.012, 0.012, "exact (below 1 nm)", transform=axes.transAxes, fontsize=7.5, color="#555555",
+        axes.text(0.012, 0.012, f"{nothing} (below 1 nm)", transform=axes.transAxes, fontsize=7.5, color="#555555",
                   va="bottom")
     # Ticks only where the axis is one: not in the band.
     decades = np.arange(round(math.log10(axis.low_mm)), math.floor(math.log10(axis.high_mm)) + 1)
@@ -222,8 +226,8 @@ def _draw_key(axes, points: pd.DataFrame, numbers: dict[str, int]) -> None:
                 handlelength=2.4, labelspacing=0.45)
     words = [f"{number}  {name.removeprefix('fcl ')}" for name, number in numbers.items()]
     if words:
-        axes.text(0.52, 1.0, "\n".join(["numbers: fcl configurations", *words]), transform=axes.transAxes, fontsize=7.0, va="top",
-                  color=style.backend_colour("fcl"), linespacing=1.25)
+        axes.text(0.52, 1.0, "\n".join(["numbers: fcl configurations", *words]), transform=axes.transAxes,
+                  fontsize=7.0, va="top", color=style.backend_colour("fcl"), linespacing=1.25)
 
 
 def _series_words(series: str) -> str:

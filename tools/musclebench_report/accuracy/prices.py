@@ -36,10 +36,10 @@ def price_list(replays: list[Entry], measured_builds: dict) -> Table:
     if len(scenes) > 1:
         rows += _rows(ALL_MUSCLES, _offers_on_all(able, replays, scenes, measured_builds))
     caption = (
-        "Price list. For each depth error the configuration of the least collision time whose error's 99th percentile over "
-        "the replayed run is no larger (fcl only where it answers right); time as a multiple of voxel with 64 cells on the "
-        "same frames, with its 95 % interval; all muscles: sum of the medians, holding on each, the worst of the errors, "
-        "building and bytes of the largest. One thread."
+        "Price list. For each depth error the configuration of the least collision time whose error's 99th percentile "
+        "over the replayed run is no larger (fcl only where it answers right); time as a multiple of voxel with 64 "
+        "cells on the same frames, with its 95 % interval; all muscles: sum of the medians, holding on each, the "
+        "worst of the errors, building and bytes of the largest. One thread."
     )
     return Table("price_list", caption, COLUMNS, pd.DataFrame(rows, columns=[c.key for c in COLUMNS]), SHOWN)
 

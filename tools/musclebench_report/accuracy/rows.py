@@ -78,7 +78,8 @@ def _entry_row(entry: Entry, entries: list[Entry], measured: dict) -> dict:
     stages = {stage.replace("_ns", "_ms"): entry.stage_ms(stage) for stage in COLLISION_STAGES}
     return {
         **_identity(entry.mode, entry.scene, entry.configuration), "status": entry.status, "detail": entry.detail,
-        "repetitions": len(entry.cases), "ok_repetitions": len(entry.ok), "distinct_answers": len(entry.answers) or None,
+        "repetitions": len(entry.cases), "ok_repetitions": len(entry.ok),
+        "distinct_answers": len(entry.answers) or None,
         "frames": time.frames or None, "collision_ms": time.value, "collision_ms_low": time.low,
         "collision_ms_high": time.high, **stages, "times_voxel_64": ratio.value, "times_voxel_64_low": ratio.low,
         "times_voxel_64_high": ratio.high, "build_s": build_seconds(entry, measured),

@@ -30,8 +30,8 @@ def stage_rows(coupled: list[Entry], replays: list[Entry]) -> pd.DataFrame:
             for stage in stages_of(entry):
                 series = [stage_ns(case, stage) for case in entry.ok]
                 time = pooled_median(series).scaled(NANOSECONDS_TO_MS)
-                rows.append({"scene": scene, "configuration": entry.configuration.name, "stage": stage, "ms": time.value,
-                             "ms_low": time.low, "ms_high": time.high})
+                rows.append({"scene": scene, "configuration": entry.configuration.name, "stage": stage,
+                             "ms": time.value, "ms_low": time.low, "ms_high": time.high})
     table = pd.DataFrame(rows, columns=["scene", "configuration", "stage", "ms", "ms_low", "ms_high"])
     table["share"] = table["ms"] / table.groupby(["scene", "configuration"], sort=False)["ms"].transform("sum")
     return table
