@@ -38,7 +38,7 @@ class AccuracyStudy(Experiment):
         if is_too_long(case):
             a_step = f"{case.configuration.step_ms * case.scene.size / 1e3:.2g} s"
             whole = duration(case.guessed_seconds)
-            return Refusal("timeout", f"not run: {case.scene.steps} steps of about {a_step} would take about {whole}")
+            return Refusal("timeout", f"not run: {case.steps} steps of about {a_step} would take about {whole}")
         if isinstance(case, ReplayCase) and not super().is_complete(case.recording):
             return Refusal("failed", f"not run: there is no recording; {self._reason(case.recording)}")
         return None

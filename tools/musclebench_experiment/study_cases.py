@@ -1,7 +1,7 @@
 """The cases of the accuracy study: a recording a muscle; replays, coupled runs and probes of each configuration."""
 
 from abc import abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from .case import Case, Places
@@ -28,10 +28,15 @@ class MuscleScene:
     data_set: str  # synthetic or lhdl
     muscle: str
     frames_limit: int | None = None  # None: as many as the preset has
+    probed_on: str = ""  # the muscle whose scene is probed; the bones are those of the data set. Empty: this one
 
     @property
     def name(self) -> str:
         return f"{self.data_set}/{self.muscle}"
+
+    @property
+    def probed(self) -> "MuscleScene":
+        return replace(self, muscle=self.probed_on or self.muscle)
 
     @property
     def frames(self) -> int:
@@ -129,12 +134,12 @@ class MeasuredCase(Case):
     @property
     def needs(self) -> tuple[str, ...]:
         """The probe builds the structures, so that their building is timed once; the others load them."""
-        return (ProbeCase(self.scene, self.configuration).name,) if self.configuration.stores else ()
+        return (ProbeCase(self.scene.probed, self.configuration).name,) if self.configuration.stores else ()
 
     @property
     def structures(self) -> str:
         """Folder of the structures of the configuration, below the study's."""
-        return f"structures/{self.scene.muscle}/{self.configuration.label}"
+        return f"structures/{self.scene.probed.muscle}/{self.configuration.label}"
 
     @property
     def building_seconds(self) -> float:
@@ -194,6 +199,11 @@ class ReplayCase(MeasuredCase):
         """Every stride-th and the last."""
         return -(-self.scene.frames // self.stride)
 
+    @property
+    def steps(self) -> int:
+        """Of a judged replay, which asks twice."""
+        return ITERATIONS_A_FRAME * self.frames * (2 if self.is_judged else 1)
+
     def arguments(self, places: Places) -> list[str]:
         return ["replay", str(places.out_dir / self.recording.file), *self.backend_arguments(places),
                 *self.scene.data_arguments(places), "--stride", str(self.stride), "--band-mm", f"{self.band_mm:g}",
@@ -205,6 +215,10 @@ class CoupledCase(MeasuredCase):
     """The answers move the muscle."""
 
     mode = "coupled"
+
+    @property
+    def steps(self) -> int:
+        return self.scene.steps
 
     @property
     def guessed_seconds(self) -> float:
@@ -236,6 +250,11 @@ class ProbeCase(MeasuredCase):
     mode = "probe"
 
     @property
+    def band_mm(self) -> float:
+        """Voxels answer wrongly as far out as they are large; fields are asked where contacts are."""
+        return 20.0 if self.configuration.backend == "voxel" else 2.0
+
+    @property
     def needs(self) -> tuple[str, ...]:
         return ()
 
@@ -249,4 +268,4 @@ class ProbeCase(MeasuredCase):
 
     def arguments(self, places: Places) -> list[str]:
         return ["probe", self.scene.name, *self.backend_arguments(places), *self.scene.data_arguments(places),
-                "--points", str(self.points)]
+                "--points", str(self.points), "--band-mm", f"{self.band_mm:g}"]

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from .configurations import Configuration, configurations
 from .study_cases import CoupledCase, MeasuredCase, MuscleScene, ProbeCase, RecordCase, ReplayCase
 
-REPLAY_SECONDS = 12.0  # of the steps of one replay; the stride keeps to it
-QUICK_REPLAY_SECONDS = 4.0
+REPLAY_SECONDS = 4.0  # of the steps of one replay; the stride keeps to it
+QUICK_REPLAY_SECONDS = 2.0
 FEWEST_FRAMES = 3  # of a replay, two of them for warming up
-LONGEST_COUPLED_SECONDS = 360.0
+LONGEST_SECONDS = 360.0  # what would take longer is a row with its estimate
 FEWER_REPETITIONS = ((60.0, 1), (8.0, 2))  # of more seconds a repetition there are no more
 
 
@@ -32,7 +32,7 @@ StudyCase = RecordCase | MeasuredCase
 
 def plan(wishes: Wishes) -> list[StudyCase]:
     """Recordings first, then round by round; the cases of a round are shuffled."""
-    scenes = [MuscleScene(wishes.data_set, muscle, wishes.frames_limit) for muscle in wishes.muscles]
+    scenes = [MuscleScene(wishes.data_set, muscle, wishes.frames_limit, wishes.muscles[0]) for muscle in wishes.muscles]
     chosen = [c for c in configurations() if c.in_quick or not wishes.quick]
     firsts = [case for scene in scenes for configuration in chosen for case in _modes(scene, configuration, wishes)]
     measured = _rounds(in_shard(firsts, *wishes.shard), wishes)
@@ -42,27 +42,31 @@ def plan(wishes: Wishes) -> list[StudyCase]:
 
 def is_too_long(case: StudyCase) -> bool:
     """True for a case that is shown as a row with its estimate and never run."""
-    return isinstance(case, CoupledCase) and case.guessed_seconds > LONGEST_COUPLED_SECONDS
+    return isinstance(case, (CoupledCase, ReplayCase)) and case.guessed_seconds > LONGEST_SECONDS
 
 
 def in_shard(cases: list[MeasuredCase], number: int, count: int) -> list[MeasuredCase]:
-    """The number-th (from 1) of `count` parts of about the same time. A configuration stays on one machine: its cases
-    share structures."""
+    """The number-th (from 1) of `count` parts of about the same time. What shares structures stays on one machine."""
     groups: dict[tuple, list[MeasuredCase]] = {}
     for case in cases:
-        groups.setdefault((case.scene.muscle, case.configuration.label), []).append(case)
+        groups.setdefault(_group(case), []).append(case)
     loads, mine = [0.0] * count, set()
     for key, group in sorted(groups.items(), key=lambda item: (-_seconds(item[1]), item[0])):
         lightest = loads.index(min(loads))
         loads[lightest] += _seconds(group)
         if lightest == number - 1:
             mine.add(key)
-    return [case for case in cases if (case.scene.muscle, case.configuration.label) in mine]
+    return [case for case in cases if _group(case) in mine]
+
+
+def _group(case: MeasuredCase) -> tuple[str, str]:
+    scene = case.scene.probed if case.configuration.stores else case.scene
+    return scene.muscle, case.configuration.label
 
 
 def _modes(scene: MuscleScene, configuration: Configuration, wishes: Wishes) -> list[MeasuredCase]:
     cases = []
-    if configuration.is_probed:
+    if configuration.is_probed and scene.probed == scene:
         cases.append(ProbeCase(scene, configuration))
     if configuration.replays:
         stride = stride_of(scene, configuration, QUICK_REPLAY_SECONDS if wishes.quick else REPLAY_SECONDS)
