@@ -22,7 +22,7 @@ FEW = [
     Configuration("voxel", (("cells", 16),), step_ms=0.05, is_probed=True),
     Configuration("sdf", (("cells", 8), ("precision", "float")), step_ms=0.1, stored_bytes=1e3, is_probed=True),
     Configuration("bvh", step_ms=1.0),
-    Configuration("brute_force", step_ms=2e4),
+    Configuration("brute_force", step_ms=1.2e4),
 ]
 PROBES = ["iliacus-probe-sdf-cells=8,precision=float-r0", "iliacus-probe-voxel-cells=16-r0"]
 ONCE = ["iliacus-coupled-null", "iliacus-replay-voxel-cells=16", "iliacus-coupled-voxel-cells=16",
