@@ -50,6 +50,10 @@ class Experiment:
         """Digests of further inputs, by name."""
         return {}
 
+    def is_ever_run(self, case: Case) -> bool:
+        """False for a case that leaves a row without costing any time."""
+        return True
+
     def refusal(self, case: Case) -> Refusal | None:
         """Asked when its turn comes."""
         return None

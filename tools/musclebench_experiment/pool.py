@@ -30,7 +30,7 @@ class _Pool:
     def __init__(self, cases: list[Case], experiment: Experiment, limits: Limits):
         self._queue, self._experiment, self._limits = CaseQueue(cases), experiment, limits
         self._free, self._running = list(limits.cores), []
-        self._estimate = Estimate(list(cases))
+        self._estimate = Estimate([case for case in cases if experiment.is_ever_run(case)])
         self._statuses: dict[Case, str] = {}
 
     def run(self) -> dict[Case, str]:
@@ -76,7 +76,8 @@ class _Pool:
     def _leave_out(self, case: Case, status: str) -> None:
         self._statuses[case] = status
         self._queue.end(case)
-        self._estimate.cases.remove(case)
+        if case in self._estimate.cases:
+            self._estimate.cases.remove(case)
 
     def _end_cases(self) -> None:
         for worker in [w for w in self._running if self._is_over(w)]:

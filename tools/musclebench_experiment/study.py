@@ -34,6 +34,9 @@ class AccuracyStudy(Experiment):
             return {}
         return {"recording_sha256": self._recording_digest(case.recording)}
 
+    def is_ever_run(self, case: Case) -> bool:
+        return not is_too_long(case)
+
     def refusal(self, case: Case) -> Refusal | None:
         if is_too_long(case):
             a_step = f"{case.configuration.step_ms * case.scene.size / 1e3:.2g} s"

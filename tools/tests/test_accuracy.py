@@ -112,7 +112,7 @@ def test_every_case_runs_once_on_one_core_and_leaves_a_sealed_folder(sweep):
 def test_what_is_too_long_is_a_row_with_its_estimate(sweep):
     sweep()
     row = sweep.record(TOO_LONG)
-    assert row["status"] == "timeout" and row["status_detail"].startswith("not run: 942 steps of about 20 s")
+    assert row["status"] == "timeout" and row["status_detail"].startswith("not run: 942 steps of about 12 s")
     assert row["case"] == {"mode": "coupled", "scene": "synthetic/iliacus", "preset": "paper", "backend": "brute_force",
                            "parameters": {}, "threads": 1, "repetition": 0}
 
