@@ -45,4 +45,5 @@ def chosen_cores(jobs: int | None) -> list[int]:
 
 def end_by_interrupt() -> None:
     """Being terminated ends a command as Ctrl-C does: tidily."""
-    signal.signal(signal.SIGTERM, signal.getsignal(signal.SIGINT))
+    # Not the handler of SIGINT: a shell without job control has its background jobs ignore that signal.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
