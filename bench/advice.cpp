@@ -1,6 +1,7 @@
 #include "bench/advice.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -155,6 +156,7 @@ std::string Configuration::text() const {
 }
 
 MedianInterval median_interval(std::vector<double> values) {
+  assert(!values.empty());
   std::sort(values.begin(), values.end());
   const auto count = static_cast<double>(values.size());
   const std::size_t middle = values.size() / 2;

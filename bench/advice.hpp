@@ -28,8 +28,8 @@ struct MedianInterval {
   double high = 0;
 };
 
-/// The median of `values`, at least one, with the interval between order statistics that holds the true median in 95 of
-/// 100 samples (sign test; below 6 values the whole range).
+/// The median of `values`, at least one, with the interval between order statistics that holds the true median in about
+/// 95 of 100 samples of independent values (sign test, normal approximation; below 6 values the whole range).
 MedianInterval median_interval(std::vector<double> values);
 
 /// What a configuration was measured to cost and to err on one scene.

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <memory>
+#include <new>
 #include <numbers>
+#include <optional>
 #include <thread>
 
 #include <CLI/CLI.hpp>
@@ -76,8 +78,9 @@ Input run_exactly(const Scene& scene, double seconds) {
   return input;
 }
 
-Assessment assess(const Scene& scene, const Configuration& configuration, const AdviseOptions& options,
-                  KeptFrames& frames) {
+/// Nothing, with the reason, where the answers can't be judged.
+std::optional<Assessment> assess(const Scene& scene, const Configuration& configuration, const AdviseOptions& options,
+                                 KeptFrames& frames, std::string& reason) {
   const BackendEntry& backend = find_backend(configuration.backend);
   ReplayCase replay{{scene, backend, Parameters(backend.parameters, configuration.parameters, configuration.text()),
                      options.threads, 0}};
@@ -91,17 +94,25 @@ Assessment assess(const Scene& scene, const Configuration& configuration, const 
       collision_ns.push_back(static_cast<double>(record.collision_ns()));
     }
   }
+  if (result.status != "ok") {
+    reason = result.status_detail;
+    return std::nullopt;
+  }
   const Accuracy accuracy = result.accuracy.value_or(Accuracy{});
+  if (accuracy.true_contacts == 0) {
+    reason = "the muscle is in no bone in these frames: there is nothing to judge";
+    return std::nullopt;
+  }
   const ErrorStatistics errors = accuracy.depth_error_m.value_or(ErrorStatistics{});
-  return {configuration,
-          errors.p99,
-          errors.max,
-          accuracy.missed_contacts,
-          accuracy.false_contacts,
-          accuracy.true_contacts,
-          median_interval(collision_ns),
-          result.build_ns,
-          result.structure_bytes};
+  return Assessment{configuration,
+                    errors.p99,
+                    errors.max,
+                    accuracy.missed_contacts,
+                    accuracy.false_contacts,
+                    accuracy.true_contacts,
+                    median_interval(collision_ns),
+                    result.build_ns,
+                    result.structure_bytes};
 }
 
 std::string millimetres(double metres) {
@@ -152,12 +163,24 @@ std::string command_for(const AdviseOptions& options, const Configuration& confi
   for (const auto& [name, value] : configuration.parameters) {
     command += fmt::format(" --param {}={}", name, format_parameter_value(value));
   }
-  return command;
+  if (!options.scene.choice.preset.empty()) {
+    command += " --preset " + options.scene.choice.preset;
+  }
+  for (const std::string& assignment : options.scene.loop) {
+    command += fmt::format(" --loop '{}'", assignment);
+  }
+  if (options.scene.frames > 0) {
+    command += fmt::format(" --frames {}", options.scene.frames);
+  }
+  if (!options.scene.choice.data.empty()) {
+    command += fmt::format(" --data '{}'", options.scene.choice.data);
+  }
+  return options.threads > 1 ? fmt::format("{} --threads {}", command, options.threads) : command;
 }
 
 void print_verdict(const Advice& advice, const AdviseOptions& options) {
   if (advice.measured.empty()) {
-    fmt::print("\nNothing could be measured within {:.0f} s; give more with --seconds.\n", options.seconds);
+    fmt::print("\nNothing could be measured; the reasons are above.\n");
     return;
   }
   if (!advice.chosen) {
@@ -192,15 +215,21 @@ int advise(const AdviseOptions& options) {
   const Nanoseconds start_ns = monotonic_now_ns();
   const Scene scene = load_scene(options.scene);
   Input input = run_exactly(scene, options.seconds * recording_share);
+  if (input.frames->header().frames() == 0) {
+    throw InputError("--seconds", fmt::format("no frame of the exact run could be kept within {:.0f} s; give more",
+                                              options.seconds * recording_share));
+  }
   const double left_s = options.seconds - static_cast<double>(monotonic_now_ns() - start_ns) * 1e-9;
   const AdviceRequest request{options.depth_mm * 1e-3, left_s, has_fcl()};
   const Advice advice = find_advice(request, [&](const Configuration& configuration, std::string& reason) {
     try {
-      return std::optional(assess(scene, configuration, options, *input.frames));
+      return assess(scene, configuration, options, *input.frames, reason);
     } catch (const InputError& refused) {
       reason = refused.what();
-      return std::optional<Assessment>();
+    } catch (const std::bad_alloc&) {
+      reason = "there is not enough memory";
     }
+    return std::optional<Assessment>();
   });
   fmt::print("{}: wanted is a depth error of at most {} mm in 99 of 100 contacts\n", scene.name, options.depth_mm);
   fmt::print("Asked were {} of {} frames of the exact run{}, {} true contacts; {} thread{}\n\n",

@@ -67,8 +67,10 @@ std::vector<int> free_nodes_of(const Particles& particles) {
 BuiltBackend build_backend(const Case& resolved) {
   BuiltBackend built;
   built.backend = resolved.backend.make(resolved.parameters);
-  const ScopedTimer timer(built.build_ns);
-  built.backend->build(resolved.scene.bones, resolved.scene.muscle.mesh, resolved.threads);
+  {
+    const ScopedTimer timer(built.build_ns);
+    built.backend->build(resolved.scene.bones, resolved.scene.muscle.mesh, resolved.threads);
+  }
   return built;
 }
 

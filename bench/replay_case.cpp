@@ -73,6 +73,9 @@ class Replayer {
       if (is_replayed(frame)) {
         look(m_frame);
         m_report(++m_frames_done);
+      } else if (is_replayed(frame + 1)) {
+        // A backend that keeps the last positions (fcl with model = update) shall see the step before, as in a run.
+        m_backend->update(m_frame.steps.back().bone_poses, m_frame.steps.back().positions);
       }
     }
   }

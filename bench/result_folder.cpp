@@ -4,6 +4,7 @@
 #include <fstream>
 #include <set>
 #include <unistd.h>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -17,27 +18,43 @@ namespace {
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-/// Makes the missing folders of a path, and removes those again that it made unless told to keep them.
+/// Makes the missing folders of a path, and removes those again that it made and that are still empty, unless told to
+/// keep them.
 class MissingFolders {
  public:
   explicit MissingFolders(const fs::path& folder) {
     for (fs::path path = folder; !fs::exists(path); path = path.parent_path()) {
-      m_first_made = path;
+      m_made.push_back(path);
     }
     fs::create_directories(folder);
   }
   MissingFolders(const MissingFolders&) = delete;
   MissingFolders& operator=(const MissingFolders&) = delete;
   ~MissingFolders() {
-    if (!m_first_made.empty()) {
+    for (const fs::path& folder : m_made) {  // innermost first; another process may use the outer ones by now
       std::error_code ignored;
-      fs::remove_all(m_first_made, ignored);
+      fs::remove(folder, ignored);
     }
   }
-  void keep() { m_first_made.clear(); }
+  void keep() { m_made.clear(); }
 
  private:
-  fs::path m_first_made;
+  std::vector<fs::path> m_made;
+};
+
+/// A folder that goes with all that is in it, unless it was given another name before.
+class PartFolder {
+ public:
+  explicit PartFolder(fs::path folder) : m_folder(std::move(folder)) { fs::create_directory(m_folder); }
+  PartFolder(const PartFolder&) = delete;
+  PartFolder& operator=(const PartFolder&) = delete;
+  ~PartFolder() {
+    std::error_code ignored;
+    fs::remove_all(m_folder, ignored);
+  }
+
+ private:
+  fs::path m_folder;
 };
 
 /// Absolute, without links and without a slash at its end.
@@ -105,15 +122,23 @@ void write_result_folder(const fs::path& folder, const std::function<void(const 
     const fs::path place = resolved(folder);
     MissingFolders parents(place.parent_path());
     const fs::path part = beside(place, "part");
-    const MissingFolders part_folder(part);
+    const PartFolder part_folder(part);
     write_files(part);
     require_replaceable(place);
     // The old result stays until the new one is in its place.
     const fs::path old = beside(place, "old");
-    if (fs::exists(place)) {
+    const bool replaces = fs::exists(place);
+    if (replaces) {
       fs::rename(place, old);
     }
-    fs::rename(part, place);
+    std::error_code failure;
+    fs::rename(part, place, failure);
+    if (failure) {
+      if (replaces) {
+        fs::rename(old, place);
+      }
+      throw fs::filesystem_error("rename", part, place, failure);
+    }
     fs::remove_all(old);
     parents.keep();
   } catch (const fs::filesystem_error& failure) {

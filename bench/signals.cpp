@@ -14,7 +14,16 @@ namespace {
 /// A handler can be told nothing; this is what it removes.
 char temporary_file[PATH_MAX] = "";
 
+/// More than 0: files are being moved. A mask would not do: it holds for one thread, and the system may hand the signal
+/// to another.
+volatile std::sig_atomic_t held_count = 0;
+volatile std::sig_atomic_t was_signalled = 0;
+
 void end_at_once(int /*signal*/) {
+  if (held_count > 0) {
+    was_signalled = 1;
+    return;
+  }
   if (temporary_file[0] != '\0') {
     unlink(temporary_file);
   }
@@ -23,16 +32,24 @@ void end_at_once(int /*signal*/) {
   _exit(exit_interrupted);
 }
 
+int end_at_once_count = 0;
+
+void choose_handler() {
+  const auto handler = end_at_once_count > 0 || held_count > 0 ? end_at_once : SIG_DFL;
+  std::signal(SIGINT, handler);
+  std::signal(SIGTERM, handler);
+}
+
 }  // namespace
 
 EndAtOnce::EndAtOnce() {
-  std::signal(SIGINT, end_at_once);
-  std::signal(SIGTERM, end_at_once);
+  ++end_at_once_count;
+  choose_handler();
 }
 
 EndAtOnce::~EndAtOnce() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  --end_at_once_count;
+  choose_handler();
   temporary_file[0] = '\0';
 }
 
@@ -46,13 +63,17 @@ void EndAtOnce::remove_first(const std::filesystem::path& file) {
 }
 
 HeldSignals::HeldSignals() {
-  sigset_t held;
-  sigemptyset(&held);
-  sigaddset(&held, SIGINT);
-  sigaddset(&held, SIGTERM);
-  sigprocmask(SIG_BLOCK, &held, &m_before);
+  held_count = held_count + 1;
+  choose_handler();
 }
 
-HeldSignals::~HeldSignals() { sigprocmask(SIG_SETMASK, &m_before, nullptr); }
+HeldSignals::~HeldSignals() {
+  held_count = held_count - 1;
+  choose_handler();
+  if (held_count == 0 && was_signalled != 0) {
+    was_signalled = 0;
+    std::raise(SIGTERM);
+  }
+}
 
 }  // namespace musclebench

@@ -25,9 +25,6 @@ class HeldSignals {
   HeldSignals(const HeldSignals&) = delete;
   HeldSignals& operator=(const HeldSignals&) = delete;
   ~HeldSignals();
-
- private:
-  sigset_t m_before{};
 };
 
 }  // namespace musclebench

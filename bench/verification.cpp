@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "backends/brute_force/brute_force_surface.hpp"
 #include "backends/bvh/centred_surface.hpp"
@@ -90,9 +91,11 @@ Agreement compare(std::span<const Vec3> points, std::span<const double> one, std
   Agreement result;
   result.points = static_cast<std::int64_t>(other.size());
   for (std::size_t i = 0; i < other.size(); ++i) {
-    const double difference = std::abs(std::abs(one[i]) - std::abs(other[i]));
-    // Written so that a difference that is not a number is the largest.
-    if (!(difference <= result.largest_difference_m)) {
+    double difference = std::abs(std::abs(one[i]) - std::abs(other[i]));
+    if (std::isnan(difference)) {  // no answer is the worst answer
+      difference = std::numeric_limits<double>::infinity();
+    }
+    if (difference > result.largest_difference_m) {
       result.largest_difference_m = difference;
       result.worst_point_m = points[i];
     }

@@ -38,7 +38,8 @@ MEMORY_SHARE = 0.9
 
 
 def parse_arguments(arguments):
-    parser = OneLineParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = OneLineParser(prog="tools/accuracy", description=__doc__,
+                           formatter_class=argparse.RawDescriptionHelpFormatter)
     what = parser.add_argument_group("what is measured")
     what.add_argument("--quick", action="store_true",
                       help="a first picture in under 5 minutes: fewer configurations, frames and repetitions")

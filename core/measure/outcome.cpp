@@ -39,7 +39,7 @@ Outcome outcome_of(std::span<const StepRecord> records, double rest_volume_m3) {
     depths.push_back(record.depth.max_depth_m);
     const double surface_depth = std::max(record.surface_depth_m, record.bone_vertex_depth_m);
     if (std::isfinite(surface_depth)) surface_depths.push_back(surface_depth);
-    outcome.tunnelled_nodes = record.tunnelled_nodes;
+    outcome.tunnelled_nodes = std::max(outcome.tunnelled_nodes.value_or(0), record.tunnelled_nodes);
     outcome.stuck_nodes = std::max(outcome.stuck_nodes.value_or(0), record.stuck_nodes);
   }
   outcome.max_depth_m = largest_of(depths);

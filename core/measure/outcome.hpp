@@ -16,7 +16,7 @@ struct Outcome {
   std::optional<double> max_surface_depth_m, p99_surface_depth_m;
   /// |V - V0| / V0 of the muscle's volume: the largest over all frames, and after the last one.
   std::optional<double> max_volume_error, final_volume_error;
-  std::optional<int> tunnelled_nodes;  ///< after the last judged frame
+  std::optional<int> tunnelled_nodes;  ///< most at the end of one frame
   std::optional<int> stuck_nodes;      ///< most in one frame
   Nanoseconds collision_ns = 0;        ///< update, detect and respond, sum over the run
   Nanoseconds loop_ns = 0;             ///< sum of the frames

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -29,6 +31,15 @@ ParameterValue parameter_of(const Json& json) {
   return json.get<std::string>();
 }
 
+/// A count as the file has it; what is no whole number of that type's range is refused, not bent.
+int count_of(const Json& value) {
+  if (!value.is_number_integer() || value.get<std::int64_t>() < 0 ||
+      value.get<std::int64_t>() > std::numeric_limits<int>::max()) {
+    throw Json::type_error::create(302, "not a count", &value);
+  }
+  return value.get<int>();
+}
+
 RecordingHeader header_of(const Json& json) {
   RecordingHeader header;
   header.scene = json.at("scene");
@@ -40,13 +51,15 @@ RecordingHeader header_of(const Json& json) {
   header.scene_sha256 = json.at("scene_sha256");
   header.backend = json.at("backend");
   header.build = json.at("build");
-  header.nodes = json.at("nodes");
-  header.bones = json.at("bones");
-  header.substeps = json.at("substeps");
-  header.iterations = json.at("iterations");
+  header.nodes = count_of(json.at("nodes"));
+  header.bones = count_of(json.at("bones"));
+  header.substeps = count_of(json.at("substeps"));
+  header.iterations = count_of(json.at("iterations"));
   header.rounding_m = json.at("rounding_m");
   header.angles_deg = json.at("angles_deg").get<std::vector<double>>();
-  header.free_nodes = json.at("free_nodes").get<std::vector<int>>();
+  for (const Json& node : json.at("free_nodes")) {
+    header.free_nodes.push_back(count_of(node));
+  }
   return header;
 }
 

@@ -24,11 +24,20 @@ Number number_of(std::string_view bytes) {
   return number;
 }
 
+/// What the steps of a frame take unpacked, generously: two poses a bone, two positions a node.
+double most_bytes_of_a_frame(const RecordingHeader& header) {
+  const double a_step = 64 + 2.0 * sizeof(RigidMotion) * header.bones + 2.0 * sizeof(Vec3) * header.nodes;
+  return a_step * header.steps_per_frame();
+}
+
 }  // namespace
 
-RecordingReader::RecordingReader(std::filesystem::path file)
-    : m_path(std::move(file)), m_stream(m_path, std::ios::binary), m_decoder(m_header) {
-  if (!m_stream || !std::filesystem::is_regular_file(m_path)) {
+RecordingReader::RecordingReader(std::filesystem::path file) : m_path(std::move(file)), m_decoder(m_header) {
+  // Asked first: opening a pipe would wait for its writer.
+  if (std::filesystem::is_regular_file(m_path)) {
+    m_stream.open(m_path, std::ios::binary);
+  }
+  if (!m_stream.is_open()) {
     refuse("cannot be read; is the path right?");
   }
   m_written.bytes = std::filesystem::file_size(m_path);
@@ -61,9 +70,9 @@ void RecordingReader::read(RecordedFrame& frame) {
   read_bytes(m_block, sizeof(std::uint32_t));
   read_bytes(m_block, number_of<std::uint32_t>(m_block));
   const unsigned long long size = ZSTD_getFrameContentSize(m_block.data(), m_block.size());
-  // Zstandard shrinks by less than this factor; a larger claim is no frame of an encoder.
-  constexpr unsigned long long most_shrinking = 200000;
-  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN || size > most_shrinking * m_block.size()) {
+  // What a file claims is believed only as far as the header allows, before memory is taken for it.
+  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN ||
+      static_cast<double>(size) > most_bytes_of_a_frame(m_header)) {
     refuse("holds a frame that cannot be read; record it again");
   }
   m_bytes.resize(size);
@@ -78,6 +87,9 @@ void RecordingReader::read(RecordedFrame& frame) {
     if (!m_decoder.decode(rest, step)) {
       refuse("holds a frame that cannot be read; record it again");
     }
+  }
+  if (!rest.empty()) {
+    refuse("holds a frame that is longer than its steps; record it again");
   }
   ++m_frames_read;
 }
@@ -122,6 +134,11 @@ void RecordingReader::read_header() {
 }
 
 void RecordingReader::read_bytes(std::string& bytes, std::size_t size) {
+  const std::streamoff place = m_stream.tellg();
+  if (place < 0 ||
+      size > m_written.bytes - std::min<std::uintmax_t>(m_written.bytes, static_cast<std::uintmax_t>(place))) {
+    refuse("is truncated, or was changed while it was read; record or copy it again");
+  }
   bytes.resize(size);
   if (!m_stream.read(bytes.data(), static_cast<std::streamsize>(size))) {
     refuse("is truncated, or was changed while it was read; record or copy it again");

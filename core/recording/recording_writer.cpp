@@ -58,10 +58,16 @@ RecordingWriter::RecordingWriter(fs::path file, const RecordingHeader& header)
       m_encoder(header),
       m_steps_per_frame(header.steps_per_frame()) {
   const std::string text = text_of(header);
-  put(recording_magic);
-  put(recording_version);
-  put(bytes_of(std::uint64_t{text.size()}));
-  put(text);
+  try {
+    put(recording_magic);
+    put(recording_version);
+    put(bytes_of(std::uint64_t{text.size()}));
+    put(text);
+  } catch (...) {  // a constructor that throws has no destructor
+    std::error_code ignored;
+    fs::remove(m_part, ignored);
+    throw;
+  }
 }
 
 RecordingWriter::~RecordingWriter() {

@@ -70,7 +70,7 @@ class _Pool:
     def _refusal(self, case: Case) -> Refusal | None:
         cores = len(os.sched_getaffinity(0))
         if case.threads > cores:
-            return Refusal("unsupported", f"not run: wants {case.threads} cores, there are {cores}")
+            return Refusal("failed", f"not run: wants {case.threads} cores, there are {cores}")
         return self._experiment.refusal(case)
 
     def _leave_out(self, case: Case, status: str) -> None:

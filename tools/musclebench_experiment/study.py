@@ -9,7 +9,7 @@ from .case import Case, Places
 from .experiment import Experiment, Refusal
 from .progress import duration
 from .study_cases import MeasuredCase, ProbeCase, RecordCase, ReplayCase
-from .study_plan import StudyCase, is_too_long
+from .study_plan import LONGEST_SECONDS, StudyCase, is_too_long
 
 RESULT_DIRS = ("raw", "recordings")
 STRUCTURES_DIR = "structures"
@@ -41,7 +41,8 @@ class AccuracyStudy(Experiment):
         if is_too_long(case):
             a_step = f"{case.configuration.step_ms * case.scene.size / 1e3:.2g} s"
             whole = duration(case.guessed_seconds)
-            return Refusal("timeout", f"not run: {case.steps} steps of about {a_step} would take about {whole}")
+            return Refusal("timeout", f"not run: {case.steps} steps of about {a_step} would take about {whole}, over "
+                                      f"{duration(LONGEST_SECONDS)}")
         if isinstance(case, ReplayCase) and not super().is_complete(case.recording):
             return Refusal("failed", f"not run: there is no recording; {self._reason(case.recording)}")
         return None

@@ -4,11 +4,13 @@ import random
 from dataclasses import dataclass, replace
 
 from .configurations import Configuration, configurations
+from .paper_cases import VERTICES
 from .study_cases import CoupledCase, MeasuredCase, MuscleScene, ProbeCase, RecordCase, ReplayCase
 
 REPLAY_SECONDS = 4.0  # of the steps of one replay; the stride keeps to it
 QUICK_REPLAY_SECONDS = 2.0
-FEWEST_FRAMES = 3  # of a replay, two of them for warming up
+LONGEST_STRIDE = 16  # 20 of the paper's frames, 2 of them for warming up: fewer don't tell a median
+LONGEST_STRIDE_OF = {"brute_force": 128}  # which is there to be right
 LONGEST_SECONDS = 360.0  # what would take longer is a row with its estimate
 FEWER_REPETITIONS = ((60.0, 1), (8.0, 2))  # of more seconds a repetition there are no more
 
@@ -32,9 +34,11 @@ StudyCase = RecordCase | MeasuredCase
 
 def plan(wishes: Wishes) -> list[StudyCase]:
     """Recordings first, then round by round; the cases of a round are shuffled."""
-    scenes = [MuscleScene(wishes.data_set, muscle, wishes.frames_limit, wishes.muscles[0]) for muscle in wishes.muscles]
+    # Whichever muscles are asked for: cases that are complete stay so when others are added.
+    scenes = [MuscleScene(wishes.data_set, muscle, wishes.frames_limit, min(VERTICES)) for muscle in wishes.muscles]
     chosen = [c for c in configurations() if c.in_quick or not wishes.quick]
-    firsts = [case for scene in scenes for configuration in chosen for case in _modes(scene, configuration, wishes)]
+    firsts = [ProbeCase(scenes[0].probed, configuration) for configuration in chosen if configuration.is_probed]
+    firsts += [case for scene in scenes for configuration in chosen for case in _modes(scene, configuration, wishes)]
     measured = _rounds(in_shard(firsts, *wishes.shard), wishes)
     recorded = {case.recording for case in measured if isinstance(case, ReplayCase)}
     return [case for case in map(RecordCase, scenes) if case in recorded] + measured
@@ -60,14 +64,12 @@ def in_shard(cases: list[MeasuredCase], number: int, count: int) -> list[Measure
 
 
 def _group(case: MeasuredCase) -> tuple[str, str]:
-    scene = case.scene.probed if case.configuration.stores else case.scene
+    scene = case.scene.probed if case.configuration.is_probed else case.scene
     return scene.muscle, case.configuration.label
 
 
 def _modes(scene: MuscleScene, configuration: Configuration, wishes: Wishes) -> list[MeasuredCase]:
     cases = []
-    if configuration.is_probed and scene.probed == scene:
-        cases.append(ProbeCase(scene, configuration))
     if configuration.replays:
         stride = stride_of(scene, configuration, QUICK_REPLAY_SECONDS if wishes.quick else REPLAY_SECONDS)
         cases.append(ReplayCase(scene, configuration, stride=stride, band_mm=wishes.band_mm))
@@ -77,10 +79,13 @@ def _modes(scene: MuscleScene, configuration: Configuration, wishes: Wishes) -> 
 
 
 def stride_of(scene: MuscleScene, configuration: Configuration, seconds: float) -> int:
-    """A power of two, so that the frames of a longer stride are among those of a shorter one."""
+    """A power of two, so that the frames of a longer stride are among those of a shorter one; the same for all
+    configurations of a backend, so that their errors are of the same contacts."""
+    longest = LONGEST_STRIDE_OF.get(configuration.backend, LONGEST_STRIDE)
+    of_backend = [c for c in configurations() if c.backend == configuration.backend and c.replays]
+    slowest = max([*of_backend, configuration], key=lambda c: c.step_ms)
     stride = 1
-    while (ReplayCase(scene, configuration, stride=stride).guessed_step_seconds > seconds
-           and ReplayCase(scene, configuration, stride=2 * stride).frames >= FEWEST_FRAMES):
+    while stride < longest and ReplayCase(scene, slowest, stride=stride).guessed_step_seconds > seconds:
         stride *= 2
     return stride
 

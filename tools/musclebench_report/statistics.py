@@ -1,11 +1,14 @@
 """Medians and ratios of frame times with an interval that says how well the runs determine them."""
 
+import zlib
 from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
 
-BLOCK_FRAMES = 10  # neighbouring frames are alike; single frames drawn at random would give too narrow an interval
+# Of the motion: neighbouring frames are alike, and single frames drawn at random would give too narrow an interval.
+BLOCK_FRAMES = 10
+FEWEST_FRAMES = 6  # fewer don't tell how well they determine their median
 DRAWS = 2000
 PERCENTILES = [2.5, 97.5]
 
@@ -26,14 +29,17 @@ class Estimate:
         return Estimate(factor * self.value, factor * self.low, factor * self.high, self.frames, factor * self.draws)
 
 
-def pooled_median(repetitions: list[pd.Series], draws: int = DRAWS, seed: int = 1) -> Estimate:
+def pooled_median(repetitions: list[pd.Series], draws: int = DRAWS) -> Estimate:
     """Median over the frames (index) that all repetitions have, of all repetitions together. The bootstrap draws
-    repetitions, and in each of them blocks of neighbouring frames (Künsch 1989), so that its interval holds what
-    differs from process to process as well as from frame to frame."""
+    repetitions, and in each of them blocks of neighbouring frames (circular blocks, Politis and Romano 1992), so that
+    its interval holds what differs from process to process as well as from frame to frame. Of few frames the interval
+    is not known."""
     if not repetitions:
         return Estimate.unknown()
-    values = pd.concat(repetitions, axis=1, join="inner").dropna().to_numpy().T
-    return _bootstrap_median(values, draws, seed) if values.size else Estimate.unknown()
+    table = pd.concat(repetitions, axis=1, join="inner").dropna().sort_index()
+    if not table.size:
+        return Estimate.unknown()
+    return _bootstrap_median(table.to_numpy().T, _block_length(table.index), draws)
 
 
 def paired_ratio(times: dict[int, pd.Series], reference: dict[int, pd.Series], draws: int = DRAWS) -> Estimate:
@@ -46,9 +52,9 @@ def paired_ratio(times: dict[int, pd.Series], reference: dict[int, pd.Series], d
     return pooled_median(ratios, draws)
 
 
-def median_ratio(times: pd.Series, reference: pd.Series, draws: int = DRAWS, seed: int = 1) -> Estimate:
-    """Median over the frames that both have (matched by index) of times / reference; moving-block bootstrap."""
-    return pooled_median([_ratio(times, reference)], draws, seed)
+def median_ratio(times: pd.Series, reference: pd.Series, draws: int = DRAWS) -> Estimate:
+    """Median over the frames that both have (matched by index) of times / reference; bootstrap of blocks."""
+    return pooled_median([_ratio(times, reference)], draws)
 
 
 def total(parts: list[Estimate]) -> Estimate:
@@ -58,7 +64,7 @@ def total(parts: list[Estimate]) -> Estimate:
 
 def quotient(above: Estimate, below: Estimate) -> Estimate:
     """Of independent estimates."""
-    if not below.value > 0 or not np.all(below.draws > 0):
+    if not below.value > 0 or np.any(below.draws <= 0):
         return Estimate.unknown()
     return _combined(above.value / below.value, above.draws / below.draws, [above, below])
 
@@ -76,21 +82,31 @@ def _ratio(times: pd.Series, reference: pd.Series) -> pd.Series:
     return both.iloc[:, 0] / both.iloc[:, 1]
 
 
-def _bootstrap_median(values: np.ndarray, draws: int, seed: int) -> Estimate:
+def _block_length(frames: pd.Index) -> int:
+    """In values, which may be some of the motion's frames only."""
+    spacing = np.median(np.diff(frames)) if len(frames) > 1 else 1.0
+    return int(max(1, round(BLOCK_FRAMES / max(1.0, spacing))))
+
+
+def _bootstrap_median(values: np.ndarray, length: int, draws: int) -> Estimate:
     """`values` has one row a repetition."""
-    random = np.random.default_rng(seed)
-    parts = [_block_draws(values, draws, random) for _ in values]
+    repetitions, frames = values.shape
+    value = float(np.median(values))
+    if frames < FEWEST_FRAMES:
+        return Estimate(value, float("nan"), float("nan"), frames, np.full(draws, np.nan))
+    # Estimates of different values are drawn independently, and each always in the same way.
+    random = np.random.default_rng(zlib.crc32(np.ascontiguousarray(values).tobytes()))
+    parts = [_block_draws(values, min(length, frames // 3), draws, random) for _ in range(repetitions)]
     medians = np.median(np.concatenate(parts, axis=1), axis=1)
     low, high = np.percentile(medians, PERCENTILES)
-    return Estimate(float(np.median(values)), float(low), float(high), values.shape[1], medians)
+    return Estimate(value, float(low), float(high), frames, medians)
 
 
-def _block_draws(values: np.ndarray, draws: int, random: np.random.Generator) -> np.ndarray:
-    """One repetition drawn a row, and of it blocks of frames."""
+def _block_draws(values: np.ndarray, length: int, draws: int, random: np.random.Generator) -> np.ndarray:
+    """One repetition drawn a row, and of it blocks of frames; the first frame follows on the last."""
     repetitions, frames = values.shape
-    length = min(BLOCK_FRAMES, frames)
     blocks = -(-frames // length)
-    starts = random.integers(0, frames - length + 1, size=(draws, blocks))
-    places = (starts[:, :, None] + np.arange(length)).reshape(draws, -1)[:, :frames]
+    starts = random.integers(0, frames, size=(draws, blocks))
+    places = ((starts[:, :, None] + np.arange(length)) % frames).reshape(draws, -1)[:, :frames]
     chosen = random.integers(0, repetitions, size=(draws, 1)) if repetitions > 1 else np.zeros((draws, 1), dtype=int)
     return values[chosen, places]

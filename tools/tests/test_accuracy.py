@@ -24,7 +24,7 @@ FEW = [
     Configuration("bvh", step_ms=1.0),
     Configuration("brute_force", step_ms=1.2e4),
 ]
-PROBES = ["iliacus-probe-sdf-cells=8,precision=float-r0", "iliacus-probe-voxel-cells=16-r0"]
+PROBES = ["adductor_brevis-probe-sdf-cells=8,precision=float-r0", "adductor_brevis-probe-voxel-cells=16-r0"]
 ONCE = ["iliacus-coupled-null", "iliacus-replay-voxel-cells=16", "iliacus-coupled-voxel-cells=16",
         "iliacus-replay-sdf-cells=8,precision=float", "iliacus-coupled-sdf-cells=8,precision=float",
         "iliacus-replay-bvh", "iliacus-coupled-bvh"]

@@ -41,7 +41,7 @@ def assert_refused(done, folder: Path, *words):
     assert not list(folder.glob(".out*"))
 
 
-@pytest.mark.parametrize("backend", ["null", "voxel", "sdf", "fcl", "brute_force"])
+@pytest.mark.parametrize("backend", ["null", "voxel", "sdf", "fcl", "bvh", "brute_force"])
 def test_every_backend_leaves_a_complete_run(folder, backend):
     done = run(folder, "--snapshots", "0,6,12", backend=backend)
     assert done.returncode == 0, done.stderr
@@ -58,7 +58,7 @@ def test_every_backend_leaves_a_complete_run(folder, backend):
     shape = read_ply(folder / "out" / manifest["snapshots"][1]["file"])
     assert len(shape.vertices_m) == manifest["muscle"]["vertices"]
     assert np.isfinite(shape.vertices_m).all()
-    if backend in ("sdf", "brute_force"):
+    if backend in ("sdf", "bvh", "brute_force"):
         assert frames.max_depth_m.max() < 1e-3  # held by the box
         assert frames.missed_contacts.sum() <= 5
     if backend == "null":

@@ -9,11 +9,13 @@ REPLAY_ERROR = (
     "The error is that of the signed distance that an answer admits, against the Referee's exact s (negative inside): "
     "|-a - s| where a depth a was reported, max(0, s) where contact was reported without a depth (voxel), max(0, -s) "
     "where nothing was reported; 99th percentile (nearest rank) over all measured nodes of the run, missed and false "
-    "contacts included, within {band} of the surface."
+    "contacts included, within {band} of the surface; contacts farther away, which very coarse voxels report, are not "
+    "measured, so that their error is capped there."
 )
 TIME = (
     "Time is update + detect + respond of one thread: the median over the frames without warm-up of all repetitions, "
-    "with its 95 % interval (bootstrap over repetitions and, in each, blocks of 10 neighbouring frames)."
+    "with its 95 % interval (bootstrap over repetitions and, in each, blocks of ten frames of the motion; not known of "
+    "fewer than six frames)."
 )
 
 

@@ -46,7 +46,11 @@ class Entry:
 
     @property
     def detail(self) -> str:
-        return "" if self.status == "ok" else str(self.cases[0].run.record.get("status_detail") or "")
+        """Of the first repetition that is not ok; of the answers where each for itself was."""
+        if self.status == "ok":
+            return ""
+        told = [str(case.run.record.get("status_detail") or "") for case in self.cases if not case.is_ok]
+        return told[0] if told else "repetitions gave different answers; were they made by one build?"
 
     @property
     def answers(self) -> set[str]:

@@ -89,10 +89,16 @@ def _row(entry: Entry, shapes: dict) -> dict:
         "p99_surface_depth_mm": 1e3 * entry.number("outcome", "p99_surface_depth_m"),
         "max_volume_percent": 100 * entry.number("outcome", "max_volume_error"),
         "final_volume_percent": 100 * entry.number("outcome", "final_volume_error"),
-        **shapes.get((entry.scene, entry.configuration), {}), "tunnelled": entry.number("outcome", "tunnelled_nodes"),
+        **shapes.get((entry.scene, entry.configuration), {}), "tunnelled": _most(entry, "tunnelled_nodes"),
         "stuck": entry.number("outcome", "stuck_nodes"), "collision_s": total_collision_seconds(entry),
         "detail": entry.detail,
     }
+
+
+def _most(entry: Entry, column: str) -> float:
+    """The largest number at the end of a frame; unknown where no run was judged."""
+    columns = [case.run.frames[column] for case in entry.ok if column in case.run.frames]
+    return float(pd.concat(columns).max()) if columns else math.nan
 
 
 def total_collision_seconds(entry: Entry) -> float:
