@@ -73,8 +73,9 @@ class PointSource {
 
 /// The signed distances of the points from `first` to the end of `answers`, a batch at a time.
 template <typename Distance>
-void answer_all(std::span<const Vec3> points, const VerificationSettings& settings, const std::string& stage,
-                std::ptrdiff_t batch, const VerificationProgress& progress, const Distance& distance) {
+void answer_all(std::span<const Vec3> points, [[maybe_unused]] const VerificationSettings& settings,
+                const std::string& stage, std::ptrdiff_t batch, const VerificationProgress& progress,
+                const Distance& distance) {
   const auto count = static_cast<std::ptrdiff_t>(points.size());
   for (std::ptrdiff_t first = 0; first < count; first += batch) {
     const std::ptrdiff_t end = std::min(first + batch, count);
