@@ -1,6 +1,7 @@
 """Shared fixtures; the tools folder goes on the path as it does for the scripts in it."""
 
 import os
+import signal
 import sys
 from pathlib import Path
 
@@ -8,6 +9,8 @@ import pytest
 
 TOOLS = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(TOOLS), str(TOOLS / "tests")]
+# A shell without job control has its background jobs ignore this signal, and so would every program under test.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 import fake_runs  # noqa: E402  (found through the path that is set above)
 

@@ -31,7 +31,7 @@ TEST(Outcome, OverTheRun) {
   const Outcome outcome = outcome_of(records, 2);
   EXPECT_EQ(outcome.max_depth_m, 0.2);
   EXPECT_EQ(outcome.max_surface_depth_m, 0.5);
-  EXPECT_EQ(outcome.tunnelled_nodes, 1);
+  EXPECT_EQ(outcome.tunnelled_nodes, 3);
   EXPECT_EQ(outcome.stuck_nodes, 7);
   EXPECT_EQ(outcome.max_volume_error, 0.25);
   EXPECT_EQ(outcome.final_volume_error, 0.125);

@@ -205,7 +205,9 @@ TEST(AttachmentArea, TheFarSideOfTheBoneDoesNotCount) {
 class MotionTableFile : public testing::Test {
  protected:
   std::string write(const std::string& text) {
-    const auto path = std::filesystem::path(testing::TempDir()) / "musclebench_motion_test.mot";
+    const auto path =
+        std::filesystem::path(testing::TempDir()) /
+        (std::string("musclebench_") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".mot");
     std::ofstream(path) << text;
     return path.string();
   }
