@@ -22,7 +22,7 @@ VOXEL_SECONDS_A_CELL = 1e-7
 
 FCL_BUILD_SECONDS = 1.5
 FCL = (
-    # ms a step, runs with --quick, drives the muscle, parameters
+    # ms a step, runs with --quick, drives the muscle there, parameters
     (25, True, True, {}),  # the paper's way
     (13, True, True, {"bounding_volume": "OBB"}),
     (60, False, False, {"bounding_volume": "RSS"}),
@@ -60,7 +60,7 @@ class Configuration:
     stored_bytes: float = 0.0  # 0: it stores no structures
     in_quick: bool = True
     replays: bool = True
-    drives: bool = True  # takes part in coupled runs
+    drives: bool = True  # coupled with --quick, too
     is_probed: bool = False
 
     @property

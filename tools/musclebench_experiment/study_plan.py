@@ -73,7 +73,7 @@ def _modes(scene: MuscleScene, configuration: Configuration, wishes: Wishes) -> 
     if configuration.replays:
         stride = stride_of(scene, configuration, QUICK_REPLAY_SECONDS if wishes.quick else REPLAY_SECONDS)
         cases.append(ReplayCase(scene, configuration, stride=stride, band_mm=wishes.band_mm))
-    if configuration.drives:
+    if configuration.drives or (configuration.threads == 1 and not wishes.quick):
         cases.append(CoupledCase(scene, configuration))
     return cases
 

@@ -37,7 +37,7 @@ def test_the_full_study_has_what_the_study_asks_for():
     count = Counter((case.mode, case.configuration.backend) for case in firsts)
     assert count["replay", "voxel"] == count["coupled", "voxel"] == count["probe", "voxel"] == 9
     assert count["replay", "sdf"] == count["coupled", "sdf"] == count["probe", "sdf"] == 13
-    assert count["replay", "fcl"] > 20 and 3 <= count["coupled", "fcl"] <= 6
+    assert count["replay", "fcl"] > 20 and count["coupled", "fcl"] > 20
     assert count["replay", "bvh"] == count["coupled", "bvh"] == count["replay", "brute_force"] == 1
     assert count["coupled", "null"] == 1 and count["replay", "null"] == 0
     cells = {dict(c.configuration.parameters).get("cells") for c in firsts if c.configuration.backend == "voxel"}
