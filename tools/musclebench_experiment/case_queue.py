@@ -14,14 +14,15 @@ class CaseQueue:
         return bool(self._waiting or self._running)
 
     def take(self) -> Case | None:
-        """The first case that may start beside those that run; None when there is none."""
+        """The first case that has what it needs, if it may start beside those that run; None when there is none."""
         pending = {case.name for case in self._waiting} | {case.name for case in self._running}
-        for case in self._waiting:
-            if self._has_room(case) and pending.isdisjoint(case.needs):
-                self._waiting.remove(case)
-                self._running.append(case)
-                return case
-        return None
+        ready = next((case for case in self._waiting if pending.isdisjoint(case.needs)), None)
+        # Nobody overtakes it: a case that wants the machine for itself would otherwise have its turn after all others.
+        if ready is None or not self._has_room(ready):
+            return None
+        self._waiting.remove(ready)
+        self._running.append(ready)
+        return ready
 
     def end(self, case: Case) -> None:
         self._running.remove(case)

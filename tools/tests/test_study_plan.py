@@ -143,3 +143,26 @@ def test_a_queue_gives_several_threads_a_machine_of_their_own():
     assert queue.take() == wide
     queue = CaseQueue([wide, narrow])
     assert queue.take() == wide and queue.take() is None
+
+
+def test_a_queue_lets_nobody_overtake_a_case_of_several_threads():
+    wide, narrow = CoupledCase(ILIACUS, Configuration("fcl", threads=2)), CoupledCase(ILIACUS, Configuration("null"))
+    later = [CoupledCase(ILIACUS, Configuration("null"), repetition) for repetition in (1, 2)]
+    queue = CaseQueue([narrow, wide, *later])
+    assert queue.take() == narrow and queue.take() is None  # with one core free: the wide case wants all of them
+    queue.end(narrow)
+    assert queue.take() == wide and queue.take() is None
+    queue.end(wide)
+    assert [queue.take(), queue.take()] == later
+
+
+def test_a_queue_goes_past_a_case_of_several_threads_that_waits_for_another():
+    two_threads = Configuration("sdf", stored_bytes=1.0, threads=2)
+    wide, probe = CoupledCase(ILIACUS, two_threads), ProbeCase(ILIACUS, two_threads)
+    narrow = CoupledCase(ILIACUS, Configuration("null"))
+    queue = CaseQueue([wide, narrow, probe])
+    assert wide.needs == (probe.name,)
+    for case in (narrow, probe, wide):
+        assert queue.take() == case and queue.take() is None
+        queue.end(case)
+    assert not queue
