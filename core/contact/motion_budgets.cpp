@@ -155,5 +155,15 @@ void MotionBudgets::grant(int bone, int node, const Vec3& rest_point, double cle
                                                    radius_m > 0 ? static_cast<float>(radius_m) : 0.0F};
 }
 
+ParameterSpec motion_budgets_parameter(bool on_by_default) {
+  return {.name = "motion_budgets",
+          .default_value = std::string(on_by_default ? "on" : "off"),
+          .help = "ask about a node again only when it and the bone together have moved as far as it was away; the "
+                  "contacts are the same",
+          .choices = {"on", "off"}};
+}
+
+bool has_motion_budgets(const Parameters& parameters) { return parameters.word("motion_budgets") == "on"; }
+
 }  // namespace musclebench
 #endif

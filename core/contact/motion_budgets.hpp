@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/parameters.hpp"
 #include "core/contact/collision_backend.hpp"
 
 namespace musclebench {
@@ -49,5 +50,9 @@ class MotionBudgets {
   std::vector<BoneBalls> m_bones;
   std::size_t m_ball_count = 0;
 };
+
+/// The parameter `motion_budgets` (on or off) of the backends that can keep them.
+ParameterSpec motion_budgets_parameter(bool on_by_default);
+bool has_motion_budgets(const Parameters& parameters);
 
 }  // namespace musclebench
