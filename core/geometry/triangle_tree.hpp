@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/geometry/triangle_distance.hpp"
 #include "core/geometry/triangle_mesh.hpp"
+#include "core/geometry/triangle_tree_nodes.hpp"
 
 namespace musclebench {
 
@@ -18,21 +20,41 @@ struct ClosestPoint {
   Feature feature = Feature::face;
 };
 
-/// A bounding-box tree over the triangles of a mesh, for closest points and winding numbers: four children a node, four
-/// triangles a leaf, both tested side by side. Keeps a copy of the triangles' corners; the mesh need not outlive it.
-/// Queries are const and safe from several threads.
+/// The triangles below one child of a node as seen from afar.
+struct TreeCluster {
+  Vec3 centre = Vec3::Zero();
+  Vec3 area_normal = Vec3::Zero();
+  double radius = 0;  ///< of the ball about `centre` that holds the triangles
+};
+
+/// A bounding-box tree over the triangles of a mesh, for closest points and winding numbers. Nodes and leaves are
+/// compact floats, tested side by side with the vectors of the CPU that it runs on; they only prune, with a proven
+/// slack (see triangle_tree_search.cpp), and `closest_on_triangle` decides. So every answer is that of brute force, to
+/// the bit, on any CPU: of all triangles the one whose squared distance by `closest_on_triangle` is the smallest, the
+/// first of several. Keeps a copy of the triangles' corners; the mesh need not outlive it. Queries are const and safe
+/// from several threads.
 class TriangleTree {
  public:
   explicit TriangleTree(const TriangleMesh& mesh);
 
-  /// The closest point within `max_distance_m`; nothing when the surface is farther away. Of several triangles at the
-  /// same distance (to rounding) the one with the smallest index.
+  /// The closest point within `max_distance_m`; nothing when the surface is farther away.
   [[nodiscard]] std::optional<ClosestPoint> closest_point(
       const Vec3& point, double max_distance_m = std::numeric_limits<double>::infinity()) const;
 
   /// The closest point, found faster from a triangle that is known to be near: the closest one of a neighbouring query.
-  /// `triangle` is any triangle of the mesh; the answer is that of `closest_point`.
+  /// `triangle` is any triangle of the mesh; the answer is that of `closest_point`, to the bit.
   [[nodiscard]] ClosestPoint closest_point_from(const Vec3& point, int triangle) const;
+
+  /// The closest point of one triangle.
+  [[nodiscard]] ClosestOnTriangle closest_on(const Vec3& point, int triangle) const {
+    const auto& [a, b, c] = m_corners[static_cast<std::size_t>(triangle)];
+    return closest_on_triangle(point, a, b, c);
+  }
+
+  /// The nearest triangles, as many as `nearest` has room for, ascending by distance; `count` of them are set. Returns
+  /// a distance in metres that every triangle which is not listed keeps at least; infinity when all are listed. None
+  /// is listed for a point that is not finite or more than 1e12 times the mesh's size away.
+  double nearest_triangles(const Vec3& point, std::span<NearTriangle> nearest, std::size_t& count) const;
 
   /// Generalised winding number (Jacobson et al. 2013), far clusters by their dipole (Barill et al. 2018): about 1
   /// inside an outward closed surface, 0 outside; inside is > 0.5. A result within 0.25 of 0.5 is refined, in the end
@@ -40,51 +62,37 @@ class TriangleTree {
   [[nodiscard]] double winding_number(const Vec3& point) const;
 
   /// Normal of a triangle by its winding, as long as twice its area; zero where it has none.
-  [[nodiscard]] Vec3 area_normal(int triangle) const;
+  [[nodiscard]] Vec3 area_normal(int triangle) const {
+    const auto& [a, b, c] = m_corners[static_cast<std::size_t>(triangle)];
+    return (b - a).cross(c - a);
+  }
 
-  [[nodiscard]] std::size_t triangle_count() const { return m_place.size(); }
+  [[nodiscard]] std::size_t triangle_count() const { return m_corners.size(); }
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  static constexpr int width = 4;
-
-  /// Up to `width` children, each bounded by a box and by a slab across its mean normal: a nearly flat patch fills
-  /// little of its box, and most of what a search must look into is such a box that the sphere of the best distance
-  /// cuts. An unused child's box is empty (lower = infinity), so that it is never the closest.
-  struct Node {
-    std::array<std::array<double, width>, 3> lower;
-    std::array<std::array<double, width>, 3> upper;
-    std::array<std::array<double, width>, 3> normal;
-    std::array<double, width> slab_lower;
-    std::array<double, width> slab_upper;
-    std::array<int, width> child;  ///< index of a node, or ~index of a leaf
-  };
-  /// Up to `width` triangles; unused places repeat the first one.
-  struct Leaf {
-    std::array<std::array<std::array<double, width>, 3>, 3> corner;  ///< [corner][axis][place]
-    std::array<int, width> triangle;
-    int count = 0;
-  };
-  /// The triangles below one child as seen from afar.
-  struct Cluster {
-    Vec3 centre = Vec3::Zero();
-    Vec3 area_normal = Vec3::Zero();
-    double radius = 0;  ///< of the ball about `centre` that holds the triangles
-  };
-  struct Builder;
+  friend class TriangleTreeBuilder;
   struct Search;
 
-  void search(Search& state) const;
-  void search_leaf(const Leaf& leaf, Search& state) const;
+  [[nodiscard]] Search search_for(const Vec3& point) const;
+  /// Whether floats do for the search.
+  [[nodiscard]] bool within_horizon(const Vec3& point) const;
+  void search_all(Search& search) const;
   /// Clusters count as far beyond `opening` times their radius.
   [[nodiscard]] double winding_number(const Vec3& point, double opening) const;
-  [[nodiscard]] double leaf_winding(const Leaf& leaf, const Vec3& point) const;
-  [[nodiscard]] std::array<Vec3, 3> corners(int triangle) const;
+  [[nodiscard]] double leaf_winding(const TreeLeaf& leaf, const Vec3& point) const;
 
-  std::vector<Node> m_nodes;
-  std::vector<std::array<Cluster, width>> m_clusters;  ///< one a child of a node
-  std::vector<Leaf> m_leaves;
-  std::vector<int> m_place;  ///< of each triangle: width * leaf + place
+  std::vector<TreeNode> m_nodes;
+  std::vector<TreeLeaf> m_leaves;
+  std::vector<std::array<TreeCluster, tree_width>> m_clusters;  ///< one a child of a node
+  std::vector<std::array<Vec3, 3>> m_corners;                   ///< of each triangle
+  std::vector<int> m_leaf_of;                                   ///< of each triangle
+
+  // The tree's own frame is scale * (position - centre).
+  Vec3 m_centre_m = Vec3::Zero();
+  double m_scale = 1;         ///< a power of two, so that it rounds nothing
+  double m_longest_side = 0;  ///< of a triangle, in the own unit
+  double m_reach = 0;         ///< largest coordinate of a vertex in the mesh's frame, in the own unit
 };
 
 }  // namespace musclebench

@@ -1,11 +1,14 @@
 #include "core/geometry/triangle_tree.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include "core/geometry/shapes.hpp"
 
@@ -16,19 +19,29 @@ const Vec3& corner(const TriangleMesh& mesh, const Triangle& triangle, std::size
   return mesh.vertices[static_cast<std::size_t>(triangle[i])];
 }
 
+ClosestOnTriangle closest_on(const TriangleMesh& mesh, int triangle, const Vec3& point) {
+  const Triangle& t = mesh.triangles[static_cast<std::size_t>(triangle)];
+  return closest_on_triangle(point, corner(mesh, t, 0), corner(mesh, t, 1), corner(mesh, t, 2));
+}
+
 ClosestPoint brute_force(const TriangleMesh& mesh, const Vec3& point) {
   ClosestPoint best;
-  double squared = 1e300;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Triangle& triangle = mesh.triangles[t];
-    const ClosestOnTriangle found =
-        closest_on_triangle(point, corner(mesh, triangle, 0), corner(mesh, triangle, 1), corner(mesh, triangle, 2));
+  double squared = std::numeric_limits<double>::infinity();
+  for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
+    const ClosestOnTriangle found = closest_on(mesh, t, point);
     if (found.squared_distance_m2 < squared) {
       squared = found.squared_distance_m2;
-      best = {found.point, std::sqrt(squared), static_cast<int>(t), found.feature};
+      best = {found.point, std::sqrt(squared), t, found.feature};
     }
   }
   return best;
+}
+
+void expect_equal(const ClosestPoint& found, const ClosestPoint& expected) {
+  EXPECT_EQ(found.triangle, expected.triangle);
+  EXPECT_EQ(found.distance_m, expected.distance_m);
+  EXPECT_EQ(found.point, expected.point);
+  EXPECT_EQ(found.feature, expected.feature);
 }
 
 double exact_winding(const TriangleMesh& mesh, const Vec3& point) {
@@ -71,15 +84,9 @@ TEST_P(TriangleTreeShapes, ClosestPointIsThatOfBruteForce) {
     const ClosestPoint expected = brute_force(mesh, point);
     const std::optional<ClosestPoint> found = tree.closest_point(point);
     ASSERT_TRUE(found);
-    EXPECT_EQ(found->triangle, expected.triangle);
-    EXPECT_EQ(found->distance_m, expected.distance_m);
-    EXPECT_EQ(found->point, expected.point);
-    EXPECT_EQ(found->feature, expected.feature);
-
+    expect_equal(*found, expected);
     start = (start + 37) % static_cast<int>(mesh.triangles.size());
-    const ClosestPoint from = tree.closest_point_from(point, start);
-    EXPECT_EQ(from.triangle, expected.triangle);
-    EXPECT_EQ(from.distance_m, expected.distance_m);
+    expect_equal(tree.closest_point_from(point, start), expected);
   }
 }
 
@@ -111,6 +118,216 @@ TEST_P(TriangleTreeShapes, WindingNumberIsTheSumOfSolidAngles) {
 INSTANTIATE_TEST_SUITE_P(Shapes, TriangleTreeShapes,
                          testing::Values(make_sphere(1, 4), make_box({0.5, 1, 0.25}, 1), make_box({0.5, 1, 0.25}, 9),
                                          make_capsule(0.3, 0.9, 24), soup(500), soup(3)));
+
+/// Surfaces that are hard on floats, and points that are hard on a search among them: on the surface, at equal
+/// distances from several triangles, beyond the tips of needles, far away.
+struct HardCase {
+  std::string name;
+  TriangleMesh mesh;
+  std::vector<Vec3> points;
+};
+
+void PrintTo(const HardCase& hard, std::ostream* out) { *out << hard.name; }
+
+/// Needles of all widths, the thinnest beyond what doubles can tell, so close together that they compete.
+TriangleMesh needles(std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  TriangleMesh mesh;
+  for (int t = 0; t < 400; ++t) {
+    const Vec3 start(unit(random), 0.01 * unit(random), 0.01 * unit(random));
+    const Vec3 along(unit(random), 0.3 * unit(random), 0.3 * unit(random));
+    const Vec3 across(0.1 * unit(random), unit(random), unit(random));
+    const double width = std::pow(10.0, 8 * unit(random) - 9);
+    const int first = static_cast<int>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(),
+                         {start, start + along, start + 0.5 * (1 + unit(random)) * along + width * across});
+    // Which corner comes first decides how closest_on_triangle errs.
+    mesh.triangles.push_back({first + t % 3, first + (t + 1) % 3, first + (t + 2) % 3});
+  }
+  return mesh;
+}
+
+/// A plane grid, three times at the same place with other diagonals and windings.
+TriangleMesh coincident_sheets() {
+  TriangleMesh mesh;
+  constexpr int side = 12;
+  for (int i = 0; i < side * side; ++i) {
+    mesh.vertices.emplace_back(i % side / 6.0 - 1, i / side / 6.0 - 1, 0.25);
+  }
+  for (int sheet = 0; sheet < 3; ++sheet) {
+    for (int i = 0; i < (side - 1) * (side - 1); ++i) {
+      const int a = i % (side - 1) + side * (i / (side - 1));
+      const int b = a + 1;
+      const int c = a + side;
+      const int d = c + 1;
+      if (sheet == 1) {
+        mesh.triangles.push_back({a, b, c});
+        mesh.triangles.push_back({b, d, c});
+      } else {
+        mesh.triangles.push_back({a, d, b});
+        mesh.triangles.push_back({a, c, d});
+      }
+    }
+  }
+  return mesh;
+}
+
+/// Points that are somewhere, at vertices, in the middle of triangles and of edges, and close to them.
+std::vector<Vec3> points_about(const TriangleMesh& mesh, std::mt19937& random, int count) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::uniform_int_distribution<std::size_t> any(0, mesh.triangles.size() - 1);
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) {
+    const Triangle& t = mesh.triangles[any(random)];
+    const Vec3& a = corner(mesh, t, 0);
+    const Vec3& b = corner(mesh, t, 1);
+    const Vec3& c = corner(mesh, t, 2);
+    const Vec3 away(unit(random), unit(random), unit(random));
+    const std::array<Vec3, 4> on = {a, 0.5 * (a + b), (a + b + c) / 3, 3 * b - 2 * a};
+    const double distance = i % 3 == 0 ? 0 : std::pow(10.0, 4 * unit(random) - 3);
+    points.emplace_back(i % 5 == 4 ? Vec3(1.5 * away) : Vec3(on[static_cast<std::size_t>(i % 4)] + distance * away));
+  }
+  points.emplace_back(1e3, -2e4, 5e3);
+  points.emplace_back(3e9, 1e7, -1e8);
+  points.emplace_back(1e20, 1e20, -1e20);
+  return points;
+}
+
+std::vector<HardCase> hard_cases() {
+  std::mt19937 random(17);
+  std::vector<HardCase> cases;
+  const auto add = [&](const std::string& name, const TriangleMesh& mesh) {
+    cases.push_back({name, mesh, points_about(mesh, random, 300)});
+  };
+  add("soup", soup(400));
+  add("needles", needles(random));
+  add("sheets", coincident_sheets());
+  TriangleMesh points_and_segments = soup(300);
+  for (Triangle& t : points_and_segments.triangles) {
+    t[2] = t[0] % 2 == 0 ? t[0] : t[1];
+    t[1] = t[0] % 4 == 1 ? t[0] : t[1];
+  }
+  add("points_and_segments", points_and_segments);
+  TriangleMesh point;
+  point.vertices = {{1, 2, 3}};
+  point.triangles = {{0, 0, 0}, {0, 0, 0}};
+  add("one_point", point);
+  const std::size_t plain = cases.size();
+  for (const double scale : {1e-6, 1e3}) {
+    for (std::size_t i = 0; i < plain; ++i) {
+      HardCase scaled = cases[i];
+      scaled.name += scale < 1 ? "_tiny" : "_large";
+      for (std::vector<Vec3>* positions : {&scaled.mesh.vertices, &scaled.points}) {
+        for (Vec3& position : *positions) {
+          position *= scale;
+        }
+      }
+      cases.push_back(scaled);
+    }
+  }
+  for (const double offset : {10.0, 1e6}) {
+    for (std::size_t i = 0; i < plain; ++i) {
+      HardCase moved = cases[i];
+      moved.name += offset < 1e3 ? "_moved" : "_far_away";
+      for (std::vector<Vec3>* positions : {&moved.mesh.vertices, &moved.points}) {
+        for (Vec3& position : *positions) {
+          position += offset * Vec3(1, -0.7, 0.3);
+        }
+      }
+      cases.push_back(moved);
+    }
+  }
+  return cases;
+}
+
+class TriangleTreeHardCases : public testing::TestWithParam<HardCase> {
+ protected:
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+};
+
+TEST_P(TriangleTreeHardCases, AnswersAreThoseOfBruteForceOnEveryKindOfVector) {
+  const auto& [name, mesh, points] = GetParam();
+  const TriangleTree tree(mesh);
+  std::vector<ClosestPoint> expected;
+  for (const Vec3& point : points) {
+    expected.push_back(brute_force(mesh, point));
+  }
+  const auto count = static_cast<int>(mesh.triangles.size());
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      SCOPED_TRACE(name + " " + hwy::TargetName(target) + " point " + std::to_string(i));
+      expect_equal(tree.closest_point(points[i]).value(), expected[i]);
+      expect_equal(tree.closest_point_from(points[i], static_cast<int>(7 * i) % count), expected[i]);
+      expect_equal(tree.closest_point_from(points[i], expected[i].triangle), expected[i]);
+      // The bound is a double, which the root of a square need not be.
+      const double bound = expected[i].distance_m * (1 + 1e-15);
+      expect_equal(tree.closest_point(points[i], bound).value(), expected[i]);
+      if (testing::Test::HasFailure()) {
+        return;
+      }
+    }
+  }
+}
+
+TEST_P(TriangleTreeHardCases, NearestTrianglesAreCompleteUpToTheirRadius) {
+  const auto& [name, mesh, points] = GetParam();
+  const TriangleTree tree(mesh);
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    for (std::size_t i = 0; i < points.size(); i += 7) {
+      SCOPED_TRACE(name + " " + hwy::TargetName(target) + " point " + std::to_string(i));
+      for (const std::size_t room : {std::size_t{1}, std::size_t{5}, mesh.triangles.size() + 1}) {
+        std::vector<NearTriangle> nearest(room);
+        std::size_t count = 0;
+        const double radius = tree.nearest_triangles(points[i], nearest, count);
+        std::vector<bool> listed(mesh.triangles.size(), false);
+        for (std::size_t n = 0; n < count; ++n) {
+          const double distance = std::sqrt(closest_on(mesh, nearest[n].triangle, points[i]).squared_distance_m2);
+          EXPECT_FALSE(listed[static_cast<std::size_t>(nearest[n].triangle)]);
+          listed[static_cast<std::size_t>(nearest[n].triangle)] = true;
+          EXPECT_LE(nearest[n].distance_m, distance);
+          EXPECT_TRUE(n == 0 || nearest[n - 1].distance_m <= nearest[n].distance_m);
+        }
+        for (std::size_t t = 0; t < listed.size(); ++t) {
+          EXPECT_TRUE(listed[t] ||
+                      std::sqrt(closest_on(mesh, static_cast<int>(t), points[i]).squared_distance_m2) >= radius);
+        }
+        if (room > mesh.triangles.size() && count > 0) {
+          EXPECT_EQ(count, mesh.triangles.size());
+          EXPECT_EQ(radius, std::numeric_limits<double>::infinity());
+        }
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, TriangleTreeHardCases, testing::ValuesIn(hard_cases()),
+                         [](const auto& hard) { return hard.param.name; });
+
+TEST(TriangleTree, DistancesOfNearestTrianglesAreShortByFloatRoundingOnly) {
+  const TriangleMesh mesh = make_sphere(0.1, 4);
+  const TriangleTree tree(mesh);
+  for (const Vec3& point : random_points(0.15, 100)) {
+    std::array<NearTriangle, 6> nearest;
+    std::size_t count = 0;
+    const double radius = tree.nearest_triangles(point, nearest, count);
+    ASSERT_EQ(count, nearest.size());
+    const double exact = brute_force(mesh, point).distance_m;
+    EXPECT_NEAR(nearest.front().distance_m, exact, 2e-6);
+    EXPECT_EQ(radius, nearest.back().distance_m);
+  }
+}
+
+TEST(TriangleTree, PointsThatAreNotFiniteAreNowhere) {
+  const TriangleMesh mesh = make_sphere(1, 1);
+  const TriangleTree tree(mesh);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(tree.closest_point({0, nan, 0}));
+  EXPECT_EQ(tree.closest_point_from({0, nan, 0}, 3).triangle, 3);
+  EXPECT_FALSE(tree.closest_point({0, 0, 0}, nan));
+  EXPECT_FALSE(tree.closest_point({0, 0, 0}, -1));
+}
 
 TEST(TriangleTree, IsDeepEnoughForManyTrianglesAtOnePlace) {
   TriangleMesh mesh = make_sphere(1, 0);

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace musclebench {
+
+/// Children of a node and triangles of a leaf: what a search looks at side by side, whatever the width of the CPU's
+/// vectors.
+inline constexpr std::size_t tree_width = 8;
+
+using TreeLanes = std::array<float, tree_width>;
+
+/// Where unused places are: farther than any point that the tree is searched for, and its square is still a float.
+inline constexpr float tree_nowhere = 1e18F;
+/// Points beyond this distance, in the tree's own unit, are not searched for in floats.
+inline constexpr float tree_horizon = 1e12F;
+
+/// Up to `tree_width` children in the tree's own frame (about the middle of the mesh, which fits in -1 .. 1), each
+/// bounded by a box and by a slab across its mean normal: a nearly flat patch fills little of its box, and most of what
+/// a search must look into is such a box that the sphere of the best distance cuts. All bounds are rounded outwards.
+struct alignas(64) TreeNode {
+  std::array<TreeLanes, 3> lower;
+  std::array<TreeLanes, 3> upper;
+  std::array<TreeLanes, 3> normal;  ///< of the slab, not longer than 1
+  TreeLanes slab_lower;
+  TreeLanes slab_upper;
+  std::array<std::int32_t, tree_width> child;  ///< index of a node, or ~index of a leaf
+};
+
+/// Up to `tree_width` triangles in the tree's own frame, each in a frame of its own: `origin` is the foot of the height
+/// on the longest side, `along` the unit vector of that side, which reaches from -before to after, `up` the unit vector
+/// to the opposite corner at `height`. The frame is orthonormal for a needle and even for a triangle without area, so
+/// that rounding moves a distance by no more than it moves a corner (the error bound is in triangle_tree_search.cpp).
+struct alignas(64) TreeLeaf {
+  std::array<TreeLanes, 3> origin;
+  std::array<TreeLanes, 3> along;
+  std::array<TreeLanes, 3> up;
+  TreeLanes before;
+  TreeLanes after;
+  TreeLanes height;
+  std::array<std::int32_t, tree_width> triangle;
+  std::int32_t count;
+  /// One bit a triangle that is such a needle that `closest_on_triangle` may answer it too far away: its distance here
+  /// is no upper bound of that answer.
+  std::uint32_t needles;
+};
+
+/// A triangle near a point.
+struct NearTriangle {
+  std::int32_t triangle = -1;
+  float distance_m = 0;  ///< not more than the true one, and less by the rounding of floats only
+};
+
+}  // namespace musclebench

@@ -1,0 +1,264 @@
+#include "core/geometry/triangle_tree_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/geometry/triangle_tree_search.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+// How far a float distance may be from the truth (u = 2^-24, R = 1 + largest coordinate of the point, E = longest side
+// of the mesh; the mesh fits in -1 .. 1, so that an arm from a triangle to the point is at most sqrt(3) R long):
+// - the point, the origin and their difference: sqrt(3) u (R - 1) + sqrt(3) u + sqrt(3) u R           <=  3.5 u R
+// - the coordinates X, Y (4 u of the arm: rounded axis and sum) and Z (9 u, the axis is a product)    <= 18.5 u R
+//   The distance is a 1-Lipschitz function of (X, Y, Z), whichever part of the triangle is nearest.
+// - rounded sides of the triangle: u E, twice                                                         <=  3.5 u E
+// - evaluation: the place along the slanted side 3 sqrt(3) u R + 4 u E, the two differences 7 u R, the side of the
+//   slanted side that the point is on 7 u R + 4 u E, the squares 2.6 u R                              <=   22 u R + 8 u
+//   E
+// The sum is below 48 u R + 16 u E, which is the slack that TriangleTree uses. A distance to a box or a slab errs less.
+// Fused or not, each product errs no more than assumed.
+HWY_BEFORE_NAMESPACE();
+namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr int stack_capacity = 320;
+
+using Lanes = hn::CappedTag<float, tree_width>;
+using IntLanes = hn::RebindToSigned<Lanes>;
+using Vec = hn::Vec<Lanes>;
+
+/// The point, once in each lane.
+struct Splat {
+  explicit Splat(const std::array<float, 3>& point)
+      : x(hn::Set(Lanes(), point[0])), y(hn::Set(Lanes(), point[1])), z(hn::Set(Lanes(), point[2])) {}
+  Vec x, y, z;
+};
+
+HWY_INLINE Vec load(const TreeLanes& lanes, std::size_t first) { return hn::Load(Lanes(), lanes.data() + first); }
+
+HWY_INLINE Vec beyond(Vec p, const TreeLanes& lower, const TreeLanes& upper, std::size_t first) {
+  const Vec out = hn::Max(hn::Sub(load(lower, first), p), hn::Sub(p, load(upper, first)));
+  return hn::Max(out, hn::Zero(Lanes()));
+}
+
+/// Squared distances to what bounds the children.
+HWY_INLINE Vec squared_to_children(const TreeNode& node, const Splat& p, std::size_t first) {
+  const Vec x = beyond(p.x, node.lower[0], node.upper[0], first);
+  const Vec y = beyond(p.y, node.lower[1], node.upper[1], first);
+  const Vec z = beyond(p.z, node.lower[2], node.upper[2], first);
+  const Vec to_box = hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x)));
+  const Vec height =
+      hn::MulAdd(load(node.normal[2], first), p.z,
+                 hn::MulAdd(load(node.normal[1], first), p.y, hn::Mul(load(node.normal[0], first), p.x)));
+  const Vec to_slab = beyond(height, node.slab_lower, node.slab_upper, first);
+  return hn::Max(to_box, hn::Mul(to_slab, to_slab));
+}
+
+/// Squared distances to the triangles. The height cuts a triangle in two with a right angle each, and the half that the
+/// point is on holds the closest point, because both angles at the longest side are acute.
+HWY_INLINE Vec squared_to_triangles(const TreeLeaf& leaf, const Splat& p, std::size_t first) {
+  const Lanes d;
+  const Vec zero = hn::Zero(d);
+  const Vec arm_x = hn::Sub(p.x, load(leaf.origin[0], first));
+  const Vec arm_y = hn::Sub(p.y, load(leaf.origin[1], first));
+  const Vec arm_z = hn::Sub(p.z, load(leaf.origin[2], first));
+  const Vec ax = load(leaf.along[0], first);
+  const Vec ay = load(leaf.along[1], first);
+  const Vec az = load(leaf.along[2], first);
+  const Vec ux = load(leaf.up[0], first);
+  const Vec uy = load(leaf.up[1], first);
+  const Vec uz = load(leaf.up[2], first);
+  const Vec signed_x = hn::MulAdd(arm_z, az, hn::MulAdd(arm_y, ay, hn::Mul(arm_x, ax)));
+  const Vec y = hn::MulAdd(arm_z, uz, hn::MulAdd(arm_y, uy, hn::Mul(arm_x, ux)));
+  const Vec nx = hn::MulSub(ay, uz, hn::Mul(az, uy));
+  const Vec ny = hn::MulSub(az, ux, hn::Mul(ax, uz));
+  const Vec nz = hn::MulSub(ax, uy, hn::Mul(ay, ux));
+  const Vec z = hn::MulAdd(arm_z, nz, hn::MulAdd(arm_y, ny, hn::Mul(arm_x, nx)));
+
+  const Vec width = hn::IfThenElse(hn::Lt(signed_x, zero), load(leaf.before, first), load(leaf.after, first));
+  const Vec height = load(leaf.height, first);
+  const Vec over = hn::Sub(hn::Abs(signed_x), width);  // beyond the end of the longest side
+  // The slanted side runs from (width, 0) to (0, height).
+  const Vec squared_side = hn::MulAdd(width, width, hn::Mul(height, height));
+  const Vec along = hn::NegMulAdd(over, width, hn::Mul(y, height));
+  const Vec share = hn::Min(hn::Max(hn::Div(along, hn::Max(squared_side, hn::Set(d, 1e-37F))), zero), hn::Set(d, 1.0F));
+  const Vec side_x = hn::MulAdd(share, width, over);
+  const Vec side_y = hn::NegMulAdd(share, height, y);
+  const Vec to_side = hn::MulAdd(side_x, side_x, hn::Mul(side_y, side_y));
+  // Elsewhere the rectangle about the half bounds the distance, which is 0 in the half itself: a needle's slanted side
+  // is so close to its longest one that rounding may put a point far beyond its tip on the inner side.
+  const Vec rest_x = hn::Max(over, zero);
+  const Vec rest_y = hn::IfThenElse(hn::Lt(y, zero), y, hn::Max(hn::Sub(y, height), zero));
+  const Vec to_rectangle = hn::MulAdd(rest_x, rest_x, hn::Mul(rest_y, rest_y));
+  const Vec outward = hn::MulAdd(over, height, hn::Mul(y, width));
+  const auto at_side = hn::And(hn::Gt(y, zero), hn::Gt(outward, zero));
+  return hn::MulAdd(z, z, hn::IfThenElse(at_side, to_side, to_rectangle));
+}
+
+/// Square of a distance that the closest triangle does not exceed in floats, given that of another triangle.
+HWY_INLINE float limit_from(float squared, float slack) {
+  const float reach = std::sqrt(squared) + 2 * slack;
+  return reach * reach * 1.000001F;
+}
+
+/// A bit a place of a leaf, those within the limit; the squared distances go to `squared`.
+HWY_INLINE unsigned within(const float* HWY_RESTRICT squared, float limit) {
+  const Lanes d;
+  unsigned bits = 0;
+  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+    const auto mask = hn::Le(hn::Load(d, squared + first), hn::Set(d, limit));
+    std::uint8_t part[8] = {};
+    hn::StoreMaskBits(d, mask, part);
+    bits |= (part[0] & ((1U << hn::Lanes(d)) - 1U)) << first;
+  }
+  return bits;
+}
+
+/// Lists the triangles of a leaf that may be the closest and lowers the limit.
+HWY_INLINE void collect(const TreeLeaf& leaf, const Splat& p, TreeSearch& search) {
+  const Lanes d;
+  alignas(64) float squared[tree_width];
+  Vec least = hn::Set(d, std::numeric_limits<float>::max());
+  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+    const Vec part = squared_to_triangles(leaf, p, first);
+    hn::Store(part, d, squared + first);
+    least = hn::Min(least, part);
+  }
+  unsigned found = within(squared, search.limit);
+  if (found == 0) {
+    return;
+  }
+  if (leaf.needles == 0) {
+    const float lowered = limit_from(hn::GetLane(hn::MinOfLanes(d, least)), search.slack);
+    if (lowered < search.limit) {
+      search.limit = lowered;
+      found = within(squared, lowered);
+    }
+  }
+  for (; found != 0; found &= found - 1) {
+    const auto place = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(found));
+    search.squared[search.count] = squared[place];
+    search.triangle[search.count] = leaf.triangle[place];
+    ++search.count;
+  }
+  if (search.count > TreeSearch::capacity - tree_width || leaf.needles != 0) {
+    search.decide(search);
+  }
+}
+
+/// Calls `look(index)` for leaves whose bounds are within `limit`, which `look` may lower.
+template <bool nearest_first, typename Look>
+HWY_INLINE void walk(const TreeSearch& search, const Splat& p, const float& limit, Look&& look) {
+  const Lanes d;
+  const IntLanes di;
+  HWY_ALIGN float near[stack_capacity];
+  HWY_ALIGN std::int32_t child[stack_capacity];
+  int top = 0;
+  near[0] = 0;
+  child[0] = 0;
+  while (top >= 0) {
+    const std::int32_t next = child[top];
+    const float squared_next = near[top--];
+    if (squared_next > limit) {
+      continue;
+    }
+    if (next < 0) {
+      look(~next);
+      continue;
+    }
+    const TreeNode& node = search.nodes[next];
+    const int base = top + 1;
+    const Vec reach = hn::Set(d, limit);
+    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+      const Vec squared = squared_to_children(node, p, first);
+      const auto mask = hn::Le(squared, reach);
+      hn::CompressStore(squared, mask, d, near + top + 1);
+      top += static_cast<int>(
+          hn::CompressStore(hn::Load(di, node.child.data() + first), hn::RebindMask(di, mask), di, child + top + 1));
+    }
+    for (int last = base + 1; nearest_first && last <= top; ++last) {
+      const float squared = near[last];
+      const std::int32_t index = child[last];
+      int at = last;
+      for (; at > base && near[at - 1] < squared; --at) {
+        near[at] = near[at - 1];
+        child[at] = child[at - 1];
+      }
+      near[at] = squared;
+      child[at] = index;
+    }
+  }
+}
+
+template <bool nearest_first>
+HWY_INLINE void search_closest(TreeSearch& search) {
+  const Splat p(search.point);
+  const int first_leaf = search.first_leaf;
+  if (first_leaf >= 0) {
+    collect(search.leaves[first_leaf], p, search);
+  }
+  walk<nearest_first>(search, p, search.limit, [&](std::int32_t leaf) HWY_ATTR {
+    if (leaf != first_leaf) {
+      collect(search.leaves[leaf], p, search);
+    }
+  });
+}
+
+void nearest_first(TreeSearch& search) { search_closest<true>(search); }
+
+void in_any_order(TreeSearch& search) { search_closest<false>(search); }
+
+void neighbours(const TreeSearch& search, TreeNeighbours& list) {
+  const Splat p(search.point);
+  // Unused places are farther than that.
+  float limit = 0.5F * tree_nowhere * tree_nowhere;
+  walk<true>(search, p, limit, [&](std::int32_t index) HWY_ATTR {
+    const Lanes d;
+    const TreeLeaf& leaf = search.leaves[index];
+    alignas(64) float squared[tree_width];
+    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+      hn::Store(squared_to_triangles(leaf, p, first), d, squared + first);
+    }
+    for (unsigned found = within(squared, limit); found != 0; found &= found - 1) {
+      const auto place = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(found));
+      if (squared[place] > limit) {
+        continue;
+      }
+      std::size_t at = list.count < list.capacity ? list.count++ : list.capacity - 1;
+      for (; at > 0 && list.nearest[at - 1].distance_m > squared[place]; --at) {
+        list.nearest[at] = list.nearest[at - 1];
+      }
+      list.nearest[at] = {leaf.triangle[place], squared[place]};
+      if (list.count == list.capacity) {
+        limit = list.nearest[list.capacity - 1].distance_m;
+      }
+    }
+  });
+}
+
+}  // namespace
+}  // namespace musclebench::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace musclebench {
+
+HWY_EXPORT(nearest_first);
+HWY_EXPORT(in_any_order);
+HWY_EXPORT(neighbours);
+
+void search_nearest_first(TreeSearch& search) { HWY_DYNAMIC_DISPATCH(nearest_first)(search); }
+
+void search_in_any_order(TreeSearch& search) { HWY_DYNAMIC_DISPATCH(in_any_order)(search); }
+
+void search_neighbours(const TreeSearch& search, TreeNeighbours& list) {
+  HWY_DYNAMIC_DISPATCH(neighbours)(search, list);
+}
+
+}  // namespace musclebench
+#endif

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/geometry/triangle_tree_nodes.hpp"
+
+namespace musclebench {
+
+/// What the SIMD part of a closest-point search works on. All lengths are in the tree's own frame and unit. It prunes
+/// only: it leaves every triangle that may be the closest one, and the caller decides between them in double.
+struct TreeSearch {
+  static constexpr std::size_t capacity = 64;
+
+  const TreeNode* nodes = nullptr;
+  const TreeLeaf* leaves = nullptr;
+  std::array<float, 3> point{};
+  /// No float distance here (to a box, a slab or a triangle) is farther from the truth, the caller's own answers in
+  /// double included.
+  float slack = 0;
+  /// Square of a distance that nothing closest exceeds in the floats here.
+  float limit = 0;
+  int first_leaf = -1;  ///< looked at before all others; -1: none
+
+  /// Triangles whose distance was within the limit when they were found.
+  std::size_t count = 0;
+  std::array<float, capacity> squared;
+  std::array<std::int32_t, capacity> triangle;
+
+  /// Called when the list is full: empties it and may lower the limit. Called for needles, too.
+  void (*decide)(TreeSearch& search) = nullptr;
+};
+
+/// Looks at everything within the limit, nearest boxes first.
+void search_nearest_first(TreeSearch& search);
+
+/// The same, cheaper where the limit is nearly the answer from the start: in any order.
+void search_in_any_order(TreeSearch& search);
+
+/// The triangles nearest to a point, ascending. `distance_m` holds the squared distances of the floats.
+struct TreeNeighbours {
+  NearTriangle* nearest = nullptr;
+  std::size_t capacity = 0;
+  std::size_t count = 0;
+};
+
+/// Only nodes, leaves and point of `search` are read. Any triangle that is not listed is at least as far, in floats, as
+/// the last one that is.
+void search_neighbours(const TreeSearch& search, TreeNeighbours& neighbours);
+
+}  // namespace musclebench
