@@ -1,0 +1,98 @@
+#!/usr/bin/python3
+"""Stands in for the program and for its kernels, with known numbers: `list` and `run` as musclebench, else as a Google
+Benchmark program. FAKE_BEHAVIOUR maps words of the command line to misbehaviour, such as "bvh=crash allocations=empty";
+FAKE_LOG gets one line a call."""
+
+import json
+import os
+import sys
+from pathlib import Path
+
+# Collision time a frame, ns, of each backend; budgets save most of it.
+COLLISION_NS = {"voxel": 50_000, "sdf": 60_000, "bvh": 125_000, "fcl": 5_000_000}
+SLOWER_WITHOUT_BUDGETS = 4
+HEAD = "frame,angle_deg,warm_up,update_ns,detect_ns,respond_ns,frame_ns,contacts,nodes_inside,max_depth_m," \
+       "mean_depth_m,missed_contacts,false_contacts,resident_bytes\n"
+# (kernel, counter, value, unit of the time); a counter real_time is the time itself
+KERNELS = [
+    *[(f"voxel_test/{bone}", "ns_a_point", 6.0) for bone in ("pelvis", "femur")],
+    ("sdf_value_and_gradient/float/pelvis", "ns_a_point", 24.0), ("sdf_value_and_gradient/float/femur", "ns_a_point", 33.0),
+    *[(f"bvh_locate/near/{bone}", "ns_a_point", 1000.0) for bone in ("pelvis", "femur")],
+    ("sdf_build_a_node/pelvis/threads:1", "ns_a_node", 250.0), ("sdf_build_a_node/femur/threads:1", "ns_a_node", 150.0),
+    ("sdf_build_a_node/pelvis/threads:2", "ns_a_node", 130.0), ("sdf_build_a_node/femur/threads:2", "ns_a_node", 80.0),
+    ("detect_threads/bvh/1", "real_time", 900.0), ("detect_threads/bvh/2", "real_time", 500.0),
+    ("detect_threads/sdf/1", "real_time", 300.0), ("detect_threads/sdf/2", "real_time", 200.0),
+    *[(f"muscle_size/{backend}/{10**n}", "real_time", 2.0 * 10**n) for backend in ("bvh", "sdf", "voxel")
+      for n in (3, 4, 5)],
+    *[(f"bone_size/bvh_locate/{20 * 4**n}", "ns_a_point", 100.0 * n) for n in (4, 5, 6, 7)],
+    *[(f"bone_size/bvh_step/{20 * 4**n}", "real_time", 70.0) for n in (4, 5, 6, 7)],
+    ("sdf_bytes/dense/pelvis", "bytes", 7.5e6), ("sdf_bytes/dense/femur", "bytes", 7.6e6),
+    ("allocations/bvh/project", "allocations", 0.0), ("allocations/voxel/backtrack", "allocations", 3.0),
+]
+TIME_OF_COUNTER = {"ns_a_node": 1e6, "bytes": 5.0, "allocations": 5.0}
+
+
+def behaviour() -> str:
+    wanted = dict(item.rsplit("=", 1) for item in os.environ.get("FAKE_BEHAVIOUR", "").split())
+    return next((what for word, what in wanted.items() if any(word in argument for argument in sys.argv[1:])), "")
+
+
+def run(arguments: list[str]) -> int:
+    backend = arguments[arguments.index("--backend") + 1]
+    repetition = int(arguments[arguments.index("--repetition") + 1])
+    a_frame = COLLISION_NS[backend] * (SLOWER_WITHOUT_BUDGETS if "motion_budgets=off" in arguments else 1)
+    folder = Path(arguments[arguments.index("--out") + 1])
+    folder.mkdir(parents=True)
+    lines = [f"{frame},{frame},{int(frame <= 2)},{0.1 * a_frame},{0.8 * a_frame},{0.1 * a_frame},9e6,5,,,,,,1000\n"
+             for frame in range(1, 41)]
+    (folder / "frames.csv").write_text(HEAD + "".join(lines))
+    case = {"mode": "coupled", "scene": arguments[1], "backend": backend, "parameters": {}, "threads": 1,
+            "repetition": repetition}
+    record = {"status": "ok", "status_detail": "", "case": case, "build": {"git": "abc"}}
+    (folder / "run.json").write_text(json.dumps(record))
+    return 0
+
+
+def time_kernels(options: dict[str, str]) -> int:
+    import re
+    results = []
+    for kernel, counter, value in KERNELS:
+        if not re.search(options["benchmark_filter"], kernel):
+            continue
+        for repetition in range(int(options.get("benchmark_repetitions", 1))):
+            result = {"name": kernel, "run_name": f"{kernel}/real_time", "run_type": "iteration",
+                      "repetition_index": repetition, "iterations": 10, "time_unit": "us"}
+            # All counters of a repetition swing together, as on a machine that is slower now and then.
+            swing = 1 + 0.01 * repetition
+            time = swing * (value if counter == "real_time" else TIME_OF_COUNTER.get(counter, 8.0))
+            result |= {"real_time": time, "cpu_time": time}
+            if counter != "real_time":
+                result[counter] = value * (swing if counter.startswith("ns_") else 1)
+            results.append(result)
+        results.append({"name": f"{kernel}_median", "run_name": kernel, "run_type": "aggregate", "real_time": -1,
+                        "cpu_time": -1})
+    if re.search(options["benchmark_filter"], "sdf_bytes/"):
+        results.append({"name": "sdf_bytes/band_10mm/femur", "run_name": "sdf_bytes/band_10mm/femur",
+                        "run_type": "iteration", "error_occurred": True, "error_message": "sdf: no 'band_m'"})
+    Path(options["benchmark_out"]).write_text(json.dumps({"context": {}, "benchmarks": results}))
+    return 0
+
+
+def main() -> int:
+    arguments = sys.argv[1:]
+    if "FAKE_LOG" in os.environ:
+        with open(os.environ["FAKE_LOG"], "a") as log:
+            print(*sorted(os.sched_getaffinity(0)), *arguments, file=log)
+    if arguments == ["list"]:
+        print("Backends:\n  voxel  bits\n    cells  64\n  sdf  field\n  bvh  tree\n  fcl  library\n\nEffects:\n  volume")
+        return 0
+    if behaviour() == "crash":
+        print("musclebench: something went wrong", file=sys.stderr)
+        return 2
+    if arguments[0] == "run":
+        return run(arguments)
+    return time_kernels(dict(argument.removeprefix("--").split("=", 1) for argument in arguments))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

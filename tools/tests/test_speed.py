@@ -1,0 +1,227 @@
+"""The speed table from end to end with stand-ins for both programs, and the pieces that it is made of."""
+
+import json
+import math
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import speed
+from musclebench_experiment.case import Places
+from musclebench_speed import bars, samples
+from musclebench_speed.kernel_results import read_kernels
+from musclebench_speed.speed_cases import KernelCase, RaceCase
+from musclebench_speed.speed_experiment import backends_of
+from musclebench_speed.speed_plan import SETTINGS, Wishes, plan
+
+PROGRAM = Path(__file__).resolve().parent / "fake_speed.py"
+TOOLS = PROGRAM.parent.parent
+MUSCLES = ("adductor_brevis", "iliacus")
+
+
+class Table:
+    """Runs tools/speed.py on two muscles."""
+
+    def __init__(self, folder: Path, monkeypatch, capfd):
+        self.out, self._log, self._monkeypatch, self._capfd = folder / "out", folder / "log", monkeypatch, capfd
+
+    def __call__(self, *more, behaviour=""):
+        """(exit code, standard output, standard error, calls of the programs but `list`)"""
+        self._monkeypatch.setenv("FAKE_BEHAVIOUR", behaviour)
+        self._monkeypatch.setenv("FAKE_LOG", str(self._log))
+        self._log.write_text("")
+        muscles = [word for muscle in MUSCLES for word in ("--muscle", muscle)]
+        code = speed.main(["--musclebench", str(PROGRAM), "--micro", str(PROGRAM), "--out", str(self.out), *muscles,
+                           "--repetitions", "1", *more])
+        text, errors = self._capfd.readouterr()
+        return code, text, errors, [line for line in self._log.read_text().splitlines() if not line.endswith("list")]
+
+    def rows(self) -> dict[str, dict]:
+        """The lines of the table by what they are about."""
+        written = json.loads((self.out / "speed.json").read_text())["rows"]
+        return {row["what"]: row for row in written if not row["part"]}
+
+
+@pytest.fixture
+def table(tmp_path, monkeypatch, capfd) -> Table:
+    return Table(tmp_path, monkeypatch, capfd)
+
+
+def test_the_table_has_every_bar_with_its_median_spread_and_verdict(table):
+    code, text, _, _ = table()
+    rows = table.rows()
+    assert code == 0
+    expected = {
+        "collision time, bvh / voxel 64": (2.5, "no"),
+        "collision time, sdf 64 / voxel 64": (1.2, "yes"),
+        "collision time, fcl node_distance / voxel 64": (100.0, "no"),
+        "the same without motion budgets: bvh": (10.0, ""),
+        "sdf value + gradient / voxel test, near points, float": (5.5, "no"),
+        "sdf build per node / cold closest point of bvh near": (0.25, "yes"),
+        "MB of sdf 64 float, dense, a bone": (7.6, "yes"),
+        "two threads over one, detect of all nodes, bvh": (1.8, "yes"),
+        "two threads over one, detect of all nodes, sdf": (1.5, "no"),
+        "power of the muscle's nodes that a step costs": (1.0, "yes"),
+        "power of log(triangles) that a step of bvh costs": (0.0, "yes"),
+        "heap allocations in a frame after the second": (3.0, "no"),
+    }
+    for what, (value, held) in expected.items():
+        row = rows[what]
+        assert row["measured"] == pytest.approx(value, abs=1e-9) and row["held"] == held, what
+        assert row["low"] <= row["measured"] + 1e-9 and row["measured"] <= row["high"] + 1e-9, what
+        assert what in text
+    assert rows["heap allocations in a frame after the second"]["note"] == "voxel/backtrack"
+    assert rows["sdf value + gradient / voxel test, near points, float"]["note"] == "femur"
+
+
+def test_all_forms_of_the_table_say_the_same(table):
+    table()
+    csv = pd.read_csv(table.out / "speed.csv")
+    written = json.loads((table.out / "speed.json").read_text())
+    assert len(csv) == len(written["rows"]) and written["build"] == {"git": "abc"}
+    markdown = (table.out / "speed.md").read_text()
+    for what in table.rows():
+        assert f"| {what} |" in markdown
+    assert (csv["part"].fillna("") == "bvh / voxel").sum() == len(MUSCLES)
+
+
+def test_what_is_not_built_or_not_known_says_so(table):
+    code, _, _, calls = table()
+    rows = table.rows()
+    near = rows["Embree's point query / cold bvh with sign, near"]
+    assert code == 0 and near["measured"] is None and near["held"] == ""
+    assert near["note"] == "not built: musclebench_embree" and not any("embree" in call for call in calls)
+    assert rows["MB of sdf 64 float, narrow band 10 mm, a bone"]["note"] == "not built: sdf: no 'band_m'"
+
+
+def test_a_backend_that_is_not_built_is_no_failure(table, tmp_path):
+    without = tmp_path / "without_fcl"
+    without.write_text(PROGRAM.read_text().replace("\\n  fcl  library", ""))
+    without.chmod(0o755)
+    code, _, _, calls = table("--musclebench", str(without))
+    assert code == 0 and table.rows()["collision time, fcl node_distance / voxel 64"]["note"] == "not built: backend fcl"
+    assert backends_of(without) == {"voxel", "sdf", "bvh"} and backends_of(PROGRAM) == {"voxel", "sdf", "bvh", "fcl"}
+    assert not any("--backend fcl" in call for call in calls)
+
+
+def test_a_failure_is_told_and_leaves_the_other_rows(table):
+    code, _, errors, _ = table(behaviour="bvh_locate=crash")
+    assert code == 1 and "kernels-queries-r0: failed" in errors
+    row = table.rows()["sdf value + gradient / voxel test, near points, float"]
+    assert row["measured"] is None and "something went wrong" in row["note"]
+    assert table.rows()["collision time, bvh / voxel 64"]["measured"] == pytest.approx(2.5)
+
+
+def test_complete_cases_are_not_run_again_and_failed_ones_are(table):
+    table(behaviour="allocations=crash")
+    code, text, _, calls = table()
+    assert code == 0 and len(calls) == 1 and "allocations" in calls[0] and "are complete already" in text
+    assert table()[3] == []
+
+
+def test_cases_run_one_at_a_time_each_on_one_core_but_for_two_threads(table):
+    _, _, _, calls = table()
+    for call in calls:
+        cores = [word for word in call.split("--")[0].split() if word.isdigit()]
+        assert len(cores) == (2 if "detect_threads" in call else 1), call
+
+
+def test_the_report_alone_runs_nothing(table, tmp_path):
+    table()
+    before = table.rows()
+    assert table("--report-only")[3] == [] and table.rows() == before
+    shutil.rmtree(table.out)
+    code, _, errors, _ = table("--report-only")
+    assert code == 2 and "holds no measurement" in errors and len(errors.splitlines()) == 1
+
+
+def test_a_round_has_everything_once_and_muscles_stay_together():
+    cases = plan(Wishes("lhdl", MUSCLES, repetitions=3))
+    assert len({case.name for case in cases}) == len(cases)
+    assert [case.repetition for case in cases] == sorted(case.repetition for case in cases)
+    orders = []
+    for repetition in range(3):
+        races = [case for case in cases if isinstance(case, RaceCase) and case.repetition == repetition]
+        assert len(races) == len(MUSCLES) * len(SETTINGS)
+        assert races[0].muscle == races[len(SETTINGS) - 1].muscle != races[-1].muscle
+        orders.append([case.setting.label for case in races if case.muscle == "iliacus"])
+    assert orders[0] != orders[1] or orders[1] != orders[2]
+    once = [case for case in cases if isinstance(case, KernelCase) and not case.group.varies]
+    assert {case.repetition for case in once} == {0}
+
+
+def test_quick_means_less_of_everything():
+    quick, whole = (plan(Wishes(quick=value)) for value in (True, False))
+    assert sum(case.guessed_seconds for case in quick) < sum(case.guessed_seconds for case in whole) / 3
+    words = next(case for case in quick if isinstance(case, RaceCase)).arguments(Places(Path("out")))
+    assert "--frames" in words and "--no-referee" in words
+
+
+def test_the_dry_run_lists_the_cases(table):
+    code, text, _, calls = table("--dry-run")
+    assert code == 0 and calls == [] and "iliacus-bvh-r0" in text and "about" in text.splitlines()[-1]
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (["--repetitions", "0"], "--repetitions 0: must be 1 or more"),
+    (["--micro", "/nowhere/micro"], "/nowhere/micro: no such program"),
+    (["--data", "/nowhere"], "/nowhere: has no lhdl.json"),
+    (["--muscle", "biceps"], "invalid choice"),
+])
+def test_bad_options_are_answered_in_one_line(table, arguments, words):
+    code, _, errors, calls = table(*arguments)
+    assert code == 2 and words in errors and len(errors.splitlines()) == 1 and calls == []
+
+
+def test_a_file_that_is_no_result_counts_as_none(tmp_path):
+    folder = tmp_path / "kernels-queries-r0"
+    folder.mkdir()
+    (folder / "kernels.json").write_text("{")
+    (folder / "run.json").write_text('{"case": {"group": "queries", "repetition": 0}}')
+    assert read_kernels(tmp_path).samples == {}
+
+
+def test_ratios_pair_samples_of_the_same_moment():
+    slow_machine = pd.Series([1.0, 1.0, 5.0, 1.0, 1.0, 5.0])
+    estimate = samples.ratio(3 * slow_machine, slow_machine)
+    assert (estimate.value, estimate.low, estimate.high) == (3, 3, 3)
+    assert math.isnan(samples.ratio(slow_machine, pd.Series(dtype=float)).value)
+
+
+def test_few_samples_have_no_interval():
+    estimate = samples.median(pd.Series([1.0, 2.0, 3.0]))
+    assert estimate.value == 2 and math.isnan(estimate.low)
+
+
+def test_the_power_is_that_of_the_growth():
+    times = {size: pd.Series([factor * size**1.5 for factor in (1.0, 1.1, 0.9, 1.0, 1.2)]) for size in (10, 100, 1000)}
+    assert samples.power(times).value == pytest.approx(1.5)
+    assert math.isnan(samples.power({10: times[10], 100: times[100]}).value)
+
+
+@pytest.mark.parametrize("value, at_most, at_least, held", [
+    (2, 2, None, "yes"), (2.1, 2, None, "no"), (3, None, 3, "yes"), (2.9, None, 3, "no"), (1, None, None, ""),
+    (float("nan"), 2, None, ""),
+])
+def test_a_bar_is_held_up_to_its_value(value, at_most, at_least, held):
+    estimate = samples.median(pd.Series([value]))
+    assert bars.Row("what", "bar", at_most, at_least, estimate).held == held
+
+
+def test_the_worst_part_stands_for_the_row():
+    parts = [bars.Row(str(value), measured=samples.exact(value), note=f"at {value}") for value in (1.0, 3.0, 2.0)]
+    assert bars.worst("row", parts, "<= 2", at_most=2).note == "at 3.0"
+    assert bars.worst("row", parts, ">= 2", at_least=2).note == "at 1.0"
+    parts.append(bars.Row("unknown", note="why"))
+    assert bars.worst("row", parts, "<= 2", at_most=2).note == "at 3.0; 1 of 4 missing"
+    assert bars.worst("row", parts[-1:], "<= 2", at_most=2).note == "why"
+
+
+def test_the_shell_wrapper_answers_for_help_without_building():
+    result = subprocess.run([str(TOOLS / "speed"), "--help"], capture_output=True, text=True, timeout=60,
+                            env={**os.environ, "COLUMNS": "100"}, check=False)
+    assert result.returncode == 0 and "--quick" in result.stdout
