@@ -129,15 +129,15 @@ struct HardCase {
 
 void PrintTo(const HardCase& hard, std::ostream* out) { *out << hard.name; }
 
-/// Needles of all widths, the thinnest beyond what doubles can tell, so close together that they compete.
-TriangleMesh needles(std::mt19937& random) {
+/// Needles of all widths between two powers of ten, so close together that they compete.
+TriangleMesh needles(std::mt19937& random, double thinnest, double widest) {
   std::uniform_real_distribution<double> unit(-1, 1);
   TriangleMesh mesh;
   for (int t = 0; t < 400; ++t) {
     const Vec3 start(unit(random), 0.01 * unit(random), 0.01 * unit(random));
     const Vec3 along(unit(random), 0.3 * unit(random), 0.3 * unit(random));
     const Vec3 across(0.1 * unit(random), unit(random), unit(random));
-    const double width = std::pow(10.0, 8 * unit(random) - 9);
+    const double width = std::pow(10.0, thinnest + 0.5 * (1 + unit(random)) * (widest - thinnest));
     const int first = static_cast<int>(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(),
                          {start, start + along, start + 0.5 * (1 + unit(random)) * along + width * across});
@@ -172,7 +172,7 @@ TriangleMesh coincident_sheets() {
   return mesh;
 }
 
-/// Points that are somewhere, at vertices, in the middle of triangles and of edges, and close to them.
+/// Points that are somewhere, at vertices, in the middle of triangles and of edges, close to them and above them.
 std::vector<Vec3> points_about(const TriangleMesh& mesh, std::mt19937& random, int count) {
   std::uniform_real_distribution<double> unit(-1, 1);
   std::uniform_int_distribution<std::size_t> any(0, mesh.triangles.size() - 1);
@@ -186,6 +186,8 @@ std::vector<Vec3> points_about(const TriangleMesh& mesh, std::mt19937& random, i
     const std::array<Vec3, 4> on = {a, 0.5 * (a + b), (a + b + c) / 3, 3 * b - 2 * a};
     const double distance = i % 3 == 0 ? 0 : std::pow(10.0, 4 * unit(random) - 3);
     points.emplace_back(i % 5 == 4 ? Vec3(1.5 * away) : Vec3(on[static_cast<std::size_t>(i % 4)] + distance * away));
+    const Vec3 normal = (b - a).cross(c - a).stableNormalized();
+    points.emplace_back(on[2] + unit(random) * normal);
   }
   points.emplace_back(1e3, -2e4, 5e3);
   points.emplace_back(3e9, 1e7, -1e8);
@@ -200,7 +202,9 @@ std::vector<HardCase> hard_cases() {
     cases.push_back({name, mesh, points_about(mesh, random, 300)});
   };
   add("soup", soup(400));
-  add("needles", needles(random));
+  add("needles", needles(random, -17, -1));
+  // So thin that closest_on_triangle may take any point of them for the closest one.
+  add("thin_needles", needles(random, -12, -7));
   add("sheets", coincident_sheets());
   TriangleMesh points_and_segments = soup(300);
   for (Triangle& t : points_and_segments.triangles) {
@@ -225,10 +229,10 @@ std::vector<HardCase> hard_cases() {
       cases.push_back(scaled);
     }
   }
-  for (const double offset : {10.0, 1e6}) {
+  for (const double offset : {10.0, 1e6, 1e12}) {
     for (std::size_t i = 0; i < plain; ++i) {
       HardCase moved = cases[i];
-      moved.name += offset < 1e3 ? "_moved" : "_far_away";
+      moved.name += offset < 1e3 ? "_moved" : offset < 1e9 ? "_far_away" : "_farther_away";
       for (std::vector<Vec3>* positions : {&moved.mesh.vertices, &moved.points}) {
         for (Vec3& position : *positions) {
           position += offset * Vec3(1, -0.7, 0.3);
