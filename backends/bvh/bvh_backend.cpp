@@ -45,16 +45,24 @@ class BvhBackend final : public CollisionBackend {
   void detect_bone(int bone, std::span<const Vec3> positions, std::span<const int> nodes) {
     const CentredSurface& surface = m_surfaces[static_cast<std::size_t>(bone)];
     const RigidMotion& pose = poses()[static_cast<std::size_t>(bone)];
-    const auto count = static_cast<std::ptrdiff_t>(nodes.size());
-#pragma omp parallel for num_threads(threads()) schedule(dynamic, 64) if (threads() > 1)
-    for (std::ptrdiff_t i = 0; i < count; ++i) {
-      const auto place = static_cast<std::size_t>(i);
+    const auto ask = [&](std::size_t place) {
       const Vec3 rest_point = pose.apply_inverse(positions[static_cast<std::size_t>(nodes[place])]);
       Penetration found;
       m_inside[place] = static_cast<unsigned char>(surface.penetrates(rest_point, found));
       if (m_inside[place] != 0) {
         m_found[place] = {nodes[place], bone, found.depth_m, pose.apply_to_direction(found.normal)};
       }
+    };
+    const auto count = static_cast<std::ptrdiff_t>(nodes.size());
+    if (threads() == 1) {  // not even OpenMP's team of one, which is allocated anew each time
+      for (std::ptrdiff_t i = 0; i < count; ++i) {
+        ask(static_cast<std::size_t>(i));
+      }
+      return;
+    }
+#pragma omp parallel for num_threads(threads()) schedule(dynamic, 64)
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+      ask(static_cast<std::size_t>(i));
     }
   }
 

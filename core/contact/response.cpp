@@ -27,6 +27,15 @@ void push_out(std::span<const Contact> contacts, std::span<Vec3> positions) {
 
 }  // namespace
 
+void Response::reserve(std::size_t nodes, std::size_t bones) {
+  m_contacts.reserve(nodes * bones);
+  m_nodes.reserve(nodes * bones);  // before those in contact with several bones become one
+  if (m_kind == ResponseKind::backtrack) {
+    m_trial.reserve(nodes);
+    m_corrections.reserve(nodes * bones);
+  }
+}
+
 void Response::resolve(CollisionBackend& backend, const ResponseInput& input, std::span<const Contact> contacts,
                        std::span<Vec3> predicted) {
   if (contacts.empty()) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,9 @@ struct ResponseInput {
 class Response {
  public:
   explicit Response(ResponseKind kind) : m_kind(kind) {}
+
+  /// Makes room for all that `nodes` nodes and `bones` bones can need: `resolve` then allocates nothing.
+  void reserve(std::size_t nodes, std::size_t bones);
 
   /// `contacts` are those of the last detection at `predicted`, ordered by bone, then node.
   void resolve(CollisionBackend& backend, const ResponseInput& input, std::span<const Contact> contacts,

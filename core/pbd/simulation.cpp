@@ -13,6 +13,7 @@ void LastDetection::before_detection(const CollisionStep& step) {
   previous_bone_poses.assign(step.previous_bone_poses.begin(), step.previous_bone_poses.end());
   positions.assign(step.positions.begin(), step.positions.end());
   bone_poses.assign(step.bone_poses.begin(), step.bone_poses.end());
+  contacts.reserve(bone_poses.size() * positions.size());
 }
 
 void LastDetection::after_detection(const CollisionStep& step, std::span<const Contact> answered) {
@@ -33,11 +34,15 @@ Simulation::Simulation(const LoopParameters& loop, Particles particles, std::vec
       m_pose_function(std::move(poses)) {
   m_pose_function(0, m_poses);
   m_previous_poses = m_poses;
+  // Now rather than when a frame brings more contacts than any before it, in the middle of what is timed.
+  m_contacts.reserve(m_poses.size() * m_free_nodes.size());
+  m_response.reserve(m_particles.size(), m_poses.size());
+  m_times.effects_ns.reserve(m_effects.size());
 }
 
-StageTimes Simulation::step_frame(int frame, CollisionObserver* observer) {
-  StageTimes times;
-  times.effects_ns.assign(m_effects.size(), 0);
+const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer) {
+  m_times = StageTimes{.effects_ns = std::move(m_times.effects_ns)};
+  m_times.effects_ns.assign(m_effects.size(), 0);
   const Nanoseconds start_ns = monotonic_now_ns();
   for (int substep = 1; substep <= m_loop.substeps; ++substep) {
     m_previous_poses.swap(m_poses);
@@ -46,25 +51,25 @@ StageTimes Simulation::step_frame(int frame, CollisionObserver* observer) {
     const SubstepInput input{m_loop.time_step_s, m_poses};
 
     for (std::size_t i = 0; i < m_effects.size(); ++i) {
-      const ScopedTimer timer(times.effects_ns[i]);
+      const ScopedTimer timer(m_times.effects_ns[i]);
       m_effects[i]->apply_force(m_particles, input);
     }
     {
-      const ScopedTimer timer(times.predict_ns);
+      const ScopedTimer timer(m_times.predict_ns);
       predict(input);
     }
     for (int iteration = 1; iteration <= m_loop.iterations; ++iteration) {
       for (std::size_t i = 0; i < m_effects.size(); ++i) {
-        const ScopedTimer timer(times.effects_ns[i]);
+        const ScopedTimer timer(m_times.effects_ns[i]);
         m_effects[i]->project(m_particles, input);
       }
-      collide(times, substep == m_loop.substeps && iteration == m_loop.iterations, observer);
+      collide(substep == m_loop.substeps && iteration == m_loop.iterations, observer);
     }
-    const ScopedTimer timer(times.finish_ns);
+    const ScopedTimer timer(m_times.finish_ns);
     finish_substep();
   }
-  times.frame_ns = monotonic_now_ns() - start_ns - times.recording_ns;
-  return times;
+  m_times.frame_ns = monotonic_now_ns() - start_ns - m_times.recording_ns;
+  return m_times;
 }
 
 void Simulation::predict(const SubstepInput& input) {
@@ -76,25 +81,25 @@ void Simulation::predict(const SubstepInput& input) {
   }
 }
 
-void Simulation::collide(StageTimes& times, bool last_of_frame, CollisionObserver* observer) {
+void Simulation::collide(bool last_of_frame, CollisionObserver* observer) {
   const CollisionStep step{m_particles.positions, m_previous_poses, m_particles.predicted, m_poses, last_of_frame};
   if (observer != nullptr) {
-    const ScopedTimer timer(times.recording_ns);
+    const ScopedTimer timer(m_times.recording_ns);
     observer->before_detection(step);
   }
   {
-    const ScopedTimer timer(times.update_ns);
+    const ScopedTimer timer(m_times.update_ns);
     m_backend.update(m_poses, m_particles.predicted);
   }
   {
-    const ScopedTimer timer(times.detect_ns);
+    const ScopedTimer timer(m_times.detect_ns);
     m_backend.detect(m_particles.predicted, m_free_nodes, m_contacts);
   }
   if (observer != nullptr) {
-    const ScopedTimer timer(times.recording_ns);
+    const ScopedTimer timer(m_times.recording_ns);
     observer->after_detection(step, m_contacts);
   }
-  const ScopedTimer timer(times.respond_ns);
+  const ScopedTimer timer(m_times.respond_ns);
   m_response.resolve(m_backend, {m_particles.positions, m_previous_poses, m_poses}, m_contacts, m_particles.predicted);
 }
 

@@ -85,8 +85,9 @@ class Simulation {
              std::vector<std::unique_ptr<Effect>> effects, CollisionBackend& backend, ResponseKind response,
              PoseFunction poses);
 
-  /// Runs frame `frame` (1-based). `observer`, when given, sees every collision step.
-  StageTimes step_frame(int frame, CollisionObserver* observer = nullptr);
+  /// Runs frame `frame` (1-based) without allocating memory, if the backend does not. `observer`, when given, sees
+  /// every collision step. The times are those of this frame until the next one.
+  const StageTimes& step_frame(int frame, CollisionObserver* observer = nullptr);
 
   [[nodiscard]] const Particles& particles() const { return m_particles; }
   [[nodiscard]] std::span<const RigidMotion> bone_poses() const { return m_poses; }
@@ -97,7 +98,7 @@ class Simulation {
 
  private:
   void predict(const SubstepInput& input);
-  void collide(StageTimes& times, bool last_of_frame, CollisionObserver* observer);
+  void collide(bool last_of_frame, CollisionObserver* observer);
   void finish_substep();
 
   LoopParameters m_loop;
@@ -110,6 +111,7 @@ class Simulation {
   std::vector<RigidMotion> m_poses;
   std::vector<RigidMotion> m_previous_poses;
   std::vector<Contact> m_contacts;
+  StageTimes m_times;
 };
 
 }  // namespace musclebench

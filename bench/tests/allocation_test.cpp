@@ -1,0 +1,85 @@
+// A frame after the second allocates nothing: what frames need is made before the first, or grows in the first two.
+// Not asked of fcl, whose library allocates in every query, nor of brute_force, which is there to be right.
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bench/heap_counter.hpp"
+#include "bench/make_simulation.hpp"
+#include "bench/scene_source.hpp"
+
+namespace musclebench {
+namespace {
+
+/// A third of the motion there and back, in few frames: the contacts come late and are many.
+Scene bending_scene() { return load_scene({"synthetic/adductor_brevis", "paper", "", {{"frames", std::int64_t{24}}}}); }
+
+/// Allocations of each frame from the third on.
+std::vector<std::uint64_t> allocations_of_frames(const Scene& scene, BackendEntry backend, ResponseKind response,
+                                                 const std::map<std::string, ParameterValue>& parameters,
+                                                 CollisionObserver* observer) {
+  backend.response = response;
+  const Case resolved{scene, backend, Parameters(backend.parameters, parameters, backend.name), 1, 0};
+  const BuiltBackend built = build_backend(resolved);
+  const PreparedSimulation prepared = prepare_simulation(resolved, *built.backend);
+  std::vector<std::uint64_t> counts;
+  std::size_t most_contacts = 0;
+  std::size_t early_contacts = 0;
+  for (int frame = 1; frame <= scene.loop.frames; ++frame) {
+    const std::uint64_t before = heap_allocations();
+    prepared.simulation->step_frame(frame, observer);
+    const std::uint64_t after = heap_allocations();
+    most_contacts = std::max(most_contacts, prepared.simulation->contacts().size());
+    if (frame > 2) {
+      counts.push_back(after - before);
+    } else {
+      early_contacts = most_contacts;
+    }
+  }
+  if (backend.name != "null") {
+    EXPECT_GT(most_contacts, early_contacts) << "the scene does not ask for more memory as it goes on";
+  }
+  return counts;
+}
+
+struct Choice {
+  std::string backend;
+  ResponseKind response;
+  std::map<std::string, ParameterValue> parameters;
+};
+
+/// Once for all backends: reading the scene takes longer than running it.
+TEST(AFrameAfterTheSecond, AllocatesNothing) {
+  const std::map<std::string, ParameterValue> few_cells{{"cells", std::int64_t{16}}};
+  const std::vector<Choice> choices{{"null", ResponseKind::project, {}},
+                                    {"voxel", ResponseKind::backtrack, {}},
+                                    {"sdf", ResponseKind::project, few_cells},
+                                    {"sdf", ResponseKind::backtrack, few_cells},
+                                    {"bvh", ResponseKind::project, {}}};
+  const Scene scene = bending_scene();
+  for (const Choice& choice : choices) {
+    SCOPED_TRACE(choice.backend + (choice.response == ResponseKind::project ? ", project" : ", backtrack"));
+    LastDetection last;
+    for (CollisionObserver* const observer :
+         {static_cast<CollisionObserver*>(nullptr), static_cast<CollisionObserver*>(&last)}) {
+      const auto counts =
+          allocations_of_frames(scene, find_backend(choice.backend), choice.response, choice.parameters, observer);
+      EXPECT_EQ(counts, std::vector<std::uint64_t>(counts.size(), 0)) << (observer ? "observed" : "by itself");
+    }
+  }
+}
+
+TEST(HeapCounter, SeesWhatAnotherLibraryAllocates) {
+  const std::uint64_t before = heap_allocations();
+  const std::string text(100, 'x');
+  const auto number = std::make_unique<int>(static_cast<int>(text.size()));
+  EXPECT_EQ(*number, 100);
+  EXPECT_GE(heap_allocations() - before, 2U);
+}
+
+}  // namespace
+}  // namespace musclebench
