@@ -1,47 +1,40 @@
-// One detection of each backend on fixed nodes: the iliacus pushed towards the bones, so that some of it is inside.
-// Reports items (nodes) a second and the bytes of the structures. The scene is synthetic/iliacus, or the one in
-// MUSCLEBENCH_MICRO_SCENE.
-#include <cstdlib>
+// One detection of each backend on fixed nodes: the muscle at rest, the moving bone turned by 20 degrees into it, so
+// that some of it is inside. Reports items (nodes) a second and the bytes of the structures.
 #include <map>
+#include <numeric>
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "backends/registry.hpp"
-#include "bench/scene_source.hpp"
-#include "core/base/input_error.hpp"
+#include "bench/micro/micro_kernels.hpp"
+#include "bench/micro/micro_scene.hpp"
 
 namespace musclebench {
 namespace {
 
 struct Nodes {
-  Scene scene;
   std::vector<Vec3> positions;
   std::vector<int> all;
   std::vector<RigidMotion> poses;
 };
 
-/// The muscle at rest, the moving bone turned by 20 degrees into it.
 const Nodes& nodes() {
   static const Nodes made = [] {
-    const char* name = std::getenv("MUSCLEBENCH_MICRO_SCENE");
-    Nodes n{load_scene({name != nullptr ? name : "synthetic/iliacus", "", "", {}}), {}, {}, {}};
-    n.positions = n.scene.muscle.mesh.vertices;
-    for (std::size_t i = 0; i < n.positions.size(); ++i) {
-      n.all.push_back(static_cast<int>(i));
-    }
-    n.scene.poses_at(n.scene.loop.frames / 9.0, n.poses);
+    const Scene& scene = micro_scene();
+    Nodes n{scene.muscle.mesh.vertices, std::vector<int>(scene.muscle.mesh.vertices.size()), {}};
+    std::iota(n.all.begin(), n.all.end(), 0);
+    scene.poses_at(scene.loop.frames / 9.0, n.poses);
     return n;
   }();
   return made;
 }
 
-CollisionBackend& built_backend(const BackendEntry& entry) {
-  static std::map<std::string, std::unique_ptr<CollisionBackend>> backends;
-  std::unique_ptr<CollisionBackend>& backend = backends[entry.name];
+CollisionBackend& kept_backend(const std::string& name, int threads) {
+  static std::map<std::pair<std::string, int>, std::unique_ptr<CollisionBackend>> backends;
+  std::unique_ptr<CollisionBackend>& backend = backends[{name, threads}];
   if (backend == nullptr) {
-    backend = entry.make(Parameters(entry.parameters, {}, entry.name));
-    backend->build(nodes().scene.bones, nodes().scene.muscle.mesh, 1);
+    const Scene& scene = micro_scene();
+    backend = built_backend(name, cold_settings(name), scene.bones, scene.muscle.mesh, threads);
   }
   return *backend;
 }
@@ -52,8 +45,8 @@ void report(benchmark::State& state, const CollisionBackend& backend, std::size_
   state.counters["contacts"] = static_cast<double>(contacts);
 }
 
-void detect(benchmark::State& state, const BackendEntry& entry) {
-  CollisionBackend& backend = built_backend(entry);
+void detect(benchmark::State& state, const std::string& name, int threads) {
+  CollisionBackend& backend = kept_backend(name, threads);
   std::vector<Contact> contacts;
   backend.update(nodes().poses, nodes().positions);
   for (auto _ : state) {
@@ -63,8 +56,8 @@ void detect(benchmark::State& state, const BackendEntry& entry) {
   report(state, backend, contacts.size());
 }
 
-void update(benchmark::State& state, const BackendEntry& entry) {
-  CollisionBackend& backend = built_backend(entry);
+void update(benchmark::State& state, const std::string& name) {
+  CollisionBackend& backend = kept_backend(name, 1);
   for (auto _ : state) {
     backend.update(nodes().poses, nodes().positions);
   }
@@ -72,30 +65,27 @@ void update(benchmark::State& state, const BackendEntry& entry) {
 }
 
 }  // namespace
-}  // namespace musclebench
 
-int main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
-    return 2;
-  }
-  try {
-    for (const musclebench::BackendEntry& entry : musclebench::backend_registry()) {
-      for (const auto& [kernel, function] :
-           {std::pair("update", &musclebench::update), std::pair("detect", &musclebench::detect)}) {
-        auto* registered = benchmark::RegisterBenchmark(fmt::format("{}/{}", kernel, entry.name).c_str(),
-                                                        [&entry, f = function](benchmark::State& s) { f(s, entry); });
-        registered->Unit(benchmark::kMicrosecond);
-        if (entry.name == "brute_force") {
-          registered->Iterations(1);  // takes a minute on real anatomy
-        }
-      }
+void register_detect_kernels() {
+  for (const BackendEntry& entry : backend_registry()) {
+    benchmark::RegisterBenchmark(("update/" + entry.name).c_str(), [name = entry.name](benchmark::State& s) {
+      update(s, name);
+    })->Unit(benchmark::kMicrosecond);
+    auto* detection = benchmark::RegisterBenchmark(("detect/" + entry.name).c_str(),
+                                                   [name = entry.name](benchmark::State& s) { detect(s, name, 1); });
+    detection->Unit(benchmark::kMicrosecond);
+    if (entry.name == "brute_force") {
+      detection->Iterations(1);  // takes a minute on real anatomy
     }
-    benchmark::RunSpecifiedBenchmarks();
-  } catch (const musclebench::InputError& error) {
-    fmt::print(stderr, "musclebench_micro: {}\n", error.what());
-    return 2;
   }
-  benchmark::Shutdown();
-  return 0;
+  for (const std::string name : {"bvh", "sdf"}) {
+    benchmark::RegisterBenchmark(("detect_threads/" + name).c_str(),
+                                 [name](benchmark::State& s) { detect(s, name, static_cast<int>(s.range(0))); })
+        ->Arg(1)
+        ->Arg(2)
+        ->UseRealTime()
+        ->Unit(benchmark::kMicrosecond);
+  }
 }
+
+}  // namespace musclebench

@@ -1,0 +1,54 @@
+// How often a frame after the second asks for heap memory, at most: a coupled run of each backend with each response
+// that it can have. fcl and brute_force are left out: their libraries and their ways allocate in every query.
+#include <algorithm>
+
+#include <benchmark/benchmark.h>
+
+#include "bench/heap_counter.hpp"
+#include "bench/make_simulation.hpp"
+#include "bench/micro/micro_kernels.hpp"
+#include "bench/micro/micro_scene.hpp"
+#include "core/base/input_error.hpp"
+
+namespace musclebench {
+namespace {
+
+constexpr int frames = 40;  // of the whole motion: contacts come and go fast
+
+void allocations(benchmark::State& state, const std::string& name, ResponseKind response) {
+  Scene scene = micro_scene();
+  scene.loop.frames = frames;
+  BackendEntry entry = find_backend(name);
+  entry.response = response;
+  const Case resolved{scene, entry, Parameters(entry.parameters, run_settings(name), name), 1, 0};
+  for (auto _ : state) {
+    const BuiltBackend built = build_backend(resolved);
+    const PreparedSimulation prepared = prepare_simulation(resolved, *built.backend);
+    std::uint64_t most = 0;
+    for (int frame = 1; frame <= frames; ++frame) {
+      const std::uint64_t before = heap_allocations();
+      prepared.simulation->step_frame(frame);
+      const std::uint64_t asked = heap_allocations() - before;
+      most = frame > 2 ? std::max(most, asked) : 0;
+    }
+    state.counters["allocations"] = static_cast<double>(most);
+  }
+}
+
+}  // namespace
+
+void register_allocation_kernels() {
+  const auto add = [](const std::string& name, const std::string& word, ResponseKind response) {
+    benchmark::RegisterBenchmark(("allocations/" + name + "/" + word).c_str(),
+                                 [name, response](benchmark::State& s) { allocations(s, name, response); })
+        ->Iterations(1)
+        ->Unit(benchmark::kMillisecond);
+  };
+  add("null", "project", ResponseKind::project);
+  add("voxel", "backtrack", ResponseKind::backtrack);
+  add("sdf", "project", ResponseKind::project);
+  add("sdf", "backtrack", ResponseKind::backtrack);
+  add("bvh", "project", ResponseKind::project);
+}
+
+}  // namespace musclebench

@@ -1,0 +1,22 @@
+#pragma once
+
+namespace musclebench {
+
+// Each registers the kernels of one file. They load the scene where their names depend on it.
+
+/// `voxel_test/BONE`, `sdf_value_and_gradient/PRECISION/BONE`, `bvh_locate/near|far/BONE`: one query at a point, cold.
+void register_query_kernels();
+
+/// `sdf_build_a_node/BONE/threads:N`, `sdf_bytes/dense|band_10mm/BONE`.
+void register_build_kernels();
+
+/// `update/BACKEND`, `detect/BACKEND` and `detect_threads/BACKEND/N`: all nodes of the muscle, pushed into the bones.
+void register_detect_kernels();
+
+/// `muscle_size/BACKEND/NODES`, `bone_size/bvh_locate|bvh_step/TRIANGLES`.
+void register_size_kernels();
+
+/// `allocations/BACKEND/RESPONSE`: how often a frame after the second asks for heap memory.
+void register_allocation_kernels();
+
+}  // namespace musclebench

@@ -1,0 +1,88 @@
+#include "bench/micro/micro_scene.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <random>
+
+#include "bench/scene_source.hpp"
+
+namespace musclebench {
+
+namespace {
+
+Eigen::AlignedBox3d box_of(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& vertex : mesh.vertices) {
+    box.extend(vertex);
+  }
+  return box;
+}
+
+bool knows(const BackendEntry& entry, const std::string& parameter) {
+  return std::any_of(entry.parameters.begin(), entry.parameters.end(),
+                     [&](const ParameterSpec& spec) { return spec.name == parameter; });
+}
+
+}  // namespace
+
+const Scene& micro_scene() {
+  static const Scene loaded = [] {
+    const char* name = std::getenv("MUSCLEBENCH_MICRO_SCENE");
+    return load_scene({name != nullptr ? name : "synthetic/iliacus", "", "", {}});
+  }();
+  return loaded;
+}
+
+std::vector<Vec3> points_near(const Bone& bone, std::size_t count) {
+  const std::vector<Vec3>& vertices = micro_scene().muscle.mesh.vertices;
+  const Eigen::AlignedBox3d box = box_of(bone.surface.mesh);
+  std::mt19937 random(1);
+  std::normal_distribution<double> jitter(0, 0.002);
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 point = vertices[i % vertices.size()] + Vec3(jitter(random), jitter(random), jitter(random));
+    if (box.contains(point)) {
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+std::vector<Vec3> points_far(const Bone& bone, std::size_t count) {
+  const Eigen::AlignedBox3d box = box_of(bone.surface.mesh);
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> share(-0.05, 1.05);
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 shares(share(random), share(random), share(random));
+    points.push_back(box.min() + shares.cwiseProduct(box.sizes()));
+  }
+  return points;
+}
+
+Settings run_settings(const std::string& backend) {
+  Settings settings;
+  const char* folder = std::getenv("MUSCLEBENCH_MICRO_STRUCTURES");
+  if (folder != nullptr && knows(find_backend(backend), "structures")) {
+    settings["structures"] = std::string(folder);
+  }
+  return settings;
+}
+
+Settings cold_settings(const std::string& backend) {
+  Settings settings = run_settings(backend);
+  if (knows(find_backend(backend), "motion_budgets")) {
+    settings["motion_budgets"] = std::string("off");
+  }
+  return settings;
+}
+
+std::unique_ptr<CollisionBackend> built_backend(const std::string& name, const Settings& settings,
+                                                std::span<const Bone> bones, const TriangleMesh& muscle, int threads) {
+  const BackendEntry& entry = find_backend(name);
+  std::unique_ptr<CollisionBackend> backend = entry.make(Parameters(entry.parameters, settings, name));
+  backend->build(bones, muscle, threads);
+  return backend;
+}
+
+}  // namespace musclebench

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "backends/registry.hpp"
+#include "core/scene/scene.hpp"
+
+namespace musclebench {
+
+/// The scene that all kernels measure: the one in MUSCLEBENCH_MICRO_SCENE, or synthetic/iliacus.
+const Scene& micro_scene();
+
+/// Points in the rest frame of `bone` where the queries of a run are: vertices of the muscle, moved at random by 2 mm
+/// (standard deviation) in each direction, again and again until there are `count`, of which only those in the bone's
+/// box are kept; empty where the muscle is nowhere near. The same in every call.
+std::vector<Vec3> points_near(const Bone& bone, std::size_t count);
+
+/// Points spread evenly over the bone's box, enlarged by a tenth.
+std::vector<Vec3> points_far(const Bone& bone, std::size_t count);
+
+using Settings = std::map<std::string, ParameterValue>;
+
+/// Parameters of a backend as in a run; fields are kept in the folder MUSCLEBENCH_MICRO_STRUCTURES, where it is given.
+Settings run_settings(const std::string& backend);
+
+/// The same without motion budgets: for kernels that ask the same positions again, which no budget would be spent on.
+Settings cold_settings(const std::string& backend);
+
+/// `bones` and `muscle` outlive the backend.
+std::unique_ptr<CollisionBackend> built_backend(const std::string& name, const Settings& settings,
+                                                std::span<const Bone> bones, const TriangleMesh& muscle,
+                                                int threads = 1);
+
+}  // namespace musclebench

@@ -1,0 +1,105 @@
+// What one query costs, without memory of any query before it: the voxel test, value and gradient of the distance
+// field, the exact closest point with its sign. All on the same points, in the order of the muscle's vertices.
+#include <map>
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include "backends/sdf/field_builder.hpp"
+#include "backends/voxel/voxel_grid.hpp"
+#include "bench/micro/micro_kernels.hpp"
+#include "bench/micro/micro_scene.hpp"
+#include "core/geometry/signed_surface.hpp"
+
+namespace musclebench {
+namespace {
+
+constexpr int cells = 64;
+constexpr std::size_t point_count = 40000;
+
+/// Made when first asked for, and kept: one a bone.
+template <typename Structure, typename Make>
+const Structure& kept(std::map<const Bone*, std::unique_ptr<Structure>>& structures, const Bone& bone,
+                      const Make& make) {
+  std::unique_ptr<Structure>& structure = structures[&bone];
+  if (structure == nullptr) {
+    structure = std::make_unique<Structure>(make());
+  }
+  return *structure;
+}
+
+const SignedSurface& surface_of(const Bone& bone) {
+  static std::map<const Bone*, std::unique_ptr<SignedSurface>> surfaces;
+  return kept(surfaces, bone, [&] { return SignedSurface(bone.surface); });
+}
+
+/// Calls `query` with all points, again and again.
+template <typename Query>
+void ask(benchmark::State& state, const std::vector<Vec3>& points, const Query& query) {
+  if (points.empty()) {
+    state.SkipWithError("the muscle is nowhere near this bone");
+    return;
+  }
+  double sum = 0;
+  for (auto _ : state) {
+    for (const Vec3& point : points) {
+      sum += query(point);
+    }
+    benchmark::DoNotOptimize(sum);
+  }
+  const auto asked = static_cast<double>(points.size()) * 1e-9;
+  state.counters["ns_a_point"] =
+      benchmark::Counter(asked, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["points"] = static_cast<double>(points.size());
+}
+
+/// As the backend does it: world to cells in one affine map, then one bit.
+void voxel_test(benchmark::State& state, const Bone& bone) {
+  const VoxelGrid grid(bone.surface.mesh, cells, 0, bone.name);
+  const RigidMotion pose;
+  const Vec3 per_cell = grid.cell_size_m().cwiseInverse();
+  const Mat3 linear = per_cell.asDiagonal() * pose.rotation.transpose();
+  const Vec3 offset = -(linear * pose.translation_m) - per_cell.cwiseProduct(grid.lower());
+  ask(state, points_near(bone, point_count),
+      [&](const Vec3& point) { return grid.contains_scaled(linear * point + offset) ? 1.0 : 0.0; });
+}
+
+void sdf_value_and_gradient(benchmark::State& state, const Bone& bone, FieldPrecision precision) {
+  static std::map<FieldPrecision, std::map<const Bone*, std::unique_ptr<CubicField>>> fields;
+  const CubicField& field = kept(fields[precision], bone, [&] {
+    const GridShape shape = grid_over(bone.surface.mesh, {.cells = cells}, bone.name);
+    return build_field(surface_of(bone), shape, precision, 1);
+  });
+  const RigidMotion pose;
+  ask(state, points_near(bone, point_count), [&](const Vec3& point) {
+    const std::optional<FieldSample> sample = field.sample(pose.apply_inverse(point));
+    return sample ? sample->value_m + sample->gradient.sum() : 0;
+  });
+}
+
+void bvh_locate(benchmark::State& state, const Bone& bone, const std::vector<Vec3>& points) {
+  const SignedSurface& surface = surface_of(bone);
+  ask(state, points, [&](const Vec3& point) { return surface.locate(point).signed_distance_m(); });
+}
+
+}  // namespace
+
+void register_query_kernels() {
+  const auto add = [](const std::string& name, auto kernel) {
+    benchmark::RegisterBenchmark(name.c_str(), kernel)->Unit(benchmark::kMicrosecond);
+  };
+  for (const Bone& bone : micro_scene().bones) {
+    add("voxel_test/" + bone.name, [&bone](benchmark::State& s) { voxel_test(s, bone); });
+    for (const auto& [word, precision] : {std::pair("float", FieldPrecision::single_precision),
+                                          std::pair("double", FieldPrecision::double_precision)}) {
+      add(fmt::format("sdf_value_and_gradient/{}/{}", word, bone.name),
+          [&bone, p = precision](benchmark::State& s) { sdf_value_and_gradient(s, bone, p); });
+    }
+    add("bvh_locate/near/" + bone.name,
+        [&bone](benchmark::State& s) { bvh_locate(s, bone, points_near(bone, point_count)); });
+    add("bvh_locate/far/" + bone.name,
+        [&bone](benchmark::State& s) { bvh_locate(s, bone, points_far(bone, point_count)); });
+  }
+}
+
+}  // namespace musclebench
