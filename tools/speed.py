@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Measures how fast the distance field and the exact tree are, against voxels and against the bars that the project has
-set: coupled runs of four muscles and Google Benchmark kernels, one after the other on a quiet machine. Prints a table of
-what was to be reached, what was measured, how well that is known, and whether the bar is held.
+set: coupled runs of four muscles and Google Benchmark kernels, one after the other on a quiet machine. Prints a table
+of what was to be reached, what was measured, how well that is known, and whether the bar is held.
 
 A measurement goes on where it was stopped: complete cases are skipped until their arguments, a program or the data
 change.

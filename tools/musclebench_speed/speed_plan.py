@@ -30,9 +30,9 @@ KERNEL_GROUPS = (
     KernelGroup("bytes", "^sdf_bytes/", 60.0, varies=False),
     KernelGroup("allocations", "^allocations/", 20.0, varies=False),
 )
-QUICK_PATTERNS = {"muscle_size": "^muscle_size/.*/10*(/|$)", "bone_size": "^bone_size/.*/(5120|20480|81920|327680)$"}
+QUICK_PATTERNS = {"muscle_size": "^muscle_size/.*/(1000|10000|100000)(/|$)",
+                  "bone_size": "^bone_size/.*/(5120|20480|81920|327680)(/|$)"}
 QUICK_FRAMES = 60
-QUICK_MOST_NODES = 100_000
 
 
 @dataclass(frozen=True)

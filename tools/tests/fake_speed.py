@@ -5,6 +5,7 @@ FAKE_LOG gets one line a call."""
 
 import json
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -16,7 +17,8 @@ HEAD = "frame,angle_deg,warm_up,update_ns,detect_ns,respond_ns,frame_ns,contacts
 # (kernel, counter, value, unit of the time); a counter real_time is the time itself
 KERNELS = [
     *[(f"voxel_test/{bone}", "ns_a_point", 6.0) for bone in ("pelvis", "femur")],
-    ("sdf_value_and_gradient/float/pelvis", "ns_a_point", 24.0), ("sdf_value_and_gradient/float/femur", "ns_a_point", 33.0),
+    ("sdf_value_and_gradient/float/pelvis", "ns_a_point", 24.0),
+    ("sdf_value_and_gradient/float/femur", "ns_a_point", 33.0),
     *[(f"bvh_locate/near/{bone}", "ns_a_point", 1000.0) for bone in ("pelvis", "femur")],
     ("sdf_build_a_node/pelvis/threads:1", "ns_a_node", 250.0), ("sdf_build_a_node/femur/threads:1", "ns_a_node", 150.0),
     ("sdf_build_a_node/pelvis/threads:2", "ns_a_node", 130.0), ("sdf_build_a_node/femur/threads:2", "ns_a_node", 80.0),
@@ -54,7 +56,6 @@ def run(arguments: list[str]) -> int:
 
 
 def time_kernels(options: dict[str, str]) -> int:
-    import re
     results = []
     for kernel, counter, value in KERNELS:
         if not re.search(options["benchmark_filter"], kernel):
@@ -84,7 +85,8 @@ def main() -> int:
         with open(os.environ["FAKE_LOG"], "a") as log:
             print(*sorted(os.sched_getaffinity(0)), *arguments, file=log)
     if arguments == ["list"]:
-        print("Backends:\n  voxel  bits\n    cells  64\n  sdf  field\n  bvh  tree\n  fcl  library\n\nEffects:\n  volume")
+        print("Backends:\n  voxel  bits\n    cells  64\n  sdf  field\n  bvh  tree\n  fcl  library\n\n"
+              "Effects:\n  volume")
         return 0
     if behaviour() == "crash":
         print("musclebench: something went wrong", file=sys.stderr)
