@@ -19,6 +19,16 @@ RepairedMesh moved(RepairedMesh surface, const Vec3& by) {
   return surface;
 }
 
+/// As large as a triangle: that is how far the nearest few triangles reach.
+double near_distance_m(const TriangleMesh& mesh) {
+  double area = 0;
+  for (const Triangle& triangle : mesh.triangles) {
+    const auto corner = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(triangle[i])]; };
+    area += 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+  }
+  return std::sqrt(area / static_cast<double>(mesh.triangles.size()));
+}
+
 }  // namespace
 
 CentredSurface::CentredSurface(const RepairedMesh& surface) : CentredSurface(surface, box_of(surface.mesh)) {}
@@ -26,21 +36,45 @@ CentredSurface::CentredSurface(const RepairedMesh& surface) : CentredSurface(sur
 CentredSurface::CentredSurface(const RepairedMesh& surface, const Eigen::AlignedBox3d& box)
     : m_centre_m(box.center()),
       m_half_extents_m((box.max() - m_centre_m).cwiseMax(m_centre_m - box.min())),
+      m_near_m(near_distance_m(surface.mesh)),
       m_surface(moved(surface, -m_centre_m)) {}
 
-bool CentredSurface::penetrates(const Vec3& rest_point, Penetration& found) const {
-  const Vec3 point = rest_point - m_centre_m;
-  // Written so that what is not a number is outside.
-  const bool in_box = (point.cwiseAbs().array() <= m_half_extents_m.array()).all();
+bool CentredSurface::is_outside(const Vec3& point, double& clearance_m) const {
+  clearance_m = 0;
+  if (!point.allFinite()) {
+    return true;
+  }
   // The inside of an open surface may reach out of its box.
-  if (!in_box && (m_surface.closed() || !point.allFinite())) {
+  if (!m_surface.closed()) {
     return false;
   }
-  const std::optional<SignedPoint> place = m_surface.locate_inside(point);
-  if (place) {
-    found = {place->closest.distance_m, m_surface.outward(point, *place)};
-  }
-  return place.has_value();
+  const Vec3 beyond = (point - m_centre_m).cwiseAbs() - m_half_extents_m;
+  clearance_m = beyond.cwiseMax(0).norm();
+  return clearance_m > 0;
+}
+
+ClosestPoint CentredSurface::closest(const Vec3& point) const {
+  return m_surface.tree().closest_point(point - m_centre_m).value();
+}
+
+ClosestPoint CentredSurface::closest_from(const Vec3& point, int triangle) const {
+  return m_surface.tree().closest_point_from(point - m_centre_m, triangle);
+}
+
+ClosestOnTriangle CentredSurface::closest_on(const Vec3& point, int triangle) const {
+  return m_surface.tree().closest_on(point - m_centre_m, triangle);
+}
+
+double CentredSurface::nearest(const Vec3& point, std::span<NearTriangle> triangles, std::size_t& count) const {
+  return m_surface.tree().nearest_triangles(point - m_centre_m, triangles, count);
+}
+
+bool CentredSurface::contains(const Vec3& point, const ClosestPoint& closest) const {
+  return m_surface.is_inside(point - m_centre_m, closest);
+}
+
+Vec3 CentredSurface::outward(const Vec3& point, const ClosestPoint& closest) const {
+  return m_surface.outward(point - m_centre_m, {closest, true});
 }
 
 }  // namespace musclebench

@@ -1,31 +1,32 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 #include "core/geometry/signed_surface.hpp"
 
 namespace musclebench {
 
-/// How deep a point is inside a bone, and the way out.
-struct Penetration {
-  double depth_m = 0;
-  Vec3 normal = Vec3::Zero();  ///< unit, out of the bone, rest frame
-};
-
 /// The exact surface of one bone in rest pose, held about the middle of its box, so that a bone far from the origin
-/// loses no digits.
+/// loses no digits. All points, also those of answers, are points of the bone's rest frame. Safe from several threads.
+/// A `Surface` of NodeDetection, which says what its members are for.
 class CentredSurface {
  public:
   /// Copies what it needs. The surface has triangles.
   explicit CentredSurface(const RepairedMesh& surface);
 
-  /// Whether `rest_point`, a point in the bone's rest frame, is inside, and then how deep. A point that is not finite
-  /// is outside.
-  [[nodiscard]] bool penetrates(const Vec3& rest_point, Penetration& found) const;
+  [[nodiscard]] bool is_outside(const Vec3& point, double& clearance_m) const;
+  [[nodiscard]] ClosestPoint closest(const Vec3& point) const;
+  [[nodiscard]] ClosestPoint closest_from(const Vec3& point, int triangle) const;
+  [[nodiscard]] ClosestOnTriangle closest_on(const Vec3& point, int triangle) const;
+  [[nodiscard]] double nearest(const Vec3& point, std::span<NearTriangle> triangles, std::size_t& count) const;
+  [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
+  [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const;
+  [[nodiscard]] double near_m() const { return m_near_m; }
 
-  /// Signed distance of `rest_point`, a finite point in the rest frame, in metres; negative inside.
-  [[nodiscard]] double signed_distance_m(const Vec3& rest_point) const {
-    return m_surface.locate(rest_point - m_centre_m).signed_distance_m();
+  /// Signed distance of a finite point, in metres; negative inside.
+  [[nodiscard]] double signed_distance_m(const Vec3& point) const {
+    return m_surface.locate(point - m_centre_m).signed_distance_m();
   }
 
   /// Whether the directed edges of all triangles cancel.
@@ -38,6 +39,7 @@ class CentredSurface {
 
   Vec3 m_centre_m;
   Vec3 m_half_extents_m;
+  double m_near_m;
   SignedSurface m_surface;
 };
 

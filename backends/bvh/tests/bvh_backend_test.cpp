@@ -208,15 +208,19 @@ TEST(BvhBackend, AnyNumberOfThreadsGivesTheSameBits) {
   }
 }
 
-TEST(CentredSurface, PenetratesWhereItsSignedDistanceIsNegative) {
+TEST(CentredSurface, ContainsWhereItsSignedDistanceIsNegative) {
   for (const TriangleMesh& mesh : {make_box({1, 1, 1}, 3), cube_with_fin()}) {
     const CentredSurface surface(repair_mesh(mesh, "mesh"));
     int inside = 0;
     for (const Vec3& point : random_points({1.5, 1.5, 2.2}, 1000, 5)) {
-      Penetration found;
       const double distance_m = surface.signed_distance_m(point);
-      ASSERT_EQ(surface.penetrates(point, found), distance_m < 0) << point.transpose();
-      EXPECT_TRUE(distance_m >= 0 || found.depth_m == -distance_m);
+      const ClosestPoint closest = surface.closest(point);
+      double clearance_m = 0;
+      ASSERT_EQ(surface.contains(point, closest), distance_m < 0) << point.transpose();
+      EXPECT_EQ(closest.distance_m, std::abs(distance_m));
+      if (surface.is_outside(point, clearance_m)) {
+        EXPECT_GE(distance_m, clearance_m);
+      }
       inside += distance_m < 0 ? 1 : 0;
     }
     EXPECT_GT(inside, 100);

@@ -1,0 +1,166 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/contact/collision_backend.hpp"
+#include "core/contact/motion_budgets.hpp"
+#include "core/contact/near_triangles.hpp"
+
+namespace musclebench {
+
+/// Detection node by node on exact surfaces, one a bone. With motion budgets, what is known of a node from before is
+/// used: its ball, and about nodes in or near a bone the triangles that were nearest. The contacts are the same to the
+/// bit, for any number of threads.
+///
+/// A `Surface` answers for points in its bone's rest frame, from several threads at once:
+/// - `bool is_outside(point, clearance_m)`: free for certain, told cheaply; how far it may move. True for what is not
+///   finite.
+/// - `ClosestPoint closest(point)`, `closest_from(point, triangle)` (faster the closer that triangle is): of all
+///   triangles at the smallest squared distance the one with the smallest index.
+/// - `ClosestOnTriangle closest_on(point, triangle)`: what they compare.
+/// - `double nearest(point, std::span<NearTriangle>, count)`: see NearTriangles; returns what is complete.
+/// - `bool contains(point, closest)`; `Vec3 outward(point, closest)`: unit, for a point that it contains.
+/// - `double near_m()`: closer to the surface than this a list of the nearest triangles saves searches.
+template <typename Surface>
+class NodeDetection {
+ public:
+  /// `bones` and `surfaces` (in the same order) outlive the detection or its next `reset`. `nodes` is the number of
+  /// positions that calls will have.
+  void reset(std::span<const Bone> bones, std::span<const Surface> surfaces, std::size_t nodes, bool motion_budgets,
+             int threads) {
+    m_bones = bones;
+    m_surfaces = surfaces;
+    m_motion_budgets = motion_budgets;
+    m_threads = threads;
+    forget(nodes);
+  }
+
+  void detect(std::span<const RigidMotion> poses, std::span<const Vec3> positions, std::span<const int> nodes,
+              std::vector<Contact>& contacts) {
+    if (m_motion_budgets && positions.size() != m_nodes) {
+      forget(positions.size());
+    }
+    for (std::size_t bone = 0; bone < m_surfaces.size(); ++bone) {
+      if (m_motion_budgets) {
+        m_budgets.collect_spent(static_cast<int>(bone), poses[bone], positions, nodes, m_places);
+      } else {
+        list_all(nodes.size());
+      }
+      ask(static_cast<int>(bone), poses[bone], positions, nodes);
+      for (std::size_t i = 0; i < m_places.size(); ++i) {
+        if (m_inside[i] != 0) {
+          contacts.push_back(m_found[i]);
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] std::size_t bytes() const { return m_budgets.bytes() + m_lists.size() * sizeof(NearTriangles); }
+
+ private:
+  void forget(std::size_t nodes) {
+    m_nodes = nodes;
+    if (!m_motion_budgets) {
+      return;
+    }
+    m_budgets.reset(m_bones, nodes);
+    m_lists.assign(m_surfaces.size() * nodes, {});
+  }
+
+  void list_all(std::size_t count) {
+    m_places.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      m_places[i] = static_cast<int>(i);
+    }
+  }
+
+  /// Every node for itself, so that the answer does not depend on how many threads share them.
+  void ask(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes) {
+    m_found.resize(m_places.size());
+    m_inside.resize(m_places.size());
+    const auto count = static_cast<std::ptrdiff_t>(m_places.size());
+    [[maybe_unused]] const bool share = m_threads > 1 && count > 1;
+#pragma omp parallel for num_threads(m_threads) schedule(dynamic, 32) if (share)
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+      const auto index = static_cast<std::size_t>(i);
+      const int node = nodes[static_cast<std::size_t>(m_places[index])];
+      const Vec3 point = pose.apply_inverse(positions[static_cast<std::size_t>(node)]);
+      m_inside[index] = static_cast<unsigned char>(ask_node(bone, node, point, m_found[index]));
+      if (m_inside[index] != 0) {
+        m_found[index].normal = pose.apply_to_direction(m_found[index].normal);
+      }
+    }
+  }
+
+  /// The normal of the contact is left in the rest frame.
+  bool ask_node(int bone, int node, const Vec3& point, Contact& contact) {
+    const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
+    double clearance_m = 0;
+    if (!surface.is_outside(point, clearance_m)) {
+      const auto [closest, inside] = m_motion_budgets ? recall(bone, node, point) : search(surface, point);
+      if (inside) {
+        contact = {node, bone, closest.distance_m, surface.outward(point, closest)};
+        return true;
+      }
+      clearance_m = closest.distance_m;
+    }
+    if (m_motion_budgets) {
+      m_budgets.grant(bone, node, point, clearance_m);
+    }
+    return false;
+  }
+
+  struct Answer {
+    ClosestPoint closest;
+    bool inside = false;
+  };
+
+  static Answer search(const Surface& surface, const Vec3& point) {
+    const ClosestPoint closest = surface.closest(point);
+    return {closest, surface.contains(point, closest)};
+  }
+
+  /// From the triangles that were nearest when the node was last looked for, where they are enough.
+  Answer recall(int bone, int node, const Vec3& point) {
+    const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
+    NearTriangles& list = m_lists[static_cast<std::size_t>(bone) * m_nodes + static_cast<std::size_t>(node)];
+    Answer answer;
+    if (list.count > 0) {
+      const ListedClosest listed =
+          closest_listed(list, point, [&](int triangle) { return surface.closest_on(point, triangle); });
+      if (listed.certain) {
+        return {listed.closest, surface.contains(point, listed.closest)};
+      }
+      answer.closest = surface.closest_from(point, listed.closest.triangle);
+      answer.inside = surface.contains(point, answer.closest);
+    } else {
+      answer = search(surface, point);
+    }
+    list.place = point;
+    if (answer.inside || answer.closest.distance_m < surface.near_m()) {
+      list.complete_m = surface.nearest(point, list.nearest, list.count);
+    } else {
+      // A node that leaves its ball is too far from here for a list: only where its next search starts from.
+      list.complete_m = 0;
+      list.nearest[0] = {answer.closest.triangle, 0};
+      list.count = 1;
+    }
+    return answer;
+  }
+
+  std::span<const Bone> m_bones;
+  std::span<const Surface> m_surfaces;
+  bool m_motion_budgets = false;
+  int m_threads = 1;
+  std::size_t m_nodes = 0;  ///< that the budgets are for
+  MotionBudgets m_budgets;
+  std::vector<NearTriangles> m_lists;  ///< by bone, then node
+  // Scratch memory, kept so that a frame allocates nothing.
+  std::vector<int> m_places;     ///< in `nodes`, of those that are asked about
+  std::vector<Contact> m_found;  ///< by place in m_places, valid where m_inside
+  std::vector<unsigned char> m_inside;
+};
+
+}  // namespace musclebench
