@@ -28,9 +28,7 @@ void sdf_build_a_node(benchmark::State& state, const Bone& bone) {
 /// Bytes of the field of 64 cells and floats; with `band_m` > 0 of a narrow band.
 void sdf_bytes(benchmark::State& state, const Bone& bone, double band_m) {
   const TriangleMesh& muscle = micro_scene().muscle.mesh;
-  Settings settings = run_settings("sdf");
-  settings["cells"] = std::int64_t{cells};
-  settings["precision"] = std::string("float");
+  Settings settings{{"cells", std::int64_t{cells}}, {"precision", std::string("float")}};
   if (band_m > 0) {
     settings["band_m"] = band_m;
   }

@@ -42,6 +42,15 @@ TriangleMesh sampled_muscle(std::size_t count) {
   return muscle;
 }
 
+const TriangleMesh& kept_muscle(std::int64_t nodes) {
+  static std::map<std::int64_t, TriangleMesh> muscles;
+  TriangleMesh& muscle = muscles[nodes];
+  if (muscle.vertices.empty()) {
+    muscle = sampled_muscle(static_cast<std::size_t>(nodes));
+  }
+  return muscle;
+}
+
 /// Nodes that swing about where they started while `poses` goes on from step to step.
 class MovingNodes {
  public:
@@ -93,7 +102,7 @@ void run_steps(benchmark::State& state, CollisionBackend& backend, const std::ve
 }
 
 void muscle_size(benchmark::State& state, const std::string& backend_name) {
-  const TriangleMesh muscle = sampled_muscle(static_cast<std::size_t>(state.range(0)));
+  const TriangleMesh& muscle = kept_muscle(state.range(0));
   const Scene& scene = micro_scene();
   const std::unique_ptr<CollisionBackend> backend =
       built_backend(backend_name, run_settings(backend_name), scene.bones, muscle);

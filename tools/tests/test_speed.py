@@ -15,7 +15,7 @@ import speed
 from musclebench_experiment.case import Places
 from musclebench_speed import bars, samples
 from musclebench_speed.kernel_results import read_kernels
-from musclebench_speed.speed_cases import KernelCase, RaceCase
+from musclebench_speed.speed_cases import MICRO_PROGRAM, KernelCase, RaceCase
 from musclebench_speed.speed_experiment import backends_of
 from musclebench_speed.speed_plan import SETTINGS, Wishes, plan
 
@@ -237,3 +237,15 @@ def test_the_shell_wrapper_answers_for_help_without_building():
     result = subprocess.run([str(TOOLS / "speed"), "--help"], capture_output=True, text=True, timeout=60,
                             env={**os.environ, "COLUMNS": "100"}, check=False)
     assert result.returncode == 0 and "--quick" in result.stdout
+
+
+def test_the_plan_asks_for_kernels_that_there_are():
+    program = Path(os.environ.get("MUSCLEBENCH_BINARY", "")).parent / "micro" / MICRO_PROGRAM
+    if not program.is_file():
+        pytest.skip("MUSCLEBENCH_BINARY names no program with kernels beside it")
+    listed = subprocess.run([str(program), "--benchmark_list_tests"], capture_output=True, text=True, check=True).stdout
+    for quick in (False, True):
+        for case in plan(Wishes(quick=quick)):
+            if isinstance(case, KernelCase) and case.group.program == MICRO_PROGRAM:
+                pattern = re.compile(case.group.pattern)
+                assert any(pattern.search(name) for name in listed.splitlines()), case.group
