@@ -62,6 +62,9 @@ class NodeDetection {
  private:
   void forget(std::size_t nodes) {
     m_nodes = nodes;
+    m_places.reserve(nodes);
+    m_found.reserve(nodes);
+    m_inside.reserve(nodes);
     if (!m_motion_budgets) {
       return;
     }
@@ -80,17 +83,24 @@ class NodeDetection {
   void ask(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes) {
     m_found.resize(m_places.size());
     m_inside.resize(m_places.size());
-    const auto count = static_cast<std::ptrdiff_t>(m_places.size());
-    [[maybe_unused]] const bool share = m_threads > 1 && count > 1;
-#pragma omp parallel for num_threads(m_threads) schedule(dynamic, 32) if (share)
-    for (std::ptrdiff_t i = 0; i < count; ++i) {
-      const auto index = static_cast<std::size_t>(i);
+    const auto ask_place = [&](std::size_t index) {
       const int node = nodes[static_cast<std::size_t>(m_places[index])];
       const Vec3 point = pose.apply_inverse(positions[static_cast<std::size_t>(node)]);
       m_inside[index] = static_cast<unsigned char>(ask_node(bone, node, point, m_found[index]));
       if (m_inside[index] != 0) {
         m_found[index].normal = pose.apply_to_direction(m_found[index].normal);
       }
+    };
+    const auto count = static_cast<std::ptrdiff_t>(m_places.size());
+    if (m_threads == 1 || count < 2) {  // without OpenMP, which allocates even a team of one
+      for (std::ptrdiff_t i = 0; i < count; ++i) {
+        ask_place(static_cast<std::size_t>(i));
+      }
+      return;
+    }
+#pragma omp parallel for num_threads(m_threads) schedule(dynamic, 32)
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+      ask_place(static_cast<std::size_t>(i));
     }
   }
 
