@@ -36,8 +36,8 @@ bool is_closed(TriangleMesh mesh) {
 }  // namespace
 
 SignedSurface::SignedSurface(const RepairedMesh& surface) : m_tree(surface.mesh), m_closed(is_closed(surface.mesh)) {
-  if (surface.clean) {
-    m_normals.emplace(surface.mesh);
+  if (m_closed) {
+    m_signs.emplace(Signs{CleanFeatures(surface.mesh, m_tree), PseudoNormals(surface.mesh)});
   }
   for (const Vec3& vertex : surface.mesh.vertices) {
     m_reach_m = std::max(m_reach_m, vertex.cwiseAbs().maxCoeff());
@@ -52,12 +52,12 @@ SignedPoint SignedSurface::locate(const Vec3& point) const {
 }
 
 std::optional<SignedPoint> SignedSurface::locate_inside(const Vec3& point) const {
-  if (!m_normals && !(m_tree.winding_number(point) > 0.5)) {
+  if (!m_signs && !(m_tree.winding_number(point) > 0.5)) {
     return std::nullopt;
   }
   SignedPoint result;
   result.closest = m_tree.closest_point(point).value();
-  result.inside = m_normals ? is_inside(point, result.closest) : result.closest.distance_m > 0;
+  result.inside = m_signs ? is_inside(point, result.closest) : result.closest.distance_m > 0;
   return result.inside ? std::optional(result) : std::nullopt;
 }
 
@@ -75,7 +75,8 @@ Vec3 SignedSurface::outward(const Vec3& point, const SignedPoint& place) const {
     return way / place.closest.distance_m;
   }
   const Vec3 of_face = m_tree.area_normal(place.closest.triangle);
-  const Vec3 of_feature = m_normals ? m_normals->at(place.closest.triangle, place.closest.feature) : of_face;
+  const bool clean = m_signs && m_signs->clean.holds(place.closest.triangle, place.closest.feature);
+  const Vec3 of_feature = clean ? normal_at(place.closest) : of_face;
   for (const Vec3& direction : {of_feature, of_face}) {
     // Scaled first, so that the square of a tiny triangle's normal does not vanish.
     const double size = direction.cwiseAbs().maxCoeff();

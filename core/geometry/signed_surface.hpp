@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/geometry/clean_features.hpp"
 #include "core/geometry/pseudo_normals.hpp"
 #include "core/geometry/repair_mesh.hpp"
 #include "core/geometry/triangle_tree.hpp"
@@ -19,9 +20,10 @@ struct SignedPoint {
   [[nodiscard]] double signed_distance_m() const { return inside ? -closest.distance_m : closest.distance_m; }
 };
 
-/// Exact signed distance to a surface: closest triangle by a tree; sign by pseudo-normals where the surface is clean,
-/// by the winding number (inside is > 0.5) where it is not (a doubled sheet has no pseudo-normal). A point of the
-/// surface is outside. Queries are const and safe from several threads.
+/// Exact signed distance to a surface: closest triangle by a tree; inside is where the winding number exceeds 0.5. Next
+/// to the features of the surface that are clean (`CleanFeatures`), nearly all of them, the pseudo-normal tells as much
+/// at no cost; elsewhere (a doubled sheet has no pseudo-normal) and on a surface that is not closed the winding number
+/// itself is asked. A point of the surface is outside. Queries are const and safe from several threads.
 class SignedSurface {
  public:
   explicit SignedSurface(const RepairedMesh& surface);
@@ -34,15 +36,23 @@ class SignedSurface {
 
   /// Whether `point` is inside, given its closest point.
   [[nodiscard]] bool is_inside(const Vec3& point, const ClosestPoint& closest) const {
-    return m_normals ? m_normals->is_inside(point, closest.point, closest.triangle, closest.feature)
-                     : closest.distance_m > 0 && m_tree.winding_number(point) > 0.5;
+    if (m_signs && m_signs->clean.holds(closest.triangle, closest.feature)) {
+      const Vec3 way = point - closest.point;
+      const Vec3 normal = normal_at(closest);
+      const double along = way.dot(normal);
+      // Where the normal is nearly across the way, as at a tip like a needle's, rounding might decide.
+      if (closest.feature == Feature::face || along * along > least_share * way.squaredNorm() * normal.squaredNorm()) {
+        return along < 0;
+      }
+    }
+    return closest.distance_m > 0 && m_tree.winding_number(point) > 0.5;
   }
 
   /// `point` is finite, the surface has triangles.
   [[nodiscard]] SignedPoint locate(const Vec3& point) const;
 
-  /// What `locate` says of a point that is inside; nothing of one that is outside. Cheaper than `locate` where the
-  /// winding number gives the sign: it needs no closest point.
+  /// What `locate` says of a point that is inside; nothing of one that is outside. Cheaper than `locate` on a surface
+  /// that is not closed: the winding number gives the sign, and needs no closest point.
   [[nodiscard]] std::optional<SignedPoint> locate_inside(const Vec3& point) const;
 
   /// Negative inside, in metres; nothing where the surface is farther than `max_distance_m`.
@@ -54,12 +64,27 @@ class SignedSurface {
   /// where neither has a direction.
   [[nodiscard]] Vec3 outward(const Vec3& point, const SignedPoint& place) const;
 
-  [[nodiscard]] std::size_t bytes() const { return m_tree.bytes() + (m_normals ? m_normals->bytes() : 0); }
+  [[nodiscard]] std::size_t bytes() const { return m_tree.bytes() + (m_signs ? m_signs->bytes() : 0); }
 
  private:
+  /// What gives the sign of a closed surface without a winding number.
+  struct Signs {
+    CleanFeatures clean;
+    PseudoNormals normals;
+    [[nodiscard]] std::size_t bytes() const { return clean.bytes() + normals.bytes(); }
+  };
+  /// Square of the least cosine between a way and a pseudo-normal that is believed.
+  static constexpr double least_share = 1e-12;
+
+  /// Of any length; of a face by the corners, which the closest point has just used.
+  [[nodiscard]] Vec3 normal_at(const ClosestPoint& closest) const {
+    return closest.feature == Feature::face ? m_tree.area_normal(closest.triangle)
+                                            : m_signs->normals.at(closest.triangle, closest.feature);
+  }
+
   TriangleTree m_tree;
-  std::optional<PseudoNormals> m_normals;
-  double m_reach_m = 0;  ///< largest coordinate: what positions are rounded by
+  std::optional<Signs> m_signs;  ///< of a closed surface
+  double m_reach_m = 0;          ///< largest coordinate: what positions are rounded by
   bool m_closed = false;
 };
 

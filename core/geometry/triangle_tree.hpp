@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -60,6 +61,9 @@ class TriangleTree {
   /// inside an outward closed surface, 0 outside; inside is > 0.5. A result within 0.25 of 0.5 is refined, in the end
   /// exactly.
   [[nodiscard]] double winding_number(const Vec3& point) const;
+
+  /// Calls `visit` with the indices of every two triangles whose boxes meet or nearly do, each pair once.
+  void for_each_close_pair(const std::function<void(int, int)>& visit) const;
 
   /// Normal of a triangle by its winding, as long as twice its area; zero where it has none.
   [[nodiscard]] Vec3 area_normal(int triangle) const {
