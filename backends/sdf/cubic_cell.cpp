@@ -1,8 +1,8 @@
 #include "backends/sdf/cubic_cell.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
-#include <limits>
 
 namespace musclebench {
 
@@ -78,43 +78,89 @@ double CubicCell::value_and_gradient(const Vec3& at, Vec3& gradient) const {
   return result;
 }
 
-double CubicCell::lower_bound_on_face(std::size_t face_axis, int side) const {
-  std::array<std::size_t, 3> from{0, 0, 0};
-  std::array<std::size_t, 3> to{3, 3, 3};
-  from[face_axis] = to[face_axis] = side == 0 ? 0 : 3;
-  return lower_bound(from, to);
-}
-
-double CubicCell::lower_bound(std::array<std::size_t, 3> from, std::array<std::size_t, 3> to) const {
+CubicCell::Bernstein CubicCell::bernstein() const {
   // A cubic bubble 3 t (1-t)^2 b1 + 3 t^2 (1-t) b2 has the Bernstein coefficients 0, b1, b2, 0. Across the edge it is
   // linear, and raising the degree of a linear function to 3 samples it at the thirds.
-  std::array<std::array<Edges, 4>, 3> coefficients;
+  std::array<std::array<Edges, 2>, 3> bubble;
   for (std::size_t a = 0; a < 3; ++a) {
     const Along& edges = axis[a];
     const Edges rise = edges.high - edges.low;
     const Edges first = edges.first - edges.low - rise / 3;
     const Edges second = edges.second - edges.low - rise * 2 / 3;
-    coefficients[a] = {Edges::Zero(), 3 * first - 1.5 * second, 3 * second - 1.5 * first, Edges::Zero()};
+    bubble[a] = {3 * first - 1.5 * second, 3 * second - 1.5 * first};
   }
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double t = static_cast<double>(i) / 3;
-    coefficients[0][i] += axis[0].low + t * (axis[0].high - axis[0].low);
+  using Line = std::array<double, 4>;
+  const auto third = [](int i) { return static_cast<double>(i) / 3; };
+  // Four values at the corners of a square, along one side of it at the thirds of the other.
+  const auto line = [&](const Edges& corners, double p) {
+    const double from = corners[0] + p * (corners[2] - corners[0]);
+    const double rise = corners[1] + p * (corners[3] - corners[1]) - from;
+    return Line{from, from + rise * third(1), from + rise * third(2), from + rise};
+  };
+  Bernstein result;
+  for (int x = 0; x < 4; ++x) {
+    Edges linear = axis[0].low + third(x) * (axis[0].high - axis[0].low);
+    if (x == 1 || x == 2) {
+      linear += bubble[0][static_cast<std::size_t>(x - 1)];
+    }
+    std::array<Line, 2> of_z;
+    for (std::size_t n = 0; n < 2; ++n) {
+      of_z[n] = line(bubble[2][n], third(x));
+    }
+    for (int y = 0; y < 4; ++y) {
+      Line sum = line(linear, third(y));
+      if (y == 1 || y == 2) {
+        const Line of_y = line(bubble[1][static_cast<std::size_t>(y - 1)], third(x));
+        for (std::size_t z = 0; z < 4; ++z) {
+          sum[z] += of_y[z];
+        }
+      }
+      sum[1] += of_z[0][static_cast<std::size_t>(y)];
+      sum[2] += of_z[1][static_cast<std::size_t>(y)];
+      std::copy(sum.begin(), sum.end(), result.begin() + 16 * x + 4 * y);
+    }
   }
-  std::array<Edges, 16> blend;
-  for (std::size_t i = 0; i < 16; ++i) {
-    blend[i] = bilinear(static_cast<double>(i / 4) / 3, static_cast<double>(i % 4) / 3);
+  return result;
+}
+
+double CubicCell::lower_bound() const {
+  const Bernstein coefficients = bernstein();
+  return *std::min_element(coefficients.begin(), coefficients.end());
+}
+
+double CubicCell::lower_bound_on_face(std::size_t face_axis, int side) const {
+  static constexpr std::array<std::size_t, 3> stride{16, 4, 1};
+  const Bernstein coefficients = bernstein();
+  const std::size_t first = side == 0 ? 0 : 3 * stride[face_axis];
+  const std::size_t p = stride[(face_axis + 1) % 3];
+  const std::size_t q = stride[(face_axis + 2) % 3];
+  double lowest = coefficients[first];
+  for (std::size_t n = 1; n < 16; ++n) {
+    lowest = std::min(lowest, coefficients[first + n / 4 * p + n % 4 * q]);
   }
-  double lowest = std::numeric_limits<double>::infinity();
-  for (std::size_t x = from[0]; x <= to[0]; ++x) {
-    for (std::size_t y = from[1]; y <= to[1]; ++y) {
-      for (std::size_t z = from[2]; z <= to[2]; ++z) {
-        const Edges sum = coefficients[0][x] * blend[4 * y + z] + coefficients[1][y] * blend[4 * x + z] +
-                          coefficients[2][z] * blend[4 * x + y];
-        lowest = std::min(lowest, sum.sum());
+  return lowest;
+}
+
+double CubicCell::steepest(const Bernstein& coefficients, const Vec3& cell_size_m) {
+  // A derivative has the coefficients 3 (next - this), and one degree less along its axis; raised again to 3, all three
+  // stand at the same places.
+  std::array<double, 64> squared{};
+  for (Eigen::Index a = 0; a < 3; ++a) {
+    const std::size_t step = a == 0 ? 16 : (a == 1 ? 4 : 1);
+    const double per_m = 3 / cell_size_m[a];
+    for (std::size_t line = 0; line < 16; ++line) {
+      const std::size_t start = a == 0 ? line : (a == 1 ? 16 * (line / 4) + line % 4 : 4 * line);
+      const auto at = [&](std::size_t n) { return coefficients[start + n * step]; };
+      const double d0 = (at(1) - at(0)) * per_m;
+      const double d1 = (at(2) - at(1)) * per_m;
+      const double d2 = (at(3) - at(2)) * per_m;
+      const std::array<double, 4> raised{d0, (d0 + 2 * d1) / 3, (2 * d1 + d2) / 3, d2};
+      for (std::size_t n = 0; n < 4; ++n) {
+        squared[start + n * step] += raised[n] * raised[n];
       }
     }
   }
-  return lowest;
+  return std::sqrt(*std::max_element(squared.begin(), squared.end()));
 }
 
 }  // namespace musclebench

@@ -51,15 +51,19 @@ struct CubicCell {
   /// The field and its derivatives along the unit cell's axes.
   [[nodiscard]] double value_and_gradient(const Vec3& at, Vec3& gradient) const;
 
-  /// The smallest of the polynomial's 64 Bernstein coefficients: by the convex hull property the field is nowhere
-  /// smaller.
-  [[nodiscard]] double lower_bound() const { return lower_bound({0, 0, 0}, {3, 3, 3}); }
+  /// The polynomial's 64 Bernstein coefficients, at [16 x + 4 y + z]: by the convex hull property the field lies
+  /// between the smallest and the largest, and on a face between those of the face.
+  using Bernstein = std::array<double, 64>;
+  [[nodiscard]] Bernstein bernstein() const;
+
+  [[nodiscard]] double lower_bound() const;
 
   /// The same for one face: across `face_axis`, at its low (0) or high (1) side.
   [[nodiscard]] double lower_bound_on_face(std::size_t face_axis, int side) const;
 
- private:
-  [[nodiscard]] double lower_bound(std::array<std::size_t, 3> from, std::array<std::size_t, 3> to) const;
+  /// No gradient of the polynomial with these coefficients is longer, in a cell with these edges: the longest of the
+  /// gradient's own Bernstein coefficients.
+  [[nodiscard]] static double steepest(const Bernstein& coefficients, const Vec3& cell_size_m);
 };
 
 }  // namespace musclebench

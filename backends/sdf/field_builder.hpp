@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "backends/sdf/cubic_field.hpp"
@@ -19,21 +20,27 @@ struct GridSettings {
 /// the bone or absurdly small.
 GridShape grid_over(const TriangleMesh& mesh, const GridSettings& settings, const std::string& bone_name);
 
-/// Fills the grid with the exact signed distance at its nodes (Koschier et al. 2017), and marks the cells where the
-/// cubic field may be negative. Where interpolation would make the field negative on the border of the domain, the
-/// edges there are made straight: all vertices of the border are outside the bone. The same bits for any number of
-/// threads.
-CubicField build_field(const SignedSurface& surface, const GridShape& shape, FieldPrecision precision, int threads);
-
-/// How far a field is from the exact distance.
-struct FieldError {
-  int samples = 0;
-  double largest_m = 0;
-  double p99_m = 0;
-  double mean_m = 0;
-  int wrong_signs = 0;              ///< samples on the other side than the field says
-  double deepest_wrong_sign_m = 0;  ///< largest exact distance of those
+/// How a field is kept.
+struct FieldSettings {
+  FieldPrecision precision = FieldPrecision::single_precision;
+  double band_m = 0;  ///< outside the bone, how far from its surface cells have coefficients; 0: all have
 };
+
+/// Throws InputError (place: `band_m` of the bone) for a band narrower than a cell's diagonal or wider than the bone.
+void require_sensible_band(double band_m, const GridShape& shape, const TriangleMesh& mesh,
+                           const std::string& bone_name);
+
+/// Fills the grid with the exact signed distance at its nodes (Koschier et al. 2017), marks the cells where the cubic
+/// field may be negative, and estimates its error. Where interpolation would make the field negative on the border of
+/// the domain, the edges there are made straight: all vertices of the border are outside the bone. What a narrow band
+/// keeps is the same as in the dense field. The same bits for any number of threads.
+/// `progress`, where given, is called from time to time by one thread with the share that is done.
+CubicField build_field(const SignedSurface& surface, const GridShape& shape, const FieldSettings& settings, int threads,
+                       const std::function<void(double)>& progress = {});
+inline CubicField build_field(const SignedSurface& surface, const GridShape& shape, FieldPrecision precision,
+                              int threads) {
+  return build_field(surface, shape, FieldSettings{.precision = precision}, threads);
+}
 
 /// Compares at `samples` random points of the domain within two cells (their diagonal) of the surface; deterministic.
 FieldError estimate_error(const CubicField& field, const SignedSurface& surface, int samples, std::uint64_t seed = 1);

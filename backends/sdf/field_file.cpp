@@ -20,7 +20,7 @@ namespace {
 using Digest = std::array<char, 64>;
 
 /// Raise when the meaning of a field's bytes changes.
-constexpr std::uint32_t format_version = 1;
+constexpr std::uint32_t format_version = 2;
 constexpr std::uint32_t byte_order_mark = 0x01020304;
 constexpr std::array<char, 8> magic{'M', 'B', 'F', 'I', 'E', 'L', 'D', '\0'};
 
@@ -31,15 +31,27 @@ struct Header {
   std::array<double, 3> lower_m{};
   std::array<double, 3> cell_size_m{};
   std::array<std::int32_t, 3> cells{};
-  std::uint32_t bytes_per_value = 0;
+  std::uint32_t bytes_per_value = 0;  ///< 2: compact records
+  double band_m = 0;
+  FieldFacts facts;
   Digest surface{};
-  Digest content{};  ///< of the header with this field zero, the values and the mask
+  Digest content{};  ///< of the header with this field zero, all that follows
 };
-static_assert(sizeof(Header) == 8 + 8 + 48 + 16 + 128, "written as it stands: there must be no padding");
+static_assert(sizeof(Header) == 8 + 8 + 48 + 16 + 8 + 56 + 128, "written as it stands: there must be no padding");
 
-template <typename Range>
-auto bytes_of(Range& range) {
-  return std::as_writable_bytes(std::span(range));
+/// Calls visit(range) for everything of a field that stands in the file behind the header, in its order.
+template <typename Field, typename Visit>
+void for_each_part(Field& field, const Visit& visit) {
+  visit(field.single_values());
+  visit(field.double_values());
+  visit(field.compact_records());
+  visit(field.mask());
+}
+
+template <typename Band, typename Visit>
+void for_each_part_of_band(Band& band, const Visit& visit) {
+  visit(band.cell_bits());
+  visit(band.far_bounds_m());
 }
 
 Digest as_digest(const std::string& text) {
@@ -48,14 +60,15 @@ Digest as_digest(const std::string& text) {
   return digest;
 }
 
-Header header_of(const GridShape& shape, FieldPrecision precision, const std::string& digest) {
+Header header_of(const GridShape& shape, const FieldSettings& settings, const std::string& digest) {
   Header header;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     header.lower_m[axis] = shape.lower_m[static_cast<Eigen::Index>(axis)];
     header.cell_size_m[axis] = shape.cell_size_m[static_cast<Eigen::Index>(axis)];
   }
   header.cells = shape.cells;
-  header.bytes_per_value = static_cast<std::uint32_t>(precision);
+  header.bytes_per_value = static_cast<std::uint32_t>(settings.precision);
+  header.band_m = settings.band_m;
   header.surface = as_digest(digest);
   return header;
 }
@@ -64,9 +77,11 @@ Digest content_digest(Header header, const CubicField& field) {
   header.content.fill('\0');
   Sha256 hash;
   hash.add(std::as_bytes(std::span(&header, 1)));
-  hash.add(std::as_bytes(std::span(field.single_values())));
-  hash.add(std::as_bytes(std::span(field.double_values())));
-  hash.add(std::as_bytes(std::span(field.mask())));
+  const auto add = [&](const auto& range) { hash.add(std::as_bytes(std::span(range))); };
+  if (field.band()) {
+    for_each_part_of_band(*field.band(), add);
+  }
+  for_each_part(field, add);
   return as_digest(hash.hex_digest());
 }
 
@@ -82,6 +97,9 @@ std::string first_difference(const Header& found, const Header& wanted) {
   }
   if (found.bytes_per_value != wanted.bytes_per_value) {
     return fmt::format("holds values of {} bytes, wanted are {}", found.bytes_per_value, wanted.bytes_per_value);
+  }
+  if (found.band_m != wanted.band_m) {
+    return fmt::format("has a band of {} m, wanted is {} m (0: all cells)", found.band_m, wanted.band_m);
   }
   if (found.cells != wanted.cells) {
     return fmt::format("has {} x {} x {} cells, wanted are {} x {} x {}", found.cells[0], found.cells[1],
@@ -105,9 +123,11 @@ void write_all(std::ostream& out, const Header& header, const CubicField& field)
     out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   };
   write(std::as_bytes(std::span(&header, 1)));
-  write(std::as_bytes(std::span(field.single_values())));
-  write(std::as_bytes(std::span(field.double_values())));
-  write(std::as_bytes(std::span(field.mask())));
+  const auto write_range = [&](const auto& range) { write(std::as_bytes(std::span(range))); };
+  if (field.band()) {
+    for_each_part_of_band(*field.band(), write_range);
+  }
+  for_each_part(field, write_range);
   out.flush();
 }
 
@@ -126,7 +146,8 @@ void save_field(const CubicField& field, const std::string& digest, const std::f
   if (path.has_parent_path()) {
     std::filesystem::create_directories(path.parent_path(), error);
   }
-  Header header = header_of(field.shape(), field.precision(), digest);
+  Header header = header_of(field.shape(), {field.precision(), field.band() ? field.band()->width_m() : 0.0}, digest);
+  header.facts = field.facts();
   header.content = content_digest(header, field);
   const std::filesystem::path temporary = path.string() + fmt::format(".{}.part", getpid());
   bool written = false;
@@ -147,7 +168,7 @@ void save_field(const CubicField& field, const std::string& digest, const std::f
 }
 
 std::optional<CubicField> load_field(const std::filesystem::path& path, const std::string& digest,
-                                     const GridShape& shape, FieldPrecision precision) {
+                                     const GridShape& shape, const FieldSettings& settings) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
     return std::nullopt;
@@ -162,13 +183,22 @@ std::optional<CubicField> load_field(const std::filesystem::path& path, const st
   if (!header_read) {
     refuse(path, in.is_open() ? "is too short for a field file" : "cannot be read");
   }
-  if (const std::string difference = first_difference(found, header_of(shape, precision, digest));
-      !difference.empty()) {
+  if (const std::string difference = first_difference(found, header_of(shape, settings, digest)); !difference.empty()) {
     refuse(path, difference);
   }
-  CubicField field(shape, precision);
-  if (!read(bytes_of(field.single_values())) || !read(bytes_of(field.double_values())) ||
-      !read(bytes_of(field.mask()))) {
+  bool complete = true;
+  const auto read_range = [&](auto& range) { complete = complete && read(std::as_writable_bytes(std::span(range))); };
+  std::optional<NarrowBand> band;
+  if (settings.band_m > 0) {
+    band.emplace(shape, settings.band_m);
+    for_each_part_of_band(*band, read_range);
+    band->index_records(shape);
+  }
+  CubicField field =
+      band ? CubicField(shape, settings.precision, *std::move(band)) : CubicField(shape, settings.precision);
+  for_each_part(field, read_range);
+  field.facts() = found.facts;
+  if (!complete) {
     refuse(path, "is truncated");
   }
   if (in.peek() != std::ifstream::traits_type::eof()) {

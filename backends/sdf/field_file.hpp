@@ -5,6 +5,7 @@
 #include <string>
 
 #include "backends/sdf/cubic_field.hpp"
+#include "backends/sdf/field_builder.hpp"
 #include "core/geometry/repair_mesh.hpp"
 
 namespace musclebench {
@@ -17,9 +18,9 @@ std::string surface_digest(const RepairedMesh& surface);
 void save_field(const CubicField& field, const std::string& digest, const std::filesystem::path& path);
 
 /// Reads what `save_field` wrote; nothing when there is no such file. Throws InputError (place: the path) that says
-/// what differs when the file is not a field, was written by another version or byte order, for another surface, grid
-/// or precision, or is damaged.
+/// what differs when the file is not a field, was written by another version or byte order, for another surface, grid,
+/// precision or band, or is damaged.
 std::optional<CubicField> load_field(const std::filesystem::path& path, const std::string& digest,
-                                     const GridShape& shape, FieldPrecision precision);
+                                     const GridShape& shape, const FieldSettings& settings);
 
 }  // namespace musclebench

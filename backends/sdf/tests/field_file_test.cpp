@@ -26,9 +26,10 @@ class FieldFile : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(m_folder); }
 
-  std::string refusal(const std::string& digest, const GridShape& shape, FieldPrecision precision) const {
+  std::string refusal(const std::string& digest, const GridShape& shape, FieldPrecision precision,
+                      double band_m = 0) const {
     try {
-      (void)load_field(m_path, digest, shape, precision);
+      (void)load_field(m_path, digest, shape, {precision, band_m});
     } catch (const InputError& error) {
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
       EXPECT_NE(std::string(error.what()).find(m_path.string()), std::string::npos);
@@ -61,16 +62,26 @@ class FieldFile : public testing::Test {
 };
 
 TEST_F(FieldFile, ComesBackAsItWas) {
-  EXPECT_FALSE(load_field(m_path, m_digest, m_shape, single_precision));
-  for (const FieldPrecision precision : {single_precision, double_precision}) {
-    const CubicField field = build_field(SignedSurface(m_bone), m_shape, precision, 1);
+  EXPECT_FALSE(load_field(m_path, m_digest, m_shape, {}));
+  for (const FieldSettings& settings :
+       {FieldSettings{single_precision}, FieldSettings{double_precision}, FieldSettings{FieldPrecision::compact},
+        FieldSettings{single_precision, 0.5}, FieldSettings{FieldPrecision::compact, 0.5}}) {
+    const CubicField field = build_field(SignedSurface(m_bone), m_shape, settings, 1);
     save_field(field, m_digest, m_path);
-    const std::optional<CubicField> loaded = load_field(m_path, m_digest, m_shape, precision);
+    const std::optional<CubicField> loaded = load_field(m_path, m_digest, m_shape, settings);
     ASSERT_TRUE(loaded);
     EXPECT_EQ(loaded->single_values(), field.single_values());
     EXPECT_EQ(loaded->double_values(), field.double_values());
     EXPECT_EQ(loaded->mask(), field.mask());
     EXPECT_EQ(loaded->shape(), field.shape());
+    EXPECT_EQ(loaded->bytes(), field.bytes());
+    EXPECT_EQ(loaded->facts().steepest, field.facts().steepest);
+    EXPECT_EQ(loaded->facts().negative_reach_m, field.facts().negative_reach_m);
+    EXPECT_EQ(loaded->facts().error.p99_m, field.facts().error.p99_m);
+    EXPECT_GT(loaded->facts().error.samples, 0);
+    for (const double x : {0.0, 0.3, 0.7, 0.99, 1.001}) {
+      EXPECT_EQ(loaded->value({x, 0.1, -0.2}), field.value({x, 0.1, -0.2}));
+    }
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(m_path.parent_path()), {}), 1) << "something is left";
   }
 }
@@ -93,6 +104,7 @@ TEST_F(FieldFile, OfOtherParametersIsRefused) {
   const GridShape wider = grid_over(m_bone.mesh, {.cells = 6, .margin = 0.1}, "sphere");
   EXPECT_NE(refusal(m_digest, wider, single_precision).find("another box"), std::string::npos);
   EXPECT_NE(refusal(m_digest, m_shape, double_precision).find("4 bytes, wanted are 8"), std::string::npos);
+  EXPECT_NE(refusal(m_digest, m_shape, single_precision, 0.5).find("band of 0 m, wanted is 0.5 m"), std::string::npos);
 }
 
 TEST_F(FieldFile, ThatIsDamagedIsRefused) {
@@ -100,7 +112,7 @@ TEST_F(FieldFile, ThatIsDamagedIsRefused) {
   expect_refusal_of_change("too short", [](std::string& content) { content.clear(); });
   expect_refusal_of_change("not a field file", [](std::string& content) { content[0] = 'x'; });
   expect_refusal_of_change("byte order", [](std::string& content) { std::swap(content[8], content[11]); });
-  expect_refusal_of_change("format version 2", [](std::string& content) { content[12] = 2; });
+  expect_refusal_of_change("format version 1", [](std::string& content) { content[12] = 1; });
   expect_refusal_of_change("truncated", [](std::string& content) { content.pop_back(); });
   expect_refusal_of_change("goes on", [](std::string& content) { content += '\0'; });
   for (const double share : {0.3, 0.6, 0.9999}) {

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+namespace musclebench {
+
+/// How far a field is from the exact distance, at random points near the surface.
+struct FieldError {
+  std::int32_t samples = 0;
+  std::int32_t wrong_signs = 0;  ///< samples on the other side than the field says
+  double largest_m = 0;
+  double p99_m = 0;
+  double mean_m = 0;
+  double deepest_wrong_sign_m = 0;  ///< largest exact distance of those
+};
+
+/// What is known of a field once it is built, and kept with it.
+struct FieldFacts {
+  /// |value(a) - value(b)| <= steepest |a - b| as long as the way from a to b stays where the field has coefficients.
+  double steepest = std::numeric_limits<double>::infinity();
+  /// Outside the bone and farther than this from its surface the field is not negative.
+  double negative_reach_m = std::numeric_limits<double>::infinity();
+  FieldError error;
+};
+
+}  // namespace musclebench

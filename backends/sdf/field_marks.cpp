@@ -1,0 +1,134 @@
+#include "backends/sdf/field_marks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace musclebench {
+
+namespace {
+
+/// A face of the domain's border: the cell's place along the face's two axes, and where the cell itself stands.
+struct BorderFace {
+  std::size_t axis;
+  int side;
+  std::array<std::size_t, 3> cell;
+};
+
+std::vector<BorderFace> border_faces(const CubicField& field) {
+  const GridShape& shape = field.shape();
+  std::vector<BorderFace> faces;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t p = (axis + 1) % 3;
+    const std::size_t q = (axis + 2) % 3;
+    for (const int side : {0, 1}) {
+      for (std::size_t a = 0; a < shape.count(p); ++a) {
+        for (std::size_t b = 0; b < shape.count(q); ++b) {
+          std::array<std::size_t, 3> cell{};
+          cell[axis] = side == 0 ? 0 : shape.count(axis) - 1;
+          cell[p] = a;
+          cell[q] = b;
+          if (field.knows(shape.cell(cell[0], cell[1], cell[2]))) {
+            faces.push_back({axis, side, cell});
+          }
+        }
+      }
+    }
+  }
+  return faces;
+}
+
+void straighten_edge(CubicField& field, std::array<std::size_t, 3> vertex, std::size_t axis) {
+  static constexpr std::array<std::size_t, 3> first_offset{5, 1, 3};
+  const std::size_t start = field.record(vertex[0], vertex[1], vertex[2]).value();
+  const double low = field.stored(start);
+  ++vertex[axis];
+  const double high = field.stored(field.record(vertex[0], vertex[1], vertex[2]).value());
+  field.store(start + first_offset[axis], low + (high - low) / 3);
+  field.store(start + first_offset[axis] + 1, low + (high - low) * 2 / 3);
+}
+
+void straighten_face(CubicField& field, const BorderFace& face) {
+  for (const std::size_t turn : {1, 2}) {
+    const std::size_t along = (face.axis + turn) % 3;
+    const std::size_t across = (face.axis + 3 - turn) % 3;
+    for (const std::size_t far : {0, 1}) {
+      std::array<std::size_t, 3> vertex = face.cell;
+      vertex[face.axis] += static_cast<std::size_t>(face.side);
+      vertex[across] += far;
+      straighten_edge(field, vertex, along);
+    }
+  }
+}
+
+}  // namespace
+
+void keep_border_positive(CubicField& field) {
+  // A straightened face shares edges with its neighbours, so the faces are looked at until nothing changes. Each is
+  // straightened once at most.
+  std::vector<BorderFace> curved = border_faces(field);
+  for (std::size_t before = curved.size() + 1; before != curved.size();) {
+    before = curved.size();
+    std::erase_if(curved, [&](const BorderFace& face) {
+      const CubicCell cell = field.cell(face.cell[0], face.cell[1], face.cell[2]);
+      const bool crosses = cell.lower_bound_on_face(face.axis, face.side) <= 0;
+      if (crosses) {
+        straighten_face(field, face);
+      }
+      return crosses;
+    });
+  }
+}
+
+namespace {
+
+/// What the cells of one word of the mask say.
+struct Marks {
+  std::uint64_t bits = 0;
+  double steepest = 0;
+  double negative_reach_m = 0;
+};
+
+void mark_cell(const CubicField& field, std::size_t index, Marks& marks) {
+  const GridShape& shape = field.shape();
+  const std::size_t plane = shape.count(0) * shape.count(1);
+  const CubicCell cell = field.cell(index % shape.count(0), index % plane / shape.count(0), index / plane);
+  const CubicCell::Bernstein coefficients = cell.bernstein();
+  marks.steepest = std::max(marks.steepest, CubicCell::steepest(coefficients, shape.cell_size_m));
+  const auto [lowest, highest] = std::minmax_element(coefficients.begin(), coefficients.end());
+  // The bound is computed in floating point; this covers its rounding and that of the evaluation.
+  if (*lowest < 1e-12 * std::max(*highest, -*lowest)) {
+    marks.bits |= std::uint64_t{1} << (index % 64);
+    // No point of the cell is farther from a vertex than the cell's diagonal.
+    const double nearest_m = std::max(0.0, std::min(cell.axis[0].low.minCoeff(), cell.axis[0].high.minCoeff()));
+    marks.negative_reach_m = std::max(marks.negative_reach_m, nearest_m + shape.cell_size_m.norm());
+  }
+}
+
+}  // namespace
+
+void mark_cells(CubicField& field, [[maybe_unused]] int threads) {
+  // Covers the rounding of the coefficients, and of values kept in single precision.
+  constexpr double slack = 1 + 1e-5;
+  const GridShape& shape = field.shape();
+  std::vector<Marks> marks(shape.mask_words());
+#pragma omp parallel for schedule(dynamic, 16) num_threads(threads)
+  for (std::size_t word = 0; word < marks.size(); ++word) {
+    const std::size_t end = std::min(64 * (word + 1), shape.cell_count());
+    for (std::size_t index = 64 * word; index < end; ++index) {
+      if (field.knows(index)) {
+        mark_cell(field, index, marks[word]);
+      }
+    }
+  }
+  FieldFacts& facts = field.facts();
+  facts.steepest = 0;
+  facts.negative_reach_m = 0;
+  for (std::size_t word = 0; word < marks.size(); ++word) {
+    field.mask()[word] = marks[word].bits;
+    facts.steepest = std::max(facts.steepest, slack * marks[word].steepest);
+    facts.negative_reach_m = std::max(facts.negative_reach_m, slack * marks[word].negative_reach_m);
+  }
+}
+
+}  // namespace musclebench
