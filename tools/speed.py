@@ -9,6 +9,7 @@ change.
 
 import argparse
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -23,7 +24,7 @@ from musclebench_experiment.pool import Limits, run_cases
 from musclebench_experiment.progress import duration
 from musclebench_report.results import ResultProblem
 from musclebench_speed import speed_report
-from musclebench_speed.speed_cases import MICRO_PROGRAM
+from musclebench_speed.speed_cases import MICRO_PROGRAM, STRUCTURES_DIR
 from musclebench_speed.speed_experiment import SpeedExperiment
 from musclebench_speed.speed_plan import Wishes, plan
 
@@ -102,6 +103,8 @@ def run(cases: list[Case], experiment: SpeedExperiment, options) -> list[str]:
     # since the first has the interrupts.
     core = sorted(os.sched_getaffinity(0))[-1]
     with claimed(experiment.places.out_dir, "raw"):
+        # Fields of another build may be in another format, or another field.
+        shutil.rmtree(experiment.places.out_dir / STRUCTURES_DIR, ignore_errors=True)
         statuses = run_cases(todo, experiment, Limits([core], options.timeout))
     return [f"{case.name}: {status}, see {experiment.folder(case) / 'run.json'}"
             for case, status in statuses.items() if status not in experiment.final_statuses]

@@ -25,10 +25,10 @@ void sdf_build_a_node(benchmark::State& state, const Bone& bone) {
       benchmark::Counter(nodes * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-/// Bytes of the field of 64 cells and floats; with `band_m` > 0 of a narrow band.
-void sdf_bytes(benchmark::State& state, const Bone& bone, double band_m) {
+/// Bytes of the field of 64 cells; with `band_m` > 0 of a narrow band.
+void sdf_bytes(benchmark::State& state, const Bone& bone, const std::string& precision, double band_m) {
   const TriangleMesh& muscle = micro_scene().muscle.mesh;
-  Settings settings{{"cells", std::int64_t{cells}}, {"precision", std::string("float")}};
+  Settings settings{{"cells", std::int64_t{cells}}, {"precision", precision}, {"motion_budgets", std::string("off")}};
   if (band_m > 0) {
     settings["band_m"] = band_m;
   }
@@ -53,11 +53,14 @@ void register_build_kernels() {
         ->Arg(2)
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime();
-    for (const auto& [word, band_m] : {std::pair("dense", 0.0), std::pair("band_10mm", 0.01)}) {
-      benchmark::RegisterBenchmark(fmt::format("sdf_bytes/{}/{}", word, bone.name).c_str(),
-                                   [&bone, b = band_m](benchmark::State& s) { sdf_bytes(s, bone, b); })
-          ->Iterations(1)
-          ->Unit(benchmark::kMillisecond);
+    for (const std::string precision : {"float", "compact"}) {
+      for (const auto& [word, band_m] : {std::pair("dense", 0.0), std::pair("band_10mm", 0.01)}) {
+        benchmark::RegisterBenchmark(
+            fmt::format("sdf_bytes/{}/{}/{}", word, precision, bone.name).c_str(),
+            [&bone, precision, b = band_m](benchmark::State& s) { sdf_bytes(s, bone, precision, b); })
+            ->Iterations(1)
+            ->Unit(benchmark::kMillisecond);
+      }
     }
   }
 }

@@ -7,7 +7,7 @@ namespace musclebench {
 /// `voxel_test/BONE`, `sdf_value_and_gradient/PRECISION/BONE`, `bvh_locate/near|far/BONE`: one query at a point, cold.
 void register_query_kernels();
 
-/// `sdf_build_a_node/BONE/threads:N`, `sdf_bytes/dense|band_10mm/BONE`.
+/// `sdf_build_a_node/BONE/threads:N`, `sdf_bytes/dense|band_10mm/PRECISION/BONE`.
 void register_build_kernels();
 
 /// `update/BACKEND`, `detect/BACKEND` and `detect_threads/BACKEND/N`: all nodes of the muscle, pushed into the bones.

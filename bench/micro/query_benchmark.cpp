@@ -1,6 +1,10 @@
 // What one query costs, without memory of any query before it: the voxel test, value and gradient of the distance
 // field, the exact closest point with its sign. All on the same points, in the order of the muscle's vertices.
+#include <algorithm>
 #include <map>
+#include <memory>
+#include <span>
+#include <vector>
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -16,6 +20,7 @@ namespace {
 
 constexpr int cells = 64;
 constexpr std::size_t point_count = 40000;
+constexpr std::size_t batch_size = 256;
 
 /// Made when first asked for, and kept: one a bone.
 template <typename Structure, typename Make>
@@ -33,24 +38,34 @@ const SignedSurface& surface_of(const Bone& bone) {
   return kept(surfaces, bone, [&] { return SignedSurface(bone.surface); });
 }
 
-/// Calls `query` with all points, again and again.
+/// Calls `query` with all points, `batch_size` at a time, again and again.
 template <typename Query>
-void ask(benchmark::State& state, const std::vector<Vec3>& points, const Query& query) {
+void ask_batches(benchmark::State& state, const std::vector<Vec3>& points, const Query& query) {
   if (points.empty()) {
     state.SkipWithError("the muscle is nowhere near this bone");
     return;
   }
-  double sum = 0;
   for (auto _ : state) {
-    for (const Vec3& point : points) {
-      sum += query(point);
+    for (std::size_t first = 0; first < points.size(); first += batch_size) {
+      query(std::span(points).subspan(first, std::min(batch_size, points.size() - first)));
     }
-    benchmark::DoNotOptimize(sum);
   }
   const auto asked = static_cast<double>(points.size()) * 1e-9;
   state.counters["ns_a_point"] =
       benchmark::Counter(asked, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
   state.counters["points"] = static_cast<double>(points.size());
+}
+
+/// The same point by point.
+template <typename Query>
+void ask(benchmark::State& state, const std::vector<Vec3>& points, const Query& query) {
+  ask_batches(state, points, [&](std::span<const Vec3> batch) {
+    double sum = 0;
+    for (const Vec3& point : batch) {
+      sum += query(point);
+    }
+    benchmark::DoNotOptimize(sum);
+  });
 }
 
 /// As the backend does it: world to cells in one affine map, then one bit.
@@ -64,6 +79,7 @@ void voxel_test(benchmark::State& state, const Bone& bone) {
       [&](const Vec3& point) { return grid.contains_scaled(linear * point + offset) ? 1.0 : 0.0; });
 }
 
+/// Batch by batch, as the backend does it: into the rest frame, then value and gradient of all that are in the field.
 void sdf_value_and_gradient(benchmark::State& state, const Bone& bone, FieldPrecision precision) {
   static std::map<FieldPrecision, std::map<const Bone*, std::unique_ptr<CubicField>>> fields;
   const CubicField& field = kept(fields[precision], bone, [&] {
@@ -71,9 +87,15 @@ void sdf_value_and_gradient(benchmark::State& state, const Bone& bone, FieldPrec
     return build_field(surface_of(bone), shape, precision, 1);
   });
   const RigidMotion pose;
-  ask(state, points_near(bone, point_count), [&](const Vec3& point) {
-    const std::optional<FieldSample> sample = field.sample(pose.apply_inverse(point));
-    return sample ? sample->value_m + sample->gradient.sum() : 0;
+  std::vector<Vec3> batch(batch_size);
+  std::vector<FieldSample> samples(batch_size);
+  ask_batches(state, points_near(bone, point_count), [&](std::span<const Vec3> points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      batch[i] = pose.apply_inverse(points[i]);
+    }
+    field.sample(std::span(batch).first(points.size()), samples);
+    benchmark::DoNotOptimize(samples.data());
+    benchmark::ClobberMemory();
   });
 }
 
@@ -90,8 +112,9 @@ void register_query_kernels() {
   };
   for (const Bone& bone : micro_scene().bones) {
     add("voxel_test/" + bone.name, [&bone](benchmark::State& s) { voxel_test(s, bone); });
-    for (const auto& [word, precision] : {std::pair("float", FieldPrecision::single_precision),
-                                          std::pair("double", FieldPrecision::double_precision)}) {
+    for (const auto& [word, precision] :
+         {std::pair("float", FieldPrecision::single_precision), std::pair("double", FieldPrecision::double_precision),
+          std::pair("compact", FieldPrecision::compact)}) {
       add(fmt::format("sdf_value_and_gradient/{}/{}", word, bone.name),
           [&bone, p = precision](benchmark::State& s) { sdf_value_and_gradient(s, bone, p); });
     }

@@ -143,8 +143,10 @@ def _why_not(measured: Measured, group: str) -> list[Row]:
 
 def _fields(measured: Measured) -> list[Row]:
     return [
-        worst("MB of sdf 64 float, dense, a bone", _bytes(measured, "dense"), "<= 7.7", at_most=7.7),
-        worst("MB of sdf 64 float, narrow band 10 mm, a bone", _bytes(measured, "band_10mm"), "<= 2", at_most=2),
+        worst("MB of sdf 64 float, dense, a bone", _bytes(measured, "dense/float"), "<= 7.7", at_most=7.7),
+        worst("MB of sdf 64 float, narrow band 10 mm, a bone", _bytes(measured, "band_10mm/float"), "<= 2", at_most=2),
+        worst("the same compact instead of float: dense", _bytes(measured, "dense/compact"), ""),
+        worst("the same compact instead of float: narrow band 10 mm", _bytes(measured, "band_10mm/compact"), ""),
         worst("adaptive sdf, p99 error 0.05 mm: bytes / uniform grid's", _adaptive(measured, "bytes_ratio"), "<= 0.25",
               at_most=0.25),
         worst("adaptive sdf, p99 error 0.05 mm: build time / uniform grid's", _adaptive(measured, "build_ratio"),

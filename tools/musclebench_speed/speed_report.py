@@ -16,8 +16,8 @@ from .kernel_results import read_kernels
 
 CAPTION = (
     "Ratios are medians of values that were measured side by side: coupled runs on one thread frame by frame, after "
-    "two frames of warm-up and in the same round; kernels sample by sample, interleaved in one process. Collision time is "
-    "update + detect + respond. Where a row has several parts (muscles, bones, backends) it shows the worst. Spread is "
+    "two frames of warm-up and in the same round; kernels sample by sample, interleaved in one process. Collision time "
+    "is update + detect + respond. Where a row has several parts (muscles, bones, backends) it shows the worst. Spread is "
     "the 95 % bootstrap interval."
 )
 TITLES = ("what", "bar", "measured", "95 %", "held", "")

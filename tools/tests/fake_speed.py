@@ -28,7 +28,7 @@ KERNELS = [
       for n in (3, 4, 5)],
     *[(f"bone_size/bvh_locate/{20 * 4**n}", "ns_a_point", 100.0 * n) for n in (4, 5, 6, 7)],
     *[(f"bone_size/bvh_step/{20 * 4**n}", "real_time", 70.0) for n in (4, 5, 6, 7)],
-    ("sdf_bytes/dense/pelvis", "bytes", 7.5e6), ("sdf_bytes/dense/femur", "bytes", 7.6e6),
+    ("sdf_bytes/dense/float/pelvis", "bytes", 7.5e6), ("sdf_bytes/dense/float/femur", "bytes", 7.6e6),
     ("allocations/bvh/project", "allocations", 0.0), ("allocations/voxel/backtrack", "allocations", 3.0),
 ]
 TIME_OF_COUNTER = {"ns_a_node": 1e6, "bytes": 5.0, "allocations": 5.0}
@@ -73,7 +73,7 @@ def time_kernels(options: dict[str, str]) -> int:
         results.append({"name": f"{kernel}_median", "run_name": kernel, "run_type": "aggregate", "real_time": -1,
                         "cpu_time": -1})
     if re.search(options["benchmark_filter"], "sdf_bytes/"):
-        results.append({"name": "sdf_bytes/band_10mm/femur", "run_name": "sdf_bytes/band_10mm/femur",
+        results.append({"name": "sdf_bytes/band_10mm/float/femur", "run_name": "sdf_bytes/band_10mm/float/femur",
                         "run_type": "iteration", "error_occurred": True, "error_message": "sdf: no 'band_m'"})
     Path(options["benchmark_out"]).write_text(json.dumps({"context": {}, "benchmarks": results}))
     return 0
