@@ -94,7 +94,11 @@ struct CompactValues {
 
  private:
   HWY_INLINE static Float4 counted(const std::int16_t* steps) {
+#if HWY_TARGET <= HWY_SSE4 && HWY_ARCH_X86
+    return _mm_cvtepi32_ps(_mm_cvtepi16_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(steps))));
+#else
     return __builtin_convertvector(load<Short4>(steps), Float4);
+#endif
   }
 };
 

@@ -76,6 +76,7 @@ class TriangleTree {
 
  private:
   friend class TriangleTreeBuilder;
+  friend class PacketSearch;
   struct Search;
 
   [[nodiscard]] Search search_for(const Vec3& point) const;
