@@ -106,7 +106,7 @@ std::optional<ClosestPoint> TriangleTree::closest_point(const Vec3& point, doubl
   search.best.squared_distance_m2 = std::min(max_distance_m * max_distance_m, std::numeric_limits<double>::max());
   search.narrow(max_distance_m);
   if (within_horizon(point)) {
-    search_nearest_first(search);
+    search_closest(search);
     search.decide_listed();
   } else {
     search_all(search);
@@ -118,7 +118,7 @@ ClosestPoint TriangleTree::closest_point_from(const Vec3& point, int triangle) c
   Search search = search_for(point);
   if (within_horizon(point)) {
     search.first_leaf = m_leaf_of[static_cast<std::size_t>(triangle)];
-    search_in_any_order(search);
+    search_closest(search);
     search.decide_listed();
   } else {
     search.best = closest_on(point, triangle);

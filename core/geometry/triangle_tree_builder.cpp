@@ -47,21 +47,21 @@ void put(const Vec3& vector, std::size_t place, std::array<TreeLanes, 3>& lanes)
 TriangleTreeBuilder::TriangleTreeBuilder(const TriangleMesh& mesh, TriangleTree& tree)
     : m_tree(tree), m_boxes(mesh.triangles.size()), m_order(mesh.triangles.size()) {
   m_tree.m_corners.reserve(m_boxes.size());
-  m_centres.reserve(m_boxes.size());
-  for (std::size_t t = 0; t < m_boxes.size(); ++t) {
-    const auto corner = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][i])]; };
+  for (const Triangle& triangle : mesh.triangles) {
+    const auto corner = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(triangle[i])]; };
     m_tree.m_corners.push_back({corner(0), corner(1), corner(2)});
-    for (const Vec3& position : m_tree.m_corners.back()) {
-      m_boxes[t].extend(position);
-    }
-    m_centres.push_back(0.5 * (m_boxes[t].lower + m_boxes[t].upper));
-    m_order[t] = static_cast<int>(t);
   }
   m_tree.m_leaf_of.resize(m_boxes.size());
 }
 
 void TriangleTreeBuilder::build() {
   choose_frame();
+  for (std::size_t t = 0; t < m_boxes.size(); ++t) {
+    const auto& [a, b, c] = m_tree.m_corners[t];
+    m_boxes[t].lower.head<3>() = to_own(a.cwiseMin(b).cwiseMin(c)).cast<float>().array();
+    m_boxes[t].negated_upper.head<3>() = -to_own(a.cwiseMax(b).cwiseMax(c)).cast<float>().array();
+    m_order[t] = static_cast<int>(t);
+  }
   (void)add({0, static_cast<int>(m_order.size())}, 0);
   m_tree.m_nodes.shrink_to_fit();
   m_tree.m_clusters.shrink_to_fit();
@@ -69,85 +69,102 @@ void TriangleTreeBuilder::build() {
 }
 
 void TriangleTreeBuilder::choose_frame() {
-  Box all;
-  for (const Box& box : m_boxes) {
-    all.extend(box);
+  Vec3 lower = m_tree.m_corners.front().front();
+  Vec3 upper = lower;
+  for (const auto& corners_of_one : m_tree.m_corners) {
+    for (const Vec3& position : corners_of_one) {
+      lower = lower.cwiseMin(position);
+      upper = upper.cwiseMax(position);
+    }
   }
-  m_tree.m_centre_m = 0.5 * (all.lower + all.upper);
+  m_tree.m_centre_m = 0.5 * (lower + upper);
   int exponent = 0;
-  (void)std::frexp((0.5 * (all.upper - all.lower)).maxCoeff(), &exponent);
+  (void)std::frexp((0.5 * (upper - lower)).maxCoeff(), &exponent);
   m_tree.m_scale = std::ldexp(1.0, -exponent);
-  m_tree.m_reach = m_tree.m_scale * all.lower.cwiseAbs().cwiseMax(all.upper.cwiseAbs()).maxCoeff();
+  m_tree.m_reach = m_tree.m_scale * lower.cwiseAbs().cwiseMax(upper.cwiseAbs()).maxCoeff();
 }
 
 std::pair<TriangleTreeBuilder::Range, TriangleTreeBuilder::Range> TriangleTreeBuilder::split(Range range, int depth) {
-  const auto centre = [&](int triangle) -> const Vec3& { return m_centres[static_cast<std::size_t>(triangle)]; };
-  Box spread;
+  Box spread;  // of the doubled centres
   for (int i = range.begin; i < range.end; ++i) {
-    spread.extend(centre(m_order[static_cast<std::size_t>(i)]));
+    const Eigen::Array4f centre = box(i).doubled_centre();
+    spread.extend({centre, -centre});
   }
-  int axis = 0;
-  (spread.upper - spread.lower).maxCoeff(&axis);
-  int middle = depth < deepest_by_area ? split_by_area(range, axis, spread) : range.begin;
+  int middle = depth < deepest_by_area ? split_by_area(range, spread) : range.begin;
   if (middle == range.begin || middle == range.end) {
-    middle = range.begin + range.count() / 2;
-    std::nth_element(m_order.begin() + range.begin, m_order.begin() + middle, m_order.begin() + range.end,
-                     [&](int a, int b) {
-                       const double x = centre(a)[axis];
-                       const double y = centre(b)[axis];
-                       return x < y || (x == y && a < b);
-                     });
+    middle = halve(range, spread);
   }
   return {{range.begin, middle}, {middle, range.end}};
 }
 
-int TriangleTreeBuilder::split_by_area(Range range, int axis, const Box& spread) {
-  const double lower = spread.lower[axis];
-  const double extent = spread.upper[axis] - lower;
-  if (!(extent > 0)) {
-    return range.begin;
-  }
-  const auto bin_of = [&](int triangle) {
-    const double relative = (m_centres[static_cast<std::size_t>(triangle)][axis] - lower) / extent;
-    return std::min(static_cast<int>(relative * bin_count), bin_count - 1);
+int TriangleTreeBuilder::halve(Range range, const Box& spread) {
+  int axis = 0;
+  (-spread.negated_upper - spread.lower).head<3>().maxCoeff(&axis);
+  const auto centre = [&](int triangle) { return m_boxes[static_cast<std::size_t>(triangle)].doubled_centre()[axis]; };
+  const int middle = range.begin + range.count() / 2;
+  std::nth_element(m_order.begin() + range.begin, m_order.begin() + middle, m_order.begin() + range.end,
+                   [&](int a, int b) {
+                     const float x = centre(a);
+                     const float y = centre(b);
+                     return x < y || (x == y && a < b);
+                   });
+  return middle;
+}
+
+int TriangleTreeBuilder::split_by_area(Range range, const Box& spread) {
+  const Eigen::Array4f extent = -spread.negated_upper - spread.lower;
+  // Just below the number of bins, so that the last centre falls into the last bin; 0 where all are at one place.
+  const Eigen::Array4f bins_a_unit = (extent > 0).select((bin_count * 0.9999F) / extent, 0.0F);
+  const auto bins_of = [&](int triangle) -> Eigen::Array4i {
+    const Eigen::Array4f centre = m_boxes[static_cast<std::size_t>(triangle)].doubled_centre();
+    return ((centre - spread.lower) * bins_a_unit).min(bin_count - 1.0F).max(0.0F).cast<int>();
   };
-  std::array<Box, bin_count> bins;
-  std::array<int, bin_count> counts{};
+  struct Bin {
+    Box box;
+    int count = 0;
+  };
+  std::array<std::array<Bin, bin_count>, 3> bins;
   for (int i = range.begin; i < range.end; ++i) {
     const int triangle = m_order[static_cast<std::size_t>(i)];
-    const auto bin = static_cast<std::size_t>(bin_of(triangle));
-    bins[bin].extend(m_boxes[static_cast<std::size_t>(triangle)]);
-    ++counts[bin];
+    const Eigen::Array4i places = bins_of(triangle);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Bin& bin = bins[axis][static_cast<std::size_t>(places[static_cast<Eigen::Index>(axis)])];
+      bin.box.extend(m_boxes[static_cast<std::size_t>(triangle)]);
+      ++bin.count;
+    }
   }
-  std::array<double, bin_count> upper_cost{};
-  Box right;
-  int right_count = 0;
-  for (std::size_t b = bin_count - 1; b > 0; --b) {
-    right.extend(bins[b]);
-    right_count += counts[b];
-    upper_cost[b] = right.half_area() * leaves_for(right_count);
-  }
-  Box left;
-  int left_count = 0;
-  double best_cost = std::numeric_limits<double>::infinity();
+  float best_cost = std::numeric_limits<float>::infinity();
+  Eigen::Index best_axis = 0;
   int best_bin = 0;
-  for (std::size_t b = 1; b < bin_count; ++b) {
-    left.extend(bins[b - 1]);
-    left_count += counts[b - 1];
-    const double cost = left.half_area() * leaves_for(left_count) + upper_cost[b];
-    if (left_count > 0 && left_count < range.count() && cost < best_cost) {
-      best_cost = cost;
-      best_bin = static_cast<int>(b);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::array<float, bin_count> upper_cost{};
+    Bin right;
+    for (std::size_t b = bin_count - 1; b > 0; --b) {
+      right.box.extend(bins[axis][b].box);
+      right.count += bins[axis][b].count;
+      upper_cost[b] = right.box.half_area() * leaves_for(right.count);
+    }
+    Bin left;
+    for (std::size_t b = 1; b < bin_count; ++b) {
+      left.box.extend(bins[axis][b - 1].box);
+      left.count += bins[axis][b - 1].count;
+      const float cost = left.box.half_area() * leaves_for(left.count) + upper_cost[b];
+      if (left.count > 0 && left.count < range.count() && cost < best_cost) {
+        best_cost = cost;
+        best_axis = static_cast<Eigen::Index>(axis);
+        best_bin = static_cast<int>(b);
+      }
     }
   }
   const auto middle = std::partition(m_order.begin() + range.begin, m_order.begin() + range.end,
-                                     [&](int triangle) { return bin_of(triangle) < best_bin; });
+                                     [&](int triangle) { return bins_of(triangle)[best_axis] < best_bin; });
   return static_cast<int>(middle - m_order.begin());
 }
 
 TreeCluster TriangleTreeBuilder::cluster_of(Range range) const {
   TreeCluster cluster;
-  Box box;
+  Vec3 lower = corners(range.begin)[0];
+  Vec3 upper = lower;
   double area = 0;
   Vec3 weighted = Vec3::Zero();
   for (int i = range.begin; i < range.end; ++i) {
@@ -157,9 +174,10 @@ TreeCluster TriangleTreeBuilder::cluster_of(Range range) const {
     cluster.area_normal += area_normal;
     area += own_area;
     weighted += own_area * (a + b + c) / 3;
-    box.extend(m_boxes[static_cast<std::size_t>(m_order[static_cast<std::size_t>(i)])]);
+    lower = lower.cwiseMin(a).cwiseMin(b).cwiseMin(c);
+    upper = upper.cwiseMax(a).cwiseMax(b).cwiseMax(c);
   }
-  cluster.centre = area > 0 ? Vec3(weighted / area) : Vec3(0.5 * (box.lower + box.upper));
+  cluster.centre = area > 0 ? Vec3(weighted / area) : Vec3(0.5 * (lower + upper));
   double squared_radius = 0;
   for (int i = range.begin; i < range.end; ++i) {
     for (const Vec3& position : corners(i)) {
@@ -176,21 +194,23 @@ void TriangleTreeBuilder::set_bounds(Range range, const Vec3& area_normal, std::
   const Vec3 wanted = length > 0 ? Vec3(area_normal * ((1 - 1e-6) / length)) : Vec3(Vec3::Zero());
   put(wanted, place, node.normal);
   const Vec3 normal(node.normal[0][place], node.normal[1][place], node.normal[2][place]);
-  Box box;
-  double lowest = std::numeric_limits<double>::infinity();
-  double highest = -lowest;
+  Vec3 lower = to_own(corners(range.begin)[0]);
+  Vec3 upper = lower;
+  double lowest = normal.dot(lower);
+  double highest = lowest;
   for (int i = range.begin; i < range.end; ++i) {
     for (const Vec3& position : corners(i)) {
       const Vec3 own = to_own(position);
       const double height = normal.dot(own);
-      box.extend(own);
+      lower = lower.cwiseMin(own);
+      upper = upper.cwiseMax(own);
       lowest = std::min(lowest, height);
       highest = std::max(highest, height);
     }
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    node.lower[axis][place] = round_down(box.lower[static_cast<Eigen::Index>(axis)]);
-    node.upper[axis][place] = round_up(box.upper[static_cast<Eigen::Index>(axis)]);
+    node.lower[axis][place] = round_down(lower[static_cast<Eigen::Index>(axis)]);
+    node.upper[axis][place] = round_up(upper[static_cast<Eigen::Index>(axis)]);
   }
   node.slab_lower[place] = round_down(lowest);
   node.slab_upper[place] = round_up(highest);

@@ -18,21 +18,20 @@ class TriangleTreeBuilder {
   void build();
 
  private:
+  /// In the tree's own frame; both corners in one vector, the upper one negated, so that both grow by a minimum. Guides
+  /// the splits only, so that it need not be rounded outwards.
   struct Box {
-    Vec3 lower = Vec3::Constant(std::numeric_limits<double>::infinity());
-    Vec3 upper = Vec3::Constant(-std::numeric_limits<double>::infinity());
+    Eigen::Array4f lower = Eigen::Array4f::Constant(tree_nowhere);
+    Eigen::Array4f negated_upper = Eigen::Array4f::Constant(tree_nowhere);
 
-    void extend(const Vec3& point) {
-      lower = lower.cwiseMin(point);
-      upper = upper.cwiseMax(point);
-    }
     void extend(const Box& other) {
-      lower = lower.cwiseMin(other.lower);
-      upper = upper.cwiseMax(other.upper);
+      lower = lower.min(other.lower);
+      negated_upper = negated_upper.min(other.negated_upper);
     }
-    [[nodiscard]] double half_area() const {
-      const Vec3 size = (upper - lower).cwiseMax(0.0);
-      return size.x() * size.y() + size.y() * size.z() + size.z() * size.x();
+    [[nodiscard]] Eigen::Array4f doubled_centre() const { return lower - negated_upper; }
+    [[nodiscard]] float half_area() const {
+      const Eigen::Array4f size = (-negated_upper - lower).max(0.0F);
+      return size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
     }
   };
   /// Places in `m_order`.
@@ -49,7 +48,8 @@ class TriangleTreeBuilder {
   [[nodiscard]] int add_leaf(Range range);
   [[nodiscard]] std::pair<Range, Range> split(Range range, int depth);
   /// Returns the first place of the upper part; the range's begin or end where there is nothing to gain.
-  [[nodiscard]] int split_by_area(Range range, int axis, const Box& spread);
+  [[nodiscard]] int split_by_area(Range range, const Box& spread);
+  [[nodiscard]] int halve(Range range, const Box& spread);
   [[nodiscard]] TreeCluster cluster_of(Range range) const;
   void set_bounds(Range range, const Vec3& area_normal, std::size_t place, TreeNode& node) const;
   /// Returns whether the triangle is a needle.
@@ -60,9 +60,12 @@ class TriangleTreeBuilder {
     return m_tree.m_corners[static_cast<std::size_t>(m_order[static_cast<std::size_t>(place)])];
   }
 
+  [[nodiscard]] const Box& box(int place) const {
+    return m_boxes[static_cast<std::size_t>(m_order[static_cast<std::size_t>(place)])];
+  }
+
   TriangleTree& m_tree;
-  std::vector<Box> m_boxes;     ///< of each triangle
-  std::vector<Vec3> m_centres;  ///< of the boxes
+  std::vector<Box> m_boxes;  ///< of each triangle
   std::vector<int> m_order;
 };
 

@@ -7,6 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/geometry/triangle_tree_search.cpp"
 #include <hwy/foreach_target.h>
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 // How far a float distance may be from the truth (u = 2^-24, R = 1 + largest coordinate of the point, E = longest side
@@ -26,6 +27,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+/// Each level of the deepest tree leaves up to 7 nodes, and what is written beyond the last one has room, too.
 constexpr int stack_capacity = 320;
 
 using Lanes = hn::CappedTag<float, tree_width>;
@@ -151,73 +153,85 @@ HWY_INLINE void collect(const TreeLeaf& leaf, const Splat& p, TreeSearch& search
   }
 }
 
-/// Calls `look(index)` for leaves whose bounds are within `limit`, which `look` may lower.
-template <bool nearest_first, typename Look>
-HWY_INLINE void walk(const TreeSearch& search, const Splat& p, const float& limit, Look&& look) {
-  const Lanes d;
-  const IntLanes di;
-  HWY_ALIGN float near[stack_capacity];
-  HWY_ALIGN std::int32_t child[stack_capacity];
-  int top = 0;
-  near[0] = 0;
-  child[0] = 0;
-  while (top >= 0) {
-    const std::int32_t next = child[top];
-    const float squared_next = near[top--];
-    if (squared_next > limit) {
-      continue;
-    }
-    if (next < 0) {
-      look(~next);
-      continue;
-    }
-    const TreeNode& node = search.nodes[next];
-    const int base = top + 1;
-    const Vec reach = hn::Set(d, limit);
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-      const Vec squared = squared_to_children(node, p, first);
-      const auto mask = hn::Le(squared, reach);
-      hn::CompressStore(squared, mask, d, near + top + 1);
-      top += static_cast<int>(
-          hn::CompressStore(hn::Load(di, node.child.data() + first), hn::RebindMask(di, mask), di, child + top + 1));
-    }
-    for (int last = base + 1; nearest_first && last <= top; ++last) {
-      const float squared = near[last];
-      const std::int32_t index = child[last];
-      int at = last;
-      for (; at > base && near[at - 1] < squared; --at) {
-        near[at] = near[at - 1];
-        child[at] = child[at - 1];
-      }
-      near[at] = squared;
-      child[at] = index;
-    }
+HWY_INLINE void prefetch(const void* what) {
+  constexpr std::size_t line = 64;
+  constexpr std::size_t lines = std::min(sizeof(TreeNode), sizeof(TreeLeaf)) / line;
+  for (std::size_t i = 0; i < lines; ++i) {
+    hwy::Prefetch(static_cast<const unsigned char*>(what) + line * i);
   }
 }
 
-template <bool nearest_first>
-HWY_INLINE void search_closest(TreeSearch& search) {
+/// Calls `look(index)` for leaves whose bounds are within `limit`, which `look` may lower. Of a node's children the
+/// nearest one is next, without a way through memory; the others wait on the stack in any order, since sorting them
+/// costs more than it saves.
+template <typename Look>
+HWY_INLINE void walk(const TreeSearch& search, const Splat& p, const float& limit, Look&& look) {
+  const Lanes d;
+  const IntLanes di;
+  HWY_ALIGN float squared[tree_width];
+  HWY_ALIGN float near[stack_capacity];
+  HWY_ALIGN std::int32_t child[stack_capacity];
+  int waiting = 0;
+  std::int32_t next = 0;
+  for (;;) {
+    if (next < 0) {
+      look(~next);
+    } else {
+      const TreeNode& node = search.nodes[next];
+      Vec least = hn::Set(d, std::numeric_limits<float>::max());
+      for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+        const Vec part = squared_to_children(node, p, first);
+        hn::Store(part, d, squared + first);
+        least = hn::Min(least, part);
+      }
+      const float squared_least = hn::GetLane(hn::MinOfLanes(d, least));
+      if (squared_least <= limit) {
+        const std::size_t nearest = hwy::Num0BitsBelowLS1Bit_Nonzero32(within(squared, squared_least));
+        next = node.child[nearest];
+        const auto place_of_next = hn::Set(di, static_cast<std::int32_t>(nearest));
+        for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+          const Vec part = hn::Load(d, squared + first);
+          const auto is_other = hn::Ne(hn::Iota(di, static_cast<std::int32_t>(first)), place_of_next);
+          const auto waits = hn::And(hn::RebindMask(d, is_other), hn::Le(part, hn::Set(d, limit)));
+          const auto children = hn::Load(di, node.child.data() + first);
+          hn::StoreU(hn::Compress(part, waits), d, near + waiting);
+          hn::StoreU(hn::Compress(children, hn::RebindMask(di, waits)), di, child + waiting);
+          waiting += static_cast<int>(hn::CountTrue(d, waits));
+        }
+        if (waiting > 0) {
+          const std::int32_t after = child[waiting - 1];
+          prefetch(after < 0 ? static_cast<const void*>(search.leaves + ~after) : search.nodes + after);
+        }
+        continue;
+      }
+    }
+    do {
+      if (--waiting < 0) {
+        return;
+      }
+    } while (near[waiting] > limit);
+    next = child[waiting];
+  }
+}
+
+void closest(TreeSearch& search) {
   const Splat p(search.point);
   const int first_leaf = search.first_leaf;
   if (first_leaf >= 0) {
     collect(search.leaves[first_leaf], p, search);
   }
-  walk<nearest_first>(search, p, search.limit, [&](std::int32_t leaf) HWY_ATTR {
+  walk(search, p, search.limit, [&](std::int32_t leaf) HWY_ATTR {
     if (leaf != first_leaf) {
       collect(search.leaves[leaf], p, search);
     }
   });
 }
 
-void nearest_first(TreeSearch& search) { search_closest<true>(search); }
-
-void in_any_order(TreeSearch& search) { search_closest<false>(search); }
-
 void neighbours(const TreeSearch& search, TreeNeighbours& list) {
   const Splat p(search.point);
   // Unused places are farther than that.
   float limit = 0.5F * tree_nowhere * tree_nowhere;
-  walk<true>(search, p, limit, [&](std::int32_t index) HWY_ATTR {
+  walk(search, p, limit, [&](std::int32_t index) HWY_ATTR {
     const Lanes d;
     const TreeLeaf& leaf = search.leaves[index];
     alignas(64) float squared[tree_width];
@@ -248,13 +262,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace musclebench {
 
-HWY_EXPORT(nearest_first);
-HWY_EXPORT(in_any_order);
+HWY_EXPORT(closest);
 HWY_EXPORT(neighbours);
 
-void search_nearest_first(TreeSearch& search) { HWY_DYNAMIC_DISPATCH(nearest_first)(search); }
-
-void search_in_any_order(TreeSearch& search) { HWY_DYNAMIC_DISPATCH(in_any_order)(search); }
+void search_closest(TreeSearch& search) { HWY_DYNAMIC_DISPATCH(closest)(search); }
 
 void search_neighbours(const TreeSearch& search, TreeNeighbours& list) {
   HWY_DYNAMIC_DISPATCH(neighbours)(search, list);

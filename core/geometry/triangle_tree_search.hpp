@@ -32,11 +32,8 @@ struct TreeSearch {
   void (*decide)(TreeSearch& search) = nullptr;
 };
 
-/// Looks at everything within the limit, nearest boxes first.
-void search_nearest_first(TreeSearch& search);
-
-/// The same, cheaper where the limit is nearly the answer from the start: in any order.
-void search_in_any_order(TreeSearch& search);
+/// Lists what may be the closest triangle.
+void search_closest(TreeSearch& search);
 
 /// The triangles nearest to a point, ascending. `distance_m` holds the squared distances of the floats.
 struct TreeNeighbours {
