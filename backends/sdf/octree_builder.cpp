@@ -1,0 +1,351 @@
+#include "backends/sdf/octree_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "backends/sdf/octree_cells.hpp"
+#include "core/base/input_error.hpp"
+#include "core/base/random_numbers.hpp"
+#include "core/base/system_memory.hpp"
+
+namespace musclebench {
+
+namespace {
+
+/// Shares of the diagonal of the bone's box.
+constexpr double near_share = 0.005;
+constexpr double coarsest_wanted = 0.02;
+constexpr double finest_wanted = 1e-8;  // coefficients are floats
+
+constexpr double root_edge_near = 8;      ///< edge of a root over what counts as near
+constexpr double finest_edge = 1e-4;      ///< over the root's: a limit that bones never reach
+constexpr double first_threshold = 3e-4;  ///< of wrong volume in a leaf, over the volume of all near places
+constexpr std::size_t places_measured = 20000;
+
+double number(std::size_t count) { return static_cast<double>(count); }
+
+class OctreeBuilder {
+ public:
+  OctreeBuilder(const SignedSurface& surface, const OctreeShape& shape, const OctreeDemand& demand,
+                std::size_t memory_bytes, const std::string& bone, int threads)
+      : m_surface(surface),
+        m_shape(shape),
+        m_demand(demand),
+        m_maker(surface, demand),
+        m_memory_bytes(memory_bytes != 0 ? memory_bytes : available_memory_bytes()),
+        m_bone(bone),
+        m_threads(threads) {}
+
+  OctreeField build(const BuildProgress& progress) {
+    const auto tell = [&](double share) {
+      if (progress) {
+        progress(share);
+      }
+    };
+    tell(0);
+    plant_roots();
+    choose_places();
+    double first_p99_m = 0;
+    double reached = 0;
+    for (m_threshold_m3 = first_threshold * m_near_m3;; m_threshold_m3 *= next_step()) {
+      const bool exhausted = !refine();
+      measure();
+      if (wrong_places() <= wrong_places_allowed()) {
+        tell(1);
+        return pack();
+      }
+      const double p99_m = error_quantile_m(0.99);
+      first_p99_m = first_p99_m > 0 ? first_p99_m : p99_m;
+      refuse_what_cannot_be(exhausted, p99_m);
+      reached = std::max(reached, std::log(first_p99_m / p99_m) / std::log(first_p99_m / m_demand.wanted_m));
+      tell(std::clamp(reached, 0.0, 1.0));
+    }
+  }
+
+ private:
+  void plant_roots() {
+    m_cells.resize(m_shape.root_count());
+    const auto nx = static_cast<std::size_t>(m_shape.roots[0]);
+    const auto ny = static_cast<std::size_t>(m_shape.roots[1]);
+#pragma omp parallel for schedule(dynamic, 8) num_threads(m_threads)
+    for (std::size_t root = 0; root < m_cells.size(); ++root) {
+      const Vec3 index(number(root % nx), number(root / nx % ny), number(root / (nx * ny)));
+      const Vec3 centre_m = m_shape.lower_m + m_shape.root_edge_m * (index + Vec3::Constant(0.5));
+      m_cells[root] = m_maker.root(centre_m, 0.5 * m_shape.root_edge_m);
+    }
+  }
+
+  void choose_places() {
+    std::vector<Vec3> boxes;
+    for (const OctreeCell& cell : m_cells) {
+      if (std::abs(cell.distance_m) <= m_demand.near_m + cell.reach_m()) {
+        boxes.push_back(cell.centre_m - Vec3::Constant(cell.half_edge_m));
+      }
+    }
+    m_places = places_near(m_surface, boxes, m_shape.root_edge_m, m_demand.near_m, places_measured, 1, m_threads);
+    // Only the order of magnitude counts: the roots that hold near places are about half full of them.
+    m_near_m3 = 0.5 * number(boxes.size()) * std::pow(m_shape.root_edge_m, 3);
+  }
+
+  [[nodiscard]] bool can_split(const OctreeCell& cell) const {
+    return cell.leaf != nullptr && cell.half_edge_m > m_demand.finest_edge_m;
+  }
+
+  /// Splits what is more wrong than the threshold until nothing is. False when even a lower threshold would change
+  /// nothing.
+  bool refine() {
+    std::vector<std::size_t> work;
+    bool more = false;
+    for (std::size_t c = 0; c < m_cells.size(); ++c) {
+      more = more || (can_split(m_cells[c]) && m_cells[c].leaf->wrong_quadratic_m3 > 0);
+      if (can_split(m_cells[c]) && m_cells[c].wrong_m3() > m_threshold_m3) {
+        work.push_back(c);
+      }
+    }
+    while (!work.empty()) {
+      work = split_all(work);
+    }
+    return more;
+  }
+
+  /// Splits these cells; returns the children that have to be split, too.
+  std::vector<std::size_t> split_all(const std::vector<std::size_t>& work) {
+    require_room_for(8 * work.size());
+    std::vector<std::array<OctreeCell, 8>> children(work.size());
+#pragma omp parallel for schedule(dynamic, 4) num_threads(m_threads)
+    for (std::size_t w = 0; w < work.size(); ++w) {
+      children[w] = m_maker.split(m_cells[work[w]]);
+    }
+    std::vector<std::size_t> next;
+    for (std::size_t w = 0; w < work.size(); ++w) {
+      m_cells[work[w]].first_child = m_cells.size();
+      m_cells[work[w]].leaf.reset();
+      for (OctreeCell& child : children[w]) {
+        if (can_split(child) && child.wrong_m3() > m_threshold_m3) {
+          next.push_back(m_cells.size());
+        }
+        m_cells.push_back(std::move(child));
+      }
+    }
+    return next;
+  }
+
+  [[nodiscard]] std::size_t find(const Vec3& point) const {
+    std::array<std::size_t, 3> root{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<Eigen::Index>(axis);
+      const double along = std::floor((point[a] - m_shape.lower_m[a]) / m_shape.root_edge_m);
+      root[axis] = static_cast<std::size_t>(std::clamp(along, 0.0, m_shape.roots[axis] - 1.0));
+    }
+    std::size_t cell = m_shape.root(root[0], root[1], root[2]);
+    while (m_cells[cell].split()) {
+      const Vec3& centre = m_cells[cell].centre_m;
+      const std::size_t octant =
+          (point[0] >= centre[0] ? 1U : 0U) + (point[1] >= centre[1] ? 2U : 0U) + (point[2] >= centre[2] ? 4U : 0U);
+      cell = m_cells[cell].first_child + octant;
+    }
+    return cell;
+  }
+
+  void measure() {
+    m_errors_m.resize(m_places.size());
+#pragma omp parallel for schedule(static) num_threads(m_threads)
+    for (std::size_t p = 0; p < m_places.size(); ++p) {
+      const OctreeCell& cell = m_cells[find(m_places[p].point)];
+      if (cell.leaf == nullptr) {  // as far as near places are, to rounding
+        m_errors_m[p] = 0;
+        continue;
+      }
+      const Vec3 at = (m_places[p].point - cell.centre_m) / cell.half_edge_m;
+      const double value = cell.chosen(m_threshold_m3).value(at, cell.chosen_terms(m_threshold_m3));
+      m_errors_m[p] = std::abs(value - m_places[p].distance_m);
+    }
+  }
+
+  [[nodiscard]] double error_quantile_m(double share) const {
+    if (m_errors_m.empty()) {
+      return 0;
+    }
+    std::vector<double> errors_m = m_errors_m;
+    const auto place = errors_m.begin() + static_cast<std::ptrdiff_t>(share * number(errors_m.size() - 1));
+    std::nth_element(errors_m.begin(), place, errors_m.end());
+    return *place;
+  }
+
+  [[nodiscard]] double wrong_places() const {
+    return static_cast<double>(std::count_if(m_errors_m.begin(), m_errors_m.end(),
+                                             [&](double error_m) { return error_m > m_demand.wanted_m; }));
+  }
+
+  /// One in a hundred, less two standard deviations, so that the next one who measures agrees.
+  [[nodiscard]] double wrong_places_allowed() const {
+    const double one_in_hundred = 0.01 * number(m_errors_m.size());
+    return std::max(0.0, one_in_hundred - 2 * std::sqrt(one_in_hundred));
+  }
+
+  /// Of the threshold: long while the aim is far, short so as not to overshoot it.
+  [[nodiscard]] double next_step() const { return wrong_places() > 4 * wrong_places_allowed() ? 0.4 : 0.75; }
+
+  [[nodiscard]] double bytes_of(std::size_t cells) const {
+    return number(cells) * (sizeof(OctreeCell) + sizeof(OctreeCell::Leaf));
+  }
+
+  [[noreturn]] void refuse(double needed_bytes, double fitting_m) const {
+    const double unit = std::pow(10, std::floor(std::log10(fitting_m * 1e3)) - 1);
+    throw InputError(
+        fmt::format("sdf: max_error_mm ({})", m_bone),
+        fmt::format("{} needs about {:.0f} MB of memory, {:.0f} MB are there; {:.2g} fits", m_demand.wanted_m * 1e3,
+                    needed_bytes / 1e6, number(m_memory_bytes) / 1e6, std::ceil(fitting_m * 1e3 / unit) * unit));
+  }
+
+  void require_room_for(std::size_t more) const {
+    const double needed = bytes_of(m_cells.size() + 2 * more);
+    if (needed > number(m_memory_bytes)) {
+      const double p99_m = m_errors_m.empty() ? m_demand.near_m : error_quantile_m(0.99);
+      const double excess = std::max(1.0, p99_m / m_demand.wanted_m);
+      refuse(needed * excess * excess, p99_m);
+    }
+  }
+
+  /// Where kinks rule, an error half as large needs cells of half the edge along sheets: four times as many.
+  void refuse_what_cannot_be(bool exhausted, double p99_m) const {
+    const double excess = std::max(1.0, p99_m / m_demand.wanted_m);
+    const double bytes = bytes_of(m_cells.size());
+    // Early on this overestimates, by less than this factor.
+    constexpr double doubt = 8;
+    if (exhausted || bytes * excess * excess > doubt * number(m_memory_bytes)) {
+      const double fitting_m = p99_m * std::min(1.0, std::sqrt(doubt * bytes / number(m_memory_bytes)));
+      refuse(bytes * excess * excess, exhausted ? p99_m : fitting_m);
+    }
+  }
+
+  OctreeField pack() {
+    m_entries.assign(m_shape.root_count(), 0);
+    m_quality = {m_demand.wanted_m, m_demand.near_m};
+    m_quality.finest_edge_m = m_shape.root_edge_m;
+    for (std::size_t root = 0; root < m_shape.root_count(); ++root) {
+      pack(root, root);
+    }
+    m_quality.samples = static_cast<std::int64_t>(m_errors_m.size());
+    m_quality.p99_m = error_quantile_m(0.99);
+    m_quality.largest_m = error_quantile_m(1);
+    for (const double error_m : m_errors_m) {
+      m_quality.mean_m += error_m / number(m_errors_m.size());
+    }
+    m_entries.shrink_to_fit();
+    m_coefficients.shrink_to_fit();
+    return {m_shape, m_quality, std::move(m_entries), std::move(m_coefficients)};
+  }
+
+  void pack(std::size_t from, std::size_t entry) {
+    using Kind = OctreeField::Kind;
+    const OctreeCell& cell = m_cells[from];
+    if (m_coefficients.size() + cubic_terms > OctreeField::most_places) {
+      refuse(number(m_memory_bytes), 2 * error_quantile_m(0.99));
+    }
+    if (cell.split()) {
+      const std::size_t first = m_entries.size();
+      m_entries[entry] = OctreeField::entry(Kind::split, first);
+      m_entries.resize(first + 8);
+      for (std::size_t octant = 0; octant < 8; ++octant) {
+        pack(cell.first_child + octant, first + octant);
+      }
+    } else if (cell.leaf == nullptr) {
+      m_entries[entry] = OctreeField::entry(Kind::outside, m_coefficients.size());
+      m_coefficients.push_back(static_cast<float>(cell.distance_m * (1 - 1e-6)));
+    } else {
+      const bool cubic = cell.takes_cubic(m_threshold_m3);
+      const PolynomialFit& fit = cell.chosen(m_threshold_m3);
+      m_entries[entry] = OctreeField::entry(cubic ? Kind::cubic : Kind::quadratic, m_coefficients.size());
+      m_coefficients.insert(
+          m_coefficients.end(), fit.coefficients.begin(),
+          fit.coefficients.begin() + static_cast<std::ptrdiff_t>(cubic ? cubic_terms : quadratic_terms));
+      m_quality.finest_edge_m = std::min(m_quality.finest_edge_m, 2 * cell.half_edge_m);
+      m_quality.relative_bound = std::max(m_quality.relative_bound, fit.bound_m / cell.half_edge_m);
+      const bool known = (cell.inside() && fit.largest() < 0) || (cell.outside() && fit.smallest() > 0);
+      m_quality.bound_m = known ? m_quality.bound_m : std::max(m_quality.bound_m, fit.bound_m);
+    }
+  }
+
+  const SignedSurface& m_surface;
+  OctreeShape m_shape;
+  OctreeDemand m_demand;
+  OctreeCellMaker m_maker;
+  std::size_t m_memory_bytes;
+  const std::string& m_bone;
+  int m_threads;
+
+  std::vector<OctreeCell> m_cells;  ///< the roots, then children, eight and eight
+  std::vector<ExactPlace> m_places;
+  std::vector<double> m_errors_m;  ///< at the places, ascending
+  double m_near_m3 = 0;
+  double m_threshold_m3 = 0;
+
+  OctreeQuality m_quality;
+  std::vector<std::uint32_t> m_entries;
+  std::vector<float> m_coefficients;
+};
+
+}  // namespace
+
+OctreeField build_octree(const SignedSurface& surface, const TriangleMesh& mesh, const OctreeSettings& settings,
+                         const std::string& bone_name, int threads, const BuildProgress& progress) {
+  Vec3 lower = mesh.vertices.front();
+  Vec3 upper = lower;
+  for (const Vec3& vertex : mesh.vertices) {
+    lower = lower.cwiseMin(vertex);
+    upper = upper.cwiseMax(vertex);
+  }
+  const double diagonal_m = (upper - lower).norm();
+  const double wanted_m = settings.max_error_m;
+  if (!(wanted_m >= finest_wanted * diagonal_m && wanted_m <= coarsest_wanted * diagonal_m)) {
+    throw InputError(fmt::format("sdf: max_error_mm ({})", bone_name),
+                     fmt::format("{:.3g} is out of proportion to a bone of {:.3g} mm; {:.2g} to {:.2g} makes sense",
+                                 wanted_m * 1e3, diagonal_m * 1e3, diagonal_m * 2e-2, diagonal_m * 2));
+  }
+  const double near_m = settings.near_m > 0 ? settings.near_m : near_share * diagonal_m;
+  OctreeShape shape;
+  shape.root_edge_m = root_edge_near * near_m;
+  const Vec3 size = upper - lower + Vec3::Constant(2 * settings.margin * diagonal_m);
+  const Vec3 roots = (size / shape.root_edge_m).array().ceil().cwiseMax(1.0);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    shape.roots[axis] = static_cast<std::int32_t>(roots[static_cast<Eigen::Index>(axis)]);
+  }
+  shape.lower_m = 0.5 * (lower + upper) - 0.5 * shape.root_edge_m * roots;
+  const OctreeDemand demand{wanted_m, near_m, finest_edge * shape.root_edge_m};
+  return OctreeBuilder(surface, shape, demand, settings.memory_bytes, bone_name, threads).build(progress);
+}
+
+std::vector<ExactPlace> places_near(const SignedSurface& surface, const std::vector<Vec3>& boxes, double edge_m,
+                                    double near_m, std::size_t count, std::uint64_t seed,
+                                    [[maybe_unused]] int threads) {
+  constexpr std::size_t batch = 8192;
+  constexpr int most_batches = 200;
+  RandomNumbers random(seed);
+  std::vector<ExactPlace> found;
+  std::vector<Vec3> drawn(batch);
+  std::vector<std::optional<double>> distances(batch);
+  for (int round = 0; round < most_batches && found.size() < count; ++round) {
+    for (Vec3& point : drawn) {
+      const Vec3& lower = boxes[random.below(boxes.size())];
+      const double x = random.share();
+      const double y = random.share();
+      point = lower + edge_m * Vec3(x, y, random.share());
+    }
+#pragma omp parallel for schedule(dynamic, 64) num_threads(threads)
+    for (std::size_t p = 0; p < batch; ++p) {
+      distances[p] = surface.distance(drawn[p], near_m);
+    }
+    for (std::size_t p = 0; p < batch && found.size() < count; ++p) {
+      if (distances[p]) {
+        found.push_back({drawn[p], *distances[p]});
+      }
+    }
+  }
+  return found;
+}
+
+}  // namespace musclebench

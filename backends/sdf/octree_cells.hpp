@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+
+#include "backends/sdf/octree_fit.hpp"
+#include "core/geometry/signed_surface.hpp"
+
+namespace musclebench {
+
+/// What the leaves of an octree are judged by. Lengths in metres.
+struct OctreeDemand {
+  double wanted_m = 0;
+  double near_m = 0;
+  double finest_edge_m = 0;  ///< smaller cells are not made
+
+  /// How far off a place at this exact distance may be.
+  [[nodiscard]] double allowed_m(double distance_m) const;
+};
+
+/// A cell of an octree that is being built.
+struct OctreeCell {
+  /// What is known of a leaf that needs a polynomial.
+  struct Leaf {
+    CellSamples samples;
+    PolynomialFit quadratic;
+    PolynomialFit cubic;
+    double wrong_quadratic_m3 = 0;  ///< volume of the places that are off by more than allowed
+    double wrong_cubic_m3 = 0;
+  };
+
+  Vec3 centre_m = Vec3::Zero();
+  double half_edge_m = 0;
+  double distance_m = 0;        ///< at the centre, exact
+  std::size_t first_child = 0;  ///< 0: none
+  std::unique_ptr<Leaf> leaf;   ///< none: split, or outside and far
+
+  [[nodiscard]] double reach_m() const;  ///< from the centre to a corner
+  [[nodiscard]] bool split() const { return first_child != 0; }
+  /// Whether all of the cell is on this side of the surface.
+  [[nodiscard]] bool inside() const { return distance_m <= -reach_m(); }
+  [[nodiscard]] bool outside() const { return distance_m >= reach_m(); }
+  /// The volume of wrong places that is left with the better polynomial.
+  [[nodiscard]] double wrong_m3() const;
+  [[nodiscard]] bool takes_cubic(double threshold_m3) const;
+  [[nodiscard]] const PolynomialFit& chosen(double threshold_m3) const;
+  [[nodiscard]] std::size_t chosen_terms(double threshold_m3) const {
+    return takes_cubic(threshold_m3) ? cubic_terms : quadratic_terms;
+  }
+};
+
+/// Makes cells: asks the surface, fits, judges. Const and safe from several threads.
+class OctreeCellMaker {
+ public:
+  OctreeCellMaker(const SignedSurface& surface, const OctreeDemand& demand)
+      : m_surface(surface), m_demand(demand), m_quadratic(quadratic_terms), m_cubic(cubic_terms) {}
+
+  [[nodiscard]] OctreeCell root(const Vec3& centre_m, double half_edge_m) const;
+
+  /// The eight children of a leaf, x changing fastest. What the leaf was asked is not asked again.
+  [[nodiscard]] std::array<OctreeCell, 8> split(const OctreeCell& parent) const;
+
+ private:
+  [[nodiscard]] bool outside(const OctreeCell& cell) const;
+  [[nodiscard]] bool hides_features(const OctreeCell& cell) const;
+  void judge(OctreeCell& cell) const;
+  void measure(OctreeCell& cell) const;
+
+  const SignedSurface& m_surface;
+  OctreeDemand m_demand;
+  PolynomialFitter m_quadratic;
+  PolynomialFitter m_cubic;
+};
+
+}  // namespace musclebench

@@ -1,0 +1,148 @@
+#include "backends/sdf/octree_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace musclebench {
+
+namespace {
+
+/// Of a derivative along the cell's unit axes, against a value. It carries a fit of 20 coefficients through 27 values,
+/// and says less where the surface has an edge: there the gradient jumps and the distance does not. On bones the error
+/// is about the same from 0.05 to 0.2 and grows above.
+constexpr double gradient_weight = 0.1;
+
+/// How far a place of a cell is from the nearest sample at most, in edges; rounded up.
+constexpr double reach_of_all = 0.27951;      // sqrt(5) / 8
+constexpr double reach_of_lattice = 0.43302;  // sqrt(3) / 4
+
+double power(double base, int exponent) {
+  double result = 1;
+  for (int i = 0; i < exponent; ++i) {
+    result *= base;
+  }
+  return result;
+}
+
+double term_at(std::size_t term, const Vec3& at) {
+  const auto& [x, y, z] = polynomial_powers[term];
+  return power(at[0], x) * power(at[1], y) * power(at[2], z);
+}
+
+double slope_at(std::size_t term, const Vec3& at, std::size_t axis) {
+  double result = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const int exponent = polynomial_powers[term][a];
+    const double along = at[static_cast<Eigen::Index>(a)];
+    result *= a == axis ? (exponent == 0 ? 0 : exponent * power(along, exponent - 1)) : power(along, exponent);
+  }
+  return result;
+}
+
+/// How fast the polynomial changes at most, per metre: every monomial and its derivatives over their exponents are
+/// within [-1, 1].
+double steepest(const std::array<float, cubic_terms>& coefficients, double half_edge_m) {
+  Vec3 most = Vec3::Zero();
+  for (std::size_t term = 0; term < cubic_terms; ++term) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      most[static_cast<Eigen::Index>(axis)] +=
+          polynomial_powers[term][axis] * std::abs(static_cast<double>(coefficients[term]));
+    }
+  }
+  return most.norm() / half_edge_m;
+}
+
+}  // namespace
+
+Vec3 sample_place(std::size_t sample) {
+  if (sample < lattice_samples) {
+    return {static_cast<double>(sample / 9) - 1, static_cast<double>(sample / 3 % 3) - 1,
+            static_cast<double>(sample % 3) - 1};
+  }
+  const std::size_t octant = sample - lattice_samples;
+  const auto middle = [&](std::size_t bit) { return (octant >> bit & 1U) != 0 ? 0.5 : -0.5; };
+  return {middle(0), middle(1), middle(2)};
+}
+
+double PolynomialFit::value(const Vec3& at, std::size_t terms) const {
+  Vec3 ignored;
+  return terms == cubic_terms ? evaluate_polynomial<true>(coefficients.data(), at, ignored)
+                              : evaluate_polynomial<false>(coefficients.data(), at, ignored);
+}
+
+double PolynomialFit::spread() const {
+  double result = 0;
+  for (std::size_t term = 1; term < cubic_terms; ++term) {
+    result += std::abs(static_cast<double>(coefficients[term]));
+  }
+  return result;
+}
+
+PolynomialFitter::PolynomialFitter(std::size_t terms) : m_terms(terms), m_share{}, m_powers{} {
+  const auto columns = static_cast<Eigen::Index>(terms);
+  Eigen::MatrixXd equations(4 * lattice_samples, columns);
+  for (std::size_t sample = 0; sample < cell_samples; ++sample) {
+    const Vec3 at = sample_place(sample);
+    for (std::size_t term = 0; term < terms; ++term) {
+      m_powers[sample][term] = term_at(term, at);
+      if (sample < lattice_samples) {
+        const auto row = static_cast<Eigen::Index>(4 * sample);
+        const auto column = static_cast<Eigen::Index>(term);
+        equations(row, column) = m_powers[sample][term];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          equations(row + 1 + static_cast<Eigen::Index>(axis), column) = gradient_weight * slope_at(term, at, axis);
+        }
+      }
+    }
+  }
+  const Eigen::MatrixXd solution = (equations.transpose() * equations).ldlt().solve(equations.transpose());
+  for (std::size_t sample = 0; sample < lattice_samples; ++sample) {
+    for (std::size_t part = 0; part < 4; ++part) {
+      for (std::size_t term = 0; term < terms; ++term) {
+        m_share[sample][part][term] =
+            (part == 0 ? 1 : gradient_weight) *
+            solution(static_cast<Eigen::Index>(term), static_cast<Eigen::Index>(4 * sample + part));
+      }
+    }
+  }
+}
+
+PolynomialFit PolynomialFitter::fit(const CellSamples& samples, double half_edge_m) const {
+  Row sum{};
+  for (std::size_t sample = 0; sample < lattice_samples; ++sample) {
+    const DistanceSample& exact = samples[sample];
+    const auto& [value, along_x, along_y, along_z] = m_share[sample];
+    const double dx = half_edge_m * exact.gradient[0];
+    const double dy = half_edge_m * exact.gradient[1];
+    const double dz = half_edge_m * exact.gradient[2];
+    for (std::size_t term = 0; term < m_terms; ++term) {
+      sum[term] += value[term] * exact.value_m + along_x[term] * dx + along_y[term] * dy + along_z[term] * dz;
+    }
+  }
+  PolynomialFit result;
+  for (std::size_t term = 0; term < m_terms; ++term) {
+    result.coefficients[term] = static_cast<float>(sum[term]);
+  }
+  return result;
+}
+
+void PolynomialFitter::measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const {
+  const std::size_t known = known_samples(samples);
+  double largest_m = 0;
+  for (std::size_t sample = 0; sample < known; ++sample) {
+    double value = 0;
+    for (std::size_t term = 0; term < m_terms; ++term) {
+      value += m_powers[sample][term] * static_cast<double>(fit.coefficients[term]);
+    }
+    fit.error_m[sample] = std::abs(value - samples[sample].value_m);
+    largest_m = std::max(largest_m, fit.error_m[sample]);
+  }
+  // No place of the cell is farther than this from a sample. On the way there the polynomial changes by its slope and
+  // the distance by one metre a metre.
+  const double reach_m = 2 * half_edge_m * (known == cell_samples ? reach_of_all : reach_of_lattice);
+  fit.bound_m = (largest_m + reach_m * (1 + steepest(fit.coefficients, half_edge_m))) * (1 + 1e-6);
+}
+
+}  // namespace musclebench

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "backends/sdf/octree_polynomial.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// The exact distance at one place.
+struct DistanceSample {
+  double value_m = 0;             ///< negative inside
+  std::array<float, 3> gradient;  ///< of the distance: unit
+  int triangle = -1;              ///< the closest one
+};
+
+/// Where a cell is sampled: at the 27 places of its corners, of the middles of its edges and faces and of its own
+/// middle, x changing slowest; then, where it may matter, at the middles of its eight octants, x changing fastest. The
+/// polynomial is fitted to the first; all that are known count for its error. A child's middle is the middle of its
+/// parent's octant, and 8 of its corners or middles are its parent's.
+inline constexpr std::size_t lattice_samples = 27;
+inline constexpr std::size_t cell_samples = 35;
+using CellSamples = std::array<DistanceSample, cell_samples>;
+/// The middles of the octants are all known or none is.
+inline std::size_t known_samples(const CellSamples& samples) {
+  return samples[lattice_samples].triangle >= 0 ? cell_samples : lattice_samples;
+}
+
+/// In [-1, 1]^3.
+Vec3 sample_place(std::size_t sample);
+
+/// A cell's polynomial: the best one of its degree by least squares in values and (with less weight) gradients.
+struct PolynomialFit {
+  std::array<float, cubic_terms> coefficients{};
+  std::array<double, cell_samples> error_m{};  ///< at the samples that are known
+  double bound_m = 0;                          ///< of the error, anywhere in the cell
+
+  [[nodiscard]] double value(const Vec3& at, std::size_t terms) const;
+  /// Nowhere in the cell is the polynomial larger, or smaller.
+  [[nodiscard]] double largest() const { return coefficients[0] + spread(); }
+  [[nodiscard]] double smallest() const { return coefficients[0] - spread(); }
+
+ private:
+  [[nodiscard]] double spread() const;
+};
+
+/// Fits polynomials of one number of terms; made once, for all cells.
+class PolynomialFitter {
+ public:
+  explicit PolynomialFitter(std::size_t terms);
+
+  /// The coefficients.
+  [[nodiscard]] PolynomialFit fit(const CellSamples& samples, double half_edge_m) const;
+  /// Errors and bound.
+  void measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const;
+
+ private:
+  using Row = std::array<double, cubic_terms>;
+
+  std::size_t m_terms;
+  std::array<std::array<Row, 4>, lattice_samples> m_share;  ///< of a sample's value and derivatives in each coefficient
+  std::array<Row, cell_samples> m_powers;                   ///< each term at each sample
+};
+
+}  // namespace musclebench
