@@ -1,0 +1,343 @@
+#include "backends/sdf/discregrid_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "backends/sdf/atomic_file.hpp"
+#include "backends/sdf/field_marks.hpp"
+#include "core/base/input_error.hpp"
+
+namespace musclebench {
+
+namespace {
+
+using Index = std::array<std::size_t, 3>;
+using CellNodes = std::array<std::uint32_t, 32>;
+
+constexpr std::uint32_t most_cells = 4096;  ///< along an axis
+constexpr double no_value = std::numeric_limits<double>::max();
+constexpr std::uint32_t no_cell = std::numeric_limits<std::uint32_t>::max();
+
+/// Where the nodes of a cell's edges start in our records: along x, y, z.
+constexpr std::array<std::size_t, 3> edge_offset{5, 1, 3};
+
+/// The numbers of a grid's nodes in the file: vertices, x fastest; then, two and two, the nodes of the edges along x,
+/// along y and along z. Edges along an axis follow each other along it first; then along x, y, z the next of the axes
+/// in turn is y, z, x, and the one before it comes last.
+class NodeNumbers {
+ public:
+  explicit NodeNumbers(const GridShape& shape) : m_cells{shape.count(0), shape.count(1), shape.count(2)} {
+    m_first_edge[0] = (m_cells[0] + 1) * (m_cells[1] + 1) * (m_cells[2] + 1);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t edges = m_cells[axis] * (m_cells[(axis + 1) % 3] + 1) * (m_cells[(axis + 2) % 3] + 1);
+      (axis < 2 ? m_first_edge[axis + 1] : m_count) = m_first_edge[axis] + 2 * edges;
+    }
+  }
+
+  [[nodiscard]] std::size_t count() const { return m_count; }
+  [[nodiscard]] std::size_t vertex(const Index& at) const {
+    return (at[2] * (m_cells[1] + 1) + at[1]) * (m_cells[0] + 1) + at[0];
+  }
+  /// The node at the first third of the edge that leaves a vertex along an axis; the one at the second follows it.
+  [[nodiscard]] std::size_t edge(const Index& at, std::size_t axis) const {
+    const std::size_t next = axis == 0 ? 1 : (axis == 1 ? 2 : 0);
+    const std::size_t last = 3 - axis - next;
+    return m_first_edge[axis] + 2 * ((at[last] * (m_cells[next] + 1) + at[next]) * m_cells[axis] + at[axis]);
+  }
+
+ private:
+  Index m_cells;
+  Index m_first_edge{};
+  std::size_t m_count = 0;
+};
+
+/// Calls visit(number in the cell, vertex, axis or 3 for a corner, third) for the 32 nodes of a cell, in the file's
+/// order: corners, x fastest; edges along x, y, z, each four by four with the axis that is stepped first: z for edges
+/// along x, x for those along y, y for those along z.
+template <typename Visit>
+void for_each_node_of_cell(const Index& cell, const Visit& visit) {
+  std::size_t number = 0;
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    visit(number++, Index{cell[0] + (corner & 1U), cell[1] + (corner >> 1 & 1U), cell[2] + (corner >> 2)}, 3, 0);
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t fast = (axis + 2) % 3;
+    const std::size_t slow = (axis + 1) % 3;
+    for (std::size_t edge = 0; edge < 4; ++edge) {
+      Index start = cell;
+      start[fast] += edge & 1U;
+      start[slow] += edge >> 1;
+      visit(number++, start, axis, 0);
+      visit(number++, start, axis, 1);
+    }
+  }
+}
+
+template <typename Visit>
+void for_each_cell(const GridShape& shape, const Visit& visit) {
+  for (std::size_t k = 0; k < shape.count(2); ++k) {
+    for (std::size_t j = 0; j < shape.count(1); ++j) {
+      for (std::size_t i = 0; i < shape.count(0); ++i) {
+        visit(Index{i, j, k});
+      }
+    }
+  }
+}
+
+std::size_t place_of(const CubicField& field, const Index& at, std::size_t axis, std::size_t third) {
+  return field.record(at[0], at[1], at[2]).value() + (axis == 3 ? 0 : edge_offset[axis] + third);
+}
+
+std::size_t number_of(const NodeNumbers& numbers, const Index& at, std::size_t axis, std::size_t third) {
+  return axis == 3 ? numbers.vertex(at) : numbers.edge(at, axis) + third;
+}
+
+class Writer {
+ public:
+  explicit Writer(std::ostream& out) : m_out(out) {}
+
+  template <typename T>
+  void write(const T& value) {
+    m_out.write(reinterpret_cast<const char*>(&value), sizeof(value));
+  }
+  template <typename T>
+  void write(const std::vector<T>& values) {
+    write(static_cast<std::uint64_t>(values.size()));
+    m_out.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(T)));
+  }
+
+ private:
+  std::ostream& m_out;
+};
+
+void write_field(const CubicField& field, Writer& out) {
+  const GridShape& shape = field.shape();
+  const NodeNumbers numbers(shape);
+  out.write(shape.lower_m);
+  out.write(shape.upper_m());
+  for (const std::int32_t cells : shape.cells) {
+    out.write(static_cast<std::uint32_t>(cells));
+  }
+  out.write(shape.cell_size_m);
+  out.write(Vec3(shape.cell_size_m.cwiseInverse()));
+  out.write(static_cast<std::uint64_t>(shape.cell_count()));
+  constexpr std::uint64_t fields = 1;
+  out.write(fields);
+
+  std::vector<double> values(numbers.count());
+  std::vector<CellNodes> cells;
+  cells.reserve(shape.cell_count());
+  for_each_cell(shape, [&](const Index& cell) {
+    CellNodes nodes{};
+    for_each_node_of_cell(cell, [&](std::size_t n, const Index& at, std::size_t axis, std::size_t third) {
+      const std::size_t number = number_of(numbers, at, axis, third);
+      values[number] = field.stored(place_of(field, at, axis, third));
+      nodes[n] = static_cast<std::uint32_t>(number);
+    });
+    cells.push_back(nodes);
+  });
+  std::vector<std::uint32_t> map(cells.size());
+  for (std::size_t cell = 0; cell < map.size(); ++cell) {
+    map[cell] = static_cast<std::uint32_t>(cell);
+  }
+  out.write(fields);
+  out.write(values);
+  out.write(fields);
+  out.write(cells);
+  out.write(fields);
+  out.write(map);
+}
+
+/// Reads piece by piece and knows how much is left, so that a damaged count asks for no memory.
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& path) : m_path(path), m_in(path, std::ios::binary) {
+    std::error_code error;
+    m_left = std::filesystem::file_size(path, error);
+    if (error || !m_in.is_open()) {
+      refuse("cannot be read");
+    }
+  }
+
+  [[noreturn]] void refuse(const std::string& problem) const { throw InputError(m_path.string(), problem); }
+
+  template <typename T>
+  T read() {
+    T value{};
+    take(&value, sizeof(value));
+    return value;
+  }
+  template <typename T>
+  std::vector<T> read_all() {
+    const auto count = read<std::uint64_t>();
+    if (count > m_left / sizeof(T)) {
+      refuse("is truncated or no Discregrid field");
+    }
+    std::vector<T> values(count);
+    take(values.data(), count * sizeof(T));
+    return values;
+  }
+  [[nodiscard]] bool at_end() const { return m_left == 0; }
+
+ private:
+  void take(void* to, std::size_t bytes) {
+    if (bytes > m_left || !m_in.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes))) {
+      refuse("is truncated or no Discregrid field");
+    }
+    m_left -= bytes;
+  }
+
+  std::filesystem::path m_path;
+  std::ifstream m_in;
+  std::uintmax_t m_left = 0;
+};
+
+Vec3 read_vector(Reader& in) {
+  const auto x = in.read<double>();
+  const auto y = in.read<double>();
+  return {x, y, in.read<double>()};
+}
+
+/// A file of another kind or byte order fails here.
+GridShape read_shape(Reader& in) {
+  constexpr double rounding = 1e-9;
+  GridShape shape;
+  shape.lower_m = read_vector(in);
+  const Vec3 upper_m = read_vector(in);
+  bool sound = shape.lower_m.allFinite() && upper_m.allFinite();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto cells = in.read<std::uint32_t>();
+    sound = sound && cells >= 1 && cells <= most_cells;
+    shape.cells[axis] = static_cast<std::int32_t>(std::min(cells, most_cells));
+  }
+  shape.cell_size_m = read_vector(in);
+  const Vec3 inverse = read_vector(in);
+  const auto cell_count = in.read<std::uint64_t>();
+  const auto fields = in.read<std::uint64_t>();
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const double size = shape.cell_size_m[axis];
+    const double width = size * shape.cells[static_cast<std::size_t>(axis)];
+    sound = sound && std::isfinite(width) && size > 0 &&
+            std::abs(upper_m[axis] - shape.lower_m[axis] - width) <= rounding * width &&
+            std::abs(inverse[axis] * size - 1) <= rounding;
+  }
+  if (!sound || cell_count != shape.cell_count()) {
+    in.refuse("is no Discregrid field: its domain, cells and their size do not fit together");
+  }
+  if (fields == 0) {
+    in.refuse("holds no field");
+  }
+  return shape;
+}
+
+/// The first of as many lists as there are fields; the others are skipped.
+template <typename T>
+std::vector<T> read_first(Reader& in) {
+  const auto lists = in.read<std::uint64_t>();
+  if (lists == 0) {
+    in.refuse("holds no field");
+  }
+  std::vector<T> first = in.read_all<T>();
+  for (std::uint64_t list = 1; list < lists; ++list) {
+    (void)in.read_all<T>();
+  }
+  return first;
+}
+
+void store_nodes(const Reader& in, const std::vector<double>& values, const std::vector<CellNodes>& cells,
+                 const std::vector<std::uint32_t>& map, CubicField& field) {
+  const GridShape& shape = field.shape();
+  const NodeNumbers numbers(shape);
+  std::vector<bool> known(numbers.count(), false);
+  for_each_cell(shape, [&](const Index& cell) {
+    const CellNodes& nodes = cells[map[shape.cell(cell[0], cell[1], cell[2])]];
+    for_each_node_of_cell(cell, [&](std::size_t n, const Index& at, std::size_t axis, std::size_t third) {
+      const double value = nodes[n] < values.size() ? values[nodes[n]] : std::nan("");
+      if (!std::isfinite(value) || value == no_value) {
+        in.refuse(fmt::format("has no value at a node of cell {} {} {}", cell[0], cell[1], cell[2]));
+      }
+      const std::size_t place = place_of(field, at, axis, third);
+      const std::size_t number = number_of(numbers, at, axis, third);
+      if (known[number] && field.stored(place) != value) {
+        in.refuse(fmt::format("is damaged: cell {} {} {} and its neighbour disagree about a node that they share",
+                              cell[0], cell[1], cell[2]));
+      }
+      known[number] = true;
+      field.store(place, value);
+    });
+  });
+}
+
+}  // namespace
+
+void write_discregrid(const CubicField& field, const std::filesystem::path& path) {
+  if (field.band()) {
+    throw InputError(path.string(), "Discregrid's format wants a value in every cell; leave out `band_m`");
+  }
+  write_atomically(path, [&](std::ostream& out) {
+    Writer writer(out);
+    write_field(field, writer);
+  });
+}
+
+CubicField read_discregrid(const std::filesystem::path& path, int threads) {
+  Reader in(path);
+  const GridShape shape = read_shape(in);
+  const auto values = read_first<double>(in);
+  const auto cells = read_first<CellNodes>(in);
+  const auto map = read_first<std::uint32_t>(in);
+  if (!in.at_end()) {
+    in.refuse("goes on after its end");
+  }
+  const auto lacking = std::count(map.begin(), map.end(), no_cell);
+  if (map.size() != shape.cell_count() || lacking > 0) {
+    in.refuse(fmt::format("is a reduced field that lacks {} of {} cells; a whole one is needed", lacking,
+                          shape.cell_count()));
+  }
+  if (std::any_of(map.begin(), map.end(), [&](std::uint32_t cell) { return cell >= cells.size(); })) {
+    in.refuse("is damaged: it refers to cells that it does not hold");
+  }
+  CubicField field(shape, FieldPrecision::double_precision);
+  store_nodes(in, values, cells, map, field);
+  mark_cells(field, threads);
+  return field;
+}
+
+void require_field_of(const CubicField& field, const TriangleMesh& mesh, const std::string& bone_name,
+                      const std::filesystem::path& path) {
+  const GridShape& shape = field.shape();
+  const double half_cell_m = 0.5 * shape.cell_size_m.norm();
+  for (const Vec3& vertex : mesh.vertices) {
+    const std::optional<double> value = field.value(vertex);
+    if (!value) {
+      throw InputError(path.string(),
+                       fmt::format("does not cover all of {}: was it made from this surface, in metres?", bone_name));
+    }
+    if (std::abs(*value) > half_cell_m) {
+      throw InputError(path.string(),
+                       fmt::format("is {:.3g} mm on the surface of {}, more than half a cell's diagonal: it was made "
+                                   "from another surface, or in other units",
+                                   *value * 1e3, bone_name));
+    }
+  }
+  for (const std::size_t corner : {0, 1, 2, 3, 4, 5, 6, 7}) {
+    const std::size_t place =
+        field
+            .record((corner & 1U) * shape.count(0), (corner >> 1 & 1U) * shape.count(1), (corner >> 2) * shape.count(2))
+            .value();
+    if (field.stored(place) < 0) {
+      throw InputError(path.string(), fmt::format("is negative outside {}: its signs are inverted", bone_name));
+    }
+  }
+}
+
+}  // namespace musclebench

@@ -1,0 +1,165 @@
+#include "backends/sdf/discregrid_file.hpp"
+
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+#include <gtest/gtest.h>
+
+#include "backends/sdf/field_builder.hpp"
+#include "core/base/input_error.hpp"
+#include "core/geometry/shapes.hpp"
+
+namespace musclebench {
+namespace {
+
+constexpr std::size_t header_bytes = 6 * 8 + 3 * 4 + 6 * 8 + 2 * 8;
+
+class DiscregridFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    m_folder = std::filesystem::path(testing::TempDir()) /
+               ("discregrid_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::remove_all(m_folder);
+    m_path = m_folder / "bone.cdf";
+    write_discregrid(m_field, m_path);
+  }
+  void TearDown() override { std::filesystem::remove_all(m_folder); }
+
+  static GridShape shape_of(const RepairedMesh& bone) {
+    GridShape shape = grid_over(bone.mesh, {.cells = 6}, "box");
+    shape.cells = {6, 5, 3};
+    shape.cell_size_m = shape.cell_size_m.cwiseProduct(Vec3(1, 6.0 / 5, 2));
+    return shape;
+  }
+
+  void change(const std::function<void(std::string&)>& edit) const {
+    std::ifstream in(m_path, std::ios::binary);
+    std::string content((std::istreambuf_iterator<char>(in)), {});
+    in.close();
+    edit(content);
+    std::ofstream(m_path, std::ios::binary) << content;
+  }
+  template <typename T>
+  static void set(std::string& content, std::size_t at, T value) {
+    std::memcpy(content.data() + at, &value, sizeof(value));
+  }
+  [[nodiscard]] std::string refusal() const {
+    try {
+      (void)read_discregrid(m_path, 1);
+    } catch (const InputError& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+      EXPECT_EQ(std::string(error.what()).find(m_path.string()), 0U);
+      return error.what();
+    }
+    return "accepted";
+  }
+  void expect_refusal(const std::string& words, const std::function<void(std::string&)>& edit) const {
+    write_discregrid(m_field, m_path);
+    change(edit);
+    EXPECT_NE(refusal().find(words), std::string::npos) << refusal();
+  }
+  [[nodiscard]] std::size_t cells_at() const { return header_bytes + 16 + 8 * m_field.shape().node_count() + 16; }
+  [[nodiscard]] std::size_t map_at() const { return cells_at() + 128 * m_field.shape().cell_count() + 16; }
+
+  RepairedMesh m_bone{make_box({0.1, 0.06, 0.04}, 3), true, {}};
+  CubicField m_field = build_field(SignedSurface(m_bone), shape_of(m_bone), FieldPrecision::double_precision, 1);
+  std::filesystem::path m_folder;
+  std::filesystem::path m_path;
+};
+
+TEST_F(DiscregridFile, HasTheSizeOfItsParts) {
+  EXPECT_EQ(std::filesystem::file_size(m_path), map_at() + 4 * m_field.shape().cell_count());
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(m_folder), {}), 1) << "nothing else is left";
+}
+
+TEST_F(DiscregridFile, ComesBackAsItWas) {
+  const CubicField read = read_discregrid(m_path, 1);
+  EXPECT_EQ(read.shape().cells, m_field.shape().cells);
+  EXPECT_EQ(read.shape().lower_m, m_field.shape().lower_m);
+  EXPECT_EQ(read.shape().cell_size_m, m_field.shape().cell_size_m);
+  EXPECT_EQ(read.mask(), m_field.mask());
+  for (std::size_t cell = 0; cell < 1000; ++cell) {
+    const Vec3 share(0.001 * static_cast<double>(cell), std::fmod(0.037 * static_cast<double>(cell), 1),
+                     std::fmod(0.0173 * static_cast<double>(cell), 1));
+    const Vec3 point = read.shape().lower_m + share.cwiseProduct(read.shape().upper_m() - read.shape().lower_m);
+    EXPECT_EQ(read.value(point), m_field.value(point));
+  }
+  EXPECT_NO_THROW(require_field_of(read, m_bone.mesh, "box", m_path));
+}
+
+TEST_F(DiscregridFile, FindsNodesThroughItsIndices) {
+  // The last value moves to a new node, and whoever asks for the old one asks for the new one.
+  const std::size_t nodes = m_field.shape().node_count();
+  change([&](std::string& content) {
+    const std::size_t last = header_bytes + 16 + 8 * (nodes - 1);
+    content.insert(last + 8, content.substr(last, 8));
+    set(content, header_bytes + 8, static_cast<std::uint64_t>(nodes + 1));
+    set(content, last, 1e300);
+    for (std::size_t at = cells_at() + 8; at < map_at() + 8 - 16; at += 4) {
+      std::uint32_t node = 0;
+      std::memcpy(&node, content.data() + at, 4);
+      if (node == nodes - 1) {
+        set(content, at, static_cast<std::uint32_t>(nodes));
+      }
+    }
+  });
+  const CubicField read = read_discregrid(m_path, 1);
+  EXPECT_EQ(read.double_values(), read_discregrid((write_discregrid(m_field, m_path), m_path), 1).double_values());
+}
+
+TEST_F(DiscregridFile, RefusesWhatIsNoWholeField) {
+  expect_refusal("truncated", [](std::string& content) { content.pop_back(); });
+  expect_refusal("truncated", [](std::string& content) { content.resize(40); });
+  expect_refusal("truncated", [](std::string& content) { set(content, header_bytes + 8, std::uint64_t{1} << 60); });
+  expect_refusal("goes on after its end", [](std::string& content) { content += '\0'; });
+  expect_refusal("do not fit together", [](std::string& content) { set(content, 48, std::uint32_t{7}); });
+  expect_refusal("do not fit together",
+                 [](std::string& content) { std::reverse(content.begin(), content.begin() + 8); });
+  expect_refusal("no Discregrid field", [](std::string& content) { content = std::string(2000, 'x'); });
+  expect_refusal("holds no field", [](std::string& content) { set(content, header_bytes - 8, std::uint64_t{0}); });
+  expect_refusal("lacks 1 of 90 cells", [&](std::string& content) { set(content, map_at() + 8, ~std::uint32_t{0}); });
+  expect_refusal("cells that it does not hold", [&](std::string& content) { set(content, map_at(), 90U); });
+  expect_refusal("has no value at a node", [&](std::string& content) { set(content, cells_at(), 1000000U); });
+  expect_refusal("has no value at a node",
+                 [](std::string& content) { set(content, header_bytes + 16, std::numeric_limits<double>::max()); });
+  expect_refusal("disagree about a node", [&](std::string& content) { set(content, cells_at() + 128, 0U); });
+  std::filesystem::remove(m_path);
+  EXPECT_NE(refusal().find("cannot be read"), std::string::npos);
+}
+
+TEST_F(DiscregridFile, RefusesFieldsOfOtherBones) {
+  const auto words = [&](const CubicField& field, const TriangleMesh& mesh) -> std::string {
+    try {
+      require_field_of(field, mesh, "box", m_path);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  TriangleMesh other = m_bone.mesh;
+  for (Vec3& vertex : other.vertices) {
+    vertex *= 0.3;
+  }
+  EXPECT_NE(words(m_field, other).find("another surface"), std::string::npos);
+  for (Vec3& vertex : other.vertices) {
+    vertex *= 1000;
+  }
+  EXPECT_NE(words(m_field, other).find("does not cover"), std::string::npos);
+  CubicField inverted = m_field;
+  for (double& value : inverted.double_values()) {
+    value = -value;
+  }
+  EXPECT_NE(words(inverted, m_bone.mesh).find("inverted"), std::string::npos);
+}
+
+TEST_F(DiscregridFile, RefusesToWriteABand) {
+  const CubicField band =
+      build_field(SignedSurface(m_bone), grid_over(m_bone.mesh, {.cells = 16}, "box"), {.band_m = 0.03}, 1);
+  EXPECT_THROW(write_discregrid(band, m_path), InputError);
+  EXPECT_THROW(write_discregrid(m_field, m_path / "below a file"), InputError);
+}
+
+}  // namespace
+}  // namespace musclebench
