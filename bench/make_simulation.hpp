@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,8 +15,9 @@ struct BuiltBackend {
   Nanoseconds build_ns = 0;
 };
 
-/// Throws InputError when the backend's parameters do not fit the scene.
-BuiltBackend build_backend(const Case& resolved);
+/// `report` is called now and then with the share that is done. Throws InputError when the backend's parameters do not
+/// fit the scene.
+BuiltBackend build_backend(const Case& resolved, const std::function<void(double share)>& report = {});
 
 /// A scene that is ready for its first frame.
 struct PreparedSimulation {

@@ -32,8 +32,8 @@ class CaseRunner {
  public:
   explicit CaseRunner(const RunCase& run) : m_run(run), m_scene(run.scene), m_divergence(run.scene) {}
 
-  RunResult run(const std::function<void(int)>& report) {
-    start();
+  RunResult run(const std::function<void(int)>& report, const std::function<void(double)>& report_build) {
+    start(report_build);
     const Nanoseconds start_ns = monotonic_now_ns();
     keep_snapshot(0);
     for (int frame = 1; frame <= m_scene.loop.frames && m_result.status == "ok"; ++frame) {
@@ -48,11 +48,12 @@ class CaseRunner {
   }
 
  private:
-  void start() {
-    BuiltBackend built = build_backend(m_run);
+  void start(const std::function<void(double)>& report_build) {
+    BuiltBackend built = build_backend(m_run, report_build);
     m_backend = std::move(built.backend);
     m_result.build_ns = built.build_ns;
     m_result.structure_bytes = m_backend->structure_bytes();
+    m_result.structure_errors = m_backend->structure_errors();
     m_result.structures_loaded = m_backend->built_from_file();
 
     PreparedSimulation prepared = prepare_simulation(m_run, *m_backend);
@@ -128,6 +129,9 @@ class CaseRunner {
 
 }  // namespace
 
-RunResult run_case(const RunCase& run, const std::function<void(int)>& report) { return CaseRunner(run).run(report); }
+RunResult run_case(const RunCase& run, const std::function<void(int)>& report,
+                   const std::function<void(double)>& report_build) {
+  return CaseRunner(run).run(report, report_build);
+}
 
 }  // namespace musclebench

@@ -33,6 +33,7 @@ struct RunResult {
   std::vector<Snapshot> snapshots;
   std::vector<BoundNode> bound_nodes;
   std::size_t structure_bytes = 0;
+  std::vector<StructureError> structure_errors;  ///< of backends that approximate
   bool structures_loaded = false;       ///< from a file; built otherwise
   Nanoseconds build_ns = 0;             ///< building or loading
   Nanoseconds wall_ns = 0;              ///< from the first frame to the last, with judging
@@ -44,8 +45,9 @@ struct RunResult {
   std::string state_hash;  ///< of all positions and velocities at the end
 };
 
-/// Runs the case. `report` is called after each frame. A run that blows up ends with status `diverged` at that frame.
+/// Runs the case. `report` is called after each frame, `report_build` now and then before the first. A run that blows up ends with status `diverged` at that frame.
 /// Throws InputError when the backend's parameters do not fit the scene.
-RunResult run_case(const RunCase& run, const std::function<void(int frames_done)>& report);
+RunResult run_case(const RunCase& run, const std::function<void(int frames_done)>& report,
+                   const std::function<void(double share)>& report_build = {});
 
 }  // namespace musclebench

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <memory>
 #include <optional>
 
 #include <CLI/CLI.hpp>
@@ -16,6 +17,8 @@
 namespace musclebench {
 
 namespace {
+
+constexpr int build_steps = 1000;
 
 struct RunOptions {
   SceneOptions scene;
@@ -57,6 +60,11 @@ void print_summary(const RunCase& run, const RunResult& result, const std::strin
   fmt::print("  of it collision               {}\n", collision_ms);
   fmt::print("  structures                    {:>10.3f} MB, built in {:.2f} s\n",
              static_cast<double>(result.structure_bytes) * 1e-6, static_cast<double>(result.build_ns) * 1e-9);
+  for (const StructureError& error : result.structure_errors) {
+    fmt::print("    {:<24} {:>10.3f} MB, off by {:.4f} mm (99 % of {} samples near it), at most {:.4f} mm\n",
+               error.bone, static_cast<double>(error.bytes) * 1e-6, error.p99_m * 1e3, error.samples,
+               error.largest_m * 1e3);
+  }
   if (outcome.max_depth_m) {
     fmt::print("  largest true depth            {:>10.3f} mm, of the surface {:.3f} mm\n", *outcome.max_depth_m * 1e3,
                outcome.max_surface_depth_m.value_or(0) * 1e3);
@@ -72,7 +80,17 @@ RunResult run_and_write(const RunCase& run, const RunOptions& options, const std
   {
     Progress progress(progress_style(options.progress_lines), fmt::format("{} {}", run.scene.name, run.backend.name),
                       run.scene.loop.frames);
-    result = run_case(run, [&](int done) { progress.show(done); });
+    // Of a build only people want to know; programs count frames.
+    auto building =
+        std::make_unique<Progress>(options.progress_lines ? Progress::Style::none : progress_style(false),
+                                   fmt::format("{} {}: building", run.scene.name, run.backend.name), build_steps);
+    result = run_case(
+        run,
+        [&](int done) {
+          building.reset();
+          progress.show(done);
+        },
+        [&](double share) { building->show(static_cast<int>(share * build_steps)); });
   }
   const HeldSignals held;
   write_run(out, run, result);

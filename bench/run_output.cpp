@@ -64,6 +64,18 @@ Json json_of_snapshots(const RunResult& result) {
   return snapshots;
 }
 
+Json json_of_structure_errors(const RunResult& result) {
+  Json errors = Json::array();
+  for (const StructureError& error : result.structure_errors) {
+    errors.push_back({{"bone", error.bone},
+                      {"bytes", error.bytes},
+                      {"samples", error.samples},
+                      {"p99_m", error.p99_m},
+                      {"largest_m", error.largest_m}});
+  }
+  return errors;
+}
+
 template <typename Value>
 Json json_of(const std::optional<Value>& value) {
   return value ? Json(*value) : Json(nullptr);
@@ -89,6 +101,7 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["attachments"] = json_of_attachments(run, result);
   json["bound_nodes"] = result.bound_nodes.size();
   json["structure_bytes"] = result.structure_bytes;
+  json["structure_errors"] = json_of_structure_errors(result);
   json["structures"] = result.structures_loaded ? "loaded" : "built";
   json["build_ns"] = result.build_ns;
   json["memory"] = {{"before_first_frame_bytes", result.memory_before_bytes},

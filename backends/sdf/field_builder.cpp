@@ -65,9 +65,9 @@ void require_sensible_band(double band_m, const GridShape& shape, const Triangle
   if (!(band_m >= narrowest && band_m <= widest)) {
     throw InputError(
         fmt::format("sdf: band_m ({})", bone_name),
-        fmt::format("{} is not between the diagonal of a cell and that of the bone; {:.2g} to {:.2g} makes "
+        fmt::format("{} is less than the diagonal of a cell or more than that of the bone; {:.2g} to {:.2g} makes "
                     "sense, 0 keeps all cells",
-                    band_m, std::ceil(narrowest * 1e4) * 1e-4, widest));
+                    band_m, 1.05 * narrowest, widest));
   }
 }
 

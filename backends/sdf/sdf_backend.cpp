@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,8 +13,10 @@
 #include <fmt/format.h>
 
 #include "backends/sdf/cubic_field.hpp"
+#include "backends/sdf/discregrid_file.hpp"
 #include "backends/sdf/field_builder.hpp"
 #include "backends/sdf/field_file.hpp"
+#include "backends/sdf/octree_backend.hpp"
 #include "core/base/system_memory.hpp"
 #include "core/contact/motion_budgets.hpp"
 
@@ -55,6 +58,9 @@ FieldPrecision precision_named(const std::string& word) {
 /// Nodes whose cells are looked up before their values are computed.
 constexpr std::size_t batch_size = 64;
 
+/// To estimate the error of a field that someone else has built.
+constexpr int samples_of_foreign = 2000;
+
 /// Questions to one field that are answered together.
 struct Batch {
   struct Asker {
@@ -93,12 +99,22 @@ class SdfBackend final : public CollisionBackend {
         m_settings{precision_named(parameters.word("precision")), parameters.number("band_m")},
         m_precision_name(parameters.word("precision")),
         m_folder(parameters.word("structures")),
+        m_discregrid(parameters.word("discregrid")),
         m_has_budgets(has_motion_budgets(parameters)) {}
 
   [[nodiscard]] Capabilities capabilities() const override { return {}; }
 
   [[nodiscard]] bool built_from_file() const override {
     return m_loaded_fields > 0 && m_loaded_fields == m_fields.size();
+  }
+
+  [[nodiscard]] std::vector<StructureError> structure_errors() const override {
+    std::vector<StructureError> errors;
+    for (std::size_t b = 0; b < m_fields.size(); ++b) {
+      const FieldError& error = m_fields[b].facts().error;
+      errors.push_back({bones()[b].name, m_fields[b].bytes(), error.samples, error.largest_m, error.p99_m});
+    }
+    return errors;
   }
 
   /// Half a cell: what a cubic field errs by at kinks, where it is of first order. Sheets thinner than a cell lie
@@ -125,6 +141,10 @@ class SdfBackend final : public CollisionBackend {
     m_fields.clear();
     m_loaded_fields = 0;
     m_budget_nodes = 0;
+    if (!m_discregrid.empty()) {
+      read_fields();
+      return;
+    }
     std::vector<GridShape> shapes;
     for (const Bone& bone : bones()) {
       shapes.push_back(grid_over(bone.surface.mesh, m_grid, bone.name));
@@ -135,6 +155,16 @@ class SdfBackend final : public CollisionBackend {
     require_room(shapes);
     for (std::size_t b = 0; b < bones().size(); ++b) {
       m_fields.push_back(load_or_build(bones()[b], shapes[b]));
+    }
+  }
+
+  void read_fields() {
+    for (const Bone& bone : bones()) {
+      const std::filesystem::path path = m_discregrid / (bone_file_name(bone.name) + ".cdf");
+      m_fields.push_back(read_discregrid(path, threads()));
+      require_field_of(m_fields.back(), bone.surface.mesh, bone.name, path);
+      m_fields.back().facts().error = estimate_error(m_fields.back(), SignedSurface(bone.surface), samples_of_foreign);
+      ++m_loaded_fields;
     }
   }
 
@@ -155,9 +185,16 @@ class SdfBackend final : public CollisionBackend {
     }
   }
 
+  [[nodiscard]] CubicField build_over(const Bone& bone, const GridShape& shape) const {
+    const double before = static_cast<double>(m_fields.size());
+    const auto report = [&](double share) { build_report()((before + share) / static_cast<double>(bones().size())); };
+    return build_field(SignedSurface(bone.surface), shape, m_settings, threads(),
+                       build_report() ? std::function<void(double)>(report) : nullptr);
+  }
+
   [[nodiscard]] CubicField load_or_build(const Bone& bone, const GridShape& shape) {
     if (m_folder.empty()) {
-      return build_field(SignedSurface(bone.surface), shape, m_settings, threads());
+      return build_over(bone, shape);
     }
     const std::string digest = surface_digest(bone.surface);
     const std::filesystem::path path = m_folder / file_name(bone);
@@ -165,19 +202,16 @@ class SdfBackend final : public CollisionBackend {
       ++m_loaded_fields;
       return *std::move(loaded);
     }
-    CubicField built = build_field(SignedSurface(bone.surface), shape, m_settings, threads());
+    CubicField built = build_over(bone, shape);
     save_field(built, digest, path);
     return built;
   }
 
   [[nodiscard]] std::string file_name(const Bone& bone) const {
-    std::string name = bone.name;
-    std::replace_if(
-        name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
     const std::string grid =
         m_grid.cell_size_m > 0 ? fmt::format("{}m", m_grid.cell_size_m) : fmt::format("{}cells", m_grid.cells);
     const std::string band = m_settings.band_m > 0 ? fmt::format("-band{}m", m_settings.band_m) : "";
-    return fmt::format("{}-{}{}-{}.field", name, grid, band, m_precision_name);
+    return fmt::format("{}-{}{}-{}.field", bone_file_name(bone.name), grid, band, m_precision_name);
   }
 
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
@@ -286,6 +320,7 @@ class SdfBackend final : public CollisionBackend {
   FieldSettings m_settings;
   std::string m_precision_name;
   std::filesystem::path m_folder;
+  std::filesystem::path m_discregrid;
   bool m_has_budgets;
   std::size_t m_loaded_fields = 0;
   std::vector<CubicField> m_fields;
@@ -307,10 +342,22 @@ std::vector<ParameterSpec> sdf_parameters() {
        1e300,
        {"float", "double", "compact"}},
       {"band_m", 0.0, "narrow band: keep the cells in the bone and this far about it; 0: keep all", 0, 10, {}},
+      {"max_error_mm",
+       0.0,
+       "adaptive cells: 99 of 100 depths near the surface are off by no more; 0: cells of one size",
+       0,
+       1000,
+       {}},
       {"margin", 1e-3, "how far the field reaches beyond the bone's box, as a share of its diagonal", 1e-6, 1, {}},
       {"structures",
        std::string(),
        "folder where built fields are kept and found again; empty: none",
+       -1e300,
+       1e300,
+       {}},
+      {"discregrid",
+       std::string(),
+       "folder with a field BONE.cdf (Discregrid's format) for each bone, used in place of building; empty: none",
        -1e300,
        1e300,
        {}},
@@ -319,6 +366,9 @@ std::vector<ParameterSpec> sdf_parameters() {
 }
 
 std::unique_ptr<CollisionBackend> make_sdf_backend(const Parameters& parameters) {
+  if (parameters.number("max_error_mm") > 0) {
+    return make_octree_backend(parameters);
+  }
   return std::make_unique<SdfBackend>(parameters);
 }
 

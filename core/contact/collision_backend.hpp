@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/contact/contact.hpp"
@@ -33,6 +35,15 @@ struct AnswerBound {
   double false_distance_m = 0;
 };
 
+/// How far the structure over one bone is from the exact distance, at sampled points near the bone's surface.
+struct StructureError {
+  std::string bone;
+  std::size_t bytes = 0;
+  int samples = 0;
+  double largest_m = 0;
+  double p99_m = 0;
+};
+
 /// A collision backend: finds the nodes of one muscle surface that lie inside rigid bones.
 ///
 /// Calls come in this order: `build` once; then for every iteration `update` and `detect`, `detect` any number of
@@ -57,6 +68,12 @@ class CollisionBackend {
   /// Whether `build` read the structures from a file instead of computing them.
   [[nodiscard]] virtual bool built_from_file() const { return false; }
 
+  /// What a backend that approximates found out when it built its structures, a bone each; empty for others.
+  [[nodiscard]] virtual std::vector<StructureError> structure_errors() const { return {}; }
+
+  /// Called now and then during a long `build`, in its thread, with the share that is done.
+  void report_build_to(std::function<void(double share)> report) { m_report_build = std::move(report); }
+
   /// Step of the backtracking response out of `bone`: the smallest edge of a cell. 0 for a backend without cells.
   [[nodiscard]] virtual double step_m(int /*bone*/) const { return 0; }
 
@@ -77,6 +94,8 @@ class CollisionBackend {
   [[nodiscard]] const TriangleMesh& muscle() const { return *m_muscle; }
   [[nodiscard]] std::span<const RigidMotion> poses() const { return m_poses; }
   [[nodiscard]] int threads() const { return m_threads; }
+  /// May be empty.
+  [[nodiscard]] const std::function<void(double share)>& build_report() const { return m_report_build; }
 
  private:
   virtual void do_build() = 0;
@@ -90,6 +109,7 @@ class CollisionBackend {
   const TriangleMesh* m_muscle = nullptr;
   std::vector<RigidMotion> m_poses;
   int m_threads = 1;
+  std::function<void(double share)> m_report_build;
 };
 
 }  // namespace musclebench

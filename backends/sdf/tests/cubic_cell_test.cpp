@@ -1,6 +1,7 @@
 #include "backends/sdf/cubic_cell.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -153,9 +154,46 @@ TEST(CubicCell, NeverGoesBelowItsBound) {
   }
 }
 
+TEST(CubicCell, NoGradientIsLongerThanTheSteepest) {
+  Random random;
+  const Vec3 size(0.5, 2, 1.25);
+  for (int shape = 0; shape < 200; ++shape) {
+    const Vec3 shift = random.point();
+    const CubicCell cell = cell_of([&](const Vec3& p) { return node_noise(p) + 3 * node_noise(p + shift); });
+    const double steepest = CubicCell::steepest(cell.bernstein(), size);
+    double found = 0;
+    for (int sample = 0; sample < 9 * 9 * 9; ++sample) {
+      Vec3 gradient;
+      (void)cell.value_and_gradient(Vec3(sample % 9, sample / 9 % 9, sample / 81) / 8, gradient);
+      found = std::max(found, gradient.cwiseQuotient(size).norm());
+    }
+    EXPECT_LE(found, steepest * (1 + 1e-12));
+    EXPECT_GE(found, 0.3 * steepest);
+  }
+}
+
+TEST(CubicCell, BernsteinCoefficientsAreThoseOfThePolynomial) {
+  const CubicCell cell = cell_of(node_noise);
+  const CubicCell::Bernstein coefficients = cell.bernstein();
+  Random random;
+  for (int i = 0; i < 50; ++i) {
+    const Vec3 at = random.point();
+    const auto basis = [](double t) {
+      return std::array<double, 4>{std::pow(1 - t, 3), 3 * t * std::pow(1 - t, 2), 3 * t * t * (1 - t), t * t * t};
+    };
+    const auto x = basis(at.x()), y = basis(at.y()), z = basis(at.z());
+    double sum = 0;
+    for (std::size_t n = 0; n < 64; ++n) {
+      sum += coefficients[n] * x[n / 16] * y[n / 4 % 4] * z[n % 4];
+    }
+    EXPECT_NEAR(sum, cell.value(at), 1e-13);
+  }
+}
+
 TEST(CubicCell, BoundIsSharpForLinearFunctions) {
   const CubicCell cell = cell_of([](const Vec3& p) { return 2 + p.x() - 3 * p.y() + 0.5 * p.z(); });
   EXPECT_NEAR(cell.lower_bound(), -1, 1e-13);
+  EXPECT_NEAR(CubicCell::steepest(cell.bernstein(), Vec3::Ones()), Vec3(1, -3, 0.5).norm(), 1e-13);
   EXPECT_NEAR(cell.lower_bound_on_face(1, 0), 2, 1e-13);
 }
 

@@ -121,6 +121,85 @@ TEST(SdfBackend, HasANormalWhereTheGradientVanishes) {
   }
 }
 
+/// Nodes that wander about the bones, some outside of all boxes.
+std::vector<std::vector<Vec3>> wandering_nodes(int frames) {
+  std::mt19937 generator(2);
+  std::normal_distribution<double> normal(0, 1);
+  std::vector<Vec3> positions = random_points(0.2, 1500);
+  std::vector<std::vector<Vec3>> path;
+  for (int frame = 0; frame < frames; ++frame) {
+    for (std::size_t n = 0; n < positions.size(); ++n) {
+      const double step = n % 7 == 0 ? 0.02 : 0.002;
+      positions[n] += step * Vec3(normal(generator), normal(generator), normal(generator));
+    }
+    if (frame == 3) {
+      positions[5] = {std::nan(""), 0, 0};
+    }
+    path.push_back(positions);
+  }
+  return path;
+}
+
+void expect_equal_contacts(const std::vector<Contact>& one, const std::vector<Contact>& other) {
+  ASSERT_EQ(one.size(), other.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    ASSERT_EQ(one[i].bone, other[i].bone);
+    ASSERT_EQ(one[i].node, other[i].node);
+    ASSERT_EQ(one[i].depth_m, other[i].depth_m);
+    ASSERT_EQ(one[i].normal, other[i].normal);
+  }
+}
+
+TEST(SdfBackend, BudgetsAndBandsChangeNoContact) {
+  const std::vector<Bone> bones = two_bones();
+  const std::vector<std::vector<Vec3>> path = wandering_nodes(30);
+  for (const std::string precision : {"float", "compact"}) {
+    const auto made = [&](const std::string& budgets, double band_m) {
+      auto backend = make(
+          {{"cells", std::int64_t{24}}, {"precision", precision}, {"motion_budgets", budgets}, {"band_m", band_m}});
+      backend->build(bones, {}, 1);
+      return backend;
+    };
+    const auto plain = made("off", 0);
+    const std::vector<std::unique_ptr<CollisionBackend>> others = [&] {
+      std::vector<std::unique_ptr<CollisionBackend>> result;
+      result.push_back(made("on", 0));
+      result.push_back(made("on", 0.017));
+      result.push_back(made("off", 0.017));
+      return result;
+    }();
+    EXPECT_LT(others[1]->structure_bytes(), plain->structure_bytes());
+    std::size_t found = 0;
+    for (std::size_t frame = 0; frame < path.size(); ++frame) {
+      const double turn = 0.02 * static_cast<double>(frame);
+      const std::vector<RigidMotion> poses{RigidMotion::about_axis(Vec3::UnitZ(), {0.1, 0, 0}, turn),
+                                           RigidMotion::about_axis(Vec3::UnitX(), {0, 0.05, 0}, -3 * turn)};
+      plain->update(poses, path[frame]);
+      const std::vector<Contact> expected = contacts_of(*plain, path[frame]);
+      found += expected.size();
+      for (const auto& backend : others) {
+        backend->update(poses, path[frame]);
+        expect_equal_contacts(contacts_of(*backend, path[frame]), expected);
+      }
+    }
+    EXPECT_GT(found, 3000U);
+  }
+}
+
+TEST(SdfBackend, TellsTheErrorOfEachStructure) {
+  const std::vector<Bone> bones = two_bones();
+  const auto backend = make();
+  backend->build(bones, {}, 1);
+  const std::vector<StructureError> errors = backend->structure_errors();
+  ASSERT_EQ(errors.size(), 2U);
+  EXPECT_EQ(errors[1].bone, "box/of 2");
+  EXPECT_EQ(errors[0].bytes + errors[1].bytes, backend->structure_bytes());
+  EXPECT_GT(errors[0].samples, 1000);
+  EXPECT_GT(errors[0].largest_m, errors[0].p99_m);
+  EXPECT_LT(errors[1].largest_m, 0.01);
+  EXPECT_GT(errors[1].p99_m, 1e-6);
+}
+
 TEST(SdfBackend, CountsItsBytes) {
   const std::vector<Bone> bones = two_bones();
   const auto backend = make({{"cells", std::int64_t{8}}});
@@ -157,7 +236,10 @@ TEST(SdfBackend, RefusesAGridThatDoesNotFitBeforeItAllocates) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("MB"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("cells fit"), std::string::npos) << error.what();
   }
+  EXPECT_THROW(make({{"band_m", 1e-4}})->build(bones, {}, 1), InputError);
+  EXPECT_THROW(make({{"band_m", -0.01}}), InputError);
   EXPECT_THROW(make({{"cell_size_m", 0.5}})->build(bones, {}, 1), InputError);
   EXPECT_THROW(make({{"cells", std::int64_t{0}}}), InputError);
   EXPECT_THROW(make({{"precision", std::string("half")}}), InputError);
