@@ -1,0 +1,94 @@
+#include "backends/sdf/octree_file.hpp"
+
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+#include <gtest/gtest.h>
+
+#include "backends/sdf/field_file.hpp"
+#include "core/base/input_error.hpp"
+#include "core/geometry/shapes.hpp"
+
+namespace musclebench {
+namespace {
+
+class OctreeFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    m_folder = std::filesystem::path(testing::TempDir()) /
+               ("octree_file_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::remove_all(m_folder);
+    m_path = m_folder / "deep" / "bone.octree";
+    save_octree(m_field, m_digest, m_settings, m_path);
+  }
+  void TearDown() override { std::filesystem::remove_all(m_folder); }
+
+  [[nodiscard]] std::string refusal(const std::string& digest, const OctreeSettings& settings) const {
+    try {
+      (void)load_octree(m_path, digest, settings);
+    } catch (const InputError& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+      EXPECT_EQ(std::string(error.what()).find(m_path.string()), 0U);
+      return error.what();
+    }
+    return "accepted";
+  }
+  void expect_refusal(const std::string& words, const std::function<void(std::string&)>& edit) const {
+    save_octree(m_field, m_digest, m_settings, m_path);
+    std::ifstream in(m_path, std::ios::binary);
+    std::string content((std::istreambuf_iterator<char>(in)), {});
+    in.close();
+    edit(content);
+    std::ofstream(m_path, std::ios::binary) << content;
+    EXPECT_NE(refusal(m_digest, m_settings).find(words), std::string::npos) << refusal(m_digest, m_settings);
+  }
+
+  RepairedMesh m_bone{make_sphere(0.1, 2), true, {}};
+  OctreeSettings m_settings{.max_error_m = 1e-3};
+  std::string m_digest = surface_digest(m_bone);
+  OctreeField m_field = build_octree(SignedSurface(m_bone), m_bone.mesh, m_settings, "ball", 1);
+  std::filesystem::path m_folder;
+  std::filesystem::path m_path;
+};
+
+TEST_F(OctreeFile, ComesBackAsItWas) {
+  const OctreeField read = load_octree(m_path, m_digest, m_settings).value();
+  EXPECT_EQ(read.entries(), m_field.entries());
+  EXPECT_EQ(read.coefficients(), m_field.coefficients());
+  EXPECT_EQ(std::memcmp(&read.quality(), &m_field.quality(), sizeof(OctreeQuality)), 0);
+  const Vec3 point(0.07, 0.06, 0.03);
+  EXPECT_EQ(read.value(point), m_field.value(point));
+  EXPECT_EQ(read.leaf_count(), m_field.leaf_count());
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(m_path.parent_path()), {}), 1) << "nothing else is left";
+}
+
+TEST_F(OctreeFile, IsNothingWhereThereIsNone) {
+  EXPECT_FALSE(load_octree(m_folder / "none.octree", m_digest, m_settings));
+}
+
+TEST_F(OctreeFile, SaysWhatDiffers) {
+  EXPECT_NE(refusal(surface_digest({make_sphere(0.1, 3), true, {}}), m_settings).find("another surface"),
+            std::string::npos);
+  EXPECT_NE(refusal(m_digest, {.max_error_m = 2e-3}).find("built to 1 mm, wanted is 2"), std::string::npos);
+  EXPECT_NE(refusal(m_digest, {.max_error_m = 1e-3, .margin = 0.1}).find("another margin"), std::string::npos);
+}
+
+TEST_F(OctreeFile, RefusesWhatIsDamaged) {
+  expect_refusal("not an adaptive field's", [](std::string& content) { content[0] = 'x'; });
+  expect_refusal("another byte order", [](std::string& content) { std::swap(content[8], content[11]); });
+  expect_refusal("format version 9", [](std::string& content) { content[12] = 9; });
+  expect_refusal("too short", [](std::string& content) { content.resize(100); });
+  expect_refusal("truncated", [](std::string& content) { content.resize(content.size() - 4); });
+  expect_refusal("goes on after its end", [](std::string& content) { content += "more"; });
+  expect_refusal("checksum", [](std::string& content) { content.back() ^= 1; });
+  expect_refusal("checksum", [](std::string& content) { content[60] ^= 1; });
+}
+
+TEST_F(OctreeFile, LeavesNothingBehindWhereItCannotWrite) {
+  EXPECT_THROW(save_octree(m_field, m_digest, m_settings, m_path / "below a file"), InputError);
+}
+
+}  // namespace
+}  // namespace musclebench
