@@ -68,6 +68,7 @@ TriangleTree::Search TriangleTree::search_for(const Vec3& point) const {
   Search search;
   search.nodes = m_nodes.data();
   search.leaves = m_leaves.data();
+  search.corners = m_corners.data();
   search.tree = this;
   search.exact_point = point;
   search.best.squared_distance_m2 = std::numeric_limits<double>::infinity();

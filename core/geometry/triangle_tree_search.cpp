@@ -6,8 +6,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/geometry/triangle_tree_search.cpp"
-#include <hwy/foreach_target.h>
 #include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 // How far a float distance may be from the truth (u = 2^-24, R = 1 + largest coordinate of the point, E = longest side
@@ -121,6 +121,15 @@ HWY_INLINE unsigned within(const float* HWY_RESTRICT squared, float limit) {
   return bits;
 }
 
+/// Fetches the first `bytes` bytes of `what` towards the CPU.
+template <std::size_t bytes>
+HWY_INLINE void prefetch(const void* what) {
+  constexpr std::size_t line = 64;
+  for (std::size_t offset = 0; offset < bytes; offset += line) {
+    hwy::Prefetch(static_cast<const unsigned char*>(what) + offset);
+  }
+}
+
 /// Lists the triangles of a leaf that may be the closest and lowers the limit.
 HWY_INLINE void collect(const TreeLeaf& leaf, const Splat& p, TreeSearch& search) {
   const Lanes d;
@@ -146,18 +155,11 @@ HWY_INLINE void collect(const TreeLeaf& leaf, const Splat& p, TreeSearch& search
     const auto place = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(found));
     search.squared[search.count] = squared[place];
     search.triangle[search.count] = leaf.triangle[place];
+    prefetch<sizeof(search.corners[0])>(search.corners + leaf.triangle[place]);
     ++search.count;
   }
   if (search.count > TreeSearch::capacity - tree_width || leaf.needles != 0) {
     search.decide(search);
-  }
-}
-
-HWY_INLINE void prefetch(const void* what) {
-  constexpr std::size_t line = 64;
-  constexpr std::size_t lines = std::min(sizeof(TreeNode), sizeof(TreeLeaf)) / line;
-  for (std::size_t i = 0; i < lines; ++i) {
-    hwy::Prefetch(static_cast<const unsigned char*>(what) + line * i);
   }
 }
 
@@ -200,7 +202,8 @@ HWY_INLINE void walk(const TreeSearch& search, const Splat& p, const float& limi
         }
         if (waiting > 0) {
           const std::int32_t after = child[waiting - 1];
-          prefetch(after < 0 ? static_cast<const void*>(search.leaves + ~after) : search.nodes + after);
+          prefetch<std::min(sizeof(TreeNode), sizeof(TreeLeaf))>(
+              after < 0 ? static_cast<const void*>(search.leaves + ~after) : search.nodes + after);
         }
         continue;
       }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/geometry/triangle_mesh.hpp"
 #include "core/geometry/triangle_tree_nodes.hpp"
 
 namespace musclebench {
@@ -15,6 +16,7 @@ struct TreeSearch {
 
   const TreeNode* nodes = nullptr;
   const TreeLeaf* leaves = nullptr;
+  const std::array<Vec3, 3>* corners = nullptr;  ///< of each triangle, which are fetched early for the caller
   std::array<float, 3> point{};
   /// No float distance here (to a box, a slab or a triangle) is farther from the truth, the caller's own answers in
   /// double included.
