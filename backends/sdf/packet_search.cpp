@@ -71,22 +71,26 @@ void PacketSearch::closest_points(std::span<const Vec3> points, int seed, std::s
     full.narrow(point);
   };
 
+  // About the mean most points of a record are nearer than about the middle of its box.
   Vec3 lower = points.front();
   Vec3 upper = lower;
+  Vec3 middle = Vec3::Zero();
   for (const Vec3& point : points) {
     lower = lower.cwiseMin(point);
     upper = upper.cwiseMax(point);
+    middle += point / static_cast<double>(points.size());
   }
-  const Vec3 middle = 0.5 * (lower + upper);
   const auto own = [&](const Vec3& point) {
     const Vec3 place = m_tree->m_scale * (point - m_tree->m_centre_m);
     return std::array<float, 3>{static_cast<float>(place.x()), static_cast<float>(place.y()),
                                 static_cast<float>(place.z())};
   };
   packet.middle = own(middle);
-  packet.reach = static_cast<float>(0.5 * m_tree->m_scale * (upper - lower).norm());
+  packet.reach = static_cast<float>(m_tree->m_scale * (upper - lower).norm());
   // As TriangleTree has it, for the farthest of the points.
-  const double reach = m_tree->m_scale * (0.5 * (upper - lower) + (middle - m_tree->m_centre_m).cwiseAbs()).maxCoeff();
+  const double reach =
+      m_tree->m_scale *
+      (upper - m_tree->m_centre_m).cwiseAbs().cwiseMax((lower - m_tree->m_centre_m).cwiseAbs()).maxCoeff();
   const double coordinates =
       std::max(m_tree->m_reach, m_tree->m_scale * upper.cwiseAbs().cwiseMax(lower.cwiseAbs()).maxCoeff());
   packet.slack = static_cast<float>(float_rounding * (49 * (1 + reach) + 17 * m_tree->m_longest_side) +
