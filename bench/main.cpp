@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   add_verify_command(app, exit_code);
   add_probe_command(app, exit_code);
   add_advise_command(app, exit_code);
+  add_field_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,7 +1,5 @@
 #include "backends/sdf/octree_backend.hpp"
 
-#include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -13,19 +11,12 @@
 #include "backends/sdf/field_file.hpp"
 #include "backends/sdf/octree_builder.hpp"
 #include "backends/sdf/octree_file.hpp"
-#include "core/base/input_error.hpp"
+#include "backends/sdf/sdf_settings.hpp"
 #include "core/contact/motion_budgets.hpp"
 
 namespace musclebench {
 
 namespace {
-
-OctreeSettings octree_settings(const Parameters& parameters) {
-  OctreeSettings settings;
-  settings.max_error_m = parameters.number("max_error_mm") * 1e-3;
-  settings.margin = parameters.number("margin");
-  return settings;
-}
 
 class OctreeBackend final : public CollisionBackend {
  public:
@@ -33,16 +24,7 @@ class OctreeBackend final : public CollisionBackend {
       : m_settings(octree_settings(parameters)),
         m_error_name(format_parameter_value(parameters.number("max_error_mm"))),
         m_folder(parameters.word("structures")),
-        m_has_budgets(has_motion_budgets(parameters)) {
-    for (const char* other : {"cell_size_m", "band_m"}) {
-      if (parameters.number(other) > 0) {
-        refuse(other);
-      }
-    }
-    if (!parameters.word("discregrid").empty()) {
-      refuse("discregrid");
-    }
-  }
+        m_has_budgets(has_motion_budgets(parameters)) {}
 
   [[nodiscard]] Capabilities capabilities() const override { return {}; }
   [[nodiscard]] bool built_from_file() const override {
@@ -62,12 +44,17 @@ class OctreeBackend final : public CollisionBackend {
     }
     return bytes;
   }
-
- private:
-  [[noreturn]] static void refuse(const std::string& parameter) {
-    throw InputError("sdf: " + parameter, "an adaptive field chooses its cells; leave out this or `max_error_mm`");
+  [[nodiscard]] std::vector<StructureError> structure_errors() const override {
+    std::vector<StructureError> errors;
+    for (std::size_t b = 0; b < m_fields.size(); ++b) {
+      const OctreeQuality& quality = m_fields[b].quality();
+      errors.push_back(
+          {bones()[b].name, m_fields[b].bytes(), static_cast<int>(quality.samples), quality.largest_m, quality.p99_m});
+    }
+    return errors;
   }
 
+ private:
   [[nodiscard]] const OctreeField& field(int bone) const { return m_fields[static_cast<std::size_t>(bone)]; }
 
   void do_build() override {
@@ -81,7 +68,10 @@ class OctreeBackend final : public CollisionBackend {
 
   [[nodiscard]] OctreeField load_or_build(const Bone& bone) {
     const auto build = [&] {
-      return build_octree(SignedSurface(bone.surface), bone.surface.mesh, m_settings, bone.name, threads());
+      const double before = static_cast<double>(m_fields.size());
+      const auto report = [&](double share) { build_report()((before + share) / static_cast<double>(bones().size())); };
+      return build_octree(SignedSurface(bone.surface), bone.surface.mesh, m_settings, bone.name, threads(),
+                          build_report() ? BuildProgress(report) : nullptr);
     };
     if (m_folder.empty()) {
       return build();
@@ -151,13 +141,6 @@ class OctreeBackend final : public CollisionBackend {
 };
 
 }  // namespace
-
-std::string bone_file_name(const std::string& bone_name) {
-  std::string name = bone_name;
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
-  return name;
-}
 
 std::unique_ptr<CollisionBackend> make_octree_backend(const Parameters& parameters) {
   return std::make_unique<OctreeBackend>(parameters);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -17,6 +16,7 @@
 #include "backends/sdf/field_builder.hpp"
 #include "backends/sdf/field_file.hpp"
 #include "backends/sdf/octree_backend.hpp"
+#include "backends/sdf/sdf_settings.hpp"
 #include "core/base/system_memory.hpp"
 #include "core/contact/motion_budgets.hpp"
 
@@ -47,13 +47,6 @@ struct CellMap {
            cells.z() < upper.z();
   }
 };
-
-FieldPrecision precision_named(const std::string& word) {
-  if (word == "compact") {
-    return FieldPrecision::compact;
-  }
-  return word == "float" ? FieldPrecision::single_precision : FieldPrecision::double_precision;
-}
 
 /// Nodes whose cells are looked up before their values are computed.
 constexpr std::size_t batch_size = 64;
@@ -94,9 +87,8 @@ Vec3 outward(const Vec3& gradient, const Vec3& from_middle) {
 class SdfBackend final : public CollisionBackend {
  public:
   explicit SdfBackend(const Parameters& parameters)
-      : m_grid{static_cast<int>(parameters.integer("cells")), parameters.number("cell_size_m"),
-               parameters.number("margin")},
-        m_settings{precision_named(parameters.word("precision")), parameters.number("band_m")},
+      : m_grid(grid_settings(parameters)),
+        m_settings(field_settings(parameters)),
         m_precision_name(parameters.word("precision")),
         m_folder(parameters.word("structures")),
         m_discregrid(parameters.word("discregrid")),
@@ -366,7 +358,7 @@ std::vector<ParameterSpec> sdf_parameters() {
 }
 
 std::unique_ptr<CollisionBackend> make_sdf_backend(const Parameters& parameters) {
-  if (parameters.number("max_error_mm") > 0) {
+  if (wants_octree(parameters)) {
     return make_octree_backend(parameters);
   }
   return std::make_unique<SdfBackend>(parameters);

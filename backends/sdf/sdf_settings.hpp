@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/octree_builder.hpp"
+#include "core/base/parameters.hpp"
+
+namespace musclebench {
+
+// What the parameters of the `sdf` backend mean to those who build its fields.
+
+GridSettings grid_settings(const Parameters& parameters);
+FieldSettings field_settings(const Parameters& parameters);
+
+/// Whether cells of several sizes are wanted: `max_error_mm` is given. Throws InputError where parameters of a grid or
+/// of read fields are given beside it.
+bool wants_octree(const Parameters& parameters);
+OctreeSettings octree_settings(const Parameters& parameters);
+
+/// A bone's name as a part of a file's: letters and digits stay.
+std::string bone_file_name(const std::string& bone_name);
+
+}  // namespace musclebench
