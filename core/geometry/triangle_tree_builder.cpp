@@ -17,6 +17,10 @@ constexpr int deepest_by_area = 24;
 constexpr double needle_squared_sine = 1e-6;
 constexpr double segment_squared_sine = 1e-27;
 
+/// Of the axes of a turned box: so much shorter than 1 that rounding makes them neither longer than 1 nor, by not being
+/// quite orthogonal, lengths along them longer than a distance.
+constexpr double axis_length = 1 - 1e-6;
+
 float round_down(double value) {
   const auto rounded = static_cast<float>(value);
   return rounded > value ? std::nextafter(rounded, -std::numeric_limits<float>::infinity()) : rounded;
@@ -188,32 +192,65 @@ TreeCluster TriangleTreeBuilder::cluster_of(Range range) const {
   return cluster;
 }
 
+Vec3 TriangleTreeBuilder::longest_tangent(Range range, const Vec3& normal) const {
+  const Vec3 first = any_across(normal);
+  const Vec3 second = normal.cross(first);
+  // Moments of the triangles' middles about the first one, in units that cancel.
+  const Vec3 origin = corners(range.begin)[0];
+  double x = 0;
+  double y = 0;
+  double xx = 0;
+  double xy = 0;
+  double yy = 0;
+  for (int i = range.begin; i < range.end; ++i) {
+    const auto& [a, b, c] = corners(i);
+    const Vec3 arm = m_tree.m_scale * ((a - origin) + (b - origin) + (c - origin));
+    const double u = first.dot(arm);
+    const double v = second.dot(arm);
+    x += u;
+    y += v;
+    xx += u * u;
+    xy += u * v;
+    yy += v * v;
+  }
+  const double count = range.count();
+  const double angle = 0.5 * std::atan2(2 * (xy - x * y / count), (xx - x * x / count) - (yy - y * y / count));
+  return std::cos(angle) * first + std::sin(angle) * second;
+}
+
 void TriangleTreeBuilder::set_bounds(Range range, const Vec3& area_normal, std::size_t place, TreeNode& node) const {
   const double length = area_normal.norm();
-  // A little too short, so that its rounding makes it no longer than 1.
-  const Vec3 wanted = length > 0 ? Vec3(area_normal * ((1 - 1e-6) / length)) : Vec3(Vec3::Zero());
-  put(wanted, place, node.normal);
+  const Vec3 unit = length > 0 ? Vec3(area_normal / length) : Vec3(Vec3::UnitZ());
+  put(axis_length * unit, place, node.normal);
+  put(axis_length * longest_tangent(range, unit), place, node.tangent);
+  // As the search has them: rounded.
   const Vec3 normal(node.normal[0][place], node.normal[1][place], node.normal[2][place]);
+  const Vec3 tangent(node.tangent[0][place], node.tangent[1][place], node.tangent[2][place]);
+  const Vec3 third = normal.cross(tangent);
   Vec3 lower = to_own(corners(range.begin)[0]);
   Vec3 upper = lower;
-  double lowest = normal.dot(lower);
-  double highest = lowest;
+  Vec3 turned_lower(normal.dot(lower), tangent.dot(lower), third.dot(lower));
+  Vec3 turned_upper = turned_lower;
   for (int i = range.begin; i < range.end; ++i) {
     for (const Vec3& position : corners(i)) {
       const Vec3 own = to_own(position);
-      const double height = normal.dot(own);
+      const Vec3 turned(normal.dot(own), tangent.dot(own), third.dot(own));
       lower = lower.cwiseMin(own);
       upper = upper.cwiseMax(own);
-      lowest = std::min(lowest, height);
-      highest = std::max(highest, height);
+      turned_lower = turned_lower.cwiseMin(turned);
+      turned_upper = turned_upper.cwiseMax(turned);
     }
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     node.lower[axis][place] = round_down(lower[static_cast<Eigen::Index>(axis)]);
     node.upper[axis][place] = round_up(upper[static_cast<Eigen::Index>(axis)]);
   }
-  node.slab_lower[place] = round_down(lowest);
-  node.slab_upper[place] = round_up(highest);
+  node.slab_lower[place] = round_down(turned_lower[0]);
+  node.slab_upper[place] = round_up(turned_upper[0]);
+  for (std::size_t side = 0; side < 2; ++side) {
+    node.side_lower[side][place] = round_down(turned_lower[static_cast<Eigen::Index>(side) + 1]);
+    node.side_upper[side][place] = round_up(turned_upper[static_cast<Eigen::Index>(side) + 1]);
+  }
 }
 
 bool TriangleTreeBuilder::set_triangle(int triangle, std::size_t place, TreeLeaf& leaf) {

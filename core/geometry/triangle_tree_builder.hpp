@@ -51,6 +51,8 @@ class TriangleTreeBuilder {
   [[nodiscard]] int split_by_area(Range range, const Box& spread);
   [[nodiscard]] int halve(Range range, const Box& spread);
   [[nodiscard]] TreeCluster cluster_of(Range range) const;
+  /// The unit vector across the unit vector `normal` along which the triangles extend the most.
+  [[nodiscard]] Vec3 longest_tangent(Range range, const Vec3& normal) const;
   void set_bounds(Range range, const Vec3& area_normal, std::size_t place, TreeNode& node) const;
   /// Returns whether the triangle is a needle.
   bool set_triangle(int triangle, std::size_t place, TreeLeaf& leaf);

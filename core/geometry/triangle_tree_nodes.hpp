@@ -18,14 +18,20 @@ inline constexpr float tree_nowhere = 1e18F;
 inline constexpr float tree_horizon = 1e12F;
 
 /// Up to `tree_width` children in the tree's own frame (about the middle of the mesh, which fits in -1 .. 1), each
-/// bounded by a box and by a slab across its mean normal: a nearly flat patch fills little of its box, and most of what
-/// a search must look into is such a box that the sphere of the best distance cuts. All bounds are rounded outwards.
+/// bounded by a box along the axes and by one along its mean normal: a nearly flat patch fills little of the first, and
+/// most of what a search must look into is such a box that the sphere of the best distance cuts. All bounds are rounded
+/// outwards.
 struct alignas(64) TreeNode {
   std::array<TreeLanes, 3> lower;
   std::array<TreeLanes, 3> upper;
-  std::array<TreeLanes, 3> normal;  ///< of the slab, not longer than 1
-  TreeLanes slab_lower;
+  // Of the turned box. The third axis is `normal` times `tangent`; all are a little shorter than 1 and orthogonal, so
+  // that lengths along them never exceed a distance.
+  std::array<TreeLanes, 3> normal;
+  std::array<TreeLanes, 3> tangent;
+  TreeLanes slab_lower;  ///< along the normal
   TreeLanes slab_upper;
+  std::array<TreeLanes, 2> side_lower;  ///< along the tangent and the third axis
+  std::array<TreeLanes, 2> side_upper;
   std::array<std::int32_t, tree_width> child;  ///< index of a node, or ~index of a leaf
 };
 

@@ -19,7 +19,7 @@
 // - evaluation: the place along the slanted side 3 sqrt(3) u R + 4 u E, the two differences 7 u R, the side of the
 //   slanted side that the point is on 7 u R + 4 u E, the squares 2.6 u R                              <=   22 u R + 8 u
 //   E
-// The sum is below 48 u R + 16 u E, which is the slack that TriangleTree uses. A distance to a box or a slab errs less.
+// The sum is below 48 u R + 16 u E, which is the slack that TriangleTree uses. A distance to a box errs less.
 // Fused or not, each product errs no more than assumed.
 HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
@@ -48,17 +48,32 @@ HWY_INLINE Vec beyond(Vec p, const TreeLanes& lower, const TreeLanes& upper, std
   return hn::Max(out, hn::Zero(Lanes()));
 }
 
+HWY_INLINE Vec dot(const std::array<TreeLanes, 3>& axis, const Splat& p, std::size_t first) {
+  return hn::MulAdd(load(axis[2], first), p.z,
+                    hn::MulAdd(load(axis[1], first), p.y, hn::Mul(load(axis[0], first), p.x)));
+}
+
+HWY_INLINE Vec squared_length(Vec x, Vec y, Vec z) { return hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x))); }
+
 /// Squared distances to what bounds the children.
 HWY_INLINE Vec squared_to_children(const TreeNode& node, const Splat& p, std::size_t first) {
-  const Vec x = beyond(p.x, node.lower[0], node.upper[0], first);
-  const Vec y = beyond(p.y, node.lower[1], node.upper[1], first);
-  const Vec z = beyond(p.z, node.lower[2], node.upper[2], first);
-  const Vec to_box = hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x)));
-  const Vec height =
-      hn::MulAdd(load(node.normal[2], first), p.z,
-                 hn::MulAdd(load(node.normal[1], first), p.y, hn::Mul(load(node.normal[0], first), p.x)));
-  const Vec to_slab = beyond(height, node.slab_lower, node.slab_upper, first);
-  return hn::Max(to_box, hn::Mul(to_slab, to_slab));
+  const Vec to_box =
+      squared_length(beyond(p.x, node.lower[0], node.upper[0], first), beyond(p.y, node.lower[1], node.upper[1], first),
+                     beyond(p.z, node.lower[2], node.upper[2], first));
+  const Vec nx = load(node.normal[0], first);
+  const Vec ny = load(node.normal[1], first);
+  const Vec nz = load(node.normal[2], first);
+  const Vec tx = load(node.tangent[0], first);
+  const Vec ty = load(node.tangent[1], first);
+  const Vec tz = load(node.tangent[2], first);
+  const Vec third = hn::MulAdd(
+      hn::MulSub(nx, ty, hn::Mul(ny, tx)), p.z,
+      hn::MulAdd(hn::MulSub(nz, tx, hn::Mul(nx, tz)), p.y, hn::Mul(hn::MulSub(ny, tz, hn::Mul(nz, ty)), p.x)));
+  const Vec to_turned_box =
+      squared_length(beyond(dot(node.normal, p, first), node.slab_lower, node.slab_upper, first),
+                     beyond(dot(node.tangent, p, first), node.side_lower[0], node.side_upper[0], first),
+                     beyond(third, node.side_lower[1], node.side_upper[1], first));
+  return hn::Max(to_box, to_turned_box);
 }
 
 /// Squared distances to the triangles. The height cuts a triangle in two with a right angle each, and the half that the
