@@ -304,8 +304,8 @@ int register_and_run(int argc, char** argv) {
       fprintf(stderr, "Embree and SignedSurface disagree at points of %s\n", name.c_str());
       return 1;
     }
-    const auto add = [&, &of = points](const std::string& what, auto function) {
-      benchmark::RegisterBenchmark((what + "/" + name).c_str(),
+    const auto add = [&place = name, &of = points](const std::string& what, auto function) {
+      benchmark::RegisterBenchmark((what + "/" + place).c_str(),
                                    [function, &of](benchmark::State& state) { function(state, of); });
     };
     add("embree", embree_closest);
