@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   try {
     musclebench::register_query_kernels();
     musclebench::register_build_kernels();
+    musclebench::register_equal_error_kernels();
     musclebench::register_detect_kernels();
     musclebench::register_size_kernels();
     musclebench::register_allocation_kernels();

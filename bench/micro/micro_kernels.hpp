@@ -10,6 +10,10 @@ void register_query_kernels();
 /// `sdf_build_a_node/BONE/threads:N`, `sdf_bytes/dense|band_10mm/PRECISION/BONE`.
 void register_build_kernels();
 
+/// `adaptive_over_uniform/BONE`: bytes and build time of the adaptive field of 0.05 mm over those of the uniform grid
+/// that errs as much.
+void register_equal_error_kernels();
+
 /// `update/BACKEND`, `detect/BACKEND` and `detect_threads/BACKEND/N`: all nodes of the muscle, pushed into the bones.
 void register_detect_kernels();
 

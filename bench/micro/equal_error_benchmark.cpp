@@ -1,0 +1,104 @@
+// The adaptive distance field against the uniform one that errs as much: bytes and build time. Both are judged at the
+// same places, which neither was built from.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/octree_builder.hpp"
+#include "bench/micro/micro_kernels.hpp"
+#include "bench/micro/micro_scene.hpp"
+#include "core/geometry/surface_sampler.hpp"
+#include "core/measure/scoped_timer.hpp"
+
+namespace musclebench {
+namespace {
+
+constexpr double wanted_m = 5e-5;
+constexpr int place_count = 20000;
+constexpr double coarsest_m = 3e-3;
+constexpr double finest_m = 0.5e-3;
+constexpr double finer = 0.95;  // each uniform grid's cell over that before it
+
+struct Place {
+  Vec3 point;
+  double distance_m;
+};
+
+/// Evenly over the surface, and over the distance up to `near_m` on both sides.
+std::vector<Place> places_about(const Bone& bone, const SignedSurface& surface, double near_m) {
+  const SurfaceSampler sampler(bone.surface.mesh);
+  RandomNumbers random(11);
+  std::vector<Place> places;
+  while (places.size() < static_cast<std::size_t>(place_count)) {
+    const SurfaceSample sample = sampler.draw(random);
+    const Vec3 point = sample.point + (2 * random.share() - 1) * near_m * sample.normal;
+    places.push_back({point, surface.locate(point).signed_distance_m()});
+  }
+  return places;
+}
+
+/// The error that 99 of 100 places stay below; where the field knows nothing it errs without bound.
+template <typename Field>
+double p99_error_m(const Field& field, const std::vector<Place>& places) {
+  std::vector<double> errors;
+  for (const Place& place : places) {
+    const auto value = field.value(place.point);
+    errors.push_back(value ? std::abs(*value - place.distance_m) : std::numeric_limits<double>::infinity());
+  }
+  const auto rank = static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(errors.size()));
+  std::nth_element(errors.begin(), errors.begin() + rank, errors.end());
+  return errors[static_cast<std::size_t>(rank)];
+}
+
+void adaptive_over_uniform(benchmark::State& state, const Bone& bone) {
+  const SignedSurface surface(bone.surface);
+  for (auto _ : state) {
+    Nanoseconds adaptive_ns = 0;
+    const OctreeField adaptive = [&] {
+      const ScopedTimer timer(adaptive_ns);
+      return build_octree(surface, bone.surface.mesh, {.max_error_m = wanted_m}, bone.name, 1);
+    }();
+    const std::vector<Place> places = places_about(bone, surface, adaptive.quality().near_m);
+    const double reached_m = p99_error_m(adaptive, places);
+    double cell_size_m = coarsest_m;
+    double uniform_p99_m = std::numeric_limits<double>::infinity();
+    double uniform_bytes = 0;
+    Nanoseconds uniform_ns = 0;
+    for (; uniform_p99_m > reached_m && cell_size_m > finest_m; cell_size_m *= finer) {
+      uniform_ns = 0;
+      const GridShape shape = grid_over(bone.surface.mesh, {.cell_size_m = cell_size_m}, bone.name);
+      const CubicField uniform = [&] {
+        const ScopedTimer timer(uniform_ns);
+        return build_field(surface, shape, FieldPrecision::single_precision, 1);
+      }();
+      uniform_p99_m = p99_error_m(uniform, places);
+      uniform_bytes = static_cast<double>(uniform.bytes());
+    }
+    state.counters["adaptive_p99_mm"] = reached_m * 1e3;
+    state.counters["uniform_p99_mm"] = uniform_p99_m * 1e3;
+    state.counters["uniform_cell_mm"] = cell_size_m / finer * 1e3;
+    state.counters["adaptive_bytes"] = static_cast<double>(adaptive.bytes());
+    state.counters["uniform_bytes"] = uniform_bytes;
+    state.counters["adaptive_seconds"] = static_cast<double>(adaptive_ns) * 1e-9;
+    state.counters["uniform_seconds"] = static_cast<double>(uniform_ns) * 1e-9;
+    state.counters["bytes_ratio"] = static_cast<double>(adaptive.bytes()) / uniform_bytes;
+    state.counters["build_ratio"] = static_cast<double>(adaptive_ns) / static_cast<double>(uniform_ns);
+  }
+}
+
+}  // namespace
+
+void register_equal_error_kernels() {
+  for (const Bone& bone : micro_scene().bones) {
+    benchmark::RegisterBenchmark(("adaptive_over_uniform/" + bone.name).c_str(),
+                                 [&bone](benchmark::State& s) { adaptive_over_uniform(s, bone); })
+        ->Iterations(1)
+        ->Unit(benchmark::kMillisecond);
+  }
+}
+
+}  // namespace musclebench
