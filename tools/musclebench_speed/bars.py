@@ -205,13 +205,14 @@ def _speed_up(measured: Measured, what: str, kernel: str) -> Row:
 
 
 def _sizes(measured: Measured) -> list[Row]:
-    muscles = [_power(measured, f"muscle_size/{name}", "real_ns", lambda nodes: nodes) for name in
-               ("bvh", "sdf", "voxel")]
+    muscles, reference = ([_power(measured, f"muscle_size/{name}", "real_ns", lambda nodes: nodes) for name in names]
+                          for names in (("bvh", "sdf"), (REFERENCE,)))
     located = _power(measured, "bone_size/bvh_locate", "ns_a_point", math.log)
     stepped = _power(measured, "bone_size/bvh_step", "real_ns", math.log)
     return [
         worst("power of the muscle's nodes that a step costs", muscles, f"<= {LARGEST_POWER}, linear",
               at_most=LARGEST_POWER),
+        worst("the same of voxel, whose nodes come from memory, too", reference, ""),
         worst("power of log(triangles) that a cold query of bvh costs", [located],
               f"<= {LARGEST_POWER}, logarithmic", at_most=LARGEST_POWER),
         worst("power of log(triangles) that a step of bvh costs", [stepped], f"<= {LARGEST_POWER}, logarithmic",
