@@ -52,8 +52,12 @@ class OctreeBuilder {
     double reached = 0;
     for (m_threshold_m3 = first_threshold * m_near_m3;; m_threshold_m3 *= next_step()) {
       const bool exhausted = !refine();
-      measure();
-      if (wrong_places() <= wrong_places_allowed()) {
+      // A part of the places tells when all of them are worth a look.
+      measure(m_places.size() / 8);
+      if (wrong_places() <= 0.02 * number(m_errors_m.size())) {
+        measure(m_places.size());
+      }
+      if (m_errors_m.size() == m_places.size() && wrong_places() <= wrong_places_allowed()) {
         tell(1);
         return pack();
       }
@@ -150,10 +154,10 @@ class OctreeBuilder {
     return cell;
   }
 
-  void measure() {
-    m_errors_m.resize(m_places.size());
+  void measure(std::size_t places) {
+    m_errors_m.resize(places);
 #pragma omp parallel for schedule(static) num_threads(m_threads)
-    for (std::size_t p = 0; p < m_places.size(); ++p) {
+    for (std::size_t p = 0; p < places; ++p) {
       const OctreeCell& cell = m_cells[find(m_places[p].point)];
       if (cell.leaf == nullptr) {  // as far as near places are, to rounding
         m_errors_m[p] = 0;
@@ -280,7 +284,7 @@ class OctreeBuilder {
 
   std::vector<OctreeCell> m_cells;  ///< the roots, then children, eight and eight
   std::vector<ExactPlace> m_places;
-  std::vector<double> m_errors_m;  ///< at the places, ascending
+  std::vector<double> m_errors_m;  ///< at the first places
   double m_near_m3 = 0;
   double m_threshold_m3 = 0;
 

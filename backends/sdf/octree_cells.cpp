@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "backends/sdf/packet_search.hpp"
+
 namespace musclebench {
 
 namespace {
@@ -39,68 +41,98 @@ Vec3 octant_centre(const OctreeCell& cell, std::size_t octant) {
   return cell.centre_m + cell.half_edge_m * sample_place(lattice_samples + octant);
 }
 
-/// Goes from place to place. The closest triangle of one starts the next search, and a place that is farther from the
-/// surface than from a signed place lies on the same side.
-class DistanceWalk {
- public:
-  explicit DistanceWalk(const SignedSurface& surface) : m_surface(surface) {}
+/// A place that is known.
+struct KnownPlace {
+  Vec3 point = Vec3::Zero();
+  DistanceSample sample;
+};
 
-  void stand_at(const Vec3& point, const DistanceSample& known) {
-    m_point = point;
-    m_last = known;
+/// Places that lie close together, asked in one walk through the tree. A known place near them starts the search, and
+/// tells the side of all that are farther from the surface than from it.
+class Packet {
+ public:
+  Packet(const SignedSurface& surface, const KnownPlace& known) : m_surface(surface), m_known(known) {}
+
+  /// Not more than PacketSearch::most_points.
+  void add(const Vec3& point, DistanceSample& answer) {
+    m_points[m_count] = point;
+    m_answers[m_count++] = &answer;
+  }
+  [[nodiscard]] bool full() const { return m_count == PacketSearch::most_points; }
+
+  void ask() {
+    if (m_count == 0) {
+      return;
+    }
+    std::array<ClosestPoint, PacketSearch::most_points> closest;
+    PacketSearch(m_surface.tree()).closest_points({m_points.data(), m_count}, m_known.sample.triangle, closest);
+    for (std::size_t n = 0; n < m_count; ++n) {
+      const double step = (m_points[n] - m_known.point).norm() * (1 + 1e-9);
+      const bool unsure = std::max(closest[n].distance_m, std::abs(m_known.sample.value_m)) <= step;
+      const bool inside = unsure ? m_surface.is_inside(m_points[n], closest[n]) : m_known.sample.value_m < 0;
+      *m_answers[n] = sample_of(m_surface, m_points[n], {closest[n], inside});
+    }
+    m_count = 0;
   }
 
-  const DistanceSample& go_to(const Vec3& point) {
-    const bool first = m_last.triangle < 0;
-    SignedPoint place;
-    place.closest = first ? m_surface.tree().closest_point(point).value()
-                          : m_surface.tree().closest_point_from(point, m_last.triangle);
-    const double step = (point - m_point).norm() * (1 + 1e-9);
-    const bool unsure = first || std::max(place.closest.distance_m, std::abs(m_last.value_m)) <= step;
-    place.inside = unsure ? m_surface.is_inside(point, place.closest) : m_last.value_m < 0;
-    const Vec3 gradient = m_surface.outward(point, place);
-    stand_at(point,
-             {place.signed_distance_m(),
-              {static_cast<float>(gradient[0]), static_cast<float>(gradient[1]), static_cast<float>(gradient[2])},
-              place.closest.triangle});
-    return m_last;
+  [[nodiscard]] static DistanceSample sample_of(const SignedSurface& surface, const Vec3& point,
+                                                const SignedPoint& place) {
+    const Vec3 gradient = surface.outward(point, place);
+    return {place.signed_distance_m(),
+            {static_cast<float>(gradient[0]), static_cast<float>(gradient[1]), static_cast<float>(gradient[2])},
+            place.closest.triangle};
   }
 
  private:
   const SignedSurface& m_surface;
-  Vec3 m_point = Vec3::Zero();
-  DistanceSample m_last;
+  const KnownPlace& m_known;
+  std::array<Vec3, PacketSearch::most_points> m_points;
+  std::array<DistanceSample*, PacketSearch::most_points> m_answers{};
+  std::size_t m_count = 0;
 };
+
+/// Asks for samples of a cell whose middle is known.
+void ask_samples(const SignedSurface& surface, OctreeCell& cell, std::size_t from, std::size_t to) {
+  const KnownPlace middle{cell.centre_m, cell.leaf->samples[lattice_samples / 2]};
+  Packet packet(surface, middle);
+  for (std::size_t s = from; s < to; ++s) {
+    if (cell.leaf->samples[s].triangle < 0) {
+      packet.add(cell.centre_m + cell.half_edge_m * sample_place(s), cell.leaf->samples[s]);
+    }
+    if (packet.full()) {
+      packet.ask();
+    }
+  }
+  packet.ask();
+}
 
 /// The samples of eight sisters: on a grid that their lattices share, some of them known from the parent.
 class SisterSamples {
  public:
-  SisterSamples(const OctreeCell& parent, const SignedSurface& surface) : m_parent(parent), m_walk(surface) {
+  /// The middles of the parent's octants are known, too.
+  SisterSamples(const OctreeCell& parent, const SignedSurface& surface) : m_parent(parent), m_surface(surface) {
     const CellSamples& known = parent.leaf->samples;
     for (std::size_t s = 0; s < lattice_samples; ++s) {
       m_grid[fine_place(2 * (s / 9), 2 * (s / 3 % 3), 2 * (s % 3))] = known[s];
     }
-    m_walk.stand_at(parent.centre_m, known[lattice_samples / 2]);
     for (std::size_t octant = 0; octant < 8; ++octant) {
-      const DistanceSample& centre = known[lattice_samples + octant];
-      m_grid[centre_in_grid(octant)] = centre.triangle >= 0 ? centre : m_walk.go_to(octant_centre(parent, octant));
+      const auto odd = [&](std::size_t axis) { return bit(octant, axis) ? std::size_t{3} : std::size_t{1}; };
+      m_grid[fine_place(odd(0), odd(1), odd(2))] = known[lattice_samples + octant];
     }
   }
 
-  [[nodiscard]] double distance_at_centre_m(std::size_t octant) const { return m_grid[centre_in_grid(octant)].value_m; }
-
-  /// Asks what the children that are marked lack of the grid: there and back along its rows.
+  /// Asks what the children that are marked lack of the grid: two by two by two, from a place that is known.
   void ask(const std::array<bool, 8>& wanted) {
-    for (std::size_t row = 0; row < fine * fine; ++row) {
-      const std::size_t i = row / fine;
-      const std::size_t j = i % 2 == 0 ? row % fine : fine - 1 - row % fine;
-      for (std::size_t step = 0; step < fine; ++step) {
-        visit(i, j, row % 2 == 0 ? step : fine - 1 - step, wanted);
+    for (std::size_t i = 0; i < fine; i += 2) {
+      for (std::size_t j = 0; j < fine; j += 2) {
+        for (std::size_t k = 0; k < fine; k += 2) {
+          ask_block({i, j, k}, wanted);
+        }
       }
     }
   }
 
-  void collect_lattice(std::size_t octant, CellSamples& samples) const {
+  void collect(std::size_t octant, CellSamples& samples) const {
     const std::array<std::size_t, 3> first{bit(octant, 0) ? std::size_t{2} : 0, bit(octant, 1) ? std::size_t{2} : 0,
                                            bit(octant, 2) ? std::size_t{2} : 0};
     for (std::size_t s = 0; s < lattice_samples; ++s) {
@@ -109,33 +141,47 @@ class SisterSamples {
   }
 
  private:
-  static std::size_t centre_in_grid(std::size_t octant) {
-    const auto odd = [&](std::size_t axis) { return bit(octant, axis) ? std::size_t{3} : std::size_t{1}; };
-    return fine_place(odd(0), odd(1), odd(2));
-  }
+  using Index = std::array<std::size_t, 3>;
 
-  static bool touches(std::size_t octant, std::size_t axis, std::size_t index) {
-    return bit(octant, axis) ? index >= 2 : index <= 2;
-  }
-
-  void visit(std::size_t i, std::size_t j, std::size_t k, const std::array<bool, 8>& wanted) {
-    DistanceSample& sample = m_grid[fine_place(i, j, k)];
-    const Vec3 at(static_cast<double>(i) / 2 - 1, static_cast<double>(j) / 2 - 1, static_cast<double>(k) / 2 - 1);
-    const Vec3 point = m_parent.centre_m + m_parent.half_edge_m * at;
-    if (sample.triangle >= 0) {
-      m_walk.stand_at(point, sample);
-      return;
-    }
-    for (std::size_t octant = 0; octant < 8; ++octant) {
-      if (wanted[octant] && touches(octant, 0, i) && touches(octant, 1, j) && touches(octant, 2, k)) {
-        sample = m_walk.go_to(point);
-        return;
+  static bool touches(std::size_t octant, const Index& at) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (bit(octant, axis) ? at[axis] < 2 : at[axis] > 2) {
+        return false;
       }
     }
+    return true;
+  }
+  static bool is_wanted(const Index& at, const std::array<bool, 8>& wanted) {
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+      if (wanted[octant] && touches(octant, at)) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  [[nodiscard]] Vec3 point(const Index& at) const {
+    const Vec3 index(static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2]));
+    return m_parent.centre_m + m_parent.half_edge_m * (0.5 * index - Vec3::Ones());
+  }
+
+  void ask_block(const Index& first, const std::array<bool, 8>& wanted) {
+    const KnownPlace known{point(first), m_grid[fine_place(first[0], first[1], first[2])]};
+    Packet packet(m_surface, known);
+    for (std::size_t n = 1; n < 8; ++n) {
+      const Index at{first[0] + (n & 1U), first[1] + (n >> 1 & 1U), first[2] + (n >> 2)};
+      if (std::max({at[0], at[1], at[2]}) < fine && is_wanted(at, wanted)) {
+        DistanceSample& sample = m_grid[fine_place(at[0], at[1], at[2])];
+        if (sample.triangle < 0) {
+          packet.add(point(at), sample);
+        }
+      }
+    }
+    packet.ask();
   }
 
   const OctreeCell& m_parent;
-  DistanceWalk m_walk;
+  const SignedSurface& m_surface;
   std::array<DistanceSample, fine * fine * fine> m_grid;
 };
 
@@ -183,11 +229,7 @@ void OctreeCellMaker::judge(OctreeCell& cell) const {
     sure = sure && leaf.quadratic.error_m[s] <= sure_share * allowed_m(s);
   }
   if (!sure) {
-    DistanceWalk walk(m_surface);
-    walk.stand_at(cell.centre_m, leaf.samples[lattice_samples / 2]);
-    for (std::size_t s = lattice_samples; s < cell_samples; ++s) {
-      leaf.samples[s] = walk.go_to(cell.centre_m + cell.half_edge_m * sample_place(s));
-    }
+    ask_samples(m_surface, cell, lattice_samples, cell_samples);
     measure(cell);
   }
   const std::size_t known = known_samples(leaf.samples);
@@ -207,35 +249,34 @@ OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m) const
   OctreeCell cell;
   cell.centre_m = centre_m;
   cell.half_edge_m = half_edge_m;
-  DistanceWalk walk(m_surface);
-  const DistanceSample centre = walk.go_to(centre_m);
-  cell.distance_m = centre.value_m;
+  const SignedPoint place = m_surface.locate(centre_m);
+  cell.distance_m = place.signed_distance_m();
   if (!outside(cell)) {
     cell.leaf = std::make_unique<OctreeCell::Leaf>();
-    for (std::size_t s = 0; s < lattice_samples; ++s) {
-      cell.leaf->samples[s] = walk.go_to(centre_m + half_edge_m * sample_place(s));
-    }
+    cell.leaf->samples[lattice_samples / 2] = Packet::sample_of(m_surface, centre_m, place);
+    ask_samples(m_surface, cell, 0, lattice_samples);
     judge(cell);
   }
   return cell;
 }
 
-std::array<OctreeCell, 8> OctreeCellMaker::split(const OctreeCell& parent) const {
+std::array<OctreeCell, 8> OctreeCellMaker::split(OctreeCell& parent) const {
   std::array<OctreeCell, 8> children;
   std::array<bool, 8> wanted{};
-  SisterSamples samples(parent, m_surface);
+  ask_samples(m_surface, parent, lattice_samples, cell_samples);
   for (std::size_t octant = 0; octant < 8; ++octant) {
     OctreeCell& child = children[octant];
     child.centre_m = octant_centre(parent, octant);
     child.half_edge_m = 0.5 * parent.half_edge_m;
-    child.distance_m = samples.distance_at_centre_m(octant);
+    child.distance_m = parent.leaf->samples[lattice_samples + octant].value_m;
     wanted[octant] = !outside(child);
   }
+  SisterSamples samples(parent, m_surface);
   samples.ask(wanted);
   for (std::size_t octant = 0; octant < 8; ++octant) {
     if (wanted[octant]) {
       children[octant].leaf = std::make_unique<OctreeCell::Leaf>();
-      samples.collect_lattice(octant, children[octant].leaf->samples);
+      samples.collect(octant, children[octant].leaf->samples);
       judge(children[octant]);
     }
   }

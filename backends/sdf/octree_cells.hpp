@@ -59,7 +59,7 @@ class OctreeCellMaker {
   [[nodiscard]] OctreeCell root(const Vec3& centre_m, double half_edge_m) const;
 
   /// The eight children of a leaf, x changing fastest. What the leaf was asked is not asked again.
-  [[nodiscard]] std::array<OctreeCell, 8> split(const OctreeCell& parent) const;
+  [[nodiscard]] std::array<OctreeCell, 8> split(OctreeCell& parent) const;
 
  private:
   [[nodiscard]] bool outside(const OctreeCell& cell) const;
