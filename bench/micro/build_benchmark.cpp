@@ -12,12 +12,11 @@ namespace {
 
 constexpr int cells = 64;
 
-void sdf_build_a_node(benchmark::State& state, const Bone& bone) {
+void sdf_build_a_node(benchmark::State& state, const Bone& bone, int threads) {
   const SignedSurface surface(bone.surface);
   const GridShape shape = grid_over(bone.surface.mesh, {.cells = cells}, bone.name);
   for (auto _ : state) {
-    const CubicField field =
-        build_field(surface, shape, FieldPrecision::single_precision, static_cast<int>(state.range(0)));
+    const CubicField field = build_field(surface, shape, FieldPrecision::single_precision, threads);
     benchmark::DoNotOptimize(field.bytes());
   }
   const auto nodes = static_cast<double>(shape.node_count());
@@ -46,9 +45,13 @@ void sdf_bytes(benchmark::State& state, const Bone& bone, const std::string& pre
 
 void register_build_kernels() {
   for (const Bone& bone : micro_scene().bones) {
-    benchmark::RegisterBenchmark(fmt::format("sdf_build_a_node/{}", bone.name).c_str(),
-                                 [&bone](benchmark::State& s) { sdf_build_a_node(s, bone); })
-        ->ArgName("threads")
+    // By the time of the processor, as the queries that it is divided by.
+    benchmark::RegisterBenchmark(fmt::format("sdf_build_a_node/{}", bone.name).c_str(), [&bone](benchmark::State& s) {
+      sdf_build_a_node(s, bone, 1);
+    })->Unit(benchmark::kMillisecond);
+    benchmark::RegisterBenchmark(
+        fmt::format("sdf_build_threads/{}", bone.name).c_str(),
+        [&bone](benchmark::State& s) { sdf_build_a_node(s, bone, static_cast<int>(s.range(0))); })
         ->Arg(1)
         ->Arg(2)
         ->Unit(benchmark::kMillisecond)

@@ -7,7 +7,7 @@ namespace musclebench {
 /// `voxel_test/BONE`, `sdf_value_and_gradient/PRECISION/BONE`, `bvh_locate/near|far/BONE`: one query at a point, cold.
 void register_query_kernels();
 
-/// `sdf_build_a_node/BONE/threads:N`, `sdf_bytes/dense|band_10mm/PRECISION/BONE`.
+/// `sdf_build_a_node/BONE`, `sdf_build_threads/BONE/N`, `sdf_bytes/dense|band_10mm/PRECISION/BONE`.
 void register_build_kernels();
 
 /// `adaptive_over_uniform/BONE`: bytes and build time of the adaptive field of 0.05 mm over those of the uniform grid

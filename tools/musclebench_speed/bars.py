@@ -119,7 +119,7 @@ def _queries(measured: Measured) -> list[Row]:
               _ratios(measured, "queries", "sdf_value_and_gradient/float/{}", "voxel_test/{}", "ns_a_point"), "<= 5",
               at_most=5),
         worst("sdf build per node / cold closest point of bvh near",
-              _ratios(measured, "build", "sdf_build_a_node/{}/threads:1", "bvh_locate/near/{}", "ns_a_node",
+              _ratios(measured, "build", "sdf_build_a_node/{}", "bvh_locate/near/{}", "ns_a_node",
                       "ns_a_point"), "<= 0.3", at_most=0.3),
     ]
 
@@ -186,7 +186,7 @@ def _ratios_at(measured: Measured, place: str) -> list[Row]:
 
 def _threads(measured: Measured) -> list[Row]:
     detections = {f"detect of all nodes, {name}": f"detect_threads/{name}/{{}}" for name in ("bvh", "sdf")}
-    builds = {f"sdf build, {bone}": f"sdf_build_a_node/{bone}/threads:{{}}" for bone in _built_bones(measured.kernels)}
+    builds = {f"sdf build, {bone}": f"sdf_build_threads/{bone}/{{}}" for bone in _built_bones(measured.kernels)}
     found = [worst(f"two threads over one, {what}", [_speed_up(measured, what, kernel)], ">= 1.7", at_least=1.7)
              for what, kernel in detections.items()]
     parts = [_speed_up(measured, what, kernel) for what, kernel in builds.items()]
@@ -195,7 +195,7 @@ def _threads(measured: Measured) -> list[Row]:
 
 
 def _built_bones(kernels: Kernels) -> list[str]:
-    return sorted({name.split("/")[1] for name in kernels.names("sdf_build_a_node/")})
+    return sorted({name.split("/")[1] for name in kernels.names("sdf_build_threads/")})
 
 
 def _speed_up(measured: Measured, what: str, kernel: str) -> Row:

@@ -22,8 +22,8 @@ SETTINGS = (
 KERNEL_GROUPS = (
     KernelGroup("queries", "^(voxel_test|sdf_value_and_gradient|bvh_locate)/", 60.0),
     KernelGroup("embree", "^(embree|signed)/", 30.0, program="musclebench_embree"),
-    KernelGroup("build", "^(sdf_build_a_node/.*threads:1|bvh_locate/near)", 60.0),
-    KernelGroup("two_threads", "^(detect_threads/|sdf_build_a_node/)", 60.0, threads=2),
+    KernelGroup("build", "^(sdf_build_a_node|bvh_locate/near)/", 60.0),
+    KernelGroup("two_threads", "^(detect_threads|sdf_build_threads)/", 60.0, threads=2),
     KernelGroup("muscle_size", "^muscle_size/", 90.0),
     KernelGroup("bone_size", "^bone_size/", 60.0),
     KernelGroup("adaptive", "^adaptive_over_uniform/femur", 60.0, varies=False),

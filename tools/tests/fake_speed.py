@@ -20,8 +20,8 @@ KERNELS = [
     ("sdf_value_and_gradient/float/pelvis", "ns_a_point", 24.0),
     ("sdf_value_and_gradient/float/femur", "ns_a_point", 33.0),
     *[(f"bvh_locate/near/{bone}", "ns_a_point", 1000.0) for bone in ("pelvis", "femur")],
-    ("sdf_build_a_node/pelvis/threads:1", "ns_a_node", 250.0), ("sdf_build_a_node/femur/threads:1", "ns_a_node", 150.0),
-    ("sdf_build_a_node/pelvis/threads:2", "ns_a_node", 130.0), ("sdf_build_a_node/femur/threads:2", "ns_a_node", 80.0),
+    ("sdf_build_a_node/pelvis", "ns_a_node", 250.0), ("sdf_build_a_node/femur", "ns_a_node", 150.0),
+    ("sdf_build_threads/femur/1", "real_time", 190.0), ("sdf_build_threads/femur/2", "real_time", 100.0),
     ("detect_threads/bvh/1", "real_time", 900.0), ("detect_threads/bvh/2", "real_time", 500.0),
     ("detect_threads/sdf/1", "real_time", 300.0), ("detect_threads/sdf/2", "real_time", 200.0),
     *[(f"muscle_size/{backend}/{10**n}", "real_time", 2.0 * 10**n) for backend in ("bvh", "sdf", "voxel")

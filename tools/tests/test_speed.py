@@ -66,6 +66,7 @@ def test_the_table_has_every_bar_with_its_median_spread_and_verdict(table):
         "MB of sdf 64 float, dense, a bone": (7.6, "yes"),
         "two threads over one, detect of all nodes, bvh": (1.8, "yes"),
         "two threads over one, detect of all nodes, sdf": (1.5, "no"),
+        "two threads over one, sdf build": (1.9, "yes"),
         "power of the muscle's nodes that a step costs": (1.0, "yes"),
         "power of log(triangles) that a step of bvh costs": (0.0, "yes"),
         "heap allocations in a frame after the second": (3.0, "no"),
