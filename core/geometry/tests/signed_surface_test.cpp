@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <random>
 #include <string>
@@ -52,7 +53,7 @@ TriangleMesh spike(double radius, int sides) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 1}, {0, 0, -1}};
   for (int i = 0; i < sides; ++i) {
-    const double angle = 2 * 3.14159265358979 * i / sides;
+    const double angle = 2 * std::numbers::pi * i / sides;
     mesh.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), -0.9);
   }
   for (int i = 0; i < sides; ++i) {
@@ -88,6 +89,8 @@ std::vector<Shape> shapes() {
       {"overlap", joined(ball, small, Vec3(0.9, 0.1, 0.05)), 0.5, 0.95},
       {"apart", joined(ball, small, Vec3(3, 0, 0)), 1, 1},
       {"boxes_with_a_common_face", joined(box, box, Vec3(1, 0, 0)), 0.6, 0.9},
+      // Two fans about one vertex.
+      {"boxes_at_a_point", repair_mesh(joined(box, box, Vec3(1, 1, 1)), "boxes").mesh, 0.99, 0.9999},
       {"boxes_that_nearly_touch", joined(box, box, Vec3(1 + 1e-14, 0.1, 0.05)), 0.4, 0.9},
       {"boxes_with_a_gap", joined(box, box, Vec3(1 + 1e-6, 0.1, 0.05)), 1, 1},
       {"open", {ball.vertices, {ball.triangles.begin() + 3, ball.triangles.end()}}, 0, 0},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -121,7 +122,7 @@ TEST_F(TriangleSeparation, NeighboursInAFanAreApart) {
   const int count = 6;
   std::vector<Vec3> ring;
   for (int i = 0; i < count; ++i) {
-    const double angle = 2 * 3.14159265 * i / count;
+    const double angle = 2 * std::numbers::pi * i / count;
     ring.emplace_back(std::cos(angle), std::sin(angle), 0.2 * (i % 2));
   }
   for (int i = 0; i < count; ++i) {
