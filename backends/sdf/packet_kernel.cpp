@@ -42,6 +42,11 @@ HWY_INLINE Vec dot(const Vec3Lanes& a, const Vec3Lanes& b) {
   return hn::MulAdd(a.z, b.z, hn::MulAdd(a.y, b.y, hn::Mul(a.x, b.x)));
 }
 
+HWY_INLINE Vec3Lanes cross(const Vec3Lanes& a, const Vec3Lanes& b) {
+  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
+          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
+}
+
 /// From below: value + slope * (place - middle).
 struct Bound {
   Vec value;
@@ -51,7 +56,8 @@ struct Bound {
 /// From the middle to the nearest value of an interval, the other way round.
 HWY_INLINE Vec beyond(Vec at, Vec lower, Vec upper) { return hn::Sub(at, hn::Min(hn::Max(at, lower), upper)); }
 
-HWY_INLINE Bound bound_of_children(const TreeNode& node, const Vec3Lanes& middle, Vec slack, std::size_t first) {
+HWY_INLINE Bound bound_of_children(const TreeNode& node, const Vec3Lanes& middle, Vec slack, float reach,
+                                   std::size_t first) {
   const Lanes d;
   const Vec3Lanes out{beyond(middle.x, load(node.lower[0], first), load(node.upper[0], first)),
                       beyond(middle.y, load(node.lower[1], first), load(node.upper[1], first)),
@@ -59,15 +65,25 @@ HWY_INLINE Bound bound_of_children(const TreeNode& node, const Vec3Lanes& middle
   const Vec to_box = hn::Sqrt(dot(out, out));
   const Vec inverse = hn::Div(hn::Set(d, 1.0F), hn::Max(to_box, hn::Set(d, 1e-30F)));
   const Vec3Lanes normal = load(node.normal, first);
-  const Vec to_slab = beyond(dot(normal, middle), load(node.slab_lower, first), load(node.slab_upper, first));
-  const auto by_slab = hn::Gt(hn::Abs(to_slab), to_box);
-  const Vec sign = hn::CopySign(hn::Set(d, 1.0F), to_slab);
-  const auto choose = [&](Vec of_normal, Vec of_box) HWY_ATTR {
-    return hn::IfThenElse(by_slab, hn::Mul(of_normal, sign), hn::Mul(of_box, inverse));
+  const Vec3Lanes tangent = load(node.tangent, first);
+  const Vec3Lanes third = cross(normal, tangent);
+  const Vec up = beyond(dot(normal, middle), load(node.slab_lower, first), load(node.slab_upper, first));
+  const Vec along = beyond(dot(tangent, middle), load(node.side_lower[0], first), load(node.side_upper[0], first));
+  const Vec across = beyond(dot(third, middle), load(node.side_lower[1], first), load(node.side_upper[1], first));
+  const Vec to_turned = hn::Sqrt(hn::MulAdd(across, across, hn::MulAdd(along, along, hn::Mul(up, up))));
+  const Vec inverse_turned = hn::Div(hn::Set(d, 1.0F), hn::Max(to_turned, hn::Set(d, 1e-30F)));
+  const auto by_turned = hn::Gt(to_turned, to_box);
+  const auto choose = [&](Vec of_normal, Vec of_tangent, Vec of_third, Vec of_box) HWY_ATTR {
+    const Vec of_turned = hn::MulAdd(across, of_third, hn::MulAdd(along, of_tangent, hn::Mul(up, of_normal)));
+    return hn::IfThenElse(by_turned, hn::Mul(of_turned, inverse_turned), hn::Mul(of_box, inverse));
   };
-  // Box and slab are rounded outwards, and the signs of a box's slope are right whatever its lengths are rounded to.
-  return {hn::Sub(hn::Max(hn::Abs(to_slab), to_box), hn::Add(slack, slack)),
-          {choose(normal.x, out.x), choose(normal.y, out.y), choose(normal.z, out.z)}};
+  // Both boxes are rounded outwards; how far a point is out of one is convex and never more than its distance. The
+  // slope is off by the rounding of the ways out over their length, but for the signs of the straight box's.
+  const Vec error = hn::Mul(slack, hn::MulAdd(hn::Set(d, 4 * reach), inverse_turned, hn::Set(d, 3.0F)));
+  const Vec straight_error = hn::Add(slack, hn::Add(slack, slack));
+  return {hn::Sub(hn::Max(to_turned, to_box), hn::IfThenElse(by_turned, error, straight_error)),
+          {choose(normal.x, tangent.x, third.x, out.x), choose(normal.y, tangent.y, third.y, out.y),
+           choose(normal.z, tangent.z, third.z, out.z)}};
 }
 
 /// From the closest point of a triangle to a place, in the triangle's own axes; see triangle_tree_search.cpp, which
@@ -84,9 +100,7 @@ HWY_INLINE Arms arms_to_triangles(const TreeLeaf& leaf, const Vec3Lanes& place, 
   const Vec3Lanes arm{hn::Sub(place.x, origin.x), hn::Sub(place.y, origin.y), hn::Sub(place.z, origin.z)};
   const Vec3Lanes along = load(leaf.along, first);
   const Vec3Lanes up = load(leaf.up, first);
-  const Vec3Lanes across{hn::MulSub(along.y, up.z, hn::Mul(along.z, up.y)),
-                         hn::MulSub(along.z, up.x, hn::Mul(along.x, up.z)),
-                         hn::MulSub(along.x, up.y, hn::Mul(along.y, up.x))};
+  const Vec3Lanes across = cross(along, up);
   const Vec signed_x = dot(arm, along);
   const Vec y = dot(arm, up);
   const Vec width = hn::IfThenElse(hn::Lt(signed_x, zero), load(leaf.before, first), load(leaf.after, first));
@@ -193,7 +207,7 @@ HWY_INLINE unsigned wanted_children(const TreeNode& node, const Vec3Lanes& middl
   const Lanes d;
   unsigned wanted = 0;
   for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-    const Bound bound = bound_of_children(node, middle, hn::Set(d, task.slack), first);
+    const Bound bound = bound_of_children(node, middle, hn::Set(d, task.slack), task.reach, first);
     auto any = may_hold_closest(bound, task.points[0]);
     for (std::size_t n = 1; n < task.count; ++n) {
       any = hn::Or(any, may_hold_closest(bound, task.points[n]));
