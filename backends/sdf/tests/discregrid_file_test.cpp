@@ -89,6 +89,39 @@ TEST_F(DiscregridFile, ComesBackAsItWas) {
   EXPECT_NO_THROW(require_field_of(read, m_bone.mesh, "box", m_path));
 }
 
+TEST_F(DiscregridFile, NumbersNodesAsDiscregridDoes) {
+  std::ifstream in(m_path, std::ios::binary);
+  const std::string content((std::istreambuf_iterator<char>(in)), {});
+  const auto [nx, ny, nz] = m_field.shape().cells;
+  std::size_t at = header_bytes + 16;
+  const auto expect_next = [&](double x, double y, double z) {
+    double value = 0;
+    std::memcpy(&value, content.data() + at, sizeof(value));
+    at += sizeof(value);
+    const Vec3 point = m_field.shape().lower_m + m_field.shape().cell_size_m.cwiseProduct(Vec3(x, y, z));
+    const Vec3 inside = point.cwiseMin(m_field.shape().upper_m()).cwiseMax(m_field.shape().lower_m);
+    ASSERT_NEAR(value, m_field.value(inside).value(), 1e-9) << x << ' ' << y << ' ' << z;
+  };
+  for (int vertex = 0; vertex < (nx + 1) * (ny + 1) * (nz + 1); ++vertex) {
+    expect_next(vertex % (nx + 1), vertex / (nx + 1) % (ny + 1), vertex / ((nx + 1) * (ny + 1)));
+  }
+  for (int edge = 0; edge < nx * (ny + 1) * (nz + 1); ++edge) {
+    for (const double third : {1. / 3, 2. / 3}) {
+      expect_next(edge % nx + third, edge / nx % (ny + 1), edge / (nx * (ny + 1)));
+    }
+  }
+  for (int edge = 0; edge < ny * (nz + 1) * (nx + 1); ++edge) {
+    for (const double third : {1. / 3, 2. / 3}) {
+      expect_next(edge / (ny * (nz + 1)), edge % ny + third, edge / ny % (nz + 1));
+    }
+  }
+  for (int edge = 0; edge < nz * (nx + 1) * (ny + 1); ++edge) {
+    for (const double third : {1. / 3, 2. / 3}) {
+      expect_next(edge / nz % (nx + 1), edge / (nz * (nx + 1)), edge % nz + third);
+    }
+  }
+}
+
 TEST_F(DiscregridFile, FindsNodesThroughItsIndices) {
   // The last value moves to a new node, and whoever asks for the old one asks for the new one.
   const std::size_t nodes = m_field.shape().node_count();
