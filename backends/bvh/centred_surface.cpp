@@ -19,6 +19,10 @@ RepairedMesh moved(RepairedMesh surface, const Vec3& by) {
   return surface;
 }
 
+/// What a list reaches beyond the closest triangle, in sizes of a triangle: less is used up sooner, more is longer to
+/// go through.
+constexpr double list_reach = 2;
+
 /// As large as a triangle: that is how far the nearest few triangles reach.
 double near_distance_m(const TriangleMesh& mesh) {
   double area = 0;
@@ -61,12 +65,12 @@ ClosestPoint CentredSurface::closest_from(const Vec3& point, int triangle) const
   return m_surface.tree().closest_point_from(point - m_centre_m, triangle);
 }
 
-ClosestOnTriangle CentredSurface::closest_on(const Vec3& point, int triangle) const {
-  return m_surface.tree().closest_on(point - m_centre_m, triangle);
+void CentredSurface::list_near(const Vec3& point, const ClosestPoint& closest, NearLeaves& list) const {
+  m_surface.tree().list_leaves(point - m_centre_m, closest.distance_m + list_reach * m_near_m, list);
 }
 
-double CentredSurface::nearest(const Vec3& point, std::span<NearTriangle> triangles, std::size_t& count) const {
-  return m_surface.tree().nearest_triangles(point - m_centre_m, triangles, count);
+ListedClosest CentredSurface::closest_listed(const Vec3& point, const NearLeaves& list) const {
+  return m_surface.tree().closest_listed(point - m_centre_m, list);
 }
 
 bool CentredSurface::contains(const Vec3& point, const ClosestPoint& closest) const {

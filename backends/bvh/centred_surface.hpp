@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
 
 #include "core/geometry/signed_surface.hpp"
 
@@ -18,8 +17,10 @@ class CentredSurface {
   [[nodiscard]] bool is_outside(const Vec3& point, double& clearance_m) const;
   [[nodiscard]] ClosestPoint closest(const Vec3& point) const;
   [[nodiscard]] ClosestPoint closest_from(const Vec3& point, int triangle) const;
-  [[nodiscard]] ClosestOnTriangle closest_on(const Vec3& point, int triangle) const;
-  [[nodiscard]] double nearest(const Vec3& point, std::span<NearTriangle> triangles, std::size_t& count) const;
+  using NearList = NearLeaves;
+  void list_near(const Vec3& point, const ClosestPoint& closest, NearLeaves& list) const;
+  [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearLeaves& list) const;
+  void prefetch(const NearLeaves& list, int triangle) const { m_surface.tree().prefetch(list, triangle); }
   [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] double near_m() const { return m_near_m; }

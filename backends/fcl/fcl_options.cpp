@@ -1,6 +1,7 @@
 #include "backends/fcl/fcl_options.hpp"
 
 #include "core/base/input_error.hpp"
+#include "core/contact/motion_budgets.hpp"
 
 namespace musclebench {
 
@@ -31,6 +32,14 @@ void check_for_meaning(const FclOptions& options) {
   }
   if (options.query != Query::node_collide && options.node_radius_m != defaults.node_radius_m) {
     throw InputError("fcl: node_radius_m", "is the radius of the spheres of query = node_collide; leave it out");
+  }
+  if (options.motion_budgets && options.query != Query::node_distance) {
+    throw InputError("fcl: motion_budgets",
+                     "wants to know how far a node is; take query = node_distance, or leave it out");
+  }
+  if (options.motion_budgets && options.broad_phase != defaults.broad_phase) {
+    throw InputError("fcl: manager",
+                     "finds the bones for each node, which motion_budgets = on does by itself; leave it out");
   }
 }
 
@@ -88,6 +97,7 @@ std::vector<ParameterSpec> fcl_parameters() {
        .help = "FCL's narrow phase for convex shapes; FCL has formulas of its own for two triangles and for sphere and "
                "triangle, so that both give the same here",
        .choices = {"libccd", "indep"}},
+      motion_budgets_parameter(false),
   };
 }
 
@@ -99,6 +109,7 @@ FclOptions fcl_options(const Parameters& parameters) {
   options.tree_update = tree_update_of(parameters.word("update"));
   options.vertex_update = parameters.word("model") == "update" ? VertexUpdate::update : VertexUpdate::replace;
   options.narrow_phase = parameters.word("solver") == "libccd" ? NarrowPhase::libccd : NarrowPhase::indep;
+  options.motion_budgets = has_motion_budgets(parameters);
   options.node_radius_m = parameters.number("node_radius_m");
   check_for_meaning(options);
   check_for_support(options);

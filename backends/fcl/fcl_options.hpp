@@ -32,6 +32,7 @@ struct FclOptions {
   TreeUpdate tree_update = TreeUpdate::refit;
   VertexUpdate vertex_update = VertexUpdate::replace;
   NarrowPhase narrow_phase = NarrowPhase::libccd;
+  bool motion_budgets = false;  ///< `Query::node_distance` only
   double node_radius_m = 5e-4;  ///< of the spheres of `Query::node_collide`
 };
 

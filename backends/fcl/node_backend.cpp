@@ -29,7 +29,9 @@ class NodeBackend final : public CollisionBackend {
   [[nodiscard]] std::size_t structure_bytes() const override { return m_queries == nullptr ? 0 : m_queries->bytes(); }
 
  private:
-  void do_build() override { m_queries = std::make_unique<NodeQueries>(m_options, bones(), threads()); }
+  void do_build() override {
+    m_queries = std::make_unique<NodeQueries>(m_options, bones(), muscle().vertices.size(), threads());
+  }
 
   void do_update(std::span<const Vec3> /*positions*/) override { m_queries->move_bones(poses()); }
 

@@ -19,11 +19,14 @@ namespace musclebench {
 /// - `Query::node_collide` asks which triangles a sphere of `node_radius_m` meets and takes the closest of them. A node
 ///   farther from the surface than that, on either side, meets none.
 ///
-/// Nodes are asked in the bone's rest frame: moved models without orientation would be rebuilt in every query.
+/// Nodes are asked in the bone's rest frame: moved models without orientation would be rebuilt in every query. What FCL
+/// finds is measured again here (see NodeSurface). With motion budgets `node_distance` asks FCL only about nodes of
+/// which too little is known from before; the contacts are the same.
 class NodeQueries {
  public:
-  /// Builds one model a bone; keeps references to the bones' meshes. Throws InputError for an unknown bounding volume.
-  NodeQueries(const FclOptions& options, std::span<const Bone> bones, int threads);
+  /// Builds one model a bone; keeps references to the bones and their meshes. `nodes` is the number of positions that
+  /// calls will have. Throws InputError for an unknown bounding volume.
+  NodeQueries(const FclOptions& options, std::span<const Bone> bones, std::size_t nodes, int threads);
   NodeQueries(const NodeQueries&) = delete;
   NodeQueries& operator=(const NodeQueries&) = delete;
   ~NodeQueries();

@@ -22,33 +22,34 @@ class MotionBudgets {
   /// Spends all budgets. Keeps nothing of `bones` but where they are; `nodes` is the number of positions.
   void reset(std::span<const Bone> bones, std::size_t nodes);
 
-  /// The places in `nodes` of those that have left their balls about `bone`, or never had one, into `spent`, ascending.
-  /// `positions` are in the world frame, in metres, and may be anything, also not finite (then spent).
+  /// The places in `nodes` (ascending) of those that have left their balls about `bone`, or never had one, into
+  /// `spent`, ascending. `positions` (of all nodes) are in the world frame, in metres, and may be anything, also not
+  /// finite (then spent).
   void collect_spent(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes,
-                     std::vector<int>& spent) const;
+                     std::vector<int>& spent);
 
   /// Promises that `node` is free of `bone` wherever it is nearer than `clearance_m` to `rest_point` (in the bone's
   /// rest frame). May be called for different nodes by several threads at once. A clearance that is not positive spends
   /// the budget.
   void grant(int bone, int node, const Vec3& rest_point, double clearance_m);
 
-  [[nodiscard]] std::size_t bytes() const {
-    return m_bones.capacity() * sizeof(BoneBalls) + m_ball_count * sizeof(Ball);
-  }
+  [[nodiscard]] std::size_t bytes() const;
 
-  struct Ball {
-    float x = 0, y = 0, z = 0;  ///< about the bone's middle, rest frame
-    float radius_m = 0;
+  /// About a bone's middle, in its rest frame, by node.
+  struct Balls {
+    Vec3 middle_m;
+    std::vector<float> x, y, z, radius_m;
   };
 
  private:
-  struct BoneBalls {
-    Vec3 middle_m;  ///< rest frame
-    std::vector<Ball> of_node;
-  };
+  void plan_sweep(std::span<const int> nodes);
+  void collect_one_by_one(const Balls& balls, const RigidMotion& pose, std::span<const Vec3> positions,
+                          std::span<const int> nodes, std::vector<int>& spent) const;
 
-  std::vector<BoneBalls> m_bones;
-  std::size_t m_ball_count = 0;
+  std::vector<Balls> m_bones;
+  std::size_t m_nodes = 0;
+  std::vector<int> m_swept;          ///< the nodes that the last sweep was about
+  std::vector<int> m_place_of_node;  ///< in m_swept; negative: not swept
 };
 
 /// The parameter `motion_budgets` (on or off) of the backends that can keep them.

@@ -6,7 +6,7 @@
 
 #include "core/contact/collision_backend.hpp"
 #include "core/contact/motion_budgets.hpp"
-#include "core/contact/near_triangles.hpp"
+#include "core/geometry/triangle_tree.hpp"
 
 namespace musclebench {
 
@@ -19,10 +19,19 @@ namespace musclebench {
 ///   finite.
 /// - `ClosestPoint closest(point)`, `closest_from(point, triangle)` (faster the closer that triangle is): of all
 ///   triangles at the smallest squared distance the one with the smallest index.
-/// - `ClosestOnTriangle closest_on(point, triangle)`: what they compare.
-/// - `double nearest(point, std::span<NearTriangle>, count)`: see NearTriangles; returns what is complete.
+/// - `NearList`: what is near a place, with a `count` that is 0 where nothing is known; `list_near(point, closest,
+/// list)`
+///   fills it, `ListedClosest closest_listed(point, list)` uses it.
 /// - `bool contains(point, closest)`; `Vec3 outward(point, closest)`: unit, for a point that it contains.
-/// - `double near_m()`: closer to the surface than this a list of the nearest triangles saves searches.
+/// - `double near_m()`: closer to the surface than this a list saves searches.
+template <typename Value>
+void prefetch(const Value& value) {
+  const auto* bytes = reinterpret_cast<const char*>(&value);
+  for (std::size_t line = 0; line < sizeof(Value); line += 64) {
+    __builtin_prefetch(bytes + line);
+  }
+}
+
 template <typename Surface>
 class NodeDetection {
  public:
@@ -57,7 +66,7 @@ class NodeDetection {
     }
   }
 
-  [[nodiscard]] std::size_t bytes() const { return m_budgets.bytes() + m_lists.size() * sizeof(NearTriangles); }
+  [[nodiscard]] std::size_t bytes() const { return m_budgets.bytes() + m_memories.size() * sizeof(Memory); }
 
  private:
   void forget(std::size_t nodes) {
@@ -69,7 +78,7 @@ class NodeDetection {
       return;
     }
     m_budgets.reset(m_bones, nodes);
-    m_lists.assign(m_surfaces.size() * nodes, {});
+    m_memories.assign(m_surfaces.size() * nodes, {});
   }
 
   void list_all(std::size_t count) {
@@ -84,6 +93,7 @@ class NodeDetection {
     m_found.resize(m_places.size());
     m_inside.resize(m_places.size());
     const auto ask_place = [&](std::size_t index) {
+      look_ahead(bone, nodes, index);
       const int node = nodes[static_cast<std::size_t>(m_places[index])];
       const Vec3 point = pose.apply_inverse(positions[static_cast<std::size_t>(node)]);
       m_inside[index] = static_cast<unsigned char>(ask_node(bone, node, point, m_found[index]));
@@ -102,6 +112,23 @@ class NodeDetection {
     for (std::ptrdiff_t i = 0; i < count; ++i) {
       ask_place(static_cast<std::size_t>(i));
     }
+  }
+
+  /// Between two detections the loop has driven these out of the cache, and one node after the other would wait for
+  /// them.
+  void look_ahead(int bone, std::span<const int> nodes, std::size_t index) const {
+    constexpr std::size_t far = 8;
+    constexpr std::size_t near = 4;
+    if (!m_motion_budgets || index + far >= m_places.size()) {
+      return;
+    }
+    const auto memory = [&](std::size_t i) -> const Memory& {
+      return m_memories[static_cast<std::size_t>(bone) * m_nodes +
+                        static_cast<std::size_t>(nodes[static_cast<std::size_t>(m_places[i])])];
+    };
+    prefetch(memory(index + far));
+    const Memory& next = memory(index + near);
+    m_surfaces[static_cast<std::size_t>(bone)].prefetch(next.near, next.triangle);
   }
 
   /// The normal of the contact is left in the rest frame.
@@ -132,30 +159,31 @@ class NodeDetection {
     return {closest, surface.contains(point, closest)};
   }
 
-  /// From the triangles that were nearest when the node was last looked for, where they are enough.
+  /// What is remembered of a node and a bone.
+  struct Memory {
+    typename Surface::NearList near;
+    int triangle = -1;  ///< the closest one at the last search
+  };
+
+  /// From what was near when the node was last searched for, where that is enough.
   Answer recall(int bone, int node, const Vec3& point) {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
-    NearTriangles& list = m_lists[static_cast<std::size_t>(bone) * m_nodes + static_cast<std::size_t>(node)];
-    Answer answer;
-    if (list.count > 0) {
-      const ListedClosest listed =
-          closest_listed(list, point, [&](int triangle) { return surface.closest_on(point, triangle); });
+    Memory& memory = m_memories[static_cast<std::size_t>(bone) * m_nodes + static_cast<std::size_t>(node)];
+    if (memory.near.count > 0) {
+      const ListedClosest listed = surface.closest_listed(point, memory.near);
+      memory.triangle = listed.closest.triangle;
       if (listed.certain) {
         return {listed.closest, surface.contains(point, listed.closest)};
       }
-      answer.closest = surface.closest_from(point, listed.closest.triangle);
-      answer.inside = surface.contains(point, answer.closest);
-    } else {
-      answer = search(surface, point);
     }
-    list.place = point;
+    Answer answer;
+    answer.closest = memory.triangle < 0 ? surface.closest(point) : surface.closest_from(point, memory.triangle);
+    answer.inside = surface.contains(point, answer.closest);
+    memory.triangle = answer.closest.triangle;
+    memory.near.count = 0;
+    // A node that leaves a larger ball is too far from here for a list.
     if (answer.inside || answer.closest.distance_m < surface.near_m()) {
-      list.complete_m = surface.nearest(point, list.nearest, list.count);
-    } else {
-      // A node that leaves its ball is too far from here for a list: only where its next search starts from.
-      list.complete_m = 0;
-      list.nearest[0] = {answer.closest.triangle, 0};
-      list.count = 1;
+      surface.list_near(point, answer.closest, memory.near);
     }
     return answer;
   }
@@ -166,7 +194,7 @@ class NodeDetection {
   int m_threads = 1;
   std::size_t m_nodes = 0;  ///< that the budgets are for
   MotionBudgets m_budgets;
-  std::vector<NearTriangles> m_lists;  ///< by bone, then node
+  std::vector<Memory> m_memories;  ///< by bone, then node
   // Scratch memory, kept so that a frame allocates nothing.
   std::vector<int> m_places;     ///< in `nodes`, of those that are asked about
   std::vector<Contact> m_found;  ///< by place in m_places, valid where m_inside

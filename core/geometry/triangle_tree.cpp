@@ -147,6 +147,49 @@ double TriangleTree::nearest_triangles(const Vec3& point, std::span<NearTriangle
   return count < nearest.size() ? std::numeric_limits<double>::infinity() : nearest.back().distance_m;
 }
 
+void TriangleTree::list_leaves(const Vec3& point, double radius_m, NearLeaves& list) const {
+  list.count = 0;
+  list.complete_m = 0;
+  if (m_corners.empty() || !within_horizon(point)) {
+    return;
+  }
+  Search search = search_for(point);
+  search.narrow(radius_m);
+  const float others = search_leaves(search, list);
+  list.place_m = {point.x(), point.y(), point.z()};
+  list.complete_m = std::max(std::sqrt(static_cast<double>(others)) - search.slack, 0.0) / m_scale;
+  for (float& distance : std::span(list.distance).first(list.count)) {
+    distance = round_down(std::sqrt(static_cast<double>(distance)) - search.slack);
+  }
+}
+
+ListedClosest TriangleTree::closest_listed(const Vec3& point, const NearLeaves& list) const {
+  constexpr double rounding = 1e-12;
+  Search search = search_for(point);
+  const double moved_m = (point - Vec3(list.place_m[0], list.place_m[1], list.place_m[2])).norm() * (1 + rounding);
+  search_listed(search, list, static_cast<float>((m_scale * moved_m + search.slack) * (1 + float_rounding)));
+  search.decide_listed();
+  const ClosestPoint closest = search.answer();
+  return {closest, closest.distance_m * (1 + rounding) < list.complete_m - moved_m};
+}
+
+void TriangleTree::prefetch(const NearLeaves& list, int triangle) const {
+  constexpr std::size_t cache_line = 64;
+  constexpr std::size_t likely_leaves = 2;
+  const auto ask_for = [](const auto& object) {
+    const auto* bytes = reinterpret_cast<const char*>(&object);
+    for (std::size_t at = 0; at < sizeof(object); at += cache_line) {
+      __builtin_prefetch(bytes + at);
+    }
+  };
+  for (std::size_t i = 0; i < std::min(likely_leaves, list.count); ++i) {
+    ask_for(m_leaves[static_cast<std::size_t>(list.leaf[i])]);
+  }
+  if (triangle >= 0) {
+    ask_for(m_corners[static_cast<std::size_t>(triangle)]);
+  }
+}
+
 std::size_t TriangleTree::bytes() const {
   return m_nodes.capacity() * sizeof(TreeNode) + m_leaves.capacity() * sizeof(TreeLeaf) +
          m_clusters.capacity() * sizeof(m_clusters[0]) + m_corners.capacity() * sizeof(m_corners[0]) +

@@ -21,6 +21,13 @@ struct ClosestPoint {
   Feature feature = Feature::face;
 };
 
+/// The closest point among listed triangles.
+struct ListedClosest {
+  ClosestPoint closest;
+  /// No triangle outside the list can be as close, so this is what a search finds.
+  bool certain = false;
+};
+
 /// The triangles below one child of a node as seen from afar.
 struct TreeCluster {
   Vec3 centre = Vec3::Zero();
@@ -56,6 +63,17 @@ class TriangleTree {
   /// a distance in metres that every triangle which is not listed keeps at least; infinity when all are listed. None
   /// is listed for a point that is not finite or more than 1e12 times the mesh's size away.
   double nearest_triangles(const Vec3& point, std::span<NearTriangle> nearest, std::size_t& count) const;
+
+  /// The leaves within `radius_m` of `point`, or the nearest of them, for `closest_listed`. None for a point that is
+  /// not finite or more than 1e12 times the mesh's size away.
+  void list_leaves(const Vec3& point, double radius_m, NearLeaves& list) const;
+
+  /// `closest_point`, to the bit, where the list is enough to tell; `list` is not empty and `certain` says whether.
+  /// Else one of the nearest triangles.
+  [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearLeaves& list) const;
+
+  /// Asks for the memory that `closest_listed` will most likely read, and a triangle's corners.
+  void prefetch(const NearLeaves& list, int triangle) const;
 
   /// Generalised winding number (Jacobson et al. 2013), far clusters by their dipole (Barill et al. 2018): about 1
   /// inside an outward closed surface, 0 outside; inside is > 0.5. A result within 0.25 of 0.5 is refined, in the end

@@ -59,4 +59,17 @@ struct NearTriangle {
   float distance_m = 0;  ///< not more than the true one, and less by the rounding of floats only
 };
 
+/// The leaves about a place: enough to find the closest triangle for points near that place without a search. A leaf at
+/// distance d from the place is at least d less the way from there to the point. (What molecular dynamics calls a
+/// Verlet list.)
+struct NearLeaves {
+  static constexpr std::size_t capacity = 12;
+
+  std::array<double, 3> place_m{};  ///< the mesh's frame
+  double complete_m = 0;            ///< whatever is not listed is at least this far from the place
+  std::array<std::int32_t, capacity> leaf;
+  std::array<float, capacity> distance;  ///< ascending, in the tree's own unit; not more than the true one
+  std::size_t count = 0;                 ///< 0: nothing is known
+};
+
 }  // namespace musclebench

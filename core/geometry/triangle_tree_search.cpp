@@ -273,6 +273,48 @@ void neighbours(const TreeSearch& search, TreeNeighbours& list) {
   });
 }
 
+float leaves_within(const TreeSearch& search, NearLeaves& list) {
+  const Splat p(search.point);
+  float others = search.limit;
+  list.count = 0;
+  walk(search, p, search.limit, [&](std::int32_t index) HWY_ATTR {
+    const Lanes d;
+    Vec least = hn::Set(d, std::numeric_limits<float>::max());
+    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+      least = hn::Min(least, squared_to_triangles(search.leaves[index], p, first));
+    }
+    const float squared = hn::GetLane(hn::MinOfLanes(d, least));
+    if (squared > others) {
+      return;
+    }
+    if (list.count == NearLeaves::capacity) {
+      others = std::min(others, std::max(squared, list.distance[NearLeaves::capacity - 1]));
+      if (squared >= list.distance[NearLeaves::capacity - 1]) {
+        return;
+      }
+    }
+    std::size_t at = list.count < NearLeaves::capacity ? list.count++ : NearLeaves::capacity - 1;
+    for (; at > 0 && list.distance[at - 1] > squared; --at) {
+      list.distance[at] = list.distance[at - 1];
+      list.leaf[at] = list.leaf[at - 1];
+    }
+    list.distance[at] = squared;
+    list.leaf[at] = index;
+  });
+  return others;
+}
+
+void in_listed_leaves(TreeSearch& search, const NearLeaves& list, float moved) {
+  const Splat p(search.point);
+  for (std::size_t i = 0; i < list.count; ++i) {
+    const float least = list.distance[i] - moved;
+    if (least > 0 && least * least > search.limit) {
+      return;
+    }
+    collect(search.leaves[list.leaf[i]], p, search);
+  }
+}
+
 }  // namespace
 }  // namespace musclebench::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -282,11 +324,21 @@ namespace musclebench {
 
 HWY_EXPORT(closest);
 HWY_EXPORT(neighbours);
+HWY_EXPORT(leaves_within);
+HWY_EXPORT(in_listed_leaves);
 
 void search_closest(TreeSearch& search) { HWY_DYNAMIC_DISPATCH(closest)(search); }
 
 void search_neighbours(const TreeSearch& search, TreeNeighbours& list) {
   HWY_DYNAMIC_DISPATCH(neighbours)(search, list);
+}
+
+float search_leaves(const TreeSearch& search, NearLeaves& list) {
+  return HWY_DYNAMIC_DISPATCH(leaves_within)(search, list);
+}
+
+void search_listed(TreeSearch& search, const NearLeaves& list, float moved) {
+  HWY_DYNAMIC_DISPATCH(in_listed_leaves)(search, list, moved);
 }
 
 }  // namespace musclebench

@@ -48,4 +48,12 @@ struct TreeNeighbours {
 /// the last one that is.
 void search_neighbours(const TreeSearch& search, TreeNeighbours& neighbours);
 
+/// Lists the leaves that hold a triangle within `search.limit`, the nearest of them where there are too many, with the
+/// square roots of their float distances. Returns the square of the float distance that all others keep.
+float search_leaves(const TreeSearch& search, NearLeaves& list);
+
+/// Looks at the listed leaves only, as far as they may hold something within the limit for a point that is `moved` (own
+/// unit) away from the list's place.
+void search_listed(TreeSearch& search, const NearLeaves& list, float moved);
+
 }  // namespace musclebench

@@ -32,7 +32,7 @@ FclOptions by_collision(double radius_m) {
 /// Contacts of points in the rest frame of a box of 2 x 4 x 6 cm.
 std::vector<Contact> contacts_of(const std::vector<Vec3>& points, const FclOptions& options, int threads = 1) {
   const std::vector<Bone> bones = {make_bone("box", make_box({0.01, 0.02, 0.03}, 3))};
-  NodeQueries queries(options, bones, threads);
+  NodeQueries queries(options, bones, points.size(), threads);
   queries.move_bones(turned);
   std::vector<Vec3> positions;
   for (const Vec3& point : points) {
@@ -82,7 +82,7 @@ TEST(NodeQueries, ANodeOnTheSurfaceHasNoContact) {
   std::vector<int> nodes(points.size());
   std::iota(nodes.begin(), nodes.end(), 0);
   for (const FclOptions& options : {by_distance(), by_collision(1e-3)}) {
-    NodeQueries queries(options, bones, 1);
+    NodeQueries queries(options, bones, nodes.size(), 1);
     const std::vector<RigidMotion> at_rest(1);
     queries.move_bones(at_rest);
     std::vector<Contact> contacts;

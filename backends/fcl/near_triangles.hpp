@@ -13,19 +13,12 @@ namespace musclebench {
 /// triangle at distance d from the place is at least d less the way from there to the point. (What molecular dynamics
 /// calls a Verlet list.)
 struct NearTriangles {
-  static constexpr std::size_t capacity = 24;
+  static constexpr std::size_t capacity = 32;
 
   Vec3 place = Vec3::Zero();  ///< rest frame
   double complete_m = 0;      ///< whatever is not in the list is at least this far from the place
   std::array<NearTriangle, capacity> nearest;
   std::size_t count = 0;  ///< ascending by distance; none: nothing is known
-};
-
-/// The closest point among the listed triangles.
-struct ListedClosest {
-  ClosestPoint closest;
-  /// No triangle outside the list can be as close, so this is what a search would have found, to the bit.
-  bool certain = false;
 };
 
 /// `closest_on(triangle)` gives the ClosestOnTriangle of `point`. The list is not empty.

@@ -1,0 +1,170 @@
+#include "backends/fcl/node_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/distance.h>
+
+#include "backends/fcl/fcl_model.hpp"
+
+namespace musclebench {
+
+namespace {
+
+constexpr std::size_t all_contacts = std::numeric_limits<std::size_t>::max();
+
+/// As a share of the bone's diagonal: above the rounding of a position, far below any depth that matters.
+constexpr double touching_share = 1e-12;
+
+/// Above the rounding of FCL's test of a sphere and a triangle.
+constexpr double sphere_slack = 1e-9;
+
+/// In sizes of a triangle. A larger sphere meets so many triangles that FCL's distance is the faster way.
+constexpr double largest_sphere = 6;
+/// What a list reaches beyond the closest triangle: about as far as its places do on a smooth surface.
+constexpr double list_reach = 2.5;
+
+fcl::Transform3d at(const Vec3& point) {
+  fcl::Transform3d transform = fcl::Transform3d::Identity();
+  transform.translation() = point;
+  return transform;
+}
+
+Eigen::AlignedBox3d box_of(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& vertex : mesh.vertices) {
+    box.extend(vertex);
+  }
+  return box;
+}
+
+double mean_triangle_size_m(const TriangleMesh& mesh) {
+  double area = 0;
+  for (const Triangle& triangle : mesh.triangles) {
+    const auto corner = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(triangle[i])]; };
+    area += 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+  }
+  return std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size())));
+}
+
+}  // namespace
+
+NodeSurface::NodeSurface(const FclOptions& options, const TriangleMesh& mesh,
+                         std::shared_ptr<fcl::CollisionGeometryd> model)
+    : m_mesh(mesh),
+      m_normals(mesh),
+      m_model(std::move(model)),
+      m_solver(to_fcl(options.narrow_phase)),
+      m_box(box_of(mesh)),
+      m_touching_m(m_box.isEmpty() ? 0 : touching_share * m_box.diagonal().norm()),
+      m_node_radius_m(options.node_radius_m),
+      m_triangle_size_m(mean_triangle_size_m(mesh)) {}
+
+bool NodeSurface::is_outside(const Vec3& point, double& clearance_m) const {
+  clearance_m = 0;
+  if (!point.allFinite() || m_box.isEmpty()) {
+    return true;
+  }
+  clearance_m = m_box.exteriorDistance(point);
+  return clearance_m > 0;
+}
+
+ClosestPoint NodeSurface::closest(const Vec3& point) const {
+  const fcl::Sphered node(0);
+  const fcl::DistanceRequestd request(true, false, 0, 0, 1e-6, m_solver);
+  fcl::DistanceResultd result;
+  fcl::distance(m_model.get(), fcl::Transform3d::Identity(), &node, at(point), request, result);
+  const auto named = static_cast<int>(result.b1);
+  // Where a point lies in a triangle, FCL 0.7 leaves that triangle's distance unset, and names another one or this one
+  // with any distance. FCL's collision is sound there, and no triangle that matters is farther than the one named.
+  return closest_within(point, std::sqrt(closest_on(point, named).squared_distance_m2), named);
+}
+
+ClosestPoint NodeSurface::closest_from(const Vec3& point, int triangle) const {
+  const double bound_m = std::sqrt(closest_on(point, triangle).squared_distance_m2);
+  return bound_m < largest_sphere * m_triangle_size_m ? closest_within(point, bound_m, triangle) : closest(point);
+}
+
+ClosestOnTriangle NodeSurface::closest_on(const Vec3& point, int triangle) const {
+  const Triangle& corners = m_mesh.triangles[static_cast<std::size_t>(triangle)];
+  const auto corner = [&](std::size_t i) { return m_mesh.vertices[static_cast<std::size_t>(corners[i])]; };
+  return closest_on_triangle(point, corner(0), corner(1), corner(2));
+}
+
+ClosestPoint NodeSurface::closest_within(const Vec3& point, double distance_m, int triangle) const {
+  std::vector<int> near;
+  meet(point, distance_m * (1 + sphere_slack) + m_touching_m, near);
+  near.push_back(triangle);
+  return closest_of(point, near);
+}
+
+ClosestPoint NodeSurface::closest_of(const Vec3& point, std::span<const int> triangles) const {
+  ClosestPoint best;
+  double squared_m2 = std::numeric_limits<double>::infinity();
+  for (const int triangle : triangles) {
+    const ClosestOnTriangle found = closest_on(point, triangle);
+    if (found.squared_distance_m2 < squared_m2 ||
+        (found.squared_distance_m2 == squared_m2 && triangle < best.triangle)) {
+      squared_m2 = found.squared_distance_m2;
+      best = {found.point, 0, triangle, found.feature};
+    }
+  }
+  best.distance_m = std::sqrt(squared_m2);
+  return best;
+}
+
+void NodeSurface::list_near(const Vec3& point, const ClosestPoint& closest, NearTriangles& list) const {
+  const double radius_m = closest.distance_m + list_reach * m_triangle_size_m;
+  std::vector<int> met;
+  meet(point, radius_m, met);
+  std::vector<std::pair<double, int>> by_distance;
+  by_distance.reserve(met.size());
+  for (const int triangle : met) {
+    by_distance.emplace_back(std::sqrt(closest_on(point, triangle).squared_distance_m2), triangle);
+  }
+  std::sort(by_distance.begin(), by_distance.end());
+  list.place = point;
+  list.count = std::min(by_distance.size(), list.nearest.size());
+  for (std::size_t i = 0; i < list.count; ++i) {
+    const auto& [distance_m, triangle] = by_distance[i];
+    list.nearest[i] = {triangle, std::nextafter(static_cast<float>(distance_m), 0.0F)};
+  }
+  const bool all = list.count == by_distance.size();
+  list.complete_m = (1 - sphere_slack) * (all ? radius_m : std::min(radius_m, by_distance[list.count].first));
+}
+
+ListedClosest NodeSurface::closest_listed(const Vec3& point, const NearTriangles& list) const {
+  return musclebench::closest_listed(list, point, [&](int triangle) { return closest_on(point, triangle); });
+}
+
+bool NodeSurface::contains(const Vec3& point, const ClosestPoint& closest) const {
+  return closest.distance_m > m_touching_m &&
+         m_normals.is_inside(point, closest.point, closest.triangle, closest.feature);
+}
+
+Vec3 NodeSurface::outward(const Vec3& point, const ClosestPoint& closest) const {
+  return (closest.point - point) / (closest.point - point).norm();
+}
+
+ClosestPoint NodeSurface::closest_met(const Vec3& point) const {
+  std::vector<int> near;
+  meet(point, m_node_radius_m, near);
+  return closest_of(point, near);
+}
+
+void NodeSurface::meet(const Vec3& point, double radius_m, std::vector<int>& triangles) const {
+  const fcl::Sphered sphere(radius_m);
+  fcl::CollisionRequestd request(all_contacts, false);
+  request.gjk_solver_type = m_solver;
+  fcl::CollisionResultd result;
+  fcl::collide(m_model.get(), fcl::Transform3d::Identity(), &sphere, at(point), request, result);
+  triangles.clear();
+  for (std::size_t i = 0; i < result.numContacts(); ++i) {
+    triangles.push_back(static_cast<int>(result.getContact(i).b1));
+  }
+}
+
+}  // namespace musclebench

@@ -1,0 +1,64 @@
+// Knows FCL's types: for the .cpp files of this folder only.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <fcl/geometry/collision_geometry.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/gjk_solver_type.h>
+
+#include "backends/fcl/fcl_options.hpp"
+#include "backends/fcl/near_triangles.hpp"
+#include "core/geometry/pseudo_normals.hpp"
+
+namespace musclebench {
+
+/// One bone's FCL model, asked about points in the bone's rest frame; from several threads at once. FCL says which
+/// triangles are near; the closest point on them is then computed here, so that it does not depend on what was asked of
+/// FCL to find them. A `Surface` of NodeDetection, which says what its members are for.
+class NodeSurface {
+ public:
+  /// Keeps a reference to `mesh`.
+  NodeSurface(const FclOptions& options, const TriangleMesh& mesh, std::shared_ptr<fcl::CollisionGeometryd> model);
+
+  [[nodiscard]] bool is_outside(const Vec3& point, double& clearance_m) const;
+  [[nodiscard]] ClosestPoint closest(const Vec3& point) const;
+  [[nodiscard]] ClosestPoint closest_from(const Vec3& point, int triangle) const;
+  [[nodiscard]] ClosestOnTriangle closest_on(const Vec3& point, int triangle) const;
+  using NearList = NearTriangles;
+  void list_near(const Vec3& point, const ClosestPoint& closest, NearTriangles& list) const;
+  [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearTriangles& list) const;
+  void prefetch(const NearTriangles& /*list*/, int /*triangle*/) const {}
+  [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
+  [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const;
+  [[nodiscard]] double near_m() const { return m_triangle_size_m; }
+
+  /// The closest triangle that a sphere of `node_radius_m` about `point` meets; its index is -1 where it meets none.
+  [[nodiscard]] ClosestPoint closest_met(const Vec3& point) const;
+
+  /// A point closer to the surface than this is not contained: which side it is on is rounding.
+  [[nodiscard]] double touching_m() const { return m_touching_m; }
+  /// Without the model.
+  [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + m_normals.bytes(); }
+
+ private:
+  /// The triangles that a sphere meets, in any order.
+  void meet(const Vec3& point, double radius_m, std::vector<int>& triangles) const;
+  [[nodiscard]] ClosestPoint closest_of(const Vec3& point, std::span<const int> triangles) const;
+  /// The closest one, given one and its distance.
+  [[nodiscard]] ClosestPoint closest_within(const Vec3& point, double distance_m, int triangle) const;
+
+  const TriangleMesh& m_mesh;
+  PseudoNormals m_normals;
+  std::shared_ptr<fcl::CollisionGeometryd> m_model;
+  fcl::GJKSolverType m_solver;
+  Eigen::AlignedBox3d m_box;
+  double m_touching_m;
+  double m_node_radius_m;
+  double m_triangle_size_m;
+};
+
+}  // namespace musclebench
