@@ -23,6 +23,9 @@ RepairedMesh moved(RepairedMesh surface, const Vec3& by) {
 /// go through.
 constexpr double list_reach = 2;
 
+/// Beyond this a square is not a number any more.
+constexpr double farthest_m = 1e100;
+
 /// As large as a triangle: that is how far the nearest few triangles reach.
 double near_distance_m(const TriangleMesh& mesh) {
   double area = 0;
@@ -45,7 +48,7 @@ CentredSurface::CentredSurface(const RepairedMesh& surface, const Eigen::Aligned
 
 bool CentredSurface::is_outside(const Vec3& point, double& clearance_m) const {
   clearance_m = 0;
-  if (!point.allFinite()) {
+  if (!(point.cwiseAbs().maxCoeff() < farthest_m)) {
     return true;
   }
   // The inside of an open surface may reach out of its box.

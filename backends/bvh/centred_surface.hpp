@@ -20,9 +20,10 @@ class CentredSurface {
   using NearList = NearLeaves;
   void list_near(const Vec3& point, const ClosestPoint& closest, NearLeaves& list) const;
   [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearLeaves& list) const;
-  void prefetch(const NearLeaves& list, int triangle) const { m_surface.tree().prefetch(list, triangle); }
   [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const;
+  /// Across a hole the side changes without a surface.
+  [[nodiscard]] double free_m(const ClosestPoint& closest) const { return closed() ? closest.distance_m : 0; }
   [[nodiscard]] double near_m() const { return m_near_m; }
 
   /// Signed distance of a finite point, in metres; negative inside.

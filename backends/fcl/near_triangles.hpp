@@ -9,6 +9,11 @@
 
 namespace musclebench {
 
+struct NearTriangle {
+  int triangle = -1;
+  float distance_m = 0;  ///< not more than the true one
+};
+
 /// The triangles nearest to a place, enough to find the closest one for points about that place without a search: a
 /// triangle at distance d from the place is at least d less the way from there to the point. (What molecular dynamics
 /// calls a Verlet list.)

@@ -48,7 +48,7 @@ struct NodeQueries::Implementation {
         structure_bytes += model_bytes(*model);
         models.push_back(std::move(model));
       });
-      structure_bytes += surfaces.emplace_back(options, mesh, models.back()).bytes();
+      structure_bytes += surfaces.emplace_back(options, bone.surface, models.back()).bytes();
     }
     objects = std::make_unique<BoneObjects>(options.broad_phase, std::move(models));
     structure_bytes += objects->bytes();

@@ -41,6 +41,25 @@ Eigen::AlignedBox3d box_of(const TriangleMesh& mesh) {
   return box;
 }
 
+/// Triangles that `closest_on_triangle` may answer too far away by more than rounding: their distance at one place says
+/// nothing about that at another.
+std::vector<bool> needles_of(const TriangleMesh& mesh) {
+  constexpr double least_squared_sine = 1e-6;
+  std::vector<bool> needles;
+  needles.reserve(mesh.triangles.size());
+  for (const Triangle& triangle : mesh.triangles) {
+    const auto corner = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(triangle[i % 3])]; };
+    bool is_needle = false;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 a = corner(i + 1) - corner(i);
+      const Vec3 b = corner(i + 2) - corner(i);
+      is_needle |= !(a.cross(b).squaredNorm() > least_squared_sine * a.squaredNorm() * b.squaredNorm());
+    }
+    needles.push_back(is_needle);
+  }
+  return needles;
+}
+
 double mean_triangle_size_m(const TriangleMesh& mesh) {
   double area = 0;
   for (const Triangle& triangle : mesh.triangles) {
@@ -52,16 +71,17 @@ double mean_triangle_size_m(const TriangleMesh& mesh) {
 
 }  // namespace
 
-NodeSurface::NodeSurface(const FclOptions& options, const TriangleMesh& mesh,
+NodeSurface::NodeSurface(const FclOptions& options, const RepairedMesh& surface,
                          std::shared_ptr<fcl::CollisionGeometryd> model)
-    : m_mesh(mesh),
-      m_normals(mesh),
+    : m_mesh(surface.mesh),
+      m_sides(surface),
       m_model(std::move(model)),
       m_solver(to_fcl(options.narrow_phase)),
-      m_box(box_of(mesh)),
+      m_box(box_of(m_mesh)),
+      m_needles(needles_of(m_mesh)),
       m_touching_m(m_box.isEmpty() ? 0 : touching_share * m_box.diagonal().norm()),
       m_node_radius_m(options.node_radius_m),
-      m_triangle_size_m(mean_triangle_size_m(mesh)) {}
+      m_triangle_size_m(mean_triangle_size_m(m_mesh)) {}
 
 bool NodeSurface::is_outside(const Vec3& point, double& clearance_m) const {
   clearance_m = 0;
@@ -77,7 +97,7 @@ ClosestPoint NodeSurface::closest(const Vec3& point) const {
   const fcl::DistanceRequestd request(true, false, 0, 0, 1e-6, m_solver);
   fcl::DistanceResultd result;
   fcl::distance(m_model.get(), fcl::Transform3d::Identity(), &node, at(point), request, result);
-  const auto named = static_cast<int>(result.b1);
+  const int named = std::max(static_cast<int>(result.b1), 0);
   // Where a point lies in a triangle, FCL 0.7 leaves that triangle's distance unset, and names another one or this one
   // with any distance. FCL's collision is sound there, and no triangle that matters is farther than the one named.
   return closest_within(point, std::sqrt(closest_on(point, named).squared_distance_m2), named);
@@ -123,7 +143,8 @@ void NodeSurface::list_near(const Vec3& point, const ClosestPoint& closest, Near
   std::vector<std::pair<double, int>> by_distance;
   by_distance.reserve(met.size());
   for (const int triangle : met) {
-    by_distance.emplace_back(std::sqrt(closest_on(point, triangle).squared_distance_m2), triangle);
+    const bool is_needle = m_needles[static_cast<std::size_t>(triangle)];
+    by_distance.emplace_back(is_needle ? 0.0 : std::sqrt(closest_on(point, triangle).squared_distance_m2), triangle);
   }
   std::sort(by_distance.begin(), by_distance.end());
   list.place = point;
@@ -141,8 +162,7 @@ ListedClosest NodeSurface::closest_listed(const Vec3& point, const NearTriangles
 }
 
 bool NodeSurface::contains(const Vec3& point, const ClosestPoint& closest) const {
-  return closest.distance_m > m_touching_m &&
-         m_normals.is_inside(point, closest.point, closest.triangle, closest.feature);
+  return closest.distance_m > m_touching_m && m_sides.is_inside(point, closest);
 }
 
 Vec3 NodeSurface::outward(const Vec3& point, const ClosestPoint& closest) const {

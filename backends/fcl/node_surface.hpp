@@ -12,17 +12,18 @@
 
 #include "backends/fcl/fcl_options.hpp"
 #include "backends/fcl/near_triangles.hpp"
-#include "core/geometry/pseudo_normals.hpp"
+#include "core/geometry/signed_surface.hpp"
 
 namespace musclebench {
 
 /// One bone's FCL model, asked about points in the bone's rest frame; from several threads at once. FCL says which
 /// triangles are near; the closest point on them is then computed here, so that it does not depend on what was asked of
-/// FCL to find them. A `Surface` of NodeDetection, which says what its members are for.
+/// FCL to find them. FCL takes a surface for hollow; which side a point is on is SignedSurface's answer. A `Surface` of
+/// NodeDetection, which says what its members are for.
 class NodeSurface {
  public:
-  /// Keeps a reference to `mesh`.
-  NodeSurface(const FclOptions& options, const TriangleMesh& mesh, std::shared_ptr<fcl::CollisionGeometryd> model);
+  /// Keeps a reference to `surface`.
+  NodeSurface(const FclOptions& options, const RepairedMesh& surface, std::shared_ptr<fcl::CollisionGeometryd> model);
 
   [[nodiscard]] bool is_outside(const Vec3& point, double& clearance_m) const;
   [[nodiscard]] ClosestPoint closest(const Vec3& point) const;
@@ -31,9 +32,12 @@ class NodeSurface {
   using NearList = NearTriangles;
   void list_near(const Vec3& point, const ClosestPoint& closest, NearTriangles& list) const;
   [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearTriangles& list) const;
-  void prefetch(const NearTriangles& /*list*/, int /*triangle*/) const {}
   [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const;
+  /// Across a hole the side changes without a surface.
+  [[nodiscard]] double free_m(const ClosestPoint& closest) const {
+    return m_sides.closed() && closest.distance_m > m_touching_m ? closest.distance_m : 0;
+  }
   [[nodiscard]] double near_m() const { return m_triangle_size_m; }
 
   /// The closest triangle that a sphere of `node_radius_m` about `point` meets; its index is -1 where it meets none.
@@ -42,7 +46,7 @@ class NodeSurface {
   /// A point closer to the surface than this is not contained: which side it is on is rounding.
   [[nodiscard]] double touching_m() const { return m_touching_m; }
   /// Without the model.
-  [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + m_normals.bytes(); }
+  [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + m_sides.bytes(); }
 
  private:
   /// The triangles that a sphere meets, in any order.
@@ -52,10 +56,11 @@ class NodeSurface {
   [[nodiscard]] ClosestPoint closest_within(const Vec3& point, double distance_m, int triangle) const;
 
   const TriangleMesh& m_mesh;
-  PseudoNormals m_normals;
+  SignedSurface m_sides;
   std::shared_ptr<fcl::CollisionGeometryd> m_model;
   fcl::GJKSolverType m_solver;
   Eigen::AlignedBox3d m_box;
+  std::vector<bool> m_needles;  ///< by triangle
   double m_touching_m;
   double m_node_radius_m;
   double m_triangle_size_m;

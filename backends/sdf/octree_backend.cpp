@@ -1,5 +1,6 @@
 #include "backends/sdf/octree_backend.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -24,7 +25,7 @@ class OctreeBackend final : public CollisionBackend {
       : m_settings(octree_settings(parameters)),
         m_error_name(format_parameter_value(parameters.number("max_error_mm"))),
         m_folder(parameters.word("structures")),
-        m_has_budgets(has_motion_budgets(parameters)) {}
+        m_wants_budgets(has_motion_budgets(parameters)) {}
 
   [[nodiscard]] Capabilities capabilities() const override { return {}; }
   [[nodiscard]] bool built_from_file() const override {
@@ -59,6 +60,10 @@ class OctreeBackend final : public CollisionBackend {
 
   void do_build() override {
     m_fields.clear();
+    // What lies between the fine cells is known by the distance alone, and across a hole the side changes without a
+    // surface.
+    m_has_budgets = m_wants_budgets && std::all_of(bones().begin(), bones().end(),
+                                                   [](const Bone& bone) { return is_closed(bone.surface.mesh); });
     m_loaded_fields = 0;
     m_budget_nodes = 0;
     for (const Bone& bone : bones()) {
@@ -89,7 +94,7 @@ class OctreeBackend final : public CollisionBackend {
   }
 
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
-    if (m_has_budgets && positions.size() > m_budget_nodes) {
+    if (m_has_budgets && positions.size() != m_budget_nodes) {
       m_budget_nodes = positions.size();
       m_budgets.reset(bones(), m_budget_nodes);
     }
@@ -132,7 +137,8 @@ class OctreeBackend final : public CollisionBackend {
   OctreeSettings m_settings;
   std::string m_error_name;
   std::filesystem::path m_folder;
-  bool m_has_budgets;
+  bool m_wants_budgets;
+  bool m_has_budgets = false;
   std::size_t m_loaded_fields = 0;
   std::vector<OctreeField> m_fields;
   MotionBudgets m_budgets;

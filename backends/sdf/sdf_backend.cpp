@@ -92,7 +92,7 @@ class SdfBackend final : public CollisionBackend {
         m_precision_name(parameters.word("precision")),
         m_folder(parameters.word("structures")),
         m_discregrid(parameters.word("discregrid")),
-        m_has_budgets(has_motion_budgets(parameters)) {}
+        m_wants_budgets(has_motion_budgets(parameters)) {}
 
   [[nodiscard]] Capabilities capabilities() const override { return {}; }
 
@@ -131,6 +131,10 @@ class SdfBackend final : public CollisionBackend {
  private:
   void do_build() override {
     m_fields.clear();
+    // What lies outside the band is known by the distance alone, and across a hole the side changes without a surface.
+    m_has_budgets = m_wants_budgets && (!(m_settings.band_m > 0) ||
+                                        std::all_of(bones().begin(), bones().end(),
+                                                    [](const Bone& bone) { return is_closed(bone.surface.mesh); }));
     m_loaded_fields = 0;
     m_budget_nodes = 0;
     if (!m_discregrid.empty()) {
@@ -207,7 +211,7 @@ class SdfBackend final : public CollisionBackend {
   }
 
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
-    if (m_has_budgets && positions.size() > m_budget_nodes) {
+    if (m_has_budgets && positions.size() != m_budget_nodes) {
       m_budget_nodes = positions.size();
       m_budgets.reset(bones(), m_budget_nodes);
     }
@@ -313,7 +317,8 @@ class SdfBackend final : public CollisionBackend {
   std::string m_precision_name;
   std::filesystem::path m_folder;
   std::filesystem::path m_discregrid;
-  bool m_has_budgets;
+  bool m_wants_budgets;
+  bool m_has_budgets = false;
   std::size_t m_loaded_fields = 0;
   std::vector<CubicField> m_fields;
   MotionBudgets m_budgets;

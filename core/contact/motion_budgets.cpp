@@ -139,6 +139,7 @@ HWY_EXPORT(sweep_all);
 
 namespace {
 
+static_assert(MotionBudgets::room_behind >= sweep_lanes);
 static_assert(sizeof(Vec3) == 3 * sizeof(double), "positions are read as a row of numbers");
 
 Vec3 middle_of(const TriangleMesh& mesh) {
@@ -192,7 +193,7 @@ void MotionBudgets::collect_spent(int bone, const RigidMotion& pose, std::span<c
                     m_place_of_node.data(),
                     inverse_rotation(pose),
                     {middle_m.x(), middle_m.y(), middle_m.z()}};
-  spent.resize(nodes.size() + sweep_lanes);  // a compressed vector is stored whole
+  spent.resize(nodes.size() + room_behind);  // a compressed vector is stored whole
   spent.resize(HWY_DYNAMIC_DISPATCH(sweep_all)(sweep, positions.data()->data(), positions.size(), spent.data()));
 }
 

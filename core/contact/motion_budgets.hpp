@@ -19,6 +19,9 @@ namespace musclebench {
 /// voxel grid does.
 class MotionBudgets {
  public:
+  /// By how much `spent` is longer than `nodes` while it is filled.
+  static constexpr std::size_t room_behind = 16;
+
   /// Spends all budgets. Keeps nothing of `bones` but where they are; `nodes` is the number of positions.
   void reset(std::span<const Bone> bones, std::size_t nodes);
 

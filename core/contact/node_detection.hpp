@@ -23,15 +23,8 @@ namespace musclebench {
 /// list)`
 ///   fills it, `ListedClosest closest_listed(point, list)` uses it.
 /// - `bool contains(point, closest)`; `Vec3 outward(point, closest)`: unit, for a point that it contains.
+/// - `double free_m(closest)`: about a point that it does not contain, how far it contains nothing.
 /// - `double near_m()`: closer to the surface than this a list saves searches.
-template <typename Value>
-void prefetch(const Value& value) {
-  const auto* bytes = reinterpret_cast<const char*>(&value);
-  for (std::size_t line = 0; line < sizeof(Value); line += 64) {
-    __builtin_prefetch(bytes + line);
-  }
-}
-
 template <typename Surface>
 class NodeDetection {
  public:
@@ -71,7 +64,7 @@ class NodeDetection {
  private:
   void forget(std::size_t nodes) {
     m_nodes = nodes;
-    m_places.reserve(nodes);
+    m_places.reserve(nodes + MotionBudgets::room_behind);
     m_found.reserve(nodes);
     m_inside.reserve(nodes);
     if (!m_motion_budgets) {
@@ -93,7 +86,6 @@ class NodeDetection {
     m_found.resize(m_places.size());
     m_inside.resize(m_places.size());
     const auto ask_place = [&](std::size_t index) {
-      look_ahead(bone, nodes, index);
       const int node = nodes[static_cast<std::size_t>(m_places[index])];
       const Vec3 point = pose.apply_inverse(positions[static_cast<std::size_t>(node)]);
       m_inside[index] = static_cast<unsigned char>(ask_node(bone, node, point, m_found[index]));
@@ -114,23 +106,6 @@ class NodeDetection {
     }
   }
 
-  /// Between two detections the loop has driven these out of the cache, and one node after the other would wait for
-  /// them.
-  void look_ahead(int bone, std::span<const int> nodes, std::size_t index) const {
-    constexpr std::size_t far = 8;
-    constexpr std::size_t near = 4;
-    if (!m_motion_budgets || index + far >= m_places.size()) {
-      return;
-    }
-    const auto memory = [&](std::size_t i) -> const Memory& {
-      return m_memories[static_cast<std::size_t>(bone) * m_nodes +
-                        static_cast<std::size_t>(nodes[static_cast<std::size_t>(m_places[i])])];
-    };
-    prefetch(memory(index + far));
-    const Memory& next = memory(index + near);
-    m_surfaces[static_cast<std::size_t>(bone)].prefetch(next.near, next.triangle);
-  }
-
   /// The normal of the contact is left in the rest frame.
   bool ask_node(int bone, int node, const Vec3& point, Contact& contact) {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
@@ -141,7 +116,7 @@ class NodeDetection {
         contact = {node, bone, closest.distance_m, surface.outward(point, closest)};
         return true;
       }
-      clearance_m = closest.distance_m;
+      clearance_m = surface.free_m(closest);
     }
     if (m_motion_budgets) {
       m_budgets.grant(bone, node, point, clearance_m);

@@ -12,7 +12,8 @@ namespace {
 /// Rounding errors of a position stay below this share of its coordinates.
 constexpr double rounding_share = 1e-13;
 
-/// Vertices at equal positions count as one.
+}  // namespace
+
 bool is_closed(TriangleMesh mesh) {
   const std::vector<int> first = first_at_position(mesh.vertices);
   for (Triangle& triangle : mesh.triangles) {
@@ -32,8 +33,6 @@ bool is_closed(TriangleMesh mesh) {
   }
   return true;
 }
-
-}  // namespace
 
 SignedSurface::SignedSurface(const RepairedMesh& surface) : m_tree(surface.mesh), m_closed(is_closed(surface.mesh)) {
   if (m_closed) {

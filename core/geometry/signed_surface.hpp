@@ -20,6 +20,9 @@ struct SignedPoint {
   [[nodiscard]] double signed_distance_m() const { return inside ? -closest.distance_m : closest.distance_m; }
 };
 
+/// Whether the directed edges of all triangles cancel; vertices at equal positions count as one.
+bool is_closed(TriangleMesh mesh);
+
 /// Exact signed distance to a surface: closest triangle by a tree; inside is where the winding number exceeds 0.5. Next
 /// to the features of the surface that are clean (`CleanFeatures`), nearly all of them, the pseudo-normal tells as much
 /// at no cost; elsewhere (a doubled sheet has no pseudo-normal) and on a surface that is not closed the winding number
@@ -30,8 +33,8 @@ class SignedSurface {
 
   [[nodiscard]] const TriangleTree& tree() const { return m_tree; }
 
-  /// Whether the directed edges of all triangles cancel (vertices at equal positions count as one): then nothing
-  /// outside the surface's box is inside.
+  /// `is_closed`: then nothing outside the surface's box is inside, and the side changes at the surface only (across a
+  /// hole it changes in empty space).
   [[nodiscard]] bool closed() const { return m_closed; }
 
   /// Whether `point` is inside, given its closest point.

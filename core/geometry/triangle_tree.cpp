@@ -131,22 +131,6 @@ ClosestPoint TriangleTree::closest_point_from(const Vec3& point, int triangle) c
   return search.answer();
 }
 
-double TriangleTree::nearest_triangles(const Vec3& point, std::span<NearTriangle> nearest, std::size_t& count) const {
-  count = 0;
-  if (nearest.empty() || m_corners.empty() || !within_horizon(point)) {
-    return m_corners.empty() ? std::numeric_limits<double>::infinity() : 0;
-  }
-  const Search search = search_for(point);
-  TreeNeighbours list{nearest.data(), nearest.size(), 0};
-  search_neighbours(search, list);
-  count = list.count;
-  for (NearTriangle& near : nearest.first(count)) {
-    const double own = std::sqrt(static_cast<double>(near.distance_m)) - search.slack;
-    near.distance_m = round_down(std::max(own, 0.0) / m_scale);
-  }
-  return count < nearest.size() ? std::numeric_limits<double>::infinity() : nearest.back().distance_m;
-}
-
 void TriangleTree::list_leaves(const Vec3& point, double radius_m, NearLeaves& list) const {
   list.count = 0;
   list.complete_m = 0;
@@ -165,29 +149,15 @@ void TriangleTree::list_leaves(const Vec3& point, double radius_m, NearLeaves& l
 
 ListedClosest TriangleTree::closest_listed(const Vec3& point, const NearLeaves& list) const {
   constexpr double rounding = 1e-12;
+  if (!within_horizon(point)) {
+    return {};
+  }
   Search search = search_for(point);
   const double moved_m = (point - Vec3(list.place_m[0], list.place_m[1], list.place_m[2])).norm() * (1 + rounding);
   search_listed(search, list, static_cast<float>((m_scale * moved_m + search.slack) * (1 + float_rounding)));
   search.decide_listed();
   const ClosestPoint closest = search.answer();
   return {closest, closest.distance_m * (1 + rounding) < list.complete_m - moved_m};
-}
-
-void TriangleTree::prefetch(const NearLeaves& list, int triangle) const {
-  constexpr std::size_t cache_line = 64;
-  constexpr std::size_t likely_leaves = 2;
-  const auto ask_for = [](const auto& object) {
-    const auto* bytes = reinterpret_cast<const char*>(&object);
-    for (std::size_t at = 0; at < sizeof(object); at += cache_line) {
-      __builtin_prefetch(bytes + at);
-    }
-  };
-  for (std::size_t i = 0; i < std::min(likely_leaves, list.count); ++i) {
-    ask_for(m_leaves[static_cast<std::size_t>(list.leaf[i])]);
-  }
-  if (triangle >= 0) {
-    ask_for(m_corners[static_cast<std::size_t>(triangle)]);
-  }
 }
 
 std::size_t TriangleTree::bytes() const {

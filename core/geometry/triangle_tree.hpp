@@ -59,21 +59,14 @@ class TriangleTree {
     return closest_on_triangle(point, a, b, c);
   }
 
-  /// The nearest triangles, as many as `nearest` has room for, ascending by distance; `count` of them are set. Returns
-  /// a distance in metres that every triangle which is not listed keeps at least; infinity when all are listed. None
-  /// is listed for a point that is not finite or more than 1e12 times the mesh's size away.
-  double nearest_triangles(const Vec3& point, std::span<NearTriangle> nearest, std::size_t& count) const;
-
   /// The leaves within `radius_m` of `point`, or the nearest of them, for `closest_listed`. None for a point that is
   /// not finite or more than 1e12 times the mesh's size away.
   void list_leaves(const Vec3& point, double radius_m, NearLeaves& list) const;
 
   /// `closest_point`, to the bit, where the list is enough to tell; `list` is not empty and `certain` says whether.
-  /// Else one of the nearest triangles.
+  /// Else one of the
+  /// nearest triangles, or none (-1).
   [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearLeaves& list) const;
-
-  /// Asks for the memory that `closest_listed` will most likely read, and a triangle's corners.
-  void prefetch(const NearLeaves& list, int triangle) const;
 
   /// Generalised winding number (Jacobson et al. 2013), far clusters by their dipole (Barill et al. 2018): about 1
   /// inside an outward closed surface, 0 outside; inside is > 0.5. A result within 0.25 of 0.5 is refined, in the end

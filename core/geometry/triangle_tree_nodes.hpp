@@ -53,12 +53,6 @@ struct alignas(64) TreeLeaf {
   std::uint32_t needles;
 };
 
-/// A triangle near a point.
-struct NearTriangle {
-  std::int32_t triangle = -1;
-  float distance_m = 0;  ///< not more than the true one, and less by the rounding of floats only
-};
-
 /// The leaves about a place: enough to find the closest triangle for points near that place without a search. A leaf at
 /// distance d from the place is at least d less the way from there to the point. (What molecular dynamics calls a
 /// Verlet list.)

@@ -245,34 +245,6 @@ void closest(TreeSearch& search) {
   });
 }
 
-void neighbours(const TreeSearch& search, TreeNeighbours& list) {
-  const Splat p(search.point);
-  // Unused places are farther than that.
-  float limit = 0.5F * tree_nowhere * tree_nowhere;
-  walk(search, p, limit, [&](std::int32_t index) HWY_ATTR {
-    const Lanes d;
-    const TreeLeaf& leaf = search.leaves[index];
-    alignas(64) float squared[tree_width];
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-      hn::Store(squared_to_triangles(leaf, p, first), d, squared + first);
-    }
-    for (unsigned found = within(squared, limit); found != 0; found &= found - 1) {
-      const auto place = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(found));
-      if (squared[place] > limit) {
-        continue;
-      }
-      std::size_t at = list.count < list.capacity ? list.count++ : list.capacity - 1;
-      for (; at > 0 && list.nearest[at - 1].distance_m > squared[place]; --at) {
-        list.nearest[at] = list.nearest[at - 1];
-      }
-      list.nearest[at] = {leaf.triangle[place], squared[place]};
-      if (list.count == list.capacity) {
-        limit = list.nearest[list.capacity - 1].distance_m;
-      }
-    }
-  });
-}
-
 float leaves_within(const TreeSearch& search, NearLeaves& list) {
   const Splat p(search.point);
   float others = search.limit;
@@ -323,15 +295,10 @@ HWY_AFTER_NAMESPACE();
 namespace musclebench {
 
 HWY_EXPORT(closest);
-HWY_EXPORT(neighbours);
 HWY_EXPORT(leaves_within);
 HWY_EXPORT(in_listed_leaves);
 
 void search_closest(TreeSearch& search) { HWY_DYNAMIC_DISPATCH(closest)(search); }
-
-void search_neighbours(const TreeSearch& search, TreeNeighbours& list) {
-  HWY_DYNAMIC_DISPATCH(neighbours)(search, list);
-}
 
 float search_leaves(const TreeSearch& search, NearLeaves& list) {
   return HWY_DYNAMIC_DISPATCH(leaves_within)(search, list);

@@ -37,17 +37,6 @@ struct TreeSearch {
 /// Lists what may be the closest triangle.
 void search_closest(TreeSearch& search);
 
-/// The triangles nearest to a point, ascending. `distance_m` holds the squared distances of the floats.
-struct TreeNeighbours {
-  NearTriangle* nearest = nullptr;
-  std::size_t capacity = 0;
-  std::size_t count = 0;
-};
-
-/// Only nodes, leaves and point of `search` are read. Any triangle that is not listed is at least as far, in floats, as
-/// the last one that is.
-void search_neighbours(const TreeSearch& search, TreeNeighbours& neighbours);
-
 /// Lists the leaves that hold a triangle within `search.limit`, the nearest of them where there are too many, with the
 /// square roots of their float distances. Returns the square of the float distance that all others keep.
 float search_leaves(const TreeSearch& search, NearLeaves& list);

@@ -86,6 +86,21 @@ TEST(MotionBudgets, PlacesCountInTheNodesAskedFor) {
   EXPECT_EQ(spent, (std::vector<int>{0, 2, 4}));
   budgets.collect_spent(0, RigidMotion{}, positions, {}, spent);
   EXPECT_TRUE(spent.empty());
+  // Enough nodes to be swept together: all but every third one, and then all but every fourth.
+  for (const int left_out : {3, 4}) {
+    std::vector<int> most;
+    std::vector<int> expected;
+    for (const int node : first_nodes(700)) {
+      if (node % left_out != 0) {
+        if (node != 3 && node != 600) {
+          expected.push_back(static_cast<int>(most.size()));
+        }
+        most.push_back(node);
+      }
+    }
+    budgets.collect_spent(0, RigidMotion{}, positions, most, spent);
+    EXPECT_EQ(spent, expected) << left_out;
+  }
 }
 
 TEST(MotionBudgets, NothingIsFreeWithoutABallOrANumber) {

@@ -274,32 +274,37 @@ TEST_P(TriangleTreeHardCases, AnswersAreThoseOfBruteForceOnEveryKindOfVector) {
   }
 }
 
-TEST_P(TriangleTreeHardCases, NearestTrianglesAreCompleteUpToTheirRadius) {
+/// About each place a list, and points that have moved away from it by next to nothing, a little and a lot.
+TEST_P(TriangleTreeHardCases, AListOfLeavesAnswersAsASearchDoesOrIsNotCertain) {
   const auto& [name, mesh, points] = GetParam();
   const TriangleTree tree(mesh);
+  const std::vector<Vec3> ways = random_points(1, static_cast<int>(points.size()));
+  Vec3 lower = mesh.vertices.front();
+  Vec3 upper = lower;
+  for (const Vec3& vertex : mesh.vertices) {
+    lower = lower.cwiseMin(vertex);
+    upper = upper.cwiseMax(vertex);
+  }
+  const double size = (upper - lower).norm();
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::SetSupportedTargetsForTest(target);
-    for (std::size_t i = 0; i < points.size(); i += 7) {
-      SCOPED_TRACE(name + " " + hwy::TargetName(target) + " point " + std::to_string(i));
-      for (const std::size_t room : {std::size_t{1}, std::size_t{5}, mesh.triangles.size() + 1}) {
-        std::vector<NearTriangle> nearest(room);
-        std::size_t count = 0;
-        const double radius = tree.nearest_triangles(points[i], nearest, count);
-        std::vector<bool> listed(mesh.triangles.size(), false);
-        for (std::size_t n = 0; n < count; ++n) {
-          const double distance = std::sqrt(closest_on(mesh, nearest[n].triangle, points[i]).squared_distance_m2);
-          EXPECT_FALSE(listed[static_cast<std::size_t>(nearest[n].triangle)]);
-          listed[static_cast<std::size_t>(nearest[n].triangle)] = true;
-          EXPECT_LE(nearest[n].distance_m, distance);
-          EXPECT_TRUE(n == 0 || nearest[n - 1].distance_m <= nearest[n].distance_m);
+    for (std::size_t i = 0; i < points.size(); i += 3) {
+      const double distance = tree.closest_point(points[i]).value().distance_m;
+      for (const double reach : {0.0, 0.03 * size, 0.5 * size}) {
+        NearLeaves list;
+        tree.list_leaves(points[i], distance + reach, list);
+        for (const double share : {0.0, 1e-6, 0.01, 0.1}) {
+          SCOPED_TRACE(name + " " + hwy::TargetName(target) + " point " + std::to_string(i));
+          const Vec3 point = points[i] + share * size * ways[i];
+          const ListedClosest listed = list.count > 0 ? tree.closest_listed(point, list) : ListedClosest{};
+          if (listed.certain) {
+            expect_equal(listed.closest, brute_force(mesh, point));
+          } else if (list.count > 0) {
+            EXPECT_GE(listed.closest.triangle, 0);
+          }
         }
-        for (std::size_t t = 0; t < listed.size(); ++t) {
-          EXPECT_TRUE(listed[t] ||
-                      std::sqrt(closest_on(mesh, static_cast<int>(t), points[i]).squared_distance_m2) >= radius);
-        }
-        if (room > mesh.triangles.size() && count > 0) {
-          EXPECT_EQ(count, mesh.triangles.size());
-          EXPECT_EQ(radius, std::numeric_limits<double>::infinity());
+        if (testing::Test::HasFailure()) {
+          return;
         }
       }
     }
@@ -309,18 +314,24 @@ TEST_P(TriangleTreeHardCases, NearestTrianglesAreCompleteUpToTheirRadius) {
 INSTANTIATE_TEST_SUITE_P(All, TriangleTreeHardCases, testing::ValuesIn(hard_cases()),
                          [](const auto& hard) { return hard.param.name; });
 
-TEST(TriangleTree, DistancesOfNearestTrianglesAreShortByFloatRoundingOnly) {
-  const TriangleMesh mesh = make_sphere(0.1, 4);
+TEST(TriangleTree, AListOfLeavesIsCertainWhileThePointStaysNearItsPlace) {
+  const TriangleMesh mesh = make_sphere(0.1, 5);
   const TriangleTree tree(mesh);
-  for (const Vec3& point : random_points(0.15, 100)) {
-    std::array<NearTriangle, 6> nearest;
-    std::size_t count = 0;
-    const double radius = tree.nearest_triangles(point, nearest, count);
-    ASSERT_EQ(count, nearest.size());
-    const double exact = brute_force(mesh, point).distance_m;
-    EXPECT_NEAR(nearest.front().distance_m, exact, 2e-6);
-    EXPECT_EQ(radius, nearest.back().distance_m);
+  int certain = 0;
+  int asked = 0;
+  for (const Vec3& way : random_points(1, 200)) {
+    const Vec3 place = (0.1 + 0.002 * way.x()) * way.normalized();
+    NearLeaves list;
+    tree.list_leaves(place, tree.closest_point(place)->distance_m + 0.008, list);
+    ASSERT_GT(list.count, 0U);
+    for (const double moved : {0.0, 1e-3, 3e-3}) {
+      const Vec3 point = place + moved * Vec3(way.y(), way.z(), way.x()).normalized();
+      ++asked;
+      certain += tree.closest_listed(point, list).certain ? 1 : 0;
+      EXPECT_FALSE(tree.closest_listed(place + Vec3(0, 0, 0.05), list).certain);
+    }
   }
+  EXPECT_EQ(certain, asked);
 }
 
 TEST(TriangleTree, PointsThatAreNotFiniteAreNowhere) {
