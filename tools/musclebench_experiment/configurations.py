@@ -79,7 +79,7 @@ def configurations() -> list[Configuration]:
     return [
         Configuration("null", replays=False),
         *_voxels(), *_sdfs(), *_fcls(),
-        Configuration("bvh", step_ms=4.0, build_seconds=0.5),
+        Configuration("bvh", step_ms=0.3, build_seconds=1.5),
         Configuration("brute_force", step_ms=60_000.0, in_quick=False),
     ]
 
