@@ -22,8 +22,11 @@ class CentredSurface {
   [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearLeaves& list) const;
   [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const;
+  [[nodiscard]] static ClosestPoint settled(const Vec3& /*point*/, const ClosestPoint& closest) { return closest; }
   /// Across a hole the side changes without a surface.
-  [[nodiscard]] double free_m(const ClosestPoint& closest) const { return closed() ? closest.distance_m : 0; }
+  [[nodiscard]] double free_m(const Vec3& /*point*/, const ClosestPoint& closest) const {
+    return closed() ? closest.distance_m : 0;
+  }
   [[nodiscard]] double near_m() const { return m_near_m; }
 
   /// Signed distance of a finite point, in metres; negative inside.

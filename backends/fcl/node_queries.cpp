@@ -26,7 +26,11 @@ Answer ask(const NodeSurface& surface, Query query, const Vec3& point) {
   if (closest.triangle < 0 || !surface.contains(point, closest)) {
     return {};
   }
-  return {closest.distance_m, surface.outward(point, closest)};
+  const ClosestPoint settled = query == Query::node_distance ? surface.settled(point, closest) : closest;
+  if (!surface.contains(point, settled)) {
+    return {};
+  }
+  return {settled.distance_m, surface.outward(point, settled)};
 }
 
 }  // namespace

@@ -22,8 +22,9 @@ constexpr double touching_share = 1e-12;
 /// Above the rounding of FCL's test of a sphere and a triangle.
 constexpr double sphere_slack = 1e-9;
 
-/// In sizes of a triangle. A larger sphere meets so many triangles that FCL's distance is the faster way.
-constexpr double largest_sphere = 6;
+/// In sizes of a triangle. FCL looks at all triangles in the box of a sphere, so that for a larger one its distance is
+/// the faster way.
+constexpr double largest_sphere = 2;
 /// What a list reaches beyond the closest triangle: about as far as its places do on a smooth surface.
 constexpr double list_reach = 2.5;
 
@@ -98,9 +99,24 @@ ClosestPoint NodeSurface::closest(const Vec3& point) const {
   fcl::DistanceResultd result;
   fcl::distance(m_model.get(), fcl::Transform3d::Identity(), &node, at(point), request, result);
   const int named = std::max(static_cast<int>(result.b1), 0);
-  // Where a point lies in a triangle, FCL 0.7 leaves that triangle's distance unset, and names another one or this one
-  // with any distance. FCL's collision is sound there, and no triangle that matters is farther than the one named.
-  return closest_within(point, std::sqrt(closest_on(point, named).squared_distance_m2), named);
+  const ClosestOnTriangle found = closest_on(point, named);
+  return {found.point, std::sqrt(found.squared_distance_m2), named, found.feature};
+}
+
+/// Where a point lies in a triangle, FCL 0.7 leaves that triangle's distance unset, and names another one or this one
+/// with any distance; and of several triangles at the same distance it names any. Its collision is sound in both cases.
+ClosestPoint NodeSurface::settled(const Vec3& point, const ClosestPoint& closest) const {
+  return closest_within(point, closest.distance_m, closest.triangle);
+}
+
+/// Across a hole the side changes without a surface.
+double NodeSurface::free_m(const Vec3& point, const ClosestPoint& closest) const {
+  if (!m_sides.closed() || !(closest.distance_m > m_touching_m)) {
+    return 0;
+  }
+  std::vector<int> touched;
+  meet(point, m_touching_m, touched);
+  return touched.empty() ? (1 - sphere_slack) * closest.distance_m : 0;
 }
 
 ClosestPoint NodeSurface::closest_from(const Vec3& point, int triangle) const {

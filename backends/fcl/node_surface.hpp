@@ -34,10 +34,8 @@ class NodeSurface {
   [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearTriangles& list) const;
   [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const;
-  /// Across a hole the side changes without a surface.
-  [[nodiscard]] double free_m(const ClosestPoint& closest) const {
-    return m_sides.closed() && closest.distance_m > m_touching_m ? closest.distance_m : 0;
-  }
+  [[nodiscard]] ClosestPoint settled(const Vec3& point, const ClosestPoint& closest) const;
+  [[nodiscard]] double free_m(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] double near_m() const { return m_triangle_size_m; }
 
   /// The closest triangle that a sphere of `node_radius_m` about `point` meets; its index is -1 where it meets none.

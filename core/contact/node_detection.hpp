@@ -23,7 +23,9 @@ namespace musclebench {
 /// list)`
 ///   fills it, `ListedClosest closest_listed(point, list)` uses it.
 /// - `bool contains(point, closest)`; `Vec3 outward(point, closest)`: unit, for a point that it contains.
-/// - `double free_m(closest)`: about a point that it does not contain, how far it contains nothing.
+/// - `ClosestPoint settled(point, closest)`: what `closest` and `closest_from` found, to the bit what any other way of
+///   finding it gives; asked for contacts only, and contained or not anew.
+/// - `double free_m(point, closest)`: about a point that it does not contain, how far it contains nothing.
 /// - `double near_m()`: closer to the surface than this a list saves searches.
 template <typename Surface>
 class NodeDetection {
@@ -111,12 +113,15 @@ class NodeDetection {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
     double clearance_m = 0;
     if (!surface.is_outside(point, clearance_m)) {
-      const auto [closest, inside] = m_motion_budgets ? recall(bone, node, point) : search(surface, point);
-      if (inside) {
-        contact = {node, bone, closest.distance_m, surface.outward(point, closest)};
-        return true;
+      Answer answer = m_motion_budgets ? recall(bone, node, point) : search(surface, point);
+      if (answer.inside) {
+        answer.closest = answer.listed ? answer.closest : surface.settled(point, answer.closest);
+        if (answer.listed || surface.contains(point, answer.closest)) {
+          contact = {node, bone, answer.closest.distance_m, surface.outward(point, answer.closest)};
+          return true;
+        }
       }
-      clearance_m = surface.free_m(closest);
+      clearance_m = surface.free_m(point, answer.closest);
     }
     if (m_motion_budgets) {
       m_budgets.grant(bone, node, point, clearance_m);
@@ -127,11 +132,12 @@ class NodeDetection {
   struct Answer {
     ClosestPoint closest;
     bool inside = false;
+    bool listed = false;  ///< from a list, which leaves nothing to settle
   };
 
   static Answer search(const Surface& surface, const Vec3& point) {
     const ClosestPoint closest = surface.closest(point);
-    return {closest, surface.contains(point, closest)};
+    return {closest, surface.contains(point, closest), false};
   }
 
   /// What is remembered of a node and a bone.
@@ -148,7 +154,7 @@ class NodeDetection {
       const ListedClosest listed = surface.closest_listed(point, memory.near);
       memory.triangle = listed.closest.triangle;
       if (listed.certain) {
-        return {listed.closest, surface.contains(point, listed.closest)};
+        return {listed.closest, surface.contains(point, listed.closest), true};
       }
     }
     Answer answer;
