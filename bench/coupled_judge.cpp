@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/geometry/mesh_size.hpp"
 #include "core/measure/stuck_nodes.hpp"
 
 namespace musclebench {
@@ -18,14 +19,6 @@ std::vector<int> carriers_of(const Scene& scene, std::span<const BoundNode> boun
   return carriers;
 }
 
-double diagonal_m(const std::vector<Vec3>& points) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& point : points) {
-    box.extend(point);
-  }
-  return box.diagonal().norm();
-}
-
 }  // namespace
 
 CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_nodes, const Simulation& simulation)
@@ -33,7 +26,7 @@ CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_
       m_surface(scene.muscle.mesh.triangles, carriers_of(scene, bound_nodes), static_cast<int>(scene.bones.size())),
       m_bone_vertices(scene.bones, scene.muscle.mesh, carriers_of(scene, bound_nodes)),
       m_passages(static_cast<int>(scene.bones.size()), static_cast<int>(scene.muscle.mesh.vertices.size())),
-      m_floor_m(least_movement * diagonal_m(scene.muscle.mesh.vertices)) {
+      m_floor_m(least_movement * bounding_box(scene.muscle.mesh.vertices).diagonal().norm()) {
   // The state at rest is where passages start from; all memory that judging needs is taken on the way.
   LastDetection nothing;
   const auto poses = simulation.bone_poses();

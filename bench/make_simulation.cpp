@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/mesh_size.hpp"
 #include "core/geometry/surface_volume.hpp"
 
 namespace musclebench {
@@ -96,14 +97,9 @@ PreparedSimulation prepare_simulation(const Case& resolved, CollisionBackend& ba
 }
 
 double scene_diagonal_m(const Scene& scene) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& vertex : scene.muscle.mesh.vertices) {
-    box.extend(vertex);
-  }
+  Eigen::AlignedBox3d box = bounding_box(scene.muscle.mesh.vertices);
   for (const Bone& bone : scene.bones) {
-    for (const Vec3& vertex : bone.surface.mesh.vertices) {
-      box.extend(vertex);
-    }
+    box.extend(bounding_box(bone.surface.mesh.vertices));
   }
   return box.diagonal().norm();
 }

@@ -13,11 +13,11 @@ import time
 from pathlib import Path
 
 from musclebench_experiment.case import Places
-from musclebench_experiment.disk import DiskFull, free_bytes
+from musclebench_experiment.disk import free_bytes
 from musclebench_experiment.front import (
-    OneLineParser, Problem, check_data, check_positive, check_program, chosen_cores, end_by_interrupt,
+    OneLineParser, Problem, check_data, check_positive, check_program, chosen_cores, run_command,
 )
-from musclebench_experiment.out_folder import FolderInUse, claimed
+from musclebench_experiment.out_folder import claimed
 from musclebench_experiment.paper_cases import VERTICES
 from musclebench_experiment.pool import Limits, run_cases
 from musclebench_experiment.progress import duration
@@ -191,16 +191,8 @@ def measure_and_report(options) -> int:
 
 
 def main(arguments=None) -> int:
-    end_by_interrupt()
-    try:
-        return measure_and_report(parse_arguments(arguments))
-    except (Problem, DiskFull, FolderInUse, ResultProblem, OSError) as problem:
-        print(f"accuracy: {problem}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("\naccuracy: interrupted; complete cases are kept, unfinished ones removed (--report-only draws them)",
-              file=sys.stderr)
-        return 130
+    return run_command("accuracy", lambda: measure_and_report(parse_arguments(arguments)),
+                       "complete cases are kept, unfinished ones removed (--report-only draws them)", ResultProblem)
 
 
 if __name__ == "__main__":

@@ -9,12 +9,11 @@ from pathlib import Path
 
 from musclebench_experiment import paper_cases
 from musclebench_experiment.case import Places
-from musclebench_experiment.disk import DiskFull
 from musclebench_experiment.experiment import Experiment
 from musclebench_experiment.front import (
-    OneLineParser, Problem, check_data, check_positive, check_program, chosen_cores, end_by_interrupt,
+    OneLineParser, Problem, check_data, check_positive, check_program, chosen_cores, run_command,
 )
-from musclebench_experiment.out_folder import FolderInUse, claimed
+from musclebench_experiment.out_folder import claimed
 from musclebench_experiment.pool import Limits, run_cases
 from musclebench_report import figures, published, results, table_formats, tables
 
@@ -122,15 +121,8 @@ def run_and_report(options) -> int:
 
 
 def main(arguments=None) -> int:
-    end_by_interrupt()
-    try:
-        return run_and_report(parse_arguments(arguments))
-    except (Problem, DiskFull, FolderInUse, results.ResultProblem, OSError) as problem:
-        print(f"paper: {problem}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("\npaper: interrupted; complete runs are kept, unfinished ones removed", file=sys.stderr)
-        return 130
+    return run_command("paper", lambda: run_and_report(parse_arguments(arguments)),
+                       "complete runs are kept, unfinished ones removed", results.ResultProblem)
 
 
 if __name__ == "__main__":

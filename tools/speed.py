@@ -14,11 +14,10 @@ import sys
 from pathlib import Path
 
 from musclebench_experiment.case import Case, Places
-from musclebench_experiment.disk import DiskFull
 from musclebench_experiment.front import (
-    OneLineParser, Problem, check_data, check_positive, check_program, end_by_interrupt,
+    OneLineParser, Problem, check_data, check_positive, check_program, run_command,
 )
-from musclebench_experiment.out_folder import FolderInUse, claimed
+from musclebench_experiment.out_folder import claimed
 from musclebench_experiment.paper_cases import VERTICES
 from musclebench_experiment.pool import Limits, run_cases
 from musclebench_experiment.progress import duration
@@ -134,16 +133,8 @@ def measure_and_report(options) -> int:
 
 
 def main(arguments=None) -> int:
-    end_by_interrupt()
-    try:
-        return measure_and_report(parse_arguments(arguments))
-    except (Problem, DiskFull, FolderInUse, ResultProblem, OSError) as problem:
-        print(f"speed: {problem}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("\nspeed: interrupted; complete cases are kept, unfinished ones removed (--report-only shows them)",
-              file=sys.stderr)
-        return 130
+    return run_command("speed", lambda: measure_and_report(parse_arguments(arguments)),
+                       "complete cases are kept, unfinished ones removed (--report-only shows them)", ResultProblem)
 
 
 if __name__ == "__main__":

@@ -1,16 +1,10 @@
 #include "backends/bvh/centred_surface.hpp"
 
+#include "core/geometry/mesh_size.hpp"
+
 namespace musclebench {
 
 namespace {
-
-Eigen::AlignedBox3d box_of(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& vertex : mesh.vertices) {
-    box.extend(vertex);
-  }
-  return box;
-}
 
 RepairedMesh moved(RepairedMesh surface, const Vec3& by) {
   for (Vec3& vertex : surface.mesh.vertices) {
@@ -26,24 +20,15 @@ constexpr double list_reach = 2;
 /// Beyond this a square is not a number any more.
 constexpr double farthest_m = 1e100;
 
-/// As large as a triangle: that is how far the nearest few triangles reach.
-double near_distance_m(const TriangleMesh& mesh) {
-  double area = 0;
-  for (const Triangle& triangle : mesh.triangles) {
-    const auto corner = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(triangle[i])]; };
-    area += 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
-  }
-  return std::sqrt(area / static_cast<double>(mesh.triangles.size()));
-}
-
 }  // namespace
 
-CentredSurface::CentredSurface(const RepairedMesh& surface) : CentredSurface(surface, box_of(surface.mesh)) {}
+CentredSurface::CentredSurface(const RepairedMesh& surface)
+    : CentredSurface(surface, bounding_box(surface.mesh.vertices)) {}
 
 CentredSurface::CentredSurface(const RepairedMesh& surface, const Eigen::AlignedBox3d& box)
     : m_centre_m(box.center()),
       m_half_extents_m((box.max() - m_centre_m).cwiseMax(m_centre_m - box.min())),
-      m_near_m(near_distance_m(surface.mesh)),
+      m_near_m(mean_triangle_size_m(surface.mesh)),
       m_surface(moved(surface, -m_centre_m)) {}
 
 bool CentredSurface::is_outside(const Vec3& point, double& clearance_m) const {

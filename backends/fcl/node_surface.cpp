@@ -9,6 +9,7 @@
 #include <fcl/narrowphase/distance.h>
 
 #include "backends/fcl/fcl_model.hpp"
+#include "core/geometry/mesh_size.hpp"
 
 namespace musclebench {
 
@@ -34,14 +35,6 @@ fcl::Transform3d at(const Vec3& point) {
   return transform;
 }
 
-Eigen::AlignedBox3d box_of(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& vertex : mesh.vertices) {
-    box.extend(vertex);
-  }
-  return box;
-}
-
 /// Triangles that `closest_on_triangle` may answer too far away by more than rounding: their distance at one place says
 /// nothing about that at another.
 std::vector<bool> needles_of(const TriangleMesh& mesh) {
@@ -61,15 +54,6 @@ std::vector<bool> needles_of(const TriangleMesh& mesh) {
   return needles;
 }
 
-double mean_triangle_size_m(const TriangleMesh& mesh) {
-  double area = 0;
-  for (const Triangle& triangle : mesh.triangles) {
-    const auto corner = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(triangle[i])]; };
-    area += 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
-  }
-  return std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size())));
-}
-
 }  // namespace
 
 NodeSurface::NodeSurface(const FclOptions& options, const RepairedMesh& surface,
@@ -78,7 +62,7 @@ NodeSurface::NodeSurface(const FclOptions& options, const RepairedMesh& surface,
       m_sides(surface),
       m_model(std::move(model)),
       m_solver(to_fcl(options.narrow_phase)),
-      m_box(box_of(m_mesh)),
+      m_box(bounding_box(m_mesh.vertices)),
       m_needles(needles_of(m_mesh)),
       m_touching_m(m_box.isEmpty() ? 0 : touching_share * m_box.diagonal().norm()),
       m_node_radius_m(options.node_radius_m),

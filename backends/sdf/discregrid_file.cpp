@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-#include "backends/sdf/atomic_file.hpp"
+#include "backends/sdf/sealed_file.hpp"
 #include "backends/sdf/field_marks.hpp"
 #include "core/base/input_error.hpp"
 

@@ -8,6 +8,7 @@
 #include "backends/sdf/field_marks.hpp"
 #include "backends/sdf/node_distances.hpp"
 #include "core/base/input_error.hpp"
+#include "core/geometry/mesh_size.hpp"
 
 namespace musclebench {
 
@@ -22,18 +23,13 @@ constexpr int error_samples = 2000;
 }  // namespace
 
 GridShape grid_over(const TriangleMesh& mesh, const GridSettings& settings, const std::string& bone_name) {
-  Vec3 lower = mesh.vertices.front();
-  Vec3 upper = lower;
-  for (const Vec3& vertex : mesh.vertices) {
-    lower = lower.cwiseMin(vertex);
-    upper = upper.cwiseMax(vertex);
-  }
-  const Vec3 size = upper - lower;
+  const Eigen::AlignedBox3d box = bounding_box(mesh.vertices);
+  const Vec3 size = box.sizes();
   const double grown = settings.margin * size.norm();
   GridShape shape;
   if (settings.cell_size_m <= 0) {
     shape.cells.fill(settings.cells);
-    shape.lower_m = lower - Vec3::Constant(grown);
+    shape.lower_m = box.min() - Vec3::Constant(grown);
     shape.cell_size_m = (size + Vec3::Constant(2 * grown)) / settings.cells;
     return shape;
   }
@@ -48,20 +44,14 @@ GridShape grid_over(const TriangleMesh& mesh, const GridSettings& settings, cons
     shape.cells[axis] = static_cast<std::int32_t>(wanted[static_cast<Eigen::Index>(axis)]);
   }
   shape.cell_size_m.setConstant(settings.cell_size_m);
-  shape.lower_m = 0.5 * (lower + upper) - 0.5 * settings.cell_size_m * wanted;
+  shape.lower_m = box.center() - 0.5 * settings.cell_size_m * wanted;
   return shape;
 }
 
 void require_sensible_band(double band_m, const GridShape& shape, const TriangleMesh& mesh,
                            const std::string& bone_name) {
-  Vec3 lower = mesh.vertices.front();
-  Vec3 upper = lower;
-  for (const Vec3& vertex : mesh.vertices) {
-    lower = lower.cwiseMin(vertex);
-    upper = upper.cwiseMax(vertex);
-  }
   const double narrowest = shape.cell_size_m.norm();
-  const double widest = (upper - lower).norm();
+  const double widest = bounding_box(mesh.vertices).diagonal().norm();
   if (!(band_m >= narrowest && band_m <= widest)) {
     throw InputError(
         fmt::format("sdf: band_m ({})", bone_name),

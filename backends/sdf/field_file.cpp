@@ -6,36 +6,30 @@
 #include <fstream>
 #include <span>
 #include <string_view>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
-#include "core/base/input_error.hpp"
+#include "backends/sdf/sealed_file.hpp"
 #include "core/base/sha256.hpp"
 
 namespace musclebench {
 
 namespace {
 
-using Digest = std::array<char, 64>;
-
 /// Raise when the meaning of a field's bytes changes.
 constexpr std::uint32_t format_version = 2;
-constexpr std::uint32_t byte_order_mark = 0x01020304;
-constexpr std::array<char, 8> magic{'M', 'B', 'F', 'I', 'E', 'L', 'D', '\0'};
+constexpr FileMark file_mark{{'M', 'B', 'F', 'I', 'E', 'L', 'D', '\0'}, FileMark{}.byte_order, format_version};
 
 struct Header {
-  std::array<char, 8> name = magic;
-  std::uint32_t byte_order = byte_order_mark;
-  std::uint32_t version = format_version;
+  FileMark mark = file_mark;
   std::array<double, 3> lower_m{};
   std::array<double, 3> cell_size_m{};
   std::array<std::int32_t, 3> cells{};
   std::uint32_t bytes_per_value = 0;  ///< 2: compact records
   double band_m = 0;
   FieldFacts facts;
-  Digest surface{};
-  Digest content{};  ///< of the header with this field zero, all that follows
+  FileDigest surface{};
+  FileDigest content{};  ///< of the header with this field zero, all that follows
 };
 static_assert(sizeof(Header) == 8 + 8 + 48 + 16 + 8 + 56 + 128, "written as it stands: there must be no padding");
 
@@ -54,12 +48,6 @@ void for_each_part_of_band(Band& band, const Visit& visit) {
   visit(band.far_bounds_m());
 }
 
-Digest as_digest(const std::string& text) {
-  Digest digest{};
-  std::copy_n(text.begin(), std::min(text.size(), digest.size()), digest.begin());
-  return digest;
-}
-
 Header header_of(const GridShape& shape, const FieldSettings& settings, const std::string& digest) {
   Header header;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -69,11 +57,11 @@ Header header_of(const GridShape& shape, const FieldSettings& settings, const st
   header.cells = shape.cells;
   header.bytes_per_value = static_cast<std::uint32_t>(settings.precision);
   header.band_m = settings.band_m;
-  header.surface = as_digest(digest);
+  header.surface = as_file_digest(digest);
   return header;
 }
 
-Digest content_digest(Header header, const CubicField& field) {
+FileDigest content_digest(Header header, const CubicField& field) {
   header.content.fill('\0');
   Sha256 hash;
   hash.add(std::as_bytes(std::span(&header, 1)));
@@ -82,18 +70,12 @@ Digest content_digest(Header header, const CubicField& field) {
     for_each_part_of_band(*field.band(), add);
   }
   for_each_part(field, add);
-  return as_digest(hash.hex_digest());
+  return as_file_digest(hash.hex_digest());
 }
 
 std::string first_difference(const Header& found, const Header& wanted) {
-  if (found.name != wanted.name) {
-    return "is not a field file";
-  }
-  if (found.byte_order != wanted.byte_order) {
-    return "was written on a machine of another byte order";
-  }
-  if (found.version != wanted.version) {
-    return fmt::format("has format version {}, this program reads {}", found.version, wanted.version);
+  if (const std::string mark = first_difference(found.mark, wanted.mark, "a field file"); !mark.empty()) {
+    return mark;
   }
   if (found.bytes_per_value != wanted.bytes_per_value) {
     return fmt::format("holds values of {} bytes, wanted are {}", found.bytes_per_value, wanted.bytes_per_value);
@@ -114,16 +96,9 @@ std::string first_difference(const Header& found, const Header& wanted) {
   return "";
 }
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason) {
-  throw InputError(path.string(), reason + "; remove the file or name another folder in `structures`");
-}
-
 void write_all(std::ostream& out, const Header& header, const CubicField& field) {
-  const auto write = [&](std::span<const std::byte> bytes) {
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  };
-  write(std::as_bytes(std::span(&header, 1)));
-  const auto write_range = [&](const auto& range) { write(std::as_bytes(std::span(range))); };
+  write_bytes(out, std::as_bytes(std::span(&header, 1)));
+  const auto write_range = [&](const auto& range) { write_bytes(out, std::as_bytes(std::span(range))); };
   if (field.band()) {
     for_each_part_of_band(*field.band(), write_range);
   }
@@ -142,29 +117,10 @@ std::string surface_digest(const RepairedMesh& surface) {
 }
 
 void save_field(const CubicField& field, const std::string& digest, const std::filesystem::path& path) {
-  std::error_code error;
-  if (path.has_parent_path()) {
-    std::filesystem::create_directories(path.parent_path(), error);
-  }
   Header header = header_of(field.shape(), {field.precision(), field.band() ? field.band()->width_m() : 0.0}, digest);
   header.facts = field.facts();
   header.content = content_digest(header, field);
-  const std::filesystem::path temporary = path.string() + fmt::format(".{}.part", getpid());
-  bool written = false;
-  {
-    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-    write_all(out, header, field);
-    out.close();
-    written = out.good();
-  }
-  if (written) {
-    std::filesystem::rename(temporary, path, error);
-  }
-  if (!written || error) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw InputError(path.string(), "cannot be written; is the folder writable and is there room on the disk?");
-  }
+  write_atomically(path, [&](std::ostream& out) { write_all(out, header, field); });
 }
 
 std::optional<CubicField> load_field(const std::filesystem::path& path, const std::string& digest,
@@ -181,10 +137,10 @@ std::optional<CubicField> load_field(const std::filesystem::path& path, const st
   Header found;
   const bool header_read = read(std::as_writable_bytes(std::span(&found, 1)));
   if (!header_read) {
-    refuse(path, in.is_open() ? "is too short for a field file" : "cannot be read");
+    refuse_structure(path, in.is_open() ? "is too short for a field file" : "cannot be read");
   }
   if (const std::string difference = first_difference(found, header_of(shape, settings, digest)); !difference.empty()) {
-    refuse(path, difference);
+    refuse_structure(path, difference);
   }
   bool complete = true;
   const auto read_range = [&](auto& range) { complete = complete && read(std::as_writable_bytes(std::span(range))); };
@@ -199,13 +155,13 @@ std::optional<CubicField> load_field(const std::filesystem::path& path, const st
   for_each_part(field, read_range);
   field.facts() = found.facts;
   if (!complete) {
-    refuse(path, "is truncated");
+    refuse_structure(path, "is truncated");
   }
   if (in.peek() != std::ifstream::traits_type::eof()) {
-    refuse(path, "goes on after its end");
+    refuse_structure(path, "goes on after its end");
   }
   if (content_digest(found, field) != found.content) {
-    refuse(path, "is damaged: its checksum does not fit");
+    refuse_structure(path, "is damaged: its checksum does not fit");
   }
   return field;
 }

@@ -10,6 +10,7 @@
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/base/system_memory.hpp"
+#include "core/geometry/mesh_size.hpp"
 
 namespace musclebench {
 
@@ -297,13 +298,8 @@ class OctreeBuilder {
 
 OctreeField build_octree(const SignedSurface& surface, const TriangleMesh& mesh, const OctreeSettings& settings,
                          const std::string& bone_name, int threads, const BuildProgress& progress) {
-  Vec3 lower = mesh.vertices.front();
-  Vec3 upper = lower;
-  for (const Vec3& vertex : mesh.vertices) {
-    lower = lower.cwiseMin(vertex);
-    upper = upper.cwiseMax(vertex);
-  }
-  const double diagonal_m = (upper - lower).norm();
+  const Eigen::AlignedBox3d box = bounding_box(mesh.vertices);
+  const double diagonal_m = box.diagonal().norm();
   const double wanted_m = settings.max_error_m;
   if (!(wanted_m >= finest_wanted * diagonal_m && wanted_m <= coarsest_wanted * diagonal_m)) {
     throw InputError(fmt::format("sdf: max_error_mm ({})", bone_name),
@@ -313,12 +309,12 @@ OctreeField build_octree(const SignedSurface& surface, const TriangleMesh& mesh,
   const double near_m = settings.near_m > 0 ? settings.near_m : near_share * diagonal_m;
   OctreeShape shape;
   shape.root_edge_m = root_edge_near * near_m;
-  const Vec3 size = upper - lower + Vec3::Constant(2 * settings.margin * diagonal_m);
+  const Vec3 size = box.sizes() + Vec3::Constant(2 * settings.margin * diagonal_m);
   const Vec3 roots = (size / shape.root_edge_m).array().ceil().cwiseMax(1.0);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     shape.roots[axis] = static_cast<std::int32_t>(roots[static_cast<Eigen::Index>(axis)]);
   }
-  shape.lower_m = 0.5 * (lower + upper) - 0.5 * shape.root_edge_m * roots;
+  shape.lower_m = box.center() - 0.5 * shape.root_edge_m * roots;
   const OctreeDemand demand{wanted_m, near_m, finest_edge * shape.root_edge_m};
   return OctreeBuilder(surface, shape, demand, settings.memory_bytes, bone_name, threads).build(progress);
 }

@@ -8,6 +8,7 @@
 
 #include "core/base/input_error.hpp"
 #include "core/base/system_memory.hpp"
+#include "core/geometry/mesh_size.hpp"
 #include "core/geometry/triangle_tree.hpp"
 
 namespace musclebench {
@@ -69,12 +70,9 @@ VoxelGrid::VoxelGrid(const TriangleMesh& surface, int cells, double voxel_size_m
 }
 
 void VoxelGrid::size_cells(const TriangleMesh& surface, int cells, double voxel_size_m) {
-  Vec3 lower = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 upper = -lower;
-  for (const Vec3& vertex : surface.vertices) {
-    lower = lower.cwiseMin(vertex);
-    upper = upper.cwiseMax(vertex);
-  }
+  const Eigen::AlignedBox3d box = bounding_box(surface.vertices);
+  const Vec3 lower = box.min();
+  const Vec3 upper = box.max();
   // A hair of room, so that no point of the surface is rounded out of the grid and no cell of a flat bone is empty.
   const Vec3 room = Vec3::Constant(1e-9 * (upper - lower).norm()) +
                     4 * std::numeric_limits<double>::epsilon() * lower.cwiseAbs().cwiseMax(upper.cwiseAbs());

@@ -16,6 +16,7 @@
 #include <benchmark/benchmark.h>
 
 #include "bench/scene_source.hpp"
+#include "core/geometry/mesh_size.hpp"
 #include "core/geometry/signed_surface.hpp"
 
 namespace musclebench {
@@ -65,10 +66,7 @@ const Points& near_points() {
 
 const Points& far_points() {
   static const Points made = [] {
-    Eigen::AlignedBox3d box;
-    for (const Vec3& vertex : bone_mesh().vertices) {
-      box.extend(vertex);
-    }
+    const Eigen::AlignedBox3d box = bounding_box(bone_mesh().vertices);
     std::mt19937 random(2);
     std::uniform_real_distribution<double> share(-0.5 * enlarged, 0.5 * enlarged);
     Points points;
@@ -89,10 +87,7 @@ Points shuffled(Points points) {
 
 /// Far points in an order in which neighbours are close: along a Morton curve.
 Points along_curve(Points points) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& point : points) {
-    box.extend(point);
-  }
+  const Eigen::AlignedBox3d box = bounding_box(points);
   const auto key = [&](const Vec3& point) {
     const Vec3 relative = (point - box.min()).cwiseQuotient(box.sizes());
     std::uint32_t bits = 0;

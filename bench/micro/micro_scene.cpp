@@ -5,18 +5,11 @@
 #include <random>
 
 #include "bench/scene_source.hpp"
+#include "core/geometry/mesh_size.hpp"
 
 namespace musclebench {
 
 namespace {
-
-Eigen::AlignedBox3d box_of(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& vertex : mesh.vertices) {
-    box.extend(vertex);
-  }
-  return box;
-}
 
 bool knows(const BackendEntry& entry, const std::string& parameter) {
   return std::any_of(entry.parameters.begin(), entry.parameters.end(),
@@ -35,7 +28,7 @@ const Scene& micro_scene() {
 
 std::vector<Vec3> points_near(const Bone& bone, std::size_t count) {
   const std::vector<Vec3>& vertices = micro_scene().muscle.mesh.vertices;
-  const Eigen::AlignedBox3d box = box_of(bone.surface.mesh);
+  const Eigen::AlignedBox3d box = bounding_box(bone.surface.mesh.vertices);
   std::mt19937 random(1);
   std::normal_distribution<double> jitter(0, 0.002);
   std::vector<Vec3> points;
@@ -49,7 +42,7 @@ std::vector<Vec3> points_near(const Bone& bone, std::size_t count) {
 }
 
 std::vector<Vec3> points_far(const Bone& bone, std::size_t count) {
-  const Eigen::AlignedBox3d box = box_of(bone.surface.mesh);
+  const Eigen::AlignedBox3d box = bounding_box(bone.surface.mesh.vertices);
   std::mt19937 random(2);
   std::uniform_real_distribution<double> share(-0.05, 1.05);
   std::vector<Vec3> points;

@@ -5,6 +5,8 @@
 #include <cassert>
 #include <cstddef>
 
+#include "core/geometry/mesh_size.hpp"
+
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -143,10 +145,7 @@ static_assert(MotionBudgets::room_behind >= sweep_lanes);
 static_assert(sizeof(Vec3) == 3 * sizeof(double), "positions are read as a row of numbers");
 
 Vec3 middle_of(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& vertex : mesh.vertices) {
-    box.extend(vertex);
-  }
+  const Eigen::AlignedBox3d box = bounding_box(mesh.vertices);
   return box.isEmpty() ? Vec3(Vec3::Zero()) : Vec3(box.center());
 }
 

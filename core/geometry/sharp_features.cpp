@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geometry/mesh_edges.hpp"
+#include "core/geometry/mesh_size.hpp"
 
 namespace musclebench {
 
@@ -71,14 +72,6 @@ double mean_edge_m(const TriangleMesh& mesh, const MeshEdges& edges) {
   return edges.count() > 0 ? sum / edges.count() : 0;
 }
 
-double diagonal_m(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& vertex : mesh.vertices) {
-    box.extend(vertex);
-  }
-  return box.diagonal().norm();
-}
-
 }  // namespace
 
 SharpFeatures::SharpFeatures(const TriangleMesh& mesh, double turn_rad) {
@@ -90,7 +83,7 @@ SharpFeatures::SharpFeatures(const TriangleMesh& mesh, double turn_rad) {
   m_edges = static_cast<int>(features.triangles.size());
   m_vertices = static_cast<int>(vertices.size());
   features.triangles.insert(features.triangles.end(), vertices.begin(), vertices.end());
-  m_radius_m = std::min(mean_edge_m(mesh, edges), largest_radius_share * diagonal_m(mesh));
+  m_radius_m = std::min(mean_edge_m(mesh, edges), largest_radius_share * bounding_box(mesh.vertices).diagonal().norm());
   if (!features.triangles.empty()) {
     m_features.emplace(features);
   }

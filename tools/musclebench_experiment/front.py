@@ -3,7 +3,12 @@
 import argparse
 import os
 import signal
+import sys
+from collections.abc import Callable
 from pathlib import Path
+
+from .disk import DiskFull
+from .out_folder import FolderInUse
 
 
 class Problem(Exception):
@@ -47,3 +52,17 @@ def end_by_interrupt() -> None:
     """Being terminated ends a command as Ctrl-C does: tidily."""
     # Not the handler of SIGINT: a shell without job control has its background jobs ignore that signal.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+
+
+def run_command(name: str, work: Callable[[], int], interrupted: str, *problems: type[Exception]) -> int:
+    """The exit code: that of `work`; 2 with one line for what it can't go on with, `problems` of its own among it; 130
+    when it was interrupted, with the words that say what is kept."""
+    end_by_interrupt()
+    try:
+        return work()
+    except (Problem, DiskFull, FolderInUse, OSError, *problems) as problem:
+        print(f"{name}: {problem}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print(f"\n{name}: interrupted; {interrupted}", file=sys.stderr)
+        return 130

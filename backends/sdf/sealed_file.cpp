@@ -1,0 +1,63 @@
+#include "backends/sdf/sealed_file.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "core/base/input_error.hpp"
+
+namespace musclebench {
+
+FileDigest as_file_digest(const std::string& text) {
+  FileDigest digest{};
+  std::copy_n(text.begin(), std::min(text.size(), digest.size()), digest.begin());
+  return digest;
+}
+
+std::string first_difference(const FileMark& found, const FileMark& wanted, const std::string& kind) {
+  if (found.name != wanted.name) {
+    return "is not " + kind;
+  }
+  if (found.byte_order != wanted.byte_order) {
+    return "was written on a machine of another byte order";
+  }
+  if (found.version != wanted.version) {
+    return fmt::format("has format version {}, this program reads {}", found.version, wanted.version);
+  }
+  return "";
+}
+
+void refuse_structure(const std::filesystem::path& path, const std::string& reason) {
+  throw InputError(path.string(), reason + "; remove the file or name another folder in `structures`");
+}
+
+void write_bytes(std::ostream& out, std::span<const std::byte> bytes) {
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+void write_atomically(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write) {
+  std::error_code error;
+  if (path.has_parent_path()) {
+    std::filesystem::create_directories(path.parent_path(), error);
+  }
+  const std::filesystem::path temporary = path.string() + fmt::format(".{}.part", getpid());
+  bool written = false;
+  {
+    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
+    write(out);
+    out.close();
+    written = out.good();
+  }
+  if (written) {
+    std::filesystem::rename(temporary, path, error);
+  }
+  if (!written || error) {
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    throw InputError(path.string(), "cannot be written; is the folder writable and is there room on the disk?");
+  }
+}
+
+}  // namespace musclebench

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <span>
+
+#include "core/geometry/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// The smallest axis-parallel box about the points; empty for none.
+Eigen::AlignedBox3d bounding_box(std::span<const Vec3> points);
+
+/// Root of the mean area of the triangles, in metres; 0 for none.
+double mean_triangle_size_m(const TriangleMesh& mesh);
+
+}  // namespace musclebench
