@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "bench/make_simulation.hpp"
+#include "core/base/huge_pages.hpp"
 #include "core/base/sha256.hpp"
 
 namespace musclebench {
@@ -44,6 +45,7 @@ class Replayer {
     m_result.build_ns = built.build_ns;
     m_result.structure_bytes = m_backend->structure_bytes();
     m_result.structures_loaded = m_backend->built_from_file();
+    move_to_huge_pages();
 
     ask_twice();
     return std::move(m_result);

@@ -10,6 +10,7 @@
 #include "bench/coupled_judge.hpp"
 #include "bench/divergence.hpp"
 #include "bench/make_simulation.hpp"
+#include "core/base/huge_pages.hpp"
 #include "core/base/sha256.hpp"
 #include "core/base/system_memory.hpp"
 #include "core/geometry/surface_volume.hpp"
@@ -63,13 +64,14 @@ class CaseRunner {
     m_result.rest_volume_m3 = surface_volume_m3(m_scene.muscle.mesh.vertices, m_scene.muscle.mesh.triangles);
     m_result.records.reserve(static_cast<std::size_t>(std::min(m_scene.loop.frames, 100000)));
     malloc_trim(0);  // what only the building needed shall not count as the structures' memory
-    m_result.memory_before_bytes = resident_memory_bytes();
     if (m_run.judge) {
+      const std::size_t before_bytes = resident_memory_bytes();
       m_judge = std::make_unique<CoupledJudge>(m_scene, m_result.bound_nodes, *m_simulation);
       malloc_trim(0);
-      m_result.referee_bytes =
-          resident_memory_bytes() - std::min(resident_memory_bytes(), m_result.memory_before_bytes);
+      m_result.referee_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_bytes);
     }
+    move_to_huge_pages();
+    m_result.memory_before_bytes = memory_without_referee_bytes();
   }
 
   /// The judge is the harness's; only the rest is what the simulation needs.

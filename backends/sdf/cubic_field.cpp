@@ -6,7 +6,6 @@
 #include <span>
 #include <utility>
 
-#include "core/base/huge_pages.hpp"
 
 namespace musclebench {
 
@@ -47,9 +46,6 @@ void CubicField::allocate(std::size_t values, std::size_t records) {
       break;
   }
   m_negative.resize(m_shape.mask_words());
-  prefer_huge_pages(std::as_bytes(std::span(m_single)));
-  prefer_huge_pages(std::as_bytes(std::span(m_double)));
-  prefer_huge_pages(std::as_bytes(std::span(m_compact)));
 }
 
 double CubicField::bytes_needed(const GridShape& shape, FieldPrecision precision) {

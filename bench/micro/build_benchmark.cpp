@@ -5,6 +5,7 @@
 #include "backends/sdf/field_builder.hpp"
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
+#include "core/base/huge_pages.hpp"
 #include "core/base/input_error.hpp"
 
 namespace musclebench {
@@ -15,6 +16,7 @@ constexpr int cells = 64;
 void sdf_build_a_node(benchmark::State& state, const Bone& bone, int threads) {
   const SignedSurface surface(bone.surface);
   const GridShape shape = grid_over(bone.surface.mesh, {.cells = cells}, bone.name);
+  move_to_huge_pages();
   for (auto _ : state) {
     const CubicField field = build_field(surface, shape, FieldPrecision::single_precision, threads);
     benchmark::DoNotOptimize(field.bytes());

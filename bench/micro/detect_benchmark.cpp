@@ -8,6 +8,7 @@
 
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
+#include "core/base/huge_pages.hpp"
 
 namespace musclebench {
 namespace {
@@ -49,6 +50,7 @@ void detect(benchmark::State& state, const std::string& name, int threads) {
   CollisionBackend& backend = kept_backend(name, threads);
   std::vector<Contact> contacts;
   backend.update(nodes().poses, nodes().positions);
+  move_to_huge_pages();
   for (auto _ : state) {
     backend.detect(nodes().positions, nodes().all, contacts);
     benchmark::DoNotOptimize(contacts.data());

@@ -16,6 +16,7 @@
 #include <benchmark/benchmark.h>
 
 #include "bench/scene_source.hpp"
+#include "core/base/huge_pages.hpp"
 #include "core/geometry/mesh_size.hpp"
 #include "core/geometry/signed_surface.hpp"
 
@@ -230,6 +231,7 @@ const EmbreeSurface& embree() {
 template <typename Query>
 void ask(benchmark::State& state, const Points& points, Query&& query) {
   std::size_t next = 0;
+  move_to_huge_pages();
   for (auto _ : state) {
     benchmark::DoNotOptimize(query(points[next]));
     next = next + 1 < points.size() ? next + 1 : 0;

@@ -13,6 +13,7 @@
 #include "backends/voxel/voxel_grid.hpp"
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
+#include "core/base/huge_pages.hpp"
 #include "core/geometry/signed_surface.hpp"
 
 namespace musclebench {
@@ -45,6 +46,7 @@ void ask_batches(benchmark::State& state, const std::vector<Vec3>& points, const
     state.SkipWithError("the muscle is nowhere near this bone");
     return;
   }
+  move_to_huge_pages();
   for (auto _ : state) {
     for (std::size_t first = 0; first < points.size(); first += batch_size) {
       query(std::span(points).subspan(first, std::min(batch_size, points.size() - first)));

@@ -12,6 +12,7 @@
 
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
+#include "core/base/huge_pages.hpp"
 #include "core/geometry/shapes.hpp"
 #include "core/geometry/signed_surface.hpp"
 #include "core/geometry/surface_sampler.hpp"
@@ -93,6 +94,7 @@ void run_steps(benchmark::State& state, CollisionBackend& backend, const std::ve
     backend.detect(moving.positions(), moving.nodes(), contacts);
   };
   step();  // the first finds nothing that it could build upon
+  move_to_huge_pages();
   for (auto _ : state) {
     taken_ns = 0;
     step();
@@ -158,6 +160,7 @@ void bvh_locate(benchmark::State& state) {
   const SignedSurface surface(knobbly_bone(subdivisions_for(state.range(0))).surface);
   const std::vector<Vec3>& points = points_at_knobbly_bone();
   double sum = 0;
+  move_to_huge_pages();
   for (auto _ : state) {
     for (const Vec3& point : points) {
       sum += surface.locate(point).signed_distance_m();

@@ -1,25 +1,65 @@
 #include "core/base/huge_pages.hpp"
 
-#include <cstdint>
 #ifdef __linux__
+#include <cinttypes>
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <string>
 #include <sys/mman.h>
+#include <vector>
 #endif
 
 namespace musclebench {
 
-void prefer_huge_pages([[maybe_unused]] std::span<const std::byte> memory) {
 #ifdef __linux__
+
+namespace {
+
+struct AddressRange {
+  std::uintptr_t begin = 0;
+  std::uintptr_t end = 0;
+};
+
+/// Written by this process alone and backed by no file: its heap. Stacks grow by themselves and are left alone.
+std::vector<AddressRange> heap_ranges() {
+  std::vector<AddressRange> ranges;
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    AddressRange range;
+    char permissions[5] = {};
+    unsigned long long inode = 1;
+    int name = 0;
+    const int fields = std::sscanf(line.c_str(), "%" SCNxPTR "-%" SCNxPTR " %4s %*x %*s %llu %n", &range.begin,
+                                   &range.end, permissions, &inode, &name);
+    const bool is_heap = fields == 4 && inode == 0 && std::string(permissions) == "rw-p" &&
+                         (name == static_cast<int>(line.size()) || line.substr(name) == "[heap]");
+    if (is_heap) {
+      ranges.push_back(range);
+    }
+  }
+  return ranges;
+}
+
+}  // namespace
+
+void move_to_huge_pages() {
   constexpr std::uintptr_t page = std::uintptr_t{2} << 20U;
   constexpr int collapse_now = 25;  // MADV_COLLAPSE of Linux 6.1, which older headers don't name
-  const auto begin = reinterpret_cast<std::uintptr_t>(memory.data());
-  const std::uintptr_t first = (begin + page - 1) / page * page;
-  const std::uintptr_t last = (begin + memory.size()) / page * page;
-  if (first < last) {
-    auto* start = reinterpret_cast<void*>(first);  // NOLINT(performance-no-int-to-ptr): aligned by hand
-    (void)madvise(start, last - first, MADV_HUGEPAGE);
-    (void)madvise(start, last - first, collapse_now);
+  for (const AddressRange& range : heap_ranges()) {
+    const std::uintptr_t first = (range.begin + page - 1) / page * page;
+    const std::uintptr_t last = range.end / page * page;
+    for (std::uintptr_t address = first; address < last; address += page) {
+      auto* start = reinterpret_cast<void*>(address);  // NOLINT(performance-no-int-to-ptr): aligned by hand
+      (void)madvise(start, page, collapse_now);
+    }
   }
-#endif
 }
+
+#else
+
+void move_to_huge_pages() {}
+
+#endif
 
 }  // namespace musclebench

@@ -1,13 +1,12 @@
 #pragma once
 
-#include <cstddef>
-#include <span>
-
 namespace musclebench {
 
-/// Asks the system to hold `memory`, which is written already, in pages of 2 MiB where it can. Queries that jump about
-/// in megabytes otherwise wait for the page table nearly as long as for the data. A wish: where it is not granted
-/// (another system, too little memory) nothing changes. Memory that is smaller than such a page is left as it is.
-void prefer_huge_pages(std::span<const std::byte> memory);
+/// Asks the system to hold what this process has allocated so far in pages of 2 MiB, where it can. Queries and
+/// constraints that jump about in megabytes otherwise wait for the page table nearly as long as for the data. It is
+/// asked once for the whole process, between building and the first frame, and not array by array: arrays of less than
+/// 2 MiB and the ends of larger ones lie in one page with their neighbours, and every backend is treated alike. A wish:
+/// where it is not granted (another system, too little memory) nothing changes.
+void move_to_huge_pages();
 
 }  // namespace musclebench

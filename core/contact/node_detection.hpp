@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "core/base/huge_pages.hpp"
 #include "core/contact/collision_backend.hpp"
 #include "core/contact/motion_budgets.hpp"
 #include "core/geometry/triangle_tree.hpp"
@@ -75,7 +74,6 @@ class NodeDetection {
     }
     m_budgets.reset(m_bones, nodes);
     m_memories.assign(m_surfaces.size() * nodes, {});
-    prefer_huge_pages(std::as_bytes(std::span(m_memories)));
   }
 
   void list_all(std::size_t count) {

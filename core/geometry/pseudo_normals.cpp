@@ -8,7 +8,6 @@
 
 #include <Eigen/Geometry>
 
-#include "core/base/huge_pages.hpp"
 
 namespace musclebench {
 
@@ -63,10 +62,6 @@ PseudoNormals::PseudoNormals(const TriangleMesh& mesh)
       m_of_vertex[static_cast<std::size_t>(triangle[i])] += angle * m_of_face.back();
     }
   }
-  prefer_huge_pages(std::as_bytes(std::span(m_triangles)));
-  prefer_huge_pages(std::as_bytes(std::span(m_of_face)));
-  prefer_huge_pages(std::as_bytes(std::span(m_of_vertex)));
-  prefer_huge_pages(std::as_bytes(std::span(m_neighbour)));
 }
 
 Vec3 PseudoNormals::at(int triangle, Feature feature) const {

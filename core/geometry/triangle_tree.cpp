@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/huge_pages.hpp"
 #include "core/geometry/triangle_tree_builder.hpp"
 #include "core/geometry/triangle_tree_search.hpp"
 
@@ -62,9 +61,6 @@ struct TriangleTree::Search : TreeSearch {
 TriangleTree::TriangleTree(const TriangleMesh& mesh) {
   if (!mesh.triangles.empty()) {
     TriangleTreeBuilder(mesh, *this).build();
-    prefer_huge_pages(std::as_bytes(std::span(m_nodes)));
-    prefer_huge_pages(std::as_bytes(std::span(m_leaves)));
-    prefer_huge_pages(std::as_bytes(std::span(m_corners)));
   }
 }
 

@@ -1,0 +1,64 @@
+#include "core/base/huge_pages.hpp"
+
+#include <cinttypes>
+#include <cstddef>
+#include <cstdio>
+#include <fstream>
+#include <numeric>
+#include <string>
+#include <sys/mman.h>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace musclebench {
+namespace {
+
+/// kB of the mapping about `address` that are in huge pages, by the system's own account; -1 where it gives none.
+long huge_kilobytes_about(std::uintptr_t address) {
+  std::ifstream maps("/proc/self/smaps");
+  bool is_it = false;
+  for (std::string line; std::getline(maps, line);) {
+    std::uintptr_t begin = 0;
+    std::uintptr_t end = 0;
+    long kilobytes = 0;
+    if (std::sscanf(line.c_str(), "%" SCNxPTR "-%" SCNxPTR " ", &begin, &end) == 2) {
+      is_it = begin <= address && address < end;
+    } else if (is_it && std::sscanf(line.c_str(), "AnonHugePages: %ld", &kilobytes) == 1) {
+      return kilobytes;
+    }
+  }
+  return -1;
+}
+
+/// Asks for a single one, by hand.
+bool grants_huge_pages() {
+  constexpr std::size_t page = std::size_t{2} << 20U;
+  auto* memory =
+      static_cast<std::byte*>(mmap(nullptr, 2 * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+  if (memory == MAP_FAILED) {
+    return false;
+  }
+  std::byte* start = memory + (page - reinterpret_cast<std::uintptr_t>(memory) % page) % page;
+  *start = std::byte{1};
+  const bool is_granted = madvise(start, page, 25 /* MADV_COLLAPSE */) == 0;
+  munmap(memory, 2 * page);
+  return is_granted;
+}
+
+TEST(HugePages, TakeOverWhatIsThereAndChangeNothing) {
+  std::vector<int> numbers(std::size_t{1} << 22U);  // 16 MiB
+  std::iota(numbers.begin(), numbers.end(), 0);
+  move_to_huge_pages();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    ASSERT_EQ(numbers[i], static_cast<int>(i));
+  }
+  const long kilobytes = huge_kilobytes_about(reinterpret_cast<std::uintptr_t>(numbers.data()));
+  if (!grants_huge_pages()) {
+    GTEST_SKIP() << "this system grants no pages of 2 MiB";
+  }
+  EXPECT_GE(kilobytes, 12 * 1024);
+}
+
+}  // namespace
+}  // namespace musclebench
