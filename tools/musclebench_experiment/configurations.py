@@ -4,19 +4,24 @@ Times are guesses for the LHDL iliacus (6,931 nodes, 2 bones) on one thread of a
 repetitions, deal the parts of a split study, and feed the progress bar, which corrects them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 VOXEL_CELLS = (16, 32, 64, 128, 256)
 VOXEL_EDGES_M = (8e-3, 4e-3, 2e-3, 1e-3)
 SDF_CELLS = (8, 16, 32, 64, 128)
 SDF_PRECISIONS = ("float", "double")
 SDF_EDGES_M = (8e-3, 4e-3, 2e-3)
+SDF_ADAPTIVE = (  # wanted error in mm, seconds to build, bytes
+    (0.3, 1.5, 1.2e6), (0.1, 2.4, 4.1e6), (0.05, 3.6, 9.8e6), (0.03, 6.4, 2.3e7), (0.01, 38.0, 1.6e8),
+)
+BUDGETS_BY_DEFAULT = {"sdf": "on", "bvh": "on"}
 QUICK_VOXELS = {"cells": (16, 64, 256), "voxel_size_m": (4e-3,)}
 QUICK_SDFS = {"cells": (16, 32, 64), "cell_size_m": (4e-3,)}
+QUICK_ADAPTIVE = (0.1,)
 
 BONES = 2
 BOXES_M3 = 0.0125  # of a pelvis and a femur together
-SDF_SECONDS_A_CELL = 2.3e-5
+SDF_SECONDS_A_CELL = 6e-6
 SDF_BYTES_A_CELL = 30  # float
 VOXEL_SECONDS_A_CELL = 1e-7
 
@@ -38,7 +43,8 @@ FCL = (
     (15, False, False, {"bounding_volume": "OBB", "update": "rebuild"}),
     (60, False, False, {"bounding_volume": "RSS", "update": "rebuild"}),
     (60, False, False, {"bounding_volume": "RSS", "update": "refit_top_down"}),
-    (87, True, True, {"query": "node_distance"}),
+    (87, True, False, {"query": "node_distance"}),
+    (0.5, True, True, {"query": "node_distance", "motion_budgets": "on"}),
     (82, False, False, {"query": "node_distance", "bounding_volume": "RSS"}),
     (85, False, False, {"query": "node_distance", "bounding_volume": "kIOS"}),
     (87, False, False, {"query": "node_distance", "manager": "none"}),
@@ -71,6 +77,11 @@ class Configuration:
         return "-".join([self.backend, *([",".join(words)] if words else [])])
 
     @property
+    def has_budgets(self) -> bool:
+        """Motion budgets are spent by motion: they are worth nothing where steps are left out."""
+        return dict(self.parameters).get("motion_budgets", BUDGETS_BY_DEFAULT.get(self.backend)) == "on"
+
+    @property
     def stores(self) -> bool:
         return self.stored_bytes > 0
 
@@ -78,8 +89,9 @@ class Configuration:
 def configurations() -> list[Configuration]:
     return [
         Configuration("null", replays=False),
-        *_voxels(), *_sdfs(), *_fcls(),
-        Configuration("bvh", step_ms=0.3, build_seconds=1.5),
+        *_voxels(), *_sdfs(), *_adaptive_sdfs(), *_fcls(),
+        Configuration("bvh", step_ms=0.3, build_seconds=0.7),
+        Configuration("bvh", (("motion_budgets", "off"),), step_ms=5.0, build_seconds=0.7),
         Configuration("brute_force", step_ms=60_000.0, in_quick=False),
     ]
 
@@ -93,15 +105,24 @@ def _voxels() -> list[Configuration]:
 def _sdfs() -> list[Configuration]:
     sizes = [("cells", cells, precision) for cells in SDF_CELLS for precision in SDF_PRECISIONS]
     sizes += [("cell_size_m", edge, "float") for edge in SDF_EDGES_M]
-    return [_sdf(key, size, precision) for key, size, precision in sizes]
+    cells_64 = _sdf("cells", 64, "float")
+    no_budgets = replace(cells_64, parameters=(*cells_64.parameters, ("motion_budgets", "off")), step_ms=0.1,
+                         stored_bytes=0.0, is_probed=False)  # the probe would be that of `cells_64`
+    return [*(_sdf(key, size, precision) for key, size, precision in sizes), no_budgets]
 
 
 def _sdf(key: str, size: float, precision: str) -> Configuration:
     cells, width = _cells(key, size), 2 if precision == "double" else 1
     return Configuration(
-        "sdf", ((key, size), ("precision", precision)), step_ms=0.15, build_seconds=SDF_SECONDS_A_CELL * cells,
+        "sdf", ((key, size), ("precision", precision)), step_ms=0.05, build_seconds=SDF_SECONDS_A_CELL * cells,
         stored_bytes=SDF_BYTES_A_CELL * width * cells, is_probed=True,
         in_quick=size in QUICK_SDFS[key] and (precision == "float" or size == 32))
+
+
+def _adaptive_sdfs() -> list[Configuration]:
+    return [Configuration("sdf", (("max_error_mm", error), ("precision", "float")), step_ms=0.05, build_seconds=seconds,
+                          stored_bytes=stored, is_probed=True, in_quick=error in QUICK_ADAPTIVE)
+            for error, seconds, stored in SDF_ADAPTIVE]
 
 
 def _fcls() -> list[Configuration]:

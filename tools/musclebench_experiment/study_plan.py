@@ -80,9 +80,12 @@ def _modes(scene: MuscleScene, configuration: Configuration, wishes: Wishes) -> 
 
 def stride_of(scene: MuscleScene, configuration: Configuration, seconds: float) -> int:
     """A power of two, so that the frames of a longer stride are among those of a shorter one; the same for all
-    configurations of a backend, so that their errors are of the same contacts."""
+    configurations of a backend, so that their errors are of the same contacts. With motion budgets all frames."""
+    if configuration.has_budgets:
+        return 1
     longest = LONGEST_STRIDE_OF.get(configuration.backend, LONGEST_STRIDE)
-    of_backend = [c for c in configurations() if c.backend == configuration.backend and c.replays]
+    of_backend = [c for c in configurations() if c.backend == configuration.backend and c.replays
+                  and not c.has_budgets]
     slowest = max([*of_backend, configuration], key=lambda c: c.step_ms)
     stride = 1
     while stride < longest and ReplayCase(scene, slowest, stride=stride).guessed_step_seconds > seconds:

@@ -74,6 +74,22 @@ def test_cubes_are_a_series_of_their_own_whatever_the_count_of_cells():
     assert cubes.fineness > configuration("voxel", {"voxel_size_m": 4e-3}).fineness
 
 
+def test_adaptive_cells_are_a_series_by_the_error_that_is_wanted():
+    adaptive = configuration("sdf", {"cells": 64, "cell_size_m": 0.0, "max_error_mm": 0.05})
+    assert adaptive.series == "sdf float adaptive" and adaptive.name == "sdf to 0.05 mm" and adaptive.cells is None
+    assert adaptive == configuration("sdf", {"max_error_mm": "0.05", "precision": "float"})
+    assert adaptive.fineness > configuration("sdf", {"max_error_mm": 0.3}).fineness
+
+
+def test_motion_budgets_make_a_curve_or_point_of_their_own():
+    assert configuration("sdf", {"motion_budgets": "on"}) == configuration("sdf", {})
+    assert configuration("sdf", {"motion_budgets": "off"}).series == "sdf float cells no budgets"
+    assert configuration("bvh", {"motion_budgets": "off"}).name == "bvh no budgets"
+    distance = {"query": "node_distance"}
+    assert configuration("fcl", distance | {"motion_budgets": "off"}).name == "fcl node distance"
+    assert configuration("fcl", distance | {"motion_budgets": "on"}).name == "fcl node distance, budgets"
+
+
 def test_names_tell_configurations_apart():
     made = [configuration(backend, truth.parameters, truth.threads)
             for backend, truth in fake_study.realistic_truths()]

@@ -36,12 +36,18 @@ def test_the_full_study_has_what_the_study_asks_for():
     firsts = [case for case in measured(FULL) if case.repetition == 0]
     count = Counter((case.mode, case.configuration.backend) for case in firsts)
     assert count["replay", "voxel"] == count["coupled", "voxel"] == count["probe", "voxel"] == 9
-    assert count["replay", "sdf"] == count["coupled", "sdf"] == count["probe", "sdf"] == 13
+    assert count["replay", "sdf"] == count["coupled", "sdf"] == 19 and count["probe", "sdf"] == 18
     assert count["replay", "fcl"] > 20 and count["coupled", "fcl"] > 20
-    assert count["replay", "bvh"] == count["coupled", "bvh"] == count["replay", "brute_force"] == 1
+    assert count["replay", "bvh"] == count["coupled", "bvh"] == 2 and count["replay", "brute_force"] == 1
     assert count["coupled", "null"] == 1 and count["replay", "null"] == 0
     cells = {dict(c.configuration.parameters).get("cells") for c in firsts if c.configuration.backend == "voxel"}
     assert {16, 32, 64, 128, 256} <= cells
+
+
+@pytest.mark.parametrize("backend", ["sdf", "bvh", "fcl"])
+def test_the_study_shows_runs_with_and_without_motion_budgets(backend):
+    chosen = [c.configuration for c in measured(FULL) if c.configuration.backend == backend]
+    assert {configuration.has_budgets for configuration in chosen} == {True, False}
 
 
 def test_repetitions_come_round_by_round_and_shuffled():
@@ -92,12 +98,14 @@ def test_strides_are_powers_of_two_that_keep_enough_frames(milliseconds):
     assert stride == 1 or ReplayCase(ILIACUS, configuration, stride=stride // 2).guessed_step_seconds > 12.0
 
 
-def test_all_configurations_of_a_backend_replay_the_same_frames():
+def test_configurations_of_a_backend_replay_the_same_frames_and_all_of_them_with_motion_budgets():
     strides = {}
     for case in plan(Wishes("lhdl", tuple(VERTICES))):
         if isinstance(case, ReplayCase):
-            strides.setdefault((case.scene.muscle, case.configuration.backend), set()).add(case.stride)
+            key = (case.scene.muscle, case.configuration.backend, case.configuration.has_budgets)
+            strides.setdefault(key, set()).add(case.stride)
     assert all(len(of_backend) == 1 for of_backend in strides.values())
+    assert all(of_backend == {1} for (_, _, has_budgets), of_backend in strides.items() if has_budgets)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 7, 500])

@@ -12,6 +12,7 @@ from musclebench_experiment import study_plan
 from musclebench_experiment.case import Places
 from musclebench_experiment.configurations import Configuration
 from musclebench_experiment.study_cases import ReplayCase
+from musclebench_report.accuracy.configurations import configuration
 
 PROGRAM = os.environ.get("MUSCLEBENCH_BINARY", "")
 pytestmark = pytest.mark.skipif(not PROGRAM, reason="MUSCLEBENCH_BINARY does not name the program (tools/test sets it)")
@@ -29,6 +30,17 @@ def test_the_program_takes_every_configuration(tmp_path):
         done = subprocess.run([PROGRAM, *case.arguments(Places(tmp_path))], capture_output=True, text=True, timeout=60)
         assert done.returncode == 2 and done.stderr.startswith(f"musclebench: {tmp_path / case.recording.file}:"), (
             f"{case.name}: {done.stderr}")
+
+
+@pytest.mark.parametrize("backend", ["null", "voxel", "sdf", "bvh", "fcl", "brute_force"])
+def test_what_the_program_does_by_default_needs_no_words_in_a_figure(tmp_path, backend):
+    done = subprocess.run([PROGRAM, "run", "synthetic/adductor_brevis", "--backend", backend, "--frames", "2",
+                           "--no-referee", "--out", str(tmp_path / "out")], capture_output=True, text=True, timeout=120)
+    if done.returncode == 2 and "not built" in done.stderr:
+        pytest.skip(done.stderr)
+    assert done.returncode == 0, done.stderr
+    case = json.loads((tmp_path / "out" / "run.json").read_text())["case"]
+    assert configuration(backend, case["parameters"]).is_default
 
 
 def test_a_small_study_comes_out_complete(tmp_path, monkeypatch, capfd):

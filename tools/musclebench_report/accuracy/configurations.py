@@ -5,13 +5,20 @@ from dataclasses import dataclass
 
 DEFAULTS = {
     "voxel": {"cells": 64, "voxel_size_m": 0},
-    "sdf": {"cells": 64, "cell_size_m": 0, "precision": "float", "margin": 0.001},
+    "sdf": {
+        "cells": 64, "cell_size_m": 0, "precision": "float", "band_m": 0, "max_error_mm": 0, "margin": 0.001,
+        "discregrid": "", "motion_budgets": "on",
+    },
+    "bvh": {"motion_budgets": "on"},
     "fcl": {
         "bounding_volume": "OBBRSS", "manager": "dynamic_aabb_tree", "update": "refit", "model": "replace",
         "query": "surfaces", "node_radius_m": 0.0005, "solver": "libccd",
+        "motion_budgets": "off",
     },
 }
 EDGE_OF_CUBES = {"voxel": "voxel_size_m", "sdf": "cell_size_m"}
+WANTED_ERROR = "max_error_mm"
+SIZES = {"cells", *EDGE_OF_CUBES.values(), WANTED_ERROR}
 NO_CHOICE = {"structures"}  # where fields are kept changes no answer and no time of a frame
 WORDS = {
     ("manager", "none"): "no manager", ("manager", "sweep_and_prune"): "sweep and prune",
@@ -19,6 +26,7 @@ WORDS = {
     ("model", "update"): "update model",
     ("query", "node_distance"): "node distance", ("query", "node_collide"): "node spheres",
     ("solver", "indep"): "own solver", ("precision", "double"): "double",
+    ("motion_budgets", "on"): "budgets", ("motion_budgets", "off"): "no budgets",
 }
 
 
@@ -39,8 +47,8 @@ class Configuration:
 
     @property
     def cells(self) -> int | None:
-        """Along each axis; None for cubes and for backends without a grid."""
-        if self.backend not in EDGE_OF_CUBES or self.cube_edge_m is not None:
+        """Along each axis; None for cubes, for adaptive cells and for backends without a grid."""
+        if self.backend not in EDGE_OF_CUBES or self.cube_edge_m is not None or self.wanted_error_mm is not None:
             return None
         return int(float(self.choice("cells")))
 
@@ -51,25 +59,32 @@ class Configuration:
         return edge if edge > 0 else None
 
     @property
+    def wanted_error_mm(self) -> float | None:
+        """Of adaptive cells."""
+        error = float(self.choice(WANTED_ERROR) or 0)
+        return error if error > 0 else None
+
+    @property
     def series(self) -> str | None:
         """Name of the curve over resolutions on which the configuration lies; None for a single point."""
         if self.backend not in EDGE_OF_CUBES:
             return None
         precision = f" {self.choice('precision')}" if self.backend == "sdf" else ""
-        told = ("cells", EDGE_OF_CUBES[self.backend], "precision")
-        others = [text for key, text in self._spoken() if key not in told]
-        kind = "cubes" if self.cube_edge_m is not None else "cells"
+        others = [text for key, text in self._spoken() if key not in SIZES and key != "precision"]
+        kind = "adaptive" if self.wanted_error_mm is not None else "cubes" if self.cube_edge_m is not None else "cells"
         return " ".join([f"{self.backend}{precision}", kind, *others])
 
     @property
     def fineness(self) -> float:
         """Grows with resolution along a series."""
-        edge = self.cube_edge_m
-        return 1.0 / edge if edge is not None else float(self.cells or 0)
+        size = self.wanted_error_mm or self.cube_edge_m
+        return 1.0 / size if size is not None else float(self.cells or 0)
 
     @property
     def short(self) -> str:
         """Resolution, or the choices that make the point."""
+        if self.wanted_error_mm is not None:
+            return f"to {self.wanted_error_mm:g} mm"
         if self.cube_edge_m is not None:
             return f"{1e3 * self.cube_edge_m:g} mm"
         if self.cells is not None:
@@ -82,14 +97,14 @@ class Configuration:
         if self.series is None:
             return f"{self.backend} {self.short}" if self.choices or self.threads != 1 or self.backend == "fcl" \
                 else self.backend
-        size = ("cells", EDGE_OF_CUBES[self.backend])
-        return " ".join([self.backend, self.short, *(text for key, text in self._spoken() if key not in size)])
+        return " ".join([self.backend, self.short, *(text for key, text in self._spoken() if key not in SIZES)])
 
     def choice(self, key: str) -> str:
         return dict(self.choices).get(key, str(DEFAULTS.get(self.backend, {}).get(key, "")))
 
     def _spoken(self) -> list[tuple[str, str]]:
-        words = [(key, _word(key, value)) for key, value in self.choices]
+        ordered = sorted(self.choices, key=lambda choice: choice[0] == "motion_budgets")
+        words = [(key, _word(key, value)) for key, value in ordered]
         return words + ([("threads", f"{self.threads} threads")] if self.threads != 1 else [])
 
 
@@ -100,7 +115,9 @@ def configuration(backend: str, parameters: Mapping, threads: int = 1) -> Config
     choices = {key: value for key, value in told.items() if value != _plain(defaults.get(key)) or key not in defaults}
     if backend == "fcl" and choices.get("query") != "node_collide":
         choices.pop("node_radius_m", None)
-    if float(choices.get(EDGE_OF_CUBES.get(backend), 0)) > 0:
+    if float(choices.get(WANTED_ERROR, 0)) > 0:
+        choices.pop(EDGE_OF_CUBES[backend], None)
+    if float(choices.get(WANTED_ERROR, 0)) > 0 or float(choices.get(EDGE_OF_CUBES.get(backend), 0)) > 0:
         choices.pop("cells", None)
     return Configuration(backend, tuple(sorted(choices.items())), threads)
 

@@ -54,7 +54,7 @@ def _draw_curve(axes, x, y, series: str, label: str) -> None:
     """Double precision hollow and larger: it mostly lies upon single."""
     shape, dashes = series_style(series)
     is_double = " double " in series
-    axes.plot(x, y, dashes, marker=shape, markersize=7.5 if is_double else 4.5, label=label,
+    axes.plot(x, y, linestyle=dashes, marker=shape, markersize=7.5 if is_double else 4.5, label=label,
               markerfacecolor="none" if is_double else None, color=style.backend_colour(series.split()[0]))
 
 

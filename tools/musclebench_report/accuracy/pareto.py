@@ -22,6 +22,7 @@ SERIES_STYLES = {
     "voxel cells": ("o", "-"), "voxel cubes": ("s", "--"),
     "sdf float cells": ("o", "-"), "sdf float cubes": ("s", "--"),
     "sdf double cells": ("D", ":"), "sdf double cubes": ("^", "-."),
+    "sdf float adaptive": ("X", (0, (1, 1))), "sdf float cells no budgets": ("v", "-."),
 }
 PREFERRED_SIDES = {"sdf float cells": (-1, 0), "sdf float cubes": (-1, 0), "voxel cubes": (-1, 0)}
 POINT_MARKERS = {"fcl": "o", "bvh": "*", "brute_force": "P"}
@@ -108,7 +109,7 @@ def _draw_panel(axes, points: pd.DataFrame, axis: Axis, numbers: dict[str, int],
     for series, curve in points[points["series"].notna()].groupby("series", sort=False):
         curve = curve.sort_values("fineness")
         _, dashes = series_style(series)
-        axes.plot(curve["time_ms"], heights[curve.index], dashes, linewidth=1.1, zorder=2,
+        axes.plot(curve["time_ms"], heights[curve.index], linestyle=dashes, linewidth=1.1, zorder=2,
                   color=style.backend_colour(curve["backend"].iloc[0]))
     for place, point in points.iterrows():
         if point["backend"] == "null":
@@ -232,7 +233,7 @@ def _draw_key(axes, points: pd.DataFrame, numbers: dict[str, int]) -> None:
 
 def _series_words(series: str) -> str:
     backend, *words = series.split()
-    kind = {"cells": "cells an axis", "cubes": "cubes, edge in mm"}
+    kind = {"cells": "cells an axis", "cubes": "cubes, edge in mm", "adaptive": "adaptive, error wanted in mm"}
     return " ".join([f"{backend}:", *(kind.get(word, word) for word in words)])
 
 
