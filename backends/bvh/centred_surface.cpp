@@ -53,8 +53,8 @@ ClosestPoint CentredSurface::closest_from(const Vec3& point, int triangle) const
   return m_surface.tree().closest_point_from(point - m_centre_m, triangle);
 }
 
-void CentredSurface::list_near(const Vec3& point, const ClosestPoint& closest, NearLeaves& list) const {
-  m_surface.tree().list_leaves(point - m_centre_m, closest.distance_m + list_reach * m_near_m, list);
+void CentredSurface::list_near(const Vec3& point, double bound_m, NearLeaves& list) const {
+  m_surface.tree().list_leaves(point - m_centre_m, bound_m + list_reach * m_near_m, list);
 }
 
 ListedClosest CentredSurface::closest_listed(const Vec3& point, const NearLeaves& list) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 
 #include "core/geometry/signed_surface.hpp"
@@ -17,14 +18,17 @@ class CentredSurface {
   [[nodiscard]] bool is_outside(const Vec3& point, double& clearance_m) const;
   [[nodiscard]] ClosestPoint closest(const Vec3& point) const;
   [[nodiscard]] ClosestPoint closest_from(const Vec3& point, int triangle) const;
+  [[nodiscard]] double distance_m(const Vec3& point, int triangle) const {
+    return std::sqrt(m_surface.tree().closest_on(point - m_centre_m, triangle).squared_distance_m2);
+  }
   using NearList = NearLeaves;
-  void list_near(const Vec3& point, const ClosestPoint& closest, NearLeaves& list) const;
+  void list_near(const Vec3& point, double bound_m, NearLeaves& list) const;
   [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearLeaves& list) const;
   [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] static ClosestPoint settled(const Vec3& /*point*/, const ClosestPoint& closest) { return closest; }
   /// Across a hole the side changes without a surface.
-  [[nodiscard]] double free_m(const Vec3& /*point*/, const ClosestPoint& closest) const {
+  [[nodiscard]] double free_m(const Vec3& /*point*/, const ClosestPoint& closest, bool /*is_settled*/) const {
     return closed() ? closest.distance_m : 0;
   }
   [[nodiscard]] double near_m() const { return m_near_m; }

@@ -78,9 +78,14 @@ bool NodeSurface::is_outside(const Vec3& point, double& clearance_m) const {
 }
 
 ClosestPoint NodeSurface::closest(const Vec3& point) const {
+  return closest_by_distance(point, std::numeric_limits<double>::max(), 0);
+}
+
+ClosestPoint NodeSurface::closest_by_distance(const Vec3& point, double bound_m, int triangle) const {
   const fcl::Sphered node(0);
   const fcl::DistanceRequestd request(true, false, 0, 0, 1e-6, m_solver);
-  fcl::DistanceResultd result;
+  fcl::DistanceResultd result(bound_m);
+  result.b1 = triangle;
   fcl::distance(m_model.get(), fcl::Transform3d::Identity(), &node, at(point), request, result);
   const int named = std::max(static_cast<int>(result.b1), 0);
   const ClosestOnTriangle found = closest_on(point, named);
@@ -94,9 +99,12 @@ ClosestPoint NodeSurface::settled(const Vec3& point, const ClosestPoint& closest
 }
 
 /// Across a hole the side changes without a surface.
-double NodeSurface::free_m(const Vec3& point, const ClosestPoint& closest) const {
+double NodeSurface::free_m(const Vec3& point, const ClosestPoint& closest, bool is_settled) const {
   if (!m_sides.closed() || !(closest.distance_m > m_touching_m)) {
     return 0;
+  }
+  if (is_settled) {
+    return (1 - sphere_slack) * closest.distance_m;
   }
   std::vector<int> touched;
   meet(point, m_touching_m, touched);
@@ -104,8 +112,14 @@ double NodeSurface::free_m(const Vec3& point, const ClosestPoint& closest) const
 }
 
 ClosestPoint NodeSurface::closest_from(const Vec3& point, int triangle) const {
-  const double bound_m = std::sqrt(closest_on(point, triangle).squared_distance_m2);
-  return bound_m < largest_sphere * m_triangle_size_m ? closest_within(point, bound_m, triangle) : closest(point);
+  const double bound_m = distance_m(point, triangle);
+  return bound_m < largest_sphere * m_triangle_size_m
+             ? closest_within(point, bound_m, triangle)
+             : closest_by_distance(point, (1 + sphere_slack) * bound_m, triangle);
+}
+
+double NodeSurface::distance_m(const Vec3& point, int triangle) const {
+  return std::sqrt(closest_on(point, triangle).squared_distance_m2);
 }
 
 ClosestOnTriangle NodeSurface::closest_on(const Vec3& point, int triangle) const {
@@ -136,8 +150,8 @@ ClosestPoint NodeSurface::closest_of(const Vec3& point, std::span<const int> tri
   return best;
 }
 
-void NodeSurface::list_near(const Vec3& point, const ClosestPoint& closest, NearTriangles& list) const {
-  const double radius_m = closest.distance_m + list_reach * m_triangle_size_m;
+void NodeSurface::list_near(const Vec3& point, double bound_m, NearTriangles& list) const {
+  const double radius_m = bound_m + list_reach * m_triangle_size_m;
   std::vector<int> met;
   meet(point, radius_m, met);
   std::vector<std::pair<double, int>> by_distance;

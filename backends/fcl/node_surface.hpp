@@ -29,13 +29,14 @@ class NodeSurface {
   [[nodiscard]] ClosestPoint closest(const Vec3& point) const;
   [[nodiscard]] ClosestPoint closest_from(const Vec3& point, int triangle) const;
   [[nodiscard]] ClosestOnTriangle closest_on(const Vec3& point, int triangle) const;
+  [[nodiscard]] double distance_m(const Vec3& point, int triangle) const;
   using NearList = NearTriangles;
-  void list_near(const Vec3& point, const ClosestPoint& closest, NearTriangles& list) const;
+  void list_near(const Vec3& point, double bound_m, NearTriangles& list) const;
   [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearTriangles& list) const;
   [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] ClosestPoint settled(const Vec3& point, const ClosestPoint& closest) const;
-  [[nodiscard]] double free_m(const Vec3& point, const ClosestPoint& closest) const;
+  [[nodiscard]] double free_m(const Vec3& point, const ClosestPoint& closest, bool is_settled) const;
   [[nodiscard]] double near_m() const { return m_triangle_size_m; }
 
   /// The closest triangle that a sphere of `node_radius_m` about `point` meets; its index is -1 where it meets none.
@@ -47,6 +48,8 @@ class NodeSurface {
   [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + m_sides.bytes(); }
 
  private:
+  /// The nearest triangle by FCL's distance; `triangle`, one at `bound_m`, where it finds none that is nearer.
+  [[nodiscard]] ClosestPoint closest_by_distance(const Vec3& point, double bound_m, int triangle) const;
   /// The triangles that a sphere meets, in any order.
   void meet(const Vec3& point, double radius_m, std::vector<int>& triangles) const;
   [[nodiscard]] ClosestPoint closest_of(const Vec3& point, std::span<const int> triangles) const;

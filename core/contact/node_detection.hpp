@@ -19,13 +19,15 @@ namespace musclebench {
 ///   finite.
 /// - `ClosestPoint closest(point)`, `closest_from(point, triangle)` (faster the closer that triangle is): of all
 ///   triangles at the smallest squared distance the one with the smallest index.
-/// - `NearList`: what is near a place, with a `count` that is 0 where nothing is known; `list_near(point, closest,
-/// list)`
-///   fills it, `ListedClosest closest_listed(point, list)` uses it.
+/// - `NearList`: what is near a place, with a `count` that is 0 where nothing is known;
+///   `list_near(point, bound_m, list)` fills it, where the surface is no farther than `bound_m`;
+///   `ListedClosest closest_listed(point, list)` uses it.
+/// - `double distance_m(point, triangle)`.
 /// - `bool contains(point, closest)`; `Vec3 outward(point, closest)`: unit, for a point that it contains.
 /// - `ClosestPoint settled(point, closest)`: what `closest` and `closest_from` found, to the bit what any other way of
 ///   finding it gives; asked for contacts only, and contained or not anew.
-/// - `double free_m(point, closest)`: about a point that it does not contain, how far it contains nothing.
+/// - `double free_m(point, closest, is_settled)`: about a point that it does not contain, how far it contains nothing;
+///   `is_settled` where `closest` is from a list or `settled`.
 /// - `double near_m()`: closer to the surface than this a list saves searches.
 template <typename Surface>
 class NodeDetection {
@@ -121,7 +123,7 @@ class NodeDetection {
           return true;
         }
       }
-      clearance_m = surface.free_m(point, answer.closest);
+      clearance_m = surface.free_m(point, answer.closest, answer.listed);
     }
     if (m_motion_budgets) {
       m_budgets.grant(bone, node, point, clearance_m);
@@ -150,21 +152,35 @@ class NodeDetection {
   Answer recall(int bone, int node, const Vec3& point) {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
     Memory& memory = m_memories[static_cast<std::size_t>(bone) * m_nodes + static_cast<std::size_t>(node)];
-    if (memory.near.count > 0) {
+    const auto look_up = [&](Answer& answer) {
       const ListedClosest listed = surface.closest_listed(point, memory.near);
       memory.triangle = listed.closest.triangle;
       if (listed.certain) {
-        return {listed.closest, surface.contains(point, listed.closest), true};
+        answer = {listed.closest, surface.contains(point, listed.closest), true};
+      }
+      return listed.certain;
+    };
+    Answer answer;
+    if (memory.near.count > 0 && look_up(answer)) {
+      return answer;
+    }
+    // Where the last closest triangle is still near, a new list gives the answer, too.
+    if (memory.triangle >= 0) {
+      const double bound_m = surface.distance_m(point, memory.triangle);
+      if (bound_m < surface.near_m()) {
+        surface.list_near(point, bound_m, memory.near);
+        if (memory.near.count > 0 && look_up(answer)) {
+          return answer;
+        }
       }
     }
-    Answer answer;
     answer.closest = memory.triangle < 0 ? surface.closest(point) : surface.closest_from(point, memory.triangle);
     answer.inside = surface.contains(point, answer.closest);
     memory.triangle = answer.closest.triangle;
     memory.near.count = 0;
     // A node that leaves a larger ball is too far from here for a list.
     if (answer.inside || answer.closest.distance_m < surface.near_m()) {
-      surface.list_near(point, answer.closest, memory.near);
+      surface.list_near(point, answer.closest.distance_m, memory.near);
     }
     return answer;
   }
