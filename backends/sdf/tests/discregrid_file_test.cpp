@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/tests/stored_file_test.hpp"
 #include "core/base/input_error.hpp"
 #include "core/geometry/shapes.hpp"
 
@@ -16,16 +17,9 @@ namespace {
 
 constexpr std::size_t header_bytes = 6 * 8 + 3 * 4 + 6 * 8 + 2 * 8;
 
-class DiscregridFile : public testing::Test {
+class DiscregridFile : public StoredFileTest {
  protected:
-  void SetUp() override {
-    m_folder = std::filesystem::path(testing::TempDir()) /
-               ("discregrid_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::remove_all(m_folder);
-    m_path = m_folder / "bone.cdf";
-    write_discregrid(m_field, m_path);
-  }
-  void TearDown() override { std::filesystem::remove_all(m_folder); }
+  DiscregridFile() : StoredFileTest("bone.cdf") { write_discregrid(m_field, m_path); }
 
   static GridShape shape_of(const RepairedMesh& bone) {
     GridShape shape = grid_over(bone.mesh, {.cells = 6}, "box");
@@ -34,26 +28,12 @@ class DiscregridFile : public testing::Test {
     return shape;
   }
 
-  void change(const std::function<void(std::string&)>& edit) const {
-    std::ifstream in(m_path, std::ios::binary);
-    std::string content((std::istreambuf_iterator<char>(in)), {});
-    in.close();
-    edit(content);
-    std::ofstream(m_path, std::ios::binary) << content;
-  }
   template <typename T>
   static void set(std::string& content, std::size_t at, T value) {
     std::memcpy(content.data() + at, &value, sizeof(value));
   }
   [[nodiscard]] std::string refusal() const {
-    try {
-      (void)read_discregrid(m_path, 1);
-    } catch (const InputError& error) {
-      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
-      EXPECT_EQ(std::string(error.what()).find(m_path.string()), 0U);
-      return error.what();
-    }
-    return "accepted";
+    return refusal_by([&] { (void)read_discregrid(m_path, 1); });
   }
   void expect_refusal(const std::string& words, const std::function<void(std::string&)>& edit) const {
     write_discregrid(m_field, m_path);
@@ -65,8 +45,6 @@ class DiscregridFile : public testing::Test {
 
   RepairedMesh m_bone{make_box({0.1, 0.06, 0.04}, 3), true, {}};
   CubicField m_field = build_field(SignedSurface(m_bone), shape_of(m_bone), FieldPrecision::double_precision, 1);
-  std::filesystem::path m_folder;
-  std::filesystem::path m_path;
 };
 
 TEST_F(DiscregridFile, HasTheSizeOfItsParts) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/tests/stored_file_test.hpp"
 #include "core/base/input_error.hpp"
 #include "core/geometry/shapes.hpp"
 
@@ -16,36 +17,15 @@ namespace {
 constexpr auto single_precision = FieldPrecision::single_precision;
 constexpr auto double_precision = FieldPrecision::double_precision;
 
-class FieldFile : public testing::Test {
+class FieldFile : public StoredFileTest {
  protected:
-  void SetUp() override {
-    m_folder = std::filesystem::path(testing::TempDir()) /
-               ("field_file_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::remove_all(m_folder);
-    m_path = m_folder / "deep" / "bone.field";
-  }
-  void TearDown() override { std::filesystem::remove_all(m_folder); }
+  FieldFile() : StoredFileTest("deep/bone.field") {}
 
-  std::string refusal(const std::string& digest, const GridShape& shape, FieldPrecision precision,
-                      double band_m = 0) const {
-    try {
-      (void)load_field(m_path, digest, shape, {precision, band_m});
-    } catch (const InputError& error) {
-      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
-      EXPECT_NE(std::string(error.what()).find(m_path.string()), std::string::npos);
-      return error.what();
-    }
-    return "accepted";
+  [[nodiscard]] std::string refusal(const std::string& digest, const GridShape& shape, FieldPrecision precision,
+                                    double band_m = 0) const {
+    return refusal_by([&] { (void)load_field(m_path, digest, shape, {precision, band_m}); });
   }
   [[nodiscard]] std::string refusal() const { return refusal(m_digest, m_shape, single_precision); }
-
-  void change(const std::function<void(std::string&)>& edit) const {
-    std::ifstream in(m_path, std::ios::binary);
-    std::string content((std::istreambuf_iterator<char>(in)), {});
-    in.close();
-    edit(content);
-    std::ofstream(m_path, std::ios::binary) << content;
-  }
 
   void expect_refusal_of_change(const std::string& words, const std::function<void(std::string&)>& edit) const {
     save_field(m_field, m_digest, m_path);
@@ -57,8 +37,6 @@ class FieldFile : public testing::Test {
   GridShape m_shape = grid_over(m_bone.mesh, {.cells = 6}, "sphere");
   std::string m_digest = surface_digest(m_bone);
   CubicField m_field = build_field(SignedSurface(m_bone), m_shape, single_precision, 1);
-  std::filesystem::path m_folder;
-  std::filesystem::path m_path;
 };
 
 TEST_F(FieldFile, ComesBackAsItWas) {

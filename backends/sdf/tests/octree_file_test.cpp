@@ -8,40 +8,23 @@
 #include <gtest/gtest.h>
 
 #include "backends/sdf/field_file.hpp"
+#include "backends/sdf/tests/stored_file_test.hpp"
 #include "core/base/input_error.hpp"
 #include "core/geometry/shapes.hpp"
 
 namespace musclebench {
 namespace {
 
-class OctreeFile : public testing::Test {
+class OctreeFile : public StoredFileTest {
  protected:
-  void SetUp() override {
-    m_folder = std::filesystem::path(testing::TempDir()) /
-               ("octree_file_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::remove_all(m_folder);
-    m_path = m_folder / "deep" / "bone.octree";
-    save_octree(m_field, m_digest, m_settings, m_path);
-  }
-  void TearDown() override { std::filesystem::remove_all(m_folder); }
+  OctreeFile() : StoredFileTest("deep/bone.octree") { save_octree(m_field, m_digest, m_settings, m_path); }
 
   [[nodiscard]] std::string refusal(const std::string& digest, const OctreeSettings& settings) const {
-    try {
-      (void)load_octree(m_path, digest, settings);
-    } catch (const InputError& error) {
-      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
-      EXPECT_EQ(std::string(error.what()).find(m_path.string()), 0U);
-      return error.what();
-    }
-    return "accepted";
+    return refusal_by([&] { (void)load_octree(m_path, digest, settings); });
   }
   void expect_refusal(const std::string& words, const std::function<void(std::string&)>& edit) const {
     save_octree(m_field, m_digest, m_settings, m_path);
-    std::ifstream in(m_path, std::ios::binary);
-    std::string content((std::istreambuf_iterator<char>(in)), {});
-    in.close();
-    edit(content);
-    std::ofstream(m_path, std::ios::binary) << content;
+    change(edit);
     EXPECT_NE(refusal(m_digest, m_settings).find(words), std::string::npos) << refusal(m_digest, m_settings);
   }
 
@@ -49,8 +32,6 @@ class OctreeFile : public testing::Test {
   OctreeSettings m_settings{.max_error_m = 1e-3};
   std::string m_digest = surface_digest(m_bone);
   OctreeField m_field = build_octree(SignedSurface(m_bone), m_bone.mesh, m_settings, "ball", 1);
-  std::filesystem::path m_folder;
-  std::filesystem::path m_path;
 };
 
 TEST_F(OctreeFile, ComesBackAsItWas) {
