@@ -17,6 +17,11 @@ constexpr std::int64_t coarsest_voxels = 16;
 constexpr std::int64_t finest_voxels = 256;
 /// What times are compared with, so always measured.
 constexpr std::int64_t unit_of_price = 64;
+/// Adaptive fields get finer by this factor until they are as fine as wanted, from about a millimetre on.
+constexpr double adaptive_step = 4;
+constexpr double coarsest_adaptive_m = 1e-3;
+/// A little steeper than what building one cost over its wanted error on scanned bones.
+constexpr double adaptive_build_order = 1.6;
 /// A predicted resolution is taken a little finer than the fitted order asks for: the order is a fit.
 constexpr double prediction_margin = 1.1;
 /// Less than this between two resolutions is not worth another build.
@@ -32,6 +37,7 @@ class Search {
     refine("voxel", coarsest_voxels, finest_voxels);
     const std::vector<std::size_t> fields = refine("sdf", coarsest_field, finest_field);
     interpolate(fields);
+    adapt();
     if (m_request.with_fcl) {
       try_one({"fcl", {}});
       try_one({"fcl", {{"bounding_volume", std::string("OBB")}}});
@@ -115,6 +121,41 @@ class Search {
     const auto cells = static_cast<std::int64_t>(std::ceil(wanted));
     const double build_s = static_cast<double>(fine.build_ns) * 1e-9 * std::pow(wanted / fine_cells, 3);
     try_one(with_cells("sdf", cells), build_s);
+  }
+
+  /// Coarse ones first: what they cost to build says whether there is time for the fine one.
+  void adapt() {
+    if (!(m_request.depth_m > 0)) {
+      return;
+    }
+    double error_m = std::min(m_request.depth_m, coarsest_adaptive_m);
+    while (error_m * adaptive_step <= coarsest_adaptive_m) {
+      error_m *= adaptive_step;
+    }
+    double predicted_s = m_last_s;  // of a field of cubes
+    for (;;) {
+      const std::optional<std::size_t> place = try_one(adaptive(error_m), predicted_s);
+      if (!place) {
+        return;
+      }
+      const Assessment& measured = m_advice.measured[*place];
+      const bool is_last = error_m <= m_request.depth_m;
+      if (holds(measured) || error_m < m_request.depth_m) {
+        return;
+      }
+      // The wanted error is that of all points near the surface; of this scene's contacts it may be a little more.
+      const double finer_m = is_last
+                                 ? m_request.depth_m * m_request.depth_m / (prediction_margin * measured.p99_error_m)
+                                 : std::max(m_request.depth_m, error_m / adaptive_step);
+      const double build_s = static_cast<double>(measured.build_ns) * 1e-9;
+      predicted_s = std::max(0.0, m_last_s - build_s) + build_s * std::pow(error_m / finer_m, adaptive_build_order);
+      error_m = finer_m;
+    }
+  }
+
+  static Configuration adaptive(double error_m) {
+    // Three digits: the number is to be typed.
+    return {"sdf", {{"max_error_mm", std::stod(fmt::format("{:.3g}", error_m * 1e3))}}};
   }
 
   void choose() {

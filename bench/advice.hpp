@@ -68,7 +68,8 @@ struct Advice {
 };
 
 /// Measures the exact tree, voxels and fields from coarse to fine until one holds the wanted depth, and FCL's ways. A
-/// field between two resolutions is predicted from the observed order and measured like any other.
+/// field between two resolutions is predicted from the observed order and measured like any other, and so is an
+/// adaptive field of the wanted error.
 /// Chosen is the fastest that holds; of those as fast, as far as the intervals tell, the one with the least bytes.
 Advice find_advice(const AdviceRequest& request, const Assess& assess);
 

@@ -25,6 +25,7 @@ namespace {
 constexpr double degrees_per_radian = 180 / std::numbers::pi;
 /// Enough for the interval of a median, few enough that FCL's ways fit into the time.
 constexpr int kept_frames = 40;
+constexpr int frames_in_a_row = 5;
 /// The run that makes the input may take this share of the time; the rest is for the configurations.
 constexpr double recording_share = 0.4;
 /// What is left of an exact answer is rounding.
@@ -40,15 +41,16 @@ struct AdviseOptions {
   int threads = 1;
 };
 
-/// What the configurations are asked: frames spread evenly over the exact run, and its deepest bend.
+/// What the configurations are asked: rows of frames spread evenly over the exact run, and its deepest bend.
 struct Input {
   std::unique_ptr<KeptFrames> frames;
   int frames_run = 0;
 };
 
+/// In rows, as in a run: what backends know of a frame from the one before makes them faster.
 bool is_kept(const LoopParameters& loop, int frame) {
   const int stride = std::max(1, loop.frames / kept_frames);
-  return frame % stride == 0 || frame == (loop.frames + 1) / 2;
+  return (frame - 1) % (frames_in_a_row * stride) < frames_in_a_row || frame == (loop.frames + 1) / 2;
 }
 
 Input run_exactly(const Scene& scene, double seconds) {
@@ -65,10 +67,13 @@ Input run_exactly(const Scene& scene, double seconds) {
   while (input.frames_run < scene.loop.frames && static_cast<double>(monotonic_now_ns() - start_ns) < seconds * 1e9) {
     const int frame = ++input.frames_run;
     const bool kept = is_kept(scene.loop, frame);
+    const bool leads_in = !kept && is_kept(scene.loop, frame + 1);
     if (kept) {
       input.frames->begin_frame(frame, scene.angle_rad(frame) * degrees_per_radian);
+    } else if (leads_in) {
+      input.frames->begin_lead_in();
     }
-    prepared.simulation->step_frame(frame, kept ? input.frames.get() : nullptr);
+    prepared.simulation->step_frame(frame, kept || leads_in ? input.frames.get() : nullptr);
     const std::string lost = divergence.describe(frame, prepared.simulation->particles().positions);
     if (!lost.empty()) {
       throw InputError(scene.name, "the exact run diverged, so there is nothing to advise on: " + lost);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "core/pbd/simulation.hpp"
@@ -15,6 +16,8 @@ class KeptFrames final : public FrameSource, public CollisionObserver {
 
   /// The steps that follow belong to this frame.
   void begin_frame(int frame, double angle_deg);
+  /// Of the steps that follow only the last is kept, as what goes before the next frame.
+  void begin_lead_in();
 
   void before_detection(const CollisionStep& step) override;
   void after_detection(const CollisionStep& /*step*/, std::span<const Contact> /*contacts*/) override {}
@@ -27,6 +30,8 @@ class KeptFrames final : public FrameSource, public CollisionObserver {
  private:
   RecordingHeader m_header;
   std::vector<RecordedFrame> m_frames;
+  std::optional<RecordedStep> m_lead_in;  ///< to the frame that has not begun
+  bool m_is_leading_in = false;
   std::size_t m_next = 0;
 };
 

@@ -73,12 +73,24 @@ class Replayer {
     for (int frame = 1; frame <= m_recording.header().frames(); ++frame) {
       m_recording.read(m_frame);
       if (is_replayed(frame)) {
+        if (m_frame.lead_in) {
+          lead_in(*m_frame.lead_in);
+        }
         look(m_frame);
         m_report(++m_frames_done);
       } else if (is_replayed(frame + 1)) {
-        // A backend that keeps the last positions (fcl with model = update) shall see the step before, as in a run.
-        m_backend->update(m_frame.steps.back().bone_poses, m_frame.steps.back().positions);
+        lead_in(m_frame.steps.back());
       }
+    }
+  }
+
+  /// A backend that keeps something of the step before (fcl with model = update the positions, others with motion
+  /// budgets their answers) shall have seen it. Of budgets that is not all that a run has: after a jump they are all
+  /// new, so that few are used up in the frame.
+  void lead_in(const RecordedStep& step) {
+    m_backend->update(step.bone_poses, step.positions);
+    if (m_backend->capabilities().remembers) {
+      m_backend->detect(step.positions, m_recording.header().free_nodes, m_unused);
     }
   }
 
@@ -155,6 +167,7 @@ class Replayer {
   std::unique_ptr<CollisionBackend> m_backend;
   RecordedFrame m_frame;
   std::vector<Vec3> m_positions;
+  std::vector<Contact> m_unused;
   int m_frames_done = 0;
 };
 

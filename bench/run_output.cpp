@@ -107,7 +107,8 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["memory"] = {{"before_first_frame_bytes", result.memory_before_bytes},
                     {"after_last_frame_bytes", result.memory_after_bytes},
                     {"peak_bytes", result.memory_peak_bytes},
-                    {"referee_bytes", result.referee_bytes}};
+                    {"referee_bytes", result.referee_bytes},
+                    {"huge_page_bytes", result.huge_page_bytes}};
   json["state_hash"] = result.state_hash;
   json["wall_ns"] = result.wall_ns;
   json["frames"] = result.records.size();

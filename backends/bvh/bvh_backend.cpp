@@ -11,7 +11,7 @@ class BvhBackend final : public CollisionBackend {
  public:
   explicit BvhBackend(bool motion_budgets) : m_motion_budgets(motion_budgets) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {}; }
+  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_motion_budgets}; }
   [[nodiscard]] AnswerBound answer_bound(int /*bone*/) const override { return {}; }
 
   [[nodiscard]] std::size_t structure_bytes() const override {

@@ -12,8 +12,8 @@
 
 #include <fmt/format.h>
 
-#include "backends/sdf/sealed_file.hpp"
 #include "backends/sdf/field_marks.hpp"
+#include "backends/sdf/sealed_file.hpp"
 #include "core/base/input_error.hpp"
 
 namespace musclebench {

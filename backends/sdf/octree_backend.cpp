@@ -27,7 +27,7 @@ class OctreeBackend final : public CollisionBackend {
         m_folder(parameters.word("structures")),
         m_wants_budgets(has_motion_budgets(parameters)) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {}; }
+  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_has_budgets}; }
   [[nodiscard]] bool built_from_file() const override {
     return m_loaded_fields > 0 && m_loaded_fields == m_fields.size();
   }
@@ -39,7 +39,7 @@ class OctreeBackend final : public CollisionBackend {
   }
   [[nodiscard]] double step_m(int bone) const override { return field(bone).step_m(); }
   [[nodiscard]] std::size_t structure_bytes() const override {
-    std::size_t bytes = 0;
+    std::size_t bytes = m_has_budgets ? m_budgets.bytes() : 0;
     for (const OctreeField& each : m_fields) {
       bytes += each.bytes();
     }
@@ -66,6 +66,9 @@ class OctreeBackend final : public CollisionBackend {
                                                    [](const Bone& bone) { return is_closed(bone.surface.mesh); });
     m_loaded_fields = 0;
     m_budget_nodes = 0;
+    if (m_has_budgets) {
+      reset_budgets(muscle().vertices.size());
+    }
     for (const Bone& bone : bones()) {
       m_fields.push_back(load_or_build(bone));
     }
@@ -93,10 +96,14 @@ class OctreeBackend final : public CollisionBackend {
     return built;
   }
 
+  void reset_budgets(std::size_t nodes) {
+    m_budget_nodes = nodes;
+    m_budgets.reset(bones(), nodes);
+  }
+
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
     if (m_has_budgets && positions.size() != m_budget_nodes) {
-      m_budget_nodes = positions.size();
-      m_budgets.reset(bones(), m_budget_nodes);
+      reset_budgets(positions.size());
     }
     for (int bone = 0; bone < static_cast<int>(m_fields.size()); ++bone) {
       if (m_has_budgets) {

@@ -210,20 +210,25 @@ class OctreeBuilder {
     const double needed = bytes_of(m_cells.size() + 2 * more);
     if (needed > number(m_memory_bytes)) {
       const double p99_m = m_errors_m.empty() ? m_demand.near_m : error_quantile_m(0.99);
-      const double excess = std::max(1.0, p99_m / m_demand.wanted_m);
-      refuse(needed * excess * excess, p99_m);
+      refuse(needed * growth_to(m_demand.wanted_m, p99_m), p99_m);
     }
   }
 
-  /// Where kinks rule, an error half as large needs cells of half the edge along sheets: four times as many.
+  /// By how much the cells multiply. Measured on scanned bones from 0.3 to 0.01 mm the power is 1.3 to 1.8; where kinks
+  /// rule it is 2: an error half as large needs cells of half the edge along sheets.
+  static constexpr double growth_power = 1.5;
+  [[nodiscard]] static double growth_to(double wanted_m, double p99_m) {
+    return std::pow(std::max(1.0, p99_m / wanted_m), growth_power);
+  }
+
   void refuse_what_cannot_be(bool exhausted, double p99_m) const {
-    const double excess = std::max(1.0, p99_m / m_demand.wanted_m);
     const double bytes = bytes_of(m_cells.size());
-    // Early on this overestimates, by less than this factor.
+    const double needed = bytes * growth_to(m_demand.wanted_m, p99_m);
+    // Early on this overestimates: cells far from the surface are not divided any more.
     constexpr double doubt = 8;
-    if (exhausted || bytes * excess * excess > doubt * number(m_memory_bytes)) {
-      const double fitting_m = p99_m * std::min(1.0, std::sqrt(doubt * bytes / number(m_memory_bytes)));
-      refuse(bytes * excess * excess, exhausted ? p99_m : fitting_m);
+    const double allowed = doubt * number(m_memory_bytes);
+    if (exhausted || needed > allowed) {
+      refuse(needed, exhausted ? p99_m : p99_m * std::min(1.0, std::pow(bytes / allowed, 1 / growth_power)));
     }
   }
 

@@ -94,7 +94,7 @@ class SdfBackend final : public CollisionBackend {
         m_discregrid(parameters.word("discregrid")),
         m_wants_budgets(has_motion_budgets(parameters)) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {}; }
+  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_has_budgets}; }
 
   [[nodiscard]] bool built_from_file() const override {
     return m_loaded_fields > 0 && m_loaded_fields == m_fields.size();
@@ -121,7 +121,7 @@ class SdfBackend final : public CollisionBackend {
   }
 
   [[nodiscard]] std::size_t structure_bytes() const override {
-    std::size_t bytes = 0;
+    std::size_t bytes = m_has_budgets ? m_budgets.bytes() : 0;
     for (const CubicField& field : m_fields) {
       bytes += field.bytes();
     }
@@ -137,6 +137,9 @@ class SdfBackend final : public CollisionBackend {
                                                     [](const Bone& bone) { return is_closed(bone.surface.mesh); }));
     m_loaded_fields = 0;
     m_budget_nodes = 0;
+    if (m_has_budgets) {
+      reset_budgets(muscle().vertices.size());
+    }
     if (!m_discregrid.empty()) {
       read_fields();
       return;
@@ -210,10 +213,14 @@ class SdfBackend final : public CollisionBackend {
     return fmt::format("{}-{}{}-{}.field", bone_file_name(bone.name), grid, band, m_precision_name);
   }
 
+  void reset_budgets(std::size_t nodes) {
+    m_budget_nodes = nodes;
+    m_budgets.reset(bones(), nodes);
+  }
+
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
     if (m_has_budgets && positions.size() != m_budget_nodes) {
-      m_budget_nodes = positions.size();
-      m_budgets.reset(bones(), m_budget_nodes);
+      reset_budgets(positions.size());
     }
     for (std::size_t b = 0; b < m_fields.size(); ++b) {
       if (m_has_budgets) {

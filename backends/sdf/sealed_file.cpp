@@ -3,12 +3,29 @@
 #include <algorithm>
 #include <fstream>
 #include <unistd.h>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
 
 namespace musclebench {
+
+namespace {
+
+/// Gone at the end, whatever happens, unless it was renamed.
+struct TemporaryFile {
+  explicit TemporaryFile(std::filesystem::path where) : path(std::move(where)) {}
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+  }
+  std::filesystem::path path;
+};
+
+}  // namespace
 
 FileDigest as_file_digest(const std::string& text) {
   FileDigest digest{};
@@ -42,20 +59,18 @@ void write_atomically(const std::filesystem::path& path, const std::function<voi
   if (path.has_parent_path()) {
     std::filesystem::create_directories(path.parent_path(), error);
   }
-  const std::filesystem::path temporary = path.string() + fmt::format(".{}.part", getpid());
+  const TemporaryFile temporary(path.string() + fmt::format(".{}.part", getpid()));
   bool written = false;
   {
-    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
+    std::ofstream out(temporary.path, std::ios::binary | std::ios::trunc);
     write(out);
     out.close();
     written = out.good();
   }
   if (written) {
-    std::filesystem::rename(temporary, path, error);
+    std::filesystem::rename(temporary.path, path, error);
   }
   if (!written || error) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
     throw InputError(path.string(), "cannot be written; is the folder writable and is there room on the disk?");
   }
 }

@@ -8,7 +8,8 @@
 namespace musclebench {
 namespace {
 
-/// A world where errors and costs follow formulas: fields err by (cells / 64)^-2 tenths of a millimetre.
+/// A world where errors and costs follow formulas: fields err by (cells / 64)^-2 tenths of a millimetre, and can't be
+/// adaptive.
 std::optional<Assessment> modelled(const Configuration& configuration, std::string& reason) {
   Assessment assessment;
   assessment.configuration = configuration;
@@ -23,7 +24,7 @@ std::optional<Assessment> modelled(const Configuration& configuration, std::stri
     assessment.collision_ns = {2e5, 1.9e5, 2.1e5};
     assessment.structure_bytes = static_cast<std::size_t>(cells * cells * cells / 8);
   } else if (configuration.backend == "sdf") {
-    if (cells > 200) {
+    if (cells > 200 || cells == 0) {
       reason = "no memory";
       return std::nullopt;
     }
@@ -52,6 +53,48 @@ TEST(Advice, AResolutionBetweenTwoIsPredictedFromTheObservedOrder) {
   EXPECT_EQ(chosen(7e-5), "sdf cells=85");
   // 128 cells are needed almost exactly: nothing in between is worth a build.
   EXPECT_EQ(chosen(2.6e-5), "sdf cells=128");
+}
+
+/// The same, but adaptive fields err a quarter more than they were asked for, and take a second for a tenth of a
+/// millimetre, 40 times as long for a hundredth.
+std::optional<Assessment> modelled_adaptive(const Configuration& configuration, std::string& reason) {
+  const auto found = configuration.parameters.find("max_error_mm");
+  if (found == configuration.parameters.end()) {
+    return modelled(configuration, reason);
+  }
+  const double wanted_mm = std::get<double>(found->second);
+  Assessment assessment;
+  assessment.configuration = configuration;
+  assessment.p99_error_m = 1.25e-3 * wanted_mm;
+  assessment.collision_ns = {3e5, 2.9e5, 3.1e5};
+  assessment.structure_bytes = static_cast<std::size_t>(1e5 / wanted_mm);
+  assessment.build_ns = static_cast<Nanoseconds>(1e9 * std::pow(0.1 / wanted_mm, 1.6));
+  return assessment;
+}
+
+TEST(Advice, AnAdaptiveFieldIsMadeFinerUntilItsContactsHold) {
+  const Advice advice = find_advice({1e-4, 1000, true}, modelled_adaptive);
+  std::vector<std::string> adaptive;
+  for (const Assessment& measured : advice.measured) {
+    if (measured.configuration.parameters.contains("max_error_mm")) {
+      adaptive.push_back(measured.configuration.text());
+    }
+  }
+  const std::vector<std::string> expected{"sdf max_error_mm=0.4", "sdf max_error_mm=0.1", "sdf max_error_mm=0.0727"};
+  EXPECT_EQ(adaptive, expected);
+  EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), expected.back());
+}
+
+TEST(Advice, AnAdaptiveFieldThatWouldTakeTooLongIsLeftOut) {
+  const Advice advice = find_advice({1e-7, 1000, true}, modelled_adaptive);
+  ASSERT_FALSE(advice.omitted.empty());
+  EXPECT_EQ(advice.omitted.back().configuration.text(), "sdf max_error_mm=0.0004");
+  EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), "bvh");
+}
+
+TEST(Advice, NoDepthAtAllIsHeldByWhatIsExact) {
+  const Advice advice = find_advice({0, 1000, true}, modelled_adaptive);
+  EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), "bvh");
 }
 
 TEST(Advice, OfEquallyFastOnesTheSmallest) {

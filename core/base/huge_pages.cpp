@@ -21,8 +21,10 @@ struct AddressRange {
   std::uintptr_t end = 0;
 };
 
-/// Written by this process alone and backed by no file: its heap. Stacks grow by themselves and are left alone.
+/// Written by this process alone and backed by no file: its heap, and the stacks of its threads, which look the same.
+/// What is larger than any memory is only reserved (sanitizers do that) and left alone.
 std::vector<AddressRange> heap_ranges() {
+  constexpr std::uintptr_t largest = std::uintptr_t{1} << 42U;
   std::vector<AddressRange> ranges;
   std::ifstream maps("/proc/self/maps");
   for (std::string line; std::getline(maps, line);) {
@@ -34,7 +36,7 @@ std::vector<AddressRange> heap_ranges() {
                                    &range.end, permissions, &inode, &name);
     const bool is_heap = fields == 4 && inode == 0 && std::string(permissions) == "rw-p" &&
                          (name == static_cast<int>(line.size()) || line.substr(name) == "[heap]");
-    if (is_heap) {
+    if (is_heap && range.end - range.begin < largest) {
       ranges.push_back(range);
     }
   }

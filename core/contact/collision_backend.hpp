@@ -26,6 +26,8 @@ struct Capabilities {
   bool depth = true;
   /// `detect` can be asked about a subset of the nodes, at any positions (false: it needs the whole muscle surface).
   bool point_queries = true;
+  /// A detection is cheaper after one of the step before: what that found is kept.
+  bool remembers = false;
 };
 
 /// How far a backend's answer may be from the truth. A node inside a bone and deeper than `missed_depth_m` is reported;

@@ -8,7 +8,6 @@
 
 #include <Eigen/Geometry>
 
-
 namespace musclebench {
 
 namespace {

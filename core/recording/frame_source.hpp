@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/recording/recording.hpp"
@@ -11,6 +12,7 @@ struct RecordedFrame {
   int frame = 0;  ///< 1-based
   double angle_deg = 0;
   std::vector<RecordedStep> steps;
+  std::optional<RecordedStep> lead_in;  ///< the step before the first, where the source leaves out the frame before
 };
 
 /// Recorded frames, one after the other, wherever they are kept.

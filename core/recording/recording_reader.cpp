@@ -79,6 +79,7 @@ void RecordingReader::read(RecordedFrame& frame) {
   if (ZSTD_decompress(m_bytes.data(), m_bytes.size(), m_block.data(), m_block.size()) != size) {
     refuse("holds a frame that cannot be read; record it again");
   }
+  frame.lead_in.reset();
   frame.frame = m_frames_read + 1;
   frame.angle_deg = m_header.angles_deg[static_cast<std::size_t>(m_frames_read)];
   frame.steps.resize(static_cast<std::size_t>(m_header.steps_per_frame()));

@@ -188,7 +188,7 @@ TEST(SdfBackend, BudgetsAndBandsChangeNoContact) {
 
 TEST(SdfBackend, TellsTheErrorOfEachStructure) {
   const std::vector<Bone> bones = two_bones();
-  const auto backend = make();
+  const auto backend = make({{"motion_budgets", std::string("off")}});
   backend->build(bones, {}, 1);
   const std::vector<StructureError> errors = backend->structure_errors();
   ASSERT_EQ(errors.size(), 2U);
@@ -202,9 +202,14 @@ TEST(SdfBackend, TellsTheErrorOfEachStructure) {
 
 TEST(SdfBackend, CountsItsBytes) {
   const std::vector<Bone> bones = two_bones();
-  const auto backend = make({{"cells", std::int64_t{8}}});
+  const auto backend = make({{"cells", std::int64_t{8}}, {"motion_budgets", std::string("off")}});
   backend->build(bones, {}, 1);
-  EXPECT_EQ(backend->structure_bytes(), 2 * (9 * 9 * (7 * 9 - 2) * sizeof(float) + 512 / 8));
+  const std::size_t fields = 2 * (9 * 9 * (7 * 9 - 2) * sizeof(float) + 512 / 8);
+  EXPECT_EQ(backend->structure_bytes(), fields);
+  const TriangleMesh muscle = make_sphere(0.01, 2);
+  const auto with_budgets = make({{"cells", std::int64_t{8}}});
+  with_budgets->build(bones, muscle, 1);
+  EXPECT_GE(with_budgets->structure_bytes(), fields + 2 * 4 * sizeof(float) * muscle.vertices.size());
   EXPECT_TRUE(backend->capabilities().depth);
 }
 
