@@ -17,8 +17,8 @@ from musclebench_experiment.disk import free_bytes
 from musclebench_experiment.front import (
     OneLineParser, Problem, check_data, check_positive, check_program, chosen_cores, run_command,
 )
+from musclebench_experiment.muscle_scene import VERTICES
 from musclebench_experiment.out_folder import claimed
-from musclebench_experiment.paper_cases import VERTICES
 from musclebench_experiment.pool import Limits, run_cases
 from musclebench_experiment.progress import duration
 from musclebench_experiment.study import RESULT_DIRS, AccuracyStudy
@@ -66,7 +66,7 @@ def parse_arguments(arguments):
                      help="of one case (default: its share of 90 %% of the machine's memory)")
     how.add_argument("--force", action="store_true", help="run complete cases again")
     how.add_argument("--keep-structures", action="store_true",
-                     help="keep the distance fields (about 0.7 GB a muscle), which otherwise go at the end")
+                     help="keep the distance fields (about 0.7 GB), which otherwise go at the end")
     how.add_argument("--musclebench", type=Path, default=PROGRAM, metavar="PROGRAM",
                      help="the program to measure (default: the release build)")
     instead = parser.add_mutually_exclusive_group()

@@ -19,11 +19,13 @@ from musclebench_report import figures, published, results, table_formats, table
 
 TOOLS = Path(__file__).resolve().parent
 PROJECT = TOOLS.parent
+PROGRAM = PROJECT / "build" / "release" / "bench" / "musclebench"
 
 
 def parse_arguments(arguments):
-    parser = OneLineParser(description=__doc__)
-    parser.add_argument("--musclebench", type=Path, required=True, help="the program to measure")
+    parser = OneLineParser(prog="tools/paper", description=__doc__)
+    parser.add_argument("--musclebench", type=Path, default=PROGRAM,
+                        help="the program to measure (default: that of the preset release)")
     parser.add_argument("--data", type=Path, help="LHDL data folder: run lhdl/* scenes instead of synthetic/*")
     parser.add_argument("--out", type=Path, help="default: reports/out/paper-synthetic or paper-lhdl in the project")
     parser.add_argument("--jobs", type=int, help="cases at a time, each on a core (default: 2, or 1 on one core)")

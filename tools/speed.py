@@ -17,8 +17,8 @@ from musclebench_experiment.case import Case, Places
 from musclebench_experiment.front import (
     OneLineParser, Problem, check_data, check_positive, check_program, run_command,
 )
+from musclebench_experiment.muscle_scene import VERTICES
 from musclebench_experiment.out_folder import claimed
-from musclebench_experiment.paper_cases import VERTICES
 from musclebench_experiment.pool import Limits, run_cases
 from musclebench_experiment.progress import duration
 from musclebench_report.results import ResultProblem

@@ -12,7 +12,7 @@ SDF_CELLS = (8, 16, 32, 64, 128)
 SDF_PRECISIONS = ("float", "double")
 SDF_EDGES_M = (8e-3, 4e-3, 2e-3)
 SDF_ADAPTIVE = (  # wanted error in mm, seconds to build, bytes
-    (0.3, 1.5, 1.2e6), (0.1, 2.4, 4.1e6), (0.05, 3.6, 9.8e6), (0.03, 6.4, 2.3e7), (0.01, 38.0, 1.6e8),
+    (0.3, 1.5, 1.2e6), (0.1, 2.4, 4.1e6), (0.05, 3.6, 9.8e6), (0.03, 6.4, 2.3e7), (0.02, 11.0, 4.6e7),
 )
 BUDGETS_BY_DEFAULT = {"sdf": "on", "bvh": "on"}
 QUICK_VOXELS = {"cells": (16, 64, 256), "voxel_size_m": (4e-3,)}

@@ -5,28 +5,20 @@ import random
 from dataclasses import dataclass
 
 from .case import Case, Places
+from .muscle_scene import PRESET, VERTICES, MuscleScene
 
-VERTICES = {"adductor_brevis": 502, "gluteus_maximus": 9878, "gluteus_medius": 5313, "iliacus": 6931}
 # Seconds a vertex and seconds for building on a 2.5 GHz core: first guesses, which the progress bar corrects.
 GUESSED_SECONDS = {"null": (7e-4, 0.5), "voxel": (8e-4, 1.0), "sdf": (8e-4, 15.0), "fcl": (6e-3, 3.0)}
-PAPER_FRAMES = 314  # 157 of 0.573 degrees to full flexion, and back
-PRESET = "paper"
 
 
 @dataclass(frozen=True)
 class PaperCase(Case):
-    data_set: str  # synthetic or lhdl
-    muscle: str
+    scene: MuscleScene
     backend: str
-    frames_limit: int | None = None  # None: as many as the preset has
-
-    @property
-    def scene(self) -> str:
-        return f"{self.data_set}/{self.muscle}"
 
     @property
     def name(self) -> str:
-        return f"{self.muscle}-{self.backend}"
+        return f"{self.scene.muscle}-{self.backend}"
 
     @property
     def kind(self) -> str:
@@ -35,33 +27,26 @@ class PaperCase(Case):
     @property
     def guessed_seconds(self) -> float:
         a_vertex, building = GUESSED_SECONDS[self.backend]
-        return a_vertex * VERTICES[self.muscle] + building
+        return a_vertex * self.scene.nodes + building
 
     def arguments(self, places: Places) -> list[str]:
-        words = ["run", self.scene, "--backend", self.backend, "--preset", PRESET, "--threads", "1"]
+        words = ["run", self.scene.name, "--backend", self.backend, "--preset", PRESET, "--threads", "1"]
         words += ["--snapshots", ",".join(map(str, self.snapshot_frames))]
-        if places.data_dir is not None:
-            words += ["--data", str(places.data_dir)]
-        if self.frames_limit is not None:
-            words += ["--frames", str(self.frames_limit)]
-        return words
+        return [*words, *self.scene.data_arguments(places), *self.scene.frames_arguments()]
 
     def record(self) -> dict:
-        return {"scene": self.scene, "preset": PRESET, "backend": self.backend, "threads": 1}
+        return {"scene": self.scene.name, "preset": PRESET, "backend": self.backend, "threads": 1}
 
     @property
     def snapshot_frames(self) -> list[int]:
-        """Rest, half and full flexion; any number of frames is the whole motion, there and back."""
-        full = full_flexion_frame(self.frames_limit)
+        """Rest, half and full flexion."""
+        full = self.scene.full_flexion_frame
         return sorted({0, math.ceil(full / 2), full})
-
-
-def full_flexion_frame(frames_limit: int | None) -> int:
-    return (frames_limit or PAPER_FRAMES) // 2
 
 
 def plan(data_set: str, frames_limit: int | None = None, seed: int = 1) -> list[PaperCase]:
     """Shuffled, so that no backend always runs first; then by magnitude of the time, so that no long case runs last."""
-    cases = [PaperCase(data_set, muscle, backend, frames_limit) for muscle in VERTICES for backend in GUESSED_SECONDS]
+    scenes = [MuscleScene(data_set, muscle, frames_limit) for muscle in VERTICES]
+    cases = [PaperCase(scene, backend) for scene in scenes for backend in GUESSED_SECONDS]
     random.Random(seed).shuffle(cases)
     return sorted(cases, key=lambda case: -round(math.log10(case.guessed_seconds)))

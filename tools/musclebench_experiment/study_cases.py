@@ -1,15 +1,13 @@
 """The cases of the accuracy study: a recording a muscle; replays, coupled runs and probes of each configuration."""
 
 from abc import abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from .case import Case, Places
 from .configurations import Configuration
-from .paper_cases import PAPER_FRAMES, PRESET, VERTICES, full_flexion_frame
+from .muscle_scene import ITERATIONS_A_FRAME, PRESET, MuscleScene
 
-ITERATIONS_A_FRAME = 3  # of the preset
-REFERENCE_NODES = 6931  # of the muscle for which configurations tell their time a step
 # Seconds of the parts of a case: first guesses for the reference muscle, which the progress bar corrects.
 LOADING_SECONDS = 1.0
 LOOP_SECONDS_A_FRAME = 0.008
@@ -19,43 +17,6 @@ PROBING_SECONDS = 3.0
 BYTES_A_NODE_AND_STEP = 8
 BYTES_A_JUDGED_RUN = 10e6
 BYTES_A_RUN = 0.3e6
-
-
-@dataclass(frozen=True)
-class MuscleScene:
-    """What all cases of a muscle share."""
-
-    data_set: str  # synthetic or lhdl
-    muscle: str
-    frames_limit: int | None = None  # None: as many as the preset has
-    probed_on: str = ""  # the muscle whose scene is probed; the bones are those of the data set. Empty: this one
-
-    @property
-    def name(self) -> str:
-        return f"{self.data_set}/{self.muscle}"
-
-    @property
-    def probed(self) -> "MuscleScene":
-        return replace(self, muscle=self.probed_on or self.muscle)
-
-    @property
-    def frames(self) -> int:
-        return self.frames_limit or PAPER_FRAMES
-
-    @property
-    def steps(self) -> int:
-        return ITERATIONS_A_FRAME * self.frames
-
-    @property
-    def size(self) -> float:
-        """Nodes over those of the reference muscle."""
-        return VERTICES[self.muscle] / REFERENCE_NODES
-
-    def data_arguments(self, places: Places) -> list[str]:
-        return ["--data", str(places.data_dir)] if places.data_dir is not None else []
-
-    def frames_arguments(self) -> list[str]:
-        return ["--frames", str(self.frames_limit)] if self.frames_limit is not None else []
 
 
 @dataclass(frozen=True)
@@ -89,7 +50,7 @@ class RecordCase(Case):
 
     @property
     def guessed_bytes(self) -> float:
-        return BYTES_A_NODE_AND_STEP * VERTICES[self.scene.muscle] * self.scene.steps
+        return BYTES_A_NODE_AND_STEP * self.scene.nodes * self.scene.steps
 
     def arguments(self, places: Places) -> list[str]:
         return ["record", self.scene.name, "--preset", PRESET, "--threads", "1", *self.scene.data_arguments(places),
@@ -234,7 +195,7 @@ class CoupledCase(MeasuredCase):
     @property
     def snapshot_frames(self) -> list[int]:
         """Rest, full flexion and the end."""
-        return sorted({0, full_flexion_frame(self.scene.frames_limit), self.scene.frames})
+        return sorted({0, self.scene.full_flexion_frame, self.scene.frames})
 
     def arguments(self, places: Places) -> list[str]:
         words = ["run", self.scene.name, *self.backend_arguments(places), "--preset", PRESET]

@@ -4,8 +4,8 @@ import random
 from dataclasses import dataclass, replace
 
 from .configurations import Configuration, configurations
-from .paper_cases import VERTICES
-from .study_cases import CoupledCase, MeasuredCase, MuscleScene, ProbeCase, RecordCase, ReplayCase
+from .muscle_scene import VERTICES, MuscleScene
+from .study_cases import CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
 
 REPLAY_SECONDS = 4.0  # of the steps of one replay; the stride keeps to it
 QUICK_REPLAY_SECONDS = 2.0
@@ -79,8 +79,8 @@ def _modes(scene: MuscleScene, configuration: Configuration, wishes: Wishes) -> 
 
 
 def stride_of(scene: MuscleScene, configuration: Configuration, seconds: float) -> int:
-    """A power of two, so that the frames of a longer stride are among those of a shorter one; the same for all
-    configurations of a backend, so that their errors are of the same contacts. With motion budgets all frames."""
+    """A power of two, so that the frames of a longer stride are among those of a shorter one. All frames with motion
+    budgets; without, the same for all configurations of a backend, so that their errors are of the same contacts."""
     if configuration.has_budgets:
         return 1
     longest = LONGEST_STRIDE_OF.get(configuration.backend, LONGEST_STRIDE)

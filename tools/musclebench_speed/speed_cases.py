@@ -4,14 +4,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from musclebench_experiment.case import Case, Places
-from musclebench_experiment.paper_cases import PAPER_FRAMES, PRESET, VERTICES
+from musclebench_experiment.muscle_scene import ITERATIONS_A_FRAME, PRESET, MuscleScene
 
 STRUCTURES_DIR = "structures"  # of the distance fields, below the experiment's folder: built once, loaded by all
 KERNELS_FILE = "kernels.json"
 MICRO_PROGRAM = "musclebench_micro"
-REFERENCE_NODES = 6931
 FRAMES_A_SECOND = 100.0  # of the loop without collision, at the reference
-STEPS_A_FRAME = 3
 
 
 @dataclass(frozen=True)
@@ -29,15 +27,13 @@ class Setting:
 class RaceCase(Case):
     """A coupled run that nobody judges, on one thread."""
 
-    data_set: str  # synthetic or lhdl
-    muscle: str
+    scene: MuscleScene
     setting: Setting
     repetition: int = 0
-    frames_limit: int | None = None  # None: as many as the preset has
 
     @property
     def name(self) -> str:
-        return f"{self.muscle}-{self.setting.label}-r{self.repetition}"
+        return f"{self.scene.muscle}-{self.setting.label}-r{self.repetition}"
 
     @property
     def kind(self) -> str:
@@ -45,25 +41,20 @@ class RaceCase(Case):
 
     @property
     def guessed_seconds(self) -> float:
-        frames = self.frames_limit or PAPER_FRAMES
-        a_frame = 1 / FRAMES_A_SECOND + STEPS_A_FRAME * self.setting.step_ms * 1e-3
-        return 2.0 + frames * a_frame * VERTICES[self.muscle] / REFERENCE_NODES
+        a_frame = 1 / FRAMES_A_SECOND + ITERATIONS_A_FRAME * self.setting.step_ms * 1e-3
+        return 2.0 + self.scene.size * self.scene.frames * a_frame
 
     def arguments(self, places: Places) -> list[str]:
-        words = ["run", f"{self.data_set}/{self.muscle}", "--backend", self.setting.backend, "--preset", PRESET,
+        words = ["run", self.scene.name, "--backend", self.setting.backend, "--preset", PRESET,
                  "--threads", "1", "--no-referee", "--repetition", str(self.repetition)]
         for key, value in self.setting.parameters:
             words += ["--param", f"{key}={value}"]
         if self.setting.stores:
             words += ["--param", f"structures={places.out_dir / STRUCTURES_DIR}"]
-        if places.data_dir is not None:
-            words += ["--data", str(places.data_dir)]
-        if self.frames_limit is not None:
-            words += ["--frames", str(self.frames_limit)]
-        return words
+        return [*words, *self.scene.data_arguments(places), *self.scene.frames_arguments()]
 
     def record(self) -> dict:
-        return {"mode": "coupled", "scene": f"{self.data_set}/{self.muscle}", "preset": PRESET,
+        return {"mode": "coupled", "scene": self.scene.name, "preset": PRESET,
                 "backend": self.setting.backend, "parameters": dict(self.setting.parameters), "threads": 1,
                 "repetition": self.repetition}
 

@@ -4,6 +4,7 @@ import random
 from dataclasses import dataclass, replace
 
 from musclebench_experiment.case import Case
+from musclebench_experiment.muscle_scene import MuscleScene
 
 from .speed_cases import KernelCase, KernelGroup, RaceCase, Setting
 
@@ -63,7 +64,8 @@ def plan(wishes: Wishes) -> list[Case]:
 
 def _races(wishes: Wishes, muscle: str, repetition: int) -> list[Case]:
     frames = QUICK_FRAMES if wishes.quick else None
-    return [RaceCase(wishes.data_set, muscle, setting, repetition, frames) for setting in SETTINGS]
+    scene = MuscleScene(wishes.data_set, muscle, frames)
+    return [RaceCase(scene, setting, repetition) for setting in SETTINGS]
 
 
 def _kernels(wishes: Wishes, repetition: int) -> list[Case]:

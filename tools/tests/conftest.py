@@ -12,7 +12,8 @@ sys.path[:0] = [str(TOOLS), str(TOOLS / "tests")]
 # A shell without job control has its background jobs ignore this signal, and so would every program under test.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-import fake_runs  # noqa: E402  (found through the path that is set above)
+import ball_on_box  # noqa: E402  (found through the path that is set above)
+import fake_runs  # noqa: E402
 
 
 @pytest.fixture(scope="session")
@@ -42,3 +43,19 @@ def fake_raw(tmp_path) -> Path:
         for backend in fake_runs.BACKENDS:
             fake_runs.write_run(raw / f"{muscle}-{backend}", f"synthetic/{muscle}", backend)
     return raw
+
+
+@pytest.fixture
+def study(tmp_path) -> Path:
+    """The replays of two muscles with the known numbers of fake_study.REPLAYED."""
+    import fake_study  # only here: it needs the report, the other tests do not
+
+    fake_study.write_two_muscles(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def folder(tmp_path) -> Path:
+    """With scene.toml, a ball that falls on a box."""
+    ball_on_box.write_scene(tmp_path)
+    return tmp_path

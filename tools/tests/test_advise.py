@@ -1,18 +1,16 @@
 """`musclebench advise` as a user meets it."""
 
-import os
 import re
-import subprocess
 
 import pytest
 
-BINARY = os.environ.get("MUSCLEBENCH_BINARY")
-pytestmark = pytest.mark.skipif(BINARY is None, reason="MUSCLEBENCH_BINARY names no program")
+from program import call, needs_program
+
+pytestmark = needs_program
 
 
 def advise(*arguments):
-    command = [BINARY, "advise", "synthetic/adductor_brevis", "--frames", "12", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60)
+    return call("advise", "synthetic/adductor_brevis", "--frames", 12, *arguments)
 
 
 def test_it_names_what_holds_the_depth_with_the_reason_and_the_command():

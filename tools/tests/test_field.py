@@ -1,36 +1,18 @@
 """`field`: distance fields in files, as a user meets them."""
 
-import os
 import re
 import struct
-import subprocess
-from pathlib import Path
 
 import pytest
 
-from ball_on_box import SCENE, ball, box, off
+from program import call, needs_program
 
-PROGRAM = os.environ.get("MUSCLEBENCH_BINARY", "")
-PROGRAM = PROGRAM and str(Path(PROGRAM).resolve())
-pytestmark = pytest.mark.skipif(not PROGRAM, reason="MUSCLEBENCH_BINARY does not name the program (tools/test sets it)")
-
-
-@pytest.fixture()
-def folder(tmp_path: Path) -> Path:
-    (tmp_path / "scene.toml").write_text(SCENE)
-    (tmp_path / "box.off").write_text(off(*box(0.03)))
-    (tmp_path / "ball.off").write_text(off(*ball(0.02, [0.005, 0, 0.0485])))
-    return tmp_path
-
-
-def call(folder: Path, command: str, *arguments) -> subprocess.CompletedProcess:
-    return subprocess.run([PROGRAM, command, str(folder / "scene.toml"), *map(str, arguments)], capture_output=True,
-                          text=True, timeout=120, check=False)
+pytestmark = needs_program
 
 
 def test_writes_discregrids_format(folder):
     out = folder / "deep" / "box.cdf"
-    done = call(folder, "field", "--param", "cells=8", "--out", out)
+    done = call("field", folder / "scene.toml", "--param", "cells=8", "--out", out)
     assert done.returncode == 0, done.stderr
     assert "8 x 8 x 8" in done.stdout
     assert re.search(r"error near the surface +\d\.\d+ mm", done.stdout)
@@ -48,28 +30,28 @@ def test_writes_discregrids_format(folder):
 
 def test_runs_use_the_field_in_place_of_building_one(folder):
     fields = folder / "fields"
-    assert call(folder, "field", "--param", "cells=8", "--out", fields / "box.cdf").returncode == 0
+    assert call("field", folder / "scene.toml", "--param", "cells=8", "--out", fields / "box.cdf").returncode == 0
     point = [*"probe --backend sdf --points 500".split()[1:], "--out", folder / "probe", "--force"]
-    done = call(folder, "probe", *point, "--param", f"discregrid={fields}")
+    done = call("probe", folder / "scene.toml", *point, "--param", f"discregrid={fields}")
     assert done.returncode == 0, done.stderr
     (fields / "box.cdf").write_bytes((fields / "box.cdf").read_bytes()[:-1])
-    done = call(folder, "probe", *point, "--param", f"discregrid={fields}")
+    done = call("probe", folder / "scene.toml", *point, "--param", f"discregrid={fields}")
     assert done.returncode == 2
     assert "box.cdf" in done.stderr and "truncated" in done.stderr and done.stderr.count("\n") == 1
     (fields / "box.cdf").unlink()
-    done = call(folder, "probe", *point, "--param", f"discregrid={fields}")
+    done = call("probe", folder / "scene.toml", *point, "--param", f"discregrid={fields}")
     assert done.returncode == 2
     assert "cannot be read" in done.stderr
 
 
 def test_writes_an_adaptive_field_that_a_backend_finds_again(folder):
     out = folder / "structures" / "box-0.2mm.octree"
-    done = call(folder, "field", "--param", "max_error_mm=0.2", "--out", out, "--threads", "2")
+    done = call("field", folder / "scene.toml", "--param", "max_error_mm=0.2", "--out", out, "--threads", "2")
     assert done.returncode == 0, done.stderr
     error_mm = float(re.search(r"surface +(\d\.\d+) mm", done.stdout).group(1))
     assert 0 < error_mm <= 0.2
     before = out.read_bytes()
-    done = call(folder, "probe", "--backend", "sdf", "--param", "max_error_mm=0.2", "--param",
+    done = call("probe", folder / "scene.toml", "--backend", "sdf", "--param", "max_error_mm=0.2", "--param",
                 f"structures={out.parent}", "--points", "500", "--out", folder / "probe")
     assert done.returncode == 0, done.stderr
     assert list(out.parent.iterdir()) == [out] and out.read_bytes() == before
@@ -77,13 +59,14 @@ def test_writes_an_adaptive_field_that_a_backend_finds_again(folder):
 
 def test_writes_a_field_with_a_band(folder):
     out = folder / "box.field"
-    done = call(folder, "field", "--bone", "box", "--param", "cells=24", "--param", "band_m=0.01", "--out", out)
+    done = call("field", folder / "scene.toml", "--bone", "box", "--param", "cells=24", "--param", "band_m=0.01",
+                "--out", out)
     assert done.returncode == 0, done.stderr
     assert out.stat().st_size > 1000
 
 
 def test_reports_progress_in_lines(folder):
-    done = call(folder, "field", "--param", "cells=48", "--out", folder / "box.field", "--progress")
+    done = call("field", folder / "scene.toml", "--param", "cells=48", "--out", folder / "box.field", "--progress")
     assert done.returncode == 0
     assert all(line.split()[0] == "progress" for line in done.stderr.splitlines())
 
@@ -101,7 +84,7 @@ def test_reports_progress_in_lines(folder):
 ])
 def test_refuses_bad_input_with_one_line_and_writes_nothing(folder, arguments, words):
     arguments = [str(folder / word) if word.startswith("box.") else word for word in arguments]
-    done = call(folder, "field", *arguments)
+    done = call("field", folder / "scene.toml", *arguments)
     assert done.returncode == 2
     assert words in done.stderr and done.stderr.count("\n") == 1
     assert not list(folder.glob("box.[!o]*")) or list(folder.glob("box.*")) == [folder / "box.off"]

@@ -1,21 +1,18 @@
 """A whole flexion ends in the same state, to the bit, with motion budgets and without."""
 
 import json
-import os
-import subprocess
 from pathlib import Path
 
 import pytest
 
-PROGRAM = os.environ.get("MUSCLEBENCH_BINARY", "")
-PROGRAM = PROGRAM and str(Path(PROGRAM).resolve())
-pytestmark = pytest.mark.skipif(not PROGRAM, reason="MUSCLEBENCH_BINARY does not name the program (tools/test sets it)")
+from program import call, needs_program
+
+pytestmark = needs_program
 
 
 def final_state(out: Path, scene: str, *arguments: str) -> tuple[str, int]:
     """Hash of all positions and velocities at the end, and the contacts of the last detections of all frames."""
-    done = subprocess.run([PROGRAM, "run", scene, "--no-referee", "--out", str(out), *arguments],
-                          capture_output=True, text=True, timeout=120, check=False)
+    done = call("run", scene, "--no-referee", "--out", out, *arguments)
     assert done.returncode == 0, done.stderr
     contacts = [line.split(",") for line in (out / "frames.csv").read_text().splitlines()]
     column = contacts[0].index("contacts")
@@ -37,8 +34,8 @@ def test_flexion_is_the_same_to_the_bit(tmp_path, backend, muscle):
 
 
 def test_real_anatomy_is_the_same_to_the_bit(tmp_path, lhdl_folder):
-    states = [final_state(tmp_path / f"{word}{threads}", "lhdl/gluteus_maximus", "--data", str(lhdl_folder), "--backend", "bvh",
-                          "--param", f"motion_budgets={word}", "--frames", "25", "--threads", threads)
+    states = [final_state(tmp_path / f"{word}{threads}", "lhdl/gluteus_maximus", "--data", str(lhdl_folder),
+                          "--backend", "bvh", "--param", f"motion_budgets={word}", "--frames", "25", "--threads", threads)
               for word, threads in (("on", "1"), ("on", "2"), ("off", "2"))]
     assert len(set(states)) == 1
     assert states[0][1] > 0

@@ -17,6 +17,7 @@ import pytest
 import paper
 from musclebench_experiment.case import Places
 from musclebench_experiment.experiment import Experiment
+from musclebench_experiment.muscle_scene import MuscleScene
 from musclebench_experiment.paper_cases import PaperCase, plan
 from musclebench_experiment.pool import Limits, run_cases
 from musclebench_report import results, surface_figures, surface_pictures
@@ -129,7 +130,7 @@ def test_failures_become_rows_and_the_others_go_on(in_process, tmp_path):
 
 def test_a_case_that_hangs_is_stopped_and_said_so(tmp_path, monkeypatch):
     monkeypatch.setenv("FAKE_BEHAVIOUR", "iliacus-sdf=hang")
-    case = PaperCase("synthetic", "iliacus", "sdf", 12)
+    case = PaperCase(MuscleScene("synthetic", "iliacus", 12), "sdf")
     assert run_cases([case], Experiment(PROGRAM, Places(tmp_path)), Limits([0], 1.0)) == {case: "timeout"}
     assert results.read_run(tmp_path / "raw" / case.name).record["status_detail"].startswith("stopped after")
 

@@ -1,7 +1,6 @@
 """The program as a user meets it: results, exit codes, and one clear line for bad input with nothing left behind."""
 
 import json
-import os
 import resource
 import signal
 import subprocess
@@ -12,18 +11,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ball_on_box import SCENE, ball, off, write_scene
+from ball_on_box import SCENE, ball, off
 from musclebench_report.ply import read_ply
+from program import PROGRAM, call, needs_program
 
-PROGRAM = os.environ.get("MUSCLEBENCH_BINARY", "")
-PROGRAM = PROGRAM and str(Path(PROGRAM).resolve())
-pytestmark = pytest.mark.skipif(not PROGRAM, reason="MUSCLEBENCH_BINARY does not name the program (tools/test sets it)")
-
-
-@pytest.fixture()
-def folder(tmp_path: Path) -> Path:
-    write_scene(tmp_path)
-    return tmp_path
+pytestmark = needs_program
 
 
 def run(folder: Path, *arguments, scene="scene.toml", backend="sdf", **options):
@@ -160,10 +152,10 @@ def test_a_bad_option_is_refused(folder, arguments, words):
 
 def test_bad_command_lines_exit_with_2(folder):
     for arguments in ([], ["rum"], ["run"], ["run", "x.toml"], ["run", "nowhere", "--backend", "sdf"], ["check"]):
-        done = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, timeout=60, check=False)
+        done = call(*arguments)
         assert done.returncode == 2, arguments
         assert done.stderr
-    assert subprocess.run([PROGRAM, "--help"], capture_output=True, check=False).returncode == 0
+    assert call("--help").returncode == 0
 
 
 def test_a_full_disk_leaves_nothing(folder):
@@ -266,11 +258,11 @@ def test_ctrl_c_ends_a_long_build(folder):
 
 
 def test_check_and_list_speak(folder):
-    checked = subprocess.run([PROGRAM, "check", str(folder / "scene.toml")], capture_output=True, text=True, check=False)
+    checked = call("check", folder / "scene.toml")
     assert checked.returncode == 0
     assert "overlap with box at rest" in checked.stdout
-    mesh = subprocess.run([PROGRAM, "check", str(folder / "box.off")], capture_output=True, text=True, check=False)
+    mesh = call("check", folder / "box.off")
     assert "no defects" in mesh.stdout
-    listed = subprocess.run([PROGRAM, "list"], capture_output=True, text=True, check=False).stdout
+    listed = call("list").stdout
     for word in ("voxel", "cells", "bending", "synthetic/iliacus", "paper", "standard", "time_step_s"):
         assert word in listed

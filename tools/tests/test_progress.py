@@ -1,15 +1,18 @@
 """The estimate counts work: what is measured beats what was guessed."""
 
 import io
+from dataclasses import replace
 
 import pytest
 
 from musclebench_experiment.case import Places
+from musclebench_experiment.muscle_scene import MuscleScene
 from musclebench_experiment.paper_cases import PaperCase, plan
 from musclebench_experiment.progress import Estimate, ProgressBar, duration
 
-VOXEL, FCL = PaperCase("lhdl", "iliacus", "voxel"), PaperCase("lhdl", "iliacus", "fcl")
-SMALL_FCL = PaperCase("lhdl", "adductor_brevis", "fcl")
+ILIACUS = MuscleScene("lhdl", "iliacus")
+VOXEL, FCL = PaperCase(ILIACUS, "voxel"), PaperCase(ILIACUS, "fcl")
+SMALL_FCL = PaperCase(MuscleScene("lhdl", "adductor_brevis"), "fcl")
 
 
 def test_nothing_measured_counts_by_guessed_seconds():
@@ -86,11 +89,11 @@ def test_the_plan_has_every_case_once_shuffled_with_long_ones_first():
 
 def test_snapshots_are_rest_half_and_full_flexion():
     assert VOXEL.snapshot_frames == [0, 79, 157]
-    assert PaperCase("lhdl", "iliacus", "sdf", 20).snapshot_frames == [0, 5, 10]
-    assert PaperCase("lhdl", "iliacus", "sdf", 1).snapshot_frames == [0]
+    assert PaperCase(replace(ILIACUS, frames_limit=20), "sdf").snapshot_frames == [0, 5, 10]
+    assert PaperCase(replace(ILIACUS, frames_limit=1), "sdf").snapshot_frames == [0]
 
 
 def test_the_command_names_the_case(tmp_path):
-    words = PaperCase("lhdl", "iliacus", "sdf", 20).arguments(Places(tmp_path / "out", tmp_path))
+    words = PaperCase(replace(ILIACUS, frames_limit=20), "sdf").arguments(Places(tmp_path / "out", tmp_path))
     assert words[:4] == ["run", "lhdl/iliacus", "--backend", "sdf"]
     assert words[words.index("--data") + 1] == str(tmp_path) and words[words.index("--frames") + 1] == "20"

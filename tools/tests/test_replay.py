@@ -1,7 +1,6 @@
 """Recordings and replays as a user meets them: the exact backend agrees with its recording, bad input is refused."""
 
 import json
-import os
 import resource
 import signal
 import subprocess
@@ -12,10 +11,9 @@ import pandas as pd
 import pytest
 
 from ball_on_box import write_scene
+from program import PROGRAM, call, needs_program
 
-PROGRAM = os.environ.get("MUSCLEBENCH_BINARY", "")
-PROGRAM = PROGRAM and str(Path(PROGRAM).resolve())
-pytestmark = pytest.mark.skipif(not PROGRAM, reason="MUSCLEBENCH_BINARY does not name the program (tools/test sets it)")
+pytestmark = needs_program
 
 FRAMES = 10
 STEPS = 2  # a frame
@@ -25,11 +23,6 @@ QUICK = {"sdf": ["--param", "cells=8"], "voxel": ["--param", "cells=7"]}
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory) -> Path:
     return write_scene(tmp_path_factory.mktemp("scene"))
-
-
-def call(*arguments, **options):
-    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False,
-                          **options)
 
 
 def record(scene: Path, file: Path, *arguments, **options):

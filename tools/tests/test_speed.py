@@ -150,8 +150,8 @@ def test_a_round_has_everything_once_and_muscles_stay_together():
     for repetition in range(3):
         races = [case for case in cases if isinstance(case, RaceCase) and case.repetition == repetition]
         assert len(races) == len(MUSCLES) * len(SETTINGS)
-        assert races[0].muscle == races[len(SETTINGS) - 1].muscle != races[-1].muscle
-        orders.append([case.setting.label for case in races if case.muscle == "iliacus"])
+        assert races[0].scene == races[len(SETTINGS) - 1].scene != races[-1].scene
+        orders.append([case.setting.label for case in races if case.scene.muscle == "iliacus"])
     assert orders[0] != orders[1] or orders[1] != orders[2]
     once = [case for case in cases if isinstance(case, KernelCase) and not case.group.varies]
     assert {case.repetition for case in once} == {0}

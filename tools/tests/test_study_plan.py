@@ -8,8 +8,8 @@ import pytest
 from musclebench_experiment.case import Places
 from musclebench_experiment.case_queue import CaseQueue
 from musclebench_experiment.configurations import Configuration, configurations
-from musclebench_experiment.paper_cases import VERTICES
-from musclebench_experiment.study_cases import CoupledCase, MeasuredCase, MuscleScene, ProbeCase, RecordCase, ReplayCase
+from musclebench_experiment.muscle_scene import VERTICES, MuscleScene
+from musclebench_experiment.study_cases import CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
 from musclebench_experiment.study_plan import Wishes, in_shard, is_too_long, plan, stride_of
 
 PLACES = Places(Path("out"), Path("data"))

@@ -1,8 +1,6 @@
 """The accuracy study with the real program: it takes every command line of the plan, and its answers are understood."""
 
 import json
-import os
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -13,9 +11,9 @@ from musclebench_experiment.case import Places
 from musclebench_experiment.configurations import Configuration
 from musclebench_experiment.study_cases import ReplayCase
 from musclebench_report.accuracy.configurations import configuration
+from program import PROGRAM, call, needs_program
 
-PROGRAM = os.environ.get("MUSCLEBENCH_BINARY", "")
-pytestmark = pytest.mark.skipif(not PROGRAM, reason="MUSCLEBENCH_BINARY does not name the program (tools/test sets it)")
+pytestmark = needs_program
 FEW = [
     Configuration("sdf", (("cells", 8), ("precision", "float")), stored_bytes=1e5, is_probed=True),
     Configuration("bvh"),
@@ -27,16 +25,16 @@ def test_the_program_takes_every_configuration(tmp_path):
     cases = [case for case in study_plan.plan(study_plan.Wishes()) if isinstance(case, ReplayCase)]
     chosen = {case.configuration: case for case in cases}
     for case in chosen.values():
-        done = subprocess.run([PROGRAM, *case.arguments(Places(tmp_path))], capture_output=True, text=True, timeout=60)
+        done = call(*case.arguments(Places(tmp_path)))
         assert done.returncode == 2 and done.stderr.startswith(f"musclebench: {tmp_path / case.recording.file}:"), (
             f"{case.name}: {done.stderr}")
 
 
 @pytest.mark.parametrize("backend", ["null", "voxel", "sdf", "bvh", "fcl", "brute_force"])
 def test_what_the_program_does_by_default_needs_no_words_in_a_figure(tmp_path, backend):
-    done = subprocess.run([PROGRAM, "run", "synthetic/adductor_brevis", "--backend", backend, "--frames", "2",
-                           "--no-referee", "--out", str(tmp_path / "out")], capture_output=True, text=True, timeout=120)
-    if done.returncode == 2 and "not built" in done.stderr:
+    done = call("run", "synthetic/adductor_brevis", "--backend", backend, "--frames", 2, "--no-referee",
+                "--out", tmp_path / "out")
+    if "is not a backend of this build" in done.stderr:
         pytest.skip(done.stderr)
     assert done.returncode == 0, done.stderr
     case = json.loads((tmp_path / "out" / "run.json").read_text())["case"]

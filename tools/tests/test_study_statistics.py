@@ -1,12 +1,12 @@
-"""What few frames can't tell, and how the price list chooses among equals."""
+"""Medians with their intervals, of few frames and of several repetitions, and what is made of them."""
 
 import math
 
 import numpy as np
 import pandas as pd
+import pytest
 
-from musclebench_report.accuracy import prices
-from musclebench_report.statistics import pooled_median
+from musclebench_report.statistics import Estimate, paired_ratio, pooled_median, quotient, total
 
 
 def times(frames, stride=16):
@@ -24,12 +24,26 @@ def test_of_twenty_frames_the_interval_has_a_width_and_holds_its_median():
     assert estimate.low < estimate.value < estimate.high
 
 
-def test_of_equally_fast_configurations_the_smallest_is_the_cheapest():
-    def offer(name, low, time, high, megabytes):
-        return {"configuration": name, "time_ms_low": low, "time_ms": time, "time_ms_high": high,
-                "structure_mb": megabytes}
+def test_repetitions_that_differ_widen_the_interval():
+    frames = range(200)
+    alike = pooled_median([pd.Series(10.0, index=frames)] * 3)
+    apart = pooled_median([pd.Series(value, index=frames) for value in (9.0, 10.0, 12.0)])
+    assert (alike.low, alike.value, alike.high) == (10, 10, 10)
+    assert apart.value == 10 and apart.low <= 9.0 and apart.high >= 12.0
 
-    fast, small, slow = offer("fast", 0.9, 1.0, 1.1, 240), offer("small", 1.0, 1.05, 1.2, 15), offer("slow", 2, 3, 4, 1)
-    assert prices._cheapest([slow, fast, small]) == small
-    unknown = fast | {"time_ms_low": math.nan, "time_ms_high": math.nan}
-    assert prices._cheapest([unknown, slow]) == unknown
+
+def test_ratios_are_matched_by_frame_and_repetition():
+    slow_second = {0: pd.Series([1.0, 2.0, 3.0]), 1: pd.Series([10.0, 20.0, 30.0])}
+    three_times = {number: 3 * values for number, values in slow_second.items()}
+    assert paired_ratio(three_times, slow_second).value == pytest.approx(3.0)
+    some_frames = {0: pd.Series([4.0], index=[2])}
+    assert paired_ratio(some_frames, {0: slow_second[0]}).value == pytest.approx(4 / 3)
+    assert math.isnan(paired_ratio({}, slow_second).value)
+
+
+def test_sums_and_quotients_carry_their_intervals():
+    draws = np.linspace(1, 3, 1001)
+    one = Estimate(2.0, 1.05, 2.95, 5, draws)
+    assert total([one, one]).value == 4 and total([one, one]).high == pytest.approx(5.9, abs=0.01)
+    assert quotient(one, Estimate(2.0, 2, 2, 5, np.full(1001, 2.0))).value == 1
+    assert math.isnan(quotient(one, Estimate.unknown()).value)

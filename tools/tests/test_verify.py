@@ -1,35 +1,20 @@
 """`verify` and `probe` as a user meets them."""
 
 import json
-import os
 import subprocess
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
-from ball_on_box import SCENE, ball, box, off
+from ball_on_box import ball, off
+from program import call, needs_program
 
-PROGRAM = os.environ.get("MUSCLEBENCH_BINARY", "")
-PROGRAM = PROGRAM and str(Path(PROGRAM).resolve())
-pytestmark = pytest.mark.skipif(not PROGRAM, reason="MUSCLEBENCH_BINARY does not name the program (tools/test sets it)")
-
-
-@pytest.fixture()
-def folder(tmp_path: Path) -> Path:
-    (tmp_path / "scene.toml").write_text(SCENE)
-    (tmp_path / "box.off").write_text(off(*box(0.03)))
-    (tmp_path / "ball.off").write_text(off(*ball(0.02, [0.005, 0, 0.0485])))
-    return tmp_path
-
-
-def call(command: str, folder: Path, *arguments) -> subprocess.CompletedProcess:
-    return subprocess.run([PROGRAM, command, str(folder / "scene.toml"), *arguments], capture_output=True, text=True,
-                          timeout=120, check=False)
+pytestmark = needs_program
 
 
 def test_verify_holds_and_says_so(folder):
-    done = call("verify", folder, "--points", "2000", "--brute-force-points", "500", "--threads", "2")
+    done = call("verify", folder / "scene.toml", "--points", "2000", "--brute-force-points", "500", "--threads", "2")
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     rows = [line.split() for line in lines if line.startswith("box ")]
@@ -39,26 +24,27 @@ def test_verify_holds_and_says_so(folder):
 
 
 def test_verify_reports_progress_in_lines(folder):
-    done = call("verify", folder, "--points", "60000", "--brute-force-points", "60000", "--progress")
+    done = call("verify", folder / "scene.toml", "--points", "60000", "--brute-force-points", "60000", "--progress")
     assert done.returncode == 0
     assert all(line.split()[0] == "progress" for line in done.stderr.splitlines())
 
 
 @pytest.mark.parametrize("arguments", [["--points", "0"], ["--points", "many"], ["--brute-force-points", "-1"]])
 def test_verify_refuses_bad_options(folder, arguments):
-    done = call("verify", folder, *arguments)
+    done = call("verify", folder / "scene.toml", *arguments)
     assert done.returncode == 2
     assert arguments[0] in done.stderr
 
 
 def test_verify_can_do_without_brute_force(folder):
-    done = call("verify", folder, "--points", "100", "--brute-force-points", "0")
+    done = call("verify", folder / "scene.toml", "--points", "100", "--brute-force-points", "0")
     assert done.returncode == 0
     assert done.stdout.splitlines()[-1] == "held"
 
 
 def probe(folder: Path, backend: str, *arguments) -> tuple[subprocess.CompletedProcess, dict, pd.DataFrame]:
-    done = call("probe", folder, "--backend", backend, "--points", "3000", "--out", str(folder / "out"), *arguments)
+    done = call("probe", folder / "scene.toml", "--backend", backend, "--points", "3000",
+                "--out", folder / "out", *arguments)
     manifest = json.loads((folder / "out/run.json").read_text())
     return done, manifest, pd.read_csv(folder / "out/probe.csv").set_index(["bone", "place"])
 
@@ -102,7 +88,7 @@ def test_contacts_without_depth_err_by_how_far_outside_they_are(folder):
 
 
 def test_what_cannot_be_asked_about_points_is_unsupported(folder):
-    done = call("probe", folder, "--backend", "fcl", "--out", str(folder / "out"))
+    done = call("probe", folder / "scene.toml", "--backend", "fcl", "--out", str(folder / "out"))
     if "not a backend of this build" in done.stderr:
         pytest.skip("built without FCL")
     assert done.returncode == 3
@@ -125,7 +111,7 @@ def test_a_complete_probe_is_skipped_and_the_same_again(folder):
 
 @pytest.mark.parametrize("arguments", [["--points", "0"], ["--band-mm", "-1"], ["--param", "cels=3"]])
 def test_a_bad_probe_is_refused(folder, arguments):
-    done = call("probe", folder, "--backend", "sdf", "--out", str(folder / "out"), *arguments)
+    done = call("probe", folder / "scene.toml", "--backend", "sdf", "--out", str(folder / "out"), *arguments)
     assert done.returncode == 2
     assert len(done.stderr.splitlines()) == 1
     assert not (folder / "out").exists()

@@ -31,7 +31,8 @@ def fcl_table(replays: list[Entry]) -> Table:
     rows = pd.DataFrame([_row(entry, replays) for entry in entries], columns=[column.key for column in COLUMNS])
     caption = " ".join([
         "FCL's configurations on replayed positions, the default being the paper's way. Factors are medians over the "
-        "frames that both replayed; with motion budgets all are replayed, else one in a few.", rule(), *summaries(replays)])
+        "frames that both replayed; with motion budgets all are replayed, else one in a few.",
+        rule(), *summaries(replays)])
     return Table("fcl_factors", caption, COLUMNS, rows, SHOWN)
 
 

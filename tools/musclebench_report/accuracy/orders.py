@@ -15,7 +15,7 @@ def probe_rows(probes: list[Entry]) -> pd.DataFrame:
     """One row a bone, place, series and cell size; a bone that several scenes share counts once. Adaptive cells have no
     one size and are left out."""
     rows = []
-    for entry in (e for e in probes if e.is_shown and e.configuration.series):
+    for entry in (e for e in probes if e.is_shown and e.configuration.series and not e.configuration.wanted_error_mm):
         record, probe = entry.ok[0].run.record, entry.ok[0].probe
         digests = {bone.get("name"): bone.get("mesh_sha256") for bone in record.get("bones") or []}
         for _, line in probe.iterrows():
@@ -29,7 +29,7 @@ def probe_rows(probes: list[Entry]) -> pd.DataFrame:
     keys = ["bone", "mesh_sha256", "place", "series", "configuration"]
     table = pd.DataFrame(rows, columns=[*keys, "cell_edge_m", "points", "max_error_m", "p99_error_m", "mean_error_m",
                                         "rms_error_m", "wrong_side"])
-    return with_orders(table[table["cell_edge_m"].notna()].drop_duplicates(keys))
+    return with_orders(table.drop_duplicates(keys))
 
 
 def with_orders(table: pd.DataFrame) -> pd.DataFrame:

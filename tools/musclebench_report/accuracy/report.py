@@ -133,7 +133,7 @@ def _draw_convergence(entries: list[Entry], builds: dict, folder: Path) -> list[
     drawn = draw_costs(cost_rows(probes or entries, builds), folder / "convergence_cost")
     texts = ["Build time and bytes of the structures of all bones of a scene against their number of cells, of grids "
              "with a fixed count of cells; slopes of straight lines through the logarithms. Bones that scenes share "
-             "count once."]
+             "count once. Bytes hold what motion budgets keep of the muscle's nodes, too."]
     return files + _with_caption(drawn, title, texts, _cases(probes or entries))
 
 

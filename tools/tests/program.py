@@ -1,0 +1,18 @@
+"""The program under test, which MUSCLEBENCH_BINARY names; tests that need it are skipped without it."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+PROGRAM = os.environ.get("MUSCLEBENCH_BINARY", "")
+PROGRAM = PROGRAM and str(Path(PROGRAM).resolve())
+needs_program = pytest.mark.skipif(
+    not PROGRAM, reason="MUSCLEBENCH_BINARY does not name the program (tools/test sets it)")
+
+
+def call(*arguments, **options) -> subprocess.CompletedProcess:
+    """The program with these arguments."""
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False,
+                          **options)

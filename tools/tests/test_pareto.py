@@ -1,0 +1,53 @@
+"""Which configurations are on the Pareto front, and how the picture places points and labels."""
+
+import pandas as pd
+import pytest
+
+from fake_study import SCENES, SIZES, replays_of
+from musclebench_report.accuracy import front, labels, pareto
+from musclebench_report.style import plt
+
+
+def test_the_front_leaves_out_what_is_slower_and_no_better_and_what_is_wrong(study):
+    replays = replays_of(study)
+    wrong = {(e.scene, e.configuration) for e in replays if e.is_wrong}
+    points = front.points_of(replays, lambda entry: entry.p99_error_mm, wrong)
+    best = points[points["on_front"]].groupby("panel")["configuration"].apply(list).to_dict()
+    for panel in (*SCENES, front.ALL_MUSCLES):
+        assert best[panel] == ["voxel 64", "sdf 64", "sdf 128", "bvh"]
+    crossed = set(points[points["is_wrong"]]["configuration"])
+    assert crossed == {"fcl RSS"}
+    assert "fcl 2 threads" not in set(points["configuration"])
+
+
+def test_all_muscles_are_the_sum_of_times_and_the_largest_error(study):
+    points = front.points_of(replays_of(study), lambda entry: entry.p99_error_mm * SIZES[entry.scene], set())
+    row = points[points["panel"] == front.ALL_MUSCLES].set_index("configuration").loc["sdf 128"]
+    assert row["time_ms"] == pytest.approx(0.6) and row["error_mm"] == pytest.approx(0.08)
+
+
+def test_exact_backends_count_as_equal():
+    rows = [("a", 1.0, 2e-17), ("b", 2.0, 0.0), ("c", 0.5, 1e-3)]
+    points = pd.DataFrame(rows, columns=["backend", "time_ms", "error_mm"]).assign(is_wrong=False)
+    assert [points.loc[i, "backend"] for i in front.on_front(points)] == ["c", "a"]
+
+
+def test_exact_points_stand_in_a_band_below_the_axis():
+    axis = pareto.error_axis(pd.Series([0.0, 1e-17, 0.02, 5.0]))
+    assert axis.low_mm == pytest.approx(0.01) and axis.bottom_mm < axis.low_mm
+    assert all(axis.bottom_mm < axis.height(1e-17, lane) < axis.low_mm for lane in range(12))
+    assert axis.height(0.02, 3) == 0.02
+    without = pareto.error_axis(pd.Series([0.02, 5.0]))
+    assert without.bottom_mm == without.low_mm
+
+
+def test_labels_cover_neither_each_other_nor_points():
+    figure, axes = plt.subplots(figsize=(5, 4))
+    axes.set(xscale="log", yscale="log", xlim=(0.1, 1000), ylim=(0.01, 10))
+    wanted = [labels.Label(10.0 * 1.15**i, 0.3, str(i), "black") for i in range(12)]
+    labels.place_labels(axes, wanted)
+    renderer = figure.canvas.get_renderer()
+    boxes = [text.get_window_extent(renderer) for text in axes.texts]
+    assert len(boxes) == 12
+    assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
+    plt.close(figure)

@@ -1,0 +1,84 @@
+"""The price list and the factors of fcl: what is the cheapest, and what counts as right."""
+
+import json
+import math
+
+import pytest
+
+from fake_study import REPLAYED, SCENES, Truth, replays_of, write_failure, write_replay
+from musclebench_report.accuracy import front, prices, report
+from musclebench_report.accuracy.fcl_table import best_right, fcl_table
+from musclebench_report.accuracy.rows import build_seconds_of
+
+
+def price(replays, muscle, bar):
+    rows = prices.price_list(replays, build_seconds_of(replays)).rows
+    return rows[(rows["muscle"] == muscle) & (rows["bar_mm"] == bar)].iloc[0]
+
+
+def test_the_price_list_names_the_cheapest_that_holds(study):
+    replays = replays_of(study)
+    expected = {"1": "sdf 64", "0.3": "sdf 64", "0.1": "sdf 128", "0.03": "bvh", "0.01": "bvh"}
+    for muscle in ("iliacus", "gluteus_medius", front.ALL_MUSCLES):
+        assert {bar: price(replays, muscle, bar)["configuration"] for bar in expected} == expected
+    row = price(replays, "iliacus", "0.1")
+    assert row["ratio"] == pytest.approx(2.0) and row["build_s"] == 90 and row["p99_error_mm"] == pytest.approx(0.08)
+    assert price(replays, front.ALL_MUSCLES, "0.01")["ratio"] == pytest.approx(75)
+
+
+def test_a_configuration_that_fails_on_one_muscle_holds_not_for_all(study):
+    path = study / "raw" / "gluteus_medius-sdf 128-r0" / "run.json"
+    record = json.loads(path.read_text())
+    record["accuracy"]["p99_depth_error_m"] = 0.2e-3
+    path.write_text(json.dumps(record))
+    replays = replays_of(study)
+    assert price(replays, "iliacus", "0.1")["configuration"] == "sdf 128"
+    assert price(replays, front.ALL_MUSCLES, "0.1")["configuration"] == "bvh"
+
+
+def test_a_configuration_that_one_muscle_lacks_holds_not_for_all(study):
+    write_failure(study / "raw" / "late", "replay", SCENES[1], "sdf", "timeout", Truth(parameters={"cells": 200}))
+    write_replay(study / "raw" / "fine", SCENES[0], "sdf", Truth(0.5, 0.005, parameters={"cells": 200}))
+    replays = replays_of(study)
+    assert price(replays, "iliacus", "0.01")["configuration"] == "sdf 200"
+    assert price(replays, front.ALL_MUSCLES, "0.01")["configuration"] == "bvh"
+
+
+def test_a_depth_that_none_holds_names_the_best_found(tmp_path):
+    write_replay(tmp_path / "raw" / "a", SCENES[0], "voxel", REPLAYED["voxel"])
+    row = price(replays_of(tmp_path), "iliacus", "0.3")
+    assert row["configuration"] == "none" and "voxel 64 with 3 mm" in row["note"]
+    report.write_report(tmp_path)
+    assert "voxel 64 with 3 mm" in (tmp_path / "tables" / "price_list.txt").read_text()
+
+
+def test_the_factors_of_fcl_and_its_wrong_answers(study):
+    replays = replays_of(study)
+    rows = fcl_table(replays).rows
+    rows = rows[rows["muscle"] == "iliacus"].set_index("choice")
+    assert rows.index[0] == "default" and rows.loc["default", "factor"] == 1
+    assert rows.loc["OBB", "factor"] == pytest.approx(0.5) and rows.loc["OBB", "ratio"] == pytest.approx(180)
+    assert rows.loc["default", "verdict"] == "right" and rows.loc["default", "missed"] == 50
+    assert rows.loc["RSS", "verdict"] == "wrong: 100 % missed"
+    assert best_right(replays, SCENES[0]).configuration.name == "fcl OBB"
+    assert "a factor of 2.00 is configuration" in fcl_table(replays).caption
+
+
+@pytest.mark.parametrize("missed, false, p99_mm, verdict", [
+    (100, 0, 0.1, "right"), (101, 0, 0.1, "wrong: 1.0 % missed"), (0, 200, 0.0, "wrong: 2.0 % false"),
+    (0, 0, 0.11, "wrong: 0.11 mm off"), (0, 0, 0.0, "right"),
+])
+def test_the_rule_of_right_and_wrong(tmp_path, missed, false, p99_mm, verdict):
+    write_replay(tmp_path / "raw" / "a", SCENES[0], "fcl", Truth(missed=missed, false=false, p99_mm=p99_mm))
+    assert replays_of(tmp_path)[0].verdict == verdict
+
+
+def test_of_equally_fast_configurations_the_smallest_is_the_cheapest():
+    def offer(name, low, time, high, megabytes):
+        return {"configuration": name, "time_ms_low": low, "time_ms": time, "time_ms_high": high,
+                "structure_mb": megabytes}
+
+    fast, small, slow = offer("fast", 0.9, 1.0, 1.1, 240), offer("small", 1.0, 1.05, 1.2, 15), offer("slow", 2, 3, 4, 1)
+    assert prices._cheapest([slow, fast, small]) == small
+    unknown = fast | {"time_ms_low": math.nan, "time_ms_high": math.nan}
+    assert prices._cheapest([unknown, slow]) == unknown

@@ -1,0 +1,48 @@
+"""What tells configurations of the study apart, and what figures and tables call them."""
+
+import fake_study
+from fake_study import SURFACES
+from musclebench_report.accuracy.configurations import Configuration, configuration
+
+
+def test_resolved_and_asked_parameters_are_the_same_configuration():
+    asked = configuration("sdf", {"cells": "128"})
+    resolved = configuration("sdf", {"cells": 128, "cell_size_m": 0.0, "precision": "float", "margin": 0.001,
+                                     "structures": "/somewhere"})
+    assert asked == resolved and asked.name == "sdf 128" and asked.series == "sdf float cells"
+    assert configuration("fcl", SURFACES) == configuration("fcl", {}) == Configuration("fcl")
+
+
+def test_cubes_are_a_series_of_their_own_whatever_the_count_of_cells():
+    cubes = configuration("voxel", {"cells": 32, "voxel_size_m": 0.002})
+    assert cubes.series == "voxel cubes" and cubes.short == "2 mm" and cubes.cells is None
+    assert cubes == configuration("voxel", {"voxel_size_m": 2e-3})
+    assert cubes.fineness > configuration("voxel", {"voxel_size_m": 4e-3}).fineness
+
+
+def test_adaptive_cells_are_a_series_by_the_error_that_is_wanted():
+    adaptive = configuration("sdf", {"cells": 64, "cell_size_m": 0.0, "max_error_mm": 0.05})
+    assert adaptive.series == "sdf float adaptive" and adaptive.name == "sdf to 0.05 mm" and adaptive.cells is None
+    assert adaptive == configuration("sdf", {"max_error_mm": "0.05", "precision": "float"})
+    assert adaptive.fineness > configuration("sdf", {"max_error_mm": 0.3}).fineness
+
+
+def test_motion_budgets_make_a_curve_or_point_of_their_own():
+    assert configuration("sdf", {"motion_budgets": "on"}) == configuration("sdf", {})
+    assert configuration("sdf", {"motion_budgets": "off"}).series == "sdf float cells no budgets"
+    assert configuration("bvh", {"motion_budgets": "off"}).name == "bvh no budgets"
+    distance = {"query": "node_distance"}
+    assert configuration("fcl", distance | {"motion_budgets": "off"}).name == "fcl node distance"
+    assert configuration("fcl", distance | {"motion_budgets": "on"}).name == "fcl node distance, budgets"
+
+
+def test_names_tell_configurations_apart():
+    made = [configuration(backend, truth.parameters, truth.threads)
+            for backend, truth in fake_study.realistic_truths()]
+    assert len({one.name for one in made}) == len(made) == len(set(made))
+
+
+def test_the_radius_counts_only_where_nodes_are_spheres():
+    near = configuration("fcl", {"query": "node_collide", "node_radius_m": 2e-3})
+    assert near != configuration("fcl", {"query": "node_collide"}) and "2 mm" in near.name
+    assert configuration("fcl", {"node_radius_m": 2e-3}).is_default
