@@ -233,7 +233,8 @@ def _draw_key(axes, points: pd.DataFrame, numbers: dict[str, int]) -> None:
 
 def _series_words(series: str) -> str:
     backend, *words = series.split()
-    kind = {"cells": "cells an axis", "cubes": "cubes, edge in mm", "adaptive": "adaptive, error wanted in mm"}
+    # Short: beside a single panel the numbers of fcl's configurations stand close by.
+    kind = {"cells": "cells", "cubes": "cubes, edge in mm", "adaptive": "adaptive, to mm"}
     return " ".join([f"{backend}:", *(kind.get(word, word) for word in words)])
 
 
