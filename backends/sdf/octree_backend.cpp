@@ -65,9 +65,8 @@ class OctreeBackend final : public CollisionBackend {
     m_has_budgets = m_wants_budgets && std::all_of(bones().begin(), bones().end(),
                                                    [](const Bone& bone) { return is_closed(bone.surface.mesh); });
     m_loaded_fields = 0;
-    m_budget_nodes = 0;
     if (m_has_budgets) {
-      reset_budgets(muscle().vertices.size());
+      m_budgets.reset(bones(), muscle().vertices.size());
     }
     for (const Bone& bone : bones()) {
       m_fields.push_back(load_or_build(bone));
@@ -96,14 +95,9 @@ class OctreeBackend final : public CollisionBackend {
     return built;
   }
 
-  void reset_budgets(std::size_t nodes) {
-    m_budget_nodes = nodes;
-    m_budgets.reset(bones(), nodes);
-  }
-
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
-    if (m_has_budgets && positions.size() != m_budget_nodes) {
-      reset_budgets(positions.size());
+    if (m_has_budgets && positions.size() != m_budgets.nodes()) {
+      m_budgets.reset(bones(), positions.size());
     }
     for (int bone = 0; bone < static_cast<int>(m_fields.size()); ++bone) {
       if (m_has_budgets) {
@@ -149,7 +143,6 @@ class OctreeBackend final : public CollisionBackend {
   std::size_t m_loaded_fields = 0;
   std::vector<OctreeField> m_fields;
   MotionBudgets m_budgets;
-  std::size_t m_budget_nodes = 0;
   std::vector<int> m_spent;
 };
 

@@ -202,7 +202,7 @@ class OctreeBuilder {
     const double unit = std::pow(10, std::floor(std::log10(fitting_m * 1e3)) - 1);
     throw InputError(
         fmt::format("sdf: max_error_mm ({})", m_bone),
-        fmt::format("{} needs about {:.0f} MB of memory, {:.0f} MB are there; {:.2g} fits", m_demand.wanted_m * 1e3,
+        fmt::format("{:.6g} needs about {:.0f} MB of memory, {:.0f} MB are there; {:.2g} fits", m_demand.wanted_m * 1e3,
                     needed_bytes / 1e6, number(m_memory_bytes) / 1e6, std::ceil(fitting_m * 1e3 / unit) * unit));
   }
 

@@ -136,9 +136,8 @@ class SdfBackend final : public CollisionBackend {
                                         std::all_of(bones().begin(), bones().end(),
                                                     [](const Bone& bone) { return is_closed(bone.surface.mesh); }));
     m_loaded_fields = 0;
-    m_budget_nodes = 0;
     if (m_has_budgets) {
-      reset_budgets(muscle().vertices.size());
+      m_budgets.reset(bones(), muscle().vertices.size());
     }
     if (!m_discregrid.empty()) {
       read_fields();
@@ -213,14 +212,9 @@ class SdfBackend final : public CollisionBackend {
     return fmt::format("{}-{}{}-{}.field", bone_file_name(bone.name), grid, band, m_precision_name);
   }
 
-  void reset_budgets(std::size_t nodes) {
-    m_budget_nodes = nodes;
-    m_budgets.reset(bones(), nodes);
-  }
-
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
-    if (m_has_budgets && positions.size() != m_budget_nodes) {
-      reset_budgets(positions.size());
+    if (m_has_budgets && positions.size() != m_budgets.nodes()) {
+      m_budgets.reset(bones(), positions.size());
     }
     for (std::size_t b = 0; b < m_fields.size(); ++b) {
       if (m_has_budgets) {
@@ -329,7 +323,6 @@ class SdfBackend final : public CollisionBackend {
   std::size_t m_loaded_fields = 0;
   std::vector<CubicField> m_fields;
   MotionBudgets m_budgets;
-  std::size_t m_budget_nodes = 0;
   std::vector<int> m_spent;
 };
 

@@ -36,6 +36,8 @@ class MotionBudgets {
   /// the budget.
   void grant(int bone, int node, const Vec3& rest_point, double clearance_m);
 
+  /// That `reset` was told of.
+  [[nodiscard]] std::size_t nodes() const { return m_nodes; }
   [[nodiscard]] std::size_t bytes() const;
 
   /// About a bone's middle, in its rest frame, by node.

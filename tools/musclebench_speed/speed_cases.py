@@ -73,7 +73,7 @@ class KernelGroup:
 
 @dataclass(frozen=True)
 class KernelCase(Case):
-    scene: str
+    scene: MuscleScene
     group: KernelGroup
     repetition: int = 0
     repetitions_inside: int = 5  # of each kernel, in the process
@@ -97,7 +97,7 @@ class KernelCase(Case):
 
     def environment(self, places: Places) -> list[str]:
         """Assignments of the variables that tell the kernels what to measure."""
-        words = [f"MUSCLEBENCH_MICRO_SCENE={self.scene}",
+        words = [f"MUSCLEBENCH_MICRO_SCENE={self.scene.name}",
                  f"MUSCLEBENCH_MICRO_STRUCTURES={places.out_dir / STRUCTURES_DIR}"]
         return words + ([f"MUSCLEBENCH_DATA={places.data_dir}"] if places.data_dir is not None else [])
 
@@ -112,5 +112,5 @@ class KernelCase(Case):
         return [f"--benchmark_out={folder / KERNELS_FILE}", "--benchmark_out_format=json"]
 
     def record(self) -> dict:
-        return {"mode": "kernels", "scene": self.scene, "group": self.group.name, "threads": self.threads,
+        return {"mode": "kernels", "scene": self.scene.name, "group": self.group.name, "threads": self.threads,
                 "repetition": self.repetition}

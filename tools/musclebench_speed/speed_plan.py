@@ -71,7 +71,7 @@ def _races(wishes: Wishes, muscle: str, repetition: int) -> list[Case]:
 def _kernels(wishes: Wishes, repetition: int) -> list[Case]:
     # The muscle that most of the published numbers are of, where it is among those that are measured.
     muscle = "iliacus" if "iliacus" in wishes.muscles else wishes.muscles[0]
-    whole = KernelCase(f"{wishes.data_set}/{muscle}", KERNEL_GROUPS[0], repetition)
+    whole = KernelCase(MuscleScene(wishes.data_set, muscle), KERNEL_GROUPS[0], repetition)
     case = replace(whole, repetitions_inside=3, least_seconds=0.02) if wishes.quick else whole
     groups = [_quick(group) if wishes.quick else group for group in KERNEL_GROUPS]
     return [replace(case, group=group) for group in groups if group.varies or repetition == 0]

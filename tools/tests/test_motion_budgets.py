@@ -35,7 +35,8 @@ def test_flexion_is_the_same_to_the_bit(tmp_path, backend, muscle):
 
 def test_real_anatomy_is_the_same_to_the_bit(tmp_path, lhdl_folder):
     states = [final_state(tmp_path / f"{word}{threads}", "lhdl/gluteus_maximus", "--data", str(lhdl_folder),
-                          "--backend", "bvh", "--param", f"motion_budgets={word}", "--frames", "25", "--threads", threads)
+                          "--backend", "bvh", "--param", f"motion_budgets={word}", "--frames", "25",
+                          "--threads", threads)
               for word, threads in (("on", "1"), ("on", "2"), ("off", "2"))]
     assert len(set(states)) == 1
     assert states[0][1] > 0
