@@ -1,6 +1,7 @@
 #include "backends/brute_force/brute_force_backend.hpp"
 
 #include "backends/brute_force/brute_force_surface.hpp"
+#include "core/geometry/mesh_size.hpp"
 
 namespace musclebench {
 
@@ -9,11 +10,18 @@ namespace {
 class BruteForceBackend final : public CollisionBackend {
  public:
   [[nodiscard]] Capabilities capabilities() const override { return {}; }
-  [[nodiscard]] AnswerBound answer_bound(int /*bone*/) const override { return {}; }
+  [[nodiscard]] AnswerBound answer_bound(int bone) const override {
+    return {m_touching_m[static_cast<std::size_t>(bone)], 0};
+  }
   [[nodiscard]] std::size_t structure_bytes() const override { return 0; }
 
  private:
-  void do_build() override {}
+  void do_build() override {
+    m_touching_m.clear();
+    for (const Bone& bone : bones()) {
+      m_touching_m.push_back(touching_distance_m(bone.surface.mesh));
+    }
+  }
 
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
     m_points.resize(nodes.size());
@@ -26,7 +34,7 @@ class BruteForceBackend final : public CollisionBackend {
         m_points[i] = locate_by_brute_force(mesh, pose.apply_inverse(positions[nodes[i]]));
       }
       for (std::size_t i = 0; i < nodes.size(); ++i) {
-        if (m_points[i].inside) {
+        if (m_points[i].inside && m_points[i].distance_m > m_touching_m[bone]) {
           contacts.push_back(
               {nodes[i], static_cast<int>(bone), m_points[i].distance_m, pose.apply_to_direction(m_points[i].normal)});
         }
@@ -34,6 +42,7 @@ class BruteForceBackend final : public CollisionBackend {
     }
   }
 
+  std::vector<double> m_touching_m;  ///< by bone
   std::vector<SurfacePoint> m_points;
 };
 

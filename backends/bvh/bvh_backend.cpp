@@ -12,7 +12,9 @@ class BvhBackend final : public CollisionBackend {
   explicit BvhBackend(bool motion_budgets) : m_motion_budgets(motion_budgets) {}
 
   [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_motion_budgets}; }
-  [[nodiscard]] AnswerBound answer_bound(int /*bone*/) const override { return {}; }
+  [[nodiscard]] AnswerBound answer_bound(int bone) const override {
+    return {m_surfaces[static_cast<std::size_t>(bone)].touching_m(), 0};
+  }
 
   [[nodiscard]] std::size_t structure_bytes() const override {
     std::size_t bytes = m_detection.bytes();

@@ -29,6 +29,7 @@ CentredSurface::CentredSurface(const RepairedMesh& surface, const Eigen::Aligned
     : m_centre_m(box.center()),
       m_half_extents_m((box.max() - m_centre_m).cwiseMax(m_centre_m - box.min())),
       m_near_m(mean_triangle_size_m(surface.mesh)),
+      m_touching_m(touching_distance_m(surface.mesh)),
       m_surface(moved(surface, -m_centre_m)) {}
 
 bool CentredSurface::is_outside(const Vec3& point, double& clearance_m) const {
@@ -57,12 +58,16 @@ void CentredSurface::list_near(const Vec3& point, double bound_m, NearLeaves& li
   m_surface.tree().list_leaves(point - m_centre_m, bound_m + list_reach * m_near_m, list);
 }
 
-ListedClosest CentredSurface::closest_listed(const Vec3& point, const NearLeaves& list) const {
-  return m_surface.tree().closest_listed(point - m_centre_m, list);
+ListedClosest CentredSurface::closest_listed(const Vec3& point, const NearLeaves& list, double enough_m) const {
+  return m_surface.tree().closest_listed(point - m_centre_m, list, enough_m);
+}
+
+Clearance CentredSurface::clearance_from(const Vec3& point, int triangle) const {
+  return m_surface.tree().clearance_from(point - m_centre_m, triangle);
 }
 
 bool CentredSurface::contains(const Vec3& point, const ClosestPoint& closest) const {
-  return m_surface.is_inside(point - m_centre_m, closest);
+  return closest.distance_m > m_touching_m && m_surface.is_inside(point - m_centre_m, closest);
 }
 
 Vec3 CentredSurface::outward(const Vec3& point, const ClosestPoint& closest) const {

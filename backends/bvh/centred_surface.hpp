@@ -23,15 +23,17 @@ class CentredSurface {
   }
   using NearList = NearLeaves;
   void list_near(const Vec3& point, double bound_m, NearLeaves& list) const;
-  [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearLeaves& list) const;
+  [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearLeaves& list, double enough_m) const;
+  [[nodiscard]] Clearance clearance_from(const Vec3& point, int triangle) const;
   [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] static ClosestPoint settled(const Vec3& /*point*/, const ClosestPoint& closest) { return closest; }
   /// Across a hole the side changes without a surface.
   [[nodiscard]] double free_m(const Vec3& /*point*/, const ClosestPoint& closest, bool /*is_settled*/) const {
-    return closed() ? closest.distance_m : 0;
+    return closed() && closest.distance_m > m_touching_m ? closest.distance_m : 0;
   }
   [[nodiscard]] double near_m() const { return m_near_m; }
+  [[nodiscard]] double touching_m() const { return m_touching_m; }
 
   /// Signed distance of a finite point, in metres; negative inside.
   [[nodiscard]] double signed_distance_m(const Vec3& point) const {
@@ -49,6 +51,7 @@ class CentredSurface {
   Vec3 m_centre_m;
   Vec3 m_half_extents_m;
   double m_near_m;
+  double m_touching_m;
   SignedSurface m_surface;
 };
 

@@ -17,9 +17,6 @@ namespace {
 
 constexpr std::size_t all_contacts = std::numeric_limits<std::size_t>::max();
 
-/// As a share of the bone's diagonal: above the rounding of a position, far below any depth that matters.
-constexpr double touching_share = 1e-12;
-
 /// Above the rounding of FCL's test of a sphere and a triangle.
 constexpr double sphere_slack = 1e-9;
 
@@ -64,7 +61,7 @@ NodeSurface::NodeSurface(const FclOptions& options, const RepairedMesh& surface,
       m_solver(to_fcl(options.narrow_phase)),
       m_box(bounding_box(m_mesh.vertices)),
       m_needles(needles_of(m_mesh)),
-      m_touching_m(m_box.isEmpty() ? 0 : touching_share * m_box.diagonal().norm()),
+      m_touching_m(touching_distance_m(m_mesh)),
       m_node_radius_m(options.node_radius_m),
       m_triangle_size_m(mean_triangle_size_m(m_mesh)) {}
 
@@ -171,7 +168,7 @@ void NodeSurface::list_near(const Vec3& point, double bound_m, NearTriangles& li
   list.complete_m = (1 - sphere_slack) * (all ? radius_m : std::min(radius_m, by_distance[list.count].first));
 }
 
-ListedClosest NodeSurface::closest_listed(const Vec3& point, const NearTriangles& list) const {
+ListedClosest NodeSurface::closest_listed(const Vec3& point, const NearTriangles& list, double /*enough_m*/) const {
   return musclebench::closest_listed(list, point, [&](int triangle) { return closest_on(point, triangle); });
 }
 

@@ -381,6 +381,30 @@ void expect_that_budgets_change_no_bit(const BackendEntry& entry, const std::vec
   EXPECT_GT(met, 500U);
 }
 
+/// A response that moves a node by its depth has done its work: what is on the surface, to rounding, is not inside.
+TEST_P(Contract, OnTheWayOutANodeIsFree) {
+  constexpr double exact_m = 1e-9;
+  const BackendEntry& entry = find_backend(GetParam());
+  for (const AnalyticBone& shape : analytic_bones()) {
+    const std::vector<Bone> bones = one_bone(shape);
+    const TriangleMesh mesh = muscle();
+    const auto backend = entry.make(Parameters(entry.parameters, {}, "test"));
+    backend->build(bones, mesh, 1);
+    if (!collides() || !backend->capabilities().depth || backend->answer_bound(0).missed_depth_m > exact_m) {
+      GTEST_SKIP() << GetParam() << " is not exact";
+    }
+    std::vector<Vec3> positions = moved(mesh.vertices, tilted);
+    const std::vector<Contact> contacts = ask(*backend, {tilted}, positions, all_nodes(mesh));
+    ASSERT_GT(contacts.size(), 20U);
+    std::vector<int> nodes;
+    for (const Contact& contact : contacts) {
+      positions[static_cast<std::size_t>(contact.node)] += contact.depth_m * contact.normal;
+      nodes.push_back(contact.node);
+    }
+    EXPECT_TRUE(ask(*backend, {tilted}, positions, nodes).empty()) << shape.name;
+  }
+}
+
 TEST_P(Contract, MotionBudgetsChangeNoBitOfAMotion) {
   const BackendEntry& entry = find_backend(GetParam());
   if (!has_parameter(entry, "motion_budgets")) {

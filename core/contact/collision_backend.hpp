@@ -30,8 +30,9 @@ struct Capabilities {
   bool remembers = false;
 };
 
-/// How far a backend's answer may be from the truth. A node inside a bone and deeper than `missed_depth_m` is reported;
-/// a node outside and farther than `false_distance_m` from the surface is not.
+/// How far a backend's answer may be from the truth. A node closer to a surface than `touching_distance_m` is on it,
+/// for exact backends, too. A node inside a bone and deeper than `missed_depth_m` is reported; a node outside and
+/// farther than `false_distance_m` from the surface is not.
 struct AnswerBound {
   double missed_depth_m = 0;
   double false_distance_m = 0;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cstddef>
+#include <limits>
 
 #include "core/geometry/mesh_size.hpp"
 
@@ -231,6 +232,18 @@ void MotionBudgets::grant(int bone, int node, const Vec3& rest_point, double cle
   balls.y[index] = static_cast<float>(place.y());
   balls.z[index] = static_cast<float>(place.z());
   balls.radius_m[index] = radius_m > 0 ? static_cast<float>(radius_m) : 0.0F;
+}
+
+double MotionBudgets::gap_m(int bone, int node, const Vec3& rest_point) const {
+  const Balls& balls = m_bones[static_cast<std::size_t>(bone)];
+  const auto index = static_cast<std::size_t>(node);
+  if (!(balls.radius_m[index] > 0)) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const Vec3 ball(balls.x[index], balls.y[index], balls.z[index]);
+  const Vec3 place = rest_point - balls.middle_m;
+  return (place - ball).norm() * (1 + comparison_slack) + grant_slack * place.lpNorm<1>() -
+         static_cast<double>(balls.radius_m[index]);
 }
 
 std::size_t MotionBudgets::bytes() const {

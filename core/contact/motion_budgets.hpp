@@ -32,9 +32,18 @@ class MotionBudgets {
                      std::vector<int>& spent);
 
   /// Promises that `node` is free of `bone` wherever it is nearer than `clearance_m` to `rest_point` (in the bone's
-  /// rest frame). May be called for different nodes by several threads at once. A clearance that is not positive spends
-  /// the budget.
+  /// rest frame). May be called for different nodes by several threads at once. A clearance that is not positive leaves
+  /// it without a budget.
   void grant(int bone, int node, const Vec3& rest_point, double clearance_m);
+
+  /// How far `rest_point` (in the bone's rest frame) is outside the node's ball; infinite without a ball. A ball about
+  /// that point that no surface reaches into and that is larger overlaps the node's: then it is as free.
+  [[nodiscard]] double gap_m(int bone, int node, const Vec3& rest_point) const;
+
+  /// Of the node's ball; 0 without one.
+  [[nodiscard]] double radius_m(int bone, int node) const {
+    return static_cast<double>(m_bones[static_cast<std::size_t>(bone)].radius_m[static_cast<std::size_t>(node)]);
+  }
 
   /// That `reset` was told of.
   [[nodiscard]] std::size_t nodes() const { return m_nodes; }

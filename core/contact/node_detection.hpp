@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -21,13 +24,15 @@ namespace musclebench {
 ///   triangles at the smallest squared distance the one with the smallest index.
 /// - `NearList`: what is near a place, with a `count` that is 0 where nothing is known;
 ///   `list_near(point, bound_m, list)` fills it, where the surface is no farther than `bound_m`;
-///   `ListedClosest closest_listed(point, list)` uses it.
+///   `ListedClosest closest_listed(point, list, enough_m)` uses it.
+/// - `Clearance clearance_from(point, triangle)`: faster than `closest_from`, and less.
 /// - `double distance_m(point, triangle)`.
 /// - `bool contains(point, closest)`; `Vec3 outward(point, closest)`: unit, for a point that it contains.
 /// - `ClosestPoint settled(point, closest)`: what `closest` and `closest_from` found, to the bit what any other way of
 ///   finding it gives; asked for contacts only, and contained or not anew.
 /// - `double free_m(point, closest, is_settled)`: about a point that it does not contain, how far it contains nothing;
 ///   `is_settled` where `closest` is from a list or `settled`.
+/// - `double touching_m()`: it contains nothing that is closer to the surface.
 /// - `double near_m()`: closer to the surface than this a list saves searches.
 template <typename Surface>
 class NodeDetection {
@@ -113,20 +118,25 @@ class NodeDetection {
   /// The normal of the contact is left in the rest frame.
   bool ask_node(int bone, int node, const Vec3& point, Contact& contact) {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
-    double clearance_m = 0;
-    if (!surface.is_outside(point, clearance_m)) {
+    double free_m = 0;
+    if (!surface.is_outside(point, free_m)) {
       Answer answer = m_motion_budgets ? recall(bone, node, point) : search(surface, point);
+      free_m = answer.free_m;
       if (answer.inside) {
         answer.closest = answer.listed ? answer.closest : surface.settled(point, answer.closest);
         if (answer.listed || surface.contains(point, answer.closest)) {
           contact = {node, bone, answer.closest.distance_m, surface.outward(point, answer.closest)};
+          if (m_motion_budgets) {
+            memory_of(bone, node).way_out = point + contact.depth_m * contact.normal;
+          }
           return true;
         }
+        free_m = surface.free_m(point, answer.closest, answer.listed);
       }
-      clearance_m = surface.free_m(point, answer.closest, answer.listed);
     }
-    if (m_motion_budgets) {
-      m_budgets.grant(bone, node, point, clearance_m);
+    // A ball that it has left stays true, and is better than none.
+    if (m_motion_budgets && free_m > 0) {
+      m_budgets.grant(bone, node, point, free_m);
     }
     return false;
   }
@@ -135,28 +145,46 @@ class NodeDetection {
     ClosestPoint closest;
     bool inside = false;
     bool listed = false;  ///< from a list, which leaves nothing to settle
+    double free_m = 0;    ///< of what is not inside
   };
 
   static Answer search(const Surface& surface, const Vec3& point) {
     const ClosestPoint closest = surface.closest(point);
-    return {closest, surface.contains(point, closest), false};
+    return {closest, surface.contains(point, closest)};
   }
 
   /// What is remembered of a node and a bone.
   struct Memory {
     typename Surface::NearList near;
-    int triangle = -1;  ///< the closest one at the last search
+    int triangle = -1;  ///< one that was near at the last search
+    /// The point of the surface that was closest when the node was last in contact: where a response puts it.
+    Vec3 way_out = Vec3::Constant(std::numeric_limits<double>::infinity());
   };
+
+  Memory& memory_of(int bone, int node) {
+    return m_memories[static_cast<std::size_t>(bone) * m_nodes + static_cast<std::size_t>(node)];
+  }
 
   /// From what was near when the node was last searched for, where that is enough.
   Answer recall(int bone, int node, const Vec3& point) {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
-    Memory& memory = m_memories[static_cast<std::size_t>(bone) * m_nodes + static_cast<std::size_t>(node)];
+    Memory& memory = memory_of(bone, node);
+    const double touching_m = 0.5 * surface.touching_m();
+    if ((point - memory.way_out).squaredNorm() < touching_m * touching_m) {
+      return {};
+    }
+    // Where nothing is nearer than this, no surface is between the point and the node's ball.
+    const double gap_m = m_budgets.gap_m(bone, node, point);
     const auto look_up = [&](Answer& answer) {
-      const ListedClosest listed = surface.closest_listed(point, memory.near);
+      const ListedClosest listed = surface.closest_listed(point, memory.near, gap_m);
+      if (listed.clearance_m > 0) {
+        answer.free_m = listed.clearance_m;
+        return true;
+      }
       memory.triangle = listed.closest.triangle;
       if (listed.certain) {
         answer = {listed.closest, surface.contains(point, listed.closest), true};
+        answer.free_m = answer.inside ? 0 : surface.free_m(point, listed.closest, true);
       }
       return listed.certain;
     };
@@ -164,18 +192,33 @@ class NodeDetection {
     if (memory.near.count > 0 && look_up(answer)) {
       return answer;
     }
-    // Where the last closest triangle is still near, a new list gives the answer, too.
-    if (memory.triangle >= 0) {
-      const double bound_m = surface.distance_m(point, memory.triangle);
+    memory.near.count = 0;
+    const auto renew_list = [&] {
+      const double bound_m = memory.triangle < 0 ? unknown : surface.distance_m(point, memory.triangle);
       if (bound_m < surface.near_m()) {
         surface.list_near(point, bound_m, memory.near);
-        if (memory.near.count > 0 && look_up(answer)) {
-          return answer;
-        }
       }
+      return memory.near.count > 0;
+    };
+    // A list is worth its making for a node that stays near; of the others it need not be known what is closest.
+    const bool stays_near = m_budgets.radius_m(bone, node) < surface.near_m();
+    if (stays_near && renew_list() && look_up(answer)) {
+      return answer;
+    }
+    if (gap_m < unknown) {
+      const Clearance clearance = surface.clearance_from(point, std::max(memory.triangle, 0));
+      memory.triangle = clearance.triangle;
+      if (clearance.distance_m > gap_m) {
+        answer.free_m = clearance.distance_m;
+        return answer;
+      }
+    }
+    if (!stays_near && renew_list() && look_up(answer)) {
+      return answer;
     }
     answer.closest = memory.triangle < 0 ? surface.closest(point) : surface.closest_from(point, memory.triangle);
     answer.inside = surface.contains(point, answer.closest);
+    answer.free_m = answer.inside ? 0 : surface.free_m(point, answer.closest, false);
     memory.triangle = answer.closest.triangle;
     memory.near.count = 0;
     // A node that leaves a larger ball is too far from here for a list.
@@ -192,6 +235,7 @@ class NodeDetection {
   std::size_t m_nodes = 0;  ///< that the budgets are for
   MotionBudgets m_budgets;
   std::vector<Memory> m_memories;  ///< by bone, then node
+  static constexpr double unknown = std::numeric_limits<double>::infinity();
   // Scratch memory, kept so that a frame allocates nothing.
   std::vector<int> m_places;     ///< in `nodes`, of those that are asked about
   std::vector<Contact> m_found;  ///< by place in m_places, valid where m_inside

@@ -12,6 +12,12 @@ Eigen::AlignedBox3d bounding_box(std::span<const Vec3> points) {
   return box;
 }
 
+double touching_distance_m(const TriangleMesh& mesh) {
+  constexpr double share = 1e-12;
+  const Eigen::AlignedBox3d box = bounding_box(mesh.vertices);
+  return box.isEmpty() ? 0 : share * box.diagonal().norm();
+}
+
 double mean_triangle_size_m(const TriangleMesh& mesh) {
   double area = 0;
   for (const Triangle& triangle : mesh.triangles) {

@@ -147,7 +147,18 @@ void TriangleTree::list_leaves(const Vec3& point, double radius_m, NearLeaves& l
   }
 }
 
-ListedClosest TriangleTree::closest_listed(const Vec3& point, const NearLeaves& list) const {
+Clearance TriangleTree::clearance_from(const Vec3& point, int triangle) const {
+  constexpr float squared_share = 0.81F;
+  if (!within_horizon(point)) {
+    return {0, triangle};
+  }
+  Search search = search_for(point);
+  search.first_leaf = m_leaf_of[static_cast<std::size_t>(triangle)];
+  const DistanceBound bound = search_bound(search, squared_share);
+  return {std::max(std::sqrt(static_cast<double>(bound.squared)) - search.slack, 0.0) / m_scale, bound.triangle};
+}
+
+ListedClosest TriangleTree::closest_listed(const Vec3& point, const NearLeaves& list, double enough_m) const {
   constexpr double rounding = 1e-12;
   if (!within_horizon(point)) {
     return {};
@@ -155,6 +166,12 @@ ListedClosest TriangleTree::closest_listed(const Vec3& point, const NearLeaves& 
   Search search = search_for(point);
   const double moved_m = (point - Vec3(list.place_m[0], list.place_m[1], list.place_m[2])).norm() * (1 + rounding);
   search_listed(search, list, static_cast<float>((m_scale * moved_m + search.slack) * (1 + float_rounding)));
+  // What was not looked at is beyond the limit.
+  const double least = std::sqrt(static_cast<double>(std::min(search.least, search.limit)));
+  const double clearance_m = std::min((least - search.slack) / m_scale, list.complete_m - moved_m);
+  if (clearance_m > enough_m) {
+    return {{}, false, clearance_m};
+  }
   search.decide_listed();
   const ClosestPoint closest = search.answer();
   return {closest, closest.distance_m * (1 + rounding) < list.complete_m - moved_m};

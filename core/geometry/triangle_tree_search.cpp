@@ -145,6 +145,15 @@ HWY_INLINE void prefetch(const void* what) {
   }
 }
 
+HWY_INLINE float least_squared(const TreeLeaf& leaf, const Splat& p) {
+  const Lanes d;
+  Vec least = hn::Set(d, std::numeric_limits<float>::max());
+  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+    least = hn::Min(least, squared_to_triangles(leaf, p, first));
+  }
+  return hn::GetLane(hn::MinOfLanes(d, least));
+}
+
 /// Lists the triangles of a leaf that may be the closest and lowers the limit.
 HWY_INLINE void collect(const TreeLeaf& leaf, const Splat& p, TreeSearch& search) {
   const Lanes d;
@@ -159,8 +168,10 @@ HWY_INLINE void collect(const TreeLeaf& leaf, const Splat& p, TreeSearch& search
   if (found == 0) {
     return;
   }
+  const float squared_least = hn::GetLane(hn::MinOfLanes(d, least));
+  search.least = std::min(search.least, squared_least);
   if (leaf.needles == 0) {
-    const float lowered = limit_from(hn::GetLane(hn::MinOfLanes(d, least)), search.slack);
+    const float lowered = limit_from(squared_least, search.slack);
     if (lowered < search.limit) {
       search.limit = lowered;
       found = within(squared, lowered);
@@ -250,12 +261,7 @@ float leaves_within(const TreeSearch& search, NearLeaves& list) {
   float others = search.limit;
   list.count = 0;
   walk(search, p, search.limit, [&](std::int32_t index) HWY_ATTR {
-    const Lanes d;
-    Vec least = hn::Set(d, std::numeric_limits<float>::max());
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-      least = hn::Min(least, squared_to_triangles(search.leaves[index], p, first));
-    }
-    const float squared = hn::GetLane(hn::MinOfLanes(d, least));
+    const float squared = least_squared(search.leaves[index], p);
     if (squared > others) {
       return;
     }
@@ -274,6 +280,28 @@ float leaves_within(const TreeSearch& search, NearLeaves& list) {
     list.leaf[at] = index;
   });
   return others;
+}
+
+DistanceBound bound(const TreeSearch& search, float share) {
+  const Splat p(search.point);
+  std::int32_t nearest = search.first_leaf;
+  float least = least_squared(search.leaves[nearest], p);
+  float limit = share * least;
+  walk(search, p, limit, [&](std::int32_t index) HWY_ATTR {
+    const float squared = least_squared(search.leaves[index], p);
+    if (squared < least) {
+      least = squared;
+      limit = share * squared;
+      nearest = index;
+    }
+  });
+  const TreeLeaf& leaf = search.leaves[nearest];
+  HWY_ALIGN float squared[tree_width];
+  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(Lanes())) {
+    hn::Store(squared_to_triangles(leaf, p, first), Lanes(), squared + first);
+  }
+  const unsigned found = within(squared, least);
+  return {limit, leaf.triangle[found == 0 ? 0 : hwy::Num0BitsBelowLS1Bit_Nonzero32(found)]};
 }
 
 void in_listed_leaves(TreeSearch& search, const NearLeaves& list, float moved) {
@@ -296,6 +324,7 @@ namespace musclebench {
 
 HWY_EXPORT(closest);
 HWY_EXPORT(leaves_within);
+HWY_EXPORT(bound);
 HWY_EXPORT(in_listed_leaves);
 
 void search_closest(TreeSearch& search) { HWY_DYNAMIC_DISPATCH(closest)(search); }
@@ -303,6 +332,8 @@ void search_closest(TreeSearch& search) { HWY_DYNAMIC_DISPATCH(closest)(search);
 float search_leaves(const TreeSearch& search, NearLeaves& list) {
   return HWY_DYNAMIC_DISPATCH(leaves_within)(search, list);
 }
+
+DistanceBound search_bound(const TreeSearch& search, float share) { return HWY_DYNAMIC_DISPATCH(bound)(search, share); }
 
 void search_listed(TreeSearch& search, const NearLeaves& list, float moved) {
   HWY_DYNAMIC_DISPATCH(in_listed_leaves)(search, list, moved);

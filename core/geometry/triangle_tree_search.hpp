@@ -23,7 +23,8 @@ struct TreeSearch {
   float slack = 0;
   /// Square of a distance that nothing closest exceeds in the floats here.
   float limit = 0;
-  int first_leaf = -1;  ///< looked at before all others; -1: none
+  float least = tree_nowhere;  ///< square of the smallest distance within the limit that was met
+  int first_leaf = -1;         ///< looked at before all others; -1: none
 
   /// Triangles whose distance was within the limit when they were found.
   std::size_t count = 0;
@@ -40,6 +41,15 @@ void search_closest(TreeSearch& search);
 /// Lists the leaves that hold a triangle within `search.limit`, the nearest of them where there are too many, with the
 /// square roots of their float distances. Returns the square of the float distance that all others keep.
 float search_leaves(const TreeSearch& search, NearLeaves& list);
+
+/// The square of a float distance that nothing is closer than, and the closest triangle that was met.
+struct DistanceBound {
+  float squared = 0;
+  std::int32_t triangle = 0;
+};
+
+/// Starting from `first_leaf`, some leaf near the point. The bound is at least `share` (squared) of the smallest one.
+DistanceBound search_bound(const TreeSearch& search, float share);
 
 /// Looks at the listed leaves only, as far as they may hold something within the limit for a point that is `moved` (own
 /// unit) away from the list's place.

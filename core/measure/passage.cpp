@@ -60,6 +60,11 @@ void PassageTracker::follow_crossings(const RefereeTree& tree, const Vec3& point
   int layers = way.inside ? 1 : 0;
   if (tree.closed() && way.inside)
     layers = std::max(1, static_cast<int>(std::lround(tree.winding_number(way.point_m))));
+  // What touches the surface counts as outside, but its way may begin inside.
+  if (tree.closed() && !way.inside && !m_crossings.front().entering) {
+    way.enter(tree.face_normal(tree.closest(way.point_m).place));
+    layers = 1;
+  }
   double inside_since = 0;
   const auto look_in_the_middle = [&](double until) {
     way.look(tree, way.point_m + 0.5 * (inside_since + until) * (point - way.point_m));

@@ -4,13 +4,15 @@
 #include <cmath>
 
 #include "core/base/input_error.hpp"
+#include "core/geometry/mesh_size.hpp"
 
 namespace musclebench {
 namespace {
 
 /// Rounding errors of a distance, a movement or a direction stay far below this share of the lengths that they come
-/// from.
-constexpr double rounding_share = 0x1p-40;
+/// from. Of a bone's diagonal it is more than `touching_distance_m`, so that no side is remembered of a point that
+/// touches.
+constexpr double rounding_share = 0x1p-39;
 
 bool stays_within(double moved_m, double clearance_m, double diagonal_m) {
   return moved_m < clearance_m * (1 - rounding_share) - rounding_share * diagonal_m;
@@ -40,6 +42,7 @@ Referee::Referee(std::span<const Bone> bones, int nodes, int threads, MotionBudg
       throw InputError("bone " + bone.name, "its surface has no triangles; give a mesh with faces");
     }
     m_trees.emplace_back(bone.surface.mesh);
+    m_touching_m.push_back(touching_distance_m(bone.surface.mesh));
   }
   for (std::vector<Memory>& memory : m_memories) memory.resize(static_cast<std::size_t>(nodes));
 }
@@ -64,8 +67,9 @@ double Referee::least_distance(int bone, int node, const Vec3& rest_point) const
   return memory.clearance_m * (1 - rounding_share) - moved - rounding_share * bone_tree.diagonal_m();
 }
 
-bool Referee::examine(const RefereeTree& tree, const Vec3& point, Memory& memory, SurfaceDistance& found,
+bool Referee::examine(int bone, const Vec3& point, Memory& memory, SurfaceDistance& found,
                       RefereeEffort& effort) const {
+  const RefereeTree& tree = m_trees[static_cast<std::size_t>(bone)];
   const bool may_remember = m_budgets && tree.closed();
   // Within its clearance of a point the winding number is constant.
   const double moved = (point - memory.point_m).norm();
@@ -86,7 +90,7 @@ bool Referee::examine(const RefereeTree& tree, const Vec3& point, Memory& memory
   bool inside = memory.inside;
   if (!side_known) {
     ++effort.winding_numbers;
-    inside = is_inside(tree, point, nearest);
+    inside = distance > m_touching_m[static_cast<std::size_t>(bone)] && is_inside(tree, point, nearest);
   }
   memory = {point, distance, nearest.place, inside};
   if (inside) found = describe(tree, point, nearest, inside);
@@ -110,7 +114,7 @@ void Referee::judge_bone(int bone, const RigidMotion& pose, std::span<const Vec3
     const Vec3 point = pose.apply_inverse(positions[node]) - tree.centre_m();
     SurfaceDistance found;
     RefereeEffort effort;
-    m_inside[place] = examine(tree, point, memories[node], found, effort) ? 1 : 0;
+    m_inside[place] = examine(bone, point, memories[node], found, effort) ? 1 : 0;
     if (m_inside[place] != 0) {
       m_found[place] = {nodes[place], bone, -found.signed_distance_m, pose.apply_to_direction(found.normal)};
     }

@@ -59,8 +59,8 @@ class Referee {
   [[nodiscard]] double least_distance(int bone, int node, const Vec3& rest_point) const;
 
   /// Finds the true contacts of `nodes` (ascending indices into `positions`; world frame, metres) with the bones at
-  /// `poses`, into `truth`, which is overwritten: one for every bone and node with negative signed distance, ordered by
-  /// bone, then by node. A node at a position that is not finite is in no bone.
+  /// `poses`, into `truth`, which is overwritten: one for every bone and node inside it and not closer to its surface
+  /// than `touching_distance_m`, ordered by bone, then by node. A node at a position that is not finite is in no bone.
   void judge(std::span<const RigidMotion> poses, std::span<const Vec3> positions, std::span<const int> nodes,
              std::vector<Contact>& truth);
 
@@ -79,11 +79,12 @@ class Referee {
     bool inside = false;
   };
 
-  [[nodiscard]] bool examine(const RefereeTree& tree, const Vec3& point, Memory& memory, SurfaceDistance& found,
+  [[nodiscard]] bool examine(int bone, const Vec3& point, Memory& memory, SurfaceDistance& found,
                              RefereeEffort& effort) const;
   void judge_bone(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes);
 
   std::vector<RefereeTree> m_trees;
+  std::vector<double> m_touching_m;             // by bone
   std::vector<std::vector<Memory>> m_memories;  // by bone, by node
   std::vector<Contact> m_found;                 // by place in `nodes`, valid where m_inside
   std::vector<unsigned char> m_inside;

@@ -73,6 +73,31 @@ TEST_P(MotionBudgetsAt, SpentIsWhatHasLeftItsBall) {
 
 INSTANTIATE_TEST_SUITE_P(Frames, MotionBudgetsAt, testing::Values(0.0, 10.0, 1e4));
 
+/// Whoever trusts it joins two balls: they must overlap.
+TEST_P(MotionBudgetsAt, AGapIsNeverTooSmall) {
+  const double far_m = GetParam();
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto vector = [&] { return Vec3(unit(random), unit(random), unit(random)); };
+  const Vec3 middle = far_m * Vec3(1, -2, 0.5);
+  const std::vector<Bone> bones = bones_at(middle);
+  MotionBudgets budgets;
+  budgets.reset(bones, 2);
+  EXPECT_EQ(budgets.gap_m(0, 0, middle), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(budgets.radius_m(0, 0), 0);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 place = middle + 0.2 * vector();
+    const double clearance_m = std::pow(10.0, -4 + 3 * std::abs(unit(random)));
+    budgets.grant(0, 1, place, clearance_m);
+    EXPECT_LE(budgets.radius_m(0, 1), clearance_m);
+    const Vec3 point =
+        place + (1 + std::pow(10.0, -1 - 8 * std::abs(unit(random)))) * clearance_m * vector().normalized();
+    const double gap_m = (point - place).norm() - clearance_m;
+    EXPECT_GE(budgets.gap_m(0, 1, point), gap_m);
+    EXPECT_LE(budgets.gap_m(0, 1, point), gap_m + 1e-5 * clearance_m + 1e-6);
+  }
+}
+
 TEST(MotionBudgets, PlacesCountInTheNodesAskedFor) {
   const std::vector<Bone> bones = bones_at(Vec3::Zero());
   MotionBudgets budgets;

@@ -286,6 +286,7 @@ TEST_P(TriangleTreeHardCases, AListOfLeavesAnswersAsASearchDoesOrIsNotCertain) {
     upper = upper.cwiseMax(vertex);
   }
   const double size = (upper - lower).norm();
+  int cleared = 0;
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::SetSupportedTargetsForTest(target);
     for (std::size_t i = 0; i < points.size(); i += 3) {
@@ -298,7 +299,18 @@ TEST_P(TriangleTreeHardCases, AListOfLeavesAnswersAsASearchDoesOrIsNotCertain) {
           const Vec3 point = points[i] + share * size * ways[i];
           const ListedClosest listed = list.count > 0 ? tree.closest_listed(point, list) : ListedClosest{};
           if (listed.certain) {
-            expect_equal(listed.closest, brute_force(mesh, point));
+            const ClosestPoint exact = brute_force(mesh, point);
+            expect_equal(listed.closest, exact);
+            // Less is told only where less was asked for, and it is true.
+            const ListedClosest less = tree.closest_listed(point, list, 0.7 * exact.distance_m);
+            EXPECT_LE(less.clearance_m, exact.distance_m);
+            if (less.clearance_m > 0) {
+              EXPECT_GT(less.clearance_m, 0.7 * exact.distance_m);
+              ++cleared;
+            } else {
+              expect_equal(less.closest, exact);
+            }
+            expect_equal(tree.closest_listed(point, list, exact.distance_m).closest, exact);
           } else if (list.count > 0) {
             EXPECT_GE(listed.closest.triangle, 0);
           }
@@ -307,6 +319,24 @@ TEST_P(TriangleTreeHardCases, AListOfLeavesAnswersAsASearchDoesOrIsNotCertain) {
           return;
         }
       }
+    }
+  }
+  EXPECT_GT(cleared, 0) << name;
+}
+
+TEST_P(TriangleTreeHardCases, AClearanceIsNeverMoreThanTheDistance) {
+  const auto& [name, mesh, points] = GetParam();
+  const TriangleTree tree(mesh);
+  const int count = static_cast<int>(mesh.triangles.size());
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      SCOPED_TRACE(name + " " + hwy::TargetName(target) + " point " + std::to_string(i));
+      const Clearance clearance = tree.clearance_from(points[i], static_cast<int>(7 * i) % count);
+      const double distance = brute_force(mesh, points[i]).distance_m;
+      ASSERT_LE(clearance.distance_m, distance);
+      ASSERT_GE(clearance.triangle, 0);
+      ASSERT_LT(clearance.triangle, count);
     }
   }
 }
@@ -332,6 +362,19 @@ TEST(TriangleTree, AListOfLeavesIsCertainWhileThePointStaysNearItsPlace) {
     }
   }
   EXPECT_EQ(certain, asked);
+}
+
+TEST(TriangleTree, AClearanceIsNineTenthsOfTheDistanceFromAnyStart) {
+  const TriangleMesh mesh = make_sphere(0.1, 4);
+  const TriangleTree tree(mesh);
+  int start = 0;
+  for (const Vec3& point : random_points(0.3, 300)) {
+    start = (start + 371) % static_cast<int>(mesh.triangles.size());
+    const double distance = brute_force(mesh, point).distance_m;
+    const Clearance clearance = tree.clearance_from(point, start);
+    EXPECT_GE(clearance.distance_m, 0.9 * distance - 3e-6);
+    EXPECT_LE(tree.clearance_from(point, clearance.triangle).distance_m, distance);
+  }
 }
 
 TEST(TriangleTree, PointsThatAreNotFiniteAreNowhere) {

@@ -117,6 +117,15 @@ TEST(Passage, ANodeSeenInsideEnteredWhereItIsClosest) {
   EXPECT_EQ(Walk({plate()}).along({{0, 0.1, 0.006}, {0, 0.1, -0.02}}), 1);
 }
 
+/// Where a response has put it, on the surface, the node counts as outside, whatever its last bit says.
+TEST(Passage, ThroughAPlateFromOnItsSurface) {
+  for (const double off : {-1e-14, 0.0, 1e-14}) {
+    EXPECT_EQ(Walk({plate()}).along({{0, 0.1, 0.02}, {0, 0.1, 0.01 + off}, {0, 0.1, -0.5}}), 1) << off;
+    EXPECT_EQ(Walk({plate()}).along({{0, 0.1, 0.02}, {0, 0.1, 0.01 + off}, {0, 0.1, 0.5}}), 0) << off;
+    EXPECT_EQ(Walk({plate()}).along({{0, 0.1, 0.5}, {0, 0.1, -0.01 + off}}), 1) << off;
+  }
+}
+
 TEST(Passage, FacesInsideTheBoneAreNone) {
   TriangleMesh bone = make_box({1, 1, 1}, 1);
   append(bone, moved(make_box({1, 1, 1}, 1), Vec3(0, 0, 1.5)));

@@ -192,6 +192,21 @@ TEST(Referee, PointsOnTheSurfaceAreFinite) {
   }
 }
 
+/// What touches is on neither side; a depth that can be told is told.
+TEST(Referee, TouchingIsNoContact) {
+  const TriangleMesh mesh = make_box({0.1, 0.1, 0.1}, 2);
+  const std::vector<Bone> bones{bone_of(mesh)};
+  Referee referee(bones, 3);
+  const std::vector<RigidMotion> poses(1);
+  std::vector<Contact> truth;
+  for (int i = 0; i < 2; ++i) {  // the second time it remembers
+    referee.judge(poses, std::vector<Vec3>{{0.1 - 1e-14, 0.01, 0.02}, {0.1 - 1e-11, 0.01, 0.02}, {0.1, 0.01, 0.02}},
+                  std::vector<int>{0, 1, 2}, truth);
+    ASSERT_EQ(truth.size(), 1U);
+    EXPECT_EQ(truth[0].node, 1);
+  }
+}
+
 TEST(Referee, FinWithoutThicknessTurnsNothingInsideOut) {
   TriangleMesh mesh = make_sphere(1, 3);
   const Triangle root = mesh.triangles[100];
