@@ -166,9 +166,9 @@ ListedClosest TriangleTree::closest_listed(const Vec3& point, const NearLeaves& 
   Search search = search_for(point);
   const double moved_m = (point - Vec3(list.place_m[0], list.place_m[1], list.place_m[2])).norm() * (1 + rounding);
   search_listed(search, list, static_cast<float>((m_scale * moved_m + search.slack) * (1 + float_rounding)));
-  // What was not looked at is beyond the limit.
-  const double least = std::sqrt(static_cast<double>(std::min(search.least, search.limit)));
-  const double clearance_m = std::min((least - search.slack) / m_scale, list.complete_m - moved_m);
+  // What was not looked at is beyond the limit, which is more.
+  const double least = std::sqrt(static_cast<double>(search.least)) - search.slack;
+  const double clearance_m = std::min(least / m_scale, list.complete_m - moved_m);
   if (clearance_m > enough_m) {
     return {{}, false, clearance_m};
   }
