@@ -58,10 +58,6 @@ void CentredSurface::list_near(const Vec3& point, double bound_m, NearLeaves& li
   m_surface.tree().list_leaves(point - m_centre_m, bound_m + list_reach * m_near_m, list);
 }
 
-ListedClosest CentredSurface::closest_listed(const Vec3& point, const NearLeaves& list, double enough_m) const {
-  return m_surface.tree().closest_listed(point - m_centre_m, list, enough_m);
-}
-
 Clearance CentredSurface::clearance_from(const Vec3& point, int triangle) const {
   return m_surface.tree().clearance_from(point - m_centre_m, triangle);
 }

@@ -23,7 +23,14 @@ class CentredSurface {
   }
   using NearList = NearLeaves;
   void list_near(const Vec3& point, double bound_m, NearLeaves& list) const;
-  [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearLeaves& list, double enough_m) const;
+  using ListSearch = TriangleTree::Search;
+  void start_listed(const Vec3& point, const NearLeaves& list, ListSearch& search) const {
+    m_surface.tree().start_listed(point - m_centre_m, list, search);
+  }
+  [[nodiscard]] ListedClosest finish_listed(const Vec3& /*point*/, const NearLeaves& list, double enough_m,
+                                            ListSearch& search) const {
+    return m_surface.tree().finish_listed(search, list, enough_m);
+  }
   [[nodiscard]] Clearance clearance_from(const Vec3& point, int triangle) const;
   [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const;

@@ -168,7 +168,8 @@ void NodeSurface::list_near(const Vec3& point, double bound_m, NearTriangles& li
   list.complete_m = (1 - sphere_slack) * (all ? radius_m : std::min(radius_m, by_distance[list.count].first));
 }
 
-ListedClosest NodeSurface::closest_listed(const Vec3& point, const NearTriangles& list, double /*enough_m*/) const {
+ListedClosest NodeSurface::finish_listed(const Vec3& point, const NearTriangles& list, double /*enough_m*/,
+                                         const ListSearch& /*search*/) const {
   return musclebench::closest_listed(list, point, [&](int triangle) { return closest_on(point, triangle); });
 }
 

@@ -32,7 +32,11 @@ class NodeSurface {
   [[nodiscard]] double distance_m(const Vec3& point, int triangle) const;
   using NearList = NearTriangles;
   void list_near(const Vec3& point, double bound_m, NearTriangles& list) const;
-  [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearTriangles& list, double enough_m) const;
+  /// A list has it all: there is nothing to start.
+  struct ListSearch {};
+  static void start_listed(const Vec3& /*point*/, const NearTriangles& /*list*/, ListSearch& /*search*/) {}
+  [[nodiscard]] ListedClosest finish_listed(const Vec3& point, const NearTriangles& list, double enough_m,
+                                            const ListSearch& search) const;
   [[nodiscard]] static Clearance clearance_from(const Vec3& /*point*/, int triangle) { return {0, triangle}; }
   [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -24,7 +25,8 @@ namespace musclebench {
 ///   triangles at the smallest squared distance the one with the smallest index.
 /// - `NearList`: what is near a place, with a `count` that is 0 where nothing is known;
 ///   `list_near(point, bound_m, list)` fills it, where the surface is no farther than `bound_m`;
-///   `ListedClosest closest_listed(point, list, enough_m)` uses it.
+///   `start_listed(point, list, search)` and `ListedClosest finish_listed(point, list, enough_m, search)` use it, by
+///   way of a `ListSearch`.
 /// - `Clearance clearance_from(point, triangle)`: faster than `closest_from`, and less.
 /// - `double distance_m(point, triangle)`.
 /// - `bool contains(point, closest)`; `Vec3 outward(point, closest)`: unit, for a point that it contains.
@@ -94,49 +96,101 @@ class NodeDetection {
   void ask(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes) {
     m_found.resize(m_places.size());
     m_inside.resize(m_places.size());
-    const auto ask_place = [&](std::size_t index) {
-      const int node = nodes[static_cast<std::size_t>(m_places[index])];
-      const Vec3 point = pose.apply_inverse(positions[static_cast<std::size_t>(node)]);
-      m_inside[index] = static_cast<unsigned char>(ask_node(bone, node, point, m_found[index]));
-      if (m_inside[index] != 0) {
-        m_found[index].normal = pose.apply_to_direction(m_found[index].normal);
-      }
-    };
-    const auto count = static_cast<std::ptrdiff_t>(m_places.size());
-    if (m_threads == 1 || count < 2) {  // without OpenMP, which allocates even a team of one
-      for (std::ptrdiff_t i = 0; i < count; ++i) {
-        ask_place(static_cast<std::size_t>(i));
+    const std::size_t blocks = (m_places.size() + block_size - 1) / block_size;
+    if (m_threads == 1 || blocks < 2) {  // without OpenMP, which allocates even a team of one
+      for (std::size_t block = 0; block < blocks; ++block) {
+        ask_block(bone, pose, positions, nodes, block * block_size);
       }
       return;
     }
-#pragma omp parallel for num_threads(m_threads) schedule(dynamic, 32)
-    for (std::ptrdiff_t i = 0; i < count; ++i) {
-      ask_place(static_cast<std::size_t>(i));
+#pragma omp parallel for num_threads(m_threads) schedule(dynamic, 2)
+    for (std::ptrdiff_t block = 0; block < static_cast<std::ptrdiff_t>(blocks); ++block) {
+      ask_block(bone, pose, positions, nodes, static_cast<std::size_t>(block) * block_size);
     }
   }
 
-  /// The normal of the contact is left in the rest frame.
-  bool ask_node(int bone, int node, const Vec3& point, Contact& contact) {
+  /// A node that is asked about.
+  struct Asked {
+    int node = 0;
+    Vec3 point = Vec3::Zero();  ///< rest frame
+    bool outside = false;       ///< known to be
+    double free_m = 0;          ///< of one that is outside
+    /// Where nothing is nearer than this, no surface is between the point and the node's ball.
+    double gap_m = 0;
+    bool listed = false;  ///< what is near is known from before
+  };
+
+  using ListSearch = typename Surface::ListSearch;
+
+  /// What a node's answer needs lies in memory that the constraints have just driven out of the caches. So each part of
+  /// the work is done for a whole block before the next: the nodes' ways through memory overlap.
+  void ask_block(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes,
+                 std::size_t first) {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
-    double free_m = 0;
-    if (!surface.is_outside(point, free_m)) {
-      Answer answer = m_motion_budgets ? recall(bone, node, point) : search(surface, point);
+    const std::size_t count = std::min(block_size, m_places.size() - first);
+    std::array<Asked, block_size> asked;
+    std::array<ListSearch, block_size> searches;
+    for (std::size_t i = 0; i < count; ++i) {
+      Asked& ask = asked[i];
+      ask.node = nodes[static_cast<std::size_t>(m_places[first + i])];
+      ask.point = pose.apply_inverse(positions[static_cast<std::size_t>(ask.node)]);
+      ask.outside = surface.is_outside(ask.point, ask.free_m);
+    }
+    if (m_motion_budgets) {
+      for (Asked& ask : std::span(asked).first(count)) {
+        remember(bone, ask);
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        if (asked[i].listed) {
+          surface.start_listed(asked[i].point, memory_of(bone, asked[i].node).near, searches[i]);
+        }
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      Contact& contact = m_found[first + i];
+      const bool inside = answer(bone, asked[i], searches[i], contact);
+      m_inside[first + i] = static_cast<unsigned char>(inside);
+      if (inside) {
+        contact.normal = pose.apply_to_direction(contact.normal);
+      }
+    }
+  }
+
+  void remember(int bone, Asked& asked) {
+    if (asked.outside) {
+      return;
+    }
+    const Memory& memory = memory_of(bone, asked.node);
+    const double touching_m = 0.5 * m_surfaces[static_cast<std::size_t>(bone)].touching_m();
+    asked.outside = (asked.point - memory.way_out).squaredNorm() < touching_m * touching_m;
+    if (!asked.outside) {
+      asked.gap_m = m_budgets.gap_m(bone, asked.node, asked.point);
+      asked.listed = memory.near.count > 0;
+    }
+  }
+
+  /// Whether the node is in contact. The normal of the contact is left in the rest frame.
+  bool answer(int bone, const Asked& asked, ListSearch& started, Contact& contact) {
+    const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
+    double free_m = asked.free_m;
+    if (!asked.outside) {
+      Answer answer = m_motion_budgets ? recall(bone, asked, started) : search(surface, asked.point);
       free_m = answer.free_m;
       if (answer.inside) {
-        answer.closest = answer.listed ? answer.closest : surface.settled(point, answer.closest);
-        if (answer.listed || surface.contains(point, answer.closest)) {
-          contact = {node, bone, answer.closest.distance_m, surface.outward(point, answer.closest)};
+        answer.closest = answer.listed ? answer.closest : surface.settled(asked.point, answer.closest);
+        if (answer.listed || surface.contains(asked.point, answer.closest)) {
+          contact = {asked.node, bone, answer.closest.distance_m, surface.outward(asked.point, answer.closest)};
           if (m_motion_budgets) {
-            memory_of(bone, node).way_out = point + contact.depth_m * contact.normal;
+            memory_of(bone, asked.node).way_out = asked.point + contact.depth_m * contact.normal;
           }
           return true;
         }
-        free_m = surface.free_m(point, answer.closest, answer.listed);
+        free_m = surface.free_m(asked.point, answer.closest, answer.listed);
       }
     }
     // A ball that it has left stays true, and is better than none.
     if (m_motion_budgets && free_m > 0) {
-      m_budgets.grant(bone, node, point, free_m);
+      m_budgets.grant(bone, asked.node, asked.point, free_m);
     }
     return false;
   }
@@ -165,18 +219,14 @@ class NodeDetection {
     return m_memories[static_cast<std::size_t>(bone) * m_nodes + static_cast<std::size_t>(node)];
   }
 
-  /// From what was near when the node was last searched for, where that is enough.
-  Answer recall(int bone, int node, const Vec3& point) {
+  /// From what was near when the node was last searched for, where that is enough. `started` is where it is listed.
+  Answer recall(int bone, const Asked& asked, ListSearch& started) {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
-    Memory& memory = memory_of(bone, node);
-    const double touching_m = 0.5 * surface.touching_m();
-    if ((point - memory.way_out).squaredNorm() < touching_m * touching_m) {
-      return {};
-    }
-    // Where nothing is nearer than this, no surface is between the point and the node's ball.
-    const double gap_m = m_budgets.gap_m(bone, node, point);
-    const auto look_up = [&](Answer& answer) {
-      const ListedClosest listed = surface.closest_listed(point, memory.near, gap_m);
+    const Vec3& point = asked.point;
+    Memory& memory = memory_of(bone, asked.node);
+    Answer answer;
+    const auto take_listed = [&](ListSearch& begun) {
+      const ListedClosest listed = surface.finish_listed(point, memory.near, asked.gap_m, begun);
       if (listed.clearance_m > 0) {
         answer.free_m = listed.clearance_m;
         return true;
@@ -188,32 +238,36 @@ class NodeDetection {
       }
       return listed.certain;
     };
-    Answer answer;
-    if (memory.near.count > 0 && look_up(answer)) {
+    if (asked.listed && take_listed(started)) {
       return answer;
     }
     memory.near.count = 0;
-    const auto renew_list = [&] {
+    const auto take_new_list = [&] {
       const double bound_m = memory.triangle < 0 ? unknown : surface.distance_m(point, memory.triangle);
       if (bound_m < surface.near_m()) {
         surface.list_near(point, bound_m, memory.near);
       }
-      return memory.near.count > 0;
+      if (memory.near.count == 0) {
+        return false;
+      }
+      ListSearch begun;
+      surface.start_listed(point, memory.near, begun);
+      return take_listed(begun);
     };
     // A list is worth its making for a node that stays near; of the others it need not be known what is closest.
-    const bool stays_near = m_budgets.radius_m(bone, node) < surface.near_m();
-    if (stays_near && renew_list() && look_up(answer)) {
+    const bool stays_near = m_budgets.radius_m(bone, asked.node) < surface.near_m();
+    if (stays_near && take_new_list()) {
       return answer;
     }
-    if (gap_m < unknown) {
+    if (asked.gap_m < unknown) {
       const Clearance clearance = surface.clearance_from(point, std::max(memory.triangle, 0));
       memory.triangle = clearance.triangle;
-      if (clearance.distance_m > gap_m) {
+      if (clearance.distance_m > asked.gap_m) {
         answer.free_m = clearance.distance_m;
         return answer;
       }
     }
-    if (!stays_near && renew_list() && look_up(answer)) {
+    if (!stays_near && take_new_list()) {
       return answer;
     }
     answer.closest = memory.triangle < 0 ? surface.closest(point) : surface.closest_from(point, memory.triangle);
@@ -235,6 +289,7 @@ class NodeDetection {
   std::size_t m_nodes = 0;  ///< that the budgets are for
   MotionBudgets m_budgets;
   std::vector<Memory> m_memories;  ///< by bone, then node
+  static constexpr std::size_t block_size = 16;
   static constexpr double unknown = std::numeric_limits<double>::infinity();
   // Scratch memory, kept so that a frame allocates nothing.
   std::vector<int> m_places;     ///< in `nodes`, of those that are asked about

@@ -13,6 +13,8 @@ namespace {
 /// Half a unit in the last place of a float and of a double, relative.
 constexpr double float_rounding = 0x1p-24;
 constexpr double double_rounding = 0x1p-53;
+/// Above the rounding of distances that are compared.
+constexpr double distance_rounding = 1e-12;
 /// The unused places of leaves are farther than that.
 constexpr float widest_limit = 0.5F * tree_nowhere * tree_nowhere;
 
@@ -23,40 +25,32 @@ float round_down(double value) {
 
 }  // namespace
 
-/// A search in floats with what has been decided in double so far.
-struct TriangleTree::Search : TreeSearch {
-  const TriangleTree* tree = nullptr;
-  Vec3 exact_point;
-  ClosestOnTriangle best;
-  int best_triangle = -1;
+void TriangleTree::Search::offer(int index) {
+  const ClosestOnTriangle found = tree->closest_on(exact_point, index);
+  if (found.squared_distance_m2 < best.squared_distance_m2 ||
+      (found.squared_distance_m2 == best.squared_distance_m2 && (best_triangle < 0 || index < best_triangle))) {
+    best = found;
+    best_triangle = index;
+  }
+}
 
-  void offer(int index) {
-    const ClosestOnTriangle found = tree->closest_on(exact_point, index);
-    if (found.squared_distance_m2 < best.squared_distance_m2 ||
-        (found.squared_distance_m2 == best.squared_distance_m2 && (best_triangle < 0 || index < best_triangle))) {
-      best = found;
-      best_triangle = index;
+void TriangleTree::Search::decide_listed() {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (squared[i] <= limit) {
+      offer(triangle[i]);
     }
   }
+  count = 0;
+}
 
-  void decide_listed() {
-    for (std::size_t i = 0; i < count; ++i) {
-      if (squared[i] <= limit) {
-        offer(triangle[i]);
-      }
-    }
-    count = 0;
-  }
+void TriangleTree::Search::narrow(double distance_m) {
+  const double reach = distance_m * tree->m_scale + slack;
+  limit = std::min(limit, static_cast<float>(std::min<double>(reach * reach * 1.000001, widest_limit)));
+}
 
-  void narrow(double distance_m) {
-    const double reach = distance_m * tree->m_scale + slack;
-    limit = std::min(limit, static_cast<float>(std::min<double>(reach * reach * 1.000001, widest_limit)));
-  }
-
-  [[nodiscard]] ClosestPoint answer() const {
-    return {best.point, std::sqrt(best.squared_distance_m2), best_triangle, best.feature};
-  }
-};
+ClosestPoint TriangleTree::Search::answer() const {
+  return {best.point, std::sqrt(best.squared_distance_m2), best_triangle, best.feature};
+}
 
 TriangleTree::TriangleTree(const TriangleMesh& mesh) {
   if (!mesh.triangles.empty()) {
@@ -64,8 +58,11 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
   }
 }
 
-TriangleTree::Search TriangleTree::search_for(const Vec3& point) const {
-  Search search;
+void TriangleTree::prepare(const Vec3& point, Search& search) const {
+  search.count = 0;
+  search.least = tree_nowhere;
+  search.first_leaf = -1;
+  search.best_triangle = -1;
   search.nodes = m_nodes.data();
   search.leaves = m_leaves.data();
   search.corners = m_corners.data();
@@ -84,6 +81,11 @@ TriangleTree::Search TriangleTree::search_for(const Vec3& point) const {
     full.decide_listed();
     full.narrow(std::sqrt(full.best.squared_distance_m2));
   };
+}
+
+TriangleTree::Search TriangleTree::search_for(const Vec3& point) const {
+  Search search;
+  prepare(point, search);
   return search;
 }
 
@@ -158,23 +160,32 @@ Clearance TriangleTree::clearance_from(const Vec3& point, int triangle) const {
   return {std::max(std::sqrt(static_cast<double>(bound.squared)) - search.slack, 0.0) / m_scale, bound.triangle};
 }
 
-ListedClosest TriangleTree::closest_listed(const Vec3& point, const NearLeaves& list, double enough_m) const {
-  constexpr double rounding = 1e-12;
-  if (!within_horizon(point)) {
-    return {};
+void TriangleTree::start_listed(const Vec3& point, const NearLeaves& list, Search& search) const {
+  prepare(point, search);
+  search.moved_m = (point - Vec3(list.place_m[0], list.place_m[1], list.place_m[2])).norm() * (1 + distance_rounding);
+  if (within_horizon(point)) {
+    search_listed(search, list, static_cast<float>((m_scale * search.moved_m + search.slack) * (1 + float_rounding)));
+  } else {
+    search.moved_m = std::numeric_limits<double>::infinity();
   }
-  Search search = search_for(point);
-  const double moved_m = (point - Vec3(list.place_m[0], list.place_m[1], list.place_m[2])).norm() * (1 + rounding);
-  search_listed(search, list, static_cast<float>((m_scale * moved_m + search.slack) * (1 + float_rounding)));
+}
+
+ListedClosest TriangleTree::finish_listed(Search& search, const NearLeaves& list, double enough_m) const {
   // What was not looked at is beyond the limit, which is more.
   const double least = std::sqrt(static_cast<double>(search.least)) - search.slack;
-  const double clearance_m = std::min(least / m_scale, list.complete_m - moved_m);
+  const double clearance_m = std::min(least / m_scale, list.complete_m - search.moved_m);
   if (clearance_m > enough_m) {
     return {{}, false, clearance_m};
   }
   search.decide_listed();
   const ClosestPoint closest = search.answer();
-  return {closest, closest.distance_m * (1 + rounding) < list.complete_m - moved_m};
+  return {closest, closest.distance_m * (1 + distance_rounding) < list.complete_m - search.moved_m};
+}
+
+ListedClosest TriangleTree::closest_listed(const Vec3& point, const NearLeaves& list, double enough_m) const {
+  Search search;
+  start_listed(point, list, search);
+  return finish_listed(search, list, enough_m);
 }
 
 std::size_t TriangleTree::bytes() const {

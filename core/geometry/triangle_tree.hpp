@@ -11,6 +11,7 @@
 #include "core/geometry/triangle_distance.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "core/geometry/triangle_tree_nodes.hpp"
+#include "core/geometry/triangle_tree_search.hpp"
 
 namespace musclebench {
 
@@ -81,6 +82,12 @@ class TriangleTree {
   [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearLeaves& list,
                                              double enough_m = std::numeric_limits<double>::infinity()) const;
 
+  /// `closest_listed` in two parts, so that those of several points can be done one part after the other: their ways
+  /// through memory overlap. The first leaves to the second what may be the closest, asked for in memory.
+  struct Search;
+  void start_listed(const Vec3& point, const NearLeaves& list, Search& search) const;
+  [[nodiscard]] ListedClosest finish_listed(Search& search, const NearLeaves& list, double enough_m) const;
+
   /// Generalised winding number (Jacobson et al. 2013), far clusters by their dipole (Barill et al. 2018): about 1
   /// inside an outward closed surface, 0 outside; inside is > 0.5. A result within 0.25 of 0.5 is refined, in the end
   /// exactly.
@@ -101,8 +108,8 @@ class TriangleTree {
  private:
   friend class TriangleTreeBuilder;
   friend class PacketSearch;
-  struct Search;
 
+  void prepare(const Vec3& point, Search& search) const;
   [[nodiscard]] Search search_for(const Vec3& point) const;
   /// Whether floats do for the search.
   [[nodiscard]] bool within_horizon(const Vec3& point) const;
@@ -122,6 +129,20 @@ class TriangleTree {
   double m_scale = 1;         ///< a power of two, so that it rounds nothing
   double m_longest_side = 0;  ///< of a triangle, in the own unit
   double m_reach = 0;         ///< largest coordinate of a vertex in the mesh's frame, in the own unit
+};
+
+/// A search in floats with what has been decided in double so far.
+struct TriangleTree::Search : TreeSearch {
+  const TriangleTree* tree = nullptr;
+  Vec3 exact_point;
+  double moved_m = 0;  ///< from the place of a list
+  ClosestOnTriangle best;
+  int best_triangle = -1;
+
+  void offer(int index);
+  void decide_listed();
+  void narrow(double distance_m);
+  [[nodiscard]] ClosestPoint answer() const;
 };
 
 }  // namespace musclebench
