@@ -19,15 +19,19 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // A point a lane. Every operation is rounded by itself, none is fused, so that all kinds of SIMD give the same bits.
+// Four lanes at most: a detection is a short burst between milliseconds of scalar code, and registers of 64 bytes would
+// have to be woken up for it, which costs more than they give.
 #if HWY_HAVE_SCALABLE
 using Lanes = hn::CappedTag<double, 2>;
 #else
-using Lanes = hn::CappedTag<double, FieldBlock::room_behind>;
+using Lanes = hn::CappedTag<double, FieldBlock::most_lanes>;
 #endif
 using Words = hn::Rebind<float, Lanes>;
 using Vec = hn::Vec<Lanes>;
 using Word = hn::Vec<Words>;
 constexpr std::size_t lane_count = hn::MaxLanes(Lanes());
+/// Vectors of points whose values are fetched before their turn.
+constexpr std::size_t fetched_ahead = 4;
 
 HWY_INLINE Vec set(double value) { return hn::Set(Lanes(), value); }
 HWY_INLINE Vec sum_of_products(Vec a, Vec b, Vec c, Vec d) { return hn::Add(hn::Mul(a, b), hn::Mul(c, d)); }
@@ -55,7 +59,7 @@ HWY_INLINE Vec3Lanes load_positions(const double* positions, const int* nodes, s
     hn::LoadInterleaved3(d, positions + 3 * static_cast<std::size_t>(nodes[0]), p.x, p.y, p.z);
     return p;
   }
-  alignas(64) std::array<double, 3 * lane_count> row;
+  alignas(32) std::array<double, 3 * lane_count> row;
   for (std::size_t lane = 0; lane < lane_count; ++lane) {
     const double* position = positions + 3 * static_cast<std::size_t>(nodes[lane < count ? lane : 0]);
     row[lane] = position[0];
@@ -131,8 +135,8 @@ std::size_t place(const FieldView& field, const CellMap& map, const std::uint64_
 
 /// Where the runs of the points' cells begin: along the edges x at (y, z), at place 2 y + z, in bytes from the field's
 /// first value.
-struct alignas(64) Runs {
-  std::array<std::array<std::uint64_t, lane_count>, 4> begin;
+struct Runs {
+  alignas(32) std::array<std::array<std::uint64_t, lane_count>, 4> begin;
 };
 
 struct Place {
@@ -174,54 +178,10 @@ HWY_INLINE void find_runs(const FieldView& field, const Vec3Lanes& corner, Runs&
   store(vertex, up_z * stride + stride, 3);
   for (auto& run : runs.begin) {
     for (std::uint64_t& begin : run) {
-      begin = Values::band_record_bytes * field.band->record(begin);
+      begin = Values::record_bytes * field.band->record(begin);
     }
   }
 }
-
-struct Four {
-  Word a, b, c, d;
-};
-
-/// Four neighbouring words of every point.
-template <typename Tag>
-HWY_INLINE Four load_words(Tag words, const FieldView& field, const Runs& runs, std::size_t run, std::size_t offset) {
-  const auto begin = [&](std::size_t lane) {
-    return static_cast<const unsigned char*>(field.values) + runs.begin[run][lane] + offset;
-  };
-#if HWY_TARGET == HWY_SCALAR
-  std::array<float, 4> row;
-  std::memcpy(row.data(), begin(0), sizeof row);
-  return {hn::Set(words, row[0]), hn::Set(words, row[1]), hn::Set(words, row[2]), hn::Set(words, row[3])};
-#else
-  const hn::FixedTag<float, 4> quad;
-  const auto row = [&](std::size_t lane)
-                       HWY_ATTR { return hn::LoadU(quad, reinterpret_cast<const float*>(begin(lane))); };
-  if constexpr (hn::MaxLanes(words) == 2) {
-    const auto low = hn::InterleaveLower(quad, row(0), row(1));
-    const auto high = hn::InterleaveUpper(quad, row(0), row(1));
-    return {hn::LowerHalf(words, low), hn::UpperHalf(words, low), hn::LowerHalf(words, high),
-            hn::UpperHalf(words, high)};
-  } else {
-    const auto rows = [&](std::size_t lane) HWY_ATTR {
-      if constexpr (hn::MaxLanes(words) == 8) {
-        return hn::Combine(words, row(lane + 4), row(lane));
-      } else {
-        return row(lane);
-      }
-    };
-    const auto r0 = rows(0), r1 = rows(1), r2 = rows(2), r3 = rows(3);
-    const auto low_02 = hn::InterleaveLower(words, r0, r2);
-    const auto low_13 = hn::InterleaveLower(words, r1, r3);
-    const auto high_02 = hn::InterleaveUpper(words, r0, r2);
-    const auto high_13 = hn::InterleaveUpper(words, r1, r3);
-    return {hn::InterleaveLower(words, low_02, low_13), hn::InterleaveUpper(words, low_02, low_13),
-            hn::InterleaveLower(words, high_02, high_13), hn::InterleaveUpper(words, high_02, high_13)};
-  }
-#endif
-}
-
-HWY_INLINE Vec widen(Word value) { return hn::PromoteTo(Lanes(), value); }
 
 /// What a cell takes from one of its runs: its first vertex and the nodes of the edges that leave it along y, z and x,
 /// then the second vertex and its nodes along y and z.
@@ -229,58 +189,114 @@ struct Run {
   Vec near, near_y1, near_y2, near_z1, near_z2, x1, x2, far, far_y1, far_y2, far_z1, far_z2;
 };
 
-struct SingleValues {
-  static constexpr std::size_t record_bytes = GridShape::record_size * sizeof(float);
-  static constexpr std::size_t band_record_bytes = record_bytes;
-  static constexpr std::size_t missing_bytes = 2 * sizeof(float);
-
-  HWY_INLINE static Run load(const FieldView& field, const Runs& runs, std::size_t run) {
-    const Four a = load_words(Words(), field, runs, run, 0);
-    const Four b = load_words(Words(), field, runs, run, 16);
-    const Four c = load_words(Words(), field, runs, run, 32);
-    return {widen(a.a), widen(a.b), widen(a.c), widen(a.d), widen(b.a), widen(b.b),
-            widen(b.c), widen(b.d), widen(c.a), widen(c.b), widen(c.c), widen(c.d)};
+/// Turns a square of as many values as there are lanes: `row(lane)` becomes the lanes of its columns.
+template <typename Tag, typename Row>
+HWY_INLINE void transpose(Tag d, const Row& row, Vec* HWY_RESTRICT columns) {
+#if HWY_TARGET == HWY_SCALAR
+  (void)d;
+  columns[0] = row(0);
+#else
+  if constexpr (hn::MaxLanes(d) == 2) {
+    const auto r0 = row(0), r1 = row(1);
+    columns[0] = hn::InterleaveLower(d, r0, r1);
+    columns[1] = hn::InterleaveUpper(d, r0, r1);
+  } else {
+    const auto r0 = row(0), r1 = row(1), r2 = row(2), r3 = row(3);
+    const auto even_01 = hn::InterleaveLower(d, r0, r1);
+    const auto odd_01 = hn::InterleaveUpper(d, r0, r1);
+    const auto even_23 = hn::InterleaveLower(d, r2, r3);
+    const auto odd_23 = hn::InterleaveUpper(d, r2, r3);
+    columns[0] = hn::ConcatLowerLower(d, even_23, even_01);
+    columns[1] = hn::ConcatLowerLower(d, odd_23, odd_01);
+    columns[2] = hn::ConcatUpperUpper(d, even_23, even_01);
+    columns[3] = hn::ConcatUpperUpper(d, odd_23, odd_01);
   }
-};
+#endif
+}
 
-struct DoubleValues {
-  static constexpr std::size_t record_bytes = GridShape::record_size * sizeof(double);
-  static constexpr std::size_t band_record_bytes = record_bytes;
-  static constexpr std::size_t missing_bytes = 2 * sizeof(double);
+HWY_INLINE Vec widen(Word values) { return hn::PromoteTo(Lanes(), values); }
+HWY_INLINE Vec load_wide(const float* values) { return widen(hn::LoadU(Words(), values)); }
+HWY_INLINE Vec load_wide(const double* values) { return hn::LoadU(Lanes(), values); }
+
+template <typename Scalar>
+struct PlainValues {
+  static constexpr std::size_t record_bytes = GridShape::record_size * sizeof(Scalar);
+  static constexpr std::size_t missing_bytes = 2 * sizeof(Scalar);
+  static constexpr std::size_t run_bytes = CubicCell::run_size * sizeof(Scalar);
 
   HWY_INLINE static Run load(const FieldView& field, const Runs& runs, std::size_t run) {
-    const Lanes d;
-    const hn::RebindToSigned<Lanes> places;
-    const auto begin = hn::BitCast(places, hn::Load(hn::RebindToUnsigned<Lanes>(), runs.begin[run].data()));
-    const auto value = [&](std::size_t n) HWY_ATTR {
-      return hn::GatherOffset(d, static_cast<const double*>(field.values) + n, begin);
-    };
-    return {value(0), value(1), value(2), value(3), value(4),  value(5),
-            value(6), value(7), value(8), value(9), value(10), value(11)};
+    Vec c[CubicCell::run_size];
+    for (std::size_t n = 0; n < CubicCell::run_size; n += lane_count) {
+      const auto row = [&](std::size_t lane) HWY_ATTR {
+        const void* from = static_cast<const unsigned char*>(field.values) + runs.begin[run][lane];
+        return load_wide(static_cast<const Scalar*>(from) + n);
+      };
+      transpose(Lanes(), row, c + n);
+    }
+    return {c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9], c[10], c[11]};
   }
 };
 
 struct CompactValues {
   static constexpr std::size_t record_bytes = sizeof(CompactRecord);
-  static constexpr std::size_t band_record_bytes = record_bytes;
   static constexpr std::size_t missing_bytes = 0;
+  static constexpr std::size_t run_bytes = 2 * sizeof(CompactRecord);
+
+  /// The own values of a record, and its steps two by two.
+  struct Record {
+    Word own, y, z, x;
+  };
 
   HWY_INLINE static Run load(const FieldView& field, const Runs& runs, std::size_t run) {
     const Words words;
-    const hn::RebindToSigned<Words> integers;
-    const Four a = load_words(Words(), field, runs, run, 0);
-    const Four b = load_words(Words(), field, runs, run, sizeof(CompactRecord));
-    const auto first = [&](Word own, Word steps, std::size_t node) HWY_ATTR {
-      const auto count = hn::ShiftRight<16>(hn::ShiftLeft<16>(hn::BitCast(integers, steps)));
-      return widen(hn::Add(own, hn::Mul(hn::ConvertTo(words, count), hn::Set(words, field.steps[node]))));
+    const Record a = load_record(words, field, runs.begin[run], 0);
+    const Record b = load_record(words, field, runs.begin[run], sizeof(CompactRecord));
+    const auto value = [&](Word own, hn::Vec<hn::RebindToSigned<Words>> steps, std::size_t node) HWY_ATTR {
+      return widen(hn::Add(own, hn::Mul(hn::ConvertTo(words, steps), hn::Set(words, field.steps[node]))));
     };
-    const auto second = [&](Word own, Word steps, std::size_t node) HWY_ATTR {
-      const auto count = hn::ShiftRight<16>(hn::BitCast(integers, steps));
-      return widen(hn::Add(own, hn::Mul(hn::ConvertTo(words, count), hn::Set(words, field.steps[node]))));
+    const auto first = [&](Word own, Word steps, std::size_t node)
+                           HWY_ATTR { return value(own, hn::ShiftRight<16>(hn::ShiftLeft<16>(bits(steps))), node); };
+    const auto second = [&](Word own, Word steps, std::size_t node)
+                            HWY_ATTR { return value(own, hn::ShiftRight<16>(bits(steps)), node); };
+    return {widen(a.own),          first(a.own, a.y, 0),  second(a.own, a.y, 1), first(a.own, a.z, 2),
+            second(a.own, a.z, 3), first(a.own, a.x, 4),  second(a.own, a.x, 5), widen(b.own),
+            first(b.own, b.y, 0),  second(b.own, b.y, 1), first(b.own, b.z, 2),  second(b.own, b.z, 3)};
+  }
+
+ private:
+  HWY_INLINE static hn::Vec<hn::RebindToSigned<Words>> bits(Word word) {
+    return hn::BitCast(hn::RebindToSigned<Words>(), word);
+  }
+
+  template <typename Tag>
+  HWY_INLINE static Record load_record(Tag words, const FieldView& field,
+                                       const std::array<std::uint64_t, lane_count>& begins, std::size_t offset) {
+    const auto begin = [&](std::size_t lane) {
+      return static_cast<const unsigned char*>(field.values) + begins[lane] + offset;
     };
-    return {widen(a.a),          first(a.a, a.b, 0),  second(a.a, a.b, 1), first(a.a, a.c, 2),
-            second(a.a, a.c, 3), first(a.a, a.d, 4),  second(a.a, a.d, 5), widen(b.a),
-            first(b.a, b.b, 0),  second(b.a, b.b, 1), first(b.a, b.c, 2),  second(b.a, b.c, 3)};
+#if HWY_TARGET == HWY_SCALAR
+    std::array<float, 4> row;
+    std::memcpy(row.data(), begin(0), sizeof row);
+    return {hn::Set(words, row[0]), hn::Set(words, row[1]), hn::Set(words, row[2]), hn::Set(words, row[3])};
+#else
+    const hn::FixedTag<float, 4> quad;
+    const auto row = [&](std::size_t lane)
+                         HWY_ATTR { return hn::LoadU(quad, reinterpret_cast<const float*>(begin(lane))); };
+    if constexpr (hn::MaxLanes(words) == 2) {
+      const auto low = hn::InterleaveLower(quad, row(0), row(1));
+      const auto high = hn::InterleaveUpper(quad, row(0), row(1));
+      return {hn::LowerHalf(words, low), hn::UpperHalf(words, low), hn::LowerHalf(words, high),
+              hn::UpperHalf(words, high)};
+    } else {
+      const auto r0 = row(0), r1 = row(1), r2 = row(2), r3 = row(3);
+      const auto low_02 = hn::InterleaveLower(quad, r0, r2);
+      const auto low_13 = hn::InterleaveLower(quad, r1, r3);
+      const auto high_02 = hn::InterleaveUpper(quad, r0, r2);
+      const auto high_13 = hn::InterleaveUpper(quad, r1, r3);
+      return {hn::InterleaveLower(quad, low_02, low_13), hn::InterleaveUpper(quad, low_02, low_13),
+              hn::InterleaveLower(quad, high_02, high_13), hn::InterleaveUpper(quad, high_02, high_13)};
+    }
+#endif
   }
 };
 
@@ -299,19 +315,22 @@ HWY_INLINE Blend blend(Vec v00, Vec v01, Vec v10, Vec v11, Vec p, Vec q) {
   return {add_product(low, p, of_p), of_p, add_product(low_q, p, hn::Sub(high_q, low_q))};
 }
 
-/// Weights of the two nodes of an edge, and their slopes.
+/// Weights of the two nodes of an edge at t, and their slopes.
 struct Weights {
   Vec first, second, first_slope, second_slope;
-  Vec bubble;  ///< t (1 - t)
+  Vec bubble;        ///< t (1 - t)
+  Vec bubble_slope;  ///< of -4.5 t (1 - t)
 };
 
 HWY_INLINE Weights weights(Vec t) {
   const Vec bubble = hn::Mul(t, hn::Sub(set(1), t));
-  const Vec cubic = hn::Mul(set(13.5), bubble);
-  const Vec steep = hn::Mul(set(40.5), t);
-  return {hn::Mul(cubic, hn::Sub(set(2.0 / 3), t)), hn::Mul(cubic, hn::Sub(t, set(1.0 / 3))),
-          add_product(set(9), t, hn::Sub(steep, set(45))), hn::Sub(hn::Mul(t, hn::Sub(set(36), steep)), set(4.5)),
-          bubble};
+  const Vec bubble_slope = hn::Sub(hn::Mul(set(9), t), set(4.5));
+  // 13.5 t (1 - t) (2/3 - t), and the same from the other end; their sum is 4.5 t (1 - t).
+  const Vec first = hn::Mul(bubble, hn::Sub(set(9), hn::Mul(set(13.5), t)));
+  const Vec first_slope = add_product(set(9), t, hn::Sub(hn::Mul(set(40.5), t), set(45)));
+  return {first,       hn::Sub(hn::Mul(set(4.5), bubble), first),
+          first_slope, hn::Sub(hn::Sub(set(0), bubble_slope), first_slope),
+          bubble,      bubble_slope};
 }
 
 /// The part of the edges along one axis: value and derivatives along it and along the others.
@@ -327,11 +346,9 @@ HWY_INLINE Part edges(const Weights& w, const Blend& first, const Blend& second)
 }
 
 template <typename Values>
-HWY_INLINE void evaluate_lanes(const FieldView& field, FieldBlock& block, std::size_t first) {
-  const Place place = place_in_cell(field, block, first);
-  const auto& [x, y, z] = place.at;
-  Runs runs;
-  find_runs<Values>(field, place.corner, runs);
+HWY_INLINE void evaluate_lanes(const FieldView& field, const Runs& runs, FieldBlock& block, std::size_t first) {
+  const auto [corner, at] = place_in_cell(field, block, first);
+  const auto& [x, y, z] = at;
   const Run r00 = Values::load(field, runs, 0);
   const Run r01 = Values::load(field, runs, 1);
   const Run r10 = Values::load(field, runs, 2);
@@ -354,25 +371,45 @@ HWY_INLINE void evaluate_lanes(const FieldView& field, FieldBlock& block, std::s
 
   // The trilinear part counts (9 |xi|^2 - 19) / 8 times, xi over [-1, 1]^3.
   const Vec scale = hn::Sub(set(1), hn::Mul(set(4.5), hn::Add(hn::Add(wx.bubble, wy.bubble), wz.bubble)));
-  const auto slope = [&](Vec t) HWY_ATTR { return hn::Sub(hn::Mul(set(9), t), set(4.5)); };
   const auto total = [](Vec of_linear, Vec a, Vec b, Vec c)
                          HWY_ATTR { return hn::Add(of_linear, hn::Add(hn::Add(a, b), c)); };
   const Lanes d;
   hn::Store(total(hn::Mul(scale, linear), of_x.value, of_y.value, of_z.value), d, block.value_m.data() + first);
   const auto store_slope = [&](Vec v, double per_m, double* to)
                                HWY_ATTR { hn::Store(hn::Mul(v, set(per_m)), d, to + first); };
-  store_slope(total(sum_of_products(scale, linear_x, slope(x), linear), of_x.along, of_y.of_p, of_z.of_p),
+  store_slope(total(sum_of_products(scale, linear_x, wx.bubble_slope, linear), of_x.along, of_y.of_p, of_z.of_p),
               field.cells_per_m[0], block.slope_x.data());
-  store_slope(total(sum_of_products(scale, linear_y, slope(y), linear), of_x.of_p, of_y.along, of_z.of_q),
+  store_slope(total(sum_of_products(scale, linear_y, wy.bubble_slope, linear), of_x.of_p, of_y.along, of_z.of_q),
               field.cells_per_m[1], block.slope_y.data());
-  store_slope(total(sum_of_products(scale, linear_z, slope(z), linear), of_x.of_q, of_y.of_q, of_z.along),
+  store_slope(total(sum_of_products(scale, linear_z, wz.bubble_slope, linear), of_x.of_q, of_y.of_q, of_z.along),
               field.cells_per_m[2], block.slope_z.data());
+}
+
+/// What a cell reads of its runs begins to come from memory.
+template <typename Values>
+HWY_INLINE void fetch(const FieldView& field, const Runs& runs) {
+  for (const auto& run : runs.begin) {
+    for (const std::uint64_t begin : run) {
+      const auto* from = static_cast<const unsigned char*>(field.values) + begin;
+      __builtin_prefetch(from);
+      __builtin_prefetch(from + Values::run_bytes - 1);
+    }
+  }
 }
 
 template <typename Values>
 HWY_INLINE void evaluate_all(const FieldView& field, FieldBlock& block) {
-  for (std::size_t first = 0; first < block.count; first += lane_count) {
-    evaluate_lanes<Values>(field, block, first);
+  std::array<Runs, fetched_ahead> runs;
+  const std::size_t groups = (block.count + lane_count - 1) / lane_count;
+  for (std::size_t group = 0; group < groups + fetched_ahead; ++group) {
+    Runs& own = runs[group % fetched_ahead];
+    if (group >= fetched_ahead) {
+      evaluate_lanes<Values>(field, own, block, (group - fetched_ahead) * lane_count);
+    }
+    if (group < groups) {
+      find_runs<Values>(field, place_in_cell(field, block, group * lane_count).corner, own);
+      fetch<Values>(field, own);
+    }
   }
 }
 
@@ -381,9 +418,9 @@ void evaluate(const FieldView& field, FieldBlock& block) {
     case FieldPrecision::compact:
       return evaluate_all<CompactValues>(field, block);
     case FieldPrecision::single_precision:
-      return evaluate_all<SingleValues>(field, block);
+      return evaluate_all<PlainValues<float>>(field, block);
     case FieldPrecision::double_precision:
-      return evaluate_all<DoubleValues>(field, block);
+      return evaluate_all<PlainValues<double>>(field, block);
   }
 }
 
@@ -411,7 +448,7 @@ void evaluate_block(const FieldView& field, FieldBlock& block) {
     return;
   }
   // Whole vectors are computed: the lanes that are left over ask once more for the last point.
-  for (std::size_t n = block.count; n < block.count + FieldBlock::room_behind; ++n) {
+  for (std::size_t n = block.count; n < block.count + FieldBlock::most_lanes; ++n) {
     block.x[n] = block.x[block.count - 1];
     block.y[n] = block.y[block.count - 1];
     block.z[n] = block.z[block.count - 1];

@@ -7,6 +7,7 @@
 
 #include "backends/sdf/cell_map.hpp"
 #include "backends/sdf/compact_record.hpp"
+#include "backends/sdf/cubic_cell.hpp"
 #include "backends/sdf/narrow_band.hpp"
 
 namespace musclebench {
@@ -31,10 +32,10 @@ struct FieldView {
 /// Points that are asked about together, side by side: where they are in a field, and what it says there.
 struct FieldBlock {
   static constexpr std::size_t capacity = 128;
+  static constexpr std::size_t most_lanes = 4;
   /// Vectors are written whole.
-  static constexpr std::size_t room_behind = 8;
   template <typename Scalar>
-  using Lanes = std::array<Scalar, capacity + room_behind>;
+  using Lanes = std::array<Scalar, capacity + most_lanes>;
 
   std::size_t count = 0;
   alignas(64) Lanes<double> x, y, z;  ///< in units of the field's cells
