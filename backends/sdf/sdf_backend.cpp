@@ -24,6 +24,9 @@ namespace musclebench {
 
 namespace {
 
+/// Enough for a thread to be worth its start: some microseconds of work.
+constexpr std::size_t nodes_a_share = 512;
+
 /// To estimate the error of a field that someone else has built.
 constexpr int samples_of_foreign = 2000;
 
@@ -170,16 +173,58 @@ class SdfBackend final : public CollisionBackend {
     if (m_has_budgets && positions.size() != m_budgets.nodes()) {
       m_budgets.reset(bones(), positions.size());
     }
-    for (int bone = 0; bone < static_cast<int>(m_fields.size()); ++bone) {
+    share_out(positions, nodes);
+    // Without OpenMP where a share a bone is all there is: it allocates even a team of one.
+    if (m_shares.size() == m_fields.size()) {
+      for (const Share& share : m_shares) {
+        detect_share(share, positions, contacts);
+      }
+      return;
+    }
+    m_found.resize(std::max(m_found.size(), m_shares.size()));
+    // A thread gets the same shares in every step: their cells are in its cache.
+#pragma omp parallel for schedule(static, 1) num_threads(threads())
+    for (std::size_t n = 0; n < m_shares.size(); ++n) {
+      m_found[n].clear();
+      detect_share(m_shares[n], positions, m_found[n]);
+    }
+    for (std::size_t n = 0; n < m_shares.size(); ++n) {
+      contacts.insert(contacts.end(), m_found[n].begin(), m_found[n].end());
+    }
+  }
+
+  /// Nodes in ascending order that one thread asks one bone about.
+  struct Share {
+    int bone;
+    std::span<const int> nodes;
+  };
+
+  /// In the order of the contacts: a share a bone, or several where a thread more pays.
+  void share_out(std::span<const Vec3> positions, std::span<const int> nodes) {
+    m_spent.resize(m_fields.size());
+    m_shares.clear();
+    for (std::size_t b = 0; b < m_fields.size(); ++b) {
+      std::span<const int> asked = nodes;
       if (m_has_budgets) {
-        m_budgets.collect_spent(bone, pose(bone), positions, nodes, m_spent);
-        for (int& spent : m_spent) {
+        m_budgets.collect_spent(static_cast<int>(b), poses()[b], positions, nodes, m_spent[b]);
+        for (int& spent : m_spent[b]) {
           spent = nodes[static_cast<std::size_t>(spent)];
         }
-        detect_spent(bone, positions, m_spent, contacts);
-      } else {
-        detect_all(bone, positions, nodes, contacts);
+        asked = m_spent[b];
       }
+      while (threads() > 1 && asked.size() > nodes_a_share) {
+        m_shares.push_back({static_cast<int>(b), asked.first(nodes_a_share)});
+        asked = asked.subspan(nodes_a_share);
+      }
+      m_shares.push_back({static_cast<int>(b), asked});
+    }
+  }
+
+  void detect_share(const Share& share, std::span<const Vec3> positions, std::vector<Contact>& contacts) {
+    if (m_has_budgets) {
+      detect_spent(share.bone, positions, share.nodes, contacts);
+    } else {
+      detect_all(share.bone, positions, share.nodes, contacts);
     }
   }
 
@@ -276,7 +321,10 @@ class SdfBackend final : public CollisionBackend {
   std::size_t m_loaded_fields = 0;
   std::vector<CubicField> m_fields;
   MotionBudgets m_budgets;
-  std::vector<int> m_spent;
+  // Scratch memory, kept so that a frame allocates nothing.
+  std::vector<std::vector<int>> m_spent;  ///< nodes, by bone
+  std::vector<Share> m_shares;
+  std::vector<std::vector<Contact>> m_found;  ///< by share
 };
 
 }  // namespace
