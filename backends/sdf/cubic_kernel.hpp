@@ -46,16 +46,16 @@ struct FieldBlock {
   [[nodiscard]] Vec3 cells(std::size_t n) const { return {x[n], y[n], z[n]}; }
 };
 
-/// Appends to `block` those of `nodes` (indices into `positions`) that are in the field and in a cell whose bit in
-/// `wanted` is set (all cells where it is null); `asker` is the place in `nodes`, plus `first`. Nodes in ascending
-/// order are looked up faster. Stops where the block is full; returns how many of `nodes` were looked at. A position
-/// that is not a number is nowhere.
+/// Appends to `block` those of `nodes` (ascending indices into `positions`) that are in the field and in a cell whose
+/// bit in `wanted` is set (all cells where it is null); `asker` is the place in `nodes`, plus `first`. Stops where the
+/// block is full; returns how many of `nodes` were looked at. A position that is not a number is nowhere.
 std::size_t place_nodes(const FieldView& field, const CellMap& map, const std::uint64_t* wanted,
                         std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
                         FieldBlock& block);
 
 /// Value and gradient of cubic cells (see CubicCell) at the points of a block, all of which lie in cells that the field
-/// knows.
+/// knows. Arithmetic is in double precision, each operation rounded by itself and in the same order everywhere: the
+/// same bits on any machine, whoever else is in the block.
 void evaluate_block(const FieldView& field, FieldBlock& block);
 
 }  // namespace musclebench
