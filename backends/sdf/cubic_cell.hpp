@@ -29,6 +29,9 @@ struct CubicCell {
   };
   std::array<Along, 3> axis;  ///< the corners stand in all three
 
+  /// Values of a run: a grid vertex's record and what a cell takes of the next (see GridShape).
+  static constexpr std::size_t run_size = 12;
+
   /// The cell whose edge along x at (y, z) starts at record[2 y + z], where a record is a grid vertex's seven values:
   /// corner, two nodes along y, two along z, two along x; the next record of the row follows it.
   template <typename Scalar>

@@ -8,18 +8,10 @@
 
 namespace musclebench {
 
-namespace {
-
-/// Points that are looked up before their cells are evaluated.
-constexpr std::size_t batch_size = 64;
-
-}  // namespace
-
 CubicField::CubicField(const GridShape& shape, FieldPrecision precision)
     : m_shape(shape),
       m_precision(precision),
-      m_steps(compact_steps(shape.cell_size_m.x(), shape.cell_size_m.y(), shape.cell_size_m.z())),
-      m_cells_per_m(shape.cell_size_m.cwiseInverse()) {
+      m_steps(compact_steps(shape.cell_size_m.x(), shape.cell_size_m.y(), shape.cell_size_m.z())) {
   allocate(shape.value_count(), shape.vertex_count());
 }
 
@@ -27,7 +19,6 @@ CubicField::CubicField(const GridShape& shape, FieldPrecision precision, NarrowB
     : m_shape(shape),
       m_precision(precision),
       m_steps(compact_steps(shape.cell_size_m.x(), shape.cell_size_m.y(), shape.cell_size_m.z())),
-      m_cells_per_m(shape.cell_size_m.cwiseInverse()),
       m_band(std::move(band)) {
   allocate(GridShape::record_size * m_band->record_count(), m_band->record_count());
 }
@@ -102,44 +93,43 @@ void CubicField::store(std::size_t place, double value) {
   }
 }
 
+FieldView CubicField::view() const {
+  const void* values = m_single.data();
+  if (m_precision != FieldPrecision::single_precision) {
+    values = m_precision == FieldPrecision::compact ? static_cast<const void*>(m_compact.data()) : m_double.data();
+  }
+  const Vec3& size = m_shape.cell_size_m;
+  const std::array<std::int32_t, 3>& cells = m_shape.cells;
+  return {m_precision,
+          values,
+          m_band ? &*m_band : nullptr,
+          {static_cast<double>(cells[0]), static_cast<double>(cells[1]), static_cast<double>(cells[2])},
+          {1 / size.x(), 1 / size.y(), 1 / size.z()},
+          m_steps};
+}
+
 CubicCell CubicField::cell(std::size_t i, std::size_t j, std::size_t k) const {
-  const std::array<const void*, 4> run = runs(i, j, k);
+  const auto begin = [&](std::size_t run) { return *record(i, j + run / 2, k + run % 2); };
   if (m_precision == FieldPrecision::single_precision) {
-    const auto of = [&](std::size_t r) { return static_cast<const float*>(run[r]); };
+    const auto of = [&](std::size_t run) { return m_single.data() + begin(run); };
     return CubicCell::gather<float>({of(0), of(1), of(2), of(3)});
   }
   if (m_precision == FieldPrecision::double_precision) {
-    const auto of = [&](std::size_t r) { return static_cast<const double*>(run[r]); };
+    const auto of = [&](std::size_t run) { return m_double.data() + begin(run); };
     return CubicCell::gather<double>({of(0), of(1), of(2), of(3)});
   }
-  std::array<std::array<float, 2 * GridShape::record_size>, 4> values{};
-  for (std::size_t r = 0; r < 4; ++r) {
-    const auto* records = static_cast<const CompactRecord*>(run[r]);
-    for (std::size_t n = 0; n < 2 * GridShape::record_size; ++n) {
-      const CompactRecord& record = records[n / GridShape::record_size];
-      const std::size_t offset = n % GridShape::record_size;
-      values[r][n] = offset == 0 ? record.own : compact_value(record, offset - 1, m_steps);
+  std::array<std::array<double, CubicCell::run_size>, 4> values{};
+  for (std::size_t run = 0; run < values.size(); ++run) {
+    for (std::size_t n = 0; n < CubicCell::run_size; ++n) {
+      values[run][n] = stored(begin(run) + n);
     }
   }
-  return CubicCell::gather<float>({values[0].data(), values[1].data(), values[2].data(), values[3].data()});
+  return CubicCell::gather<double>({values[0].data(), values[1].data(), values[2].data(), values[3].data()});
 }
 
 std::optional<CellPlace> CubicField::place(const Vec3& point) const {
-  const Vec3 local = (point - m_shape.lower_m).cwiseProduct(m_cells_per_m);
-  std::array<std::size_t, 3> index{};
-  CellPlace result{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double along = local[static_cast<Eigen::Index>(axis)];
-    if (!(along >= 0 && along <= m_shape.cells[axis])) {
-      return std::nullopt;
-    }
-    index[axis] = std::min(static_cast<std::size_t>(along), m_shape.count(axis) - 1);
-    result.at[static_cast<Eigen::Index>(axis)] = along - static_cast<double>(index[axis]);
-  }
-  result.i = index[0];
-  result.j = index[1];
-  result.k = index[2];
-  return result;
+  const Vec3 cells = CellMap(m_shape).apply(point - m_shape.lower_m);
+  return m_shape.contains(cells) ? std::optional(m_shape.place(cells)) : std::nullopt;
 }
 
 std::optional<double> CubicField::value(const Vec3& point) const {
@@ -148,40 +138,26 @@ std::optional<double> CubicField::value(const Vec3& point) const {
 }
 
 std::optional<FieldSample> CubicField::sample(const Vec3& point) const {
-  const std::optional<CellPlace> found = place(point);
-  if (!found || !knows(m_shape.cell(found->i, found->j, found->k))) {
+  static constexpr std::array<int, 1> only{0};
+  const Vec3 from_corner = point - m_shape.lower_m;
+  FieldBlock block;
+  sample(CellMap(m_shape), {&from_corner, 1}, only, 0, Wanted::known, block);
+  if (block.count == 0) {
     return std::nullopt;
   }
-  const CellQuery asked = query(*found);
-  CellAnswer answer{};
-  evaluate({&asked, 1}, {&answer, 1});
-  const auto& [x, y, z] = answer.gradient;
-  return FieldSample{answer.value, Vec3(x, y, z).cwiseProduct(m_cells_per_m)};
+  return FieldSample{block.value_m[0], {block.slope_x[0], block.slope_y[0], block.slope_z[0]}};
 }
 
-void CubicField::sample(std::span<const Vec3> points, std::span<FieldSample> samples) const {
-  static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  std::array<CellQuery, batch_size> queries;
-  std::array<CellAnswer, batch_size> answers;
-  std::array<std::size_t, batch_size> asker;
-  for (std::size_t first = 0; first < points.size(); first += batch_size) {
-    const std::size_t end = std::min(first + batch_size, points.size());
-    std::size_t count = 0;
-    for (std::size_t p = first; p < end; ++p) {
-      const std::optional<CellPlace> found = place(points[p]);
-      if (found && knows(m_shape.cell(found->i, found->j, found->k))) {
-        queries[count] = query(*found);
-        asker[count++] = p;
-      } else {
-        samples[p] = {nan, Vec3::Constant(nan)};
-      }
-    }
-    evaluate({queries.data(), count}, answers);
-    for (std::size_t n = 0; n < count; ++n) {
-      const auto& [x, y, z] = answers[n].gradient;
-      samples[asker[n]] = {answers[n].value, Vec3(x, y, z).cwiseProduct(m_cells_per_m)};
-    }
+std::size_t CubicField::sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes,
+                               std::size_t first, Wanted wanted, FieldBlock& block) const {
+  const std::uint64_t* bits = m_band ? m_band->cell_bits().data() : nullptr;
+  if (wanted == Wanted::may_be_inside) {
+    bits = m_negative.data();
   }
+  const FieldView field = view();
+  const std::size_t next = first + place_nodes(field, map, bits, positions, nodes.subspan(first), first, block);
+  evaluate_block(field, block);
+  return next;
 }
 
 }  // namespace musclebench

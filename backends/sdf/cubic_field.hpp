@@ -20,12 +20,6 @@ struct FieldSample {
   Vec3 gradient = Vec3::Zero();  ///< of the polynomial: about, but not exactly, of unit length
 };
 
-/// A cell of a field and a place in it, in [0, 1]^3.
-struct CellPlace {
-  std::size_t i, j, k;
-  Vec3 at;
-};
-
 /// A signed distance field over the box of a bone, cubic in each cell and continuous: negative inside, in metres. Made
 /// by `build_field`. On the border of its domain it is positive, so that nothing inside the bone is cut off. It knows
 /// every cell, or those of a narrow band only. Queries are const and safe from several threads.
@@ -49,20 +43,21 @@ class CubicField {
   /// Nothing outside the domain and in cells that are not known.
   [[nodiscard]] std::optional<double> value(const Vec3& point) const;
   [[nodiscard]] std::optional<FieldSample> sample(const Vec3& point) const;
-  /// The same for many points, faster; value and gradient are not numbers where the field knows nothing.
-  void sample(std::span<const Vec3> points, std::span<FieldSample> samples) const;
+
+  /// Which of many points are looked up.
+  enum class Wanted : std::uint8_t {
+    known,         ///< those in cells that are known
+    may_be_inside  ///< of those the ones that `may_be_negative` does not exclude
+  };
+  /// Appends to `block` the `wanted` ones of `nodes` (ascending indices into `positions`) from `first` on, where `map`
+  /// takes them, and evaluates them when the block is full or all nodes were looked at. Returns the place in `nodes` to
+  /// go on at. `asker` is the place in `nodes`. A position that is not a number is nowhere.
+  std::size_t sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
+                     Wanted wanted, FieldBlock& block) const;
 
   /// Nothing outside the domain.
   [[nodiscard]] std::optional<CellPlace> place(const Vec3& point) const;
   [[nodiscard]] bool knows(std::size_t cell) const { return !m_band || m_band->keeps(cell); }
-  /// Of a cell that is known.
-  [[nodiscard]] CellQuery query(const CellPlace& place) const {
-    return {runs(place.i, place.j, place.k), {place.at.x(), place.at.y(), place.at.z()}};
-  }
-  /// Gradients are along the axes of the unit cell.
-  void evaluate(std::span<const CellQuery> queries, std::span<CellAnswer> answers) const {
-    evaluate_cells(m_precision, m_steps, queries, answers);
-  }
 
   /// Whether the field may be negative somewhere in this cell; where it says no, it is not.
   [[nodiscard]] bool may_be_negative(std::size_t cell) const {
@@ -90,28 +85,7 @@ class CubicField {
 
  private:
   void allocate(std::size_t values, std::size_t records);
-  [[nodiscard]] std::array<const void*, 4> runs(std::size_t i, std::size_t j, std::size_t k) const {
-    const std::size_t vertex = m_shape.vertex_index(i, j, k);
-    const std::size_t up_y = m_shape.count(0) + 1;
-    const std::size_t up_z = up_y * (m_shape.count(1) + 1);
-    return {run(vertex, j, k), run(vertex + up_z, j, k + 1), run(vertex + up_y, j + 1, k),
-            run(vertex + up_y + up_z, j + 1, k + 1)};
-  }
-  [[nodiscard]] const void* run(std::size_t vertex, std::size_t j, std::size_t k) const {
-    if (m_band) {
-      vertex = m_band->record(vertex);
-    }
-    // The rows of a dense field of plain values lack the two last values.
-    const std::size_t missing = m_band ? 0 : 2 * (k * (m_shape.count(1) + 1) + j);
-    switch (m_precision) {
-      case FieldPrecision::single_precision:
-        return m_single.data() + (GridShape::record_size * vertex - missing);
-      case FieldPrecision::double_precision:
-        return m_double.data() + (GridShape::record_size * vertex - missing);
-      default:
-        return m_compact.data() + vertex;
-    }
-  }
+  [[nodiscard]] FieldView view() const;
   struct CompactPlace {
     std::size_t record, offset;
   };
@@ -120,7 +94,6 @@ class CubicField {
   GridShape m_shape;
   FieldPrecision m_precision;
   CompactSteps m_steps;
-  Vec3 m_cells_per_m;
   std::optional<NarrowBand> m_band;
   std::vector<float> m_single;
   std::vector<double> m_double;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -7,6 +8,12 @@
 #include "core/geometry/triangle_mesh.hpp"
 
 namespace musclebench {
+
+/// A cell of a grid and a place in it, in [0, 1]^3.
+struct CellPlace {
+  std::size_t i, j, k;
+  Vec3 at;
+};
 
 /// The regular grid of a cubic field: a box of cells, and where the values of its nodes stand in memory.
 ///
@@ -45,6 +52,23 @@ struct GridShape {
   }
   [[nodiscard]] std::size_t cell(std::size_t i, std::size_t j, std::size_t k) const {
     return (k * count(1) + j) * count(0) + i;
+  }
+  /// Whether a place, in units of cells from the lower corner, is in the domain. A place that is not a number is not.
+  [[nodiscard]] bool contains(const Vec3& in_cells) const {
+    return (in_cells.array() >= 0).all() && (in_cells.array() <= Vec3(cells[0], cells[1], cells[2]).array()).all();
+  }
+  /// The cell of such a place in the domain.
+  [[nodiscard]] CellPlace place(const Vec3& in_cells) const {
+    const auto index = [&](std::size_t axis) {
+      return std::min(static_cast<std::size_t>(in_cells[static_cast<Eigen::Index>(axis)]), count(axis) - 1);
+    };
+    const std::size_t i = index(0), j = index(1), k = index(2);
+    return {i, j, k, in_cells - Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k))};
+  }
+  /// From such a place to the domain.
+  [[nodiscard]] double distance_m(const Vec3& in_cells) const {
+    const Vec3 upper(cells[0], cells[1], cells[2]);
+    return (-in_cells).cwiseMax(in_cells - upper).cwiseMax(0.0).cwiseProduct(cell_size_m).norm();
   }
   [[nodiscard]] std::size_t mask_words() const { return (cell_count() + 63) / 64; }
 

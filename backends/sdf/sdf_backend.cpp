@@ -24,54 +24,11 @@ namespace musclebench {
 
 namespace {
 
-/// Where a field sits in the world: `to_cells * x + offset` counts its cells along its axes.
-struct CellMap {
-  Mat3 to_cells;
-  Vec3 offset;
-  Vec3 upper;  ///< number of cells
-
-  CellMap(const GridShape& shape, const RigidMotion& pose)
-      : to_cells(shape.cell_size_m.cwiseInverse().asDiagonal() * pose.rotation.transpose()),
-        offset(-(to_cells * pose.translation_m) - shape.lower_m.cwiseQuotient(shape.cell_size_m)),
-        upper(shape.cells[0], shape.cells[1], shape.cells[2]) {}
-
-  /// How far a place is from the field's box.
-  [[nodiscard]] double distance_m(const Vec3& cells, const GridShape& shape) const {
-    return (-cells).cwiseMax(cells - upper).cwiseMax(0.0).cwiseProduct(shape.cell_size_m).norm();
-  }
-
-  /// False outside the field, and for a position that is not a number.
-  [[nodiscard]] bool place(const Vec3& position, Vec3& cells) const {
-    cells = to_cells * position + offset;
-    return cells.x() >= 0 && cells.y() >= 0 && cells.z() >= 0 && cells.x() < upper.x() && cells.y() < upper.y() &&
-           cells.z() < upper.z();
-  }
-};
-
-/// Nodes whose cells are looked up before their values are computed.
-constexpr std::size_t batch_size = 64;
+/// Enough for a thread to be worth its start: some microseconds of work.
+constexpr std::size_t nodes_a_share = 512;
 
 /// To estimate the error of a field that someone else has built.
 constexpr int samples_of_foreign = 2000;
-
-/// Questions to one field that are answered together.
-struct Batch {
-  struct Asker {
-    int node;
-    bool may_be_inside;
-    Vec3 cells;  ///< place in the field
-  };
-  std::size_t count = 0;
-  std::array<CellQuery, batch_size> queries;
-  std::array<CellAnswer, batch_size> answers;
-  std::array<Asker, batch_size> askers;
-
-  void ask(const CubicField& field, const CellPlace& place, const Asker& asker) {
-    queries[count] = field.query(place);
-    askers[count++] = asker;
-  }
-  [[nodiscard]] bool full() const { return count == batch_size; }
-};
 
 /// Out of the bone; away from the middle of the field where the field is flat, and along x in that very middle.
 Vec3 outward(const Vec3& gradient, const Vec3& from_middle) {
@@ -216,94 +173,135 @@ class SdfBackend final : public CollisionBackend {
     if (m_has_budgets && positions.size() != m_budgets.nodes()) {
       m_budgets.reset(bones(), positions.size());
     }
-    for (std::size_t b = 0; b < m_fields.size(); ++b) {
-      if (m_has_budgets) {
-        detect_spent(static_cast<int>(b), positions, nodes, contacts);
-      } else {
-        detect_all(static_cast<int>(b), positions, nodes, contacts);
+    share_out(positions, nodes);
+    // Without OpenMP where a share a bone is all there is: it allocates even a team of one.
+    if (m_shares.size() == m_fields.size()) {
+      for (const Share& share : m_shares) {
+        detect_share(share, positions, contacts);
       }
+      return;
+    }
+    m_found.resize(std::max(m_found.size(), m_shares.size()));
+    // A thread gets the same shares in every step: their cells are in its cache.
+#pragma omp parallel for schedule(static, 1) num_threads(threads())
+    for (std::size_t n = 0; n < m_shares.size(); ++n) {
+      m_found[n].clear();
+      detect_share(m_shares[n], positions, m_found[n]);
+    }
+    for (std::size_t n = 0; n < m_shares.size(); ++n) {
+      contacts.insert(contacts.end(), m_found[n].begin(), m_found[n].end());
     }
   }
+
+  /// Nodes in ascending order that one thread asks one bone about.
+  struct Share {
+    int bone;
+    std::span<const int> nodes;
+  };
+
+  /// In the order of the contacts: a share a bone, or several where a thread more pays.
+  void share_out(std::span<const Vec3> positions, std::span<const int> nodes) {
+    m_spent.resize(m_fields.size());
+    m_shares.clear();
+    for (std::size_t b = 0; b < m_fields.size(); ++b) {
+      std::span<const int> asked = nodes;
+      if (m_has_budgets) {
+        m_budgets.collect_spent(static_cast<int>(b), poses()[b], positions, nodes, m_spent[b]);
+        for (int& spent : m_spent[b]) {
+          spent = nodes[static_cast<std::size_t>(spent)];
+        }
+        asked = m_spent[b];
+      }
+      while (threads() > 1 && asked.size() > nodes_a_share) {
+        m_shares.push_back({static_cast<int>(b), asked.first(nodes_a_share)});
+        asked = asked.subspan(nodes_a_share);
+      }
+      m_shares.push_back({static_cast<int>(b), asked});
+    }
+  }
+
+  void detect_share(const Share& share, std::span<const Vec3> positions, std::vector<Contact>& contacts) {
+    if (m_has_budgets) {
+      detect_spent(share.bone, positions, share.nodes, contacts);
+    } else {
+      detect_all(share.bone, positions, share.nodes, contacts);
+    }
+  }
+
+  [[nodiscard]] const RigidMotion& pose(int bone) const { return poses()[static_cast<std::size_t>(bone)]; }
+  [[nodiscard]] const CubicField& field(int bone) const { return m_fields[static_cast<std::size_t>(bone)]; }
 
   void detect_all(int bone, std::span<const Vec3> positions, std::span<const int> nodes,
-                  std::vector<Contact>& contacts) {
-    const CubicField& field = m_fields[static_cast<std::size_t>(bone)];
-    const CellMap map(field.shape(), poses()[static_cast<std::size_t>(bone)]);
-    Batch batch;
-    for (const int node : nodes) {
-      Vec3 cells;
-      if (!map.place(positions[static_cast<std::size_t>(node)], cells)) {
-        continue;
-      }
-      const CellPlace place = place_in(cells);
-      if (!field.may_be_negative(field.shape().cell(place.i, place.j, place.k))) {
-        continue;
-      }
-      batch.ask(field, place, {node, true, cells});
-      if (batch.full()) {
-        answer(bone, map, batch, contacts);
+                  std::vector<Contact>& contacts) const {
+    const CellMap map(field(bone).shape(), pose(bone));
+    FieldBlock block;
+    for (std::size_t next = 0; next < nodes.size();) {
+      block.count = 0;
+      next = field(bone).sample(map, positions, nodes, next, CubicField::Wanted::may_be_inside, block);
+      for (std::size_t n = 0; n < block.count; ++n) {
+        if (block.value_m[n] < 0) {
+          contacts.push_back(contact(bone, nodes[block.asker[n]], block, n));
+        }
       }
     }
-    answer(bone, map, batch, contacts);
   }
 
-  /// The same contacts: only nodes that have used up what they may move are asked about.
+  /// The same contacts. All `nodes` are new ones or have used up what they may move, and are granted anew.
   void detect_spent(int bone, std::span<const Vec3> positions, std::span<const int> nodes,
                     std::vector<Contact>& contacts) {
-    const CubicField& field = m_fields[static_cast<std::size_t>(bone)];
-    const GridShape& shape = field.shape();
-    const RigidMotion& pose = poses()[static_cast<std::size_t>(bone)];
-    const CellMap map(shape, pose);
-    m_budgets.collect_spent(bone, pose, positions, nodes, m_spent);
-    Batch batch;
-    for (const int spent : m_spent) {
-      const int node = nodes[static_cast<std::size_t>(spent)];
-      const Vec3& position = positions[static_cast<std::size_t>(node)];
-      Vec3 cells;
-      if (!map.place(position, cells)) {
-        m_budgets.grant(bone, node, pose.apply_inverse(position), map.distance_m(cells, shape));
-        continue;
+    const CellMap map(field(bone).shape(), pose(bone));
+    FieldBlock block;
+    for (std::size_t next = 0; next < nodes.size();) {
+      std::size_t unknown = next;
+      block.count = 0;
+      next = field(bone).sample(map, positions, nodes, next, CubicField::Wanted::known, block);
+      for (std::size_t n = 0; n < block.count; ++n) {
+        for (; unknown < block.asker[n]; ++unknown) {
+          grant_far(bone, nodes[unknown], map, positions);
+        }
+        ++unknown;
+        const int node = nodes[block.asker[n]];
+        if (block.value_m[n] < 0 && may_be_inside(bone, block, n)) {
+          contacts.push_back(contact(bone, node, block, n));
+        } else {
+          m_budgets.grant(bone, node, rest_point(bone, block.cells(n)), free_distance_m(field(bone), block.value_m[n]));
+        }
       }
-      const CellPlace place = place_in(cells);
-      const std::size_t cell = shape.cell(place.i, place.j, place.k);
-      if (!field.knows(cell)) {
-        const double far_m = static_cast<double>(field.band()->far_m(place.i, place.j, place.k));
-        m_budgets.grant(bone, node, pose.apply_inverse(position), far_m - field.facts().negative_reach_m);
-        continue;
-      }
-      batch.ask(field, place, {node, field.may_be_negative(cell), cells});
-      if (batch.full()) {
-        answer(bone, map, batch, contacts);
+      for (; unknown < next; ++unknown) {
+        grant_far(bone, nodes[unknown], map, positions);
       }
     }
-    answer(bone, map, batch, contacts);
   }
 
-  [[nodiscard]] static CellPlace place_in(const Vec3& cells) {
-    const auto i = static_cast<std::size_t>(cells.x());
-    const auto j = static_cast<std::size_t>(cells.y());
-    const auto k = static_cast<std::size_t>(cells.z());
-    return {i, j, k, cells - Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k))};
-  }
-
-  void answer(int bone, const CellMap& map, Batch& batch, std::vector<Contact>& contacts) {
-    const CubicField& field = m_fields[static_cast<std::size_t>(bone)];
-    const GridShape& shape = field.shape();
-    field.evaluate({batch.queries.data(), batch.count}, batch.answers);
-    for (std::size_t n = 0; n < batch.count; ++n) {
-      const auto& [value_m, slope] = batch.answers[n];
-      const auto& [node, may_be_inside, cells] = batch.askers[n];
-      if (may_be_inside && value_m < 0) {
-        const Vec3 gradient(slope[0], slope[1], slope[2]);
-        const Vec3 from_middle = (cells - 0.5 * map.upper).cwiseProduct(shape.cell_size_m);
-        const Vec3 normal = outward(gradient.cwiseQuotient(shape.cell_size_m), from_middle);
-        contacts.push_back({node, bone, -value_m, poses()[static_cast<std::size_t>(bone)].apply_to_direction(normal)});
-      } else if (m_has_budgets) {
-        m_budgets.grant(bone, node, shape.lower_m + cells.cwiseProduct(shape.cell_size_m),
-                        free_distance_m(field, value_m));
-      }
+  /// A node outside the field, or in a cell that it does not know.
+  void grant_far(int bone, int node, const CellMap& map, std::span<const Vec3> positions) {
+    const CubicField& field = this->field(bone);
+    const Vec3 cells = map.apply(positions[static_cast<std::size_t>(node)]);
+    if (!field.band() || !field.shape().contains(cells)) {
+      m_budgets.grant(bone, node, rest_point(bone, cells), field.shape().distance_m(cells));
+      return;
     }
-    batch.count = 0;
+    const CellPlace place = field.shape().place(cells);
+    const double far_m = static_cast<double>(field.band()->far_m(place.i, place.j, place.k));
+    m_budgets.grant(bone, node, rest_point(bone, cells), far_m - field.facts().negative_reach_m);
+  }
+
+  [[nodiscard]] bool may_be_inside(int bone, const FieldBlock& block, std::size_t n) const {
+    const GridShape& shape = field(bone).shape();
+    const CellPlace place = shape.place(block.cells(n));
+    return field(bone).may_be_negative(shape.cell(place.i, place.j, place.k));
+  }
+
+  [[nodiscard]] Vec3 rest_point(int bone, const Vec3& cells) const {
+    const GridShape& shape = field(bone).shape();
+    return shape.lower_m + cells.cwiseProduct(shape.cell_size_m);
+  }
+
+  [[nodiscard]] Contact contact(int bone, int node, const FieldBlock& block, std::size_t n) const {
+    const GridShape& shape = field(bone).shape();
+    const Vec3 gradient(block.slope_x[n], block.slope_y[n], block.slope_z[n]);
+    const Vec3 from_middle = rest_point(bone, block.cells(n)) - 0.5 * (shape.lower_m + shape.upper_m());
+    return {node, bone, -block.value_m[n], pose(bone).apply_to_direction(outward(gradient, from_middle))};
   }
 
   /// How far a place of this value is at least from all places where the field is negative. A way that leaves the
@@ -323,7 +321,10 @@ class SdfBackend final : public CollisionBackend {
   std::size_t m_loaded_fields = 0;
   std::vector<CubicField> m_fields;
   MotionBudgets m_budgets;
-  std::vector<int> m_spent;
+  // Scratch memory, kept so that a frame allocates nothing.
+  std::vector<std::vector<int>> m_spent;  ///< nodes, by bone
+  std::vector<Share> m_shares;
+  std::vector<std::vector<Contact>> m_found;  ///< by share
 };
 
 }  // namespace

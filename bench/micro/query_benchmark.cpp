@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -81,7 +82,7 @@ void voxel_test(benchmark::State& state, const Bone& bone) {
       [&](const Vec3& point) { return grid.contains_scaled(linear * point + offset) ? 1.0 : 0.0; });
 }
 
-/// Batch by batch, as the backend does it: into the rest frame, then value and gradient of all that are in the field.
+/// As the backend does it: world to cells in one affine map, then value and gradient of all that are in the field.
 void sdf_value_and_gradient(benchmark::State& state, const Bone& bone, FieldPrecision precision,
                             const std::vector<Vec3>& points) {
   static std::map<FieldPrecision, std::map<const Bone*, std::unique_ptr<CubicField>>> fields;
@@ -89,16 +90,17 @@ void sdf_value_and_gradient(benchmark::State& state, const Bone& bone, FieldPrec
     const GridShape shape = grid_over(bone.surface.mesh, {.cells = cells}, bone.name);
     return build_field(surface_of(bone), shape, precision, 1);
   });
-  const RigidMotion pose;
-  std::vector<Vec3> batch(batch_size);
-  std::vector<FieldSample> samples(batch_size);
+  const CellMap map(field.shape(), RigidMotion());
+  std::vector<int> nodes(points.size());
+  std::iota(nodes.begin(), nodes.end(), 0);
+  FieldBlock block;
   ask_batches(state, points, [&](std::span<const Vec3> asked) {
-    for (std::size_t i = 0; i < asked.size(); ++i) {
-      batch[i] = pose.apply_inverse(asked[i]);
+    for (std::size_t next = 0; next < asked.size();) {
+      block.count = 0;
+      next = field.sample(map, asked, std::span(nodes).first(asked.size()), next, CubicField::Wanted::known, block);
+      benchmark::DoNotOptimize(&block);
+      benchmark::ClobberMemory();
     }
-    field.sample(std::span(batch).first(asked.size()), samples);
-    benchmark::DoNotOptimize(samples.data());
-    benchmark::ClobberMemory();
   });
 }
 

@@ -20,7 +20,9 @@
 #define MUSCLEBENCH_MOTION_BUDGETS_ONCE
 namespace musclebench {
 
-constexpr std::size_t sweep_lanes = 16;
+/// Not more, whatever the machine has: a sweep is a short burst between milliseconds of scalar code, and registers of
+/// 64 bytes would have to be woken up for it, which costs more than they give.
+constexpr std::size_t sweep_lanes = 8;
 /// Nodes that are looked at together; their positions stay in the first-level cache.
 constexpr std::size_t block_size = 256;
 

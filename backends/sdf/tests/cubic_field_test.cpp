@@ -142,44 +142,6 @@ TEST(CubicField, ErrorOfABoxFallsWithItsCells) {
   }
 }
 
-/// The SIMD kernel against the plain code of CubicCell, on values without any pattern.
-TEST(CubicField, EvaluatesWhatItsCellsSay) {
-  GridShape shape;
-  shape.lower_m = Vec3(-1, -1, -1);
-  shape.cell_size_m = Vec3(2.0 / 3, 2.0 / 5, 2.0 / 4);
-  shape.cells = {3, 5, 4};
-  std::mt19937 generator(3);
-  std::uniform_real_distribution<double> noise(-0.1, 0.1);
-  for (const FieldPrecision precision : {single_precision, double_precision, FieldPrecision::compact}) {
-    const CubicField field = interpolate(shape, precision, [&](const Vec3&) { return noise(generator); });
-    const std::vector<Vec3> points = random_points(500);
-    std::vector<FieldSample> samples(points.size());
-    field.sample(points, samples);
-    for (std::size_t n = 0; n < points.size(); ++n) {
-      const CellPlace place = field.place(points[n]).value();
-      Vec3 gradient;
-      const double value = field.cell(place.i, place.j, place.k).value_and_gradient(place.at, gradient);
-      EXPECT_NEAR(samples[n].value_m, value, 1e-15);
-      EXPECT_NEAR((samples[n].gradient - gradient.cwiseQuotient(shape.cell_size_m)).norm(), 0, 1e-14);
-      EXPECT_EQ(field.sample(points[n])->value_m, samples[n].value_m);
-      EXPECT_EQ(field.sample(points[n])->gradient, samples[n].gradient);
-    }
-  }
-}
-
-TEST(CubicField, ManyPointsMayLieOutside) {
-  const CubicField field = interpolate(cube_grid(2), double_precision, sphere);
-  std::vector<Vec3> points(200, Vec3(0.1, 0.2, 0.3));
-  points[0].x() = 2;
-  points[130].y() = std::nan("");
-  std::vector<FieldSample> samples(points.size());
-  field.sample(points, samples);
-  for (std::size_t n = 0; n < points.size(); ++n) {
-    EXPECT_EQ(std::isnan(samples[n].value_m), n == 0 || n == 130) << n;
-    EXPECT_EQ(std::isnan(samples[n].gradient.z()), n == 0 || n == 130) << n;
-  }
-}
-
 TEST(CubicField, CompactRecordsRoundToAFractionOfACell) {
   const GridShape shape = cube_grid(8);
   const CubicField compact = interpolate(shape, FieldPrecision::compact, sphere);

@@ -150,14 +150,14 @@ void expect_equal_contacts(const std::vector<Contact>& one, const std::vector<Co
   }
 }
 
-TEST(SdfBackend, BudgetsAndBandsChangeNoContact) {
+TEST(SdfBackend, BudgetsBandsAndThreadsChangeNoContact) {
   const std::vector<Bone> bones = two_bones();
   const std::vector<std::vector<Vec3>> path = wandering_nodes(30);
   for (const std::string precision : {"float", "compact"}) {
-    const auto made = [&](const std::string& budgets, double band_m) {
+    const auto made = [&](const std::string& budgets, double band_m, int threads = 1) {
       auto backend = make(
           {{"cells", std::int64_t{24}}, {"precision", precision}, {"motion_budgets", budgets}, {"band_m", band_m}});
-      backend->build(bones, {}, 1);
+      backend->build(bones, {}, threads);
       return backend;
     };
     const auto plain = made("off", 0);
@@ -166,6 +166,8 @@ TEST(SdfBackend, BudgetsAndBandsChangeNoContact) {
       result.push_back(made("on", 0));
       result.push_back(made("on", 0.017));
       result.push_back(made("off", 0.017));
+      result.push_back(made("off", 0, 2));
+      result.push_back(made("on", 0, 3));
       return result;
     }();
     EXPECT_LT(others[1]->structure_bytes(), plain->structure_bytes());
