@@ -4,6 +4,8 @@
 #include <array>
 #include <vector>
 
+#include "backends/sdf/cell_bounds.hpp"
+
 namespace musclebench {
 
 namespace {
@@ -89,21 +91,55 @@ struct Marks {
   double negative_reach_m = 0;
 };
 
-void mark_cell(const CubicField& field, std::size_t index, Marks& marks) {
-  const GridShape& shape = field.shape();
-  const std::size_t plane = shape.count(0) * shape.count(1);
-  const CubicCell cell = field.cell(index % shape.count(0), index % plane / shape.count(0), index / plane);
-  const CubicCell::Bernstein coefficients = cell.bernstein();
-  marks.steepest = std::max(marks.steepest, CubicCell::steepest(coefficients, shape.cell_size_m));
-  const auto [lowest, highest] = std::minmax_element(coefficients.begin(), coefficients.end());
-  // The bound is computed in floating point; this covers its rounding and that of the evaluation.
-  if (*lowest < 1e-12 * std::max(*highest, -*lowest)) {
-    marks.bits |= std::uint64_t{1} << (index % 64);
-    // No point of the cell is farther from a vertex than the cell's diagonal.
-    const double nearest_m = std::max(0.0, std::min(cell.axis[0].low.minCoeff(), cell.axis[0].high.minCoeff()));
-    marks.negative_reach_m = std::max(marks.negative_reach_m, nearest_m + shape.cell_size_m.norm());
+/// Cells whose bounds are computed together.
+class CellBatch {
+ public:
+  /// `steepest` is what cells of this thread had before: less of it need not be known exactly.
+  CellBatch(const CubicField& field, double& steepest, Marks& marks)
+      : m_field(field), m_steepest(steepest), m_marks(marks) {}
+
+  void add(std::size_t index) {
+    const GridShape& shape = m_field.shape();
+    const std::size_t plane = shape.count(0) * shape.count(1);
+    m_index[m_count] = index;
+    m_cells[m_count++] = m_field.cell(index % shape.count(0), index % plane / shape.count(0), index / plane);
+    if (m_count == CellBounds::width) {
+      mark();
+    }
   }
-}
+
+  void mark() {
+    if (m_count == 0) {
+      return;
+    }
+    CellBounds bounds;
+    const Vec3& size_m = m_field.shape().cell_size_m;
+    bound_cells({m_cells.data(), m_count}, size_m, bounds);
+    for (std::size_t n = 0; n < m_count; ++n) {
+      const CubicCell& cell = m_cells[n];
+      if (bounds.steepest[n] * (1 + 1e-12) > m_steepest) {
+        m_steepest = std::max(m_steepest, CubicCell::steepest(cell.bernstein(), size_m));
+      }
+      // The bound is computed in floating point; this covers its rounding and that of the evaluation.
+      if (bounds.lowest[n] < 1e-12 * std::max(bounds.highest[n], -bounds.lowest[n])) {
+        m_marks.bits |= std::uint64_t{1} << (m_index[n] % 64);
+        // No point of the cell is farther from a vertex than the cell's diagonal.
+        const double nearest_m = std::max(0.0, std::min(cell.axis[0].low.minCoeff(), cell.axis[0].high.minCoeff()));
+        m_marks.negative_reach_m = std::max(m_marks.negative_reach_m, nearest_m + size_m.norm());
+      }
+    }
+    m_marks.steepest = m_steepest;
+    m_count = 0;
+  }
+
+ private:
+  const CubicField& m_field;
+  double& m_steepest;
+  Marks& m_marks;
+  std::size_t m_count = 0;
+  std::array<std::size_t, CellBounds::width> m_index{};
+  std::array<CubicCell, CellBounds::width> m_cells;
+};
 
 }  // namespace
 
@@ -112,14 +148,17 @@ void mark_cells(CubicField& field, [[maybe_unused]] int threads) {
   constexpr double slack = 1 + 1e-5;
   const GridShape& shape = field.shape();
   std::vector<Marks> marks(shape.mask_words());
-#pragma omp parallel for schedule(dynamic, 16) num_threads(threads)
+  double steepest = 0;
+#pragma omp parallel for schedule(dynamic, 16) num_threads(threads) firstprivate(steepest)
   for (std::size_t word = 0; word < marks.size(); ++word) {
+    CellBatch batch(field, steepest, marks[word]);
     const std::size_t end = std::min(64 * (word + 1), shape.cell_count());
     for (std::size_t index = 64 * word; index < end; ++index) {
       if (field.knows(index)) {
-        mark_cell(field, index, marks[word]);
+        batch.add(index);
       }
     }
+    batch.mark();
   }
   FieldFacts& facts = field.facts();
   facts.steepest = 0;

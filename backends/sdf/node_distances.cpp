@@ -5,6 +5,7 @@
 #include <atomic>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "backends/sdf/packet_search.hpp"
 
@@ -12,24 +13,19 @@ namespace musclebench {
 
 namespace {
 
-/// Rows of the grid that one thread takes at a time, along y and z.
-constexpr std::size_t chunk_rows = 4;
+/// Grid vertices along the edge of a block, which are searched for together.
+constexpr std::size_t block_edge = 4;
+constexpr std::size_t block_size = block_edge * block_edge * block_edge;
 
 /// Of the six nodes on the edges that leave a grid vertex.
 constexpr std::array<std::size_t, 6> edge_axis{1, 1, 2, 2, 0, 0};
 
 using Index = std::array<std::size_t, 3>;
 
-/// The nodes of one record, its own vertex first.
+/// Where the nodes of one record stand.
 struct Record {
-  std::size_t count = 0;
+  std::size_t place = 0;
   std::array<std::size_t, GridShape::record_size> offset;
-  std::array<Vec3, GridShape::record_size> point;
-
-  void add(std::size_t at, const Vec3& position) {
-    offset[count] = at;
-    point[count++] = position;
-  }
 };
 
 /// Whether a cell that is known has this edge.
@@ -59,49 +55,35 @@ bool has_cell_at_edge(const CubicField& field, const Index& vertex, std::size_t 
   return false;
 }
 
-Record nodes_of_record(const CubicField& field, const Index& vertex) {
-  const GridShape& shape = field.shape();
-  const Vec3 cells(static_cast<double>(vertex[0]), static_cast<double>(vertex[1]), static_cast<double>(vertex[2]));
-  const auto position = [&](const Vec3& place) { return Vec3(shape.lower_m + shape.cell_size_m.cwiseProduct(place)); };
-  Record record;
-  record.add(0, position(cells));
-  for (std::size_t edge_node = 0; edge_node < edge_axis.size(); ++edge_node) {
-    const std::size_t axis = edge_axis[edge_node];
-    if (has_cell_at_edge(field, vertex, axis)) {
-      Vec3 place = cells;
-      place[static_cast<Eigen::Index>(axis)] += static_cast<double>(1 + edge_node % 2) / 3;
-      record.add(edge_node + 1, position(place));
-    }
+/// Three numbers of two bits each, whose bits alternate in `number`: those that follow each other are close together.
+Index place_in_block(std::size_t number) {
+  Index place{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    place[axis] = (number >> axis & 1U) + 2 * (number >> (axis + 3) & 1U);
   }
-  return record;
+  return place;
 }
 
-/// Walks over the grid vertices of one chunk and remembers the last one: its closest triangle starts the next search,
-/// and a node that is farther from the surface than from a signed node lies on the same side.
+/// Fills block after block and remembers the last node: its closest triangle starts the next search, and a node that is
+/// farther from the surface than from a signed node lies on the same side.
 class NodeWalk {
  public:
   NodeWalk(const SignedSurface& surface, CubicField& field)
-      : m_surface(surface), m_search(surface.tree()), m_field(field) {}
+      : m_surface(surface), m_search(surface.tree()), m_field(field), m_packets(block_size) {}
 
-  void visit(const Index& vertex) {
-    const std::optional<std::size_t> place = m_field.record(vertex[0], vertex[1], vertex[2]);
-    if (!place) {
+  void fill_block(const Index& first) {
+    bool any = false;
+    for (std::size_t number = 0; number < block_size; ++number) {
+      const Index place = place_in_block(number);
+      m_packets[number].count = 0;
+      any = add_record({first[0] + place[0], first[1] + place[1], first[2] + place[2]}, number) || any;
+    }
+    if (!any) {
       return;
     }
-    const Record record = nodes_of_record(m_field, vertex);
-    if (m_last.closest.triangle < 0) {
-      m_last.point = record.point[0];
-      m_last.closest = m_surface.tree().closest_point(m_last.point).value();
-      m_last.inside = m_surface.is_inside(m_last.point, m_last.closest);
-    }
-    std::array<ClosestPoint, GridShape::record_size> closest;
-    m_search.closest_points({record.point.data(), record.count}, m_last.closest.triangle, closest);
-    for (std::size_t n = 0; n < record.count; ++n) {
-      const Node node{record.point[n], closest[n], is_inside(record.point[n], closest[n])};
-      m_field.store(*place + record.offset[n], node.inside ? -node.closest.distance_m : node.closest.distance_m);
-      if (n == 0) {
-        m_last = node;  // the others of the record are next to it, too
-      }
+    m_search.closest_points(m_packets, m_last.closest.triangle < 0 ? 0 : m_last.closest.triangle);
+    for (std::size_t number = 0; number < block_size; ++number) {
+      store(m_packets[number], m_records[number]);
     }
   }
 
@@ -112,50 +94,80 @@ class NodeWalk {
     bool inside = false;
   };
 
+  /// False where the field keeps none.
+  bool add_record(const Index& vertex, std::size_t number) {
+    const GridShape& shape = m_field.shape();
+    if (vertex[0] > shape.count(0) || vertex[1] > shape.count(1) || vertex[2] > shape.count(2)) {
+      return false;
+    }
+    const std::optional<std::size_t> place = m_field.record(vertex[0], vertex[1], vertex[2]);
+    if (!place) {
+      return false;
+    }
+    PointPacket& packet = m_packets[number];
+    Record& record = m_records[number];
+    record.place = *place;
+    const auto add = [&](std::size_t offset, const Vec3& cells) {
+      record.offset[packet.count] = offset;
+      packet.add(shape.lower_m + shape.cell_size_m.cwiseProduct(cells));
+    };
+    const Vec3 cells(static_cast<double>(vertex[0]), static_cast<double>(vertex[1]), static_cast<double>(vertex[2]));
+    add(0, cells);
+    for (std::size_t edge_node = 0; edge_node < edge_axis.size(); ++edge_node) {
+      const std::size_t axis = edge_axis[edge_node];
+      if (has_cell_at_edge(m_field, vertex, axis)) {
+        Vec3 on_edge = cells;
+        on_edge[static_cast<Eigen::Index>(axis)] += static_cast<double>(1 + edge_node % 2) / 3;
+        add(edge_node + 1, on_edge);
+      }
+    }
+    return true;
+  }
+
+  void store(const PointPacket& packet, const Record& record) {
+    for (std::size_t n = 0; n < packet.count; ++n) {
+      const Node node{packet.point[n], packet.closest[n], is_inside(packet.point[n], packet.closest[n])};
+      m_field.store(record.place + record.offset[n], node.inside ? -node.closest.distance_m : node.closest.distance_m);
+      if (n == 0) {
+        m_last = node;  // the others of the record are next to it, too
+      }
+    }
+  }
+
   [[nodiscard]] bool is_inside(const Vec3& point, const ClosestPoint& closest) const {
     const double step = (point - m_last.point).norm() * (1 + 1e-9);
-    return std::max(closest.distance_m, m_last.closest.distance_m) > step ? m_last.inside
-                                                                          : m_surface.is_inside(point, closest);
+    const bool sure = m_last.closest.triangle >= 0 && std::max(closest.distance_m, m_last.closest.distance_m) > step;
+    return sure ? m_last.inside : m_surface.is_inside(point, closest);
   }
 
   const SignedSurface& m_surface;
   PacketSearch m_search;
   CubicField& m_field;
+  std::vector<PointPacket> m_packets;
+  std::array<Record, block_size> m_records;
   Node m_last;
 };
 
-/// There and back along the rows of one chunk.
-void fill_chunk(const SignedSurface& surface, std::size_t first_j, std::size_t first_k, CubicField& field) {
-  const GridShape& shape = field.shape();
-  const std::size_t end_j = std::min(first_j + chunk_rows, shape.count(1) + 1);
-  const std::size_t end_k = std::min(first_k + chunk_rows, shape.count(2) + 1);
-  NodeWalk walk(surface, field);
-  bool forward = true;
-  for (std::size_t k = first_k; k < end_k; ++k) {
-    for (std::size_t step = first_j; step < end_j; ++step) {
-      const std::size_t j = (k - first_k) % 2 == 0 ? step : first_j + end_j - 1 - step;
-      for (std::size_t column = 0; column <= shape.count(0); ++column) {
-        walk.visit({forward ? column : shape.count(0) - column, j, k});
-      }
-      forward = !forward;
-    }
-  }
-}
+std::size_t blocks_along(const GridShape& shape, std::size_t axis) { return shape.count(axis) / block_edge + 1; }
 
 }  // namespace
 
 void fill_distances(const SignedSurface& surface, CubicField& field, [[maybe_unused]] int threads,
                     const std::function<void(double)>& progress) {
-  const std::size_t across = field.shape().count(1) / chunk_rows + 1;
-  const std::size_t chunks = across * (field.shape().count(2) / chunk_rows + 1);
+  const GridShape& shape = field.shape();
+  const std::size_t across = blocks_along(shape, 1);
+  const std::size_t rows = across * blocks_along(shape, 2);
   const std::thread::id reporter = std::this_thread::get_id();
   std::atomic<std::size_t> done = 0;
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
-  for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-    fill_chunk(surface, chunk_rows * (chunk % across), chunk_rows * (chunk / across), field);
+  for (std::size_t row = 0; row < rows; ++row) {
+    NodeWalk walk(surface, field);
+    for (std::size_t block = 0; block < blocks_along(shape, 0); ++block) {
+      walk.fill_block({block_edge * block, block_edge * (row % across), block_edge * (row / across)});
+    }
     ++done;
     if (progress && std::this_thread::get_id() == reporter) {
-      progress(static_cast<double>(done) / static_cast<double>(chunks));
+      progress(static_cast<double>(done) / static_cast<double>(rows));
     }
   }
 }

@@ -75,11 +75,15 @@ class OctreeBuilder {
     m_cells.resize(m_shape.root_count());
     const auto nx = static_cast<std::size_t>(m_shape.roots[0]);
     const auto ny = static_cast<std::size_t>(m_shape.roots[1]);
-#pragma omp parallel for schedule(dynamic, 8) num_threads(m_threads)
-    for (std::size_t root = 0; root < m_cells.size(); ++root) {
-      const Vec3 index(number(root % nx), number(root / nx % ny), number(root / (nx * ny)));
-      const Vec3 centre_m = m_shape.lower_m + m_shape.root_edge_m * (index + Vec3::Constant(0.5));
-      m_cells[root] = m_maker.root(centre_m, 0.5 * m_shape.root_edge_m);
+#pragma omp parallel num_threads(m_threads)
+    {
+      SampleBlock block(m_surface);
+#pragma omp for schedule(dynamic, 8)
+      for (std::size_t root = 0; root < m_cells.size(); ++root) {
+        const Vec3 index(number(root % nx), number(root / nx % ny), number(root / (nx * ny)));
+        const Vec3 centre_m = m_shape.lower_m + m_shape.root_edge_m * (index + Vec3::Constant(0.5));
+        m_cells[root] = m_maker.root(centre_m, 0.5 * m_shape.root_edge_m, block);
+      }
     }
   }
 
@@ -120,9 +124,13 @@ class OctreeBuilder {
   std::vector<std::size_t> split_all(const std::vector<std::size_t>& work) {
     require_room_for(8 * work.size());
     std::vector<std::array<OctreeCell, 8>> children(work.size());
-#pragma omp parallel for schedule(dynamic, 4) num_threads(m_threads)
-    for (std::size_t w = 0; w < work.size(); ++w) {
-      children[w] = m_maker.split(m_cells[work[w]]);
+#pragma omp parallel num_threads(m_threads)
+    {
+      SampleBlock block(m_surface);
+#pragma omp for schedule(dynamic, 4)
+      for (std::size_t w = 0; w < work.size(); ++w) {
+        children[w] = m_maker.split(m_cells[work[w]], block);
+      }
     }
     std::vector<std::size_t> next;
     for (std::size_t w = 0; w < work.size(); ++w) {

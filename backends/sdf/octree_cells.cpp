@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "backends/sdf/packet_search.hpp"
-
 namespace musclebench {
 
 namespace {
@@ -41,76 +39,29 @@ Vec3 octant_centre(const OctreeCell& cell, std::size_t octant) {
   return cell.centre_m + cell.half_edge_m * sample_place(lattice_samples + octant);
 }
 
-/// A place that is known.
-struct KnownPlace {
-  Vec3 point = Vec3::Zero();
-  DistanceSample sample;
-};
-
-/// Places that lie close together, asked in one walk through the tree. A known place near them starts the search, and
-/// tells the side of all that are farther from the surface than from it.
-class Packet {
- public:
-  Packet(const SignedSurface& surface, const KnownPlace& known) : m_surface(surface), m_known(known) {}
-
-  /// Not more than PacketSearch::most_points.
-  void add(const Vec3& point, DistanceSample& answer) {
-    m_points[m_count] = point;
-    m_answers[m_count++] = &answer;
-  }
-  [[nodiscard]] bool full() const { return m_count == PacketSearch::most_points; }
-
-  void ask() {
-    if (m_count == 0) {
-      return;
-    }
-    std::array<ClosestPoint, PacketSearch::most_points> closest;
-    PacketSearch(m_surface.tree()).closest_points({m_points.data(), m_count}, m_known.sample.triangle, closest);
-    for (std::size_t n = 0; n < m_count; ++n) {
-      const double step = (m_points[n] - m_known.point).norm() * (1 + 1e-9);
-      const bool unsure = std::max(closest[n].distance_m, std::abs(m_known.sample.value_m)) <= step;
-      const bool inside = unsure ? m_surface.is_inside(m_points[n], closest[n]) : m_known.sample.value_m < 0;
-      *m_answers[n] = sample_of(m_surface, m_points[n], {closest[n], inside});
-    }
-    m_count = 0;
-  }
-
-  [[nodiscard]] static DistanceSample sample_of(const SignedSurface& surface, const Vec3& point,
-                                                const SignedPoint& place) {
-    const Vec3 gradient = surface.outward(point, place);
-    return {place.signed_distance_m(),
-            {static_cast<float>(gradient[0]), static_cast<float>(gradient[1]), static_cast<float>(gradient[2])},
-            place.closest.triangle};
-  }
-
- private:
-  const SignedSurface& m_surface;
-  const KnownPlace& m_known;
-  std::array<Vec3, PacketSearch::most_points> m_points;
-  std::array<DistanceSample*, PacketSearch::most_points> m_answers{};
-  std::size_t m_count = 0;
-};
+DistanceSample sample_of(const SignedSurface& surface, const Vec3& point, const SignedPoint& place) {
+  const Vec3 gradient = surface.outward(point, place);
+  return {place.signed_distance_m(),
+          {static_cast<float>(gradient[0]), static_cast<float>(gradient[1]), static_cast<float>(gradient[2])},
+          place.closest.triangle};
+}
 
 /// Asks for samples of a cell whose middle is known.
-void ask_samples(const SignedSurface& surface, OctreeCell& cell, std::size_t from, std::size_t to) {
-  const KnownPlace middle{cell.centre_m, cell.leaf->samples[lattice_samples / 2]};
-  Packet packet(surface, middle);
+void ask_samples(SampleBlock& block, OctreeCell& cell, std::size_t from, std::size_t to) {
+  block.start_packet({cell.centre_m, cell.leaf->samples[lattice_samples / 2]});
   for (std::size_t s = from; s < to; ++s) {
     if (cell.leaf->samples[s].triangle < 0) {
-      packet.add(cell.centre_m + cell.half_edge_m * sample_place(s), cell.leaf->samples[s]);
-    }
-    if (packet.full()) {
-      packet.ask();
+      block.add(cell.centre_m + cell.half_edge_m * sample_place(s), cell.leaf->samples[s]);
     }
   }
-  packet.ask();
+  block.ask();
 }
 
 /// The samples of eight sisters: on a grid that their lattices share, some of them known from the parent.
 class SisterSamples {
  public:
   /// The middles of the parent's octants are known, too.
-  SisterSamples(const OctreeCell& parent, const SignedSurface& surface) : m_parent(parent), m_surface(surface) {
+  explicit SisterSamples(const OctreeCell& parent) : m_parent(parent) {
     const CellSamples& known = parent.leaf->samples;
     for (std::size_t s = 0; s < lattice_samples; ++s) {
       m_grid[fine_place(2 * (s / 9), 2 * (s / 3 % 3), 2 * (s % 3))] = known[s];
@@ -122,14 +73,15 @@ class SisterSamples {
   }
 
   /// Asks what the children that are marked lack of the grid: two by two by two, from a place that is known.
-  void ask(const std::array<bool, 8>& wanted) {
+  void ask(const std::array<bool, 8>& wanted, SampleBlock& block) {
     for (std::size_t i = 0; i < fine; i += 2) {
       for (std::size_t j = 0; j < fine; j += 2) {
         for (std::size_t k = 0; k < fine; k += 2) {
-          ask_block({i, j, k}, wanted);
+          add_packet({i, j, k}, wanted, block);
         }
       }
     }
+    block.ask();
   }
 
   void collect(std::size_t octant, CellSamples& samples) const {
@@ -165,27 +117,62 @@ class SisterSamples {
     return m_parent.centre_m + m_parent.half_edge_m * (0.5 * index - Vec3::Ones());
   }
 
-  void ask_block(const Index& first, const std::array<bool, 8>& wanted) {
-    const KnownPlace known{point(first), m_grid[fine_place(first[0], first[1], first[2])]};
-    Packet packet(m_surface, known);
+  void add_packet(const Index& first, const std::array<bool, 8>& wanted, SampleBlock& block) {
+    bool started = false;
     for (std::size_t n = 1; n < 8; ++n) {
       const Index at{first[0] + (n & 1U), first[1] + (n >> 1 & 1U), first[2] + (n >> 2)};
-      if (std::max({at[0], at[1], at[2]}) < fine && is_wanted(at, wanted)) {
-        DistanceSample& sample = m_grid[fine_place(at[0], at[1], at[2])];
-        if (sample.triangle < 0) {
-          packet.add(point(at), sample);
+      if (std::max({at[0], at[1], at[2]}) >= fine || !is_wanted(at, wanted)) {
+        continue;
+      }
+      DistanceSample& sample = m_grid[fine_place(at[0], at[1], at[2])];
+      if (sample.triangle < 0) {
+        if (!started) {
+          block.start_packet({point(first), m_grid[fine_place(first[0], first[1], first[2])]});
+          started = true;
         }
+        block.add(point(at), sample);
       }
     }
-    packet.ask();
   }
 
   const OctreeCell& m_parent;
-  const SignedSurface& m_surface;
   std::array<DistanceSample, fine * fine * fine> m_grid;
 };
 
 }  // namespace
+
+void SampleBlock::start_packet(const KnownPlace& known) {
+  m_known[m_count] = known;
+  m_packets[m_count++].count = 0;
+}
+
+void SampleBlock::add(const Vec3& point, DistanceSample& answer) {
+  if (m_packets[m_count - 1].count == PointPacket::capacity) {
+    start_packet(m_known[m_count - 1]);
+  }
+  PointPacket& packet = m_packets[m_count - 1];
+  m_answers[m_count - 1][packet.count] = &answer;
+  packet.add(point);
+}
+
+void SampleBlock::ask() {
+  if (m_count == 0) {
+    return;
+  }
+  m_search.closest_points({m_packets.data(), m_count}, m_known[0].sample.triangle);
+  for (std::size_t p = 0; p < m_count; ++p) {
+    const KnownPlace& known = m_known[p];
+    for (std::size_t n = 0; n < m_packets[p].count; ++n) {
+      const Vec3& point = m_packets[p].point[n];
+      const ClosestPoint& closest = m_packets[p].closest[n];
+      const double step = (point - known.point).norm() * (1 + 1e-9);
+      const bool unsure = std::max(closest.distance_m, std::abs(known.sample.value_m)) <= step;
+      const bool inside = unsure ? m_surface.is_inside(point, closest) : known.sample.value_m < 0;
+      *m_answers[p][n] = sample_of(m_surface, point, {closest, inside});
+    }
+  }
+  m_count = 0;
+}
 
 double OctreeDemand::allowed_m(double distance_m) const {
   return wanted_m + relaxation * std::max(0.0, std::abs(distance_m) - near_m);
@@ -214,7 +201,7 @@ void OctreeCellMaker::measure(OctreeCell& cell) const {
   m_cubic.measure(cell.leaf->samples, cell.half_edge_m, cell.leaf->cubic);
 }
 
-void OctreeCellMaker::judge(OctreeCell& cell) const {
+void OctreeCellMaker::judge(OctreeCell& cell, SampleBlock& block) const {
   OctreeCell::Leaf& leaf = *cell.leaf;
   leaf.quadratic = m_quadratic.fit(leaf.samples, cell.half_edge_m);
   leaf.cubic = m_cubic.fit(leaf.samples, cell.half_edge_m);
@@ -229,7 +216,7 @@ void OctreeCellMaker::judge(OctreeCell& cell) const {
     sure = sure && leaf.quadratic.error_m[s] <= sure_share * allowed_m(s);
   }
   if (!sure) {
-    ask_samples(m_surface, cell, lattice_samples, cell_samples);
+    ask_samples(block, cell, lattice_samples, cell_samples);
     measure(cell);
   }
   const std::size_t known = known_samples(leaf.samples);
@@ -245,7 +232,7 @@ bool OctreeCellMaker::hides_features(const OctreeCell& cell) const {
   return std::abs(cell.distance_m) <= cell.reach_m() && 2 * cell.half_edge_m > coarsest_near * m_demand.near_m;
 }
 
-OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m) const {
+OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m, SampleBlock& block) const {
   OctreeCell cell;
   cell.centre_m = centre_m;
   cell.half_edge_m = half_edge_m;
@@ -253,17 +240,17 @@ OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m) const
   cell.distance_m = place.signed_distance_m();
   if (!outside(cell)) {
     cell.leaf = std::make_unique<OctreeCell::Leaf>();
-    cell.leaf->samples[lattice_samples / 2] = Packet::sample_of(m_surface, centre_m, place);
-    ask_samples(m_surface, cell, 0, lattice_samples);
-    judge(cell);
+    cell.leaf->samples[lattice_samples / 2] = sample_of(m_surface, centre_m, place);
+    ask_samples(block, cell, 0, lattice_samples);
+    judge(cell, block);
   }
   return cell;
 }
 
-std::array<OctreeCell, 8> OctreeCellMaker::split(OctreeCell& parent) const {
+std::array<OctreeCell, 8> OctreeCellMaker::split(OctreeCell& parent, SampleBlock& block) const {
   std::array<OctreeCell, 8> children;
   std::array<bool, 8> wanted{};
-  ask_samples(m_surface, parent, lattice_samples, cell_samples);
+  ask_samples(block, parent, lattice_samples, cell_samples);
   for (std::size_t octant = 0; octant < 8; ++octant) {
     OctreeCell& child = children[octant];
     child.centre_m = octant_centre(parent, octant);
@@ -271,13 +258,13 @@ std::array<OctreeCell, 8> OctreeCellMaker::split(OctreeCell& parent) const {
     child.distance_m = parent.leaf->samples[lattice_samples + octant].value_m;
     wanted[octant] = !outside(child);
   }
-  SisterSamples samples(parent, m_surface);
-  samples.ask(wanted);
+  SisterSamples samples(parent);
+  samples.ask(wanted, block);
   for (std::size_t octant = 0; octant < 8; ++octant) {
     if (wanted[octant]) {
       children[octant].leaf = std::make_unique<OctreeCell::Leaf>();
       samples.collect(octant, children[octant].leaf->samples);
-      judge(children[octant]);
+      judge(children[octant], block);
     }
   }
   return children;

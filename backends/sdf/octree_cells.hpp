@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "backends/sdf/octree_fit.hpp"
+#include "backends/sdf/packet_search.hpp"
 #include "core/geometry/signed_surface.hpp"
 
 namespace musclebench {
@@ -50,21 +51,52 @@ struct OctreeCell {
   }
 };
 
-/// Makes cells: asks the surface, fits, judges. Const and safe from several threads.
+/// A place that is known.
+struct KnownPlace {
+  Vec3 point = Vec3::Zero();
+  DistanceSample sample;
+};
+
+/// Places that lie close together, asked in one walk through the tree. Each packet of them is next to a known place,
+/// which tells the side of all that are farther from the surface than from it. One thread at a time; kept for the next
+/// places.
+class SampleBlock {
+ public:
+  explicit SampleBlock(const SignedSurface& surface) : m_surface(surface), m_search(surface.tree()) {}
+
+  void start_packet(const KnownPlace& known);
+  /// To the packet that was started last; to one more where that is full.
+  void add(const Vec3& point, DistanceSample& answer);
+  void ask();
+
+ private:
+  /// Of the samples that sisters share: two by two by two.
+  static constexpr std::size_t most_packets = 27;
+
+  const SignedSurface& m_surface;
+  PacketSearch m_search;
+  std::size_t m_count = 0;
+  std::array<PointPacket, most_packets> m_packets;
+  std::array<KnownPlace, most_packets> m_known;
+  std::array<std::array<DistanceSample*, PointPacket::capacity>, most_packets> m_answers{};
+};
+
+/// Makes cells: asks the surface, fits, judges. Const and safe from several threads, each with a SampleBlock of its
+/// own.
 class OctreeCellMaker {
  public:
   OctreeCellMaker(const SignedSurface& surface, const OctreeDemand& demand)
       : m_surface(surface), m_demand(demand), m_quadratic(quadratic_terms), m_cubic(cubic_terms) {}
 
-  [[nodiscard]] OctreeCell root(const Vec3& centre_m, double half_edge_m) const;
+  [[nodiscard]] OctreeCell root(const Vec3& centre_m, double half_edge_m, SampleBlock& block) const;
 
   /// The eight children of a leaf, x changing fastest. What the leaf was asked is not asked again.
-  [[nodiscard]] std::array<OctreeCell, 8> split(OctreeCell& parent) const;
+  [[nodiscard]] std::array<OctreeCell, 8> split(OctreeCell& parent, SampleBlock& block) const;
 
  private:
   [[nodiscard]] bool outside(const OctreeCell& cell) const;
   [[nodiscard]] bool hides_features(const OctreeCell& cell) const;
-  void judge(OctreeCell& cell) const;
+  void judge(OctreeCell& cell, SampleBlock& block) const;
   void measure(OctreeCell& cell) const;
 
   const SignedSurface& m_surface;

@@ -3,40 +3,107 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "core/geometry/triangle_tree_nodes.hpp"
 
 namespace musclebench {
 
-/// What the SIMD part of a PacketSearch works on; lengths are in the tree's own frame and unit.
-struct PacketTask {
-  static constexpr std::size_t most_points = 8;
-  static constexpr std::size_t capacity = 32;
+// What the SIMD part of a PacketSearch works on; lengths are in the tree's own frame and unit.
 
-  struct Point {
-    std::array<float, 3> at;
-    std::array<float, 3> from_middle;
-    float limit;            ///< no float distance of the closest triangle is larger
-    std::size_t count = 0;  ///< triangles whose distance was within the limit when they were found
-    std::array<float, capacity> squared;
-    std::array<std::int32_t, capacity> triangle;
-  };
+/// Beyond every limit.
+inline constexpr float packet_nowhere = 3e38F;
 
+struct TreeView {
   const TreeNode* nodes = nullptr;
   const TreeLeaf* leaves = nullptr;
-  std::array<float, 3> middle{};
-  float reach = 0;         ///< of the points from the middle
   float longest_side = 0;  ///< of a triangle
-  float slack = 0;         ///< as in TreeSearch
-  int first_leaf = 0;      ///< looked at before all others
-  std::size_t count = 0;
-  std::array<Point, most_points> points;
-
-  /// Called when a point's list is full: empties it and may lower its limit.
-  void (*decide)(PacketTask& task, std::size_t point) = nullptr;
+  float slack = 0;         ///< as in TreeSearch, for the farthest of the points
 };
 
-/// Lists, for every point, the triangles that may be its closest.
-void search_packet(PacketTask& task);
+/// A box about places, and an upper bound of their distances: the square of that to the closest triangle in floats is
+/// not more than most + slope * r + r^2, where r = place - middle.
+struct PlaceBox {
+  std::array<float, 3> middle{};
+  std::array<float, 3> half{};
+  std::array<float, 3> slope{};
+  float most = 0.25F * tree_nowhere * tree_nowhere;
+  std::int32_t nearest = -1;  ///< triangle that the bound is from: tree_width * leaf + place
+};
+
+/// Nodes or leaves, each with a lower bound of its squared distance, value + slope * r + r^2, where r is from the
+/// middle of the box that they were listed for. Beyond the last one stand some that are nowhere.
+struct BoundList {
+  static constexpr std::size_t padding = 16;
+
+  std::size_t count = 0;
+  std::vector<float> value;
+  std::array<std::vector<float>, 3> slope;
+  std::vector<std::int32_t> what;  ///< the number of the node or leaf
+
+  void make_room(std::size_t more);
+};
+
+/// Leaves with their turned boxes (see TreeNode), side by side. Beyond the last one stand some that are nowhere.
+struct LeafBoxes {
+  static constexpr std::size_t padding = BoundList::padding;
+
+  std::size_t count = 0;
+  std::array<std::array<std::vector<float>, 3>, 3> axis;
+  std::array<std::vector<float>, 3> lower;  ///< along these
+  std::array<std::vector<float>, 3> upper;
+  std::vector<std::int32_t> leaf;
+
+  void make_room(std::size_t more);
+};
+
+/// Points of one packet, and the leaves that were looked into for them.
+struct PacketPoints {
+  static constexpr std::size_t capacity = 8;
+
+  std::size_t count = 0;
+  alignas(64) std::array<TreeLanes, 3> at;
+
+  /// Squared distances of one point to the triangles of a leaf.
+  struct alignas(64) Look {
+    TreeLanes squared;
+    std::int32_t leaf = 0;
+    std::int32_t point = 0;
+  };
+  std::vector<Look> look;
+  std::vector<float> to_box;  ///< squared distances of each point to the boxes of all leaves
+
+  std::size_t next = 0;  ///< looks to come
+  std::vector<std::int32_t> next_leaf;
+  std::vector<std::int32_t> next_point;
+
+  void make_room(std::size_t leaves);
+};
+
+/// Points, by their number, with triangles that may be their closest.
+struct CandidatePairs {
+  std::size_t count = 0;
+  std::vector<std::int32_t> point;
+  std::vector<std::int32_t> triangle;
+
+  void make_room(std::size_t more);
+};
+
+/// Takes the upper bound that one triangle gives, which is no needle, where it is lower in the middle.
+void bound_by_triangle(const TreeView& tree, std::int32_t triangle, PlaceBox& box);
+
+/// Lists the nodes that may hold the closest triangle of a place of the box.
+void list_nodes(const TreeView& tree, const PlaceBox& box, BoundList& nodes);
+
+/// Lists the leaves that may hold the closest triangle of a place of `box`, and are children of nodes that were listed
+/// for `outer`, in which it lies; before that lowers its bound. `near` is for the nodes among them.
+void list_leaves(const TreeView& tree, const BoundList& nodes, const PlaceBox& outer, PlaceBox& box, BoundList& near,
+                 LeafBoxes& leaves);
+
+/// Of the leaves that were listed for `box`, adds the triangles that may be the closest of a point of the packet, which
+/// lies in it; its points are numbered from `first`.
+void list_pairs(const TreeView& tree, const LeafBoxes& leaves, const PlaceBox& box, PacketPoints& packet,
+                std::int32_t first, CandidatePairs& pairs);
 
 }  // namespace musclebench

@@ -4,113 +4,150 @@
 #include <cmath>
 #include <limits>
 
-#include "backends/sdf/packet_kernel.hpp"
-
 namespace musclebench {
 
 namespace {
 
-/// Its square is still a float.
-constexpr float widest_limit = 1e18F;
+constexpr std::size_t most_points = PacketSearch::bundle * PointPacket::capacity;
 
-/// A packet with what has been decided in double so far.
-struct DecidedPacket : PacketTask {
-  const TriangleTree* tree = nullptr;
-  double scale = 1;
-  std::span<const Vec3> exact_points;
-  std::array<ClosestOnTriangle, most_points> best;
-  std::array<int, most_points> best_triangle{};
+struct Corners {
+  Vec3 lower = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 upper = -lower;
 
-  void offer(std::size_t point, int index) {
-    const ClosestOnTriangle found = tree->closest_on(exact_points[point], index);
-    ClosestOnTriangle& known = best[point];
-    int& known_triangle = best_triangle[point];
-    if (found.squared_distance_m2 < known.squared_distance_m2 ||
-        (found.squared_distance_m2 == known.squared_distance_m2 && (known_triangle < 0 || index < known_triangle))) {
-      known = found;
-      known_triangle = index;
-    }
-  }
-
-  void decide_listed(std::size_t point) {
-    Point& asked = points[point];
-    const float squared_limit = asked.limit * asked.limit;
-    for (std::size_t i = 0; i < asked.count; ++i) {
-      if (asked.squared[i] <= squared_limit) {
-        offer(point, asked.triangle[i]);
-      }
-    }
-    asked.count = 0;
-  }
-
-  void narrow(std::size_t point) {
-    const double farthest = std::sqrt(best[point].squared_distance_m2) * scale + static_cast<double>(slack);
-    points[point].limit =
-        std::min(points[point].limit, static_cast<float>(std::min<double>(farthest * 1.000001, widest_limit)));
-  }
+  [[nodiscard]] bool is_empty() const { return !(lower.x() <= upper.x()); }
+  [[nodiscard]] Vec3 middle() const { return 0.5 * (lower + upper); }
 };
+
+Corners corners_of(std::span<const PointPacket> packets) {
+  Corners corners;
+  for (const PointPacket& packet : packets) {
+    for (std::size_t n = 0; n < packet.count; ++n) {
+      corners.lower = corners.lower.cwiseMin(packet.point[n]);
+      corners.upper = corners.upper.cwiseMax(packet.point[n]);
+    }
+  }
+  return corners;
+}
 
 }  // namespace
 
-void PacketSearch::closest_points(std::span<const Vec3> points, int seed, std::span<ClosestPoint> answers) const {
-  static_assert(most_points == PacketTask::most_points);
+std::array<float, 3> PacketSearch::to_own(const Vec3& point) const {
+  const Vec3 own = m_tree->m_scale * (point - m_tree->m_centre_m);
+  return {static_cast<float>(own.x()), static_cast<float>(own.y()), static_cast<float>(own.z())};
+}
+
+PlaceBox PacketSearch::box_about(const Vec3& lower, const Vec3& upper, float slack) const {
+  PlaceBox box;
+  box.middle = to_own(0.5 * (lower + upper));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    box.half[axis] = static_cast<float>(0.5 * m_tree->m_scale * (upper[a] - lower[a])) * 1.000001F + slack;
+  }
+  return box;
+}
+
+TreeView PacketSearch::view(const Vec3& lower, const Vec3& upper) const {
   constexpr double float_rounding = 0x1p-24;
   constexpr double double_rounding = 0x1p-53;
-  DecidedPacket packet;
-  packet.tree = m_tree;
-  packet.scale = m_tree->m_scale;
-  packet.exact_points = points;
-  packet.nodes = m_tree->m_nodes.data();
-  packet.leaves = m_tree->m_leaves.data();
-  packet.first_leaf = m_tree->m_leaf_of[static_cast<std::size_t>(seed)];
-  packet.longest_side = static_cast<float>(m_tree->m_longest_side);
-  packet.count = points.size();
-  packet.decide = [](PacketTask& self, std::size_t point) {
-    auto& full = static_cast<DecidedPacket&>(self);
-    full.decide_listed(point);
-    full.narrow(point);
-  };
-
-  // About the mean most points of a record are nearer than about the middle of its box.
-  Vec3 lower = points.front();
-  Vec3 upper = lower;
-  Vec3 middle = Vec3::Zero();
-  for (const Vec3& point : points) {
-    lower = lower.cwiseMin(point);
-    upper = upper.cwiseMax(point);
-    middle += point / static_cast<double>(points.size());
-  }
-  const auto own = [&](const Vec3& point) {
-    const Vec3 place = m_tree->m_scale * (point - m_tree->m_centre_m);
-    return std::array<float, 3>{static_cast<float>(place.x()), static_cast<float>(place.y()),
-                                static_cast<float>(place.z())};
-  };
-  packet.middle = own(middle);
-  packet.reach = static_cast<float>(m_tree->m_scale * (upper - lower).norm());
   // As TriangleTree has it, for the farthest of the points.
-  const double reach =
-      m_tree->m_scale *
-      (upper - m_tree->m_centre_m).cwiseAbs().cwiseMax((lower - m_tree->m_centre_m).cwiseAbs()).maxCoeff();
+  const Vec3 middle = m_tree->m_centre_m;
+  const double reach = m_tree->m_scale * (upper - middle).cwiseAbs().cwiseMax((lower - middle).cwiseAbs()).maxCoeff();
   const double coordinates =
       std::max(m_tree->m_reach, m_tree->m_scale * upper.cwiseAbs().cwiseMax(lower.cwiseAbs()).maxCoeff());
-  packet.slack = static_cast<float>(float_rounding * (49 * (1 + reach) + 17 * m_tree->m_longest_side) +
-                                    32 * double_rounding * coordinates);
-  for (std::size_t n = 0; n < points.size(); ++n) {
-    PacketTask::Point& point = packet.points[n];
-    point.at = own(points[n]);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      point.from_middle[axis] = point.at[axis] - packet.middle[axis];
-    }
-    point.limit = widest_limit;
-    packet.best[n].squared_distance_m2 = std::numeric_limits<double>::infinity();
-    packet.best_triangle[n] = -1;
-  }
+  const double slack =
+      float_rounding * (49 * (1 + reach) + 17 * m_tree->m_longest_side) + 32 * double_rounding * coordinates;
+  return {m_tree->m_nodes.data(), m_tree->m_leaves.data(), static_cast<float>(m_tree->m_longest_side),
+          static_cast<float>(slack)};
+}
 
-  search_packet(packet);
-  for (std::size_t n = 0; n < points.size(); ++n) {
-    packet.decide_listed(n);
-    const ClosestOnTriangle& best = packet.best[n];
-    answers[n] = {best.point, std::sqrt(best.squared_distance_m2), packet.best_triangle[n], best.feature};
+void PacketSearch::closest_points(std::span<PointPacket> packets, int seed) {
+  const Corners corners = corners_of(packets);
+  if (corners.is_empty()) {
+    return;
+  }
+  const TreeView tree = view(corners.lower, corners.upper);
+  PlaceBox block = box_about(corners.lower, corners.upper, tree.slack);
+  const int nearest = packets.size() > 1 ? m_tree->closest_point_from(corners.middle(), seed).triangle : seed;
+  for (const int triangle : {nearest, seed}) {
+    const int index = m_tree->m_leaf_of[static_cast<std::size_t>(triangle)];
+    const TreeLeaf& leaf = tree.leaves[index];
+    const auto place = static_cast<std::size_t>(std::find(leaf.triangle.begin(), leaf.triangle.end(), triangle) -
+                                                leaf.triangle.begin());
+    if ((leaf.needles >> place & 1U) == 0) {
+      bound_by_triangle(tree, static_cast<std::int32_t>(static_cast<std::size_t>(index) * tree_width + place), block);
+      break;
+    }
+  }
+  list_nodes(tree, block, m_nodes);
+  for (std::size_t first = 0; first < packets.size(); first += bundle) {
+    search_bundle(packets.subspan(first, std::min(bundle, packets.size() - first)), tree, block);
+  }
+}
+
+void PacketSearch::search_bundle(std::span<PointPacket> packets, const TreeView& tree, const PlaceBox& block) {
+  const Corners corners = corners_of(packets);
+  if (corners.is_empty()) {
+    return;
+  }
+  PlaceBox box = box_about(corners.lower, corners.upper, tree.slack);
+  list_leaves(tree, m_nodes, block, box, m_near, m_leaves);
+  m_pairs.count = 0;
+  for (std::size_t p = 0; p < packets.size(); ++p) {
+    const PointPacket& packet = packets[p];
+    if (packet.count == 0) {
+      continue;
+    }
+    m_points.count = packet.count;
+    for (std::size_t n = 0; n < PointPacket::capacity; ++n) {
+      const std::array<float, 3> own = to_own(packet.point[n < packet.count ? n : 0]);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        m_points.at[axis][n] = own[axis];
+      }
+    }
+    list_pairs(tree, m_leaves, box, m_points, static_cast<std::int32_t>(p * PointPacket::capacity), m_pairs);
+  }
+  decide(packets);
+}
+
+void PacketSearch::decide(std::span<PointPacket> packets) {
+  constexpr std::size_t width = ClosestOnTriangles::width;
+  if (m_pairs.count == 0) {
+    return;
+  }
+  std::array<Vec3, most_points> points;
+  for (std::size_t p = 0; p < packets.size(); ++p) {
+    std::copy_n(packets[p].point.begin(), packets[p].count,
+                points.begin() + static_cast<std::ptrdiff_t>(p * PointPacket::capacity));
+  }
+  const std::size_t rounded_up = (m_pairs.count + width - 1) / width * width;
+  m_pairs.make_room(rounded_up - m_pairs.count);
+  for (std::size_t pair = m_pairs.count; pair < rounded_up; ++pair) {
+    m_pairs.point[pair] = m_pairs.point[0];
+    m_pairs.triangle[pair] = m_pairs.triangle[0];
+  }
+  m_found.resize(std::max(m_found.size(), rounded_up / width));
+  closest_on_triangles(points.data(), m_tree->m_corners.data(), {m_pairs.point.data(), rounded_up},
+                       {m_pairs.triangle.data(), rounded_up}, m_found);
+  std::array<std::int32_t, most_points> best;
+  best.fill(-1);
+  std::array<double, most_points> squared;
+  squared.fill(std::numeric_limits<double>::infinity());
+  for (std::size_t pair = 0; pair < m_pairs.count; ++pair) {
+    const auto point = static_cast<std::size_t>(m_pairs.point[pair]);
+    const double here = m_found[pair / width].squared_distance_m2[pair % width];
+    if (here < squared[point] ||
+        (here == squared[point] && m_pairs.triangle[pair] < m_pairs.triangle[static_cast<std::size_t>(best[point])])) {
+      squared[point] = here;
+      best[point] = static_cast<std::int32_t>(pair);
+    }
+  }
+  for (std::size_t p = 0; p < packets.size(); ++p) {
+    for (std::size_t n = 0; n < packets[p].count; ++n) {
+      const auto pair = static_cast<std::size_t>(best[p * PointPacket::capacity + n]);
+      const ClosestOnTriangle closest = m_found[pair / width].at(pair % width);
+      packets[p].closest[n] = {closest.point, std::sqrt(closest.squared_distance_m2), m_pairs.triangle[pair],
+                               closest.feature};
+    }
   }
 }
 

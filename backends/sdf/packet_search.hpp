@@ -2,29 +2,59 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <span>
+#include <vector>
 
+#include "backends/sdf/packet_kernel.hpp"
+#include "core/geometry/closest_on_triangles.hpp"
 #include "core/geometry/triangle_tree.hpp"
 
 namespace musclebench {
 
-/// Finds the closest points of a few points that lie close together in one walk through a TriangleTree. The distance to
-/// a box or a triangle is convex, so that its slope at the packet's middle bounds it from below at every point of the
-/// packet: one look at a box answers for all of them, and the bound is the tighter the farther the box is. The floats
-/// only prune; `closest_on_triangle` decides. So the answers are those of TriangleTree::closest_point, to the bit.
+/// A few points that lie close together, and their closest points.
+struct PointPacket {
+  static constexpr std::size_t capacity = PacketPoints::capacity;
+
+  std::size_t count = 0;
+  std::array<Vec3, capacity> point;
+  std::array<ClosestPoint, capacity> closest;
+
+  void add(const Vec3& position) { point[count++] = position; }
+};
+
+/// Finds the closest points of many points that lie close together in one walk through a TriangleTree. The distance to
+/// a box or a triangle is convex, so that its slope in the middle of the points bounds it from below everywhere, and
+/// the distances to one triangle at the corners of their box bound it from above: one look answers for all of them,
+/// and the bounds are the tighter the farther the surface is. The walk lists leaves for all packets; from these, for
+/// each bundle of packets, triangles are listed; from these, for each packet, those that the points are asked about.
+///
+/// The floats only prune; `closest_on_triangle` decides. So the answers are those of TriangleTree::closest_point, to
+/// the bit. One thread at a time: lists are kept for the next search.
 class PacketSearch {
  public:
-  static constexpr std::size_t most_points = 8;
+  /// Packets that follow each other and should lie close together; some may be empty.
+  static constexpr std::size_t bundle = 8;
 
   explicit PacketSearch(const TriangleTree& tree) : m_tree(&tree) {}
 
-  /// Answers for up to `most_points` points, each within 1e12 times the mesh's size. `seed` is any triangle; the search
-  /// is fast where it is near. `answers` is as long as `points`.
-  void closest_points(std::span<const Vec3> points, int seed, std::span<ClosestPoint> answers) const;
+  /// Answers for all points, each within 1e12 times the mesh's size. `seed` is any triangle; the search is fast where
+  /// it is near.
+  void closest_points(std::span<PointPacket> packets, int seed);
 
  private:
+  void search_bundle(std::span<PointPacket> packets, const TreeView& tree, const PlaceBox& block);
+  void decide(std::span<PointPacket> packets);
+  [[nodiscard]] PlaceBox box_about(const Vec3& lower, const Vec3& upper, float slack) const;
+  [[nodiscard]] std::array<float, 3> to_own(const Vec3& point) const;
+  [[nodiscard]] TreeView view(const Vec3& lower, const Vec3& upper) const;
+
   const TriangleTree* m_tree;
+  BoundList m_nodes;
+  BoundList m_near;
+  LeafBoxes m_leaves;
+  PacketPoints m_points;
+  CandidatePairs m_pairs;
+  std::vector<ClosestOnTriangles> m_found;
 };
 
 }  // namespace musclebench

@@ -9,9 +9,6 @@ namespace musclebench {
 
 namespace {
 
-/// Sines of corner angles below this are rounding: the triangle is then a segment or a point.
-constexpr double flat_sine = 1e-13;
-
 Feature edge_feature(int edge) { return static_cast<Feature>(static_cast<int>(Feature::edge_0) + edge); }
 
 Feature corner_feature(int corner) { return static_cast<Feature>(static_cast<int>(Feature::corner_0) + corner % 3); }

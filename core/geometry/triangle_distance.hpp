@@ -13,6 +13,9 @@ struct ClosestOnTriangle {
   Feature feature = Feature::face;
 };
 
+/// Sines of corner angles below this are rounding: the triangle is then a segment or a point.
+inline constexpr double flat_sine = 1e-13;
+
 /// Closest point of the triangle a b c to `point`: the foot of the perpendicular where that lies in the triangle (its
 /// barycentric coordinates tell), else the closest point of the three edges. A degenerate triangle is answered as the
 /// segment or point that it is.

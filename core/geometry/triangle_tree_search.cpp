@@ -10,6 +10,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/geometry/triangle_tree_lanes-inl.hpp"
+
 // How far a float distance may be from the truth (u = 2^-24, R = 1 + largest coordinate of the point, E = longest side
 // of the mesh; the mesh fits in -1 .. 1, so that an arm from a triangle to the point is at most sqrt(3) R long):
 // - the point, the origin and their difference: sqrt(3) u (R - 1) + sqrt(3) u + sqrt(3) u R           <=  3.5 u R
@@ -25,38 +27,22 @@ HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 /// Each level of the deepest tree leaves up to 7 nodes, and what is written beyond the last one has room, too.
 constexpr int stack_capacity = 320;
-
-using Lanes = hn::CappedTag<float, tree_width>;
-using IntLanes = hn::RebindToSigned<Lanes>;
-using Vec = hn::Vec<Lanes>;
-
-/// The point, once in each lane.
-struct Splat {
-  explicit Splat(const std::array<float, 3>& point)
-      : x(hn::Set(Lanes(), point[0])), y(hn::Set(Lanes(), point[1])), z(hn::Set(Lanes(), point[2])) {}
-  Vec x, y, z;
-};
-
-HWY_INLINE Vec load(const TreeLanes& lanes, std::size_t first) { return hn::Load(Lanes(), lanes.data() + first); }
 
 HWY_INLINE Vec beyond(Vec p, const TreeLanes& lower, const TreeLanes& upper, std::size_t first) {
   const Vec out = hn::Max(hn::Sub(load(lower, first), p), hn::Sub(p, load(upper, first)));
   return hn::Max(out, hn::Zero(Lanes()));
 }
 
-HWY_INLINE Vec dot(const std::array<TreeLanes, 3>& axis, const Splat& p, std::size_t first) {
-  return hn::MulAdd(load(axis[2], first), p.z,
-                    hn::MulAdd(load(axis[1], first), p.y, hn::Mul(load(axis[0], first), p.x)));
+HWY_INLINE Vec dot(const std::array<TreeLanes, 3>& axis, const Vec3Lanes& p, std::size_t first) {
+  return dot(load(axis, first), p);
 }
 
 HWY_INLINE Vec squared_length(Vec x, Vec y, Vec z) { return hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x))); }
 
 /// Squared distances to what bounds the children.
-HWY_INLINE Vec squared_to_children(const TreeNode& node, const Splat& p, std::size_t first) {
+HWY_INLINE Vec squared_to_children(const TreeNode& node, const Vec3Lanes& p, std::size_t first) {
   const Vec to_box =
       squared_length(beyond(p.x, node.lower[0], node.upper[0], first), beyond(p.y, node.lower[1], node.upper[1], first),
                      beyond(p.z, node.lower[2], node.upper[2], first));
@@ -76,45 +62,8 @@ HWY_INLINE Vec squared_to_children(const TreeNode& node, const Splat& p, std::si
   return hn::Max(to_box, to_turned_box);
 }
 
-/// Squared distances to the triangles. The height cuts a triangle in two with a right angle each, and the half that the
-/// point is on holds the closest point, because both angles at the longest side are acute.
-HWY_INLINE Vec squared_to_triangles(const TreeLeaf& leaf, const Splat& p, std::size_t first) {
-  const Lanes d;
-  const Vec zero = hn::Zero(d);
-  const Vec arm_x = hn::Sub(p.x, load(leaf.origin[0], first));
-  const Vec arm_y = hn::Sub(p.y, load(leaf.origin[1], first));
-  const Vec arm_z = hn::Sub(p.z, load(leaf.origin[2], first));
-  const Vec ax = load(leaf.along[0], first);
-  const Vec ay = load(leaf.along[1], first);
-  const Vec az = load(leaf.along[2], first);
-  const Vec ux = load(leaf.up[0], first);
-  const Vec uy = load(leaf.up[1], first);
-  const Vec uz = load(leaf.up[2], first);
-  const Vec signed_x = hn::MulAdd(arm_z, az, hn::MulAdd(arm_y, ay, hn::Mul(arm_x, ax)));
-  const Vec y = hn::MulAdd(arm_z, uz, hn::MulAdd(arm_y, uy, hn::Mul(arm_x, ux)));
-  const Vec nx = hn::MulSub(ay, uz, hn::Mul(az, uy));
-  const Vec ny = hn::MulSub(az, ux, hn::Mul(ax, uz));
-  const Vec nz = hn::MulSub(ax, uy, hn::Mul(ay, ux));
-  const Vec z = hn::MulAdd(arm_z, nz, hn::MulAdd(arm_y, ny, hn::Mul(arm_x, nx)));
-
-  const Vec width = hn::IfThenElse(hn::Lt(signed_x, zero), load(leaf.before, first), load(leaf.after, first));
-  const Vec height = load(leaf.height, first);
-  const Vec over = hn::Sub(hn::Abs(signed_x), width);  // beyond the end of the longest side
-  // The slanted side runs from (width, 0) to (0, height).
-  const Vec squared_side = hn::MulAdd(width, width, hn::Mul(height, height));
-  const Vec along = hn::NegMulAdd(over, width, hn::Mul(y, height));
-  const Vec share = hn::Min(hn::Max(hn::Div(along, hn::Max(squared_side, hn::Set(d, 1e-37F))), zero), hn::Set(d, 1.0F));
-  const Vec side_x = hn::MulAdd(share, width, over);
-  const Vec side_y = hn::NegMulAdd(share, height, y);
-  const Vec to_side = hn::MulAdd(side_x, side_x, hn::Mul(side_y, side_y));
-  // Elsewhere the rectangle about the half bounds the distance, which is 0 in the half itself: a needle's slanted side
-  // is so close to its longest one that rounding may put a point far beyond its tip on the inner side.
-  const Vec rest_x = hn::Max(over, zero);
-  const Vec rest_y = hn::IfThenElse(hn::Lt(y, zero), y, hn::Max(hn::Sub(y, height), zero));
-  const Vec to_rectangle = hn::MulAdd(rest_x, rest_x, hn::Mul(rest_y, rest_y));
-  const Vec outward = hn::MulAdd(over, height, hn::Mul(y, width));
-  const auto at_side = hn::And(hn::Gt(y, zero), hn::Gt(outward, zero));
-  return hn::MulAdd(z, z, hn::IfThenElse(at_side, to_side, to_rectangle));
+HWY_INLINE Vec squared_to_triangles(const TreeLeaf& leaf, const Vec3Lanes& p, std::size_t first) {
+  return arms_to(TriangleLanes::of(leaf, first), p).squared_length();
 }
 
 /// Square of a distance that the closest triangle does not exceed in floats, given that of another triangle.
@@ -155,7 +104,7 @@ HWY_INLINE float least_squared(const TreeLeaf& leaf, const Splat& p) {
 }
 
 /// Lists the triangles of a leaf that may be the closest and lowers the limit.
-HWY_INLINE void collect(const TreeLeaf& leaf, const Splat& p, TreeSearch& search) {
+HWY_INLINE void collect(const TreeLeaf& leaf, const Vec3Lanes& p, TreeSearch& search) {
   const Lanes d;
   alignas(64) float squared[tree_width];
   Vec least = hn::Set(d, std::numeric_limits<float>::max());
@@ -193,7 +142,7 @@ HWY_INLINE void collect(const TreeLeaf& leaf, const Splat& p, TreeSearch& search
 /// nearest one is next, without a way through memory; the others wait on the stack in any order, since sorting them
 /// costs more than it saves.
 template <typename Look>
-HWY_INLINE void walk(const TreeSearch& search, const Splat& p, const float& limit, Look&& look) {
+HWY_INLINE void walk(const TreeSearch& search, const Vec3Lanes& p, const float& limit, Look&& look) {
   const Lanes d;
   const IntLanes di;
   HWY_ALIGN float squared[tree_width];
@@ -244,7 +193,7 @@ HWY_INLINE void walk(const TreeSearch& search, const Splat& p, const float& limi
 }
 
 void closest(TreeSearch& search) {
-  const Splat p(search.point);
+  const Vec3Lanes p = splat(search.point);
   const int first_leaf = search.first_leaf;
   if (first_leaf >= 0) {
     collect(search.leaves[first_leaf], p, search);
@@ -257,7 +206,7 @@ void closest(TreeSearch& search) {
 }
 
 float leaves_within(const TreeSearch& search, NearLeaves& list) {
-  const Splat p(search.point);
+  const Vec3Lanes p = splat(search.point);
   float others = search.limit;
   list.count = 0;
   walk(search, p, search.limit, [&](std::int32_t index) HWY_ATTR {
@@ -305,7 +254,7 @@ DistanceBound bound(const TreeSearch& search, float share) {
 }
 
 void in_listed_leaves(TreeSearch& search, const NearLeaves& list, float moved) {
-  const Splat p(search.point);
+  const Vec3Lanes p = splat(search.point);
   for (std::size_t i = 0; i < list.count; ++i) {
     const float least = list.distance[i] - moved;
     if (least > 0 && least * least > search.limit) {

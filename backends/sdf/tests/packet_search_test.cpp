@@ -1,10 +1,12 @@
 #include "backends/sdf/packet_search.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include "core/geometry/read_mesh.hpp"
 #include "core/geometry/repair_mesh.hpp"
@@ -14,8 +16,8 @@
 namespace musclebench {
 namespace {
 
-/// Packets of all sizes and distances: all of them answered as one by one, to the bit.
-void expect_answers_of_single_queries(const TriangleMesh& mesh, int packets) {
+/// Blocks of packets of all sizes and distances, some of them empty: all points are answered as one by one, to the bit.
+void expect_answers_of_single_queries(const TriangleMesh& mesh, int blocks) {
   const TriangleTree tree(mesh);
   Vec3 lower = mesh.vertices.front();
   Vec3 upper = lower;
@@ -30,34 +32,52 @@ void expect_answers_of_single_queries(const TriangleMesh& mesh, int packets) {
   std::uniform_int_distribution<int> triangles(0, static_cast<int>(mesh.triangles.size()) - 1);
   const auto noise = [&] { return Vec3(unit(generator) - 0.5, unit(generator) - 0.5, unit(generator) - 0.5); };
   int seed = 0;
-  for (int packet = 0; packet < packets; ++packet) {
+  PacketSearch search(tree);
+  for (int block = 0; block < blocks; ++block) {
     const double away = size * std::pow(10.0, -5 * unit(generator));
-    const double width = packet % 5 == 0 ? 0 : size * std::pow(10.0, -4 * unit(generator) - 0.5);
-    const Vec3 middle = mesh.vertices[vertices(generator)] + (packet % 3 == 0 ? Vec3(Vec3::Zero()) : away * noise());
-    std::vector<Vec3> points;
-    for (std::size_t n = 0; n < 1 + static_cast<std::size_t>(packet) % PacketSearch::most_points; ++n) {
-      points.push_back(middle + width * noise());
+    const double width = block % 5 == 0 ? 0 : size * std::pow(10.0, -4 * unit(generator) - 0.5);
+    const Vec3 middle = mesh.vertices[vertices(generator)] + (block % 3 == 0 ? Vec3(Vec3::Zero()) : away * noise());
+    std::vector<PointPacket> packets(block % 2 == 0 ? 1 : 1 + static_cast<std::size_t>(block) % 19);
+    for (std::size_t p = 0; p < packets.size(); ++p) {
+      const Vec3 own_middle = middle + width * noise();
+      for (std::size_t n = 0; n < (static_cast<std::size_t>(block) + 5 * p) % (PointPacket::capacity + 1); ++n) {
+        packets[p].add(own_middle + 0.3 * width * noise());
+      }
     }
-    std::vector<ClosestPoint> answers(points.size());
-    PacketSearch(tree).closest_points(points, packet % 4 == 0 ? triangles(generator) : seed, answers);
-    for (std::size_t n = 0; n < points.size(); ++n) {
-      const ClosestPoint expected = tree.closest_point(points[n]).value();
-      ASSERT_EQ(answers[n].distance_m, expected.distance_m) << packet;
-      ASSERT_EQ(answers[n].triangle, expected.triangle) << packet;
-      ASSERT_EQ(answers[n].point, expected.point);
-      ASSERT_EQ(answers[n].feature, expected.feature);
-      seed = answers[n].triangle;
+    search.closest_points(packets, block % 4 == 0 ? triangles(generator) : seed);
+    for (const PointPacket& packet : packets) {
+      for (std::size_t n = 0; n < packet.count; ++n) {
+        const ClosestPoint expected = tree.closest_point(packet.point[n]).value();
+        ASSERT_EQ(packet.closest[n].distance_m, expected.distance_m) << block;
+        ASSERT_EQ(packet.closest[n].triangle, expected.triangle) << block;
+        ASSERT_EQ(packet.closest[n].point, expected.point);
+        ASSERT_EQ(packet.closest[n].feature, expected.feature);
+        seed = packet.closest[n].triangle;
+      }
     }
   }
 }
 
-TEST(PacketSearch, IsThatOfSingleQueriesOnShapes) {
-  expect_answers_of_single_queries(make_sphere(0.1, 4), 4000);
-  expect_answers_of_single_queries(make_box({0.5, 0.2, 0.001}, 7), 4000);
-  expect_answers_of_single_queries(make_capsule(0.01, 1, 32), 4000);
+class PacketSearchWithEachTarget : public testing::Test {
+ protected:
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+
+  static void expect_on_each_target(const TriangleMesh& mesh, int blocks) {
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      SCOPED_TRACE(hwy::TargetName(target));
+      hwy::SetSupportedTargetsForTest(target);
+      expect_answers_of_single_queries(mesh, blocks);
+    }
+  }
+};
+
+TEST_F(PacketSearchWithEachTarget, IsThatOfSingleQueriesOnShapes) {
+  expect_on_each_target(make_sphere(0.1, 4), 1000);
+  expect_on_each_target(make_box({0.5, 0.2, 0.001}, 7), 1000);
+  expect_on_each_target(make_capsule(0.01, 1, 32), 1000);
 }
 
-TEST(PacketSearch, IsThatOfSingleQueriesOnNeedlesAndFarFromTheOrigin) {
+TEST_F(PacketSearchWithEachTarget, IsThatOfSingleQueriesOnNeedlesAndFarFromTheOrigin) {
   std::mt19937 generator(5);
   std::normal_distribution<double> normal(0, 1);
   TriangleMesh soup;
@@ -71,15 +91,15 @@ TEST(PacketSearch, IsThatOfSingleQueriesOnNeedlesAndFarFromTheOrigin) {
     }
     soup.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
   }
-  expect_answers_of_single_queries(soup, 6000);
+  expect_on_each_target(soup, 1500);
 }
 
-TEST(PacketSearch, IsThatOfSingleQueriesOnThePelvis) {
+TEST_F(PacketSearchWithEachTarget, IsThatOfSingleQueriesOnThePelvis) {
   const auto folder = lhdl_folder();
   if (!folder) {
     GTEST_SKIP() << "the LHDL data are not here (set MUSCLEBENCH_DATA)";
   }
-  expect_answers_of_single_queries(repair_mesh(read_mesh(*folder / "meshes/pelvis.ply"), "pelvis").mesh, 10000);
+  expect_on_each_target(repair_mesh(read_mesh(*folder / "meshes/pelvis.ply"), "pelvis").mesh, 1500);
 }
 
 }  // namespace
