@@ -77,10 +77,7 @@ HWY_INLINE unsigned within(const float* HWY_RESTRICT squared, float limit) {
   const Lanes d;
   unsigned bits = 0;
   for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-    const auto mask = hn::Le(hn::Load(d, squared + first), hn::Set(d, limit));
-    std::uint8_t part[8] = {};
-    hn::StoreMaskBits(d, mask, part);
-    bits |= (part[0] & ((1U << hn::Lanes(d)) - 1U)) << first;
+    bits |= bits_of(d, hn::Le(hn::Load(d, squared + first), hn::Set(d, limit)), first);
   }
   return bits;
 }
@@ -94,7 +91,7 @@ HWY_INLINE void prefetch(const void* what) {
   }
 }
 
-HWY_INLINE float least_squared(const TreeLeaf& leaf, const Splat& p) {
+HWY_INLINE float least_squared(const TreeLeaf& leaf, const Vec3Lanes& p) {
   const Lanes d;
   Vec least = hn::Set(d, std::numeric_limits<float>::max());
   for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
@@ -232,7 +229,7 @@ float leaves_within(const TreeSearch& search, NearLeaves& list) {
 }
 
 DistanceBound bound(const TreeSearch& search, float share) {
-  const Splat p(search.point);
+  const Vec3Lanes p = splat(search.point);
   std::int32_t nearest = search.first_leaf;
   float least = least_squared(search.leaves[nearest], p);
   float limit = share * least;
