@@ -136,7 +136,9 @@ class NodeWalk {
 
   [[nodiscard]] bool is_inside(const Vec3& point, const ClosestPoint& closest) const {
     const double step = (point - m_last.point).norm() * (1 + 1e-9);
-    const bool sure = m_last.closest.triangle >= 0 && std::max(closest.distance_m, m_last.closest.distance_m) > step;
+    // Across a hole the side changes without a surface.
+    const bool sure = m_surface.closed() && m_last.closest.triangle >= 0 &&
+                      std::max(closest.distance_m, m_last.closest.distance_m) > step;
     return sure ? m_last.inside : m_surface.is_inside(point, closest);
   }
 

@@ -166,7 +166,7 @@ void SampleBlock::ask() {
       const Vec3& point = m_packets[p].point[n];
       const ClosestPoint& closest = m_packets[p].closest[n];
       const double step = (point - known.point).norm() * (1 + 1e-9);
-      const bool unsure = std::max(closest.distance_m, std::abs(known.sample.value_m)) <= step;
+      const bool unsure = !m_surface.closed() || std::max(closest.distance_m, std::abs(known.sample.value_m)) <= step;
       const bool inside = unsure ? m_surface.is_inside(point, closest) : known.sample.value_m < 0;
       *m_answers[p][n] = sample_of(m_surface, point, {closest, inside});
     }

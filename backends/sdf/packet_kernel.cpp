@@ -32,8 +32,8 @@ using WideVec = hn::Vec<Wide>;
 // distances, over a box as large as one likes. A box is the sum of its axes, each of which has its own E and R, which
 // is less by w: beyond that, q stays the closest.
 //
-// Rounding: the slack bounds how far a float distance is off (triangle_tree_search.cpp); w and q are within 4 of it, and
-// of k only what is within the box counts.
+// Rounding: the slack bounds how far a float distance is off (triangle_tree_search.cpp); w and q are within 4 of it,
+// and of k only what is within the box counts.
 
 /// From below: squared distance - r^2 >= value + slope * r.
 struct Bound {
@@ -201,7 +201,6 @@ HWY_INLINE void lower_bound_by(const TreeView& tree, std::int32_t number, PlaceB
   if (most < box.most) {
     box.most = most;
     box.slope = {2 * hn::GetLane(way.x), 2 * hn::GetLane(way.y), 2 * hn::GetLane(way.z)};
-    box.nearest = number;
   }
 }
 
@@ -237,7 +236,6 @@ void bound_as(const PlaceBox& box, const std::array<float, 3>& way, const TreeVi
     sizes += std::abs(box.slope[axis]) + std::abs(way[axis]);
   }
   part.most += tree.slack * (sizes + tree.slack);
-  part.nearest = -1;
 }
 
 /// Those of a list that are near a box whose middle is `way` from the list's, with bounds about that.
@@ -623,9 +621,9 @@ void list_leaves(const TreeView& tree, const BoundList& nodes, const PlaceBox& o
   HWY_DYNAMIC_DISPATCH(leaves_of)(tree, nodes, outer, box, near, leaves);
 }
 
-void list_pairs(const TreeView& tree, const LeafBoxes& leaves, const PlaceBox& outer, PacketPoints& packet,
+void list_pairs(const TreeView& tree, const LeafBoxes& leaves, const PlaceBox& box, PacketPoints& packet,
                 std::int32_t first, CandidatePairs& pairs) {
-  HWY_DYNAMIC_DISPATCH(pairs_of)(tree, leaves, outer, packet, first, pairs);
+  HWY_DYNAMIC_DISPATCH(pairs_of)(tree, leaves, box, packet, first, pairs);
 }
 
 }  // namespace musclebench

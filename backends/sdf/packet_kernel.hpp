@@ -29,7 +29,6 @@ struct PlaceBox {
   std::array<float, 3> half{};
   std::array<float, 3> slope{};
   float most = 0.25F * tree_nowhere * tree_nowhere;
-  std::int32_t nearest = -1;  ///< triangle that the bound is from: tree_width * leaf + place
 };
 
 /// Nodes or leaves, each with a lower bound of its squared distance, value + slope * r + r^2, where r is from the

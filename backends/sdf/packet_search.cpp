@@ -1,6 +1,7 @@
 #include "backends/sdf/packet_search.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -47,17 +48,11 @@ PlaceBox PacketSearch::box_about(const Vec3& lower, const Vec3& upper, float sla
 }
 
 TreeView PacketSearch::view(const Vec3& lower, const Vec3& upper) const {
-  constexpr double float_rounding = 0x1p-24;
-  constexpr double double_rounding = 0x1p-53;
-  // As TriangleTree has it, for the farthest of the points.
   const Vec3 middle = m_tree->m_centre_m;
   const double reach = m_tree->m_scale * (upper - middle).cwiseAbs().cwiseMax((lower - middle).cwiseAbs()).maxCoeff();
-  const double coordinates =
-      std::max(m_tree->m_reach, m_tree->m_scale * upper.cwiseAbs().cwiseMax(lower.cwiseAbs()).maxCoeff());
-  const double slack =
-      float_rounding * (49 * (1 + reach) + 17 * m_tree->m_longest_side) + 32 * double_rounding * coordinates;
+  const double coordinate = m_tree->m_scale * upper.cwiseAbs().cwiseMax(lower.cwiseAbs()).maxCoeff();
   return {m_tree->m_nodes.data(), m_tree->m_leaves.data(), static_cast<float>(m_tree->m_longest_side),
-          static_cast<float>(slack)};
+          m_tree->slack_for(reach, coordinate)};
 }
 
 void PacketSearch::closest_points(std::span<PointPacket> packets, int seed) {
@@ -111,9 +106,7 @@ void PacketSearch::search_bundle(std::span<PointPacket> packets, const TreeView&
 
 void PacketSearch::decide(std::span<PointPacket> packets) {
   constexpr std::size_t width = ClosestOnTriangles::width;
-  if (m_pairs.count == 0) {
-    return;
-  }
+  assert(m_pairs.count > 0);
   std::array<Vec3, most_points> points;
   for (std::size_t p = 0; p < packets.size(); ++p) {
     std::copy_n(packets[p].point.begin(), packets[p].count,
@@ -143,6 +136,7 @@ void PacketSearch::decide(std::span<PointPacket> packets) {
   }
   for (std::size_t p = 0; p < packets.size(); ++p) {
     for (std::size_t n = 0; n < packets[p].count; ++n) {
+      assert(best[p * PointPacket::capacity + n] >= 0);
       const auto pair = static_cast<std::size_t>(best[p * PointPacket::capacity + n]);
       const ClosestOnTriangle closest = m_found[pair / width].at(pair % width);
       packets[p].closest[n] = {closest.point, std::sqrt(closest.squared_distance_m2), m_pairs.triangle[pair],

@@ -22,11 +22,10 @@ struct PointPacket {
   void add(const Vec3& position) { point[count++] = position; }
 };
 
-/// Finds the closest points of many points that lie close together in one walk through a TriangleTree. The distance to
-/// a box or a triangle is convex, so that its slope in the middle of the points bounds it from below everywhere, and
-/// the distances to one triangle at the corners of their box bound it from above: one look answers for all of them,
-/// and the bounds are the tighter the farther the surface is. The walk lists leaves for all packets; from these, for
-/// each bundle of packets, triangles are listed; from these, for each packet, those that the points are asked about.
+/// Finds the closest points of many points that lie close together in one walk through a TriangleTree: bounds of a
+/// squared distance that are linear in the place (packet_kernel.cpp derives them) answer for all points of a box, and
+/// are the tighter the farther the surface is. The walk lists leaves for all packets; from these, for each bundle of
+/// packets, triangles are listed; from these, for each packet, those that the points are asked about.
 ///
 /// The floats only prune; `closest_on_triangle` decides. So the answers are those of TriangleTree::closest_point, to
 /// the bit. One thread at a time: lists are kept for the next search.

@@ -182,7 +182,7 @@ class SdfBackend final : public CollisionBackend {
       return;
     }
     m_found.resize(std::max(m_found.size(), m_shares.size()));
-    // A thread gets the same shares in every step: their cells are in its cache.
+    // Without budgets a thread gets the same shares in every step, whose cells are in its cache.
 #pragma omp parallel for schedule(static, 1) num_threads(threads())
     for (std::size_t n = 0; n < m_shares.size(); ++n) {
       m_found[n].clear();
@@ -273,7 +273,8 @@ class SdfBackend final : public CollisionBackend {
     }
   }
 
-  /// A node outside the field, or in a cell that it does not know.
+  /// A node outside the field, or in a cell that it does not know. At the border of a cell the place may be rounded
+  /// into the next one, by less than a budget's own slack.
   void grant_far(int bone, int node, const CellMap& map, std::span<const Vec3> positions) {
     const CubicField& field = this->field(bone);
     const Vec3 cells = map.apply(positions[static_cast<std::size_t>(node)]);

@@ -328,7 +328,7 @@ TriangleMesh overlapping_balls() {
 /// A muscle that slides, turns and shakes past two bones, with a jump in the middle; between the steps a response asks
 /// about some nodes elsewhere.
 void expect_that_budgets_change_no_bit(const BackendEntry& entry, const std::vector<Bone>& bones, const Vec3& start,
-                                       const Vec3& slide) {
+                                       const Vec3& slide, const Vec3& bones_at = Vec3::Zero()) {
   std::map<std::string, ParameterValue> common;
   if (has_parameter(entry, "query")) {
     common["query"] = std::string("node_distance");  // the budgets are for nodes
@@ -353,9 +353,10 @@ void expect_that_budgets_change_no_bit(const BackendEntry& entry, const std::vec
   std::size_t met = 0;
   for (int step = 0; step < 20; ++step) {
     const double turn = 0.01 * step + (step > 16 ? 0.8 : 0);
+    const RigidMotion to_origin{Mat3::Identity(), -bones_at};
     const std::vector<RigidMotion> poses = {
-        RigidMotion::about_axis(Vec3(1, 2, -0.5).normalized(), Vec3(0.01, 0, 0), turn),
-        RigidMotion::about_axis(Vec3::UnitZ(), Vec3(0, 0.02, 0), -turn)};
+        RigidMotion::about_axis(Vec3(1, 2, -0.5).normalized(), Vec3(0.01, 0, 0), turn) * to_origin,
+        RigidMotion::about_axis(Vec3::UnitZ(), Vec3(0, 0.02, 0), -turn) * to_origin};
     std::vector<Vec3> positions = moved(mesh.vertices, {Mat3::Identity(), start + step * slide});
     for (Vec3& position : positions) {
       position += Vec3(shake(random), shake(random), shake(random));
@@ -370,12 +371,26 @@ void expect_that_budgets_change_no_bit(const BackendEntry& entry, const std::vec
     const std::vector<Contact> expected = Contract::ask(*plain, poses, positions, all_nodes(mesh));
     std::vector<Contact> expected_of_some;
     plain->detect(elsewhere, some, expected_of_some);
+    std::vector<Vec3> pushed = positions;
+    std::vector<int> in_contact;
+    for (const Contact& contact : expected) {
+      pushed[static_cast<std::size_t>(contact.node)] += contact.depth_m * contact.normal;
+      in_contact.push_back(contact.node);
+    }
+    std::sort(in_contact.begin(), in_contact.end());
+    in_contact.erase(std::unique(in_contact.begin(), in_contact.end()), in_contact.end());
+    std::vector<Contact> expected_of_pushed;
+    plain->detect(pushed, in_contact, expected_of_pushed);
     met += expected.size();
     for (const auto& backend : with) {
       expect_same_bits(Contract::ask(*backend, poses, positions, all_nodes(mesh)), expected);
       std::vector<Contact> of_some;
       backend->detect(elsewhere, some, of_some);
       expect_same_bits(of_some, expected_of_some);
+      // Where a response puts them, and from there the next step begins.
+      std::vector<Contact> of_pushed;
+      backend->detect(pushed, in_contact, of_pushed);
+      expect_same_bits(of_pushed, expected_of_pushed);
     }
   }
   EXPECT_GT(met, 500U);
@@ -416,6 +431,15 @@ TEST_P(Contract, MotionBudgetsChangeNoBitOfAMotion) {
                                     {-3e-4, 0, 6e-4});
   expect_that_budgets_change_no_bit(entry, {bone(ball_with_a_hole()), bone(overlapping_balls())},
                                     {0.027, -0.006, 0.004}, {-1.1e-3, 0, 0});
+  // As scans have it: far from the rest frame's origin, where a place has fewer digits than a touching distance.
+  std::vector<Bone> far = {bone(shapes[0].mesh), bone(shapes[1].mesh)};
+  const Vec3 away(1e4, -2e4, 3e4);
+  for (Bone& bone_there : far) {
+    for (Vec3& vertex : bone_there.surface.mesh.vertices) {
+      vertex += away;
+    }
+  }
+  expect_that_budgets_change_no_bit(entry, far, Vec3::Zero(), {-3e-4, 0, 6e-4}, away);
 }
 
 std::vector<std::string> backend_names() {

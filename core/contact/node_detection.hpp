@@ -160,13 +160,18 @@ class NodeDetection {
     if (asked.outside) {
       return;
     }
+    const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
     const Memory& memory = memory_of(bone, asked.node);
-    const double touching_m = 0.5 * m_surfaces[static_cast<std::size_t>(bone)].touching_m();
-    asked.outside = (asked.point - memory.way_out).squaredNorm() < touching_m * touching_m;
-    if (!asked.outside) {
-      asked.gap_m = m_budgets.gap_m(bone, asked.node, asked.point);
-      asked.listed = memory.near.count > 0;
+    const double touching_m = surface.touching_m();
+    // By the triangle itself, whose distance a search would find, too.
+    if (memory.triangle >= 0 && (asked.point - memory.way_out).squaredNorm() < touching_m * touching_m &&
+        surface.distance_m(asked.point, memory.triangle) <= touching_m) {
+      asked.outside = true;
+      return;
     }
+    asked.gap_m = m_budgets.gap_m(bone, asked.node, asked.point);
+    asked.outside = asked.gap_m < 0;  // the sweep is coarser
+    asked.listed = !asked.outside && memory.near.count > 0;
   }
 
   /// Whether the node is in contact. The normal of the contact is left in the rest frame.
@@ -261,7 +266,9 @@ class NodeDetection {
     }
     if (asked.gap_m < unknown) {
       const Clearance clearance = surface.clearance_from(point, std::max(memory.triangle, 0));
-      memory.triangle = clearance.triangle;
+      if (clearance.distance_m > 0) {
+        memory.triangle = clearance.triangle;
+      }
       if (clearance.distance_m > asked.gap_m) {
         answer.free_m = clearance.distance_m;
         return answer;

@@ -58,9 +58,14 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
   }
 }
 
+float TriangleTree::slack_for(double reach, double coordinate) const {
+  return static_cast<float>(float_rounding * (49 * (1 + reach) + 17 * m_longest_side) +
+                            32 * double_rounding * std::max(m_reach, coordinate));
+}
+
 void TriangleTree::prepare(const Vec3& point, Search& search) const {
   search.count = 0;
-  search.least = tree_nowhere;
+  search.least = tree_nowhere * tree_nowhere;
   search.first_leaf = -1;
   search.best_triangle = -1;
   search.nodes = m_nodes.data();
@@ -72,9 +77,7 @@ void TriangleTree::prepare(const Vec3& point, Search& search) const {
   search.limit = widest_limit;
   const Vec3 own = m_scale * (point - m_centre_m);
   const double reach = own.cwiseAbs().maxCoeff();
-  const double coordinates = std::max(m_reach, m_scale * point.cwiseAbs().maxCoeff());
-  search.slack = static_cast<float>(float_rounding * (49 * (1 + reach) + 17 * m_longest_side) +
-                                    32 * double_rounding * coordinates);
+  search.slack = slack_for(reach, m_scale * point.cwiseAbs().maxCoeff());
   search.point = {static_cast<float>(own.x()), static_cast<float>(own.y()), static_cast<float>(own.z())};
   search.decide = [](TreeSearch& self) {
     auto& full = static_cast<Search&>(self);

@@ -62,8 +62,9 @@ class TriangleTree {
   /// `triangle` is any triangle of the mesh; the answer is that of `closest_point`, to the bit.
   [[nodiscard]] ClosestPoint closest_point_from(const Vec3& point, int triangle) const;
 
-  /// At least 0.9 of the distance to the closest triangle, for much less than `closest_point_from`; `triangle` is any
-  /// of the mesh, best one that was near the point before. 0 for a point beyond `list_leaves`' reach.
+  /// At least 0.9 of the distance to the closest triangle, less what floats may be off by, for much less than
+  /// `closest_point_from`; `triangle` is any of the mesh, best one that was near the point before. 0 for a point beyond
+  /// the reach of `list_leaves`.
   [[nodiscard]] Clearance clearance_from(const Vec3& point, int triangle) const;
 
   /// The closest point of one triangle.
@@ -109,6 +110,9 @@ class TriangleTree {
   friend class TriangleTreeBuilder;
   friend class PacketSearch;
 
+  /// TreeSearch::slack for points up to `reach` from the middle and up to `coordinate` in the mesh's frame, along an
+  /// axis, in the own unit.
+  [[nodiscard]] float slack_for(double reach, double coordinate) const;
   void prepare(const Vec3& point, Search& search) const;
   [[nodiscard]] Search search_for(const Vec3& point) const;
   /// Whether floats do for the search.

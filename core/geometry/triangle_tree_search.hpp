@@ -23,8 +23,8 @@ struct TreeSearch {
   float slack = 0;
   /// Square of a distance that nothing closest exceeds in the floats here.
   float limit = 0;
-  float least = tree_nowhere;  ///< square of the smallest distance within the limit that was met
-  int first_leaf = -1;         ///< looked at before all others; -1: none
+  float least = tree_nowhere * tree_nowhere;  ///< square of the smallest distance within the limit that was met
+  int first_leaf = -1;                        ///< looked at before all others; -1: none
 
   /// Triangles whose distance was within the limit when they were found.
   std::size_t count = 0;

@@ -45,7 +45,8 @@ class Referee {
   /// the answer does not depend on it. Throws InputError that names the bone when its surface has no triangles.
   Referee(std::span<const Bone> bones, int nodes, int threads = 1, MotionBudgets budgets = MotionBudgets::on);
 
-  /// Signed distance of `rest_point`, a finite point in the rest frame of bone number `bone`, in metres.
+  /// Signed distance of `rest_point`, a finite point in the rest frame of bone number `bone`, in metres. Its sign is
+  /// told however close the surface is: what `judge` counts as touching may be negative.
   [[nodiscard]] double signed_distance(int bone, const Vec3& rest_point) const;
 
   /// The same with the closest point and the normal, both in the rest frame.
