@@ -80,6 +80,28 @@ TEST(BuildField, HoldsTheExactSignedDistanceAtEveryNode) {
   }
 }
 
+/// Through a hole that is wider than a cell the side changes without a surface.
+TEST(BuildField, CarriesNoSignThroughAHole) {
+  TriangleMesh ball = make_sphere(1, 3);
+  std::erase_if(ball.triangles, [&](const Triangle& triangle) {
+    return std::all_of(triangle.begin(), triangle.end(),
+                       [&](int vertex) { return ball.vertices[static_cast<std::size_t>(vertex)].x() > 0.9; });
+  });
+  const SignedSurface surface(surface_of(ball, false));
+  ASSERT_FALSE(surface.closed());
+  const GridShape shape = grid_over(ball, {.cells = 16, .margin = 0.1}, "ball");
+  const CubicField field = build_field(surface, shape, FieldPrecision::double_precision, 1);
+  for (std::size_t k = 0; k <= 16; ++k) {
+    for (std::size_t j = 0; j <= 16; ++j) {
+      for (std::size_t i = 1; i < 16; ++i) {  // faces of the border may be straightened
+        const Vec3 cells(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
+        const Vec3 point = shape.lower_m + cells.cwiseProduct(shape.cell_size_m);
+        EXPECT_EQ(field.stored(*field.record(i, j, k)) < 0, surface.locate(point).inside) << point.transpose();
+      }
+    }
+  }
+}
+
 TEST(BuildField, DoesNotDependOnTheNumberOfThreads) {
   const RepairedMesh box = surface_of(make_box({0.5, 0.2, 0.3}, 5));
   const SignedSurface surface(box);
