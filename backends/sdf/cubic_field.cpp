@@ -6,6 +6,9 @@
 #include <span>
 #include <utility>
 
+#include "backends/sdf/cubic_kernel.hpp"
+#include "backends/sdf/field_places.hpp"
+
 namespace musclebench {
 
 CubicField::CubicField(const GridShape& shape, FieldPrecision precision)

@@ -6,9 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "backends/sdf/cell_map.hpp"
 #include "backends/sdf/compact_record.hpp"
 #include "backends/sdf/cubic_cell.hpp"
-#include "backends/sdf/cubic_kernel.hpp"
+#include "backends/sdf/field_block.hpp"
 #include "backends/sdf/field_facts.hpp"
 #include "backends/sdf/grid_shape.hpp"
 #include "backends/sdf/narrow_band.hpp"

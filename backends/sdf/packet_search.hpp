@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "backends/sdf/packet_kernel.hpp"
+#include "backends/sdf/packet_pairs.hpp"
 #include "core/geometry/closest_on_triangles.hpp"
 #include "core/geometry/triangle_tree.hpp"
 
@@ -23,9 +23,9 @@ struct PointPacket {
 };
 
 /// Finds the closest points of many points that lie close together in one walk through a TriangleTree: bounds of a
-/// squared distance that are linear in the place (packet_kernel.cpp derives them) answer for all points of a box, and
-/// are the tighter the farther the surface is. The walk lists leaves for all packets; from these, for each bundle of
-/// packets, triangles are listed; from these, for each packet, those that the points are asked about.
+/// squared distance that are linear in the place (packet_bounds-inl.hpp derives them) answer for all points of a box,
+/// and are the tighter the farther the surface is. The walk lists leaves for all packets; from these, for each bundle
+/// of packets, triangles are listed; from these, for each packet, those that the points are asked about.
 ///
 /// The floats only prune; `closest_on_triangle` decides. So the answers are those of TriangleTree::closest_point, to
 /// the bit. One thread at a time: lists are kept for the next search.

@@ -185,12 +185,6 @@ ListedClosest TriangleTree::finish_listed(Search& search, const NearLeaves& list
   return {closest, closest.distance_m * (1 + distance_rounding) < list.complete_m - search.moved_m};
 }
 
-ListedClosest TriangleTree::closest_listed(const Vec3& point, const NearLeaves& list, double enough_m) const {
-  Search search;
-  start_listed(point, list, search);
-  return finish_listed(search, list, enough_m);
-}
-
 std::size_t TriangleTree::bytes() const {
   return m_nodes.capacity() * sizeof(TreeNode) + m_leaves.capacity() * sizeof(TreeLeaf) +
          m_clusters.capacity() * sizeof(m_clusters[0]) + m_corners.capacity() * sizeof(m_corners[0]) +

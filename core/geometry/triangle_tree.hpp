@@ -73,18 +73,14 @@ class TriangleTree {
     return closest_on_triangle(point, a, b, c);
   }
 
-  /// The leaves within `radius_m` of `point`, or the nearest of them, for `closest_listed`. None for a point that is
+  /// The leaves within `radius_m` of `point`, or the nearest of them, for `start_listed`. None for a point that is
   /// not finite or more than 1e12 times the mesh's size away.
   void list_leaves(const Vec3& point, double radius_m, NearLeaves& list) const;
 
   /// `closest_point`, to the bit, where the list is enough to tell; `list` is not empty and `certain` says whether.
   /// Else one of the nearest triangles, or none (-1). Where all triangles are certainly farther away than `enough_m`,
-  /// only that is told, sooner.
-  [[nodiscard]] ListedClosest closest_listed(const Vec3& point, const NearLeaves& list,
-                                             double enough_m = std::numeric_limits<double>::infinity()) const;
-
-  /// `closest_listed` in two parts, so that those of several points can be done one part after the other: their ways
-  /// through memory overlap. The first leaves to the second what may be the closest, asked for in memory.
+  /// only that is told, sooner. In two parts, so that those of several points can be done one part after the other and
+  /// their ways through memory overlap: the first leaves to the second what may be the closest, asked for in memory.
   struct Search;
   void start_listed(const Vec3& point, const NearLeaves& list, Search& search) const;
   [[nodiscard]] ListedClosest finish_listed(Search& search, const NearLeaves& list, double enough_m) const;

@@ -10,6 +10,7 @@
 #include <hwy/targets.h>
 
 #include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/field_places.hpp"
 #include "backends/sdf/tests/field_samples.hpp"
 #include "core/geometry/shapes.hpp"
 

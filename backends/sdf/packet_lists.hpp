@@ -3,14 +3,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "core/geometry/triangle_tree_nodes.hpp"
 
 namespace musclebench {
 
-// What the SIMD part of a PacketSearch works on; lengths are in the tree's own frame and unit.
+// How a PacketSearch lists what may be near a box of points; lengths are in the tree's own frame and unit.
 
 /// Beyond every limit.
 inline constexpr float packet_nowhere = 3e38F;
@@ -57,38 +56,6 @@ struct LeafBoxes {
   void make_room(std::size_t more);
 };
 
-/// Points of one packet, and the leaves that were looked into for them.
-struct PacketPoints {
-  static constexpr std::size_t capacity = 8;
-
-  std::size_t count = 0;
-  alignas(64) std::array<TreeLanes, 3> at;
-
-  /// Squared distances of one point to the triangles of a leaf.
-  struct alignas(64) Look {
-    TreeLanes squared;
-    std::int32_t leaf = 0;
-    std::int32_t point = 0;
-  };
-  std::vector<Look> look;
-  std::vector<float> to_box;  ///< squared distances of each point to the boxes of all leaves
-
-  std::size_t next = 0;  ///< looks to come
-  std::vector<std::int32_t> next_leaf;
-  std::vector<std::int32_t> next_point;
-
-  void make_room(std::size_t leaves);
-};
-
-/// Points, by their number, with triangles that may be their closest.
-struct CandidatePairs {
-  std::size_t count = 0;
-  std::vector<std::int32_t> point;
-  std::vector<std::int32_t> triangle;
-
-  void make_room(std::size_t more);
-};
-
 /// Takes the upper bound that one triangle gives, which is no needle, where it is lower in the middle.
 void bound_by_triangle(const TreeView& tree, std::int32_t triangle, PlaceBox& box);
 
@@ -99,10 +66,5 @@ void list_nodes(const TreeView& tree, const PlaceBox& box, BoundList& nodes);
 /// for `outer`, in which it lies; before that lowers its bound. `near` is for the nodes among them.
 void list_leaves(const TreeView& tree, const BoundList& nodes, const PlaceBox& outer, PlaceBox& box, BoundList& near,
                  LeafBoxes& leaves);
-
-/// Of the leaves that were listed for `box`, adds the triangles that may be the closest of a point of the packet, which
-/// lies in it; its points are numbered from `first`.
-void list_pairs(const TreeView& tree, const LeafBoxes& leaves, const PlaceBox& box, PacketPoints& packet,
-                std::int32_t first, CandidatePairs& pairs);
 
 }  // namespace musclebench

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "backends/sdf/cell_map.hpp"
+#include "backends/sdf/field_block.hpp"
+
+namespace musclebench {
+
+/// Appends to `block` those of `nodes` (ascending indices into `positions`) that are in the field and in a cell whose
+/// bit in `wanted` is set (all cells where it is null); `asker` is the place in `nodes`, plus `first`. Stops where the
+/// block is full; returns how many of `nodes` were looked at. A position that is not a number is nowhere.
+std::size_t place_nodes(const FieldView& field, const CellMap& map, const std::uint64_t* wanted,
+                        std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
+                        FieldBlock& block);
+
+}  // namespace musclebench
