@@ -11,6 +11,7 @@
 #include "core/base/random_numbers.hpp"
 #include "core/base/system_memory.hpp"
 #include "core/geometry/mesh_size.hpp"
+#include "core/geometry/surface_sampler.hpp"
 
 namespace musclebench {
 
@@ -30,9 +31,10 @@ double number(std::size_t count) { return static_cast<double>(count); }
 
 class OctreeBuilder {
  public:
-  OctreeBuilder(const SignedSurface& surface, const OctreeShape& shape, const OctreeDemand& demand,
-                std::size_t memory_bytes, const std::string& bone, int threads)
+  OctreeBuilder(const SignedSurface& surface, const TriangleMesh& mesh, const OctreeShape& shape,
+                const OctreeDemand& demand, std::size_t memory_bytes, const std::string& bone, int threads)
       : m_surface(surface),
+        m_mesh(mesh),
         m_shape(shape),
         m_demand(demand),
         m_maker(surface, demand),
@@ -64,6 +66,7 @@ class OctreeBuilder {
       }
       const double p99_m = error_quantile_m(0.99);
       first_p99_m = first_p99_m > 0 ? first_p99_m : p99_m;
+      learn_growth(p99_m);
       refuse_what_cannot_be(exhausted, p99_m);
       reached = std::max(reached, std::log(first_p99_m / p99_m) / std::log(first_p99_m / m_demand.wanted_m));
       tell(std::clamp(reached, 0.0, 1.0));
@@ -88,15 +91,12 @@ class OctreeBuilder {
   }
 
   void choose_places() {
-    std::vector<Vec3> boxes;
-    for (const OctreeCell& cell : m_cells) {
-      if (std::abs(cell.distance_m) <= m_demand.near_m + cell.reach_m()) {
-        boxes.push_back(cell.centre_m - Vec3::Constant(cell.half_edge_m));
-      }
-    }
-    m_places = places_near(m_surface, boxes, m_shape.root_edge_m, m_demand.near_m, places_measured, 1, m_threads);
+    m_places = places_about(m_surface, m_mesh, m_demand.near_m, places_measured, 1, m_threads);
     // Only the order of magnitude counts: the roots that hold near places are about half full of them.
-    m_near_m3 = 0.5 * number(boxes.size()) * std::pow(m_shape.root_edge_m, 3);
+    const auto near_roots = std::count_if(m_cells.begin(), m_cells.end(), [&](const OctreeCell& cell) {
+      return std::abs(cell.distance_m) <= m_demand.near_m + cell.reach_m();
+    });
+    m_near_m3 = 0.5 * static_cast<double>(near_roots) * std::pow(m_shape.root_edge_m, 3);
   }
 
   [[nodiscard]] bool can_split(const OctreeCell& cell) const {
@@ -109,7 +109,7 @@ class OctreeBuilder {
     std::vector<std::size_t> work;
     bool more = false;
     for (std::size_t c = 0; c < m_cells.size(); ++c) {
-      more = more || (can_split(m_cells[c]) && m_cells[c].leaf->wrong_quadratic_m3 > 0);
+      more = more || (can_split(m_cells[c]) && m_cells[c].wrong_quadratic_m3 > 0);
       if (can_split(m_cells[c]) && m_cells[c].wrong_m3() > m_threshold_m3) {
         work.push_back(c);
       }
@@ -168,14 +168,15 @@ class OctreeBuilder {
 #pragma omp parallel for schedule(static) num_threads(m_threads)
     for (std::size_t p = 0; p < places; ++p) {
       const OctreeCell& cell = m_cells[find(m_places[p].point)];
-      if (cell.leaf == nullptr) {  // as far as near places are, to rounding
-        m_errors_m[p] = 0;
-        continue;
-      }
-      const Vec3 at = (m_places[p].point - cell.centre_m) / cell.half_edge_m;
-      const double value = cell.chosen(m_threshold_m3).value(at, cell.chosen_terms(m_threshold_m3));
-      m_errors_m[p] = std::abs(value - m_places[p].distance_m);
+      // Without a leaf it is as far as near places are, to rounding.
+      m_errors_m[p] =
+          cell.leaf == nullptr ? 0 : std::abs(value_of(cell, m_places[p].point) - m_places[p].distance_m);
     }
+  }
+
+  [[nodiscard]] double value_of(const OctreeCell& cell, const Vec3& point) const {
+    const Vec3 at = (point - cell.centre_m) / cell.half_edge_m;
+    return cell.chosen(m_threshold_m3).value(at, cell.chosen_terms(m_threshold_m3));
   }
 
   [[nodiscard]] double error_quantile_m(double share) const {
@@ -218,25 +219,38 @@ class OctreeBuilder {
     const double needed = bytes_of(m_cells.size() + 2 * more);
     if (needed > number(m_memory_bytes)) {
       const double p99_m = m_errors_m.empty() ? m_demand.near_m : error_quantile_m(0.99);
-      refuse(needed * growth_to(m_demand.wanted_m, p99_m), p99_m);
+      // Where hardly anything is missing, hardly anything more fits.
+      refuse(needed * growth_to(m_demand.wanted_m, p99_m), std::max(p99_m, 1.3 * m_demand.wanted_m));
     }
   }
 
-  /// By how much the cells multiply. Measured on scanned bones from 0.3 to 0.01 mm the power is 1.3 to 1.8; where kinks
-  /// rule it is 2: an error half as large needs cells of half the edge along sheets.
-  static constexpr double growth_power = 1.5;
-  [[nodiscard]] static double growth_to(double wanted_m, double p99_m) {
-    return std::pow(std::max(1.0, p99_m / wanted_m), growth_power);
+  /// By how much the cells multiply on the way from one error to a smaller one.
+  [[nodiscard]] double growth_to(double wanted_m, double p99_m) const {
+    return std::pow(std::max(1.0, p99_m / wanted_m), m_growth_power);
+  }
+
+  /// From the last two thresholds. Where kinks rule the power is 2: an error half as large needs cells of half the edge
+  /// along sheets. Where a hundredth of the places are at kinks, and no more, the error falls with hardly a new cell.
+  void learn_growth(double p99_m) {
+    const double bytes = bytes_of(m_cells.size());
+    constexpr double least_fall = 1.05;
+    if (m_last_p99_m > least_fall * p99_m && bytes > m_last_bytes) {
+      m_growth_power = std::clamp(std::log(bytes / m_last_bytes) / std::log(m_last_p99_m / p99_m), 0.25, 2.0);
+      ++m_thresholds_learnt_from;
+    }
+    m_last_p99_m = p99_m;
+    m_last_bytes = bytes;
   }
 
   void refuse_what_cannot_be(bool exhausted, double p99_m) const {
     const double bytes = bytes_of(m_cells.size());
     const double needed = bytes * growth_to(m_demand.wanted_m, p99_m);
     // Early on this overestimates: cells far from the surface are not divided any more.
+    constexpr int enough_thresholds = 3;
     constexpr double doubt = 8;
     const double allowed = doubt * number(m_memory_bytes);
-    if (exhausted || needed > allowed) {
-      refuse(needed, exhausted ? p99_m : p99_m * std::min(1.0, std::pow(bytes / allowed, 1 / growth_power)));
+    if (exhausted || (m_thresholds_learnt_from >= enough_thresholds && needed > allowed)) {
+      refuse(needed, exhausted ? p99_m : p99_m * std::min(1.0, std::pow(bytes / allowed, 1 / m_growth_power)));
     }
   }
 
@@ -289,6 +303,7 @@ class OctreeBuilder {
   }
 
   const SignedSurface& m_surface;
+  const TriangleMesh& m_mesh;
   OctreeShape m_shape;
   OctreeDemand m_demand;
   OctreeCellMaker m_maker;
@@ -301,6 +316,12 @@ class OctreeBuilder {
   std::vector<double> m_errors_m;  ///< at the first places
   double m_near_m3 = 0;
   double m_threshold_m3 = 0;
+
+  /// Of the error, that memory grows with. Until it is learnt, as on scanned bones from 0.3 to 0.01 mm: 1.3 to 1.8.
+  double m_growth_power = 1.5;
+  int m_thresholds_learnt_from = 0;
+  double m_last_p99_m = 0;
+  double m_last_bytes = 0;
 
   OctreeQuality m_quality;
   std::vector<std::uint32_t> m_entries;
@@ -329,36 +350,25 @@ OctreeField build_octree(const SignedSurface& surface, const TriangleMesh& mesh,
   }
   shape.lower_m = box.center() - 0.5 * shape.root_edge_m * roots;
   const OctreeDemand demand{wanted_m, near_m, finest_edge * shape.root_edge_m};
-  return OctreeBuilder(surface, shape, demand, settings.memory_bytes, bone_name, threads).build(progress);
+  return OctreeBuilder(surface, mesh, shape, demand, settings.memory_bytes, bone_name, threads).build(progress);
 }
 
-std::vector<ExactPlace> places_near(const SignedSurface& surface, const std::vector<Vec3>& boxes, double edge_m,
-                                    double near_m, std::size_t count, std::uint64_t seed,
-                                    [[maybe_unused]] int threads) {
-  constexpr std::size_t batch = 8192;
-  constexpr int most_batches = 200;
+std::vector<ExactPlace> places_about(const SignedSurface& surface, const TriangleMesh& mesh, double near_m,
+                                     std::size_t count, std::uint64_t seed, [[maybe_unused]] int threads) {
+  const SurfaceSampler sampler(mesh);
   RandomNumbers random(seed);
-  std::vector<ExactPlace> found;
-  std::vector<Vec3> drawn(batch);
-  std::vector<std::optional<double>> distances(batch);
-  for (int round = 0; round < most_batches && found.size() < count; ++round) {
-    for (Vec3& point : drawn) {
-      const Vec3& lower = boxes[random.below(boxes.size())];
-      const double x = random.share();
-      const double y = random.share();
-      point = lower + edge_m * Vec3(x, y, random.share());
-    }
-#pragma omp parallel for schedule(dynamic, 64) num_threads(threads)
-    for (std::size_t p = 0; p < batch; ++p) {
-      distances[p] = surface.distance(drawn[p], near_m);
-    }
-    for (std::size_t p = 0; p < batch && found.size() < count; ++p) {
-      if (distances[p]) {
-        found.push_back({drawn[p], *distances[p]});
-      }
-    }
+  std::vector<SurfaceSample> samples(count);
+  std::vector<ExactPlace> places(count);
+  for (std::size_t p = 0; p < count; ++p) {
+    samples[p] = sampler.draw(random);
+    places[p].point = samples[p].point + (2 * random.share() - 1) * near_m * samples[p].normal;
   }
-  return found;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(threads)
+  for (std::size_t p = 0; p < count; ++p) {
+    const ClosestPoint closest = surface.tree().closest_point_from(places[p].point, samples[p].triangle);
+    places[p].distance_m = surface.is_inside(places[p].point, closest) ? -closest.distance_m : closest.distance_m;
+  }
+  return places;
 }
 
 }  // namespace musclebench

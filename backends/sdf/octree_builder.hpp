@@ -13,7 +13,7 @@ namespace musclebench {
 
 /// What an adaptive field has to reach.
 struct OctreeSettings {
-  /// Of 100 places within `near_m` of the surface, 99 differ by no more from the exact distance.
+  /// Of 100 places up to `near_m` from the surface, 99 differ by no more from the exact distance.
   double max_error_m = 5e-5;
   /// 0: 1/200 of the diagonal of the bone's box, 2.3 mm on a thigh bone: a contact that is deeper is resolved by many
   /// steps, and only the last ones show.
@@ -29,13 +29,14 @@ using BuildProgress = std::function<void(double share)>;
 ///
 /// What the bar is: 99 of 100 places, because the distance has kinks where the surface has edges, and there the error
 /// of any polynomial falls only as fast as its cell's edge. Cells that chased the last place there would be most of the
-/// field. The largest error is reported beside it.
+/// field. The largest error is reported beside it. Across the faces between leaves the field then jumps by as much: on
+/// the LHDL pelvis and femur, for 0.05 and 0.2 mm, 99 of 100 places by 0.90 to 0.99 of the wanted error.
 ///
 /// How it is met: every leaf knows how wrong it is: its volume, weighted at each sample (some 8 of 35 of which no fit
 /// has used) by how far the error is from what is allowed. Leaves that are more wrong than a threshold get the cubic
 /// polynomial where that mends half of it, or are split. The threshold falls until the error, measured at 20,000 random
-/// places that no fit has seen, is reached. So what stays wrong is what would cost most to mend. Beyond `near_m`,
-/// inside, the allowed error grows by a tenth of the way; outside the field becomes a lower bound.
+/// places that no fit has seen (`places_about`), is reached. So what stays wrong is what would cost most to mend.
+/// Beyond `near_m`, inside, the allowed error grows by a tenth of the way; outside the field becomes a lower bound.
 ///
 /// The same bits for any number of threads. Throws InputError (place: `max_error_mm` of the bone) where the wanted
 /// error is out of all proportion to the bone, or needs more memory than there is, with the error that fits.
@@ -48,9 +49,9 @@ struct ExactPlace {
   double distance_m = 0;
 };
 
-/// `count` places, evenly spread over what is within `near_m` of the surface and inside the boxes of `edge_m` whose
-/// lower corners are given; fewer when they are hard to find. Deterministic.
-std::vector<ExactPlace> places_near(const SignedSurface& surface, const std::vector<Vec3>& boxes, double edge_m,
-                                    double near_m, std::size_t count, std::uint64_t seed, int threads);
+/// `count` places, as contacts meet them: evenly spread over the area of the surface of `mesh` and the way up to
+/// `near_m` to both sides of it. Deterministic.
+std::vector<ExactPlace> places_about(const SignedSurface& surface, const TriangleMesh& mesh, double near_m,
+                                     std::size_t count, std::uint64_t seed, int threads);
 
 }  // namespace musclebench

@@ -46,15 +46,18 @@ DistanceSample sample_of(const SignedSurface& surface, const Vec3& point, const 
           place.closest.triangle};
 }
 
-/// Asks for samples of a cell whose middle is known.
-void ask_samples(SampleBlock& block, OctreeCell& cell, std::size_t from, std::size_t to) {
-  block.start_packet({cell.centre_m, cell.leaf->samples[lattice_samples / 2]});
+KnownPlace known_place(const Vec3& point, const DistanceSample& sample) {
+  return {point, sample.value_m, sample.triangle};
+}
+
+/// Adds what is not known yet of a cell whose middle is.
+void add_samples(OctreeCell& cell, std::size_t from, std::size_t to, SampleBlock& block) {
+  const KnownPlace middle = known_place(cell.centre_m, cell.leaf->samples[lattice_samples / 2]);
   for (std::size_t s = from; s < to; ++s) {
     if (cell.leaf->samples[s].triangle < 0) {
-      block.add(cell.centre_m + cell.half_edge_m * sample_place(s), cell.leaf->samples[s]);
+      block.add(cell.centre_m + cell.half_edge_m * sample_place(s), middle, cell.leaf->samples[s]);
     }
   }
-  block.ask();
 }
 
 /// The samples of eight sisters: on a grid that their lattices share, some of them known from the parent.
@@ -72,12 +75,15 @@ class SisterSamples {
     }
   }
 
-  /// Asks what the children that are marked lack of the grid: two by two by two, from a place that is known.
-  void ask(const std::array<bool, 8>& wanted, SampleBlock& block) {
-    for (std::size_t i = 0; i < fine; i += 2) {
-      for (std::size_t j = 0; j < fine; j += 2) {
-        for (std::size_t k = 0; k < fine; k += 2) {
-          add_packet({i, j, k}, wanted, block);
+  /// Asks what the wanted children, one bit each, lack of the grid, two by two by two and to and fro.
+  void ask(unsigned wanted, SampleBlock& block) {
+    constexpr std::size_t groups = (fine + 1) / 2;
+    for (std::size_t i = 0; i < groups; ++i) {
+      for (std::size_t row = 0; row < groups; ++row) {
+        const std::size_t j = i % 2 == 0 ? row : groups - 1 - row;
+        for (std::size_t column = 0; column < groups; ++column) {
+          const std::size_t k = (i + row) % 2 == 0 ? column : groups - 1 - column;
+          add_group({2 * i, 2 * j, 2 * k}, wanted, block);
         }
       }
     }
@@ -95,21 +101,14 @@ class SisterSamples {
  private:
   using Index = std::array<std::size_t, 3>;
 
-  static bool touches(std::size_t octant, const Index& at) {
+  /// One bit each: those whose lattice holds this place. Those in the middle of an axis are of both halves.
+  static unsigned children_at(const Index& at) {
+    constexpr std::array<unsigned, 3> lower_half{0x55, 0x33, 0x0F};
+    unsigned children = 0xFF;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (bit(octant, axis) ? at[axis] < 2 : at[axis] > 2) {
-        return false;
-      }
+      children &= (at[axis] <= 2 ? lower_half[axis] : 0U) | (at[axis] >= 2 ? ~lower_half[axis] : 0U);
     }
-    return true;
-  }
-  static bool is_wanted(const Index& at, const std::array<bool, 8>& wanted) {
-    for (std::size_t octant = 0; octant < 8; ++octant) {
-      if (wanted[octant] && touches(octant, at)) {
-        return true;
-      }
-    }
-    return false;
+    return children;
   }
 
   [[nodiscard]] Vec3 point(const Index& at) const {
@@ -117,20 +116,17 @@ class SisterSamples {
     return m_parent.centre_m + m_parent.half_edge_m * (0.5 * index - Vec3::Ones());
   }
 
-  void add_packet(const Index& first, const std::array<bool, 8>& wanted, SampleBlock& block) {
-    bool started = false;
+  /// The first one of a group is known.
+  void add_group(const Index& first, unsigned wanted, SampleBlock& block) {
+    const KnownPlace known = known_place(point(first), m_grid[fine_place(first[0], first[1], first[2])]);
     for (std::size_t n = 1; n < 8; ++n) {
       const Index at{first[0] + (n & 1U), first[1] + (n >> 1 & 1U), first[2] + (n >> 2)};
-      if (std::max({at[0], at[1], at[2]}) >= fine || !is_wanted(at, wanted)) {
+      if (std::max({at[0], at[1], at[2]}) >= fine || (children_at(at) & wanted) == 0) {
         continue;
       }
       DistanceSample& sample = m_grid[fine_place(at[0], at[1], at[2])];
       if (sample.triangle < 0) {
-        if (!started) {
-          block.start_packet({point(first), m_grid[fine_place(first[0], first[1], first[2])]});
-          started = true;
-        }
-        block.add(point(at), sample);
+        block.add(point(at), known, sample);
       }
     }
   }
@@ -141,17 +137,12 @@ class SisterSamples {
 
 }  // namespace
 
-void SampleBlock::start_packet(const KnownPlace& known) {
-  m_known[m_count] = known;
-  m_packets[m_count++].count = 0;
-}
-
-void SampleBlock::add(const Vec3& point, DistanceSample& answer) {
-  if (m_packets[m_count - 1].count == PointPacket::capacity) {
-    start_packet(m_known[m_count - 1]);
+void SampleBlock::add(const Vec3& point, const KnownPlace& known, DistanceSample& answer) {
+  if (m_count == 0 || m_packets[m_count - 1].count == PointPacket::capacity) {
+    m_packets[m_count++].count = 0;
   }
   PointPacket& packet = m_packets[m_count - 1];
-  m_answers[m_count - 1][packet.count] = &answer;
+  m_asked[m_count - 1][packet.count] = {known, &answer};
   packet.add(point);
 }
 
@@ -159,16 +150,16 @@ void SampleBlock::ask() {
   if (m_count == 0) {
     return;
   }
-  m_search.closest_points({m_packets.data(), m_count}, m_known[0].sample.triangle);
+  m_search.closest_points({m_packets.data(), m_count}, m_asked[0][0].known.triangle);
   for (std::size_t p = 0; p < m_count; ++p) {
-    const KnownPlace& known = m_known[p];
     for (std::size_t n = 0; n < m_packets[p].count; ++n) {
+      const auto& [known, answer] = m_asked[p][n];
       const Vec3& point = m_packets[p].point[n];
       const ClosestPoint& closest = m_packets[p].closest[n];
       const double step = (point - known.point).norm() * (1 + 1e-9);
-      const bool unsure = !m_surface.closed() || std::max(closest.distance_m, std::abs(known.sample.value_m)) <= step;
-      const bool inside = unsure ? m_surface.is_inside(point, closest) : known.sample.value_m < 0;
-      *m_answers[p][n] = sample_of(m_surface, point, {closest, inside});
+      const bool unsure = !m_surface.closed() || std::max(closest.distance_m, std::abs(known.distance_m)) <= step;
+      const bool inside = unsure ? m_surface.is_inside(point, closest) : known.distance_m < 0;
+      *answer = sample_of(m_surface, point, {closest, inside});
     }
   }
   m_count = 0;
@@ -181,11 +172,11 @@ double OctreeDemand::allowed_m(double distance_m) const {
 double OctreeCell::reach_m() const { return half_diagonal * half_edge_m; }
 
 double OctreeCell::wrong_m3() const {
-  return leaf == nullptr ? 0 : std::min(leaf->wrong_quadratic_m3, leaf->wrong_cubic_m3);
+  return leaf == nullptr ? 0 : std::min(wrong_quadratic_m3, wrong_cubic_m3);
 }
 
 bool OctreeCell::takes_cubic(double threshold_m3) const {
-  return leaf->wrong_quadratic_m3 - leaf->wrong_cubic_m3 > 0.5 * threshold_m3;
+  return wrong_quadratic_m3 - wrong_cubic_m3 > 0.5 * threshold_m3;
 }
 
 const PolynomialFit& OctreeCell::chosen(double threshold_m3) const {
@@ -201,30 +192,56 @@ void OctreeCellMaker::measure(OctreeCell& cell) const {
   m_cubic.measure(cell.leaf->samples, cell.half_edge_m, cell.leaf->cubic);
 }
 
-void OctreeCellMaker::judge(OctreeCell& cell, SampleBlock& block) const {
-  OctreeCell::Leaf& leaf = *cell.leaf;
-  leaf.quadratic = m_quadratic.fit(leaf.samples, cell.half_edge_m);
-  leaf.cubic = m_cubic.fit(leaf.samples, cell.half_edge_m);
-  measure(cell);
-  if (hides_features(cell)) {
-    leaf.wrong_quadratic_m3 = leaf.wrong_cubic_m3 = std::numeric_limits<double>::infinity();
-    return;
-  }
-  const auto allowed_m = [&](std::size_t s) { return m_demand.allowed_m(leaf.samples[s].value_m); };
-  bool sure = true;
+bool OctreeCellMaker::is_sure(const OctreeCell& cell) const {
+  const OctreeCell::Leaf& leaf = *cell.leaf;
   for (std::size_t s = 0; s < lattice_samples; ++s) {
-    sure = sure && leaf.quadratic.error_m[s] <= sure_share * allowed_m(s);
+    if (leaf.quadratic.error_m[s] > sure_share * m_demand.allowed_m(leaf.samples[s].value_m)) {
+      return false;
+    }
   }
-  if (!sure) {
-    ask_samples(block, cell, lattice_samples, cell_samples);
+  return true;
+}
+
+/// Sisters, or one root.
+void OctreeCellMaker::fit(std::span<OctreeCell> cells, SampleBlock& block) const {
+  std::array<bool, 8> has_more{};
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    OctreeCell& cell = cells[c];
+    if (cell.leaf == nullptr) {
+      continue;
+    }
+    cell.leaf->quadratic = m_quadratic.fit(cell.leaf->samples, cell.half_edge_m);
+    cell.leaf->cubic = m_cubic.fit(cell.leaf->samples, cell.half_edge_m);
     measure(cell);
+    has_more[c] = !hides_features(cell) && !is_sure(cell);
+    if (has_more[c]) {
+      add_samples(cell, lattice_samples, cell_samples, block);
+    }
+  }
+  block.ask();
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    if (has_more[c]) {
+      measure(cells[c]);
+    }
+    if (cells[c].leaf != nullptr) {
+      judge(cells[c]);
+    }
+  }
+}
+
+void OctreeCellMaker::judge(OctreeCell& cell) const {
+  OctreeCell::Leaf& leaf = *cell.leaf;
+  if (hides_features(cell)) {
+    cell.wrong_quadratic_m3 = cell.wrong_cubic_m3 = std::numeric_limits<double>::infinity();
+    return;
   }
   const std::size_t known = known_samples(leaf.samples);
   const double edge_m = 2 * cell.half_edge_m;
   const double volume_m3 = edge_m * edge_m * edge_m / static_cast<double>(known);
   for (std::size_t s = 0; s < known; ++s) {
-    leaf.wrong_quadratic_m3 += volume_m3 * wrongness(leaf.quadratic.error_m[s] / allowed_m(s));
-    leaf.wrong_cubic_m3 += volume_m3 * wrongness(leaf.cubic.error_m[s] / allowed_m(s));
+    const double allowed_m = m_demand.allowed_m(leaf.samples[s].value_m);
+    cell.wrong_quadratic_m3 += volume_m3 * wrongness(leaf.quadratic.error_m[s] / allowed_m);
+    cell.wrong_cubic_m3 += volume_m3 * wrongness(leaf.cubic.error_m[s] / allowed_m);
   }
 }
 
@@ -241,32 +258,34 @@ OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m, Sampl
   if (!outside(cell)) {
     cell.leaf = std::make_unique<OctreeCell::Leaf>();
     cell.leaf->samples[lattice_samples / 2] = sample_of(m_surface, centre_m, place);
-    ask_samples(block, cell, 0, lattice_samples);
-    judge(cell, block);
+    add_samples(cell, 0, lattice_samples, block);
+    block.ask();
+    fit({&cell, 1}, block);
   }
   return cell;
 }
 
 std::array<OctreeCell, 8> OctreeCellMaker::split(OctreeCell& parent, SampleBlock& block) const {
   std::array<OctreeCell, 8> children;
-  std::array<bool, 8> wanted{};
-  ask_samples(block, parent, lattice_samples, cell_samples);
+  unsigned wanted = 0;
+  add_samples(parent, lattice_samples, cell_samples, block);
+  block.ask();
   for (std::size_t octant = 0; octant < 8; ++octant) {
     OctreeCell& child = children[octant];
     child.centre_m = octant_centre(parent, octant);
     child.half_edge_m = 0.5 * parent.half_edge_m;
     child.distance_m = parent.leaf->samples[lattice_samples + octant].value_m;
-    wanted[octant] = !outside(child);
+    wanted |= outside(child) ? 0U : 1U << octant;
   }
   SisterSamples samples(parent);
   samples.ask(wanted, block);
   for (std::size_t octant = 0; octant < 8; ++octant) {
-    if (wanted[octant]) {
+    if (bit(wanted, octant)) {
       children[octant].leaf = std::make_unique<OctreeCell::Leaf>();
       samples.collect(octant, children[octant].leaf->samples);
-      judge(children[octant], block);
     }
   }
+  fit(children, block);
   return children;
 }
 

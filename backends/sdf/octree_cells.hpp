@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <span>
 
 #include "backends/sdf/octree_fit.hpp"
 #include "backends/sdf/packet_search.hpp"
@@ -27,8 +28,6 @@ struct OctreeCell {
     CellSamples samples;
     PolynomialFit quadratic;
     PolynomialFit cubic;
-    double wrong_quadratic_m3 = 0;  ///< volume of the places that are off by more than allowed
-    double wrong_cubic_m3 = 0;
   };
 
   Vec3 centre_m = Vec3::Zero();
@@ -36,6 +35,9 @@ struct OctreeCell {
   double distance_m = 0;        ///< at the centre, exact
   std::size_t first_child = 0;  ///< 0: none
   std::unique_ptr<Leaf> leaf;   ///< none: split, or outside and far
+  // Of a leaf: volume of the places that are off by more than allowed.
+  double wrong_quadratic_m3 = 0;
+  double wrong_cubic_m3 = 0;
 
   [[nodiscard]] double reach_m() const;  ///< from the centre to a corner
   [[nodiscard]] bool split() const { return first_child != 0; }
@@ -54,31 +56,34 @@ struct OctreeCell {
 /// A place that is known.
 struct KnownPlace {
   Vec3 point = Vec3::Zero();
-  DistanceSample sample;
+  double distance_m = 0;  ///< negative inside
+  int triangle = -1;      ///< the closest one
 };
 
-/// Places that lie close together, asked in one walk through the tree. Each packet of them is next to a known place,
-/// which tells the side of all that are farther from the surface than from it. One thread at a time; kept for the next
-/// places.
+/// Places that lie close together, asked in one walk through the tree; best where those that are added one after the
+/// other are neighbours. Each is next to a known place, which tells its side where it is farther from the surface than
+/// from that. One thread at a time; kept for the next places.
 class SampleBlock {
  public:
   explicit SampleBlock(const SignedSurface& surface) : m_surface(surface), m_search(surface.tree()) {}
 
-  void start_packet(const KnownPlace& known);
-  /// To the packet that was started last; to one more where that is full.
-  void add(const Vec3& point, DistanceSample& answer);
+  void add(const Vec3& point, const KnownPlace& known, DistanceSample& answer);
   void ask();
 
  private:
-  /// Of the samples that sisters share: two by two by two.
-  static constexpr std::size_t most_packets = 27;
+  /// Of the 125 samples that sisters share 27 are known from the parent.
+  static constexpr std::size_t most_packets = 14;
+
+  struct Asked {
+    KnownPlace known;
+    DistanceSample* answer = nullptr;
+  };
 
   const SignedSurface& m_surface;
   PacketSearch m_search;
-  std::size_t m_count = 0;
+  std::size_t m_count = 0;  ///< of packets; all but the last one are full
   std::array<PointPacket, most_packets> m_packets;
-  std::array<KnownPlace, most_packets> m_known;
-  std::array<std::array<DistanceSample*, PointPacket::capacity>, most_packets> m_answers{};
+  std::array<std::array<Asked, PointPacket::capacity>, most_packets> m_asked;
 };
 
 /// Makes cells: asks the surface, fits, judges. Const and safe from several threads, each with a SampleBlock of its
@@ -86,7 +91,7 @@ class SampleBlock {
 class OctreeCellMaker {
  public:
   OctreeCellMaker(const SignedSurface& surface, const OctreeDemand& demand)
-      : m_surface(surface), m_demand(demand), m_quadratic(quadratic_terms), m_cubic(cubic_terms) {}
+      : m_surface(surface), m_demand(demand) {}
 
   [[nodiscard]] OctreeCell root(const Vec3& centre_m, double half_edge_m, SampleBlock& block) const;
 
@@ -96,13 +101,15 @@ class OctreeCellMaker {
  private:
   [[nodiscard]] bool outside(const OctreeCell& cell) const;
   [[nodiscard]] bool hides_features(const OctreeCell& cell) const;
-  void judge(OctreeCell& cell, SampleBlock& block) const;
+  void fit(std::span<OctreeCell> cells, SampleBlock& block) const;
+  [[nodiscard]] bool is_sure(const OctreeCell& cell) const;
+  void judge(OctreeCell& cell) const;
   void measure(OctreeCell& cell) const;
 
   const SignedSurface& m_surface;
   OctreeDemand m_demand;
-  PolynomialFitter m_quadratic;
-  PolynomialFitter m_cubic;
+  PolynomialFitter<quadratic_terms> m_quadratic;
+  PolynomialFitter<cubic_terms> m_cubic;
 };
 
 }  // namespace musclebench

@@ -30,7 +30,7 @@ struct OctreeShape {
 struct OctreeQuality {
   double wanted_m = 0;  ///< for 99 of 100 places within `near_m` of the surface
   double near_m = 0;
-  double p99_m = 0;  ///< at random places within `near_m` of the surface
+  double p99_m = 0;  ///< at random places up to `near_m` to both sides of the surface
   double largest_m = 0;
   double mean_m = 0;
   std::int64_t samples = 0;
@@ -46,8 +46,8 @@ struct OctreeQuality {
 /// its gradient (after Koschier et al. 2017, Hierarchical hp-adaptive signed distance fields, with least squares in
 /// place of projection). Negative inside, in metres. Made by `build_octree`.
 ///
-/// Leaves are fitted each for itself: across a common face the field jumps by about the error of the two, as a rule
-/// less than the wanted error. Leaves outside that keep a distance of `near_m` from the surface hold no polynomial; the
+/// Leaves are fitted each for itself: across a common face the field jumps by about the error of the two, at 99 of 100
+/// places by less than the wanted error. Leaves outside that keep a distance of `near_m` from the surface hold no polynomial; the
 /// field is a lower bound of the distance there. Queries are const and safe from several threads.
 class OctreeField {
  public:

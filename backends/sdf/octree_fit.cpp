@@ -44,14 +44,16 @@ double slope_at(std::size_t term, const Vec3& at, std::size_t axis) {
 /// How fast the polynomial changes at most, per metre: every monomial and its derivatives over their exponents are
 /// within [-1, 1].
 double steepest(const std::array<float, cubic_terms>& coefficients, double half_edge_m) {
-  Vec3 most = Vec3::Zero();
+  double x = 0;
+  double y = 0;
+  double z = 0;
   for (std::size_t term = 0; term < cubic_terms; ++term) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      most[static_cast<Eigen::Index>(axis)] +=
-          polynomial_powers[term][axis] * std::abs(static_cast<double>(coefficients[term]));
-    }
+    const double size = std::abs(static_cast<double>(coefficients[term]));
+    x += polynomial_powers[term][0] * size;
+    y += polynomial_powers[term][1] * size;
+    z += polynomial_powers[term][2] * size;
   }
-  return most.norm() / half_edge_m;
+  return std::sqrt(x * x + y * y + z * z) / half_edge_m;
 }
 
 }  // namespace
@@ -80,17 +82,18 @@ double PolynomialFit::spread() const {
   return result;
 }
 
-PolynomialFitter::PolynomialFitter(std::size_t terms) : m_terms(terms), m_share{}, m_powers{} {
+template <std::size_t terms>
+PolynomialFitter<terms>::PolynomialFitter() {
   const auto columns = static_cast<Eigen::Index>(terms);
   Eigen::MatrixXd equations(4 * lattice_samples, columns);
   for (std::size_t sample = 0; sample < cell_samples; ++sample) {
     const Vec3 at = sample_place(sample);
     for (std::size_t term = 0; term < terms; ++term) {
-      m_powers[sample][term] = term_at(term, at);
+      m_powers[term][sample] = term_at(term, at);
       if (sample < lattice_samples) {
         const auto row = static_cast<Eigen::Index>(4 * sample);
         const auto column = static_cast<Eigen::Index>(term);
-        equations(row, column) = m_powers[sample][term];
+        equations(row, column) = m_powers[term][sample];
         for (std::size_t axis = 0; axis < 3; ++axis) {
           equations(row + 1 + static_cast<Eigen::Index>(axis), column) = gradient_weight * slope_at(term, at, axis);
         }
@@ -109,7 +112,8 @@ PolynomialFitter::PolynomialFitter(std::size_t terms) : m_terms(terms), m_share{
   }
 }
 
-PolynomialFit PolynomialFitter::fit(const CellSamples& samples, double half_edge_m) const {
+template <std::size_t terms>
+PolynomialFit PolynomialFitter<terms>::fit(const CellSamples& samples, double half_edge_m) const {
   Row sum{};
   for (std::size_t sample = 0; sample < lattice_samples; ++sample) {
     const DistanceSample& exact = samples[sample];
@@ -117,26 +121,30 @@ PolynomialFit PolynomialFitter::fit(const CellSamples& samples, double half_edge
     const double dx = half_edge_m * exact.gradient[0];
     const double dy = half_edge_m * exact.gradient[1];
     const double dz = half_edge_m * exact.gradient[2];
-    for (std::size_t term = 0; term < m_terms; ++term) {
+    for (std::size_t term = 0; term < padded_terms; ++term) {
       sum[term] += value[term] * exact.value_m + along_x[term] * dx + along_y[term] * dy + along_z[term] * dz;
     }
   }
   PolynomialFit result;
-  for (std::size_t term = 0; term < m_terms; ++term) {
+  for (std::size_t term = 0; term < terms; ++term) {
     result.coefficients[term] = static_cast<float>(sum[term]);
   }
   return result;
 }
 
-void PolynomialFitter::measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const {
+template <std::size_t terms>
+void PolynomialFitter<terms>::measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const {
+  std::array<double, padded_samples> value{};
+  for (std::size_t term = 0; term < terms; ++term) {
+    const auto coefficient = static_cast<double>(fit.coefficients[term]);
+    for (std::size_t sample = 0; sample < padded_samples; ++sample) {
+      value[sample] += m_powers[term][sample] * coefficient;
+    }
+  }
   const std::size_t known = known_samples(samples);
   double largest_m = 0;
   for (std::size_t sample = 0; sample < known; ++sample) {
-    double value = 0;
-    for (std::size_t term = 0; term < m_terms; ++term) {
-      value += m_powers[sample][term] * static_cast<double>(fit.coefficients[term]);
-    }
-    fit.error_m[sample] = std::abs(value - samples[sample].value_m);
+    fit.error_m[sample] = std::abs(value[sample] - samples[sample].value_m);
     largest_m = std::max(largest_m, fit.error_m[sample]);
   }
   // No place of the cell is farther than this from a sample. On the way there the polynomial changes by its slope and
@@ -144,5 +152,8 @@ void PolynomialFitter::measure(const CellSamples& samples, double half_edge_m, P
   const double reach_m = 2 * half_edge_m * (known == cell_samples ? reach_of_all : reach_of_lattice);
   fit.bound_m = (largest_m + reach_m * (1 + steepest(fit.coefficients, half_edge_m))) * (1 + 1e-6);
 }
+
+template class PolynomialFitter<quadratic_terms>;
+template class PolynomialFitter<cubic_terms>;
 
 }  // namespace musclebench

@@ -45,10 +45,11 @@ struct PolynomialFit {
   [[nodiscard]] double spread() const;
 };
 
-/// Fits polynomials of one number of terms; made once, for all cells.
+/// Fits polynomials of `terms` coefficients; made once, for all cells.
+template <std::size_t terms>
 class PolynomialFitter {
  public:
-  explicit PolynomialFitter(std::size_t terms);
+  PolynomialFitter();
 
   /// The coefficients.
   [[nodiscard]] PolynomialFit fit(const CellSamples& samples, double half_edge_m) const;
@@ -56,11 +57,13 @@ class PolynomialFitter {
   void measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const;
 
  private:
-  using Row = std::array<double, cubic_terms>;
+  // Whole vectors, whatever their width.
+  static constexpr std::size_t padded_terms = (terms + 3) / 4 * 4;
+  static constexpr std::size_t padded_samples = (cell_samples + 7) / 8 * 8;
+  using Row = std::array<double, padded_terms>;
 
-  std::size_t m_terms;
-  std::array<std::array<Row, 4>, lattice_samples> m_share;  ///< of a sample's value and derivatives in each coefficient
-  std::array<Row, cell_samples> m_powers;                   ///< each term at each sample
+  std::array<std::array<Row, 4>, lattice_samples> m_share{};  ///< of a sample's value and derivatives in each term
+  std::array<std::array<double, padded_samples>, terms> m_powers{};  ///< each term at each sample
 };
 
 }  // namespace musclebench
