@@ -65,7 +65,10 @@ std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::s
     if (equals == std::string::npos || equals == 0) {
       throw InputError(fmt::format("{} {}", option, text), "has to read key=value");
     }
-    values[text.substr(0, equals)] = parse_parameter_value(std::string_view(text).substr(equals + 1));
+    const std::string key = text.substr(0, equals);
+    if (!values.emplace(key, parse_parameter_value(std::string_view(text).substr(equals + 1))).second) {
+      throw InputError(fmt::format("{} {}", option, text), fmt::format("gives {} twice; leave one out", key));
+    }
   }
   return values;
 }

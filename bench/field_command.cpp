@@ -55,7 +55,7 @@ void require_ending(const fs::path& out, bool octree, const FieldSettings& setti
   if (octree ? ending != ".octree" : (ending != ".cdf" && ending != ".field")) {
     throw InputError("--out " + out.string(), fmt::format("has to end in {} for this field", wanted));
   }
-  if (ending == ".cdf" && settings.band_m > 0) {
+  if (ending == ".cdf" && settings.band_m) {
     throw InputError("--out " + out.string(), "Discregrid's format wants a value in every cell; leave out `band_m`");
   }
 }
@@ -118,8 +118,8 @@ int write_octree(const FieldOptions& options, const Scene& scene, const Bone& bo
 int write_grid(const FieldOptions& options, const Scene& scene, const Bone& bone, const Parameters& parameters) {
   const FieldSettings settings = field_settings(parameters);
   const GridShape shape = grid_over(bone.surface.mesh, grid_settings(parameters), bone.name);
-  if (settings.band_m > 0) {
-    require_sensible_band(settings.band_m, shape, bone.surface.mesh, bone.name);
+  if (settings.band_m) {
+    require_sensible_band(*settings.band_m, shape, bone.surface.mesh, bone.name);
   }
   require_memory(static_cast<std::size_t>(CubicField::bytes_needed(shape, settings.precision)), "sdf: cells",
                  "choose fewer or larger cells");

@@ -56,15 +56,15 @@ void require_sensible_band(double band_m, const GridShape& shape, const Triangle
     throw InputError(
         fmt::format("sdf: band_m ({})", bone_name),
         fmt::format("{} is less than the diagonal of a cell or more than that of the bone; {:.2g} to {:.2g} makes "
-                    "sense, 0 keeps all cells",
+                    "sense, without it all cells are kept",
                     band_m, 1.05 * narrowest, widest));
   }
 }
 
 CubicField build_field(const SignedSurface& surface, const GridShape& shape, const FieldSettings& settings, int threads,
                        const std::function<void(double)>& progress) {
-  CubicField field = settings.band_m > 0
-                         ? CubicField(shape, settings.precision, narrow_band(surface, shape, settings.band_m, threads))
+  CubicField field = settings.band_m
+                         ? CubicField(shape, settings.precision, narrow_band(surface, shape, *settings.band_m, threads))
                          : CubicField(shape, settings.precision);
   fill_distances(surface, field, threads, progress);
   keep_border_positive(field);

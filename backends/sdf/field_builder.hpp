@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "backends/sdf/cubic_field.hpp"
@@ -23,7 +24,8 @@ GridShape grid_over(const TriangleMesh& mesh, const GridSettings& settings, cons
 /// How a field is kept.
 struct FieldSettings {
   FieldPrecision precision = FieldPrecision::single_precision;
-  double band_m = 0;  ///< outside the bone, how far from its surface cells have coefficients; 0: all have
+  /// Outside the bone, how far from its surface cells have coefficients; none: all have.
+  std::optional<double> band_m = std::nullopt;
 };
 
 /// Throws InputError (place: `band_m` of the bone) for a band narrower than a cell's diagonal or wider than the bone.

@@ -56,7 +56,7 @@ Header header_of(const GridShape& shape, const FieldSettings& settings, const st
   }
   header.cells = shape.cells;
   header.bytes_per_value = static_cast<std::uint32_t>(settings.precision);
-  header.band_m = settings.band_m;
+  header.band_m = settings.band_m.value_or(0);
   header.surface = as_file_digest(digest);
   return header;
 }
@@ -145,8 +145,8 @@ std::optional<CubicField> load_field(const std::filesystem::path& path, const st
   bool complete = true;
   const auto read_range = [&](auto& range) { complete = complete && read(std::as_writable_bytes(std::span(range))); };
   std::optional<NarrowBand> band;
-  if (settings.band_m > 0) {
-    band.emplace(shape, settings.band_m);
+  if (settings.band_m) {
+    band.emplace(shape, *settings.band_m);
     for_each_part_of_band(*band, read_range);
     band->index_records(shape);
   }

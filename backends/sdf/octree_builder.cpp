@@ -169,8 +169,7 @@ class OctreeBuilder {
     for (std::size_t p = 0; p < places; ++p) {
       const OctreeCell& cell = m_cells[find(m_places[p].point)];
       // Without a leaf it is as far as near places are, to rounding.
-      m_errors_m[p] =
-          cell.leaf == nullptr ? 0 : std::abs(value_of(cell, m_places[p].point) - m_places[p].distance_m);
+      m_errors_m[p] = cell.leaf == nullptr ? 0 : std::abs(value_of(cell, m_places[p].point) - m_places[p].distance_m);
     }
   }
 
@@ -200,6 +199,11 @@ class OctreeBuilder {
     return std::max(0.0, one_in_hundred - 2 * std::sqrt(one_in_hundred));
   }
 
+  /// The error that the cells, as they were measured last, would have been taken for.
+  [[nodiscard]] double reached_m() const {
+    return m_errors_m.empty() ? 0 : error_quantile_m(1 - wrong_places_allowed() / number(m_errors_m.size()));
+  }
+
   /// Of the threshold: long while the aim is far, short so as not to overshoot it.
   [[nodiscard]] double next_step() const { return wrong_places() > 4 * wrong_places_allowed() ? 0.4 : 0.75; }
 
@@ -219,8 +223,7 @@ class OctreeBuilder {
     const double needed = bytes_of(m_cells.size() + 2 * more);
     if (needed > number(m_memory_bytes)) {
       const double p99_m = m_errors_m.empty() ? m_demand.near_m : error_quantile_m(0.99);
-      // Where hardly anything is missing, hardly anything more fits.
-      refuse(needed * growth_to(m_demand.wanted_m, p99_m), std::max(p99_m, 1.3 * m_demand.wanted_m));
+      refuse(needed * growth_to(m_demand.wanted_m, p99_m), std::max(p99_m, reached_m()));
     }
   }
 

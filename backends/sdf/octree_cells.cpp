@@ -171,9 +171,7 @@ double OctreeDemand::allowed_m(double distance_m) const {
 
 double OctreeCell::reach_m() const { return half_diagonal * half_edge_m; }
 
-double OctreeCell::wrong_m3() const {
-  return leaf == nullptr ? 0 : std::min(wrong_quadratic_m3, wrong_cubic_m3);
-}
+double OctreeCell::wrong_m3() const { return leaf == nullptr ? 0 : std::min(wrong_quadratic_m3, wrong_cubic_m3); }
 
 bool OctreeCell::takes_cubic(double threshold_m3) const {
   return wrong_quadratic_m3 - wrong_cubic_m3 > 0.5 * threshold_m3;

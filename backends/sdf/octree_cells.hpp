@@ -90,8 +90,7 @@ class SampleBlock {
 /// own.
 class OctreeCellMaker {
  public:
-  OctreeCellMaker(const SignedSurface& surface, const OctreeDemand& demand)
-      : m_surface(surface), m_demand(demand) {}
+  OctreeCellMaker(const SignedSurface& surface, const OctreeDemand& demand) : m_surface(surface), m_demand(demand) {}
 
   [[nodiscard]] OctreeCell root(const Vec3& centre_m, double half_edge_m, SampleBlock& block) const;
 

@@ -89,9 +89,9 @@ class SdfBackend final : public CollisionBackend {
   void do_build() override {
     m_fields.clear();
     // What lies outside the band is known by the distance alone, and across a hole the side changes without a surface.
-    m_has_budgets = m_wants_budgets && (!(m_settings.band_m > 0) ||
-                                        std::all_of(bones().begin(), bones().end(),
-                                                    [](const Bone& bone) { return is_closed(bone.surface.mesh); }));
+    m_has_budgets = m_wants_budgets &&
+                    (!m_settings.band_m || std::all_of(bones().begin(), bones().end(),
+                                                       [](const Bone& bone) { return is_closed(bone.surface.mesh); }));
     m_loaded_fields = 0;
     if (m_has_budgets) {
       m_budgets.reset(bones(), muscle().vertices.size());
@@ -103,8 +103,8 @@ class SdfBackend final : public CollisionBackend {
     std::vector<GridShape> shapes;
     for (const Bone& bone : bones()) {
       shapes.push_back(grid_over(bone.surface.mesh, m_grid, bone.name));
-      if (m_settings.band_m > 0) {
-        require_sensible_band(m_settings.band_m, shapes.back(), bone.surface.mesh, bone.name);
+      if (m_settings.band_m) {
+        require_sensible_band(*m_settings.band_m, shapes.back(), bone.surface.mesh, bone.name);
       }
     }
     require_room(shapes);
@@ -165,7 +165,7 @@ class SdfBackend final : public CollisionBackend {
   [[nodiscard]] std::string file_name(const Bone& bone) const {
     const std::string grid =
         m_grid.cell_size_m > 0 ? fmt::format("{}m", m_grid.cell_size_m) : fmt::format("{}cells", m_grid.cells);
-    const std::string band = m_settings.band_m > 0 ? fmt::format("-band{}m", m_settings.band_m) : "";
+    const std::string band = m_settings.band_m ? fmt::format("-band{}m", *m_settings.band_m) : "";
     return fmt::format("{}-{}{}-{}.field", bone_file_name(bone.name), grid, band, m_precision_name);
   }
 
@@ -340,10 +340,11 @@ std::vector<ParameterSpec> sdf_parameters() {
        -1e300,
        1e300,
        {"float", "double", "compact"}},
-      {"band_m", 0.0, "narrow band: keep the cells in the bone and this far about it; 0: keep all", 0, 10, {}},
+      {"band_m", 0.0, "narrow band: keep the cells in the bone and this far about it; not given: keep all", 0, 10, {}},
       {"max_error_mm",
        0.0,
-       "adaptive cells: 99 of 100 depths near the surface are off by no more; 0: cells of one size",
+       "adaptive cells: 99 of 100 depths up to 1/200 of the bone's diagonal are off by no more, deeper ones by a tenth "
+       "of what lies beyond that; 0: cells of one size",
        0,
        1000,
        {}},

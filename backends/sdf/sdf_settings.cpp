@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <initializer_list>
+
+#include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
 
@@ -23,25 +26,33 @@ GridSettings grid_settings(const Parameters& parameters) {
 }
 
 FieldSettings field_settings(const Parameters& parameters) {
-  return {precision_named(parameters.word("precision")), parameters.number("band_m")};
+  FieldSettings settings{precision_named(parameters.word("precision"))};
+  if (parameters.given("band_m")) {
+    settings.band_m = parameters.number("band_m");
+  }
+  return settings;
 }
 
 bool wants_octree(const Parameters& parameters) {
-  if (parameters.number("max_error_mm") <= 0) {
-    return false;
-  }
-  const auto refuse = [](const std::string& parameter) {
-    throw InputError("sdf: " + parameter, "an adaptive field chooses its cells; leave out this or `max_error_mm`");
-  };
-  for (const char* other : {"cell_size_m", "band_m"}) {
-    if (parameters.number(other) > 0) {
-      refuse(other);
+  const bool is_adaptive = parameters.number("max_error_mm") > 0;
+  const auto refuse = [&](std::initializer_list<const char*> others, const std::string& chosen,
+                          const std::string& reason) {
+    for (const char* other : others) {
+      if (parameters.given(other)) {
+        throw InputError(fmt::format("sdf: {}", other), fmt::format("{}; leave out this or `{}`", reason, chosen));
+      }
     }
+  };
+  if (is_adaptive) {
+    refuse({"cells", "cell_size_m", "band_m", "precision", "discregrid"}, "max_error_mm",
+           "an adaptive field chooses its cells and keeps floats");
+  } else if (!parameters.word("discregrid").empty()) {
+    refuse({"cells", "cell_size_m", "band_m", "precision", "margin", "structures"}, "discregrid",
+           "a field that is read is as it was built");
+  } else if (parameters.number("cell_size_m") > 0) {
+    refuse({"cells"}, "cell_size_m", "the edge of the cells tells how many there are");
   }
-  if (!parameters.word("discregrid").empty()) {
-    refuse("discregrid");
-  }
-  return true;
+  return is_adaptive;
 }
 
 OctreeSettings octree_settings(const Parameters& parameters) {

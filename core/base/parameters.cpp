@@ -26,7 +26,9 @@ ParameterValue converted(const ParameterSpec& spec, const ParameterValue& value,
   if (std::holds_alternative<double>(spec.default_value) && std::holds_alternative<std::int64_t>(value)) {
     return static_cast<double>(std::get<std::int64_t>(value));
   }
-  throw InputError(key, fmt::format("is {}, not {}", type_name(spec.default_value), format_parameter_value(value)));
+  const std::string wanted =
+      spec.choices.empty() ? type_name(spec.default_value) : fmt::format("one of {}", fmt::join(spec.choices, ", "));
+  throw InputError(key, fmt::format("is {}, not {}", wanted, format_parameter_value(value)));
 }
 
 void check_range(const ParameterSpec& spec, const ParameterValue& value, const std::string& key) {
@@ -43,8 +45,8 @@ void check_range(const ParameterSpec& spec, const ParameterValue& value, const s
   const double number = std::holds_alternative<double>(value) ? std::get<double>(value)
                                                               : static_cast<double>(std::get<std::int64_t>(value));
   if (!std::isfinite(number) || number < spec.minimum || number > spec.maximum) {
-    throw InputError(key, fmt::format("{} is out of range; allowed is {} to {}", format_parameter_value(value),
-                                      spec.minimum, spec.maximum));
+    throw InputError(key, fmt::format("{} is out of range; allowed is {} to {} ({})", format_parameter_value(value),
+                                      spec.minimum, spec.maximum, spec.help));
   }
 }
 
@@ -70,6 +72,7 @@ Parameters::Parameters(const std::vector<ParameterSpec>& specs, const std::map<s
     const ParameterValue checked = converted(*spec, value, key);
     check_range(*spec, checked, key);
     m_values[name] = checked;
+    m_given.insert(name);
   }
 }
 

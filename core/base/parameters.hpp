@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -41,9 +42,12 @@ class Parameters {
     return std::get<std::string>(m_values.at(name));
   }
   [[nodiscard]] const std::map<std::string, ParameterValue>& values() const { return m_values; }
+  /// Whether the value was given, and be it the default.
+  [[nodiscard]] bool given(const std::string& name) const { return m_given.contains(name); }
 
  private:
   std::map<std::string, ParameterValue> m_values;
+  std::set<std::string> m_given;
 };
 
 /// `text` as the most specific of bool, integer, number, word.

@@ -22,7 +22,7 @@ class FieldFile : public StoredFileTest {
   FieldFile() : StoredFileTest("deep/bone.field") {}
 
   [[nodiscard]] std::string refusal(const std::string& digest, const GridShape& shape, FieldPrecision precision,
-                                    double band_m = 0) const {
+                                    std::optional<double> band_m = std::nullopt) const {
     return refusal_by([&] { (void)load_field(m_path, digest, shape, {precision, band_m}); });
   }
   [[nodiscard]] std::string refusal() const { return refusal(m_digest, m_shape, single_precision); }

@@ -100,9 +100,8 @@ void find_polynomial() {
     Vec3 gradient;
     const double value = evaluate_polynomial<true>(wanted.coefficients.data(), sample_place(s), gradient);
     gradient /= half_edge_m;
-    samples[s] = {value,
-                  {static_cast<float>(gradient[0]), static_cast<float>(gradient[1]), static_cast<float>(gradient[2])},
-                  0};
+    samples[s] = {
+        value, {static_cast<float>(gradient[0]), static_cast<float>(gradient[1]), static_cast<float>(gradient[2])}, 0};
   }
   const PolynomialFitter<terms> fitter;
   PolynomialFit found = fitter.fit(samples, half_edge_m);

@@ -155,8 +155,11 @@ TEST(SdfBackend, BudgetsBandsAndThreadsChangeNoContact) {
   const std::vector<std::vector<Vec3>> path = wandering_nodes(30);
   for (const std::string precision : {"float", "compact"}) {
     const auto made = [&](const std::string& budgets, double band_m, int threads = 1) {
-      auto backend = make(
-          {{"cells", std::int64_t{24}}, {"precision", precision}, {"motion_budgets", budgets}, {"band_m", band_m}});
+      Given given{{"cells", std::int64_t{24}}, {"precision", precision}, {"motion_budgets", budgets}};
+      if (band_m > 0) {
+        given["band_m"] = band_m;
+      }
+      auto backend = make(given);
       backend->build(bones, {}, threads);
       return backend;
     };
@@ -246,10 +249,41 @@ TEST(SdfBackend, RefusesAGridThatDoesNotFitBeforeItAllocates) {
     EXPECT_NE(std::string(error.what()).find("cells fit"), std::string::npos) << error.what();
   }
   EXPECT_THROW(make({{"band_m", 1e-4}})->build(bones, {}, 1), InputError);
+  EXPECT_THROW(make({{"band_m", 0.0}})->build(bones, {}, 1), InputError);
   EXPECT_THROW(make({{"band_m", -0.01}}), InputError);
   EXPECT_THROW(make({{"cell_size_m", 0.5}})->build(bones, {}, 1), InputError);
   EXPECT_THROW(make({{"cells", std::int64_t{0}}}), InputError);
   EXPECT_THROW(make({{"precision", std::string("half")}}), InputError);
+}
+
+TEST(SdfBackend, RefusesWhatAnotherParameterMakesMeaningless) {
+  const Given cells{{"cells", std::int64_t{8}}};
+  const Given cell_size{{"cell_size_m", 0.01}};
+  const Given band{{"band_m", 0.03}};
+  const Given precision{{"precision", std::string("double")}};
+  const Given margin{{"margin", 0.01}};
+  const Given structures{{"structures", std::string("here")}};
+  const Given discregrid{{"discregrid", std::string("here")}};
+  const Given max_error{{"max_error_mm", 0.5}};
+  const auto is_refused = [](Given given, const Given& chosen) {
+    given.insert(chosen.begin(), chosen.end());
+    try {
+      (void)make(given);
+    } catch (const InputError& error) {
+      return std::string(error.what()).find("leave out this or `" + chosen.begin()->first) != std::string::npos;
+    }
+    return false;
+  };
+  for (const Given& other : {cells, cell_size, band, precision, discregrid}) {
+    EXPECT_TRUE(is_refused(other, max_error)) << other.begin()->first;
+  }
+  for (const Given& other : {cells, cell_size, band, precision, margin, structures}) {
+    EXPECT_TRUE(is_refused(other, discregrid)) << other.begin()->first;
+  }
+  EXPECT_TRUE(is_refused(cells, cell_size));
+  for (const Given& other : {cells, band, precision, margin, structures}) {
+    EXPECT_FALSE(is_refused(margin, other)) << other.begin()->first;
+  }
 }
 
 TEST(SdfBackend, KeepsItsStructuresAndChecksThem) {

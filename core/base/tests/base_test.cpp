@@ -10,8 +10,8 @@
 namespace musclebench {
 namespace {
 
-const std::vector<ParameterSpec> specs = {{"cells", std::int64_t{64}, "", 1, 100, {}},
-                                          {"size_m", 0.5, "", 0, 1, {}},
+const std::vector<ParameterSpec> specs = {{"cells", std::int64_t{64}, "cells along an axis", 1, 100, {}},
+                                          {"size_m", 0.5, "edge", 0, 1, {}},
                                           {"mode", std::string("fast"), "", 0, 0, {"fast", "slow"}},
                                           {"open", false, "", 0, 0, {}}};
 
@@ -30,14 +30,17 @@ TEST(Parameters, DefaultsAndGivenValues) {
   EXPECT_EQ(parameters.number("size_m"), 1.0);
   EXPECT_EQ(parameters.word("mode"), "fast");
   EXPECT_TRUE(parameters.flag("open"));
+  EXPECT_TRUE(parameters.given("size_m"));
+  EXPECT_FALSE(parameters.given("cells"));
 }
 
 TEST(Parameters, RefusalsNamePlaceKeyAndCure) {
   EXPECT_EQ(error_of({{"cels", std::int64_t{1}}}), "here: cels: is unknown; did you mean 'cells'?");
-  EXPECT_EQ(error_of({{"cells", std::int64_t{0}}}), "here: cells: 0 is out of range; allowed is 1 to 100");
+  EXPECT_EQ(error_of({{"cells", std::int64_t{0}}}), "here: cells: 0 is out of range; allowed is 1 to 100 (cells along an axis)");
   EXPECT_EQ(error_of({{"cells", 1.5}}), "here: cells: is a whole number, not 1.5");
   EXPECT_EQ(error_of({{"size_m", std::numeric_limits<double>::quiet_NaN()}}),
-            "here: size_m: nan is out of range; allowed is 0 to 1");
+            "here: size_m: nan is out of range; allowed is 0 to 1 (edge)");
+  EXPECT_EQ(error_of({{"mode", true}}), "here: mode: is one of fast, slow, not true");
   EXPECT_EQ(error_of({{"mode", std::string("slwo")}}),
             "here: mode: 'slwo' is not one of fast, slow; did you mean 'slow'?");
 }
