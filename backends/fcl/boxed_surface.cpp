@@ -90,7 +90,7 @@ Clearance BoxedSurface::clearance_from(const Vec3& point, int triangle) const {
   return {std::max((1 - rounding_share) * clearance_share * best_m - rounding_m(), 0.0), triangle};
 }
 
-double BoxedSurface::free_m(const Vec3& /*point*/, const ClosestPoint& closest, bool /*is_settled*/) const {
+double BoxedSurface::free_m(const ClosestPoint& closest) const {
   return sides().closed() && closest.distance_m > touching_m() ? (1 - rounding_share) * closest.distance_m : 0;
 }
 

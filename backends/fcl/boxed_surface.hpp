@@ -28,8 +28,7 @@ class BoxedSurface : public SidedSurface {
   void start_listed(const Vec3& point, const NearTriangles& list, ListSearch& search) const;
   [[nodiscard]] ListedClosest finish_listed(const Vec3& point, const NearTriangles& list, double enough_m,
                                             const ListSearch& search) const;
-  [[nodiscard]] static ClosestPoint settled(const Vec3& /*point*/, const ClosestPoint& closest) { return closest; }
-  [[nodiscard]] double free_m(const Vec3& point, const ClosestPoint& closest, bool is_settled) const;
+  [[nodiscard]] double free_m(const ClosestPoint& closest) const;
   [[nodiscard]] double near_m() const { return m_triangle_size_m; }
 
   [[nodiscard]] std::size_t bytes() const;

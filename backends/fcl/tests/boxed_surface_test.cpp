@@ -183,7 +183,7 @@ TEST(BoxedSurface, AHoleIsNoClearance) {
   const BoxedSurface surface({mesh, true, {}});
   const Vec3 point(0.001, 0.002, 0.003);
   EXPECT_EQ(surface.clearance_from(point, 0).distance_m, 0);
-  EXPECT_EQ(surface.free_m(point, surface.closest(point), true), 0);
+  EXPECT_EQ(surface.free_m(surface.closest(point)), 0);
 }
 
 TEST(BoxedSurface, CountsTheTreeOfBoxes) {
