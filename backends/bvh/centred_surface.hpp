@@ -34,9 +34,8 @@ class CentredSurface {
   [[nodiscard]] Clearance clearance_from(const Vec3& point, int triangle) const;
   [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const;
-  [[nodiscard]] static ClosestPoint settled(const Vec3& /*point*/, const ClosestPoint& closest) { return closest; }
   /// Across a hole the side changes without a surface.
-  [[nodiscard]] double free_m(const Vec3& /*point*/, const ClosestPoint& closest, bool /*is_settled*/) const {
+  [[nodiscard]] double free_m(const ClosestPoint& closest) const {
     return closed() && closest.distance_m > m_touching_m ? closest.distance_m : 0;
   }
   [[nodiscard]] double near_m() const { return m_near_m; }

@@ -41,6 +41,14 @@ void check_for_meaning(const FclOptions& options) {
     throw InputError("fcl: manager",
                      "finds the bones for each node, which motion_budgets = on does by itself; leave it out");
   }
+  if (options.motion_budgets && options.bounding_volume != defaults.bounding_volume) {
+    throw InputError(
+        "fcl: bounding_volume",
+        "is AABB with motion_budgets = on, which walks FCL's tree of boxes whatever is chosen; leave it out");
+  }
+  if (options.motion_budgets && options.narrow_phase != defaults.narrow_phase) {
+    throw InputError("fcl: solver", "is not asked with motion_budgets = on; leave it out");
+  }
 }
 
 void check_for_support(const FclOptions& options) {
@@ -70,7 +78,7 @@ std::vector<ParameterSpec> fcl_parameters() {
        .default_value = std::string("OBBRSS"),
        .help = "volume of the trees' nodes; OBB gives the contacts of OBBRSS in less time and memory; AABB and "
                "KDOP24 copy a bone in every query of a node, and rebuild a moved one in every detection of surfaces; "
-               "node_distance knows OBBRSS, RSS and kIOS only",
+               "node_distance knows OBBRSS, RSS and kIOS only, and with motion_budgets it is always AABB",
        .choices = bounding_volumes()},
       {.name = "manager",
        .default_value = std::string("dynamic_aabb_tree"),

@@ -2,53 +2,64 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
-#include <span>
 
+#include "core/geometry/closest_on_triangles.hpp"
 #include "core/geometry/triangle_tree.hpp"
 
 namespace musclebench {
-
-struct NearTriangle {
-  int triangle = -1;
-  float distance_m = 0;  ///< not more than the true one
-};
 
 /// The triangles nearest to a place, enough to find the closest one for points about that place without a search: a
 /// triangle at distance d from the place is at least d less the way from there to the point. (What molecular dynamics
 /// calls a Verlet list.)
 struct NearTriangles {
   static constexpr std::size_t capacity = 32;
+  static_assert(capacity % ClosestOnTriangles::width == 0);
 
-  Vec3 place = Vec3::Zero();  ///< rest frame
-  double complete_m = 0;      ///< whatever is not in the list is at least this far from the place
-  std::array<NearTriangle, capacity> nearest;
-  std::size_t count = 0;  ///< ascending by distance; none: nothing is known
+  Vec3 place = Vec3::Zero();                     ///< rest frame
+  double complete_m = 0;                         ///< whatever is not in the list is at least this far from the place
+  std::size_t count = 0;                         ///< ascending by distance; none: nothing is known
+  std::array<float, capacity> distance_m;        ///< not more than the true one
+  std::array<std::int32_t, capacity> triangles;  ///< up to a whole multiple of eight the last one is repeated
 };
 
-/// `closest_on(triangle)` gives the ClosestOnTriangle of `point`. The list is not empty.
-template <typename ClosestOn>
-ListedClosest closest_listed(const NearTriangles& list, const Vec3& point, const ClosestOn& closest_on) {
-  constexpr double slack = 1e-12;  // above the rounding of the distances compared
-  const double moved_m = (point - list.place).norm() * (1 + slack);
-  double best_m = std::numeric_limits<double>::infinity();
-  ClosestOnTriangle best;
-  best.squared_distance_m2 = best_m;
-  int triangle = -1;
-  for (const NearTriangle& near : std::span(list.nearest).first(list.count)) {
-    if (static_cast<double>(near.distance_m) - moved_m > best_m) {
-      break;
+/// The closest of triangles that come eight by eight; of several at the smallest squared distance the one with the
+/// smallest index.
+class ClosestOfMany {
+ public:
+  ClosestOfMany(const Vec3& point, const std::array<Vec3, 3>* corners) : m_point(point), m_corners(corners) {}
+
+  void take(const std::int32_t* eight) {
+    static constexpr std::array<std::int32_t, ClosestOnTriangles::width> the_point = {};
+    ClosestOnTriangles found;
+    closest_on_triangles(&m_point, m_corners, the_point, {eight, ClosestOnTriangles::width}, {&found, 1});
+    int best = -1;
+    for (std::size_t i = 0; i < ClosestOnTriangles::width; ++i) {
+      const double squared_m2 = found.squared_distance_m2[i];
+      if (squared_m2 < m_squared_m2 || (squared_m2 == m_squared_m2 && eight[i] < m_triangle)) {
+        m_squared_m2 = squared_m2;
+        m_triangle = eight[i];
+        best = static_cast<int>(i);
+      }
     }
-    const ClosestOnTriangle candidate = closest_on(near.triangle);
-    if (candidate.squared_distance_m2 < best.squared_distance_m2 ||
-        (candidate.squared_distance_m2 == best.squared_distance_m2 && near.triangle < triangle)) {
-      best = candidate;
-      triangle = near.triangle;
-      best_m = std::sqrt(best.squared_distance_m2) * (1 + slack);
+    if (best >= 0) {
+      m_closest = found.at(static_cast<std::size_t>(best));
     }
   }
-  return {{best.point, std::sqrt(best.squared_distance_m2), triangle, best.feature},
-          best_m < list.complete_m - moved_m};
-}
+
+  [[nodiscard]] double squared_distance_m2() const { return m_squared_m2; }
+  [[nodiscard]] ClosestPoint answer() const {
+    return {m_closest.point, std::sqrt(m_squared_m2), m_triangle, m_closest.feature};
+  }
+
+ private:
+  const Vec3& m_point;
+  const std::array<Vec3, 3>* m_corners;
+  double m_squared_m2 = std::numeric_limits<double>::infinity();
+  int m_triangle = -1;
+  ClosestOnTriangle m_closest;
+};
 
 }  // namespace musclebench

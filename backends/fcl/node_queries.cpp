@@ -3,6 +3,7 @@
 #include <fcl/geometry/shape/sphere.h>
 
 #include "backends/fcl/bone_objects.hpp"
+#include "backends/fcl/boxed_surface.hpp"
 #include "backends/fcl/fcl_model.hpp"
 #include "backends/fcl/node_surface.hpp"
 #include "core/contact/node_detection.hpp"
@@ -43,6 +44,23 @@ struct NodeQueries::Implementation {
         // Only inside the bone's box can a node be inside the bone; a sphere may also touch it from outside.
         reach_m(options.query == Query::node_distance ? 0 : options.node_radius_m),
         poses(bones.size()) {
+    if (motion_budgets) {
+      build_for_budgets(bones, nodes);
+    } else {
+      build_for_calls(options, bones);
+    }
+  }
+
+  void build_for_budgets(std::span<const Bone> bones, std::size_t nodes) {
+    boxed.reserve(bones.size());
+    for (const Bone& bone : bones) {
+      structure_bytes += boxed.emplace_back(bone.surface).bytes();
+    }
+    detection.reset(bones, boxed, nodes, true, threads);
+    structure_bytes += detection.bytes();
+  }
+
+  void build_for_calls(const FclOptions& options, std::span<const Bone> bones) {
     std::vector<std::shared_ptr<fcl::CollisionGeometryd>> models;
     surfaces.reserve(bones.size());
     for (const Bone& bone : bones) {
@@ -56,10 +74,6 @@ struct NodeQueries::Implementation {
     }
     objects = std::make_unique<BoneObjects>(options.broad_phase, std::move(models));
     structure_bytes += objects->bytes();
-    if (motion_budgets) {
-      detection.reset(bones, surfaces, nodes, true, threads);
-      structure_bytes += detection.bytes();
-    }
   }
 
   Query query;
@@ -67,8 +81,11 @@ struct NodeQueries::Implementation {
   int threads;
   double reach_m;
   std::vector<RigidMotion> poses;
+  // With motion budgets: which bones a node is asked about is up to them.
+  std::vector<BoxedSurface> boxed;
+  NodeDetection<BoxedSurface> detection;
+  // Without: FCL's calls.
   std::vector<NodeSurface> surfaces;
-  NodeDetection<NodeSurface> detection;  ///< with motion budgets: who is asked is up to it, not to `objects`
   std::unique_ptr<BoneObjects> objects;
   std::vector<Answer> answers;  ///< by bone, then place in `nodes`
   std::size_t structure_bytes = 0;
@@ -81,7 +98,9 @@ NodeQueries::~NodeQueries() = default;
 
 void NodeQueries::move_bones(std::span<const RigidMotion> poses) {
   m_implementation->poses.assign(poses.begin(), poses.end());
-  m_implementation->objects->move(poses);
+  if (m_implementation->objects != nullptr) {
+    m_implementation->objects->move(poses);
+  }
 }
 
 void NodeQueries::append(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) {
@@ -125,7 +144,9 @@ void NodeQueries::append(std::span<const Vec3> positions, std::span<const int> n
 }
 
 double NodeQueries::touching_m(int bone) const {
-  return m_implementation->surfaces[static_cast<std::size_t>(bone)].touching_m();
+  const auto place = static_cast<std::size_t>(bone);
+  return m_implementation->motion_budgets ? m_implementation->boxed[place].touching_m()
+                                          : m_implementation->surfaces[place].touching_m();
 }
 
 std::size_t NodeQueries::bytes() const { return m_implementation->structure_bytes; }

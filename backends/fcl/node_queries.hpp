@@ -20,8 +20,9 @@ namespace musclebench {
 ///   farther from the surface than that, on either side, meets none.
 ///
 /// Nodes are asked in the bone's rest frame: moved models without orientation would be rebuilt in every query. What FCL
-/// finds is measured again here (see NodeSurface). With motion budgets `node_distance` asks FCL only about nodes of
-/// which too little is known from before; the contacts are the same.
+/// finds is measured again here (see NodeSurface). With motion budgets FCL is asked only about nodes of which too
+/// little is known from before, and not by its calls: its recursions go through its tree of boxes (see BoxedSurface).
+/// The contacts are the same.
 class NodeQueries {
  public:
   /// Builds one model a bone; keeps references to the bones and their meshes. `nodes` is the number of positions that

@@ -30,10 +30,7 @@ namespace musclebench {
 /// - `Clearance clearance_from(point, triangle)`: faster than `closest_from`, and less.
 /// - `double distance_m(point, triangle)`.
 /// - `bool contains(point, closest)`; `Vec3 outward(point, closest)`: unit, for a point that it contains.
-/// - `ClosestPoint settled(point, closest)`: what `closest` and `closest_from` found, to the bit what any other way of
-///   finding it gives; asked for contacts only, and contained or not anew.
-/// - `double free_m(point, closest, is_settled)`: about a point that it does not contain, how far it contains nothing;
-///   `is_settled` where `closest` is from a list or `settled`.
+/// - `double free_m(closest)`: about a point that it does not contain, how far it contains nothing.
 /// - `double touching_m()`: it contains nothing that is closer to the surface.
 /// - `double near_m()`: closer to the surface than this a list saves searches.
 template <typename Surface>
@@ -179,18 +176,14 @@ class NodeDetection {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
     double free_m = asked.free_m;
     if (!asked.outside) {
-      Answer answer = m_motion_budgets ? recall(bone, asked, started) : search(surface, asked.point);
+      const Answer answer = m_motion_budgets ? recall(bone, asked, started) : search(surface, asked.point);
       free_m = answer.free_m;
       if (answer.inside) {
-        answer.closest = answer.listed ? answer.closest : surface.settled(asked.point, answer.closest);
-        if (answer.listed || surface.contains(asked.point, answer.closest)) {
-          contact = {asked.node, bone, answer.closest.distance_m, surface.outward(asked.point, answer.closest)};
-          if (m_motion_budgets) {
-            memory_of(bone, asked.node).way_out = asked.point + contact.depth_m * contact.normal;
-          }
-          return true;
+        contact = {asked.node, bone, answer.closest.distance_m, surface.outward(asked.point, answer.closest)};
+        if (m_motion_budgets) {
+          memory_of(bone, asked.node).way_out = asked.point + contact.depth_m * contact.normal;
         }
-        free_m = surface.free_m(asked.point, answer.closest, answer.listed);
+        return true;
       }
     }
     // A ball that it has left stays true, and is better than none.
@@ -203,8 +196,7 @@ class NodeDetection {
   struct Answer {
     ClosestPoint closest;
     bool inside = false;
-    bool listed = false;  ///< from a list, which leaves nothing to settle
-    double free_m = 0;    ///< of what is not inside
+    double free_m = 0;  ///< of what is not inside
   };
 
   static Answer search(const Surface& surface, const Vec3& point) {
@@ -238,8 +230,8 @@ class NodeDetection {
       }
       memory.triangle = listed.closest.triangle;
       if (listed.certain) {
-        answer = {listed.closest, surface.contains(point, listed.closest), true};
-        answer.free_m = answer.inside ? 0 : surface.free_m(point, listed.closest, true);
+        answer = {listed.closest, surface.contains(point, listed.closest)};
+        answer.free_m = answer.inside ? 0 : surface.free_m(listed.closest);
       }
       return listed.certain;
     };
@@ -279,7 +271,7 @@ class NodeDetection {
     }
     answer.closest = memory.triangle < 0 ? surface.closest(point) : surface.closest_from(point, memory.triangle);
     answer.inside = surface.contains(point, answer.closest);
-    answer.free_m = answer.inside ? 0 : surface.free_m(point, answer.closest, false);
+    answer.free_m = answer.inside ? 0 : surface.free_m(answer.closest);
     memory.triangle = answer.closest.triangle;
     memory.near.count = 0;
     // A node that leaves a larger ball is too far from here for a list.

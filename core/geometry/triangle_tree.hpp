@@ -100,6 +100,8 @@ class TriangleTree {
   }
 
   [[nodiscard]] std::size_t triangle_count() const { return m_corners.size(); }
+  /// Of each triangle, for `closest_on_triangles`.
+  [[nodiscard]] const std::array<Vec3, 3>* corners() const { return m_corners.data(); }
   [[nodiscard]] std::size_t bytes() const;
 
  private:
