@@ -99,16 +99,12 @@ class OctreeBackend final : public CollisionBackend {
     if (m_has_budgets && positions.size() != m_budgets.nodes()) {
       m_budgets.reset(bones(), positions.size());
     }
+    if (m_has_budgets) {
+      m_budgets.collect_spent(poses(), positions, nodes);
+    }
     for (int bone = 0; bone < static_cast<int>(m_fields.size()); ++bone) {
-      if (m_has_budgets) {
-        m_budgets.collect_spent(bone, poses()[static_cast<std::size_t>(bone)], positions, nodes, m_spent);
-        for (const int place : m_spent) {
-          ask(bone, nodes[static_cast<std::size_t>(place)], positions, contacts);
-        }
-      } else {
-        for (const int node : nodes) {
-          ask(bone, node, positions, contacts);
-        }
+      for (const int node : m_has_budgets ? m_budgets.spent(bone) : nodes) {
+        ask(bone, node, positions, contacts);
       }
     }
   }
@@ -143,7 +139,6 @@ class OctreeBackend final : public CollisionBackend {
   std::size_t m_loaded_fields = 0;
   std::vector<OctreeField> m_fields;
   MotionBudgets m_budgets;
-  std::vector<int> m_spent;
 };
 
 }  // namespace

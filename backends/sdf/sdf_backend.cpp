@@ -201,17 +201,12 @@ class SdfBackend final : public CollisionBackend {
 
   /// In the order of the contacts: a share a bone, or several where a thread more pays.
   void share_out(std::span<const Vec3> positions, std::span<const int> nodes) {
-    m_spent.resize(m_fields.size());
     m_shares.clear();
+    if (m_has_budgets) {
+      m_budgets.collect_spent(poses(), positions, nodes);
+    }
     for (std::size_t b = 0; b < m_fields.size(); ++b) {
-      std::span<const int> asked = nodes;
-      if (m_has_budgets) {
-        m_budgets.collect_spent(static_cast<int>(b), poses()[b], positions, nodes, m_spent[b]);
-        for (int& spent : m_spent[b]) {
-          spent = nodes[static_cast<std::size_t>(spent)];
-        }
-        asked = m_spent[b];
-      }
+      std::span<const int> asked = m_has_budgets ? m_budgets.spent(static_cast<int>(b)) : nodes;
       while (threads() > 1 && asked.size() > nodes_a_share) {
         m_shares.push_back({static_cast<int>(b), asked.first(nodes_a_share)});
         asked = asked.subspan(nodes_a_share);
@@ -323,7 +318,6 @@ class SdfBackend final : public CollisionBackend {
   std::vector<CubicField> m_fields;
   MotionBudgets m_budgets;
   // Scratch memory, kept so that a frame allocates nothing.
-  std::vector<std::vector<int>> m_spent;  ///< nodes, by bone
   std::vector<Share> m_shares;
   std::vector<std::vector<Contact>> m_found;  ///< by share
 };

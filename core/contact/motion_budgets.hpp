@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -15,21 +16,23 @@ namespace musclebench {
 /// its answer stays the same to the bit: a ball is granted only as large as its owner vouches for, and shrunk by all
 /// rounding on the way.
 ///
-/// Balls are held in single precision about the middle of each bone; a sweep over them costs about what one bit of a
-/// voxel grid does.
+/// Balls are held in single precision about the middle of each bone. All bones are swept together, because bringing
+/// the positions into single precision costs as much as asking a bone's balls; for a bone and a node it is less than
+/// one bit of a voxel grid costs.
 class MotionBudgets {
  public:
-  /// By how much `spent` is longer than `nodes` while it is filled.
-  static constexpr std::size_t room_behind = 16;
-
   /// Spends all budgets. Keeps nothing of `bones` but where they are; `nodes` is the number of positions.
   void reset(std::span<const Bone> bones, std::size_t nodes);
 
-  /// The places in `nodes` (ascending) of those that have left their balls about `bone`, or never had one, into
-  /// `spent`, ascending. `positions` (of all nodes) are in the world frame, in metres, and may be anything, also not
-  /// finite (then spent).
-  void collect_spent(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes,
-                     std::vector<int>& spent);
+  /// Finds those of `nodes` (ascending) that have left their balls, or never had one. `positions` (of all nodes) are in
+  /// the world frame, in metres, and may be anything, also not finite (then spent). `poses`: of all bones.
+  void collect_spent(std::span<const RigidMotion> poses, std::span<const Vec3> positions, std::span<const int> nodes);
+
+  /// The nodes that the last `collect_spent` found for `bone`, ascending. Valid until the next.
+  [[nodiscard]] std::span<const int> spent(int bone) const {
+    const Balls& balls = m_bones[static_cast<std::size_t>(bone)];
+    return std::span(balls.spent).first(balls.spent_count);
+  }
 
   /// Promises that `node` is free of `bone` wherever it is nearer than `clearance_m` to `rest_point` (in the bone's
   /// rest frame). May be called for different nodes by several threads at once. A clearance that is not positive leaves
@@ -42,28 +45,54 @@ class MotionBudgets {
 
   /// Of the node's ball; 0 without one.
   [[nodiscard]] double radius_m(int bone, int node) const {
-    return static_cast<double>(m_bones[static_cast<std::size_t>(bone)].radius_m[static_cast<std::size_t>(node)]);
+    return m_bones[static_cast<std::size_t>(bone)].of(node).radius_m;
   }
 
   /// That `reset` was told of.
   [[nodiscard]] std::size_t nodes() const { return m_nodes; }
   [[nodiscard]] std::size_t bytes() const;
 
-  /// About a bone's middle, in its rest frame, by node.
-  struct Balls {
-    Vec3 middle_m;
-    std::vector<float> x, y, z, radius_m;
+  /// The balls of eight nodes: a sweep goes through memory in one way, and a single ball is in two cache lines.
+  struct alignas(64) EightBalls {
+    static constexpr std::size_t width = 8;
+    std::array<float, width> x{}, y{}, z{}, radius_m{};
+  };
+
+  /// One bone's balls, where it stands, and what a sweep finds.
+  struct SweptBone {
+    const EightBalls* balls = nullptr;
+    std::array<std::array<float, 3>, 3> rotation{};  ///< row i takes a direction of the world to the bone's axis i
+    std::array<float, 3> offset{};                   ///< from the bone's middle to the sweep's, in the bone's axes
+    float slack = 0;                                 ///< for the offset
+    int* spent = nullptr;
+    std::size_t count = 0;
   };
 
  private:
+  struct Ball {
+    Vec3 centre_m;
+    double radius_m;
+  };
+
+  /// Of one bone, about its middle, in its rest frame.
+  struct Balls {
+    Vec3 middle_m;
+    std::vector<EightBalls> eights;
+    std::vector<int> spent;  ///< with room for a compressed vector, which is stored whole
+    std::size_t spent_count = 0;
+
+    [[nodiscard]] Ball of(int node) const;
+  };
+
   void plan_sweep(std::span<const int> nodes);
-  void collect_one_by_one(const Balls& balls, const RigidMotion& pose, std::span<const Vec3> positions,
-                          std::span<const int> nodes, std::vector<int>& spent) const;
+  static void collect_one_by_one(const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes,
+                                 Balls& balls);
 
   std::vector<Balls> m_bones;
   std::size_t m_nodes = 0;
-  std::vector<int> m_swept;          ///< the nodes that the last sweep was about
-  std::vector<int> m_place_of_node;  ///< in m_swept; negative: not swept
+  std::vector<int> m_swept;         ///< the nodes that the last sweep was about
+  std::vector<int> m_is_swept;      ///< by node: -1 or 0
+  std::vector<SweptBone> m_sweeps;  ///< scratch memory
 };
 
 /// The parameter `motion_budgets` (on or off) of the backends that can keep them.

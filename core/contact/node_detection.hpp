@@ -52,14 +52,13 @@ class NodeDetection {
     if (m_motion_budgets && positions.size() != m_nodes) {
       forget(positions.size());
     }
-    for (std::size_t bone = 0; bone < m_surfaces.size(); ++bone) {
-      if (m_motion_budgets) {
-        m_budgets.collect_spent(static_cast<int>(bone), poses[bone], positions, nodes, m_places);
-      } else {
-        list_all(nodes.size());
-      }
-      ask(static_cast<int>(bone), poses[bone], positions, nodes);
-      for (std::size_t i = 0; i < m_places.size(); ++i) {
+    if (m_motion_budgets) {
+      m_budgets.collect_spent(poses, positions, nodes);
+    }
+    for (int bone = 0; bone < static_cast<int>(m_surfaces.size()); ++bone) {
+      const std::span<const int> asked = m_motion_budgets ? m_budgets.spent(bone) : nodes;
+      ask(bone, poses[static_cast<std::size_t>(bone)], positions, asked);
+      for (std::size_t i = 0; i < asked.size(); ++i) {
         if (m_inside[i] != 0) {
           contacts.push_back(m_found[i]);
         }
@@ -72,7 +71,6 @@ class NodeDetection {
  private:
   void forget(std::size_t nodes) {
     m_nodes = nodes;
-    m_places.reserve(nodes + MotionBudgets::room_behind);
     m_found.reserve(nodes);
     m_inside.reserve(nodes);
     if (!m_motion_budgets) {
@@ -82,18 +80,11 @@ class NodeDetection {
     m_memories.assign(m_surfaces.size() * nodes, {});
   }
 
-  void list_all(std::size_t count) {
-    m_places.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      m_places[i] = static_cast<int>(i);
-    }
-  }
-
   /// Every node for itself, so that the answer does not depend on how many threads share them.
   void ask(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes) {
-    m_found.resize(m_places.size());
-    m_inside.resize(m_places.size());
-    const std::size_t blocks = (m_places.size() + block_size - 1) / block_size;
+    m_found.resize(nodes.size());
+    m_inside.resize(nodes.size());
+    const std::size_t blocks = (nodes.size() + block_size - 1) / block_size;
     if (m_threads == 1 || blocks < 2) {  // without OpenMP, which allocates even a team of one
       for (std::size_t block = 0; block < blocks; ++block) {
         ask_block(bone, pose, positions, nodes, block * block_size);
@@ -124,12 +115,12 @@ class NodeDetection {
   void ask_block(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes,
                  std::size_t first) {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
-    const std::size_t count = std::min(block_size, m_places.size() - first);
+    const std::size_t count = std::min(block_size, nodes.size() - first);
     std::array<Asked, block_size> asked;
     std::array<ListSearch, block_size> searches;
     for (std::size_t i = 0; i < count; ++i) {
       Asked& ask = asked[i];
-      ask.node = nodes[static_cast<std::size_t>(m_places[first + i])];
+      ask.node = nodes[first + i];
       ask.point = pose.apply_inverse(positions[static_cast<std::size_t>(ask.node)]);
       ask.outside = surface.is_outside(ask.point, ask.free_m);
     }
@@ -291,8 +282,7 @@ class NodeDetection {
   static constexpr std::size_t block_size = 16;
   static constexpr double unknown = std::numeric_limits<double>::infinity();
   // Scratch memory, kept so that a frame allocates nothing.
-  std::vector<int> m_places;     ///< in `nodes`, of those that are asked about
-  std::vector<Contact> m_found;  ///< by place in m_places, valid where m_inside
+  std::vector<Contact> m_found;  ///< by place in the nodes that are asked about, valid where m_inside
   std::vector<unsigned char> m_inside;
 };
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 #include <set>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -28,6 +29,13 @@ std::vector<Bone> bones_at(const Vec3& place) {
     vertex += place;
   }
   return {{"box", {mesh, true, {}}}};
+}
+
+std::vector<int> spent_of(MotionBudgets& budgets, const std::vector<Vec3>& positions, const std::vector<int>& nodes) {
+  const RigidMotion pose;
+  budgets.collect_spent({&pose, 1}, positions, nodes);
+  const std::span<const int> spent = budgets.spent(0);
+  return {spent.begin(), spent.end()};
 }
 
 class MotionBudgetsAt : public testing::TestWithParam<double> {};
@@ -55,8 +63,8 @@ TEST_P(MotionBudgetsAt, SpentIsWhatHasLeftItsBall) {
     left_by.push_back((node % 2 == 0 ? 1 : -1) * std::pow(10.0, -9 * std::abs(unit(random))));
     positions.push_back(pose.apply(place + (1 + left_by.back()) * clearance_m * vector().normalized()));
   }
-  std::vector<int> spent;
-  budgets.collect_spent(0, pose, positions, nodes, spent);
+  budgets.collect_spent({&pose, 1}, positions, nodes);
+  const std::span<const int> spent = budgets.spent(0);
   const std::set<int> asked(spent.begin(), spent.end());
   ASSERT_EQ(asked.size(), spent.size());
   EXPECT_TRUE(std::is_sorted(spent.begin(), spent.end()));
@@ -98,7 +106,54 @@ TEST_P(MotionBudgetsAt, AGapIsNeverTooSmall) {
   }
 }
 
-TEST(MotionBudgets, PlacesCountInTheNodesAskedFor) {
+/// Swept together, each bone about the middle of all of them, and one by one, each about its own.
+TEST_P(MotionBudgetsAt, BonesThatStandApartAreSweptAsIfTheyWereAlone) {
+  const double far_m = GetParam();
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto vector = [&] { return Vec3(unit(random), unit(random), unit(random)); };
+  std::vector<Bone> bones = bones_at(Vec3(0.1, 0.2, -0.3));
+  bones.push_back(bones_at(far_m * Vec3(0.5, 1, 1)).front());
+  const std::vector<int> nodes = first_nodes(1003);
+  const std::vector<RigidMotion> poses = {
+      RigidMotion::about_axis(Vec3::UnitY(), far_m * Vec3(1, 0, 2), 0.4),
+      RigidMotion::about_axis(Vec3(2, 1, 0).normalized(), far_m * Vec3(0.5, 1, 1) + Vec3(0, 0.3, 0), -1.1)};
+  MotionBudgets budgets;
+  budgets.reset(bones, nodes.size());
+  std::vector<Vec3> positions;
+  std::vector<std::vector<int>> outside(2);
+  for (const int node : nodes) {
+    // At the first bone, or half-way between the two.
+    const Vec3 other = poses[1].apply(far_m * Vec3(0.5, 1, 1));
+    const Vec3 first = poses[0].apply(Vec3(0.1, 0.2, -0.3));
+    positions.push_back((node % 2 == 0 ? first : Vec3(0.5 * (first + other))) + 0.3 * vector());
+    for (const int bone : {0, 1}) {
+      const double clearance_m = std::pow(10.0, -3 + 2 * std::abs(unit(random)));
+      const bool left = unit(random) < 0;
+      const double way_m = clearance_m * (1 + (left ? 1e-7 : -0.2));
+      const Vec3 at = poses[static_cast<std::size_t>(bone)].apply_inverse(positions.back());
+      budgets.grant(bone, node, at + way_m * vector().normalized(), clearance_m);
+      if (left) {
+        outside[static_cast<std::size_t>(bone)].push_back(node);
+      }
+    }
+  }
+  // A hundredth of the nodes is not swept but asked one by one.
+  for (const std::size_t count : {nodes.size(), nodes.size() / 100}) {
+    budgets.collect_spent(poses, positions, std::span(nodes).first(count));
+    for (const int bone : {0, 1}) {
+      const std::span<const int> spent = budgets.spent(bone);
+      std::vector<int> expected = outside[static_cast<std::size_t>(bone)];
+      expected.erase(std::lower_bound(expected.begin(), expected.end(), static_cast<int>(count)), expected.end());
+      EXPECT_TRUE(std::includes(spent.begin(), spent.end(), expected.begin(), expected.end())) << bone;
+      if (far_m <= 10) {  // farther apart than that, balls of a millimetre get lost, which costs time only
+        EXPECT_EQ(spent.size(), expected.size()) << bone;
+      }
+    }
+  }
+}
+
+TEST(MotionBudgets, NodesThatAreNotAskedForAreNotSpent) {
   const std::vector<Bone> bones = bones_at(Vec3::Zero());
   MotionBudgets budgets;
   budgets.reset(bones, 700);
@@ -106,11 +161,8 @@ TEST(MotionBudgets, PlacesCountInTheNodesAskedFor) {
   const std::vector<int> nodes = {2, 3, 5, 600, 699};
   budgets.grant(0, 3, positions[3], 0.1);
   budgets.grant(0, 600, positions[600], 0.1);
-  std::vector<int> spent;
-  budgets.collect_spent(0, RigidMotion{}, positions, nodes, spent);
-  EXPECT_EQ(spent, (std::vector<int>{0, 2, 4}));
-  budgets.collect_spent(0, RigidMotion{}, positions, {}, spent);
-  EXPECT_TRUE(spent.empty());
+  EXPECT_EQ(spent_of(budgets, positions, nodes), (std::vector<int>{2, 5, 699}));
+  EXPECT_TRUE(spent_of(budgets, positions, {}).empty());
   // Enough nodes to be swept together: all but every third one, and then all but every fourth.
   for (const int left_out : {3, 4}) {
     std::vector<int> most;
@@ -118,13 +170,12 @@ TEST(MotionBudgets, PlacesCountInTheNodesAskedFor) {
     for (const int node : first_nodes(700)) {
       if (node % left_out != 0) {
         if (node != 3 && node != 600) {
-          expected.push_back(static_cast<int>(most.size()));
+          expected.push_back(node);
         }
         most.push_back(node);
       }
     }
-    budgets.collect_spent(0, RigidMotion{}, positions, most, spent);
-    EXPECT_EQ(spent, expected) << left_out;
+    EXPECT_EQ(spent_of(budgets, positions, most), expected) << left_out;
   }
 }
 
@@ -143,12 +194,9 @@ TEST(MotionBudgets, NothingIsFreeWithoutABallOrANumber) {
   positions[2].z() = 1e300;
   budgets.grant(0, 3, positions[3], 0);
   budgets.grant(0, 4, positions[4], -1);
-  std::vector<int> spent;
-  budgets.collect_spent(0, RigidMotion{}, positions, first_nodes(6), spent);
-  EXPECT_EQ(spent, (std::vector<int>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(spent_of(budgets, positions, first_nodes(6)), (std::vector<int>{0, 1, 2, 3, 4}));
   budgets.grant(0, 5, positions[5], nan);
-  budgets.collect_spent(0, RigidMotion{}, positions, first_nodes(6), spent);
-  EXPECT_EQ(spent.size(), 6U);
+  EXPECT_EQ(spent_of(budgets, positions, first_nodes(6)).size(), 6U);
 }
 
 }  // namespace
