@@ -96,12 +96,13 @@ Agreement compare(std::span<const Vec3> points, std::span<const double> one, std
     if (std::isnan(difference)) {  // no answer is the worst answer
       difference = std::numeric_limits<double>::infinity();
     }
-    if (difference > result.largest_difference_m) {
-      result.largest_difference_m = difference;
-      result.worst_point_m = points[i];
-    }
     const bool differ = (one[i] < 0) != (other[i] < 0);
     const bool beyond = std::max(std::abs(one[i]), std::abs(other[i])) > tolerance_m;
+    const bool is_first_sign = differ && beyond && result.sign_differences == 0;
+    if (difference > result.largest_difference_m || (is_first_sign && result.largest_difference_m <= tolerance_m)) {
+      result.worst_point_m = points[i];
+    }
+    result.largest_difference_m = std::max(result.largest_difference_m, difference);
     result.sign_differences += differ && beyond ? 1 : 0;
     result.inside += one[i] < 0 ? 1 : 0;
   }
@@ -116,10 +117,11 @@ std::int64_t points_for(const CentredSurface& surface, const VerificationSetting
 
 }  // namespace
 
+bool SurfaceVerification::holds(const Agreement& agreement) const {
+  return agreement.sign_differences == 0 && agreement.largest_difference_m <= agreed_m;
+}
+
 bool SurfaceVerification::held() const {
-  const auto holds = [&](const Agreement& agreement) {
-    return agreement.sign_differences == 0 && agreement.largest_difference_m <= agreed_share * diagonal_m;
-  };
   return holds(bvh_referee) && holds(bvh_brute_force) && holds(referee_brute_force);
 }
 
@@ -177,11 +179,14 @@ SurfaceVerification verify_surface(const Bone& bone, const VerificationSettings&
   });
 
   SurfaceVerification result;
-  result.diagonal_m = box_of_triangles(mesh).diagonal().norm();
-  const double tolerance_m = agreed_share * result.diagonal_m;
-  result.bvh_referee = compare(points, by_bvh, by_referee, tolerance_m);
-  result.bvh_brute_force = compare(points, by_bvh, by_brute_force, tolerance_m);
-  result.referee_brute_force = compare(points, by_referee, by_brute_force, tolerance_m);
+  const Eigen::AlignedBox3d box = box_of_triangles(mesh);
+  result.diagonal_m = box.diagonal().norm();
+  const double largest_coordinate_m = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
+  result.agreed_m = agreed_share * result.diagonal_m +
+                    agreed_roundings * std::numeric_limits<double>::epsilon() * largest_coordinate_m;
+  result.bvh_referee = compare(points, by_bvh, by_referee, result.agreed_m);
+  result.bvh_brute_force = compare(points, by_bvh, by_brute_force, result.agreed_m);
+  result.referee_brute_force = compare(points, by_referee, by_brute_force, result.agreed_m);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

@@ -18,26 +18,29 @@ struct VerificationSettings {
   int threads = 1;
 };
 
-/// How far two signed distances may lie apart, and how far from the surface their signs may differ, as a share of the
-/// surface's diagonal.
+/// How far two signed distances may lie apart, and how far from the surface their signs may differ: a share of the
+/// surface's diagonal, and roundings of its largest coordinate, which `brute_force` computes with as they are.
 constexpr double agreed_share = 1e-12;
+constexpr double agreed_roundings = 64;
 
 /// How two ways to the same signed distance agree.
 struct Agreement {
   std::int64_t points = 0;
   double largest_difference_m = 0;  ///< of the distances without their signs
   Vec3 worst_point_m = Vec3::Zero();
-  std::int64_t sign_differences = 0;  ///< farther than `agreed_share` of the diagonal from the surface
+  std::int64_t sign_differences = 0;  ///< farther than what is agreed from the surface
   std::int64_t inside = 0;            ///< by the first of the two
 };
 
 struct SurfaceVerification {
   double diagonal_m = 0;
+  double agreed_m = 0;  ///< what two answers may lie apart
   Agreement bvh_referee;
   Agreement bvh_brute_force;
   Agreement referee_brute_force;
   double seconds = 0;
 
+  [[nodiscard]] bool holds(const Agreement& agreement) const;
   [[nodiscard]] bool held() const;
 };
 

@@ -44,8 +44,8 @@ void print_row(const std::string& bone, const char* surface, const char* pair, c
                const SurfaceVerification& of) {
   fmt::print("{:<12} {:<10} {:<21} {:>9} {:>9} {:>12.2e} {:>12} {:>9.1f}\n", bone, surface, pair, agreement.points,
              agreement.inside, agreement.largest_difference_m / of.diagonal_m, agreement.sign_differences, of.seconds);
-  if (agreement.sign_differences > 0 || !(agreement.largest_difference_m <= agreed_share * of.diagonal_m)) {
-    fmt::print("  largest difference at ({:.17g}, {:.17g}, {:.17g}) m\n", agreement.worst_point_m.x(),
+  if (!of.holds(agreement)) {
+    fmt::print("  worst at ({:.17g}, {:.17g}, {:.17g}) m\n", agreement.worst_point_m.x(),
                agreement.worst_point_m.y(), agreement.worst_point_m.z());
   }
 }
@@ -73,9 +73,9 @@ int verify_scene(const VerifyOptions& options) {
     held = verify({scene.bones[i].name, {scene.bone_meshes[i].mesh, false, {}}}, "as shipped", options) && held;
   }
   fmt::print(
-      "difference: of the distances, as a share of the bone's diagonal; signs: of points farther than {:g} of it "
-      "from the surface; seconds: of all three\n{}\n",
-      agreed_share, held ? "held" : "NOT held");
+      "difference: of the distances, as a share of the bone's diagonal; signs: of points farther than {:g} of it, and "
+      "{:g} roundings of the largest coordinate, from the surface; seconds: of all three\n{}\n",
+      agreed_share, agreed_roundings, held ? "held" : "NOT held");
   return held ? 0 : exit_not_held;
 }
 

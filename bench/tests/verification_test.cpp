@@ -80,9 +80,22 @@ TEST(Verification, OverlappingSpheresHoldThoughTheirPseudoNormalsWouldNot) {
   EXPECT_EQ(result.referee_brute_force.sign_differences, 0);
 }
 
+TEST(Verification, ABoneFarFromTheOriginIsJudgedByItsRounding) {
+  for (const double offset_m : {1.0, 1e3, 1e6}) {
+    TriangleMesh mesh = make_box({0.02, 0.03, 0.04}, 4);
+    for (Vec3& vertex : mesh.vertices) {
+      vertex += offset_m * Vec3(1, 2, -3);
+    }
+    const SurfaceVerification result = verify(mesh, true);
+    EXPECT_TRUE(result.held()) << offset_m;
+    EXPECT_LE(result.bvh_referee.largest_difference_m, 1e-15);
+  }
+}
+
 TEST(Verification, ADifferenceOrANumberThatIsNoneDoesNotHold) {
   SurfaceVerification result;
   result.diagonal_m = 1;
+  result.agreed_m = agreed_share;
   EXPECT_TRUE(result.held());
   result.bvh_brute_force.largest_difference_m = 1.1e-12;
   EXPECT_FALSE(result.held());
