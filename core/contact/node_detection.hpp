@@ -10,6 +10,7 @@
 
 #include "core/contact/collision_backend.hpp"
 #include "core/contact/motion_budgets.hpp"
+#include "core/geometry/coherent_order.hpp"
 #include "core/geometry/triangle_tree.hpp"
 
 namespace musclebench {
@@ -54,13 +55,16 @@ class NodeDetection {
     }
     if (m_motion_budgets) {
       m_budgets.collect_spent(poses, positions, nodes);
+    } else if (!std::equal(nodes.begin(), nodes.end(), m_planned.begin(), m_planned.end())) {
+      plan_visits(positions, nodes);
     }
     for (int bone = 0; bone < static_cast<int>(m_surfaces.size()); ++bone) {
-      const std::span<const int> asked = m_motion_budgets ? m_budgets.spent(bone) : nodes;
+      const std::span<const int> asked = m_motion_budgets ? m_budgets.spent(bone) : m_visited;
       ask(bone, poses[static_cast<std::size_t>(bone)], positions, asked);
       for (std::size_t i = 0; i < asked.size(); ++i) {
-        if (m_inside[i] != 0) {
-          contacts.push_back(m_found[i]);
+        const std::size_t visit = m_motion_budgets ? i : m_visit_of[i];
+        if (m_inside[visit] != 0) {
+          contacts.push_back(m_found[visit]);
         }
       }
     }
@@ -71,6 +75,7 @@ class NodeDetection {
  private:
   void forget(std::size_t nodes) {
     m_nodes = nodes;
+    m_planned.clear();
     m_found.reserve(nodes);
     m_inside.reserve(nodes);
     if (!m_motion_budgets) {
@@ -78,6 +83,20 @@ class NodeDetection {
     }
     m_budgets.reset(m_bones, nodes);
     m_memories.assign(m_surfaces.size() * nodes, {});
+  }
+
+  /// Neighbours after each other, which are answered from the same part of a tree. (With motion budgets memory decides,
+  /// and balls and lists lie in the order of the nodes.)
+  void plan_visits(std::span<const Vec3> positions, std::span<const int> nodes) {
+    m_planned.assign(nodes.begin(), nodes.end());
+    const std::vector<int> order = coherent_order(positions, nodes);
+    m_visited.resize(nodes.size());
+    m_visit_of.resize(nodes.size());
+    for (std::size_t visit = 0; visit < order.size(); ++visit) {
+      const auto place = static_cast<std::size_t>(order[visit]);
+      m_visited[visit] = nodes[place];
+      m_visit_of[place] = visit;
+    }
   }
 
   /// Every node for itself, so that the answer does not depend on how many threads share them.
@@ -282,7 +301,10 @@ class NodeDetection {
   static constexpr std::size_t block_size = 16;
   static constexpr double unknown = std::numeric_limits<double>::infinity();
   // Scratch memory, kept so that a frame allocates nothing.
-  std::vector<Contact> m_found;  ///< by place in the nodes that are asked about, valid where m_inside
+  std::vector<int> m_planned;           ///< the nodes that the visits are of
+  std::vector<int> m_visited;           ///< the same in the order of the visits
+  std::vector<std::size_t> m_visit_of;  ///< by place in `m_planned`
+  std::vector<Contact> m_found;         ///< by place in the nodes that are asked about, valid where m_inside
   std::vector<unsigned char> m_inside;
 };
 
