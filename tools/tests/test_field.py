@@ -1,6 +1,7 @@
 """`field`: distance fields in files, as a user meets them."""
 
 import re
+import resource
 import struct
 
 import pytest
@@ -42,6 +43,16 @@ def test_runs_use_the_field_in_place_of_building_one(folder):
     done = call("probe", folder / "scene.toml", *point, "--param", f"discregrid={fields}")
     assert done.returncode == 2
     assert "cannot be read" in done.stderr
+
+
+@pytest.mark.parametrize(("cells", "words"), [("cells=2000", "sdf: cells: needs"),
+                                              ("cell_size_m=0.00003", "sdf: cell_size_m: needs")])
+def test_says_what_fits_where_memory_is_short(folder, cells, words):
+    gigabyte = 10**9
+    done = call("field", folder / "scene.toml", "--param", cells, "--out", folder / "box.field",
+                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (gigabyte, gigabyte)))
+    assert done.returncode == 2
+    assert words in done.stderr and "fit" in done.stderr and done.stderr.count("\n") == 1
 
 
 def test_writes_an_adaptive_field_that_a_backend_finds_again(folder):

@@ -245,6 +245,13 @@ TEST(SdfBackend, RefusesAGridThatDoesNotFitBeforeItAllocates) {
     EXPECT_NE(std::string(error.what()).find("MB"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find("cells fit"), std::string::npos) << error.what();
   }
+  try {
+    make({{"cell_size_m", 5e-5}, {"precision", std::string("double")}})->build(bones, {}, 1);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("sdf: cell_size_m"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find(" m fit"), std::string::npos) << error.what();
+  }
   EXPECT_THROW(make({{"band_m", 1e-4}})->build(bones, {}, 1), InputError);
   EXPECT_THROW(make({{"band_m", -0.01}}), InputError);
   EXPECT_THROW(make({{"cell_size_m", 0.5}})->build(bones, {}, 1), InputError);
