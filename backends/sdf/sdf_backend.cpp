@@ -16,6 +16,7 @@
 #include "backends/sdf/field_builder.hpp"
 #include "backends/sdf/field_file.hpp"
 #include "backends/sdf/field_memory.hpp"
+#include "backends/sdf/foreign_field.hpp"
 #include "backends/sdf/octree_backend.hpp"
 #include "backends/sdf/sdf_settings.hpp"
 #include "core/contact/motion_budgets.hpp"
@@ -117,8 +118,9 @@ class SdfBackend final : public CollisionBackend {
     for (const Bone& bone : bones()) {
       const std::filesystem::path path = m_discregrid / (bone_file_name(bone.name) + ".cdf");
       m_fields.push_back(read_discregrid(path, threads()));
-      require_field_of(m_fields.back(), bone.surface.mesh, bone.name, path);
-      m_fields.back().facts().error = estimate_error(m_fields.back(), SignedSurface(bone.surface), samples_of_foreign);
+      const SignedSurface surface(bone.surface);
+      require_field_of(m_fields.back(), bone.surface.mesh, surface, bone.name, path);
+      m_fields.back().facts().error = estimate_error(m_fields.back(), surface, samples_of_foreign);
       ++m_loaded_fields;
     }
   }

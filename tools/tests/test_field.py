@@ -42,7 +42,24 @@ def test_runs_use_the_field_in_place_of_building_one(folder):
     (fields / "box.cdf").unlink()
     done = call("probe", folder / "scene.toml", *point, "--param", f"discregrid={fields}")
     assert done.returncode == 2
-    assert "cannot be read" in done.stderr
+    assert "cannot be read" in done.stderr and "leave out `discregrid`" in done.stderr
+
+
+@pytest.mark.parametrize(("damage", "words"), [
+    (lambda value: 1.87e304, "is damaged"),
+    (lambda value: -value, "leave out `discregrid`"),
+])
+def test_refuses_a_field_with_one_damaged_node(folder, damage, words):
+    fields = folder / "fields"
+    assert call("field", folder / "scene.toml", "--param", "cells=9", "--out", fields / "box.cdf").returncode == 0
+    content = bytearray((fields / "box.cdf").read_bytes())
+    middle = 140 + 8 * (4 * 10 * 10 + 4 * 10 + 4)
+    struct.pack_into("<d", content, middle, damage(struct.unpack_from("<d", content, middle)[0]))
+    (fields / "box.cdf").write_bytes(content)
+    done = call("probe", folder / "scene.toml", "--backend", "sdf", "--out", folder / "probe", "--param",
+                f"discregrid={fields}")
+    assert done.returncode == 2
+    assert "box.cdf" in done.stderr and words in done.stderr and done.stderr.count("\n") == 1
 
 
 @pytest.mark.parametrize(("cells", "words"), [("cells=2000", "sdf: cells: needs"),
