@@ -151,7 +151,8 @@ class SdfBackend final : public CollisionBackend {
     const std::string grid =
         m_grid.cell_size_m > 0 ? fmt::format("{}m", m_grid.cell_size_m) : fmt::format("{}cells", m_grid.cells);
     const std::string band = m_settings.band_m > 0 ? fmt::format("-band{}m", m_settings.band_m) : "";
-    return fmt::format("{}-{}{}-{}.field", bone_file_name(bone.name), grid, band, m_precision_name);
+    return fmt::format("{}-{}{}{}-{}.field", bone_file_name(bone.name), grid, band, margin_file_name(m_grid.margin),
+                       m_precision_name);
   }
 
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
