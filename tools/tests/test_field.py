@@ -72,6 +72,15 @@ def test_says_what_fits_where_memory_is_short(folder, cells, words):
     assert words in done.stderr and "fit" in done.stderr and done.stderr.count("\n") == 1
 
 
+def test_leaves_nothing_where_the_file_may_not_grow_so_large(folder):
+    out = folder / "deep" / "box.field"
+    done = call("field", folder / "scene.toml", "--param", "cells=32", "--out", out,
+                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10**5, 10**5)))
+    assert done.returncode == 2
+    assert "box.field: cannot be written" in done.stderr and done.stderr.count("\n") == 1
+    assert not list(out.parent.iterdir())
+
+
 def test_writes_an_adaptive_field_that_a_backend_finds_again(folder):
     out = folder / "structures" / "box-0.2mm.octree"
     done = call("field", folder / "scene.toml", "--param", "max_error_mm=0.2", "--out", out, "--threads", "2")
