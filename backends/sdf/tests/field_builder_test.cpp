@@ -54,7 +54,9 @@ TEST(GridOver, MakesCubesThatCoverTheBone) {
 
 TEST(GridOver, RefusesCellsThatCannotBeMeant) {
   const TriangleMesh box = make_box({0.5, 1, 0.25}, 1);
-  for (const double size : {2.5, 1e-7}) {
+  for (const auto& [size, words] :
+       {std::pair(2.5, "2.5 is more than the whole bone, 2 m"), std::pair(1e-7, "gives 2e+07 cells"),
+        std::pair(1e-300, "1e-300 gives 2e+300 cells along the bone of 2 m, more than 4096")}) {
     try {
       (void)grid_over(box, {.cell_size_m = size}, "femur");
       FAIL() << size;
@@ -62,6 +64,7 @@ TEST(GridOver, RefusesCellsThatCannotBeMeant) {
       const std::string line = error.what();
       EXPECT_NE(line.find("cell_size_m (femur)"), std::string::npos) << line;
       EXPECT_NE(line.find("0.0078 to 0.12"), std::string::npos) << line;
+      EXPECT_NE(line.find(words), std::string::npos) << line;
     }
   }
 }
