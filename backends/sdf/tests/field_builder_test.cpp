@@ -311,7 +311,7 @@ TEST(BuildField, ErrorOnThePelvisFallsWithEveryHalvingOfTheCell) {
   const RepairedMesh pelvis = repair_mesh(read_mesh(*folder / "meshes/pelvis.ply"), "pelvis");
   const SignedSurface surface(pelvis);
   FieldError last{.largest_m = 1, .p99_m = 1, .mean_m = 1};
-  for (const int cells : {8, 16, 32}) {
+  for (const int cells : {8, 16, 32, 64}) {
     const CubicField field =
         build_field(surface, grid_over(pelvis.mesh, {.cells = cells}, "pelvis"), single_precision, 2);
     const FieldError& error = field.facts().error;
