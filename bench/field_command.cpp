@@ -7,6 +7,7 @@
 
 #include "backends/sdf/discregrid_file.hpp"
 #include "backends/sdf/field_file.hpp"
+#include "backends/sdf/field_memory.hpp"
 #include "backends/sdf/octree_file.hpp"
 #include "backends/sdf/sdf_settings.hpp"
 #include "bench/command_options.hpp"
@@ -14,7 +15,6 @@
 #include "bench/progress.hpp"
 #include "bench/signals.hpp"
 #include "core/base/input_error.hpp"
-#include "core/base/system_memory.hpp"
 #include "core/measure/scoped_timer.hpp"
 
 namespace musclebench {
@@ -117,12 +117,12 @@ int write_octree(const FieldOptions& options, const Scene& scene, const Bone& bo
 
 int write_grid(const FieldOptions& options, const Scene& scene, const Bone& bone, const Parameters& parameters) {
   const FieldSettings settings = field_settings(parameters);
-  const GridShape shape = grid_over(bone.surface.mesh, grid_settings(parameters), bone.name);
+  const GridSettings grid = grid_settings(parameters);
+  const GridShape shape = grid_over(bone.surface.mesh, grid, bone.name);
   if (settings.band_m) {
     require_sensible_band(*settings.band_m, shape, bone.surface.mesh, bone.name);
   }
-  require_memory(static_cast<std::size_t>(CubicField::bytes_needed(shape, settings.precision)), "sdf: cells",
-                 "choose fewer or larger cells");
+  require_room({&bone, 1}, {&shape, 1}, grid, settings);
   std::optional<CubicField> field;
   const Nanoseconds build_ns = build_and_write(
       options, "field " + bone.name,

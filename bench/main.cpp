@@ -1,3 +1,4 @@
+#include <csignal>
 #include <filesystem>
 #include <new>
 
@@ -10,6 +11,8 @@
 
 int main(int argc, char** argv) {
   using namespace musclebench;
+  // A file that outgrows the limit (ulimit -f) is a failed write with its line, not the end at once.
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app(
       "musclebench: what does collision accuracy cost in a muscle simulation?\n"
       "One position-based-dynamics loop moves a muscle against rigid bones; one collision backend is plugged in and "

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <limits>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include <fmt/format.h>
@@ -168,7 +169,11 @@ class Reader {
     }
   }
 
-  [[noreturn]] void refuse(const std::string& problem) const { throw InputError(m_path.string(), problem); }
+  [[noreturn]] void refuse(const std::string& problem) const {
+    throw InputError(m_path.string(), problem +
+                                          "; make it from this bone's mesh, with Discregrid or "
+                                          "`musclebench field`, or leave out `discregrid` to build it here");
+  }
 
   template <typename T>
   T read() {
@@ -201,40 +206,78 @@ class Reader {
   std::uintmax_t m_left = 0;
 };
 
-Vec3 read_vector(Reader& in) {
-  const auto x = in.read<double>();
-  const auto y = in.read<double>();
-  return {x, y, in.read<double>()};
+struct Header {
+  std::array<double, 3> lower_m{};
+  std::array<double, 3> upper_m{};
+  std::array<std::uint32_t, 3> cells{};
+  std::array<double, 3> cell_size_m{};
+  std::array<double, 3> inverse_size{};
+  std::uint64_t cell_count = 0;
+  std::uint64_t fields = 0;
+};
+
+/// Calls visit(value) for everything in a header, in the file's order.
+template <typename Visit>
+void for_each_part(Header& header, const Visit& visit) {
+  visit(header.lower_m);
+  visit(header.upper_m);
+  visit(header.cells);
+  visit(header.cell_size_m);
+  visit(header.inverse_size);
+  visit(header.cell_count);
+  visit(header.fields);
 }
 
-/// A file of another kind or byte order fails here.
-GridShape read_shape(Reader& in) {
+/// Whether its numbers fit together: those of another kind of file or another byte order do not.
+bool is_sound(const Header& header) {
   constexpr double rounding = 1e-9;
-  GridShape shape;
-  shape.lower_m = read_vector(in);
-  const Vec3 upper_m = read_vector(in);
-  bool sound = shape.lower_m.allFinite() && upper_m.allFinite();
+  std::uint64_t cells = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto cells = in.read<std::uint32_t>();
-    sound = sound && cells >= 1 && cells <= most_cells;
-    shape.cells[axis] = static_cast<std::int32_t>(std::min(cells, most_cells));
+    const double size = header.cell_size_m[axis];
+    const double width = size * header.cells[axis];
+    const bool sound = header.cells[axis] >= 1 && header.cells[axis] <= most_cells && size > 0 &&
+                       std::isfinite(width) &&
+                       std::abs(header.upper_m[axis] - header.lower_m[axis] - width) <= rounding * width &&
+                       std::abs(header.inverse_size[axis] * size - 1) <= rounding;
+    if (!sound) {
+      return false;
+    }
+    cells *= header.cells[axis];
   }
-  shape.cell_size_m = read_vector(in);
-  const Vec3 inverse = read_vector(in);
-  const auto cell_count = in.read<std::uint64_t>();
-  const auto fields = in.read<std::uint64_t>();
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const double size = shape.cell_size_m[axis];
-    const double width = size * shape.cells[static_cast<std::size_t>(axis)];
-    sound = sound && std::isfinite(width) && size > 0 &&
-            std::abs(upper_m[axis] - shape.lower_m[axis] - width) <= rounding * width &&
-            std::abs(inverse[axis] * size - 1) <= rounding;
+  return header.cell_count == cells;
+}
+
+Header of_other_byte_order(Header header) {
+  for_each_part(header, [](auto& part) {
+    const auto reverse = [](auto& number) {
+      const auto bytes = std::as_writable_bytes(std::span(&number, 1));
+      std::reverse(bytes.begin(), bytes.end());
+    };
+    if constexpr (std::is_integral_v<std::remove_reference_t<decltype(part)>>) {
+      reverse(part);
+    } else {
+      std::for_each(part.begin(), part.end(), reverse);
+    }
+  });
+  return header;
+}
+
+GridShape read_shape(Reader& in) {
+  Header header;
+  for_each_part(header, [&](auto& part) { part = in.read<std::remove_reference_t<decltype(part)>>(); });
+  if (!is_sound(header)) {
+    in.refuse(is_sound(of_other_byte_order(header))
+                  ? "was written on a machine of another byte order"
+                  : "is no Discregrid field: its domain, cells and their size do not fit together");
   }
-  if (!sound || cell_count != shape.cell_count()) {
-    in.refuse("is no Discregrid field: its domain, cells and their size do not fit together");
-  }
-  if (fields == 0) {
+  if (header.fields == 0) {
     in.refuse("holds no field");
+  }
+  GridShape shape;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    shape.lower_m[static_cast<Eigen::Index>(axis)] = header.lower_m[axis];
+    shape.cell_size_m[static_cast<Eigen::Index>(axis)] = header.cell_size_m[axis];
+    shape.cells[axis] = static_cast<std::int32_t>(header.cells[axis]);
   }
   return shape;
 }
@@ -310,34 +353,6 @@ CubicField read_discregrid(const std::filesystem::path& path, int threads) {
   store_nodes(in, values, cells, map, field);
   mark_cells(field, threads);
   return field;
-}
-
-void require_field_of(const CubicField& field, const TriangleMesh& mesh, const std::string& bone_name,
-                      const std::filesystem::path& path) {
-  const GridShape& shape = field.shape();
-  const double half_cell_m = 0.5 * shape.cell_size_m.norm();
-  for (const Vec3& vertex : mesh.vertices) {
-    const std::optional<double> value = field.value(vertex);
-    if (!value) {
-      throw InputError(path.string(),
-                       fmt::format("does not cover all of {}: was it made from this surface, in metres?", bone_name));
-    }
-    if (std::abs(*value) > half_cell_m) {
-      throw InputError(path.string(),
-                       fmt::format("is {:.3g} mm on the surface of {}, more than half a cell's diagonal: it was made "
-                                   "from another surface, or in other units",
-                                   *value * 1e3, bone_name));
-    }
-  }
-  for (const std::size_t corner : {0, 1, 2, 3, 4, 5, 6, 7}) {
-    const std::size_t place =
-        field
-            .record((corner & 1U) * shape.count(0), (corner >> 1 & 1U) * shape.count(1), (corner >> 2) * shape.count(2))
-            .value();
-    if (field.stored(place) < 0) {
-      throw InputError(path.string(), fmt::format("is negative outside {}: its signs are inverted", bone_name));
-    }
-  }
 }
 
 }  // namespace musclebench

@@ -17,12 +17,8 @@ namespace musclebench {
 void write_discregrid(const CubicField& field, const std::filesystem::path& path);
 
 /// Reads the first field of a file, in double precision. Throws InputError (place: the path) that says what is wrong
-/// with a file that is none, damaged, or lacks cells (what Discregrid calls a reduced field).
+/// with a file that is none, of another byte order, truncated, or lacks cells (what Discregrid calls a reduced field).
+/// What its values are worth, `require_field_of` tells.
 CubicField read_discregrid(const std::filesystem::path& path, int threads);
-
-/// Throws InputError (place: the path) where a field cannot be that of the bone: it does not cover it, is far from zero
-/// on its surface, or is negative outside.
-void require_field_of(const CubicField& field, const TriangleMesh& mesh, const std::string& bone_name,
-                      const std::filesystem::path& path);
 
 }  // namespace musclebench

@@ -34,11 +34,16 @@ GridShape grid_over(const TriangleMesh& mesh, const GridSettings& settings, cons
     return shape;
   }
   const Vec3 wanted = ((size + Vec3::Constant(2 * grown)) / settings.cell_size_m).array().ceil().cwiseMax(1.0);
-  if (settings.cell_size_m > size.maxCoeff() || wanted.maxCoeff() > most_cells) {
-    throw InputError(fmt::format("sdf: cell_size_m ({})", bone_name),
-                     fmt::format("{} gives {:.0f} cells along a bone of {:.3g} m; {:.2g} to {:.2g} makes sense",
-                                 settings.cell_size_m, wanted.maxCoeff(), size.maxCoeff(), size.maxCoeff() / 256,
-                                 size.maxCoeff() / 16));
+  const double longest = size.maxCoeff();
+  const bool too_large = settings.cell_size_m > longest;
+  if (too_large || wanted.maxCoeff() > most_cells) {
+    throw InputError(
+        fmt::format("sdf: cell_size_m ({})", bone_name),
+        fmt::format("{} {}; {:.2g} to {:.2g} makes sense", settings.cell_size_m,
+                    too_large ? fmt::format("is more than the whole bone, {:.3g} m", longest)
+                              : fmt::format("gives {:.3g} cells along the bone of {:.3g} m, more than {:.0f}",
+                                            wanted.maxCoeff(), longest, most_cells),
+                    longest / 256, longest / 16));
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     shape.cells[axis] = static_cast<std::int32_t>(wanted[static_cast<Eigen::Index>(axis)]);

@@ -84,8 +84,8 @@ class OctreeBackend final : public CollisionBackend {
       return build();
     }
     const std::string digest = surface_digest(bone.surface);
-    const std::filesystem::path path =
-        m_folder / fmt::format("{}-{}mm.octree", bone_file_name(bone.name), m_error_name);
+    const std::filesystem::path path = m_folder / fmt::format("{}-{}mm{}.octree", bone_file_name(bone.name),
+                                                              m_error_name, margin_file_name(m_settings.margin));
     if (std::optional<OctreeField> loaded = load_octree(path, digest, m_settings)) {
       ++m_loaded_fields;
       return *std::move(loaded);

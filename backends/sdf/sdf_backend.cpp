@@ -15,9 +15,10 @@
 #include "backends/sdf/discregrid_file.hpp"
 #include "backends/sdf/field_builder.hpp"
 #include "backends/sdf/field_file.hpp"
+#include "backends/sdf/field_memory.hpp"
+#include "backends/sdf/foreign_field.hpp"
 #include "backends/sdf/octree_backend.hpp"
 #include "backends/sdf/sdf_settings.hpp"
-#include "core/base/system_memory.hpp"
 #include "core/contact/motion_budgets.hpp"
 
 namespace musclebench {
@@ -107,7 +108,7 @@ class SdfBackend final : public CollisionBackend {
         require_sensible_band(*m_settings.band_m, shapes.back(), bone.surface.mesh, bone.name);
       }
     }
-    require_room(shapes);
+    require_room(bones(), shapes, m_grid, m_settings);
     for (std::size_t b = 0; b < bones().size(); ++b) {
       m_fields.push_back(load_or_build(bones()[b], shapes[b]));
     }
@@ -117,26 +118,10 @@ class SdfBackend final : public CollisionBackend {
     for (const Bone& bone : bones()) {
       const std::filesystem::path path = m_discregrid / (bone_file_name(bone.name) + ".cdf");
       m_fields.push_back(read_discregrid(path, threads()));
-      require_field_of(m_fields.back(), bone.surface.mesh, bone.name, path);
-      m_fields.back().facts().error = estimate_error(m_fields.back(), SignedSurface(bone.surface), samples_of_foreign);
+      const SignedSurface surface(bone.surface);
+      require_field_of(m_fields.back(), bone.surface.mesh, surface, bone.name, path);
+      m_fields.back().facts().error = estimate_error(m_fields.back(), surface, samples_of_foreign);
       ++m_loaded_fields;
-    }
-  }
-
-  /// A band takes less; how much, its surface tells.
-  void require_room(const std::vector<GridShape>& shapes) const {
-    double bytes = 0;
-    for (const GridShape& shape : shapes) {
-      bytes += CubicField::bytes_needed(shape, m_settings.precision);
-    }
-    // Bytes grow with the third power of the cells along an axis.
-    const double share = std::cbrt(static_cast<double>(available_memory_bytes()) / bytes);
-    if (m_grid.cell_size_m > 0) {
-      require_memory(static_cast<std::size_t>(bytes), "sdf: cell_size_m",
-                     fmt::format("cells of {:.2g} m fit", 1.05 * m_grid.cell_size_m / share));
-    } else {
-      require_memory(static_cast<std::size_t>(bytes), "sdf: cells",
-                     fmt::format("{:.0f} cells fit", std::max(1.0, std::floor(0.95 * m_grid.cells * share))));
     }
   }
 
@@ -166,7 +151,8 @@ class SdfBackend final : public CollisionBackend {
     const std::string grid =
         m_grid.cell_size_m > 0 ? fmt::format("{}m", m_grid.cell_size_m) : fmt::format("{}cells", m_grid.cells);
     const std::string band = m_settings.band_m ? fmt::format("-band{}m", *m_settings.band_m) : "";
-    return fmt::format("{}-{}{}-{}.field", bone_file_name(bone.name), grid, band, m_precision_name);
+    return fmt::format("{}-{}{}{}-{}.field", bone_file_name(bone.name), grid, band, margin_file_name(m_grid.margin),
+                       m_precision_name);
   }
 
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <fmt/format.h>
+
 #include "core/base/input_error.hpp"
 
 namespace musclebench {
@@ -65,8 +67,12 @@ OctreeSettings octree_settings(const Parameters& parameters) {
 std::string bone_file_name(const std::string& bone_name) {
   std::string name = bone_name;
   std::replace_if(
-      name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+      name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0 && c != '-' && c != '.'; }, '_');
   return name;
+}
+
+std::string margin_file_name(double margin) {
+  return margin == GridSettings{}.margin ? "" : fmt::format("-margin{}", margin);
 }
 
 }  // namespace musclebench

@@ -18,7 +18,11 @@ FieldSettings field_settings(const Parameters& parameters);
 bool wants_octree(const Parameters& parameters);
 OctreeSettings octree_settings(const Parameters& parameters);
 
-/// A bone's name as a part of a file's: letters and digits stay.
+/// A bone's name as a part of a file's: all that a scene lets it have stays (letters, digits, `_`, `-`, `.`), so that
+/// no two bones of a scene share a file.
 std::string bone_file_name(const std::string& bone_name);
+
+/// The margin as a part of a structure's file name; empty for the usual one.
+std::string margin_file_name(double margin);
 
 }  // namespace musclebench

@@ -1,6 +1,7 @@
 """`field`: distance fields in files, as a user meets them."""
 
 import re
+import resource
 import struct
 
 import pytest
@@ -41,7 +42,43 @@ def test_runs_use_the_field_in_place_of_building_one(folder):
     (fields / "box.cdf").unlink()
     done = call("probe", folder / "scene.toml", *point, "--param", f"discregrid={fields}")
     assert done.returncode == 2
-    assert "cannot be read" in done.stderr
+    assert "cannot be read" in done.stderr and "leave out `discregrid`" in done.stderr
+
+
+@pytest.mark.parametrize(("damage", "words"), [
+    (lambda value: 1.87e304, "is damaged"),
+    (lambda value: -value, "leave out `discregrid`"),
+])
+def test_refuses_a_field_with_one_damaged_node(folder, damage, words):
+    fields = folder / "fields"
+    assert call("field", folder / "scene.toml", "--param", "cells=9", "--out", fields / "box.cdf").returncode == 0
+    content = bytearray((fields / "box.cdf").read_bytes())
+    middle = 140 + 8 * (4 * 10 * 10 + 4 * 10 + 4)
+    struct.pack_into("<d", content, middle, damage(struct.unpack_from("<d", content, middle)[0]))
+    (fields / "box.cdf").write_bytes(content)
+    done = call("probe", folder / "scene.toml", "--backend", "sdf", "--out", folder / "probe", "--param",
+                f"discregrid={fields}")
+    assert done.returncode == 2
+    assert "box.cdf" in done.stderr and words in done.stderr and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(("cells", "words"), [("cells=2000", "sdf: cells: needs"),
+                                              ("cell_size_m=0.00003", "sdf: cell_size_m: needs")])
+def test_says_what_fits_where_memory_is_short(folder, cells, words):
+    gigabyte = 10**9
+    done = call("field", folder / "scene.toml", "--param", cells, "--out", folder / "box.field",
+                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (gigabyte, gigabyte)))
+    assert done.returncode == 2
+    assert words in done.stderr and "fit" in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_leaves_nothing_where_the_file_may_not_grow_so_large(folder):
+    out = folder / "deep" / "box.field"
+    done = call("field", folder / "scene.toml", "--param", "cells=32", "--out", out,
+                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10**5, 10**5)))
+    assert done.returncode == 2
+    assert "box.field: cannot be written" in done.stderr and done.stderr.count("\n") == 1
+    assert not list(out.parent.iterdir())
 
 
 def test_writes_an_adaptive_field_that_a_backend_finds_again(folder):

@@ -1,9 +1,11 @@
 #include "backends/sdf/discregrid_file.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -33,7 +35,9 @@ class DiscregridFile : public StoredFileTest {
     std::memcpy(content.data() + at, &value, sizeof(value));
   }
   [[nodiscard]] std::string refusal() const {
-    return refusal_by([&] { (void)read_discregrid(m_path, 1); });
+    std::string line = refusal_by([&] { (void)read_discregrid(m_path, 1); });
+    EXPECT_TRUE(line == "accepted" || line.find("leave out `discregrid`") != std::string::npos) << line;
+    return line;
   }
   void expect_refusal(const std::string& words, const std::function<void(std::string&)>& edit) const {
     write_discregrid(m_field, m_path);
@@ -64,7 +68,6 @@ TEST_F(DiscregridFile, ComesBackAsItWas) {
     const Vec3 point = read.shape().lower_m + share.cwiseProduct(read.shape().upper_m() - read.shape().lower_m);
     EXPECT_EQ(read.value(point), m_field.value(point));
   }
-  EXPECT_NO_THROW(require_field_of(read, m_bone.mesh, "box", m_path));
 }
 
 TEST_F(DiscregridFile, NumbersNodesAsDiscregridDoes) {
@@ -140,29 +143,16 @@ TEST_F(DiscregridFile, RefusesWhatIsNoWholeField) {
   EXPECT_NE(refusal().find("cannot be read"), std::string::npos);
 }
 
-TEST_F(DiscregridFile, RefusesFieldsOfOtherBones) {
-  const auto words = [&](const CubicField& field, const TriangleMesh& mesh) -> std::string {
-    try {
-      require_field_of(field, mesh, "box", m_path);
-    } catch (const InputError& error) {
-      return error.what();
+TEST_F(DiscregridFile, NamesAnotherByteOrder) {
+  expect_refusal("another byte order", [](std::string& content) {
+    std::size_t at = 0;
+    for (const auto& [numbers, bytes] : {std::pair(6, 8), std::pair(3, 4), std::pair(8, 8)}) {
+      for (int number = 0; number < numbers; ++number, at += static_cast<std::size_t>(bytes)) {
+        const auto first = content.begin() + static_cast<std::ptrdiff_t>(at);
+        std::reverse(first, first + bytes);
+      }
     }
-    return "accepted";
-  };
-  TriangleMesh other = m_bone.mesh;
-  for (Vec3& vertex : other.vertices) {
-    vertex *= 0.3;
-  }
-  EXPECT_NE(words(m_field, other).find("another surface"), std::string::npos);
-  for (Vec3& vertex : other.vertices) {
-    vertex *= 1000;
-  }
-  EXPECT_NE(words(m_field, other).find("does not cover"), std::string::npos);
-  CubicField inverted = m_field;
-  for (double& value : inverted.double_values()) {
-    value = -value;
-  }
-  EXPECT_NE(words(inverted, m_bone.mesh).find("inverted"), std::string::npos);
+  });
 }
 
 TEST_F(DiscregridFile, RefusesToWriteABand) {

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "backends/sdf/field_memory.hpp"
 #include "backends/sdf/tests/field_samples.hpp"
 #include "core/base/input_error.hpp"
 #include "core/geometry/read_mesh.hpp"
@@ -54,7 +55,9 @@ TEST(GridOver, MakesCubesThatCoverTheBone) {
 
 TEST(GridOver, RefusesCellsThatCannotBeMeant) {
   const TriangleMesh box = make_box({0.5, 1, 0.25}, 1);
-  for (const double size : {2.5, 1e-7}) {
+  for (const auto& [size, words] :
+       {std::pair(2.5, "2.5 is more than the whole bone, 2 m"), std::pair(1e-7, "gives 2e+07 cells"),
+        std::pair(1e-300, "1e-300 gives 2e+300 cells along the bone of 2 m, more than 4096")}) {
     try {
       (void)grid_over(box, {.cell_size_m = size}, "femur");
       FAIL() << size;
@@ -62,6 +65,7 @@ TEST(GridOver, RefusesCellsThatCannotBeMeant) {
       const std::string line = error.what();
       EXPECT_NE(line.find("cell_size_m (femur)"), std::string::npos) << line;
       EXPECT_NE(line.find("0.0078 to 0.12"), std::string::npos) << line;
+      EXPECT_NE(line.find(words), std::string::npos) << line;
     }
   }
 }
@@ -289,6 +293,20 @@ TEST(BuildField, BandThatCannotBeMeantIsRefused) {
   require_sensible_band(0.0125, shape, box, "femur");
 }
 
+TEST(BytesToBuild, AreAboutWhatABandTakes) {
+  for (const TriangleMesh& mesh : {make_capsule(0.02, 0.2, 24), make_box({0.05, 0.1, 0.025}, 4), make_sphere(0.1, 3)}) {
+    const RepairedMesh bone = surface_of(mesh);
+    for (const auto& [cells, band_m] : {std::pair(40, 0.02), {80, 0.01}}) {
+      const GridShape shape = grid_over(bone.mesh, {.cells = cells}, "bone");
+      const FieldSettings settings{.band_m = band_m};
+      const double bytes = static_cast<double>(build_field(SignedSurface(bone), shape, settings, 2).bytes());
+      const double estimated = bytes_to_build(bone.mesh, shape, settings);
+      EXPECT_GT(estimated, bytes);
+      EXPECT_LT(estimated, 1.6 * bytes);
+    }
+  }
+}
+
 TEST(BuildField, ReportsWhatIsDone) {
   const RepairedMesh bone = surface_of(make_sphere(0.1, 3));
   std::vector<double> shares;
@@ -308,7 +326,7 @@ TEST(BuildField, ErrorOnThePelvisFallsWithEveryHalvingOfTheCell) {
   const RepairedMesh pelvis = repair_mesh(read_mesh(*folder / "meshes/pelvis.ply"), "pelvis");
   const SignedSurface surface(pelvis);
   FieldError last{.largest_m = 1, .p99_m = 1, .mean_m = 1};
-  for (const int cells : {8, 16, 32}) {
+  for (const int cells : {8, 16, 32, 64}) {
     const CubicField field =
         build_field(surface, grid_over(pelvis.mesh, {.cells = cells}, "pelvis"), single_precision, 2);
     const FieldError& error = field.facts().error;

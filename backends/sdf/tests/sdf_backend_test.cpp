@@ -248,6 +248,13 @@ TEST(SdfBackend, RefusesAGridThatDoesNotFitBeforeItAllocates) {
     EXPECT_NE(std::string(error.what()).find("MB"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find("cells fit"), std::string::npos) << error.what();
   }
+  try {
+    make({{"cell_size_m", 5e-5}, {"precision", std::string("double")}})->build(bones, {}, 1);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("sdf: cell_size_m"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find(" m fit"), std::string::npos) << error.what();
+  }
   EXPECT_THROW(make({{"band_m", 1e-4}})->build(bones, {}, 1), InputError);
   EXPECT_THROW(make({{"band_m", 0.0}})->build(bones, {}, 1), InputError);
   EXPECT_THROW(make({{"band_m", -0.01}}), InputError);
@@ -308,6 +315,31 @@ TEST(SdfBackend, KeepsItsStructuresAndChecksThem) {
   ASSERT_TRUE(std::filesystem::exists(folder / "box_of_2-8cells-float.field"));
   std::ofstream(folder / "box_of_2-8cells-float.field") << "rubbish";
   EXPECT_THROW(make(given)->build(bones, {}, 1), InputError);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(SdfBackend, KeepsBonesOfLikeNamesAndMarginsApart) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "sdf_backend_names";
+  std::filesystem::remove_all(folder);
+  std::vector<Bone> bones;
+  for (const char* name : {"hip-1", "hip_1", "hip.1"}) {
+    bones.push_back({name, {make_sphere(0.1 + 0.01 * static_cast<double>(bones.size()), 2), true, {}}});
+  }
+  for (const Given& kind : {Given{{"cells", std::int64_t{4}}}, Given{{"max_error_mm", 5.0}}}) {
+    for (const bool again : {false, true}) {
+      for (const double margin : {1e-3, 0.05, 0.2}) {
+        Given given = kind;
+        given["margin"] = margin;
+        given["structures"] = folder.string();
+        const auto backend = make(given);
+        backend->build(bones, {}, 1);
+        EXPECT_EQ(backend->built_from_file(), again);
+      }
+    }
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "hip-1-4cells-float.field"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "hip.1-4cells-margin0.05-float.field"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "hip_1-5mm-margin0.2.octree"));
   std::filesystem::remove_all(folder);
 }
 
