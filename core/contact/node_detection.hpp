@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -220,6 +221,28 @@ class NodeDetection {
     int triangle = -1;  ///< one that was near at the last search
     /// The point of the surface that was closest when the node was last in contact: where a response puts it.
     Vec3 way_out = Vec3::Constant(std::numeric_limits<double>::infinity());
+    // Where a node moves farther in a step than its lists reach, they are made for nothing: after each that was, twice
+    // as many searches go without.
+    bool has_served = false;
+    std::uint8_t wasted = 0;  ///< lists in a row
+    std::uint8_t pause = 0;   ///< searches that are still to go without a list
+
+    void forget_list(bool had_one) {
+      constexpr std::uint8_t most_wasted = 5;
+      near.count = 0;
+      if (had_one) {
+        wasted = has_served ? 0 : std::min<std::uint8_t>(wasted + 1, most_wasted);
+        pause = static_cast<std::uint8_t>((1U << wasted) - 1);
+      }
+      has_served = false;
+    }
+    [[nodiscard]] bool is_list_worth_it() {
+      if (pause == 0) {
+        return true;
+      }
+      --pause;
+      return false;
+    }
   };
 
   Memory& memory_of(int bone, int node) {
@@ -246,14 +269,17 @@ class NodeDetection {
       return listed.certain;
     };
     if (asked.listed && take_listed(started)) {
+      memory.has_served = true;
       return answer;
     }
-    memory.near.count = 0;
-    const auto take_new_list = [&] {
-      const double bound_m = memory.triangle < 0 ? unknown : surface.distance_m(point, memory.triangle);
-      if (bound_m < surface.near_m()) {
+    memory.forget_list(asked.listed);
+    const auto make_list = [&](double bound_m) {
+      if (bound_m < surface.near_m() && memory.is_list_worth_it()) {
         surface.list_near(point, bound_m, memory.near);
       }
+    };
+    const auto take_new_list = [&] {
+      make_list(memory.triangle < 0 ? unknown : surface.distance_m(point, memory.triangle));
       if (memory.near.count == 0) {
         return false;
       }
@@ -285,7 +311,7 @@ class NodeDetection {
     memory.triangle = answer.closest.triangle;
     memory.near.count = 0;
     // A node that leaves a larger ball is too far from here for a list.
-    if (answer.inside || answer.closest.distance_m < surface.near_m()) {
+    if ((answer.inside || answer.closest.distance_m < surface.near_m()) && memory.is_list_worth_it()) {
       surface.list_near(point, answer.closest.distance_m, memory.near);
     }
     return answer;
