@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/base/system_memory.hpp"
+#include "core/geometry/coherent_order.hpp"
 #include "core/geometry/mesh_size.hpp"
 #include "core/geometry/surface_sampler.hpp"
 
@@ -28,6 +30,23 @@ constexpr double first_threshold = 3e-4;  ///< of wrong volume in a leaf, over t
 constexpr std::size_t places_measured = 20000;
 
 double number(std::size_t count) { return static_cast<double>(count); }
+
+/// So that those that follow each other find their cells in the caches, and a part of them is spread evenly.
+std::vector<ExactPlace> neighbours_in_turn(const std::vector<ExactPlace>& places) {
+  std::vector<Vec3> points;
+  points.reserve(places.size());
+  for (const ExactPlace& place : places) {
+    points.push_back(place.point);
+  }
+  std::vector<int> all(places.size());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<ExactPlace> sorted;
+  sorted.reserve(places.size());
+  for (const int place : coherent_order(points, all)) {
+    sorted.push_back(places[static_cast<std::size_t>(place)]);
+  }
+  return sorted;
+}
 
 class OctreeBuilder {
  public:
@@ -56,9 +75,9 @@ class OctreeBuilder {
     for (m_threshold_m3 = first_threshold * m_near_m3;; m_threshold_m3 *= next_step()) {
       const bool exhausted = !refine();
       // A part of the places tells when all of them are worth a look.
-      measure(m_places.size() / 8);
+      measure(8);
       if (wrong_places() <= 0.02 * number(m_errors_m.size())) {
-        measure(m_places.size());
+        measure(1);
       }
       if (m_errors_m.size() == m_places.size() && wrong_places() <= wrong_places_allowed()) {
         tell(1);
@@ -91,7 +110,7 @@ class OctreeBuilder {
   }
 
   void choose_places() {
-    m_places = places_about(m_surface, m_mesh, m_demand.near_m, places_measured, 1, m_threads);
+    m_places = neighbours_in_turn(places_about(m_surface, m_mesh, m_demand.near_m, places_measured, 1, m_threads));
     // Only the order of magnitude counts: the roots that hold near places are about half full of them.
     const auto near_roots = std::count_if(m_cells.begin(), m_cells.end(), [&](const OctreeCell& cell) {
       return std::abs(cell.distance_m) <= m_demand.near_m + cell.reach_m();
@@ -163,13 +182,15 @@ class OctreeBuilder {
     return cell;
   }
 
-  void measure(std::size_t places) {
-    m_errors_m.resize(places);
+  /// At every `step`-th place.
+  void measure(std::size_t step) {
+    m_errors_m.resize(m_places.size() / step);
 #pragma omp parallel for schedule(static) num_threads(m_threads)
-    for (std::size_t p = 0; p < places; ++p) {
-      const OctreeCell& cell = m_cells[find(m_places[p].point)];
+    for (std::size_t p = 0; p < m_errors_m.size(); ++p) {
+      const ExactPlace& place = m_places[p * step];
+      const OctreeCell& cell = m_cells[find(place.point)];
       // Without a leaf it is as far as near places are, to rounding.
-      m_errors_m[p] = cell.leaf == nullptr ? 0 : std::abs(value_of(cell, m_places[p].point) - m_places[p].distance_m);
+      m_errors_m[p] = cell.leaf == nullptr ? 0 : std::abs(value_of(cell, place.point) - place.distance_m);
     }
   }
 

@@ -185,15 +185,14 @@ bool OctreeCellMaker::outside(const OctreeCell& cell) const {
   return cell.distance_m - cell.reach_m() >= m_demand.near_m;
 }
 
-void OctreeCellMaker::measure(OctreeCell& cell) const {
-  m_quadratic.measure(cell.leaf->samples, cell.half_edge_m, cell.leaf->quadratic);
-  m_cubic.measure(cell.leaf->samples, cell.half_edge_m, cell.leaf->cubic);
+OctreeCellMaker::FitErrors OctreeCellMaker::measure(OctreeCell& cell) const {
+  return {m_quadratic.measure(cell.leaf->samples, cell.half_edge_m, cell.leaf->quadratic),
+          m_cubic.measure(cell.leaf->samples, cell.half_edge_m, cell.leaf->cubic)};
 }
 
-bool OctreeCellMaker::is_sure(const OctreeCell& cell) const {
-  const OctreeCell::Leaf& leaf = *cell.leaf;
+bool OctreeCellMaker::is_sure(const OctreeCell& cell, const FitErrors& errors) const {
   for (std::size_t s = 0; s < lattice_samples; ++s) {
-    if (leaf.quadratic.error_m[s] > sure_share * m_demand.allowed_m(leaf.samples[s].value_m)) {
+    if (errors.quadratic_m[s] > sure_share * m_demand.allowed_m(cell.leaf->samples[s].value_m)) {
       return false;
     }
   }
@@ -202,6 +201,7 @@ bool OctreeCellMaker::is_sure(const OctreeCell& cell) const {
 
 /// Sisters, or one root.
 void OctreeCellMaker::fit(std::span<OctreeCell> cells, SampleBlock& block) const {
+  std::array<FitErrors, 8> errors;
   std::array<bool, 8> has_more{};
   for (std::size_t c = 0; c < cells.size(); ++c) {
     OctreeCell& cell = cells[c];
@@ -210,8 +210,8 @@ void OctreeCellMaker::fit(std::span<OctreeCell> cells, SampleBlock& block) const
     }
     cell.leaf->quadratic = m_quadratic.fit(cell.leaf->samples, cell.half_edge_m);
     cell.leaf->cubic = m_cubic.fit(cell.leaf->samples, cell.half_edge_m);
-    measure(cell);
-    has_more[c] = !hides_features(cell) && !is_sure(cell);
+    errors[c] = measure(cell);
+    has_more[c] = !hides_features(cell) && !is_sure(cell, errors[c]);
     if (has_more[c]) {
       add_samples(cell, lattice_samples, cell_samples, block);
     }
@@ -219,27 +219,27 @@ void OctreeCellMaker::fit(std::span<OctreeCell> cells, SampleBlock& block) const
   block.ask();
   for (std::size_t c = 0; c < cells.size(); ++c) {
     if (has_more[c]) {
-      measure(cells[c]);
+      errors[c] = measure(cells[c]);
     }
     if (cells[c].leaf != nullptr) {
-      judge(cells[c]);
+      judge(cells[c], errors[c]);
     }
   }
 }
 
-void OctreeCellMaker::judge(OctreeCell& cell) const {
-  OctreeCell::Leaf& leaf = *cell.leaf;
+void OctreeCellMaker::judge(OctreeCell& cell, const FitErrors& errors) const {
   if (hides_features(cell)) {
     cell.wrong_quadratic_m3 = cell.wrong_cubic_m3 = std::numeric_limits<double>::infinity();
     return;
   }
-  const std::size_t known = known_samples(leaf.samples);
+  const CellSamples& samples = cell.leaf->samples;
+  const std::size_t known = known_samples(samples);
   const double edge_m = 2 * cell.half_edge_m;
   const double volume_m3 = edge_m * edge_m * edge_m / static_cast<double>(known);
   for (std::size_t s = 0; s < known; ++s) {
-    const double allowed_m = m_demand.allowed_m(leaf.samples[s].value_m);
-    cell.wrong_quadratic_m3 += volume_m3 * wrongness(leaf.quadratic.error_m[s] / allowed_m);
-    cell.wrong_cubic_m3 += volume_m3 * wrongness(leaf.cubic.error_m[s] / allowed_m);
+    const double allowed_m = m_demand.allowed_m(samples[s].value_m);
+    cell.wrong_quadratic_m3 += volume_m3 * wrongness(errors.quadratic_m[s] / allowed_m);
+    cell.wrong_cubic_m3 += volume_m3 * wrongness(errors.cubic_m[s] / allowed_m);
   }
 }
 

@@ -101,9 +101,14 @@ class OctreeCellMaker {
   [[nodiscard]] bool outside(const OctreeCell& cell) const;
   [[nodiscard]] bool hides_features(const OctreeCell& cell) const;
   void fit(std::span<OctreeCell> cells, SampleBlock& block) const;
-  [[nodiscard]] bool is_sure(const OctreeCell& cell) const;
-  void judge(OctreeCell& cell) const;
-  void measure(OctreeCell& cell) const;
+  /// Of the two polynomials of a cell.
+  struct FitErrors {
+    CellErrors quadratic_m;
+    CellErrors cubic_m;
+  };
+  [[nodiscard]] FitErrors measure(OctreeCell& cell) const;
+  [[nodiscard]] bool is_sure(const OctreeCell& cell, const FitErrors& errors) const;
+  void judge(OctreeCell& cell, const FitErrors& errors) const;
 
   const SignedSurface& m_surface;
   OctreeDemand m_demand;

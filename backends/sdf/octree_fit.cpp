@@ -133,7 +133,7 @@ PolynomialFit PolynomialFitter<terms>::fit(const CellSamples& samples, double ha
 }
 
 template <std::size_t terms>
-void PolynomialFitter<terms>::measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const {
+CellErrors PolynomialFitter<terms>::measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const {
   std::array<double, padded_samples> value{};
   for (std::size_t term = 0; term < terms; ++term) {
     const auto coefficient = static_cast<double>(fit.coefficients[term]);
@@ -142,15 +142,16 @@ void PolynomialFitter<terms>::measure(const CellSamples& samples, double half_ed
     }
   }
   const std::size_t known = known_samples(samples);
-  double largest_m = 0;
+  CellErrors error_m{};
   for (std::size_t sample = 0; sample < known; ++sample) {
-    fit.error_m[sample] = std::abs(value[sample] - samples[sample].value_m);
-    largest_m = std::max(largest_m, fit.error_m[sample]);
+    error_m[sample] = std::abs(value[sample] - samples[sample].value_m);
   }
+  const double largest_m = *std::max_element(error_m.begin(), error_m.end());
   // No place of the cell is farther than this from a sample. On the way there the polynomial changes by its slope and
   // the distance by one metre a metre.
   const double reach_m = 2 * half_edge_m * (known == cell_samples ? reach_of_all : reach_of_lattice);
   fit.bound_m = (largest_m + reach_m * (1 + steepest(fit.coefficients, half_edge_m))) * (1 + 1e-6);
+  return error_m;
 }
 
 template class PolynomialFitter<quadratic_terms>;

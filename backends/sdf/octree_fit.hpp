@@ -33,8 +33,7 @@ Vec3 sample_place(std::size_t sample);
 /// A cell's polynomial: the best one of its degree by least squares in values and (with less weight) gradients.
 struct PolynomialFit {
   std::array<float, cubic_terms> coefficients{};
-  std::array<double, cell_samples> error_m{};  ///< at the samples that are known
-  double bound_m = 0;                          ///< of the error, anywhere in the cell
+  double bound_m = 0;  ///< of the error, anywhere in the cell
 
   [[nodiscard]] double value(const Vec3& at, std::size_t terms) const;
   /// Nowhere in the cell is the polynomial larger, or smaller.
@@ -45,6 +44,9 @@ struct PolynomialFit {
   [[nodiscard]] double spread() const;
 };
 
+/// At the samples of a cell that are known.
+using CellErrors = std::array<double, cell_samples>;
+
 /// Fits polynomials of `terms` coefficients; made once, for all cells.
 template <std::size_t terms>
 class PolynomialFitter {
@@ -53,8 +55,8 @@ class PolynomialFitter {
 
   /// The coefficients.
   [[nodiscard]] PolynomialFit fit(const CellSamples& samples, double half_edge_m) const;
-  /// Errors and bound.
-  void measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const;
+  /// Sets the bound.
+  [[nodiscard]] CellErrors measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const;
 
  private:
   // Whole vectors, whatever their width.
