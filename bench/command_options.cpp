@@ -54,7 +54,10 @@ void add_threads_option(CLI::App& command, int& threads) {
 }
 
 Parameters backend_parameters(const BackendEntry& backend, const std::vector<std::string>& assignments) {
-  return {backend.parameters, parse_assignments(assignments, "--param"), fmt::format("--param ({})", backend.name)};
+  Parameters parameters(backend.parameters, parse_assignments(assignments, "--param"),
+                        fmt::format("--param ({})", backend.name));
+  (void)backend.make(parameters);  // refuses what does not go together, before anything is read
+  return parameters;
 }
 
 std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::string>& texts,

@@ -46,8 +46,10 @@ bool wants_octree(const Parameters& parameters) {
     }
   };
   if (is_adaptive) {
-    refuse({"cells", "cell_size_m", "band_m", "precision", "discregrid"}, "max_error_mm",
-           "an adaptive field chooses its cells and keeps floats");
+    refuse({"cells", "cell_size_m", "band_m", "discregrid"}, "max_error_mm", "an adaptive field chooses its cells");
+    if (parameters.word("precision") != "float") {
+      refuse({"precision"}, "max_error_mm", "an adaptive field keeps floats");
+    }
   } else if (!parameters.word("discregrid").empty()) {
     refuse({"cells", "cell_size_m", "band_m", "precision", "margin", "structures"}, "discregrid",
            "a field that is read is as it was built");

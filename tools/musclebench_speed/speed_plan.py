@@ -15,7 +15,7 @@ SETTINGS = (
     Setting(REFERENCE, "voxel", (("cells", 64),), step_ms=0.05),
     Setting("sdf", "sdf", SDF, step_ms=0.1, stores=True),
     Setting("bvh", "bvh", (), step_ms=0.2),
-    Setting("fcl", "fcl", (("query", "node_distance"), ("motion_budgets", "on")), step_ms=5.0),
+    Setting("fcl", "fcl", (("query", "node_distance"), ("motion_budgets", "on")), step_ms=1.5),
     Setting("sdf-cold", "sdf", (*SDF, *OFF), step_ms=0.2, stores=True),
     Setting("bvh-cold", "bvh", OFF, step_ms=4.0),
 )

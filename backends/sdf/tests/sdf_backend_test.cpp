@@ -287,6 +287,7 @@ TEST(SdfBackend, RefusesWhatAnotherParameterMakesMeaningless) {
   for (const Given& other : {cells, cell_size, band, precision, margin, structures}) {
     EXPECT_TRUE(is_refused(other, discregrid)) << other.begin()->first;
   }
+  EXPECT_FALSE(is_refused({{"precision", std::string("float")}}, max_error)) << "which it has anyway";
   EXPECT_TRUE(is_refused(cells, cell_size));
   for (const Given& other : {cells, band, precision, margin, structures}) {
     EXPECT_FALSE(is_refused(margin, other)) << other.begin()->first;
