@@ -30,31 +30,11 @@ void pad(std::vector<std::int32_t>& triangles) {
   }
 }
 
-/// Triangles that `closest_on_triangle` may answer too far away by more than rounding: their distance at one place says
-/// nothing about that at another.
-std::vector<bool> needles_of(const TriangleMesh& mesh) {
-  constexpr double least_squared_sine = 1e-6;
-  std::vector<bool> needles;
-  needles.reserve(mesh.triangles.size());
-  for (const Triangle& triangle : mesh.triangles) {
-    const auto corner = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(triangle[i % 3])]; };
-    bool is_needle = false;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3 a = corner(i + 1) - corner(i);
-      const Vec3 b = corner(i + 2) - corner(i);
-      is_needle |= !(a.cross(b).squaredNorm() > least_squared_sine * a.squaredNorm() * b.squaredNorm());
-    }
-    needles.push_back(is_needle);
-  }
-  return needles;
-}
-
 }  // namespace
 
 BoxedSurface::BoxedSurface(const RepairedMesh& surface)
     : SidedSurface(surface),
       m_tree(std::make_shared<BoxTree>(surface.mesh.vertices, surface.mesh.triangles)),
-      m_needles(needles_of(surface.mesh)),
       m_triangle_size_m(mean_triangle_size_m(surface.mesh)) {}
 
 ClosestPoint BoxedSurface::closest(const Vec3& point) const { return closest_from(point, 0); }
@@ -108,8 +88,8 @@ void BoxedSurface::list_near(const Vec3& point, double bound_m, NearTriangles& l
     ClosestOnTriangles found;
     closest_on_triangles(&point, sides().tree().corners(), the_point, {&met[first], width}, {&found, 1});
     for (std::size_t i = first; i < std::min(first + width, count); ++i) {
-      const bool is_needle = m_needles[static_cast<std::size_t>(met[i])];
-      const double distance_m = is_needle ? 0.0 : std::sqrt(found.squared_distance_m2[i - first]);
+      const double distance_m =
+          sides().tree().is_needle(met[i]) ? 0.0 : std::sqrt(found.squared_distance_m2[i - first]);
       if (distance_m < radius_m) {
         by_distance.emplace_back(distance_m, met[i]);
       }
@@ -149,8 +129,6 @@ ListedClosest BoxedSurface::finish_listed(const Vec3& point, const NearTriangles
   return {closest.answer(), best_m < list.complete_m - moved_m};
 }
 
-std::size_t BoxedSurface::bytes() const {
-  return sizeof(*this) + m_tree->bytes() + sides().bytes() + m_needles.capacity() / 8;
-}
+std::size_t BoxedSurface::bytes() const { return sizeof(*this) + m_tree->bytes() + sides().bytes(); }
 
 }  // namespace musclebench

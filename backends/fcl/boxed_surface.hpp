@@ -35,7 +35,6 @@ class BoxedSurface : public SidedSurface {
 
  private:
   std::shared_ptr<const BoxTree> m_tree;
-  std::vector<bool> m_needles;  ///< by triangle
   double m_triangle_size_m;
 };
 

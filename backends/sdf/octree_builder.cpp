@@ -2,18 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "backends/sdf/exact_places.hpp"
 #include "backends/sdf/octree_cells.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/base/system_memory.hpp"
 #include "core/geometry/coherent_order.hpp"
 #include "core/geometry/mesh_size.hpp"
-#include "core/geometry/surface_sampler.hpp"
 
 namespace musclebench {
 
@@ -38,11 +37,9 @@ std::vector<ExactPlace> neighbours_in_turn(const std::vector<ExactPlace>& places
   for (const ExactPlace& place : places) {
     points.push_back(place.point);
   }
-  std::vector<int> all(places.size());
-  std::iota(all.begin(), all.end(), 0);
   std::vector<ExactPlace> sorted;
   sorted.reserve(places.size());
-  for (const int place : coherent_order(points, all)) {
+  for (const int place : coherent_order(points)) {
     sorted.push_back(places[static_cast<std::size_t>(place)]);
   }
   return sorted;
@@ -375,24 +372,6 @@ OctreeField build_octree(const SignedSurface& surface, const TriangleMesh& mesh,
   shape.lower_m = box.center() - 0.5 * shape.root_edge_m * roots;
   const OctreeDemand demand{wanted_m, near_m, finest_edge * shape.root_edge_m};
   return OctreeBuilder(surface, mesh, shape, demand, settings.memory_bytes, bone_name, threads).build(progress);
-}
-
-std::vector<ExactPlace> places_about(const SignedSurface& surface, const TriangleMesh& mesh, double near_m,
-                                     std::size_t count, std::uint64_t seed, [[maybe_unused]] int threads) {
-  const SurfaceSampler sampler(mesh);
-  RandomNumbers random(seed);
-  std::vector<SurfaceSample> samples(count);
-  std::vector<ExactPlace> places(count);
-  for (std::size_t p = 0; p < count; ++p) {
-    samples[p] = sampler.draw(random);
-    places[p].point = samples[p].point + (2 * random.share() - 1) * near_m * samples[p].normal;
-  }
-#pragma omp parallel for schedule(dynamic, 64) num_threads(threads)
-  for (std::size_t p = 0; p < count; ++p) {
-    const ClosestPoint closest = surface.tree().closest_point_from(places[p].point, samples[p].triangle);
-    places[p].distance_m = surface.is_inside(places[p].point, closest) ? -closest.distance_m : closest.distance_m;
-  }
-  return places;
 }
 
 }  // namespace musclebench

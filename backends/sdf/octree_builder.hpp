@@ -43,15 +43,4 @@ using BuildProgress = std::function<void(double share)>;
 OctreeField build_octree(const SignedSurface& surface, const TriangleMesh& mesh, const OctreeSettings& settings,
                          const std::string& bone_name, int threads, const BuildProgress& progress = {});
 
-/// A place and its exact distance.
-struct ExactPlace {
-  Vec3 point = Vec3::Zero();
-  double distance_m = 0;
-};
-
-/// `count` places, as contacts meet them: evenly spread over the area of the surface of `mesh` and the way up to
-/// `near_m` to both sides of it. Deterministic.
-std::vector<ExactPlace> places_about(const SignedSurface& surface, const TriangleMesh& mesh, double near_m,
-                                     std::size_t count, std::uint64_t seed, int threads);
-
 }  // namespace musclebench

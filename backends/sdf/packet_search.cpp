@@ -66,10 +66,10 @@ void PacketSearch::closest_points(std::span<PointPacket> packets, int seed) {
   for (const int triangle : {nearest, seed}) {
     const int index = m_tree->m_leaf_of[static_cast<std::size_t>(triangle)];
     const TreeLeaf& leaf = tree.leaves[index];
-    const auto place = static_cast<std::size_t>(std::find(leaf.triangle.begin(), leaf.triangle.end(), triangle) -
-                                                leaf.triangle.begin());
-    if ((leaf.needles >> place & 1U) == 0) {
-      bound_by_triangle(tree, static_cast<std::int32_t>(static_cast<std::size_t>(index) * tree_width + place), block);
+    if (!m_tree->is_needle(triangle)) {
+      bound_by_triangle(
+          tree, static_cast<std::int32_t>(static_cast<std::size_t>(index) * tree_width + leaf.place_of(triangle)),
+          block);
       break;
     }
   }

@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include <fmt/format.h>
-
 #include "core/base/input_error.hpp"
 
 namespace musclebench {

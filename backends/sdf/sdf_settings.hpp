@@ -13,8 +13,9 @@ namespace musclebench {
 GridSettings grid_settings(const Parameters& parameters);
 FieldSettings field_settings(const Parameters& parameters);
 
-/// Whether cells of several sizes are wanted: `max_error_mm` is given. Throws InputError where parameters of a grid or
-/// of read fields are given beside it.
+/// Whether cells of several sizes are wanted: `max_error_mm` is positive. Throws InputError for a parameter that
+/// another one makes meaningless: those of a grid beside `max_error_mm`, those of building beside `discregrid`, and
+/// `cells` beside `cell_size_m`.
 bool wants_octree(const Parameters& parameters);
 OctreeSettings octree_settings(const Parameters& parameters);
 

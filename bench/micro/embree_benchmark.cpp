@@ -17,6 +17,7 @@
 
 #include "bench/scene_source.hpp"
 #include "core/base/huge_pages.hpp"
+#include "core/geometry/coherent_order.hpp"
 #include "core/geometry/mesh_size.hpp"
 #include "core/geometry/signed_surface.hpp"
 
@@ -86,22 +87,14 @@ Points shuffled(Points points) {
   return points;
 }
 
-/// Far points in an order in which neighbours are close: along a Morton curve.
-Points along_curve(Points points) {
-  const Eigen::AlignedBox3d box = bounding_box(points);
-  const auto key = [&](const Vec3& point) {
-    const Vec3 relative = (point - box.min()).cwiseQuotient(box.sizes());
-    std::uint32_t bits = 0;
-    for (unsigned bit = 0; bit < 10; ++bit) {
-      for (unsigned axis = 0; axis < 3; ++axis) {
-        const auto cell = std::min(static_cast<std::uint32_t>(relative[static_cast<Eigen::Index>(axis)] * 1024), 1023U);
-        bits |= ((cell >> bit) & 1U) << (3 * bit + axis);
-      }
-    }
-    return bits;
-  };
-  std::sort(points.begin(), points.end(), [&](const Vec3& a, const Vec3& b) { return key(a) < key(b); });
-  return points;
+/// Far points in an order in which neighbours are close.
+Points in_coherent_order(const Points& points) {
+  Points ordered;
+  ordered.reserve(points.size());
+  for (const int place : coherent_order(points)) {
+    ordered.push_back(points[static_cast<std::size_t>(place)]);
+  }
+  return ordered;
 }
 
 /// The bone in Embree, and the closest distance that its point query finds with a call-back as Embree's own tutorials
@@ -295,7 +288,7 @@ int register_and_run(int argc, char** argv) {
   }
   const std::array<std::pair<std::string, Points>, 4> places = {{{"near/coherent", near_points()},
                                                                  {"near/random", shuffled(near_points())},
-                                                                 {"far/coherent", along_curve(far_points())},
+                                                                 {"far/coherent", in_coherent_order(far_points())},
                                                                  {"far/random", far_points()}}};
   for (const auto& [name, points] : places) {
     if (!agree(points)) {

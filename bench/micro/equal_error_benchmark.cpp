@@ -7,45 +7,27 @@
 
 #include <benchmark/benchmark.h>
 
+#include "backends/sdf/exact_places.hpp"
 #include "backends/sdf/field_builder.hpp"
 #include "backends/sdf/octree_builder.hpp"
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
-#include "core/geometry/surface_sampler.hpp"
 #include "core/measure/scoped_timer.hpp"
 
 namespace musclebench {
 namespace {
 
 constexpr double wanted_m = 5e-5;
-constexpr int place_count = 20000;
+constexpr std::size_t place_count = 20000;
 constexpr double coarsest_m = 3e-3;
 constexpr double finest_m = 0.5e-3;
 constexpr double finer = 0.95;  // each uniform grid's cell over that before it
 
-struct Place {
-  Vec3 point;
-  double distance_m;
-};
-
-/// Evenly over the surface, and over the distance up to `near_m` on both sides.
-std::vector<Place> places_about(const Bone& bone, const SignedSurface& surface, double near_m) {
-  const SurfaceSampler sampler(bone.surface.mesh);
-  RandomNumbers random(11);
-  std::vector<Place> places;
-  while (places.size() < static_cast<std::size_t>(place_count)) {
-    const SurfaceSample sample = sampler.draw(random);
-    const Vec3 point = sample.point + (2 * random.share() - 1) * near_m * sample.normal;
-    places.push_back({point, surface.locate(point).signed_distance_m()});
-  }
-  return places;
-}
-
 /// The error that 99 of 100 places stay below; where the field knows nothing it errs without bound.
 template <typename Field>
-double p99_error_m(const Field& field, const std::vector<Place>& places) {
+double p99_error_m(const Field& field, const std::vector<ExactPlace>& places) {
   std::vector<double> errors;
-  for (const Place& place : places) {
+  for (const ExactPlace& place : places) {
     const auto value = field.value(place.point);
     errors.push_back(value ? std::abs(*value - place.distance_m) : std::numeric_limits<double>::infinity());
   }
@@ -62,7 +44,8 @@ void adaptive_over_uniform(benchmark::State& state, const Bone& bone) {
       const ScopedTimer timer(adaptive_ns);
       return build_octree(surface, bone.surface.mesh, {.max_error_m = wanted_m}, bone.name, 1);
     }();
-    const std::vector<Place> places = places_about(bone, surface, adaptive.quality().near_m);
+    const std::vector<ExactPlace> places =
+        places_about(surface, bone.surface.mesh, adaptive.quality().near_m, place_count, 11, 1);
     const double reached_m = p99_error_m(adaptive, places);
     double cell_size_m = coarsest_m;
     double uniform_p99_m = std::numeric_limits<double>::infinity();

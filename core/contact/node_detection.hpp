@@ -90,7 +90,12 @@ class NodeDetection {
   /// and balls and lists lie in the order of the nodes.)
   void plan_visits(std::span<const Vec3> positions, std::span<const int> nodes) {
     m_planned.assign(nodes.begin(), nodes.end());
-    const std::vector<int> order = coherent_order(positions, nodes);
+    std::vector<Vec3> points;
+    points.reserve(nodes.size());
+    for (const int node : nodes) {
+      points.push_back(positions[static_cast<std::size_t>(node)]);
+    }
+    const std::vector<int> order = coherent_order(points);
     m_visited.resize(nodes.size());
     m_visit_of.resize(nodes.size());
     for (std::size_t visit = 0; visit < order.size(); ++visit) {
@@ -227,7 +232,8 @@ class NodeDetection {
     std::uint8_t wasted = 0;  ///< lists in a row
     std::uint8_t pause = 0;   ///< searches that are still to go without a list
 
-    void forget_list(bool had_one) {
+    /// Before a search; `had_one`: a list, which did not answer. Returns whether the next one is worth its making.
+    bool forget_list(bool had_one) {
       constexpr std::uint8_t most_wasted = 5;
       near.count = 0;
       if (had_one) {
@@ -235,13 +241,9 @@ class NodeDetection {
         pause = static_cast<std::uint8_t>((1U << wasted) - 1);
       }
       has_served = false;
-    }
-    [[nodiscard]] bool is_list_worth_it() {
-      if (pause == 0) {
-        return true;
-      }
-      --pause;
-      return false;
+      const bool is_list_worth_it = pause == 0;
+      pause -= is_list_worth_it ? 0 : 1;
+      return is_list_worth_it;
     }
   };
 
@@ -272,14 +274,13 @@ class NodeDetection {
       memory.has_served = true;
       return answer;
     }
-    memory.forget_list(asked.listed);
-    const auto make_list = [&](double bound_m) {
-      if (bound_m < surface.near_m() && memory.is_list_worth_it()) {
+    const bool is_list_worth_it = memory.forget_list(asked.listed);
+    const auto take_new_list = [&] {
+      const double bound_m =
+          !is_list_worth_it || memory.triangle < 0 ? unknown : surface.distance_m(point, memory.triangle);
+      if (bound_m < surface.near_m()) {
         surface.list_near(point, bound_m, memory.near);
       }
-    };
-    const auto take_new_list = [&] {
-      make_list(memory.triangle < 0 ? unknown : surface.distance_m(point, memory.triangle));
       if (memory.near.count == 0) {
         return false;
       }
@@ -311,7 +312,7 @@ class NodeDetection {
     memory.triangle = answer.closest.triangle;
     memory.near.count = 0;
     // A node that leaves a larger ball is too far from here for a list.
-    if ((answer.inside || answer.closest.distance_m < surface.near_m()) && memory.is_list_worth_it()) {
+    if (is_list_worth_it && (answer.inside || answer.closest.distance_m < surface.near_m())) {
       surface.list_near(point, answer.closest.distance_m, memory.near);
     }
     return answer;

@@ -29,16 +29,13 @@ std::uint32_t place_on_curve(const Vec3& share) {
 
 }  // namespace
 
-std::vector<int> coherent_order(std::span<const Vec3> positions, std::span<const int> nodes) {
-  const auto position = [&](int place) -> const Vec3& {
-    return positions[static_cast<std::size_t>(nodes[static_cast<std::size_t>(place)])];
-  };
-  std::vector<int> as_they_are(nodes.size());
+std::vector<int> coherent_order(std::span<const Vec3> points) {
+  std::vector<int> as_they_are(points.size());
   std::iota(as_they_are.begin(), as_they_are.end(), 0);
   Eigen::AlignedBox3d box;
-  for (const int place : as_they_are) {
-    if (position(place).allFinite()) {
-      box.extend(position(place));
+  for (const Vec3& point : points) {
+    if (point.allFinite()) {
+      box.extend(point);
     }
   }
   const double extent = box.isEmpty() ? 0 : box.sizes().maxCoeff();
@@ -46,21 +43,22 @@ std::vector<int> coherent_order(std::span<const Vec3> positions, std::span<const
     return as_they_are;
   }
   std::vector<std::pair<std::uint32_t, int>> by_code;
-  by_code.reserve(nodes.size());
+  by_code.reserve(points.size());
   for (const int place : as_they_are) {
-    const bool finite = position(place).allFinite();
-    by_code.emplace_back(finite ? place_on_curve((position(place) - box.min()) / extent) : 0, place);
+    const Vec3& point = points[static_cast<std::size_t>(place)];
+    by_code.emplace_back(point.allFinite() ? place_on_curve((point - box.min()) / extent) : 0, place);
   }
   std::sort(by_code.begin(), by_code.end());
   std::vector<int> along_curve;
-  along_curve.reserve(nodes.size());
+  along_curve.reserve(points.size());
   for (const auto& [code, place] : by_code) {
     along_curve.push_back(place);
   }
   const auto way = [&](const std::vector<int>& order) {
     double sum = 0;
     for (std::size_t i = 1; i < order.size(); ++i) {
-      const double step = ((position(order[i]) - position(order[i - 1])) / extent).norm();
+      const Vec3& from = points[static_cast<std::size_t>(order[i - 1])];
+      const double step = ((points[static_cast<std::size_t>(order[i])] - from) / extent).norm();
       sum += std::isfinite(step) ? step : 0;
     }
     return sum;

@@ -7,9 +7,8 @@
 
 namespace musclebench {
 
-/// An order of `nodes` in which those that follow each other are close together: along a curve that fills space
-/// (Morton's), or as they are where that way is shorter. Places in `nodes`; `positions` are of all nodes, and may be
-/// anything, also not finite.
-std::vector<int> coherent_order(std::span<const Vec3> positions, std::span<const int> nodes);
+/// An order of points in which those that follow each other are close together: along a curve that fills space
+/// (Morton's), or as they are where that way is shorter. The points may be anything, also not finite.
+std::vector<int> coherent_order(std::span<const Vec3> points);
 
 }  // namespace musclebench

@@ -58,6 +58,11 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
   }
 }
 
+bool TriangleTree::is_needle(int triangle) const {
+  const TreeLeaf& leaf = m_leaves[static_cast<std::size_t>(m_leaf_of[static_cast<std::size_t>(triangle)])];
+  return (leaf.needles >> leaf.place_of(triangle) & 1U) != 0;
+}
+
 float TriangleTree::slack_for(double reach, double coordinate) const {
   return static_cast<float>(float_rounding * (49 * (1 + reach) + 17 * m_longest_side) +
                             32 * double_rounding * std::max(m_reach, coordinate));

@@ -99,6 +99,10 @@ class TriangleTree {
     return (b - a).cross(c - a);
   }
 
+  /// Whether the triangle is so narrow that `closest_on_triangle` may answer it too far away by more than rounding: its
+  /// distance at one place says nothing about that at another.
+  [[nodiscard]] bool is_needle(int triangle) const;
+
   [[nodiscard]] std::size_t triangle_count() const { return m_corners.size(); }
   /// Of each triangle, for `closest_on_triangles`.
   [[nodiscard]] const std::array<Vec3, 3>* corners() const { return m_corners.data(); }

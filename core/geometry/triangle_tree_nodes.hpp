@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -51,6 +52,11 @@ struct alignas(64) TreeLeaf {
   /// One bit a triangle that is such a needle that `closest_on_triangle` may answer it too far away: its distance here
   /// is no upper bound of that answer.
   std::uint32_t needles;
+
+  /// Of a triangle that it holds.
+  [[nodiscard]] std::size_t place_of(std::int32_t which) const {
+    return static_cast<std::size_t>(std::find(triangle.begin(), triangle.end(), which) - triangle.begin());
+  }
 };
 
 /// The leaves about a place: enough to find the closest triangle for points near that place without a search. A leaf at

@@ -10,6 +10,7 @@
 
 #include "core/geometry/rigid_motion.hpp"
 #include "core/geometry/shapes.hpp"
+#include "core/geometry/tests/closest_by_brute_force.hpp"
 
 namespace musclebench {
 namespace {
@@ -88,38 +89,31 @@ std::vector<Vec3> points_of(const Case& about) {
   return points;
 }
 
-ClosestPoint by_brute_force(const BoxedSurface& surface, int triangles, const Vec3& point) {
-  ClosestPoint best;
-  double squared_m2 = std::numeric_limits<double>::infinity();
-  for (int triangle = 0; triangle < triangles; ++triangle) {
-    const ClosestOnTriangle found = surface.closest_on(point, triangle);
-    if (found.squared_distance_m2 < squared_m2) {
-      squared_m2 = found.squared_distance_m2;
-      best = {found.point, std::sqrt(squared_m2), triangle, found.feature};
-    }
-  }
-  return best;
-}
+class CountedSurface : public BoxedSurface {
+ public:
+  explicit CountedSurface(const RepairedMesh& surface)
+      : BoxedSurface(surface), m_triangles(static_cast<int>(surface.mesh.triangles.size())) {}
 
-void expect_same(const ClosestPoint& found, const ClosestPoint& expected) {
-  EXPECT_EQ(found.triangle, expected.triangle);
-  EXPECT_EQ(found.distance_m, expected.distance_m);
-  EXPECT_EQ(found.point, expected.point);
-  EXPECT_EQ(found.feature, expected.feature);
-}
+  [[nodiscard]] ClosestPoint by_brute_force(const Vec3& point) const {
+    return closest_by_brute_force(m_triangles, [&](int triangle) { return closest_on(point, triangle); });
+  }
+  /// In no order.
+  int next_triangle() { return m_next = (m_next + 101) % m_triangles; }
+
+ private:
+  int m_triangles;
+  int m_next = 0;
+};
 
 TEST(BoxedSurface, SearchesAnswerWhatBruteForceDoesToTheBit) {
   for (const Case& about : cases()) {
     SCOPED_TRACE(about.name);
-    const BoxedSurface surface(about.surface);
-    const auto triangles = static_cast<int>(about.surface.mesh.triangles.size());
-    int start = 0;
+    CountedSurface surface(about.surface);
     for (const Vec3& point : points_of(about)) {
-      const ClosestPoint expected = by_brute_force(surface, triangles, point);
-      expect_same(surface.closest(point), expected);
-      expect_same(surface.closest_from(point, expected.triangle), expected);
-      start = (start + 101) % triangles;
-      expect_same(surface.closest_from(point, start), expected);
+      const ClosestPoint expected = surface.by_brute_force(point);
+      expect_equal(surface.closest(point), expected);
+      expect_equal(surface.closest_from(point, expected.triangle), expected);
+      expect_equal(surface.closest_from(point, surface.next_triangle()), expected);
     }
   }
 }
@@ -129,12 +123,11 @@ TEST(BoxedSurface, ListsAnswerWhatBruteForceDoesWhereTheyAreCertain) {
   std::normal_distribution<double> normal(0, 1);
   for (const Case& about : cases()) {
     SCOPED_TRACE(about.name);
-    const BoxedSurface surface(about.surface);
-    const auto triangles = static_cast<int>(about.surface.mesh.triangles.size());
+    const CountedSurface surface(about.surface);
     int certain = 0;
     int asked = 0;
     for (const Vec3& place : points_of(about)) {
-      const double distance_m = by_brute_force(surface, triangles, place).distance_m;
+      const double distance_m = surface.by_brute_force(place).distance_m;
       NearTriangles list;
       surface.list_near(place, distance_m, list);
       ASSERT_GT(list.count, 0U);
@@ -147,7 +140,7 @@ TEST(BoxedSurface, ListsAnswerWhatBruteForceDoesWhereTheyAreCertain) {
         EXPECT_EQ(found.clearance_m, 0);
         EXPECT_FALSE(way == 20 && distance_m < surface.near_m() && found.certain);
         if (found.certain) {
-          expect_same(found.closest, by_brute_force(surface, triangles, point));
+          expect_equal(found.closest, surface.by_brute_force(point));
         }
         asked += static_cast<int>(way < 0.5 && distance_m < surface.near_m());
         certain += static_cast<int>(way < 0.5 && distance_m < surface.near_m() && found.certain);
@@ -162,13 +155,10 @@ TEST(BoxedSurface, ListsAnswerWhatBruteForceDoesWhereTheyAreCertain) {
 TEST(BoxedSurface, ClearancesAreTrueAndNotMuchLessThanTheDistance) {
   for (const Case& about : cases()) {
     SCOPED_TRACE(about.name);
-    const BoxedSurface surface(about.surface);
-    const auto triangles = static_cast<int>(about.surface.mesh.triangles.size());
-    int start = 0;
+    CountedSurface surface(about.surface);
     for (const Vec3& point : points_of(about)) {
-      const double distance_m = by_brute_force(surface, triangles, point).distance_m;
-      start = (start + 101) % triangles;
-      const Clearance found = surface.clearance_from(point, start);
+      const double distance_m = surface.by_brute_force(point).distance_m;
+      const Clearance found = surface.clearance_from(point, surface.next_triangle());
       EXPECT_LE(found.distance_m, distance_m);
       EXPECT_GE(found.distance_m, 0.79 * distance_m - 1e-9);
       ASSERT_GE(found.triangle, 0);

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "backends/sdf/exact_places.hpp"
 #include "backends/sdf/octree_builder.hpp"
 #include "backends/sdf/octree_fit.hpp"
 #include "core/base/input_error.hpp"
@@ -321,6 +322,14 @@ TEST(OctreeBuilder, RefusesWhatDoesNotFitIntoMemoryAndSaysWhatDoes) {
   const double fitting_mm = std::stod(words.substr(words.rfind(' ', fits - 1)));
   EXPECT_GT(fitting_mm, 1e-4);
   EXPECT_EQ(refusal({.max_error_m = 1e-3 * fitting_mm, .memory_bytes = memory}), "");
+}
+
+TEST(OctreeBuilder, LearnsHowItsMemoryGrows) {
+  // Once the edges of a box are a hundredth of the places, a smaller error costs next to nothing.
+  const RepairedMesh box{make_box({0.03, 0.03, 0.03}, 2), true, {}};
+  const OctreeField field =
+      build_octree(SignedSurface(box), box.mesh, {.max_error_m = 2e-6, .memory_bytes = 300'000'000}, "box", 2);
+  EXPECT_LE(field.quality().p99_m, 2e-6);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <hwy/targets.h>
 
 #include "core/geometry/shapes.hpp"
+#include "core/geometry/tests/closest_by_brute_force.hpp"
 
 namespace musclebench {
 namespace {
@@ -25,23 +26,8 @@ ClosestOnTriangle closest_on(const TriangleMesh& mesh, int triangle, const Vec3&
 }
 
 ClosestPoint brute_force(const TriangleMesh& mesh, const Vec3& point) {
-  ClosestPoint best;
-  double squared = std::numeric_limits<double>::infinity();
-  for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
-    const ClosestOnTriangle found = closest_on(mesh, t, point);
-    if (found.squared_distance_m2 < squared) {
-      squared = found.squared_distance_m2;
-      best = {found.point, std::sqrt(squared), t, found.feature};
-    }
-  }
-  return best;
-}
-
-void expect_equal(const ClosestPoint& found, const ClosestPoint& expected) {
-  EXPECT_EQ(found.triangle, expected.triangle);
-  EXPECT_EQ(found.distance_m, expected.distance_m);
-  EXPECT_EQ(found.point, expected.point);
-  EXPECT_EQ(found.feature, expected.feature);
+  return closest_by_brute_force(static_cast<int>(mesh.triangles.size()),
+                                [&](int triangle) { return closest_on(mesh, triangle, point); });
 }
 
 double exact_winding(const TriangleMesh& mesh, const Vec3& point) {

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/signed_surface.hpp"
+
+namespace musclebench {
+
+/// A place and its exact distance.
+struct ExactPlace {
+  Vec3 point = Vec3::Zero();
+  double distance_m = 0;
+};
+
+/// `count` places, as contacts meet them: evenly spread over the area of the surface of `mesh` and the way up to
+/// `near_m` to both sides of it. Deterministic.
+std::vector<ExactPlace> places_about(const SignedSurface& surface, const TriangleMesh& mesh, double near_m,
+                                     std::size_t count, std::uint64_t seed, int threads);
+
+}  // namespace musclebench
