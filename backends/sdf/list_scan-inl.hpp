@@ -7,6 +7,7 @@
 #define MUSCLEBENCH_LIST_SCAN
 #endif
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -49,6 +50,24 @@ class Lowest {
   WideVec m_least;
   hn::Vec<Places> m_first;
 };
+
+/// The bounds from `first` on at `way` from the middle of the list's box.
+HWY_INLINE WideVec bounds_at(const BoundList& list, std::size_t first, WideVec from, const std::array<float, 3>& way) {
+  const Wide w;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    from = hn::MulAdd(hn::LoadU(w, list.slope[axis].data() + first), hn::Set(w, way[axis]), from);
+  }
+  return from;
+}
+
+/// The place in a list that is not empty with the lowest bound.
+HWY_INLINE std::size_t lowest(const BoundList& list, const std::array<float, 3>& way) {
+  Lowest lowest;
+  for (std::size_t first = 0; first < list.count; first += hn::Lanes(Wide())) {
+    lowest.look(bounds_at(list, first, hn::LoadU(Wide(), list.value.data() + first), way), first);
+  }
+  return lowest.place();
+}
 
 }  // namespace musclebench::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
