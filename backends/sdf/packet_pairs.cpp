@@ -37,6 +37,50 @@ HWY_INLINE void look_into(const TreeView& tree, PacketPoints& packet, std::size_
   }
 }
 
+#if HWY_MAX_BYTES >= 64
+/// Two looks in vectors that are wide enough for both.
+HWY_INLINE void look_into_two(const TreeView& tree, PacketPoints& packet, std::size_t look, Asked& asked) {
+  const Lanes d;
+  const hn::CappedTag<float, 2 * tree_width> twice;
+  using Both = hn::Vec<decltype(twice)>;
+  const TreeLeaf& a = tree.leaves[packet.leaf[look]];
+  const TreeLeaf& b = tree.leaves[packet.leaf[look + 1]];
+  const auto n = static_cast<std::size_t>(packet.point[look]);
+  const auto m = static_cast<std::size_t>(packet.point[look + 1]);
+  const auto both = [&](const TreeLanes& of_a, const TreeLanes& of_b)
+                        HWY_ATTR { return hn::Combine(twice, load(of_b, 0), load(of_a, 0)); };
+  const auto all = [&](const std::array<TreeLanes, 3>& of_a, const std::array<TreeLanes, 3>& of_b) HWY_ATTR {
+    return Vec3Of<Both>{both(of_a[0], of_b[0]), both(of_a[1], of_b[1]), both(of_a[2], of_b[2])};
+  };
+  const auto lower = hn::FirstN(twice, tree_width);
+  const auto at = [&](std::size_t axis) HWY_ATTR {
+    return hn::IfThenElse(lower, hn::Set(twice, packet.at[axis][n]), hn::Set(twice, packet.at[axis][m]));
+  };
+  const TrianglesOf<Both> triangles{all(a.origin, b.origin),  all(a.along, b.along),  all(a.up, b.up),
+                                    both(a.before, b.before), both(a.after, b.after), both(a.height, b.height)};
+  const Both squared = arms_to(triangles, Vec3Of<Both>{at(0), at(1), at(2)}).squared_length();
+  hn::StoreU(squared, twice, packet.squared[look].to.data());
+  if (a.needles == 0) {
+    hn::Store(hn::Min(load(asked.least[n], 0), hn::LowerHalf(squared)), d, asked.least[n].data());
+  }
+  if (b.needles == 0) {
+    hn::Store(hn::Min(load(asked.least[m], 0), hn::UpperHalf(d, squared)), d, asked.least[m].data());
+  }
+}
+#endif
+
+HWY_INLINE void look_into(const TreeView& tree, PacketPoints& packet, std::size_t first, std::size_t end,
+                          Asked& asked) {
+#if HWY_MAX_BYTES >= 64
+  for (; first + 1 < end; first += 2) {
+    look_into_two(tree, packet, first, asked);
+  }
+#endif
+  for (; first < end; ++first) {
+    look_into(tree, packet, first, asked);
+  }
+}
+
 /// Lowers the limits to what was seen.
 HWY_INLINE void lower_limits(const TreeView& tree, Asked& asked) {
   const Lanes d;
@@ -218,14 +262,12 @@ void pairs_of(const TreeView& tree, const BoundList& leaves, const PlaceBox& box
   for (std::size_t n = 0; n < packet.count; ++n) {
     packet.leaf[n] = nearest;
     packet.point[n] = static_cast<std::int32_t>(n);
-    look_into(tree, packet, n, asked);
   }
+  look_into(tree, packet, 0, packet.count, asked);
   lower_limits(tree, asked);
   packet.looks = packet.count;
   add_looks(tree, leaves_near_any(tree, leaves, box, asked, packet), nearest, asked, packet);
-  for (std::size_t look = packet.count; look < packet.looks; ++look) {
-    look_into(tree, packet, look, asked);
-  }
+  look_into(tree, packet, packet.count, packet.looks, asked);
   lower_limits(tree, asked);
   add_pairs(tree, packet, asked, first_point, pairs);
 }
