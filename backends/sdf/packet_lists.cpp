@@ -210,7 +210,7 @@ void leaves_of(const TreeView& tree, const BoundList& nodes, const PlaceBox& out
   const Vec3Lanes half = splat(box.half);
   const Errors errors(tree, box);
   bound_as(outer, way, tree, box);
-  const std::int32_t seed = nearest_leaf(tree.nodes[nodes.what[lowest(nodes, way)]], middle, half, errors);
+  const std::int32_t seed = nearest_leaf(tree.nodes[nodes.what[lowest(nodes, way).place()]], middle, half, errors);
   if (seed >= 0) {
     lower_bound_by_nearest(tree, seed, box);
   }

@@ -126,9 +126,9 @@ HWY_INLINE std::int32_t leaf_at(const TreeView& tree, std::int32_t child) {
   return ~tree.nodes[static_cast<std::size_t>(child) / tree_width].child[static_cast<std::size_t>(child) % tree_width];
 }
 
-/// The leaf that is the nearest to the middle of the points by its bound.
-HWY_INLINE std::int32_t nearest_leaf(const TreeView& tree, const BoundList& leaves, const PlaceBox& box,
-                                     const PacketPoints& packet) {
+/// Two leaves that are near the middle of the points by their bounds; the same twice where there is only one.
+HWY_INLINE std::array<std::int32_t, 2> nearest_leaves(const TreeView& tree, const BoundList& leaves,
+                                                      const PlaceBox& box, const PacketPoints& packet) {
   const Lanes d;
   std::array<float, 3> way{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -137,7 +137,8 @@ HWY_INLINE std::int32_t nearest_leaf(const TreeView& tree, const BoundList& leav
     }
     way[axis] -= box.middle[axis];
   }
-  return leaf_at(tree, leaves.what[lowest(leaves, way)]);
+  const auto [nearest, other] = lowest(leaves, way).two_places();
+  return {leaf_at(tree, leaves.what[nearest]), leaf_at(tree, leaves.what[std::min(other, leaves.count - 1)])};
 }
 
 /// Lists the leaves whose bound is within the limit of any of the points; returns how many. A leaf that holds what is
@@ -202,16 +203,16 @@ HWY_INLINE Vec squared_to_box(const TreeNode& node, std::size_t place, const Vec
   return dot(out, out);
 }
 
-/// Adds looks into the leaves listed as near whose box is within the limit of a point, but not into `known`.
-HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, std::int32_t known, const Asked& asked,
-                          PacketPoints& packet) {
+/// Adds looks into the leaves listed as near whose box is within the limit of a point, but not into the `known`.
+HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::array<std::int32_t, 2>& known,
+                          const Asked& asked, PacketPoints& packet) {
   const Lanes d;
   const IntLanes di;
   for (std::size_t l = 0; l < near; ++l) {
     const auto child = static_cast<std::size_t>(packet.near[l]);
     const TreeNode& node = tree.nodes[child / tree_width];
     const std::int32_t leaf = ~node.child[child % tree_width];
-    if (leaf == known) {
+    if (leaf == known[0] || leaf == known[1]) {
       continue;
     }
     for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
@@ -258,16 +259,20 @@ void pairs_of(const TreeView& tree, const BoundList& leaves, const PlaceBox& box
   packet.make_room(leaves.count);
   Asked asked;
   start(tree, box, packet, asked);
-  const std::int32_t nearest = nearest_leaf(tree, leaves, box, packet);
-  for (std::size_t n = 0; n < packet.count; ++n) {
-    packet.leaf[n] = nearest;
-    packet.point[n] = static_cast<std::int32_t>(n);
+  const std::array<std::int32_t, 2> nearest = nearest_leaves(tree, leaves, box, packet);
+  packet.looks = 0;
+  for (std::size_t l = 0; l < (nearest[0] == nearest[1] ? 1 : 2); ++l) {
+    for (std::size_t n = 0; n < packet.count; ++n) {
+      packet.leaf[packet.looks] = nearest[l];
+      packet.point[packet.looks] = static_cast<std::int32_t>(n);
+      ++packet.looks;
+    }
   }
-  look_into(tree, packet, 0, packet.count, asked);
+  const std::size_t first_looks = packet.looks;
+  look_into(tree, packet, 0, first_looks, asked);
   lower_limits(tree, asked);
-  packet.looks = packet.count;
   add_looks(tree, leaves_near_any(tree, leaves, box, asked, packet), nearest, asked, packet);
-  look_into(tree, packet, packet.count, packet.looks, asked);
+  look_into(tree, packet, first_looks, packet.looks, asked);
   lower_limits(tree, asked);
   add_pairs(tree, packet, asked, first_point, pairs);
 }
