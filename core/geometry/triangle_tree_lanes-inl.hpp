@@ -110,10 +110,11 @@ HWY_INLINE ArmsOf<V> arms_to(const TrianglesOf<V>& triangle, const Vec3Of<V>& pl
   const V run = hn::NegMulAdd(over, width, hn::Mul(y, height));
   const V share = hn::Min(hn::Max(hn::Div(run, hn::Max(squared_side, hn::Set(d, 1e-37F))), zero), hn::Set(d, 1.0F));
   const V outward = hn::MulAdd(over, height, hn::Mul(y, width));
-  const auto at_side = hn::And(hn::Gt(y, zero), hn::Gt(outward, zero));
+  // Below the longest side that is so beyond its end only, where the share is 0 and both ways give the same.
+  const auto at_side = hn::Gt(outward, zero);
   // Elsewhere the rectangle about the half bounds the distance, which is 0 in the half itself: a needle's slanted side
   // is so close to its longest one that rounding may put a point far beyond its tip on the inner side.
-  const V rest_y = hn::IfThenElse(hn::Lt(y, zero), y, hn::Max(hn::Sub(y, height), zero));
+  const V rest_y = hn::Max(hn::Sub(y, height), hn::Min(y, zero));
   return {hn::IfThenElse(at_side, hn::MulAdd(share, width, over), hn::Max(over, zero)),
           hn::IfThenElse(at_side, hn::NegMulAdd(share, height, y), rest_y), dot(arm, across), signed_x, across};
 }
