@@ -7,6 +7,7 @@
 #define MUSCLEBENCH_LIST_SCAN
 #endif
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -36,19 +37,49 @@ class Lowest {
         hn::IfThenElse(hn::RebindMask(Places(), lower), hn::Set(Places(), static_cast<std::int32_t>(first)), m_first);
   }
 
-  [[nodiscard]] HWY_INLINE std::size_t place() const {
-    const Places places;
-    const auto lanes = hn::RebindMask(places, hn::Eq(m_least, hn::MinOfLanes(Wide(), m_least)));
-    const auto lane = static_cast<std::size_t>(hn::FindFirstTrue(places, lanes));
-    alignas(64) std::int32_t first[BoundList::padding];
-    hn::Store(m_first, places, first);
-    return static_cast<std::size_t>(first[lane]) + lane;
+  [[nodiscard]] HWY_INLINE std::size_t place() const { return place_in(lane_of(m_least)); }
+
+  /// With the place of the smallest number of the other lanes; where these are empty, any place.
+  [[nodiscard]] HWY_INLINE std::array<std::size_t, 2> two_places() const {
+    const std::size_t lane = lane_of(m_least);
+    const auto its_own = hn::Eq(hn::Iota(Places(), 0), hn::Set(Places(), static_cast<std::int32_t>(lane)));
+    const WideVec others = hn::IfThenElse(hn::RebindMask(Wide(), its_own), hn::Set(Wide(), packet_nowhere), m_least);
+    return {place_in(lane), place_in(lane_of(others))};
   }
 
  private:
+  [[nodiscard]] static HWY_INLINE std::size_t lane_of(WideVec least) {
+    const auto lanes = hn::RebindMask(Places(), hn::Eq(least, hn::MinOfLanes(Wide(), least)));
+    return static_cast<std::size_t>(hn::FindFirstTrue(Places(), lanes));
+  }
+
+  [[nodiscard]] HWY_INLINE std::size_t place_in(std::size_t lane) const {
+    alignas(64) std::int32_t first[BoundList::padding];
+    hn::Store(m_first, Places(), first);
+    return static_cast<std::size_t>(first[lane]) + lane;
+  }
+
   WideVec m_least;
   hn::Vec<Places> m_first;
 };
+
+/// The bounds from `first` on at `way` from the middle of the list's box.
+HWY_INLINE WideVec bounds_at(const BoundList& list, std::size_t first, WideVec from, const std::array<float, 3>& way) {
+  const Wide w;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    from = hn::MulAdd(hn::LoadU(w, list.slope[axis].data() + first), hn::Set(w, way[axis]), from);
+  }
+  return from;
+}
+
+/// Where in a list, that is not empty, the lowest bounds are.
+HWY_INLINE Lowest lowest(const BoundList& list, const std::array<float, 3>& way) {
+  Lowest lowest;
+  for (std::size_t first = 0; first < list.count; first += hn::Lanes(Wide())) {
+    lowest.look(bounds_at(list, first, hn::LoadU(Wide(), list.value.data() + first), way), first);
+  }
+  return lowest;
+}
 
 }  // namespace musclebench::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

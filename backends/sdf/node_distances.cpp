@@ -161,15 +161,18 @@ void fill_distances(const SignedSurface& surface, CubicField& field, [[maybe_unu
   const std::size_t rows = across * blocks_along(shape, 2);
   const std::thread::id reporter = std::this_thread::get_id();
   std::atomic<std::size_t> done = 0;
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-  for (std::size_t row = 0; row < rows; ++row) {
+#pragma omp parallel num_threads(threads)
+  {
     NodeWalk walk(surface, field);
-    for (std::size_t block = 0; block < blocks_along(shape, 0); ++block) {
-      walk.fill_block({block_edge * block, block_edge * (row % across), block_edge * (row / across)});
-    }
-    ++done;
-    if (progress && std::this_thread::get_id() == reporter) {
-      progress(static_cast<double>(done) / static_cast<double>(rows));
+#pragma omp for schedule(dynamic)
+    for (std::size_t row = 0; row < rows; ++row) {
+      for (std::size_t block = 0; block < blocks_along(shape, 0); ++block) {
+        walk.fill_block({block_edge * block, block_edge * (row % across), block_edge * (row / across)});
+      }
+      ++done;
+      if (progress && std::this_thread::get_id() == reporter) {
+        progress(static_cast<double>(done) / static_cast<double>(rows));
+      }
     }
   }
 }

@@ -41,24 +41,6 @@ HWY_INLINE void close(BoundList& list) {
   }
 }
 
-/// The bounds from `first` on at `way` from the middle of the list's box.
-HWY_INLINE WideVec bounds_at(const BoundList& list, std::size_t first, WideVec from, const std::array<float, 3>& way) {
-  const Wide w;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    from = hn::MulAdd(hn::LoadU(w, list.slope[axis].data() + first), hn::Set(w, way[axis]), from);
-  }
-  return from;
-}
-
-/// The place in a list that is not empty with the lowest bound.
-HWY_INLINE std::size_t lowest(const BoundList& list, const std::array<float, 3>& way) {
-  Lowest lowest;
-  for (std::size_t first = 0; first < list.count; first += hn::Lanes(Wide())) {
-    lowest.look(bounds_at(list, first, hn::LoadU(Wide(), list.value.data() + first), way), first);
-  }
-  return lowest.place();
-}
-
 std::array<float, 3> way_between(const std::array<float, 3>& from, const std::array<float, 3>& to) {
   return {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
 }
@@ -210,28 +192,6 @@ HWY_INLINE std::int32_t nearest_leaf(const TreeNode& node, const Vec3Lanes& midd
   return nearest;
 }
 
-HWY_INLINE void append_boxes(const TreeNode& node, hn::Vec<IntLanes> child, hn::Mask<Lanes> listed, std::size_t first,
-                             LeafBoxes& leaves) {
-  const Lanes d;
-  const IntLanes di;
-  const auto put = [&](Vec lanes, std::vector<float>& list)
-                       HWY_ATTR { hn::StoreU(hn::Compress(lanes, listed), d, list.data() + leaves.count); };
-  const Vec3Lanes normal = load(node.normal, first);
-  const Vec3Lanes tangent = load(node.tangent, first);
-  const std::array<Vec3Lanes, 3> axes{normal, tangent, cross(normal, tangent)};
-  const std::array<const TreeLanes*, 3> lower{&node.slab_lower, &node.side_lower[0], &node.side_lower[1]};
-  const std::array<const TreeLanes*, 3> upper{&node.slab_upper, &node.side_upper[0], &node.side_upper[1]};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    put(axes[axis].x, leaves.axis[axis][0]);
-    put(axes[axis].y, leaves.axis[axis][1]);
-    put(axes[axis].z, leaves.axis[axis][2]);
-    put(load(*lower[axis], first), leaves.lower[axis]);
-    put(load(*upper[axis], first), leaves.upper[axis]);
-  }
-  hn::StoreU(hn::Compress(hn::Not(child), hn::RebindMask(di, listed)), di, leaves.leaf.data() + leaves.count);
-  leaves.count += hn::CountTrue(d, listed);
-}
-
 template <typename Item>
 HWY_INLINE void prefetch(const Item& item) {
   for (std::size_t offset = 0; offset < sizeof(Item); offset += 64) {
@@ -242,7 +202,7 @@ HWY_INLINE void prefetch(const Item& item) {
 }  // namespace
 
 void leaves_of(const TreeView& tree, const BoundList& nodes, const PlaceBox& outer, PlaceBox& box, BoundList& near,
-               LeafBoxes& leaves) {
+               BoundList& leaves) {
   const Lanes d;
   const IntLanes di;
   const std::array<float, 3> way = way_between(outer.middle, box.middle);
@@ -250,7 +210,7 @@ void leaves_of(const TreeView& tree, const BoundList& nodes, const PlaceBox& out
   const Vec3Lanes half = splat(box.half);
   const Errors errors(tree, box);
   bound_as(outer, way, tree, box);
-  const std::int32_t seed = nearest_leaf(tree.nodes[nodes.what[lowest(nodes, way)]], middle, half, errors);
+  const std::int32_t seed = nearest_leaf(tree.nodes[nodes.what[lowest(nodes, way).place()]], middle, half, errors);
   if (seed >= 0) {
     lower_bound_by_nearest(tree, seed, box);
   }
@@ -259,20 +219,19 @@ void leaves_of(const TreeView& tree, const BoundList& nodes, const PlaceBox& out
   leaves.count = 0;
   leaves.make_room(tree_width * near.count);
   for (std::size_t n = 0; n < near.count; ++n) {
-    const TreeNode& node = tree.nodes[near.what[n]];
+    const std::int32_t number = near.what[n];
+    const TreeNode& node = tree.nodes[number];
     prefetch(tree.nodes[near.what[std::min(n + 1, near.count - 1)]]);
     for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
       const Bound bound = bound_of_children(node, middle, half, errors, first);
       const auto wanted = hn::Le(least_in_box(d, bound.value, bound.slope.x, bound.slope.y, bound.slope.z, box), most);
-      const auto child = hn::Load(di, node.child.data() + first);
-      const auto listed = hn::And(wanted, hn::RebindMask(d, hn::Lt(child, hn::Zero(di))));
-      append_boxes(node, child, listed, first, leaves);
+      const auto is_leaf = hn::Lt(hn::Load(di, node.child.data() + first), hn::Zero(di));
+      const auto child =
+          hn::Iota(di, number * static_cast<std::int32_t>(tree_width) + static_cast<std::int32_t>(first));
+      append(bound, hn::And(wanted, hn::RebindMask(d, is_leaf)), child, leaves);
     }
   }
-  const Wide w;
-  for (std::size_t first = 0; first < LeafBoxes::padding; first += hn::Lanes(w)) {
-    hn::StoreU(hn::Set(w, tree_nowhere), w, leaves.lower[0].data() + leaves.count + first);
-  }
+  close(leaves);
 }
 
 }  // namespace musclebench::HWY_NAMESPACE
@@ -297,21 +256,6 @@ void BoundList::make_room(std::size_t more) {
   }
 }
 
-void LeafBoxes::make_room(std::size_t more) {
-  const std::size_t needed = count + more + padding;
-  if (needed > leaf.size()) {
-    const std::size_t size = std::max<std::size_t>(2 * needed, 256);
-    for (std::size_t a = 0; a < 3; ++a) {
-      for (std::vector<float>& lanes : axis[a]) {
-        lanes.resize(size);
-      }
-      lower[a].resize(size);
-      upper[a].resize(size);
-    }
-    leaf.resize(size);
-  }
-}
-
 void bound_by_triangle(const TreeView& tree, std::int32_t triangle, PlaceBox& box) {
   HWY_DYNAMIC_DISPATCH(by_triangle)(tree, triangle, box);
 }
@@ -321,7 +265,7 @@ void list_nodes(const TreeView& tree, const PlaceBox& box, BoundList& nodes) {
 }
 
 void list_leaves(const TreeView& tree, const BoundList& nodes, const PlaceBox& outer, PlaceBox& box, BoundList& near,
-                 LeafBoxes& leaves) {
+                 BoundList& leaves) {
   HWY_DYNAMIC_DISPATCH(leaves_of)(tree, nodes, outer, box, near, leaves);
 }
 

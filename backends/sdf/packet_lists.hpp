@@ -38,20 +38,7 @@ struct BoundList {
   std::size_t count = 0;
   std::vector<float> value;
   std::array<std::vector<float>, 3> slope;
-  std::vector<std::int32_t> what;  ///< the number of the node or leaf
-
-  void make_room(std::size_t more);
-};
-
-/// Leaves with their turned boxes (see TreeNode), side by side. Beyond the last one stand some that are nowhere.
-struct LeafBoxes {
-  static constexpr std::size_t padding = BoundList::padding;
-
-  std::size_t count = 0;
-  std::array<std::array<std::vector<float>, 3>, 3> axis;
-  std::array<std::vector<float>, 3> lower;  ///< along these
-  std::array<std::vector<float>, 3> upper;
-  std::vector<std::int32_t> leaf;
+  std::vector<std::int32_t> what;  ///< a node's number, or a leaf's: its parent's number * tree_width + its place there
 
   void make_room(std::size_t more);
 };
@@ -65,6 +52,6 @@ void list_nodes(const TreeView& tree, const PlaceBox& box, BoundList& nodes);
 /// Lists the leaves that may hold the closest triangle of a place of `box`, and are children of nodes that were listed
 /// for `outer`, in which it lies; before that lowers its bound. `near` is for the nodes among them.
 void list_leaves(const TreeView& tree, const BoundList& nodes, const PlaceBox& outer, PlaceBox& box, BoundList& near,
-                 LeafBoxes& leaves);
+                 BoundList& leaves);
 
 }  // namespace musclebench

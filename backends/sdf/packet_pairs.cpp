@@ -23,17 +23,61 @@ struct Asked {
   alignas(64) std::array<TreeLanes, PacketPoints::capacity> least;  ///< squared distances, the least of each place
 };
 
-HWY_INLINE void look_into(const TreeView& tree, const PacketPoints& packet, PacketPoints::Look& look, Asked& asked) {
+HWY_INLINE void look_into(const TreeView& tree, PacketPoints& packet, std::size_t look, Asked& asked) {
   const Lanes d;
-  const TreeLeaf& leaf = tree.leaves[look.leaf];
-  const auto n = static_cast<std::size_t>(look.point);
+  const TreeLeaf& leaf = tree.leaves[packet.leaf[look]];
+  const auto n = static_cast<std::size_t>(packet.point[look]);
   const Vec3Lanes point = splat({packet.at[0][n], packet.at[1][n], packet.at[2][n]});
   for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
     const Vec squared = arms_to(TriangleLanes::of(leaf, first), point).squared_length();
-    hn::Store(squared, d, look.squared.data() + first);
+    hn::Store(squared, d, packet.squared[look].to.data() + first);
     if (leaf.needles == 0) {
       hn::Store(hn::Min(load(asked.least[n], first), squared), d, asked.least[n].data() + first);
     }
+  }
+}
+
+#if HWY_MAX_BYTES >= 64
+/// Two looks in vectors that are wide enough for both.
+HWY_INLINE void look_into_two(const TreeView& tree, PacketPoints& packet, std::size_t look, Asked& asked) {
+  const Lanes d;
+  const hn::CappedTag<float, 2 * tree_width> twice;
+  using Both = hn::Vec<decltype(twice)>;
+  const TreeLeaf& a = tree.leaves[packet.leaf[look]];
+  const TreeLeaf& b = tree.leaves[packet.leaf[look + 1]];
+  const auto n = static_cast<std::size_t>(packet.point[look]);
+  const auto m = static_cast<std::size_t>(packet.point[look + 1]);
+  const auto both = [&](const TreeLanes& of_a, const TreeLanes& of_b)
+                        HWY_ATTR { return hn::Combine(twice, load(of_b, 0), load(of_a, 0)); };
+  const auto all = [&](const std::array<TreeLanes, 3>& of_a, const std::array<TreeLanes, 3>& of_b) HWY_ATTR {
+    return Vec3Of<Both>{both(of_a[0], of_b[0]), both(of_a[1], of_b[1]), both(of_a[2], of_b[2])};
+  };
+  const auto lower = hn::FirstN(twice, tree_width);
+  const auto at = [&](std::size_t axis) HWY_ATTR {
+    return hn::IfThenElse(lower, hn::Set(twice, packet.at[axis][n]), hn::Set(twice, packet.at[axis][m]));
+  };
+  const TrianglesOf<Both> triangles{all(a.origin, b.origin),  all(a.along, b.along),  all(a.up, b.up),
+                                    both(a.before, b.before), both(a.after, b.after), both(a.height, b.height)};
+  const Both squared = arms_to(triangles, Vec3Of<Both>{at(0), at(1), at(2)}).squared_length();
+  hn::StoreU(squared, twice, packet.squared[look].to.data());
+  if (a.needles == 0) {
+    hn::Store(hn::Min(load(asked.least[n], 0), hn::LowerHalf(squared)), d, asked.least[n].data());
+  }
+  if (b.needles == 0) {
+    hn::Store(hn::Min(load(asked.least[m], 0), hn::UpperHalf(d, squared)), d, asked.least[m].data());
+  }
+}
+#endif
+
+HWY_INLINE void look_into(const TreeView& tree, PacketPoints& packet, std::size_t first, std::size_t end,
+                          Asked& asked) {
+#if HWY_MAX_BYTES >= 64
+  for (; first + 1 < end; first += 2) {
+    look_into_two(tree, packet, first, asked);
+  }
+#endif
+  for (; first < end; ++first) {
+    look_into(tree, packet, first, asked);
   }
 }
 
@@ -67,6 +111,10 @@ HWY_INLINE void start(const TreeView& tree, const PlaceBox& box, const PacketPoi
     const Vec rounding = hn::Add(hn::Sqrt(hn::Max(limit, hn::Zero(d))), hn::Set(d, tree.slack));
     hn::Store(hn::MulAdd(hn::Set(d, tree.slack), rounding, limit), d, asked.limit.data() + first);
   }
+  // Nothing is near points that are not there.
+  for (std::size_t n = packet.count; n < PacketPoints::capacity; ++n) {
+    asked.limit[n] = -packet_nowhere;
+  }
   for (TreeLanes& least : asked.least) {
     for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
       hn::Store(hn::Set(d, packet_nowhere), d, least.data() + first);
@@ -74,97 +122,159 @@ HWY_INLINE void start(const TreeView& tree, const PlaceBox& box, const PacketPoi
   }
 }
 
-/// Squared distances of a point to the boxes of leaves; returns the place of the nearest one.
-HWY_INLINE std::size_t look_at(const LeafBoxes& leaves, const std::array<float, 3>& point,
-                               float* HWY_RESTRICT squared) {
-  const Wide w;
-  Lowest lowest;
-  for (std::size_t start = 0; start < leaves.count; start += hn::Lanes(w)) {
-    const auto lanes = [&](const std::vector<float>& list) HWY_ATTR { return hn::LoadU(w, list.data() + start); };
-    WideVec sum = hn::Zero(w);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto& direction = leaves.axis[axis];
-      WideVec at = hn::Mul(lanes(direction[0]), hn::Set(w, point[0]));
-      at = hn::MulAdd(lanes(direction[1]), hn::Set(w, point[1]), at);
-      at = hn::MulAdd(lanes(direction[2]), hn::Set(w, point[2]), at);
-      const WideVec out =
-          hn::Max(hn::Max(hn::Sub(lanes(leaves.lower[axis]), at), hn::Sub(at, lanes(leaves.upper[axis]))), hn::Zero(w));
-      sum = hn::MulAdd(out, out, sum);
-    }
-    hn::StoreU(sum, w, squared + start);
-    lowest.look(sum, start);
-  }
-  return lowest.place();
+HWY_INLINE std::int32_t leaf_at(const TreeView& tree, std::int32_t child) {
+  return ~tree.nodes[static_cast<std::size_t>(child) / tree_width].child[static_cast<std::size_t>(child) % tree_width];
 }
 
-/// Adds looks into those whose box is within the limit, but not `known`.
-HWY_INLINE void leaves_within(const LeafBoxes& leaves, const float* HWY_RESTRICT squared, float limit,
-                              std::int32_t known, std::int32_t point, PacketPoints& packet) {
+/// Two leaves that are near the middle of the points by their bounds; the same twice where there is only one.
+HWY_INLINE std::array<std::int32_t, 2> nearest_leaves(const TreeView& tree, const BoundList& leaves,
+                                                      const PlaceBox& box, const PacketPoints& packet) {
+  const Lanes d;
+  std::array<float, 3> way{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+      way[axis] += hn::GetLane(hn::SumOfLanes(d, load(packet.at[axis], first))) / static_cast<float>(tree_width);
+    }
+    way[axis] -= box.middle[axis];
+  }
+  const auto [nearest, other] = lowest(leaves, way).two_places();
+  return {leaf_at(tree, leaves.what[nearest]), leaf_at(tree, leaves.what[std::min(other, leaves.count - 1)])};
+}
+
+/// Lists the leaves whose bound is within the limit of any of the points; returns how many. A leaf that holds what is
+/// the closest at r from the middle is within S = sqrt(limit) + |r| of the middle, and S is at most 4 R (R and u as in
+/// triangle_tree_search.cpp). The closest may be by the slack farther than in floats, which is 2 slack S here; places
+/// rounded by slack / 10 move a bound by 0.4 slack S; eight sums and products of at most 3 S^2 err by 24 u S^2, which
+/// is 2 slack S.
+HWY_INLINE std::size_t leaves_near_any(const TreeView& tree, const BoundList& leaves, const PlaceBox& box,
+                                       const Asked& asked, PacketPoints& packet) {
+  const Lanes d;
   const Wide w;
   const hn::RebindToSigned<Wide> wi;
-  for (std::size_t start = 0; start < leaves.count; start += hn::Lanes(w)) {
-    const auto leaf = hn::LoadU(wi, leaves.leaf.data() + start);
-    const auto near = hn::Le(hn::LoadU(w, squared + start), hn::Set(w, limit));
-    const auto kept = hn::AndNot(hn::Eq(leaf, hn::Set(wi, known)), hn::RebindMask(wi, near));
-    hn::StoreU(hn::Compress(leaf, kept), wi, packet.next_leaf.data() + packet.next);
-    hn::StoreU(hn::Set(wi, point), wi, packet.next_point.data() + packet.next);
-    packet.next += hn::CountTrue(wi, kept);
+  alignas(64) std::array<TreeLanes, 3> way;
+  alignas(64) TreeLanes most;
+  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+    Vec squared_way = hn::Zero(d);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Vec part = hn::Sub(load(packet.at[axis], first), hn::Set(d, box.middle[axis]));
+      hn::Store(part, d, way[axis].data() + first);
+      squared_way = hn::MulAdd(part, part, squared_way);
+    }
+    const Vec limit = load(asked.limit, first);
+    const Vec sizes = hn::Add(hn::Sqrt(hn::Max(limit, hn::Zero(d))), hn::Sqrt(squared_way));
+    const Vec rounding = hn::Mul(hn::Set(d, 6 * tree.slack), hn::Add(sizes, hn::Set(d, tree.slack)));
+    hn::Store(hn::Add(hn::Sub(limit, squared_way), rounding), d, most.data() + first);
   }
+  std::size_t count = 0;
+  for (std::size_t start = 0; start < leaves.count; start += hn::Lanes(w)) {
+    const WideVec value = hn::LoadU(w, leaves.value.data() + start);
+    const WideVec x = hn::LoadU(w, leaves.slope[0].data() + start);
+    const WideVec y = hn::LoadU(w, leaves.slope[1].data() + start);
+    const WideVec z = hn::LoadU(w, leaves.slope[2].data() + start);
+    WideVec highest = hn::Set(w, -packet_nowhere);  // that a value may be
+    for (std::size_t n = 0; n < packet.count; ++n) {
+      highest =
+          hn::Max(highest, hn::NegMulAdd(z, hn::Set(w, way[2][n]),
+                                         hn::NegMulAdd(y, hn::Set(w, way[1][n]),
+                                                       hn::NegMulAdd(x, hn::Set(w, way[0][n]), hn::Set(w, most[n])))));
+    }
+    const auto kept = hn::RebindMask(wi, hn::Le(value, highest));
+    hn::StoreU(hn::Compress(hn::LoadU(wi, leaves.what.data() + start), kept), wi, packet.near.data() + count);
+    count += hn::CountTrue(wi, kept);
+  }
+  return count;
+}
+
+/// Squared distances of points, one a lane, to the turned box of one child.
+HWY_INLINE Vec squared_to_box(const TreeNode& node, std::size_t place, const Vec3Lanes& point) {
+  const Lanes d;
+  const auto one = [&](const std::array<TreeLanes, 3>& lanes) HWY_ATTR {
+    return splat({lanes[0][place], lanes[1][place], lanes[2][place]});
+  };
+  const auto beyond = [&](Vec at, const TreeLanes& lower, const TreeLanes& upper) HWY_ATTR {
+    const Vec out = hn::Max(hn::Sub(hn::Set(d, lower[place]), at), hn::Sub(at, hn::Set(d, upper[place])));
+    return hn::Max(out, hn::Zero(d));
+  };
+  const Vec3Lanes normal = one(node.normal);
+  const Vec3Lanes tangent = one(node.tangent);
+  const Vec3Lanes out{beyond(dot(normal, point), node.slab_lower, node.slab_upper),
+                      beyond(dot(tangent, point), node.side_lower[0], node.side_upper[0]),
+                      beyond(dot(cross(normal, tangent), point), node.side_lower[1], node.side_upper[1])};
+  return dot(out, out);
+}
+
+/// Adds looks into the leaves listed as near whose box is within the limit of a point, but not into the `known`.
+HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::array<std::int32_t, 2>& known,
+                          const Asked& asked, PacketPoints& packet) {
+  const Lanes d;
+  const IntLanes di;
+  for (std::size_t l = 0; l < near; ++l) {
+    const auto child = static_cast<std::size_t>(packet.near[l]);
+    const TreeNode& node = tree.nodes[child / tree_width];
+    const std::int32_t leaf = ~node.child[child % tree_width];
+    if (leaf == known[0] || leaf == known[1]) {
+      continue;
+    }
+    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+      const Vec squared = squared_to_box(node, child % tree_width, load(packet.at, first));
+      const auto kept = hn::RebindMask(di, hn::Le(squared, load(asked.limit, first)));
+      const auto points = hn::Iota(di, static_cast<std::int32_t>(first));
+      hn::StoreU(hn::Compress(points, kept), di, packet.point.data() + packet.looks);
+      hn::StoreU(hn::Set(di, leaf), di, packet.leaf.data() + packet.looks);
+      packet.looks += hn::CountTrue(di, kept);
+    }
+  }
+}
+
+HWY_INLINE void add_pairs(const TreeView& tree, const PacketPoints& packet, const Asked& asked,
+                          std::int32_t first_point, CandidatePairs& pairs) {
+  const Lanes d;
+  const IntLanes di;
+  pairs.make_room(tree_width * (packet.looks + 1));
+  std::size_t count = pairs.count;
+  std::int32_t* HWY_RESTRICT triangles = pairs.triangle.data();
+  std::int32_t* HWY_RESTRICT points = pairs.point.data();
+  for (std::size_t l = 0; l < packet.looks; ++l) {
+    const TreeLeaf& leaf = tree.leaves[packet.leaf[l]];
+    const Vec limit = hn::Set(d, asked.limit[static_cast<std::size_t>(packet.point[l])]);
+    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+      const auto near = hn::Le(load(packet.squared[l].to, first), limit);
+      const auto triangle = hn::Load(di, leaf.triangle.data() + first);
+      hn::StoreU(hn::Compress(triangle, hn::RebindMask(di, near)), di, triangles + count);
+      hn::StoreU(hn::Set(di, first_point + packet.point[l]), di, points + count);
+      count += hn::CountTrue(d, near);
+    }
+  }
+  pairs.count = count;
 }
 
 }  // namespace
 
-void pairs_of(const TreeView& tree, const LeafBoxes& leaves, const PlaceBox& box, PacketPoints& packet,
+void pairs_of(const TreeView& tree, const BoundList& leaves, const PlaceBox& box, PacketPoints& packet,
               std::int32_t first_point, CandidatePairs& pairs) {
-  const Lanes d;
-  const IntLanes di;
   if (leaves.count == 0) {
     return;
   }
   // Step by step for all points, so that the CPU need not wait for one of them.
   packet.make_room(leaves.count);
-  const std::size_t boxes = leaves.count + LeafBoxes::padding;
   Asked asked;
   start(tree, box, packet, asked);
-  for (std::size_t n = 0; n < packet.count; ++n) {
-    const std::size_t nearest =
-        look_at(leaves, {packet.at[0][n], packet.at[1][n], packet.at[2][n]}, packet.to_box.data() + n * boxes);
-    packet.look[n].leaf = leaves.leaf[nearest];
-    packet.look[n].point = static_cast<std::int32_t>(n);
-  }
-  for (std::size_t n = 0; n < packet.count; ++n) {
-    look_into(tree, packet, packet.look[n], asked);
-  }
-  lower_limits(tree, asked);
-  packet.next = 0;
-  for (std::size_t n = 0; n < packet.count; ++n) {
-    leaves_within(leaves, packet.to_box.data() + n * boxes, asked.limit[n], packet.look[n].leaf,
-                  static_cast<std::int32_t>(n), packet);
-  }
-  const std::size_t looks = packet.count + packet.next;
-  for (std::size_t l = packet.count; l < looks; ++l) {
-    packet.look[l].leaf = packet.next_leaf[l - packet.count];
-    packet.look[l].point = packet.next_point[l - packet.count];
-    look_into(tree, packet, packet.look[l], asked);
-  }
-  lower_limits(tree, asked);
-  pairs.make_room(tree_width * (looks + 1));
-  std::size_t count = pairs.count;
-  std::int32_t* HWY_RESTRICT triangles = pairs.triangle.data();
-  std::int32_t* HWY_RESTRICT points = pairs.point.data();
-  for (std::size_t l = 0; l < looks; ++l) {
-    const PacketPoints::Look& look = packet.look[l];
-    const TreeLeaf& leaf = tree.leaves[look.leaf];
-    const Vec limit = hn::Set(d, asked.limit[static_cast<std::size_t>(look.point)]);
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-      const auto near = hn::Le(load(look.squared, first), limit);
-      const auto triangle = hn::Load(di, leaf.triangle.data() + first);
-      hn::StoreU(hn::Compress(triangle, hn::RebindMask(di, near)), di, triangles + count);
-      hn::StoreU(hn::Set(di, first_point + look.point), di, points + count);
-      count += hn::CountTrue(d, near);
+  const std::array<std::int32_t, 2> nearest = nearest_leaves(tree, leaves, box, packet);
+  packet.looks = 0;
+  for (std::size_t l = 0; l < (nearest[0] == nearest[1] ? 1 : 2); ++l) {
+    for (std::size_t n = 0; n < packet.count; ++n) {
+      packet.leaf[packet.looks] = nearest[l];
+      packet.point[packet.looks] = static_cast<std::int32_t>(n);
+      ++packet.looks;
     }
   }
-  pairs.count = count;
+  const std::size_t first_looks = packet.looks;
+  look_into(tree, packet, 0, first_looks, asked);
+  lower_limits(tree, asked);
+  add_looks(tree, leaves_near_any(tree, leaves, box, asked, packet), nearest, asked, packet);
+  look_into(tree, packet, first_looks, packet.looks, asked);
+  lower_limits(tree, asked);
+  add_pairs(tree, packet, asked, first_point, pairs);
 }
 
 }  // namespace musclebench::HWY_NAMESPACE
@@ -176,12 +286,12 @@ namespace musclebench {
 HWY_EXPORT(pairs_of);
 
 void PacketPoints::make_room(std::size_t leaves) {
-  const std::size_t needed = capacity * (leaves + LeafBoxes::padding);
-  if (needed > look.size()) {
-    look.resize(2 * needed);
-    next_leaf.resize(2 * needed);
-    next_point.resize(2 * needed);
-    to_box.resize(2 * needed);
+  const std::size_t needed = leaves + BoundList::padding;
+  if (needed > near.size()) {
+    near.resize(2 * needed);
+    leaf.resize(2 * capacity * needed);
+    point.resize(2 * capacity * needed);
+    squared.resize(2 * capacity * needed);
   }
 }
 
@@ -192,7 +302,7 @@ void CandidatePairs::make_room(std::size_t more) {
   }
 }
 
-void list_pairs(const TreeView& tree, const LeafBoxes& leaves, const PlaceBox& box, PacketPoints& packet,
+void list_pairs(const TreeView& tree, const BoundList& leaves, const PlaceBox& box, PacketPoints& packet,
                 std::int32_t first, CandidatePairs& pairs) {
   HWY_DYNAMIC_DISPATCH(pairs_of)(tree, leaves, box, packet, first, pairs);
 }

@@ -16,18 +16,16 @@ struct PacketPoints {
   std::size_t count = 0;
   alignas(64) std::array<TreeLanes, 3> at;
 
-  /// Squared distances of one point to the triangles of a leaf.
-  struct alignas(64) Look {
-    TreeLanes squared;
-    std::int32_t leaf = 0;
-    std::int32_t point = 0;
-  };
-  std::vector<Look> look;
-  std::vector<float> to_box;  ///< squared distances of each point to the boxes of all leaves
+  std::vector<std::int32_t> near;  ///< leaves that may matter to any of the points, as in BoundList
 
-  std::size_t next = 0;  ///< looks to come
-  std::vector<std::int32_t> next_leaf;
-  std::vector<std::int32_t> next_point;
+  /// Squared distances of one point to the triangles of a leaf.
+  struct alignas(32) Squared {
+    TreeLanes to;
+  };
+  std::size_t looks = 0;
+  std::vector<std::int32_t> leaf;
+  std::vector<std::int32_t> point;
+  std::vector<Squared> squared;
 
   void make_room(std::size_t leaves);
 };
@@ -43,7 +41,7 @@ struct CandidatePairs {
 
 /// Of the leaves that were listed for `box`, adds the triangles that may be the closest of a point of the packet, which
 /// lies in it; its points are numbered from `first`.
-void list_pairs(const TreeView& tree, const LeafBoxes& leaves, const PlaceBox& box, PacketPoints& packet,
+void list_pairs(const TreeView& tree, const BoundList& leaves, const PlaceBox& box, PacketPoints& packet,
                 std::int32_t first, CandidatePairs& pairs);
 
 }  // namespace musclebench

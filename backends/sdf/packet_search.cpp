@@ -121,23 +121,26 @@ void PacketSearch::decide(std::span<PointPacket> packets) {
   m_found.resize(std::max(m_found.size(), rounded_up / width));
   closest_on_triangles(points.data(), m_tree->m_corners.data(), {m_pairs.point.data(), rounded_up},
                        {m_pairs.triangle.data(), rounded_up}, m_found);
-  std::array<std::int32_t, most_points> best;
-  best.fill(-1);
-  std::array<double, most_points> squared;
-  squared.fill(std::numeric_limits<double>::infinity());
+  // Most pairs are ties, so that no branch could be foreseen: first the least distance, then the first triangle there.
+  const auto squared_of = [&](std::size_t pair) { return m_found[pair / width].squared_distance_m2[pair % width]; };
+  std::array<double, most_points> least;
+  least.fill(std::numeric_limits<double>::infinity());
+  for (std::size_t pair = 0; pair < m_pairs.count; ++pair) {
+    double& of_point = least[static_cast<std::size_t>(m_pairs.point[pair])];
+    of_point = std::min(of_point, squared_of(pair));
+  }
+  constexpr auto none = std::numeric_limits<std::uint64_t>::max();
+  std::array<std::uint64_t, most_points> first;  // triangle, and its pair in the lower half
+  first.fill(none);
   for (std::size_t pair = 0; pair < m_pairs.count; ++pair) {
     const auto point = static_cast<std::size_t>(m_pairs.point[pair]);
-    const double here = m_found[pair / width].squared_distance_m2[pair % width];
-    if (here < squared[point] ||
-        (here == squared[point] && m_pairs.triangle[pair] < m_pairs.triangle[static_cast<std::size_t>(best[point])])) {
-      squared[point] = here;
-      best[point] = static_cast<std::int32_t>(pair);
-    }
+    const std::uint64_t not_least = 0 - static_cast<std::uint64_t>(squared_of(pair) > least[point]);
+    first[point] = std::min(first[point], static_cast<std::uint64_t>(m_pairs.triangle[pair]) << 32U | pair | not_least);
   }
   for (std::size_t p = 0; p < packets.size(); ++p) {
     for (std::size_t n = 0; n < packets[p].count; ++n) {
-      assert(best[p * PointPacket::capacity + n] >= 0);
-      const auto pair = static_cast<std::size_t>(best[p * PointPacket::capacity + n]);
+      assert(first[p * PointPacket::capacity + n] != none);
+      const auto pair = static_cast<std::uint32_t>(first[p * PointPacket::capacity + n]);
       const ClosestOnTriangle closest = m_found[pair / width].at(pair % width);
       packets[p].closest[n] = {closest.point, std::sqrt(closest.squared_distance_m2), m_pairs.triangle[pair],
                                closest.feature};

@@ -24,8 +24,8 @@ struct PointPacket {
 
 /// Finds the closest points of many points that lie close together in one walk through a TriangleTree: bounds of a
 /// squared distance that are linear in the place (packet_bounds-inl.hpp derives them) answer for all points of a box,
-/// and are the tighter the farther the surface is. The walk lists leaves for all packets; from these, for each bundle
-/// of packets, triangles are listed; from these, for each packet, those that the points are asked about.
+/// and are the tighter the farther the surface is. The walk lists nodes for all packets; from these, for each bundle of
+/// packets, leaves are listed; from these, for each packet, those that may matter to any of its points.
 ///
 /// The floats only prune; `closest_on_triangle` decides. So the answers are those of TriangleTree::closest_point, to
 /// the bit. One thread at a time: lists are kept for the next search.
@@ -50,7 +50,7 @@ class PacketSearch {
   const TriangleTree* m_tree;
   BoundList m_nodes;
   BoundList m_near;
-  LeafBoxes m_leaves;
+  BoundList m_leaves;
   PacketPoints m_points;
   CandidatePairs m_pairs;
   std::vector<ClosestOnTriangles> m_found;
