@@ -9,9 +9,7 @@
 #include "backends/sdf/exact_places.hpp"
 #include "backends/sdf/octree_cells.hpp"
 #include "core/base/input_error.hpp"
-#include "core/base/random_numbers.hpp"
 #include "core/base/system_memory.hpp"
-#include "core/geometry/coherent_order.hpp"
 #include "core/geometry/mesh_size.hpp"
 
 namespace musclebench {
@@ -29,21 +27,6 @@ constexpr double first_threshold = 3e-4;  ///< of wrong volume in a leaf, over t
 constexpr std::size_t places_measured = 20000;
 
 double number(std::size_t count) { return static_cast<double>(count); }
-
-/// So that those that follow each other find their cells in the caches, and a part of them is spread evenly.
-std::vector<ExactPlace> neighbours_in_turn(const std::vector<ExactPlace>& places) {
-  std::vector<Vec3> points;
-  points.reserve(places.size());
-  for (const ExactPlace& place : places) {
-    points.push_back(place.point);
-  }
-  std::vector<ExactPlace> sorted;
-  sorted.reserve(places.size());
-  for (const int place : coherent_order(points)) {
-    sorted.push_back(places[static_cast<std::size_t>(place)]);
-  }
-  return sorted;
-}
 
 class OctreeBuilder {
  public:
@@ -107,7 +90,7 @@ class OctreeBuilder {
   }
 
   void choose_places() {
-    m_places = neighbours_in_turn(places_about(m_surface, m_mesh, m_demand.near_m, places_measured, 1, m_threads));
+    m_places = places_about(m_surface, m_mesh, m_demand.near_m, places_measured, 1, m_threads);
     // Only the order of magnitude counts: the roots that hold near places are about half full of them.
     const auto near_roots = std::count_if(m_cells.begin(), m_cells.end(), [&](const OctreeCell& cell) {
       return std::abs(cell.distance_m) <= m_demand.near_m + cell.reach_m();
