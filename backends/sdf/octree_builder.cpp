@@ -56,10 +56,10 @@ class OctreeBuilder {
       const bool exhausted = !refine();
       // A part of the places tells when all of them are worth a look.
       measure(8);
-      if (wrong_places() <= 0.02 * number(m_errors_m.size())) {
+      if (wrong_share() <= 0.02) {
         measure(1);
       }
-      if (m_errors_m.size() == m_places.size() && wrong_places() <= wrong_places_allowed()) {
+      if (m_errors_m.size() == m_places.size() && wrong_share() <= wrong_share_allowed()) {
         tell(1);
         return pack();
       }
@@ -189,24 +189,32 @@ class OctreeBuilder {
     return *place;
   }
 
-  [[nodiscard]] double wrong_places() const {
-    return static_cast<double>(std::count_if(m_errors_m.begin(), m_errors_m.end(),
-                                             [&](double error_m) { return error_m > m_demand.wanted_m; }));
+  /// Of the places that were measured last.
+  [[nodiscard]] double wrong_share() const {
+    const auto wrong = std::count_if(m_errors_m.begin(), m_errors_m.end(),
+                                     [&](double error_m) { return error_m > m_demand.wanted_m; });
+    return static_cast<double>(wrong) / number(m_errors_m.size());
   }
 
   /// One in a hundred, less two standard deviations, so that the next one who measures agrees.
-  [[nodiscard]] double wrong_places_allowed() const {
-    const double one_in_hundred = 0.01 * number(m_errors_m.size());
-    return std::max(0.0, one_in_hundred - 2 * std::sqrt(one_in_hundred));
+  [[nodiscard]] double wrong_share_allowed() const {
+    const double one_in_hundred = 0.01 * number(m_places.size());
+    return std::max(0.0, one_in_hundred - 2 * std::sqrt(one_in_hundred)) / number(m_places.size());
   }
 
   /// The error that the cells, as they were measured last, would have been taken for.
   [[nodiscard]] double reached_m() const {
-    return m_errors_m.empty() ? 0 : error_quantile_m(1 - wrong_places_allowed() / number(m_errors_m.size()));
+    return m_errors_m.empty() ? 0 : error_quantile_m(1 - wrong_share_allowed());
   }
 
-  /// Of the threshold: long while the aim is far, short so as not to overshoot it.
-  [[nodiscard]] double next_step() const { return wrong_places() > 4 * wrong_places_allowed() ? 0.4 : 0.75; }
+  /// Of the threshold. On scanned bones the share of wrong places falls with its power 0.7 to 0.8. A little short of
+  /// that, so as not to overshoot the aim by many cells; but not so short that places are measured for nothing.
+  [[nodiscard]] double next_step() const {
+    constexpr double power = 1.25;
+    constexpr double longest = 0.1;
+    constexpr double shortest = 0.9;
+    return std::clamp(std::pow(wrong_share_allowed() / wrong_share(), power), longest, shortest);
+  }
 
   [[nodiscard]] double bytes_of(std::size_t cells) const {
     return number(cells) * (sizeof(OctreeCell) + sizeof(OctreeCell::Leaf));
