@@ -17,7 +17,7 @@ constexpr double relaxation = 0.1;
 constexpr double coarsest_near = 4;
 
 /// Where the quadratic polynomial is off by no more than this share of what is allowed, octants need not be looked at.
-constexpr double sure_share = 0.35;
+constexpr double sure_share = 0.8;
 
 /// What a place counts that is off by `error` times what is allowed. Smooth, so that leaves whose samples are all just
 /// right, and whose other places may not be, come before those that are right by far; and no more than about five
@@ -224,6 +224,10 @@ void OctreeCellMaker::fit(std::span<OctreeCell> cells, SampleBlock& block) const
     if (cells[c].leaf != nullptr) {
       judge(cells[c], errors[c]);
     }
+  }
+  // The bounds of the largest cells are those of the whole field, and these cells are few.
+  if (2 * cell.half_edge_m > coarsest_near * m_demand.near_m) {
+    return false;
   }
 }
 
