@@ -16,6 +16,10 @@ constexpr double relaxation = 0.1;
 /// samples.
 constexpr double coarsest_near = 4;
 
+/// A cubic polynomial is taken where it mends this share of what a cell is split for. Its ten more coefficients cost no
+/// distance; on scanned bones fields are built the faster the smaller this is and are smallest at 0.2.
+constexpr double worth_a_cubic = 0.1;
+
 /// Where the quadratic polynomial is off by no more than this share of what is allowed, octants need not be looked at.
 constexpr double sure_share = 0.8;
 
@@ -174,7 +178,7 @@ double OctreeCell::reach_m() const { return half_diagonal * half_edge_m; }
 double OctreeCell::wrong_m3() const { return leaf == nullptr ? 0 : std::min(wrong_quadratic_m3, wrong_cubic_m3); }
 
 bool OctreeCell::takes_cubic(double threshold_m3) const {
-  return wrong_quadratic_m3 - wrong_cubic_m3 > 0.5 * threshold_m3;
+  return wrong_quadratic_m3 - wrong_cubic_m3 > worth_a_cubic * threshold_m3;
 }
 
 const PolynomialFit& OctreeCell::chosen(double threshold_m3) const {
