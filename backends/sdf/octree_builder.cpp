@@ -1,7 +1,9 @@
 #include "backends/sdf/octree_builder.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <iterator>
 #include <vector>
 
 #include <fmt/format.h>
@@ -122,16 +124,40 @@ class OctreeBuilder {
   /// Splits these cells; returns the children that have to be split, too.
   std::vector<std::size_t> split_all(const std::vector<std::size_t>& work) {
     require_room_for(8 * work.size());
+    std::vector<std::size_t> next;
+    // Cells across a face have different colours: the second colour takes what the first one was asked.
+    for (const bool odd : {false, true}) {
+      std::vector<std::size_t> cells;
+      std::copy_if(work.begin(), work.end(), std::back_inserter(cells),
+                   [&](std::size_t cell) { return is_odd(cell) == odd; });
+      split_apart(cells, next);
+    }
+    return next;
+  }
+
+  /// Of a cell's three numbers in a grid of its size, the sum.
+  [[nodiscard]] bool is_odd(std::size_t cell) const {
+    const std::size_t roots = m_shape.root_count();
+    if (cell >= roots) {
+      return std::popcount((cell - roots) % 8) % 2 != 0;
+    }
+    const auto nx = static_cast<std::size_t>(m_shape.roots[0]);
+    const auto ny = static_cast<std::size_t>(m_shape.roots[1]);
+    return (cell % nx + cell / nx % ny + cell / (nx * ny)) % 2 != 0;
+  }
+
+  /// Splits cells of which no two share a face.
+  void split_apart(const std::vector<std::size_t>& work, std::vector<std::size_t>& next) {
     std::vector<std::array<OctreeCell, 8>> children(work.size());
 #pragma omp parallel num_threads(m_threads)
     {
       SampleBlock block(m_surface);
 #pragma omp for schedule(dynamic, 4)
       for (std::size_t w = 0; w < work.size(); ++w) {
-        children[w] = m_maker.split(m_cells[work[w]], block);
+        OctreeCell& cell = m_cells[work[w]];
+        children[w] = m_maker.split(cell, neighbour_children(cell), block);
       }
     }
-    std::vector<std::size_t> next;
     for (std::size_t w = 0; w < work.size(); ++w) {
       m_cells[work[w]].first_child = m_cells.size();
       m_cells[work[w]].leaf.reset();
@@ -142,10 +168,22 @@ class OctreeBuilder {
         m_cells.push_back(std::move(child));
       }
     }
-    return next;
   }
 
-  [[nodiscard]] std::size_t find(const Vec3& point) const {
+  [[nodiscard]] NeighbourChildren neighbour_children(const OctreeCell& cell) const {
+    NeighbourChildren children{};
+    for (std::size_t face = 0; face < children.size(); ++face) {
+      const Vec3 out = (face % 2 == 0 ? -2 : 2) * cell.half_edge_m * Vec3::Unit(static_cast<Eigen::Index>(face / 2));
+      const Vec3 centre_m = cell.centre_m + out;
+      const OctreeCell& found = m_cells[find(centre_m, cell.half_edge_m)];
+      const bool is_there = (found.centre_m - centre_m).norm() < cell.half_edge_m;
+      children[face] = is_there && found.split() ? &m_cells[found.first_child] : nullptr;
+    }
+    return children;
+  }
+
+  /// The leaf that holds a place, or its ancestor with this half of an edge.
+  [[nodiscard]] std::size_t find(const Vec3& point, double half_edge_m = 0) const {
     std::array<std::size_t, 3> root{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<Eigen::Index>(axis);
@@ -153,7 +191,7 @@ class OctreeBuilder {
       root[axis] = static_cast<std::size_t>(std::clamp(along, 0.0, m_shape.roots[axis] - 1.0));
     }
     std::size_t cell = m_shape.root(root[0], root[1], root[2]);
-    while (m_cells[cell].split()) {
+    while (m_cells[cell].split() && m_cells[cell].half_edge_m > half_edge_m) {
       const Vec3& centre = m_cells[cell].centre_m;
       const std::size_t octant =
           (point[0] >= centre[0] ? 1U : 0U) + (point[1] >= centre[1] ? 2U : 0U) + (point[2] >= centre[2] ? 4U : 0U);

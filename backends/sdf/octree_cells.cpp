@@ -64,11 +64,12 @@ void add_samples(OctreeCell& cell, std::size_t from, std::size_t to, SampleBlock
   }
 }
 
-/// The samples of eight sisters: on a grid that their lattices share, some of them known from the parent.
+/// The samples of eight sisters: on a grid that their lattices share, some of them known from the parent or from the
+/// children of its neighbours.
 class SisterSamples {
  public:
   /// The middles of the parent's octants are known, too.
-  explicit SisterSamples(const OctreeCell& parent) : m_parent(parent) {
+  SisterSamples(const OctreeCell& parent, const NeighbourChildren& neighbours) : m_parent(parent) {
     const CellSamples& known = parent.leaf->samples;
     for (std::size_t s = 0; s < lattice_samples; ++s) {
       m_grid[fine_place(2 * (s / 9), 2 * (s / 3 % 3), 2 * (s % 3))] = known[s];
@@ -76,6 +77,11 @@ class SisterSamples {
     for (std::size_t octant = 0; octant < 8; ++octant) {
       const auto odd = [&](std::size_t axis) { return bit(octant, axis) ? std::size_t{3} : std::size_t{1}; };
       m_grid[fine_place(odd(0), odd(1), odd(2))] = known[lattice_samples + octant];
+    }
+    for (std::size_t face = 0; face < neighbours.size(); ++face) {
+      if (neighbours[face] != nullptr) {
+        take_face(neighbours[face], face / 2, face % 2 != 0);
+      }
     }
   }
 
@@ -120,10 +126,34 @@ class SisterSamples {
     return m_parent.centre_m + m_parent.half_edge_m * (0.5 * index - Vec3::Ones());
   }
 
-  /// The first one of a group is known.
+  /// Takes what is on the common face.
+  void take_face(const OctreeCell* neighbour_children, std::size_t axis, bool upper) {
+    const std::size_t b = (axis + 1) % 3;
+    const std::size_t c = (axis + 2) % 3;
+    for (std::size_t place = 0; place < fine * fine; ++place) {
+      Index at;
+      at[axis] = upper ? fine - 1 : 0;
+      at[b] = place / fine;
+      at[c] = place % fine;
+      DistanceSample& sample = m_grid[fine_place(at[0], at[1], at[2])];
+      if (sample.triangle >= 0) {
+        continue;
+      }
+      at[axis] = fine - 1 - at[axis];
+      const std::size_t octant = (at[0] >= 2 ? 1U : 0U) + (at[1] >= 2 ? 2U : 0U) + (at[2] >= 2 ? 4U : 0U);
+      if (const auto& leaf = neighbour_children[octant].leaf) {
+        const auto in_child = [&](std::size_t a) { return at[a] >= 2 ? at[a] - 2 : at[a]; };
+        sample = leaf->samples[9 * in_child(0) + 3 * in_child(1) + in_child(2)];
+      }
+    }
+  }
+
   void add_group(const Index& first, unsigned wanted, SampleBlock& block) {
-    const KnownPlace known = known_place(point(first), m_grid[fine_place(first[0], first[1], first[2])]);
-    for (std::size_t n = 1; n < 8; ++n) {
+    const DistanceSample& nearest = m_grid[fine_place(first[0], first[1], first[2])];
+    const KnownPlace known = nearest.triangle >= 0
+                                 ? known_place(point(first), nearest)
+                                 : known_place(m_parent.centre_m, m_parent.leaf->samples[lattice_samples / 2]);
+    for (std::size_t n = 0; n < 8; ++n) {
       const Index at{first[0] + (n & 1U), first[1] + (n >> 1 & 1U), first[2] + (n >> 2)};
       if (std::max({at[0], at[1], at[2]}) >= fine || (children_at(at) & wanted) == 0) {
         continue;
@@ -195,6 +225,10 @@ OctreeCellMaker::FitErrors OctreeCellMaker::measure(OctreeCell& cell) const {
 }
 
 bool OctreeCellMaker::is_sure(const OctreeCell& cell, const FitErrors& errors) const {
+  // The bounds of the largest cells are those of the whole field, and these cells are few.
+  if (2 * cell.half_edge_m > coarsest_near * m_demand.near_m) {
+    return false;
+  }
   for (std::size_t s = 0; s < lattice_samples; ++s) {
     if (errors.quadratic_m[s] > sure_share * m_demand.allowed_m(cell.leaf->samples[s].value_m)) {
       return false;
@@ -229,10 +263,6 @@ void OctreeCellMaker::fit(std::span<OctreeCell> cells, SampleBlock& block) const
       judge(cells[c], errors[c]);
     }
   }
-  // The bounds of the largest cells are those of the whole field, and these cells are few.
-  if (2 * cell.half_edge_m > coarsest_near * m_demand.near_m) {
-    return false;
-  }
 }
 
 void OctreeCellMaker::judge(OctreeCell& cell, const FitErrors& errors) const {
@@ -264,6 +294,10 @@ OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m, Sampl
   if (!outside(cell)) {
     cell.leaf = std::make_unique<OctreeCell::Leaf>();
     cell.leaf->samples[lattice_samples / 2] = sample_of(m_surface, centre_m, place);
+    if (hides_features(cell)) {
+      cell.wrong_quadratic_m3 = cell.wrong_cubic_m3 = std::numeric_limits<double>::infinity();
+      return cell;
+    }
     add_samples(cell, 0, lattice_samples, block);
     block.ask();
     fit({&cell, 1}, block);
@@ -271,7 +305,8 @@ OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m, Sampl
   return cell;
 }
 
-std::array<OctreeCell, 8> OctreeCellMaker::split(OctreeCell& parent, SampleBlock& block) const {
+std::array<OctreeCell, 8> OctreeCellMaker::split(OctreeCell& parent, const NeighbourChildren& neighbours,
+                                                 SampleBlock& block) const {
   std::array<OctreeCell, 8> children;
   unsigned wanted = 0;
   add_samples(parent, lattice_samples, cell_samples, block);
@@ -283,7 +318,7 @@ std::array<OctreeCell, 8> OctreeCellMaker::split(OctreeCell& parent, SampleBlock
     child.distance_m = parent.leaf->samples[lattice_samples + octant].value_m;
     wanted |= outside(child) ? 0U : 1U << octant;
   }
-  SisterSamples samples(parent);
+  SisterSamples samples(parent, neighbours);
   samples.ask(wanted, block);
   for (std::size_t octant = 0; octant < 8; ++octant) {
     if (bit(wanted, octant)) {
