@@ -21,13 +21,13 @@ constexpr double coarsest_near = 4;
 constexpr double worth_a_cubic = 0.1;
 
 /// Where the quadratic polynomial is off by no more than this share of what is allowed, octants need not be looked at.
-constexpr double sure_share = 0.8;
+constexpr float sure_share = 0.8F;
 
 /// What a place counts that is off by `error` times what is allowed. Smooth, so that leaves whose samples are all just
 /// right, and whose other places may not be, come before those that are right by far; and no more than about five
 /// places that are just right, because where the distance has a kink the last error can't be had.
-double wrongness(double error) {
-  const double square = std::min(error * error, 2.25);
+float wrongness(float error) {
+  const float square = std::min(error * error, 2.25F);
   return square * square;
 }
 
@@ -220,21 +220,21 @@ bool OctreeCellMaker::outside(const OctreeCell& cell) const {
 }
 
 OctreeCellMaker::FitErrors OctreeCellMaker::measure(OctreeCell& cell) const {
-  return {m_quadratic.measure(cell.leaf->samples, cell.half_edge_m, cell.leaf->quadratic),
-          m_cubic.measure(cell.leaf->samples, cell.half_edge_m, cell.leaf->cubic)};
+  const CellSamples& samples = cell.leaf->samples;
+  FitErrors errors{m_quadratic.measure(samples, cell.half_edge_m, cell.leaf->quadratic),
+                   m_cubic.measure(samples, cell.half_edge_m, cell.leaf->cubic)};
+  for (std::size_t s = 0; s < cell_samples; ++s) {
+    const auto per_allowed = static_cast<float>(1 / m_demand.allowed_m(samples[s].value_m));
+    errors.quadratic[s] *= per_allowed;
+    errors.cubic[s] *= per_allowed;
+  }
+  return errors;
 }
 
 bool OctreeCellMaker::is_sure(const OctreeCell& cell, const FitErrors& errors) const {
   // The bounds of the largest cells are those of the whole field, and these cells are few.
-  if (2 * cell.half_edge_m > coarsest_near * m_demand.near_m) {
-    return false;
-  }
-  for (std::size_t s = 0; s < lattice_samples; ++s) {
-    if (errors.quadratic_m[s] > sure_share * m_demand.allowed_m(cell.leaf->samples[s].value_m)) {
-      return false;
-    }
-  }
-  return true;
+  return 2 * cell.half_edge_m <= coarsest_near * m_demand.near_m &&
+         std::all_of(errors.quadratic.begin(), errors.quadratic.end(), [](float error) { return error <= sure_share; });
 }
 
 /// Sisters, or one root.
@@ -270,15 +270,16 @@ void OctreeCellMaker::judge(OctreeCell& cell, const FitErrors& errors) const {
     cell.wrong_quadratic_m3 = cell.wrong_cubic_m3 = std::numeric_limits<double>::infinity();
     return;
   }
-  const CellSamples& samples = cell.leaf->samples;
-  const std::size_t known = known_samples(samples);
-  const double edge_m = 2 * cell.half_edge_m;
-  const double volume_m3 = edge_m * edge_m * edge_m / static_cast<double>(known);
-  for (std::size_t s = 0; s < known; ++s) {
-    const double allowed_m = m_demand.allowed_m(samples[s].value_m);
-    cell.wrong_quadratic_m3 += volume_m3 * wrongness(errors.quadratic_m[s] / allowed_m);
-    cell.wrong_cubic_m3 += volume_m3 * wrongness(errors.cubic_m[s] / allowed_m);
+  float quadratic = 0;
+  float cubic = 0;
+  for (std::size_t s = 0; s < padded_samples; ++s) {
+    quadratic += wrongness(errors.quadratic[s]);
+    cubic += wrongness(errors.cubic[s]);
   }
+  const double edge_m = 2 * cell.half_edge_m;
+  const double volume_m3 = edge_m * edge_m * edge_m / static_cast<double>(known_samples(cell.leaf->samples));
+  cell.wrong_quadratic_m3 = volume_m3 * quadratic;
+  cell.wrong_cubic_m3 = volume_m3 * cubic;
 }
 
 bool OctreeCellMaker::hides_features(const OctreeCell& cell) const {

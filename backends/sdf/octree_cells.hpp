@@ -107,10 +107,10 @@ class OctreeCellMaker {
   [[nodiscard]] bool outside(const OctreeCell& cell) const;
   [[nodiscard]] bool hides_features(const OctreeCell& cell) const;
   void fit(std::span<OctreeCell> cells, SampleBlock& block) const;
-  /// Of the two polynomials of a cell.
+  /// Of the two polynomials of a cell, over what is allowed.
   struct FitErrors {
-    CellErrors quadratic_m;
-    CellErrors cubic_m;
+    CellErrors quadratic;
+    CellErrors cubic;
   };
   [[nodiscard]] FitErrors measure(OctreeCell& cell) const;
   [[nodiscard]] bool is_sure(const OctreeCell& cell, const FitErrors& errors) const;

@@ -44,10 +44,12 @@ struct PolynomialFit {
   [[nodiscard]] double spread() const;
 };
 
-/// At the samples of a cell that are known.
-using CellErrors = std::array<double, cell_samples>;
+/// At the samples of a cell, 0 where they are not known; whole vectors, whatever their width.
+inline constexpr std::size_t padded_samples = (cell_samples + 7) / 8 * 8;
+using CellErrors = std::array<float, padded_samples>;
 
-/// Fits polynomials of `terms` coefficients; made once, for all cells.
+/// Fits polynomials of `terms` coefficients; made once, for all cells. In floats, as the coefficients are, after the
+/// value in the middle: what is left is no more than the cell's diagonal.
 template <std::size_t terms>
 class PolynomialFitter {
  public:
@@ -59,13 +61,11 @@ class PolynomialFitter {
   [[nodiscard]] CellErrors measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const;
 
  private:
-  // Whole vectors, whatever their width.
-  static constexpr std::size_t padded_terms = (terms + 3) / 4 * 4;
-  static constexpr std::size_t padded_samples = (cell_samples + 7) / 8 * 8;
-  using Row = std::array<double, padded_terms>;
+  static constexpr std::size_t padded_terms = (terms + 7) / 8 * 8;
+  using Row = std::array<float, padded_terms>;
 
   std::array<std::array<Row, 4>, lattice_samples> m_share{};  ///< of a sample's value and derivatives in each term
-  std::array<std::array<double, padded_samples>, terms> m_powers{};  ///< each term at each sample
+  std::array<std::array<float, padded_samples>, terms> m_powers{};  ///< each term at each sample
 };
 
 }  // namespace musclebench
