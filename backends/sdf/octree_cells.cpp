@@ -219,8 +219,10 @@ bool OctreeCellMaker::outside(const OctreeCell& cell) const {
   return cell.distance_m - cell.reach_m() >= m_demand.near_m;
 }
 
-OctreeCellMaker::FitErrors OctreeCellMaker::measure(OctreeCell& cell) const {
+OctreeCellMaker::FitErrors OctreeCellMaker::fit(OctreeCell& cell) const {
   const CellSamples& samples = cell.leaf->samples;
+  cell.leaf->quadratic = m_quadratic.fit(samples, cell.half_edge_m);
+  cell.leaf->cubic = m_cubic.fit(samples, cell.half_edge_m);
   FitErrors errors{m_quadratic.measure(samples, cell.half_edge_m, cell.leaf->quadratic),
                    m_cubic.measure(samples, cell.half_edge_m, cell.leaf->cubic)};
   for (std::size_t s = 0; s < cell_samples; ++s) {
@@ -246,9 +248,7 @@ void OctreeCellMaker::fit(std::span<OctreeCell> cells, SampleBlock& block) const
     if (cell.leaf == nullptr) {
       continue;
     }
-    cell.leaf->quadratic = m_quadratic.fit(cell.leaf->samples, cell.half_edge_m);
-    cell.leaf->cubic = m_cubic.fit(cell.leaf->samples, cell.half_edge_m);
-    errors[c] = measure(cell);
+    errors[c] = fit(cell);
     has_more[c] = !hides_features(cell) && !is_sure(cell, errors[c]);
     if (has_more[c]) {
       add_samples(cell, lattice_samples, cell_samples, block);
@@ -257,7 +257,7 @@ void OctreeCellMaker::fit(std::span<OctreeCell> cells, SampleBlock& block) const
   block.ask();
   for (std::size_t c = 0; c < cells.size(); ++c) {
     if (has_more[c]) {
-      errors[c] = measure(cells[c]);
+      errors[c] = fit(cells[c]);
     }
     if (cells[c].leaf != nullptr) {
       judge(cells[c], errors[c]);

@@ -112,7 +112,8 @@ class OctreeCellMaker {
     CellErrors quadratic;
     CellErrors cubic;
   };
-  [[nodiscard]] FitErrors measure(OctreeCell& cell) const;
+  /// By what is known of the cell.
+  [[nodiscard]] FitErrors fit(OctreeCell& cell) const;
   [[nodiscard]] bool is_sure(const OctreeCell& cell, const FitErrors& errors) const;
   void judge(OctreeCell& cell, const FitErrors& errors) const;
 

@@ -84,45 +84,54 @@ double PolynomialFit::spread() const {
 
 template <std::size_t terms>
 PolynomialFitter<terms>::PolynomialFitter() {
-  const auto columns = static_cast<Eigen::Index>(terms);
-  Eigen::MatrixXd equations(4 * lattice_samples, columns);
   for (std::size_t sample = 0; sample < cell_samples; ++sample) {
+    for (std::size_t term = 0; term < terms; ++term) {
+      m_powers[term][sample] = static_cast<float>(term_at(term, sample_place(sample)));
+    }
+  }
+}
+
+template <std::size_t terms>
+auto PolynomialFitter<terms>::shares(std::size_t known) -> std::vector<Shares> {
+  Eigen::MatrixXd equations(static_cast<Eigen::Index>(4 * known), static_cast<Eigen::Index>(terms));
+  for (std::size_t sample = 0; sample < known; ++sample) {
     const Vec3 at = sample_place(sample);
     for (std::size_t term = 0; term < terms; ++term) {
-      m_powers[term][sample] = static_cast<float>(term_at(term, at));
-      if (sample < lattice_samples) {
-        const auto row = static_cast<Eigen::Index>(4 * sample);
-        const auto column = static_cast<Eigen::Index>(term);
-        equations(row, column) = term_at(term, at);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          equations(row + 1 + static_cast<Eigen::Index>(axis), column) = gradient_weight * slope_at(term, at, axis);
-        }
+      const auto row = static_cast<Eigen::Index>(4 * sample);
+      const auto column = static_cast<Eigen::Index>(term);
+      equations(row, column) = term_at(term, at);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        equations(row + 1 + static_cast<Eigen::Index>(axis), column) = gradient_weight * slope_at(term, at, axis);
       }
     }
   }
   const Eigen::MatrixXd solution = (equations.transpose() * equations).ldlt().solve(equations.transpose());
-  for (std::size_t sample = 0; sample < lattice_samples; ++sample) {
+  std::vector<Shares> result(known);
+  for (std::size_t sample = 0; sample < known; ++sample) {
     for (std::size_t part = 0; part < 4; ++part) {
       for (std::size_t term = 0; term < terms; ++term) {
         const double share = (part == 0 ? 1 : gradient_weight) *
                              solution(static_cast<Eigen::Index>(term), static_cast<Eigen::Index>(4 * sample + part));
         // By symmetry most are 0. Rounding leaves numbers so small that floats of them are slow.
         constexpr double rounding = 1e-12;
-        m_share[sample][part][term] = std::abs(share) < rounding ? 0 : static_cast<float>(share);
+        result[sample][part][term] = std::abs(share) < rounding ? 0 : static_cast<float>(share);
       }
     }
   }
+  return result;
 }
 
 template <std::size_t terms>
 PolynomialFit PolynomialFitter<terms>::fit(const CellSamples& samples, double half_edge_m) const {
   const double middle_m = samples[lattice_samples / 2].value_m;
   const auto half_edge = static_cast<float>(half_edge_m);
+  const std::size_t known = known_samples(samples);
+  const std::vector<Shares>& shares = known == cell_samples ? m_of_all : m_of_lattice;
   Row sum{};
-  for (std::size_t sample = 0; sample < lattice_samples; ++sample) {
+  for (std::size_t sample = 0; sample < known; ++sample) {
     const DistanceSample& exact = samples[sample];
     const auto above_middle = static_cast<float>(exact.value_m - middle_m);
-    const auto& [value, along_x, along_y, along_z] = m_share[sample];
+    const auto& [value, along_x, along_y, along_z] = shares[sample];
     const float dx = half_edge * exact.gradient[0];
     const float dy = half_edge * exact.gradient[1];
     const float dz = half_edge * exact.gradient[2];
