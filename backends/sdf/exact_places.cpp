@@ -1,6 +1,7 @@
 #include "backends/sdf/exact_places.hpp"
 
 #include "core/base/random_numbers.hpp"
+#include "core/geometry/coherent_order.hpp"
 #include "core/geometry/surface_sampler.hpp"
 
 namespace musclebench {
@@ -9,16 +10,21 @@ std::vector<ExactPlace> places_about(const SignedSurface& surface, const Triangl
                                      std::size_t count, std::uint64_t seed, [[maybe_unused]] int threads) {
   const SurfaceSampler sampler(mesh);
   RandomNumbers random(seed);
-  std::vector<SurfaceSample> samples(count);
-  std::vector<ExactPlace> places(count);
+  std::vector<Vec3> points(count);
+  std::vector<int> below(count);
   for (std::size_t p = 0; p < count; ++p) {
-    samples[p] = sampler.draw(random);
-    places[p].point = samples[p].point + (2 * random.share() - 1) * near_m * samples[p].normal;
+    const SurfaceSample sample = sampler.draw(random);
+    points[p] = sample.point + (2 * random.share() - 1) * near_m * sample.normal;
+    below[p] = sample.triangle;
   }
+  const std::vector<int> order = coherent_order(points);
+  std::vector<ExactPlace> places(count);
 #pragma omp parallel for schedule(dynamic, 64) num_threads(threads)
   for (std::size_t p = 0; p < count; ++p) {
-    const ClosestPoint closest = surface.tree().closest_point_from(places[p].point, samples[p].triangle);
-    places[p].distance_m = surface.is_inside(places[p].point, closest) ? -closest.distance_m : closest.distance_m;
+    const auto drawn = static_cast<std::size_t>(order[p]);
+    const Vec3& point = points[drawn];
+    const ClosestPoint closest = surface.tree().closest_point_from(point, below[drawn]);
+    places[p] = {point, surface.is_inside(point, closest) ? -closest.distance_m : closest.distance_m};
   }
   return places;
 }

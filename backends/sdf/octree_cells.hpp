@@ -71,8 +71,8 @@ class SampleBlock {
   void ask();
 
  private:
-  /// Of the 125 samples that sisters share 27 are known from the parent.
-  static constexpr std::size_t most_packets = 14;
+  /// Of the 125 samples that sisters share 9 at least are known, the middles of their parent and of its octants.
+  static constexpr std::size_t most_packets = 15;
 
   struct Asked {
     KnownPlace known;
@@ -86,6 +86,10 @@ class SampleBlock {
   std::array<std::array<Asked, PointPacket::capacity>, most_packets> m_asked;
 };
 
+/// Of the cells of the same size beyond the six faces of a cell, -x, +x, -y and so on, the first of the eight children;
+/// none where there is no such cell or it is not split.
+using NeighbourChildren = std::array<const OctreeCell*, 6>;
+
 /// Makes cells: asks the surface, fits, judges. Const and safe from several threads, each with a SampleBlock of its
 /// own.
 class OctreeCellMaker {
@@ -94,19 +98,22 @@ class OctreeCellMaker {
 
   [[nodiscard]] OctreeCell root(const Vec3& centre_m, double half_edge_m, SampleBlock& block) const;
 
-  /// The eight children of a leaf, x changing fastest. What the leaf was asked is not asked again.
-  [[nodiscard]] std::array<OctreeCell, 8> split(OctreeCell& parent, SampleBlock& block) const;
+  /// The eight children of a leaf, x changing fastest. What the leaf or its neighbours' children were asked is not
+  /// asked again.
+  [[nodiscard]] std::array<OctreeCell, 8> split(OctreeCell& parent, const NeighbourChildren& neighbours,
+                                                SampleBlock& block) const;
 
  private:
   [[nodiscard]] bool outside(const OctreeCell& cell) const;
   [[nodiscard]] bool hides_features(const OctreeCell& cell) const;
   void fit(std::span<OctreeCell> cells, SampleBlock& block) const;
-  /// Of the two polynomials of a cell.
+  /// Of the two polynomials of a cell, over what is allowed.
   struct FitErrors {
-    CellErrors quadratic_m;
-    CellErrors cubic_m;
+    CellErrors quadratic;
+    CellErrors cubic;
   };
-  [[nodiscard]] FitErrors measure(OctreeCell& cell) const;
+  /// By what is known of the cell.
+  [[nodiscard]] FitErrors fit(OctreeCell& cell) const;
   [[nodiscard]] bool is_sure(const OctreeCell& cell, const FitErrors& errors) const;
   void judge(OctreeCell& cell, const FitErrors& errors) const;
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <vector>
 
 #include "backends/sdf/octree_polynomial.hpp"
 #include "core/geometry/triangle_mesh.hpp"
@@ -16,9 +17,8 @@ struct DistanceSample {
 };
 
 /// Where a cell is sampled: at the 27 places of its corners, of the middles of its edges and faces and of its own
-/// middle, x changing slowest; then, where it may matter, at the middles of its eight octants, x changing fastest. The
-/// polynomial is fitted to the first; all that are known count for its error. A child's middle is the middle of its
-/// parent's octant, and 8 of its corners or middles are its parent's.
+/// middle, x changing slowest; then, where it may matter, at the middles of its eight octants, x changing fastest. A
+/// child's middle is the middle of its parent's octant, and 8 of its corners or middles are its parent's.
 inline constexpr std::size_t lattice_samples = 27;
 inline constexpr std::size_t cell_samples = 35;
 using CellSamples = std::array<DistanceSample, cell_samples>;
@@ -44,28 +44,35 @@ struct PolynomialFit {
   [[nodiscard]] double spread() const;
 };
 
-/// At the samples of a cell that are known.
-using CellErrors = std::array<double, cell_samples>;
+/// At the samples of a cell, 0 where they are not known; whole vectors, whatever their width.
+inline constexpr std::size_t padded_samples = (cell_samples + 7) / 8 * 8;
+using CellErrors = std::array<float, padded_samples>;
 
-/// Fits polynomials of `terms` coefficients; made once, for all cells.
+/// Fits polynomials of `terms` coefficients; made once, for all cells. In floats, as the coefficients are, after the
+/// value in the middle: what is left is no more than the cell's diagonal.
 template <std::size_t terms>
 class PolynomialFitter {
  public:
   PolynomialFitter();
 
-  /// The coefficients.
+  /// The coefficients, by all samples that are known.
   [[nodiscard]] PolynomialFit fit(const CellSamples& samples, double half_edge_m) const;
   /// Sets the bound.
   [[nodiscard]] CellErrors measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const;
 
  private:
-  // Whole vectors, whatever their width.
-  static constexpr std::size_t padded_terms = (terms + 3) / 4 * 4;
-  static constexpr std::size_t padded_samples = (cell_samples + 7) / 8 * 8;
-  using Row = std::array<double, padded_terms>;
+  static constexpr std::size_t padded_terms = (terms + 7) / 8 * 8;
+  using Row = std::array<float, padded_terms>;
 
-  std::array<std::array<Row, 4>, lattice_samples> m_share{};  ///< of a sample's value and derivatives in each term
-  std::array<std::array<double, padded_samples>, terms> m_powers{};  ///< each term at each sample
+  /// Of a sample's value and derivatives in each term.
+  using Shares = std::array<Row, 4>;
+
+  /// Where the first `known` samples are.
+  static std::vector<Shares> shares(std::size_t known);
+
+  std::vector<Shares> m_of_lattice = shares(lattice_samples);
+  std::vector<Shares> m_of_all = shares(cell_samples);
+  std::array<std::array<float, padded_samples>, terms> m_powers{};  ///< each term at each sample
 };
 
 }  // namespace musclebench

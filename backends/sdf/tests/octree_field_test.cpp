@@ -113,6 +113,14 @@ void find_polynomial() {
   EXPECT_LT(*std::max_element(errors_m.begin(), errors_m.end()), 2e-6);
   samples[30].value_m += 1;
   EXPECT_NEAR(fitter.measure(samples, half_edge_m, found)[30], 1, 2e-6) << "an octant's middle counts";
+  EXPECT_GT(fitter.fit(samples, half_edge_m).coefficients[0], found.coefficients[0] + 1e-3);
+  for (std::size_t s = lattice_samples; s < cell_samples; ++s) {
+    samples[s].triangle = -1;
+  }
+  const PolynomialFit by_lattice = fitter.fit(samples, half_edge_m);
+  for (std::size_t term = 0; term < cubic_terms; ++term) {
+    EXPECT_NEAR(by_lattice.coefficients[term], wanted.coefficients[term], 1e-6) << "of what is not known, " << term;
+  }
 }
 
 TEST(PolynomialFitter, FindsThePolynomialThatItIsGiven) {

@@ -1,0 +1,58 @@
+#include "backends/sdf/octree_cells.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/geometry/shapes.hpp"
+
+namespace musclebench {
+namespace {
+
+constexpr double half_edge_m = 0.008;
+
+/// A cell at the surface of a ball, and its neighbours.
+class OctreeCells : public testing::Test {
+ protected:
+  [[nodiscard]] OctreeCell cell(const Vec3& way = Vec3::Zero()) {
+    return m_maker.root(Vec3(0.05, 0.001, 0.002) + way, half_edge_m, m_block);
+  }
+  [[nodiscard]] std::array<OctreeCell, 8> split(OctreeCell parent, const NeighbourChildren& neighbours = {}) {
+    return m_maker.split(parent, neighbours, m_block);
+  }
+
+ private:
+  RepairedMesh m_ball{make_sphere(0.05, 3), true, {}};
+  SignedSurface m_surface{m_ball};
+  OctreeCellMaker m_maker{m_surface, {.wanted_m = 1e-4, .near_m = 0.02, .finest_edge_m = 1e-5}};
+  SampleBlock m_block{m_surface};
+};
+
+TEST_F(OctreeCells, ChildrenTakeWhatThoseOfNeighboursKnowOfTheCommonFace) {
+  const std::array<OctreeCell, 8> alone = split(cell());
+  for (std::size_t face = 0; face < 6; ++face) {
+    const auto axis = static_cast<Eigen::Index>(face / 2);
+    const double side = face % 2 == 0 ? -1 : 1;
+    std::array<OctreeCell, 8> beyond = split(cell(2 * side * half_edge_m * Vec3::Unit(axis)));
+    constexpr double mark_m = 1;
+    for (OctreeCell& child : beyond) {
+      for (DistanceSample& sample : child.leaf->samples) {
+        sample.value_m += mark_m;
+      }
+    }
+    NeighbourChildren neighbours{};
+    neighbours[face] = beyond.data();
+    const std::array<OctreeCell, 8> children = split(cell(), neighbours);
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+      for (std::size_t s = 0; s < lattice_samples; ++s) {
+        const Vec3 in_parent = sample_place(lattice_samples + octant) + 0.5 * sample_place(s);
+        const bool parent_knows = in_parent == in_parent.array().round().matrix();
+        const bool taken = in_parent[axis] == side && !parent_knows;
+        EXPECT_NEAR(children[octant].leaf->samples[s].value_m,
+                    alone[octant].leaf->samples[s].value_m + (taken ? mark_m : 0), 1e-12)
+            << "face " << face << ", octant " << octant << ", sample " << s;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace musclebench
