@@ -72,16 +72,19 @@ class NodeWalk {
       : m_surface(surface), m_search(surface.tree()), m_field(field), m_packets(block_size) {}
 
   void fill_block(const Index& first) {
-    bool any = false;
+    m_box.setEmpty();
     for (std::size_t number = 0; number < block_size; ++number) {
       const Index place = place_in_block(number);
       m_packets[number].count = 0;
-      any = add_record({first[0] + place[0], first[1] + place[1], first[2] + place[2]}, number) || any;
+      add_record({first[0] + place[0], first[1] + place[1], first[2] + place[2]}, number);
     }
-    if (!any) {
+    if (m_box.isEmpty()) {
       return;
     }
-    m_search.closest_points(m_packets, m_last.closest.triangle < 0 ? 0 : m_last.closest.triangle);
+    const int last = std::max(m_last.closest.triangle, 0);
+    const int nearest = m_surface.tree().closest_point_from(m_box.center(), last).triangle;
+    m_search.enter(m_box, m_surface.tree().is_needle(nearest) ? last : nearest);
+    m_search.closest_points(m_packets);
     for (std::size_t number = 0; number < block_size; ++number) {
       store(m_packets[number], m_records[number]);
     }
@@ -94,15 +97,15 @@ class NodeWalk {
     bool inside = false;
   };
 
-  /// False where the field keeps none.
-  bool add_record(const Index& vertex, std::size_t number) {
+  /// Nothing where the field keeps none.
+  void add_record(const Index& vertex, std::size_t number) {
     const GridShape& shape = m_field.shape();
     if (vertex[0] > shape.count(0) || vertex[1] > shape.count(1) || vertex[2] > shape.count(2)) {
-      return false;
+      return;
     }
     const std::optional<std::size_t> place = m_field.record(vertex[0], vertex[1], vertex[2]);
     if (!place) {
-      return false;
+      return;
     }
     PointPacket& packet = m_packets[number];
     Record& record = m_records[number];
@@ -110,6 +113,7 @@ class NodeWalk {
     const auto add = [&](std::size_t offset, const Vec3& cells) {
       record.offset[packet.count] = offset;
       packet.add(shape.lower_m + shape.cell_size_m.cwiseProduct(cells));
+      m_box.extend(packet.point[packet.count - 1]);
     };
     const Vec3 cells(static_cast<double>(vertex[0]), static_cast<double>(vertex[1]), static_cast<double>(vertex[2]));
     add(0, cells);
@@ -121,7 +125,6 @@ class NodeWalk {
         add(edge_node + 1, on_edge);
       }
     }
-    return true;
   }
 
   void store(const PointPacket& packet, const Record& record) {
@@ -145,6 +148,7 @@ class NodeWalk {
   const SignedSurface& m_surface;
   PacketSearch m_search;
   CubicField& m_field;
+  Eigen::AlignedBox3d m_box;  ///< of the block's nodes
   std::vector<PointPacket> m_packets;
   std::array<Record, block_size> m_records;
   Node m_last;

@@ -180,11 +180,16 @@ void SampleBlock::add(const Vec3& point, const KnownPlace& known, DistanceSample
   packet.add(point);
 }
 
+void SampleBlock::enter(const OctreeCell& cell) {
+  const Vec3 half = Vec3::Constant(cell.half_edge_m);
+  m_search.enter({cell.centre_m - half, cell.centre_m + half}, cell.leaf->samples[lattice_samples / 2].triangle);
+}
+
 void SampleBlock::ask() {
   if (m_count == 0) {
     return;
   }
-  m_search.closest_points({m_packets.data(), m_count}, m_asked[0][0].known.triangle);
+  m_search.closest_points({m_packets.data(), m_count});
   for (std::size_t p = 0; p < m_count; ++p) {
     for (std::size_t n = 0; n < m_packets[p].count; ++n) {
       const auto& [known, answer] = m_asked[p][n];
@@ -299,6 +304,7 @@ OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m, Sampl
       cell.wrong_quadratic_m3 = cell.wrong_cubic_m3 = std::numeric_limits<double>::infinity();
       return cell;
     }
+    block.enter(cell);
     add_samples(cell, 0, lattice_samples, block);
     block.ask();
     fit({&cell, 1}, block);
@@ -310,6 +316,7 @@ std::array<OctreeCell, 8> OctreeCellMaker::split(OctreeCell& parent, const Neigh
                                                  SampleBlock& block) const {
   std::array<OctreeCell, 8> children;
   unsigned wanted = 0;
+  block.enter(parent);
   add_samples(parent, lattice_samples, cell_samples, block);
   block.ask();
   for (std::size_t octant = 0; octant < 8; ++octant) {

@@ -67,6 +67,8 @@ class SampleBlock {
  public:
   explicit SampleBlock(const SignedSurface& surface) : m_surface(surface), m_search(surface.tree()) {}
 
+  /// All places lie in this cell, whose middle is known, until the next call.
+  void enter(const OctreeCell& cell);
   void add(const Vec3& point, const KnownPlace& known, DistanceSample& answer);
   void ask();
 

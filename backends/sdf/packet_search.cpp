@@ -11,23 +11,14 @@ namespace {
 
 constexpr std::size_t most_points = PacketSearch::bundle * PointPacket::capacity;
 
-struct Corners {
-  Vec3 lower = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 upper = -lower;
-
-  [[nodiscard]] bool is_empty() const { return !(lower.x() <= upper.x()); }
-  [[nodiscard]] Vec3 middle() const { return 0.5 * (lower + upper); }
-};
-
-Corners corners_of(std::span<const PointPacket> packets) {
-  Corners corners;
+Eigen::AlignedBox3d box_about(std::span<const PointPacket> packets) {
+  Eigen::AlignedBox3d box;
   for (const PointPacket& packet : packets) {
     for (std::size_t n = 0; n < packet.count; ++n) {
-      corners.lower = corners.lower.cwiseMin(packet.point[n]);
-      corners.upper = corners.upper.cwiseMax(packet.point[n]);
+      box.extend(packet.point[n]);
     }
   }
-  return corners;
+  return box;
 }
 
 }  // namespace
@@ -37,55 +28,49 @@ std::array<float, 3> PacketSearch::to_own(const Vec3& point) const {
   return {static_cast<float>(own.x()), static_cast<float>(own.y()), static_cast<float>(own.z())};
 }
 
-PlaceBox PacketSearch::box_about(const Vec3& lower, const Vec3& upper, float slack) const {
-  PlaceBox box;
-  box.middle = to_own(0.5 * (lower + upper));
+PlaceBox PacketSearch::place_box(const Eigen::AlignedBox3d& box) const {
+  PlaceBox own;
+  own.middle = to_own(box.center());
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<Eigen::Index>(axis);
-    box.half[axis] = static_cast<float>(0.5 * m_tree->m_scale * (upper[a] - lower[a])) * 1.000001F + slack;
+    const double size = box.sizes()[static_cast<Eigen::Index>(axis)];
+    own.half[axis] = static_cast<float>(0.5 * m_tree->m_scale * size) * 1.000001F + m_view.slack;
   }
-  return box;
+  return own;
 }
 
-TreeView PacketSearch::view(const Vec3& lower, const Vec3& upper) const {
-  const Vec3 middle = m_tree->m_centre_m;
-  const double reach = m_tree->m_scale * (upper - middle).cwiseAbs().cwiseMax((lower - middle).cwiseAbs()).maxCoeff();
-  const double coordinate = m_tree->m_scale * upper.cwiseAbs().cwiseMax(lower.cwiseAbs()).maxCoeff();
+TreeView PacketSearch::view_from(const Eigen::AlignedBox3d& box) const {
+  const Vec3& middle = m_tree->m_centre_m;
+  const double reach =
+      m_tree->m_scale * (box.max() - middle).cwiseAbs().cwiseMax((box.min() - middle).cwiseAbs()).maxCoeff();
+  const double coordinate = m_tree->m_scale * box.max().cwiseAbs().cwiseMax(box.min().cwiseAbs()).maxCoeff();
   return {m_tree->m_nodes.data(), m_tree->m_leaves.data(), static_cast<float>(m_tree->m_longest_side),
           m_tree->slack_for(reach, coordinate)};
 }
 
-void PacketSearch::closest_points(std::span<PointPacket> packets, int seed) {
-  const Corners corners = corners_of(packets);
-  if (corners.is_empty()) {
-    return;
+void PacketSearch::enter(const Eigen::AlignedBox3d& box, int triangle) {
+  m_view = view_from(box);
+  m_box = place_box(box);
+  if (!m_tree->is_needle(triangle)) {
+    const auto leaf = static_cast<std::size_t>(m_tree->m_leaf_of[static_cast<std::size_t>(triangle)]);
+    bound_by_triangle(m_view, static_cast<std::int32_t>(leaf * tree_width + m_tree->m_leaves[leaf].place_of(triangle)),
+                      m_box);
   }
-  const TreeView tree = view(corners.lower, corners.upper);
-  PlaceBox block = box_about(corners.lower, corners.upper, tree.slack);
-  const int nearest = packets.size() > 1 ? m_tree->closest_point_from(corners.middle(), seed).triangle : seed;
-  for (const int triangle : {nearest, seed}) {
-    const int index = m_tree->m_leaf_of[static_cast<std::size_t>(triangle)];
-    const TreeLeaf& leaf = tree.leaves[index];
-    if (!m_tree->is_needle(triangle)) {
-      bound_by_triangle(
-          tree, static_cast<std::int32_t>(static_cast<std::size_t>(index) * tree_width + leaf.place_of(triangle)),
-          block);
-      break;
-    }
-  }
-  list_nodes(tree, block, m_nodes);
+  list_nodes(m_view, m_box, m_nodes);
+}
+
+void PacketSearch::closest_points(std::span<PointPacket> packets) {
   for (std::size_t first = 0; first < packets.size(); first += bundle) {
-    search_bundle(packets.subspan(first, std::min(bundle, packets.size() - first)), tree, block);
+    search_bundle(packets.subspan(first, std::min(bundle, packets.size() - first)));
   }
 }
 
-void PacketSearch::search_bundle(std::span<PointPacket> packets, const TreeView& tree, const PlaceBox& block) {
-  const Corners corners = corners_of(packets);
-  if (corners.is_empty()) {
+void PacketSearch::search_bundle(std::span<PointPacket> packets) {
+  const Eigen::AlignedBox3d about = box_about(packets);
+  if (about.isEmpty()) {
     return;
   }
-  PlaceBox box = box_about(corners.lower, corners.upper, tree.slack);
-  list_leaves(tree, m_nodes, block, box, m_near, m_leaves);
+  PlaceBox box = place_box(about);
+  list_leaves(m_view, m_nodes, m_box, box, m_near, m_leaves);
   m_pairs.count = 0;
   for (std::size_t p = 0; p < packets.size(); ++p) {
     const PointPacket& packet = packets[p];
@@ -99,7 +84,7 @@ void PacketSearch::search_bundle(std::span<PointPacket> packets, const TreeView&
         m_points.at[axis][n] = own[axis];
       }
     }
-    list_pairs(tree, m_leaves, box, m_points, static_cast<std::int32_t>(p * PointPacket::capacity), m_pairs);
+    list_pairs(m_view, m_leaves, box, m_points, static_cast<std::int32_t>(p * PointPacket::capacity), m_pairs);
   }
   decide(packets);
 }

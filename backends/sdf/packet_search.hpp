@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "backends/sdf/packet_pairs.hpp"
 #include "core/geometry/closest_on_triangles.hpp"
 #include "core/geometry/triangle_tree.hpp"
@@ -36,18 +38,22 @@ class PacketSearch {
 
   explicit PacketSearch(const TriangleTree& tree) : m_tree(&tree) {}
 
-  /// Answers for all points, each within 1e12 times the mesh's size. `seed` is any triangle; the search is fast where
-  /// it is near.
-  void closest_points(std::span<PointPacket> packets, int seed);
+  /// The box, within 1e12 times the mesh's size, that all points lie in until the next call. `triangle` is any, but no
+  /// needle where that can be helped; the search is the faster the nearer it is to the box's middle.
+  void enter(const Eigen::AlignedBox3d& box, int triangle);
+
+  void closest_points(std::span<PointPacket> packets);
 
  private:
-  void search_bundle(std::span<PointPacket> packets, const TreeView& tree, const PlaceBox& block);
+  void search_bundle(std::span<PointPacket> packets);
   void decide(std::span<PointPacket> packets);
-  [[nodiscard]] PlaceBox box_about(const Vec3& lower, const Vec3& upper, float slack) const;
+  [[nodiscard]] PlaceBox place_box(const Eigen::AlignedBox3d& box) const;
   [[nodiscard]] std::array<float, 3> to_own(const Vec3& point) const;
-  [[nodiscard]] TreeView view(const Vec3& lower, const Vec3& upper) const;
+  [[nodiscard]] TreeView view_from(const Eigen::AlignedBox3d& box) const;
 
   const TriangleTree* m_tree;
+  TreeView m_view{};
+  PlaceBox m_box;
   BoundList m_nodes;
   BoundList m_near;
   BoundList m_leaves;

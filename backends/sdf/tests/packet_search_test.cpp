@@ -44,7 +44,18 @@ void expect_answers_of_single_queries(const TriangleMesh& mesh, int blocks) {
         packets[p].add(own_middle + 0.3 * width * noise());
       }
     }
-    search.closest_points(packets, block % 4 == 0 ? triangles(generator) : seed);
+    Eigen::AlignedBox3d box;
+    for (const PointPacket& packet : packets) {
+      for (std::size_t n = 0; n < packet.count; ++n) {
+        box.extend(packet.point[n]);
+      }
+    }
+    if (box.isEmpty()) {
+      continue;
+    }
+    const Vec3 more = block % 7 == 0 ? Vec3(0.1 * width * Vec3::Ones()) : Vec3(Vec3::Zero());
+    search.enter({box.min() - more, box.max() + more}, block % 4 == 0 ? triangles(generator) : seed);
+    search.closest_points(packets);
     for (const PointPacket& packet : packets) {
       for (std::size_t n = 0; n < packet.count; ++n) {
         const ClosestPoint expected = tree.closest_point(packet.point[n]).value();
