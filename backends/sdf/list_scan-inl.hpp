@@ -39,7 +39,7 @@ class Lowest {
 
   [[nodiscard]] HWY_INLINE std::size_t place() const { return place_in(lane_of(m_least)); }
 
-  /// With the place of the smallest number of the other lanes; where these are empty, any place.
+  /// With the place of the smallest number of the other lanes; where these are empty, any place that was looked at.
   [[nodiscard]] HWY_INLINE std::array<std::size_t, 2> two_places() const {
     const std::size_t lane = lane_of(m_least);
     const auto its_own = hn::Eq(hn::Iota(Places(), 0), hn::Set(Places(), static_cast<std::int32_t>(lane)));

@@ -71,6 +71,9 @@ class NodeWalk {
   NodeWalk(const SignedSurface& surface, CubicField& field)
       : m_surface(surface), m_search(surface.tree()), m_field(field), m_packets(block_size) {}
 
+  /// Blocks that follow are filled as if they were the first: which ones a thread has filled before is chance.
+  void forget_side() { m_knows_side = false; }
+
   void fill_block(const Index& first) {
     m_box.setEmpty();
     for (std::size_t number = 0; number < block_size; ++number) {
@@ -82,8 +85,7 @@ class NodeWalk {
       return;
     }
     const int last = std::max(m_last.closest.triangle, 0);
-    const int nearest = m_surface.tree().closest_point_from(m_box.center(), last).triangle;
-    m_search.enter(m_box, m_surface.tree().is_needle(nearest) ? last : nearest);
+    m_search.enter(m_box, m_surface.tree().closest_point_from(m_box.center(), last).triangle);
     m_search.closest_points(m_packets);
     for (std::size_t number = 0; number < block_size; ++number) {
       store(m_packets[number], m_records[number]);
@@ -133,6 +135,7 @@ class NodeWalk {
       m_field.store(record.place + record.offset[n], node.inside ? -node.closest.distance_m : node.closest.distance_m);
       if (n == 0) {
         m_last = node;  // the others of the record are next to it, too
+        m_knows_side = true;
       }
     }
   }
@@ -140,8 +143,8 @@ class NodeWalk {
   [[nodiscard]] bool is_inside(const Vec3& point, const ClosestPoint& closest) const {
     const double step = (point - m_last.point).norm() * (1 + 1e-9);
     // Across a hole the side changes without a surface.
-    const bool sure = m_surface.closed() && m_last.closest.triangle >= 0 &&
-                      std::max(closest.distance_m, m_last.closest.distance_m) > step;
+    const bool sure =
+        m_surface.closed() && m_knows_side && std::max(closest.distance_m, m_last.closest.distance_m) > step;
     return sure ? m_last.inside : m_surface.is_inside(point, closest);
   }
 
@@ -152,6 +155,7 @@ class NodeWalk {
   std::vector<PointPacket> m_packets;
   std::array<Record, block_size> m_records;
   Node m_last;
+  bool m_knows_side = false;
 };
 
 std::size_t blocks_along(const GridShape& shape, std::size_t axis) { return shape.count(axis) / block_edge + 1; }
@@ -170,6 +174,7 @@ void fill_distances(const SignedSurface& surface, CubicField& field, [[maybe_unu
     NodeWalk walk(surface, field);
 #pragma omp for schedule(dynamic)
     for (std::size_t row = 0; row < rows; ++row) {
+      walk.forget_side();
       for (std::size_t block = 0; block < blocks_along(shape, 0); ++block) {
         walk.fill_block({block_edge * block, block_edge * (row % across), block_edge * (row / across)});
       }

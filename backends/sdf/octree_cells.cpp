@@ -240,7 +240,7 @@ OctreeCellMaker::FitErrors OctreeCellMaker::fit(OctreeCell& cell) const {
 
 bool OctreeCellMaker::is_sure(const OctreeCell& cell, const FitErrors& errors) const {
   // The bounds of the largest cells are those of the whole field, and these cells are few.
-  return 2 * cell.half_edge_m <= coarsest_near * m_demand.near_m &&
+  return !is_large(cell) &&
          std::all_of(errors.quadratic.begin(), errors.quadratic.end(), [](float error) { return error <= sure_share; });
 }
 
@@ -254,7 +254,7 @@ void OctreeCellMaker::fit(std::span<OctreeCell> cells, SampleBlock& block) const
       continue;
     }
     errors[c] = fit(cell);
-    has_more[c] = !hides_features(cell) && !is_sure(cell, errors[c]);
+    has_more[c] = !is_sure(cell, errors[c]);
     if (has_more[c]) {
       add_samples(cell, lattice_samples, cell_samples, block);
     }
@@ -271,10 +271,6 @@ void OctreeCellMaker::fit(std::span<OctreeCell> cells, SampleBlock& block) const
 }
 
 void OctreeCellMaker::judge(OctreeCell& cell, const FitErrors& errors) const {
-  if (hides_features(cell)) {
-    cell.wrong_quadratic_m3 = cell.wrong_cubic_m3 = std::numeric_limits<double>::infinity();
-    return;
-  }
   float quadratic = 0;
   float cubic = 0;
   for (std::size_t s = 0; s < padded_samples; ++s) {
@@ -287,8 +283,8 @@ void OctreeCellMaker::judge(OctreeCell& cell, const FitErrors& errors) const {
   cell.wrong_cubic_m3 = volume_m3 * cubic;
 }
 
-bool OctreeCellMaker::hides_features(const OctreeCell& cell) const {
-  return std::abs(cell.distance_m) <= cell.reach_m() && 2 * cell.half_edge_m > coarsest_near * m_demand.near_m;
+bool OctreeCellMaker::is_large(const OctreeCell& cell) const {
+  return 2 * cell.half_edge_m > coarsest_near * m_demand.near_m;
 }
 
 OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m, SampleBlock& block) const {
@@ -300,7 +296,8 @@ OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m, Sampl
   if (!outside(cell)) {
     cell.leaf = std::make_unique<OctreeCell::Leaf>();
     cell.leaf->samples[lattice_samples / 2] = sample_of(m_surface, centre_m, place);
-    if (hides_features(cell)) {
+    const bool hides_features = is_large(cell) && std::abs(cell.distance_m) <= cell.reach_m();
+    if (hides_features) {  // it will be split, whatever it were
       cell.wrong_quadratic_m3 = cell.wrong_cubic_m3 = std::numeric_limits<double>::infinity();
       return cell;
     }

@@ -60,7 +60,7 @@ struct KnownPlace {
   int triangle = -1;      ///< the closest one
 };
 
-/// Places that lie close together, asked in one walk through the tree; best where those that are added one after the
+/// Places of a cell, for all of which the tree is walked through once; best where those that are added one after the
 /// other are neighbours. Each is next to a known place, which tells its side where it is farther from the surface than
 /// from that. One thread at a time; kept for the next places.
 class SampleBlock {
@@ -100,14 +100,14 @@ class OctreeCellMaker {
 
   [[nodiscard]] OctreeCell root(const Vec3& centre_m, double half_edge_m, SampleBlock& block) const;
 
-  /// The eight children of a leaf, x changing fastest. What the leaf or its neighbours' children were asked is not
-  /// asked again.
+  /// The eight children of a leaf, x changing fastest. What the leaf was asked is not asked again, nor what children of
+  /// its neighbours know, as far as they are still leaves.
   [[nodiscard]] std::array<OctreeCell, 8> split(OctreeCell& parent, const NeighbourChildren& neighbours,
                                                 SampleBlock& block) const;
 
  private:
   [[nodiscard]] bool outside(const OctreeCell& cell) const;
-  [[nodiscard]] bool hides_features(const OctreeCell& cell) const;
+  [[nodiscard]] bool is_large(const OctreeCell& cell) const;
   void fit(std::span<OctreeCell> cells, SampleBlock& block) const;
   /// Of the two polynomials of a cell, over what is allowed.
   struct FitErrors {

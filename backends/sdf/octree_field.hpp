@@ -47,8 +47,8 @@ struct OctreeQuality {
 /// place of projection). Negative inside, in metres. Made by `build_octree`.
 ///
 /// Leaves are fitted each for itself: across a common face the field jumps by about the error of the two, at 99 of 100
-/// places by no more than about the wanted error. Leaves outside that keep a distance of `near_m` from the surface hold
-/// no polynomial; the field is a lower bound of the distance there. Queries are const and safe from several threads.
+/// places by no more than the wanted error. Leaves outside that keep a distance of `near_m` from the surface hold no
+/// polynomial; the field is a lower bound of the distance there. Queries are const and safe from several threads.
 class OctreeField {
  public:
   /// An entry of the tree: what it is in the two upper bits, where to go on in the others.

@@ -9,9 +9,9 @@ namespace musclebench {
 
 namespace {
 
-/// Of a derivative along the cell's unit axes, against a value. It carries a fit of 20 coefficients through 27 values,
-/// and says less where the surface has an edge: there the gradient jumps and the distance does not. On bones the error
-/// is about the same from 0.05 to 0.2 and grows above.
+/// Of a derivative along the cell's unit axes, against a value. It carries a fit of 20 coefficients through 27 or 35
+/// values, and says less where the surface has an edge: there the gradient jumps and the distance does not. On bones
+/// the error is about the same from 0.05 to 0.2 and grows above.
 constexpr double gradient_weight = 0.1;
 
 /// How far a place of a cell is from the nearest sample at most, in edges; rounded up.
@@ -166,7 +166,7 @@ CellErrors PolynomialFitter<terms>::measure(const CellSamples& samples, double h
     largest_m = std::max(largest_m, error_m[sample]);
   }
   // No place of the cell is farther than this from a sample. On the way there the polynomial changes by its slope and
-  // the distance by one metre a metre. The floats of an error are off by far less than a millionth of the edge.
+  // the distance by one metre a metre. The floats of an error are off by some millionths of the edge.
   const double reach_m = 2 * half_edge_m * (known == cell_samples ? reach_of_all : reach_of_lattice);
   fit.bound_m = (largest_m + reach_m * (1 + steepest(fit.coefficients, half_edge_m))) * (1 + 1e-5);
   return error_m;

@@ -138,7 +138,7 @@ HWY_INLINE std::array<std::int32_t, 2> nearest_leaves(const TreeView& tree, cons
     way[axis] -= box.middle[axis];
   }
   const auto [nearest, other] = lowest(leaves, way).two_places();
-  return {leaf_at(tree, leaves.what[nearest]), leaf_at(tree, leaves.what[std::min(other, leaves.count - 1)])};
+  return {leaf_at(tree, leaves.what[nearest]), leaf_at(tree, leaves.what[other])};
 }
 
 /// Lists the leaves whose bound is within the limit of any of the points; returns how many. A leaf that holds what is

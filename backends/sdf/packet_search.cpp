@@ -1,6 +1,7 @@
 #include "backends/sdf/packet_search.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -21,7 +22,20 @@ Eigen::AlignedBox3d box_about(std::span<const PointPacket> packets) {
   return box;
 }
 
+/// The first place of a triangle that is no needle; negative where there is none.
+std::int32_t firm_place(const TreeLeaf& leaf) {
+  const auto firm = ~leaf.needles & ((1U << static_cast<unsigned>(leaf.count)) - 1);
+  return firm == 0 ? -1 : std::countr_zero(firm);
+}
+
 }  // namespace
+
+PacketSearch::PacketSearch(const TriangleTree& tree) : m_tree(&tree) {
+  for (std::size_t leaf = 0; leaf < tree.m_leaves.size() && m_any_place < 0; ++leaf) {
+    const std::int32_t place = firm_place(tree.m_leaves[leaf]);
+    m_any_place = place < 0 ? -1 : static_cast<std::int32_t>(leaf * tree_width) + place;
+  }
+}
 
 std::array<float, 3> PacketSearch::to_own(const Vec3& point) const {
   const Vec3 own = m_tree->m_scale * (point - m_tree->m_centre_m);
@@ -47,13 +61,23 @@ TreeView PacketSearch::view_from(const Eigen::AlignedBox3d& box) const {
           m_tree->slack_for(reach, coordinate)};
 }
 
+std::int32_t PacketSearch::bounding_place(int triangle) const {
+  const auto index = static_cast<std::size_t>(m_tree->m_leaf_of[static_cast<std::size_t>(triangle)]);
+  const std::size_t own = m_tree->m_leaves[index].place_of(triangle);
+  const std::int32_t other = firm_place(m_tree->m_leaves[index]);
+  if (other < 0) {
+    return m_any_place;
+  }
+  const auto place = m_tree->is_needle(triangle) ? other : static_cast<std::int32_t>(own);
+  return static_cast<std::int32_t>(index * tree_width) + place;
+}
+
 void PacketSearch::enter(const Eigen::AlignedBox3d& box, int triangle) {
+  m_entered = box;
   m_view = view_from(box);
   m_box = place_box(box);
-  if (!m_tree->is_needle(triangle)) {
-    const auto leaf = static_cast<std::size_t>(m_tree->m_leaf_of[static_cast<std::size_t>(triangle)]);
-    bound_by_triangle(m_view, static_cast<std::int32_t>(leaf * tree_width + m_tree->m_leaves[leaf].place_of(triangle)),
-                      m_box);
+  if (const std::int32_t place = bounding_place(triangle); place >= 0) {
+    bound_by_triangle(m_view, place, m_box);
   }
   list_nodes(m_view, m_box, m_nodes);
 }
@@ -69,6 +93,7 @@ void PacketSearch::search_bundle(std::span<PointPacket> packets) {
   if (about.isEmpty()) {
     return;
   }
+  assert(m_entered.contains(about));
   PlaceBox box = place_box(about);
   list_leaves(m_view, m_nodes, m_box, box, m_near, m_leaves);
   m_pairs.count = 0;

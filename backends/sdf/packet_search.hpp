@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -36,15 +37,18 @@ class PacketSearch {
   /// Packets that follow each other and should lie close together; some may be empty.
   static constexpr std::size_t bundle = 8;
 
-  explicit PacketSearch(const TriangleTree& tree) : m_tree(&tree) {}
+  explicit PacketSearch(const TriangleTree& tree);
 
-  /// The box, within 1e12 times the mesh's size, that all points lie in until the next call. `triangle` is any, but no
-  /// needle where that can be helped; the search is the faster the nearer it is to the box's middle.
+  /// The box, within 1e12 times the mesh's size, that all points lie in until the next call. `triangle` is any; the
+  /// search is the faster the nearer it is to the box's middle.
   void enter(const Eigen::AlignedBox3d& box, int triangle);
 
   void closest_points(std::span<PointPacket> packets);
 
  private:
+  /// A place in a leaf of a triangle that is no needle, near the one that is given where that can be; as
+  /// `bound_by_triangle` has it, negative where there is none.
+  [[nodiscard]] std::int32_t bounding_place(int triangle) const;
   void search_bundle(std::span<PointPacket> packets);
   void decide(std::span<PointPacket> packets);
   [[nodiscard]] PlaceBox place_box(const Eigen::AlignedBox3d& box) const;
@@ -52,8 +56,10 @@ class PacketSearch {
   [[nodiscard]] TreeView view_from(const Eigen::AlignedBox3d& box) const;
 
   const TriangleTree* m_tree;
+  std::int32_t m_any_place = -1;  ///< of a triangle that is no needle
+  Eigen::AlignedBox3d m_entered;
   TreeView m_view{};
-  PlaceBox m_box;
+  PlaceBox m_box;  ///< the same
   BoundList m_nodes;
   BoundList m_near;
   BoundList m_leaves;
