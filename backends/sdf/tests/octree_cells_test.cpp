@@ -54,5 +54,22 @@ TEST_F(OctreeCells, ChildrenTakeWhatThoseOfNeighboursKnowOfTheCommonFace) {
   }
 }
 
+TEST_F(OctreeCells, AsksForWhatANeighboursChildKnowsNoMore) {
+  const std::array<OctreeCell, 8> alone = split(cell());
+  std::array<OctreeCell, 8> beyond = split(cell(2 * half_edge_m * Vec3::UnitX()));
+  for (OctreeCell& child : beyond) {
+    child.leaf.reset();
+  }
+  NeighbourChildren neighbours{};
+  neighbours[1] = beyond.data();
+  const std::array<OctreeCell, 8> children = split(cell(), neighbours);
+  for (std::size_t octant = 0; octant < 8; ++octant) {
+    for (std::size_t s = 0; s < lattice_samples; ++s) {
+      EXPECT_EQ(children[octant].leaf->samples[s].value_m, alone[octant].leaf->samples[s].value_m);
+      EXPECT_GE(children[octant].leaf->samples[s].triangle, 0);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace musclebench
