@@ -62,14 +62,12 @@ TreeView PacketSearch::view_from(const Eigen::AlignedBox3d& box) const {
 }
 
 std::int32_t PacketSearch::bounding_place(int triangle) const {
-  const auto index = static_cast<std::size_t>(m_tree->m_leaf_of[static_cast<std::size_t>(triangle)]);
-  const std::size_t own = m_tree->m_leaves[index].place_of(triangle);
-  const std::int32_t other = firm_place(m_tree->m_leaves[index]);
-  if (other < 0) {
-    return m_any_place;
-  }
-  const auto place = m_tree->is_needle(triangle) ? other : static_cast<std::int32_t>(own);
-  return static_cast<std::int32_t>(index * tree_width) + place;
+  const std::int32_t index = m_tree->m_leaf_of[static_cast<std::size_t>(triangle)];
+  const TreeLeaf& leaf = m_tree->m_leaves[static_cast<std::size_t>(index)];
+  const std::size_t own = leaf.place_of(triangle);
+  const bool is_needle = (leaf.needles >> own & 1U) != 0;
+  const std::int32_t place = is_needle ? firm_place(leaf) : static_cast<std::int32_t>(own);
+  return place < 0 ? m_any_place : index * static_cast<std::int32_t>(tree_width) + place;
 }
 
 void PacketSearch::enter(const Eigen::AlignedBox3d& box, int triangle) {
