@@ -162,7 +162,7 @@ SurfaceVerification verify_surface(const Bone& bone, const VerificationSettings&
   const auto start = std::chrono::steady_clock::now();
   const TriangleMesh& mesh = bone.surface.mesh;
   const Referee referee(std::span(&bone, 1), 0);
-  const CentredSurface bvh(bone.surface);
+  const CentredSurface bvh(bone.surface, settings.threads);
   const std::vector<Vec3> points = points_about(mesh, points_for(bvh, settings), settings.seed);
   const std::size_t few = static_cast<std::size_t>(std::min(std::ssize(points), settings.brute_force_points));
 

@@ -29,7 +29,7 @@ class BvhBackend final : public CollisionBackend {
     m_surfaces.clear();
     m_surfaces.reserve(bones().size());
     for (const Bone& bone : bones()) {
-      m_surfaces.emplace_back(bone.surface);
+      m_surfaces.emplace_back(bone.surface, threads());
     }
     m_detection.reset(bones(), m_surfaces, muscle().vertices.size(), m_motion_budgets, threads());
   }

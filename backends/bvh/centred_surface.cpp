@@ -1,5 +1,7 @@
 #include "backends/bvh/centred_surface.hpp"
 
+#include <algorithm>
+
 #include "core/geometry/mesh_size.hpp"
 
 namespace musclebench {
@@ -22,15 +24,20 @@ constexpr double farthest_m = 1e100;
 
 }  // namespace
 
-CentredSurface::CentredSurface(const RepairedMesh& surface)
-    : CentredSurface(surface, bounding_box(surface.mesh.vertices)) {}
+CentredSurface::CentredSurface(const RepairedMesh& surface, int threads)
+    : CentredSurface(surface, bounding_box(surface.mesh.vertices), threads) {}
 
-CentredSurface::CentredSurface(const RepairedMesh& surface, const Eigen::AlignedBox3d& box)
+CentredSurface::CentredSurface(const RepairedMesh& surface, const Eigen::AlignedBox3d& box, int threads)
     : m_centre_m(box.center()),
       m_half_extents_m((box.max() - m_centre_m).cwiseMax(m_centre_m - box.min())),
       m_near_m(mean_triangle_size_m(surface.mesh)),
       m_touching_m(touching_distance_m(surface.mesh)),
-      m_surface(moved(surface, -m_centre_m)) {}
+      m_surface(moved(surface, -m_centre_m)) {
+  if (m_surface.closed()) {
+    m_clearances =
+        ClearanceGrid(m_surface, Eigen::AlignedBox3d(-m_half_extents_m, m_half_extents_m), m_near_m, threads);
+  }
+}
 
 bool CentredSurface::is_outside(const Vec3& point, double& clearance_m) const {
   clearance_m = 0;
@@ -41,8 +48,9 @@ bool CentredSurface::is_outside(const Vec3& point, double& clearance_m) const {
   if (!m_surface.closed()) {
     return false;
   }
-  const Vec3 beyond = (point - m_centre_m).cwiseAbs() - m_half_extents_m;
-  clearance_m = beyond.cwiseMax(0).norm();
+  const Vec3 place = point - m_centre_m;
+  const Vec3 beyond = place.cwiseAbs() - m_half_extents_m;
+  clearance_m = std::max(beyond.cwiseMax(0).norm(), m_clearances.clearance_m(place));
   return clearance_m > 0;
 }
 

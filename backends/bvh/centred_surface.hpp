@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/geometry/clearance_grid.hpp"
 #include "core/geometry/signed_surface.hpp"
 
 namespace musclebench {
@@ -12,8 +13,8 @@ namespace musclebench {
 /// A `Surface` of NodeDetection, which says what its members are for.
 class CentredSurface {
  public:
-  /// Copies what it needs. The surface has triangles.
-  explicit CentredSurface(const RepairedMesh& surface);
+  /// Copies what it needs. The surface has triangles. `threads`: for making it.
+  CentredSurface(const RepairedMesh& surface, int threads);
 
   [[nodiscard]] bool is_outside(const Vec3& point, double& clearance_m) const;
   [[nodiscard]] ClosestPoint closest(const Vec3& point) const;
@@ -49,16 +50,17 @@ class CentredSurface {
   /// Whether the directed edges of all triangles cancel.
   [[nodiscard]] bool closed() const { return m_surface.closed(); }
 
-  [[nodiscard]] std::size_t bytes() const { return sizeof(CentredSurface) + m_surface.bytes(); }
+  [[nodiscard]] std::size_t bytes() const { return sizeof(CentredSurface) + m_surface.bytes() + m_clearances.bytes(); }
 
  private:
-  CentredSurface(const RepairedMesh& surface, const Eigen::AlignedBox3d& box);
+  CentredSurface(const RepairedMesh& surface, const Eigen::AlignedBox3d& box, int threads);
 
   Vec3 m_centre_m;
   Vec3 m_half_extents_m;
   double m_near_m;
   double m_touching_m;
   SignedSurface m_surface;
+  ClearanceGrid m_clearances;  ///< of a closed surface
 };
 
 }  // namespace musclebench
