@@ -17,7 +17,7 @@ RepairedMesh moved(RepairedMesh surface, const Vec3& by) {
 
 /// What a list reaches beyond the closest triangle, in sizes of a triangle: less is used up sooner, more is longer to
 /// go through.
-constexpr double list_reach = 2;
+constexpr double list_reach = 1.5;
 
 /// Beyond this a square is not a number any more.
 constexpr double farthest_m = 1e100;

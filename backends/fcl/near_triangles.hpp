@@ -23,6 +23,9 @@ struct NearTriangles {
   std::size_t count = 0;                         ///< ascending by distance; none: nothing is known
   std::array<float, capacity> distance_m;        ///< not more than the true one
   std::array<std::int32_t, capacity> triangles;  ///< up to a whole multiple of eight the last one is repeated
+
+  [[nodiscard]] bool empty() const { return count == 0; }
+  void clear() { count = 0; }
 };
 
 /// The closest of triangles that come eight by eight; of several at the smallest squared distance the one with the

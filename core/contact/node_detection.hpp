@@ -25,7 +25,7 @@ namespace musclebench {
 ///   finite.
 /// - `ClosestPoint closest(point)`, `closest_from(point, triangle)` (faster the closer that triangle is): of all
 ///   triangles at the smallest squared distance the one with the smallest index.
-/// - `NearList`: what is near a place, with a `count` that is 0 where nothing is known;
+/// - `NearList`: what is near a place; `empty()` where nothing is known, as after `clear()`;
 ///   `list_near(point, bound_m, list)` fills it, where the surface is no farther than `bound_m`;
 ///   `start_listed(point, list, search)` and `ListedClosest finish_listed(point, list, enough_m, search)` use it, by
 ///   way of a `ListSearch`.
@@ -71,7 +71,9 @@ class NodeDetection {
     }
   }
 
-  [[nodiscard]] std::size_t bytes() const { return m_budgets.bytes() + m_memories.size() * sizeof(Memory); }
+  [[nodiscard]] std::size_t bytes() const {
+    return m_budgets.bytes() + m_memories.size() * sizeof(Memory) + m_ways_out.size() * sizeof(Vec3);
+  }
 
  private:
   void forget(std::size_t nodes) {
@@ -84,6 +86,7 @@ class NodeDetection {
     }
     m_budgets.reset(m_bones, nodes);
     m_memories.assign(m_surfaces.size() * nodes, {});
+    m_ways_out.assign(m_memories.size(), Vec3::Zero());
   }
 
   /// Neighbours after each other, which are answered from the same part of a tree. (With motion budgets memory decides,
@@ -174,17 +177,20 @@ class NodeDetection {
       return;
     }
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
-    const Memory& memory = memory_of(bone, asked.node);
-    const double touching_m = surface.touching_m();
-    // By the triangle itself, whose distance a search would find, too.
-    if (memory.triangle >= 0 && (asked.point - memory.way_out).squaredNorm() < touching_m * touching_m &&
-        surface.distance_m(asked.point, memory.triangle) <= touching_m) {
-      asked.outside = true;
-      return;
+    Memory& memory = memory_of(bone, asked.node);
+    if (memory.in_contact) {
+      memory.in_contact = false;
+      const double touching_m = surface.touching_m();
+      // By the triangle itself, whose distance a search would find, too.
+      if ((asked.point - m_ways_out[place_of(bone, asked.node)]).squaredNorm() < touching_m * touching_m &&
+          surface.distance_m(asked.point, memory.triangle) <= touching_m) {
+        asked.outside = true;
+        return;
+      }
     }
     asked.gap_m = m_budgets.gap_m(bone, asked.node, asked.point);
     asked.outside = asked.gap_m < 0;  // the sweep is coarser
-    asked.listed = !asked.outside && memory.near.count > 0;
+    asked.listed = !asked.outside && !memory.near.empty();
   }
 
   /// Whether the node is in contact. The normal of the contact is left in the rest frame.
@@ -197,7 +203,8 @@ class NodeDetection {
       if (answer.inside) {
         contact = {asked.node, bone, answer.closest.distance_m, surface.outward(asked.point, answer.closest)};
         if (m_motion_budgets) {
-          memory_of(bone, asked.node).way_out = asked.point + contact.depth_m * contact.normal;
+          memory_of(bone, asked.node).in_contact = true;
+          m_ways_out[place_of(bone, asked.node)] = asked.point + contact.depth_m * contact.normal;
         }
         return true;
       }
@@ -220,12 +227,11 @@ class NodeDetection {
     return {closest, surface.contains(point, closest)};
   }
 
-  /// What is remembered of a node and a bone.
-  struct Memory {
+  /// What is remembered of a node and a bone, from the start of a cache line.
+  struct alignas(64) Memory {
     typename Surface::NearList near;
-    int triangle = -1;  ///< one that was near at the last search
-    /// The point of the surface that was closest when the node was last in contact: where a response puts it.
-    Vec3 way_out = Vec3::Constant(std::numeric_limits<double>::infinity());
+    int triangle = -1;        ///< one that was near at the last search
+    bool in_contact = false;  ///< when it was last asked about: a response puts it to `m_ways_out`
     // Where a node moves farther in a step than its lists reach, they are made for nothing: after each that was, twice
     // as many searches go without.
     bool has_served = false;
@@ -235,7 +241,7 @@ class NodeDetection {
     /// Before a search; `had_one`: a list, which did not answer. Returns whether the next one is worth its making.
     bool forget_list(bool had_one) {
       constexpr std::uint8_t most_wasted = 5;
-      near.count = 0;
+      near.clear();
       if (had_one) {
         wasted = has_served ? 0 : std::min<std::uint8_t>(wasted + 1, most_wasted);
         pause = static_cast<std::uint8_t>((1U << wasted) - 1);
@@ -247,9 +253,10 @@ class NodeDetection {
     }
   };
 
-  Memory& memory_of(int bone, int node) {
-    return m_memories[static_cast<std::size_t>(bone) * m_nodes + static_cast<std::size_t>(node)];
+  [[nodiscard]] std::size_t place_of(int bone, int node) const {
+    return static_cast<std::size_t>(bone) * m_nodes + static_cast<std::size_t>(node);
   }
+  Memory& memory_of(int bone, int node) { return m_memories[place_of(bone, node)]; }
 
   /// From what was near when the node was last searched for, where that is enough. `started` is where it is listed.
   Answer recall(int bone, const Asked& asked, ListSearch& started) {
@@ -281,7 +288,7 @@ class NodeDetection {
       if (bound_m < surface.near_m()) {
         surface.list_near(point, bound_m, memory.near);
       }
-      if (memory.near.count == 0) {
+      if (memory.near.empty()) {
         return false;
       }
       ListSearch begun;
@@ -310,7 +317,7 @@ class NodeDetection {
     answer.inside = surface.contains(point, answer.closest);
     answer.free_m = answer.inside ? 0 : surface.free_m(answer.closest);
     memory.triangle = answer.closest.triangle;
-    memory.near.count = 0;
+    memory.near.clear();
     // A node that leaves a larger ball is too far from here for a list.
     if (is_list_worth_it && (answer.inside || answer.closest.distance_m < surface.near_m())) {
       surface.list_near(point, answer.closest.distance_m, memory.near);
@@ -325,6 +332,8 @@ class NodeDetection {
   std::size_t m_nodes = 0;  ///< that the budgets are for
   MotionBudgets m_budgets;
   std::vector<Memory> m_memories;  ///< by bone, then node
+  /// In the same order, of those in contact: the point of the surface that was closest, in the rest frame.
+  std::vector<Vec3> m_ways_out;
   static constexpr std::size_t block_size = 16;
   static constexpr double unknown = std::numeric_limits<double>::infinity();
   // Scratch memory, kept so that a frame allocates nothing.

@@ -142,18 +142,23 @@ ClosestPoint TriangleTree::closest_point_from(const Vec3& point, int triangle) c
 }
 
 void TriangleTree::list_leaves(const Vec3& point, double radius_m, NearLeaves& list) const {
-  list.count = 0;
-  list.complete_m = 0;
+  list.clear();
   if (m_corners.empty() || !within_horizon(point)) {
     return;
   }
   Search search = search_for(point);
   search.narrow(radius_m);
-  const float others = search_leaves(search, list);
-  list.place_m = {point.x(), point.y(), point.z()};
-  list.complete_m = std::max(std::sqrt(static_cast<double>(others)) - search.slack, 0.0) / m_scale;
-  for (float& distance : std::span(list.distance).first(list.count)) {
-    distance = round_down(std::sqrt(static_cast<double>(distance)) - search.slack);
+  const NearestLeaves near = search_leaves(search);
+  list.place = search.point;
+  list.complete = round_down(std::max(std::sqrt(static_cast<double>(near.others)) - search.slack, 0.0));
+  list.leaf.fill(-1);
+  for (std::size_t i = 0; i < near.count; ++i) {
+    list.leaf[i] = near.leaf[i];
+    const double distance = std::sqrt(static_cast<double>(near.squared[i])) - search.slack;
+    list.distance[i] =
+        list.complete > 0
+            ? static_cast<std::uint8_t>(std::clamp(distance / list.complete, 0.0, 1.0) * NearLeaves::steps)
+            : std::uint8_t{0};
   }
 }
 
@@ -170,24 +175,31 @@ Clearance TriangleTree::clearance_from(const Vec3& point, int triangle) const {
 
 void TriangleTree::start_listed(const Vec3& point, const NearLeaves& list, Search& search) const {
   prepare(point, search);
-  search.moved_m = (point - Vec3(list.place_m[0], list.place_m[1], list.place_m[2])).norm() * (1 + distance_rounding);
-  if (within_horizon(point)) {
-    search_listed(search, list, static_cast<float>((m_scale * search.moved_m + search.slack) * (1 + float_rounding)));
-  } else {
-    search.moved_m = std::numeric_limits<double>::infinity();
+  if (!within_horizon(point)) {
+    search.moved = std::numeric_limits<float>::infinity();
+    return;
   }
+  double squared = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double way = static_cast<double>(search.point[axis]) - static_cast<double>(list.place[axis]);
+    squared += way * way;
+  }
+  // Both places are rounded: by less than the slack and some units of the way.
+  search.moved = static_cast<float>(std::sqrt(squared) * (1 + 16 * float_rounding)) + search.slack;
+  search_listed(search, list, (search.moved + search.slack) * (1 + 2 * static_cast<float>(float_rounding)));
 }
 
 ListedClosest TriangleTree::finish_listed(Search& search, const NearLeaves& list, double enough_m) const {
   // What was not looked at is beyond the limit, which is more.
   const double least = std::sqrt(static_cast<double>(search.least)) - search.slack;
-  const double clearance_m = std::min(least / m_scale, list.complete_m - search.moved_m);
+  const double others_m = (static_cast<double>(list.complete) - static_cast<double>(search.moved)) / m_scale;
+  const double clearance_m = std::min(least / m_scale, others_m);
   if (clearance_m > enough_m) {
     return {{}, false, clearance_m};
   }
   search.decide_listed();
   const ClosestPoint closest = search.answer();
-  return {closest, closest.distance_m * (1 + distance_rounding) < list.complete_m - search.moved_m};
+  return {closest, closest.distance_m * (1 + distance_rounding) < others_m};
 }
 
 std::size_t TriangleTree::bytes() const {

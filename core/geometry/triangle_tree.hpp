@@ -141,7 +141,7 @@ class TriangleTree {
 struct TriangleTree::Search : TreeSearch {
   const TriangleTree* tree = nullptr;
   Vec3 exact_point;
-  double moved_m = 0;  ///< from the place of a list
+  float moved = 0;  ///< from the place of a list, at most; own unit
   ClosestOnTriangle best;
   int best_triangle = -1;
 

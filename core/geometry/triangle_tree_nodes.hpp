@@ -61,15 +61,21 @@ struct alignas(64) TreeLeaf {
 
 /// The leaves about a place: enough to find the closest triangle for points near that place without a search. A leaf at
 /// distance d from the place is at least d less the way from there to the point. (What molecular dynamics calls a
-/// Verlet list.)
+/// Verlet list.) Small, because there is one for each node that is near a bone, and each step brings all of them from
+/// memory. Lengths are in the tree's own frame and unit.
 struct NearLeaves {
-  static constexpr std::size_t capacity = 12;
+  static constexpr std::size_t capacity = 8;
+  static constexpr float steps = 255;
 
-  std::array<double, 3> place_m{};  ///< the mesh's frame
-  double complete_m = 0;            ///< whatever is not listed is at least this far from the place
-  std::array<std::int32_t, capacity> leaf;
-  std::array<float, capacity> distance;  ///< ascending, in the tree's own unit; not more than the true one
-  std::size_t count = 0;                 ///< 0: nothing is known
+  std::array<float, 3> place{};
+  float complete = 0;                             ///< whatever is not listed is at least this far from the place
+  std::array<std::int32_t, capacity> leaf{-1};    ///< negative behind the last
+  std::array<std::uint8_t, capacity> distance{};  ///< ascending, in steps of `complete`; not more than the true one
+
+  /// Nothing is known.
+  [[nodiscard]] bool empty() const { return leaf[0] < 0; }
+  void clear() { leaf[0] = -1; }
 };
+static_assert(sizeof(NearLeaves) == 56, "what NodeDetection keeps beside it is in the same cache line");
 
 }  // namespace musclebench

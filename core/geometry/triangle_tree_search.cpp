@@ -202,30 +202,31 @@ void closest(TreeSearch& search) {
   });
 }
 
-float leaves_within(const TreeSearch& search, NearLeaves& list) {
+NearestLeaves leaves_within(const TreeSearch& search) {
+  constexpr std::size_t capacity = NearLeaves::capacity;
   const Vec3Lanes p = splat(search.point);
-  float others = search.limit;
-  list.count = 0;
-  walk(search, p, search.limit, [&](std::int32_t index) HWY_ATTR {
+  NearestLeaves near;
+  near.others = search.limit;
+  walk(search, p, near.others, [&](std::int32_t index) HWY_ATTR {
     const float squared = least_squared(search.leaves[index], p);
-    if (squared > others) {
+    if (squared > near.others) {
       return;
     }
-    if (list.count == NearLeaves::capacity) {
-      others = std::min(others, std::max(squared, list.distance[NearLeaves::capacity - 1]));
-      if (squared >= list.distance[NearLeaves::capacity - 1]) {
+    if (near.count == capacity) {
+      near.others = std::min(near.others, std::max(squared, near.squared[capacity - 1]));
+      if (squared >= near.squared[capacity - 1]) {
         return;
       }
     }
-    std::size_t at = list.count < NearLeaves::capacity ? list.count++ : NearLeaves::capacity - 1;
-    for (; at > 0 && list.distance[at - 1] > squared; --at) {
-      list.distance[at] = list.distance[at - 1];
-      list.leaf[at] = list.leaf[at - 1];
+    std::size_t at = near.count < capacity ? near.count++ : capacity - 1;
+    for (; at > 0 && near.squared[at - 1] > squared; --at) {
+      near.squared[at] = near.squared[at - 1];
+      near.leaf[at] = near.leaf[at - 1];
     }
-    list.distance[at] = squared;
-    list.leaf[at] = index;
+    near.squared[at] = squared;
+    near.leaf[at] = index;
   });
-  return others;
+  return near;
 }
 
 DistanceBound bound(const TreeSearch& search, float share) {
@@ -252,8 +253,9 @@ DistanceBound bound(const TreeSearch& search, float share) {
 
 void in_listed_leaves(TreeSearch& search, const NearLeaves& list, float moved) {
   const Vec3Lanes p = splat(search.point);
-  for (std::size_t i = 0; i < list.count; ++i) {
-    const float least = list.distance[i] - moved;
+  const float step = list.complete * ((1 - 1e-6F) / NearLeaves::steps);
+  for (std::size_t i = 0; i < NearLeaves::capacity && list.leaf[i] >= 0; ++i) {
+    const float least = static_cast<float>(list.distance[i]) * step - moved;
     if (least > 0 && least * least > search.limit) {
       return;
     }
@@ -275,9 +277,7 @@ HWY_EXPORT(in_listed_leaves);
 
 void search_closest(TreeSearch& search) { HWY_DYNAMIC_DISPATCH(closest)(search); }
 
-float search_leaves(const TreeSearch& search, NearLeaves& list) {
-  return HWY_DYNAMIC_DISPATCH(leaves_within)(search, list);
-}
+NearestLeaves search_leaves(const TreeSearch& search) { return HWY_DYNAMIC_DISPATCH(leaves_within)(search); }
 
 DistanceBound search_bound(const TreeSearch& search, float share) { return HWY_DYNAMIC_DISPATCH(bound)(search, share); }
 

@@ -38,9 +38,16 @@ struct TreeSearch {
 /// Lists what may be the closest triangle.
 void search_closest(TreeSearch& search);
 
-/// Lists the leaves that hold a triangle within `search.limit`, the nearest of them where there are too many, with the
-/// square roots of their float distances. Returns the square of the float distance that all others keep.
-float search_leaves(const TreeSearch& search, NearLeaves& list);
+/// Leaves with the squares of their float distances, ascending.
+struct NearestLeaves {
+  std::size_t count = 0;
+  std::array<std::int32_t, NearLeaves::capacity> leaf;
+  std::array<float, NearLeaves::capacity> squared;
+  float others = 0;  ///< what all others keep
+};
+
+/// The leaves that hold a triangle within `search.limit`, the nearest of them where there are too many.
+NearestLeaves search_leaves(const TreeSearch& search);
 
 /// The square of a float distance that nothing is closer than, and the closest triangle that was met.
 struct DistanceBound {
