@@ -86,10 +86,27 @@ double OctreeField::clearance_m(const Vec3& point) const {
     const double away = (point - nearest).norm();
     return away > 0 ? away * (1 - 1e-9) : 0;
   }
-  // Where the field is negative, the exact distance is at most the bound; and here it is at least what the field says,
-  // less the leaf's own bound, where the field is no lower bound anyway.
-  const double own_m = leaf->kind == Kind::outside ? 0 : m_quality.relative_bound * leaf->half_edge_m;
-  return std::max(0.0, (sample(*leaf).value_m - own_m - m_quality.bound_m) * (1 - 1e-9));
+  return std::max(0.0, (distance_at_least_m(point, *leaf) - m_quality.negative_reach_m) * (1 - 1e-9));
+}
+
+double OctreeField::distance_at_least_m(const Vec3& point, const Leaf& leaf) const {
+  const Sample here = sample(leaf);
+  if (leaf.kind == Kind::outside) {
+    return here.value_m;
+  }
+  // Between samples little is proven. But the distance of a sample farther out, along the gradient, less the way there
+  // is nearly the distance here.
+  const double steepness = here.gradient.norm();
+  const Vec3 farther = point + (2 * leaf.half_edge_m / steepness) * here.gradient;
+  const Vec3 beyond = farther.cwiseMax(m_shape.lower_m).cwiseMin(m_shape.upper_m());
+  std::optional<Leaf> there = find(beyond);
+  if (!there) {
+    return 0;
+  }
+  const Vec3 sampled = there->kind == Kind::outside ? Vec3::Zero() : Vec3(there->at.array().round());
+  const double way_m = (beyond + there->half_edge_m * (sampled - there->at) - point).norm();
+  there->at = sampled;
+  return sample(*there).value_m - way_m - (there->kind == Kind::outside ? 0 : m_quality.excess_m);
 }
 
 }  // namespace musclebench

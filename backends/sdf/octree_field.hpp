@@ -37,8 +37,11 @@ struct OctreeQuality {
   /// Where the field may have the wrong sign, it is nowhere farther than this from the exact distance: proven from
   /// samples and slopes, so mostly far above the largest error there is.
   double bound_m = 0;
-  /// The same for all polynomials, over half the edge of their leaves.
-  double relative_bound = 0;
+  /// Outside the bone and farther than this from its surface the field is not negative: proven, too.
+  double negative_reach_m = 0;
+  /// At the corners of a leaf with a polynomial, the middles of its edges and faces and its own middle the field, where
+  /// it is positive, is above the exact distance by no more than this.
+  double excess_m = 0;
   double finest_edge_m = 0;
 };
 
@@ -107,6 +110,7 @@ class OctreeField {
   };
   [[nodiscard]] std::optional<Leaf> find(const Vec3& point) const;
   [[nodiscard]] static Sample sample(const Leaf& leaf);
+  [[nodiscard]] double distance_at_least_m(const Vec3& point, const Leaf& leaf) const;
 
   OctreeShape m_shape;
   OctreeQuality m_quality;

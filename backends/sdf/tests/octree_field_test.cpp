@@ -8,6 +8,7 @@
 #include "backends/sdf/exact_places.hpp"
 #include "backends/sdf/octree_builder.hpp"
 #include "backends/sdf/octree_fit.hpp"
+#include "backends/sdf/octree_reach.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/geometry/shapes.hpp"
@@ -111,9 +112,14 @@ void find_polynomial() {
   }
   const CellErrors errors_m = fitter.measure(samples, half_edge_m, found);
   EXPECT_LT(*std::max_element(errors_m.begin(), errors_m.end()), 2e-6);
+  EXPECT_NEAR(found.excess_m, 0, 5e-6);
   samples[30].value_m += 1;
   EXPECT_NEAR(fitter.measure(samples, half_edge_m, found)[30], 1, 2e-6) << "an octant's middle counts";
+  EXPECT_NEAR(found.excess_m, 0, 5e-6) << "too low is no excess";
   EXPECT_GT(fitter.fit(samples, half_edge_m).coefficients[0], found.coefficients[0] + 1e-3);
+  samples[30].value_m -= 2;
+  (void)fitter.measure(samples, half_edge_m, found);
+  EXPECT_NEAR(found.excess_m, found.value(sample_place(30), terms) > 0 ? 1 : 0, 5e-6) << "where it is positive";
   for (std::size_t s = lattice_samples; s < cell_samples; ++s) {
     samples[s].triangle = -1;
   }
@@ -238,7 +244,7 @@ TEST_F(OctreeOfBox, ErrorsStayWithinTheirProvenBounds) {
     if ((exact < 0) != (value < 0)) {
       EXPECT_LE(std::abs(exact), quality.bound_m);
     }
-    EXPECT_LE(std::abs(value - exact), quality.relative_bound * 0.5 * field().shape().root_edge_m);
+    EXPECT_TRUE(value >= 0 || exact <= quality.negative_reach_m) << exact;
   }
 }
 
@@ -259,11 +265,55 @@ TEST_F(OctreeOfBox, IsNotNegativeWithinTheClearance) {
   EXPECT_GT(clear, 500);
 }
 
+/// Balls that are small in coarse cells are left in every step.
+TEST_F(OctreeOfBox, IsClearNotMuchFartherFromTheSurfaceThanItIsNegative) {
+  const OctreeQuality& quality = field().quality();
+  double free_m = 0;
+  double clear_m = 0;
+  for (const Vec3& point : points(5000, 13)) {
+    const double exact = surface().locate(point).signed_distance_m();
+    const double least_m = quality.negative_reach_m + quality.excess_m;
+    if (exact > 2 * least_m) {
+      free_m += exact - least_m;
+      clear_m += field().clearance_m(point);
+    }
+  }
+  EXPECT_GT(free_m, 0);
+  EXPECT_GT(clear_m, 0.6 * free_m);
+}
+
+TEST(OctreeReach, IsWhereThePolynomialIsNegativeOutside) {
+  // Everything below z = -0.4 is inside; the polynomial takes everything below z = 0.1 for it.
+  const RepairedMesh box{make_box({10, 10, 9.6}, 1), true, {}};
+  const SignedSurface surface(box);
+  OctreeCell cell;
+  cell.centre_m = Vec3(0, 0, 10);
+  cell.half_edge_m = 1;
+  cell.distance_m = surface.locate(cell.centre_m).signed_distance_m();
+  cell.leaf = std::make_unique<OctreeCell::Leaf>();
+  for (std::size_t s = 0; s < cell_samples; ++s) {
+    cell.leaf->samples[s] = {surface.locate(cell.centre_m + sample_place(s)).signed_distance_m(), {0, 0, 1}, 0};
+  }
+  PolynomialFit& fit = cell.leaf->quadratic;
+  fit.coefficients[0] = -0.1F;
+  fit.coefficients[3] = 1;
+  for (const double least_m : {0.01, 0.1, 0.4}) {
+    const double reach_m = negative_reach_m(surface, cell, fit, quadratic_terms, least_m);
+    EXPECT_GE(reach_m, 0.5);
+    EXPECT_LE(reach_m, 0.5 + least_m);
+  }
+  EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, 0.8), 0.8);
+  fit.coefficients[0] = 1.1F;
+  EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, 0.01), 0.01);
+}
+
 TEST_F(OctreeOfBox, IsTheSameForAnyNumberOfThreads) {
   const OctreeField one = build(1);
   EXPECT_EQ(one.entries(), field().entries());
   EXPECT_EQ(one.coefficients(), field().coefficients());
   EXPECT_EQ(one.quality().bound_m, field().quality().bound_m);
+  EXPECT_EQ(one.quality().negative_reach_m, field().quality().negative_reach_m);
+  EXPECT_EQ(one.quality().excess_m, field().quality().excess_m);
   EXPECT_EQ(one.quality().mean_m, field().quality().mean_m);
 }
 
