@@ -10,6 +10,7 @@
 
 #include "backends/sdf/exact_places.hpp"
 #include "backends/sdf/octree_cells.hpp"
+#include "backends/sdf/octree_entry.hpp"
 #include "backends/sdf/octree_reach.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/system_memory.hpp"
@@ -318,6 +319,7 @@ class OctreeBuilder {
     for (std::size_t root = 0; root < m_shape.root_count(); ++root) {
       pack(root, root);
     }
+    m_coefficients.resize(m_coefficients.size() + cubic_terms);
     m_quality.negative_reach_m = largest_reach_m();
     m_quality.samples = static_cast<std::int64_t>(m_errors_m.size());
     m_quality.p99_m = error_quantile_m(0.99);
@@ -331,25 +333,25 @@ class OctreeBuilder {
   }
 
   void pack(std::size_t from, std::size_t entry) {
-    using Kind = OctreeField::Kind;
+    using octree_entry::Kind;
     const OctreeCell& cell = m_cells[from];
-    if (m_coefficients.size() + cubic_terms > OctreeField::most_places) {
+    if (m_coefficients.size() + 2 * cubic_terms > octree_entry::most_places) {
       refuse(number(m_memory_bytes), 2 * error_quantile_m(0.99));
     }
     if (cell.split()) {
       const std::size_t first = m_entries.size();
-      m_entries[entry] = OctreeField::entry(Kind::split, first);
+      m_entries[entry] = octree_entry::entry(Kind::split, first);
       m_entries.resize(first + 8);
       for (std::size_t octant = 0; octant < 8; ++octant) {
         pack(cell.first_child + octant, first + octant);
       }
     } else if (cell.leaf == nullptr) {
-      m_entries[entry] = OctreeField::entry(Kind::outside, m_coefficients.size());
+      m_entries[entry] = octree_entry::entry(Kind::outside, m_coefficients.size());
       m_coefficients.push_back(static_cast<float>(cell.distance_m * (1 - 1e-6)));
     } else {
       const bool cubic = cell.takes_cubic(m_threshold_m3);
       const PolynomialFit& fit = cell.chosen(m_threshold_m3);
-      m_entries[entry] = OctreeField::entry(cubic ? Kind::cubic : Kind::quadratic, m_coefficients.size());
+      m_entries[entry] = octree_entry::entry(cubic ? Kind::cubic : Kind::quadratic, m_coefficients.size());
       m_coefficients.insert(
           m_coefficients.end(), fit.coefficients.begin(),
           fit.coefficients.begin() + static_cast<std::ptrdiff_t>(cubic ? cubic_terms : quadratic_terms));
