@@ -14,6 +14,14 @@ constexpr double finest_part = 0.25;
 
 const double half_diagonal = std::sqrt(3.0) * (1 + 1e-9);
 
+std::array<Vec3, cell_samples> sample_places() {
+  std::array<Vec3, cell_samples> places;
+  for (std::size_t s = 0; s < cell_samples; ++s) {
+    places[s] = sample_place(s);
+  }
+  return places;
+}
+
 /// Divides a leaf until its parts are known to be positive, or near enough to the surface.
 class ReachSearch {
  public:
@@ -23,16 +31,15 @@ class ReachSearch {
         m_cell(cell),
         m_fit(fit),
         m_terms(terms),
-        m_steepest(fit.steepest(cell.half_edge_m)),
+        m_known(known_samples(cell.leaf->samples)),
         m_rounding_m(1e-9 * cell.half_edge_m),
         m_finest_m(finest_part * least_m),
         m_reach_m(least_m) {
-    const CellSamples& samples = cell.leaf->samples;
-    for (; m_known < known_samples(samples); ++m_known) {
-      m_deepest[m_known] = {samples[m_known].value_m, sample_place(m_known)};
+    for (std::size_t term = 0; term < terms; ++term) {
+      const auto& [x, y, z] = polynomial_powers[term];
+      const int degree = x + y + z;
+      m_curved_m += 0.5 * degree * (degree - 1) * std::abs(static_cast<double>(fit.coefficients[term]));
     }
-    std::sort(m_deepest.begin(), m_deepest.begin() + static_cast<std::ptrdiff_t>(m_known),
-              [](const Known& a, const Known& b) { return a.value_m < b.value_m; });
   }
 
   double reach_m() {
@@ -41,15 +48,10 @@ class ReachSearch {
   }
 
  private:
-  struct Known {
-    double value_m;
-    Vec3 at;
-  };
-
   /// A cube, in units of the leaf.
   void visit(const Vec3& at, double half) {
     const double radius_m = half_diagonal * half * m_cell.half_edge_m;
-    if (m_fit.value(at, m_terms) > m_steepest * radius_m + m_rounding_m) {
+    if (value_at_least_m(at, half) > m_rounding_m) {
       return;
     }
     const double farthest_m = distance_at_most_m(at, m_reach_m - radius_m) + radius_m;
@@ -65,11 +67,21 @@ class ReachSearch {
     }
   }
 
+  /// Of the polynomial in such a cube: by its slope in the middle and by how much that changes.
+  [[nodiscard]] double value_at_least_m(const Vec3& at, double half) const {
+    Vec3 slope;
+    const double value_m = m_terms == cubic_terms ? evaluate_polynomial<true>(m_fit.coefficients.data(), at, slope)
+                                                  : evaluate_polynomial<false>(m_fit.coefficients.data(), at, slope);
+    return value_m - half * (slope.cwiseAbs().sum() + half * m_curved_m);
+  }
+
   /// Not less than the exact distance of a place; any number up to `enough_m` is as good as another.
   [[nodiscard]] double distance_at_most_m(const Vec3& at, double enough_m) const {
+    static const std::array<Vec3, cell_samples> places = sample_places();
+    const CellSamples& samples = m_cell.leaf->samples;
     double result_m = std::numeric_limits<double>::infinity();
-    for (std::size_t n = 0; n < m_known && m_deepest[n].value_m < result_m; ++n) {
-      result_m = std::min(result_m, m_deepest[n].value_m + m_cell.half_edge_m * (at - m_deepest[n].at).norm());
+    for (std::size_t s = 0; s < m_known && result_m > enough_m; ++s) {
+      result_m = std::min(result_m, samples[s].value_m + m_cell.half_edge_m * (at - places[s]).norm());
     }
     // Deep inside the samples say enough.
     if (result_m > enough_m && enough_m > 0) {
@@ -82,12 +94,11 @@ class ReachSearch {
   const OctreeCell& m_cell;
   const PolynomialFit& m_fit;
   std::size_t m_terms;
-  double m_steepest;
+  std::size_t m_known;
   double m_rounding_m;
   double m_finest_m;
   double m_reach_m;
-  std::array<Known, cell_samples> m_deepest;  ///< what is known, by distance
-  std::size_t m_known = 0;
+  double m_curved_m = 0;  ///< second derivatives along a cube's half diagonals at most, halved
 };
 
 }  // namespace

@@ -304,6 +304,13 @@ TEST(OctreeReach, IsWhereThePolynomialIsNegativeOutside) {
   EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, 0.8), 0.8);
   fit.coefficients[0] = 1.1F;
   EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, 0.01), 0.01);
+  // Flat and positive in the middle.
+  for (const std::size_t falling : {std::size_t{4}, quadratic_terms}) {
+    fit = {};
+    fit.coefficients[0] = 0.5F;
+    fit.coefficients[falling] = -1;
+    EXPECT_NEAR(negative_reach_m(surface, cell, fit, cubic_terms, 0.1), 1.4, 0.1);
+  }
 }
 
 TEST_F(OctreeOfBox, IsTheSameForAnyNumberOfThreads) {
