@@ -50,6 +50,7 @@ struct FieldBlock {
       x[n] = x[count - 1];
       y[n] = y[count - 1];
       z[n] = z[count - 1];
+      asker[n] = asker[count - 1];
     }
   }
 };

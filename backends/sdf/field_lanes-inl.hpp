@@ -50,6 +50,26 @@ struct Vec3Lanes {
   Vec x, y, z;
 };
 
+/// Adds those points that are asked about to a block.
+HWY_INLINE void append(const Vec3Lanes& at, hn::Vec<hn::RebindToUnsigned<Lanes>> asker, hn::Mask<Lanes> asked,
+                       FieldBlock& block) {
+  const Lanes d;
+  const hn::RebindToUnsigned<Lanes> integers;
+  const std::size_t to = block.count;
+  if (hn::AllTrue(d, asked)) {
+    hn::StoreU(at.x, d, block.x.data() + to);
+    hn::StoreU(at.y, d, block.y.data() + to);
+    hn::StoreU(at.z, d, block.z.data() + to);
+    hn::StoreU(asker, integers, block.asker.data() + to);
+    block.count += lane_count;
+    return;
+  }
+  hn::CompressStore(at.x, asked, d, block.x.data() + to);
+  hn::CompressStore(at.y, asked, d, block.y.data() + to);
+  hn::CompressStore(at.z, asked, d, block.z.data() + to);
+  block.count += hn::CompressStore(asker, hn::RebindMask(integers, asked), integers, block.asker.data() + to);
+}
+
 HWY_INLINE Vec widen(Word values) { return hn::PromoteTo(Lanes(), values); }
 HWY_INLINE Vec load_wide(const float* values) { return widen(hn::LoadU(Words(), values)); }
 

@@ -52,25 +52,6 @@ HWY_INLINE hn::Mask<Lanes> is_wanted(const std::array<double, 3>& cells, const s
   return hn::RebindMask(d, hn::TestBit(word, bit));
 }
 
-HWY_INLINE void append(const Vec3Lanes& at, hn::Vec<hn::RebindToUnsigned<Lanes>> asker, hn::Mask<Lanes> asked,
-                       FieldBlock& block) {
-  const Lanes d;
-  const hn::RebindToUnsigned<Lanes> integers;
-  const std::size_t to = block.count;
-  if (hn::AllTrue(d, asked)) {
-    hn::StoreU(at.x, d, block.x.data() + to);
-    hn::StoreU(at.y, d, block.y.data() + to);
-    hn::StoreU(at.z, d, block.z.data() + to);
-    hn::StoreU(asker, integers, block.asker.data() + to);
-    block.count += lane_count;
-    return;
-  }
-  hn::CompressStore(at.x, asked, d, block.x.data() + to);
-  hn::CompressStore(at.y, asked, d, block.y.data() + to);
-  hn::CompressStore(at.z, asked, d, block.z.data() + to);
-  block.count += hn::CompressStore(asker, hn::RebindMask(integers, asked), integers, block.asker.data() + to);
-}
-
 std::size_t place(const std::array<double, 3>& cells, const CellMap& map, const std::uint64_t* wanted,
                   const double* positions, const int* nodes, std::size_t count, std::size_t first, FieldBlock& block) {
   const Lanes d;

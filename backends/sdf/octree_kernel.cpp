@@ -198,9 +198,8 @@ HWY_INLINE void load_terms(const Leaves& leaves, std::size_t from, Vec* HWY_REST
   }
 }
 
-/// The leaves' polynomials; those of leaves outside are constants.
-HWY_INLINE Polynomial evaluate_lanes(const Leaves& leaves, const Vec3Lanes& at) {
-  Vec c[cubic_terms];
+/// The coefficients of a vector's polynomials, those of degree 3 only where any has them; of leaves outside constants.
+HWY_INLINE void load_leaf(const Leaves& leaves, Vec* HWY_RESTRICT c) {
   constexpr std::size_t whole_quadratic = (quadratic_terms + lane_count - 1) / lane_count * lane_count;
   load_terms<whole_quadratic>(leaves, 0, c);
   if (leaves.any_outside) {
@@ -208,14 +207,18 @@ HWY_INLINE Polynomial evaluate_lanes(const Leaves& leaves, const Vec3Lanes& at) 
       c[term] = hn::IfThenZeroElse(leaves.outside, c[term]);
     }
   }
-  if (!leaves.any_cubic) {
-    return evaluate<false>(c, at);
+  if (leaves.any_cubic) {
+    load_terms<cubic_terms>(leaves, whole_quadratic, c);
+    for (std::size_t term = quadratic_terms; term < cubic_terms; ++term) {
+      c[term] = hn::IfThenElseZero(leaves.cubic, c[term]);
+    }
   }
-  load_terms<cubic_terms>(leaves, whole_quadratic, c);
-  for (std::size_t term = quadratic_terms; term < cubic_terms; ++term) {
-    c[term] = hn::IfThenElseZero(leaves.cubic, c[term]);
-  }
-  return evaluate<true>(c, at);
+}
+
+HWY_INLINE Polynomial evaluate_lanes(const Leaves& leaves, const Vec3Lanes& at) {
+  Vec c[cubic_terms];
+  load_leaf(leaves, c);
+  return leaves.any_cubic ? evaluate<true>(c, at) : evaluate<false>(c, at);
 }
 
 HWY_INLINE Vec length(const Vec3Lanes& v) {
@@ -261,19 +264,17 @@ void evaluate_all(const OctreeView& field, FieldBlock& block, LeafBlock& block_l
 }
 
 /// Two half edges out along the gradient, but in the field.
-HWY_INLINE void look_farther(const OctreeView& field, const FieldBlock& block, const LeafBlock& leaves,
-                             std::size_t first, FieldBlock& farther) {
-  const Lanes d;
+HWY_INLINE Vec3Lanes farther_out(const OctreeView& field, const FieldBlock& block, const LeafBlock& leaves,
+                                 std::size_t first) {
   const Vec3Lanes at = load(block.x, block.y, block.z, first);
   const Vec3Lanes slope = load(block.slope_x, block.slope_y, block.slope_z, first);
-  const Vec steepness = hn::Mul(length(slope), hn::Load(d, leaves.edges_per_root.data() + first));
-  const auto step = [&](Vec along, Vec slope_along, double roots, FieldBlock::Lanes<double>& to) HWY_ATTR {
+  const Vec steepness = hn::Mul(length(slope), hn::Load(Lanes(), leaves.edges_per_root.data() + first));
+  const auto step = [&](Vec along, Vec slope_along, double roots) HWY_ATTR {
     const Vec way = hn::IfThenElseZero(hn::Gt(steepness, set(0)), hn::Div(slope_along, steepness));
-    hn::Store(hn::Min(hn::Max(hn::Add(along, way), set(0)), set(roots)), d, to.data() + first);
+    return hn::Min(hn::Max(hn::Add(along, way), set(0)), set(roots));
   };
-  step(at.x, slope.x, field.roots[0], farther.x);
-  step(at.y, slope.y, field.roots[1], farther.y);
-  step(at.z, slope.z, field.roots[2], farther.z);
+  return {step(at.x, slope.x, field.roots[0]), step(at.y, slope.y, field.roots[1]),
+          step(at.z, slope.z, field.roots[2])};
 }
 
 /// Not more than the exact distance at the points of a vector: between samples little is proven, but the distance of a
@@ -295,25 +296,80 @@ HWY_INLINE Vec distance_at_least(const OctreeView& field, const Vec3Lanes& at, c
   return hn::Sub(hn::Sub(value_m, excess_m), hn::Mul(away, set(field.root_edge_m)));
 }
 
+/// How far from the points of a vector, in their leaves, these are positive.
+HWY_INLINE Vec positive_in_leaf(const OctreeView& field, const Leaves& leaves, const FieldBlock& block,
+                                const LeafBlock& block_leaves, std::size_t first) {
+  const Lanes d;
+  Vec c[cubic_terms];
+  load_leaf(leaves, c);
+  const auto sum_of_sizes = [&](std::size_t from, std::size_t to) HWY_ATTR {
+    Vec sum = hn::Abs(c[from]);
+    for (std::size_t term = from + 1; term < to; ++term) {
+      sum = hn::Add(sum, hn::Abs(c[term]));
+    }
+    return sum;
+  };
+  Vec curvature = hn::Mul(set(2), sum_of_sizes(4, quadratic_terms));
+  if (leaves.any_cubic) {
+    curvature = add_product(curvature, set(6), sum_of_sizes(quadratic_terms, cubic_terms));
+  }
+  const Vec half_edge_m =
+      hn::Div(set(0.5 * field.root_edge_m), hn::Load(d, block_leaves.edges_per_root.data() + first));
+  const Vec value_m = hn::Load(d, block.value_m.data() + first);
+  const Vec steepness = hn::Mul(length(load(block.slope_x, block.slope_y, block.slope_z, first)), half_edge_m);
+  // v - s r - c r^2 / 2 is positive up to its root.
+  const Vec root = hn::Sqrt(add_product(hn::Mul(steepness, steepness), hn::Add(value_m, value_m), curvature));
+  const Vec by_slope = hn::Div(hn::Add(value_m, value_m), hn::Add(steepness, root));
+  const Vec3Lanes at = load(block_leaves.x, block_leaves.y, block_leaves.z, first);
+  const Vec to_face = hn::Sub(set(1), hn::Max(hn::Max(hn::Abs(at.x), hn::Abs(at.y)), hn::Abs(at.z)));
+  const Vec radius = hn::IfThenElse(hn::Or(leaves.outside, hn::Gt(by_slope, to_face)), to_face, by_slope);
+  return hn::Mul(radius, half_edge_m);
+}
+
+/// The points of a block at `places`.
+HWY_INLINE Vec3Lanes gather(const FieldBlock& block, const FieldBlock::Lanes<std::uint64_t>& places,
+                            std::size_t first) {
+  const Lanes d;
+  const hn::RebindToSigned<Lanes> integers;
+  const auto index = hn::BitCast(integers, hn::Load(hn::RebindToUnsigned<Lanes>(), places.data() + first));
+  return {hn::GatherIndex(d, block.x.data(), index), hn::GatherIndex(d, block.y.data(), index),
+          hn::GatherIndex(d, block.z.data(), index)};
+}
+
 void clear_all(const OctreeView& field, const FieldBlock& block, const LeafBlock& leaves,
                FieldBlock::Lanes<double>& clearance_m) {
   const Lanes d;
+  const hn::RebindToUnsigned<Lanes> integers;
+  const auto free_m = [&](Vec distance_m) HWY_ATTR { return hn::Sub(distance_m, set(field.negative_reach_m)); };
+  const auto shrunk = [](Vec radius_m) HWY_ATTR { return hn::Mul(radius_m, set(1 - 1e-9)); };
+  // Those for which a look farther out may tell more than their leaf.
   FieldBlock farther;
-  LeafBlock leaves_beyond;
-  farther.count = block.count;
-  const std::size_t end = groups_of(block) * lane_count;
-  for (std::size_t first = 0; first < end; first += lane_count) {
-    look_farther(field, block, leaves, first, farther);
+  for (std::size_t first = 0; first < block.count; first += lane_count) {
+    const Leaves own = leaves_at(field, leaves, first);
+    const Vec here_m = free_m(hn::Load(d, block.value_m.data() + first));
+    const Vec in_leaf_m = positive_in_leaf(field, own, block, leaves, first);
+    const Vec known_m = hn::Max(in_leaf_m, hn::IfThenElseZero(own.outside, here_m));
+    hn::Store(shrunk(hn::IfThenElseZero(hn::Gt(known_m, set(0)), known_m)), d, clearance_m.data() + first);
+    const auto asked = hn::And(hn::AndNot(own.outside, hn::Gt(here_m, set(0))),
+                               hn::FirstN(d, HWY_MIN(lane_count, block.count - first)));
+    if (!hn::AllFalse(d, asked)) {
+      append(farther_out(field, block, leaves, first), hn::Iota(integers, first), asked, farther);
+    }
   }
+  if (farther.count == 0) {
+    return;
+  }
+  farther.fill_last_vector();
+  LeafBlock leaves_beyond;
   find_leaves(field, farther, leaves_beyond);
-  for (std::size_t first = 0; first < end; first += lane_count) {
-    const Vec by_sample = distance_at_least(field, load(block.x, block.y, block.z, first),
-                                            load(farther.x, farther.y, farther.z, first), leaves_beyond, first);
-    // A leaf outside is itself such a bound.
-    const Vec here = hn::Load(d, block.value_m.data() + first);
-    const Vec least_m = hn::IfThenElse(leaves_at(field, leaves, first).outside, here, by_sample);
-    const Vec free_m = hn::Mul(hn::Sub(least_m, set(field.negative_reach_m)), set(1 - 1e-9));
-    hn::Store(hn::IfThenElseZero(hn::Gt(free_m, set(0)), free_m), d, clearance_m.data() + first);
+  for (std::size_t first = 0; first < farther.count; first += lane_count) {
+    const Vec least_m = distance_at_least(field, gather(block, farther.asker, first),
+                                          load(farther.x, farther.y, farther.z, first), leaves_beyond, first);
+    hn::Store(shrunk(free_m(least_m)), d, farther.value_m.data() + first);
+  }
+  for (std::size_t n = 0; n < farther.count; ++n) {
+    double& known_m = clearance_m[farther.asker[n]];
+    known_m = HWY_MAX(known_m, farther.value_m[n]);
   }
 }
 

@@ -254,7 +254,7 @@ TEST_F(OctreeOfBox, IsNotNegativeWithinTheClearance) {
   for (int i = 0; i < 5000; ++i) {
     const Vec3 point = random_point(random, field().shape().lower_m - margin, field().shape().upper_m() + margin);
     const double radius = field().clearance_m(point);
-    EXPECT_LE(radius, std::max(0.0, surface().locate(point).signed_distance_m()) + 1e-12);
+    EXPECT_LE(radius, std::max(0.0, surface().locate(point).signed_distance_m()) + 2 * field().quality().largest_m);
     clear += radius > 0 ? 1 : 0;
     for (int j = 0; radius > 0 && j < 10; ++j) {
       const Vec3 way = random_point(random, Vec3::Constant(-1), Vec3::Constant(1)).normalized();
@@ -279,6 +279,21 @@ TEST_F(OctreeOfBox, IsClearNotMuchFartherFromTheSurfaceThanItIsNegative) {
   }
   EXPECT_GT(free_m, 0);
   EXPECT_GT(clear_m, 0.6 * free_m);
+}
+
+/// So near the surface only the leaf itself tells how far the field is positive.
+TEST_F(OctreeOfBox, IsClearToTheSurfaceOrTheFacesOfItsLeaf) {
+  int near = 0;
+  int clear = 0;
+  for (const Vec3& point : points(20000, 14)) {
+    const double value = field().value(point).value();
+    if (value > 0 && value < field().quality().negative_reach_m) {
+      ++near;
+      clear += field().clearance_m(point) > 0.1 * value ? 1 : 0;
+    }
+  }
+  EXPECT_GT(near, 500);
+  EXPECT_GT(clear, 0.8 * near);
 }
 
 TEST(OctreeReach, IsWhereThePolynomialIsNegativeOutside) {

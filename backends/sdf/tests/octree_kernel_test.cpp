@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <tuple>
 
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
@@ -18,6 +19,13 @@ namespace {
 
 using octree_entry::Kind;
 
+OctreeQuality reaching_little() {
+  OctreeQuality quality;
+  quality.negative_reach_m = 0.01;
+  quality.excess_m = 0.005;
+  return quality;
+}
+
 /// A tree and polynomials without any pattern, in which leaves of all kinds and sizes are neighbours.
 class NoisyTree {
  public:
@@ -31,10 +39,7 @@ class NoisyTree {
     m_coefficients.resize(m_coefficients.size() + cubic_terms);
   }
 
-  [[nodiscard]] OctreeField field(const OctreeShape& shape) const {
-    OctreeQuality quality;
-    quality.negative_reach_m = 0.01;
-    quality.excess_m = 0.005;
+  [[nodiscard]] OctreeField field(const OctreeShape& shape, const OctreeQuality& quality = reaching_little()) const {
     return {shape, quality, m_entries, m_coefficients};
   }
 
@@ -228,6 +233,33 @@ TEST(OctreeKernel, KnowsTheBordersOfLeavesAndOfTheDomain) {
   EXPECT_GT(beyond, 30U);
 }
 
+/// Of each leaf for itself: neighbours know nothing of each other here, so only their own clearance is right.
+TEST(OctreeKernel, ALeafIsPositiveWithinItsClearance) {
+  OctreeQuality quality;
+  quality.negative_reach_m = 1e9;
+  const OctreeField field = NoisyTree(shape()).field(shape(), quality);
+  RandomNumbers random(31);
+  int clear = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const auto share = [&] {
+      const double x = random.share(), y = random.share();
+      return Vec3(x, y, random.share());
+    };
+    const Vec3 point = shape().lower_m + share().cwiseProduct(shape().upper_m() - shape().lower_m);
+    const double radius_m = field.clearance_m(point);
+    clear += radius_m > 0 ? 1 : 0;
+    const std::uint32_t leaf = plain_leaf(field, (point - shape().lower_m) / shape().root_edge_m).entry;
+    const bool outside = octree_entry::kind_of(leaf) == Kind::outside;
+    ASSERT_TRUE(outside || radius_m == 0 || field.value(point) > 0);
+    for (int j = 0; radius_m > 0 && j < 20; ++j) {
+      const Vec3 there = point + radius_m * (2 * share() - Vec3::Ones()).normalized();
+      ASSERT_EQ(plain_leaf(field, (there - shape().lower_m) / shape().root_edge_m).entry, leaf);
+      ASSERT_TRUE(outside || *field.value(there) >= 0) << *field.value(there);
+    }
+  }
+  EXPECT_GT(clear, 1000);
+}
+
 TEST(OctreeKernel, AnAnswerDoesNotDependOnWhoElseAsks) {
   const std::vector<Vec3> positions = positions_about(oblique_pose(), 400);
   const std::vector<int> nodes = all_of(positions);
@@ -276,6 +308,23 @@ TEST(OctreeKernel, GivesTheSameBitsOnEveryMachine) {
     for (std::size_t n = 0; n < positions.size(); ++n) {
       expect_equal(answers[n], (*expected)[n]);
     }
+  }
+}
+
+TEST(OctreeKernel, ALeafBendsDownFromWhereItIsFlat) {
+  const OctreeShape one{Vec3::Zero(), 2, {1, 1, 1}};
+  OctreeQuality quality;
+  quality.negative_reach_m = 1e9;
+  for (const auto& [kind, term, zero] :
+       {std::tuple(Kind::quadratic, 4, std::sqrt(0.1)), std::tuple(Kind::cubic, 4, std::sqrt(0.1)),
+        std::tuple(Kind::cubic, 10, std::cbrt(0.1))}) {
+    std::vector<float> coefficients(2 * cubic_terms, 0);
+    coefficients[0] = 0.1F;
+    coefficients[static_cast<std::size_t>(term)] = -1;
+    const double clearance_m =
+        OctreeField(one, quality, {octree_entry::entry(kind, 0)}, coefficients).clearance_m(Vec3::Ones());
+    EXPECT_LE(clearance_m, zero * (1 + 1e-7));
+    EXPECT_GT(clearance_m, 0.3 * zero);
   }
 }
 
