@@ -78,33 +78,6 @@ struct Run {
   Vec near, near_y1, near_y2, near_z1, near_z2, x1, x2, far, far_y1, far_y2, far_z1, far_z2;
 };
 
-/// Turns a square of as many values as there are lanes: `row(lane)` becomes the lanes of its columns.
-template <typename Tag, typename Row>
-HWY_INLINE void transpose(Tag d, const Row& row, Vec* HWY_RESTRICT columns) {
-#if HWY_TARGET == HWY_SCALAR
-  (void)d;
-  columns[0] = row(0);
-#else
-  if constexpr (hn::MaxLanes(d) == 2) {
-    const auto r0 = row(0), r1 = row(1);
-    columns[0] = hn::InterleaveLower(d, r0, r1);
-    columns[1] = hn::InterleaveUpper(d, r0, r1);
-  } else {
-    const auto r0 = row(0), r1 = row(1), r2 = row(2), r3 = row(3);
-    const auto even_01 = hn::InterleaveLower(d, r0, r1);
-    const auto odd_01 = hn::InterleaveUpper(d, r0, r1);
-    const auto even_23 = hn::InterleaveLower(d, r2, r3);
-    const auto odd_23 = hn::InterleaveUpper(d, r2, r3);
-    columns[0] = hn::ConcatLowerLower(d, even_23, even_01);
-    columns[1] = hn::ConcatLowerLower(d, odd_23, odd_01);
-    columns[2] = hn::ConcatUpperUpper(d, even_23, even_01);
-    columns[3] = hn::ConcatUpperUpper(d, odd_23, odd_01);
-  }
-#endif
-}
-
-HWY_INLINE Vec widen(Word values) { return hn::PromoteTo(Lanes(), values); }
-HWY_INLINE Vec load_wide(const float* values) { return widen(hn::LoadU(Words(), values)); }
 HWY_INLINE Vec load_wide(const double* values) { return hn::LoadU(Lanes(), values); }
 
 template <typename Scalar>

@@ -148,7 +148,7 @@ std::optional<FieldSample> CubicField::sample(const Vec3& point) const {
   if (block.count == 0) {
     return std::nullopt;
   }
-  return FieldSample{block.value_m[0], {block.slope_x[0], block.slope_y[0], block.slope_z[0]}};
+  return FieldSample{block.value_m[0], block.slope(0)};
 }
 
 std::size_t CubicField::sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes,
@@ -158,7 +158,7 @@ std::size_t CubicField::sample(const CellMap& map, std::span<const Vec3> positio
     bits = m_negative.data();
   }
   const FieldView field = view();
-  const std::size_t next = first + place_nodes(field, map, bits, positions, nodes.subspan(first), first, block);
+  const std::size_t next = first + place_nodes(field.cells, map, bits, positions, nodes.subspan(first), first, block);
   evaluate_block(field, block);
   return next;
 }

@@ -143,12 +143,7 @@ void evaluate_block(const FieldView& field, FieldBlock& block) {
   if (block.count == 0) {
     return;
   }
-  // Whole vectors are computed: the lanes that are left over ask once more for the last point.
-  for (std::size_t n = block.count; n < block.count + FieldBlock::most_lanes; ++n) {
-    block.x[n] = block.x[block.count - 1];
-    block.y[n] = block.y[block.count - 1];
-    block.z[n] = block.z[block.count - 1];
-  }
+  block.fill_last_vector();
   HWY_DYNAMIC_DISPATCH(evaluate)(field, block);
 }
 

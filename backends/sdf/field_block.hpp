@@ -42,6 +42,17 @@ struct FieldBlock {
   alignas(64) Lanes<std::uint64_t> asker;               ///< ascending
 
   [[nodiscard]] Vec3 cells(std::size_t n) const { return {x[n], y[n], z[n]}; }
+  [[nodiscard]] Vec3 slope(std::size_t n) const { return {slope_x[n], slope_y[n], slope_z[n]}; }
+
+  /// Whole vectors are computed: the lanes that are left over ask once more for the last point. Not empty.
+  void fill_last_vector() {
+    for (std::size_t n = count; n < count + most_lanes; ++n) {
+      x[n] = x[count - 1];
+      y[n] = y[count - 1];
+      z[n] = z[count - 1];
+      asker[n] = asker[count - 1];
+    }
+  }
 };
 
 }  // namespace musclebench

@@ -39,39 +39,21 @@ HWY_INLINE Vec turned(const CellMap& map, Eigen::Index row, const Vec3Lanes& p) 
 }
 
 /// Whether the bit of each point's cell is set. All points are in the field.
-HWY_INLINE hn::Mask<Lanes> is_wanted(const FieldView& field, const std::uint64_t* wanted, const Vec3Lanes& at) {
+HWY_INLINE hn::Mask<Lanes> is_wanted(const std::array<double, 3>& cells, const std::uint64_t* wanted,
+                                     const Vec3Lanes& at) {
   const Lanes d;
   const hn::RebindToUnsigned<Lanes> integers;
   const hn::RebindToSigned<Lanes> places;
-  const auto index = [&](Vec v, double cells) HWY_ATTR { return hn::Min(hn::Floor(v), set(cells - 1)); };
-  const Vec row = add_product(index(at.y, field.cells[1]), index(at.z, field.cells[2]), set(field.cells[1]));
-  const auto cell = whole(add_product(index(at.x, field.cells[0]), row, set(field.cells[0])));
+  const auto index = [&](Vec v, double count) HWY_ATTR { return hn::Min(hn::Floor(v), set(count - 1)); };
+  const Vec row = add_product(index(at.y, cells[1]), index(at.z, cells[2]), set(cells[1]));
+  const auto cell = whole(add_product(index(at.x, cells[0]), row, set(cells[0])));
   const auto word = hn::GatherIndex(integers, wanted, hn::BitCast(places, hn::ShiftRight<6>(cell)));
   const auto bit = hn::Shl(hn::Set(integers, 1), hn::And(cell, hn::Set(integers, 63)));
   return hn::RebindMask(d, hn::TestBit(word, bit));
 }
 
-HWY_INLINE void append(const Vec3Lanes& at, hn::Vec<hn::RebindToUnsigned<Lanes>> asker, hn::Mask<Lanes> asked,
-                       FieldBlock& block) {
-  const Lanes d;
-  const hn::RebindToUnsigned<Lanes> integers;
-  const std::size_t to = block.count;
-  if (hn::AllTrue(d, asked)) {
-    hn::StoreU(at.x, d, block.x.data() + to);
-    hn::StoreU(at.y, d, block.y.data() + to);
-    hn::StoreU(at.z, d, block.z.data() + to);
-    hn::StoreU(asker, integers, block.asker.data() + to);
-    block.count += lane_count;
-    return;
-  }
-  hn::CompressStore(at.x, asked, d, block.x.data() + to);
-  hn::CompressStore(at.y, asked, d, block.y.data() + to);
-  hn::CompressStore(at.z, asked, d, block.z.data() + to);
-  block.count += hn::CompressStore(asker, hn::RebindMask(integers, asked), integers, block.asker.data() + to);
-}
-
-std::size_t place(const FieldView& field, const CellMap& map, const std::uint64_t* wanted, const double* positions,
-                  const int* nodes, std::size_t count, std::size_t first, FieldBlock& block) {
+std::size_t place(const std::array<double, 3>& cells, const CellMap& map, const std::uint64_t* wanted,
+                  const double* positions, const int* nodes, std::size_t count, std::size_t first, FieldBlock& block) {
   const Lanes d;
   const hn::RebindToUnsigned<Lanes> integers;
   const Vec zero = hn::Zero(d);
@@ -80,15 +62,15 @@ std::size_t place(const FieldView& field, const CellMap& map, const std::uint64_
     const std::size_t here = HWY_MIN(lane_count, count - i);
     const Vec3Lanes p = load_positions(positions, nodes + i, here);
     Vec3Lanes at{turned(map, 0, p), turned(map, 1, p), turned(map, 2, p)};
-    const auto inside = [&](Vec v, double cells) HWY_ATTR { return hn::And(hn::Ge(v, zero), hn::Le(v, set(cells))); };
-    auto asked = hn::And(hn::And(inside(at.x, field.cells[0]), inside(at.y, field.cells[1])),
-                         hn::And(inside(at.z, field.cells[2]), hn::FirstN(d, here)));
+    const auto inside = [&](Vec v, double most) HWY_ATTR { return hn::And(hn::Ge(v, zero), hn::Le(v, set(most))); };
+    auto asked = hn::And(hn::And(inside(at.x, cells[0]), inside(at.y, cells[1])),
+                         hn::And(inside(at.z, cells[2]), hn::FirstN(d, here)));
     if (hn::AllFalse(d, asked)) {
       continue;
     }
     if (wanted != nullptr) {
       at = {hn::IfThenElseZero(asked, at.x), hn::IfThenElseZero(asked, at.y), hn::IfThenElseZero(asked, at.z)};
-      asked = hn::And(asked, is_wanted(field, wanted, at));
+      asked = hn::And(asked, is_wanted(cells, wanted, at));
     }
     append(at, hn::Iota(integers, first + i), asked, block);
   }
@@ -107,10 +89,10 @@ HWY_EXPORT(place);
 
 static_assert(sizeof(Vec3) == 3 * sizeof(double), "positions are read as a row of numbers");
 
-std::size_t place_nodes(const FieldView& field, const CellMap& map, const std::uint64_t* wanted,
+std::size_t place_nodes(const std::array<double, 3>& cells, const CellMap& map, const std::uint64_t* wanted,
                         std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
                         FieldBlock& block) {
-  return HWY_DYNAMIC_DISPATCH(place)(field, map, wanted, positions.data()->data(), nodes.data(), nodes.size(), first,
+  return HWY_DYNAMIC_DISPATCH(place)(cells, map, wanted, positions.data()->data(), nodes.data(), nodes.size(), first,
                                      block);
 }
 

@@ -1,7 +1,6 @@
 #include "backends/sdf/octree_backend.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -10,6 +9,8 @@
 #include <fmt/format.h>
 
 #include "backends/sdf/field_file.hpp"
+#include "backends/sdf/field_normal.hpp"
+#include "backends/sdf/node_shares.hpp"
 #include "backends/sdf/octree_builder.hpp"
 #include "backends/sdf/octree_file.hpp"
 #include "backends/sdf/sdf_settings.hpp"
@@ -102,33 +103,70 @@ class OctreeBackend final : public CollisionBackend {
     if (m_has_budgets) {
       m_budgets.collect_spent(poses(), positions, nodes);
     }
-    for (int bone = 0; bone < static_cast<int>(m_fields.size()); ++bone) {
-      for (const int node : m_has_budgets ? m_budgets.spent(bone) : nodes) {
-        ask(bone, node, positions, contacts);
+    m_shares.detect(
+        m_fields.size(), threads(), [&](int bone) { return m_has_budgets ? m_budgets.spent(bone) : nodes; },
+        [&](const NodeShares::Share& share, std::vector<Contact>& found) { detect_share(share, positions, found); },
+        contacts);
+  }
+
+  /// Where there are budgets all nodes are new ones or have used up what they may move, and are granted anew.
+  void detect_share(const NodeShares::Share& share, std::span<const Vec3> positions, std::vector<Contact>& contacts) {
+    const auto& [bone, nodes] = share;
+    const CellMap map(field(bone).shape().grid(), pose(bone));
+    FieldBlock block;
+    LeafBlock leaves;
+    for (std::size_t next = 0; next < nodes.size();) {
+      const std::size_t first = next;
+      block.count = 0;
+      next = field(bone).sample(map, positions, nodes, next, block, leaves);
+      for (std::size_t n = 0; n < block.count; ++n) {
+        if (block.value_m[n] < 0) {
+          contacts.push_back(contact(bone, nodes[block.asker[n]], block, n));
+        }
+      }
+      if (m_has_budgets) {
+        grant_near(bone, nodes, block, leaves);
+        grant_far(bone, nodes, first, next, map, positions, block);
       }
     }
   }
 
-  void ask(int bone, int node, std::span<const Vec3> positions, std::vector<Contact>& contacts) {
-    const RigidMotion& pose = poses()[static_cast<std::size_t>(bone)];
-    const Vec3 at = pose.apply_inverse(positions[static_cast<std::size_t>(node)]);
-    if (const std::optional<OctreeField::Sample> inside = field(bone).sample_inside(at)) {
-      contacts.push_back({node, bone, -inside->value_m, pose.apply_to_direction(outward(field(bone), at, *inside))});
-    } else if (m_has_budgets) {
-      m_budgets.grant(bone, node, at, field(bone).clearance_m(at));
+  void grant_near(int bone, std::span<const int> nodes, const FieldBlock& block, const LeafBlock& leaves) {
+    FieldBlock::Lanes<double> clearance_m;
+    field(bone).clear(block, leaves, clearance_m);
+    for (std::size_t n = 0; n < block.count; ++n) {
+      if (block.value_m[n] >= 0) {
+        m_budgets.grant(bone, nodes[block.asker[n]], rest_point(bone, block.cells(n)), clearance_m[n]);
+      }
     }
   }
 
-  /// Away from the middle of the field where the field is flat, and along x in that very middle.
-  [[nodiscard]] static Vec3 outward(const OctreeField& field, const Vec3& at, const OctreeField::Sample& sample) {
-    const Vec3 middle = 0.5 * (field.shape().lower_m + field.shape().upper_m());
-    for (const Vec3& direction : {sample.gradient, Vec3(at - middle)}) {
-      const double length = direction.norm();
-      if (length > 1e-9 && std::isfinite(length)) {
-        return direction / length;
+  /// Those from `first` to `end` that are not in the field.
+  void grant_far(int bone, std::span<const int> nodes, std::size_t first, std::size_t end, const CellMap& map,
+                 std::span<const Vec3> positions, const FieldBlock& block) {
+    const GridShape grid = field(bone).shape().grid();
+    for (std::size_t place = first, n = 0; place < end; ++place) {
+      if (n < block.count && block.asker[n] == place) {
+        ++n;
+        continue;
       }
+      const Vec3 cells = map.apply(positions[static_cast<std::size_t>(nodes[place])]);
+      m_budgets.grant(bone, nodes[place], rest_point(bone, cells), grid.distance_m(cells));
     }
-    return Vec3::UnitX();
+  }
+
+  [[nodiscard]] const RigidMotion& pose(int bone) const { return poses()[static_cast<std::size_t>(bone)]; }
+
+  /// `roots`: from the field's lower corner, in edges of its roots.
+  [[nodiscard]] Vec3 rest_point(int bone, const Vec3& roots) const {
+    const OctreeShape& shape = field(bone).shape();
+    return shape.lower_m + shape.root_edge_m * roots;
+  }
+
+  [[nodiscard]] Contact contact(int bone, int node, const FieldBlock& block, std::size_t n) const {
+    const OctreeShape& shape = field(bone).shape();
+    const Vec3 from_middle = rest_point(bone, block.cells(n)) - 0.5 * (shape.lower_m + shape.upper_m());
+    return {node, bone, -block.value_m[n], pose(bone).apply_to_direction(outward(block.slope(n), from_middle))};
   }
 
   OctreeSettings m_settings;
@@ -139,6 +177,7 @@ class OctreeBackend final : public CollisionBackend {
   std::size_t m_loaded_fields = 0;
   std::vector<OctreeField> m_fields;
   MotionBudgets m_budgets;
+  NodeShares m_shares;
 };
 
 }  // namespace

@@ -10,6 +10,8 @@
 
 #include "backends/sdf/exact_places.hpp"
 #include "backends/sdf/octree_cells.hpp"
+#include "backends/sdf/octree_entry.hpp"
+#include "backends/sdf/octree_reach.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/system_memory.hpp"
 #include "core/geometry/mesh_size.hpp"
@@ -26,6 +28,8 @@ constexpr double finest_wanted = 1e-8;  // coefficients are floats
 constexpr double root_edge_near = 8;      ///< edge of a root over what counts as near
 constexpr double finest_edge = 1e-4;      ///< over the root's: a limit that bones never reach
 constexpr double first_threshold = 3e-4;  ///< of wrong volume in a leaf, over the volume of all near places
+/// Over what counts as near: proving less of the places with the wrong sign takes longer than it saves.
+constexpr double least_reach = 0.75;
 constexpr std::size_t places_measured = 20000;
 /// Of the wanted error. Across the faces between leaves the field jumps by up to an eighth more than it is off.
 constexpr double aim_share = 0.88;
@@ -315,6 +319,8 @@ class OctreeBuilder {
     for (std::size_t root = 0; root < m_shape.root_count(); ++root) {
       pack(root, root);
     }
+    m_coefficients.resize(m_coefficients.size() + cubic_terms);
+    m_quality.negative_reach_m = largest_reach_m();
     m_quality.samples = static_cast<std::int64_t>(m_errors_m.size());
     m_quality.p99_m = error_quantile_m(0.99);
     m_quality.largest_m = error_quantile_m(1);
@@ -327,33 +333,47 @@ class OctreeBuilder {
   }
 
   void pack(std::size_t from, std::size_t entry) {
-    using Kind = OctreeField::Kind;
+    using octree_entry::Kind;
     const OctreeCell& cell = m_cells[from];
-    if (m_coefficients.size() + cubic_terms > OctreeField::most_places) {
+    if (m_coefficients.size() + 2 * cubic_terms > octree_entry::most_places) {
       refuse(number(m_memory_bytes), 2 * error_quantile_m(0.99));
     }
     if (cell.split()) {
       const std::size_t first = m_entries.size();
-      m_entries[entry] = OctreeField::entry(Kind::split, first);
+      m_entries[entry] = octree_entry::entry(Kind::split, first);
       m_entries.resize(first + 8);
       for (std::size_t octant = 0; octant < 8; ++octant) {
         pack(cell.first_child + octant, first + octant);
       }
     } else if (cell.leaf == nullptr) {
-      m_entries[entry] = OctreeField::entry(Kind::outside, m_coefficients.size());
+      m_entries[entry] = octree_entry::entry(Kind::outside, m_coefficients.size());
       m_coefficients.push_back(static_cast<float>(cell.distance_m * (1 - 1e-6)));
     } else {
       const bool cubic = cell.takes_cubic(m_threshold_m3);
       const PolynomialFit& fit = cell.chosen(m_threshold_m3);
-      m_entries[entry] = OctreeField::entry(cubic ? Kind::cubic : Kind::quadratic, m_coefficients.size());
+      m_entries[entry] = octree_entry::entry(cubic ? Kind::cubic : Kind::quadratic, m_coefficients.size());
       m_coefficients.insert(
           m_coefficients.end(), fit.coefficients.begin(),
           fit.coefficients.begin() + static_cast<std::ptrdiff_t>(cubic ? cubic_terms : quadratic_terms));
       m_quality.finest_edge_m = std::min(m_quality.finest_edge_m, 2 * cell.half_edge_m);
-      m_quality.relative_bound = std::max(m_quality.relative_bound, fit.bound_m / cell.half_edge_m);
+      m_quality.excess_m = std::max(m_quality.excess_m, fit.excess_m);
       const bool known = (cell.inside() && fit.largest() < 0) || (cell.outside() && fit.smallest() > 0);
       m_quality.bound_m = known ? m_quality.bound_m : std::max(m_quality.bound_m, fit.bound_m);
     }
+  }
+
+  [[nodiscard]] double largest_reach_m() const {
+    const double least_m = least_reach * m_demand.near_m;
+    double reach_m = least_m;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(m_threads) reduction(max : reach_m)
+    for (std::size_t c = 0; c < m_cells.size(); ++c) {
+      const OctreeCell& cell = m_cells[c];
+      if (cell.leaf != nullptr) {
+        const std::size_t terms = cell.chosen_terms(m_threshold_m3);
+        reach_m = std::max(reach_m, negative_reach_m(m_surface, cell, cell.chosen(m_threshold_m3), terms, least_m));
+      }
+    }
+    return reach_m;
   }
 
   const SignedSurface& m_surface;

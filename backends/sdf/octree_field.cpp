@@ -3,93 +3,72 @@
 #include <algorithm>
 #include <utility>
 
+#include "backends/sdf/field_places.hpp"
+#include "backends/sdf/octree_entry.hpp"
+
 namespace musclebench {
 
 OctreeField::OctreeField(const OctreeShape& shape, const OctreeQuality& quality, std::vector<std::uint32_t> entries,
                          std::vector<float> coefficients)
-    : m_shape(shape),
-      m_quality(quality),
-      m_roots(shape.roots[0], shape.roots[1], shape.roots[2]),
-      m_roots_per_m(1 / shape.root_edge_m),
-      m_entries(std::move(entries)),
-      m_coefficients(std::move(coefficients)) {
+    : m_shape(shape), m_quality(quality), m_entries(std::move(entries)), m_coefficients(std::move(coefficients)) {
   m_leaves = static_cast<std::size_t>(std::count_if(m_entries.begin(), m_entries.end(), [](std::uint32_t entry) {
-    return kind_of(entry) == Kind::quadratic || kind_of(entry) == Kind::cubic;
+    const octree_entry::Kind kind = octree_entry::kind_of(entry);
+    return kind == octree_entry::Kind::quadratic || kind == octree_entry::Kind::cubic;
   }));
 }
 
-std::optional<OctreeField::Leaf> OctreeField::find(const Vec3& point) const {
-  Vec3 at = (point - m_shape.lower_m) * m_roots_per_m;
-  std::array<std::size_t, 3> root{};
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    if (!(at[axis] >= 0 && at[axis] <= m_roots[axis])) {
-      return std::nullopt;
-    }
-    const double first = std::min(static_cast<double>(static_cast<std::int32_t>(at[axis])), m_roots[axis] - 1);
-    root[static_cast<std::size_t>(axis)] = static_cast<std::size_t>(first);
-    at[axis] -= first;
-  }
-  std::uint32_t found = m_entries[m_shape.root(root[0], root[1], root[2])];
-  double half_edge_m = 0.5 * m_shape.root_edge_m;
-  while (kind_of(found) == Kind::split) {
-    std::size_t child = 0;
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      at[axis] *= 2;
-      const bool upper = at[axis] >= 1;
-      child |= static_cast<std::size_t>(upper) << axis;
-      at[axis] -= static_cast<double>(upper);
-    }
-    half_edge_m *= 0.5;
-    found = m_entries[place_of(found) + child];
-  }
-  return Leaf{kind_of(found), m_coefficients.data() + place_of(found), 2 * at - Vec3::Ones(), half_edge_m};
+OctreeView OctreeField::view() const {
+  const std::array<std::int32_t, 3>& roots = m_shape.roots;
+  return {m_entries.data(),
+          m_coefficients.data(),
+          {static_cast<double>(roots[0]), static_cast<double>(roots[1]), static_cast<double>(roots[2])},
+          m_shape.root_edge_m,
+          m_quality.excess_m,
+          m_quality.negative_reach_m};
 }
 
-OctreeField::Sample OctreeField::sample(const Leaf& leaf) {
-  Sample result;
-  if (leaf.kind == Kind::outside) {
-    // The distance changes by no more than the way from the centre.
-    const double way = leaf.at.norm();
-    result.value_m = *leaf.coefficients - leaf.half_edge_m * way;
-    result.gradient = way > 0 ? Vec3(-leaf.at / way) : Vec3::Zero();
-    return result;
-  }
-  result.value_m = leaf.kind == Kind::cubic ? evaluate_polynomial<true>(leaf.coefficients, leaf.at, result.gradient)
-                                            : evaluate_polynomial<false>(leaf.coefficients, leaf.at, result.gradient);
-  result.gradient /= leaf.half_edge_m;
-  return result;
+std::size_t OctreeField::sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes,
+                                std::size_t first, FieldBlock& block, LeafBlock& leaves) const {
+  const OctreeView field = view();
+  const std::size_t next =
+      first + place_nodes(field.roots, map, nullptr, positions, nodes.subspan(first), first, block);
+  evaluate_block(field, block, leaves);
+  return next;
 }
 
-std::optional<double> OctreeField::value(const Vec3& point) const {
-  const std::optional<Leaf> leaf = find(point);
-  return leaf ? std::optional<double>(sample(*leaf).value_m) : std::nullopt;
+void OctreeField::clear(const FieldBlock& block, const LeafBlock& leaves,
+                        FieldBlock::Lanes<double>& clearance_m) const {
+  clear_block(view(), block, leaves, clearance_m);
+}
+
+bool OctreeField::sample(const Vec3& point, FieldBlock& block, LeafBlock& leaves) const {
+  static constexpr std::array<int, 1> only{0};
+  const Vec3 from_corner = point - m_shape.lower_m;
+  sample(CellMap(m_shape.grid()), {&from_corner, 1}, only, 0, block, leaves);
+  return block.count > 0;
 }
 
 std::optional<OctreeField::Sample> OctreeField::sample(const Vec3& point) const {
-  const std::optional<Leaf> leaf = find(point);
-  return leaf ? std::optional<Sample>(sample(*leaf)) : std::nullopt;
+  FieldBlock block;
+  LeafBlock leaves;
+  return sample(point, block, leaves) ? std::optional(Sample{block.value_m[0], block.slope(0)}) : std::nullopt;
 }
 
-std::optional<OctreeField::Sample> OctreeField::sample_inside(const Vec3& point) const {
-  const std::optional<Leaf> leaf = find(point);
-  if (!leaf || leaf->kind == Kind::outside) {
-    return std::nullopt;
-  }
-  const Sample result = sample(*leaf);
-  return result.value_m < 0 ? std::optional<Sample>(result) : std::nullopt;
+std::optional<double> OctreeField::value(const Vec3& point) const {
+  const std::optional<Sample> found = sample(point);
+  return found ? std::optional(found->value_m) : std::nullopt;
 }
 
 double OctreeField::clearance_m(const Vec3& point) const {
-  const std::optional<Leaf> leaf = find(point);
-  if (!leaf) {
-    const Vec3 nearest = point.cwiseMax(m_shape.lower_m).cwiseMin(m_shape.upper_m());
-    const double away = (point - nearest).norm();
-    return away > 0 ? away * (1 - 1e-9) : 0;
+  FieldBlock block;
+  LeafBlock leaves;
+  if (!sample(point, block, leaves)) {
+    const GridShape grid = m_shape.grid();
+    return grid.distance_m((point - grid.lower_m) / m_shape.root_edge_m) * (1 - 1e-9);
   }
-  // Where the field is negative, the exact distance is at most the bound; and here it is at least what the field says,
-  // less the leaf's own bound, where the field is no lower bound anyway.
-  const double own_m = leaf->kind == Kind::outside ? 0 : m_quality.relative_bound * leaf->half_edge_m;
-  return std::max(0.0, (sample(*leaf).value_m - own_m - m_quality.bound_m) * (1 - 1e-9));
+  FieldBlock::Lanes<double> clearance_m;
+  clear(block, leaves, clearance_m);
+  return clearance_m[0];
 }
 
 }  // namespace musclebench

@@ -4,9 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
-#include "backends/sdf/octree_polynomial.hpp"
+#include "backends/sdf/cell_map.hpp"
+#include "backends/sdf/field_block.hpp"
+#include "backends/sdf/grid_shape.hpp"
+#include "backends/sdf/octree_kernel.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 
 namespace musclebench {
@@ -24,6 +28,8 @@ struct OctreeShape {
     return (k * static_cast<std::size_t>(roots[1]) + j) * static_cast<std::size_t>(roots[0]) + i;
   }
   [[nodiscard]] Vec3 upper_m() const { return lower_m + root_edge_m * Vec3(roots[0], roots[1], roots[2]); }
+  /// With a cell for each root.
+  [[nodiscard]] GridShape grid() const { return {lower_m, Vec3::Constant(root_edge_m), roots}; }
 };
 
 /// What was asked of an adaptive field and what was reached. Lengths in metres.
@@ -37,8 +43,11 @@ struct OctreeQuality {
   /// Where the field may have the wrong sign, it is nowhere farther than this from the exact distance: proven from
   /// samples and slopes, so mostly far above the largest error there is.
   double bound_m = 0;
-  /// The same for all polynomials, over half the edge of their leaves.
-  double relative_bound = 0;
+  /// Outside the bone and farther than this from its surface the field is not negative: proven, too.
+  double negative_reach_m = 0;
+  /// At the corners of a leaf with a polynomial, the middles of its edges and faces and its own middle the field, where
+  /// it is positive, is above the exact distance by no more than this.
+  double excess_m = 0;
   double finest_edge_m = 0;
 };
 
@@ -51,27 +60,13 @@ struct OctreeQuality {
 /// polynomial; the field is a lower bound of the distance there. Queries are const and safe from several threads.
 class OctreeField {
  public:
-  /// An entry of the tree: what it is in the two upper bits, where to go on in the others.
-  enum class Kind : std::uint32_t {
-    split = 0,    ///< the first of its eight children, x changing fastest; they follow each other
-    outside = 1,  ///< outside for certain; a coefficient: lower bound of the distance at its centre
-    quadratic = 2,
-    cubic = 3  ///< the first coefficient
-  };
-  static constexpr std::uint32_t place_bits = 30;
-  static constexpr std::uint32_t most_places = std::uint32_t{1} << place_bits;
-  static constexpr std::uint32_t entry(Kind kind, std::size_t place) {
-    return static_cast<std::uint32_t>(kind) << place_bits | static_cast<std::uint32_t>(place);
-  }
-  static constexpr Kind kind_of(std::uint32_t entry) { return static_cast<Kind>(entry >> place_bits); }
-  static constexpr std::size_t place_of(std::uint32_t entry) { return entry & (most_places - 1); }
-
   struct Sample {
     double value_m = 0;
     Vec3 gradient = Vec3::Zero();  ///< of the polynomial: about, but not exactly, of unit length
   };
 
-  /// `entries` starts with the roots.
+  /// `entries` starts with the roots; `coefficients` ends with `cubic_terms` numbers that no leaf has, so that any leaf
+  /// may be read as if it were cubic.
   OctreeField(const OctreeShape& shape, const OctreeQuality& quality, std::vector<std::uint32_t> entries,
               std::vector<float> coefficients);
 
@@ -89,29 +84,28 @@ class OctreeField {
   [[nodiscard]] std::optional<double> value(const Vec3& point) const;
   [[nodiscard]] std::optional<Sample> sample(const Vec3& point) const;
 
-  /// `sample` where it is negative, else nothing: cheap where the field holds no polynomial.
-  [[nodiscard]] std::optional<Sample> sample_inside(const Vec3& point) const;
-
   /// The radius of a ball about `point` in which the field is nowhere negative, in metres; 0 when nothing is known.
   [[nodiscard]] double clearance_m(const Vec3& point) const;
+
+  /// Of many points: appends to `block` those of `nodes` (ascending indices into `positions`) from `first` on that are
+  /// in the domain, where `map` (of `shape().grid()`) takes them, and evaluates them when the block is full or all
+  /// nodes were looked at. Returns the place in `nodes` to go on at. `asker` is the place in `nodes`. A position that
+  /// is not a number is nowhere.
+  std::size_t sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
+                     FieldBlock& block, LeafBlock& leaves) const;
+  /// `clearance_m` of the points of such a block.
+  void clear(const FieldBlock& block, const LeafBlock& leaves, FieldBlock::Lanes<double>& clearance_m) const;
 
   [[nodiscard]] const std::vector<std::uint32_t>& entries() const { return m_entries; }
   [[nodiscard]] const std::vector<float>& coefficients() const { return m_coefficients; }
 
  private:
-  struct Leaf {
-    Kind kind;
-    const float* coefficients;
-    Vec3 at;  ///< in [-1, 1]^3
-    double half_edge_m;
-  };
-  [[nodiscard]] std::optional<Leaf> find(const Vec3& point) const;
-  [[nodiscard]] static Sample sample(const Leaf& leaf);
+  [[nodiscard]] OctreeView view() const;
+  /// Of one point; whether it is in the domain.
+  bool sample(const Vec3& point, FieldBlock& block, LeafBlock& leaves) const;
 
   OctreeShape m_shape;
   OctreeQuality m_quality;
-  Vec3 m_roots;
-  double m_roots_per_m;
   std::vector<std::uint32_t> m_entries;
   std::vector<float> m_coefficients;
   std::size_t m_leaves = 0;

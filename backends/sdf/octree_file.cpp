@@ -17,7 +17,7 @@ namespace musclebench {
 namespace {
 
 /// Raise when the meaning of the bytes changes, or what the builder makes of the same settings.
-constexpr std::uint32_t format_version = 1;
+constexpr std::uint32_t format_version = 2;
 constexpr FileMark file_mark{{'M', 'B', 'O', 'C', 'T', 'R', 'E', 'E'}, FileMark{}.byte_order, format_version};
 
 struct Header {
@@ -35,7 +35,7 @@ struct Header {
   FileDigest surface{};
   FileDigest content{};  ///< of the header with this field zero, the entries and the coefficients
 };
-static_assert(sizeof(OctreeQuality) == 9 * 8);
+static_assert(sizeof(OctreeQuality) == 10 * 8);
 static_assert(sizeof(Header) == 16 + 24 + 32 + 16 + sizeof(OctreeQuality) + 16 + 128,
               "written as it stands: there must be no padding");
 

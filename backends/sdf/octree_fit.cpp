@@ -41,21 +41,6 @@ double slope_at(std::size_t term, const Vec3& at, std::size_t axis) {
   return result;
 }
 
-/// How fast the polynomial changes at most, per metre: every monomial and its derivatives over their exponents are
-/// within [-1, 1].
-double steepest(const std::array<float, cubic_terms>& coefficients, double half_edge_m) {
-  double x = 0;
-  double y = 0;
-  double z = 0;
-  for (std::size_t term = 0; term < cubic_terms; ++term) {
-    const double size = std::abs(static_cast<double>(coefficients[term]));
-    x += polynomial_powers[term][0] * size;
-    y += polynomial_powers[term][1] * size;
-    z += polynomial_powers[term][2] * size;
-  }
-  return std::sqrt(x * x + y * y + z * z) / half_edge_m;
-}
-
 }  // namespace
 
 Vec3 sample_place(std::size_t sample) {
@@ -80,6 +65,20 @@ double PolynomialFit::spread() const {
     result += std::abs(static_cast<double>(coefficients[term]));
   }
   return result;
+}
+
+double PolynomialFit::steepest(double half_edge_m) const {
+  // Every monomial and its derivatives over their exponents are within [-1, 1].
+  double x = 0;
+  double y = 0;
+  double z = 0;
+  for (std::size_t term = 0; term < cubic_terms; ++term) {
+    const double size = std::abs(static_cast<double>(coefficients[term]));
+    x += polynomial_powers[term][0] * size;
+    y += polynomial_powers[term][1] * size;
+    z += polynomial_powers[term][2] * size;
+  }
+  return std::sqrt(x * x + y * y + z * z) / half_edge_m;
 }
 
 template <std::size_t terms>
@@ -159,6 +158,14 @@ CellErrors PolynomialFitter<terms>::measure(const CellSamples& samples, double h
       error_m[sample] += m_powers[term][sample] * coefficient;
     }
   }
+  // The floats of an error are off by some millionths of the edge.
+  const double rounding_m = 1e-5 * half_edge_m;
+  fit.excess_m = 0;
+  for (std::size_t sample = 0; sample < known; ++sample) {
+    const double above_m = static_cast<double>(error_m[sample]) + rounding_m;
+    const bool may_be_positive = above_m > -samples[sample].value_m;
+    fit.excess_m = std::max(fit.excess_m, may_be_positive ? above_m : 0);
+  }
   float largest_m = 0;
 #pragma omp simd reduction(max : largest_m)
   for (std::size_t sample = 0; sample < padded_samples; ++sample) {
@@ -166,9 +173,9 @@ CellErrors PolynomialFitter<terms>::measure(const CellSamples& samples, double h
     largest_m = std::max(largest_m, error_m[sample]);
   }
   // No place of the cell is farther than this from a sample. On the way there the polynomial changes by its slope and
-  // the distance by one metre a metre. The floats of an error are off by some millionths of the edge.
+  // the distance by one metre a metre.
   const double reach_m = 2 * half_edge_m * (known == cell_samples ? reach_of_all : reach_of_lattice);
-  fit.bound_m = (largest_m + reach_m * (1 + steepest(fit.coefficients, half_edge_m))) * (1 + 1e-5);
+  fit.bound_m = (largest_m + reach_m * (1 + fit.steepest(half_edge_m))) * (1 + 1e-5);
   return error_m;
 }
 

@@ -34,11 +34,15 @@ Vec3 sample_place(std::size_t sample);
 struct PolynomialFit {
   std::array<float, cubic_terms> coefficients{};
   double bound_m = 0;  ///< of the error, anywhere in the cell
+  /// At the cell's samples where the polynomial is positive it is above the exact distance by no more than this.
+  double excess_m = 0;
 
   [[nodiscard]] double value(const Vec3& at, std::size_t terms) const;
   /// Nowhere in the cell is the polynomial larger, or smaller.
   [[nodiscard]] double largest() const { return coefficients[0] + spread(); }
   [[nodiscard]] double smallest() const { return coefficients[0] - spread(); }
+  /// How fast the polynomial changes at most, per metre.
+  [[nodiscard]] double steepest(double half_edge_m) const;
 
  private:
   [[nodiscard]] double spread() const;
@@ -57,7 +61,7 @@ class PolynomialFitter {
 
   /// The coefficients, by all samples that are known.
   [[nodiscard]] PolynomialFit fit(const CellSamples& samples, double half_edge_m) const;
-  /// Sets the bound.
+  /// Sets the bound and the excess.
   [[nodiscard]] CellErrors measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const;
 
  private:

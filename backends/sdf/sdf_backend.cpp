@@ -16,7 +16,9 @@
 #include "backends/sdf/field_builder.hpp"
 #include "backends/sdf/field_file.hpp"
 #include "backends/sdf/field_memory.hpp"
+#include "backends/sdf/field_normal.hpp"
 #include "backends/sdf/foreign_field.hpp"
+#include "backends/sdf/node_shares.hpp"
 #include "backends/sdf/octree_backend.hpp"
 #include "backends/sdf/sdf_settings.hpp"
 #include "core/contact/motion_budgets.hpp"
@@ -25,22 +27,8 @@ namespace musclebench {
 
 namespace {
 
-/// Enough for a thread to be worth its start: some microseconds of work.
-constexpr std::size_t nodes_a_share = 512;
-
 /// To estimate the error of a field that someone else has built.
 constexpr int samples_of_foreign = 2000;
-
-/// Out of the bone; away from the middle of the field where the field is flat, and along x in that very middle.
-Vec3 outward(const Vec3& gradient, const Vec3& from_middle) {
-  for (const Vec3& direction : {gradient, from_middle}) {
-    const double length = direction.norm();
-    if (length > 1e-9 && std::isfinite(length)) {
-      return direction / length;
-    }
-  }
-  return Vec3::UnitX();
-}
 
 class SdfBackend final : public CollisionBackend {
  public:
@@ -159,49 +147,16 @@ class SdfBackend final : public CollisionBackend {
     if (m_has_budgets && positions.size() != m_budgets.nodes()) {
       m_budgets.reset(bones(), positions.size());
     }
-    share_out(positions, nodes);
-    // Without OpenMP where a share a bone is all there is: it allocates even a team of one.
-    if (m_shares.size() == m_fields.size()) {
-      for (const Share& share : m_shares) {
-        detect_share(share, positions, contacts);
-      }
-      return;
-    }
-    m_found.resize(std::max(m_found.size(), m_shares.size()));
-    // Without budgets a thread gets the same shares in every step, whose cells are in its cache.
-#pragma omp parallel for schedule(static, 1) num_threads(threads())
-    for (std::size_t n = 0; n < m_shares.size(); ++n) {
-      m_found[n].clear();
-      detect_share(m_shares[n], positions, m_found[n]);
-    }
-    for (std::size_t n = 0; n < m_shares.size(); ++n) {
-      contacts.insert(contacts.end(), m_found[n].begin(), m_found[n].end());
-    }
-  }
-
-  /// Nodes in ascending order that one thread asks one bone about.
-  struct Share {
-    int bone;
-    std::span<const int> nodes;
-  };
-
-  /// In the order of the contacts: a share a bone, or several where a thread more pays.
-  void share_out(std::span<const Vec3> positions, std::span<const int> nodes) {
-    m_shares.clear();
     if (m_has_budgets) {
       m_budgets.collect_spent(poses(), positions, nodes);
     }
-    for (std::size_t b = 0; b < m_fields.size(); ++b) {
-      std::span<const int> asked = m_has_budgets ? m_budgets.spent(static_cast<int>(b)) : nodes;
-      while (threads() > 1 && asked.size() > nodes_a_share) {
-        m_shares.push_back({static_cast<int>(b), asked.first(nodes_a_share)});
-        asked = asked.subspan(nodes_a_share);
-      }
-      m_shares.push_back({static_cast<int>(b), asked});
-    }
+    m_shares.detect(
+        m_fields.size(), threads(), [&](int bone) { return m_has_budgets ? m_budgets.spent(bone) : nodes; },
+        [&](const NodeShares::Share& share, std::vector<Contact>& found) { detect_share(share, positions, found); },
+        contacts);
   }
 
-  void detect_share(const Share& share, std::span<const Vec3> positions, std::vector<Contact>& contacts) {
+  void detect_share(const NodeShares::Share& share, std::span<const Vec3> positions, std::vector<Contact>& contacts) {
     if (m_has_budgets) {
       detect_spent(share.bone, positions, share.nodes, contacts);
     } else {
@@ -281,9 +236,8 @@ class SdfBackend final : public CollisionBackend {
 
   [[nodiscard]] Contact contact(int bone, int node, const FieldBlock& block, std::size_t n) const {
     const GridShape& shape = field(bone).shape();
-    const Vec3 gradient(block.slope_x[n], block.slope_y[n], block.slope_z[n]);
     const Vec3 from_middle = rest_point(bone, block.cells(n)) - 0.5 * (shape.lower_m + shape.upper_m());
-    return {node, bone, -block.value_m[n], pose(bone).apply_to_direction(outward(gradient, from_middle))};
+    return {node, bone, -block.value_m[n], pose(bone).apply_to_direction(outward(block.slope(n), from_middle))};
   }
 
   /// How far a place of this value is at least from all places where the field is negative. A way that leaves the
@@ -303,9 +257,7 @@ class SdfBackend final : public CollisionBackend {
   std::size_t m_loaded_fields = 0;
   std::vector<CubicField> m_fields;
   MotionBudgets m_budgets;
-  // Scratch memory, kept so that a frame allocates nothing.
-  std::vector<Share> m_shares;
-  std::vector<std::vector<Contact>> m_found;  ///< by share
+  NodeShares m_shares;
 };
 
 }  // namespace

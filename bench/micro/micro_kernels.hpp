@@ -4,7 +4,8 @@ namespace musclebench {
 
 // Each registers the kernels of one file. They load the scene where their names depend on it.
 
-/// `voxel_test/BONE`, `sdf_value_and_gradient/PRECISION/BONE`, `bvh_locate/near|far/BONE`: one query at a point, cold.
+/// `voxel_test/BONE`, `sdf_value_and_gradient/PRECISION/BONE`, `octree_value_and_gradient/BONE`,
+/// `bvh_locate/near|far/BONE`: one query at a point, cold.
 void register_query_kernels();
 
 /// `sdf_build_a_node/BONE`, `sdf_build_threads/BONE/N`, `sdf_bytes/dense|band_10mm/PRECISION/BONE`.

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/octree_builder.hpp"
 #include "backends/voxel/voxel_grid.hpp"
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
@@ -104,6 +105,26 @@ void sdf_value_and_gradient(benchmark::State& state, const Bone& bone, FieldPrec
   });
 }
 
+/// The same of the adaptive field that errs by 0.05 mm.
+void octree_value_and_gradient(benchmark::State& state, const Bone& bone, const std::vector<Vec3>& points) {
+  static std::map<const Bone*, std::unique_ptr<OctreeField>> fields;
+  const OctreeField& field =
+      kept(fields, bone, [&] { return build_octree(surface_of(bone), bone.surface.mesh, {}, bone.name, 1); });
+  const CellMap map(field.shape().grid(), RigidMotion());
+  std::vector<int> nodes(points.size());
+  std::iota(nodes.begin(), nodes.end(), 0);
+  FieldBlock block;
+  LeafBlock leaves;
+  ask_batches(state, points, [&](std::span<const Vec3> asked) {
+    for (std::size_t next = 0; next < asked.size();) {
+      block.count = 0;
+      next = field.sample(map, asked, std::span(nodes).first(asked.size()), next, block, leaves);
+      benchmark::DoNotOptimize(&block);
+      benchmark::ClobberMemory();
+    }
+  });
+}
+
 void bvh_locate(benchmark::State& state, const Bone& bone, const std::vector<Vec3>& points) {
   const SignedSurface& surface = surface_of(bone);
   ask(state, points, [&](const Vec3& point) { return surface.locate(point).signed_distance_m(); });
@@ -129,6 +150,13 @@ void register_query_kernels() {
       std::vector<Vec3> points = points_near(bone, point_count);
       points.resize(std::min(points.size(), batch_size));
       sdf_value_and_gradient(s, bone, FieldPrecision::single_precision, points);
+    });
+    add("octree_value_and_gradient/" + bone.name,
+        [&bone](benchmark::State& s) { octree_value_and_gradient(s, bone, points_near(bone, point_count)); });
+    add("octree_value_and_gradient_in_cache/" + bone.name, [&bone](benchmark::State& s) {
+      std::vector<Vec3> points = points_near(bone, point_count);
+      points.resize(std::min(points.size(), batch_size));
+      octree_value_and_gradient(s, bone, points);
     });
     add("bvh_locate/near/" + bone.name,
         [&bone](benchmark::State& s) { bvh_locate(s, bone, points_near(bone, point_count)); });

@@ -57,10 +57,13 @@ std::vector<std::uint64_t> allocations_of_frames(const Scene& scene, const Choic
 /// Once for all backends: reading the scene takes longer than running it.
 TEST(AFrameAfterTheSecond, AllocatesNothing) {
   const std::map<std::string, ParameterValue> few_cells{{"cells", std::int64_t{16}}};
-  const std::vector<Choice> choices{
-      {"null", ResponseKind::project, {}},       {"voxel", ResponseKind::backtrack, {}},
-      {"sdf", ResponseKind::project, few_cells}, {"sdf", ResponseKind::backtrack, few_cells},
-      {"bvh", ResponseKind::project, {}},        {"bvh", ResponseKind::project, {}, 2}};
+  const std::vector<Choice> choices{{"null", ResponseKind::project, {}},
+                                    {"voxel", ResponseKind::backtrack, {}},
+                                    {"sdf", ResponseKind::project, few_cells},
+                                    {"sdf", ResponseKind::backtrack, few_cells},
+                                    {"sdf", ResponseKind::project, {{"max_error_mm", 1.0}}},
+                                    {"bvh", ResponseKind::project, {}},
+                                    {"bvh", ResponseKind::project, {}, 2}};
   const Scene scene = bending_scene();
   for (const Choice& choice : choices) {
     SCOPED_TRACE(choice.backend + (choice.response == ResponseKind::project ? ", project" : ", backtrack") +

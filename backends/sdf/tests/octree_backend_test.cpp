@@ -81,30 +81,42 @@ TEST(OctreeBackend, FindsDepthAndNormalInMovedBones) {
   }
 }
 
-TEST(OctreeBackend, MotionBudgetsChangeNoContact) {
-  const auto with = make({{"motion_budgets", std::string("on")}});
-  const auto without = make({{"motion_budgets", std::string("off")}});
-  with->build(bones(), {}, 1);
-  without->build(bones(), {}, 1);
+TEST(OctreeBackend, BudgetsAndThreadsChangeNoContact) {
+  const auto made = [](const std::string& budgets, int threads) {
+    auto backend = make({{"motion_budgets", budgets}});
+    backend->build(bones(), {}, threads);
+    return backend;
+  };
+  const auto plain = made("off", 1);
+  std::vector<std::unique_ptr<CollisionBackend>> others;
+  others.push_back(made("on", 1));
+  others.push_back(made("off", 3));
+  others.push_back(made("on", 3));
+  constexpr int nodes = 3000;  // several shares
   RandomNumbers random(7);
-  std::vector<Vec3> positions = random_points(random, 500);
-  for (int step = 0; step < 60; ++step) {
+  std::vector<Vec3> positions = random_points(random, nodes);
+  std::size_t met = 0;
+  for (int step = 0; step < 40; ++step) {
     const std::vector<RigidMotion> poses{RigidMotion::about_axis(Vec3::UnitX(), Vec3::Zero(), 0.01 * step),
                                          RigidMotion::about_axis(Vec3::UnitZ(), {0.1, 0, 0}, -0.02 * step)};
-    const std::vector<Vec3> shifts = random_points(random, 500);
+    const std::vector<Vec3> shifts = random_points(random, nodes);
     for (std::size_t i = 0; i < positions.size(); ++i) {
       positions[i] += (i % 10 == 0 ? 0.5 : 0.005) * shifts[i];
     }
-    const std::vector<Contact> a = contacts_of(*with, poses, positions);
-    const std::vector<Contact> b = contacts_of(*without, poses, positions);
-    ASSERT_EQ(a.size(), b.size());
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      EXPECT_EQ(a[i].node, b[i].node);
-      EXPECT_EQ(a[i].bone, b[i].bone);
-      EXPECT_EQ(a[i].depth_m, b[i].depth_m);
-      EXPECT_EQ(a[i].normal, b[i].normal);
+    const std::vector<Contact> expected = contacts_of(*plain, poses, positions);
+    met += expected.size();
+    for (const auto& backend : others) {
+      const std::vector<Contact> found = contacts_of(*backend, poses, positions);
+      ASSERT_EQ(found.size(), expected.size());
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        ASSERT_EQ(found[i].node, expected[i].node);
+        ASSERT_EQ(found[i].bone, expected[i].bone);
+        ASSERT_EQ(found[i].depth_m, expected[i].depth_m);
+        ASSERT_EQ(found[i].normal, expected[i].normal);
+      }
     }
   }
+  EXPECT_GT(met, 10000U);
 }
 
 TEST(OctreeBackend, FindsItsFieldsAgain) {

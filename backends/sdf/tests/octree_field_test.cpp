@@ -8,6 +8,7 @@
 #include "backends/sdf/exact_places.hpp"
 #include "backends/sdf/octree_builder.hpp"
 #include "backends/sdf/octree_fit.hpp"
+#include "backends/sdf/octree_reach.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/geometry/shapes.hpp"
@@ -111,9 +112,14 @@ void find_polynomial() {
   }
   const CellErrors errors_m = fitter.measure(samples, half_edge_m, found);
   EXPECT_LT(*std::max_element(errors_m.begin(), errors_m.end()), 2e-6);
+  EXPECT_NEAR(found.excess_m, 0, 5e-6);
   samples[30].value_m += 1;
   EXPECT_NEAR(fitter.measure(samples, half_edge_m, found)[30], 1, 2e-6) << "an octant's middle counts";
+  EXPECT_NEAR(found.excess_m, 0, 5e-6) << "too low is no excess";
   EXPECT_GT(fitter.fit(samples, half_edge_m).coefficients[0], found.coefficients[0] + 1e-3);
+  samples[30].value_m -= 2;
+  (void)fitter.measure(samples, half_edge_m, found);
+  EXPECT_NEAR(found.excess_m, found.value(sample_place(30), terms) > 0 ? 1 : 0, 5e-6) << "where it is positive";
   for (std::size_t s = lattice_samples; s < cell_samples; ++s) {
     samples[s].triangle = -1;
   }
@@ -195,15 +201,14 @@ TEST_F(OctreeOfBox, FindsDeepPointsInside) {
   int inside = 0;
   for (const Vec3& point : points(20000, 4)) {
     const double exact = surface().locate(point).signed_distance_m();
-    const auto sample = field().sample_inside(point);
-    if (sample) {
+    const double value = *field().value(point);
+    if (value < 0) {
       EXPECT_LT(exact, field().quality().largest_m * 2);
-      EXPECT_EQ(sample->value_m, *field().value(point));
     } else {
       EXPECT_GT(exact, -field().quality().largest_m * 2);
     }
-    if (exact < -field().quality().near_m && sample) {
-      EXPECT_NEAR(sample->value_m, exact, 2e-3 - 0.3 * exact) << "far inside the error may grow";
+    if (exact < -field().quality().near_m && value < 0) {
+      EXPECT_NEAR(value, exact, 2e-3 - 0.3 * exact) << "far inside the error may grow";
       ++inside;
     }
   }
@@ -238,7 +243,7 @@ TEST_F(OctreeOfBox, ErrorsStayWithinTheirProvenBounds) {
     if ((exact < 0) != (value < 0)) {
       EXPECT_LE(std::abs(exact), quality.bound_m);
     }
-    EXPECT_LE(std::abs(value - exact), quality.relative_bound * 0.5 * field().shape().root_edge_m);
+    EXPECT_TRUE(value >= 0 || exact <= quality.negative_reach_m) << exact;
   }
 }
 
@@ -249,14 +254,78 @@ TEST_F(OctreeOfBox, IsNotNegativeWithinTheClearance) {
   for (int i = 0; i < 5000; ++i) {
     const Vec3 point = random_point(random, field().shape().lower_m - margin, field().shape().upper_m() + margin);
     const double radius = field().clearance_m(point);
-    EXPECT_LE(radius, std::max(0.0, surface().locate(point).signed_distance_m()) + 1e-12);
+    EXPECT_LE(radius, std::max(0.0, surface().locate(point).signed_distance_m()) + 2 * field().quality().largest_m);
     clear += radius > 0 ? 1 : 0;
     for (int j = 0; radius > 0 && j < 10; ++j) {
       const Vec3 way = random_point(random, Vec3::Constant(-1), Vec3::Constant(1)).normalized();
-      EXPECT_FALSE(field().sample_inside(point + radius * way));
+      EXPECT_GE(field().value(point + radius * way).value_or(0), 0);
     }
   }
   EXPECT_GT(clear, 500);
+}
+
+/// Balls that are small in coarse cells are left in every step.
+TEST_F(OctreeOfBox, IsClearNotMuchFartherFromTheSurfaceThanItIsNegative) {
+  const OctreeQuality& quality = field().quality();
+  double free_m = 0;
+  double clear_m = 0;
+  for (const Vec3& point : points(5000, 13)) {
+    const double exact = surface().locate(point).signed_distance_m();
+    const double least_m = quality.negative_reach_m + quality.excess_m;
+    if (exact > 2 * least_m) {
+      free_m += exact - least_m;
+      clear_m += field().clearance_m(point);
+    }
+  }
+  EXPECT_GT(free_m, 0);
+  EXPECT_GT(clear_m, 0.6 * free_m);
+}
+
+/// So near the surface only the leaf itself tells how far the field is positive.
+TEST_F(OctreeOfBox, IsClearToTheSurfaceOrTheFacesOfItsLeaf) {
+  int near = 0;
+  int clear = 0;
+  for (const Vec3& point : points(20000, 14)) {
+    const double value = field().value(point).value();
+    if (value > 0 && value < field().quality().negative_reach_m) {
+      ++near;
+      clear += field().clearance_m(point) > 0.1 * value ? 1 : 0;
+    }
+  }
+  EXPECT_GT(near, 500);
+  EXPECT_GT(clear, 0.8 * near);
+}
+
+TEST(OctreeReach, IsWhereThePolynomialIsNegativeOutside) {
+  // Everything below z = -0.4 is inside; the polynomial takes everything below z = 0.1 for it.
+  const RepairedMesh box{make_box({10, 10, 9.6}, 1), true, {}};
+  const SignedSurface surface(box);
+  OctreeCell cell;
+  cell.centre_m = Vec3(0, 0, 10);
+  cell.half_edge_m = 1;
+  cell.distance_m = surface.locate(cell.centre_m).signed_distance_m();
+  cell.leaf = std::make_unique<OctreeCell::Leaf>();
+  for (std::size_t s = 0; s < cell_samples; ++s) {
+    cell.leaf->samples[s] = {surface.locate(cell.centre_m + sample_place(s)).signed_distance_m(), {0, 0, 1}, 0};
+  }
+  PolynomialFit& fit = cell.leaf->quadratic;
+  fit.coefficients[0] = -0.1F;
+  fit.coefficients[3] = 1;
+  for (const double least_m : {0.01, 0.1, 0.4}) {
+    const double reach_m = negative_reach_m(surface, cell, fit, quadratic_terms, least_m);
+    EXPECT_GE(reach_m, 0.5);
+    EXPECT_LE(reach_m, 0.5 + least_m);
+  }
+  EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, 0.8), 0.8);
+  fit.coefficients[0] = 1.1F;
+  EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, 0.01), 0.01);
+  // Flat and positive in the middle.
+  for (const std::size_t falling : {std::size_t{4}, quadratic_terms}) {
+    fit = {};
+    fit.coefficients[0] = 0.5F;
+    fit.coefficients[falling] = -1;
+    EXPECT_NEAR(negative_reach_m(surface, cell, fit, cubic_terms, 0.1), 1.4, 0.1);
+  }
 }
 
 TEST_F(OctreeOfBox, IsTheSameForAnyNumberOfThreads) {
@@ -264,6 +333,8 @@ TEST_F(OctreeOfBox, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one.entries(), field().entries());
   EXPECT_EQ(one.coefficients(), field().coefficients());
   EXPECT_EQ(one.quality().bound_m, field().quality().bound_m);
+  EXPECT_EQ(one.quality().negative_reach_m, field().quality().negative_reach_m);
+  EXPECT_EQ(one.quality().excess_m, field().quality().excess_m);
   EXPECT_EQ(one.quality().mean_m, field().quality().mean_m);
 }
 
@@ -271,7 +342,7 @@ TEST_F(OctreeOfBox, HasNothingToSayOutsideItsDomain) {
   const Vec3 far = field().shape().upper_m() + Vec3::Constant(1);
   EXPECT_FALSE(field().value(far));
   EXPECT_FALSE(field().sample(far));
-  EXPECT_FALSE(field().sample_inside(Vec3::Constant(std::nan(""))));
+  EXPECT_FALSE(field().sample(Vec3::Constant(std::nan(""))));
   EXPECT_TRUE(field().value(field().shape().upper_m()));
   EXPECT_TRUE(field().value(field().shape().lower_m));
 }
