@@ -1,7 +1,9 @@
 #include "backends/sdf/packet_pairs.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
@@ -208,6 +210,9 @@ HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::arr
                           const Asked& asked, PacketPoints& packet) {
   const Lanes d;
   const IntLanes di;
+  std::size_t looks = packet.looks;
+  std::int32_t* HWY_RESTRICT points_of = packet.point.data();
+  std::int32_t* HWY_RESTRICT leaf_of = packet.leaf.data();
   for (std::size_t l = 0; l < near; ++l) {
     const auto child = static_cast<std::size_t>(packet.near[l]);
     const TreeNode& node = tree.nodes[child / tree_width];
@@ -219,33 +224,69 @@ HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::arr
       const Vec squared = squared_to_box(node, child % tree_width, load(packet.at, first));
       const auto kept = hn::RebindMask(di, hn::Le(squared, load(asked.limit, first)));
       const auto points = hn::Iota(di, static_cast<std::int32_t>(first));
-      hn::StoreU(hn::Compress(points, kept), di, packet.point.data() + packet.looks);
-      hn::StoreU(hn::Set(di, leaf), di, packet.leaf.data() + packet.looks);
-      packet.looks += hn::CountTrue(di, kept);
+      hn::StoreU(hn::Compress(points, kept), di, points_of + looks);
+      hn::StoreU(hn::Set(di, leaf), di, leaf_of + looks);
+      looks += hn::CountTrue(di, kept);
     }
+  }
+  packet.looks = looks;
+}
+
+/// For each look a byte, a bit a triangle that is within the limit of its point.
+HWY_INLINE void find_within(const Asked& asked, PacketPoints& packet) {
+  const Lanes d;
+  std::uint8_t* HWY_RESTRICT within = packet.within.data();
+  const std::int32_t* HWY_RESTRICT points = packet.point.data();
+  std::size_t look = 0;
+#if HWY_MAX_BYTES >= 64
+  const hn::CappedTag<float, 2 * tree_width> twice;
+  const auto lower = hn::FirstN(twice, tree_width);
+  for (; look + 1 < packet.looks; look += 2) {
+    const auto limits = hn::IfThenElse(lower, hn::Set(twice, asked.limit[static_cast<std::size_t>(points[look])]),
+                                       hn::Set(twice, asked.limit[static_cast<std::size_t>(points[look + 1])]));
+    hn::StoreMaskBits(twice, hn::Le(hn::LoadU(twice, packet.squared[look].to.data()), limits), within + look);
+  }
+#endif
+  for (; look < packet.looks; ++look) {
+    const Vec limit = hn::Set(d, asked.limit[static_cast<std::size_t>(points[look])]);
+    unsigned bits = 0;
+    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+      bits |= bits_of(d, hn::Le(load(packet.squared[look].to, first), limit), first);
+    }
+    within[look] = static_cast<std::uint8_t>(bits);
   }
 }
 
-HWY_INLINE void add_pairs(const TreeView& tree, const PacketPoints& packet, const Asked& asked,
-                          std::int32_t first_point, CandidatePairs& pairs) {
-  const Lanes d;
+HWY_INLINE void add_pairs_of_look(const TreeView& tree, const PacketPoints& packet, std::size_t look,
+                                  std::int32_t first_point, CandidatePairs& pairs) {
   const IntLanes di;
+  const TreeLeaf& leaf = tree.leaves[packet.leaf[look]];
+  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(di)) {
+    const std::uint8_t bits[8] = {static_cast<std::uint8_t>(packet.within[look] >> first)};
+    const auto near = hn::LoadMaskBits(di, bits);
+    hn::StoreU(hn::Compress(hn::Load(di, leaf.triangle.data() + first), near), di, pairs.triangle.data() + pairs.count);
+    hn::StoreU(hn::Set(di, first_point + packet.point[look]), di, pairs.point.data() + pairs.count);
+    pairs.count += hn::CountTrue(di, near);
+  }
+}
+
+/// Few of the looks saw anything that may be the closest: those are found first, many at once.
+HWY_INLINE void add_pairs(const TreeView& tree, const Asked& asked, std::int32_t first_point, PacketPoints& packet,
+                          CandidatePairs& pairs) {
+  const hn::CappedTag<std::uint8_t, PacketPoints::looks_at_once> bytes;
+  find_within(asked, packet);
+  std::fill_n(packet.within.data() + packet.looks, PacketPoints::looks_at_once, std::uint8_t{0});
   pairs.make_room(tree_width * (packet.looks + 1));
-  std::size_t count = pairs.count;
-  std::int32_t* HWY_RESTRICT triangles = pairs.triangle.data();
-  std::int32_t* HWY_RESTRICT points = pairs.point.data();
-  for (std::size_t l = 0; l < packet.looks; ++l) {
-    const TreeLeaf& leaf = tree.leaves[packet.leaf[l]];
-    const Vec limit = hn::Set(d, asked.limit[static_cast<std::size_t>(packet.point[l])]);
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-      const auto near = hn::Le(load(packet.squared[l].to, first), limit);
-      const auto triangle = hn::Load(di, leaf.triangle.data() + first);
-      hn::StoreU(hn::Compress(triangle, hn::RebindMask(di, near)), di, triangles + count);
-      hn::StoreU(hn::Set(di, first_point + packet.point[l]), di, points + count);
-      count += hn::CountTrue(d, near);
+  for (std::size_t first = 0; first < packet.looks; first += hn::Lanes(bytes)) {
+    const auto some = hn::Ne(hn::LoadU(bytes, packet.within.data() + first), hn::Zero(bytes));
+    std::uint8_t part[PacketPoints::looks_at_once / 8] = {};
+    hn::StoreMaskBits(bytes, some, part);
+    std::uint64_t looks = 0;
+    std::memcpy(&looks, part, sizeof(looks));
+    for (; looks != 0; looks &= looks - 1) {
+      add_pairs_of_look(tree, packet, first + static_cast<std::size_t>(std::countr_zero(looks)), first_point, pairs);
     }
   }
-  pairs.count = count;
 }
 
 }  // namespace
@@ -274,7 +315,7 @@ void pairs_of(const TreeView& tree, const BoundList& leaves, const PlaceBox& box
   add_looks(tree, leaves_near_any(tree, leaves, box, asked, packet), nearest, asked, packet);
   look_into(tree, packet, first_looks, packet.looks, asked);
   lower_limits(tree, asked);
-  add_pairs(tree, packet, asked, first_point, pairs);
+  add_pairs(tree, asked, first_point, packet, pairs);
 }
 
 }  // namespace musclebench::HWY_NAMESPACE
@@ -292,6 +333,7 @@ void PacketPoints::make_room(std::size_t leaves) {
     leaf.resize(2 * capacity * needed);
     point.resize(2 * capacity * needed);
     squared.resize(2 * capacity * needed);
+    within.resize(2 * capacity * needed);
   }
 }
 
