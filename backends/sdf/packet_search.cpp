@@ -95,6 +95,8 @@ void PacketSearch::search_bundle(std::span<PointPacket> packets) {
   PlaceBox box = place_box(about);
   list_leaves(m_view, m_nodes, m_box, box, m_near, m_leaves);
   m_pairs.count = 0;
+  const double scale = m_tree->m_scale;
+  const Vec3 centre = m_tree->m_centre_m;
   for (std::size_t p = 0; p < packets.size(); ++p) {
     const PointPacket& packet = packets[p];
     if (packet.count == 0) {
@@ -102,9 +104,10 @@ void PacketSearch::search_bundle(std::span<PointPacket> packets) {
     }
     m_points.count = packet.count;
     for (std::size_t n = 0; n < PointPacket::capacity; ++n) {
-      const std::array<float, 3> own = to_own(packet.point[n < packet.count ? n : 0]);
+      const Vec3& point = packet.point[n < packet.count ? n : 0];
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        m_points.at[axis][n] = own[axis];
+        const auto a = static_cast<Eigen::Index>(axis);
+        m_points.at[axis][n] = static_cast<float>(scale * (point[a] - centre[a]));
       }
     }
     list_pairs(m_view, m_leaves, box, m_points, static_cast<std::int32_t>(p * PointPacket::capacity), m_pairs);
@@ -149,9 +152,13 @@ void PacketSearch::decide(std::span<PointPacket> packets) {
     for (std::size_t n = 0; n < packets[p].count; ++n) {
       assert(first[p * PointPacket::capacity + n] != none);
       const auto pair = static_cast<std::uint32_t>(first[p * PointPacket::capacity + n]);
-      const ClosestOnTriangle closest = m_found[pair / width].at(pair % width);
-      packets[p].closest[n] = {closest.point, std::sqrt(closest.squared_distance_m2), m_pairs.triangle[pair],
-                               closest.feature};
+      const ClosestOnTriangles& eight = m_found[pair / width];
+      const std::size_t lane = pair % width;
+      ClosestPoint& closest = packets[p].closest[n];
+      closest.point = {eight.x[lane], eight.y[lane], eight.z[lane]};
+      closest.distance_m = std::sqrt(eight.squared_distance_m2[lane]);
+      closest.triangle = m_pairs.triangle[pair];
+      closest.feature = static_cast<Feature>(eight.feature[lane]);
     }
   }
 }
