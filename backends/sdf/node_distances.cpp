@@ -168,7 +168,7 @@ class NodeWalk {
   PacketSearch m_search;
   CubicField& m_field;
   std::array<std::vector<double>, 3> m_coordinate;  ///< along each axis: a vertex, the two thirds that follow it
-  Eigen::AlignedBox3d m_box;  ///< of the block's nodes
+  Eigen::AlignedBox3d m_box;                        ///< of the block's nodes
   std::vector<PointPacket> m_packets;
   std::array<Record, block_size> m_records;
   Node m_last;

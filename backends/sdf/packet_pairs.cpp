@@ -19,9 +19,18 @@ HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
 namespace {
 
+/// Points, one a lane.
+using PointLanes = PacketPoints::PointLanes;
+using Points = hn::CappedTag<float, PacketPoints::capacity>;
+using PointVec = hn::Vec<Points>;
+
+HWY_INLINE PointVec load_points(const PointLanes& lanes, std::size_t first) {
+  return hn::Load(Points(), lanes.data() + first);
+}
+
 /// The points of a packet while leaves are looked into.
 struct Asked {
-  alignas(64) TreeLanes limit;  ///< square that no float distance of the closest triangle exceeds
+  alignas(64) PointLanes limit;  ///< square that no float distance of the closest triangle exceeds
   alignas(64) std::array<TreeLanes, PacketPoints::capacity> least;  ///< squared distances, the least of each place
 };
 
@@ -86,7 +95,8 @@ HWY_INLINE void look_into(const TreeView& tree, PacketPoints& packet, std::size_
 /// Lowers the limits to what was seen.
 HWY_INLINE void lower_limits(const TreeView& tree, Asked& asked) {
   const Lanes d;
-  alignas(64) TreeLanes least;
+  const Points dp;
+  alignas(64) PointLanes least;
   for (std::size_t n = 0; n < PacketPoints::capacity; ++n) {
     Vec smallest = load(asked.least[n], 0);
     for (std::size_t first = hn::Lanes(d); first < tree_width; first += hn::Lanes(d)) {
@@ -94,23 +104,23 @@ HWY_INLINE void lower_limits(const TreeView& tree, Asked& asked) {
     }
     least[n] = hn::GetLane(hn::MinOfLanes(d, smallest));
   }
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-    const Vec reach = hn::Add(hn::Sqrt(load(least, first)), hn::Set(d, 2 * tree.slack));
-    const Vec limit = hn::Mul(hn::Mul(reach, reach), hn::Set(d, 1.000001F));
-    hn::Store(hn::Min(load(asked.limit, first), limit), d, asked.limit.data() + first);
+  for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(dp)) {
+    const PointVec reach = hn::Add(hn::Sqrt(load_points(least, first)), hn::Set(dp, 2 * tree.slack));
+    const PointVec limit = hn::Mul(hn::Mul(reach, reach), hn::Set(dp, 1.000001F));
+    hn::Store(hn::Min(load_points(asked.limit, first), limit), dp, asked.limit.data() + first);
   }
 }
 
 /// What is known of the points before.
 HWY_INLINE void start(const TreeView& tree, const PlaceBox& box, const PacketPoints& packet, Asked& asked) {
-  const Lanes d;
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-    Vec limit = hn::Set(d, box.most);
+  const Points d;
+  for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(d)) {
+    PointVec limit = hn::Set(d, box.most);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Vec way = hn::Sub(load(packet.at[axis], first), hn::Set(d, box.middle[axis]));
+      const PointVec way = hn::Sub(load_points(packet.at[axis], first), hn::Set(d, box.middle[axis]));
       limit = hn::MulAdd(hn::Add(hn::Set(d, box.slope[axis]), way), way, limit);
     }
-    const Vec rounding = hn::Add(hn::Sqrt(hn::Max(limit, hn::Zero(d))), hn::Set(d, tree.slack));
+    const PointVec rounding = hn::Add(hn::Sqrt(hn::Max(limit, hn::Zero(d))), hn::Set(d, tree.slack));
     hn::Store(hn::MulAdd(hn::Set(d, tree.slack), rounding, limit), d, asked.limit.data() + first);
   }
   // Nothing is near points that are not there.
@@ -118,9 +128,7 @@ HWY_INLINE void start(const TreeView& tree, const PlaceBox& box, const PacketPoi
     asked.limit[n] = -packet_nowhere;
   }
   for (TreeLanes& least : asked.least) {
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-      hn::Store(hn::Set(d, packet_nowhere), d, least.data() + first);
-    }
+    least.fill(packet_nowhere);
   }
 }
 
@@ -128,19 +136,33 @@ HWY_INLINE std::int32_t leaf_at(const TreeView& tree, std::int32_t child) {
   return ~tree.nodes[static_cast<std::size_t>(child) / tree_width].child[static_cast<std::size_t>(child) % tree_width];
 }
 
-/// Two leaves that are near the middle of the points by their bounds; the same twice where there is only one.
-HWY_INLINE std::array<std::int32_t, 2> nearest_leaves(const TreeView& tree, const BoundList& leaves,
-                                                      const PlaceBox& box, const PacketPoints& packet) {
-  const Lanes d;
+/// Between two points, from the middle of the box.
+HWY_INLINE std::array<float, 3> way_to_middle(const PacketPoints& packet, std::size_t first, std::size_t last,
+                                              const PlaceBox& box) {
   std::array<float, 3> way{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-      way[axis] += hn::GetLane(hn::SumOfLanes(d, load(packet.at[axis], first))) / static_cast<float>(tree_width);
-    }
-    way[axis] -= box.middle[axis];
+    way[axis] = 0.5F * (packet.at[axis][first] + packet.at[axis][last]) - box.middle[axis];
   }
-  const auto [nearest, other] = lowest(leaves, way).two_places();
-  return {leaf_at(tree, leaves.what[nearest]), leaf_at(tree, leaves.what[other])};
+  return way;
+}
+
+/// By their bounds the leaf that is the nearest to the first points and that to the other ones; where it is the same,
+/// one that is nearly as near, or the same twice where there is only one.
+HWY_INLINE std::array<std::int32_t, 2> nearest_leaves(const TreeView& tree, const BoundList& leaves,
+                                                      const PlaceBox& box, const PacketPoints& packet) {
+  const std::size_t others = packet.first_count == packet.count ? 0 : packet.first_count;
+  const std::array<float, 3> way = way_to_middle(packet, 0, packet.first_count - 1, box);
+  const std::array<float, 3> other_way = way_to_middle(packet, others, packet.count - 1, box);
+  Lowest lowest;
+  Lowest lowest_of_others;
+  for (std::size_t first = 0; first < leaves.count; first += hn::Lanes(Wide())) {
+    const WideVec value = hn::LoadU(Wide(), leaves.value.data() + first);
+    lowest.look(bounds_at(leaves, first, value, way), first);
+    lowest_of_others.look(bounds_at(leaves, first, value, other_way), first);
+  }
+  const auto [nearest, second] = lowest.two_places();
+  const std::size_t of_others = lowest_of_others.place();
+  return {leaf_at(tree, leaves.what[nearest]), leaf_at(tree, leaves.what[of_others == nearest ? second : of_others])};
 }
 
 /// Lists the leaves whose bound is within the limit of any of the points; returns how many. A leaf that holds what is
@@ -150,21 +172,21 @@ HWY_INLINE std::array<std::int32_t, 2> nearest_leaves(const TreeView& tree, cons
 /// is 2 slack S.
 HWY_INLINE std::size_t leaves_near_any(const TreeView& tree, const BoundList& leaves, const PlaceBox& box,
                                        const Asked& asked, PacketPoints& packet) {
-  const Lanes d;
+  const Points d;
   const Wide w;
   const hn::RebindToSigned<Wide> wi;
-  alignas(64) std::array<TreeLanes, 3> way;
-  alignas(64) TreeLanes most;
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-    Vec squared_way = hn::Zero(d);
+  alignas(64) std::array<PointLanes, 3> way;
+  alignas(64) PointLanes most;
+  for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(d)) {
+    PointVec squared_way = hn::Zero(d);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Vec part = hn::Sub(load(packet.at[axis], first), hn::Set(d, box.middle[axis]));
+      const PointVec part = hn::Sub(load_points(packet.at[axis], first), hn::Set(d, box.middle[axis]));
       hn::Store(part, d, way[axis].data() + first);
       squared_way = hn::MulAdd(part, part, squared_way);
     }
-    const Vec limit = load(asked.limit, first);
-    const Vec sizes = hn::Add(hn::Sqrt(hn::Max(limit, hn::Zero(d))), hn::Sqrt(squared_way));
-    const Vec rounding = hn::Mul(hn::Set(d, 6 * tree.slack), hn::Add(sizes, hn::Set(d, tree.slack)));
+    const PointVec limit = load_points(asked.limit, first);
+    const PointVec sizes = hn::Add(hn::Sqrt(hn::Max(limit, hn::Zero(d))), hn::Sqrt(squared_way));
+    const PointVec rounding = hn::Mul(hn::Set(d, 6 * tree.slack), hn::Add(sizes, hn::Set(d, tree.slack)));
     hn::Store(hn::Add(hn::Sub(limit, squared_way), rounding), d, most.data() + first);
   }
   std::size_t count = 0;
@@ -188,28 +210,28 @@ HWY_INLINE std::size_t leaves_near_any(const TreeView& tree, const BoundList& le
 }
 
 /// Squared distances of points, one a lane, to the turned box of one child.
-HWY_INLINE Vec squared_to_box(const TreeNode& node, std::size_t place, const Vec3Lanes& point) {
-  const Lanes d;
+HWY_INLINE PointVec squared_to_box(const TreeNode& node, std::size_t place, const Vec3Of<PointVec>& point) {
+  const Points d;
   const auto one = [&](const std::array<TreeLanes, 3>& lanes) HWY_ATTR {
-    return splat({lanes[0][place], lanes[1][place], lanes[2][place]});
+    return Vec3Of<PointVec>{hn::Set(d, lanes[0][place]), hn::Set(d, lanes[1][place]), hn::Set(d, lanes[2][place])};
   };
-  const auto beyond = [&](Vec at, const TreeLanes& lower, const TreeLanes& upper) HWY_ATTR {
-    const Vec out = hn::Max(hn::Sub(hn::Set(d, lower[place]), at), hn::Sub(at, hn::Set(d, upper[place])));
+  const auto beyond = [&](PointVec at, const TreeLanes& lower, const TreeLanes& upper) HWY_ATTR {
+    const PointVec out = hn::Max(hn::Sub(hn::Set(d, lower[place]), at), hn::Sub(at, hn::Set(d, upper[place])));
     return hn::Max(out, hn::Zero(d));
   };
-  const Vec3Lanes normal = one(node.normal);
-  const Vec3Lanes tangent = one(node.tangent);
-  const Vec3Lanes out{beyond(dot(normal, point), node.slab_lower, node.slab_upper),
-                      beyond(dot(tangent, point), node.side_lower[0], node.side_upper[0]),
-                      beyond(dot(cross(normal, tangent), point), node.side_lower[1], node.side_upper[1])};
+  const Vec3Of<PointVec> normal = one(node.normal);
+  const Vec3Of<PointVec> tangent = one(node.tangent);
+  const Vec3Of<PointVec> out{beyond(dot(normal, point), node.slab_lower, node.slab_upper),
+                             beyond(dot(tangent, point), node.side_lower[0], node.side_upper[0]),
+                             beyond(dot(cross(normal, tangent), point), node.side_lower[1], node.side_upper[1])};
   return dot(out, out);
 }
 
 /// Adds looks into the leaves listed as near whose box is within the limit of a point, but not into the `known`.
 HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::array<std::int32_t, 2>& known,
                           const Asked& asked, PacketPoints& packet) {
-  const Lanes d;
-  const IntLanes di;
+  const Points d;
+  const hn::RebindToSigned<Points> di;
   std::size_t looks = packet.looks;
   std::int32_t* HWY_RESTRICT points_of = packet.point.data();
   std::int32_t* HWY_RESTRICT leaf_of = packet.leaf.data();
@@ -220,9 +242,11 @@ HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::arr
     if (leaf == known[0] || leaf == known[1]) {
       continue;
     }
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-      const Vec squared = squared_to_box(node, child % tree_width, load(packet.at, first));
-      const auto kept = hn::RebindMask(di, hn::Le(squared, load(asked.limit, first)));
+    for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(d)) {
+      const Vec3Of<PointVec> at{load_points(packet.at[0], first), load_points(packet.at[1], first),
+                                load_points(packet.at[2], first)};
+      const PointVec squared = squared_to_box(node, child % tree_width, at);
+      const auto kept = hn::RebindMask(di, hn::Le(squared, load_points(asked.limit, first)));
       const auto points = hn::Iota(di, static_cast<std::int32_t>(first));
       hn::StoreU(hn::Compress(points, kept), di, points_of + looks);
       hn::StoreU(hn::Set(di, leaf), di, leaf_of + looks);
@@ -258,21 +282,21 @@ HWY_INLINE void find_within(const Asked& asked, PacketPoints& packet) {
 }
 
 HWY_INLINE void add_pairs_of_look(const TreeView& tree, const PacketPoints& packet, std::size_t look,
-                                  std::int32_t first_point, CandidatePairs& pairs) {
+                                  CandidatePairs& pairs) {
   const IntLanes di;
+  const std::int32_t point = packet.number[static_cast<std::size_t>(packet.point[look])];
   const TreeLeaf& leaf = tree.leaves[packet.leaf[look]];
   for (std::size_t first = 0; first < tree_width; first += hn::Lanes(di)) {
     const std::uint8_t bits[8] = {static_cast<std::uint8_t>(packet.within[look] >> first)};
     const auto near = hn::LoadMaskBits(di, bits);
     hn::StoreU(hn::Compress(hn::Load(di, leaf.triangle.data() + first), near), di, pairs.triangle.data() + pairs.count);
-    hn::StoreU(hn::Set(di, first_point + packet.point[look]), di, pairs.point.data() + pairs.count);
+    hn::StoreU(hn::Set(di, point), di, pairs.point.data() + pairs.count);
     pairs.count += hn::CountTrue(di, near);
   }
 }
 
 /// Few of the looks saw anything that may be the closest: those are found first, many at once.
-HWY_INLINE void add_pairs(const TreeView& tree, const Asked& asked, std::int32_t first_point, PacketPoints& packet,
-                          CandidatePairs& pairs) {
+HWY_INLINE void add_pairs(const TreeView& tree, const Asked& asked, PacketPoints& packet, CandidatePairs& pairs) {
   const hn::CappedTag<std::uint8_t, PacketPoints::looks_at_once> bytes;
   find_within(asked, packet);
   std::fill_n(packet.within.data() + packet.looks, PacketPoints::looks_at_once, std::uint8_t{0});
@@ -284,7 +308,7 @@ HWY_INLINE void add_pairs(const TreeView& tree, const Asked& asked, std::int32_t
     std::uint64_t looks = 0;
     std::memcpy(&looks, part, sizeof(looks));
     for (; looks != 0; looks &= looks - 1) {
-      add_pairs_of_look(tree, packet, first + static_cast<std::size_t>(std::countr_zero(looks)), first_point, pairs);
+      add_pairs_of_look(tree, packet, first + static_cast<std::size_t>(std::countr_zero(looks)), pairs);
     }
   }
 }
@@ -292,7 +316,7 @@ HWY_INLINE void add_pairs(const TreeView& tree, const Asked& asked, std::int32_t
 }  // namespace
 
 void pairs_of(const TreeView& tree, const BoundList& leaves, const PlaceBox& box, PacketPoints& packet,
-              std::int32_t first_point, CandidatePairs& pairs) {
+              CandidatePairs& pairs) {
   if (leaves.count == 0) {
     return;
   }
@@ -315,7 +339,7 @@ void pairs_of(const TreeView& tree, const BoundList& leaves, const PlaceBox& box
   add_looks(tree, leaves_near_any(tree, leaves, box, asked, packet), nearest, asked, packet);
   look_into(tree, packet, first_looks, packet.looks, asked);
   lower_limits(tree, asked);
-  add_pairs(tree, asked, first_point, packet, pairs);
+  add_pairs(tree, asked, packet, pairs);
 }
 
 }  // namespace musclebench::HWY_NAMESPACE
@@ -345,8 +369,8 @@ void CandidatePairs::make_room(std::size_t more) {
 }
 
 void list_pairs(const TreeView& tree, const BoundList& leaves, const PlaceBox& box, PacketPoints& packet,
-                std::int32_t first, CandidatePairs& pairs) {
-  HWY_DYNAMIC_DISPATCH(pairs_of)(tree, leaves, box, packet, first, pairs);
+                CandidatePairs& pairs) {
+  HWY_DYNAMIC_DISPATCH(pairs_of)(tree, leaves, box, packet, pairs);
 }
 
 }  // namespace musclebench

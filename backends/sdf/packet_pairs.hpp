@@ -9,12 +9,15 @@
 
 namespace musclebench {
 
-/// Points of one packet, and the leaves that were looked into for them.
+/// Points that are looked for together, and the leaves that were looked into for them.
 struct PacketPoints {
-  static constexpr std::size_t capacity = 8;
+  static constexpr std::size_t capacity = 16;
+  using PointLanes = std::array<float, capacity>;
 
   std::size_t count = 0;
-  alignas(64) std::array<TreeLanes, 3> at;
+  std::size_t first_count = 0;  ///< of those, but not 0: a part of them that lies closer together than all do
+  alignas(64) std::array<PointLanes, 3> at;   ///< places beyond the count repeat others
+  std::array<std::int32_t, capacity> number;  ///< of each point, for CandidatePairs
 
   std::vector<std::int32_t> near;  ///< leaves that may matter to any of the points, as in BoundList
 
@@ -42,8 +45,8 @@ struct CandidatePairs {
 };
 
 /// Of the leaves that were listed for `box`, adds the triangles that may be the closest of a point of the packet, which
-/// lies in it; its points are numbered from `first`.
+/// lies in it.
 void list_pairs(const TreeView& tree, const BoundList& leaves, const PlaceBox& box, PacketPoints& packet,
-                std::int32_t first, CandidatePairs& pairs);
+                CandidatePairs& pairs);
 
 }  // namespace musclebench
