@@ -24,71 +24,76 @@ using PointLanes = PacketPoints::PointLanes;
 using Points = hn::CappedTag<float, PacketPoints::capacity>;
 using PointVec = hn::Vec<Points>;
 
-HWY_INLINE PointVec load_points(const PointLanes& lanes, std::size_t first) {
-  return hn::Load(Points(), lanes.data() + first);
-}
+HWY_INLINE PointVec load_points(const float* lanes) { return hn::Load(Points(), lanes); }
 
-/// The points of a packet while leaves are looked into.
+/// Who looks where the number of points that look into a leaf is odd; nothing is near that one.
+constexpr std::int32_t nobody = PacketPoints::capacity;
+
+/// The points of a packet, and nobody, while leaves are looked into.
 struct Asked {
-  alignas(64) PointLanes limit;  ///< square that no float distance of the closest triangle exceeds
-  alignas(64) std::array<TreeLanes, PacketPoints::capacity> least;  ///< squared distances, the least of each place
+  /// Squares that no float distance of the closest triangle exceeds.
+  alignas(64) std::array<float, 2 * PacketPoints::capacity> limit;
+  /// Squared distances, the least of each place.
+  alignas(64) std::array<TreeLanes, PacketPoints::capacity + 1> least;
 };
 
-HWY_INLINE void look_into(const TreeView& tree, PacketPoints& packet, std::size_t look, Asked& asked) {
-  const Lanes d;
-  const TreeLeaf& leaf = tree.leaves[packet.leaf[look]];
-  const auto n = static_cast<std::size_t>(packet.point[look]);
-  const Vec3Lanes point = splat({packet.at[0][n], packet.at[1][n], packet.at[2][n]});
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-    const Vec squared = arms_to(TriangleLanes::of(leaf, first), point).squared_length();
-    hn::Store(squared, d, packet.squared[look].to.data() + first);
+HWY_INLINE void keep_least(Vec squared, TreeLanes& least, std::size_t first) {
+  hn::Store(hn::Min(load(least, first), squared), Lanes(), least.data() + first);
+}
+
+#if HWY_MAX_BYTES >= 64
+/// Two points at a time, in vectors that are wide enough for both.
+HWY_INLINE void look_into(const TreeLeaf& leaf, std::size_t look, std::size_t end, PacketPoints& packet, Asked& asked) {
+  const hn::CappedTag<float, 2 * tree_width> twice;
+  using Both = hn::Vec<decltype(twice)>;
+  const auto both = [&](const TreeLanes& lanes) HWY_ATTR {
+    const Vec half = load(lanes, 0);
+    return hn::Combine(twice, half, half);
+  };
+  const auto all = [&](const std::array<TreeLanes, 3>& lanes) HWY_ATTR {
+    return Vec3Of<Both>{both(lanes[0]), both(lanes[1]), both(lanes[2])};
+  };
+  const TrianglesOf<Both> triangles{all(leaf.origin),  all(leaf.along),  all(leaf.up),
+                                    both(leaf.before), both(leaf.after), both(leaf.height)};
+  const auto lower = hn::FirstN(twice, tree_width);
+  for (; look < end; look += 2) {
+    const auto n = static_cast<std::size_t>(packet.point[look]);
+    const auto m = static_cast<std::size_t>(packet.point[look + 1]);
+    const auto at = [&](std::size_t axis) HWY_ATTR {
+      return hn::IfThenElse(lower, hn::Set(twice, packet.at[axis][n]),
+                            hn::Set(twice, packet.at[axis][m % PacketPoints::capacity]));
+    };
+    const Both squared = arms_to(triangles, Vec3Of<Both>{at(0), at(1), at(2)}).squared_length();
+    hn::StoreU(squared, twice, packet.squared[look].to.data());
     if (leaf.needles == 0) {
-      hn::Store(hn::Min(load(asked.least[n], first), squared), d, asked.least[n].data() + first);
+      keep_least(hn::LowerHalf(squared), asked.least[n], 0);
+      keep_least(hn::UpperHalf(Lanes(), squared), asked.least[m], 0);
     }
   }
 }
-
-#if HWY_MAX_BYTES >= 64
-/// Two looks in vectors that are wide enough for both.
-HWY_INLINE void look_into_two(const TreeView& tree, PacketPoints& packet, std::size_t look, Asked& asked) {
+#else
+HWY_INLINE void look_into(const TreeLeaf& leaf, std::size_t look, std::size_t end, PacketPoints& packet, Asked& asked) {
   const Lanes d;
-  const hn::CappedTag<float, 2 * tree_width> twice;
-  using Both = hn::Vec<decltype(twice)>;
-  const TreeLeaf& a = tree.leaves[packet.leaf[look]];
-  const TreeLeaf& b = tree.leaves[packet.leaf[look + 1]];
-  const auto n = static_cast<std::size_t>(packet.point[look]);
-  const auto m = static_cast<std::size_t>(packet.point[look + 1]);
-  const auto both = [&](const TreeLanes& of_a, const TreeLanes& of_b)
-                        HWY_ATTR { return hn::Combine(twice, load(of_b, 0), load(of_a, 0)); };
-  const auto all = [&](const std::array<TreeLanes, 3>& of_a, const std::array<TreeLanes, 3>& of_b) HWY_ATTR {
-    return Vec3Of<Both>{both(of_a[0], of_b[0]), both(of_a[1], of_b[1]), both(of_a[2], of_b[2])};
-  };
-  const auto lower = hn::FirstN(twice, tree_width);
-  const auto at = [&](std::size_t axis) HWY_ATTR {
-    return hn::IfThenElse(lower, hn::Set(twice, packet.at[axis][n]), hn::Set(twice, packet.at[axis][m]));
-  };
-  const TrianglesOf<Both> triangles{all(a.origin, b.origin),  all(a.along, b.along),  all(a.up, b.up),
-                                    both(a.before, b.before), both(a.after, b.after), both(a.height, b.height)};
-  const Both squared = arms_to(triangles, Vec3Of<Both>{at(0), at(1), at(2)}).squared_length();
-  hn::StoreU(squared, twice, packet.squared[look].to.data());
-  if (a.needles == 0) {
-    hn::Store(hn::Min(load(asked.least[n], 0), hn::LowerHalf(squared)), d, asked.least[n].data());
-  }
-  if (b.needles == 0) {
-    hn::Store(hn::Min(load(asked.least[m], 0), hn::UpperHalf(d, squared)), d, asked.least[m].data());
+  for (; look < end && packet.point[look] != nobody; ++look) {
+    const auto n = static_cast<std::size_t>(packet.point[look]);
+    const Vec3Lanes point = splat({packet.at[0][n], packet.at[1][n], packet.at[2][n]});
+    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+      const Vec squared = arms_to(TriangleLanes::of(leaf, first), point).squared_length();
+      hn::Store(squared, d, packet.squared[look].to.data() + first);
+      if (leaf.needles == 0) {
+        keep_least(squared, asked.least[n], first);
+      }
+    }
   }
 }
 #endif
 
-HWY_INLINE void look_into(const TreeView& tree, PacketPoints& packet, std::size_t first, std::size_t end,
-                          Asked& asked) {
-#if HWY_MAX_BYTES >= 64
-  for (; first + 1 < end; first += 2) {
-    look_into_two(tree, packet, first, asked);
-  }
-#endif
-  for (; first < end; ++first) {
-    look_into(tree, packet, first, asked);
+/// Looks into the leaves from the `first` on.
+HWY_INLINE void look_from(const TreeView& tree, std::size_t first, PacketPoints& packet, Asked& asked) {
+  std::size_t look = first == 0 ? 0 : packet.end[first - 1];
+  for (std::size_t l = first; l < packet.looked_into; ++l) {
+    look_into(tree.leaves[packet.leaf_looked[l]], look, packet.end[l], packet, asked);
+    look = packet.end[l];
   }
 }
 
@@ -105,9 +110,9 @@ HWY_INLINE void lower_limits(const TreeView& tree, Asked& asked) {
     least[n] = hn::GetLane(hn::MinOfLanes(d, smallest));
   }
   for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(dp)) {
-    const PointVec reach = hn::Add(hn::Sqrt(load_points(least, first)), hn::Set(dp, 2 * tree.slack));
+    const PointVec reach = hn::Add(hn::Sqrt(load_points(least.data() + first)), hn::Set(dp, 2 * tree.slack));
     const PointVec limit = hn::Mul(hn::Mul(reach, reach), hn::Set(dp, 1.000001F));
-    hn::Store(hn::Min(load_points(asked.limit, first), limit), dp, asked.limit.data() + first);
+    hn::Store(hn::Min(load_points(asked.limit.data() + first), limit), dp, asked.limit.data() + first);
   }
 }
 
@@ -117,14 +122,14 @@ HWY_INLINE void start(const TreeView& tree, const PlaceBox& box, const PacketPoi
   for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(d)) {
     PointVec limit = hn::Set(d, box.most);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const PointVec way = hn::Sub(load_points(packet.at[axis], first), hn::Set(d, box.middle[axis]));
+      const PointVec way = hn::Sub(load_points(packet.at[axis].data() + first), hn::Set(d, box.middle[axis]));
       limit = hn::MulAdd(hn::Add(hn::Set(d, box.slope[axis]), way), way, limit);
     }
     const PointVec rounding = hn::Add(hn::Sqrt(hn::Max(limit, hn::Zero(d))), hn::Set(d, tree.slack));
     hn::Store(hn::MulAdd(hn::Set(d, tree.slack), rounding, limit), d, asked.limit.data() + first);
   }
   // Nothing is near points that are not there.
-  for (std::size_t n = packet.count; n < PacketPoints::capacity; ++n) {
+  for (std::size_t n = packet.count; n <= PacketPoints::capacity; ++n) {
     asked.limit[n] = -packet_nowhere;
   }
   for (TreeLanes& least : asked.least) {
@@ -180,11 +185,11 @@ HWY_INLINE std::size_t leaves_near_any(const TreeView& tree, const BoundList& le
   for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(d)) {
     PointVec squared_way = hn::Zero(d);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const PointVec part = hn::Sub(load_points(packet.at[axis], first), hn::Set(d, box.middle[axis]));
+      const PointVec part = hn::Sub(load_points(packet.at[axis].data() + first), hn::Set(d, box.middle[axis]));
       hn::Store(part, d, way[axis].data() + first);
       squared_way = hn::MulAdd(part, part, squared_way);
     }
-    const PointVec limit = load_points(asked.limit, first);
+    const PointVec limit = load_points(asked.limit.data() + first);
     const PointVec sizes = hn::Add(hn::Sqrt(hn::Max(limit, hn::Zero(d))), hn::Sqrt(squared_way));
     const PointVec rounding = hn::Mul(hn::Set(d, 6 * tree.slack), hn::Add(sizes, hn::Set(d, tree.slack)));
     hn::Store(hn::Add(hn::Sub(limit, squared_way), rounding), d, most.data() + first);
@@ -227,6 +232,16 @@ HWY_INLINE PointVec squared_to_box(const TreeNode& node, std::size_t place, cons
   return dot(out, out);
 }
 
+HWY_INLINE void add_looks_of_all(std::int32_t leaf, PacketPoints& packet) {
+  const std::size_t rounded_up = packet.count + packet.count % 2;
+  for (std::size_t n = 0; n < rounded_up; ++n) {
+    packet.leaf[packet.looks] = leaf;
+    packet.point[packet.looks++] = n < packet.count ? static_cast<std::int32_t>(n) : nobody;
+  }
+  packet.leaf_looked[packet.looked_into] = leaf;
+  packet.end[packet.looked_into++] = packet.looks;
+}
+
 /// Adds looks into the leaves listed as near whose box is within the limit of a point, but not into the `known`.
 HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::array<std::int32_t, 2>& known,
                           const Asked& asked, PacketPoints& packet) {
@@ -242,16 +257,22 @@ HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::arr
     if (leaf == known[0] || leaf == known[1]) {
       continue;
     }
+    const std::size_t before = looks;
     for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(d)) {
-      const Vec3Of<PointVec> at{load_points(packet.at[0], first), load_points(packet.at[1], first),
-                                load_points(packet.at[2], first)};
+      const Vec3Of<PointVec> at{load_points(packet.at[0].data() + first), load_points(packet.at[1].data() + first),
+                                load_points(packet.at[2].data() + first)};
       const PointVec squared = squared_to_box(node, child % tree_width, at);
-      const auto kept = hn::RebindMask(di, hn::Le(squared, load_points(asked.limit, first)));
+      const auto kept = hn::RebindMask(di, hn::Le(squared, load_points(asked.limit.data() + first)));
       const auto points = hn::Iota(di, static_cast<std::int32_t>(first));
       hn::StoreU(hn::Compress(points, kept), di, points_of + looks);
       hn::StoreU(hn::Set(di, leaf), di, leaf_of + looks);
       looks += hn::CountTrue(di, kept);
     }
+    points_of[looks] = nobody;
+    looks += (looks - before) % 2;
+    packet.leaf_looked[packet.looked_into] = leaf;
+    packet.end[packet.looked_into] = looks;
+    packet.looked_into += looks != before ? 1 : 0;
   }
   packet.looks = looks;
 }
@@ -326,18 +347,15 @@ void pairs_of(const TreeView& tree, const BoundList& leaves, const PlaceBox& box
   start(tree, box, packet, asked);
   const std::array<std::int32_t, 2> nearest = nearest_leaves(tree, leaves, box, packet);
   packet.looks = 0;
+  packet.looked_into = 0;
   for (std::size_t l = 0; l < (nearest[0] == nearest[1] ? 1 : 2); ++l) {
-    for (std::size_t n = 0; n < packet.count; ++n) {
-      packet.leaf[packet.looks] = nearest[l];
-      packet.point[packet.looks] = static_cast<std::int32_t>(n);
-      ++packet.looks;
-    }
+    add_looks_of_all(nearest[l], packet);
   }
-  const std::size_t first_looks = packet.looks;
-  look_into(tree, packet, 0, first_looks, asked);
+  const std::size_t first_leaves = packet.looked_into;
+  look_from(tree, 0, packet, asked);
   lower_limits(tree, asked);
   add_looks(tree, leaves_near_any(tree, leaves, box, asked, packet), nearest, asked, packet);
-  look_into(tree, packet, first_looks, packet.looks, asked);
+  look_from(tree, first_leaves, packet, asked);
   lower_limits(tree, asked);
   add_pairs(tree, asked, packet, pairs);
 }
@@ -356,6 +374,8 @@ void PacketPoints::make_room(std::size_t leaves) {
     near.resize(2 * needed);
     leaf.resize(2 * capacity * needed);
     point.resize(2 * capacity * needed);
+    leaf_looked.resize(2 * needed);
+    end.resize(2 * needed);
     squared.resize(2 * capacity * needed);
     within.resize(2 * capacity * needed);
   }

@@ -25,6 +25,9 @@ struct PacketPoints {
   struct alignas(32) Squared {
     TreeLanes to;
   };
+  std::size_t looked_into = 0;  ///< leaves, each by the looks up to its end
+  std::vector<std::int32_t> leaf_looked;
+  std::vector<std::size_t> end;
   std::size_t looks = 0;
   std::vector<std::int32_t> leaf;
   std::vector<std::int32_t> point;
