@@ -78,8 +78,17 @@ HWY_INLINE Line line_of(const std::array<CellLanes, 4>& corners, std::size_t fro
   return {at(corners[0], from), at(corners[1], from), at(corners[2], from), at(corners[3], from), p};
 }
 
-HWY_INLINE Vec largest_step(Vec largest, const CellLanes& a, const CellLanes& b, std::size_t from) {
-  return hn::Max(largest, hn::Abs(hn::Sub(at(b, from), at(a, from))));
+/// Between neighbours along the axis on which coefficients stand `step` apart.
+template <std::size_t step>
+HWY_INLINE Vec largest_rise(const std::array<CellLanes, 64>& coefficient, std::size_t from) {
+  Vec largest = hn::Zero(Lanes());
+  for (std::size_t line = 0; line < 64; line += 4 * step) {
+    for (std::size_t place = line; place < line + 3 * step; ++place) {
+      const Vec rise = hn::Sub(at(coefficient[place + step], from), at(coefficient[place], from));
+      largest = hn::Max(largest, hn::Abs(rise));
+    }
+  }
+  return largest;
 }
 
 }  // namespace
@@ -131,16 +140,11 @@ void bound(const CellsInLanes& cells, const std::array<double, 3>& cell_size_m, 
     hn::Store(lowest, d, bounds.lowest.data() + from);
     hn::Store(highest, d, bounds.highest.data() + from);
     // Raised to one degree, coefficients of a derivative are means of those before.
+    const std::array<Vec, 3> rise{largest_rise<16>(coefficient, from), largest_rise<4>(coefficient, from),
+                                  largest_rise<1>(coefficient, from)};
     Vec squared = hn::Zero(d);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::size_t step = axis == 0 ? 16 : (axis == 1 ? 4 : 1);
-      Vec largest = hn::Zero(d);
-      for (std::size_t place = 0; place < 64; ++place) {
-        if (place / step % 4 < 3) {
-          largest = largest_step(largest, coefficient[place], coefficient[place + step], from);
-        }
-      }
-      const Vec slope = hn::Mul(largest, hn::Set(d, 3 / cell_size_m[axis]));
+      const Vec slope = hn::Mul(rise[axis], hn::Set(d, 3 / cell_size_m[axis]));
       squared = hn::Add(squared, hn::Mul(slope, slope));
     }
     hn::Store(hn::Sqrt(squared), d, bounds.steepest.data() + from);

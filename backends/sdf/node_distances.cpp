@@ -17,8 +17,12 @@ namespace {
 constexpr std::size_t block_edge = 4;
 constexpr std::size_t block_size = block_edge * block_edge * block_edge;
 
-/// Of the six nodes on the edges that leave a grid vertex.
-constexpr std::array<std::size_t, 6> edge_axis{1, 1, 2, 2, 0, 0};
+/// Of the three edges that leave a grid vertex, in the order of their nodes in its record.
+constexpr std::array<std::size_t, 3> edge_axis{1, 2, 0};
+
+/// Where the nodes of a record stand, in thirds of a cell from its vertex.
+constexpr std::array<std::array<std::size_t, 3>, GridShape::record_size> thirds_away{
+    {{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 0, 1}, {0, 0, 2}, {1, 0, 0}, {2, 0, 0}}};
 
 using Index = std::array<std::size_t, 3>;
 
@@ -69,7 +73,16 @@ Index place_in_block(std::size_t number) {
 class NodeWalk {
  public:
   NodeWalk(const SignedSurface& surface, CubicField& field)
-      : m_surface(surface), m_search(surface.tree()), m_field(field), m_packets(block_size) {}
+      : m_surface(surface), m_search(surface.tree()), m_field(field), m_packets(block_size) {
+    const GridShape& shape = field.shape();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<Eigen::Index>(axis);
+      for (std::size_t third = 0; third < 3 * (shape.count(axis) + 1); ++third) {
+        const double cells = static_cast<double>(third / 3) + static_cast<double>(third % 3) / 3;
+        m_coordinate[axis].push_back(shape.lower_m[a] + shape.cell_size_m[a] * cells);
+      }
+    }
+  }
 
   /// Blocks that follow are filled as if they were the first: which ones a thread has filled before is chance.
   void forget_side() { m_knows_side = false; }
@@ -112,29 +125,32 @@ class NodeWalk {
     PointPacket& packet = m_packets[number];
     Record& record = m_records[number];
     record.place = *place;
-    const auto add = [&](std::size_t offset, const Vec3& cells) {
+    const auto at = [&](std::size_t axis, std::size_t thirds) { return m_coordinate[axis][3 * vertex[axis] + thirds]; };
+    const auto add = [&](std::size_t offset) {
+      const std::array<std::size_t, 3>& away = thirds_away[offset];
       record.offset[packet.count] = offset;
-      packet.add(shape.lower_m + shape.cell_size_m.cwiseProduct(cells));
-      m_box.extend(packet.point[packet.count - 1]);
+      packet.add({at(0, away[0]), at(1, away[1]), at(2, away[2])});
     };
-    const Vec3 cells(static_cast<double>(vertex[0]), static_cast<double>(vertex[1]), static_cast<double>(vertex[2]));
-    add(0, cells);
-    for (std::size_t edge_node = 0; edge_node < edge_axis.size(); ++edge_node) {
-      const std::size_t axis = edge_axis[edge_node];
+    add(0);
+    m_box.extend(packet.point[0]);
+    for (std::size_t edge = 0; edge < edge_axis.size(); ++edge) {
+      const std::size_t axis = edge_axis[edge];
       if (has_cell_at_edge(m_field, vertex, axis)) {
-        Vec3 on_edge = cells;
-        on_edge[static_cast<Eigen::Index>(axis)] += static_cast<double>(1 + edge_node % 2) / 3;
-        add(edge_node + 1, on_edge);
+        add(2 * edge + 1);
+        add(2 * edge + 2);
+        double& highest = m_box.max()[static_cast<Eigen::Index>(axis)];
+        highest = std::max(highest, at(axis, 2));
       }
     }
   }
 
   void store(const PointPacket& packet, const Record& record) {
     for (std::size_t n = 0; n < packet.count; ++n) {
-      const Node node{packet.point[n], packet.closest[n], is_inside(packet.point[n], packet.closest[n])};
-      m_field.store(record.place + record.offset[n], node.inside ? -node.closest.distance_m : node.closest.distance_m);
+      const ClosestPoint& closest = packet.closest[n];
+      const bool inside = is_inside(packet.point[n], closest);
+      m_field.store(record.place + record.offset[n], inside ? -closest.distance_m : closest.distance_m);
       if (n == 0) {
-        m_last = node;  // the others of the record are next to it, too
+        m_last = {packet.point[n], closest, inside};  // the others of the record are next to it, too
         m_knows_side = true;
       }
     }
@@ -151,7 +167,8 @@ class NodeWalk {
   const SignedSurface& m_surface;
   PacketSearch m_search;
   CubicField& m_field;
-  Eigen::AlignedBox3d m_box;  ///< of the block's nodes
+  std::array<std::vector<double>, 3> m_coordinate;  ///< along each axis: a vertex, the two thirds that follow it
+  Eigen::AlignedBox3d m_box;                        ///< of the block's nodes
   std::vector<PointPacket> m_packets;
   std::array<Record, block_size> m_records;
   Node m_last;

@@ -1,7 +1,9 @@
 #include "backends/sdf/packet_pairs.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
@@ -17,74 +19,89 @@ HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
 namespace {
 
-/// The points of a packet while leaves are looked into.
+/// Points, one a lane.
+using PointLanes = PacketPoints::PointLanes;
+using Points = hn::CappedTag<float, PacketPoints::capacity>;
+using PointVec = hn::Vec<Points>;
+
+HWY_INLINE PointVec load_points(const float* lanes) { return hn::Load(Points(), lanes); }
+
+/// Who looks where the number of points that look into a leaf is odd; nothing is near that one.
+constexpr std::int32_t nobody = PacketPoints::capacity;
+
+/// The points of a packet, and nobody, while leaves are looked into.
 struct Asked {
-  alignas(64) TreeLanes limit;  ///< square that no float distance of the closest triangle exceeds
-  alignas(64) std::array<TreeLanes, PacketPoints::capacity> least;  ///< squared distances, the least of each place
+  /// Squares that no float distance of the closest triangle exceeds.
+  alignas(64) std::array<float, 2 * PacketPoints::capacity> limit;
+  /// Squared distances, the least of each place.
+  alignas(64) std::array<TreeLanes, PacketPoints::capacity + 1> least;
 };
 
-HWY_INLINE void look_into(const TreeView& tree, PacketPoints& packet, std::size_t look, Asked& asked) {
-  const Lanes d;
-  const TreeLeaf& leaf = tree.leaves[packet.leaf[look]];
-  const auto n = static_cast<std::size_t>(packet.point[look]);
-  const Vec3Lanes point = splat({packet.at[0][n], packet.at[1][n], packet.at[2][n]});
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-    const Vec squared = arms_to(TriangleLanes::of(leaf, first), point).squared_length();
-    hn::Store(squared, d, packet.squared[look].to.data() + first);
+HWY_INLINE void keep_least(Vec squared, TreeLanes& least, std::size_t first) {
+  hn::Store(hn::Min(load(least, first), squared), Lanes(), least.data() + first);
+}
+
+#if HWY_MAX_BYTES >= 64
+/// Two points at a time, in vectors that are wide enough for both.
+HWY_INLINE void look_into(const TreeLeaf& leaf, std::size_t look, std::size_t end, PacketPoints& packet, Asked& asked) {
+  const hn::CappedTag<float, 2 * tree_width> twice;
+  using Both = hn::Vec<decltype(twice)>;
+  const auto both = [&](const TreeLanes& lanes) HWY_ATTR {
+    const Vec half = load(lanes, 0);
+    return hn::Combine(twice, half, half);
+  };
+  const auto all = [&](const std::array<TreeLanes, 3>& lanes) HWY_ATTR {
+    return Vec3Of<Both>{both(lanes[0]), both(lanes[1]), both(lanes[2])};
+  };
+  const TrianglesOf<Both> triangles{all(leaf.origin),  all(leaf.along),  all(leaf.up),
+                                    both(leaf.before), both(leaf.after), both(leaf.height)};
+  const auto lower = hn::FirstN(twice, tree_width);
+  for (; look < end; look += 2) {
+    const auto n = static_cast<std::size_t>(packet.point[look]);
+    const auto m = static_cast<std::size_t>(packet.point[look + 1]);
+    const auto at = [&](std::size_t axis) HWY_ATTR {
+      return hn::IfThenElse(lower, hn::Set(twice, packet.at[axis][n]),
+                            hn::Set(twice, packet.at[axis][m % PacketPoints::capacity]));
+    };
+    const Both squared = arms_to(triangles, Vec3Of<Both>{at(0), at(1), at(2)}).squared_length();
+    hn::StoreU(squared, twice, packet.squared[look].to.data());
     if (leaf.needles == 0) {
-      hn::Store(hn::Min(load(asked.least[n], first), squared), d, asked.least[n].data() + first);
+      keep_least(hn::LowerHalf(squared), asked.least[n], 0);
+      keep_least(hn::UpperHalf(Lanes(), squared), asked.least[m], 0);
     }
   }
 }
-
-#if HWY_MAX_BYTES >= 64
-/// Two looks in vectors that are wide enough for both.
-HWY_INLINE void look_into_two(const TreeView& tree, PacketPoints& packet, std::size_t look, Asked& asked) {
+#else
+HWY_INLINE void look_into(const TreeLeaf& leaf, std::size_t look, std::size_t end, PacketPoints& packet, Asked& asked) {
   const Lanes d;
-  const hn::CappedTag<float, 2 * tree_width> twice;
-  using Both = hn::Vec<decltype(twice)>;
-  const TreeLeaf& a = tree.leaves[packet.leaf[look]];
-  const TreeLeaf& b = tree.leaves[packet.leaf[look + 1]];
-  const auto n = static_cast<std::size_t>(packet.point[look]);
-  const auto m = static_cast<std::size_t>(packet.point[look + 1]);
-  const auto both = [&](const TreeLanes& of_a, const TreeLanes& of_b)
-                        HWY_ATTR { return hn::Combine(twice, load(of_b, 0), load(of_a, 0)); };
-  const auto all = [&](const std::array<TreeLanes, 3>& of_a, const std::array<TreeLanes, 3>& of_b) HWY_ATTR {
-    return Vec3Of<Both>{both(of_a[0], of_b[0]), both(of_a[1], of_b[1]), both(of_a[2], of_b[2])};
-  };
-  const auto lower = hn::FirstN(twice, tree_width);
-  const auto at = [&](std::size_t axis) HWY_ATTR {
-    return hn::IfThenElse(lower, hn::Set(twice, packet.at[axis][n]), hn::Set(twice, packet.at[axis][m]));
-  };
-  const TrianglesOf<Both> triangles{all(a.origin, b.origin),  all(a.along, b.along),  all(a.up, b.up),
-                                    both(a.before, b.before), both(a.after, b.after), both(a.height, b.height)};
-  const Both squared = arms_to(triangles, Vec3Of<Both>{at(0), at(1), at(2)}).squared_length();
-  hn::StoreU(squared, twice, packet.squared[look].to.data());
-  if (a.needles == 0) {
-    hn::Store(hn::Min(load(asked.least[n], 0), hn::LowerHalf(squared)), d, asked.least[n].data());
-  }
-  if (b.needles == 0) {
-    hn::Store(hn::Min(load(asked.least[m], 0), hn::UpperHalf(d, squared)), d, asked.least[m].data());
+  for (; look < end && packet.point[look] != nobody; ++look) {
+    const auto n = static_cast<std::size_t>(packet.point[look]);
+    const Vec3Lanes point = splat({packet.at[0][n], packet.at[1][n], packet.at[2][n]});
+    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+      const Vec squared = arms_to(TriangleLanes::of(leaf, first), point).squared_length();
+      hn::Store(squared, d, packet.squared[look].to.data() + first);
+      if (leaf.needles == 0) {
+        keep_least(squared, asked.least[n], first);
+      }
+    }
   }
 }
 #endif
 
-HWY_INLINE void look_into(const TreeView& tree, PacketPoints& packet, std::size_t first, std::size_t end,
-                          Asked& asked) {
-#if HWY_MAX_BYTES >= 64
-  for (; first + 1 < end; first += 2) {
-    look_into_two(tree, packet, first, asked);
-  }
-#endif
-  for (; first < end; ++first) {
-    look_into(tree, packet, first, asked);
+/// Looks into the leaves from the `first` on.
+HWY_INLINE void look_from(const TreeView& tree, std::size_t first, PacketPoints& packet, Asked& asked) {
+  std::size_t look = first == 0 ? 0 : packet.end[first - 1];
+  for (std::size_t l = first; l < packet.looked_into; ++l) {
+    look_into(tree.leaves[packet.leaf_looked[l]], look, packet.end[l], packet, asked);
+    look = packet.end[l];
   }
 }
 
 /// Lowers the limits to what was seen.
 HWY_INLINE void lower_limits(const TreeView& tree, Asked& asked) {
   const Lanes d;
-  alignas(64) TreeLanes least;
+  const Points dp;
+  alignas(64) PointLanes least;
   for (std::size_t n = 0; n < PacketPoints::capacity; ++n) {
     Vec smallest = load(asked.least[n], 0);
     for (std::size_t first = hn::Lanes(d); first < tree_width; first += hn::Lanes(d)) {
@@ -92,33 +109,31 @@ HWY_INLINE void lower_limits(const TreeView& tree, Asked& asked) {
     }
     least[n] = hn::GetLane(hn::MinOfLanes(d, smallest));
   }
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-    const Vec reach = hn::Add(hn::Sqrt(load(least, first)), hn::Set(d, 2 * tree.slack));
-    const Vec limit = hn::Mul(hn::Mul(reach, reach), hn::Set(d, 1.000001F));
-    hn::Store(hn::Min(load(asked.limit, first), limit), d, asked.limit.data() + first);
+  for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(dp)) {
+    const PointVec reach = hn::Add(hn::Sqrt(load_points(least.data() + first)), hn::Set(dp, 2 * tree.slack));
+    const PointVec limit = hn::Mul(hn::Mul(reach, reach), hn::Set(dp, 1.000001F));
+    hn::Store(hn::Min(load_points(asked.limit.data() + first), limit), dp, asked.limit.data() + first);
   }
 }
 
 /// What is known of the points before.
 HWY_INLINE void start(const TreeView& tree, const PlaceBox& box, const PacketPoints& packet, Asked& asked) {
-  const Lanes d;
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-    Vec limit = hn::Set(d, box.most);
+  const Points d;
+  for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(d)) {
+    PointVec limit = hn::Set(d, box.most);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Vec way = hn::Sub(load(packet.at[axis], first), hn::Set(d, box.middle[axis]));
+      const PointVec way = hn::Sub(load_points(packet.at[axis].data() + first), hn::Set(d, box.middle[axis]));
       limit = hn::MulAdd(hn::Add(hn::Set(d, box.slope[axis]), way), way, limit);
     }
-    const Vec rounding = hn::Add(hn::Sqrt(hn::Max(limit, hn::Zero(d))), hn::Set(d, tree.slack));
+    const PointVec rounding = hn::Add(hn::Sqrt(hn::Max(limit, hn::Zero(d))), hn::Set(d, tree.slack));
     hn::Store(hn::MulAdd(hn::Set(d, tree.slack), rounding, limit), d, asked.limit.data() + first);
   }
   // Nothing is near points that are not there.
-  for (std::size_t n = packet.count; n < PacketPoints::capacity; ++n) {
+  for (std::size_t n = packet.count; n <= PacketPoints::capacity; ++n) {
     asked.limit[n] = -packet_nowhere;
   }
   for (TreeLanes& least : asked.least) {
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-      hn::Store(hn::Set(d, packet_nowhere), d, least.data() + first);
-    }
+    least.fill(packet_nowhere);
   }
 }
 
@@ -126,19 +141,33 @@ HWY_INLINE std::int32_t leaf_at(const TreeView& tree, std::int32_t child) {
   return ~tree.nodes[static_cast<std::size_t>(child) / tree_width].child[static_cast<std::size_t>(child) % tree_width];
 }
 
-/// Two leaves that are near the middle of the points by their bounds; the same twice where there is only one.
-HWY_INLINE std::array<std::int32_t, 2> nearest_leaves(const TreeView& tree, const BoundList& leaves,
-                                                      const PlaceBox& box, const PacketPoints& packet) {
-  const Lanes d;
+/// Between two points, from the middle of the box.
+HWY_INLINE std::array<float, 3> way_to_middle(const PacketPoints& packet, std::size_t first, std::size_t last,
+                                              const PlaceBox& box) {
   std::array<float, 3> way{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-      way[axis] += hn::GetLane(hn::SumOfLanes(d, load(packet.at[axis], first))) / static_cast<float>(tree_width);
-    }
-    way[axis] -= box.middle[axis];
+    way[axis] = 0.5F * (packet.at[axis][first] + packet.at[axis][last]) - box.middle[axis];
   }
-  const auto [nearest, other] = lowest(leaves, way).two_places();
-  return {leaf_at(tree, leaves.what[nearest]), leaf_at(tree, leaves.what[other])};
+  return way;
+}
+
+/// By their bounds the leaf that is the nearest to the first points and that to the other ones; where it is the same,
+/// one that is nearly as near, or the same twice where there is only one.
+HWY_INLINE std::array<std::int32_t, 2> nearest_leaves(const TreeView& tree, const BoundList& leaves,
+                                                      const PlaceBox& box, const PacketPoints& packet) {
+  const std::size_t others = packet.first_count == packet.count ? 0 : packet.first_count;
+  const std::array<float, 3> way = way_to_middle(packet, 0, packet.first_count - 1, box);
+  const std::array<float, 3> other_way = way_to_middle(packet, others, packet.count - 1, box);
+  Lowest lowest;
+  Lowest lowest_of_others;
+  for (std::size_t first = 0; first < leaves.count; first += hn::Lanes(Wide())) {
+    const WideVec value = hn::LoadU(Wide(), leaves.value.data() + first);
+    lowest.look(bounds_at(leaves, first, value, way), first);
+    lowest_of_others.look(bounds_at(leaves, first, value, other_way), first);
+  }
+  const auto [nearest, second] = lowest.two_places();
+  const std::size_t of_others = lowest_of_others.place();
+  return {leaf_at(tree, leaves.what[nearest]), leaf_at(tree, leaves.what[of_others == nearest ? second : of_others])};
 }
 
 /// Lists the leaves whose bound is within the limit of any of the points; returns how many. A leaf that holds what is
@@ -148,21 +177,21 @@ HWY_INLINE std::array<std::int32_t, 2> nearest_leaves(const TreeView& tree, cons
 /// is 2 slack S.
 HWY_INLINE std::size_t leaves_near_any(const TreeView& tree, const BoundList& leaves, const PlaceBox& box,
                                        const Asked& asked, PacketPoints& packet) {
-  const Lanes d;
+  const Points d;
   const Wide w;
   const hn::RebindToSigned<Wide> wi;
-  alignas(64) std::array<TreeLanes, 3> way;
-  alignas(64) TreeLanes most;
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-    Vec squared_way = hn::Zero(d);
+  alignas(64) std::array<PointLanes, 3> way;
+  alignas(64) PointLanes most;
+  for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(d)) {
+    PointVec squared_way = hn::Zero(d);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Vec part = hn::Sub(load(packet.at[axis], first), hn::Set(d, box.middle[axis]));
+      const PointVec part = hn::Sub(load_points(packet.at[axis].data() + first), hn::Set(d, box.middle[axis]));
       hn::Store(part, d, way[axis].data() + first);
       squared_way = hn::MulAdd(part, part, squared_way);
     }
-    const Vec limit = load(asked.limit, first);
-    const Vec sizes = hn::Add(hn::Sqrt(hn::Max(limit, hn::Zero(d))), hn::Sqrt(squared_way));
-    const Vec rounding = hn::Mul(hn::Set(d, 6 * tree.slack), hn::Add(sizes, hn::Set(d, tree.slack)));
+    const PointVec limit = load_points(asked.limit.data() + first);
+    const PointVec sizes = hn::Add(hn::Sqrt(hn::Max(limit, hn::Zero(d))), hn::Sqrt(squared_way));
+    const PointVec rounding = hn::Mul(hn::Set(d, 6 * tree.slack), hn::Add(sizes, hn::Set(d, tree.slack)));
     hn::Store(hn::Add(hn::Sub(limit, squared_way), rounding), d, most.data() + first);
   }
   std::size_t count = 0;
@@ -186,28 +215,41 @@ HWY_INLINE std::size_t leaves_near_any(const TreeView& tree, const BoundList& le
 }
 
 /// Squared distances of points, one a lane, to the turned box of one child.
-HWY_INLINE Vec squared_to_box(const TreeNode& node, std::size_t place, const Vec3Lanes& point) {
-  const Lanes d;
+HWY_INLINE PointVec squared_to_box(const TreeNode& node, std::size_t place, const Vec3Of<PointVec>& point) {
+  const Points d;
   const auto one = [&](const std::array<TreeLanes, 3>& lanes) HWY_ATTR {
-    return splat({lanes[0][place], lanes[1][place], lanes[2][place]});
+    return Vec3Of<PointVec>{hn::Set(d, lanes[0][place]), hn::Set(d, lanes[1][place]), hn::Set(d, lanes[2][place])};
   };
-  const auto beyond = [&](Vec at, const TreeLanes& lower, const TreeLanes& upper) HWY_ATTR {
-    const Vec out = hn::Max(hn::Sub(hn::Set(d, lower[place]), at), hn::Sub(at, hn::Set(d, upper[place])));
+  const auto beyond = [&](PointVec at, const TreeLanes& lower, const TreeLanes& upper) HWY_ATTR {
+    const PointVec out = hn::Max(hn::Sub(hn::Set(d, lower[place]), at), hn::Sub(at, hn::Set(d, upper[place])));
     return hn::Max(out, hn::Zero(d));
   };
-  const Vec3Lanes normal = one(node.normal);
-  const Vec3Lanes tangent = one(node.tangent);
-  const Vec3Lanes out{beyond(dot(normal, point), node.slab_lower, node.slab_upper),
-                      beyond(dot(tangent, point), node.side_lower[0], node.side_upper[0]),
-                      beyond(dot(cross(normal, tangent), point), node.side_lower[1], node.side_upper[1])};
+  const Vec3Of<PointVec> normal = one(node.normal);
+  const Vec3Of<PointVec> tangent = one(node.tangent);
+  const Vec3Of<PointVec> out{beyond(dot(normal, point), node.slab_lower, node.slab_upper),
+                             beyond(dot(tangent, point), node.side_lower[0], node.side_upper[0]),
+                             beyond(dot(cross(normal, tangent), point), node.side_lower[1], node.side_upper[1])};
   return dot(out, out);
+}
+
+HWY_INLINE void add_looks_of_all(std::int32_t leaf, PacketPoints& packet) {
+  const std::size_t rounded_up = packet.count + packet.count % 2;
+  for (std::size_t n = 0; n < rounded_up; ++n) {
+    packet.leaf[packet.looks] = leaf;
+    packet.point[packet.looks++] = n < packet.count ? static_cast<std::int32_t>(n) : nobody;
+  }
+  packet.leaf_looked[packet.looked_into] = leaf;
+  packet.end[packet.looked_into++] = packet.looks;
 }
 
 /// Adds looks into the leaves listed as near whose box is within the limit of a point, but not into the `known`.
 HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::array<std::int32_t, 2>& known,
                           const Asked& asked, PacketPoints& packet) {
-  const Lanes d;
-  const IntLanes di;
+  const Points d;
+  const hn::RebindToSigned<Points> di;
+  std::size_t looks = packet.looks;
+  std::int32_t* HWY_RESTRICT points_of = packet.point.data();
+  std::int32_t* HWY_RESTRICT leaf_of = packet.leaf.data();
   for (std::size_t l = 0; l < near; ++l) {
     const auto child = static_cast<std::size_t>(packet.near[l]);
     const TreeNode& node = tree.nodes[child / tree_width];
@@ -215,43 +257,87 @@ HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::arr
     if (leaf == known[0] || leaf == known[1]) {
       continue;
     }
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-      const Vec squared = squared_to_box(node, child % tree_width, load(packet.at, first));
-      const auto kept = hn::RebindMask(di, hn::Le(squared, load(asked.limit, first)));
+    const std::size_t before = looks;
+    for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(d)) {
+      const Vec3Of<PointVec> at{load_points(packet.at[0].data() + first), load_points(packet.at[1].data() + first),
+                                load_points(packet.at[2].data() + first)};
+      const PointVec squared = squared_to_box(node, child % tree_width, at);
+      const auto kept = hn::RebindMask(di, hn::Le(squared, load_points(asked.limit.data() + first)));
       const auto points = hn::Iota(di, static_cast<std::int32_t>(first));
-      hn::StoreU(hn::Compress(points, kept), di, packet.point.data() + packet.looks);
-      hn::StoreU(hn::Set(di, leaf), di, packet.leaf.data() + packet.looks);
-      packet.looks += hn::CountTrue(di, kept);
+      hn::StoreU(hn::Compress(points, kept), di, points_of + looks);
+      hn::StoreU(hn::Set(di, leaf), di, leaf_of + looks);
+      looks += hn::CountTrue(di, kept);
     }
+    points_of[looks] = nobody;
+    looks += (looks - before) % 2;
+    packet.leaf_looked[packet.looked_into] = leaf;
+    packet.end[packet.looked_into] = looks;
+    packet.looked_into += looks != before ? 1 : 0;
+  }
+  packet.looks = looks;
+}
+
+/// For each look a byte, a bit a triangle that is within the limit of its point.
+HWY_INLINE void find_within(const Asked& asked, PacketPoints& packet) {
+  const Lanes d;
+  std::uint8_t* HWY_RESTRICT within = packet.within.data();
+  const std::int32_t* HWY_RESTRICT points = packet.point.data();
+  std::size_t look = 0;
+#if HWY_MAX_BYTES >= 64
+  const hn::CappedTag<float, 2 * tree_width> twice;
+  const auto lower = hn::FirstN(twice, tree_width);
+  for (; look + 1 < packet.looks; look += 2) {
+    const auto limits = hn::IfThenElse(lower, hn::Set(twice, asked.limit[static_cast<std::size_t>(points[look])]),
+                                       hn::Set(twice, asked.limit[static_cast<std::size_t>(points[look + 1])]));
+    hn::StoreMaskBits(twice, hn::Le(hn::LoadU(twice, packet.squared[look].to.data()), limits), within + look);
+  }
+#endif
+  for (; look < packet.looks; ++look) {
+    const Vec limit = hn::Set(d, asked.limit[static_cast<std::size_t>(points[look])]);
+    unsigned bits = 0;
+    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+      bits |= bits_of(d, hn::Le(load(packet.squared[look].to, first), limit), first);
+    }
+    within[look] = static_cast<std::uint8_t>(bits);
   }
 }
 
-HWY_INLINE void add_pairs(const TreeView& tree, const PacketPoints& packet, const Asked& asked,
-                          std::int32_t first_point, CandidatePairs& pairs) {
-  const Lanes d;
+HWY_INLINE void add_pairs_of_look(const TreeView& tree, const PacketPoints& packet, std::size_t look,
+                                  CandidatePairs& pairs) {
   const IntLanes di;
+  const std::int32_t point = packet.number[static_cast<std::size_t>(packet.point[look])];
+  const TreeLeaf& leaf = tree.leaves[packet.leaf[look]];
+  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(di)) {
+    const std::uint8_t bits[8] = {static_cast<std::uint8_t>(packet.within[look] >> first)};
+    const auto near = hn::LoadMaskBits(di, bits);
+    hn::StoreU(hn::Compress(hn::Load(di, leaf.triangle.data() + first), near), di, pairs.triangle.data() + pairs.count);
+    hn::StoreU(hn::Set(di, point), di, pairs.point.data() + pairs.count);
+    pairs.count += hn::CountTrue(di, near);
+  }
+}
+
+/// Few of the looks saw anything that may be the closest: those are found first, many at once.
+HWY_INLINE void add_pairs(const TreeView& tree, const Asked& asked, PacketPoints& packet, CandidatePairs& pairs) {
+  const hn::CappedTag<std::uint8_t, PacketPoints::looks_at_once> bytes;
+  find_within(asked, packet);
+  std::fill_n(packet.within.data() + packet.looks, PacketPoints::looks_at_once, std::uint8_t{0});
   pairs.make_room(tree_width * (packet.looks + 1));
-  std::size_t count = pairs.count;
-  std::int32_t* HWY_RESTRICT triangles = pairs.triangle.data();
-  std::int32_t* HWY_RESTRICT points = pairs.point.data();
-  for (std::size_t l = 0; l < packet.looks; ++l) {
-    const TreeLeaf& leaf = tree.leaves[packet.leaf[l]];
-    const Vec limit = hn::Set(d, asked.limit[static_cast<std::size_t>(packet.point[l])]);
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-      const auto near = hn::Le(load(packet.squared[l].to, first), limit);
-      const auto triangle = hn::Load(di, leaf.triangle.data() + first);
-      hn::StoreU(hn::Compress(triangle, hn::RebindMask(di, near)), di, triangles + count);
-      hn::StoreU(hn::Set(di, first_point + packet.point[l]), di, points + count);
-      count += hn::CountTrue(d, near);
+  for (std::size_t first = 0; first < packet.looks; first += hn::Lanes(bytes)) {
+    const auto some = hn::Ne(hn::LoadU(bytes, packet.within.data() + first), hn::Zero(bytes));
+    std::uint8_t part[PacketPoints::looks_at_once / 8] = {};
+    hn::StoreMaskBits(bytes, some, part);
+    std::uint64_t looks = 0;
+    std::memcpy(&looks, part, sizeof(looks));
+    for (; looks != 0; looks &= looks - 1) {
+      add_pairs_of_look(tree, packet, first + static_cast<std::size_t>(std::countr_zero(looks)), pairs);
     }
   }
-  pairs.count = count;
 }
 
 }  // namespace
 
 void pairs_of(const TreeView& tree, const BoundList& leaves, const PlaceBox& box, PacketPoints& packet,
-              std::int32_t first_point, CandidatePairs& pairs) {
+              CandidatePairs& pairs) {
   if (leaves.count == 0) {
     return;
   }
@@ -261,20 +347,17 @@ void pairs_of(const TreeView& tree, const BoundList& leaves, const PlaceBox& box
   start(tree, box, packet, asked);
   const std::array<std::int32_t, 2> nearest = nearest_leaves(tree, leaves, box, packet);
   packet.looks = 0;
+  packet.looked_into = 0;
   for (std::size_t l = 0; l < (nearest[0] == nearest[1] ? 1 : 2); ++l) {
-    for (std::size_t n = 0; n < packet.count; ++n) {
-      packet.leaf[packet.looks] = nearest[l];
-      packet.point[packet.looks] = static_cast<std::int32_t>(n);
-      ++packet.looks;
-    }
+    add_looks_of_all(nearest[l], packet);
   }
-  const std::size_t first_looks = packet.looks;
-  look_into(tree, packet, 0, first_looks, asked);
+  const std::size_t first_leaves = packet.looked_into;
+  look_from(tree, 0, packet, asked);
   lower_limits(tree, asked);
   add_looks(tree, leaves_near_any(tree, leaves, box, asked, packet), nearest, asked, packet);
-  look_into(tree, packet, first_looks, packet.looks, asked);
+  look_from(tree, first_leaves, packet, asked);
   lower_limits(tree, asked);
-  add_pairs(tree, packet, asked, first_point, pairs);
+  add_pairs(tree, asked, packet, pairs);
 }
 
 }  // namespace musclebench::HWY_NAMESPACE
@@ -291,7 +374,10 @@ void PacketPoints::make_room(std::size_t leaves) {
     near.resize(2 * needed);
     leaf.resize(2 * capacity * needed);
     point.resize(2 * capacity * needed);
+    leaf_looked.resize(2 * needed);
+    end.resize(2 * needed);
     squared.resize(2 * capacity * needed);
+    within.resize(2 * capacity * needed);
   }
 }
 
@@ -303,8 +389,8 @@ void CandidatePairs::make_room(std::size_t more) {
 }
 
 void list_pairs(const TreeView& tree, const BoundList& leaves, const PlaceBox& box, PacketPoints& packet,
-                std::int32_t first, CandidatePairs& pairs) {
-  HWY_DYNAMIC_DISPATCH(pairs_of)(tree, leaves, box, packet, first, pairs);
+                CandidatePairs& pairs) {
+  HWY_DYNAMIC_DISPATCH(pairs_of)(tree, leaves, box, packet, pairs);
 }
 
 }  // namespace musclebench

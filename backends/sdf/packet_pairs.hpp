@@ -9,12 +9,15 @@
 
 namespace musclebench {
 
-/// Points of one packet, and the leaves that were looked into for them.
+/// Points that are looked for together, and the leaves that were looked into for them.
 struct PacketPoints {
-  static constexpr std::size_t capacity = 8;
+  static constexpr std::size_t capacity = 16;
+  using PointLanes = std::array<float, capacity>;
 
   std::size_t count = 0;
-  alignas(64) std::array<TreeLanes, 3> at;
+  std::size_t first_count = 0;  ///< of those, but not 0: a part of them that lies closer together than all do
+  alignas(64) std::array<PointLanes, 3> at;   ///< places beyond the count repeat others
+  std::array<std::int32_t, capacity> number;  ///< of each point, for CandidatePairs
 
   std::vector<std::int32_t> near;  ///< leaves that may matter to any of the points, as in BoundList
 
@@ -22,10 +25,15 @@ struct PacketPoints {
   struct alignas(32) Squared {
     TreeLanes to;
   };
+  std::size_t looked_into = 0;  ///< leaves, each by the looks up to its end
+  std::vector<std::int32_t> leaf_looked;
+  std::vector<std::size_t> end;
   std::size_t looks = 0;
   std::vector<std::int32_t> leaf;
   std::vector<std::int32_t> point;
   std::vector<Squared> squared;
+  static constexpr std::size_t looks_at_once = 64;  ///< when they are gone through again
+  std::vector<std::uint8_t> within;                 ///< a bit a triangle that may be the closest
 
   void make_room(std::size_t leaves);
 };
@@ -40,8 +48,8 @@ struct CandidatePairs {
 };
 
 /// Of the leaves that were listed for `box`, adds the triangles that may be the closest of a point of the packet, which
-/// lies in it; its points are numbered from `first`.
+/// lies in it.
 void list_pairs(const TreeView& tree, const BoundList& leaves, const PlaceBox& box, PacketPoints& packet,
-                std::int32_t first, CandidatePairs& pairs);
+                CandidatePairs& pairs);
 
 }  // namespace musclebench

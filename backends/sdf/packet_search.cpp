@@ -95,21 +95,39 @@ void PacketSearch::search_bundle(std::span<PointPacket> packets) {
   PlaceBox box = place_box(about);
   list_leaves(m_view, m_nodes, m_box, box, m_near, m_leaves);
   m_pairs.count = 0;
+  m_points.count = 0;
   for (std::size_t p = 0; p < packets.size(); ++p) {
-    const PointPacket& packet = packets[p];
-    if (packet.count == 0) {
-      continue;
+    if (m_points.count + packets[p].count > PacketPoints::capacity) {
+      search_points(box);
     }
-    m_points.count = packet.count;
-    for (std::size_t n = 0; n < PointPacket::capacity; ++n) {
-      const std::array<float, 3> own = to_own(packet.point[n < packet.count ? n : 0]);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        m_points.at[axis][n] = own[axis];
-      }
-    }
-    list_pairs(m_view, m_leaves, box, m_points, static_cast<std::int32_t>(p * PointPacket::capacity), m_pairs);
+    add_points(packets[p], p);
   }
+  search_points(box);
   decide(packets);
+}
+
+void PacketSearch::add_points(const PointPacket& packet, std::size_t number) {
+  const double scale = m_tree->m_scale;
+  const Vec3 centre = m_tree->m_centre_m;
+  if (m_points.count == 0) {
+    m_points.first_count = packet.count;
+  }
+  for (std::size_t n = 0; n < packet.count; ++n) {
+    const std::size_t place = m_points.count++;
+    m_points.number[place] = static_cast<std::int32_t>(number * PointPacket::capacity + n);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<Eigen::Index>(axis);
+      m_points.at[axis][place] = static_cast<float>(scale * (packet.point[n][a] - centre[a]));
+    }
+  }
+}
+
+void PacketSearch::search_points(const PlaceBox& box) {
+  for (PacketPoints::PointLanes& at : m_points.at) {
+    std::fill(at.begin() + static_cast<std::ptrdiff_t>(m_points.count), at.end(), at[0]);
+  }
+  list_pairs(m_view, m_leaves, box, m_points, m_pairs);
+  m_points.count = 0;
 }
 
 void PacketSearch::decide(std::span<PointPacket> packets) {
@@ -149,9 +167,13 @@ void PacketSearch::decide(std::span<PointPacket> packets) {
     for (std::size_t n = 0; n < packets[p].count; ++n) {
       assert(first[p * PointPacket::capacity + n] != none);
       const auto pair = static_cast<std::uint32_t>(first[p * PointPacket::capacity + n]);
-      const ClosestOnTriangle closest = m_found[pair / width].at(pair % width);
-      packets[p].closest[n] = {closest.point, std::sqrt(closest.squared_distance_m2), m_pairs.triangle[pair],
-                               closest.feature};
+      const ClosestOnTriangles& eight = m_found[pair / width];
+      const std::size_t lane = pair % width;
+      ClosestPoint& closest = packets[p].closest[n];
+      closest.point = {eight.x[lane], eight.y[lane], eight.z[lane]};
+      closest.distance_m = std::sqrt(eight.squared_distance_m2[lane]);
+      closest.triangle = m_pairs.triangle[pair];
+      closest.feature = static_cast<Feature>(eight.feature[lane]);
     }
   }
 }

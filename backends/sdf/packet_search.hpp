@@ -16,7 +16,7 @@ namespace musclebench {
 
 /// A few points that lie close together, and their closest points.
 struct PointPacket {
-  static constexpr std::size_t capacity = PacketPoints::capacity;
+  static constexpr std::size_t capacity = 8;
 
   std::size_t count = 0;
   std::array<Vec3, capacity> point;
@@ -28,7 +28,7 @@ struct PointPacket {
 /// Finds the closest points of many points that lie close together in one walk through a TriangleTree: bounds of a
 /// squared distance that are linear in the place (packet_bounds-inl.hpp derives them) answer for all points of a box,
 /// and are the tighter the farther the surface is. The walk lists nodes for all packets; from these, for each bundle of
-/// packets, leaves are listed; from these, for each packet, those that may matter to any of its points.
+/// packets, leaves are listed; from these, for every two packets, those that may matter to any of their points.
 ///
 /// The floats only prune; `closest_on_triangle` decides. So the answers are those of TriangleTree::closest_point, to
 /// the bit. One thread at a time: lists are kept for the next search.
@@ -50,6 +50,9 @@ class PacketSearch {
   /// `bound_by_triangle` has it, negative where there is none.
   [[nodiscard]] std::int32_t bounding_place(int triangle) const;
   void search_bundle(std::span<PointPacket> packets);
+  /// To those that are searched for next; `number` is the packet's in its bundle.
+  void add_points(const PointPacket& packet, std::size_t number);
+  void search_points(const PlaceBox& box);
   void decide(std::span<PointPacket> packets);
   [[nodiscard]] PlaceBox place_box(const Eigen::AlignedBox3d& box) const;
   [[nodiscard]] std::array<float, 3> to_own(const Vec3& point) const;
