@@ -41,7 +41,7 @@ CentredSurface::CentredSurface(const RepairedMesh& surface, const Eigen::Aligned
 
 bool CentredSurface::is_outside(const Vec3& point, double& clearance_m) const {
   clearance_m = 0;
-  if (!(point.cwiseAbs().maxCoeff() < farthest_m)) {
+  if (!(point.array().abs() < farthest_m).all()) {
     return true;
   }
   // The inside of an open surface may reach out of its box.

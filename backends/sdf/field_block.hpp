@@ -31,15 +31,15 @@ struct FieldView {
 struct FieldBlock {
   static constexpr std::size_t capacity = 128;
   static constexpr std::size_t most_lanes = 4;
-  /// Vectors are written whole.
+  /// Vectors are written whole, and aligned.
   template <typename Scalar>
-  using Lanes = std::array<Scalar, capacity + most_lanes>;
+  struct alignas(64) Lanes : std::array<Scalar, capacity + most_lanes> {};
 
   std::size_t count = 0;
-  alignas(64) Lanes<double> x, y, z;  ///< in units of the field's cells
-  alignas(64) Lanes<double> value_m;
-  alignas(64) Lanes<double> slope_x, slope_y, slope_z;  ///< by metres along the field's axes
-  alignas(64) Lanes<std::uint64_t> asker;               ///< ascending
+  Lanes<double> x, y, z;  ///< in units of the field's cells
+  Lanes<double> value_m;
+  Lanes<double> slope_x, slope_y, slope_z;  ///< by metres along the field's axes
+  Lanes<std::uint64_t> asker;               ///< ascending
 
   [[nodiscard]] Vec3 cells(std::size_t n) const { return {x[n], y[n], z[n]}; }
   [[nodiscard]] Vec3 slope(std::size_t n) const { return {slope_x[n], slope_y[n], slope_z[n]}; }

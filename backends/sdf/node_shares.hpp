@@ -31,7 +31,9 @@ class NodeShares {
       }
       return;
     }
-    m_found.resize(std::max(m_found.size(), m_shares.size()));
+    while (m_found.size() < m_shares.size()) {
+      m_found.emplace_back().reserve(nodes_a_share);
+    }
     // Without budgets a thread gets the same shares in every step, whose cells are in its cache.
 #pragma omp parallel for schedule(static, 1) num_threads(threads)
     for (std::size_t n = 0; n < m_shares.size(); ++n) {

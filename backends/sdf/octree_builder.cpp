@@ -25,8 +25,9 @@ constexpr double near_share = 0.005;
 constexpr double coarsest_wanted = 0.02;
 constexpr double finest_wanted = 1e-8;  // coefficients are floats
 
-constexpr double root_edge_near = 8;      ///< edge of a root over what counts as near
-constexpr double finest_edge = 1e-4;      ///< over the root's: a limit that bones never reach
+constexpr double root_edge_near = 8;  ///< edge of a root over what counts as near
+constexpr double finest_edge = 1e-4;  ///< over the root's: a limit that bones never reach
+static_assert(finest_edge * (1 << octree_most_levels) >= 2);
 constexpr double first_threshold = 3e-4;  ///< of wrong volume in a leaf, over the volume of all near places
 /// Over what counts as near: proving less of the places with the wrong sign takes longer than it saves.
 constexpr double least_reach = 0.75;
@@ -69,8 +70,9 @@ class OctreeBuilder {
         measure(1);
       }
       if (m_errors_m.size() == m_places.size() && wrong_share() <= wrong_share_allowed()) {
+        OctreeField field = pack();
         tell(1);
-        return pack();
+        return field;
       }
       const double p99_m = error_quantile_m(0.99);
       first_p99_m = first_p99_m > 0 ? first_p99_m : p99_m;

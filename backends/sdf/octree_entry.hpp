@@ -8,7 +8,7 @@ namespace musclebench::octree_entry {
 /// An entry of an octree: what it is in the two upper bits, where to go on in the others.
 enum class Kind : std::uint32_t {
   split = 0,    ///< the first of its eight children, x changing fastest; they follow each other
-  outside = 1,  ///< outside for certain; a coefficient: lower bound of the distance at its centre
+  outside = 1,  ///< outside for certain; a coefficient: lower bound of the distance at its centre, in metres
   quadratic = 2,
   cubic = 3  ///< the first coefficient
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <span>
 #include <utility>
@@ -9,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "backends/sdf/octree_entry.hpp"
+#include "backends/sdf/octree_polynomial.hpp"
 #include "backends/sdf/sealed_file.hpp"
 #include "core/base/sha256.hpp"
 
@@ -17,7 +20,7 @@ namespace musclebench {
 namespace {
 
 /// Raise when the meaning of the bytes changes, or what the builder makes of the same settings.
-constexpr std::uint32_t format_version = 2;
+constexpr std::uint32_t format_version = 3;
 constexpr FileMark file_mark{{'M', 'B', 'O', 'C', 'T', 'R', 'E', 'E'}, FileMark{}.byte_order, format_version};
 
 struct Header {
@@ -71,6 +74,37 @@ std::string first_difference(const Header& found, const Header& wanted) {
     return "was built with another margin";
   }
   return "";
+}
+
+/// Whether every way through the tree ends at a leaf whose coefficients are there.
+bool is_tree(const Header& header, std::span<const std::uint32_t> entries, std::size_t coefficients) {
+  double roots = 1;
+  for (const std::int32_t along : header.roots) {
+    if (along < 1) {
+      return false;
+    }
+    roots *= along;
+  }
+  if (roots > static_cast<double>(entries.size())) {
+    return false;
+  }
+  for (std::size_t index = 0; index < entries.size(); ++index) {
+    const std::size_t place = octree_entry::place_of(entries[index]);
+    const bool is_split = octree_entry::kind_of(entries[index]) == octree_entry::Kind::split;
+    // Children come after what is split into them, so that no way goes round in circles.
+    if (is_split ? place <= index || place + 8 > entries.size() : place + cubic_terms > coefficients) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool has_sensible_numbers(const Header& header, std::span<const float> coefficients) {
+  const OctreeQuality& quality = header.quality;
+  return header.root_edge_m > 0 && std::isfinite(header.root_edge_m) && quality.negative_reach_m >= 0 &&
+         std::isfinite(quality.negative_reach_m) && quality.excess_m >= 0 && std::isfinite(quality.excess_m) &&
+         std::all_of(header.lower_m.begin(), header.lower_m.end(), [](double x) { return std::isfinite(x); }) &&
+         std::all_of(coefficients.begin(), coefficients.end(), [](float x) { return std::isfinite(x); });
 }
 
 }  // namespace
@@ -128,6 +162,9 @@ std::optional<OctreeField> load_octree(const std::filesystem::path& path, const 
   }
   if (content_digest(found, entries, coefficients) != found.content) {
     refuse_structure(path, "is damaged: its checksum does not fit");
+  }
+  if (!is_tree(found, entries, coefficients.size()) || !has_sensible_numbers(found, coefficients)) {
+    refuse_structure(path, "does not hold an octree");
   }
   OctreeShape shape{{found.lower_m[0], found.lower_m[1], found.lower_m[2]}, found.root_edge_m, found.roots};
   return OctreeField(shape, found.quality, std::move(entries), std::move(coefficients));

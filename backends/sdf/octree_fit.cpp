@@ -158,8 +158,8 @@ CellErrors PolynomialFitter<terms>::measure(const CellSamples& samples, double h
       error_m[sample] += m_powers[term][sample] * coefficient;
     }
   }
-  // The floats of an error are off by some millionths of the edge.
-  const double rounding_m = 1e-5 * half_edge_m;
+  // The floats of an error are off by less: a cubic's coefficients sum up to some 48 half edges.
+  const double rounding_m = 4e-5 * half_edge_m;
   fit.excess_m = 0;
   for (std::size_t sample = 0; sample < known; ++sample) {
     const double above_m = static_cast<double>(error_m[sample]) + rounding_m;

@@ -18,9 +18,6 @@ HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
 namespace {
 
-/// Trees are not deeper: a place in a root is known to so many bits.
-constexpr int most_levels = 24;
-
 using Entries = hn::Rebind<std::uint32_t, Lanes>;
 using Entry = hn::Vec<Entries>;
 using Integers = hn::Rebind<std::int32_t, Lanes>;
@@ -37,8 +34,8 @@ HWY_INLINE Vec3Lanes load(const FieldBlock::Lanes<double>& x, const FieldBlock::
 /// Where points go at each split.
 struct Ways {
   /// Along each axis the place in the root; y and z shifted by one and two bits, so that a level's bits make an octant.
-  alignas(64) FieldBlock::Lanes<std::int32_t> x, y, z;
-  alignas(64) FieldBlock::Lanes<std::int32_t> levels;
+  FieldBlock::Lanes<std::int32_t> x, y, z;
+  FieldBlock::Lanes<std::int32_t> levels;
 };
 
 HWY_INLINE Vec root_of(Vec at, double roots) { return hn::Min(hn::Floor(at), set(roots - 1)); }
@@ -51,8 +48,8 @@ HWY_INLINE void enter_roots(const OctreeView& field, const Vec3Lanes& at, std::s
   const Integer index = hn::DemoteTo(integers, add_product(root.x, row, set(field.roots[0])));
   hn::Store(hn::GatherIndex(Entries(), field.entries, index), Entries(), leaves.entry.data() + first);
   const auto way = [&](Vec along, Vec along_root) HWY_ATTR {
-    const Vec share = hn::Mul(hn::Sub(along, along_root), set(1 << most_levels));
-    return hn::DemoteTo(integers, hn::Min(share, set((1 << most_levels) - 1)));
+    const Vec share = hn::Mul(hn::Sub(along, along_root), set(1 << octree_most_levels));
+    return hn::DemoteTo(integers, hn::Min(share, set((1 << octree_most_levels) - 1)));
   };
   hn::Store(way(at.x, root.x), integers, ways.x.data() + first);
   hn::Store(hn::ShiftLeft<1>(way(at.y, root.y)), integers, ways.y.data() + first);
@@ -115,7 +112,7 @@ void find_leaves(const OctreeView& field, const FieldBlock& block, LeafBlock& le
     enter_roots(field, load(block.x, block.y, block.z, first), first, ways, leaves);
   }
   bool more = true;
-  for (int shift = most_levels - 1; more && shift >= 0; --shift) {
+  for (int shift = octree_most_levels - 1; more && shift >= 0; --shift) {
     more = false;
     for (std::size_t first = 0; first < end; first += lane_count) {
       more |= go_down(field, shift, first, ways, leaves);

@@ -7,6 +7,9 @@
 
 namespace musclebench {
 
+/// Trees are not deeper: a place in a root is known to so many bits.
+inline constexpr int octree_most_levels = 24;
+
 /// An adaptive field as its kernels read it (see OctreeField). What it points to is the field's.
 struct OctreeView {
   const std::uint32_t* entries;
@@ -22,9 +25,9 @@ struct LeafBlock {
   template <typename Scalar>
   using Lanes = FieldBlock::Lanes<Scalar>;
 
-  alignas(64) Lanes<std::uint32_t> entry;
-  alignas(64) Lanes<double> x, y, z;         ///< in [-1, 1]^3
-  alignas(64) Lanes<double> edges_per_root;  ///< edges of the leaf along one of a root
+  Lanes<std::uint32_t> entry;    ///< see octree_entry
+  Lanes<double> x, y, z;         ///< in [-1, 1]^3
+  Lanes<double> edges_per_root;  ///< edges of the leaf along one of a root
 };
 
 /// Value, gradient and leaves of the points of a block, all of which lie in the field; its cells are the roots.

@@ -12,8 +12,6 @@ namespace {
 /// Parts of a leaf whose corners are no farther from their middle than this, over the least reach, are not divided.
 constexpr double finest_part = 0.25;
 
-const double half_diagonal = std::sqrt(3.0) * (1 + 1e-9);
-
 std::array<Vec3, cell_samples> sample_places() {
   std::array<Vec3, cell_samples> places;
   for (std::size_t s = 0; s < cell_samples; ++s) {
@@ -50,7 +48,7 @@ class ReachSearch {
  private:
   /// A cube, in units of the leaf.
   void visit(const Vec3& at, double half) {
-    const double radius_m = half_diagonal * half * m_cell.half_edge_m;
+    const double radius_m = half * m_cell.reach_m();
     if (value_at_least_m(at, half) > m_rounding_m) {
       return;
     }
@@ -83,7 +81,7 @@ class ReachSearch {
     for (std::size_t s = 0; s < m_known && result_m > enough_m; ++s) {
       result_m = std::min(result_m, samples[s].value_m + m_cell.half_edge_m * (at - places[s]).norm());
     }
-    // Deep inside the samples say enough.
+    // A part that is larger than the reach is divided, whatever is known of it.
     if (result_m > enough_m && enough_m > 0) {
       result_m = m_surface.locate(m_cell.centre_m + m_cell.half_edge_m * at).signed_distance_m();
     }

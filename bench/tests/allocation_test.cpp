@@ -61,7 +61,9 @@ TEST(AFrameAfterTheSecond, AllocatesNothing) {
                                     {"voxel", ResponseKind::backtrack, {}},
                                     {"sdf", ResponseKind::project, few_cells},
                                     {"sdf", ResponseKind::backtrack, few_cells},
+                                    {"sdf", ResponseKind::project, few_cells, 2},
                                     {"sdf", ResponseKind::project, {{"max_error_mm", 1.0}}},
+                                    {"sdf", ResponseKind::project, {{"max_error_mm", 1.0}}, 2},
                                     {"bvh", ResponseKind::project, {}},
                                     {"bvh", ResponseKind::project, {}, 2}};
   const Scene scene = bending_scene();

@@ -231,7 +231,7 @@ class NodeDetection {
   struct alignas(64) Memory {
     typename Surface::NearList near;
     int triangle = -1;        ///< one that was near at the last search
-    bool in_contact = false;  ///< when it was last asked about: a response puts it to `m_ways_out`
+    bool in_contact = false;  ///< when it was last searched for: a response puts it to `m_ways_out`
     // Where a node moves farther in a step than its lists reach, they are made for nothing: after each that was, twice
     // as many searches go without.
     bool has_served = false;
@@ -252,6 +252,8 @@ class NodeDetection {
       return is_list_worth_it;
     }
   };
+
+  static_assert(sizeof(Memory) == 64 || sizeof(typename Surface::NearList) > 56);
 
   [[nodiscard]] std::size_t place_of(int bone, int node) const {
     return static_cast<std::size_t>(bone) * m_nodes + static_cast<std::size_t>(node);

@@ -1,5 +1,6 @@
 #include "backends/sdf/octree_file.hpp"
 
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <functional>
@@ -8,6 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "backends/sdf/field_file.hpp"
+#include "backends/sdf/octree_entry.hpp"
+#include "backends/sdf/octree_polynomial.hpp"
 #include "backends/sdf/tests/stored_file_test.hpp"
 #include "core/base/input_error.hpp"
 #include "core/geometry/shapes.hpp"
@@ -65,6 +68,34 @@ TEST_F(OctreeFile, RefusesWhatIsDamaged) {
   expect_refusal("goes on after its end", [](std::string& content) { content += "more"; });
   expect_refusal("checksum", [](std::string& content) { content.back() ^= 1; });
   expect_refusal("checksum", [](std::string& content) { content[60] ^= 1; });
+}
+
+/// Whose checksum fits.
+TEST_F(OctreeFile, RefusesWhatIsNoTree) {
+  const auto expect_no_tree = [&](const auto& change_parts) {
+    OctreeShape shape = m_field.shape();
+    OctreeQuality quality = m_field.quality();
+    std::vector<std::uint32_t> entries = m_field.entries();
+    std::vector<float> coefficients = m_field.coefficients();
+    change_parts(shape, quality, entries, coefficients);
+    save_octree(OctreeField(shape, quality, entries, coefficients), m_digest, m_settings, m_path);
+    EXPECT_NE(refusal(m_digest, m_settings).find("does not hold an octree"), std::string::npos)
+        << refusal(m_digest, m_settings);
+  };
+  using octree_entry::Kind;
+  expect_no_tree([](auto&, auto&, auto& entries, auto&) {
+    entries.back() = octree_entry::entry(Kind::split, entries.size() - 7);
+  });
+  expect_no_tree([](auto&, auto&, auto& entries, auto&) { entries.back() = octree_entry::entry(Kind::split, 0); });
+  expect_no_tree([](auto&, auto&, auto& entries, auto& coefficients) {
+    entries.back() = octree_entry::entry(Kind::outside, coefficients.size() - 19);
+  });
+  expect_no_tree(
+      [](auto&, auto&, auto&, auto& coefficients) { coefficients.resize(coefficients.size() - cubic_terms - 1); });
+  expect_no_tree([](auto&, auto&, auto&, auto& coefficients) { coefficients[3] = std::nanf(""); });
+  expect_no_tree([](auto&, auto& quality, auto&, auto&) { quality.excess_m = -1; });
+  expect_no_tree([](auto& shape, auto&, auto&, auto&) { shape.roots[1] = 1 << 30; });
+  expect_no_tree([](auto& shape, auto&, auto&, auto&) { shape.root_edge_m = 0; });
 }
 
 TEST_F(OctreeFile, LeavesNothingBehindWhereItCannotWrite) {

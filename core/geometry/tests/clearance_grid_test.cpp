@@ -94,7 +94,7 @@ TEST(ClearanceGrid, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(ClearanceGrid, KnowsNothingOfASurfaceWithoutSize) {
+TEST(ClearanceGrid, KnowsNothingWithoutASurface) {
   EXPECT_EQ(ClearanceGrid().clearance_m({1, 2, 3}), 0);
   EXPECT_EQ(ClearanceGrid().bytes(), 0U);
 }
