@@ -166,12 +166,10 @@ CellErrors PolynomialFitter<terms>::measure(const CellSamples& samples, double h
     const bool may_be_positive = above_m > -samples[sample].value_m;
     fit.excess_m = std::max(fit.excess_m, may_be_positive ? above_m : 0);
   }
-  float largest_m = 0;
-#pragma omp simd reduction(max : largest_m)
-  for (std::size_t sample = 0; sample < padded_samples; ++sample) {
-    error_m[sample] = sample < known ? std::abs(error_m[sample]) : 0;
-    largest_m = std::max(largest_m, error_m[sample]);
-  }
+  std::fill(error_m.begin() + static_cast<std::ptrdiff_t>(known), error_m.end(), 0.0F);
+  Eigen::Map<Eigen::Array<float, static_cast<int>(padded_samples), 1>> errors_m(error_m.data());
+  errors_m = errors_m.abs();
+  const float largest_m = errors_m.maxCoeff();
   // No place of the cell is farther than this from a sample. On the way there the polynomial changes by its slope and
   // the distance by one metre a metre.
   const double reach_m = 2 * half_edge_m * (known == cell_samples ? reach_of_all : reach_of_lattice);
