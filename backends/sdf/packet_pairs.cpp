@@ -97,8 +97,8 @@ HWY_INLINE void look_from(const TreeView& tree, std::size_t first, PacketPoints&
   }
 }
 
-/// Lowers the limits to what was seen.
-HWY_INLINE void lower_limits(const TreeView& tree, Asked& asked) {
+/// Lowers the limits to what was seen, which is off by `slack` and `growth` times the distance.
+HWY_INLINE void lower_limits(float slack, float growth, Asked& asked) {
   const Lanes d;
   const Points dp;
   alignas(64) PointLanes least;
@@ -110,7 +110,8 @@ HWY_INLINE void lower_limits(const TreeView& tree, Asked& asked) {
     least[n] = hn::GetLane(hn::MinOfLanes(d, smallest));
   }
   for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(dp)) {
-    const PointVec reach = hn::Add(hn::Sqrt(load_points(least.data() + first)), hn::Set(dp, 2 * tree.slack));
+    const PointVec reach = hn::MulAdd(hn::Sqrt(load_points(least.data() + first)), hn::Set(dp, 1 + 2 * growth),
+                                      hn::Set(dp, 2 * slack));
     const PointVec limit = hn::Mul(hn::Mul(reach, reach), hn::Set(dp, 1.000001F));
     hn::Store(hn::Min(load_points(asked.limit.data() + first), limit), dp, asked.limit.data() + first);
   }
@@ -353,10 +354,10 @@ void pairs_of(const TreeView& tree, const BoundList& leaves, const PlaceBox& box
   }
   const std::size_t first_leaves = packet.looked_into;
   look_from(tree, 0, packet, asked);
-  lower_limits(tree, asked);
+  lower_limits(tree.slack, 0, asked);
   add_looks(tree, leaves_near_any(tree, leaves, box, asked, packet), nearest, asked, packet);
   look_from(tree, first_leaves, packet, asked);
-  lower_limits(tree, asked);
+  lower_limits(tree.near_slack, tree.slack_growth, asked);  // nothing is compared with boxes any more
   add_pairs(tree, asked, packet, pairs);
 }
 
