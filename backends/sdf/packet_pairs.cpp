@@ -115,8 +115,8 @@ HWY_INLINE void lower_limits(float slack, float growth, Asked& asked) {
     least[n] = hn::GetLane(hn::MinOfLanes(d, smallest));
   }
   for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(dp)) {
-    const PointVec reach = hn::MulAdd(hn::Sqrt(load_points(least.data() + first)), hn::Set(dp, 1 + 2 * growth),
-                                      hn::Set(dp, 2 * slack));
+    const PointVec reach =
+        hn::MulAdd(hn::Sqrt(load_points(least.data() + first)), hn::Set(dp, 1 + 2 * growth), hn::Set(dp, 2 * slack));
     const PointVec limit = hn::Mul(hn::Mul(reach, reach), hn::Set(dp, 1.000001F));
     hn::Store(hn::Min(load_points(asked.limit.data() + first), limit), dp, asked.limit.data() + first);
   }
