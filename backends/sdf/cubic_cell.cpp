@@ -78,17 +78,21 @@ double CubicCell::value_and_gradient(const Vec3& at, Vec3& gradient) const {
   return result;
 }
 
+namespace {
+
+/// A cubic bubble 3 t (1-t)^2 b1 + 3 t^2 (1-t) b2 has the Bernstein coefficients 0, b1, b2, 0.
+std::array<Edges, 2> bubbles_of(const CubicCell::Along& edges) {
+  const Edges rise = edges.high - edges.low;
+  const Edges first = edges.first - edges.low - rise / 3;
+  const Edges second = edges.second - edges.low - rise * 2 / 3;
+  return {3 * first - 1.5 * second, 3 * second - 1.5 * first};
+}
+
+}  // namespace
+
 CubicCell::Bernstein CubicCell::bernstein() const {
-  // A cubic bubble 3 t (1-t)^2 b1 + 3 t^2 (1-t) b2 has the Bernstein coefficients 0, b1, b2, 0. Across the edge it is
-  // linear, and raising the degree of a linear function to 3 samples it at the thirds.
-  std::array<std::array<Edges, 2>, 3> bubble;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const Along& edges = axis[a];
-    const Edges rise = edges.high - edges.low;
-    const Edges first = edges.first - edges.low - rise / 3;
-    const Edges second = edges.second - edges.low - rise * 2 / 3;
-    bubble[a] = {3 * first - 1.5 * second, 3 * second - 1.5 * first};
-  }
+  // Across its edge a bubble is linear, and raising the degree of a linear function to 3 samples it at the thirds.
+  const std::array<std::array<Edges, 2>, 3> bubble{bubbles_of(axis[0]), bubbles_of(axis[1]), bubbles_of(axis[2])};
   using Line = std::array<double, 4>;
   const auto third = [](int i) { return static_cast<double>(i) / 3; };
   // Four values at the corners of a square, along one side of it at the thirds of the other.
@@ -126,6 +130,15 @@ CubicCell::Bernstein CubicCell::bernstein() const {
 double CubicCell::lower_bound() const {
   const Bernstein coefficients = bernstein();
   return *std::min_element(coefficients.begin(), coefficients.end());
+}
+
+double CubicCell::rough_lower_bound() const {
+  double bound = axis[0].low.min(axis[0].high).minCoeff();
+  for (const Along& along : axis) {
+    const auto [first, second] = bubbles_of(along);
+    bound += std::min(first.min(second).minCoeff(), 0.0);
+  }
+  return bound;
 }
 
 double CubicCell::lower_bound_on_face(std::size_t face_axis, int side) const {

@@ -61,6 +61,9 @@ struct CubicCell {
 
   [[nodiscard]] double lower_bound() const;
 
+  /// Up to rounding no more than that, for much less: the lowest corner and the lowest bubble along each axis.
+  [[nodiscard]] double rough_lower_bound() const;
+
   /// The same for one face: across `face_axis`, at its low (0) or high (1) side.
   [[nodiscard]] double lower_bound_on_face(std::size_t face_axis, int side) const;
 

@@ -73,7 +73,8 @@ void keep_border_positive(CubicField& field) {
     before = curved.size();
     std::erase_if(curved, [&](const BorderFace& face) {
       const CubicCell cell = field.cell(face.cell[0], face.cell[1], face.cell[2]);
-      const bool crosses = cell.lower_bound_on_face(face.axis, face.side) <= 0;
+      const bool clear = cell.rough_lower_bound() > 1e-9 * field.shape().cell_size_m.norm();
+      const bool crosses = !clear && cell.lower_bound_on_face(face.axis, face.side) <= 0;
       if (crosses) {
         straighten_face(field, face);
       }

@@ -19,6 +19,8 @@ struct TreeView {
   const TreeLeaf* leaves = nullptr;
   float longest_side = 0;  ///< of a triangle
   float slack = 0;         ///< as in TreeSearch, for the farthest of the points
+  float near_slack = 0;    ///< a float distance d to a triangle is off by at most near_slack + slack_growth * d
+  float slack_growth = 0;
 };
 
 /// A box about places, and an upper bound of their distances: the square of that to the closest triangle in floats is

@@ -55,6 +55,11 @@ HWY_INLINE void look_into(const TreeLeaf& leaf, std::size_t look, std::size_t en
   };
   const TrianglesOf<Both> triangles{all(leaf.origin),  all(leaf.along),  all(leaf.up),
                                     both(leaf.before), both(leaf.after), both(leaf.height)};
+  const auto reciprocal = [&](const TreeLanes& width) HWY_ATTR {
+    const Vec half = hn::Div(hn::Set(Lanes(), 1.0F), squared_side(load(width, 0), load(leaf.height, 0)));
+    return hn::Combine(twice, half, half);
+  };
+  const ByReciprocals<Both> divided{reciprocal(leaf.before), reciprocal(leaf.after)};
   const auto lower = hn::FirstN(twice, tree_width);
   for (; look < end; look += 2) {
     const auto n = static_cast<std::size_t>(packet.point[look]);
@@ -63,7 +68,7 @@ HWY_INLINE void look_into(const TreeLeaf& leaf, std::size_t look, std::size_t en
       return hn::IfThenElse(lower, hn::Set(twice, packet.at[axis][n]),
                             hn::Set(twice, packet.at[axis][m % PacketPoints::capacity]));
     };
-    const Both squared = arms_to(triangles, Vec3Of<Both>{at(0), at(1), at(2)}).squared_length();
+    const Both squared = arms_to(triangles, Vec3Of<Both>{at(0), at(1), at(2)}, divided).squared_length();
     hn::StoreU(squared, twice, packet.squared[look].to.data());
     if (leaf.needles == 0) {
       keep_least(hn::LowerHalf(squared), asked.least[n], 0);
@@ -97,8 +102,8 @@ HWY_INLINE void look_from(const TreeView& tree, std::size_t first, PacketPoints&
   }
 }
 
-/// Lowers the limits to what was seen.
-HWY_INLINE void lower_limits(const TreeView& tree, Asked& asked) {
+/// Lowers the limits to what was seen, which is off by `slack` and `growth` times the distance.
+HWY_INLINE void lower_limits(float slack, float growth, Asked& asked) {
   const Lanes d;
   const Points dp;
   alignas(64) PointLanes least;
@@ -110,7 +115,8 @@ HWY_INLINE void lower_limits(const TreeView& tree, Asked& asked) {
     least[n] = hn::GetLane(hn::MinOfLanes(d, smallest));
   }
   for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(dp)) {
-    const PointVec reach = hn::Add(hn::Sqrt(load_points(least.data() + first)), hn::Set(dp, 2 * tree.slack));
+    const PointVec reach =
+        hn::MulAdd(hn::Sqrt(load_points(least.data() + first)), hn::Set(dp, 1 + 2 * growth), hn::Set(dp, 2 * slack));
     const PointVec limit = hn::Mul(hn::Mul(reach, reach), hn::Set(dp, 1.000001F));
     hn::Store(hn::Min(load_points(asked.limit.data() + first), limit), dp, asked.limit.data() + first);
   }
@@ -353,10 +359,10 @@ void pairs_of(const TreeView& tree, const BoundList& leaves, const PlaceBox& box
   }
   const std::size_t first_leaves = packet.looked_into;
   look_from(tree, 0, packet, asked);
-  lower_limits(tree, asked);
+  lower_limits(tree.slack, 0, asked);
   add_looks(tree, leaves_near_any(tree, leaves, box, asked, packet), nearest, asked, packet);
   look_from(tree, first_leaves, packet, asked);
-  lower_limits(tree, asked);
+  lower_limits(tree.near_slack, tree.slack_growth, asked);  // nothing is compared with boxes any more
   add_pairs(tree, asked, packet, pairs);
 }
 

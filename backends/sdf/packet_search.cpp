@@ -57,8 +57,12 @@ TreeView PacketSearch::view_from(const Eigen::AlignedBox3d& box) const {
   const double reach =
       m_tree->m_scale * (box.max() - middle).cwiseAbs().cwiseMax((box.min() - middle).cwiseAbs()).maxCoeff();
   const double coordinate = m_tree->m_scale * box.max().cwiseAbs().cwiseMax(box.min().cwiseAbs()).maxCoeff();
-  return {m_tree->m_nodes.data(), m_tree->m_leaves.data(), static_cast<float>(m_tree->m_longest_side),
-          m_tree->slack_for(reach, coordinate)};
+  return {m_tree->m_nodes.data(),
+          m_tree->m_leaves.data(),
+          static_cast<float>(m_tree->m_longest_side),
+          m_tree->slack_for(reach, coordinate),
+          m_tree->near_slack_for(reach, coordinate),
+          TriangleTree::slack_growth};
 }
 
 std::int32_t PacketSearch::bounding_place(int triangle) const {

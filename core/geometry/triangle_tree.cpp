@@ -68,6 +68,11 @@ float TriangleTree::slack_for(double reach, double coordinate) const {
                             32 * double_rounding * std::max(m_reach, coordinate));
 }
 
+float TriangleTree::near_slack_for(double reach, double coordinate) const {
+  return static_cast<float>(float_rounding * (2 * (1 + reach) + 44 * m_longest_side) +
+                            32 * double_rounding * std::max(m_reach, coordinate));
+}
+
 void TriangleTree::prepare(const Vec3& point, Search& search) const {
   search.count = 0;
   search.least = tree_nowhere * tree_nowhere;

@@ -115,6 +115,9 @@ class TriangleTree {
   /// TreeSearch::slack for points up to `reach` from the middle and up to `coordinate` in the mesh's frame, along an
   /// axis, in the own unit.
   [[nodiscard]] float slack_for(double reach, double coordinate) const;
+  /// The same for triangles, less what grows with their distance: that times `slack_growth`.
+  [[nodiscard]] float near_slack_for(double reach, double coordinate) const;
+  static constexpr float slack_growth = 27 * 0x1p-24F;
   void prepare(const Vec3& point, Search& search) const;
   [[nodiscard]] Search search_for(const Vec3& point) const;
   /// Whether floats do for the search.

@@ -151,6 +151,7 @@ TEST(CubicCell, NeverGoesBelowItsBound) {
       }
     }
     EXPECT_GE(smallest, cell.lower_bound() - 1e-12);
+    EXPECT_GE(cell.lower_bound(), cell.rough_lower_bound() - 1e-12);
   }
 }
 
@@ -193,6 +194,7 @@ TEST(CubicCell, BernsteinCoefficientsAreThoseOfThePolynomial) {
 TEST(CubicCell, BoundIsSharpForLinearFunctions) {
   const CubicCell cell = cell_of([](const Vec3& p) { return 2 + p.x() - 3 * p.y() + 0.5 * p.z(); });
   EXPECT_NEAR(cell.lower_bound(), -1, 1e-13);
+  EXPECT_NEAR(cell.rough_lower_bound(), -1, 1e-13);
   EXPECT_NEAR(CubicCell::steepest(cell.bernstein(), Vec3::Ones()), Vec3(1, -3, 0.5).norm(), 1e-13);
   EXPECT_NEAR(cell.lower_bound_on_face(1, 0), 2, 1e-13);
 }
