@@ -25,6 +25,7 @@ class CentredSurface {
   using NearList = NearLeaves;
   void list_near(const Vec3& point, double bound_m, NearLeaves& list) const;
   using ListSearch = TriangleTree::Search;
+  void fetch(const NearLeaves& list) const { m_surface.tree().fetch(list); }
   void start_listed(const Vec3& point, const NearLeaves& list, ListSearch& search) const {
     m_surface.tree().start_listed(point - m_centre_m, list, search);
   }

@@ -29,6 +29,7 @@ namespace musclebench {
 ///   `list_near(point, bound_m, list)` fills it, where the surface is no farther than `bound_m`;
 ///   `start_listed(point, list, search)` and `ListedClosest finish_listed(point, list, enough_m, search)` use it, by
 ///   way of a `ListSearch`.
+/// - `fetch(list)`: what `start_listed` will need begins to come from memory.
 /// - `Clearance clearance_from(point, triangle)`: faster than `closest_from`, and less.
 /// - `double distance_m(point, triangle)`.
 /// - `bool contains(point, closest)`; `Vec3 outward(point, closest)`: unit, for a point that it contains.
@@ -150,7 +151,11 @@ class NodeDetection {
       Asked& ask = asked[i];
       ask.node = nodes[first + i];
       ask.point = pose.apply_inverse(positions[static_cast<std::size_t>(ask.node)]);
-      ask.outside = surface.is_outside(ask.point, ask.free_m);
+      if (m_motion_budgets) {
+        __builtin_prefetch(&memory_of(bone, ask.node));
+      } else {
+        ask.outside = surface.is_outside(ask.point, ask.free_m);
+      }
     }
     if (m_motion_budgets) {
       for (Asked& ask : std::span(asked).first(count)) {
@@ -173,9 +178,6 @@ class NodeDetection {
   }
 
   void remember(int bone, Asked& asked) {
-    if (asked.outside) {
-      return;
-    }
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
     Memory& memory = memory_of(bone, asked.node);
     if (memory.in_contact) {
@@ -188,9 +190,17 @@ class NodeDetection {
         return;
       }
     }
+    asked.listed = !memory.near.empty();
+    if (!asked.listed && surface.is_outside(asked.point, asked.free_m)) {
+      asked.outside = true;
+      return;
+    }
     asked.gap_m = m_budgets.gap_m(bone, asked.node, asked.point);
     asked.outside = asked.gap_m < 0;  // the sweep is coarser
-    asked.listed = !asked.outside && !memory.near.empty();
+    asked.listed = asked.listed && !asked.outside;
+    if (asked.listed) {
+      surface.fetch(memory.near);
+    }
   }
 
   /// Whether the node is in contact. The normal of the contact is left in the rest frame.
@@ -284,6 +294,9 @@ class NodeDetection {
       return answer;
     }
     const bool is_list_worth_it = memory.forget_list(asked.listed);
+    if (asked.listed && surface.is_outside(point, answer.free_m)) {
+      return answer;
+    }
     const auto take_new_list = [&] {
       const double bound_m =
           !is_list_worth_it || memory.triangle < 0 ? unknown : surface.distance_m(point, memory.triangle);

@@ -15,7 +15,10 @@ void collect_nodes(std::span<const Contact> contacts, std::vector<int>& nodes) {
   for (const Contact& contact : contacts) {
     nodes.push_back(contact.node);
   }
-  std::sort(nodes.begin(), nodes.end());
+  // Of each bone in ascending order, and mostly of one bone.
+  if (!std::is_sorted(nodes.begin(), nodes.end())) {
+    std::sort(nodes.begin(), nodes.end());
+  }
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
 }
 
