@@ -80,7 +80,7 @@ class ClearanceGrid::Filling {
 };
 
 ClearanceGrid::ClearanceGrid(const SignedSurface& surface, const Eigen::AlignedBox3d& box, double triangle_size_m,
-                             int threads) {
+                             [[maybe_unused]] int threads) {
   const double edge_m = std::max(box.sizes().maxCoeff() / most_cubes_along, triangles_along_cube * triangle_size_m);
   if (!(edge_m > 0)) {
     return;
