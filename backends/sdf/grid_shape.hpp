@@ -57,6 +57,8 @@ struct GridShape {
   [[nodiscard]] bool contains(const Vec3& in_cells) const {
     return (in_cells.array() >= 0).all() && (in_cells.array() <= Vec3(cells[0], cells[1], cells[2]).array()).all();
   }
+  /// Where such a place is.
+  [[nodiscard]] Vec3 point(const Vec3& in_cells) const { return lower_m + in_cells.cwiseProduct(cell_size_m); }
   /// The cell of such a place in the domain.
   [[nodiscard]] CellPlace place(const Vec3& in_cells) const {
     const auto index = [&](std::size_t axis) {

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "backends/sdf/field_contact.hpp"
 #include "backends/sdf/field_file.hpp"
-#include "backends/sdf/field_normal.hpp"
 #include "backends/sdf/node_shares.hpp"
 #include "backends/sdf/octree_builder.hpp"
 #include "backends/sdf/octree_file.hpp"
@@ -112,7 +112,8 @@ class OctreeBackend final : public CollisionBackend {
   /// Where there are budgets all nodes are new ones or have used up what they may move, and are granted anew.
   void detect_share(const NodeShares::Share& share, std::span<const Vec3> positions, std::vector<Contact>& contacts) {
     const auto& [bone, nodes] = share;
-    const CellMap map(field(bone).shape().grid(), pose(bone));
+    const GridShape grid = field(bone).shape().grid();
+    const CellMap map(grid, pose(bone));
     FieldBlock block;
     LeafBlock leaves;
     for (std::size_t next = 0; next < nodes.size();) {
@@ -121,7 +122,7 @@ class OctreeBackend final : public CollisionBackend {
       next = field(bone).sample(map, positions, nodes, next, block, leaves);
       for (std::size_t n = 0; n < block.count; ++n) {
         if (block.value_m[n] < 0) {
-          contacts.push_back(contact(bone, nodes[block.asker[n]], block, n));
+          contacts.push_back(field_contact(grid, pose(bone), bone, nodes[block.asker[n]], block, n));
         }
       }
       if (m_has_budgets) {
@@ -132,11 +133,12 @@ class OctreeBackend final : public CollisionBackend {
   }
 
   void grant_near(int bone, std::span<const int> nodes, const FieldBlock& block, const LeafBlock& leaves) {
+    const GridShape grid = field(bone).shape().grid();
     FieldBlock::Lanes<double> clearance_m;
     field(bone).clear(block, leaves, clearance_m);
     for (std::size_t n = 0; n < block.count; ++n) {
       if (block.value_m[n] >= 0) {
-        m_budgets.grant(bone, nodes[block.asker[n]], rest_point(bone, block.cells(n)), clearance_m[n]);
+        m_budgets.grant(bone, nodes[block.asker[n]], grid.point(block.cells(n)), clearance_m[n]);
       }
     }
   }
@@ -151,23 +153,11 @@ class OctreeBackend final : public CollisionBackend {
         continue;
       }
       const Vec3 cells = map.apply(positions[static_cast<std::size_t>(nodes[place])]);
-      m_budgets.grant(bone, nodes[place], rest_point(bone, cells), grid.distance_m(cells));
+      m_budgets.grant(bone, nodes[place], grid.point(cells), grid.distance_m(cells));
     }
   }
 
   [[nodiscard]] const RigidMotion& pose(int bone) const { return poses()[static_cast<std::size_t>(bone)]; }
-
-  /// `roots`: from the field's lower corner, in edges of its roots.
-  [[nodiscard]] Vec3 rest_point(int bone, const Vec3& roots) const {
-    const OctreeShape& shape = field(bone).shape();
-    return shape.lower_m + shape.root_edge_m * roots;
-  }
-
-  [[nodiscard]] Contact contact(int bone, int node, const FieldBlock& block, std::size_t n) const {
-    const OctreeShape& shape = field(bone).shape();
-    const Vec3 from_middle = rest_point(bone, block.cells(n)) - 0.5 * (shape.lower_m + shape.upper_m());
-    return {node, bone, -block.value_m[n], pose(bone).apply_to_direction(outward(block.slope(n), from_middle))};
-  }
 
   OctreeSettings m_settings;
   std::string m_error_name;

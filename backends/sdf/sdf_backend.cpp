@@ -14,9 +14,9 @@
 #include "backends/sdf/cubic_field.hpp"
 #include "backends/sdf/discregrid_file.hpp"
 #include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/field_contact.hpp"
 #include "backends/sdf/field_file.hpp"
 #include "backends/sdf/field_memory.hpp"
-#include "backends/sdf/field_normal.hpp"
 #include "backends/sdf/foreign_field.hpp"
 #include "backends/sdf/node_shares.hpp"
 #include "backends/sdf/octree_backend.hpp"
@@ -176,7 +176,7 @@ class SdfBackend final : public CollisionBackend {
       next = field(bone).sample(map, positions, nodes, next, CubicField::Wanted::may_be_inside, block);
       for (std::size_t n = 0; n < block.count; ++n) {
         if (block.value_m[n] < 0) {
-          contacts.push_back(contact(bone, nodes[block.asker[n]], block, n));
+          contacts.push_back(field_contact(field(bone).shape(), pose(bone), bone, nodes[block.asker[n]], block, n));
         }
       }
     }
@@ -198,9 +198,10 @@ class SdfBackend final : public CollisionBackend {
         ++unknown;
         const int node = nodes[block.asker[n]];
         if (block.value_m[n] < 0 && may_be_inside(bone, block, n)) {
-          contacts.push_back(contact(bone, node, block, n));
+          contacts.push_back(field_contact(field(bone).shape(), pose(bone), bone, node, block, n));
         } else {
-          m_budgets.grant(bone, node, rest_point(bone, block.cells(n)), free_distance_m(field(bone), block.value_m[n]));
+          m_budgets.grant(bone, node, field(bone).shape().point(block.cells(n)),
+                          free_distance_m(field(bone), block.value_m[n]));
         }
       }
       for (; unknown < next; ++unknown) {
@@ -215,29 +216,18 @@ class SdfBackend final : public CollisionBackend {
     const CubicField& field = this->field(bone);
     const Vec3 cells = map.apply(positions[static_cast<std::size_t>(node)]);
     if (!field.band() || !field.shape().contains(cells)) {
-      m_budgets.grant(bone, node, rest_point(bone, cells), field.shape().distance_m(cells));
+      m_budgets.grant(bone, node, field.shape().point(cells), field.shape().distance_m(cells));
       return;
     }
     const CellPlace place = field.shape().place(cells);
     const double far_m = static_cast<double>(field.band()->far_m(place.i, place.j, place.k));
-    m_budgets.grant(bone, node, rest_point(bone, cells), far_m - field.facts().negative_reach_m);
+    m_budgets.grant(bone, node, field.shape().point(cells), far_m - field.facts().negative_reach_m);
   }
 
   [[nodiscard]] bool may_be_inside(int bone, const FieldBlock& block, std::size_t n) const {
     const GridShape& shape = field(bone).shape();
     const CellPlace place = shape.place(block.cells(n));
     return field(bone).may_be_negative(shape.cell(place.i, place.j, place.k));
-  }
-
-  [[nodiscard]] Vec3 rest_point(int bone, const Vec3& cells) const {
-    const GridShape& shape = field(bone).shape();
-    return shape.lower_m + cells.cwiseProduct(shape.cell_size_m);
-  }
-
-  [[nodiscard]] Contact contact(int bone, int node, const FieldBlock& block, std::size_t n) const {
-    const GridShape& shape = field(bone).shape();
-    const Vec3 from_middle = rest_point(bone, block.cells(n)) - 0.5 * (shape.lower_m + shape.upper_m());
-    return {node, bone, -block.value_m[n], pose(bone).apply_to_direction(outward(block.slope(n), from_middle))};
   }
 
   /// How far a place of this value is at least from all places where the field is negative. A way that leaves the

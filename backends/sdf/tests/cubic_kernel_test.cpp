@@ -11,6 +11,7 @@
 
 #include "backends/sdf/field_builder.hpp"
 #include "backends/sdf/field_places.hpp"
+#include "backends/sdf/tests/asked_positions.hpp"
 #include "backends/sdf/tests/field_samples.hpp"
 #include "core/geometry/shapes.hpp"
 
@@ -40,31 +41,6 @@ CubicField band_field(FieldPrecision precision) {
   shape.cell_size_m *= 1.5;
   shape.lower_m *= 1.5;
   return build_field(SignedSurface(bone), shape, settings, 1);
-}
-
-RigidMotion oblique_pose() { return RigidMotion::about_axis(Vec3(1, 2, 2) / 3, {0.1, 0.2, 0.3}, 2.5); }
-
-/// World positions in and about a field, on the border of its domain, and nowhere.
-std::vector<Vec3> positions_about(const GridShape& shape, const RigidMotion& pose, int count) {
-  std::mt19937 generator(9);
-  std::uniform_real_distribution<double> share(-0.1, 1.1);
-  std::vector<Vec3> positions;
-  for (int n = 0; n < count; ++n) {
-    const double x = share(generator), y = share(generator), z = share(generator);
-    positions.push_back(pose.apply(shape.lower_m + Vec3(x, y, z).cwiseProduct(shape.upper_m() - shape.lower_m)));
-  }
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const double infinity = std::numeric_limits<double>::infinity();
-  for (const Vec3& odd : {Vec3(nan, 0, 0), Vec3(0, infinity, 0), Vec3(0, 0, -infinity), Vec3(1e300, 1e300, 1e300)}) {
-    positions.insert(positions.begin() + static_cast<std::ptrdiff_t>(positions.size() / 2), odd);
-  }
-  return positions;
-}
-
-std::vector<int> all_of(const std::vector<Vec3>& positions) {
-  std::vector<int> nodes(positions.size());
-  std::iota(nodes.begin(), nodes.end(), 0);
-  return nodes;
 }
 
 struct Answer {

@@ -12,6 +12,7 @@
 #include "backends/sdf/octree_entry.hpp"
 #include "backends/sdf/octree_field.hpp"
 #include "backends/sdf/octree_polynomial.hpp"
+#include "backends/sdf/tests/asked_positions.hpp"
 #include "core/base/random_numbers.hpp"
 
 namespace musclebench {
@@ -72,31 +73,6 @@ OctreeShape shape() { return {Vec3(-0.3, 0.1, 0.2), 0.125, {5, 3, 4}}; }
 const OctreeField& noisy_field() {
   static const OctreeField made = NoisyTree(shape()).field(shape());
   return made;
-}
-
-RigidMotion oblique_pose() { return RigidMotion::about_axis(Vec3(1, 2, 2) / 3, {0.1, 0.2, 0.3}, 2.5); }
-
-/// World positions in and about the field, and nowhere.
-std::vector<Vec3> positions_about(const RigidMotion& pose, int count) {
-  RandomNumbers random(9);
-  std::vector<Vec3> positions;
-  for (int n = 0; n < count; ++n) {
-    const double x = 1.2 * random.share() - 0.1, y = 1.2 * random.share() - 0.1, z = 1.2 * random.share() - 0.1;
-    const Vec3 size_m = shape().upper_m() - shape().lower_m;
-    positions.push_back(pose.apply(shape().lower_m + Vec3(x, y, z).cwiseProduct(size_m)));
-  }
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const double infinity = std::numeric_limits<double>::infinity();
-  for (const Vec3& odd : {Vec3(nan, 0, 0), Vec3(0, infinity, 0), Vec3(0, 0, -infinity), Vec3(1e300, 1e300, 1e300)}) {
-    positions.insert(positions.begin() + static_cast<std::ptrdiff_t>(positions.size() / 2), odd);
-  }
-  return positions;
-}
-
-std::vector<int> all_of(const std::vector<Vec3>& positions) {
-  std::vector<int> nodes(positions.size());
-  std::iota(nodes.begin(), nodes.end(), 0);
-  return nodes;
 }
 
 struct Answer {
@@ -190,7 +166,7 @@ void expect_leaf(const OctreeField& field, const Answer& answer) {
 }
 
 TEST(OctreeKernel, EvaluatesWhatTheLeavesSay) {
-  const std::vector<Vec3> positions = positions_about(oblique_pose(), 5000);
+  const std::vector<Vec3> positions = positions_about(shape().grid(), oblique_pose(), 5000);
   const auto answers = ask(noisy_field(), oblique_pose(), positions, all_of(positions));
   std::size_t found = 0;
   for (std::size_t n = 0; n < positions.size(); ++n) {
@@ -261,7 +237,7 @@ TEST(OctreeKernel, ALeafIsPositiveWithinItsClearance) {
 }
 
 TEST(OctreeKernel, AnAnswerDoesNotDependOnWhoElseAsks) {
-  const std::vector<Vec3> positions = positions_about(oblique_pose(), 400);
+  const std::vector<Vec3> positions = positions_about(shape().grid(), oblique_pose(), 400);
   const std::vector<int> nodes = all_of(positions);
   const auto together = ask(noisy_field(), oblique_pose(), positions, nodes);
   for (const std::size_t length : {0U, 1U, 2U, 3U, 5U, 7U, 8U, 9U, 127U, 128U, 129U, 300U}) {
@@ -296,7 +272,7 @@ TEST(OctreeKernel, AZeroHasTheSameSignWhoeverElseAsks) {
 
 /// Every kind of SIMD that this machine has gives the same bits as the one without.
 TEST(OctreeKernel, GivesTheSameBitsOnEveryMachine) {
-  const std::vector<Vec3> positions = positions_about(oblique_pose(), 3000);
+  const std::vector<Vec3> positions = positions_about(shape().grid(), oblique_pose(), 3000);
   std::optional<std::vector<std::optional<Answer>>> expected;
   for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
     hwy::GetChosenTarget().Update(rest & -rest);

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cmath>
+
+#include "backends/sdf/field_block.hpp"
+#include "backends/sdf/grid_shape.hpp"
+#include "core/contact/contact.hpp"
+#include "core/geometry/rigid_motion.hpp"
+
+namespace musclebench {
+
+/// The unit vector that leads out of a bone where its field has this gradient: away from the middle of the field where
+/// the field is flat, and along x in that very middle.
+inline Vec3 outward(const Vec3& gradient, const Vec3& from_middle) {
+  for (const Vec3& direction : {gradient, from_middle}) {
+    const double length = direction.norm();
+    if (length > 1e-9 && std::isfinite(length)) {
+      return direction / length;
+    }
+  }
+  return Vec3::UnitX();
+}
+
+/// Of the block's point `n`, where the field over `grid` is negative; `pose`: of the bone.
+inline Contact field_contact(const GridShape& grid, const RigidMotion& pose, int bone, int node,
+                             const FieldBlock& block, std::size_t n) {
+  const Vec3 from_middle = grid.point(block.cells(n)) - 0.5 * (grid.lower_m + grid.upper_m());
+  return {node, bone, -block.value_m[n], pose.apply_to_direction(outward(block.slope(n), from_middle))};
+}
+
+}  // namespace musclebench
