@@ -28,6 +28,9 @@ class CentredSurface {
   void fetch(const NearLeaves& list) const { m_surface.tree().fetch(list); }
   void start_listed(const Vec3& point, const NearLeaves& list, ListSearch& search) const {
     m_surface.tree().start_listed(point - m_centre_m, list, search);
+    for (std::size_t i = 0; i < search.count; ++i) {
+      m_surface.fetch_sign(search.triangle[i]);
+    }
   }
   [[nodiscard]] ListedClosest finish_listed(const Vec3& /*point*/, const NearLeaves& list, double enough_m,
                                             ListSearch& search) const {

@@ -105,6 +105,8 @@ HWY_INLINE void sweep_block(const Block& block, std::size_t first, std::size_t c
   const auto offset_y = hn::Set(lanes, bone.offset[1]);
   const auto offset_z = hn::Set(lanes, bone.offset[2]);
   const auto slack = hn::Set(lanes, bone.slack);
+  // Once: from a node's number it would be stored in parts and read whole, for which the CPU waits.
+  const auto places = hn::Iota(ints, 0);
   int* const spent = bone.spent;
   std::size_t found = bone.count;
   for (std::size_t i = 0; i < count; i += hn::Lanes(lanes)) {
@@ -128,8 +130,9 @@ HWY_INLINE void sweep_block(const Block& block, std::size_t first, std::size_t c
       continue;
     }
     const auto asked = hn::Lt(hn::LoadU(ints, is_asked + node), hn::Zero(ints));
-    found += hn::CompressStore(hn::Iota(ints, static_cast<int>(node)), hn::AndNot(hn::RebindMask(ints, free), asked),
-                               ints, spent + found);
+    const auto spent_now = hn::AndNot(hn::RebindMask(ints, free), asked);
+    hn::StoreU(hn::Compress(hn::Add(places, hn::Set(ints, static_cast<int>(node))), spent_now), ints, spent + found);
+    found += hn::CountTrue(ints, spent_now);
   }
   bone.count = found;
 }

@@ -24,6 +24,9 @@ class CleanFeatures {
     return ((m_bits[static_cast<std::size_t>(triangle)] >> static_cast<unsigned>(feature)) & 1U) != 0;
   }
 
+  /// What `holds` will need begins to come from memory.
+  void fetch(int triangle) const { __builtin_prefetch(m_bits.data() + triangle); }
+
   [[nodiscard]] std::size_t bytes() const { return m_bits.capacity(); }
 
  private:

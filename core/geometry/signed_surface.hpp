@@ -51,6 +51,13 @@ class SignedSurface {
     return closest.distance_m > 0 && m_tree.winding_number(point) > 0.5;
   }
 
+  /// What `is_inside` will need of a point next to that triangle begins to come from memory.
+  void fetch_sign(int triangle) const {
+    if (m_signs) {
+      m_signs->clean.fetch(triangle);
+    }
+  }
+
   /// `point` is finite, the surface has triangles.
   [[nodiscard]] SignedPoint locate(const Vec3& point) const;
 
