@@ -91,6 +91,15 @@ HWY_INLINE void load_block(const double* HWY_RESTRICT positions, std::size_t cou
   }
 }
 
+/// What a sweep will need of memory, sooner than the CPU would guess.
+template <typename T>
+HWY_INLINE void fetch_ahead(const T* now) {
+  constexpr std::size_t ahead = 8 * sizeof(MotionBudgets::EightBalls);
+  for (std::size_t offset = 0; offset < sizeof(T); offset += 64) {
+    __builtin_prefetch(reinterpret_cast<const char*>(now) + ahead + offset);
+  }
+}
+
 /// Of the nodes from `first` on those that have left their balls. `is_asked`: by node, 0 or -1.
 HWY_INLINE void sweep_block(const Block& block, std::size_t first, std::size_t count, const int* is_asked,
                             MotionBudgets::SweptBone& bone) {
@@ -113,6 +122,7 @@ HWY_INLINE void sweep_block(const Block& block, std::size_t first, std::size_t c
     const std::size_t node = first + i;
     const MotionBudgets::EightBalls& balls = bone.balls[node / sweep_lanes];
     const std::size_t place = node % sweep_lanes;
+    fetch_ahead(&balls);
     const auto x = hn::Load(lanes, block.x.data() + i);
     const auto y = hn::Load(lanes, block.y.data() + i);
     const auto z = hn::Load(lanes, block.z.data() + i);

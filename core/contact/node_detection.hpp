@@ -147,6 +147,11 @@ class NodeDetection {
     const std::size_t count = std::min(block_size, nodes.size() - first);
     std::array<Asked, block_size> asked;
     std::array<ListSearch, block_size> searches;
+    if (m_motion_budgets) {
+      for (std::size_t next = first + count; next < std::min(first + count + block_size, nodes.size()); ++next) {
+        __builtin_prefetch(&memory_of(bone, nodes[next]));
+      }
+    }
     for (std::size_t i = 0; i < count; ++i) {
       Asked& ask = asked[i];
       ask.node = nodes[first + i];
