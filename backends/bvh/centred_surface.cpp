@@ -19,9 +19,6 @@ RepairedMesh moved(RepairedMesh surface, const Vec3& by) {
 /// go through.
 constexpr double list_reach = 1.5;
 
-/// Beyond this a square is not a number any more.
-constexpr double farthest_m = 1e100;
-
 }  // namespace
 
 CentredSurface::CentredSurface(const RepairedMesh& surface, int threads)
@@ -41,7 +38,7 @@ CentredSurface::CentredSurface(const RepairedMesh& surface, const Eigen::Aligned
 
 bool CentredSurface::is_outside(const Vec3& point, double& clearance_m) const {
   clearance_m = 0;
-  if (!(point.array().abs() < farthest_m).all()) {
+  if (!is_searchable(point)) {
     return true;
   }
   // The inside of an open surface may reach out of its box.

@@ -17,6 +17,11 @@ class CentredSurface {
   CentredSurface(const RepairedMesh& surface, int threads);
 
   [[nodiscard]] bool is_outside(const Vec3& point, double& clearance_m) const;
+  void fetch_clearance(const Vec3& point) const {
+    if (is_searchable(point)) {
+      m_clearances.fetch(point - m_centre_m);
+    }
+  }
   [[nodiscard]] ClosestPoint closest(const Vec3& point) const;
   [[nodiscard]] ClosestPoint closest_from(const Vec3& point, int triangle) const;
   [[nodiscard]] double distance_m(const Vec3& point, int triangle) const {
@@ -57,6 +62,10 @@ class CentredSurface {
   [[nodiscard]] std::size_t bytes() const { return sizeof(CentredSurface) + m_surface.bytes() + m_clearances.bytes(); }
 
  private:
+  /// Beyond this a square is not a number any more.
+  static constexpr double farthest_m = 1e100;
+  static bool is_searchable(const Vec3& point) { return (point.array().abs() < farthest_m).all(); }
+
   CentredSurface(const RepairedMesh& surface, const Eigen::AlignedBox3d& box, int threads);
 
   Vec3 m_centre_m;

@@ -26,6 +26,7 @@ class BoxedSurface : public SidedSurface {
   void list_near(const Vec3& point, double bound_m, NearTriangles& list) const;
   struct ListSearch {};
   void fetch(const NearTriangles& /*list*/) const {}
+  void fetch_clearance(const Vec3& /*point*/) const {}
   void start_listed(const Vec3& point, const NearTriangles& list, ListSearch& search) const;
   [[nodiscard]] ListedClosest finish_listed(const Vec3& point, const NearTriangles& list, double enough_m,
                                             const ListSearch& search) const;

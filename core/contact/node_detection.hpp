@@ -22,7 +22,7 @@ namespace musclebench {
 ///
 /// A `Surface` answers for points in its bone's rest frame, from several threads at once:
 /// - `bool is_outside(point, clearance_m)`: free for certain, told cheaply; how far it may move. True for what is not
-///   finite.
+///   finite. `fetch_clearance(point)`: what that will need begins to come from memory.
 /// - `ClosestPoint closest(point)`, `closest_from(point, triangle)` (faster the closer that triangle is): of all
 ///   triangles at the smallest squared distance the one with the smallest index.
 /// - `NearList`: what is near a place; `empty()` where nothing is known, as after `clear()`;
@@ -163,6 +163,11 @@ class NodeDetection {
       }
     }
     if (m_motion_budgets) {
+      for (Asked& ask : std::span(asked).first(count)) {
+        if (memory_of(bone, ask.node).near.empty()) {
+          surface.fetch_clearance(ask.point);
+        }
+      }
       for (Asked& ask : std::span(asked).first(count)) {
         remember(bone, ask);
       }

@@ -35,6 +35,16 @@ class ClearanceGrid {
     return std::max(m_steps[cube(index(0), index(1), index(2))] / steps_a_cube - away, 0.0) * m_edge_m;
   }
 
+  /// What `clearance_m` will need begins to come from memory.
+  void fetch(const Vec3& point) const {
+    if (m_steps.empty()) {
+      return;
+    }
+    const Vec3 corner = (m_cubes_per_m * (point - m_lower_m)).array().max(0).min(m_last.array());
+    const auto index = [&](Eigen::Index axis) { return static_cast<std::size_t>(corner[axis]); };
+    __builtin_prefetch(m_steps.data() + cube(index(0), index(1), index(2)));
+  }
+
   [[nodiscard]] std::size_t bytes() const { return m_steps.capacity() * sizeof(m_steps[0]); }
 
  private:
