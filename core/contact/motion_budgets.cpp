@@ -94,7 +94,7 @@ HWY_INLINE void load_block(const double* HWY_RESTRICT positions, std::size_t cou
 /// What a sweep will need of memory, sooner than the CPU would guess.
 template <typename T>
 HWY_INLINE void fetch_ahead(const T* now) {
-  constexpr std::size_t ahead = 8 * sizeof(MotionBudgets::EightBalls);
+  constexpr std::size_t ahead = 20 * sizeof(MotionBudgets::EightBalls);
   for (std::size_t offset = 0; offset < sizeof(T); offset += 64) {
     __builtin_prefetch(reinterpret_cast<const char*>(now) + ahead + offset);
   }
