@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 #include <iterator>
+#include <limits>
+#include <span>
 #include <vector>
 
 #include <fmt/format.h>
@@ -32,6 +34,8 @@ constexpr double first_threshold = 3e-4;  ///< of wrong volume in a leaf, over t
 /// Over what counts as near: proving less of the places with the wrong sign takes longer than it saves.
 constexpr double least_reach = 0.75;
 constexpr std::size_t places_measured = 20000;
+/// Cells for which memory is asked for together.
+constexpr std::size_t split_together = 4;
 /// Of the wanted error. Across the faces between leaves the field jumps by up to an eighth more than it is off.
 constexpr double aim_share = 0.88;
 
@@ -84,6 +88,14 @@ class OctreeBuilder {
   }
 
  private:
+  /// The error at a place as it was measured last, in this cell by this polynomial.
+  struct Measured {
+    static constexpr std::size_t nowhere = std::numeric_limits<std::size_t>::max();
+    std::size_t cell = nowhere;
+    bool cubic = false;
+    double error_m = 0;
+  };
+
   void plant_roots() {
     m_cells.resize(m_shape.root_count());
     const auto nx = static_cast<std::size_t>(m_shape.roots[0]);
@@ -116,6 +128,7 @@ class OctreeBuilder {
   /// Splits what is more wrong than the threshold until nothing is. False when even a lower threshold would change
   /// nothing.
   bool refine() {
+    fit_cubics();
     std::vector<std::size_t> work;
     bool more = false;
     for (std::size_t c = 0; c < m_cells.size(); ++c) {
@@ -128,6 +141,16 @@ class OctreeBuilder {
       work = split_all(work);
     }
     return more;
+  }
+
+  /// A cubic polynomial is fitted to a leaf when a threshold may let it take one, which half of them never see.
+  void fit_cubics() {
+#pragma omp parallel for schedule(dynamic, 64) num_threads(m_threads)
+    for (std::size_t c = 0; c < m_cells.size(); ++c) {
+      if (m_cells[c].lacks_cubic(m_threshold_m3)) {
+        m_maker.fit_cubic(m_cells[c]);
+      }
+    }
   }
 
   /// Splits these cells; returns the children that have to be split, too.
@@ -157,24 +180,33 @@ class OctreeBuilder {
 
   /// Splits cells of which no two of one size share a face. (Of larger ones nothing is read that splitting writes.)
   void split_apart(const std::vector<std::size_t>& work, std::vector<std::size_t>& next) {
-    std::vector<std::array<OctreeCell, 8>> children(work.size());
+    const std::size_t first = m_cells.size();
+    m_cells.resize(first + 8 * work.size());
 #pragma omp parallel num_threads(m_threads)
     {
       SampleBlock block(m_surface);
-#pragma omp for schedule(dynamic, 4)
-      for (std::size_t w = 0; w < work.size(); ++w) {
-        OctreeCell& cell = m_cells[work[w]];
-        children[w] = m_maker.split(cell, neighbour_children(cell), block);
+      std::array<NeighbourChildren, split_together> neighbours;
+#pragma omp for schedule(dynamic)
+      for (std::size_t start = 0; start < work.size(); start += split_together) {
+        const std::size_t end = std::min(start + split_together, work.size());
+        for (std::size_t w = start; w < end; ++w) {
+          neighbours[w - start] = neighbour_children(m_cells[work[w]]);
+          fetch(m_cells[work[w]], neighbours[w - start]);
+        }
+        for (std::size_t w = start; w < end; ++w) {
+          const std::span<OctreeCell, 8> children(&m_cells[first + 8 * w], 8);
+          m_maker.split(m_cells[work[w]], neighbours[w - start], m_threshold_m3, children, block);
+        }
       }
     }
     for (std::size_t w = 0; w < work.size(); ++w) {
-      m_cells[work[w]].first_child = m_cells.size();
-      m_cells[work[w]].leaf.reset();
-      for (OctreeCell& child : children[w]) {
-        if (can_split(child) && child.wrong_m3() > m_threshold_m3) {
-          next.push_back(m_cells.size());
+      OctreeCell& cell = m_cells[work[w]];
+      cell.first_child = first + 8 * w;
+      cell.leaf.reset();
+      for (std::size_t child = cell.first_child; child < cell.first_child + 8; ++child) {
+        if (can_split(m_cells[child]) && m_cells[child].wrong_m3() > m_threshold_m3) {
+          next.push_back(child);
         }
-        m_cells.push_back(std::move(child));
       }
     }
   }
@@ -199,7 +231,11 @@ class OctreeBuilder {
       const double along = std::floor((point[a] - m_shape.lower_m[a]) / m_shape.root_edge_m);
       root[axis] = static_cast<std::size_t>(std::clamp(along, 0.0, m_shape.roots[axis] - 1.0));
     }
-    std::size_t cell = m_shape.root(root[0], root[1], root[2]);
+    return find_below(m_shape.root(root[0], root[1], root[2]), point, half_edge_m);
+  }
+
+  /// The same where a cell that holds the place is known.
+  [[nodiscard]] std::size_t find_below(std::size_t cell, const Vec3& point, double half_edge_m = 0) const {
     while (m_cells[cell].split() && m_cells[cell].half_edge_m > half_edge_m) {
       const Vec3& centre = m_cells[cell].centre_m;
       const std::size_t octant =
@@ -209,15 +245,24 @@ class OctreeBuilder {
     return cell;
   }
 
-  /// At every `step`-th place.
+  /// At every `step`-th place. Most leaves stay what they were when they were measured before.
   void measure(std::size_t step) {
+    m_measured.resize(m_places.size());
     m_errors_m.resize(m_places.size() / step);
 #pragma omp parallel for schedule(static) num_threads(m_threads)
     for (std::size_t p = 0; p < m_errors_m.size(); ++p) {
       const ExactPlace& place = m_places[p * step];
-      const OctreeCell& cell = m_cells[find(place.point)];
-      // Without a leaf it is as far as near places are, to rounding.
-      m_errors_m[p] = cell.leaf == nullptr ? 0 : std::abs(value_of(cell, place.point) - place.distance_m);
+      Measured& last = m_measured[p * step];
+      const bool is_first = last.cell == Measured::nowhere;
+      const std::size_t found = is_first ? find(place.point) : find_below(last.cell, place.point);
+      const OctreeCell& cell = m_cells[found];
+      const bool cubic = cell.takes_cubic(m_threshold_m3);
+      if (found != last.cell || cubic != last.cubic) {
+        // Without a leaf it is as far as near places are, to rounding.
+        const double error_m = cell.leaf == nullptr ? 0 : std::abs(value_of(cell, place.point) - place.distance_m);
+        last = {found, cubic, error_m};
+      }
+      m_errors_m[p] = last.error_m;
     }
   }
 
@@ -315,7 +360,9 @@ class OctreeBuilder {
   }
 
   OctreeField pack() {
+    m_entries.reserve(m_cells.size());
     m_entries.assign(m_shape.root_count(), 0);
+    m_coefficients.reserve(coefficient_count() + cubic_terms);
     m_quality = {m_wanted_m, m_demand.near_m};
     m_quality.finest_edge_m = m_shape.root_edge_m;
     for (std::size_t root = 0; root < m_shape.root_count(); ++root) {
@@ -329,9 +376,16 @@ class OctreeBuilder {
     for (const double error_m : m_errors_m) {
       m_quality.mean_m += error_m / number(m_errors_m.size());
     }
-    m_entries.shrink_to_fit();
-    m_coefficients.shrink_to_fit();
     return {m_shape, m_quality, std::move(m_entries), std::move(m_coefficients)};
+  }
+
+  [[nodiscard]] std::size_t coefficient_count() const {
+    std::size_t count = 0;
+    for (const OctreeCell& cell : m_cells) {
+      const std::size_t of_leaf = cell.leaf == nullptr ? 1 : cell.chosen_terms(m_threshold_m3);
+      count += cell.split() ? 0 : of_leaf;
+    }
+    return count;
   }
 
   void pack(std::size_t from, std::size_t entry) {
@@ -390,7 +444,8 @@ class OctreeBuilder {
 
   std::vector<OctreeCell> m_cells;  ///< the roots, then children, eight and eight
   std::vector<ExactPlace> m_places;
-  std::vector<double> m_errors_m;  ///< at every n-th place
+  std::vector<Measured> m_measured;  ///< at each place
+  std::vector<double> m_errors_m;    ///< at every n-th place
   double m_near_m3 = 0;
   double m_threshold_m3 = 0;
 

@@ -31,6 +31,16 @@ float wrongness(float error) {
   return square * square;
 }
 
+double wrong_volume_m3(const OctreeCell& cell, const CellErrors& errors) {
+  float wrong = 0;
+  for (const float error : errors) {
+    wrong += wrongness(error);
+  }
+  const double edge_m = 2 * cell.half_edge_m;
+  const double volume_m3 = edge_m * edge_m * edge_m / static_cast<double>(known_samples(cell.leaf->samples));
+  return volume_m3 * wrong;
+}
+
 const double half_diagonal = std::sqrt(3.0) * (1 + 1e-9);
 
 /// Along one axis of the grid that the lattices of eight children share.
@@ -52,6 +62,14 @@ DistanceSample sample_of(const SignedSurface& surface, const Vec3& point, const 
 
 KnownPlace known_place(const Vec3& point, const DistanceSample& sample) {
   return {point, sample.value_m, sample.triangle};
+}
+
+void fetch_samples(const OctreeCell& cell) {
+  constexpr std::size_t line = 64;
+  const auto* const samples = reinterpret_cast<const char*>(cell.leaf.get());
+  for (std::size_t offset = 0; samples != nullptr && offset < sizeof(CellSamples); offset += line) {
+    __builtin_prefetch(samples + offset);
+  }
 }
 
 /// Adds what is not known yet of a cell whose middle is.
@@ -212,6 +230,10 @@ double OctreeCell::reach_m() const { return half_diagonal * half_edge_m; }
 
 double OctreeCell::wrong_m3() const { return leaf == nullptr ? 0 : std::min(wrong_quadratic_m3, wrong_cubic_m3); }
 
+bool OctreeCell::lacks_cubic(double threshold_m3) const {
+  return leaf != nullptr && !has_cubic && wrong_quadratic_m3 > worth_a_cubic * threshold_m3;
+}
+
 bool OctreeCell::takes_cubic(double threshold_m3) const {
   return wrong_quadratic_m3 - wrong_cubic_m3 > worth_a_cubic * threshold_m3;
 }
@@ -224,36 +246,45 @@ bool OctreeCellMaker::outside(const OctreeCell& cell) const {
   return cell.distance_m - cell.reach_m() >= m_demand.near_m;
 }
 
-OctreeCellMaker::FitErrors OctreeCellMaker::fit(OctreeCell& cell) const {
+CellErrors OctreeCellMaker::fit_quadratic(OctreeCell& cell) const {
   const CellSamples& samples = cell.leaf->samples;
   cell.leaf->quadratic = m_quadratic.fit(samples, cell.half_edge_m);
-  cell.leaf->cubic = m_cubic.fit(samples, cell.half_edge_m);
-  FitErrors errors{m_quadratic.measure(samples, cell.half_edge_m, cell.leaf->quadratic),
-                   m_cubic.measure(samples, cell.half_edge_m, cell.leaf->cubic)};
-  for (std::size_t s = 0; s < cell_samples; ++s) {
-    const auto per_allowed = static_cast<float>(1 / m_demand.allowed_m(samples[s].value_m));
-    errors.quadratic[s] *= per_allowed;
-    errors.cubic[s] *= per_allowed;
-  }
+  CellErrors errors = m_quadratic.measure(samples, cell.half_edge_m, cell.leaf->quadratic);
+  divide_by_allowed(samples, errors);
   return errors;
 }
 
-bool OctreeCellMaker::is_sure(const OctreeCell& cell, const FitErrors& errors) const {
+void OctreeCellMaker::fit_cubic(OctreeCell& cell) const {
+  const CellSamples& samples = cell.leaf->samples;
+  cell.leaf->cubic = m_cubic.fit(samples, cell.half_edge_m);
+  CellErrors errors = m_cubic.measure(samples, cell.half_edge_m, cell.leaf->cubic);
+  divide_by_allowed(samples, errors);
+  cell.wrong_cubic_m3 = wrong_volume_m3(cell, errors);
+  cell.has_cubic = true;
+}
+
+void OctreeCellMaker::divide_by_allowed(const CellSamples& samples, CellErrors& errors) const {
+  for (std::size_t s = 0; s < cell_samples; ++s) {
+    errors[s] *= static_cast<float>(1 / m_demand.allowed_m(samples[s].value_m));
+  }
+}
+
+bool OctreeCellMaker::is_sure(const OctreeCell& cell, const CellErrors& quadratic) const {
   // The bounds of the largest cells are those of the whole field, and these cells are few.
   return !is_large(cell) &&
-         std::all_of(errors.quadratic.begin(), errors.quadratic.end(), [](float error) { return error <= sure_share; });
+         std::all_of(quadratic.begin(), quadratic.end(), [](float error) { return error <= sure_share; });
 }
 
 /// Sisters, or one root.
 void OctreeCellMaker::fit(std::span<OctreeCell> cells, SampleBlock& block) const {
-  std::array<FitErrors, 8> errors;
+  std::array<CellErrors, 8> errors;
   std::array<bool, 8> has_more{};
   for (std::size_t c = 0; c < cells.size(); ++c) {
     OctreeCell& cell = cells[c];
     if (cell.leaf == nullptr) {
       continue;
     }
-    errors[c] = fit(cell);
+    errors[c] = fit_quadratic(cell);
     has_more[c] = !is_sure(cell, errors[c]);
     if (has_more[c]) {
       add_samples(cell, lattice_samples, cell_samples, block);
@@ -262,29 +293,28 @@ void OctreeCellMaker::fit(std::span<OctreeCell> cells, SampleBlock& block) const
   block.ask();
   for (std::size_t c = 0; c < cells.size(); ++c) {
     if (has_more[c]) {
-      errors[c] = fit(cells[c]);
+      errors[c] = fit_quadratic(cells[c]);
     }
     if (cells[c].leaf != nullptr) {
-      judge(cells[c], errors[c]);
+      cells[c].wrong_quadratic_m3 = cells[c].wrong_cubic_m3 = wrong_volume_m3(cells[c], errors[c]);
     }
   }
-}
-
-void OctreeCellMaker::judge(OctreeCell& cell, const FitErrors& errors) const {
-  float quadratic = 0;
-  float cubic = 0;
-  for (std::size_t s = 0; s < padded_samples; ++s) {
-    quadratic += wrongness(errors.quadratic[s]);
-    cubic += wrongness(errors.cubic[s]);
-  }
-  const double edge_m = 2 * cell.half_edge_m;
-  const double volume_m3 = edge_m * edge_m * edge_m / static_cast<double>(known_samples(cell.leaf->samples));
-  cell.wrong_quadratic_m3 = volume_m3 * quadratic;
-  cell.wrong_cubic_m3 = volume_m3 * cubic;
 }
 
 bool OctreeCellMaker::is_large(const OctreeCell& cell) const {
   return 2 * cell.half_edge_m > coarsest_near * m_demand.near_m;
+}
+
+void fetch(const OctreeCell& parent, const NeighbourChildren& neighbours) {
+  fetch_samples(parent);
+  for (std::size_t face = 0; face < neighbours.size(); ++face) {
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+      // Of the neighbour beyond a lower face, the upper children.
+      if (neighbours[face] != nullptr && bit(octant, face / 2) == (face % 2 == 0)) {
+        fetch_samples(neighbours[face][octant]);
+      }
+    }
+  }
 }
 
 OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m, SampleBlock& block) const {
@@ -299,6 +329,7 @@ OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m, Sampl
     const bool hides_features = is_large(cell) && std::abs(cell.distance_m) <= cell.reach_m();
     if (hides_features) {  // it will be split, whatever it were
       cell.wrong_quadratic_m3 = cell.wrong_cubic_m3 = std::numeric_limits<double>::infinity();
+      cell.has_cubic = true;  // nor can that be fitted
       return cell;
     }
     block.enter(cell);
@@ -309,9 +340,8 @@ OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m, Sampl
   return cell;
 }
 
-std::array<OctreeCell, 8> OctreeCellMaker::split(OctreeCell& parent, const NeighbourChildren& neighbours,
-                                                 SampleBlock& block) const {
-  std::array<OctreeCell, 8> children;
+void OctreeCellMaker::split(OctreeCell& parent, const NeighbourChildren& neighbours, double threshold_m3,
+                            std::span<OctreeCell, 8> children, SampleBlock& block) const {
   unsigned wanted = 0;
   block.enter(parent);
   add_samples(parent, lattice_samples, cell_samples, block);
@@ -332,7 +362,11 @@ std::array<OctreeCell, 8> OctreeCellMaker::split(OctreeCell& parent, const Neigh
     }
   }
   fit(children, block);
-  return children;
+  for (OctreeCell& child : children) {
+    if (child.lacks_cubic(threshold_m3)) {
+      fit_cubic(child);
+    }
+  }
 }
 
 }  // namespace musclebench

@@ -35,9 +35,10 @@ struct OctreeCell {
   double distance_m = 0;        ///< at the centre, exact
   std::size_t first_child = 0;  ///< 0: none
   std::unique_ptr<Leaf> leaf;   ///< none: split, or outside and far
-  // Of a leaf: volume of the places that are off by more than allowed.
+  // Of a leaf: volume of the places that are off by more than allowed. Without a cubic polynomial both are the same.
   double wrong_quadratic_m3 = 0;
   double wrong_cubic_m3 = 0;
+  bool has_cubic = false;
 
   [[nodiscard]] double reach_m() const;  ///< from the centre to a corner
   [[nodiscard]] bool split() const { return first_child != 0; }
@@ -46,6 +47,8 @@ struct OctreeCell {
   [[nodiscard]] bool outside() const { return distance_m >= reach_m(); }
   /// The volume of wrong places that is left with the better polynomial.
   [[nodiscard]] double wrong_m3() const;
+  /// Whether a cubic polynomial, which the leaf has not got yet, might be taken.
+  [[nodiscard]] bool lacks_cubic(double threshold_m3) const;
   [[nodiscard]] bool takes_cubic(double threshold_m3) const;
   [[nodiscard]] const PolynomialFit& chosen(double threshold_m3) const;
   [[nodiscard]] std::size_t chosen_terms(double threshold_m3) const {
@@ -92,6 +95,9 @@ class SampleBlock {
 /// none where there is no such cell or it is not split.
 using NeighbourChildren = std::array<const OctreeCell*, 6>;
 
+/// What splitting a cell reads begins to come from memory.
+void fetch(const OctreeCell& parent, const NeighbourChildren& neighbours);
+
 /// Makes cells: asks the surface, fits, judges. Const and safe from several threads, each with a SampleBlock of its
 /// own.
 class OctreeCellMaker {
@@ -100,24 +106,22 @@ class OctreeCellMaker {
 
   [[nodiscard]] OctreeCell root(const Vec3& centre_m, double half_edge_m, SampleBlock& block) const;
 
-  /// The eight children of a leaf, x changing fastest. What the leaf was asked is not asked again, nor what children of
-  /// its neighbours know, as far as they are still leaves.
-  [[nodiscard]] std::array<OctreeCell, 8> split(OctreeCell& parent, const NeighbourChildren& neighbours,
-                                                SampleBlock& block) const;
+  /// Makes the eight children of a leaf, x changing fastest. What the leaf was asked is not asked again, nor what
+  /// children of its neighbours know, as far as they are still leaves. None lacks a cubic polynomial for this
+  /// threshold.
+  void split(OctreeCell& parent, const NeighbourChildren& neighbours, double threshold_m3,
+             std::span<OctreeCell, 8> children, SampleBlock& block) const;
+
+  void fit_cubic(OctreeCell& cell) const;
 
  private:
   [[nodiscard]] bool outside(const OctreeCell& cell) const;
   [[nodiscard]] bool is_large(const OctreeCell& cell) const;
   void fit(std::span<OctreeCell> cells, SampleBlock& block) const;
-  /// Of the two polynomials of a cell, over what is allowed.
-  struct FitErrors {
-    CellErrors quadratic;
-    CellErrors cubic;
-  };
-  /// By what is known of the cell.
-  [[nodiscard]] FitErrors fit(OctreeCell& cell) const;
-  [[nodiscard]] bool is_sure(const OctreeCell& cell, const FitErrors& errors) const;
-  void judge(OctreeCell& cell, const FitErrors& errors) const;
+  /// By what is known of the cell; the errors over what is allowed.
+  [[nodiscard]] CellErrors fit_quadratic(OctreeCell& cell) const;
+  void divide_by_allowed(const CellSamples& samples, CellErrors& errors) const;
+  [[nodiscard]] bool is_sure(const OctreeCell& cell, const CellErrors& quadratic) const;
 
   const SignedSurface& m_surface;
   OctreeDemand m_demand;

@@ -8,6 +8,8 @@ namespace musclebench {
 namespace {
 
 constexpr double half_edge_m = 0.008;
+constexpr double every_threshold_m3 = 0;
+constexpr double no_threshold_m3 = 1;
 
 /// A cell at the surface of a ball, and its neighbours.
 class OctreeCells : public testing::Test {
@@ -15,9 +17,13 @@ class OctreeCells : public testing::Test {
   [[nodiscard]] OctreeCell cell(const Vec3& way = Vec3::Zero()) {
     return m_maker.root(Vec3(0.05, 0.001, 0.002) + way, half_edge_m, m_block);
   }
-  [[nodiscard]] std::array<OctreeCell, 8> split(OctreeCell parent, const NeighbourChildren& neighbours = {}) {
-    return m_maker.split(parent, neighbours, m_block);
+  [[nodiscard]] std::array<OctreeCell, 8> split(OctreeCell parent, const NeighbourChildren& neighbours = {},
+                                                double threshold_m3 = every_threshold_m3) {
+    std::array<OctreeCell, 8> children;
+    m_maker.split(parent, neighbours, threshold_m3, children, m_block);
+    return children;
   }
+  [[nodiscard]] const OctreeCellMaker& maker() const { return m_maker; }
 
  private:
   RepairedMesh m_ball{make_sphere(0.05, 3), true, {}};
@@ -68,6 +74,23 @@ TEST_F(OctreeCells, AsksForWhatANeighboursChildKnowsNoMore) {
       EXPECT_EQ(children[octant].leaf->samples[s].value_m, alone[octant].leaf->samples[s].value_m);
       EXPECT_GE(children[octant].leaf->samples[s].triangle, 0);
     }
+  }
+}
+
+TEST_F(OctreeCells, CubicPolynomialsAreFittedWhenAThresholdMayTakeThemAndAreTheSameThen) {
+  const std::array<OctreeCell, 8> early = split(cell());
+  std::array<OctreeCell, 8> late = split(cell(), {}, no_threshold_m3);
+  for (std::size_t octant = 0; octant < 8; ++octant) {
+    EXPECT_TRUE(early[octant].has_cubic);
+    EXPECT_FALSE(early[octant].lacks_cubic(every_threshold_m3));
+    EXPECT_FALSE(late[octant].has_cubic);
+    EXPECT_FALSE(late[octant].lacks_cubic(no_threshold_m3));
+    EXPECT_FALSE(late[octant].takes_cubic(no_threshold_m3));
+    ASSERT_TRUE(late[octant].lacks_cubic(every_threshold_m3));
+    maker().fit_cubic(late[octant]);
+    EXPECT_EQ(late[octant].wrong_cubic_m3, early[octant].wrong_cubic_m3);
+    EXPECT_LT(late[octant].wrong_cubic_m3, late[octant].wrong_quadratic_m3);
+    EXPECT_EQ(late[octant].leaf->cubic.coefficients, early[octant].leaf->cubic.coefficients);
   }
 }
 
