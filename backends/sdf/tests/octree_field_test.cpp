@@ -154,6 +154,21 @@ TEST_F(OctreeOfBox, KeepsTheWantedErrorNearTheSurface) {
   EXPECT_LT(quantile(errors, 1), 2 * quality.largest_m);
 }
 
+/// Not that of a tree or of polynomials that were given up for better ones.
+TEST_F(OctreeOfBox, ReportsTheErrorOfTheFieldThatWasBuilt) {
+  const OctreeQuality& quality = field().quality();
+  const auto count = static_cast<std::size_t>(quality.samples);
+  double mean_m = 0;
+  double largest_m = 0;
+  for (const ExactPlace& place : places_about(surface(), bone().mesh, quality.near_m, count, 1, 1)) {
+    const double error_m = std::abs(field().value(place.point).value() - place.distance_m);
+    mean_m += error_m / static_cast<double>(count);
+    largest_m = std::max(largest_m, error_m);
+  }
+  EXPECT_NEAR(quality.mean_m, mean_m, 1e-9 * mean_m);
+  EXPECT_NEAR(quality.largest_m, largest_m, 1e-9 * largest_m);
+}
+
 TEST_F(OctreeOfBox, IsFineAtEdgesAndCoarseElsewhere) {
   EXPECT_LE(field().step_m(), field().shape().root_edge_m / 4);
   const double uniform = field().shape().root_count() * std::pow(field().shape().root_edge_m / field().step_m(), 3);
