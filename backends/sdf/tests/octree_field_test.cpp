@@ -315,18 +315,25 @@ TEST_F(OctreeOfBox, IsClearToTheSurfaceOrTheFacesOfItsLeaf) {
   EXPECT_GT(clear, 0.8 * near);
 }
 
+/// A leaf with half an edge of 1 that knows `known` distances.
+OctreeCell sampled_cell(const SignedSurface& surface, const Vec3& centre_m, std::size_t known = cell_samples) {
+  OctreeCell cell;
+  cell.centre_m = centre_m;
+  cell.half_edge_m = 1;
+  cell.distance_m = surface.locate(centre_m).signed_distance_m();
+  cell.leaf = std::make_unique<OctreeCell::Leaf>();
+  for (std::size_t s = 0; s < known; ++s) {
+    const SignedPoint place = surface.locate(centre_m + sample_place(s));
+    cell.leaf->samples[s] = {place.signed_distance_m(), {0, 0, 1}, place.closest.triangle};
+  }
+  return cell;
+}
+
 TEST(OctreeReach, IsWhereThePolynomialIsNegativeOutside) {
   // Everything below z = -0.4 is inside; the polynomial takes everything below z = 0.1 for it.
   const RepairedMesh box{make_box({10, 10, 9.6}, 1), true, {}};
   const SignedSurface surface(box);
-  OctreeCell cell;
-  cell.centre_m = Vec3(0, 0, 10);
-  cell.half_edge_m = 1;
-  cell.distance_m = surface.locate(cell.centre_m).signed_distance_m();
-  cell.leaf = std::make_unique<OctreeCell::Leaf>();
-  for (std::size_t s = 0; s < cell_samples; ++s) {
-    cell.leaf->samples[s] = {surface.locate(cell.centre_m + sample_place(s)).signed_distance_m(), {0, 0, 1}, 0};
-  }
+  OctreeCell cell = sampled_cell(surface, Vec3(0, 0, 10));
   PolynomialFit& fit = cell.leaf->quadratic;
   fit.coefficients[0] = -0.1F;
   fit.coefficients[3] = 1;
@@ -344,6 +351,27 @@ TEST(OctreeReach, IsWhereThePolynomialIsNegativeOutside) {
     fit.coefficients[0] = 0.5F;
     fit.coefficients[falling] = -1;
     EXPECT_NEAR(negative_reach_m(surface, cell, fit, cubic_terms, 0.1), 1.4, 0.1);
+  }
+}
+
+/// Where it is negative deep inside only, nothing is to be proven, whatever triangles the samples name.
+TEST(OctreeReach, IsTheLeastWhereThePolynomialIsTheDistance) {
+  const RepairedMesh box{make_box({10, 10, 9.6}, 4), true, {}};
+  const SignedSurface surface(box);
+  for (const double above_m : {-1.4, -0.5, 0.2}) {
+    for (const std::size_t known : {lattice_samples, cell_samples}) {
+      OctreeCell cell = sampled_cell(surface, Vec3(0.3, 0.2, 9.6 + above_m), known);
+      PolynomialFit& fit = cell.leaf->quadratic;
+      fit.coefficients[0] = static_cast<float>(above_m);
+      fit.coefficients[3] = 1;
+      for (const double least_m : {0.02, 0.3}) {
+        EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, least_m), least_m);
+      }
+      for (std::size_t s = 0; s < known; ++s) {
+        cell.leaf->samples[s].triangle = 0;
+      }
+      EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, 0.02), 0.02);
+    }
   }
 }
 
