@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -39,6 +40,22 @@ double slope_at(std::size_t term, const Vec3& at, std::size_t axis) {
     result *= a == axis ? (exponent == 0 ? 0 : exponent * power(along, exponent - 1)) : power(along, exponent);
   }
   return result;
+}
+
+using SampleValues = std::array<double, padded_samples>;
+
+/// Where value and error are positive together the largest error, and so much more. Eight samples side by side.
+double largest_excess_m(const CellErrors& error_m, const SampleValues& value_m, double more_m) {
+  constexpr std::size_t width = 8;
+  std::array<double, width> largest{};
+  for (std::size_t first = 0; first < padded_samples; first += width) {
+    for (std::size_t lane = 0; lane < width; ++lane) {
+      const double above_m = static_cast<double>(error_m[first + lane]) + more_m;
+      const double counted_m = above_m > -value_m[first + lane] ? above_m : 0;
+      largest[lane] = largest[lane] < counted_m ? counted_m : largest[lane];
+    }
+  }
+  return *std::max_element(largest.begin(), largest.end());
 }
 
 }  // namespace
@@ -148,9 +165,13 @@ template <std::size_t terms>
 CellErrors PolynomialFitter<terms>::measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const {
   const auto constant_m = static_cast<double>(fit.coefficients[0]);
   const std::size_t known = known_samples(samples);
+  // What is not known is deep inside: nothing is positive there.
+  SampleValues value_m;
+  value_m.fill(-std::numeric_limits<double>::infinity());
   CellErrors error_m{};
   for (std::size_t sample = 0; sample < known; ++sample) {
-    error_m[sample] = static_cast<float>(constant_m - samples[sample].value_m);
+    value_m[sample] = samples[sample].value_m;
+    error_m[sample] = static_cast<float>(constant_m - value_m[sample]);
   }
   for (std::size_t term = 1; term < terms; ++term) {
     const float coefficient = fit.coefficients[term];
@@ -159,13 +180,7 @@ CellErrors PolynomialFitter<terms>::measure(const CellSamples& samples, double h
     }
   }
   // The floats of an error are off by less: a cubic's coefficients sum up to some 48 half edges.
-  const double rounding_m = 4e-5 * half_edge_m;
-  fit.excess_m = 0;
-  for (std::size_t sample = 0; sample < known; ++sample) {
-    const double above_m = static_cast<double>(error_m[sample]) + rounding_m;
-    const bool may_be_positive = above_m > -samples[sample].value_m;
-    fit.excess_m = std::max(fit.excess_m, may_be_positive ? above_m : 0);
-  }
+  fit.excess_m = largest_excess_m(error_m, value_m, 4e-5 * half_edge_m);
   std::fill(error_m.begin() + static_cast<std::ptrdiff_t>(known), error_m.end(), 0.0F);
   Eigen::Map<Eigen::Array<float, static_cast<int>(padded_samples), 1>> errors_m(error_m.data());
   errors_m = errors_m.abs();
