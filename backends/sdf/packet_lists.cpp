@@ -54,6 +54,13 @@ HWY_INLINE float squared_length(const std::array<float, 3>& way) {
   return way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
 }
 
+template <typename Item>
+HWY_INLINE void prefetch(const Item& item) {
+  for (std::size_t offset = 0; offset < sizeof(Item); offset += 64) {
+    hwy::Prefetch(reinterpret_cast<const unsigned char*>(&item) + offset);
+  }
+}
+
 /// By the place of one triangle that is the closest to the middle.
 HWY_INLINE void lower_bound_by(const TreeView& tree, std::int32_t number, PlaceBox& box) {
   const TriangleLanes triangle = triangle_of(tree, number);
@@ -156,6 +163,7 @@ void nodes_of(const TreeView& tree, const PlaceBox& box, BoundList& nodes) {
     const TreeNode& node = tree.nodes[waiting.what[next]];
     bool has_leaf = false;
     waiting.make_room(tree_width);
+    prefetch(tree.nodes[waiting.what[std::min(next + 2, waiting.count - 1)]]);
     for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
       const Bound bound = bound_of_children(node, middle, half, errors, first);
       const auto wanted = hn::Le(least_in_box(d, bound.value, bound.slope.x, bound.slope.y, bound.slope.z, box), most);
@@ -190,13 +198,6 @@ HWY_INLINE std::int32_t nearest_leaf(const TreeNode& node, const Vec3Lanes& midd
     }
   }
   return nearest;
-}
-
-template <typename Item>
-HWY_INLINE void prefetch(const Item& item) {
-  for (std::size_t offset = 0; offset < sizeof(Item); offset += 64) {
-    hwy::Prefetch(reinterpret_cast<const unsigned char*>(&item) + offset);
-  }
 }
 
 }  // namespace
