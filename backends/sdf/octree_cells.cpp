@@ -95,6 +95,12 @@ class SisterSamples {
   /// The middles of the parent's octants are known, too.
   SisterSamples(const OctreeCell& parent, const NeighbourChildren& neighbours) : m_parent(parent) {
     const CellSamples& known = parent.leaf->samples;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (std::size_t i = 0; i < fine; ++i) {
+        m_coordinates[axis][i] = parent.centre_m[static_cast<Eigen::Index>(axis)] +
+                                 parent.half_edge_m * (0.5 * static_cast<double>(i) - 1);
+      }
+    }
     for (std::size_t s = 0; s < lattice_samples; ++s) {
       m_grid[fine_place(2 * (s / 9), 2 * (s / 3 % 3), 2 * (s % 3))] = known[s];
     }
@@ -146,8 +152,7 @@ class SisterSamples {
   }
 
   [[nodiscard]] Vec3 point(const Index& at) const {
-    const Vec3 index(static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2]));
-    return m_parent.centre_m + m_parent.half_edge_m * (0.5 * index - Vec3::Ones());
+    return {m_coordinates[0][at[0]], m_coordinates[1][at[1]], m_coordinates[2][at[2]]};
   }
 
   /// Takes what is on the common face.
@@ -190,6 +195,7 @@ class SisterSamples {
   }
 
   const OctreeCell& m_parent;
+  std::array<std::array<double, fine>, 3> m_coordinates;  ///< of the grid's planes, by axis
   std::array<DistanceSample, fine * fine * fine> m_grid;
 };
 

@@ -60,16 +60,6 @@ double largest_excess_m(const CellErrors& error_m, const SampleValues& value_m, 
 
 }  // namespace
 
-Vec3 sample_place(std::size_t sample) {
-  if (sample < lattice_samples) {
-    return {static_cast<double>(sample / 9) - 1, static_cast<double>(sample / 3 % 3) - 1,
-            static_cast<double>(sample % 3) - 1};
-  }
-  const std::size_t octant = sample - lattice_samples;
-  const auto middle = [&](std::size_t bit) { return (octant >> bit & 1U) != 0 ? 0.5 : -0.5; };
-  return {middle(0), middle(1), middle(2)};
-}
-
 double PolynomialFit::value(const Vec3& at, std::size_t terms) const {
   Vec3 ignored;
   return terms == cubic_terms ? evaluate_polynomial<true>(coefficients.data(), at, ignored)

@@ -27,8 +27,19 @@ inline std::size_t known_samples(const CellSamples& samples) {
   return samples[lattice_samples].triangle >= 0 ? cell_samples : lattice_samples;
 }
 
-/// In [-1, 1]^3.
-Vec3 sample_place(std::size_t sample);
+/// In [-1, 1]^3. A table: places that are put together are stored in parts and read whole, for which the CPU waits.
+inline constexpr std::array<std::array<double, 3>, cell_samples> sample_places = [] {
+  std::array<std::array<double, 3>, cell_samples> places{};
+  for (std::size_t s = 0; s < lattice_samples; ++s) {
+    places[s] = {static_cast<double>(s / 9) - 1, static_cast<double>(s / 3 % 3) - 1, static_cast<double>(s % 3) - 1};
+  }
+  for (std::size_t octant = 0; octant < 8; ++octant) {
+    const auto middle = [&](std::size_t bit) { return (octant >> bit & 1U) != 0 ? 0.5 : -0.5; };
+    places[lattice_samples + octant] = {middle(0), middle(1), middle(2)};
+  }
+  return places;
+}();
+inline Vec3 sample_place(std::size_t sample) { return Eigen::Map<const Vec3>(sample_places[sample].data()); }
 
 /// A cell's polynomial: the best one of its degree by least squares in values and (with less weight) gradients.
 struct PolynomialFit {

@@ -11,14 +11,6 @@ namespace {
 /// Parts of a leaf whose corners are no farther from their middle than this, over the least reach, are not divided.
 constexpr double finest_part = 0.25;
 
-std::array<Vec3, cell_samples> sample_places() {
-  std::array<Vec3, cell_samples> places;
-  for (std::size_t s = 0; s < cell_samples; ++s) {
-    places[s] = sample_place(s);
-  }
-  return places;
-}
-
 /// Divides a leaf until its parts are known to be positive, or near enough to the surface.
 class ReachSearch {
  public:
@@ -99,8 +91,7 @@ class ReachSearch {
 
   /// Not less than the exact distance of a place, by a sample's.
   [[nodiscard]] double by_sample_m(const Vec3& at, std::size_t sample) const {
-    static const std::array<Vec3, cell_samples> places = sample_places();
-    return m_cell.leaf->samples[sample].value_m + m_cell.half_edge_m * (at - places[sample]).norm() + m_rounding_m;
+    return m_cell.leaf->samples[sample].value_m + m_cell.half_edge_m * (at - sample_place(sample)).norm() + m_rounding_m;
   }
 
   /// Whether no place of a part is farther from the surface than the reach, which grows to that where the part is not
