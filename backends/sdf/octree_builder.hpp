@@ -36,7 +36,7 @@ using BuildProgress = std::function<void(double share)>;
 ///
 /// How it is met: every leaf knows how wrong it is: its volume, weighted at each of its 27 or 35 samples by how far the
 /// error is from what is allowed. Leaves that are more wrong than a threshold are split; where it mends a tenth of that
-/// the others get the cubic polynomial. The threshold falls until the error, measured at 20,000 random places that no
+/// the others get the cubic polynomial. The threshold falls until the error, measured at 10,000 random places that no
 /// fit has seen (`places_about`), is reached. So what stays wrong is what would cost most to mend. Beyond `near_m`,
 /// inside, the allowed error grows by a tenth of the way; outside the field becomes a lower bound.
 ///
