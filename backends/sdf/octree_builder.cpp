@@ -31,7 +31,7 @@ constexpr double root_edge_near = 8;  ///< edge of a root over what counts as ne
 constexpr double finest_edge = 1e-4;  ///< over the root's: a limit that bones never reach
 static_assert(finest_edge * (1 << octree_most_levels) >= 2);
 constexpr double first_threshold = 3e-4;  ///< of wrong volume in a leaf, over the volume of all near places
-/// Over what counts as near: proving less of the places with the wrong sign takes longer than it saves.
+/// Over what counts as near. Proving 0.75 of it takes 4 % of a build and saves 2 % of a collision (femur, 0.05 mm).
 constexpr double least_reach = 1;
 /// They tell the error that 99 % are below to 2.5 % (one standard deviation on scanned bones; twice as many to 1.7 %).
 constexpr std::size_t places_measured = 10000;

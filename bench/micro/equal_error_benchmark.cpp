@@ -12,6 +12,7 @@
 #include "backends/sdf/octree_builder.hpp"
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
+#include "core/base/huge_pages.hpp"
 #include "core/measure/scoped_timer.hpp"
 
 namespace musclebench {
@@ -38,6 +39,7 @@ double p99_error_m(const Field& field, const std::vector<ExactPlace>& places) {
 
 void adaptive_over_uniform(benchmark::State& state, const Bone& bone) {
   const SignedSurface surface(bone.surface);
+  move_to_huge_pages();
   for (auto _ : state) {
     Nanoseconds adaptive_ns = 0;
     const OctreeField adaptive = [&] {
