@@ -1,5 +1,7 @@
 #include "core/geometry/closest_on_triangles.hpp"
 
+#include <algorithm>
+
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -139,6 +141,17 @@ HWY_INLINE Closest closest(const Vec3Lanes& point, const Vec3Lanes& a, const Vec
   return best;
 }
 
+/// Pairs are as many ahead of their turn when their corners begin to come from memory.
+constexpr std::size_t fetched_ahead = 2 * ClosestOnTriangles::width;
+
+HWY_INLINE void fetch(const std::array<Vec3, 3>* corners, std::span<const std::int32_t> triangles) {
+  for (const std::int32_t triangle : triangles) {
+    const auto* const first = reinterpret_cast<const char*>(corners + triangle);
+    __builtin_prefetch(first);
+    __builtin_prefetch(first + sizeof(corners[0]) - 1);
+  }
+}
+
 void all(const Vec3* points, const std::array<Vec3, 3>* corners, std::span<const std::int32_t> point,
          std::span<const std::int32_t> triangle, std::span<ClosestOnTriangles> found) {
   static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(corners[0]) == 9 * sizeof(double));
@@ -148,6 +161,8 @@ void all(const Vec3* points, const std::array<Vec3, 3>* corners, std::span<const
   const double* first_corner = corners->data()->data();
   for (std::size_t start = 0; start < point.size(); start += ClosestOnTriangles::width) {
     ClosestOnTriangles& eight = found[start / ClosestOnTriangles::width];
+    const std::size_t later = std::min(start + fetched_ahead, triangle.size());
+    fetch(corners, triangle.subspan(later, std::min(ClosestOnTriangles::width, triangle.size() - later)));
     for (std::size_t first = 0; first < ClosestOnTriangles::width; first += hn::Lanes(d)) {
       const Vec3Lanes place = gather(points->data(), thrice(widened(point.data() + start + first)));
       const IntVec at = thrice(thrice(widened(triangle.data() + start + first)));
