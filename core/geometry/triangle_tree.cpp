@@ -192,6 +192,10 @@ void TriangleTree::start_listed(const Vec3& point, const NearLeaves& list, Searc
   // Both places are rounded: by less than the slack and some units of the way.
   search.moved = static_cast<float>(std::sqrt(squared) * (1 + 16 * float_rounding)) + search.slack;
   search_listed(search, list, (search.moved + search.slack) * (1 + 2 * static_cast<float>(float_rounding)));
+  const float known = std::max(list.complete - search.moved, 0.0F);
+  if (search.least >= known * known) {  // a search will follow
+    fetch_way_to(list);
+  }
 }
 
 ListedClosest TriangleTree::finish_listed(Search& search, const NearLeaves& list, double enough_m) const {

@@ -84,6 +84,19 @@ class TriangleTree {
   struct Search;
   void start_listed(const Vec3& point, const NearLeaves& list, Search& search) const;
   [[nodiscard]] ListedClosest finish_listed(Search& search, const NearLeaves& list, double enough_m) const;
+  /// The way to what is listed begins to come from memory, for a search from near there.
+  void fetch_way_to(const NearLeaves& list) const {
+    constexpr std::size_t line = 64;
+    for (const std::int32_t above : m_leaves[static_cast<std::size_t>(list.leaf[0])].above) {
+      if (above < 0) {
+        return;
+      }
+      const auto* const node = reinterpret_cast<const char*>(&m_nodes[static_cast<std::size_t>(above)]);
+      for (std::size_t offset = 0; offset < sizeof(TreeNode); offset += line) {
+        __builtin_prefetch(node + offset);
+      }
+    }
+  }
   /// What `start_listed` will look at first begins to come from memory.
   void fetch(const NearLeaves& list) const {
     constexpr std::size_t looked_at = 4;  // of eight: a point is rarely farther from its list's place

@@ -311,6 +311,8 @@ int TriangleTreeBuilder::add_leaf(Range range) {
       leaf.triangle[place] = -1;
     }
   }
+  leaf.above.fill(-1);
+  std::copy_n(m_way.rbegin(), std::min(m_way.size(), leaf.above.size()), leaf.above.begin());
   m_tree.m_leaves.push_back(leaf);
   return ~index;
 }
@@ -342,10 +344,12 @@ int TriangleTreeBuilder::add(Range range, int depth) {
   const auto index = m_tree.m_nodes.size();
   m_tree.m_nodes.push_back(node);
   m_tree.m_clusters.push_back(clusters);
+  m_way.push_back(static_cast<std::int32_t>(index));
   for (std::size_t part = 0; part < count; ++part) {
     const int child = parts[part].fits_leaf() ? add_leaf(parts[part]) : add(parts[part], depth + 1);
     m_tree.m_nodes[index].child[part] = child;
   }
+  m_way.pop_back();
   return static_cast<int>(index);
 }
 

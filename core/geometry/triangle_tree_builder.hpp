@@ -69,6 +69,7 @@ class TriangleTreeBuilder {
   TriangleTree& m_tree;
   std::vector<Box> m_boxes;  ///< of each triangle
   std::vector<int> m_order;
+  std::vector<std::int32_t> m_way;  ///< from the root to the node that children are being added to
 };
 
 }  // namespace musclebench

@@ -52,6 +52,7 @@ struct alignas(64) TreeLeaf {
   /// One bit a triangle that is such a needle that `closest_on_triangle` may answer it too far away: its distance here
   /// is no upper bound of that answer.
   std::uint32_t needles;
+  std::array<std::int32_t, 6> above;  ///< the nodes that it is below, the lowest first; negative behind the root
 
   /// Of a triangle that it holds.
   [[nodiscard]] std::size_t place_of(std::int32_t which) const {
