@@ -36,24 +36,8 @@ void take_edge_if_closer(const Vec3& point, const Vec3& from, const Vec3& to, in
 
 }  // namespace
 
-ClosestOnTriangle closest_on_triangle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a;
-  const Vec3 ac = c - a;
-  const Vec3 ap = point - a;
-  const Vec3 normal = ab.cross(ac);
-  const double squared_normal = normal.squaredNorm();
-  const double flat = flat_sine * ab.norm() * ac.norm();
+ClosestOnTriangle closest_on_edges(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c) {
   ClosestOnTriangle best;
-  if (squared_normal > flat * flat) {
-    // The foot is built from the corners rather than along the normal, so that it stays in the plane of a needle, too.
-    const double v = normal.dot(ap.cross(ac)) / squared_normal;
-    const double w = normal.dot(ab.cross(ap)) / squared_normal;
-    if (v >= 0 && w >= 0 && v + w <= 1) {
-      best.point = a + v * ab + w * ac;
-      best.squared_distance_m2 = (point - best.point).squaredNorm();
-      return best;
-    }
-  }
   best.squared_distance_m2 = std::numeric_limits<double>::infinity();
   take_edge_if_closer(point, a, b, 0, best);
   take_edge_if_closer(point, b, c, 1, best);
