@@ -86,26 +86,18 @@ class TriangleTree {
   [[nodiscard]] ListedClosest finish_listed(Search& search, const NearLeaves& list, double enough_m) const;
   /// The way to what is listed begins to come from memory, for a search from near there.
   void fetch_way_to(const NearLeaves& list) const {
-    constexpr std::size_t line = 64;
     for (const std::int32_t above : m_leaves[static_cast<std::size_t>(list.leaf[0])].above) {
       if (above < 0) {
         return;
       }
-      const auto* const node = reinterpret_cast<const char*>(&m_nodes[static_cast<std::size_t>(above)]);
-      for (std::size_t offset = 0; offset < sizeof(TreeNode); offset += line) {
-        __builtin_prefetch(node + offset);
-      }
+      fetch(m_nodes[static_cast<std::size_t>(above)]);
     }
   }
   /// What `start_listed` will look at first begins to come from memory.
   void fetch(const NearLeaves& list) const {
     constexpr std::size_t looked_at = 4;  // of eight: a point is rarely farther from its list's place
-    constexpr std::size_t line = 64;
     for (std::size_t i = 0; i < looked_at && list.leaf[i] >= 0; ++i) {
-      const auto* const leaf = reinterpret_cast<const char*>(&m_leaves[static_cast<std::size_t>(list.leaf[i])]);
-      for (std::size_t offset = 0; offset < sizeof(TreeLeaf); offset += line) {
-        __builtin_prefetch(leaf + offset);
-      }
+      fetch(m_leaves[static_cast<std::size_t>(list.leaf[i])]);
     }
   }
 
@@ -133,6 +125,14 @@ class TriangleTree {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
+  template <typename Part>
+  static void fetch(const Part& part) {
+    constexpr std::size_t line = 64;
+    for (std::size_t offset = 0; offset < sizeof(Part); offset += line) {
+      __builtin_prefetch(reinterpret_cast<const char*>(&part) + offset);
+    }
+  }
+
   friend class TriangleTreeBuilder;
   friend class PacketSearch;
 
