@@ -174,7 +174,7 @@ def _finish(figure, title: str, runs, deepest_mm: float) -> None:
     figure.suptitle(title, x=0.1 / width, y=1 - 0.1 / height, ha="left", va="top", fontsize=13)
     scale = cm.ScalarMappable(colors.Normalize(0, deepest_mm), DEPTH_COLOURS)
     bar = figure.colorbar(scale, cax=figure.add_axes([1 - 0.75 / width, 0.3, 0.15 / width, 0.4]), extend="max")
-    bar.set_label(f"depth in a bone (mm); red: outside or less than {INSIDE_FROM_MM} mm")
+    bar.set_label(f"depth in a bone (mm)\nred: outside or less than {INSIDE_FROM_MM} mm")
     text = f"{caption(runs)}. Bones are cut beside the muscle for sight."
     figure.text(0.1 / width, 0.15 / height, text, fontsize=7.5, color="#555555", va="top")
 
