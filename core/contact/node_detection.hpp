@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -63,11 +64,14 @@ class NodeDetection {
     for (int bone = 0; bone < static_cast<int>(m_surfaces.size()); ++bone) {
       const std::span<const int> asked = m_motion_budgets ? m_budgets.spent(bone) : m_visited;
       ask(bone, poses[static_cast<std::size_t>(bone)], positions, asked);
-      for (std::size_t i = 0; i < asked.size(); ++i) {
-        const std::size_t visit = m_motion_budgets ? i : m_visit_of[i];
-        if (m_inside[visit] != 0) {
-          contacts.push_back(m_found[visit]);
-        }
+      const auto first_of_bone = static_cast<std::ptrdiff_t>(contacts.size());
+      for (std::size_t block = 0; block < m_found_count.size(); ++block) {
+        const std::span<const Contact> found = std::span(m_found).subspan(block * block_size, m_found_count[block]);
+        contacts.insert(contacts.end(), found.begin(), found.end());
+      }
+      if (!m_motion_budgets) {
+        std::sort(contacts.begin() + first_of_bone, contacts.end(),
+                  [](const Contact& a, const Contact& b) { return a.node < b.node; });
       }
     }
   }
@@ -81,7 +85,7 @@ class NodeDetection {
     m_nodes = nodes;
     m_planned.clear();
     m_found.reserve(nodes);
-    m_inside.reserve(nodes);
+    m_found_count.reserve(blocks_of(nodes));
     if (!m_motion_budgets) {
       return;
     }
@@ -100,29 +104,31 @@ class NodeDetection {
       points.push_back(positions[static_cast<std::size_t>(node)]);
     }
     const std::vector<int> order = coherent_order(points);
-    m_visited.resize(nodes.size());
-    m_visit_of.resize(nodes.size());
-    for (std::size_t visit = 0; visit < order.size(); ++visit) {
-      const auto place = static_cast<std::size_t>(order[visit]);
-      m_visited[visit] = nodes[place];
-      m_visit_of[place] = visit;
+    m_visited.clear();
+    for (const int place : order) {
+      m_visited.push_back(nodes[static_cast<std::size_t>(place)]);
     }
   }
 
   /// Every node for itself, so that the answer does not depend on how many threads share them.
   void ask(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes) {
+    const std::size_t blocks = blocks_of(nodes.size());
     m_found.resize(nodes.size());
-    m_inside.resize(nodes.size());
-    const std::size_t blocks = (nodes.size() + block_size - 1) / block_size;
+    m_found_count.resize(blocks);
     if (m_threads == 1 || blocks < 2) {  // without OpenMP, which allocates even a team of one
+      Block scratch;
       for (std::size_t block = 0; block < blocks; ++block) {
-        ask_block(bone, pose, positions, nodes, block * block_size);
+        ask_block(bone, pose, positions, nodes, block, scratch);
       }
       return;
     }
-#pragma omp parallel for num_threads(m_threads) schedule(dynamic, 2)
-    for (std::ptrdiff_t block = 0; block < static_cast<std::ptrdiff_t>(blocks); ++block) {
-      ask_block(bone, pose, positions, nodes, static_cast<std::size_t>(block) * block_size);
+#pragma omp parallel num_threads(m_threads)
+    {
+      Block scratch;
+#pragma omp for schedule(dynamic, 2)
+      for (std::ptrdiff_t block = 0; block < static_cast<std::ptrdiff_t>(blocks); ++block) {
+        ask_block(bone, pose, positions, nodes, static_cast<std::size_t>(block), scratch);
+      }
     }
   }
 
@@ -139,23 +145,31 @@ class NodeDetection {
 
   using ListSearch = typename Surface::ListSearch;
 
+  static constexpr std::size_t block_size = 16;
+  static constexpr std::size_t blocks_of(std::size_t nodes) { return (nodes + block_size - 1) / block_size; }
+
+  /// Made once for all blocks of a call.
+  struct Block {
+    std::array<Asked, block_size> asked;
+    std::array<ListSearch, block_size> searches;
+  };
+
   /// What a node's answer needs lies in memory that the constraints have just driven out of the caches. So each part of
   /// the work is done for a whole block before the next: the nodes' ways through memory overlap.
   void ask_block(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes,
-                 std::size_t first) {
+                 std::size_t block, Block& scratch) {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
+    const std::size_t first = block * block_size;
     const std::size_t count = std::min(block_size, nodes.size() - first);
-    std::array<Asked, block_size> asked;
-    std::array<ListSearch, block_size> searches;
+    auto& [asked, searches] = scratch;
     if (m_motion_budgets) {
       for (std::size_t next = first + count; next < std::min(first + count + block_size, nodes.size()); ++next) {
         __builtin_prefetch(&memory_of(bone, nodes[next]));
       }
     }
     for (std::size_t i = 0; i < count; ++i) {
-      Asked& ask = asked[i];
-      ask.node = nodes[first + i];
-      ask.point = pose.apply_inverse(positions[static_cast<std::size_t>(ask.node)]);
+      const int node = nodes[first + i];
+      Asked& ask = asked[i] = {.node = node, .point = pose.apply_inverse(positions[static_cast<std::size_t>(node)])};
       if (m_motion_budgets) {
         __builtin_prefetch(&memory_of(bone, ask.node));
       } else {
@@ -177,14 +191,15 @@ class NodeDetection {
         }
       }
     }
+    std::size_t found = 0;
     for (std::size_t i = 0; i < count; ++i) {
-      Contact& contact = m_found[first + i];
-      const bool inside = answer(bone, asked[i], searches[i], contact);
-      m_inside[first + i] = static_cast<unsigned char>(inside);
-      if (inside) {
+      Contact& contact = m_found[first + found];
+      if (answer(bone, asked[i], searches[i], contact)) {
         contact.normal = pose.apply_to_direction(contact.normal);
+        ++found;
       }
     }
+    m_found_count[block] = found;
   }
 
   void remember(int bone, Asked& asked) {
@@ -359,14 +374,13 @@ class NodeDetection {
   std::vector<Memory> m_memories;  ///< by bone, then node
   /// In the same order, of those in contact: the point of the surface that was closest, in the rest frame.
   std::vector<Vec3> m_ways_out;
-  static constexpr std::size_t block_size = 16;
   static constexpr double unknown = std::numeric_limits<double>::infinity();
   // Scratch memory, kept so that a frame allocates nothing.
-  std::vector<int> m_planned;           ///< the nodes that the visits are of
-  std::vector<int> m_visited;           ///< the same in the order of the visits
-  std::vector<std::size_t> m_visit_of;  ///< by place in `m_planned`
-  std::vector<Contact> m_found;         ///< by place in the nodes that are asked about, valid where m_inside
-  std::vector<unsigned char> m_inside;
+  std::vector<int> m_planned;  ///< the nodes that the visits are of
+  std::vector<int> m_visited;  ///< the same in the order of the visits
+  /// Of each block of the nodes that are asked about the contacts, from the place of its first node on.
+  std::vector<Contact> m_found;
+  std::vector<std::size_t> m_found_count;
 };
 
 }  // namespace musclebench
