@@ -49,14 +49,16 @@ namespace musclebench::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// World positions about the sweep's middle, side by side, and what they lose.
+/// World positions about the sweep's middle, side by side, and what they lose. A node that is not asked about is at the
+/// middle and loses less than nothing, so that it is in every ball.
 struct alignas(64) Block {
   std::array<float, 3 * block_size> rows;  ///< node after node, before they are side by side
   std::array<float, block_size> x, y, z, slack;
 };
 
+/// `is_asked`: by node, 0 or -1.
 HWY_INLINE void load_block(const double* HWY_RESTRICT positions, std::size_t count,
-                           const std::array<double, 3>& middle_m, Block& block) {
+                           const std::array<double, 3>& middle_m, const int* HWY_RESTRICT is_asked, Block& block) {
   const hn::CappedTag<double, sweep_lanes / 2> wide;
   const hn::Rebind<float, decltype(wide)> narrow;
   const std::size_t step = hn::Lanes(wide);
@@ -80,14 +82,18 @@ HWY_INLINE void load_block(const double* HWY_RESTRICT positions, std::size_t cou
     block.rows[i] = static_cast<float>(positions[i] - middle_m[i % 3]);
   }
   const hn::CappedTag<float, sweep_lanes> lanes;
+  const hn::RebindToSigned<decltype(lanes)> ints;
   const auto share = hn::Set(lanes, sweep_slack);
+  const auto never_spent = hn::Set(lanes, -std::numeric_limits<float>::infinity());
   for (std::size_t node = 0; node < count; node += hn::Lanes(lanes)) {
     auto x = share, y = share, z = share;
     hn::LoadInterleaved3(lanes, block.rows.data() + 3 * node, x, y, z);
-    hn::Store(x, lanes, block.x.data() + node);
-    hn::Store(y, lanes, block.y.data() + node);
-    hn::Store(z, lanes, block.z.data() + node);
-    hn::Store(hn::Mul(share, hn::Add(hn::Abs(x), hn::Add(hn::Abs(y), hn::Abs(z)))), lanes, block.slack.data() + node);
+    const auto slack = hn::Mul(share, hn::Add(hn::Abs(x), hn::Add(hn::Abs(y), hn::Abs(z))));
+    const auto asked = hn::RebindMask(lanes, hn::Lt(hn::LoadU(ints, is_asked + node), hn::Zero(ints)));
+    hn::Store(hn::IfThenElseZero(asked, x), lanes, block.x.data() + node);
+    hn::Store(hn::IfThenElseZero(asked, y), lanes, block.y.data() + node);
+    hn::Store(hn::IfThenElseZero(asked, z), lanes, block.z.data() + node);
+    hn::Store(hn::IfThenElse(asked, slack, never_spent), lanes, block.slack.data() + node);
   }
 }
 
@@ -100,9 +106,8 @@ HWY_INLINE void fetch_ahead(const T* now) {
   }
 }
 
-/// Of the nodes from `first` on those that have left their balls. `is_asked`: by node, 0 or -1.
-HWY_INLINE void sweep_block(const Block& block, std::size_t first, std::size_t count, const int* is_asked,
-                            MotionBudgets::SweptBone& bone) {
+/// Of the nodes from `first` on those that have left their balls.
+HWY_INLINE void sweep_block(const Block& block, std::size_t first, std::size_t count, MotionBudgets::SweptBone& bone) {
   const hn::CappedTag<float, sweep_lanes> lanes;
   const hn::RebindToSigned<decltype(lanes)> ints;
   const auto entry = [&](std::size_t row, std::size_t column)
@@ -136,11 +141,8 @@ HWY_INLINE void sweep_block(const Block& block, std::size_t first, std::size_t c
                                 hn::Add(slack, hn::Load(lanes, block.slack.data() + i)));
     // Written so that what is not a number is spent.
     const auto free = hn::And(hn::Gt(radius, hn::Zero(lanes)), hn::Lt(squared, hn::Mul(radius, radius)));
-    if (hn::AllTrue(lanes, free)) {
-      continue;
-    }
-    const auto asked = hn::Lt(hn::LoadU(ints, is_asked + node), hn::Zero(ints));
-    const auto spent_now = hn::AndNot(hn::RebindMask(ints, free), asked);
+    // Without a branch, which would be guessed wrong as often as not where something is spent.
+    const auto spent_now = hn::Not(hn::RebindMask(ints, free));
     hn::StoreU(hn::Compress(hn::Add(places, hn::Set(ints, static_cast<int>(node))), spent_now), ints, spent + found);
     found += hn::CountTrue(ints, spent_now);
   }
@@ -152,9 +154,9 @@ void sweep_all(const double* positions, std::size_t nodes, const std::array<doub
   Block block = {};  // whole vectors are read
   for (std::size_t first = 0; first < nodes; first += block_size) {
     const std::size_t count = std::min(block_size, nodes - first);
-    load_block(positions + 3 * first, count, middle_m, block);
+    load_block(positions + 3 * first, count, middle_m, is_asked + first, block);
     for (MotionBudgets::SweptBone& bone : bones) {
-      sweep_block(block, first, count, is_asked, bone);
+      sweep_block(block, first, count, bone);
     }
   }
 }
