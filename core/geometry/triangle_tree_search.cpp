@@ -253,15 +253,65 @@ DistanceBound bound(const TreeSearch& search, float share) {
   return {limit, leaf.triangle[found == 0 ? 0 : hwy::Num0BitsBelowLS1Bit_Nonzero32(found)]};
 }
 
-void in_listed_leaves(TreeSearch& search, const NearLeaves& list, float moved) {
+/// At least that far from `search.point` is what is listed at `place`.
+HWY_INLINE float least_listed(const NearLeaves& list, std::size_t place, float moved) {
+  return static_cast<float>(list.distance[place]) * (list.complete * ((1 - 1e-6F) / NearLeaves::steps)) - moved;
+}
+
+/// For lists with needles.
+void in_listed_leaves_in_turn(TreeSearch& search, const NearLeaves& list, float moved) {
   const Vec3Lanes p = splat(search.point);
-  const float step = list.complete * ((1 - 1e-6F) / NearLeaves::steps);
   for (std::size_t i = 0; i < NearLeaves::capacity && list.leaf[i] >= 0; ++i) {
-    const float least = static_cast<float>(list.distance[i]) * step - moved;
+    const float least = least_listed(list, i, moved);
     if (least > 0 && least * least > search.limit) {
       return;
     }
     collect(search.leaves[list.leaf[i]], p, search);
+  }
+}
+
+/// First all distances, then what may be the closest: a branch that is guessed wrong costs as much as half a leaf.
+void in_listed_leaves(TreeSearch& search, const NearLeaves& list, float moved) {
+  const Lanes d;
+  const Vec3Lanes p = splat(search.point);
+  HWY_ALIGN float squared[NearLeaves::capacity * tree_width];
+  const float certain = moved + 2 * search.slack;
+  float least = tree_nowhere * tree_nowhere;
+  std::size_t nearest = 0;
+  std::size_t looked_at = 0;
+  for (; looked_at < NearLeaves::capacity && list.leaf[looked_at] >= 0; ++looked_at) {
+    const float beyond = least_listed(list, looked_at, certain);
+    if (beyond > 0 && beyond * beyond > 1.000001F * least) {
+      break;
+    }
+    const TreeLeaf& leaf = search.leaves[list.leaf[looked_at]];
+    Vec least_here = hn::Set(d, std::numeric_limits<float>::max());
+    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+      const Vec part = squared_to_triangles(leaf, p, first);
+      hn::Store(part, d, squared + looked_at * tree_width + first);
+      least_here = hn::Min(least_here, part);
+    }
+    const float here = hn::GetLane(hn::MinOfLanes(d, least_here));
+    nearest = here < least ? looked_at : nearest;
+    least = std::min(least, here);
+  }
+  if (search.leaves[list.leaf[nearest]].needles != 0) {
+    in_listed_leaves_in_turn(search, list, moved);
+    return;
+  }
+  search.least = least;
+  search.limit = std::min(search.limit, limit_from(least, search.slack));
+  std::uint64_t found = 0;
+  for (std::size_t i = 0; i < looked_at; ++i) {
+    found |= static_cast<std::uint64_t>(within(squared + i * tree_width, search.limit)) << i * tree_width;
+  }
+  for (; found != 0; found &= found - 1) {
+    const auto place = hwy::Num0BitsBelowLS1Bit_Nonzero64(found);
+    const std::int32_t triangle = search.leaves[list.leaf[place / tree_width]].triangle[place % tree_width];
+    search.squared[search.count] = squared[place];
+    search.triangle[search.count] = triangle;
+    prefetch<sizeof(search.corners[0])>(search.corners + triangle);
+    ++search.count;
   }
 }
 

@@ -140,6 +140,28 @@ TriangleMesh needles(std::mt19937& random, double thinnest, double widest) {
   return mesh;
 }
 
+/// Needles of which closest_on_triangle misses the closest point, each next to a plain triangle that it then takes to
+/// be closer.
+TriangleMesh needles_over_triangles(std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  TriangleMesh mesh;
+  for (int t = 0; t < 200; ++t) {
+    const Vec3 start(unit(random), unit(random), unit(random));
+    const Vec3 along(unit(random), unit(random), unit(random));
+    const Vec3 across = along.unitOrthogonal();
+    const Vec3 beside = std::pow(10.0, 0.4 * unit(random) - 4.4) * along.cross(across);
+    const double width = std::pow(10.0, 0.5 * unit(random) - 12.3);
+    const double share = 0.5 * (1 + unit(random));
+    for (const auto& [offset, height] : {std::pair(Vec3(Vec3::Zero()), width), std::pair(beside, 0.3)}) {
+      const int first = static_cast<int>(mesh.vertices.size());
+      mesh.vertices.insert(mesh.vertices.end(),
+                           {start + offset, start + offset + along, start + offset + share * along + height * across});
+      mesh.triangles.push_back({first + t % 3, first + (t + 1) % 3, first + (t + 2) % 3});
+    }
+  }
+  return mesh;
+}
+
 /// A plane grid, three times at the same place with other diagonals and windings.
 TriangleMesh coincident_sheets() {
   TriangleMesh mesh;
@@ -198,6 +220,7 @@ std::vector<HardCase> hard_cases() {
   add("needles", needles(random, -17, -1));
   // So thin that closest_on_triangle may take any point of them for the closest one.
   add("thin_needles", needles(random, -12, -7));
+  add("needles_over_triangles", needles_over_triangles(random));
   add("sheets", coincident_sheets());
   TriangleMesh points_and_segments = soup(300);
   for (Triangle& t : points_and_segments.triangles) {
