@@ -66,4 +66,39 @@ std::vector<int> coherent_order(std::span<const Vec3> points) {
   return way(along_curve) < way(as_they_are) ? along_curve : as_they_are;
 }
 
+void order_coherently(TriangleMesh& mesh) {
+  const auto corner = [&](const Triangle& triangle, std::size_t i) -> Vec3& {
+    return mesh.vertices[static_cast<std::size_t>(triangle[i])];
+  };
+  std::vector<Vec3> middles;
+  middles.reserve(mesh.triangles.size());
+  for (const Triangle& triangle : mesh.triangles) {
+    middles.push_back((corner(triangle, 0) + corner(triangle, 1) + corner(triangle, 2)) / 3);
+  }
+  std::vector<Triangle> triangles;
+  triangles.reserve(mesh.triangles.size());
+  for (const int place : coherent_order(middles)) {
+    triangles.push_back(mesh.triangles[static_cast<std::size_t>(place)]);
+  }
+  std::vector<Vec3> vertices;
+  vertices.reserve(mesh.vertices.size());
+  std::vector<int> number(mesh.vertices.size(), -1);
+  const auto take = [&](std::size_t vertex) {
+    if (number[vertex] < 0) {
+      number[vertex] = static_cast<int>(vertices.size());
+      vertices.push_back(mesh.vertices[vertex]);
+    }
+    return number[vertex];
+  };
+  for (Triangle& triangle : triangles) {
+    for (int& vertex : triangle) {
+      vertex = take(static_cast<std::size_t>(vertex));
+    }
+  }
+  for (std::size_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
+    take(vertex);  // those that no triangle uses
+  }
+  mesh = {std::move(vertices), std::move(triangles)};
+}
+
 }  // namespace musclebench

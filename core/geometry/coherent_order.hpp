@@ -11,4 +11,8 @@ namespace musclebench {
 /// (Morton's), or as they are where that way is shorter. The points may be anything, also not finite.
 std::vector<int> coherent_order(std::span<const Vec3> points);
 
+/// Numbers triangles and vertices so that those that are close together lie close together in memory; the surface, its
+/// windings included, is as before.
+void order_coherently(TriangleMesh& mesh);
+
 }  // namespace musclebench

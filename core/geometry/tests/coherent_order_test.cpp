@@ -1,14 +1,18 @@
 #include "core/geometry/coherent_order.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <span>
+#include <utility>
 
 #include <gtest/gtest.h>
 
 #include "core/base/random_numbers.hpp"
+#include "core/geometry/shapes.hpp"
 
 namespace musclebench {
 namespace {
@@ -68,6 +72,79 @@ TEST(CoherentOrder, TakesAnyPoints) {
     std::sort(order.begin(), order.end());
     EXPECT_EQ(order, numbers(static_cast<int>(count)));
   }
+}
+
+/// Numbered at random; the last vertex is not used.
+TriangleMesh shuffled_sphere() {
+  TriangleMesh mesh = make_sphere(1, 4);
+  RandomNumbers random(2);
+  const auto shuffle = [&](auto& parts, const auto& swapped) {
+    for (std::size_t i = parts.size() - 1; i > 0; --i) {
+      const std::size_t other = random.below(i + 1);
+      std::swap(parts[i], parts[other]);
+      swapped(static_cast<int>(i), static_cast<int>(other));
+    }
+  };
+  shuffle(mesh.triangles, [](int, int) {});
+  shuffle(mesh.vertices, [&](int a, int b) {
+    for (Triangle& triangle : mesh.triangles) {
+      for (int& vertex : triangle) {
+        vertex = vertex == a ? b : vertex == b ? a : vertex;
+      }
+    }
+  });
+  mesh.vertices.emplace_back(7, 8, 9);
+  return mesh;
+}
+
+/// By its corners' positions, in their order.
+std::multiset<std::array<double, 9>> faces(const TriangleMesh& mesh) {
+  std::multiset<std::array<double, 9>> result;
+  for (const Triangle& triangle : mesh.triangles) {
+    std::array<double, 9> face{};
+    for (std::size_t i = 0; i < 9; ++i) {
+      face[i] = mesh.vertices[static_cast<std::size_t>(triangle[i / 3])][static_cast<Eigen::Index>(i % 3)];
+    }
+    result.insert(face);
+  }
+  return result;
+}
+
+TEST(CoherentOrder, OfAMeshLeavesTheSurfaceAsItIs) {
+  const TriangleMesh shuffled = shuffled_sphere();
+  TriangleMesh mesh = shuffled;
+  order_coherently(mesh);
+  EXPECT_EQ(faces(mesh), faces(shuffled));
+  EXPECT_EQ(mesh.vertices.size(), shuffled.vertices.size());
+  EXPECT_EQ(mesh.vertices.back(), Vec3(7, 8, 9));
+  TriangleMesh again = mesh;
+  order_coherently(again);
+  EXPECT_EQ(again.triangles, mesh.triangles);
+  EXPECT_EQ(again.vertices, mesh.vertices);
+}
+
+TEST(CoherentOrder, OfAMeshPutsNeighboursTogether) {
+  TriangleMesh mesh = shuffled_sphere();
+  const double shuffled_m = way_m(mesh.vertices, numbers(static_cast<int>(mesh.vertices.size())));
+  order_coherently(mesh);
+  EXPECT_LT(way_m(mesh.vertices, numbers(static_cast<int>(mesh.vertices.size()))), 0.15 * shuffled_m);
+  double way_of_corners_m = 0;
+  for (std::size_t i = 1; i < mesh.triangles.size(); ++i) {
+    way_of_corners_m += (mesh.vertices[static_cast<std::size_t>(mesh.triangles[i][0])] -
+                         mesh.vertices[static_cast<std::size_t>(mesh.triangles[i - 1][0])])
+                            .norm();
+  }
+  EXPECT_LT(way_of_corners_m, 0.2 * static_cast<double>(mesh.triangles.size()));
+}
+
+TEST(CoherentOrder, OfAMeshTakesAnyMesh) {
+  TriangleMesh nothing;
+  order_coherently(nothing);
+  EXPECT_TRUE(nothing.triangles.empty());
+  TriangleMesh nowhere{{Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), Vec3::Zero()},
+                       {{0, 1, 0}, {1, 1, 1}}};
+  order_coherently(nowhere);
+  EXPECT_EQ(nowhere.triangles.size(), 2U);
 }
 
 }  // namespace

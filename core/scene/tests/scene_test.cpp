@@ -80,6 +80,27 @@ TEST(ReadScene, SceneOverwritesItsPreset) {
   EXPECT_EQ(scene.effects[1].parameters.integer("visits_per_edge"), 2);
 }
 
+TEST(ReadScene, BonesAreNumberedCoherentlyWhateverOrderAFileHas) {
+  SceneRequest stirred = request(std::string("preset = \"soft\"\n") + bones_and_muscle);
+  stirred.synthetic_mesh = [read = stirred.synthetic_mesh](const std::string& name) {
+    TriangleMesh mesh = read(name);
+    std::vector<Triangle> triangles;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {  // 101 and their number have no common divisor
+      triangles.push_back(mesh.triangles[101 * i % mesh.triangles.size()]);
+    }
+    mesh.triangles = triangles;
+    return mesh;
+  };
+  const Scene scene = read_scene(stirred);
+  const TriangleMesh& mesh = scene.bones[0].surface.mesh;
+  double way_m = 0;
+  for (std::size_t i = 1; i < mesh.triangles.size(); ++i) {
+    way_m += (mesh.vertices[mesh.triangles[i][0]] - mesh.vertices[mesh.triangles[i - 1][0]]).norm();
+  }
+  const double largest_side_m = 0.06;
+  EXPECT_LT(way_m, 0.4 * largest_side_m * static_cast<double>(mesh.triangles.size()));
+}
+
 TEST(ReadScene, AnEffectThatTheSceneTakesAwayDoesNotExist) {
   const Scene scene =
       read_scene(request(std::string("preset = \"soft\"\n") + bones_and_muscle + "[effects]\ngravity = false\n"));
