@@ -1,6 +1,5 @@
 #include "backends/sdf/octree_backend.hpp"
 
-#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -9,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "backends/sdf/field_contact.hpp"
+#include "backends/sdf/field_detection.hpp"
 #include "backends/sdf/field_file.hpp"
-#include "backends/sdf/node_shares.hpp"
 #include "backends/sdf/octree_builder.hpp"
 #include "backends/sdf/octree_file.hpp"
 #include "backends/sdf/sdf_settings.hpp"
@@ -28,7 +27,7 @@ class OctreeBackend final : public CollisionBackend {
         m_folder(parameters.word("structures")),
         m_wants_budgets(has_motion_budgets(parameters)) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_has_budgets}; }
+  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_detection.has_budgets()}; }
   [[nodiscard]] bool built_from_file() const override {
     return m_loaded_fields > 0 && m_loaded_fields == m_fields.size();
   }
@@ -40,7 +39,7 @@ class OctreeBackend final : public CollisionBackend {
   }
   [[nodiscard]] double step_m(int bone) const override { return field(bone).step_m(); }
   [[nodiscard]] std::size_t structure_bytes() const override {
-    std::size_t bytes = m_has_budgets ? m_budgets.bytes() : 0;
+    std::size_t bytes = m_detection.bytes();
     for (const OctreeField& each : m_fields) {
       bytes += each.bytes();
     }
@@ -61,14 +60,9 @@ class OctreeBackend final : public CollisionBackend {
 
   void do_build() override {
     m_fields.clear();
-    // What lies between the fine cells is known by the distance alone, and across a hole the side changes without a
-    // surface.
-    m_has_budgets = m_wants_budgets && std::all_of(bones().begin(), bones().end(),
-                                                   [](const Bone& bone) { return is_closed(bone.surface.mesh); });
     m_loaded_fields = 0;
-    if (m_has_budgets) {
-      m_budgets.reset(bones(), muscle().vertices.size());
-    }
+    // What lies between the fine cells is known by the distance alone.
+    m_detection.reset(bones(), muscle().vertices.size(), m_wants_budgets && are_closed(bones()));
     for (const Bone& bone : bones()) {
       m_fields.push_back(load_or_build(bone));
     }
@@ -97,20 +91,15 @@ class OctreeBackend final : public CollisionBackend {
   }
 
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
-    if (m_has_budgets && positions.size() != m_budgets.nodes()) {
-      m_budgets.reset(bones(), positions.size());
-    }
-    if (m_has_budgets) {
-      m_budgets.collect_spent(poses(), positions, nodes);
-    }
-    m_shares.detect(
-        m_fields.size(), threads(), [&](int bone) { return m_has_budgets ? m_budgets.spent(bone) : nodes; },
-        [&](const NodeShares::Share& share, std::vector<Contact>& found) { detect_share(share, positions, found); },
+    m_detection.detect(
+        poses(), positions, nodes, threads(),
+        [&](const FieldDetection::Share& share, std::vector<Contact>& found) { detect_share(share, positions, found); },
         contacts);
   }
 
   /// Where there are budgets all nodes are new ones or have used up what they may move, and are granted anew.
-  void detect_share(const NodeShares::Share& share, std::span<const Vec3> positions, std::vector<Contact>& contacts) {
+  void detect_share(const FieldDetection::Share& share, std::span<const Vec3> positions,
+                    std::vector<Contact>& contacts) {
     const auto& [bone, nodes] = share;
     const GridShape grid = field(bone).shape().grid();
     const CellMap map(grid, pose(bone));
@@ -125,7 +114,7 @@ class OctreeBackend final : public CollisionBackend {
           contacts.push_back(field_contact(grid, pose(bone), bone, nodes[block.asker[n]], block, n));
         }
       }
-      if (m_has_budgets) {
+      if (m_detection.has_budgets()) {
         grant_near(bone, nodes, block, leaves);
         grant_far(bone, nodes, first, next, map, positions, block);
       }
@@ -138,7 +127,7 @@ class OctreeBackend final : public CollisionBackend {
     field(bone).clear(block, leaves, clearance_m);
     for (std::size_t n = 0; n < block.count; ++n) {
       if (block.value_m[n] >= 0) {
-        m_budgets.grant(bone, nodes[block.asker[n]], grid.point(block.cells(n)), clearance_m[n]);
+        m_detection.budgets().grant(bone, nodes[block.asker[n]], grid.point(block.cells(n)), clearance_m[n]);
       }
     }
   }
@@ -153,7 +142,7 @@ class OctreeBackend final : public CollisionBackend {
         continue;
       }
       const Vec3 cells = map.apply(positions[static_cast<std::size_t>(nodes[place])]);
-      m_budgets.grant(bone, nodes[place], grid.point(cells), grid.distance_m(cells));
+      m_detection.budgets().grant(bone, nodes[place], grid.point(cells), grid.distance_m(cells));
     }
   }
 
@@ -163,11 +152,9 @@ class OctreeBackend final : public CollisionBackend {
   std::string m_error_name;
   std::filesystem::path m_folder;
   bool m_wants_budgets;
-  bool m_has_budgets = false;
   std::size_t m_loaded_fields = 0;
   std::vector<OctreeField> m_fields;
-  MotionBudgets m_budgets;
-  NodeShares m_shares;
+  FieldDetection m_detection;
 };
 
 }  // namespace

@@ -13,9 +13,9 @@
 #include "backends/sdf/exact_places.hpp"
 #include "backends/sdf/octree_cells.hpp"
 #include "backends/sdf/octree_entry.hpp"
+#include "backends/sdf/octree_memory.hpp"
 #include "backends/sdf/octree_reach.hpp"
 #include "core/base/input_error.hpp"
-#include "core/base/system_memory.hpp"
 #include "core/geometry/mesh_size.hpp"
 
 namespace musclebench {
@@ -51,9 +51,8 @@ class OctreeBuilder {
         m_shape(shape),
         m_demand(demand),
         m_maker(surface, demand),
-        m_wanted_m(settings.max_error_m),
-        m_memory_bytes(settings.memory_bytes != 0 ? settings.memory_bytes : available_memory_bytes()),
-        m_bone(bone),
+        m_max_error_m(settings.max_error_m),
+        m_memory(bone, settings.max_error_m, demand.wanted_m, settings.memory_bytes),
         m_threads(threads) {}
 
   OctreeField build(const BuildProgress& progress) {
@@ -81,8 +80,7 @@ class OctreeBuilder {
       }
       const double p99_m = error_quantile_m(0.99);
       first_p99_m = first_p99_m > 0 ? first_p99_m : p99_m;
-      learn_growth(p99_m);
-      refuse_what_cannot_be(exhausted, p99_m);
+      m_memory.learn(m_cells.size(), p99_m, exhausted);
       reached = std::max(reached, std::log(first_p99_m / p99_m) / std::log(first_p99_m / m_demand.wanted_m));
       tell(std::clamp(reached, 0.0, 1.0));
     }
@@ -156,7 +154,10 @@ class OctreeBuilder {
 
   /// Splits these cells; returns the children that have to be split, too.
   std::vector<std::size_t> split_all(const std::vector<std::size_t>& work) {
-    require_room_for(8 * work.size());
+    const std::size_t needed = m_cells.size() + 16 * work.size();  // while they grow, the old ones are there
+    if (!m_memory.has_room_for(needed)) {
+      m_memory.refuse(needed, m_errors_m.empty() ? m_demand.near_m : error_quantile_m(1 - wrong_share_allowed()));
+    }
     std::vector<std::size_t> next;
     // Cells across a face have different colours: the second colour takes what the first one was asked.
     for (const bool odd : {false, true}) {
@@ -295,11 +296,6 @@ class OctreeBuilder {
     return std::max(0.0, one_in_hundred - 2 * std::sqrt(one_in_hundred)) / number(m_places.size());
   }
 
-  /// The error that the cells, as they were measured last, would have been taken for.
-  [[nodiscard]] double reached_m() const {
-    return m_errors_m.empty() ? 0 : error_quantile_m(1 - wrong_share_allowed());
-  }
-
   /// Of the threshold. On scanned bones the share of wrong places falls with its power 0.7 to 0.8. A little short of
   /// that, so as not to overshoot the aim by many cells; but not so short that places are measured for nothing.
   [[nodiscard]] double next_step() const {
@@ -309,62 +305,11 @@ class OctreeBuilder {
     return std::clamp(std::pow(wrong_share_allowed() / wrong_share(), power), longest, shortest);
   }
 
-  [[nodiscard]] double bytes_of(std::size_t cells) const {
-    return number(cells) * (sizeof(OctreeCell) + sizeof(OctreeCell::Leaf));
-  }
-
-  [[noreturn]] void refuse(double needed_bytes, double fitting_aim_m) const {
-    const double fitting_mm = fitting_aim_m / aim_share * 1e3;
-    const double unit = std::pow(10, std::floor(std::log10(fitting_mm)) - 1);
-    throw InputError(
-        fmt::format("sdf: max_error_mm ({})", m_bone),
-        fmt::format("{:.6g} needs about {:.0f} MB of memory, {:.0f} MB are there; {:.2g} fits", m_wanted_m * 1e3,
-                    needed_bytes / 1e6, number(m_memory_bytes) / 1e6, std::ceil(fitting_mm / unit) * unit));
-  }
-
-  void require_room_for(std::size_t more) const {
-    const double needed = bytes_of(m_cells.size() + 2 * more);
-    if (needed > number(m_memory_bytes)) {
-      const double p99_m = m_errors_m.empty() ? m_demand.near_m : error_quantile_m(0.99);
-      refuse(needed * growth_to(m_demand.wanted_m, p99_m), std::max(p99_m, reached_m()));
-    }
-  }
-
-  /// By how much the cells multiply on the way from one error to a smaller one.
-  [[nodiscard]] double growth_to(double wanted_m, double p99_m) const {
-    return std::pow(std::max(1.0, p99_m / wanted_m), m_growth_power);
-  }
-
-  /// From the last two thresholds. Where kinks rule the power is 2: an error half as large needs cells of half the edge
-  /// along sheets. Where a hundredth of the places are at kinks, and no more, the error falls with hardly a new cell.
-  void learn_growth(double p99_m) {
-    const double bytes = bytes_of(m_cells.size());
-    constexpr double least_fall = 1.05;
-    if (m_last_p99_m > least_fall * p99_m && bytes > m_last_bytes) {
-      m_growth_power = std::clamp(std::log(bytes / m_last_bytes) / std::log(m_last_p99_m / p99_m), 0.25, 2.0);
-      ++m_thresholds_learnt_from;
-    }
-    m_last_p99_m = p99_m;
-    m_last_bytes = bytes;
-  }
-
-  void refuse_what_cannot_be(bool exhausted, double p99_m) const {
-    const double bytes = bytes_of(m_cells.size());
-    const double needed = bytes * growth_to(m_demand.wanted_m, p99_m);
-    // Early on this overestimates: cells far from the surface are not divided any more.
-    constexpr int enough_thresholds = 3;
-    constexpr double doubt = 8;
-    const double allowed = doubt * number(m_memory_bytes);
-    if (exhausted || (m_thresholds_learnt_from >= enough_thresholds && needed > allowed)) {
-      refuse(needed, exhausted ? p99_m : p99_m * std::min(1.0, std::pow(bytes / allowed, 1 / m_growth_power)));
-    }
-  }
-
   OctreeField pack() {
     m_entries.reserve(m_cells.size());
     m_entries.assign(m_shape.root_count(), 0);
     m_coefficients.reserve(coefficient_count() + cubic_terms);
-    m_quality = {m_wanted_m, m_demand.near_m};
+    m_quality = {m_max_error_m, m_demand.near_m};
     m_quality.finest_edge_m = m_shape.root_edge_m;
     for (std::size_t root = 0; root < m_shape.root_count(); ++root) {
       pack(root, root);
@@ -393,7 +338,7 @@ class OctreeBuilder {
     using octree_entry::Kind;
     const OctreeCell& cell = m_cells[from];
     if (m_coefficients.size() + 2 * cubic_terms > octree_entry::most_places) {
-      refuse(number(m_memory_bytes), 2 * error_quantile_m(0.99));
+      m_memory.refuse_any_size(error_quantile_m(0.99));
     }
     if (cell.split()) {
       const std::size_t first = m_entries.size();
@@ -438,9 +383,8 @@ class OctreeBuilder {
   OctreeShape m_shape;
   OctreeDemand m_demand;
   OctreeCellMaker m_maker;
-  double m_wanted_m;  ///< the demand is a little less
-  std::size_t m_memory_bytes;
-  const std::string& m_bone;
+  double m_max_error_m;  ///< the demand is a little less
+  OctreeMemory m_memory;
   int m_threads;
 
   std::vector<OctreeCell> m_cells;  ///< the roots, then children, eight and eight
@@ -449,12 +393,6 @@ class OctreeBuilder {
   std::vector<double> m_errors_m;    ///< at every n-th place
   double m_near_m3 = 0;
   double m_threshold_m3 = 0;
-
-  /// Of the error, that memory grows with. Until it is learnt, as on scanned bones from 0.3 to 0.01 mm: 1.3 to 1.8.
-  double m_growth_power = 1.5;
-  int m_thresholds_learnt_from = 0;
-  double m_last_p99_m = 0;
-  double m_last_bytes = 0;
 
   OctreeQuality m_quality;
   std::vector<std::uint32_t> m_entries;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/prefetch.hpp"
+
 namespace musclebench {
 
 namespace {
@@ -71,10 +73,8 @@ KnownPlace known_place(const Vec3& point, const DistanceSample& sample) {
 }
 
 void fetch_samples(const OctreeCell& cell) {
-  constexpr std::size_t line = 64;
-  const auto* const samples = reinterpret_cast<const char*>(cell.leaf.get());
-  for (std::size_t offset = 0; samples != nullptr && offset < sizeof(CellSamples); offset += line) {
-    __builtin_prefetch(samples + offset);
+  if (cell.leaf != nullptr) {
+    prefetch_bytes(cell.leaf.get(), sizeof(CellSamples));
   }
 }
 

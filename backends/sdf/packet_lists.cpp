@@ -4,11 +4,12 @@
 #include <bit>
 #include <cmath>
 
+#include "core/base/prefetch.hpp"
+
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "backends/sdf/packet_lists.cpp"
-#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include "backends/sdf/list_scan-inl.hpp"
@@ -52,13 +53,6 @@ HWY_INLINE TriangleLanes triangle_of(const TreeView& tree, std::int32_t number) 
 
 HWY_INLINE float squared_length(const std::array<float, 3>& way) {
   return way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
-}
-
-template <typename Item>
-HWY_INLINE void prefetch(const Item& item) {
-  for (std::size_t offset = 0; offset < sizeof(Item); offset += 64) {
-    hwy::Prefetch(reinterpret_cast<const unsigned char*>(&item) + offset);
-  }
 }
 
 /// By the place of one triangle that is the closest to the middle.

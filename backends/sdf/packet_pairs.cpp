@@ -5,11 +5,12 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/base/prefetch.hpp"
+
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "backends/sdf/packet_pairs.cpp"
-#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include "backends/sdf/list_scan-inl.hpp"
@@ -279,9 +280,7 @@ HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::arr
     looks += (looks - before) % 2;
     packet.leaf_looked[packet.looked_into] = leaf;
     packet.end[packet.looked_into] = looks;
-    for (std::size_t offset = 0; offset < sizeof(TreeLeaf); offset += 64) {
-      hwy::Prefetch(reinterpret_cast<const unsigned char*>(&tree.leaves[leaf]) + offset);
-    }
+    prefetch(tree.leaves[leaf]);
     packet.looked_into += looks != before ? 1 : 0;
   }
   packet.looks = looks;

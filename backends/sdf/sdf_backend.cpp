@@ -15,10 +15,10 @@
 #include "backends/sdf/discregrid_file.hpp"
 #include "backends/sdf/field_builder.hpp"
 #include "backends/sdf/field_contact.hpp"
+#include "backends/sdf/field_detection.hpp"
 #include "backends/sdf/field_file.hpp"
 #include "backends/sdf/field_memory.hpp"
 #include "backends/sdf/foreign_field.hpp"
-#include "backends/sdf/node_shares.hpp"
 #include "backends/sdf/octree_backend.hpp"
 #include "backends/sdf/sdf_settings.hpp"
 #include "core/contact/motion_budgets.hpp"
@@ -40,7 +40,7 @@ class SdfBackend final : public CollisionBackend {
         m_discregrid(parameters.word("discregrid")),
         m_wants_budgets(has_motion_budgets(parameters)) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_has_budgets}; }
+  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_detection.has_budgets()}; }
 
   [[nodiscard]] bool built_from_file() const override {
     return m_loaded_fields > 0 && m_loaded_fields == m_fields.size();
@@ -67,7 +67,7 @@ class SdfBackend final : public CollisionBackend {
   }
 
   [[nodiscard]] std::size_t structure_bytes() const override {
-    std::size_t bytes = m_has_budgets ? m_budgets.bytes() : 0;
+    std::size_t bytes = m_detection.bytes();
     for (const CubicField& field : m_fields) {
       bytes += field.bytes();
     }
@@ -77,14 +77,10 @@ class SdfBackend final : public CollisionBackend {
  private:
   void do_build() override {
     m_fields.clear();
-    // What lies outside the band is known by the distance alone, and across a hole the side changes without a surface.
-    m_has_budgets = m_wants_budgets &&
-                    (!m_settings.band_m || std::all_of(bones().begin(), bones().end(),
-                                                       [](const Bone& bone) { return is_closed(bone.surface.mesh); }));
     m_loaded_fields = 0;
-    if (m_has_budgets) {
-      m_budgets.reset(bones(), muscle().vertices.size());
-    }
+    // What lies outside the band is known by the distance alone.
+    m_detection.reset(bones(), muscle().vertices.size(),
+                      m_wants_budgets && (!m_settings.band_m || are_closed(bones())));
     if (!m_discregrid.empty()) {
       read_fields();
       return;
@@ -144,20 +140,15 @@ class SdfBackend final : public CollisionBackend {
   }
 
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
-    if (m_has_budgets && positions.size() != m_budgets.nodes()) {
-      m_budgets.reset(bones(), positions.size());
-    }
-    if (m_has_budgets) {
-      m_budgets.collect_spent(poses(), positions, nodes);
-    }
-    m_shares.detect(
-        m_fields.size(), threads(), [&](int bone) { return m_has_budgets ? m_budgets.spent(bone) : nodes; },
-        [&](const NodeShares::Share& share, std::vector<Contact>& found) { detect_share(share, positions, found); },
+    m_detection.detect(
+        poses(), positions, nodes, threads(),
+        [&](const FieldDetection::Share& share, std::vector<Contact>& found) { detect_share(share, positions, found); },
         contacts);
   }
 
-  void detect_share(const NodeShares::Share& share, std::span<const Vec3> positions, std::vector<Contact>& contacts) {
-    if (m_has_budgets) {
+  void detect_share(const FieldDetection::Share& share, std::span<const Vec3> positions,
+                    std::vector<Contact>& contacts) {
+    if (m_detection.has_budgets()) {
       detect_spent(share.bone, positions, share.nodes, contacts);
     } else {
       detect_all(share.bone, positions, share.nodes, contacts);
@@ -200,8 +191,8 @@ class SdfBackend final : public CollisionBackend {
         if (block.value_m[n] < 0 && may_be_inside(bone, block, n)) {
           contacts.push_back(field_contact(field(bone).shape(), pose(bone), bone, node, block, n));
         } else {
-          m_budgets.grant(bone, node, field(bone).shape().point(block.cells(n)),
-                          free_distance_m(field(bone), block.value_m[n]));
+          m_detection.budgets().grant(bone, node, field(bone).shape().point(block.cells(n)),
+                                      free_distance_m(field(bone), block.value_m[n]));
         }
       }
       for (; unknown < next; ++unknown) {
@@ -216,12 +207,12 @@ class SdfBackend final : public CollisionBackend {
     const CubicField& field = this->field(bone);
     const Vec3 cells = map.apply(positions[static_cast<std::size_t>(node)]);
     if (!field.band() || !field.shape().contains(cells)) {
-      m_budgets.grant(bone, node, field.shape().point(cells), field.shape().distance_m(cells));
+      m_detection.budgets().grant(bone, node, field.shape().point(cells), field.shape().distance_m(cells));
       return;
     }
     const CellPlace place = field.shape().place(cells);
     const double far_m = static_cast<double>(field.band()->far_m(place.i, place.j, place.k));
-    m_budgets.grant(bone, node, field.shape().point(cells), far_m - field.facts().negative_reach_m);
+    m_detection.budgets().grant(bone, node, field.shape().point(cells), far_m - field.facts().negative_reach_m);
   }
 
   [[nodiscard]] bool may_be_inside(int bone, const FieldBlock& block, std::size_t n) const {
@@ -243,11 +234,9 @@ class SdfBackend final : public CollisionBackend {
   std::filesystem::path m_folder;
   std::filesystem::path m_discregrid;
   bool m_wants_budgets;
-  bool m_has_budgets = false;
   std::size_t m_loaded_fields = 0;
   std::vector<CubicField> m_fields;
-  MotionBudgets m_budgets;
-  NodeShares m_shares;
+  FieldDetection m_detection;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <limits>
 #include <span>
 
+#include "core/base/prefetch.hpp"
 #include "core/geometry/mesh_size.hpp"
 
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
@@ -26,6 +27,8 @@ namespace musclebench {
 constexpr std::size_t sweep_lanes = 8;
 /// Nodes that are looked at together; their positions stay in the first-level cache.
 constexpr std::size_t block_size = 256;
+/// Eight balls each.
+constexpr std::size_t fetched_ahead = 20;
 
 /// A position's way through single precision (its rounding, the rotation's, three products and sums) loses at most
 /// 11 units of 2^-24 of the sum of its coordinates' sizes, and 7 of the offset's; this is more.
@@ -97,15 +100,6 @@ HWY_INLINE void load_block(const double* HWY_RESTRICT positions, std::size_t cou
   }
 }
 
-/// What a sweep will need of memory, sooner than the CPU would guess.
-template <typename T>
-HWY_INLINE void fetch_ahead(const T* now) {
-  constexpr std::size_t ahead = 20 * sizeof(MotionBudgets::EightBalls);
-  for (std::size_t offset = 0; offset < sizeof(T); offset += 64) {
-    __builtin_prefetch(reinterpret_cast<const char*>(now) + ahead + offset);
-  }
-}
-
 /// Of the nodes from `first` on those that have left their balls.
 HWY_INLINE void sweep_block(const Block& block, std::size_t first, std::size_t count, MotionBudgets::SweptBone& bone) {
   const hn::CappedTag<float, sweep_lanes> lanes;
@@ -127,7 +121,7 @@ HWY_INLINE void sweep_block(const Block& block, std::size_t first, std::size_t c
     const std::size_t node = first + i;
     const MotionBudgets::EightBalls& balls = bone.balls[node / sweep_lanes];
     const std::size_t place = node % sweep_lanes;
-    fetch_ahead(&balls);
+    prefetch_bytes(&balls + fetched_ahead, sizeof(balls));  // sooner than the CPU would guess
     const auto x = hn::Load(lanes, block.x.data() + i);
     const auto y = hn::Load(lanes, block.y.data() + i);
     const auto z = hn::Load(lanes, block.z.data() + i);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/prefetch.hpp"
+
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -146,9 +148,7 @@ constexpr std::size_t fetched_ahead = 2 * ClosestOnTriangles::width;
 
 HWY_INLINE void fetch(const std::array<Vec3, 3>* corners, std::span<const std::int32_t> triangles) {
   for (const std::int32_t triangle : triangles) {
-    const auto* const first = reinterpret_cast<const char*>(corners + triangle);
-    __builtin_prefetch(first);
-    __builtin_prefetch(first + sizeof(corners[0]) - 1);
+    prefetch(corners[triangle]);
   }
 }
 

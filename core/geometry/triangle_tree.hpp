@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/prefetch.hpp"
 #include "core/geometry/triangle_distance.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "core/geometry/triangle_tree_nodes.hpp"
@@ -90,14 +91,14 @@ class TriangleTree {
       if (above < 0) {
         return;
       }
-      fetch(m_nodes[static_cast<std::size_t>(above)]);
+      prefetch(m_nodes[static_cast<std::size_t>(above)]);
     }
   }
   /// What `start_listed` will look at first begins to come from memory.
   void fetch(const NearLeaves& list) const {
     constexpr std::size_t looked_at = 4;  // of eight: a point is rarely farther from its list's place
     for (std::size_t i = 0; i < looked_at && list.leaf[i] >= 0; ++i) {
-      fetch(m_leaves[static_cast<std::size_t>(list.leaf[i])]);
+      prefetch(m_leaves[static_cast<std::size_t>(list.leaf[i])]);
     }
   }
 
@@ -125,14 +126,6 @@ class TriangleTree {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  template <typename Part>
-  static void fetch(const Part& part) {
-    constexpr std::size_t line = 64;
-    for (std::size_t offset = 0; offset < sizeof(Part); offset += line) {
-      __builtin_prefetch(reinterpret_cast<const char*>(&part) + offset);
-    }
-  }
-
   friend class TriangleTreeBuilder;
   friend class PacketSearch;
 

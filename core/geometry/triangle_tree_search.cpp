@@ -4,9 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/prefetch.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/geometry/triangle_tree_search.cpp"
-#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -84,15 +85,6 @@ HWY_INLINE unsigned within(const float* HWY_RESTRICT squared, float limit) {
   return bits;
 }
 
-/// Fetches the first `bytes` bytes of `what` towards the CPU.
-template <std::size_t bytes>
-HWY_INLINE void prefetch(const void* what) {
-  constexpr std::size_t line = 64;
-  for (std::size_t offset = 0; offset < bytes; offset += line) {
-    hwy::Prefetch(static_cast<const unsigned char*>(what) + offset);
-  }
-}
-
 HWY_INLINE float least_squared(const TreeLeaf& leaf, const Vec3Lanes& p) {
   const Lanes d;
   Vec least = hn::Set(d, std::numeric_limits<float>::max());
@@ -129,7 +121,7 @@ HWY_INLINE void collect(const TreeLeaf& leaf, const Vec3Lanes& p, TreeSearch& se
     const auto place = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(found));
     search.squared[search.count] = squared[place];
     search.triangle[search.count] = leaf.triangle[place];
-    prefetch<sizeof(search.corners[0])>(search.corners + leaf.triangle[place]);
+    prefetch(search.corners[leaf.triangle[place]]);
     ++search.count;
   }
   if (search.count > TreeSearch::capacity - tree_width || leaf.needles != 0) {
@@ -176,8 +168,8 @@ HWY_INLINE void walk(const TreeSearch& search, const Vec3Lanes& p, const float& 
         }
         if (waiting > 0) {
           const std::int32_t after = child[waiting - 1];
-          prefetch<std::min(sizeof(TreeNode), sizeof(TreeLeaf))>(
-              after < 0 ? static_cast<const void*>(search.leaves + ~after) : search.nodes + after);
+          prefetch_bytes(after < 0 ? static_cast<const void*>(search.leaves + ~after) : search.nodes + after,
+                         std::min(sizeof(TreeNode), sizeof(TreeLeaf)));
         }
         continue;
       }
@@ -310,7 +302,7 @@ void in_listed_leaves(TreeSearch& search, const NearLeaves& list, float moved) {
     const std::int32_t triangle = search.leaves[list.leaf[place / tree_width]].triangle[place % tree_width];
     search.squared[search.count] = squared[place];
     search.triangle[search.count] = triangle;
-    prefetch<sizeof(search.corners[0])>(search.corners + triangle);
+    prefetch(search.corners[triangle]);
     ++search.count;
   }
 }
