@@ -27,7 +27,7 @@ KERNEL_GROUPS = (
     KernelGroup("two_threads", "^(detect_threads|sdf_build_threads)/", 60.0, threads=2),
     KernelGroup("muscle_size", "^muscle_size/", 90.0),
     KernelGroup("bone_size", "^bone_size/", 60.0),
-    KernelGroup("adaptive", "^adaptive_over_uniform/femur", 60.0, varies=False),
+    KernelGroup("adaptive", "^adaptive_over_uniform/femur", 20.0),
     KernelGroup("bytes", "^sdf_bytes/", 60.0, varies=False),
     KernelGroup("allocations", "^allocations/", 20.0, varies=False),
 )
