@@ -31,7 +31,10 @@ inline std::size_t known_samples(const CellSamples& samples) {
 inline constexpr std::array<std::array<double, 3>, cell_samples> sample_places = [] {
   std::array<std::array<double, 3>, cell_samples> places{};
   for (std::size_t s = 0; s < lattice_samples; ++s) {
-    places[s] = {static_cast<double>(s / 9) - 1, static_cast<double>(s / 3 % 3) - 1, static_cast<double>(s % 3) - 1};
+    const std::array<std::size_t, 3> index{s / 9, s / 3 % 3, s % 3};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      places[s][axis] = static_cast<double>(index[axis]) - 1;
+    }
   }
   for (std::size_t octant = 0; octant < 8; ++octant) {
     const auto middle = [&](std::size_t bit) { return (octant >> bit & 1U) != 0 ? 0.5 : -0.5; };

@@ -101,7 +101,7 @@ BoneMotion read_motion(const SceneRequest& request, const TomlTable& table) {
 
 /// Names become file names.
 std::string checked_name(const TomlTable& table) {
-  const std::string name = table.word("name");
+  std::string name = table.word("name");
   const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
   });
