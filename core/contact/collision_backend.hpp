@@ -14,7 +14,8 @@
 
 namespace musclebench {
 
-/// A rigid bone as a backend gets it: its repaired surface in rest pose.
+/// A rigid bone as a backend gets it: its repaired surface in rest pose. In a scene it is numbered coherently
+/// (`order_coherently`): what lies close together does so in memory, too.
 struct Bone {
   std::string name;
   RepairedMesh surface;

@@ -34,7 +34,7 @@ struct Scene {
   std::string name;
   std::string title;
   std::string preset;
-  std::vector<Bone> bones;             ///< repaired, rest pose
+  std::vector<Bone> bones;             ///< repaired, numbered coherently, rest pose
   std::vector<SceneMesh> bone_meshes;  ///< as shipped, one a bone
   std::vector<BoneMotion> motions;     ///< one a bone
   std::string muscle_name;
