@@ -7,9 +7,6 @@
 
 #include "backends/sdf/exact_places.hpp"
 #include "backends/sdf/octree_builder.hpp"
-#include "backends/sdf/octree_fit.hpp"
-#include "backends/sdf/octree_reach.hpp"
-#include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/geometry/shapes.hpp"
 
@@ -20,11 +17,6 @@ Vec3 random_point(RandomNumbers& random, const Vec3& lower, const Vec3& upper) {
   const double x = random.share();
   const double y = random.share();
   return lower + Vec3(x, y, random.share()).cwiseProduct(upper - lower);
-}
-
-double monomial(std::size_t term, const Vec3& at) {
-  const auto& [x, y, z] = polynomial_powers[term];
-  return std::pow(at[0], x) * std::pow(at[1], y) * std::pow(at[2], z);
 }
 
 double quantile(std::vector<double> values, double share) {
@@ -60,83 +52,6 @@ class OctreeOfBox : public testing::Test {
     return result;
   }
 };
-
-TEST(OctreePolynomial, HasTheValueAndTheSlopesOfItsTerms) {
-  RandomNumbers random(3);
-  std::array<float, cubic_terms> c{};
-  for (float& value : c) {
-    value = static_cast<float>(random.share() - 0.5);
-  }
-  for (int i = 0; i < 50; ++i) {
-    const Vec3 at = random_point(random, Vec3::Constant(-1), Vec3::Constant(1));
-    for (const std::size_t terms : {quadratic_terms, cubic_terms}) {
-      const auto expected = [&](const Vec3& place) {
-        double sum = 0;
-        for (std::size_t term = 0; term < terms; ++term) {
-          sum += static_cast<double>(c[term]) * monomial(term, place);
-        }
-        return sum;
-      };
-      Vec3 gradient;
-      const double value = terms == cubic_terms ? evaluate_polynomial<true>(c.data(), at, gradient)
-                                                : evaluate_polynomial<false>(c.data(), at, gradient);
-      EXPECT_NEAR(value, expected(at), 1e-14);
-      for (Eigen::Index axis = 0; axis < 3; ++axis) {
-        const Vec3 step = 1e-4 * Vec3::Unit(axis);
-        EXPECT_NEAR(gradient[axis], (expected(at + step) - expected(at - step)) / 2e-4, 1e-7);
-      }
-    }
-  }
-}
-
-template <std::size_t terms>
-void find_polynomial() {
-  constexpr double half_edge_m = 0.004;
-  RandomNumbers random(terms);
-  PolynomialFit wanted;
-  for (std::size_t term = 0; term < terms; ++term) {
-    wanted.coefficients[term] = static_cast<float>(random.share() - 0.5);
-  }
-  CellSamples samples;
-  for (std::size_t s = 0; s < cell_samples; ++s) {
-    Vec3 gradient;
-    const double value = evaluate_polynomial<true>(wanted.coefficients.data(), sample_place(s), gradient);
-    gradient /= half_edge_m;
-    samples[s] = {
-        value, {static_cast<float>(gradient[0]), static_cast<float>(gradient[1]), static_cast<float>(gradient[2])}, 0};
-  }
-  const PolynomialFitter<terms> fitter;
-  PolynomialFit found = fitter.fit(samples, half_edge_m);
-  for (std::size_t term = 0; term < cubic_terms; ++term) {
-    EXPECT_NEAR(found.coefficients[term], wanted.coefficients[term], 1e-6) << term;
-  }
-  const CellErrors errors_m = fitter.measure(samples, half_edge_m, found);
-  EXPECT_LT(*std::max_element(errors_m.begin(), errors_m.end()), 2e-6);
-  EXPECT_NEAR(found.excess_m, 0, 5e-6);
-  samples[30].value_m += 1;
-  EXPECT_NEAR(fitter.measure(samples, half_edge_m, found)[30], 1, 2e-6) << "an octant's middle counts";
-  EXPECT_NEAR(found.excess_m, 0, 5e-6) << "too low is no excess";
-  EXPECT_GT(fitter.fit(samples, half_edge_m).coefficients[0], found.coefficients[0] + 1e-3);
-  samples[30].value_m -= 2;
-  (void)fitter.measure(samples, half_edge_m, found);
-  EXPECT_NEAR(found.excess_m, 1, 5e-6);
-  PolynomialFit negative = found;
-  negative.coefficients[0] -= 10;
-  (void)fitter.measure(samples, half_edge_m, negative);
-  EXPECT_EQ(negative.excess_m, 0) << "where it is negative";
-  for (std::size_t s = lattice_samples; s < cell_samples; ++s) {
-    samples[s].triangle = -1;
-  }
-  const PolynomialFit by_lattice = fitter.fit(samples, half_edge_m);
-  for (std::size_t term = 0; term < cubic_terms; ++term) {
-    EXPECT_NEAR(by_lattice.coefficients[term], wanted.coefficients[term], 1e-6) << "of what is not known, " << term;
-  }
-}
-
-TEST(PolynomialFitter, FindsThePolynomialThatItIsGiven) {
-  find_polynomial<quadratic_terms>();
-  find_polynomial<cubic_terms>();
-}
 
 TEST_F(OctreeOfBox, KeepsTheWantedErrorNearTheSurface) {
   const OctreeQuality& quality = field().quality();
@@ -315,66 +230,6 @@ TEST_F(OctreeOfBox, IsClearToTheSurfaceOrTheFacesOfItsLeaf) {
   EXPECT_GT(clear, 0.8 * near);
 }
 
-/// A leaf with half an edge of 1 that knows `known` distances.
-OctreeCell sampled_cell(const SignedSurface& surface, const Vec3& centre_m, std::size_t known = cell_samples) {
-  OctreeCell cell;
-  cell.centre_m = centre_m;
-  cell.half_edge_m = 1;
-  cell.distance_m = surface.locate(centre_m).signed_distance_m();
-  cell.leaf = std::make_unique<OctreeCell::Leaf>();
-  for (std::size_t s = 0; s < known; ++s) {
-    const SignedPoint place = surface.locate(centre_m + sample_place(s));
-    cell.leaf->samples[s] = {place.signed_distance_m(), {0, 0, 1}, place.closest.triangle};
-  }
-  return cell;
-}
-
-TEST(OctreeReach, IsWhereThePolynomialIsNegativeOutside) {
-  // Everything below z = -0.4 is inside; the polynomial takes everything below z = 0.1 for it.
-  const RepairedMesh box{make_box({10, 10, 9.6}, 1), true, {}};
-  const SignedSurface surface(box);
-  OctreeCell cell = sampled_cell(surface, Vec3(0, 0, 10));
-  PolynomialFit& fit = cell.leaf->quadratic;
-  fit.coefficients[0] = -0.1F;
-  fit.coefficients[3] = 1;
-  for (const double least_m : {0.01, 0.1, 0.4}) {
-    const double reach_m = negative_reach_m(surface, cell, fit, quadratic_terms, least_m);
-    EXPECT_GE(reach_m, 0.5);
-    EXPECT_LE(reach_m, 0.5 + least_m);
-  }
-  EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, 0.8), 0.8);
-  fit.coefficients[0] = 1.1F;
-  EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, 0.01), 0.01);
-  // Flat and positive in the middle.
-  for (const std::size_t falling : {std::size_t{4}, quadratic_terms}) {
-    fit = {};
-    fit.coefficients[0] = 0.5F;
-    fit.coefficients[falling] = -1;
-    EXPECT_NEAR(negative_reach_m(surface, cell, fit, cubic_terms, 0.1), 1.4, 0.1);
-  }
-}
-
-/// Where it is negative deep inside only, nothing is to be proven, whatever triangles the samples name.
-TEST(OctreeReach, IsTheLeastWhereThePolynomialIsTheDistance) {
-  const RepairedMesh box{make_box({10, 10, 9.6}, 4), true, {}};
-  const SignedSurface surface(box);
-  for (const double above_m : {-1.4, -0.5, 0.2}) {
-    for (const std::size_t known : {lattice_samples, cell_samples}) {
-      OctreeCell cell = sampled_cell(surface, Vec3(0.3, 0.2, 9.6 + above_m), known);
-      PolynomialFit& fit = cell.leaf->quadratic;
-      fit.coefficients[0] = static_cast<float>(above_m);
-      fit.coefficients[3] = 1;
-      for (const double least_m : {0.02, 0.3}) {
-        EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, least_m), least_m);
-      }
-      for (std::size_t s = 0; s < known; ++s) {
-        cell.leaf->samples[s].triangle = 0;
-      }
-      EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, 0.02), 0.02);
-    }
-  }
-}
-
 TEST_F(OctreeOfBox, IsTheSameForAnyNumberOfThreads) {
   const OctreeField one = build(1);
   EXPECT_EQ(one.entries(), field().entries());
@@ -392,70 +247,6 @@ TEST_F(OctreeOfBox, HasNothingToSayOutsideItsDomain) {
   EXPECT_FALSE(field().sample(Vec3::Constant(std::nan(""))));
   EXPECT_TRUE(field().value(field().shape().upper_m()));
   EXPECT_TRUE(field().value(field().shape().lower_m));
-}
-
-TEST(OctreeBuilder, GivesTheSameTreeAtAnyScale) {
-  const RepairedMesh small{make_sphere(0.125, 3), true, {}};
-  RepairedMesh large = small;
-  for (Vec3& vertex : large.mesh.vertices) {
-    vertex *= 1024;
-  }
-  const OctreeField a = build_octree(SignedSurface(small), small.mesh, {.max_error_m = 1e-3}, "a", 1);
-  const OctreeField b = build_octree(SignedSurface(large), large.mesh, {.max_error_m = 1.024}, "b", 1);
-  EXPECT_EQ(a.entries(), b.entries());
-  EXPECT_DOUBLE_EQ(1024 * a.quality().p99_m, b.quality().p99_m);
-}
-
-TEST(OctreeBuilder, TellsItsProgress) {
-  const RepairedMesh ball{make_sphere(0.1, 3), true, {}};
-  double last = 0;
-  int calls = 0;
-  (void)build_octree(SignedSurface(ball), ball.mesh, {.max_error_m = 2e-5}, "ball", 1, [&](double share) {
-    EXPECT_GE(share, last);
-    EXPECT_LE(share, 1);
-    last = share;
-    ++calls;
-  });
-  EXPECT_GT(calls, 2);
-  EXPECT_EQ(last, 1);
-}
-
-std::string refusal(const OctreeSettings& settings) {
-  const RepairedMesh ball{make_sphere(0.1, 3), true, {}};
-  try {
-    (void)build_octree(SignedSurface(ball), ball.mesh, settings, "ball", 1);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-TEST(OctreeBuilder, RefusesErrorsOutOfAllProportion) {
-  for (const double wanted_m : {1e-12, 0.05, std::nan("")}) {
-    const std::string words = refusal({.max_error_m = wanted_m});
-    EXPECT_NE(words.find("max_error_mm (ball)"), std::string::npos) << words;
-    EXPECT_NE(words.find("makes sense"), std::string::npos) << words;
-  }
-}
-
-TEST(OctreeBuilder, RefusesWhatDoesNotFitIntoMemoryAndSaysWhatDoes) {
-  constexpr std::size_t memory = 60'000'000;
-  const std::string words = refusal({.max_error_m = 1e-7, .memory_bytes = memory});
-  EXPECT_NE(words.find("needs about"), std::string::npos) << words;
-  EXPECT_NE(words.find("60 MB are there"), std::string::npos) << words;
-  const std::size_t fits = words.find(" fits");
-  ASSERT_NE(fits, std::string::npos) << words;
-  const double fitting_mm = std::stod(words.substr(words.rfind(' ', fits - 1)));
-  EXPECT_GT(fitting_mm, 1e-4);
-  EXPECT_EQ(refusal({.max_error_m = 1e-3 * fitting_mm, .memory_bytes = memory}), "");
-}
-
-TEST(OctreeBuilder, LearnsHowItsMemoryGrows) {
-  // Once the edges of a box are a hundredth of the places, a smaller error costs next to nothing.
-  const RepairedMesh box{make_box({0.03, 0.03, 0.03}, 2), true, {}};
-  const OctreeField field =
-      build_octree(SignedSurface(box), box.mesh, {.max_error_m = 2e-6, .memory_bytes = 300'000'000}, "box", 2);
-  EXPECT_LE(field.quality().p99_m, 2e-6);
 }
 
 }  // namespace
