@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/mesh_size.hpp"
-#include "core/geometry/surface_volume.hpp"
+#include "core/mesh/mesh_size.hpp"
+#include "core/mesh/surface_volume.hpp"
 
 namespace musclebench {
 

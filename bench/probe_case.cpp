@@ -7,7 +7,7 @@
 
 #include "core/base/random_numbers.hpp"
 #include "core/geometry/sharp_features.hpp"
-#include "core/geometry/surface_sampler.hpp"
+#include "core/mesh/surface_sampler.hpp"
 #include "core/measure/referee.hpp"
 
 namespace musclebench {

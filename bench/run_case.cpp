@@ -13,7 +13,7 @@
 #include "core/base/huge_pages.hpp"
 #include "core/base/sha256.hpp"
 #include "core/base/system_memory.hpp"
-#include "core/geometry/surface_volume.hpp"
+#include "core/mesh/surface_volume.hpp"
 
 namespace musclebench {
 

@@ -9,7 +9,7 @@
 #include "backends/brute_force/brute_force_surface.hpp"
 #include "backends/bvh/centred_surface.hpp"
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/surface_sampler.hpp"
+#include "core/mesh/surface_sampler.hpp"
 #include "core/measure/referee.hpp"
 
 namespace musclebench {

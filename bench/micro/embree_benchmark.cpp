@@ -17,8 +17,8 @@
 
 #include "bench/scene_source.hpp"
 #include "core/base/huge_pages.hpp"
-#include "core/geometry/coherent_order.hpp"
-#include "core/geometry/mesh_size.hpp"
+#include "core/mesh/coherent_order.hpp"
+#include "core/mesh/mesh_size.hpp"
 #include "core/geometry/signed_surface.hpp"
 
 namespace musclebench {

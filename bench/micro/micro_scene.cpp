@@ -5,7 +5,7 @@
 #include <random>
 
 #include "bench/scene_source.hpp"
-#include "core/geometry/mesh_size.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/kept_frames.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

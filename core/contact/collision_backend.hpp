@@ -10,7 +10,7 @@
 
 #include "core/contact/contact.hpp"
 #include "core/geometry/repair_mesh.hpp"
-#include "core/geometry/rigid_motion.hpp"
+#include "core/mesh/rigid_motion.hpp"
 
 namespace musclebench {
 

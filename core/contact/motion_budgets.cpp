@@ -8,7 +8,7 @@
 #include <span>
 
 #include "core/base/prefetch.hpp"
-#include "core/geometry/mesh_size.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off

@@ -12,7 +12,7 @@
 
 #include "core/contact/collision_backend.hpp"
 #include "core/contact/motion_budgets.hpp"
-#include "core/geometry/coherent_order.hpp"
+#include "core/mesh/coherent_order.hpp"
 #include "core/geometry/triangle_tree.hpp"
 
 namespace musclebench {

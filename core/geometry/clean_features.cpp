@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "core/geometry/mesh_edges.hpp"
+#include "core/mesh/mesh_edges.hpp"
 #include "core/geometry/triangle_separation.hpp"
 
 namespace musclebench {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/geometry/mesh_edges.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/mesh_edges.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

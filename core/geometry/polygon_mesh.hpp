@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/geometry/triangle_distance.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

@@ -10,7 +10,7 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
-#include "core/geometry/mesh_edges.hpp"
+#include "core/mesh/mesh_edges.hpp"
 #include "core/geometry/polygon_mesh.hpp"
 
 namespace musclebench {

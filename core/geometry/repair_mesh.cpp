@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
-#include "core/geometry/mesh_edges.hpp"
+#include "core/mesh/mesh_edges.hpp"
 #include "core/geometry/orient_surfaces.hpp"
 
 namespace musclebench {

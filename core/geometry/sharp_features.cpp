@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/geometry/mesh_edges.hpp"
-#include "core/geometry/mesh_size.hpp"
+#include "core/mesh/mesh_edges.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 

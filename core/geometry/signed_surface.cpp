@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/geometry/mesh_edges.hpp"
+#include "core/mesh/mesh_edges.hpp"
 
 namespace musclebench {
 

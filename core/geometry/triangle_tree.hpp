@@ -10,7 +10,7 @@
 
 #include "core/base/prefetch.hpp"
 #include "core/geometry/triangle_distance.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 #include "core/geometry/triangle_tree_nodes.hpp"
 #include "core/geometry/triangle_tree_search.hpp"
 

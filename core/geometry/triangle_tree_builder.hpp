@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 #include "core/geometry/triangle_tree.hpp"
 
 namespace musclebench {

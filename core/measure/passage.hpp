@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/contact/contact.hpp"
-#include "core/geometry/rigid_motion.hpp"
+#include "core/mesh/rigid_motion.hpp"
 #include "core/measure/referee.hpp"
 
 namespace musclebench {

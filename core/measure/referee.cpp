@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/input_error.hpp"
-#include "core/geometry/mesh_size.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 namespace {

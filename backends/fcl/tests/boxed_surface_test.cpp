@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/rigid_motion.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/rigid_motion.hpp"
+#include "core/mesh/shapes.hpp"
 #include "core/geometry/tests/closest_by_brute_force.hpp"
 
 namespace musclebench {

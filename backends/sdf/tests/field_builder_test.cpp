@@ -14,8 +14,8 @@
 #include "backends/sdf/tests/field_samples.hpp"
 #include "core/base/input_error.hpp"
 #include "core/geometry/read_mesh.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/tests/lhdl_data.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/lhdl_data.hpp"
 
 namespace musclebench {
 namespace {

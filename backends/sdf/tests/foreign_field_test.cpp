@@ -13,8 +13,8 @@
 #include "core/base/random_numbers.hpp"
 #include "core/geometry/clean_features.hpp"
 #include "core/geometry/read_mesh.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/tests/lhdl_data.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/lhdl_data.hpp"
 
 namespace musclebench {
 namespace {

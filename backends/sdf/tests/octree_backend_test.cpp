@@ -8,7 +8,7 @@
 #include "backends/sdf/sdf_backend.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 #include "core/geometry/signed_surface.hpp"
 
 namespace musclebench {

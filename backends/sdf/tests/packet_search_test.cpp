@@ -11,9 +11,9 @@
 
 #include "core/geometry/read_mesh.hpp"
 #include "core/geometry/repair_mesh.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 #include "core/geometry/tests/closest_by_brute_force.hpp"
-#include "core/geometry/tests/lhdl_data.hpp"
+#include "core/mesh/tests/lhdl_data.hpp"
 
 namespace musclebench {
 namespace {

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/geometry/read_mesh.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/tests/lhdl_data.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/lhdl_data.hpp"
 
 namespace musclebench {
 namespace {

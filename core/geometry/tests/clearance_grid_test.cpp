@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/mesh_size.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/mesh_size.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/check_mesh.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/tests/lhdl_data.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/lhdl_data.hpp"
 #include "core/geometry/tests/mesh_files.hpp"
 
 namespace musclebench {

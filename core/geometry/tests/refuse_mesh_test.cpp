@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/polygon_mesh.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 #include "core/geometry/tests/mesh_files.hpp"
 
 namespace musclebench {

@@ -9,10 +9,10 @@
 
 #include "core/base/input_error.hpp"
 #include "core/geometry/check_mesh.hpp"
-#include "core/geometry/mesh_edges.hpp"
+#include "core/mesh/mesh_edges.hpp"
 #include "core/geometry/read_mesh.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/tests/lhdl_data.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/lhdl_data.hpp"
 #include "core/geometry/triangle_tree.hpp"
 
 namespace musclebench {

@@ -1,4 +1,4 @@
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 #include <cmath>
 #include <limits>

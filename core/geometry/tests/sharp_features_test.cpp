@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/surface_sampler.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/mesh/surface_sampler.hpp"
 
 namespace musclebench {
 namespace {

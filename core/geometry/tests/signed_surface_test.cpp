@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/read_mesh.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/tests/lhdl_data.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/lhdl_data.hpp"
 
 namespace musclebench {
 namespace {

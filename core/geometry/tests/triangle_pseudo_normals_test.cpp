@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/pseudo_normals.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 #include "core/geometry/triangle_tree.hpp"
 
 namespace musclebench {

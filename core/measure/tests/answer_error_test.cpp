@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 #include "core/measure/depth_error.hpp"
 
 namespace musclebench {

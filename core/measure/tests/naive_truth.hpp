@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 /// The answers that the Referee must give, found the plainest way: every triangle, long double, Voronoi regions.
 namespace musclebench::naive {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 #include "core/measure/tests/test_bones.hpp"
 
 namespace musclebench {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 #include "core/measure/referee.hpp"
 #include "core/measure/tests/naive_truth.hpp"
 

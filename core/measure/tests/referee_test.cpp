@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 #include "core/measure/tests/naive_truth.hpp"
 
 namespace musclebench {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/contact/collision_backend.hpp"
-#include "core/geometry/rigid_motion.hpp"
+#include "core/mesh/rigid_motion.hpp"
 
 namespace musclebench {
 

@@ -1,4 +1,4 @@
-#include "core/geometry/mesh_edges.hpp"
+#include "core/mesh/mesh_edges.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "core/geometry/coherent_order.hpp"
+#include "core/mesh/coherent_order.hpp"
 
 #include <algorithm>
 #include <cmath>

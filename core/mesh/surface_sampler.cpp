@@ -1,4 +1,4 @@
-#include "core/geometry/surface_sampler.hpp"
+#include "core/mesh/surface_sampler.hpp"
 
 #include <algorithm>
 #include <cassert>

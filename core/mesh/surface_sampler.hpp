@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

@@ -1,4 +1,4 @@
-#include "core/geometry/mesh_size.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 #include <cmath>
 
