@@ -4,7 +4,7 @@
 #include "bench/commands.hpp"
 #include "bench/scene_source.hpp"
 #include "core/geometry/check_mesh.hpp"
-#include "core/geometry/read_mesh.hpp"
+#include "core/mesh_files/read_mesh.hpp"
 #include "core/measure/referee.hpp"
 #include "datasets/embedded/embedded_files.hpp"
 

@@ -8,7 +8,7 @@
 #include "bench/manifest.hpp"
 #include "bench/result_folder.hpp"
 #include "core/base/output_file.hpp"
-#include "core/geometry/read_mesh.hpp"
+#include "core/mesh_files/read_mesh.hpp"
 #include "core/measure/outcome.hpp"
 
 namespace musclebench {

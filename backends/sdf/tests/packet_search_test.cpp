@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include "core/geometry/read_mesh.hpp"
+#include "core/mesh_files/read_mesh.hpp"
 #include "core/geometry/repair_mesh.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/geometry/tests/closest_by_brute_force.hpp"

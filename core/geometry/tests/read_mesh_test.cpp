@@ -1,4 +1,4 @@
-#include "core/geometry/read_mesh.hpp"
+#include "core/mesh_files/read_mesh.hpp"
 
 #include <cstring>
 #include <fstream>
@@ -11,7 +11,7 @@
 #include "core/geometry/check_mesh.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
-#include "core/geometry/tests/mesh_files.hpp"
+#include "core/mesh_files/tests/mesh_files.hpp"
 
 namespace musclebench {
 namespace {

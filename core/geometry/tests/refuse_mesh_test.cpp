@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/polygon_mesh.hpp"
+#include "core/mesh_files/polygon_mesh.hpp"
 #include "core/mesh/shapes.hpp"
-#include "core/geometry/tests/mesh_files.hpp"
+#include "core/mesh_files/tests/mesh_files.hpp"
 
 namespace musclebench {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/base/input_error.hpp"
 #include "core/geometry/check_mesh.hpp"
 #include "core/mesh/mesh_edges.hpp"
-#include "core/geometry/read_mesh.hpp"
+#include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
 #include "core/geometry/triangle_tree.hpp"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/geometry/read_mesh.hpp"
+#include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
 #include "core/measure/referee.hpp"
 #include "core/measure/tests/naive_truth.hpp"

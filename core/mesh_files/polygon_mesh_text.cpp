@@ -4,7 +4,7 @@
 #include <cstring>
 #include <initializer_list>
 
-#include "core/geometry/polygon_mesh.hpp"
+#include "core/mesh_files/polygon_mesh.hpp"
 
 namespace musclebench {
 

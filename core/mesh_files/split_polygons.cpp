@@ -6,7 +6,7 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
-#include "core/geometry/polygon_mesh.hpp"
+#include "core/mesh_files/polygon_mesh.hpp"
 
 namespace musclebench {
 

@@ -1,4 +1,4 @@
-#include "core/geometry/read_mesh.hpp"
+#include "core/mesh_files/read_mesh.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <assimp/scene.h>
 
 #include "core/mesh/mesh_edges.hpp"
-#include "core/geometry/polygon_mesh.hpp"
+#include "core/mesh_files/polygon_mesh.hpp"
 
 namespace musclebench {
 

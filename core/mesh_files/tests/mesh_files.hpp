@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
-#include "core/geometry/read_mesh.hpp"
+#include "core/mesh_files/read_mesh.hpp"
 
 namespace musclebench {
 

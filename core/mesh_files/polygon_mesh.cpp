@@ -1,4 +1,4 @@
-#include "core/geometry/polygon_mesh.hpp"
+#include "core/mesh_files/polygon_mesh.hpp"
 
 #include <algorithm>
 #include <charconv>
