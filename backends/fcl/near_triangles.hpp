@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/geometry/closest_on_triangles.hpp"
+#include "core/distance/closest_on_triangles.hpp"
 #include "core/geometry/triangle_tree.hpp"
 
 namespace musclebench {

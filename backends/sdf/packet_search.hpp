@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "backends/sdf/packet_pairs.hpp"
-#include "core/geometry/closest_on_triangles.hpp"
+#include "core/distance/closest_on_triangles.hpp"
 #include "core/geometry/triangle_tree.hpp"
 
 namespace musclebench {

@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "core/mesh/mesh_edges.hpp"
-#include "core/geometry/triangle_separation.hpp"
+#include "core/distance/triangle_separation.hpp"
 
 namespace musclebench {
 

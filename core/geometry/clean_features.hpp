@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/triangle_distance.hpp"
+#include "core/distance/triangle_distance.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/geometry/triangle_tree.hpp"
 

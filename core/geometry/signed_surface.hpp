@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/geometry/clean_features.hpp"
-#include "core/geometry/pseudo_normals.hpp"
+#include "core/distance/pseudo_normals.hpp"
 #include "core/geometry/repair_mesh.hpp"
 #include "core/geometry/triangle_tree.hpp"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/base/prefetch.hpp"
-#include "core/geometry/triangle_distance.hpp"
+#include "core/distance/triangle_distance.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/geometry/triangle_tree_nodes.hpp"
 #include "core/geometry/triangle_tree_search.hpp"

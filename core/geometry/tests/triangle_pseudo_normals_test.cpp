@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "core/geometry/pseudo_normals.hpp"
+#include "core/distance/pseudo_normals.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/geometry/triangle_tree.hpp"
 

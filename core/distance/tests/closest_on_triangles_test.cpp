@@ -1,4 +1,4 @@
-#include "core/geometry/closest_on_triangles.hpp"
+#include "core/distance/closest_on_triangles.hpp"
 
 #include <cmath>
 #include <cstdint>

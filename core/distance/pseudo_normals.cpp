@@ -1,4 +1,4 @@
-#include "core/geometry/pseudo_normals.hpp"
+#include "core/distance/pseudo_normals.hpp"
 
 #include <algorithm>
 #include <cmath>

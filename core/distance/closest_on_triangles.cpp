@@ -1,4 +1,4 @@
-#include "core/geometry/closest_on_triangles.hpp"
+#include "core/distance/closest_on_triangles.hpp"
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/geometry/closest_on_triangles.cpp"
+#define HWY_TARGET_INCLUDE "core/distance/closest_on_triangles.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 // clang-format on

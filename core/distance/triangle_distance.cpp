@@ -1,4 +1,4 @@
-#include "core/geometry/triangle_distance.hpp"
+#include "core/distance/triangle_distance.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "core/geometry/triangle_separation.hpp"
+#include "core/distance/triangle_separation.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/geometry/triangle_distance.hpp"
+#include "core/distance/triangle_distance.hpp"
 
 namespace musclebench {
 
