@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/distance/closest_on_triangles.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 

@@ -10,7 +10,7 @@
 
 #include "backends/sdf/packet_pairs.hpp"
 #include "core/distance/closest_on_triangles.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 

@@ -9,7 +9,7 @@
 #include "core/base/input_error.hpp"
 #include "core/base/system_memory.hpp"
 #include "core/mesh/mesh_size.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 

@@ -13,7 +13,7 @@
 #include "core/contact/collision_backend.hpp"
 #include "core/contact/motion_budgets.hpp"
 #include "core/mesh/coherent_order.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 

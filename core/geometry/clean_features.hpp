@@ -5,7 +5,7 @@
 
 #include "core/distance/triangle_distance.hpp"
 #include "core/mesh/triangle_mesh.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 

@@ -3,7 +3,7 @@
 #include <numbers>
 #include <optional>
 
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 

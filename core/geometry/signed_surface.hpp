@@ -7,7 +7,7 @@
 #include "core/geometry/clean_features.hpp"
 #include "core/distance/pseudo_normals.hpp"
 #include "core/geometry/repair_mesh.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 

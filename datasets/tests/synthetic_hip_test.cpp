@@ -12,7 +12,7 @@
 #include "core/base/input_error.hpp"
 #include "core/geometry/check_mesh.hpp"
 #include "core/mesh/rigid_motion.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 #include "datasets/synthetic_bones.hpp"
 #include "datasets/tests/self_intersection.hpp"
 

@@ -10,7 +10,7 @@
 
 #include "core/mesh/rigid_motion.hpp"
 #include "core/mesh/shapes.hpp"
-#include "core/geometry/tests/closest_by_brute_force.hpp"
+#include "core/bvh/tests/closest_by_brute_force.hpp"
 
 namespace musclebench {
 namespace {

@@ -12,7 +12,7 @@
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/geometry/repair_mesh.hpp"
 #include "core/mesh/shapes.hpp"
-#include "core/geometry/tests/closest_by_brute_force.hpp"
+#include "core/bvh/tests/closest_by_brute_force.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
 
 namespace musclebench {

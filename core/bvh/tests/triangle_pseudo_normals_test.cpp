@@ -7,7 +7,7 @@
 
 #include "core/distance/pseudo_normals.hpp"
 #include "core/mesh/shapes.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/geometry/triangle_tree_search.hpp"
+#include "core/bvh/triangle_tree_search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include "core/base/prefetch.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/geometry/triangle_tree_search.cpp"
+#define HWY_TARGET_INCLUDE "core/bvh/triangle_tree_search.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "core/geometry/triangle_tree_lanes-inl.hpp"
+#include "core/bvh/triangle_tree_lanes-inl.hpp"
 
 // How far a float distance may be from the truth (u = 2^-24, R = 1 + largest coordinate of the point, E = longest side
 // of the mesh; the mesh fits in -1 .. 1, so that an arm from a triangle to the point is at most sqrt(3) R long):

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/mesh/triangle_mesh.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/mesh/triangle_mesh.hpp"
-#include "core/geometry/triangle_tree_nodes.hpp"
+#include "core/bvh/triangle_tree_nodes.hpp"
 
 namespace musclebench {
 

@@ -2,7 +2,7 @@
 #include <array>
 #include <cstddef>
 
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 

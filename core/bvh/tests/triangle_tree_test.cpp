@@ -1,4 +1,4 @@
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 #include <cmath>
 #include <limits>
@@ -11,7 +11,7 @@
 #include <hwy/targets.h>
 
 #include "core/mesh/shapes.hpp"
-#include "core/geometry/tests/closest_by_brute_force.hpp"
+#include "core/bvh/tests/closest_by_brute_force.hpp"
 
 namespace musclebench {
 namespace {

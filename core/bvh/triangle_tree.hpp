@@ -11,8 +11,8 @@
 #include "core/base/prefetch.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/mesh/triangle_mesh.hpp"
-#include "core/geometry/triangle_tree_nodes.hpp"
-#include "core/geometry/triangle_tree_search.hpp"
+#include "core/bvh/triangle_tree_nodes.hpp"
+#include "core/bvh/triangle_tree_search.hpp"
 
 namespace musclebench {
 

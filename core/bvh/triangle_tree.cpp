@@ -1,10 +1,10 @@
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/triangle_tree_builder.hpp"
-#include "core/geometry/triangle_tree_search.hpp"
+#include "core/bvh/triangle_tree_builder.hpp"
+#include "core/bvh/triangle_tree_search.hpp"
 
 namespace musclebench {
 

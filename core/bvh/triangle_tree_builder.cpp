@@ -1,4 +1,4 @@
-#include "core/geometry/triangle_tree_builder.hpp"
+#include "core/bvh/triangle_tree_builder.hpp"
 
 #include <algorithm>
 #include <array>

@@ -13,7 +13,7 @@
 
 #include <hwy/highway.h>
 
-#include "core/geometry/triangle_tree_nodes.hpp"
+#include "core/bvh/triangle_tree_nodes.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 
