@@ -3,7 +3,7 @@
 
 #include "bench/commands.hpp"
 #include "bench/scene_source.hpp"
-#include "core/geometry/check_mesh.hpp"
+#include "core/mesh_repair/check_mesh.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/measure/referee.hpp"
 #include "datasets/embedded/embedded_files.hpp"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/sharp_features.hpp"
+#include "core/mesh_repair/sharp_features.hpp"
 #include "core/mesh/surface_sampler.hpp"
 #include "core/measure/referee.hpp"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/contact/contact.hpp"
-#include "core/geometry/repair_mesh.hpp"
+#include "core/mesh_repair/repair_mesh.hpp"
 #include "core/mesh/rigid_motion.hpp"
 
 namespace musclebench {

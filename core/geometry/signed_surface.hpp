@@ -6,7 +6,7 @@
 
 #include "core/geometry/clean_features.hpp"
 #include "core/distance/pseudo_normals.hpp"
-#include "core/geometry/repair_mesh.hpp"
+#include "core/mesh_repair/repair_mesh.hpp"
 #include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
-#include "core/geometry/check_mesh.hpp"
+#include "core/mesh_repair/check_mesh.hpp"
 #include "core/mesh/rigid_motion.hpp"
 #include "core/bvh/triangle_tree.hpp"
 #include "datasets/synthetic_bones.hpp"

@@ -10,7 +10,7 @@
 #include <hwy/targets.h>
 
 #include "core/mesh_files/read_mesh.hpp"
-#include "core/geometry/repair_mesh.hpp"
+#include "core/mesh_repair/repair_mesh.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/bvh/tests/closest_by_brute_force.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"

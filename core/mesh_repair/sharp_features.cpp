@@ -1,4 +1,4 @@
-#include "core/geometry/sharp_features.hpp"
+#include "core/mesh_repair/sharp_features.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/geometry/orient_surfaces.hpp"
+#include "core/mesh_repair/orient_surfaces.hpp"
 
 #include <algorithm>
 #include <cmath>

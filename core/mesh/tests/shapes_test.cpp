@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/check_mesh.hpp"
+#include "core/mesh_repair/check_mesh.hpp"
 
 namespace musclebench {
 namespace {

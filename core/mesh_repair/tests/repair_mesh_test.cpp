@@ -1,4 +1,4 @@
-#include "core/geometry/repair_mesh.hpp"
+#include "core/mesh_repair/repair_mesh.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
-#include "core/geometry/check_mesh.hpp"
+#include "core/mesh_repair/check_mesh.hpp"
 #include "core/mesh/mesh_edges.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh/shapes.hpp"

@@ -1,4 +1,4 @@
-#include "core/geometry/check_mesh.hpp"
+#include "core/mesh_repair/check_mesh.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/geometry/repair_mesh.hpp"
+#include "core/mesh_repair/repair_mesh.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "core/base/input_error.hpp"
 #include "core/mesh/mesh_edges.hpp"
-#include "core/geometry/orient_surfaces.hpp"
+#include "core/mesh_repair/orient_surfaces.hpp"
 
 namespace musclebench {
 
