@@ -7,7 +7,7 @@
 
 #include "core/contact/collision_backend.hpp"
 #include "core/contact/motion_budgets.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 

@@ -19,7 +19,7 @@
 #include "core/base/huge_pages.hpp"
 #include "core/mesh/coherent_order.hpp"
 #include "core/mesh/mesh_size.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 namespace {

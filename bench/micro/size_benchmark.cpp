@@ -14,7 +14,7 @@
 #include "bench/micro/micro_scene.hpp"
 #include "core/base/huge_pages.hpp"
 #include "core/mesh/shapes.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 #include "core/mesh/surface_sampler.hpp"
 #include "core/measure/scoped_timer.hpp"
 

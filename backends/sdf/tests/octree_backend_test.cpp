@@ -9,7 +9,7 @@
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/mesh/shapes.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 namespace {

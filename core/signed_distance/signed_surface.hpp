@@ -4,7 +4,7 @@
 #include <limits>
 #include <optional>
 
-#include "core/geometry/clean_features.hpp"
+#include "core/signed_distance/clean_features.hpp"
 #include "core/distance/pseudo_normals.hpp"
 #include "core/mesh_repair/repair_mesh.hpp"
 #include "core/bvh/triangle_tree.hpp"

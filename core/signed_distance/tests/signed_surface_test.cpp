@@ -1,4 +1,4 @@
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/geometry/clearance_grid.hpp"
+#include "core/signed_distance/clearance_grid.hpp"
 
 #include <cmath>
 #include <cstddef>

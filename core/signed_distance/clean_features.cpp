@@ -1,4 +1,4 @@
-#include "core/geometry/clean_features.hpp"
+#include "core/signed_distance/clean_features.hpp"
 
 #include <algorithm>
 #include <array>
