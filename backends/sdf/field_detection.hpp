@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/contact/collision_backend.hpp"
-#include "core/contact/motion_budgets.hpp"
+#include "core/clearance/motion_budgets.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {

@@ -1,4 +1,4 @@
-#include "core/contact/motion_budgets.hpp"
+#include "core/clearance/motion_budgets.hpp"
 
 #include <algorithm>
 #include <cmath>

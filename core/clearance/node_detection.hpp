@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/contact/collision_backend.hpp"
-#include "core/contact/motion_budgets.hpp"
+#include "core/clearance/motion_budgets.hpp"
 #include "core/mesh/coherent_order.hpp"
 #include "core/bvh/triangle_tree.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/contact/motion_budgets.hpp"
+#include "core/clearance/motion_budgets.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/contact/motion_budgets.cpp"
+#define HWY_TARGET_INCLUDE "core/clearance/motion_budgets.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 // clang-format on
