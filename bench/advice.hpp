@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/parameters.hpp"
-#include "core/measure/scoped_timer.hpp"
+#include "core/base/scoped_timer.hpp"
 
 namespace musclebench {
 

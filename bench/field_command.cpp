@@ -15,7 +15,7 @@
 #include "bench/progress.hpp"
 #include "bench/signals.hpp"
 #include "core/base/input_error.hpp"
-#include "core/measure/scoped_timer.hpp"
+#include "core/base/scoped_timer.hpp"
 
 namespace musclebench {
 

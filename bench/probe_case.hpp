@@ -7,7 +7,7 @@
 
 #include "bench/case.hpp"
 #include "core/measure/depth_error.hpp"
-#include "core/measure/scoped_timer.hpp"
+#include "core/base/scoped_timer.hpp"
 
 namespace musclebench {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/measure/scoped_timer.hpp"
+#include "core/base/scoped_timer.hpp"
 
 namespace musclebench {
 

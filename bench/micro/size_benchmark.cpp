@@ -16,7 +16,7 @@
 #include "core/mesh/shapes.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 #include "core/mesh/surface_sampler.hpp"
-#include "core/measure/scoped_timer.hpp"
+#include "core/base/scoped_timer.hpp"
 
 namespace musclebench {
 namespace {

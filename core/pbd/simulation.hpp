@@ -8,7 +8,7 @@
 
 #include "core/contact/collision_backend.hpp"
 #include "core/contact/response.hpp"
-#include "core/measure/scoped_timer.hpp"
+#include "core/base/scoped_timer.hpp"
 #include "core/pbd/effect.hpp"
 
 namespace musclebench {
