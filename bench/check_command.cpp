@@ -5,7 +5,7 @@
 #include "bench/scene_source.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
 #include "core/mesh_files/read_mesh.hpp"
-#include "core/measure/referee.hpp"
+#include "core/referee/referee.hpp"
 #include "datasets/embedded/embedded_files.hpp"
 
 namespace musclebench {

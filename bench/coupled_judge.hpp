@@ -7,7 +7,7 @@
 #include "core/effects/effect_registry.hpp"
 #include "core/measure/bone_vertex_depth.hpp"
 #include "core/measure/passage.hpp"
-#include "core/measure/referee.hpp"
+#include "core/referee/referee.hpp"
 #include "core/measure/step_record.hpp"
 #include "core/measure/surface_depth.hpp"
 #include "core/scene/scene.hpp"

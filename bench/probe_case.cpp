@@ -8,7 +8,7 @@
 #include "core/base/random_numbers.hpp"
 #include "core/mesh_repair/sharp_features.hpp"
 #include "core/mesh/surface_sampler.hpp"
-#include "core/measure/referee.hpp"
+#include "core/referee/referee.hpp"
 
 namespace musclebench {
 

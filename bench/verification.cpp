@@ -10,7 +10,7 @@
 #include "backends/bvh/centred_surface.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/mesh/surface_sampler.hpp"
-#include "core/measure/referee.hpp"
+#include "core/referee/referee.hpp"
 
 namespace musclebench {
 

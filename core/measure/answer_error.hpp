@@ -5,7 +5,7 @@
 
 #include "core/contact/contact.hpp"
 #include "core/mesh/rigid_motion.hpp"
-#include "core/measure/referee.hpp"
+#include "core/referee/referee.hpp"
 
 namespace musclebench {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/measure/contact_comparison.hpp"
+#include "core/referee/contact_comparison.hpp"
 #include "core/pbd/simulation.hpp"
 
 namespace musclebench {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/shapes.hpp"
-#include "core/measure/tests/test_bones.hpp"
+#include "core/referee/tests/test_bones.hpp"
 
 namespace musclebench {
 namespace {

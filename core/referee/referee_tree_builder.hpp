@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "core/measure/referee_tree.hpp"
+#include "core/referee/referee_tree.hpp"
 
 namespace musclebench {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/contact/collision_backend.hpp"
-#include "core/measure/contact_comparison.hpp"
-#include "core/measure/referee_tree.hpp"
+#include "core/referee/contact_comparison.hpp"
+#include "core/referee/referee_tree.hpp"
 
 namespace musclebench {
 

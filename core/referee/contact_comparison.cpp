@@ -1,4 +1,4 @@
-#include "core/measure/contact_comparison.hpp"
+#include "core/referee/contact_comparison.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -2,8 +2,8 @@
 
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
-#include "core/measure/referee.hpp"
-#include "core/measure/tests/naive_truth.hpp"
+#include "core/referee/referee.hpp"
+#include "core/referee/tests/naive_truth.hpp"
 
 namespace musclebench {
 namespace {

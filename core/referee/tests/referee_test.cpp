@@ -1,10 +1,10 @@
-#include "core/measure/referee.hpp"
+#include "core/referee/referee.hpp"
 
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
-#include "core/measure/tests/naive_truth.hpp"
+#include "core/referee/tests/naive_truth.hpp"
 
 namespace musclebench {
 namespace {

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/shapes.hpp"
-#include "core/measure/referee.hpp"
-#include "core/measure/tests/naive_truth.hpp"
+#include "core/referee/referee.hpp"
+#include "core/referee/tests/naive_truth.hpp"
 
 namespace musclebench {
 namespace {

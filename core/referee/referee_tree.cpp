@@ -1,12 +1,12 @@
-#include "core/measure/referee_tree.hpp"
+#include "core/referee/referee_tree.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
 
-#include "core/measure/referee_sign.hpp"
-#include "core/measure/referee_tree_builder.hpp"
+#include "core/referee/referee_sign.hpp"
+#include "core/referee/referee_tree_builder.hpp"
 
 namespace musclebench {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/measure/referee.hpp"
+#include "core/referee/referee.hpp"
 
 #include <cassert>
 #include <cmath>

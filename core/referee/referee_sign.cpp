@@ -1,4 +1,4 @@
-#include "core/measure/referee_sign.hpp"
+#include "core/referee/referee_sign.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,10 @@
-#include "core/measure/referee_tree.hpp"
+#include "core/referee/referee_tree.hpp"
 
 #include <gtest/gtest.h>
 
 #include "core/mesh/shapes.hpp"
-#include "core/measure/tests/naive_truth.hpp"
-#include "core/measure/tests/test_bones.hpp"
+#include "core/referee/tests/naive_truth.hpp"
+#include "core/referee/tests/test_bones.hpp"
 
 namespace musclebench {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/measure/referee_tree_builder.hpp"
+#include "core/referee/referee_tree_builder.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,9 +2,9 @@
 #include <array>
 #include <cmath>
 
-#include "core/measure/referee_sign.hpp"
-#include "core/measure/referee_tree.hpp"
-#include "core/measure/referee_tree_builder.hpp"
+#include "core/referee/referee_sign.hpp"
+#include "core/referee/referee_tree.hpp"
+#include "core/referee/referee_tree_builder.hpp"
 
 namespace musclebench {
 namespace {
