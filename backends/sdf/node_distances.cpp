@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "backends/sdf/packet_search.hpp"
+#include "core/bvh/batch/packet_search.hpp"
 
 namespace musclebench {
 

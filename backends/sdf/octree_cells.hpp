@@ -6,7 +6,7 @@
 #include <span>
 
 #include "backends/sdf/octree_fit.hpp"
-#include "backends/sdf/packet_search.hpp"
+#include "core/bvh/batch/packet_search.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {

@@ -1,4 +1,4 @@
-#include "backends/sdf/packet_lists.hpp"
+#include "core/bvh/batch/packet_lists.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -9,11 +9,11 @@
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "backends/sdf/packet_lists.cpp"
+#define HWY_TARGET_INCLUDE "core/bvh/batch/packet_lists.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-#include "backends/sdf/list_scan-inl.hpp"
-#include "backends/sdf/packet_bounds-inl.hpp"
+#include "core/bvh/batch/list_scan-inl.hpp"
+#include "core/bvh/batch/packet_bounds-inl.hpp"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();

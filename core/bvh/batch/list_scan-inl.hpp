@@ -13,7 +13,7 @@
 
 #include <hwy/highway.h>
 
-#include "backends/sdf/packet_lists.hpp"
+#include "core/bvh/batch/packet_lists.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro

@@ -12,7 +12,7 @@
 
 #include <hwy/highway.h>
 
-#include "backends/sdf/packet_lists.hpp"
+#include "core/bvh/batch/packet_lists.hpp"
 #include "core/bvh/triangle_tree_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();

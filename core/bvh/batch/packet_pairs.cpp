@@ -1,4 +1,4 @@
-#include "backends/sdf/packet_pairs.hpp"
+#include "core/bvh/batch/packet_pairs.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -10,10 +10,10 @@
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "backends/sdf/packet_pairs.cpp"
+#define HWY_TARGET_INCLUDE "core/bvh/batch/packet_pairs.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-#include "backends/sdf/list_scan-inl.hpp"
+#include "core/bvh/batch/list_scan-inl.hpp"
 #include "core/bvh/triangle_tree_lanes-inl.hpp"
 // clang-format on
 

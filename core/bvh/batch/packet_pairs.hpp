@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "backends/sdf/packet_lists.hpp"
+#include "core/bvh/batch/packet_lists.hpp"
 
 namespace musclebench {
 

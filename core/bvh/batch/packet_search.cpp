@@ -1,4 +1,4 @@
-#include "backends/sdf/packet_search.hpp"
+#include "core/bvh/batch/packet_search.hpp"
 
 #include <algorithm>
 #include <bit>
