@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "backends/sdf/cubic_cell.hpp"
+#include "backends/sdf/grid/cubic_cell.hpp"
 
 namespace musclebench {
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "backends/sdf/cubic_field.hpp"
+#include "backends/sdf/grid/cubic_field.hpp"
 
 namespace musclebench {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "backends/sdf/cubic_field.hpp"
+#include "backends/sdf/grid/cubic_field.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {

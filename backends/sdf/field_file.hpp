@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "backends/sdf/cubic_field.hpp"
 #include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/grid/cubic_field.hpp"
 #include "core/mesh_repair/repair_mesh.hpp"
 
 namespace musclebench {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "backends/sdf/cubic_field.hpp"
+#include "backends/sdf/grid/cubic_field.hpp"
 
 namespace musclebench {
 

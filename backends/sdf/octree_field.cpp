@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "backends/sdf/field_places.hpp"
+#include "backends/sdf/grid/field_places.hpp"
 #include "backends/sdf/octree_entry.hpp"
 
 namespace musclebench {

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "backends/sdf/cell_map.hpp"
-#include "backends/sdf/field_block.hpp"
-#include "backends/sdf/grid_shape.hpp"
+#include "backends/sdf/grid/cell_map.hpp"
+#include "backends/sdf/grid/field_block.hpp"
+#include "backends/sdf/grid/grid_shape.hpp"
 #include "backends/sdf/octree_kernel.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 

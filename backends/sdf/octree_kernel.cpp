@@ -9,7 +9,7 @@
 #define HWY_TARGET_INCLUDE "backends/sdf/octree_kernel.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-#include "backends/sdf/field_lanes-inl.hpp"
+#include "backends/sdf/grid/field_lanes-inl.hpp"
 #include "backends/sdf/octree_entry.hpp"
 #include "backends/sdf/octree_polynomial.hpp"
 // clang-format on

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "backends/sdf/field_block.hpp"
+#include "backends/sdf/grid/field_block.hpp"
 
 namespace musclebench {
 

@@ -1,6 +1,6 @@
 #include "backends/sdf/rough_bounds.hpp"
 
-#include "backends/sdf/grid_shape.hpp"
+#include "backends/sdf/grid/grid_shape.hpp"
 
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off

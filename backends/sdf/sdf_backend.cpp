@@ -11,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include "backends/sdf/cubic_field.hpp"
 #include "backends/sdf/discregrid_file.hpp"
 #include "backends/sdf/field_builder.hpp"
 #include "backends/sdf/field_contact.hpp"
@@ -19,6 +18,7 @@
 #include "backends/sdf/field_file.hpp"
 #include "backends/sdf/field_memory.hpp"
 #include "backends/sdf/foreign_field.hpp"
+#include "backends/sdf/grid/cubic_field.hpp"
 #include "backends/sdf/octree_backend.hpp"
 #include "backends/sdf/sdf_settings.hpp"
 #include "core/clearance/motion_budgets.hpp"

@@ -8,13 +8,13 @@
 #include <gtest/gtest.h>
 
 #include "backends/sdf/field_builder.hpp"
-#include "backends/sdf/tests/field_samples.hpp"
+#include "backends/sdf/grid/tests/field_samples.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
-#include "core/signed_distance/clean_features.hpp"
-#include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
+#include "core/mesh_files/read_mesh.hpp"
+#include "core/signed_distance/clean_features.hpp"
 
 namespace musclebench {
 namespace {

@@ -9,10 +9,10 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include "backends/sdf/grid/tests/asked_positions.hpp"
 #include "backends/sdf/octree_entry.hpp"
 #include "backends/sdf/octree_field.hpp"
 #include "backends/sdf/octree_polynomial.hpp"
-#include "backends/sdf/tests/asked_positions.hpp"
 #include "core/base/random_numbers.hpp"
 
 namespace musclebench {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include "backends/sdf/cubic_field.hpp"
+#include "backends/sdf/grid/cubic_field.hpp"
 
 namespace musclebench {
 namespace {

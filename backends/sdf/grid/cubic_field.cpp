@@ -1,4 +1,4 @@
-#include "backends/sdf/cubic_field.hpp"
+#include "backends/sdf/grid/cubic_field.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <span>
 #include <utility>
 
-#include "backends/sdf/cubic_kernel.hpp"
-#include "backends/sdf/field_places.hpp"
+#include "backends/sdf/grid/cubic_kernel.hpp"
+#include "backends/sdf/grid/field_places.hpp"
 
 namespace musclebench {
 

@@ -1,4 +1,4 @@
-#include "backends/sdf/cubic_kernel.hpp"
+#include "backends/sdf/grid/cubic_kernel.hpp"
 
 #include <cmath>
 #include <limits>
@@ -10,9 +10,9 @@
 #include <hwy/targets.h>
 
 #include "backends/sdf/field_builder.hpp"
-#include "backends/sdf/field_places.hpp"
-#include "backends/sdf/tests/asked_positions.hpp"
-#include "backends/sdf/tests/field_samples.hpp"
+#include "backends/sdf/grid/field_places.hpp"
+#include "backends/sdf/grid/tests/asked_positions.hpp"
+#include "backends/sdf/grid/tests/field_samples.hpp"
 #include "core/mesh/shapes.hpp"
 
 namespace musclebench {

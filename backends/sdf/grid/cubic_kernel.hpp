@@ -1,6 +1,6 @@
 #pragma once
 
-#include "backends/sdf/field_block.hpp"
+#include "backends/sdf/grid/field_block.hpp"
 
 namespace musclebench {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 
-#include "backends/sdf/cell_map.hpp"
-#include "backends/sdf/field_block.hpp"
+#include "backends/sdf/grid/cell_map.hpp"
+#include "backends/sdf/grid/field_block.hpp"
 
 namespace musclebench {
 

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "backends/sdf/grid_shape.hpp"
+#include "backends/sdf/grid/grid_shape.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/mesh/rigid_motion.hpp"
 

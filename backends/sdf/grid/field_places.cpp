@@ -1,14 +1,14 @@
-#include "backends/sdf/field_places.hpp"
+#include "backends/sdf/grid/field_places.hpp"
 
 #include <array>
 
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "backends/sdf/field_places.cpp"
+#define HWY_TARGET_INCLUDE "backends/sdf/grid/field_places.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-#include "backends/sdf/field_lanes-inl.hpp"
+#include "backends/sdf/grid/field_lanes-inl.hpp"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();

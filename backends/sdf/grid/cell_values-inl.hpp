@@ -14,8 +14,8 @@
 
 #include <hwy/highway.h>
 
-#include "backends/sdf/cubic_cell.hpp"
-#include "backends/sdf/field_lanes-inl.hpp"
+#include "backends/sdf/grid/cubic_cell.hpp"
+#include "backends/sdf/grid/field_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro

@@ -12,7 +12,7 @@
 
 #include <hwy/highway.h>
 
-#include "backends/sdf/field_block.hpp"
+#include "backends/sdf/grid/field_block.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro

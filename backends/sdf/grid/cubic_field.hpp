@@ -6,13 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "backends/sdf/cell_map.hpp"
-#include "backends/sdf/compact_record.hpp"
-#include "backends/sdf/cubic_cell.hpp"
-#include "backends/sdf/field_block.hpp"
-#include "backends/sdf/field_facts.hpp"
-#include "backends/sdf/grid_shape.hpp"
-#include "backends/sdf/narrow_band.hpp"
+#include "backends/sdf/grid/cell_map.hpp"
+#include "backends/sdf/grid/compact_record.hpp"
+#include "backends/sdf/grid/cubic_cell.hpp"
+#include "backends/sdf/grid/field_block.hpp"
+#include "backends/sdf/grid/field_facts.hpp"
+#include "backends/sdf/grid/grid_shape.hpp"
+#include "backends/sdf/grid/narrow_band.hpp"
 
 namespace musclebench {
 

@@ -1,4 +1,4 @@
-#include "backends/sdf/cubic_cell.hpp"
+#include "backends/sdf/grid/cubic_cell.hpp"
 
 #include <algorithm>
 #include <cmath>

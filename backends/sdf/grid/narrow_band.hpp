@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "backends/sdf/grid_shape.hpp"
+#include "backends/sdf/grid/grid_shape.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {

@@ -1,4 +1,4 @@
-#include "backends/sdf/cubic_kernel.hpp"
+#include "backends/sdf/grid/cubic_kernel.hpp"
 
 #include <array>
 #include <cstddef>
@@ -6,10 +6,10 @@
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "backends/sdf/cubic_kernel.cpp"
+#define HWY_TARGET_INCLUDE "backends/sdf/grid/cubic_kernel.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-#include "backends/sdf/cell_values-inl.hpp"
+#include "backends/sdf/grid/cell_values-inl.hpp"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();

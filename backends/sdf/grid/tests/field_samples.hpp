@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "backends/sdf/cubic_field.hpp"
+#include "backends/sdf/grid/cubic_field.hpp"
 
 namespace musclebench {
 

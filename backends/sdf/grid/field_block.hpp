@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "backends/sdf/compact_record.hpp"
-#include "backends/sdf/narrow_band.hpp"
+#include "backends/sdf/grid/compact_record.hpp"
+#include "backends/sdf/grid/narrow_band.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {

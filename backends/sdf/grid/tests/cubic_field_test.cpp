@@ -1,4 +1,4 @@
-#include "backends/sdf/cubic_field.hpp"
+#include "backends/sdf/grid/cubic_field.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "backends/sdf/field_builder.hpp"
-#include "backends/sdf/tests/field_samples.hpp"
+#include "backends/sdf/grid/tests/field_samples.hpp"
 #include "core/mesh/shapes.hpp"
 
 namespace musclebench {

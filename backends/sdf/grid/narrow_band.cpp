@@ -1,4 +1,4 @@
-#include "backends/sdf/narrow_band.hpp"
+#include "backends/sdf/grid/narrow_band.hpp"
 
 #include <algorithm>
 #include <cmath>

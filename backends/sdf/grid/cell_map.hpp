@@ -1,6 +1,6 @@
 #pragma once
 
-#include "backends/sdf/grid_shape.hpp"
+#include "backends/sdf/grid/grid_shape.hpp"
 #include "core/mesh/rigid_motion.hpp"
 
 namespace musclebench {
