@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 
 #include "backends/sdf/exact_places.hpp"
+#include "backends/sdf/octree/octree_entry.hpp"
 #include "backends/sdf/octree_cells.hpp"
-#include "backends/sdf/octree_entry.hpp"
 #include "backends/sdf/octree_memory.hpp"
 #include "backends/sdf/octree_reach.hpp"
 #include "core/base/input_error.hpp"

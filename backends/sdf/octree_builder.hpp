@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "backends/sdf/octree_field.hpp"
+#include "backends/sdf/octree/octree_field.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {

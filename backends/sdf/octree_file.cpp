@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
-#include "backends/sdf/octree_entry.hpp"
-#include "backends/sdf/octree_polynomial.hpp"
+#include "backends/sdf/octree/octree_entry.hpp"
+#include "backends/sdf/octree/octree_polynomial.hpp"
 #include "backends/sdf/sealed_file.hpp"
 #include "core/base/sha256.hpp"
 

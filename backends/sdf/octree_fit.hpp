@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "backends/sdf/octree_polynomial.hpp"
+#include "backends/sdf/octree/octree_polynomial.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {

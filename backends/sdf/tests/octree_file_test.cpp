@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "backends/sdf/field_file.hpp"
-#include "backends/sdf/octree_entry.hpp"
-#include "backends/sdf/octree_polynomial.hpp"
+#include "backends/sdf/octree/octree_entry.hpp"
+#include "backends/sdf/octree/octree_polynomial.hpp"
 #include "backends/sdf/tests/stored_file_test.hpp"
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"

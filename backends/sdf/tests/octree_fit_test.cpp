@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "backends/sdf/octree_field.hpp"
+#include "backends/sdf/octree/octree_field.hpp"
 #include "core/base/random_numbers.hpp"
 
 namespace musclebench {

@@ -1,4 +1,4 @@
-#include "backends/sdf/octree_kernel.hpp"
+#include "backends/sdf/octree/octree_kernel.hpp"
 
 #include <cmath>
 #include <limits>
@@ -10,9 +10,9 @@
 #include <hwy/targets.h>
 
 #include "backends/sdf/grid/tests/asked_positions.hpp"
-#include "backends/sdf/octree_entry.hpp"
-#include "backends/sdf/octree_field.hpp"
-#include "backends/sdf/octree_polynomial.hpp"
+#include "backends/sdf/octree/octree_entry.hpp"
+#include "backends/sdf/octree/octree_field.hpp"
+#include "backends/sdf/octree/octree_polynomial.hpp"
 #include "core/base/random_numbers.hpp"
 
 namespace musclebench {

@@ -1,4 +1,4 @@
-#include "backends/sdf/octree_field.hpp"
+#include "backends/sdf/octree/octree_field.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -10,7 +10,7 @@
 #include "backends/sdf/grid/cell_map.hpp"
 #include "backends/sdf/grid/field_block.hpp"
 #include "backends/sdf/grid/grid_shape.hpp"
-#include "backends/sdf/octree_kernel.hpp"
+#include "backends/sdf/octree/octree_kernel.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {

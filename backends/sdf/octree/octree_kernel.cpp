@@ -1,4 +1,4 @@
-#include "backends/sdf/octree_kernel.hpp"
+#include "backends/sdf/octree/octree_kernel.hpp"
 
 #include <array>
 #include <cstddef>
@@ -6,12 +6,12 @@
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "backends/sdf/octree_kernel.cpp"
+#define HWY_TARGET_INCLUDE "backends/sdf/octree/octree_kernel.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include "backends/sdf/grid/field_lanes-inl.hpp"
-#include "backends/sdf/octree_entry.hpp"
-#include "backends/sdf/octree_polynomial.hpp"
+#include "backends/sdf/octree/octree_entry.hpp"
+#include "backends/sdf/octree/octree_polynomial.hpp"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();

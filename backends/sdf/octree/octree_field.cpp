@@ -1,10 +1,10 @@
-#include "backends/sdf/octree_field.hpp"
+#include "backends/sdf/octree/octree_field.hpp"
 
 #include <algorithm>
 #include <utility>
 
 #include "backends/sdf/grid/field_places.hpp"
-#include "backends/sdf/octree_entry.hpp"
+#include "backends/sdf/octree/octree_entry.hpp"
 
 namespace musclebench {
 
