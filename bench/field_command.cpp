@@ -5,9 +5,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "backends/sdf/build/field_memory.hpp"
 #include "backends/sdf/discregrid_file.hpp"
 #include "backends/sdf/field_file.hpp"
-#include "backends/sdf/field_memory.hpp"
 #include "backends/sdf/octree_file.hpp"
 #include "backends/sdf/sdf_settings.hpp"
 #include "bench/command_options.hpp"

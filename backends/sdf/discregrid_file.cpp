@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-#include "backends/sdf/field_marks.hpp"
+#include "backends/sdf/build/field_marks.hpp"
 #include "backends/sdf/sealed_file.hpp"
 #include "core/base/input_error.hpp"
 

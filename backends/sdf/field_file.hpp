@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/build/field_builder.hpp"
 #include "backends/sdf/grid/cubic_field.hpp"
 #include "core/mesh_repair/repair_mesh.hpp"
 

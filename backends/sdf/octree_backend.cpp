@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "backends/sdf/build/octree_builder.hpp"
 #include "backends/sdf/field_contact.hpp"
 #include "backends/sdf/field_detection.hpp"
 #include "backends/sdf/field_file.hpp"
-#include "backends/sdf/octree_builder.hpp"
 #include "backends/sdf/octree_file.hpp"
 #include "backends/sdf/sdf_settings.hpp"
 #include "core/clearance/motion_budgets.hpp"

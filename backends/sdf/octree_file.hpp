@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "backends/sdf/build/octree_builder.hpp"
 #include "backends/sdf/octree/octree_field.hpp"
-#include "backends/sdf/octree_builder.hpp"
 
 namespace musclebench {
 

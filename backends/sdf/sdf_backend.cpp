@@ -11,12 +11,12 @@
 
 #include <fmt/format.h>
 
+#include "backends/sdf/build/field_builder.hpp"
+#include "backends/sdf/build/field_memory.hpp"
 #include "backends/sdf/discregrid_file.hpp"
-#include "backends/sdf/field_builder.hpp"
 #include "backends/sdf/field_contact.hpp"
 #include "backends/sdf/field_detection.hpp"
 #include "backends/sdf/field_file.hpp"
-#include "backends/sdf/field_memory.hpp"
 #include "backends/sdf/foreign_field.hpp"
 #include "backends/sdf/grid/cubic_field.hpp"
 #include "backends/sdf/octree_backend.hpp"

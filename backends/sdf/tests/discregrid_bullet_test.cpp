@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "backends/sdf/build/field_builder.hpp"
 #include "backends/sdf/discregrid_file.hpp"
-#include "backends/sdf/field_builder.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/mesh/shapes.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/build/field_builder.hpp"
 #include "backends/sdf/tests/stored_file_test.hpp"
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"

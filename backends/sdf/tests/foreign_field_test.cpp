@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/build/field_builder.hpp"
 #include "backends/sdf/grid/tests/field_samples.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"

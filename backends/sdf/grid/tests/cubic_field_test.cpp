@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/build/field_builder.hpp"
 #include "backends/sdf/grid/tests/field_samples.hpp"
 #include "core/mesh/shapes.hpp"
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/build/field_builder.hpp"
 #include "backends/sdf/grid/field_places.hpp"
 #include "backends/sdf/grid/tests/asked_positions.hpp"
 #include "backends/sdf/grid/tests/field_samples.hpp"

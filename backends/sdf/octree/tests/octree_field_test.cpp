@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "backends/sdf/exact_places.hpp"
-#include "backends/sdf/octree_builder.hpp"
+#include "backends/sdf/build/exact_places.hpp"
+#include "backends/sdf/build/octree_builder.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/mesh/shapes.hpp"
 

@@ -1,11 +1,11 @@
-#include "backends/sdf/rough_bounds.hpp"
+#include "backends/sdf/build/rough_bounds.hpp"
 
 #include "backends/sdf/grid/grid_shape.hpp"
 
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "backends/sdf/rough_bounds.cpp"
+#define HWY_TARGET_INCLUDE "backends/sdf/build/rough_bounds.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 // clang-format on

@@ -1,4 +1,4 @@
-#include "backends/sdf/octree_cells.hpp"
+#include "backends/sdf/build/octree_cells.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "backends/sdf/cell_bounds.hpp"
+#include "backends/sdf/build/cell_bounds.hpp"
 
 #include <algorithm>
 #include <random>

@@ -1,4 +1,4 @@
-#include "backends/sdf/rough_bounds.hpp"
+#include "backends/sdf/build/rough_bounds.hpp"
 
 #include <algorithm>
 #include <random>

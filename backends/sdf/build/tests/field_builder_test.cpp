@@ -1,4 +1,4 @@
-#include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/build/field_builder.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "backends/sdf/field_memory.hpp"
+#include "backends/sdf/build/field_memory.hpp"
 #include "backends/sdf/grid/tests/field_samples.hpp"
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"

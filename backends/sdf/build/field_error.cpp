@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/build/field_builder.hpp"
 
 namespace musclebench {
 

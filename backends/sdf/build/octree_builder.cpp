@@ -1,4 +1,4 @@
-#include "backends/sdf/octree_builder.hpp"
+#include "backends/sdf/build/octree_builder.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -10,11 +10,11 @@
 
 #include <fmt/format.h>
 
-#include "backends/sdf/exact_places.hpp"
+#include "backends/sdf/build/exact_places.hpp"
+#include "backends/sdf/build/octree_cells.hpp"
+#include "backends/sdf/build/octree_memory.hpp"
+#include "backends/sdf/build/octree_reach.hpp"
 #include "backends/sdf/octree/octree_entry.hpp"
-#include "backends/sdf/octree_cells.hpp"
-#include "backends/sdf/octree_memory.hpp"
-#include "backends/sdf/octree_reach.hpp"
 #include "core/base/input_error.hpp"
 #include "core/mesh/mesh_size.hpp"
 

@@ -1,4 +1,4 @@
-#include "backends/sdf/octree_builder.hpp"
+#include "backends/sdf/build/octree_builder.hpp"
 
 #include <cmath>
 #include <string>

@@ -1,11 +1,11 @@
-#include "backends/sdf/octree_reach.hpp"
+#include "backends/sdf/build/octree_reach.hpp"
 
 #include <memory>
 
 #include <gtest/gtest.h>
 
-#include "backends/sdf/octree_cells.hpp"
-#include "backends/sdf/octree_fit.hpp"
+#include "backends/sdf/build/octree_cells.hpp"
+#include "backends/sdf/build/octree_fit.hpp"
 #include "core/mesh/shapes.hpp"
 
 namespace musclebench {

@@ -1,11 +1,11 @@
-#include "backends/sdf/cell_bounds.hpp"
+#include "backends/sdf/build/cell_bounds.hpp"
 
 #include <algorithm>
 
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "backends/sdf/cell_bounds.cpp"
+#define HWY_TARGET_INCLUDE "backends/sdf/build/cell_bounds.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 // clang-format on

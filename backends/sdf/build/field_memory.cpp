@@ -1,4 +1,4 @@
-#include "backends/sdf/field_memory.hpp"
+#include "backends/sdf/build/field_memory.hpp"
 
 #include <algorithm>
 #include <cmath>

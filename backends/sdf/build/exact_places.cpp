@@ -1,4 +1,4 @@
-#include "backends/sdf/exact_places.hpp"
+#include "backends/sdf/build/exact_places.hpp"
 
 #include "core/base/random_numbers.hpp"
 #include "core/mesh/coherent_order.hpp"

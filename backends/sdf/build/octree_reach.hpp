@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "backends/sdf/octree_cells.hpp"
+#include "backends/sdf/build/octree_cells.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/build/field_builder.hpp"
 #include "core/contact/collision_backend.hpp"
 
 namespace musclebench {

@@ -1,12 +1,12 @@
-#include "backends/sdf/field_marks.hpp"
+#include "backends/sdf/build/field_marks.hpp"
 
 #include <algorithm>
 #include <array>
 #include <optional>
 #include <vector>
 
-#include "backends/sdf/cell_bounds.hpp"
-#include "backends/sdf/rough_bounds.hpp"
+#include "backends/sdf/build/cell_bounds.hpp"
+#include "backends/sdf/build/rough_bounds.hpp"
 
 namespace musclebench {
 

@@ -1,4 +1,4 @@
-#include "backends/sdf/node_distances.hpp"
+#include "backends/sdf/build/node_distances.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,12 +1,12 @@
-#include "backends/sdf/field_builder.hpp"
+#include "backends/sdf/build/field_builder.hpp"
 
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "backends/sdf/field_marks.hpp"
-#include "backends/sdf/node_distances.hpp"
+#include "backends/sdf/build/field_marks.hpp"
+#include "backends/sdf/build/node_distances.hpp"
 #include "core/base/input_error.hpp"
 #include "core/mesh/mesh_size.hpp"
 

@@ -1,4 +1,4 @@
-#include "backends/sdf/octree_memory.hpp"
+#include "backends/sdf/build/octree_memory.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "backends/sdf/octree_cells.hpp"
+#include "backends/sdf/build/octree_cells.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/system_memory.hpp"
 

@@ -1,4 +1,4 @@
-#include "backends/sdf/octree_fit.hpp"
+#include "backends/sdf/build/octree_fit.hpp"
 
 #include <algorithm>
 #include <array>

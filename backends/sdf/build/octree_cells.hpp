@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "backends/sdf/octree_fit.hpp"
+#include "backends/sdf/build/octree_fit.hpp"
 #include "core/bvh/batch/packet_search.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
