@@ -10,8 +10,8 @@
 #include "backends/sdf/build/octree_builder.hpp"
 #include "backends/sdf/field_contact.hpp"
 #include "backends/sdf/field_detection.hpp"
-#include "backends/sdf/field_file.hpp"
-#include "backends/sdf/octree_file.hpp"
+#include "backends/sdf/files/field_file.hpp"
+#include "backends/sdf/files/octree_file.hpp"
 #include "backends/sdf/sdf_settings.hpp"
 #include "core/clearance/motion_budgets.hpp"
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "backends/sdf/build/field_builder.hpp"
-#include "backends/sdf/discregrid_file.hpp"
+#include "backends/sdf/files/discregrid_file.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/mesh/shapes.hpp"
 

@@ -1,4 +1,4 @@
-#include "backends/sdf/discregrid_file.hpp"
+#include "backends/sdf/files/discregrid_file.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "backends/sdf/build/field_builder.hpp"
-#include "backends/sdf/tests/stored_file_test.hpp"
+#include "backends/sdf/files/tests/stored_file_test.hpp"
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
 

@@ -1,4 +1,4 @@
-#include "backends/sdf/octree_file.hpp"
+#include "backends/sdf/files/octree_file.hpp"
 
 #include <cmath>
 #include <cstring>
@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "backends/sdf/field_file.hpp"
+#include "backends/sdf/files/field_file.hpp"
+#include "backends/sdf/files/tests/stored_file_test.hpp"
 #include "backends/sdf/octree/octree_entry.hpp"
 #include "backends/sdf/octree/octree_polynomial.hpp"
-#include "backends/sdf/tests/stored_file_test.hpp"
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
 

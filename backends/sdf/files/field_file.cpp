@@ -1,4 +1,4 @@
-#include "backends/sdf/field_file.hpp"
+#include "backends/sdf/files/field_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "backends/sdf/sealed_file.hpp"
+#include "backends/sdf/files/sealed_file.hpp"
 #include "core/base/sha256.hpp"
 
 namespace musclebench {

@@ -1,4 +1,4 @@
-#include "backends/sdf/sealed_file.hpp"
+#include "backends/sdf/files/sealed_file.hpp"
 
 #include <algorithm>
 #include <fstream>

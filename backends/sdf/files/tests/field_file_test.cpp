@@ -1,4 +1,4 @@
-#include "backends/sdf/field_file.hpp"
+#include "backends/sdf/files/field_file.hpp"
 
 #include <fstream>
 #include <functional>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "backends/sdf/build/field_builder.hpp"
-#include "backends/sdf/tests/stored_file_test.hpp"
+#include "backends/sdf/files/tests/stored_file_test.hpp"
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
 

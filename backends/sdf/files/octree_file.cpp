@@ -1,4 +1,4 @@
-#include "backends/sdf/octree_file.hpp"
+#include "backends/sdf/files/octree_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
+#include "backends/sdf/files/sealed_file.hpp"
 #include "backends/sdf/octree/octree_entry.hpp"
 #include "backends/sdf/octree/octree_polynomial.hpp"
-#include "backends/sdf/sealed_file.hpp"
 #include "core/base/sha256.hpp"
 
 namespace musclebench {

@@ -1,4 +1,4 @@
-#include "backends/sdf/discregrid_file.hpp"
+#include "backends/sdf/files/discregrid_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 
 #include "backends/sdf/build/field_marks.hpp"
-#include "backends/sdf/sealed_file.hpp"
+#include "backends/sdf/files/sealed_file.hpp"
 #include "core/base/input_error.hpp"
 
 namespace musclebench {

@@ -1,4 +1,4 @@
-#include "backends/sdf/foreign_field.hpp"
+#include "backends/sdf/files/foreign_field.hpp"
 
 #include <algorithm>
 #include <array>
