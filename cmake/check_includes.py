@@ -121,6 +121,11 @@ def public_headers(root: Path, owned: dict[Path, set[str]]) -> set[Path]:
     return public
 
 
+def allowed_targets(target: Target, targets: dict[str, Target], is_public: bool) -> set[str]:
+    direct = target.shown | (set() if is_public and target.is_library else target.hidden)
+    return closure(direct | EVERYWHERE, targets) | {target.name}
+
+
 def problems_of(path: Path, root: Path, targets: dict[str, Target], owned: dict[Path, set[str]],
                 is_public: bool) -> list[str]:
     problems = []
@@ -132,14 +137,11 @@ def problems_of(path: Path, root: Path, targets: dict[str, Target], owned: dict[
             problems.append(f"includes {include}, which does not exist")
         if not wanted or (path.parent.name == "tests" and (root / include).parent.name == "tests"):
             continue
-        for name in owned[path]:
-            target = targets[name]
-            is_shown = is_public and target.is_library
-            direct = target.shown | (set() if is_shown else target.hidden)
-            allowed = closure(direct | EVERYWHERE, targets) | {name}
-            if not wanted & allowed:
-                problems.append(f"{name} includes {include} of {', '.join(sorted(wanted))}, which it does not depend on"
-                                + (" in its headers" if is_shown else ""))
+        # A header without a source of its own may be any of its folder's targets'.
+        refusing = [name for name in sorted(owned[path]) if not wanted & allowed_targets(targets[name], targets, is_public)]
+        if len(refusing) == len(owned[path]):
+            problems.append(f"includes {include} of {', '.join(sorted(wanted))}, which {refusing[0]} does not depend on"
+                            + (" in its headers" if is_public else ""))
     return problems
 
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/distance/closest_on_triangles.hpp"
 #include "core/bvh/triangle_tree.hpp"
+#include "core/distance/closest_on_triangles.hpp"
 
 namespace musclebench {
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "core/contact/collision_backend.hpp"
 #include "core/clearance/motion_budgets.hpp"
+#include "core/contact/collision_backend.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {

@@ -15,7 +15,7 @@
 #include <Eigen/Geometry>
 #include <benchmark/benchmark.h>
 
-#include "bench/scene_source.hpp"
+#include "bench/cases/scene_source.hpp"
 #include "core/base/huge_pages.hpp"
 #include "core/mesh/coherent_order.hpp"
 #include "core/mesh/mesh_size.hpp"

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "bench/scene_source.hpp"
+#include "bench/cases/scene_source.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {

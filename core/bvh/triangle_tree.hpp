@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "core/base/prefetch.hpp"
-#include "core/distance/triangle_distance.hpp"
-#include "core/mesh/triangle_mesh.hpp"
 #include "core/bvh/triangle_tree_nodes.hpp"
 #include "core/bvh/triangle_tree_search.hpp"
+#include "core/distance/triangle_distance.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/mesh/triangle_mesh.hpp"
 #include "core/bvh/triangle_tree.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/mesh/triangle_mesh.hpp"
 #include "core/bvh/triangle_tree_nodes.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

@@ -10,10 +10,10 @@
 #include <span>
 #include <vector>
 
-#include "core/contact/collision_backend.hpp"
-#include "core/clearance/motion_budgets.hpp"
-#include "core/mesh/coherent_order.hpp"
 #include "core/bvh/triangle_tree.hpp"
+#include "core/clearance/motion_budgets.hpp"
+#include "core/contact/collision_backend.hpp"
+#include "core/mesh/coherent_order.hpp"
 
 namespace musclebench {
 

@@ -7,8 +7,8 @@
 
 #include <Eigen/Geometry>
 
-#include "core/mesh/mesh_edges.hpp"
 #include "core/distance/triangle_separation.hpp"
+#include "core/mesh/mesh_edges.hpp"
 
 namespace musclebench {
 

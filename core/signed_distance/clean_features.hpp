@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/bvh/triangle_tree.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/mesh/triangle_mesh.hpp"
-#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 

@@ -4,10 +4,10 @@
 #include <limits>
 #include <optional>
 
-#include "core/signed_distance/clean_features.hpp"
+#include "core/bvh/triangle_tree.hpp"
 #include "core/distance/pseudo_normals.hpp"
 #include "core/mesh_repair/repair_mesh.hpp"
-#include "core/bvh/triangle_tree.hpp"
+#include "core/signed_distance/clean_features.hpp"
 
 namespace musclebench {
 

@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/bvh/tests/closest_by_brute_force.hpp"
 #include "core/mesh/rigid_motion.hpp"
 #include "core/mesh/shapes.hpp"
-#include "core/bvh/tests/closest_by_brute_force.hpp"
 
 namespace musclebench {
 namespace {

@@ -5,9 +5,9 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "core/bvh/triangle_tree.hpp"
 #include "core/distance/pseudo_normals.hpp"
 #include "core/mesh/shapes.hpp"
-#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 namespace {

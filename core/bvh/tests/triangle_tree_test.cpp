@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include "core/mesh/shapes.hpp"
 #include "core/bvh/tests/closest_by_brute_force.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

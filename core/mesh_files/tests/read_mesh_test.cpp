@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "core/mesh_repair/check_mesh.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
 #include "core/mesh_files/tests/mesh_files.hpp"
+#include "core/mesh_repair/check_mesh.hpp"
 
 namespace musclebench {
 namespace {

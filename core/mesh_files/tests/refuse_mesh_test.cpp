@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/mesh_files/polygon_mesh.hpp"
 #include "core/mesh/shapes.hpp"
+#include "core/mesh_files/polygon_mesh.hpp"
 #include "core/mesh_files/tests/mesh_files.hpp"
 
 namespace musclebench {

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
+#include "core/mesh_files/read_mesh.hpp"
 
 namespace musclebench {
 namespace {

@@ -8,12 +8,12 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
-#include "core/mesh_repair/check_mesh.hpp"
+#include "core/bvh/triangle_tree.hpp"
 #include "core/mesh/mesh_edges.hpp"
-#include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
-#include "core/bvh/triangle_tree.hpp"
+#include "core/mesh_files/read_mesh.hpp"
+#include "core/mesh_repair/check_mesh.hpp"
 
 namespace musclebench {
 namespace {

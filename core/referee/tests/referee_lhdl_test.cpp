@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
+#include "core/mesh_files/read_mesh.hpp"
 #include "core/referee/referee.hpp"
 #include "core/referee/tests/naive_truth.hpp"
 

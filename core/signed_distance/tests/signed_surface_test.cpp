@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
+#include "core/mesh_files/read_mesh.hpp"
 
 namespace musclebench {
 namespace {
