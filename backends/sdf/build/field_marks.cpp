@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <vector>
 
 #include "backends/sdf/build/cell_bounds.hpp"
-#include "backends/sdf/build/rough_bounds.hpp"
 
 namespace musclebench {
 
@@ -111,15 +109,6 @@ class CellBatch {
     }
   }
 
-  /// Of `count` cells those that the field knows.
-  void add_known(std::size_t first, std::size_t count) {
-    for (std::size_t index = first; index < first + count; ++index) {
-      if (m_field.knows(index)) {
-        add(index);
-      }
-    }
-  }
-
   void mark() {
     if (m_count == 0) {
       return;
@@ -153,44 +142,6 @@ class CellBatch {
   std::array<CubicCell, CellBounds::width> m_cells;
 };
 
-/// Marks the cells of which rough bounds tell all there is to know, and leaves the others to a batch.
-class RoughMarks {
- public:
-  explicit RoughMarks(const CubicField& field) : m_field(field) {}
-
-  /// They know dense fields of floats only.
-  static bool know(const CubicField& field) {
-    return field.precision() == FieldPrecision::single_precision && !field.band();
-  }
-
-  /// `count` cells of one row, at most 64.
-  void mark(std::size_t first, std::size_t count, const double& steepest, Marks& marks, CellBatch& batch) const {
-    const GridShape& shape = m_field.shape();
-    const std::size_t row = first / shape.count(0);
-    const std::size_t i = first % shape.count(0);
-    const std::size_t j = row % shape.count(1);
-    const std::size_t k = row / shape.count(1);
-    const auto values = [&](std::size_t up_y, std::size_t up_z) {
-      return m_field.single_values().data() + shape.record(i, j + up_y, k + up_z);
-    };
-    RoughBounds bounds;
-    bound_roughly({values(0, 0), values(0, 1), values(1, 0), values(1, 1)}, count, shape.cell_size_m, bounds);
-    for (std::size_t n = 0; n < count; ++n) {
-      const bool negative = bounds.lowest_corner[n] < 0;  // and so is the least of the coefficients
-      const bool flat = bounds.steepest[n] * RoughBounds::growth <= steepest;
-      if (!flat || !(negative || bounds.lowest[n] > 0)) {
-        batch.add(first + n);
-      } else if (negative) {
-        marks.bits |= std::uint64_t{1} << ((first + n) % 64);
-        marks.negative_reach_m = std::max(marks.negative_reach_m, shape.cell_size_m.norm());
-      }
-    }
-  }
-
- private:
-  const CubicField& m_field;
-};
-
 }  // namespace
 
 void mark_cells(CubicField& field, [[maybe_unused]] int threads) {
@@ -199,19 +150,14 @@ void mark_cells(CubicField& field, [[maybe_unused]] int threads) {
   const GridShape& shape = field.shape();
   std::vector<Marks> marks(shape.mask_words());
   double steepest = 0;
-  const std::optional<RoughMarks> rough = RoughMarks::know(field) ? std::optional<RoughMarks>(field) : std::nullopt;
 #pragma omp parallel for schedule(dynamic, 16) num_threads(threads) firstprivate(steepest)
   for (std::size_t word = 0; word < marks.size(); ++word) {
     CellBatch batch(field, steepest, marks[word]);
     const std::size_t end = std::min(64 * (word + 1), shape.cell_count());
-    for (std::size_t index = 64 * word; index < end;) {
-      const std::size_t in_row = std::min(end - index, shape.count(0) - index % shape.count(0));
-      if (rough) {
-        rough->mark(index, in_row, steepest, marks[word], batch);
-      } else {
-        batch.add_known(index, in_row);
+    for (std::size_t index = 64 * word; index < end; ++index) {
+      if (field.knows(index)) {
+        batch.add(index);
       }
-      index += in_row;
     }
     batch.mark();
   }
