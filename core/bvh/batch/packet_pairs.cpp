@@ -1,9 +1,7 @@
 #include "core/bvh/batch/packet_pairs.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "core/base/prefetch.hpp"
 
@@ -325,20 +323,12 @@ HWY_INLINE void add_pairs_of_look(const TreeView& tree, const PacketPoints& pack
   }
 }
 
-/// Few of the looks saw anything that may be the closest: those are found first, many at once.
 HWY_INLINE void add_pairs(const TreeView& tree, const Asked& asked, PacketPoints& packet, CandidatePairs& pairs) {
-  const hn::CappedTag<std::uint8_t, PacketPoints::looks_at_once> bytes;
   find_within(asked, packet);
-  std::fill_n(packet.within.data() + packet.looks, PacketPoints::looks_at_once, std::uint8_t{0});
   pairs.make_room(tree_width * (packet.looks + 1));
-  for (std::size_t first = 0; first < packet.looks; first += hn::Lanes(bytes)) {
-    const auto some = hn::Ne(hn::LoadU(bytes, packet.within.data() + first), hn::Zero(bytes));
-    std::uint8_t part[PacketPoints::looks_at_once / 8] = {};
-    hn::StoreMaskBits(bytes, some, part);
-    std::uint64_t looks = 0;
-    std::memcpy(&looks, part, sizeof(looks));
-    for (; looks != 0; looks &= looks - 1) {
-      add_pairs_of_look(tree, packet, first + static_cast<std::size_t>(std::countr_zero(looks)), pairs);
+  for (std::size_t look = 0; look < packet.looks; ++look) {
+    if (packet.within[look] != 0) {
+      add_pairs_of_look(tree, packet, look, pairs);
     }
   }
 }

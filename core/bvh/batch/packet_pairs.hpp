@@ -32,8 +32,7 @@ struct PacketPoints {
   std::vector<std::int32_t> leaf;
   std::vector<std::int32_t> point;
   std::vector<Squared> squared;
-  static constexpr std::size_t looks_at_once = 64;  ///< when they are gone through again
-  std::vector<std::uint8_t> within;                 ///< a bit a triangle that may be the closest
+  std::vector<std::uint8_t> within;  ///< a bit a triangle that may be the closest
 
   void make_room(std::size_t leaves);
 };
