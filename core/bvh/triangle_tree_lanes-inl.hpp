@@ -91,35 +91,10 @@ struct ArmsOf {
 };
 using Arms = ArmsOf<Vec>;
 
-/// Of a slanted side, which runs from (width, 0) to (0, height); not 0.
-template <typename V>
-HWY_INLINE V squared_side(V width, V height) {
-  return hn::Max(hn::MulAdd(width, width, hn::Mul(height, height)), hn::Set(hn::DFromV<V>(), 1e-37F));
-}
-
-/// Divides by the square of the slanted side that a point is beyond.
-struct BySlantedSide {
-  template <typename V, typename M>
-  HWY_INLINE V operator()(V run, M /*is_before*/, V width, V height) const {
-    return hn::Div(run, squared_side(width, height));
-  }
-};
-
-/// The same with the reciprocals of both squares, for triangles that are asked for more often.
-template <typename V>
-struct ByReciprocals {
-  V before, after;
-
-  template <typename M>
-  HWY_INLINE V operator()(V run, M is_before, V /*width*/, V /*height*/) const {
-    return hn::Mul(run, hn::IfThenElse(is_before, before, after));
-  }
-};
-
 /// The height cuts a triangle in two with a right angle each, and the half that the point is on holds the closest
 /// point, because both angles at the longest side are acute.
-template <typename V, typename Divide = BySlantedSide>
-HWY_INLINE ArmsOf<V> arms_to(const TrianglesOf<V>& triangle, const Vec3Of<V>& place, const Divide& divided = {}) {
+template <typename V>
+HWY_INLINE ArmsOf<V> arms_to(const TrianglesOf<V>& triangle, const Vec3Of<V>& place) {
   const hn::DFromV<V> d;
   const V zero = hn::Zero(d);
   const Vec3Of<V> arm{hn::Sub(place.x, triangle.origin.x), hn::Sub(place.y, triangle.origin.y),
@@ -132,7 +107,9 @@ HWY_INLINE ArmsOf<V> arms_to(const TrianglesOf<V>& triangle, const Vec3Of<V>& pl
   const V height = triangle.height;
   const V over = hn::Sub(hn::Abs(signed_x), width);  // beyond the end of the longest side
   const V run = hn::NegMulAdd(over, width, hn::Mul(y, height));
-  const V share = hn::Min(hn::Max(divided(run, is_before, width, height), zero), hn::Set(d, 1.0F));
+  // The slanted side runs from (width, 0) to (0, height); its square is kept from 0.
+  const V squared_side = hn::Max(hn::MulAdd(width, width, hn::Mul(height, height)), hn::Set(d, 1e-37F));
+  const V share = hn::Min(hn::Max(hn::Div(run, squared_side), zero), hn::Set(d, 1.0F));
   const V outward = hn::MulAdd(over, height, hn::Mul(y, width));
   // Below the longest side that is so beyond its end only, where the share is 0 and both ways give the same.
   const auto at_side = hn::Gt(outward, zero);

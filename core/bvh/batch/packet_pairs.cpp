@@ -55,11 +55,6 @@ HWY_INLINE void look_into(const TreeLeaf& leaf, std::size_t look, std::size_t en
   };
   const TrianglesOf<Both> triangles{all(leaf.origin),  all(leaf.along),  all(leaf.up),
                                     both(leaf.before), both(leaf.after), both(leaf.height)};
-  const auto reciprocal = [&](const TreeLanes& width) HWY_ATTR {
-    const Vec half = hn::Div(hn::Set(Lanes(), 1.0F), squared_side(load(width, 0), load(leaf.height, 0)));
-    return hn::Combine(twice, half, half);
-  };
-  const ByReciprocals<Both> divided{reciprocal(leaf.before), reciprocal(leaf.after)};
   const auto lower = hn::FirstN(twice, tree_width);
   for (; look < end; look += 2) {
     const auto n = static_cast<std::size_t>(packet.point[look]);
@@ -68,7 +63,7 @@ HWY_INLINE void look_into(const TreeLeaf& leaf, std::size_t look, std::size_t en
       return hn::IfThenElse(lower, hn::Set(twice, packet.at[axis][n]),
                             hn::Set(twice, packet.at[axis][m % PacketPoints::capacity]));
     };
-    const Both squared = arms_to(triangles, Vec3Of<Both>{at(0), at(1), at(2)}, divided).squared_length();
+    const Both squared = arms_to(triangles, Vec3Of<Both>{at(0), at(1), at(2)}).squared_length();
     hn::StoreU(squared, twice, packet.squared[look].to.data());
     if (leaf.needles == 0) {
       keep_least(hn::LowerHalf(squared), asked.least[n], 0);
