@@ -26,74 +26,32 @@ using PointVec = hn::Vec<Points>;
 
 HWY_INLINE PointVec load_points(const float* lanes) { return hn::Load(Points(), lanes); }
 
-/// Who looks where the number of points that look into a leaf is odd; nothing is near that one.
-constexpr std::int32_t nobody = PacketPoints::capacity;
-
-/// The points of a packet, and nobody, while leaves are looked into.
+/// The points of a packet while leaves are looked into.
 struct Asked {
   /// Squares that no float distance of the closest triangle exceeds.
-  alignas(64) std::array<float, 2 * PacketPoints::capacity> limit;
+  alignas(64) PointLanes limit;
   /// Squared distances, the least of each place.
-  alignas(64) std::array<TreeLanes, PacketPoints::capacity + 1> least;
+  alignas(64) std::array<TreeLanes, PacketPoints::capacity> least;
 };
 
 HWY_INLINE void keep_least(Vec squared, TreeLanes& least, std::size_t first) {
   hn::Store(hn::Min(load(least, first), squared), Lanes(), least.data() + first);
 }
 
-#if HWY_MAX_BYTES >= 64
-/// Two points at a time, in vectors that are wide enough for both.
-HWY_INLINE void look_into(const TreeLeaf& leaf, std::size_t look, std::size_t end, PacketPoints& packet, Asked& asked) {
-  const hn::CappedTag<float, 2 * tree_width> twice;
-  using Both = hn::Vec<decltype(twice)>;
-  const auto both = [&](const TreeLanes& lanes) HWY_ATTR {
-    const Vec half = load(lanes, 0);
-    return hn::Combine(twice, half, half);
-  };
-  const auto all = [&](const std::array<TreeLanes, 3>& lanes) HWY_ATTR {
-    return Vec3Of<Both>{both(lanes[0]), both(lanes[1]), both(lanes[2])};
-  };
-  const TrianglesOf<Both> triangles{all(leaf.origin),  all(leaf.along),  all(leaf.up),
-                                    both(leaf.before), both(leaf.after), both(leaf.height)};
-  const auto lower = hn::FirstN(twice, tree_width);
-  for (; look < end; look += 2) {
-    const auto n = static_cast<std::size_t>(packet.point[look]);
-    const auto m = static_cast<std::size_t>(packet.point[look + 1]);
-    const auto at = [&](std::size_t axis) HWY_ATTR {
-      return hn::IfThenElse(lower, hn::Set(twice, packet.at[axis][n]),
-                            hn::Set(twice, packet.at[axis][m % PacketPoints::capacity]));
-    };
-    const Both squared = arms_to(triangles, Vec3Of<Both>{at(0), at(1), at(2)}).squared_length();
-    hn::StoreU(squared, twice, packet.squared[look].to.data());
-    if (leaf.needles == 0) {
-      keep_least(hn::LowerHalf(squared), asked.least[n], 0);
-      keep_least(hn::UpperHalf(Lanes(), squared), asked.least[m], 0);
-    }
-  }
-}
-#else
-HWY_INLINE void look_into(const TreeLeaf& leaf, std::size_t look, std::size_t end, PacketPoints& packet, Asked& asked) {
+/// The looks from the `first` on.
+HWY_INLINE void look_from(const TreeView& tree, std::size_t first, PacketPoints& packet, Asked& asked) {
   const Lanes d;
-  for (; look < end && packet.point[look] != nobody; ++look) {
+  for (std::size_t look = first; look < packet.looks; ++look) {
+    const TreeLeaf& leaf = tree.leaves[packet.leaf[look]];
     const auto n = static_cast<std::size_t>(packet.point[look]);
     const Vec3Lanes point = splat({packet.at[0][n], packet.at[1][n], packet.at[2][n]});
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-      const Vec squared = arms_to(TriangleLanes::of(leaf, first), point).squared_length();
-      hn::Store(squared, d, packet.squared[look].to.data() + first);
+    for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) {
+      const Vec squared = arms_to(TriangleLanes::of(leaf, lane), point).squared_length();
+      hn::Store(squared, d, packet.squared[look].to.data() + lane);
       if (leaf.needles == 0) {
-        keep_least(squared, asked.least[n], first);
+        keep_least(squared, asked.least[n], lane);
       }
     }
-  }
-}
-#endif
-
-/// Looks into the leaves from the `first` on.
-HWY_INLINE void look_from(const TreeView& tree, std::size_t first, PacketPoints& packet, Asked& asked) {
-  std::size_t look = first == 0 ? 0 : packet.end[first - 1];
-  for (std::size_t l = first; l < packet.looked_into; ++l) {
-    look_into(tree.leaves[packet.leaf_looked[l]], look, packet.end[l], packet, asked);
-    look = packet.end[l];
   }
 }
 
@@ -130,7 +88,7 @@ HWY_INLINE void start(const TreeView& tree, const PlaceBox& box, const PacketPoi
     hn::Store(hn::MulAdd(hn::Set(d, tree.slack), rounding, limit), d, asked.limit.data() + first);
   }
   // Nothing is near points that are not there.
-  for (std::size_t n = packet.count; n <= PacketPoints::capacity; ++n) {
+  for (std::size_t n = packet.count; n < PacketPoints::capacity; ++n) {
     asked.limit[n] = -packet_nowhere;
   }
   for (TreeLanes& least : asked.least) {
@@ -234,13 +192,10 @@ HWY_INLINE PointVec squared_to_box(const TreeNode& node, std::size_t place, cons
 }
 
 HWY_INLINE void add_looks_of_all(std::int32_t leaf, PacketPoints& packet) {
-  const std::size_t rounded_up = packet.count + packet.count % 2;
-  for (std::size_t n = 0; n < rounded_up; ++n) {
+  for (std::size_t n = 0; n < packet.count; ++n) {
     packet.leaf[packet.looks] = leaf;
-    packet.point[packet.looks++] = n < packet.count ? static_cast<std::int32_t>(n) : nobody;
+    packet.point[packet.looks++] = static_cast<std::int32_t>(n);
   }
-  packet.leaf_looked[packet.looked_into] = leaf;
-  packet.end[packet.looked_into++] = packet.looks;
 }
 
 /// Adds looks into the leaves listed as near whose box is within the limit of a point, but not into the `known`.
@@ -258,7 +213,6 @@ HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::arr
     if (leaf == known[0] || leaf == known[1]) {
       continue;
     }
-    const std::size_t before = looks;
     for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(d)) {
       const Vec3Of<PointVec> at{load_points(packet.at[0].data() + first), load_points(packet.at[1].data() + first),
                                 load_points(packet.at[2].data() + first)};
@@ -269,61 +223,28 @@ HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::arr
       hn::StoreU(hn::Set(di, leaf), di, leaf_of + looks);
       looks += hn::CountTrue(di, kept);
     }
-    points_of[looks] = nobody;
-    looks += (looks - before) % 2;
-    packet.leaf_looked[packet.looked_into] = leaf;
-    packet.end[packet.looked_into] = looks;
     prefetch(tree.leaves[leaf]);
-    packet.looked_into += looks != before ? 1 : 0;
   }
   packet.looks = looks;
 }
 
-/// For each look a byte, a bit a triangle that is within the limit of its point.
-HWY_INLINE void find_within(const Asked& asked, PacketPoints& packet) {
-  const Lanes d;
-  std::uint8_t* HWY_RESTRICT within = packet.within.data();
-  const std::int32_t* HWY_RESTRICT points = packet.point.data();
-  std::size_t look = 0;
-#if HWY_MAX_BYTES >= 64
-  const hn::CappedTag<float, 2 * tree_width> twice;
-  const auto lower = hn::FirstN(twice, tree_width);
-  for (; look + 1 < packet.looks; look += 2) {
-    const auto limits = hn::IfThenElse(lower, hn::Set(twice, asked.limit[static_cast<std::size_t>(points[look])]),
-                                       hn::Set(twice, asked.limit[static_cast<std::size_t>(points[look + 1])]));
-    hn::StoreMaskBits(twice, hn::Le(hn::LoadU(twice, packet.squared[look].to.data()), limits), within + look);
-  }
-#endif
-  for (; look < packet.looks; ++look) {
-    const Vec limit = hn::Set(d, asked.limit[static_cast<std::size_t>(points[look])]);
-    unsigned bits = 0;
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
-      bits |= bits_of(d, hn::Le(load(packet.squared[look].to, first), limit), first);
-    }
-    within[look] = static_cast<std::uint8_t>(bits);
-  }
-}
-
-HWY_INLINE void add_pairs_of_look(const TreeView& tree, const PacketPoints& packet, std::size_t look,
-                                  CandidatePairs& pairs) {
-  const IntLanes di;
-  const std::int32_t point = packet.number[static_cast<std::size_t>(packet.point[look])];
-  const TreeLeaf& leaf = tree.leaves[packet.leaf[look]];
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(di)) {
-    const std::uint8_t bits[8] = {static_cast<std::uint8_t>(packet.within[look] >> first)};
-    const auto near = hn::LoadMaskBits(di, bits);
-    hn::StoreU(hn::Compress(hn::Load(di, leaf.triangle.data() + first), near), di, pairs.triangle.data() + pairs.count);
-    hn::StoreU(hn::Set(di, point), di, pairs.point.data() + pairs.count);
-    pairs.count += hn::CountTrue(di, near);
-  }
-}
-
 HWY_INLINE void add_pairs(const TreeView& tree, const Asked& asked, PacketPoints& packet, CandidatePairs& pairs) {
-  find_within(asked, packet);
+  const Lanes d;
+  const IntLanes di;
   pairs.make_room(tree_width * (packet.looks + 1));
   for (std::size_t look = 0; look < packet.looks; ++look) {
-    if (packet.within[look] != 0) {
-      add_pairs_of_look(tree, packet, look, pairs);
+    const TreeLeaf& leaf = tree.leaves[packet.leaf[look]];
+    const auto n = static_cast<std::size_t>(packet.point[look]);
+    const Vec limit = hn::Set(d, asked.limit[n]);
+    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+      const auto near = hn::RebindMask(di, hn::Le(load(packet.squared[look].to, first), limit));
+      if (hn::AllFalse(di, near)) {
+        continue;
+      }
+      hn::StoreU(hn::Compress(hn::Load(di, leaf.triangle.data() + first), near), di,
+                 pairs.triangle.data() + pairs.count);
+      hn::StoreU(hn::Set(di, packet.number[n]), di, pairs.point.data() + pairs.count);
+      pairs.count += hn::CountTrue(di, near);
     }
   }
 }
@@ -341,15 +262,14 @@ void pairs_of(const TreeView& tree, const BoundList& leaves, const PlaceBox& box
   start(tree, box, packet, asked);
   const std::array<std::int32_t, 2> nearest = nearest_leaves(tree, leaves, box, packet);
   packet.looks = 0;
-  packet.looked_into = 0;
   for (std::size_t l = 0; l < (nearest[0] == nearest[1] ? 1 : 2); ++l) {
     add_looks_of_all(nearest[l], packet);
   }
-  const std::size_t first_leaves = packet.looked_into;
+  const std::size_t first_looks = packet.looks;
   look_from(tree, 0, packet, asked);
   lower_limits(tree.slack, 0, asked);
   add_looks(tree, leaves_near_any(tree, leaves, box, asked, packet), nearest, asked, packet);
-  look_from(tree, first_leaves, packet, asked);
+  look_from(tree, first_looks, packet, asked);
   lower_limits(tree.near_slack, tree.slack_growth, asked);  // nothing is compared with boxes any more
   add_pairs(tree, asked, packet, pairs);
 }
@@ -368,10 +288,7 @@ void PacketPoints::make_room(std::size_t leaves) {
     near.resize(2 * needed);
     leaf.resize(2 * capacity * needed);
     point.resize(2 * capacity * needed);
-    leaf_looked.resize(2 * needed);
-    end.resize(2 * needed);
     squared.resize(2 * capacity * needed);
-    within.resize(2 * capacity * needed);
   }
 }
 

@@ -25,14 +25,10 @@ struct PacketPoints {
   struct alignas(32) Squared {
     TreeLanes to;
   };
-  std::size_t looked_into = 0;  ///< leaves, each by the looks up to its end
-  std::vector<std::int32_t> leaf_looked;
-  std::vector<std::size_t> end;
   std::size_t looks = 0;
   std::vector<std::int32_t> leaf;
   std::vector<std::int32_t> point;
   std::vector<Squared> squared;
-  std::vector<std::uint8_t> within;  ///< a bit a triangle that may be the closest
 
   void make_room(std::size_t leaves);
 };
