@@ -177,44 +177,27 @@ class NodeWalk {
 
 std::size_t blocks_along(const GridShape& shape, std::size_t axis) { return shape.count(axis) / block_edge + 1; }
 
-/// Rows of blocks along x that are filled side by side, two by two: neighbouring blocks look into the same parts of the
-/// tree, which are still close in memory then. Wider beams gain little and leave less to share among threads.
-constexpr std::array<std::array<std::size_t, 2>, 4> beam{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
-constexpr std::size_t beam_edge = 2;
-
-std::size_t beams_along(const GridShape& shape, std::size_t axis) {
-  return (blocks_along(shape, axis) + beam_edge - 1) / beam_edge;
-}
-
-/// From block to block there and back, so that each touches the one before.
-void fill_beam(const GridShape& shape, std::size_t first_y, std::size_t first_z, NodeWalk& walk) {
-  for (std::size_t x = 0; x < blocks_along(shape, 0); ++x) {
-    for (std::size_t n = 0; n < beam.size(); ++n) {
-      const auto& [y, z] = beam[x % 2 == 0 ? n : beam.size() - 1 - n];
-      walk.fill_block({block_edge * x, block_edge * (first_y + y), block_edge * (first_z + z)});
-    }
-  }
-}
-
 }  // namespace
 
 void fill_distances(const SignedSurface& surface, CubicField& field, [[maybe_unused]] int threads,
                     const std::function<void(double)>& progress) {
   const GridShape& shape = field.shape();
-  const std::size_t across = beams_along(shape, 1);
-  const std::size_t beams = across * beams_along(shape, 2);
+  const std::size_t rows_y = blocks_along(shape, 1);
+  const std::size_t rows = rows_y * blocks_along(shape, 2);
   const std::thread::id reporter = std::this_thread::get_id();
   std::atomic<std::size_t> done = 0;
 #pragma omp parallel num_threads(threads)
   {
     NodeWalk walk(surface, field);
 #pragma omp for schedule(dynamic)
-    for (std::size_t number = 0; number < beams; ++number) {
+    for (std::size_t row = 0; row < rows; ++row) {
       walk.forget_side();
-      fill_beam(shape, beam_edge * (number % across), beam_edge * (number / across), walk);
+      for (std::size_t x = 0; x < blocks_along(shape, 0); ++x) {
+        walk.fill_block({block_edge * x, block_edge * (row % rows_y), block_edge * (row / rows_y)});
+      }
       ++done;
       if (progress && std::this_thread::get_id() == reporter) {
-        progress(static_cast<double>(done) / static_cast<double>(beams));
+        progress(static_cast<double>(done) / static_cast<double>(rows));
       }
     }
   }
