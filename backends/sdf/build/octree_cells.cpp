@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "core/base/prefetch.hpp"
 
@@ -35,15 +34,10 @@ float wrongness(float error) {
 }
 
 double wrong_volume_m3(const OctreeCell& cell, const CellErrors& errors) {
-  // Sums side by side, so that one need not wait for the other.
-  constexpr std::size_t width = 8;
-  std::array<float, width> sums{};
-  for (std::size_t first = 0; first < padded_samples; first += width) {
-    for (std::size_t lane = 0; lane < width; ++lane) {
-      sums[lane] += wrongness(errors[first + lane]);
-    }
+  float wrong = 0;
+  for (const float error : errors) {
+    wrong += wrongness(error);
   }
-  const float wrong = std::accumulate(sums.begin(), sums.end(), 0.0F);
   const double edge_m = 2 * cell.half_edge_m;
   const double volume_m3 = edge_m * edge_m * edge_m / static_cast<double>(known_samples(cell.leaf->samples));
   return volume_m3 * wrong;

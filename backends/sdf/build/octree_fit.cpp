@@ -44,18 +44,14 @@ double slope_at(std::size_t term, const Vec3& at, std::size_t axis) {
 
 using SampleValues = std::array<double, padded_samples>;
 
-/// Where value and error are positive together the largest error, and so much more. Eight samples side by side.
+/// Where value and error are positive together the largest error, and so much more.
 double largest_excess_m(const CellErrors& error_m, const SampleValues& value_m, double more_m) {
-  constexpr std::size_t width = 8;
-  std::array<double, width> largest{};
-  for (std::size_t first = 0; first < padded_samples; first += width) {
-    for (std::size_t lane = 0; lane < width; ++lane) {
-      const double above_m = static_cast<double>(error_m[first + lane]) + more_m;
-      const double counted_m = above_m > -value_m[first + lane] ? above_m : 0;
-      largest[lane] = largest[lane] < counted_m ? counted_m : largest[lane];
-    }
+  double largest_m = 0;
+  for (std::size_t sample = 0; sample < padded_samples; ++sample) {
+    const double above_m = static_cast<double>(error_m[sample]) + more_m;
+    largest_m = above_m > -value_m[sample] ? std::max(largest_m, above_m) : largest_m;
   }
-  return *std::max_element(largest.begin(), largest.end());
+  return largest_m;
 }
 
 }  // namespace
