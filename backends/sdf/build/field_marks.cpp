@@ -41,13 +41,12 @@ std::vector<BorderFace> border_faces(const CubicField& field) {
 }
 
 void straighten_edge(CubicField& field, std::array<std::size_t, 3> vertex, std::size_t axis) {
-  static constexpr std::array<std::size_t, 3> first_offset{5, 1, 3};
   const std::size_t start = field.record(vertex[0], vertex[1], vertex[2]).value();
   const double low = field.stored(start);
   ++vertex[axis];
   const double high = field.stored(field.record(vertex[0], vertex[1], vertex[2]).value());
-  field.store(start + first_offset[axis], low + (high - low) / 3);
-  field.store(start + first_offset[axis] + 1, low + (high - low) * 2 / 3);
+  field.store(start + GridShape::edge_offset[axis], low + (high - low) / 3);
+  field.store(start + GridShape::edge_offset[axis] + 1, low + (high - low) * 2 / 3);
 }
 
 void straighten_face(CubicField& field, const BorderFace& face) {
@@ -100,10 +99,9 @@ class CellBatch {
       : m_field(field), m_steepest(steepest), m_marks(marks) {}
 
   void add(std::size_t index) {
-    const GridShape& shape = m_field.shape();
-    const std::size_t plane = shape.count(0) * shape.count(1);
+    const auto [i, j, k] = m_field.shape().cell_grid().coordinates(index);
     m_index[m_count] = index;
-    m_cells[m_count++] = m_field.cell(index % shape.count(0), index % plane / shape.count(0), index / plane);
+    m_cells[m_count++] = m_field.cell(i, j, k);
     if (m_count == CellBounds::width) {
       mark();
     }

@@ -24,7 +24,7 @@ constexpr std::array<std::size_t, 3> edge_axis{1, 2, 0};
 constexpr std::array<std::array<std::size_t, 3>, GridShape::record_size> thirds_away{
     {{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 0, 1}, {0, 0, 2}, {1, 0, 0}, {2, 0, 0}}};
 
-using Index = std::array<std::size_t, 3>;
+using Index = GridIndex::Coordinates;
 
 /// Where the nodes of one record stand.
 struct Record {

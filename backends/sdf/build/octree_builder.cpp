@@ -97,14 +97,14 @@ class OctreeBuilder {
 
   void plant_roots() {
     m_cells.resize(m_shape.root_count());
-    const auto nx = static_cast<std::size_t>(m_shape.roots[0]);
-    const auto ny = static_cast<std::size_t>(m_shape.roots[1]);
+    const GridIndex roots = m_shape.root_grid();
 #pragma omp parallel num_threads(m_threads)
     {
       SampleBlock block(m_surface);
 #pragma omp for schedule(dynamic, 8)
       for (std::size_t root = 0; root < m_cells.size(); ++root) {
-        const Vec3 index(number(root % nx), number(root / nx % ny), number(root / (nx * ny)));
+        const auto [i, j, k] = roots.coordinates(root);
+        const Vec3 index(number(i), number(j), number(k));
         const Vec3 centre_m = m_shape.lower_m + m_shape.root_edge_m * (index + Vec3::Constant(0.5));
         m_cells[root] = m_maker.root(centre_m, 0.5 * m_shape.root_edge_m, block);
       }
@@ -175,9 +175,8 @@ class OctreeBuilder {
     if (cell >= roots) {
       return std::popcount((cell - roots) % 8) % 2 != 0;
     }
-    const auto nx = static_cast<std::size_t>(m_shape.roots[0]);
-    const auto ny = static_cast<std::size_t>(m_shape.roots[1]);
-    return (cell % nx + cell / nx % ny + cell / (nx * ny)) % 2 != 0;
+    const auto [i, j, k] = m_shape.root_grid().coordinates(cell);
+    return (i + j + k) % 2 != 0;
   }
 
   /// Splits cells of which no two of one size share a face. (Of larger ones nothing is read that splitting writes.)
@@ -233,7 +232,7 @@ class OctreeBuilder {
       const double along = std::floor((point[a] - m_shape.lower_m[a]) / m_shape.root_edge_m);
       root[axis] = static_cast<std::size_t>(std::clamp(along, 0.0, m_shape.roots[axis] - 1.0));
     }
-    return find_below(m_shape.root(root[0], root[1], root[2]), point, half_edge_m);
+    return find_below(m_shape.root_grid().index(root), point, half_edge_m);
   }
 
   /// The same where a cell that holds the place is known.

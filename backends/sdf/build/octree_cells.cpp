@@ -133,7 +133,7 @@ class SisterSamples {
   }
 
  private:
-  using Index = std::array<std::size_t, 3>;
+  using Index = GridIndex::Coordinates;
 
   /// One bit each: those whose lattice holds this place. Those in the middle of an axis are of both halves.
   static unsigned children_at(const Index& at) {

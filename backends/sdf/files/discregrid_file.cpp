@@ -21,23 +21,20 @@ namespace musclebench {
 
 namespace {
 
-using Index = std::array<std::size_t, 3>;
+using Index = GridIndex::Coordinates;
 using CellNodes = std::array<std::uint32_t, 32>;
 
 constexpr std::uint32_t most_cells = 4096;  ///< along an axis
 constexpr double no_value = std::numeric_limits<double>::max();
 constexpr std::uint32_t no_cell = std::numeric_limits<std::uint32_t>::max();
 
-/// Where the nodes of a cell's edges start in our records: along x, y, z.
-constexpr std::array<std::size_t, 3> edge_offset{5, 1, 3};
-
 /// The numbers of a grid's nodes in the file: vertices, x fastest; then, two and two, the nodes of the edges along x,
 /// along y and along z. Edges along an axis follow each other along it first; then along x, y, z the next of the axes
 /// in turn is y, z, x, and the one before it comes last.
 class NodeNumbers {
  public:
-  explicit NodeNumbers(const GridShape& shape) : m_cells{shape.count(0), shape.count(1), shape.count(2)} {
-    m_first_edge[0] = (m_cells[0] + 1) * (m_cells[1] + 1) * (m_cells[2] + 1);
+  explicit NodeNumbers(const GridShape& shape) : m_vertices(shape.vertex_grid()), m_cells(shape.cell_grid().count) {
+    m_first_edge[0] = m_vertices.size();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t edges = m_cells[axis] * (m_cells[(axis + 1) % 3] + 1) * (m_cells[(axis + 2) % 3] + 1);
       (axis < 2 ? m_first_edge[axis + 1] : m_count) = m_first_edge[axis] + 2 * edges;
@@ -45,9 +42,7 @@ class NodeNumbers {
   }
 
   [[nodiscard]] std::size_t count() const { return m_count; }
-  [[nodiscard]] std::size_t vertex(const Index& at) const {
-    return (at[2] * (m_cells[1] + 1) + at[1]) * (m_cells[0] + 1) + at[0];
-  }
+  [[nodiscard]] std::size_t vertex(const Index& at) const { return m_vertices.index(at); }
   /// The node at the first third of the edge that leaves a vertex along an axis; the one at the second follows it.
   [[nodiscard]] std::size_t edge(const Index& at, std::size_t axis) const {
     const std::size_t next = axis == 0 ? 1 : (axis == 1 ? 2 : 0);
@@ -56,6 +51,7 @@ class NodeNumbers {
   }
 
  private:
+  GridIndex m_vertices;
   Index m_cells;
   Index m_first_edge{};
   std::size_t m_count = 0;
@@ -83,19 +79,8 @@ void for_each_node_of_cell(const Index& cell, const Visit& visit) {
   }
 }
 
-template <typename Visit>
-void for_each_cell(const GridShape& shape, const Visit& visit) {
-  for (std::size_t k = 0; k < shape.count(2); ++k) {
-    for (std::size_t j = 0; j < shape.count(1); ++j) {
-      for (std::size_t i = 0; i < shape.count(0); ++i) {
-        visit(Index{i, j, k});
-      }
-    }
-  }
-}
-
 std::size_t place_of(const CubicField& field, const Index& at, std::size_t axis, std::size_t third) {
-  return field.record(at[0], at[1], at[2]).value() + (axis == 3 ? 0 : edge_offset[axis] + third);
+  return field.record(at[0], at[1], at[2]).value() + (axis == 3 ? 0 : GridShape::edge_offset[axis] + third);
 }
 
 std::size_t number_of(const NodeNumbers& numbers, const Index& at, std::size_t axis, std::size_t third) {
@@ -137,7 +122,8 @@ void write_field(const CubicField& field, Writer& out) {
   std::vector<double> values(numbers.count());
   std::vector<CellNodes> cells;
   cells.reserve(shape.cell_count());
-  for_each_cell(shape, [&](const Index& cell) {
+  for_each_in({0, 0, 0}, shape.cell_grid().count, [&](std::size_t i, std::size_t j, std::size_t k) {
+    const Index cell{i, j, k};
     CellNodes nodes{};
     for_each_node_of_cell(cell, [&](std::size_t n, const Index& at, std::size_t axis, std::size_t third) {
       const std::size_t number = number_of(numbers, at, axis, third);
@@ -301,8 +287,9 @@ void store_nodes(const Reader& in, const std::vector<double>& values, const std:
   const GridShape& shape = field.shape();
   const NodeNumbers numbers(shape);
   std::vector<bool> known(numbers.count(), false);
-  for_each_cell(shape, [&](const Index& cell) {
-    const CellNodes& nodes = cells[map[shape.cell(cell[0], cell[1], cell[2])]];
+  for_each_in({0, 0, 0}, shape.cell_grid().count, [&](std::size_t i, std::size_t j, std::size_t k) {
+    const Index cell{i, j, k};
+    const CellNodes& nodes = cells[map[shape.cell(i, j, k)]];
     for_each_node_of_cell(cell, [&](std::size_t n, const Index& at, std::size_t axis, std::size_t third) {
       const double value = nodes[n] < values.size() ? values[nodes[n]] : std::nan("");
       if (!std::isfinite(value) || value == no_value) {

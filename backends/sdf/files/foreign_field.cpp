@@ -46,7 +46,7 @@ std::array<CellNode, nodes_of_cell> make_cell_nodes() {
   return nodes;
 }
 
-using CellIndex = std::array<std::size_t, 3>;
+using CellIndex = GridIndex::Coordinates;
 
 class ForeignField {
  public:
@@ -60,11 +60,10 @@ class ForeignField {
         m_path(path),
         m_slack_m(1e-3 * m_shape.cell_size_m.minCoeff() + 1e-6 * (m_shape.upper_m() - m_shape.lower_m).norm()) {
     // The places of records are linear in those of the vertices of a dense field.
-    static constexpr std::array<std::size_t, 3> edge_offset{5, 1, 3};
     for (std::size_t n = 0; n < nodes_of_cell; ++n) {
       const auto& [corner, axis, thirds] = m_nodes[n];
-      m_offset[n] =
-          m_shape.record(corner[0], corner[1], corner[2]) + (thirds == 0 ? 0 : edge_offset[axis] + thirds - 1);
+      m_offset[n] = m_shape.record(corner[0], corner[1], corner[2]) +
+                    (thirds == 0 ? 0 : GridShape::edge_offset[axis] + thirds - 1);
       Vec3 in_cells(static_cast<double>(corner[0]), static_cast<double>(corner[1]), static_cast<double>(corner[2]));
       in_cells[static_cast<Eigen::Index>(axis)] += static_cast<double>(thirds) / 3;
       m_from_cell_m[n] = in_cells.cwiseProduct(m_shape.cell_size_m);
@@ -120,15 +119,11 @@ class ForeignField {
   }
 
   void require_slopes() {
-    for (std::size_t k = 0; k < m_shape.count(2); ++k) {
-      for (std::size_t j = 0; j < m_shape.count(1); ++j) {
-        for (std::size_t i = 0; i < m_shape.count(0); ++i) {
-          if (const CellIndex cell{i, j, k}; has_steep_pair(cell)) {
-            require_slopes_of(cell);
-          }
-        }
+    for_each_in({0, 0, 0}, m_shape.cell_grid().count, [&](std::size_t i, std::size_t j, std::size_t k) {
+      if (const CellIndex cell{i, j, k}; has_steep_pair(cell)) {
+        require_slopes_of(cell);
       }
-    }
+    });
   }
 
  private:
@@ -158,10 +153,7 @@ class ForeignField {
     for (std::size_t n = 0; n < samples; ++n) {
       const CellPlace place = *m_field.place(m_mesh.vertices[n * m_mesh.vertices.size() / samples]);
       visit_one_of({place.i, place.j, place.k}, n);
-      const std::size_t cell = n * m_shape.cell_count() / samples;
-      visit_one_of({cell % m_shape.count(0), cell / m_shape.count(0) % m_shape.count(1),
-                    cell / (m_shape.count(0) * m_shape.count(1))},
-                   n);
+      visit_one_of(m_shape.cell_grid().coordinates(n * m_shape.cell_count() / samples), n);
     }
   }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/grid_index.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
@@ -23,6 +24,8 @@ struct CellPlace {
 /// stay unused.)
 struct GridShape {
   static constexpr std::size_t record_size = 7;
+  /// Of the first of the two nodes on the edge that leaves a vertex along each axis, in its record.
+  static constexpr std::array<std::size_t, 3> edge_offset{5, 1, 3};
 
   Vec3 lower_m = Vec3::Zero();      ///< corner of the domain
   Vec3 cell_size_m = Vec3::Ones();  ///< edges of a cell
@@ -32,7 +35,10 @@ struct GridShape {
   [[nodiscard]] Vec3 upper_m() const { return vertex(cells[0], cells[1], cells[2]); }
   [[nodiscard]] Vec3 vertex(int i, int j, int k) const { return lower_m + cell_size_m.cwiseProduct(Vec3(i, j, k)); }
 
-  [[nodiscard]] std::size_t cell_count() const { return count(0) * count(1) * count(2); }
+  [[nodiscard]] GridIndex cell_grid() const { return {{count(0), count(1), count(2)}}; }
+  [[nodiscard]] GridIndex vertex_grid() const { return {{count(0) + 1, count(1) + 1, count(2) + 1}}; }
+
+  [[nodiscard]] std::size_t cell_count() const { return cell_grid().size(); }
   [[nodiscard]] std::size_t row_stride() const { return record_size * (count(0) + 1) - 2; }
   [[nodiscard]] std::size_t value_count() const { return row_stride() * (count(1) + 1) * (count(2) + 1); }
   /// Nodes of the grid: vertices and two on each edge.
@@ -41,9 +47,9 @@ struct GridShape {
     return (x + 1) * (y + 1) * (z + 1) + 2 * (x * (y + 1) * (z + 1) + (x + 1) * y * (z + 1) + (x + 1) * (y + 1) * z);
   }
 
-  [[nodiscard]] std::size_t vertex_count() const { return (count(0) + 1) * (count(1) + 1) * (count(2) + 1); }
+  [[nodiscard]] std::size_t vertex_count() const { return vertex_grid().size(); }
   [[nodiscard]] std::size_t vertex_index(std::size_t i, std::size_t j, std::size_t k) const {
-    return (k * (count(1) + 1) + j) * (count(0) + 1) + i;
+    return vertex_grid().index(i, j, k);
   }
 
   [[nodiscard]] std::size_t row(std::size_t j, std::size_t k) const { return row_stride() * (k * (count(1) + 1) + j); }
@@ -51,7 +57,7 @@ struct GridShape {
     return row(j, k) + record_size * i;
   }
   [[nodiscard]] std::size_t cell(std::size_t i, std::size_t j, std::size_t k) const {
-    return (k * count(1) + j) * count(0) + i;
+    return cell_grid().index(i, j, k);
   }
   /// Whether a place, in units of cells from the lower corner, is in the domain. A place that is not a number is not.
   [[nodiscard]] bool contains(const Vec3& in_cells) const {

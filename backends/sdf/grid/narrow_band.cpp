@@ -12,19 +12,8 @@ namespace {
 constexpr double slack = 1e-9;
 
 struct CellRange {
-  std::array<std::size_t, 3> from, to;
+  GridIndex::Coordinates from, to;
 };
-
-template <typename Visit>
-void for_each_cell(const CellRange& range, const Visit& visit) {
-  for (std::size_t k = range.from[2]; k < range.to[2]; ++k) {
-    for (std::size_t j = range.from[1]; j < range.to[1]; ++j) {
-      for (std::size_t i = range.from[0]; i < range.to[0]; ++i) {
-        visit(i, j, k);
-      }
-    }
-  }
-}
 
 struct Ball {
   Vec3 centre;
@@ -72,7 +61,7 @@ bool is_far_cell(const SignedSurface& surface, const GridShape& shape, const Cel
   return true;
 }
 
-/// What one block keeps: a bit a cell, in the order of `for_each_cell`.
+/// What one block keeps: a bit a cell, in the order of `for_each_in`.
 struct Choice {
   std::uint64_t kept = 0;
   double far_m = 0;
@@ -87,7 +76,7 @@ Choice choose(const SignedSurface& surface, const GridShape& shape, const CellRa
   const Ball ball = ball_about(shape, block);
   const bool near = surface.tree().closest_point(ball.centre, std::max(0.0, width_m - ball.radius_m)).has_value();
   unsigned place = 0;
-  for_each_cell(block, [&](std::size_t i, std::size_t j, std::size_t k) {
+  for_each_in(block.from, block.to, [&](std::size_t i, std::size_t j, std::size_t k) {
     const bool far = !near && is_far_cell(surface, shape, {{i, j, k}, {i + 1, j + 1, k + 1}}, width_m);
     choice.kept |= std::uint64_t{!far} << place++;
   });
@@ -98,9 +87,9 @@ Choice choose(const SignedSurface& surface, const GridShape& shape, const CellRa
 
 NarrowBand::NarrowBand(const GridShape& shape, double width_m) : m_width_m(width_m), m_cells(shape.mask_words()) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    m_blocks[axis] = (shape.count(axis) + block_edge - 1) / block_edge;
+    m_blocks.count[axis] = (shape.count(axis) + block_edge - 1) / block_edge;
   }
-  m_far_m.resize(m_blocks[0] * m_blocks[1] * m_blocks[2]);
+  m_far_m.resize(m_blocks.size());
 }
 
 void NarrowBand::set_far_m(std::size_t i, std::size_t j, std::size_t k, double bound_m) {
@@ -109,16 +98,15 @@ void NarrowBand::set_far_m(std::size_t i, std::size_t j, std::size_t k, double b
 
 void NarrowBand::index_records(const GridShape& shape) {
   m_vertices.assign((shape.vertex_count() + 63) / 64, 0);
-  for_each_cell({{0, 0, 0}, {shape.count(0), shape.count(1), shape.count(2)}},
-                [&](std::size_t i, std::size_t j, std::size_t k) {
-                  if (!keeps(shape.cell(i, j, k))) {
-                    return;
-                  }
-                  for (const std::size_t corner : {0, 1, 2, 3, 4, 5, 6, 7}) {
-                    const std::size_t vertex = shape.vertex_index(i + corner % 2, j + corner / 2 % 2, k + corner / 4);
-                    m_vertices[vertex / 64] |= std::uint64_t{1} << (vertex % 64);
-                  }
-                });
+  for_each_in({0, 0, 0}, shape.cell_grid().count, [&](std::size_t i, std::size_t j, std::size_t k) {
+    if (!keeps(shape.cell(i, j, k))) {
+      return;
+    }
+    for (const std::size_t corner : {0, 1, 2, 3, 4, 5, 6, 7}) {
+      const std::size_t vertex = shape.vertex_index(i + corner % 2, j + corner / 2 % 2, k + corner / 4);
+      m_vertices[vertex / 64] |= std::uint64_t{1} << (vertex % 64);
+    }
+  });
   m_before.clear();
   m_record_count = 0;
   for (const std::uint64_t word : m_vertices) {
@@ -132,16 +120,14 @@ NarrowBand narrow_band(const SignedSurface& surface, const GridShape& shape, dou
   constexpr std::size_t edge = NarrowBand::block_edge;
   static_assert(edge * edge * edge <= 64, "a block's cells fit into one word");
   NarrowBand band(shape, width_m);
+  const GridIndex::Coordinates cells = shape.cell_grid().count;
   std::vector<CellRange> blocks;
-  for (std::size_t k = 0; k < shape.count(2); k += edge) {
-    for (std::size_t j = 0; j < shape.count(1); j += edge) {
-      for (std::size_t i = 0; i < shape.count(0); i += edge) {
-        blocks.push_back({{i, j, k},
-                          {std::min(i + edge, shape.count(0)), std::min(j + edge, shape.count(1)),
-                           std::min(k + edge, shape.count(2))}});
-      }
+  for_each_in({0, 0, 0}, band.blocks().count, [&](std::size_t i, std::size_t j, std::size_t k) {
+    CellRange& block = blocks.emplace_back(CellRange{{edge * i, edge * j, edge * k}, {}});
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      block.to[axis] = std::min(block.from[axis] + edge, cells[axis]);
     }
-  }
+  });
   std::vector<Choice> choices(blocks.size());
 #pragma omp parallel for schedule(dynamic, 16) num_threads(threads)
   for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -149,7 +135,7 @@ NarrowBand narrow_band(const SignedSurface& surface, const GridShape& shape, dou
   }
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     unsigned place = 0;
-    for_each_cell(blocks[b], [&](std::size_t i, std::size_t j, std::size_t k) {
+    for_each_in(blocks[b].from, blocks[b].to, [&](std::size_t i, std::size_t j, std::size_t k) {
       if (((choices[b].kept >> place++) & 1U) != 0) {
         band.keep(shape.cell(i, j, k));
       }

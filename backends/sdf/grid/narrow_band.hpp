@@ -25,6 +25,7 @@ class NarrowBand {
   NarrowBand(const GridShape& shape, double width_m);
 
   [[nodiscard]] double width_m() const { return m_width_m; }
+  [[nodiscard]] const GridIndex& blocks() const { return m_blocks; }
   [[nodiscard]] std::size_t record_count() const { return m_record_count; }
   [[nodiscard]] std::size_t bytes() const {
     return (m_cells.size() + m_vertices.size()) * sizeof(std::uint64_t) + m_before.size() * sizeof(std::uint32_t) +
@@ -57,11 +58,11 @@ class NarrowBand {
     return ((bits[place / 64] >> (place % 64)) & 1U) != 0;
   }
   [[nodiscard]] std::size_t block(std::size_t i, std::size_t j, std::size_t k) const {
-    return (k / block_edge * m_blocks[1] + j / block_edge) * m_blocks[0] + i / block_edge;
+    return m_blocks.index(i / block_edge, j / block_edge, k / block_edge);
   }
 
   double m_width_m = 0;
-  std::array<std::size_t, 3> m_blocks{};
+  GridIndex m_blocks;
   std::size_t m_record_count = 0;
   std::vector<std::uint64_t> m_cells;     ///< one bit a cell
   std::vector<std::uint64_t> m_vertices;  ///< one bit a grid vertex

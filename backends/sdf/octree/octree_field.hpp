@@ -21,12 +21,11 @@ struct OctreeShape {
   double root_edge_m = 1;
   std::array<std::int32_t, 3> roots{1, 1, 1};
 
-  [[nodiscard]] std::size_t root_count() const {
-    return static_cast<std::size_t>(roots[0]) * static_cast<std::size_t>(roots[1]) * static_cast<std::size_t>(roots[2]);
+  [[nodiscard]] GridIndex root_grid() const {
+    return {
+        {static_cast<std::size_t>(roots[0]), static_cast<std::size_t>(roots[1]), static_cast<std::size_t>(roots[2])}};
   }
-  [[nodiscard]] std::size_t root(std::size_t i, std::size_t j, std::size_t k) const {
-    return (k * static_cast<std::size_t>(roots[1]) + j) * static_cast<std::size_t>(roots[0]) + i;
-  }
+  [[nodiscard]] std::size_t root_count() const { return root_grid().size(); }
   [[nodiscard]] Vec3 upper_m() const { return lower_m + root_edge_m * Vec3(roots[0], roots[1], roots[2]); }
   /// With a cell for each root.
   [[nodiscard]] GridShape grid() const { return {lower_m, Vec3::Constant(root_edge_m), roots}; }
