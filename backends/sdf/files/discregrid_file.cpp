@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
-#include <fstream>
 #include <limits>
 #include <span>
 #include <type_traits>
@@ -87,37 +85,29 @@ std::size_t number_of(const NodeNumbers& numbers, const Index& at, std::size_t a
   return axis == 3 ? numbers.vertex(at) : numbers.edge(at, axis) + third;
 }
 
-class Writer {
- public:
-  explicit Writer(std::ostream& out) : m_out(out) {}
+template <typename T>
+void write(std::ostream& out, const T& value) {
+  write_bytes(out, std::as_bytes(std::span(&value, 1)));
+}
+template <typename T>
+void write(std::ostream& out, const std::vector<T>& values) {
+  write(out, static_cast<std::uint64_t>(values.size()));
+  write_bytes(out, std::as_bytes(std::span(values)));
+}
 
-  template <typename T>
-  void write(const T& value) {
-    m_out.write(reinterpret_cast<const char*>(&value), sizeof(value));
-  }
-  template <typename T>
-  void write(const std::vector<T>& values) {
-    write(static_cast<std::uint64_t>(values.size()));
-    m_out.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(T)));
-  }
-
- private:
-  std::ostream& m_out;
-};
-
-void write_field(const CubicField& field, Writer& out) {
+void write_field(const CubicField& field, std::ostream& out) {
   const GridShape& shape = field.shape();
   const NodeNumbers numbers(shape);
-  out.write(shape.lower_m);
-  out.write(shape.upper_m());
+  write(out, shape.lower_m);
+  write(out, shape.upper_m());
   for (const std::int32_t cells : shape.cells) {
-    out.write(static_cast<std::uint32_t>(cells));
+    write(out, static_cast<std::uint32_t>(cells));
   }
-  out.write(shape.cell_size_m);
-  out.write(Vec3(shape.cell_size_m.cwiseInverse()));
-  out.write(static_cast<std::uint64_t>(shape.cell_count()));
+  write(out, shape.cell_size_m);
+  write(out, Vec3(shape.cell_size_m.cwiseInverse()));
+  write(out, static_cast<std::uint64_t>(shape.cell_count()));
   constexpr std::uint64_t fields = 1;
-  out.write(fields);
+  write(out, fields);
 
   std::vector<double> values(numbers.count());
   std::vector<CellNodes> cells;
@@ -136,61 +126,20 @@ void write_field(const CubicField& field, Writer& out) {
   for (std::size_t cell = 0; cell < map.size(); ++cell) {
     map[cell] = static_cast<std::uint32_t>(cell);
   }
-  out.write(fields);
-  out.write(values);
-  out.write(fields);
-  out.write(cells);
-  out.write(fields);
-  out.write(map);
+  write(out, fields);
+  write(out, values);
+  write(out, fields);
+  write(out, cells);
+  write(out, fields);
+  write(out, map);
 }
 
-/// Reads piece by piece and knows how much is left, so that a damaged count asks for no memory.
-class Reader {
- public:
-  explicit Reader(const std::filesystem::path& path) : m_path(path), m_in(path, std::ios::binary) {
-    std::error_code error;
-    m_left = std::filesystem::file_size(path, error);
-    if (error || !m_in.is_open()) {
-      refuse("cannot be read");
-    }
-  }
-
-  [[noreturn]] void refuse(const std::string& problem) const {
-    throw InputError(m_path.string(), problem +
-                                          "; make it from this bone's mesh, with Discregrid or "
-                                          "`musclebench field`, or leave out `discregrid` to build it here");
-  }
-
-  template <typename T>
-  T read() {
-    T value{};
-    take(&value, sizeof(value));
-    return value;
-  }
-  template <typename T>
-  std::vector<T> read_all() {
-    const auto count = read<std::uint64_t>();
-    if (count > m_left / sizeof(T)) {
-      refuse("is truncated or no Discregrid field");
-    }
-    std::vector<T> values(count);
-    take(values.data(), count * sizeof(T));
-    return values;
-  }
-  [[nodiscard]] bool at_end() const { return m_left == 0; }
-
- private:
-  void take(void* to, std::size_t bytes) {
-    if (bytes > m_left || !m_in.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes))) {
-      refuse("is truncated or no Discregrid field");
-    }
-    m_left -= bytes;
-  }
-
-  std::filesystem::path m_path;
-  std::ifstream m_in;
-  std::uintmax_t m_left = 0;
-};
+BinaryReader::Words discregrid_words() {
+  return {
+      "is truncated or no Discregrid field",
+      "make it from this bone's mesh, with Discregrid or `musclebench field`, or leave out `discregrid` to build it "
+      "here"};
+}
 
 struct Header {
   std::array<double, 3> lower_m{};
@@ -248,7 +197,7 @@ Header of_other_byte_order(Header header) {
   return header;
 }
 
-GridShape read_shape(Reader& in) {
+GridShape read_shape(BinaryReader& in) {
   Header header;
   for_each_part(header, [&](auto& part) { part = in.read<std::remove_reference_t<decltype(part)>>(); });
   if (!is_sound(header)) {
@@ -270,19 +219,19 @@ GridShape read_shape(Reader& in) {
 
 /// The first of as many lists as there are fields; the others are skipped.
 template <typename T>
-std::vector<T> read_first(Reader& in) {
+std::vector<T> read_first(BinaryReader& in) {
   const auto lists = in.read<std::uint64_t>();
   if (lists == 0) {
     in.refuse("holds no field");
   }
-  std::vector<T> first = in.read_all<T>();
+  std::vector<T> first = in.read_all<T>(in.read<std::uint64_t>());
   for (std::uint64_t list = 1; list < lists; ++list) {
-    (void)in.read_all<T>();
+    (void)in.read_all<T>(in.read<std::uint64_t>());
   }
   return first;
 }
 
-void store_nodes(const Reader& in, const std::vector<double>& values, const std::vector<CellNodes>& cells,
+void store_nodes(const BinaryReader& in, const std::vector<double>& values, const std::vector<CellNodes>& cells,
                  const std::vector<std::uint32_t>& map, CubicField& field) {
   const GridShape& shape = field.shape();
   const NodeNumbers numbers(shape);
@@ -313,21 +262,16 @@ void write_discregrid(const CubicField& field, const std::filesystem::path& path
   if (field.band()) {
     throw InputError(path.string(), "Discregrid's format wants a value in every cell; leave out `band_m`");
   }
-  write_atomically(path, [&](std::ostream& out) {
-    Writer writer(out);
-    write_field(field, writer);
-  });
+  write_atomically(path, [&](std::ostream& out) { write_field(field, out); });
 }
 
 CubicField read_discregrid(const std::filesystem::path& path, int threads) {
-  Reader in(path);
+  BinaryReader in(path, discregrid_words());
   const GridShape shape = read_shape(in);
   const auto values = read_first<double>(in);
   const auto cells = read_first<CellNodes>(in);
   const auto map = read_first<std::uint32_t>(in);
-  if (!in.at_end()) {
-    in.refuse("goes on after its end");
-  }
+  in.require_end();
   const auto lacking = std::count(map.begin(), map.end(), no_cell);
   if (map.size() != shape.cell_count() || lacking > 0) {
     in.refuse(fmt::format("is a reduced field that lacks {} of {} cells; a whole one is needed", lacking,

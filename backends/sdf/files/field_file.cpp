@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
-#include <fstream>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -61,18 +60,6 @@ Header header_of(const GridShape& shape, const FieldSettings& settings, const st
   return header;
 }
 
-FileDigest content_digest(Header header, const CubicField& field) {
-  header.content.fill('\0');
-  Sha256 hash;
-  hash.add(std::as_bytes(std::span(&header, 1)));
-  const auto add = [&](const auto& range) { hash.add(std::as_bytes(std::span(range))); };
-  if (field.band()) {
-    for_each_part_of_band(*field.band(), add);
-  }
-  for_each_part(field, add);
-  return as_file_digest(hash.hex_digest());
-}
-
 std::string first_difference(const Header& found, const Header& wanted) {
   if (const std::string mark = first_difference(found.mark, wanted.mark, "a field file"); !mark.empty()) {
     return mark;
@@ -96,16 +83,6 @@ std::string first_difference(const Header& found, const Header& wanted) {
   return "";
 }
 
-void write_all(std::ostream& out, const Header& header, const CubicField& field) {
-  write_bytes(out, std::as_bytes(std::span(&header, 1)));
-  const auto write_range = [&](const auto& range) { write_bytes(out, std::as_bytes(std::span(range))); };
-  if (field.band()) {
-    for_each_part_of_band(*field.band(), write_range);
-  }
-  for_each_part(field, write_range);
-  out.flush();
-}
-
 }  // namespace
 
 std::string surface_digest(const RepairedMesh& surface) {
@@ -119,8 +96,13 @@ std::string surface_digest(const RepairedMesh& surface) {
 void save_field(const CubicField& field, const std::string& digest, const std::filesystem::path& path) {
   Header header = header_of(field.shape(), {field.precision(), field.band() ? field.band()->width_m() : 0.0}, digest);
   header.facts = field.facts();
-  header.content = content_digest(header, field);
-  write_atomically(path, [&](std::ostream& out) { write_all(out, header, field); });
+  std::vector<std::span<const std::byte>> parts;
+  const auto add = [&](const auto& range) { parts.push_back(std::as_bytes(std::span(range))); };
+  if (field.band()) {
+    for_each_part_of_band(*field.band(), add);
+  }
+  for_each_part(field, add);
+  write_sealed(path, header, parts);
 }
 
 std::optional<CubicField> load_field(const std::filesystem::path& path, const std::string& digest,
@@ -129,40 +111,23 @@ std::optional<CubicField> load_field(const std::filesystem::path& path, const st
   if (!std::filesystem::exists(path, error)) {
     return std::nullopt;
   }
-  std::ifstream in(path, std::ios::binary);
-  const auto read = [&](std::span<std::byte> bytes) {
-    return static_cast<bool>(
-        in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())));
-  };
-  Header found;
-  const bool header_read = read(std::as_writable_bytes(std::span(&found, 1)));
-  if (!header_read) {
-    refuse_structure(path, in.is_open() ? "is too short for a field file" : "cannot be read");
+  SealedReader<Header> in(path);
+  if (const std::string difference = first_difference(in.header(), header_of(shape, settings, digest));
+      !difference.empty()) {
+    in.refuse(difference);
   }
-  if (const std::string difference = first_difference(found, header_of(shape, settings, digest)); !difference.empty()) {
-    refuse_structure(path, difference);
-  }
-  bool complete = true;
-  const auto read_range = [&](auto& range) { complete = complete && read(std::as_writable_bytes(std::span(range))); };
+  const auto read = [&](auto& range) { in.read_into(range); };
   std::optional<NarrowBand> band;
   if (settings.band_m) {
     band.emplace(shape, *settings.band_m);
-    for_each_part_of_band(*band, read_range);
+    for_each_part_of_band(*band, read);
     band->index_records(shape);
   }
   CubicField field =
       band ? CubicField(shape, settings.precision, *std::move(band)) : CubicField(shape, settings.precision);
-  for_each_part(field, read_range);
-  field.facts() = found.facts;
-  if (!complete) {
-    refuse_structure(path, "is truncated");
-  }
-  if (in.peek() != std::ifstream::traits_type::eof()) {
-    refuse_structure(path, "goes on after its end");
-  }
-  if (content_digest(found, field) != found.content) {
-    refuse_structure(path, "is damaged: its checksum does not fit");
-  }
+  for_each_part(field, read);
+  field.facts() = in.header().facts;
+  in.require_intact();
   return field;
 }
 

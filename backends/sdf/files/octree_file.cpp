@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <span>
 #include <utility>
 #include <vector>
@@ -13,7 +12,6 @@
 #include "backends/sdf/files/sealed_file.hpp"
 #include "backends/sdf/octree/octree_entry.hpp"
 #include "backends/sdf/octree/octree_polynomial.hpp"
-#include "core/base/sha256.hpp"
 
 namespace musclebench {
 
@@ -49,15 +47,6 @@ Header header_of(const std::string& digest, const OctreeSettings& settings) {
   header.margin = settings.margin;
   header.surface = as_file_digest(digest);
   return header;
-}
-
-FileDigest content_digest(Header header, std::span<const std::uint32_t> entries, std::span<const float> coefficients) {
-  header.content.fill('\0');
-  Sha256 hash;
-  hash.add(std::as_bytes(std::span(&header, 1)));
-  hash.add(std::as_bytes(entries));
-  hash.add(std::as_bytes(coefficients));
-  return as_file_digest(hash.hex_digest());
 }
 
 std::string first_difference(const Header& found, const Header& wanted) {
@@ -120,12 +109,8 @@ void save_octree(const OctreeField& field, const std::string& digest, const Octr
   header.quality = field.quality();
   header.entries = field.entries().size();
   header.coefficients = field.coefficients().size();
-  header.content = content_digest(header, field.entries(), field.coefficients());
-  write_atomically(path, [&](std::ostream& out) {
-    write_bytes(out, std::as_bytes(std::span(&header, 1)));
-    write_bytes(out, std::as_bytes(std::span(field.entries())));
-    write_bytes(out, std::as_bytes(std::span(field.coefficients())));
-  });
+  const std::array parts{std::as_bytes(std::span(field.entries())), std::as_bytes(std::span(field.coefficients()))};
+  write_sealed(path, header, parts);
 }
 
 std::optional<OctreeField> load_octree(const std::filesystem::path& path, const std::string& digest,
@@ -134,37 +119,16 @@ std::optional<OctreeField> load_octree(const std::filesystem::path& path, const 
   if (!std::filesystem::exists(path, error)) {
     return std::nullopt;
   }
-  std::ifstream in(path, std::ios::binary);
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  const auto read = [&](std::span<std::byte> bytes) {
-    return static_cast<bool>(
-        in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())));
-  };
-  Header found;
-  const bool header_read = !error && read(std::as_writable_bytes(std::span(&found, 1)));
-  if (!header_read) {
-    refuse_structure(path, in.is_open() ? "is too short for a field file" : "cannot be read");
-  }
+  SealedReader<Header> in(path);
+  const Header& found = in.header();
   if (const std::string difference = first_difference(found, header_of(digest, settings)); !difference.empty()) {
-    refuse_structure(path, difference);
+    in.refuse(difference);
   }
-  const std::uintmax_t values = (size - sizeof(Header)) / sizeof(float);
-  if (found.entries > values || found.coefficients > values - found.entries) {
-    refuse_structure(path, "is truncated");
-  }
-  if (size != sizeof(Header) + (found.entries + found.coefficients) * sizeof(float)) {
-    refuse_structure(path, "goes on after its end");
-  }
-  std::vector<std::uint32_t> entries(found.entries);
-  std::vector<float> coefficients(found.coefficients);
-  if (!read(std::as_writable_bytes(std::span(entries))) || !read(std::as_writable_bytes(std::span(coefficients)))) {
-    refuse_structure(path, "cannot be read");
-  }
-  if (content_digest(found, entries, coefficients) != found.content) {
-    refuse_structure(path, "is damaged: its checksum does not fit");
-  }
+  std::vector<std::uint32_t> entries = in.read_all<std::uint32_t>(found.entries);
+  std::vector<float> coefficients = in.read_all<float>(found.coefficients);
+  in.require_intact();
   if (!is_tree(found, entries, coefficients.size()) || !has_sensible_numbers(found, coefficients)) {
-    refuse_structure(path, "does not hold an octree");
+    in.refuse("does not hold an octree");
   }
   OctreeShape shape{{found.lower_m[0], found.lower_m[1], found.lower_m[2]}, found.root_edge_m, found.roots};
   return OctreeField(shape, found.quality, std::move(entries), std::move(coefficients));

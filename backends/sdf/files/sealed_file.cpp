@@ -46,8 +46,44 @@ std::string first_difference(const FileMark& found, const FileMark& wanted, cons
   return "";
 }
 
-void refuse_structure(const std::filesystem::path& path, const std::string& reason) {
-  throw InputError(path.string(), reason + "; remove the file or name another folder in `structures`");
+BinaryReader::BinaryReader(const std::filesystem::path& path, Words words) : m_path(path), m_words(std::move(words)) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    refuse(std::filesystem::exists(path, error) ? "is no regular file" : "cannot be read");
+  }
+  m_left = std::filesystem::file_size(path, error);
+  m_in.open(path, std::ios::binary);
+  if (error || !m_in.is_open()) {
+    refuse("cannot be read");
+  }
+}
+
+void BinaryReader::refuse(const std::string& reason) const {
+  throw InputError(m_path.string(), reason + "; " + m_words.cure);
+}
+
+void BinaryReader::require(bool is_there) const {
+  if (!is_there) {
+    refuse(m_words.truncated);
+  }
+}
+
+void BinaryReader::read(std::span<std::byte> bytes) {
+  require(bytes.size() <= m_left);
+  if (!bytes.empty() && !m_in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()))) {
+    refuse("cannot be read");
+  }
+  m_left -= bytes.size();
+}
+
+void BinaryReader::require_end() const {
+  if (m_left > 0) {
+    refuse("goes on after its end");
+  }
+}
+
+BinaryReader::Words sealed_file_words() {
+  return {"is truncated", "remove the file or name another folder in `structures`"};
 }
 
 void write_bytes(std::ostream& out, std::span<const std::byte> bytes) {

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <sys/stat.h>
 
 #include <gtest/gtest.h>
 
@@ -98,6 +99,12 @@ TEST_F(FieldFile, ThatIsDamagedIsRefused) {
       content[static_cast<std::size_t>(share * static_cast<double>(content.size()))] ^= 4;
     });
   }
+}
+
+TEST_F(FieldFile, ThatIsNoRegularFileIsRefused) {
+  std::filesystem::create_directories(m_path.parent_path());
+  ASSERT_EQ(mkfifo(m_path.c_str(), 0600), 0);
+  EXPECT_NE(refusal().find("is no regular file"), std::string::npos) << refusal();
 }
 
 TEST_F(FieldFile, ThatCannotBeWrittenIsAnError) {
