@@ -1,4 +1,4 @@
-#include "backends/sdf/octree_backend.hpp"
+#include "backends/sdf/octree_field_source.hpp"
 
 #include <filesystem>
 #include <numeric>
@@ -47,7 +47,7 @@ std::vector<Contact> contacts_of(CollisionBackend& backend, const std::vector<Ri
   return contacts;
 }
 
-TEST(OctreeBackend, FindsDepthAndNormalInMovedBones) {
+TEST(OctreeFieldSource, FindsDepthAndNormalInMovedBones) {
   const auto backend = make();
   backend->build(bones(), {}, 2);
   RandomNumbers random(1);
@@ -81,7 +81,7 @@ TEST(OctreeBackend, FindsDepthAndNormalInMovedBones) {
   }
 }
 
-TEST(OctreeBackend, BudgetsAndThreadsChangeNoContact) {
+TEST(OctreeFieldSource, BudgetsAndThreadsChangeNoContact) {
   const auto made = [](const std::string& budgets, int threads) {
     auto backend = make({{"motion_budgets", budgets}});
     backend->build(bones(), {}, threads);
@@ -119,7 +119,7 @@ TEST(OctreeBackend, BudgetsAndThreadsChangeNoContact) {
   EXPECT_GT(met, 10000U);
 }
 
-TEST(OctreeBackend, FindsItsFieldsAgain) {
+TEST(OctreeFieldSource, FindsItsFieldsAgain) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "octree_backend_test";
   std::filesystem::remove_all(folder);
   const Given given{{"structures", folder.string()}};
@@ -133,7 +133,7 @@ TEST(OctreeBackend, FindsItsFieldsAgain) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(OctreeBackend, RefusesCellsOfOneSizeBesideAnError) {
+TEST(OctreeFieldSource, RefusesCellsOfOneSizeBesideAnError) {
   EXPECT_THROW(make({{"cell_size_m", 0.01}}), InputError);
   EXPECT_THROW(make({{"band_m", 0.01}}), InputError);
   EXPECT_THROW(make({{"discregrid", std::string("here")}}), InputError);
