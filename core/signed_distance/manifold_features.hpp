@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/bvh/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
@@ -14,11 +14,11 @@ namespace musclebench {
 /// deal with. Such a feature's triangles have an area, form one closed fan that is consistently wound, touch no other
 /// triangle, not even to rounding, and belong to a patch with the inside (winding number > 0.5) on its inner side only.
 /// The way from a point to its closest point crosses no surface, so that the sign there is the sign here.
-class CleanFeatures {
+class ManifoldFeatures {
  public:
   /// `tree` is that of the mesh, whose directed edges cancel (`SignedSurface::closed`): otherwise the inside ends
   /// somewhere without a surface.
-  CleanFeatures(const TriangleMesh& mesh, const TriangleTree& tree);
+  ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree);
 
   [[nodiscard]] bool holds(int triangle, Feature feature) const {
     return ((m_bits[static_cast<std::size_t>(triangle)] >> static_cast<unsigned>(feature)) & 1U) != 0;

@@ -1,4 +1,4 @@
-#include "core/bvh/triangle_tree_search.hpp"
+#include "core/bvh/triangle_bvh_search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include "core/base/prefetch.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/bvh/triangle_tree_search.cpp"
+#define HWY_TARGET_INCLUDE "core/bvh/triangle_bvh_search.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "core/bvh/triangle_tree_lanes-inl.hpp"
+#include "core/bvh/triangle_bvh_lanes-inl.hpp"
 
 // How far a float distance may be from the truth (u = 2^-24, R = 1 + largest coordinate of the point, E = longest side
 // of the mesh; the mesh fits in -1 .. 1, so that an arm from a triangle to the point is at most sqrt(3) R long):
@@ -22,7 +22,7 @@
 // - evaluation: the place along the slanted side 3 sqrt(3) u R + 4 u E, the two differences 7 u R, the side of the
 //   slanted side that the point is on 7 u R + 4 u E, the squares 2.6 u R                              <=   22 u R + 8 u
 //   E
-// The sum is below 48 u R + 16 u E, which is the slack that TriangleTree uses. A distance to a box errs less.
+// The sum is below 48 u R + 16 u E, which is the slack that TriangleBvh uses. A distance to a box errs less.
 // Near a triangle it is far less: only the places themselves, 1.8 u R, are rounded by their coordinates, all else by
 // the arm A, 26 u A, or by E, 16 u E. From a triangle at distance D an arm is at most D + E: 1.8 u R + 42 u E + 26 u D
 // in all. This does not hold for boxes. Fused or not, each product errs no more than assumed.
@@ -33,19 +33,19 @@ namespace {
 /// Each level of the deepest tree leaves up to 7 nodes, and what is written beyond the last one has room, too.
 constexpr int stack_capacity = 320;
 
-HWY_INLINE Vec beyond(Vec p, const TreeLanes& lower, const TreeLanes& upper, std::size_t first) {
+HWY_INLINE Vec beyond(Vec p, const BvhLanes& lower, const BvhLanes& upper, std::size_t first) {
   const Vec out = hn::Max(hn::Sub(load(lower, first), p), hn::Sub(p, load(upper, first)));
   return hn::Max(out, hn::Zero(Lanes()));
 }
 
-HWY_INLINE Vec dot(const std::array<TreeLanes, 3>& axis, const Vec3Lanes& p, std::size_t first) {
+HWY_INLINE Vec dot(const std::array<BvhLanes, 3>& axis, const Vec3Lanes& p, std::size_t first) {
   return dot(load(axis, first), p);
 }
 
 HWY_INLINE Vec squared_length(Vec x, Vec y, Vec z) { return hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x))); }
 
 /// Squared distances to what bounds the children.
-HWY_INLINE Vec squared_to_children(const TreeNode& node, const Vec3Lanes& p, std::size_t first) {
+HWY_INLINE Vec squared_to_children(const BvhNode& node, const Vec3Lanes& p, std::size_t first) {
   const Vec to_box =
       squared_length(beyond(p.x, node.lower[0], node.upper[0], first), beyond(p.y, node.lower[1], node.upper[1], first),
                      beyond(p.z, node.lower[2], node.upper[2], first));
@@ -65,7 +65,7 @@ HWY_INLINE Vec squared_to_children(const TreeNode& node, const Vec3Lanes& p, std
   return hn::Max(to_box, to_turned_box);
 }
 
-HWY_INLINE Vec squared_to_triangles(const TreeLeaf& leaf, const Vec3Lanes& p, std::size_t first) {
+HWY_INLINE Vec squared_to_triangles(const BvhLeaf& leaf, const Vec3Lanes& p, std::size_t first) {
   return arms_to(TriangleLanes::of(leaf, first), p).squared_length();
 }
 
@@ -79,27 +79,27 @@ HWY_INLINE float limit_from(float squared, float slack) {
 HWY_INLINE unsigned within(const float* HWY_RESTRICT squared, float limit) {
   const Lanes d;
   unsigned bits = 0;
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+  for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
     bits |= bits_of(d, hn::Le(hn::Load(d, squared + first), hn::Set(d, limit)), first);
   }
   return bits;
 }
 
-HWY_INLINE float least_squared(const TreeLeaf& leaf, const Vec3Lanes& p) {
+HWY_INLINE float least_squared(const BvhLeaf& leaf, const Vec3Lanes& p) {
   const Lanes d;
   Vec least = hn::Set(d, std::numeric_limits<float>::max());
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+  for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
     least = hn::Min(least, squared_to_triangles(leaf, p, first));
   }
   return hn::GetLane(hn::MinOfLanes(d, least));
 }
 
 /// Lists the triangles of a leaf that may be the closest and lowers the limit.
-HWY_INLINE void collect(const TreeLeaf& leaf, const Vec3Lanes& p, TreeSearch& search) {
+HWY_INLINE void collect(const BvhLeaf& leaf, const Vec3Lanes& p, BvhSearch& search) {
   const Lanes d;
-  alignas(64) float squared[tree_width];
+  alignas(64) float squared[bvh_width];
   Vec least = hn::Set(d, std::numeric_limits<float>::max());
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+  for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
     const Vec part = squared_to_triangles(leaf, p, first);
     hn::Store(part, d, squared + first);
     least = hn::Min(least, part);
@@ -110,7 +110,7 @@ HWY_INLINE void collect(const TreeLeaf& leaf, const Vec3Lanes& p, TreeSearch& se
   }
   const float squared_least = hn::GetLane(hn::MinOfLanes(d, least));
   search.least = std::min(search.least, squared_least);
-  if (leaf.needles == 0) {
+  if (leaf.slivers == 0) {
     const float lowered = limit_from(squared_least, search.slack);
     if (lowered < search.limit) {
       search.limit = lowered;
@@ -124,7 +124,7 @@ HWY_INLINE void collect(const TreeLeaf& leaf, const Vec3Lanes& p, TreeSearch& se
     prefetch(search.corners[leaf.triangle[place]]);
     ++search.count;
   }
-  if (search.count > TreeSearch::capacity - tree_width || leaf.needles != 0) {
+  if (search.count > BvhSearch::capacity - bvh_width || leaf.slivers != 0) {
     search.decide(search);
   }
 }
@@ -133,10 +133,10 @@ HWY_INLINE void collect(const TreeLeaf& leaf, const Vec3Lanes& p, TreeSearch& se
 /// nearest one is next, without a way through memory; the others wait on the stack in any order, since sorting them
 /// costs more than it saves.
 template <typename Look>
-HWY_INLINE void walk(const TreeSearch& search, const Vec3Lanes& p, const float& limit, Look&& look) {
+HWY_INLINE void walk(const BvhSearch& search, const Vec3Lanes& p, const float& limit, Look&& look) {
   const Lanes d;
   const IntLanes di;
-  HWY_ALIGN float squared[tree_width];
+  HWY_ALIGN float squared[bvh_width];
   HWY_ALIGN float near[stack_capacity];
   HWY_ALIGN std::int32_t child[stack_capacity];
   int waiting = 0;
@@ -145,9 +145,9 @@ HWY_INLINE void walk(const TreeSearch& search, const Vec3Lanes& p, const float& 
     if (next < 0) {
       look(~next);
     } else {
-      const TreeNode& node = search.nodes[next];
+      const BvhNode& node = search.nodes[next];
       Vec least = hn::Set(d, std::numeric_limits<float>::max());
-      for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+      for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
         const Vec part = squared_to_children(node, p, first);
         hn::Store(part, d, squared + first);
         least = hn::Min(least, part);
@@ -157,7 +157,7 @@ HWY_INLINE void walk(const TreeSearch& search, const Vec3Lanes& p, const float& 
         const std::size_t nearest = hwy::Num0BitsBelowLS1Bit_Nonzero32(within(squared, squared_least));
         next = node.child[nearest];
         const auto place_of_next = hn::Set(di, static_cast<std::int32_t>(nearest));
-        for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+        for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
           const Vec part = hn::Load(d, squared + first);
           const auto is_other = hn::Ne(hn::Iota(di, static_cast<std::int32_t>(first)), place_of_next);
           const auto waits = hn::And(hn::RebindMask(d, is_other), hn::Le(part, hn::Set(d, limit)));
@@ -169,7 +169,7 @@ HWY_INLINE void walk(const TreeSearch& search, const Vec3Lanes& p, const float& 
         if (waiting > 0) {
           const std::int32_t after = child[waiting - 1];
           prefetch_bytes(after < 0 ? static_cast<const void*>(search.leaves + ~after) : search.nodes + after,
-                         std::min(sizeof(TreeNode), sizeof(TreeLeaf)));
+                         std::min(sizeof(BvhNode), sizeof(BvhLeaf)));
         }
         continue;
       }
@@ -183,7 +183,7 @@ HWY_INLINE void walk(const TreeSearch& search, const Vec3Lanes& p, const float& 
   }
 }
 
-void closest(TreeSearch& search) {
+void closest(BvhSearch& search) {
   const Vec3Lanes p = splat(search.point);
   const int first_leaf = search.first_leaf;
   if (first_leaf >= 0) {
@@ -196,8 +196,8 @@ void closest(TreeSearch& search) {
   });
 }
 
-NearestLeaves leaves_within(const TreeSearch& search) {
-  constexpr std::size_t capacity = NearLeaves::capacity;
+NearestLeaves leaves_within(const BvhSearch& search) {
+  constexpr std::size_t capacity = CandidateLeaves::capacity;
   const Vec3Lanes p = splat(search.point);
   NearestLeaves near;
   near.others = search.limit;
@@ -223,7 +223,7 @@ NearestLeaves leaves_within(const TreeSearch& search) {
   return near;
 }
 
-DistanceBound bound(const TreeSearch& search, float share) {
+DistanceBound bound(const BvhSearch& search, float share) {
   const Vec3Lanes p = splat(search.point);
   std::int32_t nearest = search.first_leaf;
   float least = least_squared(search.leaves[nearest], p);
@@ -236,9 +236,9 @@ DistanceBound bound(const TreeSearch& search, float share) {
       nearest = index;
     }
   });
-  const TreeLeaf& leaf = search.leaves[nearest];
-  HWY_ALIGN float squared[tree_width];
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(Lanes())) {
+  const BvhLeaf& leaf = search.leaves[nearest];
+  HWY_ALIGN float squared[bvh_width];
+  for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(Lanes())) {
     hn::Store(squared_to_triangles(leaf, p, first), Lanes(), squared + first);
   }
   const unsigned found = within(squared, least);
@@ -246,14 +246,14 @@ DistanceBound bound(const TreeSearch& search, float share) {
 }
 
 /// At least that far from `search.point` is what is listed at `place`.
-HWY_INLINE float least_listed(const NearLeaves& list, std::size_t place, float moved) {
-  return static_cast<float>(list.distance[place]) * (list.complete * ((1 - 1e-6F) / NearLeaves::steps)) - moved;
+HWY_INLINE float least_listed(const CandidateLeaves& list, std::size_t place, float moved) {
+  return static_cast<float>(list.distance[place]) * (list.complete * ((1 - 1e-6F) / CandidateLeaves::steps)) - moved;
 }
 
-/// For lists with needles.
-void in_listed_leaves_in_turn(TreeSearch& search, const NearLeaves& list, float moved) {
+/// For lists with slivers.
+void in_listed_leaves_in_turn(BvhSearch& search, const CandidateLeaves& list, float moved) {
   const Vec3Lanes p = splat(search.point);
-  for (std::size_t i = 0; i < NearLeaves::capacity && list.leaf[i] >= 0; ++i) {
+  for (std::size_t i = 0; i < CandidateLeaves::capacity && list.leaf[i] >= 0; ++i) {
     const float least = least_listed(list, i, moved);
     if (least > 0 && least * least > search.limit) {
       return;
@@ -263,31 +263,31 @@ void in_listed_leaves_in_turn(TreeSearch& search, const NearLeaves& list, float 
 }
 
 /// First all distances, then what may be the closest: a branch that is guessed wrong costs as much as half a leaf.
-void in_listed_leaves(TreeSearch& search, const NearLeaves& list, float moved) {
+void in_listed_leaves(BvhSearch& search, const CandidateLeaves& list, float moved) {
   const Lanes d;
   const Vec3Lanes p = splat(search.point);
-  HWY_ALIGN float squared[NearLeaves::capacity * tree_width];
+  HWY_ALIGN float squared[CandidateLeaves::capacity * bvh_width];
   const float certain = moved + 2 * search.slack;
-  float least = tree_nowhere * tree_nowhere;
+  float least = bvh_far_away * bvh_far_away;
   std::size_t nearest = 0;
   std::size_t looked_at = 0;
-  for (; looked_at < NearLeaves::capacity && list.leaf[looked_at] >= 0; ++looked_at) {
+  for (; looked_at < CandidateLeaves::capacity && list.leaf[looked_at] >= 0; ++looked_at) {
     const float beyond = least_listed(list, looked_at, certain);
     if (beyond > 0 && beyond * beyond > 1.000001F * least) {
       break;
     }
-    const TreeLeaf& leaf = search.leaves[list.leaf[looked_at]];
+    const BvhLeaf& leaf = search.leaves[list.leaf[looked_at]];
     Vec least_here = hn::Set(d, std::numeric_limits<float>::max());
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+    for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
       const Vec part = squared_to_triangles(leaf, p, first);
-      hn::Store(part, d, squared + looked_at * tree_width + first);
+      hn::Store(part, d, squared + looked_at * bvh_width + first);
       least_here = hn::Min(least_here, part);
     }
     const float here = hn::GetLane(hn::MinOfLanes(d, least_here));
     nearest = here < least ? looked_at : nearest;
     least = std::min(least, here);
   }
-  if (search.leaves[list.leaf[nearest]].needles != 0) {
+  if (search.leaves[list.leaf[nearest]].slivers != 0) {
     in_listed_leaves_in_turn(search, list, moved);
     return;
   }
@@ -295,11 +295,11 @@ void in_listed_leaves(TreeSearch& search, const NearLeaves& list, float moved) {
   search.limit = std::min(search.limit, limit_from(least, search.slack));
   std::uint64_t found = 0;
   for (std::size_t i = 0; i < looked_at; ++i) {
-    found |= static_cast<std::uint64_t>(within(squared + i * tree_width, search.limit)) << i * tree_width;
+    found |= static_cast<std::uint64_t>(within(squared + i * bvh_width, search.limit)) << i * bvh_width;
   }
   for (; found != 0; found &= found - 1) {
     const auto place = hwy::Num0BitsBelowLS1Bit_Nonzero64(found);
-    const std::int32_t triangle = search.leaves[list.leaf[place / tree_width]].triangle[place % tree_width];
+    const std::int32_t triangle = search.leaves[list.leaf[place / bvh_width]].triangle[place % bvh_width];
     search.squared[search.count] = squared[place];
     search.triangle[search.count] = triangle;
     prefetch(search.corners[triangle]);
@@ -319,13 +319,13 @@ HWY_EXPORT(leaves_within);
 HWY_EXPORT(bound);
 HWY_EXPORT(in_listed_leaves);
 
-void search_closest(TreeSearch& search) { HWY_DYNAMIC_DISPATCH(closest)(search); }
+void search_closest(BvhSearch& search) { HWY_DYNAMIC_DISPATCH(closest)(search); }
 
-NearestLeaves search_leaves(const TreeSearch& search) { return HWY_DYNAMIC_DISPATCH(leaves_within)(search); }
+NearestLeaves search_leaves(const BvhSearch& search) { return HWY_DYNAMIC_DISPATCH(leaves_within)(search); }
 
-DistanceBound search_bound(const TreeSearch& search, float share) { return HWY_DYNAMIC_DISPATCH(bound)(search, share); }
+DistanceBound search_bound(const BvhSearch& search, float share) { return HWY_DYNAMIC_DISPATCH(bound)(search, share); }
 
-void search_listed(TreeSearch& search, const NearLeaves& list, float moved) {
+void search_listed(BvhSearch& search, const CandidateLeaves& list, float moved) {
   HWY_DYNAMIC_DISPATCH(in_listed_leaves)(search, list, moved);
 }
 

@@ -1,4 +1,4 @@
-#include "core/clearance/motion_budgets.hpp"
+#include "core/clearance/clearance_cache.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/clearance/motion_budgets.cpp"
+#define HWY_TARGET_INCLUDE "core/clearance/clearance_cache.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 // clang-format on
@@ -42,7 +42,7 @@ constexpr std::size_t sweep_share = 4;
 
 constexpr std::size_t padded(std::size_t nodes) { return (nodes + sweep_lanes - 1) / sweep_lanes * sweep_lanes; }
 
-static_assert(sweep_lanes == MotionBudgets::EightBalls::width && block_size % sweep_lanes == 0);
+static_assert(sweep_lanes == ClearanceCache::EightBalls::width && block_size % sweep_lanes == 0);
 
 }  // namespace musclebench
 #endif
@@ -101,7 +101,7 @@ HWY_INLINE void load_block(const double* HWY_RESTRICT positions, std::size_t cou
 }
 
 /// Of the nodes from `first` on those that have left their balls.
-HWY_INLINE void sweep_block(const Block& block, std::size_t first, std::size_t count, MotionBudgets::SweptBone& bone) {
+HWY_INLINE void sweep_block(const Block& block, std::size_t first, std::size_t count, ClearanceCache::SweptBone& bone) {
   const hn::CappedTag<float, sweep_lanes> lanes;
   const hn::RebindToSigned<decltype(lanes)> ints;
   const auto entry = [&](std::size_t row, std::size_t column)
@@ -119,7 +119,7 @@ HWY_INLINE void sweep_block(const Block& block, std::size_t first, std::size_t c
   std::size_t found = bone.count;
   for (std::size_t i = 0; i < count; i += hn::Lanes(lanes)) {
     const std::size_t node = first + i;
-    const MotionBudgets::EightBalls& balls = bone.balls[node / sweep_lanes];
+    const ClearanceCache::EightBalls& balls = bone.balls[node / sweep_lanes];
     const std::size_t place = node % sweep_lanes;
     prefetch_bytes(&balls + fetched_ahead, sizeof(balls));  // sooner than the CPU would guess
     const auto x = hn::Load(lanes, block.x.data() + i);
@@ -144,12 +144,12 @@ HWY_INLINE void sweep_block(const Block& block, std::size_t first, std::size_t c
 }
 
 void sweep_all(const double* positions, std::size_t nodes, const std::array<double, 3>& middle_m, const int* is_asked,
-               std::span<MotionBudgets::SweptBone> bones) {
+               std::span<ClearanceCache::SweptBone> bones) {
   Block block = {};  // whole vectors are read
   for (std::size_t first = 0; first < nodes; first += block_size) {
     const std::size_t count = std::min(block_size, nodes - first);
     load_block(positions + 3 * first, count, middle_m, is_asked + first, block);
-    for (MotionBudgets::SweptBone& bone : bones) {
+    for (ClearanceCache::SweptBone& bone : bones) {
       sweep_block(block, first, count, bone);
     }
   }
@@ -185,7 +185,7 @@ std::array<std::array<float, 3>, 3> inverse_rotation(const RigidMotion& pose) {
 
 }  // namespace
 
-void MotionBudgets::reset(std::span<const Bone> bones, std::size_t nodes) {
+void ClearanceCache::reset(std::span<const Bone> bones, std::size_t nodes) {
   m_nodes = nodes;
   m_bones.clear();
   m_bones.reserve(bones.size());
@@ -199,8 +199,8 @@ void MotionBudgets::reset(std::span<const Bone> bones, std::size_t nodes) {
   m_is_swept.assign(padded(nodes), 0);
 }
 
-void MotionBudgets::collect_spent(std::span<const RigidMotion> poses, std::span<const Vec3> positions,
-                                  std::span<const int> nodes) {
+void ClearanceCache::collect_spent(std::span<const RigidMotion> poses, std::span<const Vec3> positions,
+                                   std::span<const int> nodes) {
   assert(positions.size() == m_nodes && poses.size() == m_bones.size());
   if (nodes.size() < m_nodes / sweep_share || nodes.empty()) {
     for (std::size_t bone = 0; bone < m_bones.size(); ++bone) {
@@ -233,7 +233,7 @@ void MotionBudgets::collect_spent(std::span<const RigidMotion> poses, std::span<
 }
 
 /// The free nodes of a muscle stay the same, step after step.
-void MotionBudgets::plan_sweep(std::span<const int> nodes) {
+void ClearanceCache::plan_sweep(std::span<const int> nodes) {
   if (std::equal(nodes.begin(), nodes.end(), m_swept.begin(), m_swept.end())) {
     return;
   }
@@ -244,8 +244,8 @@ void MotionBudgets::plan_sweep(std::span<const int> nodes) {
   }
 }
 
-void MotionBudgets::collect_one_by_one(const RigidMotion& pose, std::span<const Vec3> positions,
-                                       std::span<const int> nodes, Balls& balls) {
+void ClearanceCache::collect_one_by_one(const RigidMotion& pose, std::span<const Vec3> positions,
+                                        std::span<const int> nodes, Balls& balls) {
   balls.spent_count = 0;
   for (const int node : nodes) {
     const Vec3 place = pose.apply_inverse(positions[static_cast<std::size_t>(node)]) - balls.middle_m;
@@ -257,14 +257,14 @@ void MotionBudgets::collect_one_by_one(const RigidMotion& pose, std::span<const 
   }
 }
 
-MotionBudgets::Ball MotionBudgets::Balls::of(int node) const {
+ClearanceCache::Ball ClearanceCache::Balls::of(int node) const {
   const auto index = static_cast<std::size_t>(node);
   const EightBalls& eight = eights[index / EightBalls::width];
   const std::size_t place = index % EightBalls::width;
   return {Vec3(eight.x[place], eight.y[place], eight.z[place]), eight.radius_m[place]};
 }
 
-void MotionBudgets::grant(int bone, int node, const Vec3& rest_point, double clearance_m) {
+void ClearanceCache::grant(int bone, int node, const Vec3& rest_point, double clearance_m) {
   Balls& balls = m_bones[static_cast<std::size_t>(bone)];
   const auto index = static_cast<std::size_t>(node);
   EightBalls& eight = balls.eights[index / EightBalls::width];
@@ -277,7 +277,7 @@ void MotionBudgets::grant(int bone, int node, const Vec3& rest_point, double cle
   eight.radius_m[at] = radius_m > 0 ? static_cast<float>(radius_m) : 0.0F;
 }
 
-double MotionBudgets::gap_m(int bone, int node, const Vec3& rest_point) const {
+double ClearanceCache::gap_m(int bone, int node, const Vec3& rest_point) const {
   const Balls& balls = m_bones[static_cast<std::size_t>(bone)];
   const Ball ball = balls.of(node);
   if (!(ball.radius_m > 0)) {
@@ -287,7 +287,7 @@ double MotionBudgets::gap_m(int bone, int node, const Vec3& rest_point) const {
   return (place - ball.centre_m).norm() * (1 + comparison_slack) + grant_slack * place.lpNorm<1>() - ball.radius_m;
 }
 
-std::size_t MotionBudgets::bytes() const {
+std::size_t ClearanceCache::bytes() const {
   std::size_t bytes = sizeof(*this) + (m_is_swept.size() + m_nodes) * sizeof(int);
   for (const Balls& balls : m_bones) {
     bytes +=
@@ -296,8 +296,8 @@ std::size_t MotionBudgets::bytes() const {
   return bytes;
 }
 
-ParameterSpec motion_budgets_parameter(bool on_by_default) {
-  return {.name = "motion_budgets",
+ParameterSpec clearance_cache_parameter(bool on_by_default) {
+  return {.name = "clearance_cache",
           .default_value = std::string(on_by_default ? "on" : "off"),
           .help =
               "ask about a node again only when it and the bone together have moved as far as it was away; the "
@@ -305,7 +305,7 @@ ParameterSpec motion_budgets_parameter(bool on_by_default) {
           .choices = {"on", "off"}};
 }
 
-bool has_motion_budgets(const Parameters& parameters) { return parameters.word("motion_budgets") == "on"; }
+bool uses_clearance_cache(const Parameters& parameters) { return parameters.word("clearance_cache") == "on"; }
 
 }  // namespace musclebench
 #endif

@@ -3,17 +3,17 @@
 #include <utility>
 #include <vector>
 
-#include "core/bvh/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 
-/// Builds a TriangleTree from the top: ranges of triangles are cut in two where the areas of the boxes of both parts,
+/// Builds a TriangleBvh from the top: ranges of triangles are cut in two where the areas of the boxes of both parts,
 /// each times its leaves, sum to the least (surface area heuristic over bins), until a node has its children.
-class TriangleTreeBuilder {
+class TriangleBvhBuilder {
  public:
   /// `mesh` has triangles; `tree` is empty.
-  TriangleTreeBuilder(const TriangleMesh& mesh, TriangleTree& tree);
+  TriangleBvhBuilder(const TriangleMesh& mesh, TriangleBvh& tree);
 
   void build();
 
@@ -21,8 +21,8 @@ class TriangleTreeBuilder {
   /// In the tree's own frame; both corners in one vector, the upper one negated, so that both grow by a minimum. Guides
   /// the splits only, so that it need not be rounded outwards.
   struct Box {
-    Eigen::Array4f lower = Eigen::Array4f::Constant(tree_nowhere);
-    Eigen::Array4f negated_upper = Eigen::Array4f::Constant(tree_nowhere);
+    Eigen::Array4f lower = Eigen::Array4f::Constant(bvh_far_away);
+    Eigen::Array4f negated_upper = Eigen::Array4f::Constant(bvh_far_away);
 
     void extend(const Box& other) {
       lower = lower.min(other.lower);
@@ -39,7 +39,7 @@ class TriangleTreeBuilder {
     int begin = 0;
     int end = 0;
     [[nodiscard]] int count() const { return end - begin; }
-    [[nodiscard]] bool fits_leaf() const { return count() <= static_cast<int>(tree_width); }
+    [[nodiscard]] bool fits_leaf() const { return count() <= static_cast<int>(bvh_width); }
   };
 
   void choose_frame();
@@ -50,12 +50,12 @@ class TriangleTreeBuilder {
   /// Returns the first place of the upper part; the range's begin or end where there is nothing to gain.
   [[nodiscard]] int split_by_area(Range range, const Box& spread);
   [[nodiscard]] int halve(Range range, const Box& spread);
-  [[nodiscard]] TreeCluster cluster_of(Range range) const;
+  [[nodiscard]] BvhCluster cluster_of(Range range) const;
   /// The unit vector across the unit vector `normal` along which the triangles extend the most.
   [[nodiscard]] Vec3 longest_tangent(Range range, const Vec3& normal) const;
-  void set_bounds(Range range, const Vec3& area_normal, std::size_t place, TreeNode& node) const;
-  /// Returns whether the triangle is a needle.
-  bool set_triangle(int triangle, std::size_t place, TreeLeaf& leaf);
+  void set_bounds(Range range, const Vec3& area_normal, std::size_t place, BvhNode& node) const;
+  /// Returns whether the triangle is a sliver.
+  bool set_triangle(int triangle, std::size_t place, BvhLeaf& leaf);
 
   [[nodiscard]] Vec3 to_own(const Vec3& position) const { return m_tree.m_scale * (position - m_tree.m_centre_m); }
   [[nodiscard]] const std::array<Vec3, 3>& corners(int place) const {
@@ -66,7 +66,7 @@ class TriangleTreeBuilder {
     return m_boxes[static_cast<std::size_t>(m_order[static_cast<std::size_t>(place)])];
   }
 
-  TriangleTree& m_tree;
+  TriangleBvh& m_tree;
   std::vector<Box> m_boxes;  ///< of each triangle
   std::vector<int> m_order;
   std::vector<std::int32_t> m_way;  ///< from the root to the node that children are being added to

@@ -1,4 +1,4 @@
-#include "core/clearance/motion_budgets.hpp"
+#include "core/clearance/clearance_cache.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ std::vector<Bone> bones_at(const Vec3& place) {
   return {{"box", {mesh, true, {}}}};
 }
 
-std::vector<int> spent_of(MotionBudgets& budgets, const std::vector<Vec3>& positions, const std::vector<int>& nodes) {
+std::vector<int> spent_of(ClearanceCache& budgets, const std::vector<Vec3>& positions, const std::vector<int>& nodes) {
   const RigidMotion pose;
   budgets.collect_spent({&pose, 1}, positions, nodes);
   const std::span<const int> spent = budgets.spent(0);
@@ -50,7 +50,7 @@ TEST_P(MotionBudgetsAt, SpentIsWhatHasLeftItsBall) {
   const Vec3 middle = far_m * Vec3(1, -2, 0.5);
   const std::vector<Bone> bones = bones_at(middle);
   const std::vector<int> nodes = first_nodes(3001);
-  MotionBudgets budgets;
+  ClearanceCache budgets;
   budgets.reset(bones, nodes.size());
   const RigidMotion pose = RigidMotion::about_axis(Vec3(1, 2, -0.5).normalized(), middle + Vec3(0.01, 0.2, 0), 0.9) *
                            RigidMotion{Mat3::Identity(), far_m * Vec3(0.3, 0.1, 0.7)};
@@ -89,7 +89,7 @@ TEST_P(MotionBudgetsAt, AGapIsNeverTooSmall) {
   const auto vector = [&] { return Vec3(unit(random), unit(random), unit(random)); };
   const Vec3 middle = far_m * Vec3(1, -2, 0.5);
   const std::vector<Bone> bones = bones_at(middle);
-  MotionBudgets budgets;
+  ClearanceCache budgets;
   budgets.reset(bones, 2);
   EXPECT_EQ(budgets.gap_m(0, 0, middle), std::numeric_limits<double>::infinity());
   EXPECT_EQ(budgets.radius_m(0, 0), 0);
@@ -118,7 +118,7 @@ TEST_P(MotionBudgetsAt, BonesThatStandApartAreSweptAsIfTheyWereAlone) {
   const std::vector<RigidMotion> poses = {
       RigidMotion::about_axis(Vec3::UnitY(), far_m * Vec3(1, 0, 2), 0.4),
       RigidMotion::about_axis(Vec3(2, 1, 0).normalized(), far_m * Vec3(0.5, 1, 1) + Vec3(0, 0.3, 0), -1.1)};
-  MotionBudgets budgets;
+  ClearanceCache budgets;
   budgets.reset(bones, nodes.size());
   std::vector<Vec3> positions;
   std::vector<std::vector<int>> outside(2);
@@ -153,9 +153,9 @@ TEST_P(MotionBudgetsAt, BonesThatStandApartAreSweptAsIfTheyWereAlone) {
   }
 }
 
-TEST(MotionBudgets, NodesThatAreNotAskedForAreNotSpent) {
+TEST(ClearanceCache, NodesThatAreNotAskedForAreNotSpent) {
   const std::vector<Bone> bones = bones_at(Vec3::Zero());
-  MotionBudgets budgets;
+  ClearanceCache budgets;
   budgets.reset(bones, 700);
   const std::vector<Vec3> positions(700, Vec3(0.3, 0, 0));
   const std::vector<int> nodes = {2, 3, 5, 600, 699};
@@ -179,9 +179,9 @@ TEST(MotionBudgets, NodesThatAreNotAskedForAreNotSpent) {
   }
 }
 
-TEST(MotionBudgets, NothingIsFreeWithoutABallOrANumber) {
+TEST(ClearanceCache, NothingIsFreeWithoutABallOrANumber) {
   const std::vector<Bone> bones = bones_at(Vec3::Zero());
-  MotionBudgets budgets;
+  ClearanceCache budgets;
   budgets.reset(bones, 6);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();

@@ -8,10 +8,10 @@ namespace musclebench {
 
 /// What FCL does not tell about one bone: it takes a surface for hollow, and which side a point is on is
 /// SignedSurface's answer. All points are points of the bone's rest frame. The members are those of a `Surface` of
-/// NodeDetection, which says what they are for. Safe from several threads.
-class SidedSurface {
+/// CachedPointQuery, which says what they are for. Safe from several threads.
+class SignedFclSurface {
  public:
-  explicit SidedSurface(const RepairedMesh& surface);
+  explicit SignedFclSurface(const RepairedMesh& surface);
 
   [[nodiscard]] bool is_outside(const Vec3& point, double& clearance_m) const;
   [[nodiscard]] ClosestOnTriangle closest_on(const Vec3& point, int triangle) const {

@@ -1,4 +1,4 @@
-#include "core/measure/passage.hpp"
+#include "core/measure/tunnelling_tracker.hpp"
 
 #include <limits>
 
@@ -40,7 +40,7 @@ class Walk {
 
   std::vector<Bone> m_bones;
   Referee m_referee;
-  PassageTracker m_tracker;
+  TunnellingTracker m_tracker;
   std::vector<Contact> m_truth;
 };
 
@@ -86,7 +86,7 @@ TEST(Passage, CuttingACornerIsNone) {
 
 TEST(Passage, CuttingASharpEdgeByALittleIsNone) {
   const TriangleMesh wedge = make_roof(0.1, 1, 2);
-  const double little = PassageTracker::grazing_depth * 4;
+  const double little = TunnellingTracker::grazing_depth * 4;
   const double much = 0.2;
   for (const double sunk : {little, much}) {
     const Vec3 from(-0.2, 0.1, -sunk);

@@ -2,7 +2,7 @@
 #include <array>
 #include <cstddef>
 
-#include "core/bvh/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
 
 namespace musclebench {
 
@@ -13,8 +13,8 @@ constexpr int stack_capacity = 320;
 constexpr float padding = 0x1p-22F;
 
 struct LaneBoxes {
-  std::array<TreeLanes, 3> lower;
-  std::array<TreeLanes, 3> upper;
+  std::array<BvhLanes, 3> lower;
+  std::array<BvhLanes, 3> upper;
 };
 
 struct FloatBox {
@@ -25,16 +25,16 @@ struct FloatBox {
 /// A bit a place whose box meets `box`.
 template <typename Lanes>
 unsigned meeting(const FloatBox& box, const Lanes& lanes) {
-  std::array<unsigned char, tree_width> meets;
+  std::array<unsigned char, bvh_width> meets;
   meets.fill(1);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t place = 0; place < tree_width; ++place) {
+    for (std::size_t place = 0; place < bvh_width; ++place) {
       meets[place] = static_cast<unsigned char>(meets[place] & (lanes.lower[axis][place] <= box.upper[axis]) &
                                                 (lanes.upper[axis][place] >= box.lower[axis]));
     }
   }
   unsigned bits = 0;
-  for (std::size_t place = 0; place < tree_width; ++place) {
+  for (std::size_t place = 0; place < bvh_width; ++place) {
     bits |= static_cast<unsigned>(meets[place]) << place;
   }
   return bits;
@@ -69,10 +69,10 @@ FloatBox box_about(const LaneBoxes& boxes) {
 
 }  // namespace
 
-void TriangleTree::for_each_close_pair(const std::function<void(int, int)>& visit) const {
+void TriangleBvh::for_each_close_pair(const std::function<void(int, int)>& visit) const {
   std::vector<LaneBoxes> boxes(m_leaves.size());
   for (std::size_t index = 0; index < m_leaves.size(); ++index) {
-    for (std::size_t place = 0; place < tree_width; ++place) {
+    for (std::size_t place = 0; place < bvh_width; ++place) {
       const bool used = place < static_cast<std::size_t>(m_leaves[index].count);
       const auto& corners = m_corners[static_cast<std::size_t>(used ? m_leaves[index].triangle[place] : 0)];
       for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -80,8 +80,8 @@ void TriangleTree::for_each_close_pair(const std::function<void(int, int)>& visi
           const auto i = static_cast<Eigen::Index>(axis);
           return static_cast<float>(m_scale * (corners[corner][i] - m_centre_m[i]));
         };
-        boxes[index].lower[axis][place] = used ? std::min({own(0), own(1), own(2)}) - padding : tree_nowhere;
-        boxes[index].upper[axis][place] = used ? std::max({own(0), own(1), own(2)}) + padding : -tree_nowhere;
+        boxes[index].lower[axis][place] = used ? std::min({own(0), own(1), own(2)}) - padding : bvh_far_away;
+        boxes[index].upper[axis][place] = used ? std::max({own(0), own(1), own(2)}) + padding : -bvh_far_away;
       }
     }
   }
@@ -100,7 +100,7 @@ void TriangleTree::for_each_close_pair(const std::function<void(int, int)>& visi
     int top = 0;
     stack[0] = 0;
     while (top >= 0) {
-      const TreeNode& node = m_nodes[static_cast<std::size_t>(stack[static_cast<std::size_t>(top--)])];
+      const BvhNode& node = m_nodes[static_cast<std::size_t>(stack[static_cast<std::size_t>(top--)])];
       for_each_bit(meeting(about, node), [&](std::size_t part) {
         const int child = node.child[part];
         if (child >= 0) {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/base/prefetch.hpp"
-#include "core/bvh/triangle_tree_nodes.hpp"
-#include "core/bvh/triangle_tree_search.hpp"
+#include "core/bvh/triangle_bvh_nodes.hpp"
+#include "core/bvh/triangle_bvh_search.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
@@ -24,7 +24,7 @@ struct ClosestPoint {
 };
 
 /// The closest point among listed triangles.
-struct ListedClosest {
+struct ClosestCandidate {
   ClosestPoint closest;
   /// No triangle outside the list can be as close, so this is what a search finds.
   bool certain = false;
@@ -39,7 +39,7 @@ struct Clearance {
 };
 
 /// The triangles below one child of a node as seen from afar.
-struct TreeCluster {
+struct BvhCluster {
   Vec3 centre = Vec3::Zero();
   Vec3 area_normal = Vec3::Zero();
   double radius = 0;  ///< of the ball about `centre` that holds the triangles
@@ -47,13 +47,13 @@ struct TreeCluster {
 
 /// A bounding-box tree over the triangles of a mesh, for closest points and winding numbers. Nodes and leaves are
 /// compact floats, tested side by side with the vectors of the CPU that it runs on; they only prune, with a proven
-/// slack (see triangle_tree_search.cpp), and `closest_on_triangle` decides. So every answer is that of brute force, to
+/// slack (see triangle_bvh_search.cpp), and `closest_on_triangle` decides. So every answer is that of brute force, to
 /// the bit, on any CPU: of all triangles the one whose squared distance by `closest_on_triangle` is the smallest, the
 /// first of several. Keeps a copy of the triangles' corners; the mesh need not outlive it. Queries are const and safe
 /// from several threads.
-class TriangleTree {
+class TriangleBvh {
  public:
-  explicit TriangleTree(const TriangleMesh& mesh);
+  explicit TriangleBvh(const TriangleMesh& mesh);
 
   /// The closest point within `max_distance_m`; nothing when the surface is farther away.
   [[nodiscard]] std::optional<ClosestPoint> closest_point(
@@ -65,7 +65,7 @@ class TriangleTree {
 
   /// At least 0.9 of the distance to the closest triangle, less what floats may be off by, for much less than
   /// `closest_point_from`; `triangle` is any of the mesh, best one that was near the point before. 0 for a point beyond
-  /// the reach of `list_leaves`.
+  /// the reach of `list_candidate_leaves`.
   [[nodiscard]] Clearance clearance_from(const Vec3& point, int triangle) const;
 
   /// The closest point of one triangle.
@@ -74,19 +74,20 @@ class TriangleTree {
     return closest_on_triangle(point, a, b, c);
   }
 
-  /// The leaves within `radius_m` of `point`, or the nearest of them, for `start_listed`. None for a point that is
-  /// not finite or more than 1e12 times the mesh's size away.
-  void list_leaves(const Vec3& point, double radius_m, NearLeaves& list) const;
+  /// The leaves within `radius_m` of `point`, or the nearest of them, for `begin_candidate_search`. None for a point
+  /// that is not finite or more than 1e12 times the mesh's size away.
+  void list_candidate_leaves(const Vec3& point, double radius_m, CandidateLeaves& list) const;
 
   /// `closest_point`, to the bit, where the list is enough to tell; `list` is not empty and `certain` says whether.
   /// Else one of the nearest triangles, or none (-1). Where all triangles are certainly farther away than `enough_m`,
   /// only that is told, sooner. In two parts, so that those of several points can be done one part after the other and
   /// their ways through memory overlap: the first leaves to the second what may be the closest, asked for in memory.
   struct Search;
-  void start_listed(const Vec3& point, const NearLeaves& list, Search& search) const;
-  [[nodiscard]] ListedClosest finish_listed(Search& search, const NearLeaves& list, double enough_m) const;
+  void begin_candidate_search(const Vec3& point, const CandidateLeaves& list, Search& search) const;
+  [[nodiscard]] ClosestCandidate finish_candidate_search(Search& search, const CandidateLeaves& list,
+                                                         double enough_m) const;
   /// The way to what is listed begins to come from memory, for a search from near there.
-  void fetch_way_to(const NearLeaves& list) const {
+  void fetch_way_to(const CandidateLeaves& list) const {
     for (const std::int32_t above : m_leaves[static_cast<std::size_t>(list.leaf[0])].above) {
       if (above < 0) {
         return;
@@ -94,8 +95,8 @@ class TriangleTree {
       prefetch(m_nodes[static_cast<std::size_t>(above)]);
     }
   }
-  /// What `start_listed` will look at first begins to come from memory.
-  void fetch(const NearLeaves& list) const {
+  /// What `begin_candidate_search` will look at first begins to come from memory.
+  void fetch(const CandidateLeaves& list) const {
     constexpr std::size_t looked_at = 4;  // of eight: a point is rarely farther from its list's place
     for (std::size_t i = 0; i < looked_at && list.leaf[i] >= 0; ++i) {
       prefetch(m_leaves[static_cast<std::size_t>(list.leaf[i])]);
@@ -118,7 +119,7 @@ class TriangleTree {
 
   /// Whether the triangle is so narrow that `closest_on_triangle` may answer it too far away by more than rounding: its
   /// distance at one place says nothing about that at another.
-  [[nodiscard]] bool is_needle(int triangle) const;
+  [[nodiscard]] bool is_sliver(int triangle) const;
 
   [[nodiscard]] std::size_t triangle_count() const { return m_corners.size(); }
   /// Of each triangle, for `closest_on_triangles`.
@@ -126,10 +127,10 @@ class TriangleTree {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  friend class TriangleTreeBuilder;
+  friend class TriangleBvhBuilder;
   friend class PacketSearch;
 
-  /// TreeSearch::slack for points up to `reach` from the middle and up to `coordinate` in the mesh's frame, along an
+  /// BvhSearch::slack for points up to `reach` from the middle and up to `coordinate` in the mesh's frame, along an
   /// axis, in the own unit.
   [[nodiscard]] float slack_for(double reach, double coordinate) const;
   /// The same for triangles, less what grows with their distance: that times `slack_growth`.
@@ -142,13 +143,13 @@ class TriangleTree {
   void search_all(Search& search) const;
   /// Clusters count as far beyond `opening` times their radius.
   [[nodiscard]] double winding_number(const Vec3& point, double opening) const;
-  [[nodiscard]] double leaf_winding(const TreeLeaf& leaf, const Vec3& point) const;
+  [[nodiscard]] double leaf_winding(const BvhLeaf& leaf, const Vec3& point) const;
 
-  std::vector<TreeNode> m_nodes;
-  std::vector<TreeLeaf> m_leaves;
-  std::vector<std::array<TreeCluster, tree_width>> m_clusters;  ///< one a child of a node
-  std::vector<std::array<Vec3, 3>> m_corners;                   ///< of each triangle
-  std::vector<int> m_leaf_of;                                   ///< of each triangle
+  std::vector<BvhNode> m_nodes;
+  std::vector<BvhLeaf> m_leaves;
+  std::vector<std::array<BvhCluster, bvh_width>> m_clusters;  ///< one a child of a node
+  std::vector<std::array<Vec3, 3>> m_corners;                 ///< of each triangle
+  std::vector<int> m_leaf_of;                                 ///< of each triangle
 
   // The tree's own frame is scale * (position - centre).
   Vec3 m_centre_m = Vec3::Zero();
@@ -158,8 +159,8 @@ class TriangleTree {
 };
 
 /// A search in floats with what has been decided in double so far.
-struct TriangleTree::Search : TreeSearch {
-  const TriangleTree* tree = nullptr;
+struct TriangleBvh::Search : BvhSearch {
+  const TriangleBvh* tree = nullptr;
   Vec3 exact_point;
   float moved = 0;  ///< from the place of a list, at most; own unit
   ClosestOnTriangle best;

@@ -1,4 +1,4 @@
-#include "core/signed_distance/clean_features.hpp"
+#include "core/signed_distance/manifold_features.hpp"
 
 #include <algorithm>
 #include <array>
@@ -18,12 +18,12 @@ namespace {
 /// than what a surface has between its sheets.
 constexpr double apart_by_size = 1e-9;
 constexpr double apart_by_reach = 1e-12;
-/// A corner's sine below this is a needle, whose normal rounds.
+/// A corner's sine below this is a sliver, whose normal rounds.
 constexpr double least_sine = 1e-6;
 
 class Finder {
  public:
-  Finder(const TriangleMesh& mesh, const TriangleTree& tree)
+  Finder(const TriangleMesh& mesh, const TriangleBvh& tree)
       : m_mesh(mesh), m_tree(tree), m_alone(mesh.triangles.size()), m_partner(3 * mesh.triangles.size(), -1) {}
 
   [[nodiscard]] std::vector<std::uint8_t> find() {
@@ -174,13 +174,14 @@ class Finder {
   }
 
   const TriangleMesh& m_mesh;
-  const TriangleTree& m_tree;
+  const TriangleBvh& m_tree;
   std::vector<char> m_alone;
   std::vector<int> m_partner;
 };
 
 }  // namespace
 
-CleanFeatures::CleanFeatures(const TriangleMesh& mesh, const TriangleTree& tree) : m_bits(Finder(mesh, tree).find()) {}
+ManifoldFeatures::ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree)
+    : m_bits(Finder(mesh, tree).find()) {}
 
 }  // namespace musclebench

@@ -1,4 +1,4 @@
-#include "core/mesh/coherent_order.hpp"
+#include "core/mesh/morton_order.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +29,7 @@ std::uint32_t place_on_curve(const Vec3& share) {
 
 }  // namespace
 
-std::vector<int> coherent_order(std::span<const Vec3> points) {
+std::vector<int> morton_order(std::span<const Vec3> points) {
   std::vector<int> as_they_are(points.size());
   std::iota(as_they_are.begin(), as_they_are.end(), 0);
   Eigen::AlignedBox3d box;
@@ -66,7 +66,7 @@ std::vector<int> coherent_order(std::span<const Vec3> points) {
   return way(along_curve) < way(as_they_are) ? along_curve : as_they_are;
 }
 
-void order_coherently(TriangleMesh& mesh) {
+void sort_in_morton_order(TriangleMesh& mesh) {
   const auto corner = [&](const Triangle& triangle, std::size_t i) -> Vec3& {
     return mesh.vertices[static_cast<std::size_t>(triangle[i])];
   };
@@ -77,7 +77,7 @@ void order_coherently(TriangleMesh& mesh) {
   }
   std::vector<Triangle> triangles;
   triangles.reserve(mesh.triangles.size());
-  for (const int place : coherent_order(middles)) {
+  for (const int place : morton_order(middles)) {
     triangles.push_back(mesh.triangles[static_cast<std::size_t>(place)]);
   }
   std::vector<Vec3> vertices;

@@ -1,4 +1,4 @@
-#include "core/measure/passage.hpp"
+#include "core/measure/tunnelling_tracker.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -6,26 +6,27 @@
 
 namespace musclebench {
 
-PassageTracker::PassageTracker(int bones, int nodes)
+TunnellingTracker::TunnellingTracker(int bones, int nodes)
     : m_ways(static_cast<std::size_t>(bones), std::vector<Way>(static_cast<std::size_t>(nodes))) {}
 
-void PassageTracker::Way::enter(const Vec3& normal) {
+void TunnellingTracker::Way::enter(const Vec3& normal) {
   inside = true;
   entry_normal = normal;
   deepest_m = 0;
 }
 
-void PassageTracker::Way::leave(const Vec3& normal, double grazing_m) {
+void TunnellingTracker::Way::leave(const Vec3& normal, double grazing_m) {
   inside = false;
   if (entry_normal.dot(normal) < opposed_cosine && deepest_m > grazing_m) tunnelled = !tunnelled;
 }
 
-void PassageTracker::Way::look(const RefereeTree& tree, const Vec3& inner_point) {
+void TunnellingTracker::Way::look(const RefereeTree& tree, const Vec3& inner_point) {
   deepest_m = std::max(deepest_m, std::sqrt(tree.closest(inner_point).squared_distance_m2));
 }
 
-int PassageTracker::update(const Referee& referee, std::span<const RigidMotion> poses, std::span<const Vec3> positions,
-                           std::span<const int> nodes, std::span<const Contact> truth) {
+int TunnellingTracker::update(const Referee& referee, std::span<const RigidMotion> poses,
+                              std::span<const Vec3> positions, std::span<const int> nodes,
+                              std::span<const Contact> truth) {
   assert(poses.size() == m_ways.size());
   auto contact = truth.begin();
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -53,7 +54,7 @@ int PassageTracker::update(const Referee& referee, std::span<const RigidMotion> 
   return tunnelled_nodes();
 }
 
-void PassageTracker::follow_crossings(const RefereeTree& tree, const Vec3& point, Way& way) {
+void TunnellingTracker::follow_crossings(const RefereeTree& tree, const Vec3& point, Way& way) {
   tree.cross(way.point_m, point, m_crossings);
   if (m_crossings.empty() && !way.inside) return;
   // Where components of the surface overlap, only the outermost crossing enters or leaves the bone.
@@ -82,19 +83,19 @@ void PassageTracker::follow_crossings(const RefereeTree& tree, const Vec3& point
   if (way.inside) look_in_the_middle(1);
 }
 
-bool PassageTracker::tunnelled(int node) const {
+bool TunnellingTracker::tunnelled(int node) const {
   return std::any_of(m_ways.begin(), m_ways.end(),
                      [node](const std::vector<Way>& ways) { return ways[static_cast<std::size_t>(node)].tunnelled; });
 }
 
-int PassageTracker::tunnelled_nodes() const {
+int TunnellingTracker::tunnelled_nodes() const {
   int count = 0;
   const std::size_t nodes = m_ways.empty() ? 0 : m_ways.front().size();
   for (std::size_t node = 0; node < nodes; ++node) count += tunnelled(static_cast<int>(node)) ? 1 : 0;
   return count;
 }
 
-std::size_t PassageTracker::bytes() const {
+std::size_t TunnellingTracker::bytes() const {
   std::size_t sum = m_crossings.capacity() * sizeof(SurfaceCrossing);
   for (const std::vector<Way>& ways : m_ways) sum += ways.capacity() * sizeof(Way);
   return sum;

@@ -10,11 +10,11 @@ namespace musclebench {
 
 /// The exact surface of one bone in rest pose, held about the middle of its box, so that a bone far from the origin
 /// loses no digits. All points, also those of answers, are points of the bone's rest frame. Safe from several threads.
-/// A `Surface` of NodeDetection, which says what its members are for.
-class CentredSurface {
+/// A `Surface` of CachedPointQuery, which says what its members are for.
+class ExactSurface {
  public:
   /// Copies what it needs. The surface has triangles. `threads`: for making it.
-  CentredSurface(const RepairedMesh& surface, int threads);
+  ExactSurface(const RepairedMesh& surface, int threads);
 
   [[nodiscard]] bool is_outside(const Vec3& point, double& clearance_m) const;
   void fetch_clearance(const Vec3& point) const {
@@ -27,19 +27,19 @@ class CentredSurface {
   [[nodiscard]] double distance_m(const Vec3& point, int triangle) const {
     return std::sqrt(m_surface.tree().closest_on(point - m_centre_m, triangle).squared_distance_m2);
   }
-  using NearList = NearLeaves;
-  void list_near(const Vec3& point, double bound_m, NearLeaves& list) const;
-  using ListSearch = TriangleTree::Search;
-  void fetch(const NearLeaves& list) const { m_surface.tree().fetch(list); }
-  void start_listed(const Vec3& point, const NearLeaves& list, ListSearch& search) const {
-    m_surface.tree().start_listed(point - m_centre_m, list, search);
+  using CandidateList = CandidateLeaves;
+  void list_candidates(const Vec3& point, double bound_m, CandidateLeaves& list) const;
+  using CandidateSearch = TriangleBvh::Search;
+  void fetch(const CandidateLeaves& list) const { m_surface.tree().fetch(list); }
+  void begin_candidate_search(const Vec3& point, const CandidateLeaves& list, CandidateSearch& search) const {
+    m_surface.tree().begin_candidate_search(point - m_centre_m, list, search);
     for (std::size_t i = 0; i < search.count; ++i) {
       m_surface.fetch_sign(search.triangle[i]);
     }
   }
-  [[nodiscard]] ListedClosest finish_listed(const Vec3& /*point*/, const NearLeaves& list, double enough_m,
-                                            ListSearch& search) const {
-    return m_surface.tree().finish_listed(search, list, enough_m);
+  [[nodiscard]] ClosestCandidate finish_candidate_search(const Vec3& /*point*/, const CandidateLeaves& list,
+                                                         double enough_m, CandidateSearch& search) const {
+    return m_surface.tree().finish_candidate_search(search, list, enough_m);
   }
   [[nodiscard]] Clearance clearance_from(const Vec3& point, int triangle) const;
   [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
@@ -59,14 +59,14 @@ class CentredSurface {
   /// Whether the directed edges of all triangles cancel.
   [[nodiscard]] bool closed() const { return m_surface.closed(); }
 
-  [[nodiscard]] std::size_t bytes() const { return sizeof(CentredSurface) + m_surface.bytes() + m_clearances.bytes(); }
+  [[nodiscard]] std::size_t bytes() const { return sizeof(ExactSurface) + m_surface.bytes() + m_clearances.bytes(); }
 
  private:
   /// Beyond this a square is not a number any more.
   static constexpr double farthest_m = 1e100;
   static bool is_searchable(const Vec3& point) { return (point.array().abs() < farthest_m).all(); }
 
-  CentredSurface(const RepairedMesh& surface, const Eigen::AlignedBox3d& box, int threads);
+  ExactSurface(const RepairedMesh& surface, const Eigen::AlignedBox3d& box, int threads);
 
   Vec3 m_centre_m;
   Vec3 m_half_extents_m;

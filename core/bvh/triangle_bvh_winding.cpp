@@ -3,7 +3,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/bvh/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
 
 namespace musclebench {
 
@@ -15,7 +15,7 @@ constexpr double safe_margin = 0.25;
 
 }  // namespace
 
-double TriangleTree::leaf_winding(const TreeLeaf& leaf, const Vec3& point) const {
+double TriangleBvh::leaf_winding(const BvhLeaf& leaf, const Vec3& point) const {
   double angle = 0;
   for (std::size_t place = 0; place < static_cast<std::size_t>(leaf.count); ++place) {
     const auto& [a, b, c] = m_corners[static_cast<std::size_t>(leaf.triangle[place])];
@@ -24,16 +24,16 @@ double TriangleTree::leaf_winding(const TreeLeaf& leaf, const Vec3& point) const
   return angle / (4 * std::numbers::pi);
 }
 
-double TriangleTree::winding_number(const Vec3& point, double opening) const {
+double TriangleBvh::winding_number(const Vec3& point, double opening) const {
   double winding = 0;
   std::array<int, stack_capacity> stack;
   int top = 0;
   stack[0] = 0;
   while (top >= 0) {
     const auto index = static_cast<std::size_t>(stack[static_cast<std::size_t>(top--)]);
-    const TreeNode& node = m_nodes[index];
-    for (std::size_t part = 0; part < tree_width && node.lower[0][part] <= node.upper[0][part]; ++part) {
-      const TreeCluster& cluster = m_clusters[index][part];
+    const BvhNode& node = m_nodes[index];
+    for (std::size_t part = 0; part < bvh_width && node.lower[0][part] <= node.upper[0][part]; ++part) {
+      const BvhCluster& cluster = m_clusters[index][part];
       const Vec3 arm = cluster.centre - point;
       const double squared = arm.squaredNorm();
       if (squared > opening * opening * cluster.radius * cluster.radius) {
@@ -48,7 +48,7 @@ double TriangleTree::winding_number(const Vec3& point, double opening) const {
   return winding;
 }
 
-double TriangleTree::winding_number(const Vec3& point) const {
+double TriangleBvh::winding_number(const Vec3& point) const {
   if (m_nodes.empty()) {
     return 0;
   }

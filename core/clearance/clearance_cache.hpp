@@ -19,7 +19,7 @@ namespace musclebench {
 /// Balls are held in single precision about the middle of each bone. All bones are swept together, because bringing
 /// the positions into single precision costs as much as asking a bone's balls; for a bone and a node it is less than
 /// one bit of a voxel grid costs.
-class MotionBudgets {
+class ClearanceCache {
  public:
   /// Spends all budgets. Keeps nothing of `bones` but where they are; `nodes` is the number of positions.
   void reset(std::span<const Bone> bones, std::size_t nodes);
@@ -95,8 +95,8 @@ class MotionBudgets {
   std::vector<SweptBone> m_sweeps;  ///< scratch memory
 };
 
-/// The parameter `motion_budgets` (on or off) of the backends that can keep them.
-ParameterSpec motion_budgets_parameter(bool on_by_default);
-bool has_motion_budgets(const Parameters& parameters);
+/// The parameter `clearance_cache` (on or off) of the backends that can keep them.
+ParameterSpec clearance_cache_parameter(bool on_by_default);
+bool uses_clearance_cache(const Parameters& parameters);
 
 }  // namespace musclebench

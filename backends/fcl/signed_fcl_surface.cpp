@@ -1,4 +1,4 @@
-#include "backends/fcl/sided_surface.hpp"
+#include "backends/fcl/signed_fcl_surface.hpp"
 
 #include <cmath>
 #include <limits>
@@ -20,13 +20,13 @@ double rounding_of(const Eigen::AlignedBox3d& box) {
 
 }  // namespace
 
-SidedSurface::SidedSurface(const RepairedMesh& surface)
+SignedFclSurface::SignedFclSurface(const RepairedMesh& surface)
     : m_sides(surface),
       m_box(bounding_box(surface.mesh.vertices)),
       m_touching_m(touching_distance_m(surface.mesh)),
       m_rounding_m(m_touching_m + rounding_of(m_box)) {}
 
-bool SidedSurface::is_outside(const Vec3& point, double& clearance_m) const {
+bool SignedFclSurface::is_outside(const Vec3& point, double& clearance_m) const {
   clearance_m = 0;
   if (!point.allFinite() || m_box.isEmpty()) {
     return true;
@@ -35,15 +35,15 @@ bool SidedSurface::is_outside(const Vec3& point, double& clearance_m) const {
   return clearance_m > 0;
 }
 
-double SidedSurface::distance_m(const Vec3& point, int triangle) const {
+double SignedFclSurface::distance_m(const Vec3& point, int triangle) const {
   return std::sqrt(closest_on(point, triangle).squared_distance_m2);
 }
 
-bool SidedSurface::contains(const Vec3& point, const ClosestPoint& closest) const {
+bool SignedFclSurface::contains(const Vec3& point, const ClosestPoint& closest) const {
   return closest.distance_m > m_touching_m && m_sides.is_inside(point, closest);
 }
 
-Vec3 SidedSurface::outward(const Vec3& point, const ClosestPoint& closest) const {
+Vec3 SignedFclSurface::outward(const Vec3& point, const ClosestPoint& closest) const {
   return (closest.point - point) / (closest.point - point).norm();
 }
 

@@ -1,4 +1,4 @@
-#include "backends/bvh/centred_surface.hpp"
+#include "backends/bvh/exact_surface.hpp"
 
 #include <algorithm>
 
@@ -21,10 +21,10 @@ constexpr double list_reach = 1.5;
 
 }  // namespace
 
-CentredSurface::CentredSurface(const RepairedMesh& surface, int threads)
-    : CentredSurface(surface, bounding_box(surface.mesh.vertices), threads) {}
+ExactSurface::ExactSurface(const RepairedMesh& surface, int threads)
+    : ExactSurface(surface, bounding_box(surface.mesh.vertices), threads) {}
 
-CentredSurface::CentredSurface(const RepairedMesh& surface, const Eigen::AlignedBox3d& box, int threads)
+ExactSurface::ExactSurface(const RepairedMesh& surface, const Eigen::AlignedBox3d& box, int threads)
     : m_centre_m(box.center()),
       m_half_extents_m((box.max() - m_centre_m).cwiseMax(m_centre_m - box.min())),
       m_near_m(mean_triangle_size_m(surface.mesh)),
@@ -36,7 +36,7 @@ CentredSurface::CentredSurface(const RepairedMesh& surface, const Eigen::Aligned
   }
 }
 
-bool CentredSurface::is_outside(const Vec3& point, double& clearance_m) const {
+bool ExactSurface::is_outside(const Vec3& point, double& clearance_m) const {
   clearance_m = 0;
   if (!is_searchable(point)) {
     return true;
@@ -51,27 +51,27 @@ bool CentredSurface::is_outside(const Vec3& point, double& clearance_m) const {
   return clearance_m > 0;
 }
 
-ClosestPoint CentredSurface::closest(const Vec3& point) const {
+ClosestPoint ExactSurface::closest(const Vec3& point) const {
   return m_surface.tree().closest_point(point - m_centre_m).value();
 }
 
-ClosestPoint CentredSurface::closest_from(const Vec3& point, int triangle) const {
+ClosestPoint ExactSurface::closest_from(const Vec3& point, int triangle) const {
   return m_surface.tree().closest_point_from(point - m_centre_m, triangle);
 }
 
-void CentredSurface::list_near(const Vec3& point, double bound_m, NearLeaves& list) const {
-  m_surface.tree().list_leaves(point - m_centre_m, bound_m + list_reach * m_near_m, list);
+void ExactSurface::list_candidates(const Vec3& point, double bound_m, CandidateLeaves& list) const {
+  m_surface.tree().list_candidate_leaves(point - m_centre_m, bound_m + list_reach * m_near_m, list);
 }
 
-Clearance CentredSurface::clearance_from(const Vec3& point, int triangle) const {
+Clearance ExactSurface::clearance_from(const Vec3& point, int triangle) const {
   return m_surface.tree().clearance_from(point - m_centre_m, triangle);
 }
 
-bool CentredSurface::contains(const Vec3& point, const ClosestPoint& closest) const {
+bool ExactSurface::contains(const Vec3& point, const ClosestPoint& closest) const {
   return closest.distance_m > m_touching_m && m_surface.is_inside(point - m_centre_m, closest);
 }
 
-Vec3 CentredSurface::outward(const Vec3& point, const ClosestPoint& closest) const {
+Vec3 ExactSurface::outward(const Vec3& point, const ClosestPoint& closest) const {
   return m_surface.outward(point - m_centre_m, {closest, true});
 }
 

@@ -1,4 +1,4 @@
-#include "core/bvh/triangle_tree_builder.hpp"
+#include "core/bvh/triangle_bvh_builder.hpp"
 
 #include <algorithm>
 #include <array>
@@ -29,7 +29,7 @@ float round_down(double value) {
 float round_up(double value) { return -round_down(-value); }
 
 int leaves_for(int triangles) {
-  constexpr int width = static_cast<int>(tree_width);
+  constexpr int width = static_cast<int>(bvh_width);
   return (triangles + width - 1) / width;
 }
 
@@ -40,7 +40,7 @@ Vec3 any_across(const Vec3& along) {
   return along.cross(Vec3::Unit(axis)).normalized();
 }
 
-void put(const Vec3& vector, std::size_t place, std::array<TreeLanes, 3>& lanes) {
+void put(const Vec3& vector, std::size_t place, std::array<BvhLanes, 3>& lanes) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     lanes[axis][place] = static_cast<float>(vector[static_cast<Eigen::Index>(axis)]);
   }
@@ -48,7 +48,7 @@ void put(const Vec3& vector, std::size_t place, std::array<TreeLanes, 3>& lanes)
 
 }  // namespace
 
-TriangleTreeBuilder::TriangleTreeBuilder(const TriangleMesh& mesh, TriangleTree& tree)
+TriangleBvhBuilder::TriangleBvhBuilder(const TriangleMesh& mesh, TriangleBvh& tree)
     : m_tree(tree), m_boxes(mesh.triangles.size()), m_order(mesh.triangles.size()) {
   m_tree.m_corners.reserve(m_boxes.size());
   for (const Triangle& triangle : mesh.triangles) {
@@ -58,7 +58,7 @@ TriangleTreeBuilder::TriangleTreeBuilder(const TriangleMesh& mesh, TriangleTree&
   m_tree.m_leaf_of.resize(m_boxes.size());
 }
 
-void TriangleTreeBuilder::build() {
+void TriangleBvhBuilder::build() {
   choose_frame();
   for (std::size_t t = 0; t < m_boxes.size(); ++t) {
     const auto& [a, b, c] = m_tree.m_corners[t];
@@ -72,7 +72,7 @@ void TriangleTreeBuilder::build() {
   m_tree.m_leaves.shrink_to_fit();
 }
 
-void TriangleTreeBuilder::choose_frame() {
+void TriangleBvhBuilder::choose_frame() {
   Vec3 lower = m_tree.m_corners.front().front();
   Vec3 upper = lower;
   for (const auto& corners_of_one : m_tree.m_corners) {
@@ -88,7 +88,7 @@ void TriangleTreeBuilder::choose_frame() {
   m_tree.m_reach = m_tree.m_scale * lower.cwiseAbs().cwiseMax(upper.cwiseAbs()).maxCoeff();
 }
 
-std::pair<TriangleTreeBuilder::Range, TriangleTreeBuilder::Range> TriangleTreeBuilder::split(Range range, int depth) {
+std::pair<TriangleBvhBuilder::Range, TriangleBvhBuilder::Range> TriangleBvhBuilder::split(Range range, int depth) {
   Box spread;  // of the doubled centres
   for (int i = range.begin; i < range.end; ++i) {
     const Eigen::Array4f centre = box(i).doubled_centre();
@@ -101,7 +101,7 @@ std::pair<TriangleTreeBuilder::Range, TriangleTreeBuilder::Range> TriangleTreeBu
   return {{range.begin, middle}, {middle, range.end}};
 }
 
-int TriangleTreeBuilder::halve(Range range, const Box& spread) {
+int TriangleBvhBuilder::halve(Range range, const Box& spread) {
   int axis = 0;
   (-spread.negated_upper - spread.lower).head<3>().maxCoeff(&axis);
   const auto centre = [&](int triangle) { return m_boxes[static_cast<std::size_t>(triangle)].doubled_centre()[axis]; };
@@ -115,7 +115,7 @@ int TriangleTreeBuilder::halve(Range range, const Box& spread) {
   return middle;
 }
 
-int TriangleTreeBuilder::split_by_area(Range range, const Box& spread) {
+int TriangleBvhBuilder::split_by_area(Range range, const Box& spread) {
   const Eigen::Array4f extent = -spread.negated_upper - spread.lower;
   // Just below the number of bins, so that the last centre falls into the last bin; 0 where all are at one place.
   const Eigen::Array4f bins_a_unit = (extent > 0).select((bin_count * 0.9999F) / extent, 0.0F);
@@ -165,8 +165,8 @@ int TriangleTreeBuilder::split_by_area(Range range, const Box& spread) {
   return static_cast<int>(middle - m_order.begin());
 }
 
-TreeCluster TriangleTreeBuilder::cluster_of(Range range) const {
-  TreeCluster cluster;
+BvhCluster TriangleBvhBuilder::cluster_of(Range range) const {
+  BvhCluster cluster;
   Vec3 lower = corners(range.begin)[0];
   Vec3 upper = lower;
   double area = 0;
@@ -192,7 +192,7 @@ TreeCluster TriangleTreeBuilder::cluster_of(Range range) const {
   return cluster;
 }
 
-Vec3 TriangleTreeBuilder::longest_tangent(Range range, const Vec3& normal) const {
+Vec3 TriangleBvhBuilder::longest_tangent(Range range, const Vec3& normal) const {
   const Vec3 first = any_across(normal);
   const Vec3 second = normal.cross(first);
   // Moments of the triangles' middles about the first one, in units that cancel.
@@ -218,7 +218,7 @@ Vec3 TriangleTreeBuilder::longest_tangent(Range range, const Vec3& normal) const
   return std::cos(angle) * first + std::sin(angle) * second;
 }
 
-void TriangleTreeBuilder::set_bounds(Range range, const Vec3& area_normal, std::size_t place, TreeNode& node) const {
+void TriangleBvhBuilder::set_bounds(Range range, const Vec3& area_normal, std::size_t place, BvhNode& node) const {
   const double length = area_normal.norm();
   const Vec3 unit = length > 0 ? Vec3(area_normal / length) : Vec3(Vec3::UnitZ());
   put(axis_length * unit, place, node.normal);
@@ -253,7 +253,7 @@ void TriangleTreeBuilder::set_bounds(Range range, const Vec3& area_normal, std::
   }
 }
 
-bool TriangleTreeBuilder::set_triangle(int triangle, std::size_t place, TreeLeaf& leaf) {
+bool TriangleBvhBuilder::set_triangle(int triangle, std::size_t place, BvhLeaf& leaf) {
   const auto& exact = m_tree.m_corners[static_cast<std::size_t>(triangle)];
   const std::array<Vec3, 3> own = {to_own(exact[0]), to_own(exact[1]), to_own(exact[2])};
   std::size_t first = 0;
@@ -272,7 +272,7 @@ bool TriangleTreeBuilder::set_triangle(int triangle, std::size_t place, TreeLeaf
   const Vec3 along = length > 0 ? Vec3((to - from) / length) : Vec3(Vec3::UnitX());
   const double before = std::clamp(along.dot(tip - from), 0.0, length);
   const Vec3 foot = from + before * along;
-  // Made orthogonal twice: the first remainder of a needle is mostly rounding.
+  // Made orthogonal twice: the first remainder of a sliver is mostly rounding.
   Vec3 up = tip - foot;
   up -= along.dot(up) * along;
   const double height = up.norm();
@@ -295,17 +295,17 @@ bool TriangleTreeBuilder::set_triangle(int triangle, std::size_t place, TreeLeaf
   return squared_normal < needle_squared_sine * squared_sides && squared_normal > segment_squared_sine * squared_sides;
 }
 
-int TriangleTreeBuilder::add_leaf(Range range) {
-  TreeLeaf leaf{};
+int TriangleBvhBuilder::add_leaf(Range range) {
+  BvhLeaf leaf{};
   leaf.count = range.count();
   const auto index = static_cast<int>(m_tree.m_leaves.size());
-  for (std::size_t place = 0; place < tree_width; ++place) {
+  for (std::size_t place = 0; place < bvh_width; ++place) {
     if (static_cast<int>(place) < leaf.count) {
       const int triangle = m_order[static_cast<std::size_t>(range.begin) + place];
-      leaf.needles |= static_cast<std::uint32_t>(set_triangle(triangle, place, leaf)) << place;
+      leaf.slivers |= static_cast<std::uint32_t>(set_triangle(triangle, place, leaf)) << place;
       m_tree.m_leaf_of[static_cast<std::size_t>(triangle)] = index;
     } else {
-      put(Vec3::Constant(tree_nowhere), place, leaf.origin);
+      put(Vec3::Constant(bvh_far_away), place, leaf.origin);
       put(Vec3::UnitX(), place, leaf.along);
       put(Vec3::UnitY(), place, leaf.up);
       leaf.triangle[place] = -1;
@@ -317,10 +317,10 @@ int TriangleTreeBuilder::add_leaf(Range range) {
   return ~index;
 }
 
-int TriangleTreeBuilder::add(Range range, int depth) {
-  std::array<Range, tree_width> parts{range};
+int TriangleBvhBuilder::add(Range range, int depth) {
+  std::array<Range, bvh_width> parts{range};
   std::size_t count = 1;
-  while (count < tree_width) {
+  while (count < bvh_width) {
     const auto largest = std::max_element(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(count),
                                           [](const Range& a, const Range& b) { return a.count() < b.count(); });
     if (largest->fits_leaf()) {
@@ -330,15 +330,15 @@ int TriangleTreeBuilder::add(Range range, int depth) {
     *largest = lower;
     parts[count++] = upper;
   }
-  TreeNode node{};
-  std::array<TreeCluster, tree_width> clusters;
-  for (std::size_t part = 0; part < tree_width; ++part) {
+  BvhNode node{};
+  std::array<BvhCluster, bvh_width> clusters;
+  for (std::size_t part = 0; part < bvh_width; ++part) {
     if (part < count) {
       clusters[part] = cluster_of(parts[part]);
       set_bounds(parts[part], clusters[part].area_normal, part, node);
     } else {
-      put(Vec3::Constant(tree_nowhere), part, node.lower);
-      put(Vec3::Constant(-tree_nowhere), part, node.upper);
+      put(Vec3::Constant(bvh_far_away), part, node.lower);
+      put(Vec3::Constant(-bvh_far_away), part, node.upper);
     }
   }
   const auto index = m_tree.m_nodes.size();

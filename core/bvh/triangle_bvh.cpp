@@ -1,10 +1,10 @@
-#include "core/bvh/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/bvh/triangle_tree_builder.hpp"
-#include "core/bvh/triangle_tree_search.hpp"
+#include "core/bvh/triangle_bvh_builder.hpp"
+#include "core/bvh/triangle_bvh_search.hpp"
 
 namespace musclebench {
 
@@ -16,7 +16,7 @@ constexpr double double_rounding = 0x1p-53;
 /// Above the rounding of distances that are compared.
 constexpr double distance_rounding = 1e-12;
 /// The unused places of leaves are farther than that.
-constexpr float widest_limit = 0.5F * tree_nowhere * tree_nowhere;
+constexpr float widest_limit = 0.5F * bvh_far_away * bvh_far_away;
 
 float round_down(double value) {
   const auto rounded = static_cast<float>(value);
@@ -25,7 +25,7 @@ float round_down(double value) {
 
 }  // namespace
 
-void TriangleTree::Search::offer(int index) {
+void TriangleBvh::Search::offer(int index) {
   const ClosestOnTriangle found = tree->closest_on(exact_point, index);
   if (found.squared_distance_m2 < best.squared_distance_m2 ||
       (found.squared_distance_m2 == best.squared_distance_m2 && (best_triangle < 0 || index < best_triangle))) {
@@ -34,7 +34,7 @@ void TriangleTree::Search::offer(int index) {
   }
 }
 
-void TriangleTree::Search::decide_listed() {
+void TriangleBvh::Search::decide_listed() {
   for (std::size_t i = 0; i < count; ++i) {
     if (squared[i] <= limit) {
       offer(triangle[i]);
@@ -43,39 +43,39 @@ void TriangleTree::Search::decide_listed() {
   count = 0;
 }
 
-void TriangleTree::Search::narrow(double distance_m) {
+void TriangleBvh::Search::narrow(double distance_m) {
   const double reach = distance_m * tree->m_scale + slack;
   limit = std::min(limit, static_cast<float>(std::min<double>(reach * reach * 1.000001, widest_limit)));
 }
 
-ClosestPoint TriangleTree::Search::answer() const {
+ClosestPoint TriangleBvh::Search::answer() const {
   return {best.point, std::sqrt(best.squared_distance_m2), best_triangle, best.feature};
 }
 
-TriangleTree::TriangleTree(const TriangleMesh& mesh) {
+TriangleBvh::TriangleBvh(const TriangleMesh& mesh) {
   if (!mesh.triangles.empty()) {
-    TriangleTreeBuilder(mesh, *this).build();
+    TriangleBvhBuilder(mesh, *this).build();
   }
 }
 
-bool TriangleTree::is_needle(int triangle) const {
-  const TreeLeaf& leaf = m_leaves[static_cast<std::size_t>(m_leaf_of[static_cast<std::size_t>(triangle)])];
-  return (leaf.needles >> leaf.place_of(triangle) & 1U) != 0;
+bool TriangleBvh::is_sliver(int triangle) const {
+  const BvhLeaf& leaf = m_leaves[static_cast<std::size_t>(m_leaf_of[static_cast<std::size_t>(triangle)])];
+  return (leaf.slivers >> leaf.place_of(triangle) & 1U) != 0;
 }
 
-float TriangleTree::slack_for(double reach, double coordinate) const {
+float TriangleBvh::slack_for(double reach, double coordinate) const {
   return static_cast<float>(float_rounding * (49 * (1 + reach) + 17 * m_longest_side) +
                             32 * double_rounding * std::max(m_reach, coordinate));
 }
 
-float TriangleTree::near_slack_for(double reach, double coordinate) const {
+float TriangleBvh::near_slack_for(double reach, double coordinate) const {
   return static_cast<float>(float_rounding * (2 * (1 + reach) + 44 * m_longest_side) +
                             32 * double_rounding * std::max(m_reach, coordinate));
 }
 
-void TriangleTree::prepare(const Vec3& point, Search& search) const {
+void TriangleBvh::prepare(const Vec3& point, Search& search) const {
   search.count = 0;
-  search.least = tree_nowhere * tree_nowhere;
+  search.least = bvh_far_away * bvh_far_away;
   search.first_leaf = -1;
   search.best_triangle = -1;
   search.nodes = m_nodes.data();
@@ -89,31 +89,31 @@ void TriangleTree::prepare(const Vec3& point, Search& search) const {
   const double reach = own.cwiseAbs().maxCoeff();
   search.slack = slack_for(reach, m_scale * point.cwiseAbs().maxCoeff());
   search.point = {static_cast<float>(own.x()), static_cast<float>(own.y()), static_cast<float>(own.z())};
-  search.decide = [](TreeSearch& self) {
+  search.decide = [](BvhSearch& self) {
     auto& full = static_cast<Search&>(self);
     full.decide_listed();
     full.narrow(std::sqrt(full.best.squared_distance_m2));
   };
 }
 
-TriangleTree::Search TriangleTree::search_for(const Vec3& point) const {
+TriangleBvh::Search TriangleBvh::search_for(const Vec3& point) const {
   Search search;
   prepare(point, search);
   return search;
 }
 
-bool TriangleTree::within_horizon(const Vec3& point) const {
+bool TriangleBvh::within_horizon(const Vec3& point) const {
   // Written so that what is not a number is not.
-  return (m_scale * (point - m_centre_m).array().abs() <= tree_horizon).all();
+  return (m_scale * (point - m_centre_m).array().abs() <= bvh_horizon).all();
 }
 
-void TriangleTree::search_all(Search& search) const {
+void TriangleBvh::search_all(Search& search) const {
   for (int triangle = 0; triangle < static_cast<int>(m_corners.size()); ++triangle) {
     search.offer(triangle);
   }
 }
 
-std::optional<ClosestPoint> TriangleTree::closest_point(const Vec3& point, double max_distance_m) const {
+std::optional<ClosestPoint> TriangleBvh::closest_point(const Vec3& point, double max_distance_m) const {
   if (m_corners.empty() || !(max_distance_m >= 0)) {
     return std::nullopt;
   }
@@ -130,7 +130,7 @@ std::optional<ClosestPoint> TriangleTree::closest_point(const Vec3& point, doubl
   return search.best_triangle < 0 ? std::nullopt : std::optional(search.answer());
 }
 
-ClosestPoint TriangleTree::closest_point_from(const Vec3& point, int triangle) const {
+ClosestPoint TriangleBvh::closest_point_from(const Vec3& point, int triangle) const {
   Search search = search_for(point);
   if (within_horizon(point)) {
     search.first_leaf = m_leaf_of[static_cast<std::size_t>(triangle)];
@@ -146,7 +146,7 @@ ClosestPoint TriangleTree::closest_point_from(const Vec3& point, int triangle) c
   return search.answer();
 }
 
-void TriangleTree::list_leaves(const Vec3& point, double radius_m, NearLeaves& list) const {
+void TriangleBvh::list_candidate_leaves(const Vec3& point, double radius_m, CandidateLeaves& list) const {
   list.clear();
   if (m_corners.empty() || !within_horizon(point)) {
     return;
@@ -162,12 +162,12 @@ void TriangleTree::list_leaves(const Vec3& point, double radius_m, NearLeaves& l
     const double distance = std::sqrt(static_cast<double>(near.squared[i])) - search.slack;
     list.distance[i] =
         list.complete > 0
-            ? static_cast<std::uint8_t>(std::clamp(distance / list.complete, 0.0, 1.0) * NearLeaves::steps)
+            ? static_cast<std::uint8_t>(std::clamp(distance / list.complete, 0.0, 1.0) * CandidateLeaves::steps)
             : std::uint8_t{0};
   }
 }
 
-Clearance TriangleTree::clearance_from(const Vec3& point, int triangle) const {
+Clearance TriangleBvh::clearance_from(const Vec3& point, int triangle) const {
   constexpr float squared_share = 0.81F;
   if (!within_horizon(point)) {
     return {0, triangle};
@@ -178,7 +178,7 @@ Clearance TriangleTree::clearance_from(const Vec3& point, int triangle) const {
   return {std::max(std::sqrt(static_cast<double>(bound.squared)) - search.slack, 0.0) / m_scale, bound.triangle};
 }
 
-void TriangleTree::start_listed(const Vec3& point, const NearLeaves& list, Search& search) const {
+void TriangleBvh::begin_candidate_search(const Vec3& point, const CandidateLeaves& list, Search& search) const {
   prepare(point, search);
   if (!within_horizon(point)) {
     search.moved = std::numeric_limits<float>::infinity();
@@ -198,7 +198,8 @@ void TriangleTree::start_listed(const Vec3& point, const NearLeaves& list, Searc
   }
 }
 
-ListedClosest TriangleTree::finish_listed(Search& search, const NearLeaves& list, double enough_m) const {
+ClosestCandidate TriangleBvh::finish_candidate_search(Search& search, const CandidateLeaves& list,
+                                                      double enough_m) const {
   // What was not looked at is beyond the limit, which is more.
   const double least = std::sqrt(static_cast<double>(search.least)) - search.slack;
   const double others_m = (static_cast<double>(list.complete) - static_cast<double>(search.moved)) / m_scale;
@@ -211,8 +212,8 @@ ListedClosest TriangleTree::finish_listed(Search& search, const NearLeaves& list
   return {closest, closest.distance_m * (1 + distance_rounding) < others_m};
 }
 
-std::size_t TriangleTree::bytes() const {
-  return m_nodes.capacity() * sizeof(TreeNode) + m_leaves.capacity() * sizeof(TreeLeaf) +
+std::size_t TriangleBvh::bytes() const {
+  return m_nodes.capacity() * sizeof(BvhNode) + m_leaves.capacity() * sizeof(BvhLeaf) +
          m_clusters.capacity() * sizeof(m_clusters[0]) + m_corners.capacity() * sizeof(m_corners[0]) +
          m_leaf_of.capacity() * sizeof(int);
 }

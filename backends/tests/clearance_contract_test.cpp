@@ -1,4 +1,4 @@
-// Motion budgets change no bit: a whole motion with and without them, on every backend that can keep them.
+// The clearance cache change no bit: a whole motion with and without them, on every backend that can keep them.
 #include <algorithm>
 #include <map>
 #include <random>
@@ -51,7 +51,7 @@ void expect_that_budgets_change_no_bit(const BackendEntry& entry, const std::vec
   const TriangleMesh mesh = muscle();
   const auto build_with = [&](const std::string& word, int threads) {
     std::map<std::string, ParameterValue> given = common;
-    given["motion_budgets"] = word;
+    given["clearance_cache"] = word;
     auto backend = entry.make(Parameters(entry.parameters, given, "test"));
     backend->build(bones, mesh, threads);
     return backend;
@@ -110,8 +110,8 @@ void expect_that_budgets_change_no_bit(const BackendEntry& entry, const std::vec
 
 TEST_P(Contract, MotionBudgetsChangeNoBitOfAMotion) {
   const BackendEntry& entry = find_backend(GetParam());
-  if (!has_parameter(entry, "motion_budgets")) {
-    GTEST_SKIP() << GetParam() << " keeps no motion budgets";
+  if (!has_parameter(entry, "clearance_cache")) {
+    GTEST_SKIP() << GetParam() << " keeps no clearance cache";
   }
   const auto bone = [](const TriangleMesh& mesh) { return Bone{"bone", repair_mesh(mesh, "bone")}; };
   const std::vector<AnalyticBone> shapes = analytic_bones();

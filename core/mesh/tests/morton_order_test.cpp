@@ -1,4 +1,4 @@
-#include "core/mesh/coherent_order.hpp"
+#include "core/mesh/morton_order.hpp"
 
 #include <algorithm>
 #include <array>
@@ -46,7 +46,7 @@ std::vector<Vec3> shuffled_grid() {
 
 TEST(CoherentOrder, LeadsFromNeighbourToNeighbour) {
   const std::vector<Vec3> points = shuffled_grid();
-  const std::vector<int> order = coherent_order(points);
+  const std::vector<int> order = morton_order(points);
   std::vector<int> sorted = order;
   std::sort(sorted.begin(), sorted.end());
   EXPECT_EQ(sorted, numbers(4096));
@@ -59,7 +59,7 @@ TEST(CoherentOrder, LeavesAShortWayAsItIs) {
   for (int i = 0; i < 1000; ++i) {
     points.emplace_back(std::cos(0.01 * i), std::sin(0.01 * i), 0.001 * i);
   }
-  EXPECT_EQ(coherent_order(points), numbers(1000));
+  EXPECT_EQ(morton_order(points), numbers(1000));
 }
 
 TEST(CoherentOrder, TakesAnyPoints) {
@@ -68,7 +68,7 @@ TEST(CoherentOrder, TakesAnyPoints) {
   points[1] = Vec3::Constant(std::numeric_limits<double>::infinity());
   points[2] = Vec3::Constant(-1e300);
   for (const std::size_t count : {4096, 3, 2, 1, 0}) {
-    std::vector<int> order = coherent_order(std::span(points).first(count));
+    std::vector<int> order = morton_order(std::span(points).first(count));
     std::sort(order.begin(), order.end());
     EXPECT_EQ(order, numbers(static_cast<int>(count)));
   }
@@ -113,12 +113,12 @@ std::multiset<std::array<double, 9>> faces(const TriangleMesh& mesh) {
 TEST(CoherentOrder, OfAMeshLeavesTheSurfaceAsItIs) {
   const TriangleMesh shuffled = shuffled_sphere();
   TriangleMesh mesh = shuffled;
-  order_coherently(mesh);
+  sort_in_morton_order(mesh);
   EXPECT_EQ(faces(mesh), faces(shuffled));
   EXPECT_EQ(mesh.vertices.size(), shuffled.vertices.size());
   EXPECT_EQ(mesh.vertices.back(), Vec3(7, 8, 9));
   TriangleMesh again = mesh;
-  order_coherently(again);
+  sort_in_morton_order(again);
   EXPECT_EQ(again.triangles, mesh.triangles);
   EXPECT_EQ(again.vertices, mesh.vertices);
 }
@@ -126,7 +126,7 @@ TEST(CoherentOrder, OfAMeshLeavesTheSurfaceAsItIs) {
 TEST(CoherentOrder, OfAMeshPutsNeighboursTogether) {
   TriangleMesh mesh = shuffled_sphere();
   const double shuffled_m = way_m(mesh.vertices, numbers(static_cast<int>(mesh.vertices.size())));
-  order_coherently(mesh);
+  sort_in_morton_order(mesh);
   EXPECT_LT(way_m(mesh.vertices, numbers(static_cast<int>(mesh.vertices.size()))), 0.15 * shuffled_m);
   double way_of_corners_m = 0;
   for (std::size_t i = 1; i < mesh.triangles.size(); ++i) {
@@ -139,11 +139,11 @@ TEST(CoherentOrder, OfAMeshPutsNeighboursTogether) {
 
 TEST(CoherentOrder, OfAMeshTakesAnyMesh) {
   TriangleMesh nothing;
-  order_coherently(nothing);
+  sort_in_morton_order(nothing);
   EXPECT_TRUE(nothing.triangles.empty());
   TriangleMesh nowhere{{Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), Vec3::Zero()},
                        {{0, 1, 0}, {1, 1, 1}}};
-  order_coherently(nowhere);
+  sort_in_morton_order(nowhere);
   EXPECT_EQ(nowhere.triangles.size(), 2U);
 }
 

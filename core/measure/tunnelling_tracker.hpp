@@ -21,12 +21,12 @@ namespace musclebench {
 /// ends and in the middle between that and entry or exit, so passing a plate shows half of its thickness: plates
 /// thinner than twice the grazing depth are not seen. A node that tunnels once more through the same bone is back and
 /// no longer counts. A node inside when it is seen first entered where the surface is closest.
-class PassageTracker {
+class TunnellingTracker {
  public:
   static constexpr double opposed_cosine = -0.1;
   static constexpr double grazing_depth = 2e-4;
 
-  PassageTracker(int bones, int nodes);
+  TunnellingTracker(int bones, int nodes);
 
   /// Looks at the next frame. `truth`: what `referee.judge` answered last, for these poses, positions (world frame) and
   /// `nodes` (ascending). A node at a position that is not finite stays what it was. Returns `tunnelled_nodes()`.

@@ -1,4 +1,4 @@
-// What searches in a TriangleTree compute side by side. Included by each file that is compiled once for every kind of
+// What searches in a TriangleBvh compute side by side. Included by each file that is compiled once for every kind of
 // SIMD, after highway.h, so that there is one copy for each.
 #if defined(MUSCLEBENCH_TRIANGLE_TREE_LANES) == defined(HWY_TARGET_TOGGLE)
 #ifdef MUSCLEBENCH_TRIANGLE_TREE_LANES
@@ -13,14 +13,14 @@
 
 #include <hwy/highway.h>
 
-#include "core/bvh/triangle_tree_nodes.hpp"
+#include "core/bvh/triangle_bvh_nodes.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Lanes = hn::CappedTag<float, tree_width>;
+using Lanes = hn::CappedTag<float, bvh_width>;
 using IntLanes = hn::RebindToSigned<Lanes>;
 using Vec = hn::Vec<Lanes>;
 
@@ -31,9 +31,9 @@ struct Vec3Of {
 };
 using Vec3Lanes = Vec3Of<Vec>;
 
-HWY_INLINE Vec load(const TreeLanes& lanes, std::size_t first) { return hn::Load(Lanes(), lanes.data() + first); }
+HWY_INLINE Vec load(const BvhLanes& lanes, std::size_t first) { return hn::Load(Lanes(), lanes.data() + first); }
 
-HWY_INLINE Vec3Lanes load(const std::array<TreeLanes, 3>& lanes, std::size_t first) {
+HWY_INLINE Vec3Lanes load(const std::array<BvhLanes, 3>& lanes, std::size_t first) {
   return {load(lanes[0], first), load(lanes[1], first), load(lanes[2], first)};
 }
 
@@ -59,13 +59,13 @@ struct TrianglesOf {
   Vec3Of<V> origin, along, up;
   V before, after, height;
 
-  static HWY_INLINE TrianglesOf of(const TreeLeaf& leaf, std::size_t first) {
+  static HWY_INLINE TrianglesOf of(const BvhLeaf& leaf, std::size_t first) {
     return {load(leaf.origin, first), load(leaf.along, first), load(leaf.up, first),
             load(leaf.before, first), load(leaf.after, first), load(leaf.height, first)};
   }
-  static HWY_INLINE TrianglesOf one(const TreeLeaf& leaf, std::size_t place) {
+  static HWY_INLINE TrianglesOf one(const BvhLeaf& leaf, std::size_t place) {
     const Lanes d;
-    const auto all = [&](const std::array<TreeLanes, 3>& lanes) HWY_ATTR {
+    const auto all = [&](const std::array<BvhLanes, 3>& lanes) HWY_ATTR {
       return splat({lanes[0][place], lanes[1][place], lanes[2][place]});
     };
     return {all(leaf.origin),
@@ -136,7 +136,7 @@ HWY_INLINE ArmsOf<V> arms_to(const TrianglesOf<V>& triangle, const Vec3Of<V>& pl
   const V outward = hn::MulAdd(over, height, hn::Mul(y, width));
   // Below the longest side that is so beyond its end only, where the share is 0 and both ways give the same.
   const auto at_side = hn::Gt(outward, zero);
-  // Elsewhere the rectangle about the half bounds the distance, which is 0 in the half itself: a needle's slanted side
+  // Elsewhere the rectangle about the half bounds the distance, which is 0 in the half itself: a sliver's slanted side
   // is so close to its longest one that rounding may put a point far beyond its tip on the inner side.
   const V rest_y = hn::Max(hn::Sub(y, height), hn::Min(y, zero));
   return {hn::IfThenElse(at_side, hn::MulAdd(share, width, over), hn::Max(over, zero)),

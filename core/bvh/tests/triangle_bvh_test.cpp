@@ -1,4 +1,4 @@
-#include "core/bvh/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
 
 #include <cmath>
 #include <limits>
@@ -60,18 +60,18 @@ TriangleMesh soup(int triangles) {
   return mesh;
 }
 
-ListedClosest closest_listed(const TriangleTree& tree, const Vec3& point, const NearLeaves& list,
-                             double enough_m = std::numeric_limits<double>::infinity()) {
-  TriangleTree::Search search;
-  tree.start_listed(point, list, search);
-  return tree.finish_listed(search, list, enough_m);
+ClosestCandidate closest_listed(const TriangleBvh& tree, const Vec3& point, const CandidateLeaves& list,
+                                double enough_m = std::numeric_limits<double>::infinity()) {
+  TriangleBvh::Search search;
+  tree.begin_candidate_search(point, list, search);
+  return tree.finish_candidate_search(search, list, enough_m);
 }
 
 class TriangleTreeShapes : public testing::TestWithParam<TriangleMesh> {};
 
 TEST_P(TriangleTreeShapes, ClosestPointIsThatOfBruteForce) {
   const TriangleMesh& mesh = GetParam();
-  const TriangleTree tree(mesh);
+  const TriangleBvh tree(mesh);
   int start = 0;
   for (const Vec3& point : random_points(1.5, 300)) {
     const ClosestPoint expected = brute_force(mesh, point);
@@ -85,7 +85,7 @@ TEST_P(TriangleTreeShapes, ClosestPointIsThatOfBruteForce) {
 
 TEST_P(TriangleTreeShapes, TheCapOnlyDecidesWhetherThereIsAnAnswer) {
   const TriangleMesh& mesh = GetParam();
-  const TriangleTree tree(mesh);
+  const TriangleBvh tree(mesh);
   for (const Vec3& point : random_points(1.5, 100)) {
     const double distance = brute_force(mesh, point).distance_m;
     EXPECT_FALSE(tree.closest_point(point, 0.999 * distance));
@@ -97,7 +97,7 @@ TEST_P(TriangleTreeShapes, TheCapOnlyDecidesWhetherThereIsAnAnswer) {
 
 TEST_P(TriangleTreeShapes, WindingNumberIsTheSumOfSolidAngles) {
   const TriangleMesh& mesh = GetParam();
-  const TriangleTree tree(mesh);
+  const TriangleBvh tree(mesh);
   for (const Vec3& point : random_points(1.5, 200)) {
     const double expected = exact_winding(mesh, point);
     const double found = tree.winding_number(point);
@@ -113,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, TriangleTreeShapes,
                                          make_capsule(0.3, 0.9, 24), soup(500), soup(3)));
 
 /// Surfaces that are hard on floats, and points that are hard on a search among them: on the surface, at equal
-/// distances from several triangles, beyond the tips of needles, far away.
+/// distances from several triangles, beyond the tips of slivers, far away.
 struct HardCase {
   std::string name;
   TriangleMesh mesh;
@@ -122,8 +122,8 @@ struct HardCase {
 
 void PrintTo(const HardCase& hard, std::ostream* out) { *out << hard.name; }
 
-/// Needles of all widths between two powers of ten, so close together that they compete.
-TriangleMesh needles(std::mt19937& random, double thinnest, double widest) {
+/// Slivers of all widths between two powers of ten, so close together that they compete.
+TriangleMesh slivers(std::mt19937& random, double thinnest, double widest) {
   std::uniform_real_distribution<double> unit(-1, 1);
   TriangleMesh mesh;
   for (int t = 0; t < 400; ++t) {
@@ -140,7 +140,7 @@ TriangleMesh needles(std::mt19937& random, double thinnest, double widest) {
   return mesh;
 }
 
-/// Needles of which closest_on_triangle misses the closest point, each next to a plain triangle that it then takes to
+/// Slivers of which closest_on_triangle misses the closest point, each next to a plain triangle that it then takes to
 /// be closer.
 TriangleMesh needles_over_triangles(std::mt19937& random) {
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -217,9 +217,9 @@ std::vector<HardCase> hard_cases() {
     cases.push_back({name, mesh, points_about(mesh, random, 300)});
   };
   add("soup", soup(400));
-  add("needles", needles(random, -17, -1));
+  add("slivers", slivers(random, -17, -1));
   // So thin that closest_on_triangle may take any point of them for the closest one.
-  add("thin_needles", needles(random, -12, -7));
+  add("thin_needles", slivers(random, -12, -7));
   add("needles_over_triangles", needles_over_triangles(random));
   add("sheets", coincident_sheets());
   TriangleMesh points_and_segments = soup(300);
@@ -267,7 +267,7 @@ class TriangleTreeHardCases : public testing::TestWithParam<HardCase> {
 
 TEST_P(TriangleTreeHardCases, AnswersAreThoseOfBruteForceOnEveryKindOfVector) {
   const auto& [name, mesh, points] = GetParam();
-  const TriangleTree tree(mesh);
+  const TriangleBvh tree(mesh);
   std::vector<ClosestPoint> expected;
   for (const Vec3& point : points) {
     expected.push_back(brute_force(mesh, point));
@@ -293,7 +293,7 @@ TEST_P(TriangleTreeHardCases, AnswersAreThoseOfBruteForceOnEveryKindOfVector) {
 /// About each place a list, and points that have moved away from it by next to nothing, a little and a lot.
 TEST_P(TriangleTreeHardCases, AListOfLeavesAnswersAsASearchDoesOrIsNotCertain) {
   const auto& [name, mesh, points] = GetParam();
-  const TriangleTree tree(mesh);
+  const TriangleBvh tree(mesh);
   const std::vector<Vec3> ways = random_points(1, static_cast<int>(points.size()));
   Vec3 lower = mesh.vertices.front();
   Vec3 upper = lower;
@@ -308,18 +308,18 @@ TEST_P(TriangleTreeHardCases, AListOfLeavesAnswersAsASearchDoesOrIsNotCertain) {
     for (std::size_t i = 0; i < points.size(); i += 3) {
       const double distance = tree.closest_point(points[i]).value().distance_m;
       for (const double reach : {0.0, 0.03 * size, 0.5 * size}) {
-        NearLeaves list;
-        tree.list_leaves(points[i], distance + reach, list);
+        CandidateLeaves list;
+        tree.list_candidate_leaves(points[i], distance + reach, list);
         for (const double share : {0.0, 1e-6, 0.01, 0.1}) {
           SCOPED_TRACE(name + " " + hwy::TargetName(target) + " point " + std::to_string(i));
           const Vec3 point = points[i] + share * size * ways[i];
           if (list.empty()) {
             continue;
           }
-          const ListedClosest listed = closest_listed(tree, point, list);
+          const ClosestCandidate listed = closest_listed(tree, point, list);
           // Less is told only where less was asked for, and it is true.
           const ClosestPoint exact = brute_force(mesh, point);
-          const ListedClosest less = closest_listed(tree, point, list, 0.7 * exact.distance_m);
+          const ClosestCandidate less = closest_listed(tree, point, list, 0.7 * exact.distance_m);
           EXPECT_LE(less.clearance_m, exact.distance_m);
           EXPECT_TRUE(less.clearance_m == 0 || less.clearance_m > 0.7 * exact.distance_m);
           cleared += less.clearance_m > 0 ? 1 : 0;
@@ -341,7 +341,7 @@ TEST_P(TriangleTreeHardCases, AListOfLeavesAnswersAsASearchDoesOrIsNotCertain) {
 
 TEST_P(TriangleTreeHardCases, AClearanceIsNeverMoreThanTheDistance) {
   const auto& [name, mesh, points] = GetParam();
-  const TriangleTree tree(mesh);
+  const TriangleBvh tree(mesh);
   const int count = static_cast<int>(mesh.triangles.size());
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::SetSupportedTargetsForTest(target);
@@ -359,15 +359,15 @@ TEST_P(TriangleTreeHardCases, AClearanceIsNeverMoreThanTheDistance) {
 INSTANTIATE_TEST_SUITE_P(All, TriangleTreeHardCases, testing::ValuesIn(hard_cases()),
                          [](const auto& hard) { return hard.param.name; });
 
-TEST(TriangleTree, AListOfLeavesIsCertainWhileThePointStaysNearItsPlace) {
+TEST(TriangleBvh, AListOfLeavesIsCertainWhileThePointStaysNearItsPlace) {
   const TriangleMesh mesh = make_sphere(0.1, 5);
-  const TriangleTree tree(mesh);
+  const TriangleBvh tree(mesh);
   int certain = 0;
   int asked = 0;
   for (const Vec3& way : random_points(1, 200)) {
     const Vec3 place = (0.1 + 0.002 * way.x()) * way.normalized();
-    NearLeaves list;
-    tree.list_leaves(place, tree.closest_point(place)->distance_m + 0.008, list);
+    CandidateLeaves list;
+    tree.list_candidate_leaves(place, tree.closest_point(place)->distance_m + 0.008, list);
     ASSERT_FALSE(list.empty());
     for (const double moved : {0.0, 5e-4, 1e-3}) {
       const Vec3 point = place + moved * Vec3(way.y(), way.z(), way.x()).normalized();
@@ -379,9 +379,9 @@ TEST(TriangleTree, AListOfLeavesIsCertainWhileThePointStaysNearItsPlace) {
   EXPECT_EQ(certain, asked);
 }
 
-TEST(TriangleTree, AClearanceIsNineTenthsOfTheDistanceFromAnyStart) {
+TEST(TriangleBvh, AClearanceIsNineTenthsOfTheDistanceFromAnyStart) {
   const TriangleMesh mesh = make_sphere(0.1, 4);
-  const TriangleTree tree(mesh);
+  const TriangleBvh tree(mesh);
   int start = 0;
   for (const Vec3& point : random_points(0.3, 300)) {
     start = (start + 371) % static_cast<int>(mesh.triangles.size());
@@ -392,9 +392,9 @@ TEST(TriangleTree, AClearanceIsNineTenthsOfTheDistanceFromAnyStart) {
   }
 }
 
-TEST(TriangleTree, PointsThatAreNotFiniteAreNowhere) {
+TEST(TriangleBvh, PointsThatAreNotFiniteAreNowhere) {
   const TriangleMesh mesh = make_sphere(1, 1);
-  const TriangleTree tree(mesh);
+  const TriangleBvh tree(mesh);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(tree.closest_point({0, nan, 0}));
   EXPECT_EQ(tree.closest_point_from({0, nan, 0}, 3).triangle, 3);
@@ -402,18 +402,18 @@ TEST(TriangleTree, PointsThatAreNotFiniteAreNowhere) {
   EXPECT_FALSE(tree.closest_point({0, 0, 0}, -1));
 }
 
-TEST(TriangleTree, IsDeepEnoughForManyTrianglesAtOnePlace) {
+TEST(TriangleBvh, IsDeepEnoughForManyTrianglesAtOnePlace) {
   TriangleMesh mesh = make_sphere(1, 0);
   const std::vector<Triangle> once = mesh.triangles;
   for (int copy = 0; copy < 500; ++copy) {
     mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
   }
-  const TriangleTree tree(mesh);
+  const TriangleBvh tree(mesh);
   const Vec3 point(0.3, 0.2, 1.4);
   EXPECT_EQ(tree.closest_point(point)->triangle, brute_force(mesh, point).triangle);
 }
 
-TEST(TriangleTree, WindingNumberCountsNestedSurfaces) {
+TEST(TriangleBvh, WindingNumberCountsNestedSurfaces) {
   TriangleMesh mesh = make_sphere(1, 3);
   const TriangleMesh inner = make_sphere(0.5, 3);
   const auto offset = static_cast<int>(mesh.vertices.size());
@@ -421,14 +421,14 @@ TEST(TriangleTree, WindingNumberCountsNestedSurfaces) {
   for (const Triangle& t : inner.triangles) {
     mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
   }
-  const TriangleTree tree(mesh);
+  const TriangleBvh tree(mesh);
   EXPECT_NEAR(tree.winding_number({0.1, 0, 0.2}), 2, 0.1);
   EXPECT_NEAR(tree.winding_number({0.7, 0, 0.2}), 1, 0.1);
   EXPECT_NEAR(tree.winding_number({1.7, 0, 0.2}), 0, 0.1);
 }
 
-TEST(TriangleTree, OfNoTrianglesHasNoClosestPoint) {
-  const TriangleTree tree((TriangleMesh()));
+TEST(TriangleBvh, OfNoTrianglesHasNoClosestPoint) {
+  const TriangleBvh tree((TriangleMesh()));
   EXPECT_FALSE(tree.closest_point(Vec3::Zero()));
   EXPECT_EQ(tree.winding_number(Vec3::Zero()), 0);
 }
