@@ -12,21 +12,21 @@ import sys
 import time
 from pathlib import Path
 
-from musclebench_experiment.case import Places
-from musclebench_experiment.disk import free_bytes
-from musclebench_experiment.front import (
+from musclebench.cases.case import Places
+from musclebench.program.disk import free_bytes
+from musclebench.program.cli import (
     OneLineParser, Problem, check_data, check_positive, check_program, chosen_cores, run_command,
 )
-from musclebench_experiment.muscle_scene import VERTICES
-from musclebench_experiment.out_folder import claimed
-from musclebench_experiment.pool import Limits, run_cases
-from musclebench_experiment.progress import duration
-from musclebench_experiment.study import RESULT_DIRS, AccuracyStudy
-from musclebench_experiment.study_cases import ReplayCase
-from musclebench_experiment.study_manifest import total_memory_bytes, write_manifest
-from musclebench_experiment.study_plan import StudyCase, Wishes, is_too_long, plan
-from musclebench_report import accuracy as report
-from musclebench_report.results import ResultProblem
+from musclebench.cases.muscle_scene import VERTICES
+from musclebench.program.out_folder import claimed
+from musclebench.cases.pool import Limits, run_cases
+from musclebench.cases.progress import duration
+from musclebench.study.study import RESULT_DIRS, AccuracyStudy
+from musclebench.study.study_cases import ReplayCase
+from musclebench.study.study_manifest import total_memory_bytes, write_manifest
+from musclebench.study.study_plan import StudyCase, Wishes, is_too_long, plan
+from musclebench.accuracy import report
+from musclebench.results.run_folder import ResultProblem
 
 PROJECT = Path(__file__).resolve().parent.parent
 PROGRAM = PROJECT / "build" / "release" / "bench" / "musclebench"

@@ -4,7 +4,8 @@
 import sys
 from pathlib import Path
 
-from musclebench_report import results, surface_figures
+from musclebench.results import run_folder as results
+from musclebench.pictures import surface_figures
 
 
 def main(arguments: list[str]) -> int:

@@ -7,15 +7,18 @@ import subprocess
 import sys
 from pathlib import Path
 
-from musclebench_experiment import paper_cases
-from musclebench_experiment.case import Places
-from musclebench_experiment.experiment import Experiment
-from musclebench_experiment.front import (
+from musclebench.paper import paper_cases
+from musclebench.cases.case import Places
+from musclebench.cases.experiment import Experiment
+from musclebench.program.cli import (
     OneLineParser, Problem, check_data, check_positive, check_program, chosen_cores, run_command,
 )
-from musclebench_experiment.out_folder import claimed
-from musclebench_experiment.pool import Limits, run_cases
-from musclebench_report import figures, published, results, table_formats, tables
+from musclebench.program.out_folder import claimed
+from musclebench.cases.pool import Limits, run_cases
+from musclebench.figures import paper_figures as figures
+from musclebench.paper import published
+from musclebench.results import run_folder as results
+from musclebench.tables import table_formats, paper_tables as tables
 
 TOOLS = Path(__file__).resolve().parent
 PROJECT = TOOLS.parent

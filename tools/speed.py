@@ -13,19 +13,17 @@ import shutil
 import sys
 from pathlib import Path
 
-from musclebench_experiment.case import Case, Places
-from musclebench_experiment.front import (
-    OneLineParser, Problem, check_data, check_positive, check_program, run_command,
-)
-from musclebench_experiment.muscle_scene import VERTICES
-from musclebench_experiment.out_folder import claimed
-from musclebench_experiment.pool import Limits, run_cases
-from musclebench_experiment.progress import duration
-from musclebench_report.results import ResultProblem
-from musclebench_speed import speed_report
-from musclebench_speed.speed_cases import MICRO_PROGRAM, STRUCTURES_DIR
-from musclebench_speed.speed_experiment import SpeedExperiment
-from musclebench_speed.speed_plan import Wishes, plan
+from musclebench.cases.case import Case, Places
+from musclebench.program.cli import OneLineParser, Problem, check_data, check_positive, check_program, run_command
+from musclebench.cases.muscle_scene import VERTICES
+from musclebench.program.out_folder import claimed
+from musclebench.cases.pool import Limits, run_cases
+from musclebench.cases.progress import duration
+from musclebench.results.run_folder import ResultProblem
+from musclebench.speed import speed_report
+from musclebench.speed.speed_cases import MICRO_PROGRAM, STRUCTURES_DIR
+from musclebench.speed.speed_experiment import SpeedExperiment
+from musclebench.speed.speed_plan import Wishes, plan
 
 PROJECT = Path(__file__).resolve().parent.parent
 PROGRAM = PROJECT / "build" / "bench" / "bench" / "musclebench"

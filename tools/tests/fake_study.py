@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 import fake_runs
-from musclebench_report.accuracy import cases
-from musclebench_report.accuracy.entries import Entry, entries_of, of_mode
+from musclebench.accuracy import cases
+from musclebench.accuracy.aggregates import Entry, entries_of, of_mode
 
 FRAMES = 40
 BAND_M = 0.01

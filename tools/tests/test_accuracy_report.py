@@ -10,11 +10,12 @@ import fake_study
 from fake_study import (
     REPLAYED, SCENES, Truth, replays_of, write_coupled, write_failure, write_plan, write_probe, write_replay,
 )
-from musclebench_report import results, table_formats
-from musclebench_report.accuracy import cases, report
-from musclebench_report.accuracy.entries import entries_of, of_mode
-from musclebench_report.accuracy.rows import accuracy_rows, build_seconds_of, study_rows
-from musclebench_report.accuracy.stages import chosen_entries, stage_rows
+from musclebench.results import run_folder as results
+from musclebench.tables import table_formats
+from musclebench.accuracy import cases, report
+from musclebench.accuracy.aggregates import entries_of, of_mode
+from musclebench.accuracy.rows import accuracy_rows, build_seconds_of, study_rows
+from musclebench.figures.stages import chosen_entries, stage_rows
 
 
 def test_what_failed_or_is_missing_is_a_row_and_not_in_a_figure(study):

@@ -7,9 +7,9 @@ import pytest
 
 import fake_study
 from fake_study import SCENES, Truth, write_probe
-from musclebench_report.accuracy import cases, orders
-from musclebench_report.accuracy.entries import entries_of
-from musclebench_report.accuracy.rows import build_seconds_of
+from musclebench.accuracy import cases, orders
+from musclebench.accuracy.aggregates import entries_of
+from musclebench.accuracy.rows import build_seconds_of
 
 
 def test_observed_orders_are_those_of_the_errors(tmp_path):

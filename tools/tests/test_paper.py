@@ -15,12 +15,13 @@ import pandas as pd
 import pytest
 
 import paper
-from musclebench_experiment.case import Places
-from musclebench_experiment.experiment import Experiment
-from musclebench_experiment.muscle_scene import MuscleScene
-from musclebench_experiment.paper_cases import PaperCase, plan
-from musclebench_experiment.pool import Limits, run_cases
-from musclebench_report import results, surface_figures, surface_pictures
+from musclebench.cases.case import Places
+from musclebench.cases.experiment import Experiment
+from musclebench.cases.muscle_scene import MuscleScene
+from musclebench.paper.paper_cases import PaperCase, plan
+from musclebench.cases.pool import Limits, run_cases
+from musclebench.results import run_folder as results
+from musclebench.pictures import surface_figures, surface_pictures
 
 PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
 BY_NUMBERS = ["fig_7_collision_time", "fig_8_memory", "depth_by_frame"]

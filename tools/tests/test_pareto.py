@@ -4,8 +4,9 @@ import pandas as pd
 import pytest
 
 from fake_study import SCENES, SIZES, replays_of
-from musclebench_report.accuracy import front, labels, pareto
-from musclebench_report.style import plt
+from musclebench.accuracy import front
+from musclebench.figures import labels, pareto
+from musclebench.figures.style import plt
 
 
 def test_the_front_leaves_out_what_is_slower_and_no_better_and_what_is_wrong(study):

@@ -6,9 +6,10 @@ import math
 import pytest
 
 from fake_study import REPLAYED, SCENES, Truth, replays_of, write_failure, write_replay
-from musclebench_report.accuracy import front, prices, report
-from musclebench_report.accuracy.fcl_table import best_right, fcl_table
-from musclebench_report.accuracy.rows import build_seconds_of
+from musclebench.accuracy import front, report
+from musclebench.tables import prices
+from musclebench.tables.fcl_table import best_right, fcl_table
+from musclebench.accuracy.rows import build_seconds_of
 
 
 def price(replays, muscle, bar):

@@ -7,7 +7,8 @@ import pandas as pd
 import pytest
 
 import fake_runs
-from musclebench_report import ply, published, results
+from musclebench.results import ply, run_folder as results
+from musclebench.paper import published
 
 
 def test_every_complete_folder_gives_a_run(fake_raw):

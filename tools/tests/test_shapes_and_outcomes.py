@@ -9,10 +9,11 @@ import pytest
 import fake_runs
 import fake_study
 from fake_study import SCENES, Truth, write_coupled
-from musclebench_report import ply
-from musclebench_report.accuracy import cases, outcomes, shapes
-from musclebench_report.accuracy.configurations import configuration
-from musclebench_report.accuracy.entries import entries_of, find
+from musclebench.results import ply
+from musclebench.accuracy import cases, shapes
+from musclebench.tables import outcomes
+from musclebench.accuracy.configurations import configuration
+from musclebench.accuracy.aggregates import entries_of, find
 
 
 def mesh_of(body):

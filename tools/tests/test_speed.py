@@ -12,12 +12,12 @@ import pandas as pd
 import pytest
 
 import speed
-from musclebench_experiment.case import Places
-from musclebench_speed import bars, samples
-from musclebench_speed.kernel_results import read_kernels
-from musclebench_speed.speed_cases import MICRO_PROGRAM, KernelCase, RaceCase
-from musclebench_speed.speed_experiment import backends_of
-from musclebench_speed.speed_plan import SETTINGS, Wishes, plan
+from musclebench.cases.case import Places
+from musclebench.speed import targets as bars, samples
+from musclebench.speed.kernel_results import read_kernels
+from musclebench.speed.speed_cases import MICRO_PROGRAM, KernelCase, RaceCase
+from musclebench.speed.speed_experiment import backends_of
+from musclebench.speed.speed_plan import SETTINGS, Wishes, plan
 
 PROGRAM = Path(__file__).resolve().parent / "fake_speed.py"
 TOOLS = PROGRAM.parent.parent

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from musclebench_experiment.case import Places
-from musclebench_experiment.case_queue import CaseQueue
-from musclebench_experiment.configurations import Configuration, configurations
-from musclebench_experiment.muscle_scene import VERTICES, MuscleScene
-from musclebench_experiment.study_cases import CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
-from musclebench_experiment.study_plan import Wishes, in_shard, is_too_long, plan, stride_of
+from musclebench.cases.case import Places
+from musclebench.cases.case_queue import CaseQueue
+from musclebench.study.sweeps import Configuration, configurations
+from musclebench.cases.muscle_scene import VERTICES, MuscleScene
+from musclebench.study.study_cases import CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
+from musclebench.study.study_plan import Wishes, in_shard, is_too_long, plan, stride_of
 
 PLACES = Places(Path("out"), Path("data"))
 FULL = Wishes("lhdl", ("iliacus",))

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 import accuracy
-from musclebench_experiment import study_plan
-from musclebench_experiment.case import Places
-from musclebench_experiment.configurations import Configuration
-from musclebench_experiment.study_cases import ReplayCase
-from musclebench_report.accuracy.configurations import configuration
+from musclebench.study import study_plan
+from musclebench.cases.case import Places
+from musclebench.study.sweeps import Configuration
+from musclebench.study.study_cases import ReplayCase
+from musclebench.accuracy.configurations import configuration
 from program import PROGRAM, call, needs_program
 
 pytestmark = needs_program

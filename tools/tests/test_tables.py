@@ -5,8 +5,10 @@ import pandas as pd
 import pytest
 
 import fake_runs
-from musclebench_report import published, results, table_formats, tables
-from musclebench_report.statistics import median_ratio
+from musclebench.paper import published
+from musclebench.results import run_folder as results
+from musclebench.tables import table_formats, paper_tables as tables
+from musclebench.results.statistics import median_ratio
 
 
 @pytest.fixture
