@@ -7,8 +7,8 @@ import pytest
 
 from musclebench.cases.case import Places
 from musclebench.cases.muscle_scene import MuscleScene
-from musclebench.paper.paper_cases import PaperCase, plan
 from musclebench.cases.progress import Estimate, ProgressBar, duration
+from musclebench.paper.paper_cases import PaperCase, plan
 
 ILIACUS = MuscleScene("lhdl", "iliacus")
 VOXEL, FCL = PaperCase(ILIACUS, "voxel"), PaperCase(ILIACUS, "fcl")

@@ -1,4 +1,4 @@
-"""One entry a configuration of a scene in a mode: its repetitions together, as figures and tables show them."""
+"""One aggregate a configuration of a scene in a mode: its repetitions together, as figures and tables show them."""
 
 import math
 from dataclasses import dataclass
@@ -6,8 +6,8 @@ from functools import cached_property
 
 import pandas as pd
 
-from ..results.statistics import Estimate, pooled_median
 from ..figures.style import BACKENDS, MUSCLES, in_order
+from ..results.statistics import Estimate, pooled_median
 from .cases import StudyCase
 from .configurations import Configuration
 
@@ -19,7 +19,7 @@ EXACT_BACKENDS = ("bvh", "brute_force")  # the first that has run is what shapes
 
 
 @dataclass
-class Entry:
+class Aggregate:
     mode: str
     scene: str
     configuration: Configuration
@@ -129,17 +129,17 @@ class Entry:
         return self.backend == "fcl" and self.mode == "replay" and self.verdict.startswith("wrong")
 
 
-def entries_of(cases: list[StudyCase]) -> list[Entry]:
+def aggregates_of(cases: list[StudyCase]) -> list[Aggregate]:
     """By mode, muscle and configuration, in the order in which tables list them."""
     grouped: dict[tuple, list[StudyCase]] = {}
     for case in cases:
         grouped.setdefault((case.mode, case.scene, case.configuration), []).append(case)
-    entries = [Entry(*key, sorted(group, key=lambda case: case.repetition)) for key, group in grouped.items()]
-    scenes = in_order_of_muscles({entry.scene for entry in entries})
-    backends = in_order({entry.backend for entry in entries}, BACKENDS)
-    return sorted(entries, key=lambda entry: (
-        entry.mode, scenes.index(entry.scene), backends.index(entry.backend), entry.configuration.series or "",
-        entry.configuration.fineness, entry.configuration.factors, entry.configuration.name,
+    aggregates = [Aggregate(*key, sorted(group, key=lambda case: case.repetition)) for key, group in grouped.items()]
+    scenes = in_order_of_muscles({aggregate.scene for aggregate in aggregates})
+    backends = in_order({aggregate.backend for aggregate in aggregates}, BACKENDS)
+    return sorted(aggregates, key=lambda one: (
+        one.mode, scenes.index(one.scene), backends.index(one.backend), one.configuration.series or "",
+        one.configuration.fineness, one.configuration.factors, one.configuration.name,
     ))
 
 
@@ -148,21 +148,21 @@ def in_order_of_muscles(scenes) -> list[str]:
     return sorted(scenes, key=lambda scene: (muscles.index(scene.split("/")[-1]), scene))
 
 
-def of_mode(entries: list[Entry], mode: str) -> list[Entry]:
-    return [entry for entry in entries if entry.mode == mode]
+def of_mode(aggregates: list[Aggregate], mode: str) -> list[Aggregate]:
+    return [aggregate for aggregate in aggregates if aggregate.mode == mode]
 
 
-def find(entries: list[Entry], scene: str, chosen: Configuration) -> Entry | None:
-    """The one that is complete, of one mode's entries."""
-    return next((e for e in entries if e.scene == scene and e.configuration == chosen and e.is_shown), None)
+def find(aggregates: list[Aggregate], scene: str, chosen: Configuration) -> Aggregate | None:
+    """The one that is complete, of one mode's aggregates."""
+    return next((e for e in aggregates if e.scene == scene and e.configuration == chosen and e.is_shown), None)
 
 
-def exact_entry(entries: list[Entry], scene: str) -> Entry | None:
-    """Of coupled entries: the one that the others' shapes are compared with."""
+def exact_aggregate(aggregates: list[Aggregate], scene: str) -> Aggregate | None:
+    """Of coupled aggregates: the one that the others' shapes are compared with."""
     for backend in EXACT_BACKENDS:
-        for entry in entries:
-            if entry.scene == scene and entry.backend == backend and entry.is_shown:
-                return entry
+        for aggregate in aggregates:
+            if aggregate.scene == scene and aggregate.backend == backend and aggregate.is_shown:
+                return aggregate
     return None
 
 

@@ -6,18 +6,18 @@ import numpy as np
 import pandas as pd
 
 from ..results.statistics import total
-from .aggregates import Entry
+from .aggregates import Aggregate
 
 EXACT_MM = 1e-6  # a nanometre: what double precision leaves of millimetres is drawn as exact
 ALL_MUSCLES = "all"
 
 
-def points_of(entries: list[Entry], error_mm, wrong: set) -> pd.DataFrame:
-    """One row a panel and configuration. `error_mm`: of an entry; NaN where it is unknown. `wrong`: pairs (scene,
+def points_of(aggregates: list[Aggregate], error_mm, wrong: set) -> pd.DataFrame:
+    """One row a panel and configuration. `error_mm`: of an aggregate; NaN where it is unknown. `wrong`: pairs (scene,
     configuration) that answer wrongly. Runs of one thread only: what threads gain is another question."""
-    shown = [entry for entry in entries if entry.is_shown and entry.configuration.threads == 1]
-    rows = [_row(entry.scene, [entry], error_mm, wrong) for entry in shown]
-    scenes = {entry.scene for entry in shown}
+    shown = [aggregate for aggregate in aggregates if aggregate.is_shown and aggregate.configuration.threads == 1]
+    rows = [_row(aggregate.scene, [aggregate], error_mm, wrong) for aggregate in shown]
+    scenes = {aggregate.scene for aggregate in shown}
     if len(scenes) > 1:
         rows += [_row(ALL_MUSCLES, group, error_mm, wrong) for group in _on_all(shown, scenes)]
     points = pd.DataFrame(rows, columns=_row_keys())
@@ -41,23 +41,23 @@ def on_front(points: pd.DataFrame) -> list:
     return front
 
 
-def _on_all(entries: list[Entry], scenes: set[str]) -> list[list[Entry]]:
+def _on_all(aggregates: list[Aggregate], scenes: set[str]) -> list[list[Aggregate]]:
     groups: dict = {}
-    for entry in entries:
-        groups.setdefault(entry.configuration, []).append(entry)
-    return [group for group in groups.values() if {entry.scene for entry in group} == scenes]
+    for aggregate in aggregates:
+        groups.setdefault(aggregate.configuration, []).append(aggregate)
+    return [group for group in groups.values() if {aggregate.scene for aggregate in group} == scenes]
 
 
-def _row(panel: str, group: list[Entry], error_mm, wrong: set) -> dict:
+def _row(panel: str, group: list[Aggregate], error_mm, wrong: set) -> dict:
     """Of all muscles: the sum of their times, the largest of their errors."""
-    chosen, time = group[0].configuration, total([entry.collision_ms for entry in group])
+    chosen, time = group[0].configuration, total([aggregate.collision_ms for aggregate in group])
     return {
         "panel": panel, "backend": chosen.backend, "configuration": chosen.name, "series": chosen.series,
         "label": chosen.short, "fineness": chosen.fineness, "time_ms": time.value, "time_ms_low": time.low,
-        "time_ms_high": time.high, "error_mm": float(np.max([error_mm(entry) for entry in group])),
-        "structure_bytes": sum(entry.structure_bytes for entry in group) / len(group),
-        "is_wrong": any((entry.scene, entry.configuration) in wrong for entry in group),
-        "repetitions": min(len(entry.ok) for entry in group),
+        "time_ms_high": time.high, "error_mm": float(np.max([error_mm(aggregate) for aggregate in group])),
+        "structure_bytes": sum(aggregate.structure_bytes for aggregate in group) / len(group),
+        "is_wrong": any((aggregate.scene, aggregate.configuration) in wrong for aggregate in group),
+        "repetitions": min(len(aggregate.ok) for aggregate in group),
         "frames": time.frames,
     }
 

@@ -5,24 +5,25 @@ import math
 import numpy as np
 import pandas as pd
 
-from .aggregates import Entry
+from .aggregates import Aggregate
 from .rows import build_seconds
 
 PLACES = ("smooth", "sharp")
 
 
-def probe_rows(probes: list[Entry]) -> pd.DataFrame:
+def probe_rows(probes: list[Aggregate]) -> pd.DataFrame:
     """One row a bone, place, series and cell size; a bone that several scenes share counts once. Adaptive cells have no
     one size and are left out."""
     rows = []
-    for entry in (e for e in probes if e.is_shown and e.configuration.series and not e.configuration.wanted_error_mm):
-        record, probe = entry.ok[0].run.record, entry.ok[0].probe
+    shown = [one for one in probes if one.is_shown and one.configuration.series]
+    for aggregate in (one for one in shown if not one.configuration.wanted_error_mm):
+        record, probe = aggregate.ok[0].run.record, aggregate.ok[0].probe
         digests = {bone.get("name"): bone.get("mesh_sha256") for bone in record.get("bones") or []}
         for _, line in probe.iterrows():
             rows.append({
                 "bone": line["bone"], "mesh_sha256": digests.get(line["bone"]), "place": line["place"],
-                "series": entry.configuration.series, "configuration": entry.configuration.name,
-                "cell_edge_m": cell_edge_m(entry, line["bone"]), "points": line["points"],
+                "series": aggregate.configuration.series, "configuration": aggregate.configuration.name,
+                "cell_edge_m": cell_edge_m(aggregate, line["bone"]), "points": line["points"],
                 **{key: line.get(key) for key in ("max_error_m", "p99_error_m", "mean_error_m", "rms_error_m",
                                                   "wrong_side")},
             })
@@ -43,30 +44,31 @@ def with_orders(table: pd.DataFrame) -> pd.DataFrame:
     return table
 
 
-def cell_edge_m(entry: Entry, bone: str) -> float:
+def cell_edge_m(aggregate: Aggregate, bone: str) -> float:
     """As the probe told, else of cubes as they were asked for."""
-    record = entry.ok[0].run.record
+    record = aggregate.ok[0].run.record
     told = [item.get("cell_edge_m") for item in record.get("probed") or [] if item.get("name") == bone]
-    edge = told[0] if told and told[0] else entry.configuration.cube_edge_m
+    edge = told[0] if told and told[0] else aggregate.configuration.cube_edge_m
     return math.nan if edge is None else float(edge)
 
 
-def cost_rows(entries: list[Entry], measured_builds: dict) -> pd.DataFrame:
+def cost_rows(aggregates: list[Aggregate], measured_builds: dict) -> pd.DataFrame:
     """Cells of all bones, build time and bytes of each grid; scenes with the same bones count once."""
     rows = []
-    for entry in (e for e in entries if e.is_shown and e.configuration.series):
-        cells = cell_count(entry)
-        rows.append({"bones": _bones(entry), "series": entry.configuration.series, "cells": cells,
-                     "configuration": entry.configuration.name, "build_s": build_seconds(entry, measured_builds),
-                     "structure_bytes": entry.structure_bytes})
+    for aggregate in (e for e in aggregates if e.is_shown and e.configuration.series):
+        cells = cell_count(aggregate)
+        rows.append({"bones": _bones(aggregate), "series": aggregate.configuration.series, "cells": cells,
+                     "configuration": aggregate.configuration.name,
+                     "build_s": build_seconds(aggregate, measured_builds),
+                     "structure_bytes": aggregate.structure_bytes})
     table = pd.DataFrame(rows, columns=["bones", "series", "cells", "configuration", "build_s", "structure_bytes"])
     table = table[table["cells"].notna()]
     return table.drop_duplicates(["bones", "configuration"]).sort_values(["series", "cells"]).reset_index(drop=True)
 
 
-def cell_count(entry: Entry) -> float:
+def cell_count(aggregate: Aggregate) -> float:
     """Of a fixed count along each axis; cubes are not counted, their boxes aren't known here."""
-    cells, bones = entry.configuration.cells, len(entry.ok[0].run.record.get("bones") or [])
+    cells, bones = aggregate.configuration.cells, len(aggregate.ok[0].run.record.get("bones") or [])
     return float(cells**3 * bones) if cells and bones else math.nan
 
 
@@ -88,6 +90,6 @@ def _logarithms(x, y) -> tuple[np.ndarray, np.ndarray]:
     return np.log(x[known]), np.log(y[known])
 
 
-def _bones(entry: Entry) -> str:
-    bones = entry.ok[0].run.record.get("bones") or []
-    return "+".join(f"{bone.get('name')}:{(bone.get('mesh_sha256') or entry.scene)[:8]}" for bone in bones)
+def _bones(aggregate: Aggregate) -> str:
+    bones = aggregate.ok[0].run.record.get("bones") or []
+    return "+".join(f"{bone.get('name')}:{(bone.get('mesh_sha256') or aggregate.scene)[:8]}" for bone in bones)

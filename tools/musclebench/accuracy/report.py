@@ -5,20 +5,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..tables import table_formats
-from ..tables.table_formats import Table
 from ..figures import captions
-from .cases import StudyCase, read_cases
 from ..figures.convergence import draw_costs, draw_errors
-from .aggregates import Entry, entries_of, of_mode
+from ..figures.pareto import draw_pareto
+from ..figures.stages import draw_stages, stage_rows
+from ..tables import table_formats
 from ..tables.fcl_table import fcl_table, rule
+from ..tables.outcomes import outcomes_table, shape_distances
+from ..tables.prices import price_list
+from ..tables.table_formats import Table
+from .aggregates import Aggregate, aggregates_of, of_mode
+from .cases import StudyCase, read_cases
 from .front import points_of
 from .orders import cost_rows, probe_rows
-from ..tables.outcomes import outcomes_table, shape_distances
-from ..figures.pareto import draw_pareto
-from ..tables.prices import price_list
 from .rows import accuracy_rows, build_seconds_of, study_rows
-from ..figures.stages import draw_stages, stage_rows
 
 FRONT_WORDS = (
     "The grey line is the Pareto front: nothing is both faster and more accurate than what lies on it. Configurations "
@@ -41,14 +41,14 @@ def write_report(out_dir: Path) -> AccuracyReport:
     """Of out_dir/raw and out_dir/study.json, however much of the study there is. Cases that failed or are missing stand
     in accuracy.csv and study.csv with their status."""
     cases = read_cases(out_dir)
-    entries = entries_of(cases)
+    aggregates = aggregates_of(cases)
     figures, tables = out_dir / "figures", out_dir / "tables"
     for folder in (figures, tables):
         folder.mkdir(parents=True, exist_ok=True)
-    builds = build_seconds_of(entries)
-    files = _write_rows(cases, entries, builds, out_dir)
-    replays, coupled = of_mode(entries, "replay"), of_mode(entries, "coupled")
-    wrong = {(entry.scene, entry.configuration) for entry in replays if entry.is_wrong}
+    builds = build_seconds_of(aggregates)
+    files = _write_rows(cases, aggregates, builds, out_dir)
+    replays, coupled = of_mode(aggregates, "replay"), of_mode(aggregates, "coupled")
+    wrong = {(aggregate.scene, aggregate.configuration) for aggregate in replays if aggregate.is_wrong}
     shapes = shape_distances(coupled)
     made = [table for table in (price_list(replays, builds), fcl_table(replays), outcomes_table(coupled, shapes))
             if not table.rows.empty]
@@ -56,15 +56,15 @@ def write_report(out_dir: Path) -> AccuracyReport:
         files += _write_table(table, tables)
     files += _draw_replay(replays, wrong, figures)
     files += _draw_coupled(coupled, wrong, shapes, figures)
-    files += _draw_convergence(entries, builds, figures)
+    files += _draw_convergence(aggregates, builds, figures)
     files += _draw_stages(coupled, replays, figures)
     return AccuracyReport(files, made)
 
 
-def _write_rows(cases: list[StudyCase], entries: list[Entry], builds: dict, out_dir: Path) -> list[Path]:
+def _write_rows(cases: list[StudyCase], aggregates: list[Aggregate], builds: dict, out_dir: Path) -> list[Path]:
     paths = [out_dir / "accuracy.csv", out_dir / "study.csv"]
     accuracy_rows(cases).to_csv(paths[0], index=False)
-    study_rows(entries, builds).to_csv(paths[1], index=False)
+    study_rows(aggregates, builds).to_csv(paths[1], index=False)
     return paths
 
 
@@ -79,12 +79,12 @@ def _notes(table: Table) -> str:
     if "note" not in table.rows:
         return ""
     rows = table.rows[table.rows["note"] != ""]
-    lines = [f"{row['muscle']}, {row['bar_mm']} mm: {row['note']}" for _, row in rows.iterrows()]
+    lines = [f"{row['muscle']}, {row['target_mm']} mm: {row['note']}" for _, row in rows.iterrows()]
     return "\n".join(["", *lines, ""]) if lines else ""
 
 
-def _draw_replay(replays: list[Entry], wrong: set, folder: Path) -> list[Path]:
-    points = points_of(replays, lambda entry: entry.p99_error_mm, wrong)
+def _draw_replay(replays: list[Aggregate], wrong: set, folder: Path) -> list[Path]:
+    points = points_of(replays, lambda aggregate: aggregate.p99_error_mm, wrong)
     title = "What accuracy costs in time: the same positions for every backend (replay)"
     files = draw_pareto(points, folder / "pareto_replay", title, "depth error, 99th percentile (mm)", "exact")
     error = captions.REPLAY_ERROR.format(band=captions.band_of(_cases(replays)))
@@ -92,11 +92,11 @@ def _draw_replay(replays: list[Entry], wrong: set, folder: Path) -> list[Path]:
     return _with_caption(files, title, texts, _cases(replays))
 
 
-def _draw_coupled(coupled: list[Entry], wrong: set, shapes: dict, folder: Path) -> list[Path]:
-    def distance(entry: Entry) -> float:
-        return shapes.get((entry.scene, entry.configuration), {}).get("full_rms_mm", math.nan)
+def _draw_coupled(coupled: list[Aggregate], wrong: set, shapes: dict, folder: Path) -> list[Path]:
+    def distance(aggregate: Aggregate) -> float:
+        return shapes.get((aggregate.scene, aggregate.configuration), {}).get("full_rms_mm", math.nan)
 
-    depths = points_of(coupled, lambda entry: entry.remaining_depth_mm, wrong)
+    depths = points_of(coupled, lambda aggregate: aggregate.remaining_depth_mm, wrong)
     title = "What accuracy costs in time: every backend moves its own muscle (coupled)"
     files = draw_pareto(depths, folder / "pareto_coupled", title, "remaining depth, 99th percentile (mm)", "none left")
     error = (
@@ -116,8 +116,8 @@ def _draw_coupled(coupled: list[Entry], wrong: set, shapes: dict, folder: Path) 
     return files + _with_caption(drawn, title, texts, _cases(coupled))
 
 
-def _draw_convergence(entries: list[Entry], builds: dict, folder: Path) -> list[Path]:
-    probes = of_mode(entries, "probe")
+def _draw_convergence(aggregates: list[Aggregate], builds: dict, folder: Path) -> list[Path]:
+    probes = of_mode(aggregates, "probe")
     title = "Error against cell size at points about the bones"
     files = draw_errors(probe_rows(probes), folder / "convergence")
     bands = sorted({case.run.record["case"].get("band_m") or 0 for case in _cases(probes)} - {0})
@@ -130,14 +130,14 @@ def _draw_convergence(entries: list[Entry], builds: dict, folder: Path) -> list[
              "the error."]
     files = _with_caption(files, title, texts, _cases(probes))
     title = "What resolution costs before the first frame"
-    drawn = draw_costs(cost_rows(probes or entries, builds), folder / "convergence_cost")
+    drawn = draw_costs(cost_rows(probes or aggregates, builds), folder / "convergence_cost")
     texts = ["Build time and bytes of the structures of all bones of a scene against their number of cells, of grids "
              "with a fixed count of cells; slopes of straight lines through the logarithms. Bones that scenes share "
              "count once. Bytes hold what motion budgets keep of the muscle's nodes, too."]
-    return files + _with_caption(drawn, title, texts, _cases(probes or entries))
+    return files + _with_caption(drawn, title, texts, _cases(probes or aggregates))
 
 
-def _draw_stages(coupled: list[Entry], replays: list[Entry], folder: Path) -> list[Path]:
+def _draw_stages(coupled: list[Aggregate], replays: list[Aggregate], folder: Path) -> list[Path]:
     title = "Where the time of a frame goes"
     files = draw_stages(stage_rows(coupled, replays), folder / "stages")
     texts = ["Medians over the frames without warm-up of each stage of the loop, as shares of their sum; the words "
@@ -150,16 +150,16 @@ def _with_caption(files: list[Path], title: str, texts: list[str], cases: list[S
     return [*files, captions.write_caption(files[0], title, texts, cases)] if files else []
 
 
-def _left_out(entries: list[Entry], points) -> str:
+def _left_out(aggregates: list[Aggregate], points) -> str:
     """What of the plan is not in a picture, and why."""
-    absent = [f"{entry.muscle} with {entry.configuration.name} ({entry.status})" for entry in entries
-              if not entry.is_shown]
+    absent = [f"{aggregate.muscle} with {aggregate.configuration.name} ({aggregate.status})" for aggregate in aggregates
+              if not aggregate.is_shown]
     drawn = set(zip(points["panel"], points["configuration"]))
-    unknown = [f"{entry.muscle} with {entry.configuration.name} (no error known)" for entry in entries if entry.is_shown
-               and entry.configuration.threads == 1 and (entry.scene, entry.configuration.name) not in drawn]
+    unknown = [f"{one.muscle} with {one.configuration.name} (no error known)" for one in aggregates if one.is_shown
+               and one.configuration.threads == 1 and (one.scene, one.configuration.name) not in drawn]
     names = absent + unknown
     return f"Not shown: {', '.join(names)}. Runs of several threads are in the tables." if names else ""
 
 
-def _cases(entries: list[Entry]) -> list[StudyCase]:
-    return [case for entry in entries for case in entry.cases]
+def _cases(aggregates: list[Aggregate]) -> list[StudyCase]:
+    return [case for aggregate in aggregates for case in aggregate.cases]

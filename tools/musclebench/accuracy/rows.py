@@ -7,9 +7,9 @@ import pandas as pd
 
 from ..results.run_folder import COLLISION_STAGES
 from ..results.statistics import paired_ratio
+from .aggregates import Aggregate, find, number
 from .cases import StudyCase
 from .configurations import configuration
-from .aggregates import Entry, find, number
 
 VOXEL_64 = configuration("voxel", {})
 ACCURACY_KEYS = [
@@ -27,30 +27,30 @@ def accuracy_rows(cases: list[StudyCase]) -> pd.DataFrame:
     return pd.DataFrame([_case_row(case) for case in cases])
 
 
-def study_rows(entries: list[Entry], build_seconds: dict) -> pd.DataFrame:
-    return pd.DataFrame([_entry_row(entry, entries, build_seconds) for entry in entries])
+def study_rows(aggregates: list[Aggregate], build_seconds: dict) -> pd.DataFrame:
+    return pd.DataFrame([_aggregate_row(aggregate, aggregates, build_seconds) for aggregate in aggregates])
 
 
-def build_seconds_of(entries: list[Entry]) -> dict:
+def build_seconds_of(aggregates: list[Aggregate]) -> dict:
     """{(bones, configuration): median seconds}. A field that one case built and the others loaded counts as built; a
     scene's bones are those of another scene where their meshes are the same."""
     measured: dict[tuple, list[float]] = {}
-    for entry in entries:
-        for case in entry.ok:
+    for aggregate in aggregates:
+        for case in aggregate.ok:
             seconds = number(case.run.record, "build_ns") / 1e9
             if case.run.record.get("structures") != "loaded" and not math.isnan(seconds):
-                measured.setdefault(_build_key(entry), []).append(seconds)
+                measured.setdefault(_build_key(aggregate), []).append(seconds)
     return {key: float(pd.Series(seconds).median()) for key, seconds in measured.items()}
 
 
-def build_seconds(entry: Entry, measured: dict) -> float:
-    return measured.get(_build_key(entry), math.nan)
+def build_seconds(aggregate: Aggregate, measured: dict) -> float:
+    return measured.get(_build_key(aggregate), math.nan)
 
 
-def _build_key(entry: Entry) -> tuple:
-    record = entry.ok[0].run.record if entry.ok else {}
-    bones = tuple(bone.get("mesh_sha256", entry.scene) for bone in record.get("bones", []))
-    return bones or (entry.scene,), entry.configuration
+def _build_key(aggregate: Aggregate) -> tuple:
+    record = aggregate.ok[0].run.record if aggregate.ok else {}
+    bones = tuple(bone.get("mesh_sha256", aggregate.scene) for bone in record.get("bones", []))
+    return bones or (aggregate.scene,), aggregate.configuration
 
 
 def _case_row(case: StudyCase) -> dict:
@@ -73,29 +73,31 @@ def _case_row(case: StudyCase) -> dict:
     }
 
 
-def _entry_row(entry: Entry, entries: list[Entry], measured: dict) -> dict:
-    time, ratio = entry.collision_ms, ratio_to(entry, find_voxel_64(entries, entry))
-    stages = {stage.replace("_ns", "_ms"): entry.stage_ms(stage) for stage in COLLISION_STAGES}
+def _aggregate_row(aggregate: Aggregate, aggregates: list[Aggregate], measured: dict) -> dict:
+    time, ratio = aggregate.collision_ms, ratio_to(aggregate, find_voxel_64(aggregates, aggregate))
+    stages = {stage.replace("_ns", "_ms"): aggregate.stage_ms(stage) for stage in COLLISION_STAGES}
     return {
-        **_identity(entry.mode, entry.scene, entry.configuration), "status": entry.status, "detail": entry.detail,
-        "repetitions": len(entry.cases), "ok_repetitions": len(entry.ok),
-        "distinct_answers": len(entry.answers) or None,
+        **_identity(aggregate.mode, aggregate.scene, aggregate.configuration), "status": aggregate.status,
+        "detail": aggregate.detail,
+        "repetitions": len(aggregate.cases), "ok_repetitions": len(aggregate.ok),
+        "distinct_answers": len(aggregate.answers) or None,
         "frames": time.frames or None, "collision_ms": time.value, "collision_ms_low": time.low,
         "collision_ms_high": time.high, **stages, "times_voxel_64": ratio.value, "times_voxel_64_low": ratio.low,
-        "times_voxel_64_high": ratio.high, "build_s": build_seconds(entry, measured),
-        "structure_bytes": entry.structure_bytes, **{key: entry.number("accuracy", key) for key in ACCURACY_KEYS},
-        **{f"outcome_{key}": entry.number("outcome", key) for key in OUTCOME_KEYS},
-        "verdict": entry.verdict if entry.mode == "replay" and entry.backend == "fcl" else "",
+        "times_voxel_64_high": ratio.high, "build_s": build_seconds(aggregate, measured),
+        "structure_bytes": aggregate.structure_bytes,
+        **{key: aggregate.number("accuracy", key) for key in ACCURACY_KEYS},
+        **{f"outcome_{key}": aggregate.number("outcome", key) for key in OUTCOME_KEYS},
+        "verdict": aggregate.verdict if aggregate.mode == "replay" and aggregate.backend == "fcl" else "",
     }
 
 
-def find_voxel_64(entries: list[Entry], entry: Entry) -> Entry | None:
-    return find([other for other in entries if other.mode == entry.mode], entry.scene, VOXEL_64)
+def find_voxel_64(aggregates: list[Aggregate], aggregate: Aggregate) -> Aggregate | None:
+    return find([other for other in aggregates if other.mode == aggregate.mode], aggregate.scene, VOXEL_64)
 
 
-def ratio_to(entry: Entry, reference: Entry | None):
+def ratio_to(aggregate: Aggregate, reference: Aggregate | None):
     """Of collision times, frame by frame."""
-    return paired_ratio(entry.times_ns, reference.times_ns if reference else {})
+    return paired_ratio(aggregate.times_ns, reference.times_ns if reference else {})
 
 
 def _identity(mode: str, scene: str, chosen) -> dict:

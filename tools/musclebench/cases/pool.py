@@ -4,9 +4,9 @@ import os
 import time
 from dataclasses import dataclass
 
+from ..program.disk import DiskFull, is_disk_full
 from .case import Case
 from .case_queue import CaseQueue
-from ..program.disk import DiskFull, is_disk_full
 from .experiment import Experiment, Refusal
 from .progress import Estimate, ProgressBar
 from .worker import Worker, put_refusal_in_place

@@ -10,8 +10,8 @@ import time
 from collections import deque
 from pathlib import Path
 
-from .case import Case
 from ..program.disk import DiskFull, says_disk_full
+from .case import Case
 from .experiment import Experiment, Refusal
 
 GRACE_SECONDS = 5.0

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from .style import muscle_label
 from ..accuracy.cases import StudyCase
+from .style import muscle_label
 
 REPLAY_ERROR = (
     "The error is that of the signed distance that an answer admits, against the Referee's exact s (negative inside): "

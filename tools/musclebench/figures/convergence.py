@@ -5,10 +5,10 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from . import style
-from .style import plt
 from ..accuracy.orders import PLACES, slope
+from . import style
 from .pareto import SERIES_STYLES, series_style
+from .style import plt
 
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 

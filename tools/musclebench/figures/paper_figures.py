@@ -6,12 +6,12 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from . import style
 from ..paper.published import Published
 from ..results.run_folder import Run
-from .style import plt
-from ..tables.table_formats import as_ratio
 from ..tables.paper_tables import MEGABYTE, by_case, collision_ratio
+from ..tables.table_formats import as_ratio
+from . import style
+from .style import plt
 
 MUSCLE_OF_FIGURES = "iliacus"
 PLAIN_NUMBERS = FuncFormatter(lambda value, _: f"{value:g}")

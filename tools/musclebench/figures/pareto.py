@@ -9,10 +9,10 @@ import pandas as pd
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from . import style
-from .style import plt
 from ..accuracy.front import ALL_MUSCLES, EXACT_MM
+from . import style
 from .labels import Label, place_labels
+from .style import plt
 
 PANEL_INCHES = (6.2, 4.1)
 COLUMNS = 2

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pandas as pd
 
-from . import style
+from ..accuracy.aggregates import NANOSECONDS_TO_MS, Aggregate, find, stage_ns
+from ..accuracy.configurations import configuration
 from ..results.run_folder import COLLISION_STAGES
 from ..results.statistics import pooled_median
-from .style import plt
-from ..accuracy.configurations import configuration
-from ..accuracy.aggregates import NANOSECONDS_TO_MS, Entry, find, stage_ns
 from ..tables.fcl_table import best_right
+from . import style
+from .style import plt
 
 NOT_STAGES = {*COLLISION_STAGES, "frame_ns", "recording_ns", "collision_ns"}
 # Of Okabe and Ito; the three of collision are warm, so that their share is seen at once.
@@ -22,32 +22,32 @@ CHOSEN = [configuration("null", {}), configuration("voxel", {}), configuration("
           configuration("fcl", {})]
 
 
-def stage_rows(coupled: list[Entry], replays: list[Entry]) -> pd.DataFrame:
+def stage_rows(coupled: list[Aggregate], replays: list[Aggregate]) -> pd.DataFrame:
     """One row a scene, chosen configuration and stage: milliseconds a frame, share of the frame's stages."""
     rows = []
-    for scene in dict.fromkeys(entry.scene for entry in coupled):
-        for entry in chosen_entries(coupled, replays, scene):
-            for stage in stages_of(entry):
-                series = [stage_ns(case, stage) for case in entry.ok]
+    for scene in dict.fromkeys(aggregate.scene for aggregate in coupled):
+        for aggregate in chosen_aggregates(coupled, replays, scene):
+            for stage in stages_of(aggregate):
+                series = [stage_ns(case, stage) for case in aggregate.ok]
                 time = pooled_median(series).scaled(NANOSECONDS_TO_MS)
-                rows.append({"scene": scene, "configuration": entry.configuration.name, "stage": stage,
+                rows.append({"scene": scene, "configuration": aggregate.configuration.name, "stage": stage,
                              "ms": time.value, "ms_low": time.low, "ms_high": time.high})
     table = pd.DataFrame(rows, columns=["scene", "configuration", "stage", "ms", "ms_low", "ms_high"])
     table["share"] = table["ms"] / table.groupby(["scene", "configuration"], sort=False)["ms"].transform("sum")
     return table
 
 
-def chosen_entries(coupled: list[Entry], replays: list[Entry], scene: str) -> list[Entry]:
+def chosen_aggregates(coupled: list[Aggregate], replays: list[Aggregate], scene: str) -> list[Aggregate]:
     """The default of each backend, and the fastest right configuration of fcl that has driven the muscle."""
     best = best_right([e for e in replays if find(coupled, scene, e.configuration) is not None], scene)
     wanted = [*CHOSEN, *([best.configuration] if best else [])]
     found = [find(coupled, scene, one) for one in dict.fromkeys(wanted)]
-    return [entry for entry in found if entry is not None]
+    return [aggregate for aggregate in found if aggregate is not None]
 
 
-def stages_of(entry: Entry) -> list[str]:
+def stages_of(aggregate: Aggregate) -> list[str]:
     """Constraints first, in one order for all, collision last."""
-    columns = [key for key in entry.ok[0].run.frames.columns if key.endswith("_ns") and key not in NOT_STAGES]
+    columns = [key for key in aggregate.ok[0].run.frames.columns if key.endswith("_ns") and key not in NOT_STAGES]
     return [*style.in_order(columns, STAGE_ORDER), *COLLISION_STAGES]
 
 

@@ -11,12 +11,12 @@ from matplotlib import cm, colors
 
 from ..figures import style
 from ..figures.paper_figures import MUSCLE_OF_FIGURES, caption
-from ..results.run_folder import Run
 from ..figures.style import plt
+from ..results.run_folder import Run
+from ..tables.paper_tables import by_case
 from .surface_pictures import (
     ATTACHMENT_COLOURS, DEPTH_COLOURS, INSIDE_FROM_MM, Snapshot, Studio, bound_nodes_by_bone, read_snapshots,
 )
-from ..tables.paper_tables import by_case
 
 
 DEEPEST_SHOWN_MM = 5

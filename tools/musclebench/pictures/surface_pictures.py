@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from scipy.spatial import cKDTree
 
-from . import views
 from ..results.ply import PlyMesh, read_ply
-from .rendering import Scene3d
 from ..results.run_folder import ResultProblem, Run
+from . import views
+from .rendering import Scene3d
 
 PICTURE_PIXELS = 620
 MUSCLE_COLOUR = np.array([178, 88, 80])

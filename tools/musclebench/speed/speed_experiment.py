@@ -5,9 +5,9 @@ import re
 import subprocess
 from pathlib import Path
 
-from ..program import fingerprint
 from ..cases.case import Case, Places
 from ..cases.experiment import Experiment, Refusal
+from ..program import fingerprint
 
 from .speed_cases import KERNELS_FILE, MICRO_PROGRAM, STRUCTURES_DIR, KernelCase, RaceCase
 

@@ -37,7 +37,7 @@ QUICK_FRAMES = 60
 
 
 @dataclass(frozen=True)
-class Wishes:
+class Request:
     """What a command line asks for."""
 
     data_set: str = "synthetic"
@@ -47,14 +47,14 @@ class Wishes:
     seed: int = 1
 
 
-def plan(wishes: Wishes) -> list[Case]:
+def plan(request: Request) -> list[Case]:
     """Round by round. Within a round the muscles and kernels come in random order, and so do the settings of a muscle,
     but next to each other: what is divided by each other meets the machine in the same state."""
-    order = random.Random(wishes.seed)
+    order = random.Random(request.seed)
     cases: list[Case] = []
-    for repetition in range(wishes.repetitions):
-        groups = [_races(wishes, muscle, repetition) for muscle in wishes.muscles]
-        groups += [[case] for case in _kernels(wishes, repetition)]
+    for repetition in range(request.repetitions):
+        groups = [_races(request, muscle, repetition) for muscle in request.muscles]
+        groups += [[case] for case in _kernels(request, repetition)]
         order.shuffle(groups)
         for group in groups:
             order.shuffle(group)
@@ -62,18 +62,18 @@ def plan(wishes: Wishes) -> list[Case]:
     return cases
 
 
-def _races(wishes: Wishes, muscle: str, repetition: int) -> list[Case]:
-    frames = QUICK_FRAMES if wishes.quick else None
-    scene = MuscleScene(wishes.data_set, muscle, frames)
+def _races(request: Request, muscle: str, repetition: int) -> list[Case]:
+    frames = QUICK_FRAMES if request.quick else None
+    scene = MuscleScene(request.data_set, muscle, frames)
     return [RaceCase(scene, setting, repetition) for setting in SETTINGS]
 
 
-def _kernels(wishes: Wishes, repetition: int) -> list[Case]:
+def _kernels(request: Request, repetition: int) -> list[Case]:
     # The muscle that most of the published numbers are of, where it is among those that are measured.
-    muscle = "iliacus" if "iliacus" in wishes.muscles else wishes.muscles[0]
-    whole = KernelCase(MuscleScene(wishes.data_set, muscle), KERNEL_GROUPS[0], repetition)
-    case = replace(whole, repetitions_inside=3, least_seconds=0.02) if wishes.quick else whole
-    groups = [_quick(group) if wishes.quick else group for group in KERNEL_GROUPS]
+    muscle = "iliacus" if "iliacus" in request.muscles else request.muscles[0]
+    whole = KernelCase(MuscleScene(request.data_set, muscle), KERNEL_GROUPS[0], repetition)
+    case = replace(whole, repetitions_inside=3, least_seconds=0.02) if request.quick else whole
+    groups = [_quick(group) if request.quick else group for group in KERNEL_GROUPS]
     return [replace(case, group=group) for group in groups if group.varies or repetition == 0]
 
 

@@ -1,4 +1,4 @@
-"""The table of bars as text, Markdown, CSV and JSON."""
+"""The table of targets as text, Markdown, CSV and JSON."""
 
 import json
 import math
@@ -7,12 +7,12 @@ from pathlib import Path
 import pandas as pd
 
 from ..program.fingerprint import write_whole
-from ..study.study_manifest import machine
 from ..results.run_folder import ResultProblem, read_runs
+from ..study.study_manifest import machine
 from ..tables.table_formats import as_ratio
 
-from .targets import Measured, Row, rows
 from .kernel_results import read_kernels
+from .targets import Measured, Row, rows
 
 CAPTION = (
     "Ratios are medians of values that were measured side by side: coupled runs on one thread frame by frame, after "
@@ -20,8 +20,8 @@ CAPTION = (
     "is update + detect + respond. Where a row has several parts (muscles, bones, backends) it shows the worst. Spread is "
     "the 95 % bootstrap interval."
 )
-TITLES = ("what", "bar", "measured", "95 %", "held", "")
-FIELDS = ("what", "part", "bar", "measured", "low", "high", "samples", "held", "note")
+TITLES = ("what", "target", "measured", "95 %", "held", "")
+FIELDS = ("what", "part", "target", "measured", "low", "high", "samples", "held", "note")
 EMPTY = "-"
 
 
@@ -85,8 +85,8 @@ def _records(table: list[Row]) -> list[dict]:
 
 def _record(what: str, part: str, row: Row) -> dict:
     value = row.measured
-    return {"what": what, "part": part, "bar": row.bar, "measured": value.value, "low": value.low, "high": value.high,
-            "samples": value.frames, "held": row.held, "note": row.note}
+    return {"what": what, "part": part, "target": row.target, "measured": value.value, "low": value.low,
+            "high": value.high, "samples": value.frames, "held": row.held, "note": row.note}
 
 
 def _plain(value):
@@ -94,7 +94,7 @@ def _plain(value):
 
 
 def _cells(table: list[Row]) -> list[tuple[str, ...]]:
-    return [(row.what, row.bar or EMPTY, _number(row.measured.value), _spread(row), row.held or EMPTY,
+    return [(row.what, row.target or EMPTY, _number(row.measured.value), _spread(row), row.held or EMPTY,
              _one_line(row.note)) for row in table]
 
 

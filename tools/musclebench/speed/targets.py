@@ -1,4 +1,4 @@
-"""The rows of the table: what is measured, the bar that it has to take, and whether it does."""
+"""The rows of the table: what is measured, the target that it has to take, and whether it does."""
 
 import math
 from collections.abc import Callable
@@ -22,7 +22,7 @@ class Row:
     """One line of the table, or one of the measurements that its line is the worst of."""
 
     what: str
-    bar: str = ""  # as it is printed; empty: for information
+    target: str = ""  # as it is printed; empty: for information
     at_most: float | None = None
     at_least: float | None = None
     measured: Estimate = field(default_factory=Estimate.unknown)
@@ -57,20 +57,20 @@ def rows(measured: Measured) -> list[Row]:
             *_sizes(measured), _allocations(measured)]
 
 
-def worst(what: str, parts: list[Row], bar: str, at_most: float | None = None, at_least: float | None = None,
+def worst(what: str, parts: list[Row], target: str, at_most: float | None = None, at_least: float | None = None,
           reason: str = NOT_MEASURED) -> Row:
-    """The part that is farthest from its bar, for all."""
+    """The part that is farthest from its target, for all."""
     for part in parts:
-        part.bar, part.at_most, part.at_least = bar, at_most, at_least
+        part.target, part.at_most, part.at_least = target, at_most, at_least
     known = [part for part in parts if part.is_known]
     if not known:
         reasons = [part.note for part in parts if part.note]
-        return Row(what, bar, at_most, at_least, note=reasons[0] if reasons else reason, parts=parts)
+        return Row(what, target, at_most, at_least, note=reasons[0] if reasons else reason, parts=parts)
     chosen = max(known, key=lambda part: part.measured.value if at_least is None else -part.measured.value)
     missing = [part for part in parts if not part.is_known]
     note = chosen.note if len(parts) > 1 else ""
     note += f"; {len(missing)} of {len(parts)} missing" if missing else ""
-    return Row(what, bar, at_most, at_least, chosen.measured, note, parts)
+    return Row(what, target, at_most, at_least, chosen.measured, note, parts)
 
 
 def _races(measured: Measured) -> list[Row]:

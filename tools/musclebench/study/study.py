@@ -4,10 +4,10 @@ import json
 import shutil
 from pathlib import Path
 
-from ..program import fingerprint
 from ..cases.case import Case, Places
 from ..cases.experiment import Experiment, Refusal
 from ..cases.progress import duration
+from ..program import fingerprint
 from .study_cases import MeasuredCase, ProbeCase, RecordCase, ReplayCase
 from .study_plan import LONGEST_SECONDS, StudyCase, is_too_long
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..cases.case import Case, Places
-from .sweeps import Configuration
 from ..cases.muscle_scene import ITERATIONS_A_FRAME, PRESET, MuscleScene
+from .sweeps import Configuration
 
 # Seconds of the parts of a case: first guesses for the reference muscle, which the progress bar corrects.
 LOADING_SECONDS = 1.0

@@ -8,17 +8,17 @@ from pathlib import Path
 
 from ..program.fingerprint import write_whole
 from .study_cases import MeasuredCase, ReplayCase
-from .study_plan import StudyCase, Wishes, is_too_long
+from .study_plan import StudyCase, Request, is_too_long
 
 FILE_NAME = "study.json"
 
 
-def write_manifest(out_dir: Path, wishes: Wishes, plan: list[StudyCase], command_line: list[str]) -> None:
+def write_manifest(out_dir: Path, request: Request, plan: list[StudyCase], command_line: list[str]) -> None:
     """`cases` are those of the whole study, whichever part of it runs here."""
     study = {
-        "schema_version": 1, "data_set": wishes.data_set, "muscles": list(wishes.muscles), "quick": wishes.quick,
-        "repetitions": wishes.repetitions, "band_m": wishes.band_mm * 1e-3, "seed": wishes.seed,
-        "frames_limit": wishes.frames_limit, "machine": machine(), "command_line": command_line,
+        "schema_version": 1, "data_set": request.data_set, "muscles": list(request.muscles), "quick": request.quick,
+        "repetitions": request.repetitions, "band_m": request.band_mm * 1e-3, "seed": request.seed,
+        "frames_limit": request.frames_limit, "machine": machine(), "command_line": command_line,
         "started": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "cases": [_planned(case) for case in plan if isinstance(case, MeasuredCase)],
     }

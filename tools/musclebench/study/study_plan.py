@@ -3,9 +3,9 @@
 import random
 from dataclasses import dataclass, replace
 
-from .sweeps import Configuration, configurations
 from ..cases.muscle_scene import VERTICES, MuscleScene
 from .study_cases import CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
+from .sweeps import Configuration, configurations
 
 REPLAY_SECONDS = 4.0  # of the steps of one replay; the stride keeps to it
 QUICK_REPLAY_SECONDS = 2.0
@@ -16,7 +16,7 @@ FEWER_REPETITIONS = ((60.0, 1), (8.0, 2))  # of more seconds a repetition there 
 
 
 @dataclass(frozen=True)
-class Wishes:
+class Request:
     """What a command line asks of the study."""
 
     data_set: str = "synthetic"
@@ -32,14 +32,14 @@ class Wishes:
 StudyCase = RecordCase | MeasuredCase
 
 
-def plan(wishes: Wishes) -> list[StudyCase]:
+def plan(request: Request) -> list[StudyCase]:
     """Recordings first, then round by round; the cases of a round are shuffled."""
     # Whichever muscles are asked for: cases that are complete stay so when others are added.
-    scenes = [MuscleScene(wishes.data_set, muscle, wishes.frames_limit, min(VERTICES)) for muscle in wishes.muscles]
-    chosen = [c for c in configurations() if c.in_quick or not wishes.quick]
+    scenes = [MuscleScene(request.data_set, muscle, request.frames_limit, min(VERTICES)) for muscle in request.muscles]
+    chosen = [c for c in configurations() if c.in_quick or not request.quick]
     firsts = [ProbeCase(scenes[0].probed, configuration) for configuration in chosen if configuration.is_probed]
-    firsts += [case for scene in scenes for configuration in chosen for case in _modes(scene, configuration, wishes)]
-    measured = _rounds(in_shard(firsts, *wishes.shard), wishes)
+    firsts += [case for scene in scenes for configuration in chosen for case in _modes(scene, configuration, request)]
+    measured = _rounds(in_shard(firsts, *request.shard), request)
     recorded = {case.recording for case in measured if isinstance(case, ReplayCase)}
     return [case for case in map(RecordCase, scenes) if case in recorded] + measured
 
@@ -68,12 +68,12 @@ def _group(case: MeasuredCase) -> tuple[str, str]:
     return scene.muscle, case.configuration.label
 
 
-def _modes(scene: MuscleScene, configuration: Configuration, wishes: Wishes) -> list[MeasuredCase]:
+def _modes(scene: MuscleScene, configuration: Configuration, request: Request) -> list[MeasuredCase]:
     cases = []
     if configuration.replays:
-        stride = stride_of(scene, configuration, QUICK_REPLAY_SECONDS if wishes.quick else REPLAY_SECONDS)
-        cases.append(ReplayCase(scene, configuration, stride=stride, band_mm=wishes.band_mm))
-    if configuration.drives or (configuration.threads == 1 and not wishes.quick):
+        stride = stride_of(scene, configuration, QUICK_REPLAY_SECONDS if request.quick else REPLAY_SECONDS)
+        cases.append(ReplayCase(scene, configuration, stride=stride, band_mm=request.band_mm))
+    if configuration.drives or (configuration.threads == 1 and not request.quick):
         cases.append(CoupledCase(scene, configuration))
     return cases
 
@@ -93,23 +93,23 @@ def stride_of(scene: MuscleScene, configuration: Configuration, seconds: float) 
     return stride
 
 
-def _rounds(firsts: list[MeasuredCase], wishes: Wishes) -> list[MeasuredCase]:
-    order = random.Random(wishes.seed)
+def _rounds(firsts: list[MeasuredCase], request: Request) -> list[MeasuredCase]:
+    order = random.Random(request.seed)
     cases = []
-    for repetition in range(wishes.repetitions):
-        of_round = [replace(case, repetition=repetition) for case in firsts if repetition < _repetitions(case, wishes)]
+    for repetition in range(request.repetitions):
+        of_round = [replace(case, repetition=repetition) for case in firsts if repetition < _repetitions(case, request)]
         order.shuffle(of_round)
         cases += of_round
     return cases
 
 
-def _repetitions(case: MeasuredCase, wishes: Wishes) -> int:
+def _repetitions(case: MeasuredCase, request: Request) -> int:
     """Errors of a probe and estimates of what is too long don't vary; long runs average over themselves."""
     if isinstance(case, ProbeCase) or is_too_long(case):
         return 1
     another = replace(case, repetition=1).guessed_seconds
     fewest = [count for seconds, count in FEWER_REPETITIONS if another > seconds]
-    return min([wishes.repetitions, *fewest])
+    return min([request.repetitions, *fewest])
 
 
 def _seconds(cases: list[MeasuredCase]) -> float:

@@ -4,11 +4,11 @@ import math
 
 import pandas as pd
 
+from ..accuracy.aggregates import ALLOWED_FALSE_SHARE, ALLOWED_MISSED_SHARE, ALLOWED_P99_ERROR_MM, Aggregate, find
+from ..accuracy.configurations import configuration
+from ..accuracy.rows import find_voxel_64, ratio_to
 from ..figures.style import muscle_label
 from .table_formats import Column, Table, as_ratio
-from ..accuracy.configurations import configuration
-from ..accuracy.aggregates import ALLOWED_FALSE_SHARE, ALLOWED_MISSED_SHARE, ALLOWED_P99_ERROR_MM, Entry, find
-from ..accuracy.rows import find_voxel_64, ratio_to
 
 DEFAULT = configuration("fcl", {})
 COLUMNS = [
@@ -24,11 +24,12 @@ COLUMNS = [
 SHOWN = ["choice", "time_ms", "factor", "ratio", "missed", "measured", "false", "p99_error_mm", "verdict"]
 
 
-def fcl_table(replays: list[Entry]) -> Table:
+def fcl_table(replays: list[Aggregate]) -> Table:
     """One row a muscle and configuration of fcl: the default, one choice changed, then more."""
-    entries = sorted((e for e in replays if e.backend == "fcl"), key=lambda e: (
+    aggregates = sorted((e for e in replays if e.backend == "fcl"), key=lambda e: (
         [r.scene for r in replays].index(e.scene), e.configuration.factors, e.configuration.name))
-    rows = pd.DataFrame([_row(entry, replays) for entry in entries], columns=[column.key for column in COLUMNS])
+    keys = [column.key for column in COLUMNS]
+    rows = pd.DataFrame([_row(aggregate, replays) for aggregate in aggregates], columns=keys)
     caption = " ".join([
         "FCL's configurations on replayed positions, the default being the paper's way. Factors are medians over the "
         "frames that both replayed; with motion budgets all are replayed, else one in a few.",
@@ -45,10 +46,10 @@ def rule() -> str:
     )
 
 
-def summaries(replays: list[Entry]) -> list[str]:
+def summaries(replays: list[Aggregate]) -> list[str]:
     """A sentence a muscle: how the default's multiple of voxel splits into configuration and the rest."""
     texts = []
-    for scene in dict.fromkeys(entry.scene for entry in replays):
+    for scene in dict.fromkeys(aggregate.scene for aggregate in replays):
         default, best = find(replays, scene, DEFAULT), best_right(replays, scene)
         if default is None or best is None:
             continue
@@ -69,22 +70,22 @@ def summaries(replays: list[Entry]) -> list[str]:
     return texts
 
 
-def best_right(replays: list[Entry], scene: str) -> Entry | None:
+def best_right(replays: list[Aggregate], scene: str) -> Aggregate | None:
     """The fastest right configuration of fcl on one thread."""
-    right = [entry for entry in replays if entry.backend == "fcl" and entry.scene == scene and entry.verdict == "right"
-             and entry.configuration.threads == 1 and not math.isnan(entry.collision_ms.value)]
-    return min(right, key=lambda entry: entry.collision_ms.value, default=None)
+    right = [one for one in replays if one.backend == "fcl" and one.scene == scene and one.verdict == "right"
+             and one.configuration.threads == 1 and not math.isnan(one.collision_ms.value)]
+    return min(right, key=lambda aggregate: aggregate.collision_ms.value, default=None)
 
 
-def _row(entry: Entry, replays: list[Entry]) -> dict:
-    default = find(replays, entry.scene, DEFAULT)
-    factor, ratio = ratio_to(entry, default), ratio_to(entry, find_voxel_64(replays, entry))
+def _row(aggregate: Aggregate, replays: list[Aggregate]) -> dict:
+    default = find(replays, aggregate.scene, DEFAULT)
+    factor, ratio = ratio_to(aggregate, default), ratio_to(aggregate, find_voxel_64(replays, aggregate))
     return {
-        "muscle": entry.muscle, "choice": entry.configuration.short, "status": entry.status,
-        "time_ms": entry.collision_ms.value, "factor": factor.value, "factor_low": factor.low,
-        "factor_high": factor.high, "ratio": ratio.value, "missed": entry.number("accuracy", "missed_contacts"),
-        "missed_percent": 100 * entry.missed_share, "measured": entry.number("accuracy", "measured_contacts"),
-        "false": entry.number("accuracy", "false_contacts"),
-        "p99_error_mm": entry.p99_error_mm, "max_error_mm": entry.max_error_mm,
-        "structure_mb": entry.structure_bytes / 1e6, "verdict": entry.verdict, "detail": entry.detail,
+        "muscle": aggregate.muscle, "choice": aggregate.configuration.short, "status": aggregate.status,
+        "time_ms": aggregate.collision_ms.value, "factor": factor.value, "factor_low": factor.low,
+        "factor_high": factor.high, "ratio": ratio.value, "missed": aggregate.number("accuracy", "missed_contacts"),
+        "missed_percent": 100 * aggregate.missed_share, "measured": aggregate.number("accuracy", "measured_contacts"),
+        "false": aggregate.number("accuracy", "false_contacts"),
+        "p99_error_mm": aggregate.p99_error_mm, "max_error_mm": aggregate.max_error_mm,
+        "structure_mb": aggregate.structure_bytes / 1e6, "verdict": aggregate.verdict, "detail": aggregate.detail,
     }

@@ -4,11 +4,11 @@ import math
 
 import pandas as pd
 
+from ..accuracy.aggregates import Aggregate, exact_aggregate
+from ..accuracy.shapes import hausdorff_distance_m, rms_distance_m
 from ..results.ply import PlyMesh, read_ply
 from ..results.run_folder import ResultProblem, Run
 from .table_formats import Column, Table
-from ..accuracy.aggregates import Entry, exact_entry
-from ..accuracy.shapes import hausdorff_distance_m, rms_distance_m
 
 MOMENTS = ("full", "final")  # full flexion, last frame
 COLUMNS = [
@@ -29,9 +29,9 @@ SHOWN = ["configuration", "node_depth_mm", "p99_surface_depth_mm", "max_volume_p
          "full_hausdorff_mm", "final_rms_mm", "tunnelled", "stuck", "collision_s"]
 
 
-def outcomes_table(coupled: list[Entry], shapes: dict) -> Table:
+def outcomes_table(coupled: list[Aggregate], shapes: dict) -> Table:
     """`shapes` as `shape_distances` gives them."""
-    rows = pd.DataFrame([_row(entry, shapes) for entry in coupled], columns=[column.key for column in COLUMNS])
+    rows = pd.DataFrame([_row(aggregate, shapes) for aggregate in coupled], columns=[column.key for column in COLUMNS])
     caption = (
         "Coupled runs: each configuration moves its own muscle. Largest true depth over the run of nodes and of the "
         "surface (a muscle triangle in a bone, a bone's vertex in the muscle), the 99th percentile over frames of the "
@@ -41,16 +41,16 @@ def outcomes_table(coupled: list[Entry], shapes: dict) -> Table:
     return Table("coupled_outcomes", caption, COLUMNS, rows, SHOWN)
 
 
-def shape_distances(coupled: list[Entry]) -> dict:
+def shape_distances(coupled: list[Aggregate]) -> dict:
     """{(scene, configuration): {full_rms_mm, full_hausdorff_mm, final_rms_mm, final_hausdorff_mm}}; without what the
     snapshots don't tell."""
-    return {(e.scene, e.configuration): _distances(e, exact_entry(coupled, e.scene)) for e in coupled if e.is_shown}
+    return {(e.scene, e.configuration): _distances(e, exact_aggregate(coupled, e.scene)) for e in coupled if e.is_shown}
 
 
-def _distances(entry: Entry, exact: Entry | None) -> dict:
+def _distances(aggregate: Aggregate, exact: Aggregate | None) -> dict:
     found = {}
     for moment in MOMENTS if exact else ():
-        ours, theirs = snapshot(entry, moment), snapshot(exact, moment)
+        ours, theirs = snapshot(aggregate, moment), snapshot(exact, moment)
         if ours is None or theirs is None or ours[0] != theirs[0]:
             continue
         found[f"{moment}_rms_mm"] = 1e3 * rms_distance_m(ours[1], theirs[1])
@@ -58,9 +58,9 @@ def _distances(entry: Entry, exact: Entry | None) -> dict:
     return found
 
 
-def snapshot(entry: Entry, moment: str) -> tuple[int, PlyMesh] | None:
+def snapshot(aggregate: Aggregate, moment: str) -> tuple[int, PlyMesh] | None:
     """Frame and shape at full flexion or at the end, of the first repetition that stored it."""
-    for case in entry.ok:
+    for case in aggregate.ok:
         stored = [item for item in case.run.record.get("snapshots") or [] if item.get("frame", 0) > 0]
         if not stored:
             continue
@@ -81,27 +81,27 @@ def _last_frame(run: Run) -> int:
     return int(run.frames["frame"].max()) if len(run.frames) else -1
 
 
-def _row(entry: Entry, shapes: dict) -> dict:
+def _row(aggregate: Aggregate, shapes: dict) -> dict:
     return {
-        "muscle": entry.muscle, "configuration": entry.configuration.name, "status": entry.status,
-        "node_depth_mm": 1e3 * entry.number("outcome", "max_depth_m"),
-        "surface_depth_mm": 1e3 * entry.number("outcome", "max_surface_depth_m"),
-        "p99_surface_depth_mm": 1e3 * entry.number("outcome", "p99_surface_depth_m"),
-        "max_volume_percent": 100 * entry.number("outcome", "max_volume_error"),
-        "final_volume_percent": 100 * entry.number("outcome", "final_volume_error"),
-        **shapes.get((entry.scene, entry.configuration), {}), "tunnelled": _most(entry, "tunnelled_nodes"),
-        "stuck": entry.number("outcome", "stuck_nodes"), "collision_s": total_collision_seconds(entry),
-        "detail": entry.detail,
+        "muscle": aggregate.muscle, "configuration": aggregate.configuration.name, "status": aggregate.status,
+        "node_depth_mm": 1e3 * aggregate.number("outcome", "max_depth_m"),
+        "surface_depth_mm": 1e3 * aggregate.number("outcome", "max_surface_depth_m"),
+        "p99_surface_depth_mm": 1e3 * aggregate.number("outcome", "p99_surface_depth_m"),
+        "max_volume_percent": 100 * aggregate.number("outcome", "max_volume_error"),
+        "final_volume_percent": 100 * aggregate.number("outcome", "final_volume_error"),
+        **shapes.get((aggregate.scene, aggregate.configuration), {}), "tunnelled": _most(aggregate, "tunnelled_nodes"),
+        "stuck": aggregate.number("outcome", "stuck_nodes"), "collision_s": total_collision_seconds(aggregate),
+        "detail": aggregate.detail,
     }
 
 
-def _most(entry: Entry, column: str) -> float:
+def _most(aggregate: Aggregate, column: str) -> float:
     """The largest number at the end of a frame; unknown where no run was judged."""
-    columns = [case.run.frames[column] for case in entry.ok if column in case.run.frames]
+    columns = [case.run.frames[column] for case in aggregate.ok if column in case.run.frames]
     return float(pd.concat(columns).max()) if columns else math.nan
 
 
-def total_collision_seconds(entry: Entry) -> float:
+def total_collision_seconds(aggregate: Aggregate) -> float:
     """All frames, warm-up as well; median of the repetitions."""
-    sums = [case.run.frames["collision_ns"].sum(min_count=1) / 1e9 for case in entry.ok]
+    sums = [case.run.frames["collision_ns"].sum(min_count=1) / 1e9 for case in aggregate.ok]
     return float(pd.Series(sums).median()) if sums else math.nan

@@ -2,10 +2,10 @@
 
 import pandas as pd
 
+from ..figures.style import BACKENDS, MUSCLES, in_order
 from ..paper.published import Published
 from ..results.run_folder import Run
 from ..results.statistics import Estimate, median_ratio
-from ..figures.style import BACKENDS, MUSCLES, in_order
 from .table_formats import Column, Table
 
 MEGABYTE = 1e6

@@ -4,17 +4,17 @@ import math
 
 import pandas as pd
 
-from ..results.statistics import Estimate, quotient, total
-from .table_formats import Column, Table
-from ..accuracy.aggregates import Entry, find
+from ..accuracy.aggregates import Aggregate, find
 from ..accuracy.front import ALL_MUSCLES, EXACT_MM
 from ..accuracy.rows import VOXEL_64, build_seconds, find_voxel_64, ratio_to
+from ..results.statistics import Estimate, quotient, total
+from .table_formats import Column, Table
 
-BARS_MM = (1.0, 0.3, 0.1, 0.03, 0.01)
+TARGETS_MM = (1.0, 0.3, 0.1, 0.03, 0.01)
 MEGABYTE = 1e6
 
 COLUMNS = [
-    Column("muscle", "muscle"), Column("bar_mm", "holds (mm)"), Column("configuration", "cheapest"),
+    Column("muscle", "muscle"), Column("target_mm", "holds (mm)"), Column("configuration", "cheapest"),
     Column("time_ms", "ms a frame", 3, "ms a\nframe"), Column("ratio", "x voxel 64", 2, "x\nvoxel 64", True),
     Column("ratio_low", "95 % low", 2, "95 %\nlow", True), Column("ratio_high", "95 % high", 2, "95 %\nhigh", True),
     Column("build_s", "build s", 2, "build\ns"), Column("structure_mb", "structures MB", 2, "MB"),
@@ -25,14 +25,14 @@ COLUMNS = [
 SHOWN = [column.key for column in COLUMNS if column.key not in ("muscle", "note", "max_error_mm")]
 
 
-def price_list(replays: list[Entry], measured_builds: dict) -> Table:
+def price_list(replays: list[Aggregate], measured_builds: dict) -> Table:
     """Of one thread, right and complete configurations. For all muscles a configuration holds what it holds on each."""
     able = [e for e in replays if e.is_shown and not e.is_wrong and e.configuration.threads == 1
             and not math.isnan(e.p99_error_mm) and not math.isnan(e.collision_ms.value)]
-    scenes = list(dict.fromkeys(entry.scene for entry in replays))
+    scenes = list(dict.fromkeys(aggregate.scene for aggregate in replays))
     rows = []
     for scene in scenes:
-        offers = [_offer([entry], replays, measured_builds) for entry in able if entry.scene == scene]
+        offers = [_offer([aggregate], replays, measured_builds) for aggregate in able if aggregate.scene == scene]
         rows += _rows(scene.split("/")[-1], offers)
     if len(scenes) > 1:
         rows += _rows(ALL_MUSCLES, _offers_on_all(able, replays, scenes, measured_builds))
@@ -47,12 +47,12 @@ def price_list(replays: list[Entry], measured_builds: dict) -> Table:
 
 
 def _rows(muscle: str, offers: list[dict]) -> list[dict]:
-    return [_row(muscle, bar, offers) for bar in BARS_MM]
+    return [_row(muscle, target, offers) for target in TARGETS_MM]
 
 
-def _row(muscle: str, bar_mm: float, offers: list[dict]) -> dict:
-    row = {"muscle": muscle, "bar_mm": f"{bar_mm:g}"}
-    holding = [offer for offer in offers if max(offer["p99_error_mm"], EXACT_MM) <= bar_mm]
+def _row(muscle: str, target_mm: float, offers: list[dict]) -> dict:
+    row = {"muscle": muscle, "target_mm": f"{target_mm:g}"}
+    holding = [offer for offer in offers if max(offer["p99_error_mm"], EXACT_MM) <= target_mm]
     if holding:
         return row | _cheapest(holding) | {"note": ""}
     if not offers:
@@ -69,31 +69,32 @@ def _cheapest(offers: list[dict]) -> dict:
     return min(as_fast or [fastest], key=lambda offer: (offer["structure_mb"], offer["time_ms"]))
 
 
-def _offers_on_all(able: list[Entry], replays: list[Entry], scenes: list[str], measured_builds: dict) -> list[dict]:
+def _offers_on_all(able: list[Aggregate], replays: list[Aggregate], scenes: list[str],
+                   measured_builds: dict) -> list[dict]:
     groups: dict = {}
-    for entry in able:
-        groups.setdefault(entry.configuration, []).append(entry)
+    for aggregate in able:
+        groups.setdefault(aggregate.configuration, []).append(aggregate)
     return [_offer(group, replays, measured_builds) for group in groups.values() if len(group) == len(scenes)]
 
 
-def _offer(group: list[Entry], replays: list[Entry], measured_builds: dict) -> dict:
+def _offer(group: list[Aggregate], replays: list[Aggregate], measured_builds: dict) -> dict:
     ratio = ratio_to(group[0], find_voxel_64(replays, group[0])) if len(group) == 1 else _ratio_of_sums(group, replays)
-    time = total([entry.collision_ms for entry in group])
+    time = total([aggregate.collision_ms for aggregate in group])
     return {
         "configuration": group[0].configuration.name, "time_ms": time.value, "time_ms_low": time.low,
         "time_ms_high": time.high,
         "ratio": ratio.value, "ratio_low": ratio.low, "ratio_high": ratio.high,
-        "build_s": max(build_seconds(entry, measured_builds) for entry in group),
-        "structure_mb": max(entry.structure_bytes for entry in group) / MEGABYTE,
-        "p99_error_mm": max(entry.p99_error_mm for entry in group),
-        "max_error_mm": max(entry.max_error_mm for entry in group),
-        "missed": sum(entry.number("accuracy", "missed_contacts") for entry in group),
-        "measured": sum(entry.number("accuracy", "measured_contacts") for entry in group),
+        "build_s": max(build_seconds(aggregate, measured_builds) for aggregate in group),
+        "structure_mb": max(aggregate.structure_bytes for aggregate in group) / MEGABYTE,
+        "p99_error_mm": max(aggregate.p99_error_mm for aggregate in group),
+        "max_error_mm": max(aggregate.max_error_mm for aggregate in group),
+        "missed": sum(aggregate.number("accuracy", "missed_contacts") for aggregate in group),
+        "measured": sum(aggregate.number("accuracy", "measured_contacts") for aggregate in group),
     }
 
 
-def _ratio_of_sums(group: list[Entry], replays: list[Entry]) -> Estimate:
-    voxels = [find(replays, entry.scene, VOXEL_64) for entry in group]
+def _ratio_of_sums(group: list[Aggregate], replays: list[Aggregate]) -> Estimate:
+    voxels = [find(replays, aggregate.scene, VOXEL_64) for aggregate in group]
     if any(voxel is None for voxel in voxels):
         return Estimate.unknown()
     return quotient(total([e.collision_ms for e in group]), total([voxel.collision_ms for voxel in voxels]))
