@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 import fake_runs
-from musclebench_report.accuracy import cases
-from musclebench_report.accuracy.entries import Entry, entries_of, of_mode
+from musclebench.accuracy import cases
+from musclebench.accuracy.aggregates import Aggregate, aggregates_of, of_mode
 
 FRAMES = 40
 BAND_M = 0.01
@@ -203,8 +203,8 @@ def write_two_muscles(out_dir: Path) -> None:
                 write_replay(folder, scene, name.split()[0], scaled, repetition)
 
 
-def replays_of(out_dir: Path) -> list[Entry]:
-    return of_mode(entries_of(cases.read_cases(out_dir)), "replay")
+def replays_of(out_dir: Path) -> list[Aggregate]:
+    return of_mode(aggregates_of(cases.read_cases(out_dir)), "replay")
 
 
 def realistic_truths() -> list[tuple[str, Truth]]:

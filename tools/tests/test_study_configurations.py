@@ -2,7 +2,7 @@
 
 import fake_study
 from fake_study import SURFACES
-from musclebench_report.accuracy.configurations import Configuration, configuration
+from musclebench.accuracy.configurations import Configuration, configuration
 
 
 def test_resolved_and_asked_parameters_are_the_same_configuration():
