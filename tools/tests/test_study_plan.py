@@ -45,7 +45,7 @@ def test_the_full_study_has_what_the_study_asks_for():
 
 
 @pytest.mark.parametrize("backend", ["sdf", "bvh", "fcl"])
-def test_the_study_shows_runs_with_and_without_motion_budgets(backend):
+def test_the_study_shows_runs_with_and_without_clearance_cache(backend):
     chosen = [c.configuration for c in measured(FULL) if c.configuration.backend == backend]
     assert {configuration.has_budgets for configuration in chosen} == {True, False}
 
@@ -98,7 +98,7 @@ def test_strides_are_powers_of_two_that_keep_enough_frames(milliseconds):
     assert stride == 1 or ReplayCase(ILIACUS, configuration, stride=stride // 2).guessed_step_seconds > 12.0
 
 
-def test_configurations_of_a_backend_replay_the_same_frames_and_all_of_them_with_motion_budgets():
+def test_configurations_of_a_backend_replay_the_same_frames_and_all_of_them_with_clearance_cache():
     strides = {}
     for case in plan(Request("lhdl", tuple(VERTICES))):
         if isinstance(case, ReplayCase):

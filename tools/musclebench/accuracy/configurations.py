@@ -7,13 +7,13 @@ DEFAULTS = {
     "voxel": {"cells": 64, "voxel_size_m": 0},
     "sdf": {
         "cells": 64, "cell_size_m": 0, "precision": "float", "band_m": 0, "max_error_mm": 0, "margin": 0.001,
-        "discregrid": "", "motion_budgets": "on",
+        "discregrid": "", "clearance_cache": "on",
     },
-    "bvh": {"motion_budgets": "on"},
+    "bvh": {"clearance_cache": "on"},
     "fcl": {
         "bounding_volume": "OBBRSS", "manager": "dynamic_aabb_tree", "update": "refit", "model": "replace",
         "query": "surfaces", "node_radius_m": 0.0005, "solver": "libccd",
-        "motion_budgets": "off",
+        "clearance_cache": "off",
     },
 }
 EDGE_OF_CUBES = {"voxel": "voxel_size_m", "sdf": "cell_size_m"}
@@ -26,7 +26,7 @@ WORDS = {
     ("model", "update"): "update model",
     ("query", "node_distance"): "node distance", ("query", "node_collide"): "node spheres",
     ("solver", "indep"): "own solver", ("precision", "double"): "double",
-    ("motion_budgets", "on"): "budgets", ("motion_budgets", "off"): "no budgets",
+    ("clearance_cache", "on"): "budgets", ("clearance_cache", "off"): "no budgets",
 }
 
 
@@ -103,7 +103,7 @@ class Configuration:
         return dict(self.choices).get(key, str(DEFAULTS.get(self.backend, {}).get(key, "")))
 
     def _spoken(self) -> list[tuple[str, str]]:
-        ordered = sorted(self.choices, key=lambda choice: choice[0] == "motion_budgets")
+        ordered = sorted(self.choices, key=lambda choice: choice[0] == "clearance_cache")
         words = [(key, _word(key, value)) for key, value in ordered]
         return words + ([("threads", f"{self.threads} threads")] if self.threads != 1 else [])
 

@@ -133,7 +133,7 @@ def _draw_convergence(aggregates: list[Aggregate], builds: dict, folder: Path) -
     drawn = draw_costs(cost_rows(probes or aggregates, builds), folder / "convergence_cost")
     texts = ["Build time and bytes of the structures of all bones of a scene against their number of cells, of grids "
              "with a fixed count of cells; slopes of straight lines through the logarithms. Bones that scenes share "
-             "count once. Bytes hold what motion budgets keep of the muscle's nodes, too."]
+             "count once. Bytes hold what clearance cache keep of the muscle's nodes, too."]
     return files + _with_caption(drawn, title, texts, _cases(probes or aggregates))
 
 

@@ -44,7 +44,7 @@ FCL = (
     (60, False, False, {"bounding_volume": "RSS", "update": "rebuild"}),
     (60, False, False, {"bounding_volume": "RSS", "update": "refit_top_down"}),
     (87, True, False, {"query": "node_distance"}),
-    (0.5, True, True, {"query": "node_distance", "motion_budgets": "on"}),
+    (0.5, True, True, {"query": "node_distance", "clearance_cache": "on"}),
     (82, False, False, {"query": "node_distance", "bounding_volume": "RSS"}),
     (85, False, False, {"query": "node_distance", "bounding_volume": "kIOS"}),
     (87, False, False, {"query": "node_distance", "manager": "none"}),
@@ -79,7 +79,7 @@ class Configuration:
     @property
     def has_budgets(self) -> bool:
         """Motion budgets are spent by motion: they are worth nothing where steps are left out."""
-        return dict(self.parameters).get("motion_budgets", BUDGETS_BY_DEFAULT.get(self.backend)) == "on"
+        return dict(self.parameters).get("clearance_cache", BUDGETS_BY_DEFAULT.get(self.backend)) == "on"
 
     @property
     def stores(self) -> bool:
@@ -91,7 +91,7 @@ def configurations() -> list[Configuration]:
         Configuration("null", replays=False),
         *_voxels(), *_sdfs(), *_adaptive_sdfs(), *_fcls(),
         Configuration("bvh", step_ms=0.3, build_seconds=0.7),
-        Configuration("bvh", (("motion_budgets", "off"),), step_ms=5.0, build_seconds=0.7),
+        Configuration("bvh", (("clearance_cache", "off"),), step_ms=5.0, build_seconds=0.7),
         Configuration("brute_force", step_ms=60_000.0, in_quick=False),
     ]
 
@@ -106,7 +106,7 @@ def _sdfs() -> list[Configuration]:
     sizes = [("cells", cells, precision) for cells in SDF_CELLS for precision in SDF_PRECISIONS]
     sizes += [("cell_size_m", edge, "float") for edge in SDF_EDGES_M]
     cells_64 = _sdf("cells", 64, "float")
-    no_budgets = replace(cells_64, parameters=(*cells_64.parameters, ("motion_budgets", "off")), step_ms=0.1,
+    no_budgets = replace(cells_64, parameters=(*cells_64.parameters, ("clearance_cache", "off")), step_ms=0.1,
                          stored_bytes=0.0, is_probed=False)  # the probe would be that of `cells_64`
     return [*(_sdf(key, size, precision) for key, size, precision in sizes), no_budgets]
 

@@ -32,7 +32,7 @@ def fcl_table(replays: list[Aggregate]) -> Table:
     rows = pd.DataFrame([_row(aggregate, replays) for aggregate in aggregates], columns=keys)
     caption = " ".join([
         "FCL's configurations on replayed positions, the default being the paper's way. Factors are medians over the "
-        "frames that both replayed; with motion budgets all are replayed, else one in a few.",
+        "frames that both replayed; with clearance cache all are replayed, else one in a few.",
         rule(), *summaries(replays)])
     return Table("fcl_factors", caption, COLUMNS, rows, SHOWN)
 

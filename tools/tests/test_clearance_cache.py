@@ -1,4 +1,4 @@
-"""A whole flexion ends in the same state, to the bit, with motion budgets and without."""
+"""A whole flexion ends in the same state, to the bit, with clearance cache and without."""
 
 import json
 from pathlib import Path
@@ -27,7 +27,7 @@ def test_flexion_is_the_same_to_the_bit(tmp_path, backend, muscle):
     if muscle == "iliacus" and backend != ["bvh"]:
         pytest.skip("a field of the large muscle, or all its nodes by FCL, would take longer than it tells")
     states = [final_state(tmp_path / word, f"synthetic/{muscle}", "--backend", *backend, "--param",
-                          f"motion_budgets={word}", "--frames", "314" if muscle == "adductor_brevis" else "40")
+                          f"clearance_cache={word}", "--frames", "314" if muscle == "adductor_brevis" else "40")
               for word in ("on", "off")]
     assert states[0] == states[1]
     assert states[0][1] > 0, "a flexion without contacts tells nothing"
@@ -35,7 +35,7 @@ def test_flexion_is_the_same_to_the_bit(tmp_path, backend, muscle):
 
 def test_real_anatomy_is_the_same_to_the_bit(tmp_path, lhdl_folder):
     states = [final_state(tmp_path / f"{word}{threads}", "lhdl/gluteus_maximus", "--data", str(lhdl_folder),
-                          "--backend", "bvh", "--param", f"motion_budgets={word}", "--frames", "25",
+                          "--backend", "bvh", "--param", f"clearance_cache={word}", "--frames", "25",
                           "--threads", threads)
               for word, threads in (("on", "1"), ("on", "2"), ("off", "2"))]
     assert len(set(states)) == 1
