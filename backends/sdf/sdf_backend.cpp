@@ -9,7 +9,7 @@
 #include "backends/sdf/grid_field_source.hpp"
 #include "backends/sdf/octree_field_source.hpp"
 #include "backends/sdf/sdf_settings.hpp"
-#include "core/clearance/motion_budgets.hpp"
+#include "core/clearance/clearance_cache.hpp"
 
 namespace musclebench {
 
@@ -169,12 +169,12 @@ std::vector<ParameterSpec> sdf_parameters() {
        -1e300,
        1e300,
        {}},
-      motion_budgets_parameter(true),
+      clearance_cache_parameter(true),
   };
 }
 
 std::unique_ptr<CollisionBackend> make_sdf_backend(const Parameters& parameters) {
-  return std::make_unique<SdfBackend>(make_field_source(parameters), has_motion_budgets(parameters));
+  return std::make_unique<SdfBackend>(make_field_source(parameters), uses_clearance_cache(parameters));
 }
 
 }  // namespace musclebench

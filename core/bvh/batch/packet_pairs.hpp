@@ -23,7 +23,7 @@ struct PacketPoints {
 
   /// Squared distances of one point to the triangles of a leaf.
   struct alignas(32) Squared {
-    TreeLanes to;
+    BvhLanes to;
   };
   std::size_t looks = 0;
   std::vector<std::int32_t> leaf;
