@@ -15,12 +15,12 @@ struct CellRange {
   GridIndex::Coordinates from, to;
 };
 
-struct Ball {
+struct Sphere {
   Vec3 centre;
   double radius_m;
 };
 
-Ball ball_about(const GridShape& shape, const CellRange& range) {
+Sphere sphere_around(const GridShape& shape, const CellRange& range) {
   const auto corner = [&](const std::array<std::size_t, 3>& index) {
     return shape.vertex(static_cast<int>(index[0]), static_cast<int>(index[1]), static_cast<int>(index[2]));
   };
@@ -31,17 +31,17 @@ Ball ball_about(const GridShape& shape, const CellRange& range) {
 
 /// Whether all of the ball is outside and farther from the surface than the band reaches; `bound_m` then is its
 /// distance.
-bool is_far(const SignedSurface& surface, const Ball& ball, double width_m, double& bound_m) {
-  const std::optional<ClosestPoint> near = surface.tree().closest_point(ball.centre, width_m + ball.radius_m);
+bool is_far(const SignedSurface& surface, const Sphere& sphere, double width_m, double& bound_m) {
+  const std::optional<ClosestPoint> near = surface.tree().closest_point(sphere.centre, width_m + sphere.radius_m);
   if (near) {
     return false;
   }
-  const ClosestPoint closest = *surface.tree().closest_point(ball.centre);
-  bound_m = closest.distance_m * (1 - slack) - ball.radius_m;
-  return bound_m > width_m && !surface.is_inside(ball.centre, closest);
+  const ClosestPoint closest = *surface.tree().closest_point(sphere.centre);
+  bound_m = closest.distance_m * (1 - slack) - sphere.radius_m;
+  return bound_m > width_m && !surface.is_inside(sphere.centre, closest);
 }
 
-/// The same for one cell. A stretched one fills little of its ball, so it is looked at in pieces.
+/// The same for one cell. A stretched one fills little of its ball, so it is tested in pieces.
 bool is_far_cell(const SignedSurface& surface, const GridShape& shape, const CellRange& cell, double width_m) {
   constexpr int most_pieces = 8;
   Eigen::Index axis = 0;
@@ -69,16 +69,16 @@ struct Choice {
 
 Choice choose(const SignedSurface& surface, const GridShape& shape, const CellRange& block, double width_m) {
   Choice choice;
-  if (is_far(surface, ball_about(shape, block), width_m, choice.far_m)) {
+  if (is_far(surface, sphere_around(shape, block), width_m, choice.far_m)) {
     return choice;
   }
   choice.far_m = width_m;
-  const Ball ball = ball_about(shape, block);
-  const bool near = surface.tree().closest_point(ball.centre, std::max(0.0, width_m - ball.radius_m)).has_value();
-  unsigned place = 0;
+  const Sphere sphere = sphere_around(shape, block);
+  const bool near = surface.tree().closest_point(sphere.centre, std::max(0.0, width_m - sphere.radius_m)).has_value();
+  unsigned bit = 0;
   for_each_in(block.from, block.to, [&](std::size_t i, std::size_t j, std::size_t k) {
     const bool far = !near && is_far_cell(surface, shape, {{i, j, k}, {i + 1, j + 1, k + 1}}, width_m);
-    choice.kept |= std::uint64_t{!far} << place++;
+    choice.kept |= std::uint64_t{!far} << bit++;
   });
   return choice;
 }
@@ -134,9 +134,9 @@ NarrowBand narrow_band(const SignedSurface& surface, const GridShape& shape, dou
     choices[b] = choose(surface, shape, blocks[b], width_m);
   }
   for (std::size_t b = 0; b < blocks.size(); ++b) {
-    unsigned place = 0;
+    unsigned bit = 0;
     for_each_in(blocks[b].from, blocks[b].to, [&](std::size_t i, std::size_t j, std::size_t k) {
-      if (((choices[b].kept >> place++) & 1U) != 0) {
+      if (((choices[b].kept >> bit++) & 1U) != 0) {
         band.keep(shape.cell(i, j, k));
       }
     });

@@ -54,8 +54,8 @@ class NarrowBand {
   [[nodiscard]] const std::vector<float>& far_bounds_m() const { return m_far_m; }
 
  private:
-  [[nodiscard]] static bool is_set(const std::vector<std::uint64_t>& bits, std::size_t place) {
-    return ((bits[place / 64] >> (place % 64)) & 1U) != 0;
+  [[nodiscard]] static bool is_set(const std::vector<std::uint64_t>& bits, std::size_t bit) {
+    return ((bits[bit / 64] >> (bit % 64)) & 1U) != 0;
   }
   [[nodiscard]] std::size_t block(std::size_t i, std::size_t j, std::size_t k) const {
     return m_blocks.index(i / block_edge, j / block_edge, k / block_edge);

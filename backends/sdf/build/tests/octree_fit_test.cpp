@@ -62,7 +62,7 @@ void find_polynomial() {
   CellSamples samples;
   for (std::size_t s = 0; s < cell_samples; ++s) {
     Vec3 gradient;
-    const double value = evaluate_polynomial<true>(wanted.coefficients.data(), sample_place(s), gradient);
+    const double value = evaluate_polynomial<true>(wanted.coefficients.data(), sample_position(s), gradient);
     gradient /= half_edge_m;
     samples[s] = {
         value, {static_cast<float>(gradient[0]), static_cast<float>(gradient[1]), static_cast<float>(gradient[2])}, 0};

@@ -10,9 +10,9 @@
 #include <hwy/targets.h>
 
 #include "backends/sdf/build/field_builder.hpp"
-#include "backends/sdf/grid/field_places.hpp"
-#include "backends/sdf/grid/tests/asked_positions.hpp"
+#include "backends/sdf/grid/gather_nodes.hpp"
 #include "backends/sdf/grid/tests/field_samples.hpp"
+#include "backends/sdf/grid/tests/query_positions.hpp"
 #include "core/mesh/shapes.hpp"
 
 namespace musclebench {
@@ -63,8 +63,8 @@ std::vector<std::optional<Answer>> ask(const CubicField& field, const RigidMotio
     EXPECT_GT(next, first);
     EXPECT_LE(block.count, FieldBlock::capacity);
     for (std::size_t n = 0; n < block.count; ++n) {
-      EXPECT_TRUE(block.asker[n] >= first && block.asker[n] < next && (n == 0 || block.asker[n] > last));
-      last = block.asker[n];
+      EXPECT_TRUE(block.query[n] >= first && block.query[n] < next && (n == 0 || block.query[n] > last));
+      last = block.query[n];
       answers[static_cast<std::size_t>(nodes[last])] =
           Answer{block.cells(n), {block.value_m[n], {block.slope_x[n], block.slope_y[n], block.slope_z[n]}}};
     }
@@ -96,7 +96,7 @@ TEST(CubicKernel, EvaluatesWhatTheCellsSay) {
       if (answers[n]) {
         ++found;
         EXPECT_NEAR((answers[n]->cells - cells).norm(), 0, 1e-14);
-        const CellPlace place = shape.place(answers[n]->cells);
+        const CellPosition place = shape.place(answers[n]->cells);
         Vec3 slope;
         const double value = field.cell(place.i, place.j, place.k).value_and_gradient(place.at, slope);
         EXPECT_NEAR(answers[n]->sample.value_m, value, 1e-15);
@@ -167,7 +167,7 @@ TEST(CubicKernel, AsksOnlyWhereItIsWanted) {
         EXPECT_FALSE(known[n] || inside[n]);
         continue;
       }
-      const CellPlace place = shape.place(cells);
+      const CellPosition place = shape.place(cells);
       const std::size_t cell = shape.cell(place.i, place.j, place.k);
       EXPECT_EQ(known[n].has_value(), field.knows(cell));
       EXPECT_EQ(inside[n].has_value(), field.may_be_negative(cell));

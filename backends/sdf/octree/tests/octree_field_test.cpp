@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "backends/sdf/build/exact_places.hpp"
 #include "backends/sdf/build/octree_builder.hpp"
+#include "backends/sdf/build/reference_samples.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/mesh/shapes.hpp"
 
@@ -56,7 +56,7 @@ class OctreeOfBox : public testing::Test {
 TEST_F(OctreeOfBox, KeepsTheWantedErrorNearTheSurface) {
   const OctreeQuality& quality = field().quality();
   std::vector<double> errors;
-  for (const ExactPlace& place : places_about(surface(), bone().mesh, quality.near_m, 5000, 99, 1)) {
+  for (const ReferenceSample& place : reference_samples(surface(), bone().mesh, quality.near_m, 5000, 99, 1)) {
     if (const auto value = field().value(place.point)) {
       errors.push_back(std::abs(*value - place.distance_m));
     }
@@ -75,7 +75,7 @@ TEST_F(OctreeOfBox, ReportsTheErrorOfTheFieldThatWasBuilt) {
   const auto count = static_cast<std::size_t>(quality.samples);
   double mean_m = 0;
   double largest_m = 0;
-  for (const ExactPlace& place : places_about(surface(), bone().mesh, quality.near_m, count, 1, 1)) {
+  for (const ReferenceSample& place : reference_samples(surface(), bone().mesh, quality.near_m, count, 1, 1)) {
     const double error_m = std::abs(field().value(place.point).value() - place.distance_m);
     mean_m += error_m / static_cast<double>(count);
     largest_m = std::max(largest_m, error_m);
@@ -177,7 +177,7 @@ TEST_F(OctreeOfBox, ErrorsStayWithinTheirProvenBounds) {
     if ((exact < 0) != (value < 0)) {
       EXPECT_LE(std::abs(exact), quality.bound_m);
     }
-    EXPECT_TRUE(value >= 0 || exact <= quality.negative_reach_m) << exact;
+    EXPECT_TRUE(value >= 0 || exact <= quality.sign_error_distance_m) << exact;
   }
 }
 
@@ -205,7 +205,7 @@ TEST_F(OctreeOfBox, IsClearNotMuchFartherFromTheSurfaceThanItIsNegative) {
   double clear_m = 0;
   for (const Vec3& point : points(5000, 13)) {
     const double exact = surface().locate(point).signed_distance_m();
-    const double least_m = quality.negative_reach_m + quality.excess_m;
+    const double least_m = quality.sign_error_distance_m + quality.excess_m;
     if (exact > 2 * least_m) {
       free_m += exact - least_m;
       clear_m += field().clearance_m(point);
@@ -221,7 +221,7 @@ TEST_F(OctreeOfBox, IsClearToTheSurfaceOrTheFacesOfItsLeaf) {
   int clear = 0;
   for (const Vec3& point : points(20000, 14)) {
     const double value = field().value(point).value();
-    if (value > 0 && value < field().quality().negative_reach_m) {
+    if (value > 0 && value < field().quality().sign_error_distance_m) {
       ++near;
       clear += field().clearance_m(point) > 0.1 * value ? 1 : 0;
     }
@@ -235,7 +235,7 @@ TEST_F(OctreeOfBox, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one.entries(), field().entries());
   EXPECT_EQ(one.coefficients(), field().coefficients());
   EXPECT_EQ(one.quality().bound_m, field().quality().bound_m);
-  EXPECT_EQ(one.quality().negative_reach_m, field().quality().negative_reach_m);
+  EXPECT_EQ(one.quality().sign_error_distance_m, field().quality().sign_error_distance_m);
   EXPECT_EQ(one.quality().excess_m, field().quality().excess_m);
   EXPECT_EQ(one.quality().mean_m, field().quality().mean_m);
 }

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include "backends/sdf/grid/tests/asked_positions.hpp"
+#include "backends/sdf/grid/tests/query_positions.hpp"
 #include "backends/sdf/octree/octree_entry.hpp"
 #include "backends/sdf/octree/octree_field.hpp"
 #include "backends/sdf/octree/octree_polynomial.hpp"
@@ -22,7 +22,7 @@ using octree_entry::Kind;
 
 OctreeQuality reaching_little() {
   OctreeQuality quality;
-  quality.negative_reach_m = 0.01;
+  quality.sign_error_distance_m = 0.01;
   quality.excess_m = 0.005;
   return quality;
 }
@@ -97,8 +97,8 @@ std::vector<std::optional<Answer>> ask(const OctreeField& field, const RigidMoti
     field.clear(block, leaves, clearance_m);
     EXPECT_GT(next, first);
     for (std::size_t n = 0; n < block.count; ++n) {
-      EXPECT_TRUE(block.asker[n] >= first && block.asker[n] < next);
-      answers[static_cast<std::size_t>(nodes[block.asker[n]])] =
+      EXPECT_TRUE(block.query[n] >= first && block.query[n] < next);
+      answers[static_cast<std::size_t>(nodes[block.query[n]])] =
           Answer{block.cells(n), block.value_m[n], block.slope(n), clearance_m[n]};
     }
   }
@@ -141,7 +141,7 @@ PlainLeaf plain_leaf(const OctreeField& field, Vec3 at) {
       octant |= static_cast<std::size_t>(upper) << axis;
     }
     leaf.half_edge_m *= 0.5;
-    leaf.entry = field.entries()[octree_entry::place_of(leaf.entry) + octant];
+    leaf.entry = field.entries()[octree_entry::offset_of(leaf.entry) + octant];
   }
   leaf.at = 2 * leaf.at - Vec3::Ones();
   return leaf;
@@ -150,7 +150,7 @@ PlainLeaf plain_leaf(const OctreeField& field, Vec3 at) {
 /// Against plain code.
 void expect_leaf(const OctreeField& field, const Answer& answer) {
   const PlainLeaf leaf = plain_leaf(field, answer.roots);
-  const float* coefficients = field.coefficients().data() + octree_entry::place_of(leaf.entry);
+  const float* coefficients = field.coefficients().data() + octree_entry::offset_of(leaf.entry);
   Vec3 slope;
   double value_m = 0;
   if (octree_entry::kind_of(leaf.entry) == Kind::outside) {
@@ -212,7 +212,7 @@ TEST(OctreeKernel, KnowsTheBordersOfLeavesAndOfTheDomain) {
 /// Of each leaf for itself: neighbours know nothing of each other here, so only their own clearance is right.
 TEST(OctreeKernel, ALeafIsPositiveWithinItsClearance) {
   OctreeQuality quality;
-  quality.negative_reach_m = 1e9;
+  quality.sign_error_distance_m = 1e9;
   const OctreeField field = NoisyTree(shape()).field(shape(), quality);
   RandomNumbers random(31);
   int clear = 0;
@@ -290,7 +290,7 @@ TEST(OctreeKernel, GivesTheSameBitsOnEveryMachine) {
 TEST(OctreeKernel, ALeafBendsDownFromWhereItIsFlat) {
   const OctreeShape one{Vec3::Zero(), 2, {1, 1, 1}};
   OctreeQuality quality;
-  quality.negative_reach_m = 1e9;
+  quality.sign_error_distance_m = 1e9;
   for (const auto& [kind, term, zero] :
        {std::tuple(Kind::quadratic, 4, std::sqrt(0.1)), std::tuple(Kind::cubic, 4, std::sqrt(0.1)),
         std::tuple(Kind::cubic, 10, std::cbrt(0.1))}) {
@@ -310,7 +310,7 @@ TEST(OctreeKernel, AFlatFieldIsAsClearAsItsSamplesSay) {
   std::vector<float> coefficients(2 * cubic_terms, 0);
   coefficients[0] = 0.9F;
   OctreeQuality quality;
-  quality.negative_reach_m = 0.2;
+  quality.sign_error_distance_m = 0.2;
   quality.excess_m = 0.1;
   for (const Kind kind : {Kind::quadratic, Kind::cubic}) {
     const OctreeField field(one, quality, {octree_entry::entry(kind, 0)}, coefficients);

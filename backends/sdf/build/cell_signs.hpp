@@ -8,8 +8,8 @@ namespace musclebench {
 /// all vertices of the border are outside the bone.
 void keep_border_positive(CubicField& field);
 
-/// Marks the cells where the field may be negative, and finds the facts `steepest` and `negative_reach_m`. The values
-/// at grid vertices are exact distances. The same bits for any number of threads.
-void mark_cells(CubicField& field, int threads);
+/// Marks the cells where the field may be negative, and finds the facts `lipschitz_bound` and `sign_error_distance_m`.
+/// The values at grid vertices are exact distances. The same bits for any number of threads.
+void find_cell_signs(CubicField& field, int threads);
 
 }  // namespace musclebench

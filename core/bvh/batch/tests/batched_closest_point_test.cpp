@@ -1,4 +1,4 @@
-#include "core/bvh/batch/packet_search.hpp"
+#include "core/bvh/batch/batched_closest_point.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -34,7 +34,7 @@ void expect_answers_of_single_queries(const TriangleMesh& mesh, int blocks) {
   std::uniform_int_distribution<int> triangles(0, static_cast<int>(mesh.triangles.size()) - 1);
   const auto noise = [&] { return Vec3(unit(generator) - 0.5, unit(generator) - 0.5, unit(generator) - 0.5); };
   int seed = 0;
-  PacketSearch search(tree);
+  BatchedClosestPoint search(tree);
   for (int block = 0; block < blocks; ++block) {
     const double away = size * std::pow(10.0, -5 * unit(generator));
     const double width = block % 5 == 0 ? 0 : size * std::pow(10.0, -4 * unit(generator) - 0.5);
