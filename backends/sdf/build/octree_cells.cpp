@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/grid_index.hpp"
 #include "core/base/prefetch.hpp"
 
 namespace musclebench {
