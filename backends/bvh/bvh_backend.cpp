@@ -49,6 +49,6 @@ std::unique_ptr<CollisionBackend> make_bvh_backend(const Parameters& parameters)
   return std::make_unique<BvhBackend>(uses_clearance_cache(parameters));
 }
 
-std::vector<ParameterSpec> bvh_parameters() { return {clearance_cache_parameter(true)}; }
+std::vector<ParameterSpec> bvh_parameters() { return {clearance_cache_parameter()}; }
 
 }  // namespace musclebench

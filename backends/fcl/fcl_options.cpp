@@ -51,43 +51,44 @@ const std::vector<std::string>& bounding_volumes() {
 
 std::vector<ParameterSpec> fcl_parameters() {
   return {
-      {.name = "query",
-       .default_value = std::string("surfaces"),
-       .help = "surfaces: the muscle's triangles against the bones', blind to nodes deep inside; node_distance: each "
-               "node's distance to the bone's triangles, exact; node_collide: a small sphere about each node against "
-               "them, blind to nodes deeper than its radius",
-       .choices = {"surfaces", "node_distance", "node_collide"}},
-      {.name = "bounding_volume",
-       .default_value = std::string("OBBRSS"),
-       .help = "volume of the trees' nodes; OBB gives the contacts of OBBRSS in less time and memory; AABB and "
-               "KDOP24 copy a bone in every query of a node, and rebuild a moved one in every detection of surfaces; "
-               "node_distance knows OBBRSS, RSS and kIOS only",
-       .choices = bounding_volumes()},
-      {.name = "manager",
-       .default_value = std::string("dynamic_aabb_tree"),
-       .help = "broad phase: the bones whose boxes overlap that of the muscle or of a node; none: all bones",
-       .choices = {"dynamic_aabb_tree", "sweep_and_prune", "none"}},
-      {.name = "update",
-       .default_value = std::string("refit"),
-       .help =
-           "how the muscle's tree follows the nodes (surfaces only): refit (from the leaves up), refit_top_down, or "
-           "rebuild; FCL 0.7 merges RSS volumes wrongly, so RSS with refit misses contacts, up to all",
-       .choices = {"refit", "refit_top_down", "rebuild"}},
-      {.name = "model",
-       .default_value = std::string("replace"),
-       .help = "replace the muscle's vertices, or update them: keeps the previous ones and encloses both, slower "
-               "(surfaces only)",
-       .choices = {"replace", "update"}},
-      {.name = "node_radius_m",
-       .default_value = FclOptions{}.node_radius_m,
-       .help = "radius of the spheres of node_collide: a node deeper than this is missed",
-       .minimum = 1e-9,
-       .maximum = 1},
-      {.name = "solver",
-       .default_value = std::string("libccd"),
-       .help = "FCL's narrow phase for convex shapes; FCL has formulas of its own for two triangles and for sphere and "
-               "triangle, so that both give the same here",
-       .choices = {"libccd", "indep"}},
+      parameter::choice(
+          {.name = "query",
+           .choices = {"surfaces", "node_distance", "node_collide"},
+           .help = "surfaces: the muscle's triangles against the bones', blind to nodes deep inside; node_distance: "
+                   "each node's distance to the bone's triangles, exact; node_collide: a small sphere about each node "
+                   "against them, blind to nodes deeper than its radius"}),
+      parameter::choice(
+          {.name = "bounding_volume",
+           .choices = bounding_volumes(),
+           .help = "volume of the trees' nodes; OBB gives the contacts of OBBRSS in less time and memory; AABB and "
+                   "KDOP24 copy a bone in every query of a node, and rebuild a moved one in every detection of "
+                   "surfaces; node_distance knows OBBRSS, RSS and kIOS only"}),
+      parameter::choice(
+          {.name = "manager",
+           .choices = {"dynamic_aabb_tree", "sweep_and_prune", "none"},
+           .help = "broad phase: the bones whose boxes overlap that of the muscle or of a node; none: all bones"}),
+      parameter::choice(
+          {.name = "update",
+           .choices = {"refit", "refit_top_down", "rebuild"},
+           .help = "how the muscle's tree follows the nodes (surfaces only): refit (from the leaves up), "
+                   "refit_top_down, or rebuild; FCL 0.7 merges RSS volumes wrongly, so RSS with refit misses contacts, "
+                   "up to all"}),
+      parameter::choice(
+          {.name = "model",
+           .choices = {"replace", "update"},
+           .help = "replace the muscle's vertices, or update them: keeps the previous ones and encloses both, slower "
+                   "(surfaces only)"}),
+      parameter::number({.name = "node_radius_m",
+                         .unit = "m",
+                         .default_value = FclOptions{}.node_radius_m,
+                         .minimum = 1e-9,
+                         .maximum = 1,
+                         .help = "radius of the spheres of node_collide: a node deeper than this is missed"}),
+      parameter::choice(
+          {.name = "solver",
+           .choices = {"libccd", "indep"},
+           .help = "FCL's narrow phase for convex shapes; FCL has formulas of its own for two triangles and for sphere "
+                   "and triangle, so that both give the same here"}),
   };
 }
 

@@ -65,8 +65,19 @@ std::unique_ptr<CollisionBackend> make_voxel_backend(const Parameters& parameter
 }
 
 std::vector<ParameterSpec> voxel_parameters() {
-  return {{"cells", std::int64_t{64}, "voxels along each axis of a bone's own bounding box", 1, 100000, {}},
-          {"voxel_size_m", 0.0, "edge of cubic voxels; 0: use cells", 0, 10, {}}};
+  return {parameter::integer({.name = "cells",
+                              .default_value = 64,
+                              .minimum = 1,
+                              .maximum = 100'000,
+                              .role = ParameterRole::resolution,
+                              .help = "voxels along each axis of a bone's own bounding box"}),
+          parameter::number({.name = "voxel_size_m",
+                             .unit = "m",
+                             .default_value = 0,
+                             .minimum = 0,
+                             .maximum = 10,
+                             .role = ParameterRole::resolution,
+                             .help = "edge of cubic voxels; 0: use cells"})};
 }
 
 }  // namespace musclebench

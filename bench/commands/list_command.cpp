@@ -12,43 +12,20 @@ namespace musclebench {
 
 namespace {
 
-/// The unit is the end of the name, after the last word that is not a unit.
-std::string unit_of(const std::string& name) {
-  static constexpr std::pair<std::string_view, std::string_view> endings[] = {{"_rad_per_n_m", "rad/Nm"},
-                                                                              {"_kg_per_m3", "kg/m3"},
-                                                                              {"_m_per_n", "m/N"},
-                                                                              {"_m_per_s2", "m/s2"},
-                                                                              {"_per_s", "1/s"},
-                                                                              {"_m3", "m3"},
-                                                                              {"_rad", "rad"},
-                                                                              {"_deg", "deg"},
-                                                                              {"_kg", "kg"},
-                                                                              {"_mm", "mm"},
-                                                                              {"_s", "s"},
-                                                                              {"_m", "m"}};
-  for (const auto& [ending, unit] : endings) {
-    if (name.ends_with(ending)) {
-      return std::string(unit);
-    }
-  }
-  return "";
-}
-
 std::string range_of(const ParameterSpec& spec) {
   if (!spec.choices.empty()) {
     return fmt::format("{}", fmt::join(spec.choices, " | "));
   }
-  if (std::holds_alternative<bool>(spec.default_value)) {
+  if (spec.kind == ParameterKind::flag) {
     return "true | false";
   }
-  return std::holds_alternative<std::string>(spec.default_value) ? ""
-                                                                 : fmt::format("{} to {}", spec.minimum, spec.maximum);
+  return spec.has_range() ? fmt::format("{} to {}", spec.minimum, spec.maximum) : "";
 }
 
 void print_parameters(const std::vector<ParameterSpec>& specs) {
   for (const ParameterSpec& spec : specs) {
     const std::string value = format_parameter_value(spec.default_value);
-    fmt::print("    {:<24} {:<12} {:<6} {}\n", spec.name, value.empty() ? "\"\"" : value, unit_of(spec.name),
+    fmt::print("    {:<24} {:<12} {:<6} {}\n", spec.name, value.empty() ? "\"\"" : value, spec.unit,
                spec.help);
     if (const std::string range = range_of(spec); !range.empty()) {
       fmt::print("    {:<44} [{}]\n", "", range);
