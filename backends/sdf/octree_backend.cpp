@@ -27,7 +27,9 @@ class OctreeBackend final : public CollisionBackend {
         m_folder(parameters.word("structures")),
         m_wants_budgets(uses_clearance_cache(parameters)) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_detection.has_budgets()}; }
+  [[nodiscard]] Capabilities capabilities() const override {
+    return {.remembers = m_detection.has_budgets(), .has_step = true};
+  }
   [[nodiscard]] bool built_from_file() const override {
     return m_loaded_fields > 0 && m_loaded_fields == m_fields.size();
   }

@@ -13,7 +13,7 @@ class VoxelBackend final : public CollisionBackend {
   explicit VoxelBackend(const Parameters& parameters)
       : m_cells(static_cast<int>(parameters.integer("cells"))), m_voxel_size_m(parameters.number("voxel_size_m")) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.depth = false, .point_queries = true}; }
+  [[nodiscard]] Capabilities capabilities() const override { return {.depth = false, .has_step = true}; }
 
   [[nodiscard]] AnswerBound answer_bound(int bone) const override { return {0, m_grids[bone].cell_size_m().norm()}; }
 
@@ -58,12 +58,6 @@ class VoxelBackend final : public CollisionBackend {
   std::vector<VoxelGrid> m_grids;
 };
 
-}  // namespace
-
-std::unique_ptr<CollisionBackend> make_voxel_backend(const Parameters& parameters) {
-  return std::make_unique<VoxelBackend>(parameters);
-}
-
 std::vector<ParameterSpec> voxel_parameters() {
   return {parameter::integer({.name = "cells",
                               .default_value = 64,
@@ -78,6 +72,20 @@ std::vector<ParameterSpec> voxel_parameters() {
                              .maximum = 10,
                              .role = ParameterRole::resolution,
                              .help = "edge of cubic voxels; 0: use cells"})};
+}
+
+}  // namespace
+
+std::unique_ptr<CollisionBackend> make_voxel_backend(const Parameters& parameters) {
+  return std::make_unique<VoxelBackend>(parameters);
+}
+
+BackendEntry voxel_entry() {
+  return {.name = "voxel",
+          .help = "uniform bit grid over each bone (the paper's voxelisation)",
+          .default_response = ResponseKind::backtrack,
+          .parameters = voxel_parameters(),
+          .make = make_voxel_backend};
 }
 
 }  // namespace musclebench

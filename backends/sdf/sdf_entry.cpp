@@ -50,4 +50,12 @@ std::vector<ParameterSpec> sdf_parameters() {
   };
 }
 
+BackendEntry sdf_entry() {
+  return {.name = "sdf",
+          .help = "cubic signed distance field over each bone (the Discregrid method)",
+          .default_response = ResponseKind::project,
+          .parameters = sdf_parameters(),
+          .make = make_sdf_backend};
+}
+
 }  // namespace musclebench
