@@ -1,7 +1,7 @@
 #include "backends/bvh/bvh_backend.hpp"
 
 #include "backends/bvh/centred_surface.hpp"
-#include "core/contact/node_detection.hpp"
+#include "core/clearance/node_detection.hpp"
 
 namespace musclebench {
 

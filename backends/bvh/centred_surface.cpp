@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/geometry/mesh_size.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/geometry/clearance_grid.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/clearance_grid.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 

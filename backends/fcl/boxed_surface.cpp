@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "backends/fcl/box_tree.hpp"
-#include "core/geometry/mesh_size.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 

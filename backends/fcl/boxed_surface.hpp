@@ -6,7 +6,7 @@
 
 #include "backends/fcl/near_triangles.hpp"
 #include "backends/fcl/sided_surface.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 

@@ -1,7 +1,7 @@
 #include "backends/fcl/fcl_options.hpp"
 
 #include "core/base/input_error.hpp"
-#include "core/contact/motion_budgets.hpp"
+#include "core/clearance/motion_budgets.hpp"
 
 namespace musclebench {
 

@@ -6,7 +6,7 @@
 #include "backends/fcl/boxed_surface.hpp"
 #include "backends/fcl/fcl_model.hpp"
 #include "backends/fcl/node_surface.hpp"
-#include "core/contact/node_detection.hpp"
+#include "core/clearance/node_detection.hpp"
 
 namespace musclebench {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/geometry/mesh_size.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 

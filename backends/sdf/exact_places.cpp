@@ -1,8 +1,8 @@
 #include "backends/sdf/exact_places.hpp"
 
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/coherent_order.hpp"
-#include "core/geometry/surface_sampler.hpp"
+#include "core/mesh/coherent_order.hpp"
+#include "core/mesh/surface_sampler.hpp"
 
 namespace musclebench {
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "core/clearance/motion_budgets.hpp"
 #include "core/contact/collision_backend.hpp"
-#include "core/contact/motion_budgets.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 

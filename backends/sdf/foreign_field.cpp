@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
-#include "core/geometry/clean_features.hpp"
+#include "core/signed_distance/clean_features.hpp"
 
 namespace musclebench {
 

@@ -13,7 +13,7 @@
 #include "backends/sdf/octree_builder.hpp"
 #include "backends/sdf/octree_file.hpp"
 #include "backends/sdf/sdf_settings.hpp"
-#include "core/contact/motion_budgets.hpp"
+#include "core/clearance/motion_budgets.hpp"
 
 namespace musclebench {
 

@@ -13,7 +13,7 @@
 #include <hwy/highway.h>
 
 #include "backends/sdf/packet_lists.hpp"
-#include "core/geometry/triangle_tree_lanes-inl.hpp"
+#include "core/bvh/triangle_tree_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/triangle_tree_nodes.hpp"
+#include "core/bvh/triangle_tree_nodes.hpp"
 
 namespace musclebench {
 

@@ -14,7 +14,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include "backends/sdf/list_scan-inl.hpp"
-#include "core/geometry/triangle_tree_lanes-inl.hpp"
+#include "core/bvh/triangle_tree_lanes-inl.hpp"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();

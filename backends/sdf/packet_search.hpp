@@ -9,8 +9,8 @@
 #include <Eigen/Geometry>
 
 #include "backends/sdf/packet_pairs.hpp"
-#include "core/geometry/closest_on_triangles.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
+#include "core/distance/closest_on_triangles.hpp"
 
 namespace musclebench {
 

@@ -21,7 +21,7 @@
 #include "backends/sdf/foreign_field.hpp"
 #include "backends/sdf/octree_backend.hpp"
 #include "backends/sdf/sdf_settings.hpp"
-#include "core/contact/motion_budgets.hpp"
+#include "core/clearance/motion_budgets.hpp"
 
 namespace musclebench {
 

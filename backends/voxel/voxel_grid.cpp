@@ -8,8 +8,8 @@
 
 #include "core/base/input_error.hpp"
 #include "core/base/system_memory.hpp"
-#include "core/geometry/mesh_size.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 

@@ -15,11 +15,11 @@
 #include <Eigen/Geometry>
 #include <benchmark/benchmark.h>
 
-#include "bench/scene_source.hpp"
+#include "bench/cases/scene_source.hpp"
 #include "core/base/huge_pages.hpp"
-#include "core/geometry/coherent_order.hpp"
-#include "core/geometry/mesh_size.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/mesh/coherent_order.hpp"
+#include "core/mesh/mesh_size.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 namespace {

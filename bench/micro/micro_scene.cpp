@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <random>
 
-#include "bench/scene_source.hpp"
-#include "core/geometry/mesh_size.hpp"
+#include "bench/cases/scene_source.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 

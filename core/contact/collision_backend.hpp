@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/contact/contact.hpp"
-#include "core/geometry/repair_mesh.hpp"
-#include "core/geometry/rigid_motion.hpp"
+#include "core/mesh/rigid_motion.hpp"
+#include "core/mesh_repair/repair_mesh.hpp"
 
 namespace musclebench {
 

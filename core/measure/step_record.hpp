@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/measure/contact_comparison.hpp"
 #include "core/pbd/simulation.hpp"
+#include "core/referee/contact_comparison.hpp"
 
 namespace musclebench {
 

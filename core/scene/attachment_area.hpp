@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 
 namespace musclebench {
 

@@ -8,8 +8,8 @@
 
 #include "core/base/input_error.hpp"
 #include "core/base/sha256.hpp"
-#include "core/geometry/coherent_order.hpp"
-#include "core/geometry/read_mesh.hpp"
+#include "core/mesh/coherent_order.hpp"
+#include "core/mesh_files/read_mesh.hpp"
 #include "core/scene/attachment_area.hpp"
 #include "core/scene/landmarks.hpp"
 #include "core/scene/toml_table.hpp"

@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
-#include "core/geometry/check_mesh.hpp"
-#include "core/geometry/rigid_motion.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
+#include "core/mesh/rigid_motion.hpp"
+#include "core/mesh_repair/check_mesh.hpp"
 #include "datasets/synthetic_bones.hpp"
 #include "datasets/tests/self_intersection.hpp"
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <toml++/toml.h>
 
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_tree.hpp"
 #include "datasets/synthetic_hip.hpp"
 
 namespace musclebench {

@@ -8,7 +8,7 @@
 
 #include "backends/bvh/centred_surface.hpp"
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

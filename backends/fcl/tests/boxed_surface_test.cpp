@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/rigid_motion.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/tests/closest_by_brute_force.hpp"
+#include "core/bvh/tests/closest_by_brute_force.hpp"
+#include "core/mesh/rigid_motion.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

@@ -11,10 +11,10 @@
 #include "backends/sdf/tests/field_samples.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/clean_features.hpp"
-#include "core/geometry/read_mesh.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/tests/lhdl_data.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/lhdl_data.hpp"
+#include "core/mesh_files/read_mesh.hpp"
+#include "core/signed_distance/clean_features.hpp"
 
 namespace musclebench {
 namespace {

@@ -9,11 +9,11 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include "core/geometry/read_mesh.hpp"
-#include "core/geometry/repair_mesh.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/tests/closest_by_brute_force.hpp"
-#include "core/geometry/tests/lhdl_data.hpp"
+#include "core/bvh/tests/closest_by_brute_force.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/lhdl_data.hpp"
+#include "core/mesh_files/read_mesh.hpp"
+#include "core/mesh_repair/repair_mesh.hpp"
 
 namespace musclebench {
 namespace {
