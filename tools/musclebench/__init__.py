@@ -1,0 +1,1 @@
+"""Runs experiments with the program musclebench and makes tables, figures and pictures of its result folders."""
