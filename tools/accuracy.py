@@ -12,21 +12,21 @@ import sys
 import time
 from pathlib import Path
 
-from musclebench_experiment.case import Places
-from musclebench_experiment.disk import free_bytes
-from musclebench_experiment.front import (
+from musclebench.accuracy import report
+from musclebench.cases.case import Places
+from musclebench.cases.muscle_scene import VERTICES
+from musclebench.cases.pool import Limits, run_cases
+from musclebench.cases.progress import duration
+from musclebench.program.cli import (
     OneLineParser, Problem, check_data, check_positive, check_program, chosen_cores, run_command,
 )
-from musclebench_experiment.muscle_scene import VERTICES
-from musclebench_experiment.out_folder import claimed
-from musclebench_experiment.pool import Limits, run_cases
-from musclebench_experiment.progress import duration
-from musclebench_experiment.study import RESULT_DIRS, AccuracyStudy
-from musclebench_experiment.study_cases import ReplayCase
-from musclebench_experiment.study_manifest import total_memory_bytes, write_manifest
-from musclebench_experiment.study_plan import StudyCase, Wishes, is_too_long, plan
-from musclebench_report import accuracy as report
-from musclebench_report.results import ResultProblem
+from musclebench.program.disk import free_bytes
+from musclebench.program.out_folder import claimed
+from musclebench.results.run_folder import ResultProblem
+from musclebench.study.study import RESULT_DIRS, AccuracyStudy
+from musclebench.study.study_cases import ReplayCase
+from musclebench.study.study_manifest import total_memory_bytes, write_manifest
+from musclebench.study.study_plan import StudyCase, Request, is_too_long, plan
 
 PROJECT = Path(__file__).resolve().parent.parent
 PROGRAM = PROJECT / "build" / "release" / "bench" / "musclebench"
@@ -90,10 +90,10 @@ def check_input(options) -> None:
         check_program(options.musclebench, "tools/accuracy")
 
 
-def wishes_of(options) -> Wishes:
+def request_of(options) -> Request:
     muscles = tuple(dict.fromkeys(options.muscle or (QUICK_MUSCLES if options.quick else sorted(VERTICES))))
     repetitions = options.repetitions or (1 if options.quick else REPETITIONS)
-    return Wishes("lhdl" if options.data else "synthetic", muscles, repetitions, options.quick, options.frames_limit,
+    return Request("lhdl" if options.data else "synthetic", muscles, repetitions, options.quick, options.frames_limit,
                   options.band_mm, options.shard)
 
 
@@ -138,7 +138,7 @@ def run_study(cases: list[StudyCase], study: AccuracyStudy, options) -> list[str
         print(f"{len(cases) - len(todo)} of {len(cases)} cases are complete already (--force runs them again)")
     check_space(todo, study)
     with claimed(study.places.out_dir, *RESULT_DIRS):
-        write_manifest(study.places.out_dir, wishes_of(options), planned_everywhere(options), command_line())
+        write_manifest(study.places.out_dir, request_of(options), planned_everywhere(options), command_line())
         statuses = run_cases(todo, study, limits_of(options))
         marked = study.mark_nondeterministic(cases)
         failed = [case for case in cases if not study.is_complete(case) and not is_too_long(case)]
@@ -150,7 +150,7 @@ def run_study(cases: list[StudyCase], study: AccuracyStudy, options) -> list[str
 
 def planned_everywhere(options) -> list[StudyCase]:
     options = argparse.Namespace(**{**vars(options), "shard": (1, 1)})
-    return plan(wishes_of(options))
+    return plan(request_of(options))
 
 
 def command_line() -> list[str]:
@@ -175,7 +175,7 @@ def measure_and_report(options) -> int:
             raise Problem(f"{out_dir}: holds no study; run one, or name its folder with --out")
         print_report(out_dir)
         return 0
-    cases = plan(wishes_of(options))
+    cases = plan(request_of(options))
     places = Places(out_dir, options.data and options.data.resolve())
     study = AccuracyStudy(options.musclebench, places, options.force)
     if options.dry_run:

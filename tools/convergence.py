@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from musclebench_report.ply import read_ply  # noqa: E402
+from musclebench.results.ply import read_ply  # noqa: E402
 
 FRAME_TIME_S = 0.02
 FRAMES = 90

@@ -4,18 +4,19 @@
 import sys
 from pathlib import Path
 
-from musclebench_report import results, surface_figures
+from musclebench.pictures import surface_figures
+from musclebench.results import run_folder
 
 
 def main(arguments: list[str]) -> int:
     """Arguments: the experiment's folder and the names of its runs. Prints `drawing WHAT` and `file PATH` lines."""
     out_dir, names = Path(arguments[0]), arguments[1:]
     try:
-        runs = [results.read_run(out_dir / "raw" / name) for name in names]
+        runs = [run_folder.read_run(out_dir / "raw" / name) for name in names]
         files = surface_figures.draw_surface_figures(
             runs, out_dir / "figures", lambda text: print(f"drawing {text}", flush=True)
         )
-    except (results.ResultProblem, OSError) as problem:
+    except (run_folder.ResultProblem, OSError) as problem:
         print(f"draw_surfaces: {problem}", file=sys.stderr)
         return 2
     for path in files:

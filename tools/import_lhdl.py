@@ -10,8 +10,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from lhdl_import import data_folder, upstream
-from lhdl_import.write_ply import COMMENTS, write_ply
+from musclebench.lhdl import data_folder, upstream
+from musclebench.lhdl.write_ply import COMMENTS, write_ply
 
 EPILOG = f"""UPSTREAM_DIR holds two checkouts:
   git clone {upstream.SOURCES[0]['repository']}  (commit {upstream.SOURCES[0]['commit'][:12]})

@@ -7,15 +7,18 @@ import subprocess
 import sys
 from pathlib import Path
 
-from musclebench_experiment import paper_cases
-from musclebench_experiment.case import Places
-from musclebench_experiment.experiment import Experiment
-from musclebench_experiment.front import (
+from musclebench.cases.case import Places
+from musclebench.cases.experiment import Experiment
+from musclebench.cases.pool import Limits, run_cases
+from musclebench.figures import paper_figures
+from musclebench.paper import paper_cases
+from musclebench.paper import published
+from musclebench.program.cli import (
     OneLineParser, Problem, check_data, check_positive, check_program, chosen_cores, run_command,
 )
-from musclebench_experiment.out_folder import claimed
-from musclebench_experiment.pool import Limits, run_cases
-from musclebench_report import figures, published, results, table_formats, tables
+from musclebench.program.out_folder import claimed
+from musclebench.results import run_folder
+from musclebench.tables import paper_tables, table_formats
 
 TOOLS = Path(__file__).resolve().parent
 PROJECT = TOOLS.parent
@@ -57,19 +60,19 @@ def run_experiment(options, out_dir: Path) -> list[str]:
     return [case.name for case in plan]
 
 
-def write_report(out_dir: Path, names: list[str]) -> tuple[list[results.Run], list[tables.Table], list[Path]]:
+def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run], list[paper_tables.Table], list[Path]]:
     """Tables and figures drawn from numbers."""
-    runs = [results.read_run(out_dir / "raw" / name) for name in names]
+    runs = [run_folder.read_run(out_dir / "raw" / name) for name in names]
     paper = published.read_published()
     for folder in ("tables", "figures"):
         (out_dir / folder).mkdir(exist_ok=True)
     runs_file = out_dir / "runs.csv"
-    results.runs_table(runs).to_csv(runs_file, index=False)
-    made = [tables.memory_table(runs, paper), tables.time_table(runs, paper)]
+    run_folder.runs_table(runs).to_csv(runs_file, index=False)
+    made = [paper_tables.memory_table(runs, paper), paper_tables.time_table(runs, paper)]
     files = [runs_file]
     for table in made:
         files += table_formats.write_table(table, out_dir / "tables")
-    return runs, made, files + figures.draw_figures(runs, paper, out_dir / "figures")
+    return runs, made, files + paper_figures.draw_figures(runs, paper, out_dir / "figures")
 
 
 def draw_surfaces(out_dir: Path, names: list[str]) -> list[Path]:
@@ -96,10 +99,10 @@ def draw_surfaces(out_dir: Path, names: list[str]) -> list[Path]:
     return files
 
 
-def print_report(runs: list[results.Run], made: list[tables.Table], files: list[Path]) -> None:
+def print_report(runs: list[run_folder.Run], made: list[paper_tables.Table], files: list[Path]) -> None:
     for table in made:
         print(f"\n{table.caption}\n\n{table_formats.as_text(table)}")
-    print(f"\n{figures.caption(runs)}\n\nWritten:")
+    print(f"\n{paper_figures.caption(runs)}\n\nWritten:")
     for path in files:
         print(f"  {path}")
 
@@ -124,7 +127,7 @@ def run_and_report(options) -> int:
 
 def main(arguments=None) -> int:
     return run_command("paper", lambda: run_and_report(parse_arguments(arguments)),
-                       "complete runs are kept, unfinished ones removed", results.ResultProblem)
+                       "complete runs are kept, unfinished ones removed", run_folder.ResultProblem)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Measures how fast the distance field and the exact tree are, against voxels and against the bars that the project has
-set: coupled runs of four muscles and Google Benchmark kernels, one after the other on a quiet machine. Prints a table
-of what was to be reached, what was measured, how well that is known, and whether the bar is held.
+"""Measures how fast the distance field and the exact tree are, against voxels and against the targets that the project
+has set: coupled runs of four muscles and Google Benchmark kernels, one after the other on a quiet machine. Prints a
+table of what was to be reached, what was measured, how well that is known, and whether the target is held.
 
 A measurement goes on where it was stopped: complete cases are skipped until their arguments, a program or the data
 change.
@@ -13,19 +13,17 @@ import shutil
 import sys
 from pathlib import Path
 
-from musclebench_experiment.case import Case, Places
-from musclebench_experiment.front import (
-    OneLineParser, Problem, check_data, check_positive, check_program, run_command,
-)
-from musclebench_experiment.muscle_scene import VERTICES
-from musclebench_experiment.out_folder import claimed
-from musclebench_experiment.pool import Limits, run_cases
-from musclebench_experiment.progress import duration
-from musclebench_report.results import ResultProblem
-from musclebench_speed import speed_report
-from musclebench_speed.speed_cases import MICRO_PROGRAM, STRUCTURES_DIR
-from musclebench_speed.speed_experiment import SpeedExperiment
-from musclebench_speed.speed_plan import Wishes, plan
+from musclebench.cases.case import Case, Places
+from musclebench.cases.muscle_scene import VERTICES
+from musclebench.cases.pool import Limits, run_cases
+from musclebench.cases.progress import duration
+from musclebench.program.cli import OneLineParser, Problem, check_data, check_positive, check_program, run_command
+from musclebench.program.out_folder import claimed
+from musclebench.results.run_folder import ResultProblem
+from musclebench.speed import speed_report
+from musclebench.speed.speed_cases import MICRO_PROGRAM, STRUCTURES_DIR
+from musclebench.speed.speed_experiment import SpeedExperiment
+from musclebench.speed.speed_plan import Request, plan
 
 PROJECT = Path(__file__).resolve().parent.parent
 PROGRAM = PROJECT / "build" / "bench" / "bench" / "musclebench"
@@ -73,10 +71,10 @@ def micro_of(options) -> Path:
     return options.micro or options.musclebench.resolve().parent / "micro" / MICRO_PROGRAM
 
 
-def wishes_of(options) -> Wishes:
+def request_of(options) -> Request:
     muscles = tuple(dict.fromkeys(options.muscle or (QUICK_MUSCLES if options.quick else sorted(VERTICES))))
     repetitions = options.repetitions or (QUICK_REPETITIONS if options.quick else REPETITIONS)
-    return Wishes("lhdl" if options.data else "synthetic", muscles, repetitions, options.quick)
+    return Request("lhdl" if options.data else "synthetic", muscles, repetitions, options.quick)
 
 
 def out_dir_of(options) -> Path:
@@ -116,7 +114,7 @@ def measure_and_report(options) -> int:
         if not (out_dir / "raw").is_dir():
             raise Problem(f"{out_dir}: holds no measurement; run one, or name its folder with --out")
     else:
-        cases = plan(wishes_of(options))
+        cases = plan(request_of(options))
         places = Places(out_dir, options.data and options.data.resolve())
         experiment = SpeedExperiment(options.musclebench, micro_of(options), places, options.force)
         if options.dry_run:

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/bvh/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
 #include "core/distance/closest_on_triangles.hpp"
 
 namespace musclebench {

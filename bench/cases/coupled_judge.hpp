@@ -6,9 +6,9 @@
 
 #include "core/effects/effect_registry.hpp"
 #include "core/measure/bone_vertex_depth.hpp"
-#include "core/measure/passage.hpp"
 #include "core/measure/step_record.hpp"
 #include "core/measure/surface_depth.hpp"
+#include "core/measure/tunnelling_tracker.hpp"
 #include "core/referee/referee.hpp"
 #include "core/scene/scene.hpp"
 
@@ -31,7 +31,7 @@ class CoupledJudge {
   Referee m_referee;
   SurfaceDepthMeter m_surface;
   BoneVertexDepthMeter m_bone_vertices;
-  PassageTracker m_passages;
+  TunnellingTracker m_passages;
   double m_floor_m;  // of a movement that counts, for stuck nodes
   std::vector<Contact> m_truth;
 };

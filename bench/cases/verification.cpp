@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "backends/brute_force/brute_force_surface.hpp"
-#include "backends/bvh/centred_surface.hpp"
+#include "backends/bvh/exact_surface.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/mesh/surface_sampler.hpp"
 #include "core/referee/referee.hpp"
@@ -109,7 +109,7 @@ Agreement compare(std::span<const Vec3> points, std::span<const double> one, std
   return result;
 }
 
-std::int64_t points_for(const CentredSurface& surface, const VerificationSettings& settings) {
+std::int64_t points_for(const ExactSurface& surface, const VerificationSettings& settings) {
   constexpr std::int64_t share_if_open = 50;
   const std::int64_t fewer = std::max(settings.points / share_if_open, settings.brute_force_points);
   return surface.closed() ? settings.points : std::min(settings.points, fewer);
@@ -162,7 +162,7 @@ SurfaceVerification verify_surface(const Bone& bone, const VerificationSettings&
   const auto start = std::chrono::steady_clock::now();
   const TriangleMesh& mesh = bone.surface.mesh;
   const Referee referee(std::span(&bone, 1), 0);
-  const CentredSurface bvh(bone.surface, settings.threads);
+  const ExactSurface bvh(bone.surface, settings.threads);
   const std::vector<Vec3> points = points_about(mesh, points_for(bvh, settings), settings.seed);
   const std::size_t few = static_cast<std::size_t>(std::min(std::ssize(points), settings.brute_force_points));
 

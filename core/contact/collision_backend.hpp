@@ -15,7 +15,7 @@
 namespace musclebench {
 
 /// A rigid bone as a backend gets it: its repaired surface in rest pose. In a scene it is numbered coherently
-/// (`order_coherently`): what lies close together does so in memory, too.
+/// (`sort_in_morton_order`): what lies close together does so in memory, too.
 struct Bone {
   std::string name;
   RepairedMesh surface;

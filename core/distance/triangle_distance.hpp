@@ -47,7 +47,7 @@ inline ClosestOnTriangle closest_on_triangle(const Vec3& point, const Vec3& a, c
   const double squared_normal = normal.squaredNorm();
   ClosestOnTriangle best;
   if (has_area(squared_normal, ab, ac)) {
-    // The foot is built from the corners rather than along the normal, so that it stays in the plane of a needle, too.
+    // The foot is built from the corners rather than along the normal, so that it stays in the plane of a sliver, too.
     const double v = normal.dot(ap.cross(ac)) / squared_normal;
     const double w = normal.dot(ab.cross(ap)) / squared_normal;
     if (v >= 0 && w >= 0 && v + w <= 1) {

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "core/bvh/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
 
 namespace musclebench {
 
@@ -121,7 +121,7 @@ class NestingTest {
   }
 
  private:
-  [[nodiscard]] const TriangleTree& tree() {
+  [[nodiscard]] const TriangleBvh& tree() {
     if (!m_tree) {
       TriangleMesh outward;
       outward.vertices = m_mesh.vertices;
@@ -138,7 +138,7 @@ class NestingTest {
 
   const TriangleMesh& m_mesh;
   const Surface& m_outer;
-  std::optional<TriangleTree> m_tree;
+  std::optional<TriangleBvh> m_tree;
 };
 
 /// Larger surfaces first, so that the first one found around a surface is the outermost.

@@ -3,7 +3,7 @@
 #include <numbers>
 #include <optional>
 
-#include "core/bvh/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
 
 namespace musclebench {
 
@@ -32,7 +32,7 @@ class SharpFeatures {
   [[nodiscard]] int vertices() const { return m_vertices; }
 
  private:
-  std::optional<TriangleTree> m_features;  ///< edges and vertices as triangles without area; none: nothing is sharp
+  std::optional<TriangleBvh> m_features;  ///< edges and vertices as triangles without area; none: nothing is sharp
   double m_radius_m = 0;
   int m_edges = 0;
   int m_vertices = 0;

@@ -33,8 +33,8 @@ bool is_inside(const RefereeTree& tree, const Vec3& point, const ClosestSurfaceP
 
 }  // namespace
 
-Referee::Referee(std::span<const Bone> bones, int nodes, int threads, MotionBudgets budgets)
-    : m_memories(bones.size()), m_threads(threads), m_budgets(budgets == MotionBudgets::on) {
+Referee::Referee(std::span<const Bone> bones, int nodes, int threads, DistanceReuse reuse)
+    : m_memories(bones.size()), m_threads(threads), m_reuses_distances(reuse == DistanceReuse::on) {
   assert(nodes >= 0 && threads >= 1);
   m_trees.reserve(bones.size());
   for (const Bone& bone : bones) {
@@ -70,7 +70,7 @@ double Referee::least_distance(int bone, int node, const Vec3& rest_point) const
 bool Referee::examine(int bone, const Vec3& point, Memory& memory, SurfaceDistance& found,
                       RefereeEffort& effort) const {
   const RefereeTree& tree = m_trees[static_cast<std::size_t>(bone)];
-  const bool may_remember = m_budgets && tree.closed();
+  const bool may_remember = m_reuses_distances && tree.closed();
   // Within its clearance of a point the winding number is constant.
   const double moved = (point - memory.point_m).norm();
   bool side_known = may_remember && stays_within(moved, memory.clearance_m, tree.diagonal_m());
@@ -83,7 +83,7 @@ bool Referee::examine(int bone, const Vec3& point, Memory& memory, SurfaceDistan
     return false;
   }
   ++effort.distance_queries;
-  const ClosestSurfacePoint nearest = tree.closest(point, m_budgets ? memory.triangle : -1);
+  const ClosestSurfacePoint nearest = tree.closest(point, m_reuses_distances ? memory.triangle : -1);
   const double distance = std::sqrt(nearest.squared_distance_m2);
   side_known =
       side_known || (may_remember && memory.clearance_m >= 0 && stays_within(moved, distance, tree.diagonal_m()));

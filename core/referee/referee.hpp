@@ -37,13 +37,13 @@ struct RefereeEffort {
 /// rightly, but without any short cut and at a cost proportional to its triangles.
 class Referee {
  public:
-  /// Motion budgets: `judge` remembers each node's distance to each bone, and asks again only when the node has moved,
+  /// Distance reuse: `judge` remembers each node's distance to each bone, and asks again only when the node has moved,
   /// in the bone's frame, so far that its sign may have changed. They change no bit of the answer.
-  enum class MotionBudgets { on, off };
+  enum class DistanceReuse { on, off };
 
   /// `nodes`: one more than the largest node index to be judged. `bones` need not outlive the referee. `threads` >= 1;
   /// the answer does not depend on it. Throws InputError that names the bone when its surface has no triangles.
-  Referee(std::span<const Bone> bones, int nodes, int threads = 1, MotionBudgets budgets = MotionBudgets::on);
+  Referee(std::span<const Bone> bones, int nodes, int threads = 1, DistanceReuse reuse = DistanceReuse::on);
 
   /// Signed distance of `rest_point`, a finite point in the rest frame of bone number `bone`, in metres. Its sign is
   /// told however close the surface is: what `judge` counts as touching may be negative.
@@ -91,7 +91,7 @@ class Referee {
   std::vector<unsigned char> m_inside;
   RefereeEffort m_effort;
   [[maybe_unused]] int m_threads;  // unused where the compiler has no OpenMP
-  bool m_budgets;
+  bool m_reuses_distances;
 };
 
 }  // namespace musclebench

@@ -36,7 +36,7 @@ bool is_closed(TriangleMesh mesh) {
 
 SignedSurface::SignedSurface(const RepairedMesh& surface) : m_tree(surface.mesh), m_closed(is_closed(surface.mesh)) {
   if (m_closed) {
-    m_signs.emplace(Signs{CleanFeatures(surface.mesh, m_tree), PseudoNormals(surface.mesh)});
+    m_signs.emplace(Signs{ManifoldFeatures(surface.mesh, m_tree), PseudoNormals(surface.mesh)});
   }
   for (const Vec3& vertex : surface.mesh.vertices) {
     m_reach_m = std::max(m_reach_m, vertex.cwiseAbs().maxCoeff());

@@ -4,10 +4,10 @@
 #include <limits>
 #include <optional>
 
-#include "core/bvh/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
 #include "core/distance/pseudo_normals.hpp"
 #include "core/mesh_repair/repair_mesh.hpp"
-#include "core/signed_distance/clean_features.hpp"
+#include "core/signed_distance/manifold_features.hpp"
 
 namespace musclebench {
 
@@ -24,14 +24,14 @@ struct SignedPoint {
 bool is_closed(TriangleMesh mesh);
 
 /// Exact signed distance to a surface: closest triangle by a tree; inside is where the winding number exceeds 0.5. Next
-/// to the features of the surface that are clean (`CleanFeatures`), nearly all of them, the pseudo-normal tells as much
-/// at no cost; elsewhere (a doubled sheet has no pseudo-normal) and on a surface that is not closed the winding number
-/// itself is asked. A point of the surface is outside. Queries are const and safe from several threads.
+/// to the features of the surface that are clean (`ManifoldFeatures`), nearly all of them, the pseudo-normal tells as
+/// much at no cost; elsewhere (a doubled sheet has no pseudo-normal) and on a surface that is not closed the winding
+/// number itself is asked. A point of the surface is outside. Queries are const and safe from several threads.
 class SignedSurface {
  public:
   explicit SignedSurface(const RepairedMesh& surface);
 
-  [[nodiscard]] const TriangleTree& tree() const { return m_tree; }
+  [[nodiscard]] const TriangleBvh& tree() const { return m_tree; }
 
   /// `is_closed`: then nothing outside the surface's box is inside, and the side changes at the surface only (across a
   /// hole it changes in empty space).
@@ -43,7 +43,7 @@ class SignedSurface {
       const Vec3 way = point - closest.point;
       const Vec3 normal = normal_at(closest);
       const double along = way.dot(normal);
-      // Where the normal is nearly across the way, as at a tip like a needle's, rounding might decide.
+      // Where the normal is nearly across the way, as at a tip like a sliver's, rounding might decide.
       if (closest.feature == Feature::face || along * along > least_share * way.squaredNorm() * normal.squaredNorm()) {
         return along < 0;
       }
@@ -79,7 +79,7 @@ class SignedSurface {
  private:
   /// What gives the sign of a closed surface without a winding number.
   struct Signs {
-    CleanFeatures clean;
+    ManifoldFeatures clean;
     PseudoNormals normals;
     [[nodiscard]] std::size_t bytes() const { return clean.bytes() + normals.bytes(); }
   };
@@ -92,7 +92,7 @@ class SignedSurface {
                                             : m_signs->normals.at(closest.triangle, closest.feature);
   }
 
-  TriangleTree m_tree;
+  TriangleBvh m_tree;
   std::optional<Signs> m_signs;  ///< of a closed surface
   double m_reach_m = 0;          ///< largest coordinate: what positions are rounded by
   bool m_closed = false;

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 import fake_runs
-from musclebench_report.accuracy import cases
-from musclebench_report.accuracy.entries import Entry, entries_of, of_mode
+from musclebench.accuracy import cases
+from musclebench.accuracy.aggregates import Aggregate, aggregates_of, of_mode
 
 FRAMES = 40
 BAND_M = 0.01
@@ -203,8 +203,8 @@ def write_two_muscles(out_dir: Path) -> None:
                 write_replay(folder, scene, name.split()[0], scaled, repetition)
 
 
-def replays_of(out_dir: Path) -> list[Entry]:
-    return of_mode(entries_of(cases.read_cases(out_dir)), "replay")
+def replays_of(out_dir: Path) -> list[Aggregate]:
+    return of_mode(aggregates_of(cases.read_cases(out_dir)), "replay")
 
 
 def realistic_truths() -> list[tuple[str, Truth]]:
@@ -237,7 +237,7 @@ def realistic_truths() -> list[tuple[str, Truth]]:
                                   remaining_mm=wanted, shift_mm=wanted, parameters={
                                       "cells": 64, "max_error_mm": wanted, "precision": "float"})))
     made.append(("sdf", Truth(0.3, 0.3, structure_bytes=15_000_000, remaining_mm=0.1, shift_mm=0.2, parameters={
-        "cells": 64, "cell_size_m": 0.0, "precision": "float", "motion_budgets": "off"})))
+        "cells": 64, "cell_size_m": 0.0, "precision": "float", "clearance_cache": "off"})))
     for ms, mm, missed, threads, choices in (
         (72, 0.02, 150, 1, {}), (40, 0.02, 150, 1, {"bounding_volume": "OBB"}),
         (60, 4.0, 9990, 1, {"bounding_volume": "RSS"}), (110, 0.02, 150, 1, {"bounding_volume": "kIOS"}),
@@ -247,14 +247,14 @@ def realistic_truths() -> list[tuple[str, Truth]]:
         (72, 0.02, 150, 1, {"manager": "none"}), (73, 0.02, 150, 1, {"solver": "indep"}),
         (55, 0.02, 150, 1, {"bounding_volume": "OBB", "update": "rebuild"}),
         (800, 1e-14, 0, 1, {"query": "node_distance"}),
-        (2, 1e-14, 0, 1, {"query": "node_distance", "motion_budgets": "on"}),
+        (2, 1e-14, 0, 1, {"query": "node_distance", "clearance_cache": "on"}),
         (620, 1e-14, 0, 1, {"query": "node_distance", "manager": "none"}),
         (700, 1e-14, 0, 1, {"query": "node_distance", "bounding_volume": "RSS"}),
         (60, 1.9, 8100, 1, {"query": "node_collide"}), (38, 0.02, 150, 2, {}),
     ):
         made.append(("fcl", Truth(ms, mm, missed, structure_bytes=200_000_000, build_s=2.0, remaining_mm=max(mm, 0.05),
                                   shift_mm=mm, parameters=SURFACES | choices, threads=threads)))
-    for ms, choices in ((0.3, {}), (15, {"motion_budgets": "off"})):
+    for ms, choices in ((0.3, {}), (15, {"clearance_cache": "off"})):
         made.append(("bvh", Truth(ms, 1e-14, structure_bytes=23_000_000, build_s=0.4, remaining_mm=0.02,
                                   parameters=choices)))
     made.append(("brute_force", Truth(75_000, 1e-14, structure_bytes=11_000_000, build_s=0.05, remaining_mm=0.02)))
@@ -278,7 +278,7 @@ def write_realistic_study(out_dir: Path, scenes: dict[str, float], repetitions: 
                     write_coupled(raw / (name.format("coupled") + end), scene, backend, truth, repetition)
             if backend in ("voxel", "sdf") and not math.prod(
                     truth.parameters.get(key, 0) for key in ("voxel_size_m", "cell_size_m")) and not any(
-                    truth.parameters.get(key) for key in ("voxel_size_m", "cell_size_m", "motion_budgets")):
+                    truth.parameters.get(key) for key in ("voxel_size_m", "cell_size_m", "clearance_cache")):
                 write_probe(raw / name.format("probe"), scene, backend, truth)
         refused = Truth(parameters=SURFACES | {"bounding_volume": "RSS", "update": "refit_top_down"})
         write_failure(raw / f"{muscle}-refused", "replay", scene, "fcl", "unsupported", refused)

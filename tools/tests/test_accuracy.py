@@ -13,8 +13,9 @@ from pathlib import Path
 import pytest
 
 import accuracy
-from musclebench_experiment import fingerprint, study_plan
-from musclebench_experiment.configurations import Configuration
+from musclebench.program import fingerprint
+from musclebench.study import study_plan
+from musclebench.study.sweeps import Configuration
 
 PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
 FEW = [
@@ -85,7 +86,7 @@ class Sweep:
 def sweep(tmp_path, monkeypatch, capfd):
     monkeypatch.setattr(study_plan, "configurations", lambda: FEW)
     monkeypatch.setattr(accuracy.report, "write_report", lambda out_dir: [], raising=False)
-    monkeypatch.setattr("musclebench_experiment.pool.POLL_SECONDS", 0.01)
+    monkeypatch.setattr("musclebench.cases.pool.POLL_SECONDS", 0.01)
     return Sweep(tmp_path, monkeypatch, capfd)
 
 

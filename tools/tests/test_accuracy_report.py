@@ -10,11 +10,12 @@ import fake_study
 from fake_study import (
     REPLAYED, SCENES, Truth, replays_of, write_coupled, write_failure, write_plan, write_probe, write_replay,
 )
-from musclebench_report import results, table_formats
-from musclebench_report.accuracy import cases, report
-from musclebench_report.accuracy.entries import entries_of, of_mode
-from musclebench_report.accuracy.rows import accuracy_rows, build_seconds_of, study_rows
-from musclebench_report.accuracy.stages import chosen_entries, stage_rows
+from musclebench.accuracy import cases, report
+from musclebench.accuracy.aggregates import aggregates_of, of_mode
+from musclebench.accuracy.rows import accuracy_rows, build_seconds_of, study_rows
+from musclebench.figures.stages import chosen_aggregates, stage_rows
+from musclebench.results import run_folder
+from musclebench.tables import table_formats
 
 
 def test_what_failed_or_is_missing_is_a_row_and_not_in_a_figure(study):
@@ -49,13 +50,13 @@ def test_an_empty_study_gives_empty_tables_and_no_figure(tmp_path, folders):
 def test_a_broken_folder_that_no_plan_names_stops_with_its_place(tmp_path):
     (tmp_path / "raw" / "x").mkdir(parents=True)
     (tmp_path / "raw" / "x" / "run.json").write_text("{")
-    with pytest.raises(results.ResultProblem, match="x/run.json"):
+    with pytest.raises(run_folder.ResultProblem, match="x/run.json"):
         report.write_report(tmp_path)
 
 
 def test_a_broken_plan_is_named(tmp_path):
     (tmp_path / "study.json").write_text("[]")
-    with pytest.raises(results.ResultProblem, match="study.json"):
+    with pytest.raises(run_folder.ResultProblem, match="study.json"):
         cases.read_cases(tmp_path)
 
 
@@ -63,16 +64,16 @@ def test_repetitions_with_different_answers_are_shown_as_such(study):
     path = study / "raw" / "iliacus-bvh-r1" / "run.json"
     record = json.loads(path.read_text())
     path.write_text(json.dumps(record | {"contact_hash": "another"}))
-    entry = next(e for e in replays_of(study) if e.backend == "bvh" and e.scene == SCENES[0])
-    assert entry.status == "nondeterministic" and not entry.is_shown
+    aggregate = next(e for e in replays_of(study) if e.backend == "bvh" and e.scene == SCENES[0])
+    assert aggregate.status == "nondeterministic" and not aggregate.is_shown
 
 
 def test_rows_have_medians_and_the_judged_repetitions_errors(study):
     found = cases.read_cases(study)
     table = accuracy_rows(found)
     assert len(table) == 2 * len(SCENES) * len(REPLAYED)
-    entries = entries_of(found)
-    row = study_rows(entries, build_seconds_of(entries)).set_index(["scene", "configuration"]).loc[
+    aggregates = aggregates_of(found)
+    row = study_rows(aggregates, build_seconds_of(aggregates)).set_index(["scene", "configuration"]).loc[
         (SCENES[0], "sdf 64")]
     assert row["collision_ms"] == pytest.approx(0.3) and row["times_voxel_64"] == pytest.approx(1.5)
     assert row["p99_depth_error_m"] == pytest.approx(0.25e-3) and row["ok_repetitions"] == 2
@@ -88,17 +89,17 @@ def test_a_field_that_was_loaded_has_the_build_time_of_the_case_that_built_it(tm
         path = tmp_path / "raw" / name / "run.json"
         record = json.loads(path.read_text())
         path.write_text(json.dumps(record | {"bones": [{"name": "femur", "mesh_sha256": "same"}]}))
-    entries = entries_of(cases.read_cases(tmp_path))
-    rows = study_rows(entries, build_seconds_of(entries))
+    aggregates = aggregates_of(cases.read_cases(tmp_path))
+    rows = study_rows(aggregates, build_seconds_of(aggregates))
     assert rows.set_index("mode").loc["replay", "build_s"] == 12
 
 
 def test_shares_of_a_frame_add_up_and_the_best_fcl_is_chosen(study):
     for place, name in enumerate(("voxel", "fcl", "fcl OBB", "fcl RSS")):
         write_coupled(study / "raw" / f"c{place}", SCENES[0], name.split()[0], REPLAYED[name])
-    entries = entries_of(cases.read_cases(study))
-    replays, coupled = of_mode(entries, "replay"), of_mode(entries, "coupled")
-    names = [entry.configuration.name for entry in chosen_entries(coupled, replays, SCENES[0])]
+    aggregates = aggregates_of(cases.read_cases(study))
+    replays, coupled = of_mode(aggregates, "replay"), of_mode(aggregates, "coupled")
+    names = [aggregate.configuration.name for aggregate in chosen_aggregates(coupled, replays, SCENES[0])]
     assert names == ["voxel 64", "fcl default", "fcl OBB"]
     rows = stage_rows(coupled, replays).set_index(["configuration", "stage"])
     assert rows.loc[("fcl OBB", "detect_ns"), "ms"] == pytest.approx(0.8 * 36)

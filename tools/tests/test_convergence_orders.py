@@ -7,16 +7,16 @@ import pytest
 
 import fake_study
 from fake_study import SCENES, Truth, write_probe
-from musclebench_report.accuracy import cases, orders
-from musclebench_report.accuracy.entries import entries_of
-from musclebench_report.accuracy.rows import build_seconds_of
+from musclebench.accuracy import cases, orders
+from musclebench.accuracy.aggregates import aggregates_of
+from musclebench.accuracy.rows import build_seconds_of
 
 
 def test_observed_orders_are_those_of_the_errors(tmp_path):
     for cells in (8, 16, 32, 64):
         write_probe(tmp_path / "raw" / f"s{cells}", SCENES[0], "sdf", Truth(
             structure_bytes=60 * cells**3, build_s=1e-5 * cells**3, parameters={"cells": cells}))
-    probes = entries_of(cases.read_cases(tmp_path))
+    probes = aggregates_of(cases.read_cases(tmp_path))
     rows = orders.probe_rows(probes)
     for place, order in (("smooth", fake_study.SMOOTH_ORDER), ("sharp", fake_study.SHARP_ORDER)):
         mine = rows[(rows["bone"] == "pelvis") & (rows["place"] == place)]
@@ -30,13 +30,13 @@ def test_observed_orders_are_those_of_the_errors(tmp_path):
 
 def test_adaptive_cells_have_no_order(tmp_path):
     write_probe(tmp_path / "raw" / "a", SCENES[0], "sdf", Truth(parameters={"cells": 64, "max_error_mm": 0.1}))
-    assert orders.probe_rows(entries_of(cases.read_cases(tmp_path))).empty
+    assert orders.probe_rows(aggregates_of(cases.read_cases(tmp_path))).empty
 
 
 def test_bones_that_muscles_share_count_once(tmp_path):
     for scene in SCENES:
         write_probe(tmp_path / "raw" / scene.replace("/", "-"), scene, "sdf", Truth(parameters={"cells": 8}))
-    rows = orders.probe_rows(entries_of(cases.read_cases(tmp_path)))
+    rows = orders.probe_rows(aggregates_of(cases.read_cases(tmp_path)))
     assert len(rows) == 2 * 2  # bones, places
 
 

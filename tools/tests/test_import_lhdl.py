@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import import_lhdl
-from lhdl_import import legacy_vtk, upstream
-from lhdl_import.closest_point import closest_on_mesh, closest_on_triangles
-from lhdl_import.hip_joint import axes_from_body_fixed_xyz
-from lhdl_import.mesh_quality import mesh_quality
-from lhdl_import.motions import read_motion
+from musclebench.lhdl import legacy_vtk, upstream
+from musclebench.lhdl.closest_point import closest_on_mesh, closest_on_triangles
+from musclebench.lhdl.hip_joint import axes_from_body_fixed_xyz
+from musclebench.lhdl.mesh_quality import mesh_quality
+from musclebench.lhdl.motions import read_motion
 
 PUBLISHED = ["pelvis", "femur_r", "adductor_brevis_r", "gluteus_maximus_r", "gluteus_medius_r", "iliacus_r", "psoas_r"]
 

@@ -15,12 +15,13 @@ import pandas as pd
 import pytest
 
 import paper
-from musclebench_experiment.case import Places
-from musclebench_experiment.experiment import Experiment
-from musclebench_experiment.muscle_scene import MuscleScene
-from musclebench_experiment.paper_cases import PaperCase, plan
-from musclebench_experiment.pool import Limits, run_cases
-from musclebench_report import results, surface_figures, surface_pictures
+from musclebench.cases.case import Places
+from musclebench.cases.experiment import Experiment
+from musclebench.cases.muscle_scene import MuscleScene
+from musclebench.cases.pool import Limits, run_cases
+from musclebench.paper.paper_cases import PaperCase, plan
+from musclebench.pictures import surface_figures, surface_pictures
+from musclebench.results import run_folder
 
 PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
 BY_NUMBERS = ["fig_7_collision_time", "fig_8_memory", "depth_by_frame"]
@@ -47,7 +48,7 @@ def in_process(tmp_path, monkeypatch, capfd):
     error, cases that were run)."""
     log = tmp_path / "log"
     monkeypatch.setattr(paper, "draw_surfaces", lambda out_dir, names: [])
-    monkeypatch.setattr(paper.figures, "draw_figures", lambda runs, paper, folder: [])
+    monkeypatch.setattr(paper.paper_figures, "draw_figures", lambda runs, paper, folder: [])
     monkeypatch.setattr(paper.paper_cases, "VERTICES", {"iliacus": 6931, "gluteus_medius": 5313})
 
     def run(*more, behaviour=""):
@@ -132,7 +133,7 @@ def test_a_case_that_hangs_is_stopped_and_said_so(tmp_path, monkeypatch):
     monkeypatch.setenv("FAKE_BEHAVIOUR", "iliacus-sdf=hang")
     case = PaperCase(MuscleScene("synthetic", "iliacus", 12), "sdf")
     assert run_cases([case], Experiment(PROGRAM, Places(tmp_path)), Limits([0], 1.0)) == {case: "timeout"}
-    assert results.read_run(tmp_path / "raw" / case.name).record["status_detail"].startswith("stopped after")
+    assert run_folder.read_run(tmp_path / "raw" / case.name).record["status_detail"].startswith("stopped after")
 
 
 def test_an_interrupt_ends_the_children_and_leaves_no_half_folder(tmp_path):

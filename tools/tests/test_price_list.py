@@ -6,21 +6,22 @@ import math
 import pytest
 
 from fake_study import REPLAYED, SCENES, Truth, replays_of, write_failure, write_replay
-from musclebench_report.accuracy import front, prices, report
-from musclebench_report.accuracy.fcl_table import best_right, fcl_table
-from musclebench_report.accuracy.rows import build_seconds_of
+from musclebench.accuracy import front, report
+from musclebench.accuracy.rows import build_seconds_of
+from musclebench.tables import prices
+from musclebench.tables.fcl_table import best_right, fcl_table
 
 
-def price(replays, muscle, bar):
+def price(replays, muscle, target):
     rows = prices.price_list(replays, build_seconds_of(replays)).rows
-    return rows[(rows["muscle"] == muscle) & (rows["bar_mm"] == bar)].iloc[0]
+    return rows[(rows["muscle"] == muscle) & (rows["target_mm"] == target)].iloc[0]
 
 
 def test_the_price_list_names_the_cheapest_that_holds(study):
     replays = replays_of(study)
     expected = {"1": "sdf 64", "0.3": "sdf 64", "0.1": "sdf 128", "0.03": "bvh", "0.01": "bvh"}
     for muscle in ("iliacus", "gluteus_medius", front.ALL_MUSCLES):
-        assert {bar: price(replays, muscle, bar)["configuration"] for bar in expected} == expected
+        assert {target: price(replays, muscle, target)["configuration"] for target in expected} == expected
     row = price(replays, "iliacus", "0.1")
     assert row["ratio"] == pytest.approx(2.0) and row["build_s"] == 90 and row["p99_error_mm"] == pytest.approx(0.08)
     assert price(replays, front.ALL_MUSCLES, "0.01")["ratio"] == pytest.approx(75)

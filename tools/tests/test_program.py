@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from ball_on_box import SCENE, ball, off
-from musclebench_report.ply import read_ply
+from musclebench.results.ply import read_ply
 from program import PROGRAM, call, needs_program
 
 pytestmark = needs_program

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from musclebench_experiment.case import Places
-from musclebench_experiment.muscle_scene import MuscleScene
-from musclebench_experiment.paper_cases import PaperCase, plan
-from musclebench_experiment.progress import Estimate, ProgressBar, duration
+from musclebench.cases.case import Places
+from musclebench.cases.muscle_scene import MuscleScene
+from musclebench.cases.progress import Estimate, ProgressBar, duration
+from musclebench.paper.paper_cases import PaperCase, plan
 
 ILIACUS = MuscleScene("lhdl", "iliacus")
 VOXEL, FCL = PaperCase(ILIACUS, "voxel"), PaperCase(ILIACUS, "fcl")

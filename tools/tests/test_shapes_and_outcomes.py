@@ -9,10 +9,11 @@ import pytest
 import fake_runs
 import fake_study
 from fake_study import SCENES, Truth, write_coupled
-from musclebench_report import ply
-from musclebench_report.accuracy import cases, outcomes, shapes
-from musclebench_report.accuracy.configurations import configuration
-from musclebench_report.accuracy.entries import entries_of, find
+from musclebench.accuracy import cases, shapes
+from musclebench.accuracy.aggregates import aggregates_of, find
+from musclebench.accuracy.configurations import configuration
+from musclebench.results import ply
+from musclebench.tables import outcomes
 
 
 def mesh_of(body):
@@ -62,8 +63,8 @@ def coupled(tmp_path):
 
 
 def test_outcomes_are_compared_with_the_exact_runs_shape(coupled):
-    entries = entries_of(cases.read_cases(coupled))
-    rows = outcomes.outcomes_table(entries, outcomes.shape_distances(entries)).rows.set_index("configuration")
+    aggregates = aggregates_of(cases.read_cases(coupled))
+    rows = outcomes.outcomes_table(aggregates, outcomes.shape_distances(aggregates)).rows.set_index("configuration")
     assert rows.loc["sdf 64", "full_rms_mm"] == pytest.approx(0.7) and rows.loc["bvh", "full_rms_mm"] == 0
     assert 0.55 < rows.loc["sdf 64", "final_hausdorff_mm"] <= 0.7 + 1e-9
     assert rows.loc["sdf 64", "node_depth_mm"] == pytest.approx(0.12)
@@ -74,22 +75,22 @@ def test_outcomes_are_compared_with_the_exact_runs_shape(coupled):
 def test_without_an_exact_run_shapes_stay_unknown(coupled):
     path = coupled / "raw" / "e" / "run.json"
     path.write_text(json.dumps(json.loads(path.read_text()) | {"status": "diverged"}))
-    entries = entries_of(cases.read_cases(coupled))
-    rows = outcomes.outcomes_table(entries, outcomes.shape_distances(entries)).rows.set_index("configuration")
+    aggregates = aggregates_of(cases.read_cases(coupled))
+    rows = outcomes.outcomes_table(aggregates, outcomes.shape_distances(aggregates)).rows.set_index("configuration")
     assert math.isnan(rows.loc["sdf 64", "full_rms_mm"]) and rows.loc["bvh", "status"] == "diverged"
 
 
 def test_a_snapshot_that_is_gone_costs_only_its_own_cells(coupled):
     for path in (coupled / "raw" / "s0" / "snapshots").iterdir():
         path.unlink()
-    entries = entries_of(cases.read_cases(coupled))
-    rows = outcomes.outcomes_table(entries, outcomes.shape_distances(entries)).rows.set_index("configuration")
+    aggregates = aggregates_of(cases.read_cases(coupled))
+    rows = outcomes.outcomes_table(aggregates, outcomes.shape_distances(aggregates)).rows.set_index("configuration")
     assert math.isnan(rows.loc["sdf 64", "full_rms_mm"]) and rows.loc["sdf 64", "node_depth_mm"] > 0
 
 
 def test_remaining_depth_is_the_surfaces_else_the_nodes(coupled):
-    entry = find(entries_of(cases.read_cases(coupled)), SCENES[0], configuration("sdf", {}))
-    assert entry.remaining_depth_mm == pytest.approx(0.2)
-    for case in entry.ok:
+    aggregate = find(aggregates_of(cases.read_cases(coupled)), SCENES[0], configuration("sdf", {}))
+    assert aggregate.remaining_depth_mm == pytest.approx(0.2)
+    for case in aggregate.ok:
         case.run.record.get("outcome", {}).pop("p99_surface_depth_m", None)
-    assert entry.remaining_depth_mm == pytest.approx(0.1)
+    assert aggregate.remaining_depth_mm == pytest.approx(0.1)

@@ -12,12 +12,12 @@ import pandas as pd
 import pytest
 
 import speed
-from musclebench_experiment.case import Places
-from musclebench_speed import bars, samples
-from musclebench_speed.kernel_results import read_kernels
-from musclebench_speed.speed_cases import MICRO_PROGRAM, KernelCase, RaceCase
-from musclebench_speed.speed_experiment import backends_of
-from musclebench_speed.speed_plan import SETTINGS, Wishes, plan
+from musclebench.cases.case import Places
+from musclebench.speed import samples, targets
+from musclebench.speed.kernel_results import read_kernels
+from musclebench.speed.speed_cases import MICRO_PROGRAM, KernelCase, RaceCase
+from musclebench.speed.speed_experiment import backends_of
+from musclebench.speed.speed_plan import SETTINGS, Request, plan
 
 PROGRAM = Path(__file__).resolve().parent / "fake_speed.py"
 TOOLS = PROGRAM.parent.parent
@@ -60,7 +60,7 @@ def test_the_table_has_every_bar_with_its_median_spread_and_verdict(table):
         "collision time, bvh / voxel 64": (2.5, "no"),
         "collision time, sdf 64 / voxel 64": (1.2, "yes"),
         "collision time, fcl node_distance / voxel 64": (100.0, "no"),
-        "the same without motion budgets: bvh": (10.0, ""),
+        "the same without clearance cache: bvh": (10.0, ""),
         "sdf value + gradient / voxel test, near points, float": (5.5, "no"),
         "sdf build per node / cold closest point of bvh near": (0.25, "yes"),
         "MB of sdf 64 float, dense, a bone": (7.6, "yes"),
@@ -143,7 +143,7 @@ def test_the_report_alone_runs_nothing(table, tmp_path):
 
 
 def test_a_round_has_everything_once_and_muscles_stay_together():
-    cases = plan(Wishes("lhdl", MUSCLES, repetitions=3))
+    cases = plan(Request("lhdl", MUSCLES, repetitions=3))
     assert len({case.name for case in cases}) == len(cases)
     assert [case.repetition for case in cases] == sorted(case.repetition for case in cases)
     orders = []
@@ -158,7 +158,7 @@ def test_a_round_has_everything_once_and_muscles_stay_together():
 
 
 def test_quick_means_less_of_everything():
-    quick, whole = (plan(Wishes(quick=value)) for value in (True, False))
+    quick, whole = (plan(Request(quick=value)) for value in (True, False))
     assert sum(case.guessed_seconds for case in quick) < sum(case.guessed_seconds for case in whole) / 3
     words = next(case for case in quick if isinstance(case, RaceCase)).arguments(Places(Path("out")))
     assert "--frames" in words and "--no-referee" in words
@@ -170,7 +170,7 @@ def test_quick_means_less_of_everything():
 ])
 def test_quick_leaves_out_the_largest_sizes(name, whole, quick):
     for wished, expected in ((False, whole), (True, quick)):
-        cases = [case for case in plan(Wishes(quick=wished)) if isinstance(case, KernelCase)]
+        cases = [case for case in plan(Request(quick=wished)) if isinstance(case, KernelCase)]
         assert any(re.search(case.group.pattern, name) for case in cases) == expected
 
 
@@ -222,16 +222,16 @@ def test_the_power_is_that_of_the_growth():
 ])
 def test_a_bar_is_held_up_to_its_value(value, at_most, at_least, held):
     estimate = samples.median(pd.Series([value]))
-    assert bars.Row("what", "bar", at_most, at_least, estimate).held == held
+    assert targets.Row("what", "target", at_most, at_least, estimate).held == held
 
 
 def test_the_worst_part_stands_for_the_row():
-    parts = [bars.Row(str(value), measured=samples.exact(value), note=f"at {value}") for value in (1.0, 3.0, 2.0)]
-    assert bars.worst("row", parts, "<= 2", at_most=2).note == "at 3.0"
-    assert bars.worst("row", parts, ">= 2", at_least=2).note == "at 1.0"
-    parts.append(bars.Row("unknown", note="why"))
-    assert bars.worst("row", parts, "<= 2", at_most=2).note == "at 3.0; 1 of 4 missing"
-    assert bars.worst("row", parts[-1:], "<= 2", at_most=2).note == "why"
+    parts = [targets.Row(str(value), measured=samples.exact(value), note=f"at {value}") for value in (1.0, 3.0, 2.0)]
+    assert targets.worst("row", parts, "<= 2", at_most=2).note == "at 3.0"
+    assert targets.worst("row", parts, ">= 2", at_least=2).note == "at 1.0"
+    parts.append(targets.Row("unknown", note="why"))
+    assert targets.worst("row", parts, "<= 2", at_most=2).note == "at 3.0; 1 of 4 missing"
+    assert targets.worst("row", parts[-1:], "<= 2", at_most=2).note == "why"
 
 
 def test_the_shell_wrapper_answers_for_help_without_building():
@@ -246,7 +246,7 @@ def test_the_plan_asks_for_kernels_that_there_are():
         pytest.skip("MUSCLEBENCH_BINARY names no program with kernels beside it")
     listed = subprocess.run([str(program), "--benchmark_list_tests"], capture_output=True, text=True, check=True).stdout
     for quick in (False, True):
-        for case in plan(Wishes(quick=quick)):
+        for case in plan(Request(quick=quick)):
             if isinstance(case, KernelCase) and case.group.program == MICRO_PROGRAM:
                 pattern = re.compile(case.group.pattern)
                 assert any(pattern.search(name) for name in listed.splitlines()), case.group

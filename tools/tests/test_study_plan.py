@@ -5,20 +5,20 @@ from pathlib import Path
 
 import pytest
 
-from musclebench_experiment.case import Places
-from musclebench_experiment.case_queue import CaseQueue
-from musclebench_experiment.configurations import Configuration, configurations
-from musclebench_experiment.muscle_scene import VERTICES, MuscleScene
-from musclebench_experiment.study_cases import CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
-from musclebench_experiment.study_plan import Wishes, in_shard, is_too_long, plan, stride_of
+from musclebench.cases.case import Places
+from musclebench.cases.case_queue import CaseQueue
+from musclebench.cases.muscle_scene import VERTICES, MuscleScene
+from musclebench.study.study_cases import CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
+from musclebench.study.study_plan import Request, in_shard, is_too_long, plan, stride_of
+from musclebench.study.sweeps import Configuration, configurations
 
 PLACES = Places(Path("out"), Path("data"))
-FULL = Wishes("lhdl", ("iliacus",))
+FULL = Request("lhdl", ("iliacus",))
 ILIACUS = MuscleScene("lhdl", "iliacus")
 
 
-def measured(wishes):
-    return [case for case in plan(wishes) if isinstance(case, MeasuredCase)]
+def measured(request):
+    return [case for case in plan(request) if isinstance(case, MeasuredCase)]
 
 
 def seconds(cases):
@@ -26,7 +26,7 @@ def seconds(cases):
 
 
 def test_names_are_unique_and_every_muscle_is_recorded_first():
-    cases = plan(Wishes("lhdl", tuple(VERTICES)))
+    cases = plan(Request("lhdl", tuple(VERTICES)))
     assert len({case.name for case in cases}) == len(cases)
     assert [case.scene.muscle for case in cases[:4]] == list(VERTICES)
     assert all(isinstance(case, RecordCase) for case in cases[:4])
@@ -45,7 +45,7 @@ def test_the_full_study_has_what_the_study_asks_for():
 
 
 @pytest.mark.parametrize("backend", ["sdf", "bvh", "fcl"])
-def test_the_study_shows_runs_with_and_without_motion_budgets(backend):
+def test_the_study_shows_runs_with_and_without_clearance_cache(backend):
     chosen = [c.configuration for c in measured(FULL) if c.configuration.backend == backend]
     assert {configuration.has_budgets for configuration in chosen} == {True, False}
 
@@ -58,7 +58,7 @@ def test_repetitions_come_round_by_round_and_shuffled():
                and not isinstance(c, ProbeCase)] for r in range(3)]
     assert sorted(orders[0]) == sorted(orders[1]) == sorted(orders[2])
     assert orders[0] != orders[1] != orders[2] != sorted(orders[0])
-    assert plan(FULL) == plan(FULL) != plan(Wishes("lhdl", ("iliacus",), seed=2))
+    assert plan(FULL) == plan(FULL) != plan(Request("lhdl", ("iliacus",), seed=2))
 
 
 def test_only_the_first_repetition_is_judged_and_keeps_shapes():
@@ -78,11 +78,11 @@ def test_long_cases_are_repeated_less():
 
 def test_work_keeps_to_the_promised_minutes():
     assert seconds(plan(FULL)) / 2 < 30 * 60
-    assert seconds(plan(Wishes(quick=True, repetitions=1))) / 2 < 4.5 * 60
+    assert seconds(plan(Request(quick=True, repetitions=1))) / 2 < 4.5 * 60
 
 
 def test_brute_force_is_run_where_it_is_affordable():
-    too_long = [case.name for case in plan(Wishes("lhdl", tuple(VERTICES))) if is_too_long(case)]
+    too_long = [case.name for case in plan(Request("lhdl", tuple(VERTICES))) if is_too_long(case)]
     replays = [name for name in too_long if "-replay-" in name]
     assert len(too_long) - len(replays) == len(VERTICES) and all("brute_force" in name for name in too_long)
     assert replays and "adductor_brevis-replay-brute_force-r0" not in replays
@@ -98,9 +98,9 @@ def test_strides_are_powers_of_two_that_keep_enough_frames(milliseconds):
     assert stride == 1 or ReplayCase(ILIACUS, configuration, stride=stride // 2).guessed_step_seconds > 12.0
 
 
-def test_configurations_of_a_backend_replay_the_same_frames_and_all_of_them_with_motion_budgets():
+def test_configurations_of_a_backend_replay_the_same_frames_and_all_of_them_with_clearance_cache():
     strides = {}
-    for case in plan(Wishes("lhdl", tuple(VERTICES))):
+    for case in plan(Request("lhdl", tuple(VERTICES))):
         if isinstance(case, ReplayCase):
             key = (case.scene.muscle, case.configuration.backend, case.configuration.has_budgets)
             strides.setdefault(key, set()).add(case.stride)
@@ -110,7 +110,7 @@ def test_configurations_of_a_backend_replay_the_same_frames_and_all_of_them_with
 
 @pytest.mark.parametrize("count", [1, 2, 3, 7, 500])
 def test_parts_are_disjoint_complete_and_even(count):
-    whole = measured(Wishes("lhdl", tuple(VERTICES)))
+    whole = measured(Request("lhdl", tuple(VERTICES)))
     parts = [in_shard(whole, number, count) for number in range(1, count + 1)]
     assert sorted(case.name for part in parts for case in part) == sorted(case.name for case in whole)
     if count <= 7:
@@ -119,7 +119,7 @@ def test_parts_are_disjoint_complete_and_even(count):
 
 def test_a_part_records_only_the_muscles_that_it_replays():
     for number in (1, 2, 3):
-        cases = plan(Wishes("lhdl", tuple(VERTICES), shard=(number, 3)))
+        cases = plan(Request("lhdl", tuple(VERTICES), shard=(number, 3)))
         replayed = {case.scene for case in cases if isinstance(case, ReplayCase)}
         assert {case.scene for case in cases if isinstance(case, RecordCase)} == replayed
 

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 import accuracy
-from musclebench_experiment import study_plan
-from musclebench_experiment.case import Places
-from musclebench_experiment.configurations import Configuration
-from musclebench_experiment.study_cases import ReplayCase
-from musclebench_report.accuracy.configurations import configuration
+from musclebench.accuracy.configurations import configuration
+from musclebench.cases.case import Places
+from musclebench.study import study_plan
+from musclebench.study.study_cases import ReplayCase
+from musclebench.study.sweeps import Configuration
 from program import PROGRAM, call, needs_program
 
 pytestmark = needs_program
@@ -22,7 +22,7 @@ FEW = [
 
 def test_the_program_takes_every_configuration(tmp_path):
     """Parameters are checked before the recording is looked for."""
-    cases = [case for case in study_plan.plan(study_plan.Wishes()) if isinstance(case, ReplayCase)]
+    cases = [case for case in study_plan.plan(study_plan.Request()) if isinstance(case, ReplayCase)]
     chosen = {case.configuration: case for case in cases}
     for case in chosen.values():
         done = call(*case.arguments(Places(tmp_path)))

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from musclebench_report.statistics import Estimate, paired_ratio, pooled_median, quotient, total
+from musclebench.results.statistics import Estimate, paired_ratio, pooled_median, quotient, total
 
 
 def times(frames, stride=16):

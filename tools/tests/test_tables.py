@@ -5,15 +5,17 @@ import pandas as pd
 import pytest
 
 import fake_runs
-from musclebench_report import published, results, table_formats, tables
-from musclebench_report.statistics import median_ratio
+from musclebench.paper import published
+from musclebench.results import run_folder
+from musclebench.results.statistics import median_ratio
+from musclebench.tables import paper_tables, table_formats
 
 
 @pytest.fixture
 def made(fake_raw):
-    runs = results.read_runs(fake_raw)
+    runs = run_folder.read_runs(fake_raw)
     paper = published.read_published()
-    return tables.memory_table(runs, paper), tables.time_table(runs, paper)
+    return paper_tables.memory_table(runs, paper), paper_tables.time_table(runs, paper)
 
 
 def row_of(table, muscle, backend):
@@ -48,15 +50,15 @@ def test_rows_come_in_the_order_of_the_paper(made):
 
 
 def test_without_voxel_there_is_no_ratio(fake_raw):
-    runs = [run for run in results.read_runs(fake_raw) if run.backend != "voxel"]
-    row = row_of(tables.time_table(runs, published.read_published()), "iliacus", "fcl")
+    runs = [run for run in run_folder.read_runs(fake_raw) if run.backend != "voxel"]
+    row = row_of(paper_tables.time_table(runs, published.read_published()), "iliacus", "fcl")
     assert np.isnan(row["ratio"]) and row["collision_ms"] == 200.0
 
 
 def test_a_diverged_run_is_compared_over_the_frames_it_has(tmp_path):
     fake_runs.write_run(tmp_path / "a", "lhdl/iliacus", "voxel", frames=20)
     fake_runs.write_run(tmp_path / "b", "lhdl/iliacus", "fcl", frames=7, status="diverged", detail="frame 7")
-    row = row_of(tables.time_table(results.read_runs(tmp_path), published.read_published()), "iliacus", "fcl")
+    row = row_of(paper_tables.time_table(run_folder.read_runs(tmp_path), published.read_published()), "iliacus", "fcl")
     assert row["status"] == "diverged" and row["frames"] == 7 and row["ratio"] == 200.0
 
 

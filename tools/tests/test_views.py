@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from musclebench_report import views
+from musclebench.pictures import views
 
 LEFT, BACK, UP = np.eye(3)  # the frame of the anatomical data: x left, y back, z up
 

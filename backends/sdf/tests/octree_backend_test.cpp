@@ -83,7 +83,7 @@ TEST(OctreeBackend, FindsDepthAndNormalInMovedBones) {
 
 TEST(OctreeBackend, BudgetsAndThreadsChangeNoContact) {
   const auto made = [](const std::string& budgets, int threads) {
-    auto backend = make({{"motion_budgets", budgets}});
+    auto backend = make({{"clearance_cache", budgets}});
     backend->build(bones(), {}, threads);
     return backend;
   };

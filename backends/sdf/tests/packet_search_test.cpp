@@ -20,7 +20,7 @@ namespace {
 
 /// Blocks of packets of all sizes and distances, some of them empty: all points are answered as one by one, to the bit.
 void expect_answers_of_single_queries(const TriangleMesh& mesh, int blocks) {
-  const TriangleTree tree(mesh);
+  const TriangleBvh tree(mesh);
   Vec3 lower = mesh.vertices.front();
   Vec3 upper = lower;
   for (const Vec3& vertex : mesh.vertices) {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/bvh/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
 
 namespace musclebench {
 

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "core/bvh/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
 #include "core/distance/pseudo_normals.hpp"
 #include "core/mesh/shapes.hpp"
 
@@ -48,7 +48,7 @@ TEST(PseudoNormals, SignIsRightAtSharpCornersOfRandomTetrahedra) {
   int wrong = 0;
   for (int shape = 0; shape < 500; ++shape) {
     const TriangleMesh mesh = tetrahedron(generator);
-    const TriangleTree tree(mesh);
+    const TriangleBvh tree(mesh);
     const PseudoNormals normals(mesh);
     for (int i = 0; i < 100; ++i) {
       const double x = coordinate(generator);
@@ -86,7 +86,7 @@ TEST(PseudoNormals, OfAZeroThicknessFinAreFiniteAndTheWindingNumberKnowsBetter) 
   mesh.vertices.push_back(tip);
   mesh.triangles.push_back({0, 1, 4});
   mesh.triangles.push_back({1, 0, 4});
-  const TriangleTree tree(mesh);
+  const TriangleBvh tree(mesh);
   const PseudoNormals normals(mesh);
   const Vec3 beyond_tip = tip + 0.1 * (tip - centre);
   const ClosestPoint closest = *tree.closest_point(beyond_tip);

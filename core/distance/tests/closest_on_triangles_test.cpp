@@ -23,7 +23,7 @@ class ClosestOnTrianglesWithEachTarget : public testing::Test {
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };
 
-/// Triangles of all kinds, needles, segments and single points too, and points about them, on their corners, edges and
+/// Triangles of all kinds, slivers, segments and single points too, and points about them, on their corners, edges and
 /// faces as well.
 TEST_F(ClosestOnTrianglesWithEachTarget, AreThoseOfEachPairToTheBit) {
   std::mt19937 generator(3);

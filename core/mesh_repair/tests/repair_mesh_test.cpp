@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
-#include "core/bvh/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
 #include "core/mesh/mesh_edges.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
@@ -208,7 +208,7 @@ TEST(RepairMesh, KeepsAFinAndIsNotCleanThen) {
     EXPECT_TRUE(has_change(repaired, "left 1 non-manifold edge"));
     EXPECT_NEAR(volume_m3(repaired.mesh), 8, 1e-12);
     // The two sides of the fin cancel, so the winding number sees it from neither side.
-    const TriangleTree tree(repaired.mesh);
+    const TriangleBvh tree(repaired.mesh);
     const auto [i, j, k] = repaired.mesh.triangles.back();
     const Vec3 tip = repaired.mesh.vertices[k];
     const Vec3 normal = (repaired.mesh.vertices[i] - tip).cross(repaired.mesh.vertices[j] - tip).normalized();
@@ -271,7 +271,7 @@ TEST(RepairMesh, AcceptsFewHolesAndSaysSo) {
   EXPECT_TRUE(has_change(repaired, "left open: the surface has 9 boundary edges"));
   EXPECT_GT(volume_m3(repaired.mesh), 4);
   // The winding number tells inside from outside but for the holes' surroundings.
-  const TriangleTree tree(repaired.mesh);
+  const TriangleBvh tree(repaired.mesh);
   int wrong = 0;
   int asked = 0;
   for (double x = -1.2; x < 1.2; x += 0.1) {

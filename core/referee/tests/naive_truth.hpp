@@ -28,7 +28,7 @@ inline Real distance_to_triangle(const Point& p, const Point& a, const Point& b,
   const Real weight_b = (a - c).cross(p - c).dot(normal);
   const Real weight_c = (b - a).cross(p - a).dot(normal);
   if (!(weight_a > 0 && weight_b > 0 && weight_c > 0)) return to_edges;
-  // The distance to the foot, not to the plane: for a needle the normal is poor, and an error of the foot counts
+  // The distance to the foot, not to the plane: for a sliver the normal is poor, and an error of the foot counts
   // squared.
   const Point foot = (weight_a * a + weight_b * b + weight_c * c) / (weight_a + weight_b + weight_c);
   return std::min(to_edges, (p - foot).norm());

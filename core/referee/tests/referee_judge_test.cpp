@@ -98,7 +98,7 @@ BudgetRun run_budgets(const std::vector<Bone>& bones, double step_m, int frames,
   const int count = static_cast<int>(positions.size());
   Referee with(bones, count);
   Referee with_threads(bones, count, 3);
-  Referee without(bones, count, 1, Referee::MotionBudgets::off);
+  Referee without(bones, count, 1, Referee::DistanceReuse::off);
   std::vector<RigidMotion> poses(bones.size());
   std::vector<Contact> truth;
   std::vector<Contact> answer;
@@ -154,7 +154,7 @@ TEST(RefereeJudge, ATieBetweenFacesDoesNotDependOnThePast) {
   std::vector<Contact> answer;
   for (const Vec3& end : {Vec3(0, 0, 0), Vec3(0.125, 0.125, 0.125), Vec3(-0.125, -0.125, 0), Vec3(0, 0.125, -0.125)}) {
     Referee with(bones, 6);
-    Referee without(bones, 6, 1, Referee::MotionBudgets::off);
+    Referee without(bones, 6, 1, Referee::DistanceReuse::off);
     with.judge(pose, start, all_nodes(6), answer);
     const std::vector<Vec3> together(6, end);
     with.judge(pose, together, all_nodes(6), answer);

@@ -120,10 +120,10 @@ TEST(Referee, AgreesWithAllTriangles) {
 }
 
 TEST(Referee, AgreesWithAllTrianglesOnThinTriangles) {
-  TriangleMesh needle = make_sphere(1, 3);
-  for (Vec3& vertex : needle.vertices) vertex = Vec3(vertex.x(), 1e-4 * vertex.y(), 1e-7 * vertex.z());
+  TriangleMesh sliver = make_sphere(1, 3);
+  for (Vec3& vertex : sliver.vertices) vertex = Vec3(vertex.x(), 1e-4 * vertex.y(), 1e-7 * vertex.z());
   const RigidMotion turn = RigidMotion::about_axis(Vec3(1, 2, 3).normalized(), Vec3::Zero(), 0.7);
-  expect_exact_everywhere(moved(needle, turn), 300, 8);
+  expect_exact_everywhere(moved(sliver, turn), 300, 8);
 }
 
 TEST(Referee, SingleNeedlesAreExactOverTheirFaces) {
@@ -132,15 +132,15 @@ TEST(Referee, SingleNeedlesAreExactOverTheirFaces) {
   std::uniform_real_distribution<double> share(0, 1);
   // Thinner than 2^-28 the plain sum loses its digits before the referee does.
   for (double height = 0x1p-4; height > 0x1p-28; height /= 2) {
-    const TriangleMesh needle = moved({{{0, 0, 0}, {1, 0, 0}, {0.4, height, 0}}, {{0, 1, 2}, {2, 1, 0}}}, turn);
-    const Referee referee = referee_of(needle);
+    const TriangleMesh sliver = moved({{{0, 0, 0}, {1, 0, 0}, {0.4, height, 0}}, {{0, 1, 2}, {2, 1, 0}}}, turn);
+    const Referee referee = referee_of(sliver);
     for (int i = 0; i < 200; ++i) {
       const double along = share(random);
       const double across = share(random) * (1 - along);
       const double above = i % 2 == 0 ? height * share(random) : 1e-3 * share(random);
       const Vec3 flat(along + 0.4 * across, across * height, above);
       const Vec3 point = turn.apply(flat);
-      ASSERT_NEAR(referee.signed_distance(0, point), naive::distance(needle, point), 1e-12) << height << " high";
+      ASSERT_NEAR(referee.signed_distance(0, point), naive::distance(sliver, point), 1e-12) << height << " high";
     }
   }
 }

@@ -97,7 +97,7 @@ std::vector<Shape> shapes() {
   };
 }
 
-double share_of_clean_features(const TriangleMesh& mesh, const CleanFeatures& clean) {
+double share_of_clean_features(const TriangleMesh& mesh, const ManifoldFeatures& clean) {
   int count = 0;
   for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
     for (int feature = 0; feature < 7; ++feature) {
@@ -148,7 +148,7 @@ TEST_P(SignedSurfaceShapes, FeaturesAreCleanWhereNothingIsInTheWay) {
   if (shape.name == "open") {
     return;  // There the question makes no sense.
   }
-  const double share = share_of_clean_features(shape.mesh, CleanFeatures(shape.mesh, TriangleTree(shape.mesh)));
+  const double share = share_of_clean_features(shape.mesh, ManifoldFeatures(shape.mesh, TriangleBvh(shape.mesh)));
   EXPECT_GE(share, shape.least_clean);
   EXPECT_LE(share, shape.most_clean);
 }
@@ -164,7 +164,7 @@ TEST(SignedSurface, OfThePelvisWithItsFinHasNoWrongSign) {
   const RepairedMesh pelvis = repair_mesh(read_mesh(*folder / "meshes" / "pelvis.ply"), "pelvis");
   ASSERT_FALSE(pelvis.clean);
   const SignedSurface surface(pelvis);
-  const CleanFeatures clean(pelvis.mesh, surface.tree());
+  const ManifoldFeatures clean(pelvis.mesh, surface.tree());
   std::vector<int> unclean;
   for (int t = 0; t < static_cast<int>(pelvis.mesh.triangles.size()); ++t) {
     if (!clean.holds(t, Feature::corner_0) || !clean.holds(t, Feature::corner_1) || !clean.holds(t, Feature::face)) {

@@ -1,0 +1,187 @@
+"""One aggregate a configuration of a scene in a mode: its repetitions together, as figures and tables show them."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import pandas as pd
+
+from ..figures.style import BACKENDS, MUSCLES, in_order
+from ..results.statistics import Estimate, pooled_median
+from .cases import StudyCase
+from .configurations import Configuration
+
+NANOSECONDS_TO_MS = 1e-6
+ALLOWED_MISSED_SHARE = 0.01
+ALLOWED_FALSE_SHARE = 0.01
+ALLOWED_P99_ERROR_MM = 0.1
+EXACT_BACKENDS = ("bvh", "brute_force")  # the first that has run is what shapes are compared with
+
+
+@dataclass
+class Aggregate:
+    mode: str
+    scene: str
+    configuration: Configuration
+    cases: list[StudyCase]  # by repetition
+
+    @property
+    def muscle(self) -> str:
+        return self.scene.split("/")[-1]
+
+    @property
+    def backend(self) -> str:
+        return self.configuration.backend
+
+    @cached_property
+    def ok(self) -> list[StudyCase]:
+        return [case for case in self.cases if case.is_ok]
+
+    @property
+    def status(self) -> str:
+        """`nondeterministic` too where repetitions gave different answers; `ok` where any repetition is."""
+        if any(case.run.status == "nondeterministic" for case in self.cases) or len(self.answers) > 1:
+            return "nondeterministic"
+        return "ok" if self.ok else self.cases[0].run.status
+
+    @property
+    def detail(self) -> str:
+        """Of the first repetition that is not ok; of the answers where each for itself was."""
+        if self.status == "ok":
+            return ""
+        told = [str(case.run.record.get("status_detail") or "") for case in self.cases if not case.is_ok]
+        return told[0] if told else "repetitions gave different answers; were they made by one build?"
+
+    @property
+    def answers(self) -> set[str]:
+        """Hashes of what the repetitions answered."""
+        key = "contact_hash" if self.mode == "replay" else "state_hash"
+        return {case.run.record[key] for case in self.ok if case.run.record.get(key)}
+
+    @property
+    def is_shown(self) -> bool:
+        """Figures and prices show complete and deterministic configurations only."""
+        return self.status == "ok"
+
+    def stage_ms(self, column: str) -> float:
+        """Median over the frames without warm-up of all repetitions."""
+        parts = [stage_ns(case, column) for case in self.ok]
+        return NANOSECONDS_TO_MS * float(pd.concat(parts).median()) if parts else math.nan
+
+    @cached_property
+    def collision_ms(self) -> Estimate:
+        return pooled_median(list(self.times_ns.values())).scaled(NANOSECONDS_TO_MS)
+
+    @property
+    def times_ns(self) -> dict:
+        """{repetition: collision time by frame}"""
+        return {case.repetition: stage_ns(case, "collision_ns") for case in self.ok}
+
+    def number(self, *keys: str) -> float:
+        """Worst over the repetitions of a number of run.json; NaN where none knows it."""
+        values = [number(case.run.record, *keys) for case in self.ok]
+        return max((value for value in values if not math.isnan(value)), default=math.nan)
+
+    @property
+    def structure_bytes(self) -> float:
+        return self.number("structure_bytes")
+
+    @property
+    def p99_error_mm(self) -> float:
+        return 1e3 * self.number("accuracy", "p99_depth_error_m")
+
+    @property
+    def max_error_mm(self) -> float:
+        return 1e3 * self.number("accuracy", "max_depth_error_m")
+
+    @property
+    def missed_share(self) -> float:
+        return share(self.number("accuracy", "missed_contacts"), self.number("accuracy", "true_contacts"))
+
+    @property
+    def false_share(self) -> float:
+        return share(self.number("accuracy", "false_contacts"), self.number("accuracy", "contacts"))
+
+    @property
+    def remaining_depth_mm(self) -> float:
+        """99th percentile over a coupled run's frames of the deepest point of the surface, else of the nodes."""
+        surface = self.number("outcome", "p99_surface_depth_m")
+        return 1e3 * (self.number("outcome", "p99_depth_m") if math.isnan(surface) else surface)
+
+    @property
+    def verdict(self) -> str:
+        """Of a replay of an exact method (fcl): `right`, `wrong: why`, or the status."""
+        if not self.is_shown:
+            return self.status
+        faults = [
+            f"{_percent(self.missed_share)} % missed" if self.missed_share > ALLOWED_MISSED_SHARE else "",
+            f"{_percent(self.false_share)} % false" if self.false_share > ALLOWED_FALSE_SHARE else "",
+            f"{self.p99_error_mm:.2g} mm off" if self.p99_error_mm > ALLOWED_P99_ERROR_MM else "",
+        ]
+        faults = [fault for fault in faults if fault]
+        if faults:
+            return "wrong: " + ", ".join(faults)
+        return "not judged" if math.isnan(self.p99_error_mm) else "right"
+
+    @property
+    def is_wrong(self) -> bool:
+        """Methods with a resolution are not wrong but coarse: their error says it."""
+        return self.backend == "fcl" and self.mode == "replay" and self.verdict.startswith("wrong")
+
+
+def aggregates_of(cases: list[StudyCase]) -> list[Aggregate]:
+    """By mode, muscle and configuration, in the order in which tables list them."""
+    grouped: dict[tuple, list[StudyCase]] = {}
+    for case in cases:
+        grouped.setdefault((case.mode, case.scene, case.configuration), []).append(case)
+    aggregates = [Aggregate(*key, sorted(group, key=lambda case: case.repetition)) for key, group in grouped.items()]
+    scenes = in_order_of_muscles({aggregate.scene for aggregate in aggregates})
+    backends = in_order({aggregate.backend for aggregate in aggregates}, BACKENDS)
+    return sorted(aggregates, key=lambda one: (
+        one.mode, scenes.index(one.scene), backends.index(one.backend), one.configuration.series or "",
+        one.configuration.fineness, one.configuration.factors, one.configuration.name,
+    ))
+
+
+def in_order_of_muscles(scenes) -> list[str]:
+    muscles = in_order({scene.split("/")[-1] for scene in scenes}, MUSCLES)
+    return sorted(scenes, key=lambda scene: (muscles.index(scene.split("/")[-1]), scene))
+
+
+def of_mode(aggregates: list[Aggregate], mode: str) -> list[Aggregate]:
+    return [aggregate for aggregate in aggregates if aggregate.mode == mode]
+
+
+def find(aggregates: list[Aggregate], scene: str, chosen: Configuration) -> Aggregate | None:
+    """The one that is complete, of one mode's aggregates."""
+    return next((e for e in aggregates if e.scene == scene and e.configuration == chosen and e.is_shown), None)
+
+
+def exact_aggregate(aggregates: list[Aggregate], scene: str) -> Aggregate | None:
+    """Of coupled aggregates: the one that the others' shapes are compared with."""
+    for backend in EXACT_BACKENDS:
+        for aggregate in aggregates:
+            if aggregate.scene == scene and aggregate.backend == backend and aggregate.is_shown:
+                return aggregate
+    return None
+
+
+def stage_ns(case: StudyCase, column: str) -> pd.Series:
+    """By frame, without warm-up; empty where the run doesn't tell."""
+    return case.run.timed_frames.reindex(columns=[column])[column].dropna()
+
+
+def number(record: dict, *keys: str) -> float:
+    """A number inside of a record; NaN where it is unknown."""
+    value = record
+    for key in keys:
+        value = value.get(key) if isinstance(value, dict) else None
+    return math.nan if value is None or isinstance(value, (str, dict, list)) else float(value)
+
+
+def _percent(value: float) -> str:
+    return f"{100 * value:.1f}" if value < 0.0995 else f"{100 * value:.0f}"
+
+
+def share(part: float, whole: float) -> float:
+    return part / whole if whole > 0 else (0.0 if part == 0 else math.nan)

@@ -1,0 +1,105 @@
+"""Cases of an accuracy study: what each folder under raw/ measured, and what study.json planned and has no folder."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+
+from ..results.run_folder import REPLAY_COLUMNS, ResultProblem, Run, no_frames, read_run
+from .configurations import Configuration, configuration
+
+PROBE_COLUMNS = ["bone", "place", "points", "max_error_m", "p99_error_m", "mean_error_m"]
+MISSING = "missing"
+
+
+@dataclass
+class StudyCase:
+    name: str
+    run: Run  # of a missing case: without frames, status `missing`
+    configuration: Configuration
+    probe: pd.DataFrame  # probe.csv; empty but for probes
+
+    @property
+    def mode(self) -> str:
+        return self.run.mode
+
+    @property
+    def scene(self) -> str:
+        return self.run.scene
+
+    @property
+    def repetition(self) -> int:
+        return int(self.run.record["case"].get("repetition") or 0)
+
+    @property
+    def is_ok(self) -> bool:
+        return self.run.status == "ok"
+
+
+def read_cases(out_dir: Path) -> list[StudyCase]:
+    """All cases, those that are planned and absent as well. A folder that can't be read is a failed case."""
+    raw = out_dir / "raw"
+    folders = sorted(path.parent for path in raw.glob("*/run.json") if not path.parent.name.startswith("."))
+    planned = {case["name"]: case for case in read_plan(out_dir)}
+    cases = [_read_case(folder, planned.get(folder.name)) for folder in folders]
+    read = {case.name for case in cases}
+    absent = [_absent(raw / name, case) for name, case in planned.items() if name not in read]
+    return sorted([*cases, *absent], key=lambda case: case.name)
+
+
+def read_plan(out_dir: Path) -> list[dict]:
+    """`cases` of study.json: name, mode, scene, backend, parameters, threads, repetition of each. Empty without."""
+    path = out_dir / "study.json"
+    if not path.is_file():
+        return []
+    try:
+        return json.loads(path.read_text())["cases"]
+    except (ValueError, KeyError, TypeError) as problem:
+        raise ResultProblem(f"{path}: not the plan of a study ({problem}); start tools/accuracy again") from None
+
+
+def _read_case(folder: Path, planned: dict | None) -> StudyCase:
+    try:
+        run = read_run(folder)
+        _complete(run.record["case"], planned)
+        probe = _read_probe(folder / "probe.csv") if run.mode == "probe" else pd.DataFrame()
+        return _case(folder.name, run, probe)
+    except (ResultProblem, KeyError) as problem:
+        if planned is None:
+            raise problem if isinstance(problem, ResultProblem) else ResultProblem(
+                f"{folder / 'run.json'}: its case has no {problem}; run the case again") from None
+        return _absent(folder, planned, "failed", str(problem))
+
+
+def _complete(case: dict, planned: dict | None) -> None:
+    """A case that was stopped from outside may have said less about itself than the plan did."""
+    for key, value in (planned or {}).items():
+        if key != "name" and case.get(key) in (None, {}):
+            case[key] = value
+
+
+def _case(name: str, run: Run, probe: pd.DataFrame) -> StudyCase:
+    told = run.record["case"]
+    chosen = configuration(told["backend"], told.get("parameters") or {}, int(told.get("threads") or 1))
+    return StudyCase(name, run, chosen, probe)
+
+
+def _absent(folder: Path, planned: dict, status: str = MISSING, detail: str = "not run yet") -> StudyCase:
+    case = {key: value for key, value in planned.items() if key != "name"}
+    run = Run(folder, {"status": status, "status_detail": detail, "case": case}, no_frames(REPLAY_COLUMNS))
+    return _case(folder.name, run, pd.DataFrame())
+
+
+def _read_probe(path: Path) -> pd.DataFrame:
+    """Without rows where the probe left none."""
+    if not path.is_file() or path.stat().st_size == 0:
+        return pd.DataFrame(columns=PROBE_COLUMNS)
+    try:
+        rows = pd.read_csv(path)
+    except ValueError as problem:
+        raise ResultProblem(f"{path}: not a table of errors ({problem}); run the case again") from None
+    missing = [column for column in PROBE_COLUMNS if column not in rows.columns]
+    if missing:
+        raise ResultProblem(f"{path}: lacks the columns {', '.join(missing)}; run the case again")
+    return rows

@@ -1,0 +1,165 @@
+"""Writes all that the accuracy study shows: rows, tables, figures with their captions."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..figures import captions
+from ..figures.convergence import draw_costs, draw_errors
+from ..figures.pareto import draw_pareto
+from ..figures.stages import draw_stages, stage_rows
+from ..tables import table_formats
+from ..tables.fcl_table import fcl_table, rule
+from ..tables.outcomes import outcomes_table, shape_distances
+from ..tables.prices import price_list
+from ..tables.table_formats import Table
+from .aggregates import Aggregate, aggregates_of, of_mode
+from .cases import StudyCase, read_cases
+from .front import points_of
+from .orders import cost_rows, probe_rows
+from .rows import accuracy_rows, build_seconds_of, study_rows
+
+FRONT_WORDS = (
+    "The grey line is the Pareto front: nothing is both faster and more accurate than what lies on it. Configurations "
+    "of fcl that answer wrongly on replayed positions are crossed out and not on it; errors below a nanometre count "
+    "as equal and are drawn in a band in which height means nothing. A marker's area grows with the bytes of the "
+    "structures, a step a factor of ten. All muscles: the sum of their times, the largest of their errors, of "
+    "configurations that are complete on each.")
+
+
+@dataclass
+class AccuracyReport:
+    files: list[Path]
+    tables: list[Table]  # price list, factors of fcl, outcomes of coupled runs
+
+    def __iter__(self) -> Iterator[Path]:
+        return iter(self.files)
+
+
+def write_report(out_dir: Path) -> AccuracyReport:
+    """Of out_dir/raw and out_dir/study.json, however much of the study there is. Cases that failed or are missing stand
+    in accuracy.csv and study.csv with their status."""
+    cases = read_cases(out_dir)
+    aggregates = aggregates_of(cases)
+    figures, tables = out_dir / "figures", out_dir / "tables"
+    for folder in (figures, tables):
+        folder.mkdir(parents=True, exist_ok=True)
+    builds = build_seconds_of(aggregates)
+    files = _write_rows(cases, aggregates, builds, out_dir)
+    replays, coupled = of_mode(aggregates, "replay"), of_mode(aggregates, "coupled")
+    wrong = {(aggregate.scene, aggregate.configuration) for aggregate in replays if aggregate.is_wrong}
+    shapes = shape_distances(coupled)
+    made = [table for table in (price_list(replays, builds), fcl_table(replays), outcomes_table(coupled, shapes))
+            if not table.rows.empty]
+    for table in made:
+        files += _write_table(table, tables)
+    files += _draw_replay(replays, wrong, figures)
+    files += _draw_coupled(coupled, wrong, shapes, figures)
+    files += _draw_convergence(aggregates, builds, figures)
+    files += _draw_stages(coupled, replays, figures)
+    return AccuracyReport(files, made)
+
+
+def _write_rows(cases: list[StudyCase], aggregates: list[Aggregate], builds: dict, out_dir: Path) -> list[Path]:
+    paths = [out_dir / "accuracy.csv", out_dir / "study.csv"]
+    accuracy_rows(cases).to_csv(paths[0], index=False)
+    study_rows(aggregates, builds).to_csv(paths[1], index=False)
+    return paths
+
+
+def _write_table(table: Table, folder: Path) -> list[Path]:
+    text = folder / f"{table.name}.txt"
+    text.write_text(f"{table.caption}\n\n{table_formats.as_text(table)}\n{_notes(table)}")
+    return [*table_formats.write_table(table, folder), text]
+
+
+def _notes(table: Table) -> str:
+    """Lines for a terminal, where a column of notes has no room."""
+    if "note" not in table.rows:
+        return ""
+    rows = table.rows[table.rows["note"] != ""]
+    lines = [f"{row['muscle']}, {row['target_mm']} mm: {row['note']}" for _, row in rows.iterrows()]
+    return "\n".join(["", *lines, ""]) if lines else ""
+
+
+def _draw_replay(replays: list[Aggregate], wrong: set, folder: Path) -> list[Path]:
+    points = points_of(replays, lambda aggregate: aggregate.p99_error_mm, wrong)
+    title = "What accuracy costs in time: the same positions for every backend (replay)"
+    files = draw_pareto(points, folder / "pareto_replay", title, "depth error, 99th percentile (mm)", "exact")
+    error = captions.REPLAY_ERROR.format(band=captions.band_of(_cases(replays)))
+    texts = [error, captions.TIME, FRONT_WORDS, rule(), _left_out(replays, points)]
+    return _with_caption(files, title, texts, _cases(replays))
+
+
+def _draw_coupled(coupled: list[Aggregate], wrong: set, shapes: dict, folder: Path) -> list[Path]:
+    def distance(aggregate: Aggregate) -> float:
+        return shapes.get((aggregate.scene, aggregate.configuration), {}).get("full_rms_mm", math.nan)
+
+    depths = points_of(coupled, lambda aggregate: aggregate.remaining_depth_mm, wrong)
+    title = "What accuracy costs in time: every backend moves its own muscle (coupled)"
+    files = draw_pareto(depths, folder / "pareto_coupled", title, "remaining depth, 99th percentile (mm)", "none left")
+    error = (
+        "The error is the true depth that remains at the end of a frame, by the Referee: the deepest point of a "
+        "muscle triangle inside a bone or of a bone's vertex inside the muscle (of the nodes where the surface was "
+        "not judged), 99th percentile over the run's frames. Little depth is not yet accuracy: a backend that keeps "
+        "the muscle too far from the bones (voxel) leaves none; the figure of shapes shows what that costs. "
+        "Trajectories part: the table of coupled outcomes has times of whole runs.")
+    texts = [error, captions.TIME, FRONT_WORDS, _left_out(coupled, depths)]
+    files = _with_caption(files, title, texts, _cases(coupled))
+    distances = points_of(coupled, distance, wrong)
+    title = "How far the muscle's shape at full flexion is from the exact run's (coupled)"
+    stem, axis_title = folder / "pareto_coupled_shape", "distance to exact shape, RMS (mm)"
+    drawn = draw_pareto(distances, stem, title, axis_title, "same shape")
+    error = "The error is the root mean square over all nodes of their distance to the same nodes of the run with bvh."
+    texts = [error, captions.TIME, FRONT_WORDS, _left_out(coupled, distances)]
+    return files + _with_caption(drawn, title, texts, _cases(coupled))
+
+
+def _draw_convergence(aggregates: list[Aggregate], builds: dict, folder: Path) -> list[Path]:
+    probes = of_mode(aggregates, "probe")
+    title = "Error against cell size at points about the bones"
+    files = draw_errors(probe_rows(probes), folder / "convergence")
+    bands = sorted({case.run.record["case"].get("band_m") or 0 for case in _cases(probes)} - {0})
+    near = f" within {' and '.join(f'{1e3 * band:g} mm' for band in bands)} of the surface" if bands else ""
+    texts = [f"99th percentile of the depth error of points sampled about each bone{near}, at smooth places and near "
+             "sharp edges; a method that knows only inside and outside (voxel) can't err by more than that distance, "
+             "so that its curve is flat at coarse cells; the edge of a cell is that of the bone's grid. Orders are "
+             "slopes of straight lines through the logarithms, over all resolutions in the legend and between "
+             "neighbouring ones in the CSV. An order that falls off at fine cells says that something else limits "
+             "the error."]
+    files = _with_caption(files, title, texts, _cases(probes))
+    title = "What resolution costs before the first frame"
+    drawn = draw_costs(cost_rows(probes or aggregates, builds), folder / "convergence_cost")
+    texts = ["Build time and bytes of the structures of all bones of a scene against their number of cells, of grids "
+             "with a fixed count of cells; slopes of straight lines through the logarithms. Bones that scenes share "
+             "count once. Bytes hold what clearance cache keep of the muscle's nodes, too."]
+    return files + _with_caption(drawn, title, texts, _cases(probes or aggregates))
+
+
+def _draw_stages(coupled: list[Aggregate], replays: list[Aggregate], folder: Path) -> list[Path]:
+    title = "Where the time of a frame goes"
+    files = draw_stages(stage_rows(coupled, replays), folder / "stages")
+    texts = ["Medians over the frames without warm-up of each stage of the loop, as shares of their sum; the words "
+             "tell milliseconds a frame. Each backend in its default; of fcl also the fastest configuration that "
+             "answers right on replayed positions. Judging and writing are outside."]
+    return _with_caption(files, title, texts, _cases(coupled))
+
+
+def _with_caption(files: list[Path], title: str, texts: list[str], cases: list[StudyCase]) -> list[Path]:
+    return [*files, captions.write_caption(files[0], title, texts, cases)] if files else []
+
+
+def _left_out(aggregates: list[Aggregate], points) -> str:
+    """What of the plan is not in a picture, and why."""
+    absent = [f"{aggregate.muscle} with {aggregate.configuration.name} ({aggregate.status})" for aggregate in aggregates
+              if not aggregate.is_shown]
+    drawn = set(zip(points["panel"], points["configuration"]))
+    unknown = [f"{one.muscle} with {one.configuration.name} (no error known)" for one in aggregates if one.is_shown
+               and one.configuration.threads == 1 and (one.scene, one.configuration.name) not in drawn]
+    names = absent + unknown
+    return f"Not shown: {', '.join(names)}. Runs of several threads are in the tables." if names else ""
+
+
+def _cases(aggregates: list[Aggregate]) -> list[StudyCase]:
+    return [case for aggregate in aggregates for case in aggregate.cases]

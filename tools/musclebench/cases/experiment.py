@@ -1,0 +1,65 @@
+"""What an experiment decides about its cases: their commands, when one counts as complete, what must not be run."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..program import fingerprint
+from .case import Case, Places
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Becomes the row of a case that is not run."""
+
+    status: str
+    detail: str
+
+
+class Experiment:
+    """The program, its data, and where the results go. Experiments with rules of their own derive from it."""
+
+    final_statuses = frozenset({"ok"})  # a case that ended so is not run again
+
+    def __init__(self, binary: Path, places: Places, force: bool = False):
+        """`force`: complete cases are run again."""
+        self.binary, self.places, self._force = binary.resolve(), places, force
+        self._binary_digest = fingerprint.file_digest(self.binary)
+        self._data_digest = fingerprint.data_digest(places.data_dir)
+
+    def folder(self, case: Case) -> Path:
+        return self.places.out_dir / case.folder
+
+    def command(self, case: Case, folder: Path) -> list[str]:
+        return [str(self.binary), *case.arguments(self.places), *case.output(folder)]
+
+    def print_of(self, case: Case) -> dict:
+        """What the result of a case depends on."""
+        arguments = case.arguments(self.places.symbolic())
+        return fingerprint.fingerprint(arguments, self._binary_digest, self._data_digest, **self.more_inputs(case))
+
+    def is_complete(self, case: Case) -> bool:
+        return fingerprint.status_when_sealed(self.folder(case), self.print_of(case)) in self.final_statuses
+
+    def wants(self, case: Case) -> bool:
+        return self._force or not self.is_complete(case)
+
+    def seal(self, case: Case, folder: Path) -> None:
+        fingerprint.seal(folder, self.print_of(case))
+
+    def more_inputs(self, case: Case) -> dict[str, str]:
+        """Digests of further inputs, by name."""
+        return {}
+
+    def is_ever_run(self, case: Case) -> bool:
+        """False for a case that leaves a row without costing any time."""
+        return True
+
+    def refusal(self, case: Case) -> Refusal | None:
+        """Asked when its turn comes."""
+        return None
+
+    def prepare(self, case: Case, folder: Path) -> None:
+        """Called just before a case starts; `folder` is not there yet, and `musclebench` makes it."""
+
+    def complete(self, case: Case, folder: Path) -> None:
+        """Adds to the folder of a process that ended well what the process did not write."""

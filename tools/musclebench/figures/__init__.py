@@ -1,0 +1,1 @@
+"""Figures drawn from numbers, with the captions that say what was run."""

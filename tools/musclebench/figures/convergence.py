@@ -1,0 +1,109 @@
+"""Figures of convergence: error against cell size by bone and place; build time and bytes against cells."""
+
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from ..accuracy.orders import PLACES, slope
+from . import style
+from .pareto import SERIES_STYLES, series_style
+from .style import plt
+
+PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
+
+
+def draw_errors(rows: pd.DataFrame, stem: Path) -> list[Path]:
+    """One panel a bone and place; a curve a series with its fitted order in the legend."""
+    shown = rows[rows["cell_edge_m"].notna() & (rows["p99_error_m"] > 0) & rows["place"].isin(PLACES)]
+    if shown.empty:
+        return []
+    style.apply_style()
+    bones = list(dict.fromkeys(shown["bone"]))
+    figure, panels = plt.subplots(len(bones), len(PLACES), figsize=(10.4, 3.9 * len(bones)), squeeze=False, sharex=True,
+                                  sharey=True)
+    for line, bone in enumerate(bones):
+        for column, place in enumerate(PLACES):
+            axes = panels[line, column]
+            _draw_curves(axes, shown[(shown["bone"] == bone) & (shown["place"] == place)])
+            axes.set_title(f"{bone}, {place} places", loc="left")
+            axes.xaxis.set_tick_params(labelbottom=True)
+            axes.yaxis.set_tick_params(labelleft=True)
+        panels[line, 0].set_ylabel("depth error, 99th percentile (mm)")
+    for axes in panels[-1]:
+        axes.set_xlabel("edge of a cell (mm)")
+    figure.suptitle("Error against cell size at points about the bones", x=0.01, ha="left", fontsize=12)
+    figure.tight_layout(rect=(0, 0, 1, 0.98), w_pad=1.5, h_pad=1.5)
+    return _save(figure, rows, stem)
+
+
+def _draw_curves(axes, rows: pd.DataFrame) -> None:
+    axes.set(xscale="log", yscale="log")
+    for series in style.in_order(rows["series"], list(SERIES_STYLES)):
+        curve = rows[rows["series"] == series]
+        order = curve["fitted_order"].iloc[0]
+        known = f", order {order:.1f}" if pd.notna(order) else ""
+        _draw_curve(axes, 1e3 * curve["cell_edge_m"], 1e3 * curve["p99_error_m"], series, f"{series}{known}")
+    _draw_guides(axes, rows)
+    _plain_ticks(axes)
+    # Curves rise to the right, so that the lower right corner is free.
+    axes.legend(loc="lower right", fontsize=7.5, framealpha=0.85, edgecolor="none")
+
+
+def _draw_curve(axes, x, y, series: str, label: str) -> None:
+    """Double precision hollow and larger: it mostly lies upon single."""
+    shape, dashes = series_style(series)
+    is_double = " double " in series
+    axes.plot(x, y, linestyle=dashes, marker=shape, markersize=7.5 if is_double else 4.5, label=label,
+              markerfacecolor="none" if is_double else None, color=style.backend_colour(series.split()[0]))
+
+
+def _draw_guides(axes, rows: pd.DataFrame) -> None:
+    """Slopes 1 and 2 through the middle of the curves' coarse ends."""
+    if rows.empty:
+        return
+    right, left = 1e3 * rows["cell_edge_m"].max(), 1e3 * rows["cell_edge_m"].min()
+    top = 1e3 * rows.loc[rows["cell_edge_m"].idxmax(), "p99_error_m"]
+    for order, dashes in ((1, (0, (1, 2))), (2, (0, (5, 3)))):
+        axes.plot([left, right], [top * (left / right) ** order, top], color="#aaaaaa", linewidth=0.9, linestyle=dashes,
+                  zorder=1, label=f"slope {order}")
+
+
+def draw_costs(rows: pd.DataFrame, stem: Path) -> list[Path]:
+    """Build time and bytes against the number of cells, each with its slope."""
+    if rows.empty:
+        return []
+    style.apply_style()
+    figure, panels = plt.subplots(1, 2, figsize=(10.4, 4.2))
+    for axes, key, title, unit in ((panels[0], "build_s", "build time (s)", 1.0),
+                                   (panels[1], "structure_bytes", "structures (MB)", 1e-6)):
+        axes.set(xscale="log", yscale="log", xlabel="cells of all bones", ylabel=title)
+        for bones, series in _curves(rows):
+            curve = rows[(rows["bones"] == bones) & (rows["series"] == series) & rows[key].notna()]
+            fitted = slope(curve["cells"], curve[key])
+            known = f", slope {fitted:.2f}" if pd.notna(fitted) else ""
+            _draw_curve(axes, curve["cells"], unit * curve[key], series, f"{series}{known}")
+        axes.yaxis.set_major_formatter(PLAIN)
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.legend(loc="upper left", fontsize=7.5, framealpha=0.85, edgecolor="none")
+    figure.suptitle("What resolution costs before the first frame", x=0.01, ha="left", fontsize=12)
+    figure.tight_layout(rect=(0, 0, 1, 0.98), w_pad=1.5)
+    return _save(figure, rows, stem)
+
+
+def _curves(rows: pd.DataFrame) -> list[tuple[str, str]]:
+    series = style.in_order(rows["series"], list(SERIES_STYLES))
+    return [(bones, name) for bones in dict.fromkeys(rows["bones"]) for name in series]
+
+
+def _plain_ticks(axes) -> None:
+    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    for one in (axes.xaxis, axes.yaxis):
+        one.set_major_formatter(PLAIN)
+        one.set_minor_formatter(NullFormatter())
+
+
+def _save(figure, rows: pd.DataFrame, stem: Path) -> list[Path]:
+    table = stem.with_suffix(".csv")
+    rows.to_csv(table, index=False)
+    return [*style.save_figure(figure, stem), table]

@@ -1,0 +1,169 @@
+"""Figures drawn from frames.csv: collision time (Fig. 7), memory (Fig. 8) and true depth by frame."""
+
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+from ..paper.published import Published
+from ..results.run_folder import Run
+from ..tables.paper_tables import MEGABYTE, by_case, collision_ratio
+from ..tables.table_formats import as_ratio
+from . import style
+from .style import plt
+
+MUSCLE_OF_FIGURES = "iliacus"
+PLAIN_NUMBERS = FuncFormatter(lambda value, _: f"{value:g}")
+
+
+def caption(runs: list[Run]) -> str:
+    """What was run, on what, how often."""
+    first = runs[0].record
+    case, build, machine = first["case"], first.get("build", {}), first.get("machine", {})
+    frames = max((run.record.get("frames") or 0) for run in runs)
+    data, threads = case["scene"].split("/")[0], case.get("threads", "?")
+    git = build.get("git", "unknown")
+    known = [
+        f"{data} data, {case.get('preset', '?')} preset, {frames} frames, one run a case, threads: {threads}",
+        machine.get("cpu"), build.get("compiler"), f"git {git}" if git != "unknown" else None,
+    ]
+    return "; ".join(text for text in known if text)
+
+
+def draw_figures(runs: list[Run], published: Published, folder: Path) -> list[Path]:
+    """Figures of the runs that left frames; each with its rows as CSV. Returns the files."""
+    style.apply_style()
+    with_frames = [run for run in runs if not run.frames.empty]
+    cases = by_case(with_frames)
+    iliacus = {backend: run for (muscle, backend), run in cases.items() if muscle == MUSCLE_OF_FIGURES}
+    files: list[Path] = []
+    if iliacus:
+        files += _draw_times(cases, iliacus, published, folder)
+        files += _draw_memory(iliacus, folder)
+    if cases:
+        files += _draw_depths(cases, folder)
+    return files
+
+
+def _draw_times(cases, iliacus: dict[str, Run], published: Published, folder: Path) -> list[Path]:
+    shown = {backend: run for backend, run in iliacus.items() if backend != "null"}
+    figure, axes = plt.subplots(figsize=(8.2, 4.4))
+    labels = []
+    for backend, run in shown.items():
+        frames = run.timed_frames
+        milliseconds = frames["collision_ns"] / 1e6
+        _line(axes, backend, frames["frame"], milliseconds)
+        ratio = collision_ratio(cases, MUSCLE_OF_FIGURES, backend)
+        paper = published.time_ratio(backend)
+        note = "" if backend == "voxel" else f": {as_ratio(ratio.value)} x voxel\n(paper: {paper or 'none'})"
+        labels.append((milliseconds.iloc[-30:].median(), f"{backend}{note}", backend))
+    axes.set_yscale("log")
+    axes.yaxis.set_major_formatter(PLAIN_NUMBERS)
+    axes.set(xlabel="frame", ylabel="collision time a frame (ms)")
+    axes.set_title("Fig. 7  Collision time (update + detect + respond), iliacus", loc="left")
+    _label_ends(axes, labels)
+    _angle_axis(axes, next(iter(shown.values())))
+    _footnote(figure, list(shown.values()))
+    rows = _rows(shown, ["update_ns", "detect_ns", "respond_ns", "collision_ns"])
+    return _save(figure, rows, folder / "fig_7_collision_time")
+
+
+def _draw_memory(iliacus: dict[str, Run], folder: Path) -> list[Path]:
+    figure, axes = plt.subplots(figsize=(8.2, 4.4))
+    labels = []
+    for backend, run in iliacus.items():
+        megabytes = run.frames["resident_bytes"] / MEGABYTE
+        _line(axes, backend, run.frames["frame"], megabytes)
+        growth = megabytes.iloc[-1] - megabytes.iloc[0]
+        labels.append((megabytes.iloc[-1], f"{backend}: {megabytes.iloc[0]:.0f} MB, {growth:+.1f} MB", backend))
+    axes.set_ylim(bottom=0)
+    axes.set(xlabel="frame", ylabel="resident memory of the process (MB)")
+    axes.set_title("Fig. 8  Memory by frame, iliacus (first frame, growth to the last)", loc="left")
+    _label_ends(axes, labels)
+    _angle_axis(axes, next(iter(iliacus.values())))
+    _footnote(figure, list(iliacus.values()))
+    return _save(figure, _rows(iliacus, ["resident_bytes"]), folder / "fig_8_memory")
+
+
+def _draw_depths(cases, folder: Path) -> list[Path]:
+    muscles = list(dict.fromkeys(muscle for muscle, _ in cases))
+    figure, panels = plt.subplots(
+        2, len(muscles), figsize=(max(3.1 * len(muscles), 6.0), 5.4), sharex=True, sharey="row", squeeze=False
+    )
+    for place, muscle in enumerate(muscles):
+        for (name, backend), run in cases.items():
+            if name == muscle:
+                _line(panels[0, place], backend, run.frames["frame"], 1e3 * run.frames["max_depth_m"], label=backend)
+                _line(panels[1, place], backend, run.frames["frame"], 1e3 * run.frames["mean_depth_m"])
+        panels[0, place].set_title(style.muscle_label(muscle))
+        panels[1, place].set_xlabel("frame")
+    for row, text in ((0, "largest depth (mm)"), (1, "mean depth of nodes inside (mm)")):
+        panels[row, 0].set_ylabel(text)
+        panels[row, 0].set_yscale("symlog", linthresh=0.1)
+        panels[row, 0].set_ylim(bottom=0)
+        panels[row, 0].yaxis.set_major_formatter(PLAIN_NUMBERS)
+    figure.suptitle("True depth of the muscle's nodes in the bones (linear below 0.1 mm)", x=0.02, ha="left", y=1.04)
+    handles = {h.get_label(): h for panel in panels[0] for h in panel.get_lines()}
+    figure.legend(handles.values(), handles.keys(), ncols=len(handles), loc="upper left", bbox_to_anchor=(0.01, 1.0),
+                  frameon=False)
+    figure.tight_layout(rect=(0, 0, 1, 0.99))
+    runs = list(cases.values())
+    _footnote(figure, runs)
+    columns = ["nodes_inside", "max_depth_m", "p99_depth_m", "mean_depth_m"]
+    return _save(figure, _rows_of_cases(cases, columns), folder / "depth_by_frame")
+
+
+def _line(axes, backend: str, x, y, label=None) -> None:
+    axes.plot(x, y, color=style.backend_colour(backend), linestyle=style.BACKEND_DASHES.get(backend, "dashdot"),
+              label=label, linewidth=1.4)
+
+
+def _label_ends(axes, labels: list[tuple[float, str, str]]) -> None:
+    """Names beside the right ends of the lines, pushed apart so that none covers another."""
+    axes.figure.canvas.draw()
+    to_axes = axes.transAxes.inverted()
+    height = 0.0
+    for value, text, backend in sorted(label for label in labels if pd.notna(label[0])):
+        wanted = to_axes.transform(axes.transData.transform((0, value)))[1]
+        lines = text.count("\n") + 1
+        height = max(wanted, height + 0.03 * lines)
+        axes.text(1.015, height, text, transform=axes.transAxes, va="center", color=style.backend_colour(backend),
+                  fontweight="bold", fontsize=9)
+        height += 0.035 * lines
+
+
+def _angle_axis(axes, run: Run) -> None:
+    """Flexion at the frames of the ticks, above the panel."""
+    angles = run.frames.set_index("frame")["angle_deg"].dropna()
+    if angles.empty:
+        return
+    top = axes.secondary_xaxis("top")
+    places = angles.index[[round(i * (len(angles) - 1) / 4) for i in range(5)]]
+    top.set_xticks(places, [f"{angles[frame]:.0f}°" for frame in places])
+    top.spines["top"].set_visible(False)
+    top.tick_params(length=0, colors="#666666", labelsize=9, pad=0)
+
+
+def _footnote(figure: Figure, runs: list[Run]) -> None:
+    figure.text(0.02, -0.02, caption(runs), fontsize=7.5, color="#555555", va="top")
+
+
+def _rows(runs: dict[str, Run], columns: list[str]) -> pd.DataFrame:
+    return _rows_of_cases({(run.muscle, backend): run for backend, run in runs.items()}, columns)
+
+
+def _rows_of_cases(cases, columns: list[str]) -> pd.DataFrame:
+    parts = []
+    for (muscle, backend), run in cases.items():
+        part = run.frames.reindex(columns=["frame", "angle_deg", "warm_up", *columns])
+        part.insert(0, "backend", backend)
+        part.insert(0, "muscle", muscle)
+        parts.append(part)
+    return pd.concat(parts, ignore_index=True)
+
+
+def _save(figure: Figure, rows: pd.DataFrame, stem: Path) -> list[Path]:
+    table = stem.with_suffix(".csv")
+    rows.to_csv(table, index=False)
+    return [*style.save_figure(figure, stem), table]

@@ -1,0 +1,1 @@
+"""The experiment of the paper: its cases and its published numbers."""

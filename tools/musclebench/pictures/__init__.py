@@ -1,0 +1,1 @@
+"""Pictures of muscles on their bones, drawn off screen with VTK."""

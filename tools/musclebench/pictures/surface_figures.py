@@ -1,0 +1,200 @@
+"""Fig. 6 (shape and depth of the iliacus), the other muscles at full flexion, and the attachments."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable
+
+import numpy as np
+import pandas as pd
+from matplotlib import cm, colors
+
+from ..figures import style
+from ..figures.paper_figures import MUSCLE_OF_FIGURES, caption
+from ..figures.style import plt
+from ..results.run_folder import Run
+from ..tables.paper_tables import by_case
+from .surface_pictures import (
+    ATTACHMENT_COLOURS, DEPTH_COLOURS, INSIDE_FROM_MM, Snapshot, Studio, bound_nodes_by_bone, read_snapshots,
+)
+
+
+DEEPEST_SHOWN_MM = 5
+
+
+@dataclass
+class Moments:
+    """The snapshots that the pictures show."""
+
+    rest: Snapshot
+    half: Snapshot
+    full: Snapshot
+
+
+def draw_surface_figures(runs: list[Run], folder: Path, say: Callable[[str], None]) -> list[Path]:
+    """Figures of the runs that left snapshots. Returns the files; `say` hears what is being drawn."""
+    style.apply_style()
+    cases = {case: run for case, run in by_case(runs).items() if run.record.get("snapshots")}
+    moments = {case: choose_moments(read_snapshots(run)) for case, run in cases.items()}
+    moments = {case: chosen for case, chosen in moments.items() if chosen is not None}
+    muscles = list(dict.fromkeys(muscle for muscle, _ in moments))
+    studios = {muscle: Studio(next(cases[case] for case in moments if case[0] == muscle)) for muscle in muscles}
+    shown = [cases[case] for case in moments]
+    files: list[Path] = []
+    iliacus = {backend: chosen for (muscle, backend), chosen in moments.items() if muscle == MUSCLE_OF_FIGURES}
+    if iliacus:
+        files += _draw_iliacus(studios[MUSCLE_OF_FIGURES], iliacus, shown, folder, say)
+    if moments:
+        files += _draw_full_flexion(studios, moments, shown, folder, say)
+        files += _draw_attachments(studios, cases, moments, shown, folder, say)
+    return files
+
+
+def choose_moments(snapshots: list[Snapshot]) -> Moments | None:
+    """Rest is the first snapshot, full the one of the largest angle, half the one nearest to half of that."""
+    if not snapshots:
+        return None
+    full = max(snapshots, key=lambda s: s.angle_deg)
+    half = min(snapshots, key=lambda s: abs(s.angle_deg - full.angle_deg / 2))
+    return Moments(snapshots[0], half, full)
+
+
+def depth_scale_mm(moments: dict) -> float:
+    """Upper end of the colour scale: the greatest depth with collision handling, but no more than shows small ones."""
+    depths = [
+        snapshot.depth_mm.max()
+        for case, chosen in moments.items()
+        for snapshot in (chosen.rest, chosen.half, chosen.full)
+        if "null" not in (case, case[-1])
+    ]
+    return min(math.ceil(max([1.0, *depths])), DEEPEST_SHOWN_MM)
+
+
+def _draw_iliacus(studio: Studio, moments: dict[str, Moments], runs, folder: Path, say) -> list[Path]:
+    deepest_mm = depth_scale_mm(moments)
+    figure, panels = plt.subplots(len(moments), 5, figsize=(14.0, 2.65 * len(moments) + 1.25), squeeze=False)
+    for row, (backend, chosen) in enumerate(moments.items()):
+        say(f"Fig. 6, {backend}")
+        pictures = [studio.overview(s, deepest_mm) for s in (chosen.rest, chosen.half, chosen.full)]
+        pictures += [studio.close_up(s, deepest_mm) for s in (chosen.half, chosen.full)]
+        for place, picture in enumerate(pictures):
+            _show(panels[row, place], picture)
+        _row_name(panels[row, 0], backend, style.backend_colour(backend))
+        for place, snapshot in ((3, chosen.half), (4, chosen.full)):
+            _note_depth(panels[row, place], snapshot)
+    first = next(iter(moments.values()))
+    heads = [("rest", first.rest), ("half flexion", first.half), ("full flexion", first.full),
+             ("half, through the bones", first.half), ("full, through the bones", first.full)]
+    for place, (text, snapshot) in enumerate(heads):
+        panels[0, place].set_title(f"{text} ({snapshot.angle_deg:.0f}°)", fontsize=10)
+    title = "Fig. 6  Iliacus over the hip joint; left from in front, right the joint from behind"
+    _finish(figure, title, runs, deepest_mm)
+    rows = _depth_rows({(MUSCLE_OF_FIGURES, backend): chosen for backend, chosen in moments.items()})
+    return _save(figure, rows, folder / "fig_6_iliacus")
+
+
+def _draw_full_flexion(studios, moments, runs, folder: Path, say) -> list[Path]:
+    backends = style.in_order((backend for _, backend in moments), style.BACKENDS)
+    deepest_mm = depth_scale_mm(moments)
+    size = (2.6 * len(backends) + 1.4, 2.65 * len(studios) + 1.25)
+    figure, panels = plt.subplots(len(studios), len(backends), figsize=size, squeeze=False)
+    for row, (muscle, studio) in enumerate(studios.items()):
+        say(f"full flexion, {style.muscle_label(muscle)}")
+        for place, backend in enumerate(backends):
+            chosen = moments.get((muscle, backend))
+            if chosen is None:
+                _show_missing(panels[row, place])
+                continue
+            _show(panels[row, place], studio.overview(chosen.full, deepest_mm))
+            _note_depth(panels[row, place], chosen.full)
+        _row_name(panels[row, 0], style.muscle_label(muscle), "black")
+    for place, backend in enumerate(backends):
+        panels[0, place].set_title(backend, fontsize=11, fontweight="bold", color=style.backend_colour(backend))
+    angle = max(chosen.full.angle_deg for chosen in moments.values())
+    _finish(figure, f"All muscles at full flexion ({angle:.0f}°)", runs, deepest_mm)
+    return _save(figure, _depth_rows(moments), folder / "muscles_at_full_flexion")
+
+
+def _draw_attachments(studios, cases, moments, runs, folder: Path, say) -> list[Path]:
+    width, height = 3.4 * len(studios) + 0.4, 5.2
+    figure, panels = plt.subplots(1, len(studios), figsize=(width, height), squeeze=False)
+    left, bottom = 0.1 / width, 1.0 / height
+    figure.subplots_adjust(left=left, right=1 - left, top=1 - bottom, bottom=bottom, wspace=0.05)
+    rows = []
+    for panel, (muscle, studio) in zip(panels[0], studios.items()):
+        say(f"attachments, {style.muscle_label(muscle)}")
+        case = next(case for case in moments if case[0] == muscle)
+        rest = moments[case].rest
+        groups = bound_nodes_by_bone(rest, studio.bones)
+        _show(panel, studio.attachments(rest, list(groups.values())))
+        panel.set_title(style.muscle_label(muscle))
+        listed = [{"muscle": muscle, **entry} for entry in cases[case].record.get("attachments", [])]
+        rows += listed
+        lines = [f"{entry['name']} ({entry['bone']}): {entry['nodes']} nodes" for entry in listed]
+        panel.text(0.0, -0.03, "\n".join(lines), transform=panel.transAxes, va="top", fontsize=9)
+    figure.suptitle("Bound nodes at rest, seen through the muscle", x=left, y=1 - 0.1 / height, ha="left", va="top")
+    _bone_legend(figure, next(iter(studios.values())), (left, 1 - 0.3 / height))
+    figure.text(left, 0.15 / height, caption(runs), fontsize=7.5, color="#555555", va="top")
+    return _save(figure, pd.DataFrame(rows), folder / "attachments")
+
+
+def _bone_legend(figure, studio: Studio, place) -> None:
+    marks = [plt.Line2D([], [], marker="o", linestyle="", color=c) for c, _ in zip(ATTACHMENT_COLOURS, studio.bones)]
+    names = [f"nearest to {name}" for name in studio.bones]
+    figure.legend(marks, names, ncols=len(names), loc="upper left", bbox_to_anchor=place, borderaxespad=0,
+                  frameon=False)
+
+
+def _show(panel, picture: np.ndarray) -> None:
+    panel.imshow(picture, interpolation="antialiased")
+    panel.set_axis_off()
+
+
+def _show_missing(panel) -> None:
+    panel.text(0.5, 0.5, "no snapshot", ha="center", va="center", color="#888888", transform=panel.transAxes)
+    panel.set_axis_off()
+
+
+def _row_name(panel, text: str, colour) -> None:
+    panel.text(-0.04, 0.5, text, rotation=90, ha="right", va="center", fontsize=12, fontweight="bold", color=colour,
+               transform=panel.transAxes)
+
+
+def _note_depth(panel, snapshot: Snapshot) -> None:
+    depth = snapshot.depth_mm
+    inside = int(np.count_nonzero(depth > INSIDE_FROM_MM))
+    text = f"{inside} nodes inside, {max(depth.max(), 0.0):.2f} mm" if inside else "no node inside"
+    panel.text(0.5, -0.01, text, ha="center", va="top", fontsize=8, transform=panel.transAxes)
+
+
+def _finish(figure, title: str, runs, deepest_mm: float) -> None:
+    width, height = figure.get_size_inches()
+    figure.subplots_adjust(wspace=0.03, hspace=0.1, left=0.5 / width, right=1 - 0.9 / width, bottom=0.5 / height,
+                           top=1 - 0.75 / height)
+    figure.suptitle(title, x=0.1 / width, y=1 - 0.1 / height, ha="left", va="top", fontsize=13)
+    scale = cm.ScalarMappable(colors.Normalize(0, deepest_mm), DEPTH_COLOURS)
+    bar = figure.colorbar(scale, cax=figure.add_axes([1 - 0.75 / width, 0.3, 0.15 / width, 0.4]), extend="max")
+    bar.set_label(f"depth in a bone (mm)\nred: outside or less than {INSIDE_FROM_MM} mm")
+    text = f"{caption(runs)}. Bones are cut beside the muscle for sight."
+    figure.text(0.1 / width, 0.15 / height, text, fontsize=7.5, color="#555555", va="top")
+
+
+def _depth_rows(moments: dict) -> pd.DataFrame:
+    rows = []
+    for (muscle, backend), chosen in moments.items():
+        for moment in ("rest", "half", "full"):
+            snapshot = getattr(chosen, moment)
+            inside = snapshot.depth_mm[snapshot.depth_mm > 0]
+            rows.append({
+                "muscle": muscle, "backend": backend, "moment": moment, "frame": snapshot.frame,
+                "angle_deg": snapshot.angle_deg, "nodes_inside": len(inside),
+                "largest_depth_mm": inside.max() if len(inside) else 0.0,
+                "mean_depth_mm": inside.mean() if len(inside) else 0.0,
+            })
+    return pd.DataFrame(rows)
+
+
+def _save(figure, rows: pd.DataFrame, stem: Path) -> list[Path]:
+    table = stem.with_suffix(".csv")
+    rows.to_csv(table, index=False)
+    return [*style.save_figure(figure, stem), table]

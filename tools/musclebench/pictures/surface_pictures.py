@@ -1,0 +1,122 @@
+"""Pictures of single snapshots: the muscle coloured by depth on posed bones, and its bound nodes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.colors import LinearSegmentedColormap
+from scipy.spatial import cKDTree
+
+from ..results.ply import PlyMesh, read_ply
+from ..results.run_folder import ResultProblem, Run
+from . import views
+from .rendering import Scene3d
+
+PICTURE_PIXELS = 620
+MUSCLE_COLOUR = np.array([178, 88, 80])
+DEPTH_COLOURS = LinearSegmentedColormap.from_list("depth", ["#9fe8f2", "#37a7d8", "#1f4fb0", "#120a5c"])
+INSIDE_FROM_MM = 0.02  # shallower than this counts as touching
+SEE_THROUGH_BONE = 0.2
+SEE_THROUGH_MUSCLE = 0.35
+BALL_SHARE = 0.011  # radius of a marked node, of half the picture's height
+ATTACHMENT_COLOURS = [(0.0, 0.45, 0.70), (0.90, 0.62, 0.0), (0.80, 0.47, 0.65), (0.0, 0.62, 0.45)]
+
+
+@dataclass
+class Snapshot:
+    """One frame of a run."""
+
+    frame: int
+    angle_deg: float
+    mesh: PlyMesh
+    poses: list[tuple[np.ndarray, np.ndarray]]  # rotation (3, 3) and translation_m (3,) of each bone
+
+    @property
+    def depth_mm(self) -> np.ndarray:
+        return 1e3 * self.mesh.extra["depth_m"]
+
+
+def read_snapshots(run: Run) -> list[Snapshot]:
+    """By frame; those with positions that are not numbers are left out."""
+    snapshots = []
+    for entry in run.record.get("snapshots", []):
+        poses = [(np.reshape(p["rotation"], (3, 3)), np.array(p["translation_m"])) for p in entry["bone_poses"]]
+        mesh = read_ply(run.folder / entry["file"])
+        if "depth_m" not in mesh.extra or "attached" not in mesh.extra:
+            raise ResultProblem(f"{run.folder / entry['file']}: lacks depth_m or attached; run the case again")
+        if np.isfinite(mesh.vertices_m).all():
+            snapshots.append(Snapshot(entry["frame"], entry["angle_deg"], mesh, poses))
+    return sorted(snapshots, key=lambda snapshot: snapshot.frame)
+
+
+def read_bones(run: Run) -> dict[str, PlyMesh]:
+    """{name: mesh in the rest pose}, in the order of the poses."""
+    return {bone["name"]: read_ply(run.folder / "meshes" / f"{bone['name']}.ply") for bone in run.record["bones"]}
+
+
+class Studio:
+    """Bones of one scene, loaded once, and its cameras, which hold every shape of the given run of that scene."""
+
+    def __init__(self, run: Run):
+        self.bones = read_bones(run)
+        self._scene = Scene3d(PICTURE_PIXELS, PICTURE_PIXELS)
+        for name, bone in self.bones.items():
+            self._scene.set_bone(name, bone.vertices_m, bone.triangles)
+        shapes = [snapshot.mesh.vertices_m for snapshot in read_snapshots(run)]
+        body = _directions(run, self.bones)
+        self._overview = views.overview(body, run.muscle, np.vstack(shapes))
+        self._close_up = views.close_up(body, run.muscle, shapes[0])
+        self._scene.cut_bones(views.cut_beside(body, shapes[0]))
+
+    def overview(self, snapshot: Snapshot, deepest_mm: float) -> np.ndarray:
+        self._show(snapshot, depth_colours(snapshot.depth_mm, deepest_mm))
+        self._scene.set_bone_opacity(1.0)
+        return self._scene.picture(self._overview)
+
+    def close_up(self, snapshot: Snapshot, deepest_mm: float) -> np.ndarray:
+        """The joint seen through its bones."""
+        self._show(snapshot, depth_colours(snapshot.depth_mm, deepest_mm))
+        self._scene.set_bone_opacity(SEE_THROUGH_BONE)
+        return self._scene.picture(self._close_up)
+
+    def attachments(self, snapshot: Snapshot, groups: list[np.ndarray]) -> np.ndarray:
+        """Bound nodes, one colour a group of vertex indices, seen through the muscle."""
+        vertices = snapshot.mesh.vertices_m
+        self._show(snapshot, np.tile(MUSCLE_COLOUR, (len(vertices), 1)), SEE_THROUGH_MUSCLE)
+        self._scene.set_bone_opacity(1.0)
+        for place, nodes in enumerate(groups):
+            colour = ATTACHMENT_COLOURS[place % len(ATTACHMENT_COLOURS)]
+            self._scene.add_points(vertices[nodes], BALL_SHARE * self._overview.half_height_m, colour)
+        return self._scene.picture(self._overview)
+
+    def _show(self, snapshot: Snapshot, colours: np.ndarray, opacity: float = 1.0) -> None:
+        for name, (rotation, translation_m) in zip(self.bones, snapshot.poses):
+            self._scene.pose_bone(name, rotation, translation_m)
+        self._scene.clear_muscle()
+        self._scene.add_muscle(snapshot.mesh.vertices_m, snapshot.mesh.triangles, colours, opacity)
+
+
+def depth_colours(depth_mm: np.ndarray, deepest_mm: float) -> np.ndarray:
+    """(n, 3) bytes: the muscle's own colour outside, the depth scale inside."""
+    scale = 255 * DEPTH_COLOURS(np.clip(depth_mm / deepest_mm, 0, 1))[:, :3]
+    return np.where((depth_mm > INSIDE_FROM_MM)[:, None], scale, MUSCLE_COLOUR).astype(np.uint8)
+
+
+def bound_nodes_by_bone(snapshot: Snapshot, bones: dict[str, PlyMesh]) -> dict[str, np.ndarray]:
+    """{bone: vertex indices}: each bound node counts for the bone that is nearest to it at rest."""
+    bound = np.flatnonzero(snapshot.mesh.extra["attached"])
+    gaps = [
+        cKDTree(bone.vertices_m @ rotation.T + translation_m).query(snapshot.mesh.vertices_m[bound])[0]
+        for bone, (rotation, translation_m) in zip(bones.values(), snapshot.poses)
+    ]
+    nearest = np.argmin(gaps, axis=0)
+    return {name: bound[nearest == place] for place, name in enumerate(bones)}
+
+
+def _directions(run: Run, bones: dict[str, PlyMesh]) -> views.BodyDirections:
+    """From the first bone that moves."""
+    for entry in run.record["bones"]:
+        motion = entry.get("motion", {})
+        if motion.get("angles_rad"):
+            axis, centre_m = np.array(motion["axis"]), np.array(motion["centre_m"])
+            return views.body_directions(axis, centre_m, bones[entry["name"]].vertices_m)
+    raise ResultProblem(f"{run.folder / 'run.json'}: no bone moves, so it is unknown which way the body faces")

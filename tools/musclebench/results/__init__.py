@@ -1,0 +1,1 @@
+"""Reads the result folders of runs; statistics of their rows."""

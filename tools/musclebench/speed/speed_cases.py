@@ -1,0 +1,116 @@
+"""The cases of the speed table: coupled runs of configurations, and groups of Google Benchmark kernels."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..cases.case import Case, Places
+from ..cases.muscle_scene import ITERATIONS_A_FRAME, PRESET, MuscleScene
+
+STRUCTURES_DIR = "structures"  # of the distance fields, below the experiment's folder: built once, loaded by all
+KERNELS_FILE = "kernels.json"
+MICRO_PROGRAM = "musclebench_micro"
+FRAMES_A_SECOND = 100.0  # of the loop without collision, at the reference
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One backend as it is raced."""
+
+    label: str
+    backend: str
+    parameters: tuple[tuple[str, object], ...] = ()
+    step_ms: float = 0.1  # guessed, at the reference
+    stores: bool = False
+
+
+@dataclass(frozen=True)
+class RaceCase(Case):
+    """A coupled run that nobody judges, on one thread."""
+
+    scene: MuscleScene
+    setting: Setting
+    repetition: int = 0
+
+    @property
+    def name(self) -> str:
+        return f"{self.scene.muscle}-{self.setting.label}-r{self.repetition}"
+
+    @property
+    def kind(self) -> str:
+        return f"race {self.setting.label}"
+
+    @property
+    def guessed_seconds(self) -> float:
+        a_frame = 1 / FRAMES_A_SECOND + ITERATIONS_A_FRAME * self.setting.step_ms * 1e-3
+        return 2.0 + self.scene.size * self.scene.frames * a_frame
+
+    def arguments(self, places: Places) -> list[str]:
+        words = ["run", self.scene.name, "--backend", self.setting.backend, "--preset", PRESET,
+                 "--threads", "1", "--no-referee", "--repetition", str(self.repetition)]
+        for key, value in self.setting.parameters:
+            words += ["--param", f"{key}={value}"]
+        if self.setting.stores:
+            words += ["--param", f"structures={places.out_dir / STRUCTURES_DIR}"]
+        return [*words, *self.scene.data_arguments(places), *self.scene.frames_arguments()]
+
+    def record(self) -> dict:
+        return {"mode": "coupled", "scene": self.scene.name, "preset": PRESET,
+                "backend": self.setting.backend, "parameters": dict(self.setting.parameters), "threads": 1,
+                "repetition": self.repetition}
+
+
+@dataclass(frozen=True)
+class KernelGroup:
+    """Kernels that run in one process, their repetitions in random order among each other."""
+
+    name: str
+    pattern: str  # regular expression of the kernels' names
+    seconds: float  # guessed
+    threads: int = 1
+    varies: bool = True  # False: bytes and counts, which are the same in every repetition
+    program: str = MICRO_PROGRAM  # or one beside it, which is only built where its library is installed
+
+
+@dataclass(frozen=True)
+class KernelCase(Case):
+    scene: MuscleScene
+    group: KernelGroup
+    repetition: int = 0
+    repetitions_inside: int = 5  # of each kernel, in the process
+    least_seconds: float = 0.2  # of each of those
+
+    @property
+    def name(self) -> str:
+        return f"kernels-{self.group.name}-r{self.repetition}"
+
+    @property
+    def kind(self) -> str:
+        return f"kernels {self.group.name}"
+
+    @property
+    def threads(self) -> int:
+        return self.group.threads
+
+    @property
+    def guessed_seconds(self) -> float:
+        return self.group.seconds
+
+    def environment(self, places: Places) -> list[str]:
+        """Assignments of the variables that tell the kernels what to measure."""
+        words = [f"MUSCLEBENCH_MICRO_SCENE={self.scene.name}",
+                 f"MUSCLEBENCH_MICRO_STRUCTURES={places.out_dir / STRUCTURES_DIR}"]
+        return words + ([f"MUSCLEBENCH_DATA={places.data_dir}"] if places.data_dir is not None else [])
+
+    def arguments(self, places: Places) -> list[str]:
+        if not self.group.varies:
+            return [f"--benchmark_filter={self.group.pattern}"]
+        return [f"--benchmark_filter={self.group.pattern}", f"--benchmark_repetitions={self.repetitions_inside}",
+                f"--benchmark_min_time={self.least_seconds}", "--benchmark_enable_random_interleaving=true",
+                "--benchmark_report_aggregates_only=false"]
+
+    def output(self, folder: Path) -> list[str]:
+        return [f"--benchmark_out={folder / KERNELS_FILE}", "--benchmark_out_format=json"]
+
+    def record(self) -> dict:
+        return {"mode": "kernels", "scene": self.scene.name, "group": self.group.name, "threads": self.threads,
+                "repetition": self.repetition}

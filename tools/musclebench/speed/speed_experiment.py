@@ -1,0 +1,71 @@
+"""The speed table as an experiment of two programs: the harness and its kernels."""
+
+import json
+import re
+import subprocess
+from pathlib import Path
+
+from ..cases.case import Case, Places
+from ..cases.experiment import Experiment, Refusal
+from ..program import fingerprint
+
+from .speed_cases import KERNELS_FILE, MICRO_PROGRAM, STRUCTURES_DIR, KernelCase, RaceCase
+
+
+class SpeedExperiment(Experiment):
+    final_statuses = frozenset({"ok", "diverged", "unsupported"})
+
+    def __init__(self, binary: Path, micro: Path, places: Places, force: bool = False):
+        super().__init__(binary, places, force)
+        self._micro = micro.resolve()
+        self._digests: dict[Path, str] = {}
+        self._backends = backends_of(self.binary)
+
+    def command(self, case: Case, folder: Path) -> list[str]:
+        if not isinstance(case, KernelCase):
+            return super().command(case, folder)
+        return ["env", *case.environment(self.places), str(self._program(case)), *case.arguments(self.places),
+                *case.output(folder)]
+
+    def more_inputs(self, case: Case) -> dict[str, str]:
+        if not isinstance(case, KernelCase):
+            return {}
+        return {"kernels_sha256": self._digest(self._program(case)),
+                "environment": " ".join(case.environment(self.places.symbolic()))}
+
+    def is_ever_run(self, case: Case) -> bool:
+        return self._program(case).is_file() if isinstance(case, KernelCase) else case.setting.backend in self._backends
+
+    def refusal(self, case: Case) -> Refusal | None:
+        if self.is_ever_run(case):
+            return None
+        missing = case.group.program if isinstance(case, KernelCase) else f"backend {case.setting.backend}"
+        return Refusal("unsupported", f"not built: {missing}")
+
+    def prepare(self, case: Case, folder: Path) -> None:
+        (self.places.out_dir / STRUCTURES_DIR).mkdir(exist_ok=True)
+        if isinstance(case, KernelCase):
+            folder.mkdir()
+
+    def complete(self, case: Case, folder: Path) -> None:
+        """Google Benchmark leaves numbers; the row that says how the case ended is written here."""
+        if isinstance(case, RaceCase) or not (folder / KERNELS_FILE).is_file():
+            return
+        record = {"schema_version": 1, "status": "ok", "status_detail": "", "case": case.record()}
+        (folder / "run.json").write_text(json.dumps(record) + "\n")
+
+    def _program(self, case: KernelCase) -> Path:
+        """The kernels' program itself under whatever name it was given, or another one beside it."""
+        return self._micro if case.group.program == MICRO_PROGRAM else self._micro.parent / case.group.program
+
+    def _digest(self, program: Path) -> str:
+        """Empty where it is not built."""
+        if program not in self._digests:
+            self._digests[program] = fingerprint.file_digest(program) if program.is_file() else ""
+        return self._digests[program]
+
+
+def backends_of(program: Path) -> set[str]:
+    """Names of the backends that the program was built with."""
+    listed = subprocess.run([str(program), "list"], capture_output=True, text=True, check=False).stdout
+    return set(re.findall(r"^  (\w+)", listed.partition("\n\n")[0], re.MULTILINE))

@@ -1,0 +1,1 @@
+"""The accuracy study: what is swept, planned, run and written down."""

@@ -1,0 +1,116 @@
+"""Which cases the accuracy study has, how often each is repeated, in which order, and how it is split over machines."""
+
+import random
+from dataclasses import dataclass, replace
+
+from ..cases.muscle_scene import VERTICES, MuscleScene
+from .study_cases import CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
+from .sweeps import Configuration, configurations
+
+REPLAY_SECONDS = 4.0  # of the steps of one replay; the stride keeps to it
+QUICK_REPLAY_SECONDS = 2.0
+LONGEST_STRIDE = 16  # 20 of the paper's frames, 2 of them for warming up: fewer don't tell a median
+LONGEST_STRIDE_OF = {"brute_force": 128}  # which is there to be right
+LONGEST_SECONDS = 360.0  # what would take longer is a row with its estimate
+FEWER_REPETITIONS = ((60.0, 1), (8.0, 2))  # of more seconds a repetition there are no more
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a command line asks of the study."""
+
+    data_set: str = "synthetic"
+    muscles: tuple[str, ...] = ("iliacus",)
+    repetitions: int = 3
+    quick: bool = False
+    frames_limit: int | None = None
+    band_mm: float = 10.0
+    shard: tuple[int, int] = (1, 1)  # the i-th of n
+    seed: int = 1
+
+
+StudyCase = RecordCase | MeasuredCase
+
+
+def plan(request: Request) -> list[StudyCase]:
+    """Recordings first, then round by round; the cases of a round are shuffled."""
+    # Whichever muscles are asked for: cases that are complete stay so when others are added.
+    scenes = [MuscleScene(request.data_set, muscle, request.frames_limit, min(VERTICES)) for muscle in request.muscles]
+    chosen = [c for c in configurations() if c.in_quick or not request.quick]
+    firsts = [ProbeCase(scenes[0].probed, configuration) for configuration in chosen if configuration.is_probed]
+    firsts += [case for scene in scenes for configuration in chosen for case in _modes(scene, configuration, request)]
+    measured = _rounds(in_shard(firsts, *request.shard), request)
+    recorded = {case.recording for case in measured if isinstance(case, ReplayCase)}
+    return [case for case in map(RecordCase, scenes) if case in recorded] + measured
+
+
+def is_too_long(case: StudyCase) -> bool:
+    """True for a case that is shown as a row with its estimate and never run."""
+    return isinstance(case, (CoupledCase, ReplayCase)) and case.guessed_seconds > LONGEST_SECONDS
+
+
+def in_shard(cases: list[MeasuredCase], number: int, count: int) -> list[MeasuredCase]:
+    """The number-th (from 1) of `count` parts of about the same time. What shares structures stays on one machine."""
+    groups: dict[tuple, list[MeasuredCase]] = {}
+    for case in cases:
+        groups.setdefault(_group(case), []).append(case)
+    loads, mine = [0.0] * count, set()
+    for key, group in sorted(groups.items(), key=lambda item: (-_seconds(item[1]), item[0])):
+        lightest = loads.index(min(loads))
+        loads[lightest] += _seconds(group)
+        if lightest == number - 1:
+            mine.add(key)
+    return [case for case in cases if _group(case) in mine]
+
+
+def _group(case: MeasuredCase) -> tuple[str, str]:
+    scene = case.scene.probed if case.configuration.is_probed else case.scene
+    return scene.muscle, case.configuration.label
+
+
+def _modes(scene: MuscleScene, configuration: Configuration, request: Request) -> list[MeasuredCase]:
+    cases = []
+    if configuration.replays:
+        stride = stride_of(scene, configuration, QUICK_REPLAY_SECONDS if request.quick else REPLAY_SECONDS)
+        cases.append(ReplayCase(scene, configuration, stride=stride, band_mm=request.band_mm))
+    if configuration.drives or (configuration.threads == 1 and not request.quick):
+        cases.append(CoupledCase(scene, configuration))
+    return cases
+
+
+def stride_of(scene: MuscleScene, configuration: Configuration, seconds: float) -> int:
+    """A power of two, so that the frames of a longer stride are among those of a shorter one. All frames with motion
+    budgets; without, the same for all configurations of a backend, so that their errors are of the same contacts."""
+    if configuration.has_budgets:
+        return 1
+    longest = LONGEST_STRIDE_OF.get(configuration.backend, LONGEST_STRIDE)
+    of_backend = [c for c in configurations() if c.backend == configuration.backend and c.replays
+                  and not c.has_budgets]
+    slowest = max([*of_backend, configuration], key=lambda c: c.step_ms)
+    stride = 1
+    while stride < longest and ReplayCase(scene, slowest, stride=stride).guessed_step_seconds > seconds:
+        stride *= 2
+    return stride
+
+
+def _rounds(firsts: list[MeasuredCase], request: Request) -> list[MeasuredCase]:
+    order = random.Random(request.seed)
+    cases = []
+    for repetition in range(request.repetitions):
+        of_round = [replace(case, repetition=repetition) for case in firsts if repetition < _repetitions(case, request)]
+        order.shuffle(of_round)
+        cases += of_round
+    return cases
+
+
+def _repetitions(case: MeasuredCase, request: Request) -> int:
+    """Errors of a probe and estimates of what is too long don't vary; long runs average over themselves."""
+    if isinstance(case, ProbeCase) or is_too_long(case):
+        return 1
+    another = replace(case, repetition=1).guessed_seconds
+    fewest = [count for seconds, count in FEWER_REPETITIONS if another > seconds]
+    return min([request.repetitions, *fewest])
+
+
+def _seconds(cases: list[MeasuredCase]) -> float:
+    return sum(case.guessed_seconds for case in cases if not is_too_long(case))

@@ -1,0 +1,100 @@
+"""The price list: for each depth error the cheapest configuration that holds it, and what it costs."""
+
+import math
+
+import pandas as pd
+
+from ..accuracy.aggregates import Aggregate, find
+from ..accuracy.front import ALL_MUSCLES, EXACT_MM
+from ..accuracy.rows import VOXEL_64, build_seconds, find_voxel_64, ratio_to
+from ..results.statistics import Estimate, quotient, total
+from .table_formats import Column, Table
+
+TARGETS_MM = (1.0, 0.3, 0.1, 0.03, 0.01)
+MEGABYTE = 1e6
+
+COLUMNS = [
+    Column("muscle", "muscle"), Column("target_mm", "holds (mm)"), Column("configuration", "cheapest"),
+    Column("time_ms", "ms a frame", 3, "ms a\nframe"), Column("ratio", "x voxel 64", 2, "x\nvoxel 64", True),
+    Column("ratio_low", "95 % low", 2, "95 %\nlow", True), Column("ratio_high", "95 % high", 2, "95 %\nhigh", True),
+    Column("build_s", "build s", 2, "build\ns"), Column("structure_mb", "structures MB", 2, "MB"),
+    Column("p99_error_mm", "p99 error mm", 4, "p99\nmm"), Column("max_error_mm", "largest error mm", 3, "largest\nmm"),
+    Column("missed", "missed contacts", 0, "missed"), Column("measured", "measured contacts", 0, "of"),
+    Column("note", "note"),
+]
+SHOWN = [column.key for column in COLUMNS if column.key not in ("muscle", "note", "max_error_mm")]
+
+
+def price_list(replays: list[Aggregate], measured_builds: dict) -> Table:
+    """Of one thread, right and complete configurations. For all muscles a configuration holds what it holds on each."""
+    able = [e for e in replays if e.is_shown and not e.is_wrong and e.configuration.threads == 1
+            and not math.isnan(e.p99_error_mm) and not math.isnan(e.collision_ms.value)]
+    scenes = list(dict.fromkeys(aggregate.scene for aggregate in replays))
+    rows = []
+    for scene in scenes:
+        offers = [_offer([aggregate], replays, measured_builds) for aggregate in able if aggregate.scene == scene]
+        rows += _rows(scene.split("/")[-1], offers)
+    if len(scenes) > 1:
+        rows += _rows(ALL_MUSCLES, _offers_on_all(able, replays, scenes, measured_builds))
+    caption = (
+        "Price list. For each depth error the fastest configuration whose error's 99th percentile over the measured "
+        "contacts of the replayed frames is no larger (fcl only where it answers right); of those whose intervals "
+        "overlap the fastest one's, the one with the fewest bytes. Time as a multiple of voxel with 64 cells on the "
+        "same frames, with its 95 % interval; all muscles: sum of the medians, each over its configuration's frames, "
+        "holding on each, the worst of the errors, building and bytes of the largest. One thread."
+    )
+    return Table("price_list", caption, COLUMNS, pd.DataFrame(rows, columns=[c.key for c in COLUMNS]), SHOWN)
+
+
+def _rows(muscle: str, offers: list[dict]) -> list[dict]:
+    return [_row(muscle, target, offers) for target in TARGETS_MM]
+
+
+def _row(muscle: str, target_mm: float, offers: list[dict]) -> dict:
+    row = {"muscle": muscle, "target_mm": f"{target_mm:g}"}
+    holding = [offer for offer in offers if max(offer["p99_error_mm"], EXACT_MM) <= target_mm]
+    if holding:
+        return row | _cheapest(holding) | {"note": ""}
+    if not offers:
+        return row | {"configuration": "none", "note": "nothing was measured"}
+    best = min(offers, key=lambda offer: (offer["p99_error_mm"], offer["time_ms"]))
+    note = f"none holds it; the best found: {best['configuration']} with {best['p99_error_mm']:.3g} mm"
+    return row | {"configuration": "none", "note": note}
+
+
+def _cheapest(offers: list[dict]) -> dict:
+    """Of those that are as fast as the fastest, as far as the intervals tell, the one with the fewest bytes."""
+    fastest = min(offers, key=lambda offer: (offer["time_ms"], offer["configuration"]))
+    as_fast = [offer for offer in offers if offer["time_ms_low"] <= fastest["time_ms_high"]]
+    return min(as_fast or [fastest], key=lambda offer: (offer["structure_mb"], offer["time_ms"]))
+
+
+def _offers_on_all(able: list[Aggregate], replays: list[Aggregate], scenes: list[str],
+                   measured_builds: dict) -> list[dict]:
+    groups: dict = {}
+    for aggregate in able:
+        groups.setdefault(aggregate.configuration, []).append(aggregate)
+    return [_offer(group, replays, measured_builds) for group in groups.values() if len(group) == len(scenes)]
+
+
+def _offer(group: list[Aggregate], replays: list[Aggregate], measured_builds: dict) -> dict:
+    ratio = ratio_to(group[0], find_voxel_64(replays, group[0])) if len(group) == 1 else _ratio_of_sums(group, replays)
+    time = total([aggregate.collision_ms for aggregate in group])
+    return {
+        "configuration": group[0].configuration.name, "time_ms": time.value, "time_ms_low": time.low,
+        "time_ms_high": time.high,
+        "ratio": ratio.value, "ratio_low": ratio.low, "ratio_high": ratio.high,
+        "build_s": max(build_seconds(aggregate, measured_builds) for aggregate in group),
+        "structure_mb": max(aggregate.structure_bytes for aggregate in group) / MEGABYTE,
+        "p99_error_mm": max(aggregate.p99_error_mm for aggregate in group),
+        "max_error_mm": max(aggregate.max_error_mm for aggregate in group),
+        "missed": sum(aggregate.number("accuracy", "missed_contacts") for aggregate in group),
+        "measured": sum(aggregate.number("accuracy", "measured_contacts") for aggregate in group),
+    }
+
+
+def _ratio_of_sums(group: list[Aggregate], replays: list[Aggregate]) -> Estimate:
+    voxels = [find(replays, aggregate.scene, VOXEL_64) for aggregate in group]
+    if any(voxel is None for voxel in voxels):
+        return Estimate.unknown()
+    return quotient(total([e.collision_ms for e in group]), total([voxel.collision_ms for voxel in voxels]))

@@ -1,1 +1,0 @@
-"""Reads finished runs and makes the tables, figures and pictures of the paper from them."""
