@@ -20,7 +20,10 @@ class SdfBackend final : public CollisionBackend {
   SdfBackend(std::unique_ptr<FieldSource> source, bool wants_cache)
       : m_source(std::move(source)), m_wants_cache(wants_cache) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_detection.has_cache()}; }
+  [[nodiscard]] Capabilities capabilities() const override {
+    return {.remembers = m_detection.has_cache(), .has_step = true};
+  }
+
   [[nodiscard]] bool built_from_file() const override {
     return m_loaded_fields > 0 && m_loaded_fields == m_fields.size();
   }
@@ -139,41 +142,6 @@ std::unique_ptr<FieldSource> make_field_source(const Parameters& parameters) {
 }
 
 }  // namespace
-
-std::vector<ParameterSpec> sdf_parameters() {
-  return {
-      {"cells", std::int64_t{64}, "cells along each axis of the bone's box (unless cell_size_m is given)", 1, 4096, {}},
-      {"cell_size_m", 0.0, "edge of cubic cells; 0: use `cells`", 0, 10, {}},
-      {"precision",
-       std::string("float"),
-       "stored values; compact: corners in float, the others in 16 bits of a cell",
-       -1e300,
-       1e300,
-       {"float", "double", "compact"}},
-      {"band_m", 0.0, "narrow band: keep the cells in the bone and this far about it; not given: keep all", 0, 10, {}},
-      {"max_error_mm",
-       0.0,
-       "adaptive cells: 99 of 100 depths up to 1/200 of the bone's diagonal are off by no more, deeper ones by a tenth "
-       "of what lies beyond that; 0: cells of one size",
-       0,
-       1000,
-       {}},
-      {"margin", 1e-3, "how far the field reaches beyond the bone's box, as a share of its diagonal", 1e-6, 1, {}},
-      {"structures",
-       std::string(),
-       "folder where built fields are kept and found again; empty: none",
-       -1e300,
-       1e300,
-       {}},
-      {"discregrid",
-       std::string(),
-       "folder with a field BONE.cdf (Discregrid's format) for each bone, used in place of building; empty: none",
-       -1e300,
-       1e300,
-       {}},
-      clearance_cache_parameter(true),
-  };
-}
 
 std::unique_ptr<CollisionBackend> make_sdf_backend(const Parameters& parameters) {
   return std::make_unique<SdfBackend>(make_field_source(parameters), uses_clearance_cache(parameters));
