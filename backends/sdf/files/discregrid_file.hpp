@@ -9,8 +9,8 @@ namespace musclebench {
 
 /// Fields in the binary format of Discregrid (.cdf, what its CubicLagrangeDiscreteGrid::save writes; Bullet's btMiniSDF
 /// reads it, too), in this machine's byte order as there: domain, resolution, size of a cell and its inverse, numbers
-/// of cells and of fields; then for each field the values of all nodes, for each cell its 32 nodes, and for each place
-/// of the grid its cell. The format knows no surface and has no check sum.
+/// of cells and of fields; then for each field the values of all nodes, for each cell its 32 nodes, and for each cell
+/// index of the grid its cell. The format knows no surface and has no check sum.
 
 /// Writes a dense field, in double precision. Throws InputError (about the path) when the file can't be written or the
 /// field is a narrow band.

@@ -78,8 +78,8 @@ TEST(BuildField, HoldsTheExactSignedDistanceAtEveryNode) {
     shape.cells = {5, 6, 9};
     shape.cell_size_m = shape.cell_size_m.cwiseProduct(Vec3(64.0 / 5, 64.0 / 6, 64.0 / 9));
     const CubicField field = build_field(surface, shape, double_precision, 1);
-    for_each_node(shape, [&](std::size_t place, const Vec3& position) {
-      EXPECT_NEAR(field.stored(place), *surface.distance(position, 10), 1e-14);
+    for_each_node(shape, [&](std::size_t offset, const Vec3& position) {
+      EXPECT_NEAR(field.stored(offset), *surface.distance(position, 10), 1e-14);
     });
   }
 }
@@ -239,19 +239,19 @@ void expect_band_of(const SignedSurface& surface, const GridShape& shape, const 
   for (const Vec3& point : points_over(shape, 20000)) {
     const double exact = surface.distance(point).value();
     const std::optional<FieldSample> found = band.sample(point);
-    const CellPosition place = band.place(point).value();
+    const CellPosition in_cell = band.locate(point).value();
     if (found) {
       ++known;
       EXPECT_EQ(found->value_m, dense.sample(point)->value_m);
       EXPECT_EQ(found->gradient, dense.sample(point)->gradient);
-      EXPECT_EQ(band.may_be_negative(shape.cell(place.i, place.j, place.k)),
-                dense.may_be_negative(shape.cell(place.i, place.j, place.k)));
+      EXPECT_EQ(band.may_be_negative(shape.cell(in_cell.i, in_cell.j, in_cell.k)),
+                dense.may_be_negative(shape.cell(in_cell.i, in_cell.j, in_cell.k)));
     } else {
-      const double bound = static_cast<double>(band.band()->far_m(place.i, place.j, place.k));
+      const double bound = static_cast<double>(band.band()->far_m(in_cell.i, in_cell.j, in_cell.k));
       EXPECT_LE(bound, exact);
       EXPECT_GT(exact, *settings.band_m);
       EXPECT_GT(bound, 0.9 * *settings.band_m);
-      EXPECT_FALSE(band.may_be_negative(shape.cell(place.i, place.j, place.k)));
+      EXPECT_FALSE(band.may_be_negative(shape.cell(in_cell.i, in_cell.j, in_cell.k)));
     }
   }
   EXPECT_GT(known, 100U);

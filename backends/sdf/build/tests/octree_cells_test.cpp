@@ -14,8 +14,8 @@ constexpr double no_threshold_m3 = 1;
 /// A cell at the surface of a ball, and its neighbours.
 class OctreeCells : public testing::Test {
  protected:
-  [[nodiscard]] OctreeCell cell(const Vec3& way = Vec3::Zero()) {
-    return m_maker.root(Vec3(0.05, 0.001, 0.002) + way, half_edge_m, m_block);
+  [[nodiscard]] OctreeCell cell(const Vec3& offset = Vec3::Zero()) {
+    return m_maker.root(Vec3(0.05, 0.001, 0.002) + offset, half_edge_m, m_block);
   }
   [[nodiscard]] std::array<OctreeCell, 8> split(OctreeCell parent, const NeighbourChildren& neighbours = {},
                                                 double threshold_m3 = every_threshold_m3) {

@@ -32,10 +32,10 @@ TEST(OctreePolynomial, HasTheValueAndTheSlopesOfItsTerms) {
   for (int i = 0; i < 50; ++i) {
     const Vec3 at = random_point(random, Vec3::Constant(-1), Vec3::Constant(1));
     for (const std::size_t terms : {quadratic_terms, cubic_terms}) {
-      const auto expected = [&](const Vec3& place) {
+      const auto expected = [&](const Vec3& point) {
         double sum = 0;
         for (std::size_t term = 0; term < terms; ++term) {
-          sum += static_cast<double>(c[term]) * monomial(term, place);
+          sum += static_cast<double>(c[term]) * monomial(term, point);
         }
         return sum;
       };

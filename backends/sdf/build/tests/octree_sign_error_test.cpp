@@ -19,8 +19,8 @@ OctreeCell sampled_cell(const SignedSurface& surface, const Vec3& centre_m, std:
   cell.distance_m = surface.locate(centre_m).signed_distance_m();
   cell.leaf = std::make_unique<OctreeCell::Leaf>();
   for (std::size_t s = 0; s < known; ++s) {
-    const SignedPoint place = surface.locate(centre_m + sample_position(s));
-    cell.leaf->samples[s] = {place.signed_distance_m(), {0, 0, 1}, place.closest.triangle};
+    const SignedPoint located = surface.locate(centre_m + sample_position(s));
+    cell.leaf->samples[s] = {located.signed_distance_m(), {0, 0, 1}, located.closest.triangle};
   }
   return cell;
 }

@@ -56,15 +56,15 @@ class OctreeOfBox : public testing::Test {
 TEST_F(OctreeOfBox, KeepsTheWantedErrorNearTheSurface) {
   const OctreeQuality& quality = field().quality();
   std::vector<double> errors;
-  for (const ReferenceSample& place : reference_samples(surface(), bone().mesh, quality.near_m, 5000, 99, 1)) {
-    if (const auto value = field().value(place.point)) {
-      errors.push_back(std::abs(*value - place.distance_m));
+  for (const ReferenceSample& sample : reference_samples(surface(), bone().mesh, quality.near_m, 5000, 99, 1)) {
+    if (const auto value = field().value(sample.point)) {
+      errors.push_back(std::abs(*value - sample.distance_m));
     }
   }
   ASSERT_GT(errors.size(), 4000U);
   EXPECT_LE(quantile(errors, 0.99), wanted_m);
   EXPECT_LE(quality.p99_m, wanted_m);
-  EXPECT_GT(quality.p99_m, 0.1 * wanted_m) << "far finer than asked for";
+  EXPECT_GT(quality.p99_m, 0.1 * wanted_m) << "far finer than wanted";
   EXPECT_NEAR(quantile(errors, 0.99), quality.p99_m, 0.3 * quality.p99_m);
   EXPECT_LT(quantile(errors, 1), 2 * quality.largest_m);
 }
@@ -75,8 +75,8 @@ TEST_F(OctreeOfBox, ReportsTheErrorOfTheFieldThatWasBuilt) {
   const auto count = static_cast<std::size_t>(quality.samples);
   double mean_m = 0;
   double largest_m = 0;
-  for (const ReferenceSample& place : reference_samples(surface(), bone().mesh, quality.near_m, count, 1, 1)) {
-    const double error_m = std::abs(field().value(place.point).value() - place.distance_m);
+  for (const ReferenceSample& sample : reference_samples(surface(), bone().mesh, quality.near_m, count, 1, 1)) {
+    const double error_m = std::abs(field().value(sample.point).value() - sample.distance_m);
     mean_m += error_m / static_cast<double>(count);
     largest_m = std::max(largest_m, error_m);
   }
@@ -90,7 +90,7 @@ TEST_F(OctreeOfBox, IsFineAtEdgesAndCoarseElsewhere) {
   EXPECT_LT(static_cast<double>(field().leaf_count()), 0.15 * uniform);
 }
 
-/// What 99 of 100 places near the surface, on planes that may be faces of the finest leaves, jump by at most. What
+/// What 99 of 100 points near the surface, on planes that may be faces of the finest leaves, jump by at most. What
 /// jumps less than `least_m` does not count: there the plane goes through a leaf.
 double p99_jump_m(const OctreeField& field, const SignedSurface& surface, double least_m = 0) {
   const Vec3 lower = field.shape().lower_m;
@@ -191,8 +191,8 @@ TEST_F(OctreeOfBox, IsNotNegativeWithinTheClearance) {
     EXPECT_LE(radius, std::max(0.0, surface().locate(point).signed_distance_m()) + 2 * field().quality().largest_m);
     clear += radius > 0 ? 1 : 0;
     for (int j = 0; radius > 0 && j < 10; ++j) {
-      const Vec3 way = random_point(random, Vec3::Constant(-1), Vec3::Constant(1)).normalized();
-      EXPECT_GE(field().value(point + radius * way).value_or(0), 0);
+      const Vec3 direction = random_point(random, Vec3::Constant(-1), Vec3::Constant(1)).normalized();
+      EXPECT_GE(field().value(point + radius * direction).value_or(0), 0);
     }
   }
   EXPECT_GT(clear, 500);

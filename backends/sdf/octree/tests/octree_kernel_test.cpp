@@ -83,8 +83,8 @@ struct Answer {
 };
 
 /// By node.
-std::vector<std::optional<Answer>> ask(const OctreeField& field, const RigidMotion& pose,
-                                       const std::vector<Vec3>& positions, std::span<const int> nodes) {
+std::vector<std::optional<Answer>> query_all(const OctreeField& field, const RigidMotion& pose,
+                                             const std::vector<Vec3>& positions, std::span<const int> nodes) {
   const CellMap map(field.shape().grid(), pose);
   std::vector<std::optional<Answer>> answers(positions.size());
   FieldBlock block;
@@ -124,7 +124,7 @@ struct PlainLeaf {
   double half_edge_m;
 };
 
-/// Of a place in edges of roots, by halving.
+/// The leaf at a point in edges of roots, by halving.
 PlainLeaf plain_leaf(const OctreeField& field, Vec3 at) {
   std::array<std::size_t, 3> root{};
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -167,7 +167,7 @@ void expect_leaf(const OctreeField& field, const Answer& answer) {
 
 TEST(OctreeKernel, EvaluatesWhatTheLeavesSay) {
   const std::vector<Vec3> positions = positions_about(shape().grid(), oblique_pose(), 5000);
-  const auto answers = ask(noisy_field(), oblique_pose(), positions, all_of(positions));
+  const auto answers = query_all(noisy_field(), oblique_pose(), positions, all_of(positions));
   std::size_t found = 0;
   for (std::size_t n = 0; n < positions.size(); ++n) {
     const Vec3 roots = (oblique_pose().apply_inverse(positions[n]) - shape().lower_m) / shape().root_edge_m;
@@ -190,14 +190,14 @@ TEST(OctreeKernel, KnowsTheBordersOfLeavesAndOfTheDomain) {
   std::vector<Vec3> positions;
   constexpr std::size_t finest = std::size_t{1} << NoisyTree::levels;
   const auto border = [&](std::size_t roots) {
-    const double place = static_cast<double>(random.below(roots * finest + 1)) / static_cast<double>(finest);
-    return random.below(2) == 0 ? place : std::nextafter(place, random.below(2) == 0 ? -1.0 : 9.0);
+    const double at = static_cast<double>(random.below(roots * finest + 1)) / static_cast<double>(finest);
+    return random.below(2) == 0 ? at : std::nextafter(at, random.below(2) == 0 ? -1.0 : 9.0);
   };
   for (int n = 0; n < 3000; ++n) {
     const double x = border(5), y = border(3);
     positions.emplace_back(x, y, border(4));
   }
-  const auto answers = ask(field, {}, positions, all_of(positions));
+  const auto answers = query_all(field, {}, positions, all_of(positions));
   std::size_t beyond = 0;
   for (std::size_t n = 0; n < positions.size(); ++n) {
     ASSERT_EQ(answers[n].has_value(), exact.grid().contains(positions[n])) << positions[n].transpose();
@@ -239,16 +239,16 @@ TEST(OctreeKernel, ALeafIsPositiveWithinItsClearance) {
 TEST(OctreeKernel, AnAnswerDoesNotDependOnWhoElseAsks) {
   const std::vector<Vec3> positions = positions_about(shape().grid(), oblique_pose(), 400);
   const std::vector<int> nodes = all_of(positions);
-  const auto together = ask(noisy_field(), oblique_pose(), positions, nodes);
+  const auto together = query_all(noisy_field(), oblique_pose(), positions, nodes);
   for (const std::size_t length : {0U, 1U, 2U, 3U, 5U, 7U, 8U, 9U, 127U, 128U, 129U, 300U}) {
     const std::size_t first = 11 + length / 5;
-    const auto some = ask(noisy_field(), oblique_pose(), positions, std::span(nodes).subspan(first, length));
+    const auto some = query_all(noisy_field(), oblique_pose(), positions, std::span(nodes).subspan(first, length));
     for (std::size_t n = 0; n < positions.size(); ++n) {
       expect_equal(some[n], n >= first && n < first + length ? together[n] : std::nullopt);
     }
   }
   for (const int node : nodes) {
-    const auto alone = ask(noisy_field(), oblique_pose(), positions, {&node, 1});
+    const auto alone = query_all(noisy_field(), oblique_pose(), positions, {&node, 1});
     expect_equal(alone[static_cast<std::size_t>(node)], together[static_cast<std::size_t>(node)]);
   }
 }
@@ -263,8 +263,8 @@ TEST(OctreeKernel, AZeroHasTheSameSignWhoeverElseAsks) {
                           coefficients);
   const std::vector<Vec3> positions{Vec3::Constant(0.75), Vec3(1.5, 0.5, 0.5)};
   const std::vector<int> nodes{0, 1};
-  const auto together = ask(field, {}, positions, nodes);
-  const auto alone = ask(field, {}, positions, std::span(nodes).first(1));
+  const auto together = query_all(field, {}, positions, nodes);
+  const auto alone = query_all(field, {}, positions, std::span(nodes).first(1));
   ASSERT_EQ(together[0]->value_m, 0);
   EXPECT_EQ(std::signbit(together[0]->value_m), std::signbit(alone[0]->value_m));
   expect_equal(together[0], alone[0]);
@@ -276,7 +276,7 @@ TEST(OctreeKernel, GivesTheSameBitsOnEveryMachine) {
   std::optional<std::vector<std::optional<Answer>>> expected;
   for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
     hwy::GetChosenTarget().Update(rest & -rest);
-    const auto answers = ask(noisy_field(), oblique_pose(), positions, all_of(positions));
+    const auto answers = query_all(noisy_field(), oblique_pose(), positions, all_of(positions));
     hwy::GetChosenTarget().DeInit();
     if (!expected) {
       expected = answers;
@@ -304,7 +304,7 @@ TEST(OctreeKernel, ALeafBendsDownFromWhereItIsFlat) {
   }
 }
 
-/// In leaves without a slope there is no way farther out.
+/// In leaves without a slope there is no direction to go farther out.
 TEST(OctreeKernel, AFlatFieldIsAsClearAsItsSamplesSay) {
   const OctreeShape one{Vec3::Zero(), 1, {1, 1, 1}};
   std::vector<float> coefficients(2 * cubic_terms, 0);
