@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "backends/sdf/build/band_builder.hpp"
 #include "backends/sdf/build/cell_signs.hpp"
 #include "backends/sdf/build/node_distances.hpp"
 #include "core/base/input_error.hpp"

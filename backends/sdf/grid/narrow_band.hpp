@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "backends/sdf/grid/grid_shape.hpp"
-#include "core/signed_distance/signed_surface.hpp"
+#include "core/base/grid_index.hpp"
 
 namespace musclebench {
 
@@ -69,9 +69,5 @@ class NarrowBand {
   std::vector<std::uint32_t> m_before;    ///< records before each word of `m_vertices`
   std::vector<float> m_far_m;             ///< a block of cells
 };
-
-/// Chooses the cells about a surface: blocks first, then the cells of those that lie across the edge of the band. The
-/// same for any number of threads.
-NarrowBand narrow_band(const SignedSurface& surface, const GridShape& shape, double width_m, int threads);
 
 }  // namespace musclebench
