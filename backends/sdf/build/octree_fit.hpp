@@ -48,7 +48,7 @@ inline Vec3 sample_position(std::size_t sample) { return Eigen::Map<const Vec3>(
 /// A cell's polynomial: the best one of its degree by least squares in values and (with less weight) gradients.
 struct PolynomialFit {
   std::array<float, cubic_terms> coefficients{};
-  double bound_m = 0;  ///< of the error, anywhere in the cell
+  double bound_m = 0;  ///< of the error, anywhere in the cell (reports/performance/field_bounds.md)
   /// At the cell's samples where the polynomial is positive it is above the exact distance by no more than this.
   double excess_m = 0;
 
