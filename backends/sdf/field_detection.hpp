@@ -27,9 +27,9 @@ class FieldDetection {
   };
 
   /// `bones` outlive the detection or its next `reset`. `nodes`: positions that calls will have.
-  void reset(std::span<const Bone> bones, std::size_t nodes, bool clearance_cache) {
+  void reset(std::span<const Bone> bones, std::size_t nodes, bool with_cache) {
     m_bones = bones;
-    m_has_cache = clearance_cache;
+    m_has_cache = with_cache;
     if (m_has_cache) {
       m_clearance_cache.reset(bones, nodes);
     }
