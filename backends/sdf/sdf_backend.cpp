@@ -20,7 +20,9 @@ class SdfBackend final : public CollisionBackend {
   SdfBackend(std::unique_ptr<FieldSource> source, bool wants_budgets)
       : m_source(std::move(source)), m_wants_budgets(wants_budgets) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_wants_budgets, .has_step = true}; }
+  [[nodiscard]] Capabilities capabilities() const override {
+    return {.remembers = m_wants_budgets, .has_step = true, .steady_memory = true};
+  }
   [[nodiscard]] bool built_from_file() const override {
     return m_loaded_fields > 0 && m_loaded_fields == m_fields.size();
   }
