@@ -140,7 +140,7 @@ def problems_of(path: Path, root: Path, targets: dict[str, Target], owned: dict[
             continue
         # A header without a source of its own may be any of its folder's targets'.
         refusing = [name for name in sorted(owned[path]) if not wanted & allowed_targets(targets[name], targets, is_public)]
-        if len(refusing) == len(owned[path]):
+        if refusing and len(refusing) == len(owned[path]):
             problems.append(f"includes {include} of {', '.join(sorted(wanted))}, which {refusing[0]} does not depend on"
                             + (" in its headers" if is_public else ""))
     return problems
