@@ -100,7 +100,9 @@ TEST(Catalogue, EachBackendHasTheKeysOfTheSchema) {
 TEST(Catalogue, AStudyIsPrintedWithTheStructureOfItsFile) {
   for (const Json& backend : catalogue()["backends"]) {
     const Json& study = backend["study"];
-    ASSERT_TRUE(study.is_object()) << backend["name"];
+    if (study.is_null()) {
+      continue;  // one that has none is in no study
+    }
     EXPECT_EQ(backend["colour"], study["colour"]);
     EXPECT_EQ(backend["label"], study["label"]);
     ASSERT_TRUE(study["series"].is_array());
