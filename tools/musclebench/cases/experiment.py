@@ -35,7 +35,8 @@ class Experiment:
     def print_of(self, case: Case) -> dict:
         """What the result of a case depends on."""
         arguments = case.arguments(self.places.symbolic())
-        return fingerprint.fingerprint(arguments, self._binary_digest, self._data_digest, **self.more_inputs(case))
+        more = case.input_digests() | self.more_inputs(case)
+        return fingerprint.fingerprint(arguments, self._binary_digest, self._data_digest, **more)
 
     def is_complete(self, case: Case) -> bool:
         return fingerprint.status_when_sealed(self.folder(case), self.print_of(case)) in self.final_statuses

@@ -13,6 +13,10 @@ def file_digest(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
+def text_digest(*texts: str) -> str:
+    return hashlib.sha256("\n".join(texts).encode()).hexdigest()
+
+
 def data_digest(data_dir: Path | None) -> str:
     """Of lhdl.json and the meshes; empty without a data folder."""
     if data_dir is None:
