@@ -51,7 +51,7 @@ def test_the_full_study_has_what_the_study_asks_for():
     assert {16, 32, 64, 128, 256} <= cells
 
 
-@pytest.mark.parametrize("backend", ["sdf", "bvh", "fcl"])
+@pytest.mark.parametrize("backend", ["sdf", "bvh"])
 def test_the_study_shows_runs_with_and_without_a_clearance_cache(backend):
     chosen = [c.configuration for c in measured(FULL) if c.configuration.backend == backend]
     assert {configuration.has_cache for configuration in chosen} == {True, False}
