@@ -1,8 +1,6 @@
 #!/usr/bin/python3
 """Runs the paper's experiment (4 muscles, 3 backends and a control without collision); makes its tables and figures."""
 
-import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +12,7 @@ from musclebench.cases.scene import chosen_names, survey
 from musclebench.figures import looks, paper_figures
 from musclebench.paper import paper_cases
 from musclebench.paper import published
+from musclebench.program.children import display, started
 from musclebench.program.cli import (
     OneLineParser, Problem, add_scene_options, check_data, check_positive, check_program, chosen_cores, data_set_of,
     out_name_of, run_command,
@@ -82,19 +81,16 @@ def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run],
 def draw_surfaces(out_dir: Path, names: list[str]) -> list[Path]:
     """Pictures of the surfaces; raises Problem where they can't be drawn."""
     command = [sys.executable, str(TOOLS / "draw_surfaces.py"), str(out_dir), *names]
-    if shutil.which("xvfb-run"):
-        command = ["xvfb-run", "-a", *command]
-    elif not os.environ.get("DISPLAY"):
-        raise Problem("surface figures: no display and no xvfb-run; install the packages xvfb and xauth")
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     files = []
-    for line in process.stdout:
-        kind, _, text = line.rstrip().partition(" ")
-        if kind == "file":
-            files.append(Path(text))
-        elif kind == "drawing" and sys.stderr.isatty():
-            print(f"\rdrawing {text}\x1b[K", end="", file=sys.stderr, flush=True)
-    errors = process.communicate()[1]
+    with display() as environment, started(command, env=environment, **pipes) as process:
+        for line in process.stdout:
+            kind, _, text = line.rstrip().partition(" ")
+            if kind == "file":
+                files.append(Path(text))
+            elif kind == "drawing" and sys.stderr.isatty():
+                print(f"\rdrawing {text}\x1b[K", end="", file=sys.stderr, flush=True)
+        errors = process.communicate()[1]
     if sys.stderr.isatty():
         print("\r\x1b[K", end="", file=sys.stderr)
     if process.returncode != 0:

@@ -74,7 +74,7 @@ def write_study_case(options, status: str, answer: str) -> None:
         (Path(structures) / "bone.field").write_text("a field")
     mode = {"run": "coupled"}.get(options.command, options.command)
     record = {
-        "status": status, "status_detail": "", "contact_hash": answer, "state_hash": answer,
+        "status": status, "status_detail": "", "contact_hash": answer, "state_hash": answer, "frames": 1,
         "structures": "built" if built else "loaded",
         "case": {"mode": mode, "backend": options.backend, "parameters": parameters},
     }

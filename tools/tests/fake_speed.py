@@ -54,7 +54,7 @@ def run(arguments: list[str]) -> int:
     (folder / "frames.csv").write_text(HEAD + "".join(lines))
     case = {"mode": "coupled", "scene": arguments[1], "backend": backend, "parameters": {}, "threads": 1,
             "repetition": repetition}
-    record = {"status": "ok", "status_detail": "", "case": case, "build": {"git": "abc"}}
+    record = {"status": "ok", "status_detail": "", "case": case, "frames": 40, "build": {"git": "abc"}}
     (folder / "run.json").write_text(json.dumps(record))
     return 0
 

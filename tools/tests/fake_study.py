@@ -83,6 +83,7 @@ def write_replay(folder: Path, scene: str, backend: str, truth: Truth, repetitio
         }
     times = frame_times_ns(truth, repetition)
     rows = [_replay_row(frame, times[frame - 1], truth) for frame in range(1, FRAMES + 1) if frame % stride == 0]
+    made["frames"] = len(rows)
     _write_rows(folder / "frames.csv", REPLAY_COLUMNS, rows)
     (folder / "run.json").write_text(json.dumps(made))
     return folder

@@ -26,7 +26,7 @@ from musclebench.results import run_folder
 PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
 BY_NUMBERS = ["fig_7_collision_time", "fig_8_memory", "depth_by_frame"]
 OF_SURFACES = ["fig_6_iliacus", "muscles_at_full_flexion", "attachments"]
-CAN_DRAW = shutil.which("xvfb-run") or os.environ.get("DISPLAY")
+CAN_DRAW = shutil.which("Xvfb") or os.environ.get("DISPLAY")
 
 
 def run_paper(out, *more, log=None, behaviour=""):
@@ -69,7 +69,7 @@ def test_every_case_runs_once_on_a_core_of_its_own(finished):
     assert all(len(call) == 2 for call in calls)
 
 
-@pytest.mark.skipif(not CAN_DRAW, reason="no display and no xvfb-run: surface figures can't be drawn")
+@pytest.mark.skipif(not CAN_DRAW, reason="no display and no Xvfb: surface figures can't be drawn")
 def test_everything_is_written_named_and_printed(finished):
     out, _, done = finished
     assert done.returncode == 0, done.stderr
@@ -82,14 +82,14 @@ def test_everything_is_written_named_and_printed(finished):
     assert len(pd.read_csv(out / "runs.csv")) == 16
 
 
-@pytest.mark.skipif(not CAN_DRAW, reason="no display and no xvfb-run: surface figures can't be drawn")
+@pytest.mark.skipif(not CAN_DRAW, reason="no display and no Xvfb: surface figures can't be drawn")
 def test_figures_are_not_blank(finished):
     for name in BY_NUMBERS + OF_SURFACES:
         pixels = matplotlib.image.imread(finished[0] / "figures" / f"{name}.png")[:, :, :3]
         assert pixels.shape[1] > 1000 and pixels.var() > 0.003, name
 
 
-@pytest.mark.skipif(not CAN_DRAW, reason="no display and no xvfb-run: surface figures can't be drawn")
+@pytest.mark.skipif(not CAN_DRAW, reason="no display and no Xvfb: surface figures can't be drawn")
 def test_surfaces_show_muscle_bone_and_depth(finished):
     pixels = matplotlib.image.imread(finished[0] / "figures" / "fig_6_iliacus.png")[:, :-300, :3]
     red, green, blue = pixels[..., 0], pixels[..., 1], pixels[..., 2]
@@ -187,3 +187,27 @@ def test_the_depth_scale_leaves_out_the_control_without_collision():
     assert surface_figures.depth_scale_mm({("iliacus", "null"): moments(30), ("iliacus", "sdf"): moments(2.4)}) == 3
     assert surface_figures.depth_scale_mm({"null": moments(30), "sdf": moments(0.1)}) == 1
     assert surface_figures.depth_scale_mm({"voxel": moments(14)}) == surface_figures.DEEPEST_SHOWN_MM
+
+
+@pytest.mark.skipif(not CAN_DRAW, reason="no display and no Xvfb")
+def test_a_kill_while_surfaces_are_drawn_leaves_nobody_at_work(tmp_path):
+    out = tmp_path / "out"
+    command = [sys.executable, paper.__file__, "--musclebench", str(PROGRAM), "--out", str(out), "--frames-limit", "12",
+               "--muscle", "iliacus"]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def started_from(parent) -> set[int]:
+        lines = subprocess.run(["ps", "-eo", "pid,ppid,args"], capture_output=True, text=True).stdout.splitlines()[1:]
+        return {int(line.split()[0]) for line in lines if line.split()[1] == str(parent)
+                and ("draw_surfaces.py" in line or "Xvfb" in line)}
+
+    deadline = time.monotonic() + 60
+    while len(drawing := started_from(process.pid)) < 2:
+        assert time.monotonic() < deadline and process.poll() is None, "it never drew"
+        time.sleep(0.05)
+    process.send_signal(signal.SIGKILL)
+    process.wait(20)
+    while any(Path(f"/proc/{pid}/stat").exists() and Path(f"/proc/{pid}/stat").read_text().split()[2] != "Z"
+              for pid in drawing):
+        assert time.monotonic() < deadline, "the drawing lives on"
+        time.sleep(0.05)

@@ -50,6 +50,6 @@ def status_when_sealed(folder: Path, print_of_case: dict) -> str | None:
     try:
         noted = json.loads((folder / FILE_NAME).read_text())
         status = json.loads((folder / "run.json").read_text())["status"]
-    except (OSError, ValueError, KeyError):
+    except (OSError, ValueError, KeyError, TypeError):
         return None
     return status if noted == print_of_case else None
