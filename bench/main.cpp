@@ -5,8 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "bench/build_info.hpp"
-#include "bench/commands.hpp"
+#include "bench/commands/commands.hpp"
+#include "bench/results/build_info.hpp"
 #include "core/base/input_error.hpp"
 
 int main(int argc, char** argv) {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

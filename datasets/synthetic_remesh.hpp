@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 #include "datasets/synthetic_field.hpp"
 
 namespace musclebench {

@@ -1,7 +1,7 @@
 #include "backends/brute_force/brute_force_backend.hpp"
 
 #include "backends/brute_force/brute_force_surface.hpp"
-#include "core/geometry/mesh_size.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 

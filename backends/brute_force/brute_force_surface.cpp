@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/geometry/triangle_distance.hpp"
+#include "core/distance/triangle_distance.hpp"
 
 namespace musclebench {
 

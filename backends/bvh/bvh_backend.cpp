@@ -1,7 +1,7 @@
 #include "backends/bvh/bvh_backend.hpp"
 
-#include "backends/bvh/centred_surface.hpp"
-#include "core/contact/node_detection.hpp"
+#include "backends/bvh/exact_surface.hpp"
+#include "core/clearance/cached_point_query.hpp"
 
 namespace musclebench {
 
@@ -9,16 +9,16 @@ namespace {
 
 class BvhBackend final : public CollisionBackend {
  public:
-  explicit BvhBackend(bool motion_budgets) : m_motion_budgets(motion_budgets) {}
+  explicit BvhBackend(bool clearance_cache) : m_uses_cache(clearance_cache) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_motion_budgets}; }
+  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_uses_cache}; }
   [[nodiscard]] AnswerBound answer_bound(int bone) const override {
     return {m_surfaces[static_cast<std::size_t>(bone)].touching_m(), 0};
   }
 
   [[nodiscard]] std::size_t structure_bytes() const override {
     std::size_t bytes = m_detection.bytes();
-    for (const CentredSurface& surface : m_surfaces) {
+    for (const ExactSurface& surface : m_surfaces) {
       bytes += surface.bytes();
     }
     return bytes;
@@ -31,24 +31,24 @@ class BvhBackend final : public CollisionBackend {
     for (const Bone& bone : bones()) {
       m_surfaces.emplace_back(bone.surface, threads());
     }
-    m_detection.reset(bones(), m_surfaces, muscle().vertices.size(), m_motion_budgets, threads());
+    m_detection.reset(bones(), m_surfaces, muscle().vertices.size(), m_uses_cache, threads());
   }
 
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
     m_detection.detect(poses(), positions, nodes, contacts);
   }
 
-  bool m_motion_budgets;
-  std::vector<CentredSurface> m_surfaces;  ///< one a bone
-  NodeDetection<CentredSurface> m_detection;
+  bool m_uses_cache;
+  std::vector<ExactSurface> m_surfaces;  ///< one a bone
+  CachedPointQuery<ExactSurface> m_detection;
 };
 
 }  // namespace
 
 std::unique_ptr<CollisionBackend> make_bvh_backend(const Parameters& parameters) {
-  return std::make_unique<BvhBackend>(has_motion_budgets(parameters));
+  return std::make_unique<BvhBackend>(uses_clearance_cache(parameters));
 }
 
-std::vector<ParameterSpec> bvh_parameters() { return {motion_budgets_parameter(true)}; }
+std::vector<ParameterSpec> bvh_parameters() { return {clearance_cache_parameter(true)}; }
 
 }  // namespace musclebench

@@ -9,7 +9,7 @@
 #include <fcl/broadphase/broadphase_collision_manager.h>
 
 #include "backends/fcl/fcl_options.hpp"
-#include "core/geometry/rigid_motion.hpp"
+#include "core/mesh/rigid_motion.hpp"
 
 namespace musclebench {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "backends/fcl/box_tree.hpp"
-#include "core/geometry/mesh_size.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 
@@ -33,7 +33,7 @@ void pad(std::vector<std::int32_t>& triangles) {
 }  // namespace
 
 BoxedSurface::BoxedSurface(const RepairedMesh& surface)
-    : SidedSurface(surface),
+    : SignedFclSurface(surface),
       m_tree(std::make_shared<BoxTree>(surface.mesh.vertices, surface.mesh.triangles)),
       m_triangle_size_m(mean_triangle_size_m(surface.mesh)) {}
 
@@ -74,7 +74,7 @@ double BoxedSurface::free_m(const ClosestPoint& closest) const {
   return sides().closed() && closest.distance_m > touching_m() ? (1 - rounding_share) * closest.distance_m : 0;
 }
 
-void BoxedSurface::list_near(const Vec3& point, double bound_m, NearTriangles& list) const {
+void BoxedSurface::list_candidates(const Vec3& point, double bound_m, NearTriangles& list) const {
   const double radius_m = bound_m + list_reach * m_triangle_size_m;
   std::vector<std::int32_t> met;
   met.reserve(256);
@@ -89,7 +89,7 @@ void BoxedSurface::list_near(const Vec3& point, double bound_m, NearTriangles& l
     closest_on_triangles(&point, sides().tree().corners(), the_point, {&met[first], width}, {&found, 1});
     for (std::size_t i = first; i < std::min(first + width, count); ++i) {
       const double distance_m =
-          sides().tree().is_needle(met[i]) ? 0.0 : std::sqrt(found.squared_distance_m2[i - first]);
+          sides().tree().is_sliver(met[i]) ? 0.0 : std::sqrt(found.squared_distance_m2[i - first]);
       if (distance_m < radius_m) {
         by_distance.emplace_back(distance_m, met[i]);
       }
@@ -110,14 +110,15 @@ void BoxedSurface::list_near(const Vec3& point, double bound_m, NearTriangles& l
   }
 }
 
-void BoxedSurface::start_listed(const Vec3& /*point*/, const NearTriangles& list, ListSearch& /*search*/) const {
+void BoxedSurface::begin_candidate_search(const Vec3& /*point*/, const NearTriangles& list,
+                                          CandidateSearch& /*search*/) const {
   for (std::size_t i = 0; i < width; ++i) {
     __builtin_prefetch(sides().tree().corners() + list.triangles[i]);
   }
 }
 
-ListedClosest BoxedSurface::finish_listed(const Vec3& point, const NearTriangles& list, double /*enough_m*/,
-                                          const ListSearch& /*search*/) const {
+ClosestCandidate BoxedSurface::finish_candidate_search(const Vec3& point, const NearTriangles& list,
+                                                       double /*enough_m*/, const CandidateSearch& /*search*/) const {
   constexpr double slack = 1e-12;  // above the rounding of roots
   const double moved_m = (point - list.place).norm() * (1 + slack);
   double best_m = std::numeric_limits<double>::infinity();

@@ -13,8 +13,8 @@
 
 #include "backends/fcl/fcl_options.hpp"
 #include "core/base/input_error.hpp"
-#include "core/geometry/rigid_motion.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/rigid_motion.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

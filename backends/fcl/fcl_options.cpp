@@ -1,7 +1,7 @@
 #include "backends/fcl/fcl_options.hpp"
 
 #include "core/base/input_error.hpp"
-#include "core/contact/motion_budgets.hpp"
+#include "core/clearance/clearance_cache.hpp"
 
 namespace musclebench {
 
@@ -33,21 +33,21 @@ void check_for_meaning(const FclOptions& options) {
   if (options.query != Query::node_collide && options.node_radius_m != defaults.node_radius_m) {
     throw InputError("fcl: node_radius_m", "is the radius of the spheres of query = node_collide; leave it out");
   }
-  if (options.motion_budgets && options.query != Query::node_distance) {
-    throw InputError("fcl: motion_budgets",
+  if (options.clearance_cache && options.query != Query::node_distance) {
+    throw InputError("fcl: clearance_cache",
                      "wants to know how far a node is; take query = node_distance, or leave it out");
   }
-  if (options.motion_budgets && options.broad_phase != defaults.broad_phase) {
+  if (options.clearance_cache && options.broad_phase != defaults.broad_phase) {
     throw InputError("fcl: manager",
-                     "finds the bones for each node, which motion_budgets = on does by itself; leave it out");
+                     "finds the bones for each node, which clearance_cache = on does by itself; leave it out");
   }
-  if (options.motion_budgets && options.bounding_volume != defaults.bounding_volume) {
+  if (options.clearance_cache && options.bounding_volume != defaults.bounding_volume) {
     throw InputError(
         "fcl: bounding_volume",
-        "is AABB with motion_budgets = on, which walks FCL's tree of boxes whatever is chosen; leave it out");
+        "is AABB with clearance_cache = on, which walks FCL's tree of boxes whatever is chosen; leave it out");
   }
-  if (options.motion_budgets && options.narrow_phase != defaults.narrow_phase) {
-    throw InputError("fcl: solver", "is not asked with motion_budgets = on; leave it out");
+  if (options.clearance_cache && options.narrow_phase != defaults.narrow_phase) {
+    throw InputError("fcl: solver", "is not asked with clearance_cache = on; leave it out");
   }
 }
 
@@ -78,7 +78,7 @@ std::vector<ParameterSpec> fcl_parameters() {
        .default_value = std::string("OBBRSS"),
        .help = "volume of the trees' nodes; OBB gives the contacts of OBBRSS in less time and memory; AABB and "
                "KDOP24 copy a bone in every query of a node, and rebuild a moved one in every detection of surfaces; "
-               "node_distance knows OBBRSS, RSS and kIOS only, and with motion_budgets it is always AABB",
+               "node_distance knows OBBRSS, RSS and kIOS only, and with clearance_cache it is always AABB",
        .choices = bounding_volumes()},
       {.name = "manager",
        .default_value = std::string("dynamic_aabb_tree"),
@@ -105,7 +105,7 @@ std::vector<ParameterSpec> fcl_parameters() {
        .help = "FCL's narrow phase for convex shapes; FCL has formulas of its own for two triangles and for sphere and "
                "triangle, so that both give the same here",
        .choices = {"libccd", "indep"}},
-      motion_budgets_parameter(false),
+      clearance_cache_parameter(false),
   };
 }
 
@@ -117,7 +117,7 @@ FclOptions fcl_options(const Parameters& parameters) {
   options.tree_update = tree_update_of(parameters.word("update"));
   options.vertex_update = parameters.word("model") == "update" ? VertexUpdate::update : VertexUpdate::replace;
   options.narrow_phase = parameters.word("solver") == "libccd" ? NarrowPhase::libccd : NarrowPhase::indep;
-  options.motion_budgets = has_motion_budgets(parameters);
+  options.clearance_cache = uses_clearance_cache(parameters);
   options.node_radius_m = parameters.number("node_radius_m");
   check_for_meaning(options);
   check_for_support(options);

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/geometry/closest_on_triangles.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
+#include "core/distance/closest_on_triangles.hpp"
 
 namespace musclebench {
 

@@ -12,7 +12,7 @@ class NodeBackend final : public CollisionBackend {
  public:
   explicit NodeBackend(FclOptions options) : m_options(std::move(options)) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_options.motion_budgets}; }
+  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_options.clearance_cache}; }
 
   /// Exact by distance, on a surface whose pseudo-normals tell the side. A sphere misses what is deeper than it
   /// reaches, at any depth, and reports nothing that it does not reach.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "backends/fcl/surface_collider.hpp"
-#include "core/geometry/pseudo_normals.hpp"
+#include "core/distance/pseudo_normals.hpp"
 
 namespace musclebench {
 

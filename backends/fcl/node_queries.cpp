@@ -6,7 +6,7 @@
 #include "backends/fcl/boxed_surface.hpp"
 #include "backends/fcl/fcl_model.hpp"
 #include "backends/fcl/node_surface.hpp"
-#include "core/contact/node_detection.hpp"
+#include "core/clearance/cached_point_query.hpp"
 
 namespace musclebench {
 
@@ -39,12 +39,12 @@ Answer ask(const NodeSurface& surface, Query query, const Vec3& point) {
 struct NodeQueries::Implementation {
   Implementation(const FclOptions& options, std::span<const Bone> bones, std::size_t nodes, int thread_count)
       : query(options.query),
-        motion_budgets(options.motion_budgets),
+        clearance_cache(options.clearance_cache),
         threads(thread_count),
         // Only inside the bone's box can a node be inside the bone; a sphere may also touch it from outside.
         reach_m(options.query == Query::node_distance ? 0 : options.node_radius_m),
         poses(bones.size()) {
-    if (motion_budgets) {
+    if (clearance_cache) {
       build_for_budgets(bones, nodes);
     } else {
       build_for_calls(options, bones);
@@ -77,13 +77,13 @@ struct NodeQueries::Implementation {
   }
 
   Query query;
-  bool motion_budgets;
+  bool clearance_cache;
   int threads;
   double reach_m;
   std::vector<RigidMotion> poses;
-  // With motion budgets: which bones a node is asked about is up to them.
+  // With clearance cache: which bones a node is asked about is up to them.
   std::vector<BoxedSurface> boxed;
-  NodeDetection<BoxedSurface> detection;
+  CachedPointQuery<BoxedSurface> detection;
   // Without: FCL's calls.
   std::vector<NodeSurface> surfaces;
   std::unique_ptr<BoneObjects> objects;
@@ -105,7 +105,7 @@ void NodeQueries::move_bones(std::span<const RigidMotion> poses) {
 
 void NodeQueries::append(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) {
   Implementation& all = *m_implementation;
-  if (all.motion_budgets) {
+  if (all.clearance_cache) {
     all.detection.detect(all.poses, positions, nodes, contacts);
     return;
   }
@@ -145,8 +145,8 @@ void NodeQueries::append(std::span<const Vec3> positions, std::span<const int> n
 
 double NodeQueries::touching_m(int bone) const {
   const auto place = static_cast<std::size_t>(bone);
-  return m_implementation->motion_budgets ? m_implementation->boxed[place].touching_m()
-                                          : m_implementation->surfaces[place].touching_m();
+  return m_implementation->clearance_cache ? m_implementation->boxed[place].touching_m()
+                                           : m_implementation->surfaces[place].touching_m();
 }
 
 std::size_t NodeQueries::bytes() const { return m_implementation->structure_bytes; }

@@ -20,7 +20,7 @@ namespace musclebench {
 ///   farther from the surface than that, on either side, meets none.
 ///
 /// Nodes are asked in the bone's rest frame: moved models without orientation would be rebuilt in every query. What FCL
-/// finds is measured again here (see NodeSurface). With motion budgets FCL is asked only about nodes of which too
+/// finds is measured again here (see NodeSurface). With clearance cache FCL is asked only about nodes of which too
 /// little is known from before, and not by its calls: its recursions go through its tree of boxes (see BoxedSurface).
 /// The contacts are the same.
 class NodeQueries {

@@ -26,7 +26,7 @@ fcl::Transform3d at(const Vec3& point) {
 
 NodeSurface::NodeSurface(const FclOptions& options, const RepairedMesh& surface,
                          std::shared_ptr<fcl::CollisionGeometryd> model)
-    : SidedSurface(surface),
+    : SignedFclSurface(surface),
       m_model(std::move(model)),
       m_solver(to_fcl(options.narrow_phase)),
       m_node_radius_m(options.node_radius_m) {}

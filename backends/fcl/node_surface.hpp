@@ -11,14 +11,14 @@
 #include <fcl/narrowphase/gjk_solver_type.h>
 
 #include "backends/fcl/fcl_options.hpp"
-#include "backends/fcl/sided_surface.hpp"
+#include "backends/fcl/signed_fcl_surface.hpp"
 
 namespace musclebench {
 
 /// One bone's FCL model, asked about points in the bone's rest frame by FCL's calls; from several threads at once. FCL
 /// says which triangles are near; the closest point on them is then computed here, so that it does not depend on what
 /// was asked of FCL to find them.
-class NodeSurface : public SidedSurface {
+class NodeSurface : public SignedFclSurface {
  public:
   NodeSurface(const FclOptions& options, const RepairedMesh& surface, std::shared_ptr<fcl::CollisionGeometryd> model);
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "backends/sdf/grid_shape.hpp"
-#include "core/geometry/rigid_motion.hpp"
+#include "core/mesh/rigid_motion.hpp"
 
 namespace musclebench {
 

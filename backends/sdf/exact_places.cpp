@@ -1,8 +1,8 @@
 #include "backends/sdf/exact_places.hpp"
 
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/coherent_order.hpp"
-#include "core/geometry/surface_sampler.hpp"
+#include "core/mesh/morton_order.hpp"
+#include "core/mesh/surface_sampler.hpp"
 
 namespace musclebench {
 
@@ -17,7 +17,7 @@ std::vector<ExactPlace> places_about(const SignedSurface& surface, const Triangl
     points[p] = sample.point + (2 * random.share() - 1) * near_m * sample.normal;
     below[p] = sample.triangle;
   }
-  const std::vector<int> order = coherent_order(points);
+  const std::vector<int> order = morton_order(points);
   std::vector<ExactPlace> places(count);
 #pragma omp parallel for schedule(dynamic, 64) num_threads(threads)
   for (std::size_t p = 0; p < count; ++p) {

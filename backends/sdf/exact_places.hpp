@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 

@@ -6,7 +6,7 @@
 
 #include "backends/sdf/compact_record.hpp"
 #include "backends/sdf/narrow_band.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

@@ -8,7 +8,7 @@
 #include "backends/sdf/field_marks.hpp"
 #include "backends/sdf/node_distances.hpp"
 #include "core/base/input_error.hpp"
-#include "core/geometry/mesh_size.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "backends/sdf/cubic_field.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 

@@ -5,7 +5,7 @@
 #include "backends/sdf/field_block.hpp"
 #include "backends/sdf/grid_shape.hpp"
 #include "core/contact/contact.hpp"
-#include "core/geometry/rigid_motion.hpp"
+#include "core/mesh/rigid_motion.hpp"
 
 namespace musclebench {
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "core/clearance/clearance_cache.hpp"
 #include "core/contact/collision_backend.hpp"
-#include "core/contact/motion_budgets.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 
@@ -27,18 +27,18 @@ class FieldDetection {
   };
 
   /// `bones` outlive the detection or its next `reset`. `nodes`: positions that calls will have.
-  void reset(std::span<const Bone> bones, std::size_t nodes, bool motion_budgets) {
+  void reset(std::span<const Bone> bones, std::size_t nodes, bool clearance_cache) {
     m_bones = bones;
-    m_has_budgets = motion_budgets;
+    m_has_budgets = clearance_cache;
     if (m_has_budgets) {
-      m_budgets.reset(bones, nodes);
+      m_clearance_cache.reset(bones, nodes);
     }
   }
 
   /// Then all nodes that are asked about are new ones or have used up what they may move, and are to be granted anew.
   [[nodiscard]] bool has_budgets() const { return m_has_budgets; }
-  [[nodiscard]] MotionBudgets& budgets() { return m_budgets; }
-  [[nodiscard]] std::size_t bytes() const { return m_has_budgets ? m_budgets.bytes() : 0; }
+  [[nodiscard]] ClearanceCache& budgets() { return m_clearance_cache; }
+  [[nodiscard]] std::size_t bytes() const { return m_has_budgets ? m_clearance_cache.bytes() : 0; }
 
   /// Calls `detect(share, contacts)` for all nodes that have to be asked about, from several threads at once where a
   /// thread more pays. Appends to `contacts` in the order of bones and nodes: the same for any number of threads.
@@ -46,10 +46,10 @@ class FieldDetection {
   void detect(std::span<const RigidMotion> poses, std::span<const Vec3> positions, std::span<const int> nodes,
               int threads, const Detect& detect, std::vector<Contact>& contacts) {
     if (m_has_budgets) {
-      if (positions.size() != m_budgets.nodes()) {
-        m_budgets.reset(m_bones, positions.size());
+      if (positions.size() != m_clearance_cache.nodes()) {
+        m_clearance_cache.reset(m_bones, positions.size());
       }
-      m_budgets.collect_spent(poses, positions, nodes);
+      m_clearance_cache.collect_spent(poses, positions, nodes);
     }
     deal_out(nodes, threads);
     // Without OpenMP where a share a bone is all there is: it allocates even a team of one.
@@ -81,7 +81,7 @@ class FieldDetection {
   void deal_out(std::span<const int> nodes, int threads) {
     m_shares.clear();
     for (int bone = 0; bone < static_cast<int>(m_bones.size()); ++bone) {
-      std::span<const int> asked = m_has_budgets ? m_budgets.spent(bone) : nodes;
+      std::span<const int> asked = m_has_budgets ? m_clearance_cache.spent(bone) : nodes;
       while (threads > 1 && asked.size() > nodes_a_share) {
         m_shares.push_back({bone, asked.first(nodes_a_share)});
         asked = asked.subspan(nodes_a_share);
@@ -92,7 +92,7 @@ class FieldDetection {
 
   std::span<const Bone> m_bones;
   bool m_has_budgets = false;
-  MotionBudgets m_budgets;
+  ClearanceCache m_clearance_cache;
   std::vector<Share> m_shares;
   std::vector<std::vector<Contact>> m_found;  ///< by share
 };

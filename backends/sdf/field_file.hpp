@@ -6,7 +6,7 @@
 
 #include "backends/sdf/cubic_field.hpp"
 #include "backends/sdf/field_builder.hpp"
-#include "core/geometry/repair_mesh.hpp"
+#include "core/mesh_repair/repair_mesh.hpp"
 
 namespace musclebench {
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/system_memory.hpp"
-#include "core/geometry/surface_volume.hpp"
+#include "core/mesh/surface_volume.hpp"
 
 namespace musclebench {
 

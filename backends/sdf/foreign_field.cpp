@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
-#include "core/geometry/clean_features.hpp"
+#include "core/signed_distance/manifold_features.hpp"
 
 namespace musclebench {
 
@@ -265,7 +265,7 @@ class ForeignField {
   std::array<Vec3, nodes_of_cell> m_from_cell_m;
   /// By how much the values of two nodes may differ, for a node and those before it.
   std::array<std::array<double, nodes_of_cell>, nodes_of_cell> m_most_m{};
-  std::optional<CleanFeatures> m_clean;  ///< once it is asked for
+  std::optional<ManifoldFeatures> m_clean;  ///< once it is asked for
 };
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "backends/sdf/cubic_field.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 
@@ -17,8 +17,8 @@ namespace musclebench {
 ///   So a damaged node changes the field by less than a cell, or is found.
 /// Values may be off by a thousandth of a cell and a millionth of the domain: what surfaces and fields lose in files of
 /// few digits. A wrong side is overlooked where Discregrid is known to get it wrong: next to features of the surface
-/// that have no pseudo-normal (see `CleanFeatures`), next to corners whose faces do not all look that way, and anywhere
-/// about a surface that is not closed, unless half of the inside is missing. Deterministic.
+/// that have no pseudo-normal (see `ManifoldFeatures`), next to corners whose faces do not all look that way, and
+/// anywhere about a surface that is not closed, unless half of the inside is missing. Deterministic.
 void require_field_of(const CubicField& field, const TriangleMesh& mesh, const SignedSurface& surface,
                       const std::string& bone_name, const std::filesystem::path& path);
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "backends/sdf/grid_shape.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 

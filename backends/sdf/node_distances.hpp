@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "backends/sdf/cubic_field.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 

@@ -13,7 +13,7 @@
 #include "backends/sdf/octree_builder.hpp"
 #include "backends/sdf/octree_file.hpp"
 #include "backends/sdf/sdf_settings.hpp"
-#include "core/contact/motion_budgets.hpp"
+#include "core/clearance/clearance_cache.hpp"
 
 namespace musclebench {
 
@@ -25,7 +25,7 @@ class OctreeBackend final : public CollisionBackend {
       : m_settings(octree_settings(parameters)),
         m_error_name(format_parameter_value(parameters.number("max_error_mm"))),
         m_folder(parameters.word("structures")),
-        m_wants_budgets(has_motion_budgets(parameters)) {}
+        m_wants_budgets(uses_clearance_cache(parameters)) {}
 
   [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_detection.has_budgets()}; }
   [[nodiscard]] bool built_from_file() const override {

@@ -16,7 +16,7 @@
 #include "backends/sdf/octree_memory.hpp"
 #include "backends/sdf/octree_reach.hpp"
 #include "core/base/input_error.hpp"
-#include "core/geometry/mesh_size.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 

@@ -97,8 +97,8 @@ class SisterSamples {
     const CellSamples& known = parent.leaf->samples;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       for (std::size_t i = 0; i < fine; ++i) {
-        m_coordinates[axis][i] = parent.centre_m[static_cast<Eigen::Index>(axis)] +
-                                 parent.half_edge_m * (0.5 * static_cast<double>(i) - 1);
+        m_coordinates[axis][i] =
+            parent.centre_m[static_cast<Eigen::Index>(axis)] + parent.half_edge_m * (0.5 * static_cast<double>(i) - 1);
       }
     }
     for (std::size_t s = 0; s < lattice_samples; ++s) {

@@ -7,7 +7,7 @@
 
 #include "backends/sdf/octree_fit.hpp"
 #include "backends/sdf/packet_search.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 

@@ -11,7 +11,7 @@
 #include "backends/sdf/field_block.hpp"
 #include "backends/sdf/grid_shape.hpp"
 #include "backends/sdf/octree_kernel.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "backends/sdf/octree_polynomial.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

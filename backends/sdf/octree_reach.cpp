@@ -91,7 +91,8 @@ class ReachSearch {
 
   /// Not less than the exact distance of a place, by a sample's.
   [[nodiscard]] double by_sample_m(const Vec3& at, std::size_t sample) const {
-    return m_cell.leaf->samples[sample].value_m + m_cell.half_edge_m * (at - sample_place(sample)).norm() + m_rounding_m;
+    return m_cell.leaf->samples[sample].value_m + m_cell.half_edge_m * (at - sample_place(sample)).norm() +
+           m_rounding_m;
   }
 
   /// Whether no place of a part is farther from the surface than the reach, which grows to that where the part is not

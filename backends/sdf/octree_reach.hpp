@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "backends/sdf/octree_cells.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 

@@ -13,7 +13,7 @@
 #include <hwy/highway.h>
 
 #include "backends/sdf/packet_lists.hpp"
-#include "core/geometry/triangle_tree_lanes-inl.hpp"
+#include "core/bvh/triangle_bvh_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
@@ -28,7 +28,7 @@ namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
 // distances, over a box as large as one likes. A box is the sum of its axes, each of which has its own E and R, which
 // is less by w: beyond that, q stays the closest.
 //
-// Rounding: the slack bounds how far a float distance is off (triangle_tree_search.cpp); w and q are within 4 of it,
+// Rounding: the slack bounds how far a float distance is off (triangle_bvh_search.cpp); w and q are within 4 of it,
 // and of k only what is within the box counts.
 
 /// From below: squared distance - r^2 >= value + slope * r.
@@ -76,7 +76,7 @@ struct Interval {
 
 HWY_INLINE Vec3Lanes abs(const Vec3Lanes& a) { return {hn::Abs(a.x), hn::Abs(a.y), hn::Abs(a.z)}; }
 
-HWY_INLINE Bound bound_of_children(const TreeNode& node, const Vec3Lanes& middle, const Vec3Lanes& half,
+HWY_INLINE Bound bound_of_children(const BvhNode& node, const Vec3Lanes& middle, const Vec3Lanes& half,
                                    const Errors& errors, std::size_t first) {
   const Interval x(middle.x, half.x, load(node.lower[0], first), load(node.upper[0], first));
   const Interval y(middle.y, half.y, load(node.lower[1], first), load(node.upper[1], first));

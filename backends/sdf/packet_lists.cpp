@@ -47,8 +47,8 @@ std::array<float, 3> way_between(const std::array<float, 3>& from, const std::ar
 }
 
 HWY_INLINE TriangleLanes triangle_of(const TreeView& tree, std::int32_t number) {
-  return TriangleLanes::one(tree.leaves[static_cast<std::size_t>(number) / tree_width],
-                            static_cast<std::size_t>(number) % tree_width);
+  return TriangleLanes::one(tree.leaves[static_cast<std::size_t>(number) / bvh_width],
+                            static_cast<std::size_t>(number) % bvh_width);
 }
 
 HWY_INLINE float squared_length(const std::array<float, 3>& way) {
@@ -72,22 +72,22 @@ HWY_INLINE void lower_bound_by(const TreeView& tree, std::int32_t number, PlaceB
 /// The same by the triangle of a leaf that is the nearest to the middle.
 HWY_INLINE void lower_bound_by_nearest(const TreeView& tree, std::int32_t index, PlaceBox& box) {
   const Lanes d;
-  const TreeLeaf& leaf = tree.leaves[index];
-  alignas(64) TreeLanes squared;
+  const BvhLeaf& leaf = tree.leaves[index];
+  alignas(64) BvhLanes squared;
   Vec least = hn::Set(d, packet_nowhere);
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+  for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
     const Vec part = arms_to(TriangleLanes::of(leaf, first), splat(box.middle)).squared_length();
     hn::Store(part, d, squared.data() + first);
     least = hn::Min(least, part);
   }
   const Vec limit = hn::MinOfLanes(d, least);
   unsigned nearest = 0;
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+  for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
     nearest |= bits_of(d, hn::Le(load(squared, first), limit), first);
   }
-  nearest &= ~leaf.needles;
+  nearest &= ~leaf.slivers;
   if (nearest != 0) {
-    lower_bound_by(tree, index * static_cast<std::int32_t>(tree_width) + std::countr_zero(nearest), box);
+    lower_bound_by(tree, index * static_cast<std::int32_t>(bvh_width) + std::countr_zero(nearest), box);
   }
 }
 
@@ -146,7 +146,7 @@ void nodes_of(const TreeView& tree, const PlaceBox& box, BoundList& nodes) {
   // Those that only lead to others stay in the list, but nowhere.
   BoundList& waiting = nodes;
   waiting.count = 0;
-  waiting.make_room(tree_width);
+  waiting.make_room(bvh_width);
   waiting.value[0] = -packet_nowhere;
   waiting.what[0] = 0;
   for (std::vector<float>& slope : waiting.slope) {
@@ -154,11 +154,11 @@ void nodes_of(const TreeView& tree, const PlaceBox& box, BoundList& nodes) {
   }
   waiting.count = 1;
   for (std::size_t next = 0; next < waiting.count; ++next) {
-    const TreeNode& node = tree.nodes[waiting.what[next]];
+    const BvhNode& node = tree.nodes[waiting.what[next]];
     bool has_leaf = false;
-    waiting.make_room(tree_width);
+    waiting.make_room(bvh_width);
     prefetch(tree.nodes[waiting.what[std::min(next + 2, waiting.count - 1)]]);
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+    for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
       const Bound bound = bound_of_children(node, middle, half, errors, first);
       const auto wanted = hn::Le(least_in_box(d, bound.value, bound.slope.x, bound.slope.y, bound.slope.z, box), most);
       const auto child = hn::Load(di, node.child.data() + first);
@@ -176,16 +176,16 @@ void nodes_of(const TreeView& tree, const PlaceBox& box, BoundList& nodes) {
 namespace {
 
 /// The leaf below a node that is the nearest to the middle of the box; -1: none.
-HWY_INLINE std::int32_t nearest_leaf(const TreeNode& node, const Vec3Lanes& middle, const Vec3Lanes& half,
+HWY_INLINE std::int32_t nearest_leaf(const BvhNode& node, const Vec3Lanes& middle, const Vec3Lanes& half,
                                      const Errors& errors) {
   const Lanes d;
-  alignas(64) TreeLanes value;
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+  alignas(64) BvhLanes value;
+  for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
     hn::Store(bound_of_children(node, middle, half, errors, first).value, d, value.data() + first);
   }
   std::int32_t nearest = -1;
   float least = packet_nowhere;
-  for (std::size_t place = 0; place < tree_width; ++place) {
+  for (std::size_t place = 0; place < bvh_width; ++place) {
     if (node.child[place] < 0 && value[place] < least) {
       least = value[place];
       nearest = ~node.child[place];
@@ -212,17 +212,16 @@ void leaves_of(const TreeView& tree, const BoundList& nodes, const PlaceBox& out
   keep_near(nodes, way, box, near);
   const Vec most = hn::Set(d, box.most);
   leaves.count = 0;
-  leaves.make_room(tree_width * near.count);
+  leaves.make_room(bvh_width * near.count);
   for (std::size_t n = 0; n < near.count; ++n) {
     const std::int32_t number = near.what[n];
-    const TreeNode& node = tree.nodes[number];
+    const BvhNode& node = tree.nodes[number];
     prefetch(tree.nodes[near.what[std::min(n + 1, near.count - 1)]]);
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+    for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
       const Bound bound = bound_of_children(node, middle, half, errors, first);
       const auto wanted = hn::Le(least_in_box(d, bound.value, bound.slope.x, bound.slope.y, bound.slope.z, box), most);
       const auto is_leaf = hn::Lt(hn::Load(di, node.child.data() + first), hn::Zero(di));
-      const auto child =
-          hn::Iota(di, number * static_cast<std::int32_t>(tree_width) + static_cast<std::int32_t>(first));
+      const auto child = hn::Iota(di, number * static_cast<std::int32_t>(bvh_width) + static_cast<std::int32_t>(first));
       append(bound, hn::And(wanted, hn::RebindMask(d, is_leaf)), child, leaves);
     }
   }
@@ -259,8 +258,8 @@ void list_nodes(const TreeView& tree, const PlaceBox& box, BoundList& nodes) {
   HWY_DYNAMIC_DISPATCH(nodes_of)(tree, box, nodes);
 }
 
-void list_leaves(const TreeView& tree, const BoundList& nodes, const PlaceBox& outer, PlaceBox& box, BoundList& near,
-                 BoundList& leaves) {
+void list_candidate_leaves(const TreeView& tree, const BoundList& nodes, const PlaceBox& outer, PlaceBox& box,
+                           BoundList& near, BoundList& leaves) {
   HWY_DYNAMIC_DISPATCH(leaves_of)(tree, nodes, outer, box, near, leaves);
 }
 

@@ -14,7 +14,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include "backends/sdf/list_scan-inl.hpp"
-#include "core/geometry/triangle_tree_lanes-inl.hpp"
+#include "core/bvh/triangle_bvh_lanes-inl.hpp"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -36,33 +36,33 @@ struct Asked {
   /// Squares that no float distance of the closest triangle exceeds.
   alignas(64) std::array<float, 2 * PacketPoints::capacity> limit;
   /// Squared distances, the least of each place.
-  alignas(64) std::array<TreeLanes, PacketPoints::capacity + 1> least;
+  alignas(64) std::array<BvhLanes, PacketPoints::capacity + 1> least;
 };
 
-HWY_INLINE void keep_least(Vec squared, TreeLanes& least, std::size_t first) {
+HWY_INLINE void keep_least(Vec squared, BvhLanes& least, std::size_t first) {
   hn::Store(hn::Min(load(least, first), squared), Lanes(), least.data() + first);
 }
 
 #if HWY_MAX_BYTES >= 64
 /// Two points at a time, in vectors that are wide enough for both.
-HWY_INLINE void look_into(const TreeLeaf& leaf, std::size_t look, std::size_t end, PacketPoints& packet, Asked& asked) {
-  const hn::CappedTag<float, 2 * tree_width> twice;
+HWY_INLINE void look_into(const BvhLeaf& leaf, std::size_t look, std::size_t end, PacketPoints& packet, Asked& asked) {
+  const hn::CappedTag<float, 2 * bvh_width> twice;
   using Both = hn::Vec<decltype(twice)>;
-  const auto both = [&](const TreeLanes& lanes) HWY_ATTR {
+  const auto both = [&](const BvhLanes& lanes) HWY_ATTR {
     const Vec half = load(lanes, 0);
     return hn::Combine(twice, half, half);
   };
-  const auto all = [&](const std::array<TreeLanes, 3>& lanes) HWY_ATTR {
+  const auto all = [&](const std::array<BvhLanes, 3>& lanes) HWY_ATTR {
     return Vec3Of<Both>{both(lanes[0]), both(lanes[1]), both(lanes[2])};
   };
   const TrianglesOf<Both> triangles{all(leaf.origin),  all(leaf.along),  all(leaf.up),
                                     both(leaf.before), both(leaf.after), both(leaf.height)};
-  const auto reciprocal = [&](const TreeLanes& width) HWY_ATTR {
+  const auto reciprocal = [&](const BvhLanes& width) HWY_ATTR {
     const Vec half = hn::Div(hn::Set(Lanes(), 1.0F), squared_side(load(width, 0), load(leaf.height, 0)));
     return hn::Combine(twice, half, half);
   };
   const ByReciprocals<Both> divided{reciprocal(leaf.before), reciprocal(leaf.after)};
-  const auto lower = hn::FirstN(twice, tree_width);
+  const auto lower = hn::FirstN(twice, bvh_width);
   for (; look < end; look += 2) {
     const auto n = static_cast<std::size_t>(packet.point[look]);
     const auto m = static_cast<std::size_t>(packet.point[look + 1]);
@@ -72,22 +72,22 @@ HWY_INLINE void look_into(const TreeLeaf& leaf, std::size_t look, std::size_t en
     };
     const Both squared = arms_to(triangles, Vec3Of<Both>{at(0), at(1), at(2)}, divided).squared_length();
     hn::StoreU(squared, twice, packet.squared[look].to.data());
-    if (leaf.needles == 0) {
+    if (leaf.slivers == 0) {
       keep_least(hn::LowerHalf(squared), asked.least[n], 0);
       keep_least(hn::UpperHalf(Lanes(), squared), asked.least[m], 0);
     }
   }
 }
 #else
-HWY_INLINE void look_into(const TreeLeaf& leaf, std::size_t look, std::size_t end, PacketPoints& packet, Asked& asked) {
+HWY_INLINE void look_into(const BvhLeaf& leaf, std::size_t look, std::size_t end, PacketPoints& packet, Asked& asked) {
   const Lanes d;
   for (; look < end && packet.point[look] != nobody; ++look) {
     const auto n = static_cast<std::size_t>(packet.point[look]);
     const Vec3Lanes point = splat({packet.at[0][n], packet.at[1][n], packet.at[2][n]});
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+    for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
       const Vec squared = arms_to(TriangleLanes::of(leaf, first), point).squared_length();
       hn::Store(squared, d, packet.squared[look].to.data() + first);
-      if (leaf.needles == 0) {
+      if (leaf.slivers == 0) {
         keep_least(squared, asked.least[n], first);
       }
     }
@@ -111,7 +111,7 @@ HWY_INLINE void lower_limits(float slack, float growth, Asked& asked) {
   alignas(64) PointLanes least;
   for (std::size_t n = 0; n < PacketPoints::capacity; ++n) {
     Vec smallest = load(asked.least[n], 0);
-    for (std::size_t first = hn::Lanes(d); first < tree_width; first += hn::Lanes(d)) {
+    for (std::size_t first = hn::Lanes(d); first < bvh_width; first += hn::Lanes(d)) {
       smallest = hn::Min(smallest, load(asked.least[n], first));
     }
     least[n] = hn::GetLane(hn::MinOfLanes(d, smallest));
@@ -140,13 +140,13 @@ HWY_INLINE void start(const TreeView& tree, const PlaceBox& box, const PacketPoi
   for (std::size_t n = packet.count; n <= PacketPoints::capacity; ++n) {
     asked.limit[n] = -packet_nowhere;
   }
-  for (TreeLanes& least : asked.least) {
+  for (BvhLanes& least : asked.least) {
     least.fill(packet_nowhere);
   }
 }
 
 HWY_INLINE std::int32_t leaf_at(const TreeView& tree, std::int32_t child) {
-  return ~tree.nodes[static_cast<std::size_t>(child) / tree_width].child[static_cast<std::size_t>(child) % tree_width];
+  return ~tree.nodes[static_cast<std::size_t>(child) / bvh_width].child[static_cast<std::size_t>(child) % bvh_width];
 }
 
 /// Between two points, from the middle of the box.
@@ -180,7 +180,7 @@ HWY_INLINE std::array<std::int32_t, 2> nearest_leaves(const TreeView& tree, cons
 
 /// Lists the leaves whose bound is within the limit of any of the points; returns how many. A leaf that holds what is
 /// the closest at r from the middle is within S = sqrt(limit) + |r| of the middle, and S is at most 4 R (R and u as in
-/// triangle_tree_search.cpp). The closest may be by the slack farther than in floats, which is 2 slack S here; places
+/// triangle_bvh_search.cpp). The closest may be by the slack farther than in floats, which is 2 slack S here; places
 /// rounded by slack / 10 move a bound by 0.4 slack S; eight sums and products of at most 3 S^2 err by 24 u S^2, which
 /// is 2 slack S.
 HWY_INLINE std::size_t leaves_near_any(const TreeView& tree, const BoundList& leaves, const PlaceBox& box,
@@ -223,12 +223,12 @@ HWY_INLINE std::size_t leaves_near_any(const TreeView& tree, const BoundList& le
 }
 
 /// Squared distances of points, one a lane, to the turned box of one child.
-HWY_INLINE PointVec squared_to_box(const TreeNode& node, std::size_t place, const Vec3Of<PointVec>& point) {
+HWY_INLINE PointVec squared_to_box(const BvhNode& node, std::size_t place, const Vec3Of<PointVec>& point) {
   const Points d;
-  const auto one = [&](const std::array<TreeLanes, 3>& lanes) HWY_ATTR {
+  const auto one = [&](const std::array<BvhLanes, 3>& lanes) HWY_ATTR {
     return Vec3Of<PointVec>{hn::Set(d, lanes[0][place]), hn::Set(d, lanes[1][place]), hn::Set(d, lanes[2][place])};
   };
-  const auto beyond = [&](PointVec at, const TreeLanes& lower, const TreeLanes& upper) HWY_ATTR {
+  const auto beyond = [&](PointVec at, const BvhLanes& lower, const BvhLanes& upper) HWY_ATTR {
     const PointVec out = hn::Max(hn::Sub(hn::Set(d, lower[place]), at), hn::Sub(at, hn::Set(d, upper[place])));
     return hn::Max(out, hn::Zero(d));
   };
@@ -260,8 +260,8 @@ HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::arr
   std::int32_t* HWY_RESTRICT leaf_of = packet.leaf.data();
   for (std::size_t l = 0; l < near; ++l) {
     const auto child = static_cast<std::size_t>(packet.near[l]);
-    const TreeNode& node = tree.nodes[child / tree_width];
-    const std::int32_t leaf = ~node.child[child % tree_width];
+    const BvhNode& node = tree.nodes[child / bvh_width];
+    const std::int32_t leaf = ~node.child[child % bvh_width];
     if (leaf == known[0] || leaf == known[1]) {
       continue;
     }
@@ -269,7 +269,7 @@ HWY_INLINE void add_looks(const TreeView& tree, std::size_t near, const std::arr
     for (std::size_t first = 0; first < PacketPoints::capacity; first += hn::Lanes(d)) {
       const Vec3Of<PointVec> at{load_points(packet.at[0].data() + first), load_points(packet.at[1].data() + first),
                                 load_points(packet.at[2].data() + first)};
-      const PointVec squared = squared_to_box(node, child % tree_width, at);
+      const PointVec squared = squared_to_box(node, child % bvh_width, at);
       const auto kept = hn::RebindMask(di, hn::Le(squared, load_points(asked.limit.data() + first)));
       const auto points = hn::Iota(di, static_cast<std::int32_t>(first));
       hn::StoreU(hn::Compress(points, kept), di, points_of + looks);
@@ -293,8 +293,8 @@ HWY_INLINE void find_within(const Asked& asked, PacketPoints& packet) {
   const std::int32_t* HWY_RESTRICT points = packet.point.data();
   std::size_t look = 0;
 #if HWY_MAX_BYTES >= 64
-  const hn::CappedTag<float, 2 * tree_width> twice;
-  const auto lower = hn::FirstN(twice, tree_width);
+  const hn::CappedTag<float, 2 * bvh_width> twice;
+  const auto lower = hn::FirstN(twice, bvh_width);
   for (; look + 1 < packet.looks; look += 2) {
     const auto limits = hn::IfThenElse(lower, hn::Set(twice, asked.limit[static_cast<std::size_t>(points[look])]),
                                        hn::Set(twice, asked.limit[static_cast<std::size_t>(points[look + 1])]));
@@ -304,7 +304,7 @@ HWY_INLINE void find_within(const Asked& asked, PacketPoints& packet) {
   for (; look < packet.looks; ++look) {
     const Vec limit = hn::Set(d, asked.limit[static_cast<std::size_t>(points[look])]);
     unsigned bits = 0;
-    for (std::size_t first = 0; first < tree_width; first += hn::Lanes(d)) {
+    for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
       bits |= bits_of(d, hn::Le(load(packet.squared[look].to, first), limit), first);
     }
     within[look] = static_cast<std::uint8_t>(bits);
@@ -315,8 +315,8 @@ HWY_INLINE void add_pairs_of_look(const TreeView& tree, const PacketPoints& pack
                                   CandidatePairs& pairs) {
   const IntLanes di;
   const std::int32_t point = packet.number[static_cast<std::size_t>(packet.point[look])];
-  const TreeLeaf& leaf = tree.leaves[packet.leaf[look]];
-  for (std::size_t first = 0; first < tree_width; first += hn::Lanes(di)) {
+  const BvhLeaf& leaf = tree.leaves[packet.leaf[look]];
+  for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(di)) {
     const std::uint8_t bits[8] = {static_cast<std::uint8_t>(packet.within[look] >> first)};
     const auto near = hn::LoadMaskBits(di, bits);
     hn::StoreU(hn::Compress(hn::Load(di, leaf.triangle.data() + first), near), di, pairs.triangle.data() + pairs.count);
@@ -330,7 +330,7 @@ HWY_INLINE void add_pairs(const TreeView& tree, const Asked& asked, PacketPoints
   const hn::CappedTag<std::uint8_t, PacketPoints::looks_at_once> bytes;
   find_within(asked, packet);
   std::fill_n(packet.within.data() + packet.looks, PacketPoints::looks_at_once, std::uint8_t{0});
-  pairs.make_room(tree_width * (packet.looks + 1));
+  pairs.make_room(bvh_width * (packet.looks + 1));
   for (std::size_t first = 0; first < packet.looks; first += hn::Lanes(bytes)) {
     const auto some = hn::Ne(hn::LoadU(bytes, packet.within.data() + first), hn::Zero(bytes));
     std::uint8_t part[PacketPoints::looks_at_once / 8] = {};

@@ -23,7 +23,7 @@ struct PacketPoints {
 
   /// Squared distances of one point to the triangles of a leaf.
   struct alignas(32) Squared {
-    TreeLanes to;
+    BvhLanes to;
   };
   std::size_t looked_into = 0;  ///< leaves, each by the looks up to its end
   std::vector<std::int32_t> leaf_looked;

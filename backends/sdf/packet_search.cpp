@@ -22,18 +22,18 @@ Eigen::AlignedBox3d box_about(std::span<const PointPacket> packets) {
   return box;
 }
 
-/// The first place of a triangle that is no needle; negative where there is none.
-std::int32_t firm_place(const TreeLeaf& leaf) {
-  const auto firm = ~leaf.needles & ((1U << static_cast<unsigned>(leaf.count)) - 1);
+/// The first place of a triangle that is no sliver; negative where there is none.
+std::int32_t firm_place(const BvhLeaf& leaf) {
+  const auto firm = ~leaf.slivers & ((1U << static_cast<unsigned>(leaf.count)) - 1);
   return firm == 0 ? -1 : std::countr_zero(firm);
 }
 
 }  // namespace
 
-PacketSearch::PacketSearch(const TriangleTree& tree) : m_tree(&tree) {
+PacketSearch::PacketSearch(const TriangleBvh& tree) : m_tree(&tree) {
   for (std::size_t leaf = 0; leaf < tree.m_leaves.size() && m_any_place < 0; ++leaf) {
     const std::int32_t place = firm_place(tree.m_leaves[leaf]);
-    m_any_place = place < 0 ? -1 : static_cast<std::int32_t>(leaf * tree_width) + place;
+    m_any_place = place < 0 ? -1 : static_cast<std::int32_t>(leaf * bvh_width) + place;
   }
 }
 
@@ -62,16 +62,16 @@ TreeView PacketSearch::view_from(const Eigen::AlignedBox3d& box) const {
           static_cast<float>(m_tree->m_longest_side),
           m_tree->slack_for(reach, coordinate),
           m_tree->near_slack_for(reach, coordinate),
-          TriangleTree::slack_growth};
+          TriangleBvh::slack_growth};
 }
 
 std::int32_t PacketSearch::bounding_place(int triangle) const {
   const std::int32_t index = m_tree->m_leaf_of[static_cast<std::size_t>(triangle)];
-  const TreeLeaf& leaf = m_tree->m_leaves[static_cast<std::size_t>(index)];
+  const BvhLeaf& leaf = m_tree->m_leaves[static_cast<std::size_t>(index)];
   const std::size_t own = leaf.place_of(triangle);
-  const bool is_needle = (leaf.needles >> own & 1U) != 0;
-  const std::int32_t place = is_needle ? firm_place(leaf) : static_cast<std::int32_t>(own);
-  return place < 0 ? m_any_place : index * static_cast<std::int32_t>(tree_width) + place;
+  const bool is_sliver = (leaf.slivers >> own & 1U) != 0;
+  const std::int32_t place = is_sliver ? firm_place(leaf) : static_cast<std::int32_t>(own);
+  return place < 0 ? m_any_place : index * static_cast<std::int32_t>(bvh_width) + place;
 }
 
 void PacketSearch::enter(const Eigen::AlignedBox3d& box, int triangle) {
@@ -97,7 +97,7 @@ void PacketSearch::search_bundle(std::span<PointPacket> packets) {
   }
   assert(m_entered.contains(about));
   PlaceBox box = place_box(about);
-  list_leaves(m_view, m_nodes, m_box, box, m_near, m_leaves);
+  list_candidate_leaves(m_view, m_nodes, m_box, box, m_near, m_leaves);
   m_pairs.count = 0;
   m_points.count = 0;
   for (std::size_t p = 0; p < packets.size(); ++p) {

@@ -21,7 +21,7 @@
 #include "backends/sdf/foreign_field.hpp"
 #include "backends/sdf/octree_backend.hpp"
 #include "backends/sdf/sdf_settings.hpp"
-#include "core/contact/motion_budgets.hpp"
+#include "core/clearance/clearance_cache.hpp"
 
 namespace musclebench {
 
@@ -38,7 +38,7 @@ class SdfBackend final : public CollisionBackend {
         m_precision_name(parameters.word("precision")),
         m_folder(parameters.word("structures")),
         m_discregrid(parameters.word("discregrid")),
-        m_wants_budgets(has_motion_budgets(parameters)) {}
+        m_wants_budgets(uses_clearance_cache(parameters)) {}
 
   [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_detection.has_budgets()}; }
 
@@ -272,7 +272,7 @@ std::vector<ParameterSpec> sdf_parameters() {
        -1e300,
        1e300,
        {}},
-      motion_budgets_parameter(true),
+      clearance_cache_parameter(true),
   };
 }
 

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "backends/registry.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 // What the tests of all backends share: bones with a formula, a muscle that they cut into, and how a backend is asked.
 namespace musclebench {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "core/base/input_error.hpp"
 #include "core/base/system_memory.hpp"
-#include "core/geometry/mesh_size.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 
@@ -122,7 +122,7 @@ void VoxelGrid::mark_border(const TriangleMesh& surface, std::vector<Cell>& stat
 /// Cells between border cells form connected regions that the surface does not cross: one winding number decides for
 /// each. A flood from a corner would call every enclosed pocket of free space inside.
 void VoxelGrid::mark_inside(const TriangleMesh& surface, std::vector<Cell>& states) const {
-  const TriangleTree tree(surface);
+  const TriangleBvh tree(surface);
   for (int z = 0; z < m_counts[2]; ++z) {
     for (int y = 0; y < m_counts[1]; ++y) {
       for (int x = 0; x < m_counts[0]; ++x) {

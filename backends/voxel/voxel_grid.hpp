@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

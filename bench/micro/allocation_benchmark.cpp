@@ -4,11 +4,12 @@
 
 #include <benchmark/benchmark.h>
 
-#include "bench/heap_counter.hpp"
-#include "bench/make_simulation.hpp"
+#include "bench/cases/build_backend.hpp"
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
+#include "bench/process/heap_counter.hpp"
 #include "core/base/input_error.hpp"
+#include "core/scene/prepare_simulation.hpp"
 
 namespace musclebench {
 namespace {
@@ -23,7 +24,7 @@ void allocations(benchmark::State& state, const std::string& name, ResponseKind 
   const Case resolved{scene, entry, Parameters(entry.parameters, run_settings(name), name), 1, 0};
   for (auto _ : state) {
     const BuiltBackend built = build_backend(resolved);
-    const PreparedSimulation prepared = prepare_simulation(resolved, *built.backend);
+    const PreparedSimulation prepared = prepare_simulation(resolved.scene, *built.backend, resolved.backend.response);
     std::uint64_t most = 0;
     for (int frame = 1; frame <= frames; ++frame) {
       const std::uint64_t before = heap_allocations();

@@ -29,7 +29,7 @@ void sdf_build_a_node(benchmark::State& state, const Bone& bone, int threads) {
 /// Bytes of the field of 64 cells; with `band_m` > 0 of a narrow band.
 void sdf_bytes(benchmark::State& state, const Bone& bone, const std::string& precision, double band_m) {
   const TriangleMesh& muscle = micro_scene().muscle.mesh;
-  Settings settings{{"cells", std::int64_t{cells}}, {"precision", precision}, {"motion_budgets", std::string("off")}};
+  Settings settings{{"cells", std::int64_t{cells}}, {"precision", precision}, {"clearance_cache", std::string("off")}};
   if (band_m > 0) {
     settings["band_m"] = band_m;
   }

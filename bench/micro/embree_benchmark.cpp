@@ -15,11 +15,11 @@
 #include <Eigen/Geometry>
 #include <benchmark/benchmark.h>
 
-#include "bench/scene_source.hpp"
+#include "bench/cases/scene_source.hpp"
 #include "core/base/huge_pages.hpp"
-#include "core/geometry/coherent_order.hpp"
-#include "core/geometry/mesh_size.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/mesh/mesh_size.hpp"
+#include "core/mesh/morton_order.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 namespace {
@@ -91,7 +91,7 @@ Points shuffled(Points points) {
 Points in_coherent_order(const Points& points) {
   Points ordered;
   ordered.reserve(points.size());
-  for (const int place : coherent_order(points)) {
+  for (const int place : morton_order(points)) {
     ordered.push_back(points[static_cast<std::size_t>(place)]);
   }
   return ordered;
@@ -236,7 +236,7 @@ void embree_closest(benchmark::State& state, const Points& points) {
 }
 
 void our_closest(benchmark::State& state, const Points& points) {
-  const TriangleTree& tree = surface().tree();
+  const TriangleBvh& tree = surface().tree();
   ask(state, points, [&](const Vec3& point) { return tree.closest_point(point)->distance_m; });
 }
 
@@ -246,7 +246,7 @@ void our_signed(benchmark::State& state, const Points& points) {
 
 /// Each search starts from the last one's triangle, as in the build of a distance field.
 void our_closest_from(benchmark::State& state, const Points& points) {
-  const TriangleTree& tree = surface().tree();
+  const TriangleBvh& tree = surface().tree();
   int triangle = 0;
   ask(state, points, [&](const Vec3& point) {
     const ClosestPoint found = tree.closest_point_from(point, triangle);
@@ -256,7 +256,7 @@ void our_closest_from(benchmark::State& state, const Points& points) {
 }
 
 void our_winding(benchmark::State& state, const Points& points) {
-  const TriangleTree& tree = surface().tree();
+  const TriangleBvh& tree = surface().tree();
   ask(state, points, [&](const Vec3& point) { return tree.winding_number(point); });
 }
 

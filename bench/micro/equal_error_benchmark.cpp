@@ -13,7 +13,7 @@
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
 #include "core/base/huge_pages.hpp"
-#include "core/measure/scoped_timer.hpp"
+#include "core/base/scoped_timer.hpp"
 
 namespace musclebench {
 namespace {

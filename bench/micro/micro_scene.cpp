@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <random>
 
-#include "bench/scene_source.hpp"
-#include "core/geometry/mesh_size.hpp"
+#include "bench/cases/scene_source.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 
@@ -64,8 +64,8 @@ Settings run_settings(const std::string& backend) {
 
 Settings cold_settings(const std::string& backend) {
   Settings settings = run_settings(backend);
-  if (knows(find_backend(backend), "motion_budgets")) {
-    settings["motion_budgets"] = std::string("off");
+  if (knows(find_backend(backend), "clearance_cache")) {
+    settings["clearance_cache"] = std::string("off");
   }
   return settings;
 }

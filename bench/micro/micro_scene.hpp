@@ -27,7 +27,7 @@ using Settings = std::map<std::string, ParameterValue>;
 /// Parameters of a backend as in a run; fields are kept in the folder MUSCLEBENCH_MICRO_STRUCTURES, where it is given.
 Settings run_settings(const std::string& backend);
 
-/// The same without motion budgets: for kernels that ask the same positions again, which no budget would be spent on.
+/// The same without clearance cache: for kernels that ask the same positions again, which no budget would be spent on.
 Settings cold_settings(const std::string& backend);
 
 /// `bones` and `muscle` outlive the backend.

@@ -16,7 +16,7 @@
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
 #include "core/base/huge_pages.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "core/measure/scoped_timer.hpp"
+#include "core/base/scoped_timer.hpp"
 #include "core/measure/step_record.hpp"
 
 namespace musclebench {

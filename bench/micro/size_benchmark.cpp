@@ -13,10 +13,10 @@
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
 #include "core/base/huge_pages.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/signed_surface.hpp"
-#include "core/geometry/surface_sampler.hpp"
-#include "core/measure/scoped_timer.hpp"
+#include "core/base/scoped_timer.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/mesh/surface_sampler.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 namespace {

@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "core/contact/contact.hpp"
-#include "core/geometry/repair_mesh.hpp"
-#include "core/geometry/rigid_motion.hpp"
+#include "core/mesh/rigid_motion.hpp"
+#include "core/mesh_repair/repair_mesh.hpp"
 
 namespace musclebench {
 
 /// A rigid bone as a backend gets it: its repaired surface in rest pose. In a scene it is numbered coherently
-/// (`order_coherently`): what lies close together does so in memory, too.
+/// (`sort_in_morton_order`): what lies close together does so in memory, too.
 struct Bone {
   std::string name;
   RepairedMesh surface;

@@ -8,7 +8,7 @@
 
 #include "core/base/parameters.hpp"
 #include "core/effects/fibres.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 #include "core/pbd/effect.hpp"
 
 namespace musclebench {

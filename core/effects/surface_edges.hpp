@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/geometry/surface_volume.hpp"
+#include "core/mesh/surface_volume.hpp"
 
 namespace musclebench {
 

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "core/geometry/surface_volume.hpp"
+#include "core/mesh/surface_volume.hpp"
 
 namespace musclebench {
 namespace {

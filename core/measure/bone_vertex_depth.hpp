@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/contact/collision_backend.hpp"
-#include "core/measure/referee_tree.hpp"
+#include "core/referee/referee_tree.hpp"
 
 namespace musclebench {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/measure/contact_comparison.hpp"
 #include "core/pbd/simulation.hpp"
+#include "core/referee/contact_comparison.hpp"
 
 namespace musclebench {
 
@@ -23,7 +23,7 @@ struct StepRecord {
   /// At the frame's end: see SurfaceDepthMeter and BoneVertexDepthMeter. NaN: not measured.
   double surface_depth_m = std::numeric_limits<double>::quiet_NaN();
   double bone_vertex_depth_m = std::numeric_limits<double>::quiet_NaN();
-  int tunnelled_nodes = 0;  ///< that went through a bone and have not come back, see PassageTracker
+  int tunnelled_nodes = 0;  ///< that went through a bone and have not come back, see TunnellingTracker
   int stuck_nodes = 0;      ///< in this frame, see count_stuck_nodes
   double volume_m3 = 0;
   std::size_t resident_bytes = 0;  ///< 0: unknown

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/contact/contact.hpp"
-#include "core/geometry/rigid_motion.hpp"
-#include "core/measure/referee.hpp"
+#include "core/mesh/rigid_motion.hpp"
+#include "core/referee/referee.hpp"
 
 namespace musclebench {
 

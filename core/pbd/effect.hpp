@@ -3,7 +3,7 @@
 #include <span>
 #include <string_view>
 
-#include "core/geometry/rigid_motion.hpp"
+#include "core/mesh/rigid_motion.hpp"
 #include "core/pbd/particles.hpp"
 
 namespace musclebench {

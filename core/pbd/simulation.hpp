@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "core/base/scoped_timer.hpp"
 #include "core/contact/collision_backend.hpp"
 #include "core/contact/response.hpp"
-#include "core/measure/scoped_timer.hpp"
 #include "core/pbd/effect.hpp"
 
 namespace musclebench {

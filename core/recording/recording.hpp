@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/parameters.hpp"
-#include "core/geometry/rigid_motion.hpp"
+#include "core/mesh/rigid_motion.hpp"
 
 namespace musclebench {
 

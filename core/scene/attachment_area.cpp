@@ -73,7 +73,7 @@ struct MeanPlane {
 
 }  // namespace
 
-std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleTree& bone, const AttachmentArea& area) {
+std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleBvh& bone, const AttachmentArea& area) {
   const MeanPlane plane(area.outline_m);
   std::vector<Vec2> outline;
   for (const Vec3& point : area.outline_m) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/rigid_motion.hpp"
+#include "core/mesh/rigid_motion.hpp"
 
 namespace musclebench {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/effects/fibres.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

@@ -8,8 +8,8 @@
 
 #include "core/base/input_error.hpp"
 #include "core/base/sha256.hpp"
-#include "core/geometry/coherent_order.hpp"
-#include "core/geometry/read_mesh.hpp"
+#include "core/mesh/morton_order.hpp"
+#include "core/mesh_files/read_mesh.hpp"
 #include "core/scene/attachment_area.hpp"
 #include "core/scene/landmarks.hpp"
 #include "core/scene/toml_table.hpp"
@@ -123,7 +123,7 @@ void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene
     SceneMesh mesh = read_scene_mesh(request, table);
     Bone bone{name, repair_mesh(mesh.mesh, fmt::format("{} ({})", table.place("mesh"), mesh.reference))};
     // What is near a node is then in few pages and cache lines, whatever order a file has.
-    order_coherently(bone.surface.mesh);
+    sort_in_morton_order(bone.surface.mesh);
     scene.bones.push_back(std::move(bone));
     scene.bone_meshes.push_back(std::move(mesh));
     const auto motion = table.table("motion");
@@ -179,7 +179,7 @@ void read_attachments(const SceneRequest& request, const TomlTable& root, Scene&
     Attachment attachment;
     attachment.name = table.word("name");
     attachment.bone = bone_index(scene, table);
-    const TriangleTree tree(scene.bones[attachment.bone].surface.mesh);
+    const TriangleBvh tree(scene.bones[attachment.bone].surface.mesh);
     attachment.nodes = nodes_over_area(scene.muscle.mesh.vertices, tree, read_area(request, table));
     scene.attachments.push_back(std::move(attachment));
   }

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "core/geometry/check_mesh.hpp"
+#include "core/mesh_repair/check_mesh.hpp"
 
 namespace musclebench {
 

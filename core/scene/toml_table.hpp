@@ -9,7 +9,7 @@
 #include <toml++/toml.h>
 
 #include "core/base/parameters.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
-#include "core/geometry/check_mesh.hpp"
-#include "core/geometry/rigid_motion.hpp"
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
+#include "core/mesh/rigid_motion.hpp"
+#include "core/mesh_repair/check_mesh.hpp"
 #include "datasets/synthetic_bones.hpp"
 #include "datasets/tests/self_intersection.hpp"
 
@@ -43,9 +43,9 @@ const TriangleMesh& made(const std::string& name) {
   return entry->second;
 }
 
-const TriangleTree& tree(const std::string& bone) {
-  static const TriangleTree hip_bone(made("hip_bone"));
-  static const TriangleTree femur(made("femur"));
+const TriangleBvh& tree(const std::string& bone) {
+  static const TriangleBvh hip_bone(made("hip_bone"));
+  static const TriangleBvh femur(made("femur"));
   return bone == "femur" ? femur : hip_bone;
 }
 

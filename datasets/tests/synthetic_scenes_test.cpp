@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <toml++/toml.h>
 
-#include "core/geometry/triangle_tree.hpp"
+#include "core/bvh/triangle_bvh.hpp"
 #include "datasets/synthetic_hip.hpp"
 
 namespace musclebench {
@@ -22,9 +22,9 @@ Vec3 point_of(const toml::node& node) {
 // The scenes hold coordinates of points on surfaces that code makes: whoever changes a bone must renew them.
 TEST(SyntheticScenes, AttachmentOutlinesLieOnTheirBones) {
   const std::filesystem::path folder = std::filesystem::path(MUSCLEBENCH_SOURCE_DIR) / "datasets/scenes/synthetic";
-  std::map<std::string, TriangleTree> bones;
-  bones.emplace("hip_bone", TriangleTree(synthetic_hip_mesh("hip_bone")));
-  bones.emplace("femur", TriangleTree(synthetic_hip_mesh("femur")));
+  std::map<std::string, TriangleBvh> bones;
+  bones.emplace("hip_bone", TriangleBvh(synthetic_hip_mesh("hip_bone")));
+  bones.emplace("femur", TriangleBvh(synthetic_hip_mesh("femur")));
   for (const std::string muscle : {"adductor_brevis", "gluteus_maximus", "gluteus_medius", "iliacus"}) {
     SCOPED_TRACE(muscle);
     const toml::table scene = toml::parse_file((folder / (muscle + ".toml")).string());

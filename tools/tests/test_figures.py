@@ -8,12 +8,13 @@ from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 from PIL import Image
 
+import fake_registry
 import fake_runs
 import fake_study
 from musclebench.accuracy import coupled_faults, report
 from musclebench.accuracy.aggregates import aggregates_of, of_mode
 from musclebench.accuracy.cases import read_cases
-from musclebench.figures import labels, paper_figures, pareto, style
+from musclebench.figures import labels, looks, paper_figures, pareto, style
 from musclebench.figures.style import plt
 from musclebench.paper.published import read_published
 from musclebench.pictures import surface_figures
@@ -26,6 +27,7 @@ from musclebench.tables.outcomes import shape_distances
 def drawn(tmp_path_factory):
     """{stem: (figure, its files)} of a whole study."""
     folder, kept = tmp_path_factory.mktemp("study"), {}
+    looks.know(fake_registry.registry())
     fake_study.write_realistic_study(folder, {"lhdl/iliacus": 1.0, "lhdl/gluteus_maximus": 1.7}, repetitions=1)
     with pytest.MonkeyPatch.context() as patch:
         keep_figures(patch, kept)
@@ -119,6 +121,7 @@ def as_bytes(colour: str) -> tuple:
 def pictures(tmp_path_factory):
     """Two figures of surfaces whose pictures are noise of many colours, as shaded surfaces are."""
     folder = tmp_path_factory.mktemp("pictures")
+    looks.know(fake_registry.registry())
     run = read_run(fake_runs.write_run(folder / "run", "synthetic/iliacus", "voxel"))
     noise = np.random.default_rng(1).integers(100, 255, (200, 200, 3), dtype=np.uint8)
     paths = []
@@ -128,7 +131,7 @@ def pictures(tmp_path_factory):
         for panel in panels.flat:
             surface_figures._show(panel, noise)
         for row, backend in enumerate(("null", "voxel", "sdf", "fcl")):
-            surface_figures._row_name(panels[row, 0], backend, style.backend_colour(backend))
+            surface_figures._row_name(panels[row, 0], backend, looks.colour(backend))
         surface_figures._finish(figure, "Title", [run], 5)
         paths.append(style.save_figure(figure, folder / name)[0])
     return paths
@@ -138,7 +141,7 @@ def test_a_backend_has_its_colour_in_every_picture(pictures):
     for path in pictures:
         found = np.array(sorted(colours_in(path)))
         for backend in ("null", "voxel", "sdf", "fcl"):  # thin strokes are smoothed by a step of 255
-            assert np.abs(found - as_bytes(style.backend_colour(backend))).max(axis=1).min() <= 1, backend
+            assert np.abs(found - as_bytes(looks.colour(backend))).max(axis=1).min() <= 1, backend
 
 
 def test_colour_bars_are_continuous(pictures):
@@ -149,7 +152,7 @@ def test_colour_bars_are_continuous(pictures):
 
 def test_no_stage_has_the_colour_of_a_backend():
     from musclebench.figures.stages import COLOURS, OTHER_COLOURS
-    backends = {style.backend_colour(name).lower() for name in style.BACKENDS}
+    backends = {looks.colour(name).lower() for name in ("null", "voxel", "sdf", "fcl", "bvh", "brute_force")}
     assert not backends & {colour.lower() for colour in [*COLOURS.values(), *OTHER_COLOURS]}
 
 

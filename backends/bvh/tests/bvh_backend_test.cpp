@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "backends/bvh/centred_surface.hpp"
+#include "backends/bvh/exact_surface.hpp"
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {
@@ -209,9 +209,9 @@ TEST(BvhBackend, AnyNumberOfThreadsGivesTheSameBits) {
   }
 }
 
-TEST(CentredSurface, ContainsWhereItsSignedDistanceIsNegative) {
+TEST(ExactSurface, ContainsWhereItsSignedDistanceIsNegative) {
   for (const TriangleMesh& mesh : {make_box({1, 1, 1}, 3), cube_with_fin()}) {
-    const CentredSurface surface(repair_mesh(mesh, "mesh"), 1);
+    const ExactSurface surface(repair_mesh(mesh, "mesh"), 1);
     int inside = 0;
     for (const Vec3& point : random_points({1.5, 1.5, 2.2}, 1000, 5)) {
       const double distance_m = surface.signed_distance_m(point);

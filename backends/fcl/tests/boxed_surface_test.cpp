@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/rigid_motion.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/tests/closest_by_brute_force.hpp"
+#include "core/bvh/tests/closest_by_brute_force.hpp"
+#include "core/mesh/rigid_motion.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {
@@ -31,7 +31,7 @@ TriangleMesh moved(TriangleMesh mesh, const Vec3& by) {
   return mesh;
 }
 
-/// A ball with needles of all kinds that stand out of it.
+/// A ball with slivers of all kinds that stand out of it.
 TriangleMesh with_needles(TriangleMesh ball) {
   const std::size_t count = ball.triangles.size();
   for (std::size_t t = 0; t < count; t += 2) {
@@ -52,7 +52,7 @@ std::vector<Case> cases() {
   const Vec3 away(1e4, -2e4, 3e4);  // with fewer digits than a touching distance
   return {{"box", {make_box({0.01, 0.02, 0.03}, 4), true, {}}, 0.03, Vec3::Zero()},
           {"ball", {make_sphere(0.02, 3), true, {}}, 0.02, Vec3::Zero()},
-          {"needles", {with_needles(make_sphere(0.02, 2)), true, {}}, 0.02, Vec3::Zero()},
+          {"slivers", {with_needles(make_sphere(0.02, 2)), true, {}}, 0.02, Vec3::Zero()},
           {"turned", {moved(make_box({0.01, 0.02, 0.03}, 4), Vec3::Zero()), true, {}}, 0.03, Vec3::Zero()},
           {"far", {moved(make_box({0.01, 0.02, 0.03}, 4), away), true, {}}, 0.03, away},
           {"far ball", {moved(make_sphere(0.02, 3), away), true, {}}, 0.02, away}};
@@ -129,14 +129,15 @@ TEST(BoxedSurface, ListsAnswerWhatBruteForceDoesWhereTheyAreCertain) {
     for (const Vec3& place : points_of(about)) {
       const double distance_m = surface.by_brute_force(place).distance_m;
       NearTriangles list;
-      surface.list_near(place, distance_m, list);
+      surface.list_candidates(place, distance_m, list);
       ASSERT_GT(list.count, 0U);
       for (const double way : {0.0, 0.2, 0.7, 1.5, 3.0, 20.0}) {
         const double x = normal(random), y = normal(random);
         const Vec3 point = place + way * surface.near_m() * Vec3(x, y, normal(random)).normalized();
-        BoxedSurface::ListSearch search;
-        surface.start_listed(point, list, search);
-        const ListedClosest found = surface.finish_listed(point, list, std::numeric_limits<double>::infinity(), search);
+        BoxedSurface::CandidateSearch search;
+        surface.begin_candidate_search(point, list, search);
+        const ClosestCandidate found =
+            surface.finish_candidate_search(point, list, std::numeric_limits<double>::infinity(), search);
         EXPECT_EQ(found.clearance_m, 0);
         EXPECT_FALSE(way == 20 && distance_m < surface.near_m() && found.certain);
         if (found.certain) {
@@ -147,8 +148,8 @@ TEST(BoxedSurface, ListsAnswerWhatBruteForceDoesWhereTheyAreCertain) {
       }
     }
     EXPECT_GT(asked, 100);
-    // What is said of one needle is nothing, so that lists with many of them are never certain.
-    EXPECT_GT(certain, about.name == std::string("needles") ? 0 : asked * 9 / 10);
+    // What is said of one sliver is nothing, so that lists with many of them are never certain.
+    EXPECT_GT(certain, about.name == std::string("slivers") ? 0 : asked * 9 / 10);
   }
 }
 

@@ -11,7 +11,7 @@
 
 #include "backends/fcl/tests/intersecting_triangles.hpp"
 #include "core/base/input_error.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <Eigen/Geometry>
 
-#include "core/geometry/rigid_motion.hpp"
-#include "core/geometry/triangle_mesh.hpp"
+#include "core/mesh/rigid_motion.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 

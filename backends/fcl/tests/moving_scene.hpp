@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "core/contact/collision_backend.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 

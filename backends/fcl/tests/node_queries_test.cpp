@@ -31,7 +31,7 @@ FclOptions by_collision(double radius_m) {
 
 FclOptions by_distance_with_budgets() {
   FclOptions options = by_distance();
-  options.motion_budgets = true;
+  options.clearance_cache = true;
   return options;
 }
 
@@ -168,10 +168,10 @@ TEST(NodeQueries, RefusalsNameWhatIsPossible) {
   EXPECT_NE(message({{"node_radius_m", 1e-3}}).find("node_collide"), std::string::npos);
   const auto with_budgets = [&](const char* key, const char* word) {
     return message(
-        {{"query", std::string("node_distance")}, {"motion_budgets", std::string("on")}, {key, std::string(word)}});
+        {{"query", std::string("node_distance")}, {"clearance_cache", std::string("on")}, {key, std::string(word)}});
   };
   EXPECT_EQ(with_budgets("bounding_volume", "OBBRSS"), "");
-  EXPECT_NE(with_budgets("bounding_volume", "RSS").find("is AABB with motion_budgets"), std::string::npos);
+  EXPECT_NE(with_budgets("bounding_volume", "RSS").find("is AABB with clearance_cache"), std::string::npos);
   EXPECT_NE(with_budgets("solver", "indep").find("fcl: solver"), std::string::npos);
 }
 

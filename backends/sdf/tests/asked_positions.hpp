@@ -7,7 +7,7 @@
 
 #include "backends/sdf/grid_shape.hpp"
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/rigid_motion.hpp"
+#include "core/mesh/rigid_motion.hpp"
 
 namespace musclebench {
 

@@ -8,7 +8,7 @@
 
 #include "backends/sdf/field_builder.hpp"
 #include "backends/sdf/tests/field_samples.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

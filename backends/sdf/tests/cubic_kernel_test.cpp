@@ -13,7 +13,7 @@
 #include "backends/sdf/field_places.hpp"
 #include "backends/sdf/tests/asked_positions.hpp"
 #include "backends/sdf/tests/field_samples.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

@@ -8,7 +8,7 @@
 #include "backends/sdf/discregrid_file.hpp"
 #include "backends/sdf/field_builder.hpp"
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

@@ -12,7 +12,7 @@
 #include "backends/sdf/field_builder.hpp"
 #include "backends/sdf/tests/stored_file_test.hpp"
 #include "core/base/input_error.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

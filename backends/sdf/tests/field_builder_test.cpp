@@ -13,9 +13,9 @@
 #include "backends/sdf/field_memory.hpp"
 #include "backends/sdf/tests/field_samples.hpp"
 #include "core/base/input_error.hpp"
-#include "core/geometry/read_mesh.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/tests/lhdl_data.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/lhdl_data.hpp"
+#include "core/mesh_files/read_mesh.hpp"
 
 namespace musclebench {
 namespace {

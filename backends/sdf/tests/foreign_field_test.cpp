@@ -11,10 +11,10 @@
 #include "backends/sdf/tests/field_samples.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/clean_features.hpp"
-#include "core/geometry/read_mesh.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/tests/lhdl_data.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/lhdl_data.hpp"
+#include "core/mesh_files/read_mesh.hpp"
+#include "core/signed_distance/manifold_features.hpp"
 
 namespace musclebench {
 namespace {
@@ -81,7 +81,7 @@ struct WrongSigns {
 
 /// Discregrid's signs: inside where an edge or corner has no pseudo-normal, and by folded angles next to corners.
 WrongSigns get_signs_wrong(CubicField& field, const TriangleMesh& mesh, const SignedSurface& surface) {
-  const CleanFeatures clean(mesh, surface.tree());
+  const ManifoldFeatures clean(mesh, surface.tree());
   const std::vector<Vec3> folded = folded_normals(mesh);
   WrongSigns wrong;
   for_each_node(field.shape(), [&](std::size_t place, const Vec3& position) {

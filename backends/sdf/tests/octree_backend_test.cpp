@@ -8,8 +8,8 @@
 #include "backends/sdf/sdf_backend.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/signed_surface.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 namespace {
@@ -83,7 +83,7 @@ TEST(OctreeBackend, FindsDepthAndNormalInMovedBones) {
 
 TEST(OctreeBackend, BudgetsAndThreadsChangeNoContact) {
   const auto made = [](const std::string& budgets, int threads) {
-    auto backend = make({{"motion_budgets", budgets}});
+    auto backend = make({{"clearance_cache", budgets}});
     backend->build(bones(), {}, threads);
     return backend;
   };

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

@@ -8,7 +8,7 @@
 #include "backends/sdf/exact_places.hpp"
 #include "backends/sdf/octree_builder.hpp"
 #include "core/base/random_numbers.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

@@ -13,7 +13,7 @@
 #include "backends/sdf/octree_polynomial.hpp"
 #include "backends/sdf/tests/stored_file_test.hpp"
 #include "core/base/input_error.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

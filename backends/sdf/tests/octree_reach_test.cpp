@@ -6,7 +6,7 @@
 
 #include "backends/sdf/octree_cells.hpp"
 #include "backends/sdf/octree_fit.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

@@ -9,18 +9,18 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include "core/geometry/read_mesh.hpp"
-#include "core/geometry/repair_mesh.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/tests/closest_by_brute_force.hpp"
-#include "core/geometry/tests/lhdl_data.hpp"
+#include "core/bvh/tests/closest_by_brute_force.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/lhdl_data.hpp"
+#include "core/mesh_files/read_mesh.hpp"
+#include "core/mesh_repair/repair_mesh.hpp"
 
 namespace musclebench {
 namespace {
 
 /// Blocks of packets of all sizes and distances, some of them empty: all points are answered as one by one, to the bit.
 void expect_answers_of_single_queries(const TriangleMesh& mesh, int blocks) {
-  const TriangleTree tree(mesh);
+  const TriangleBvh tree(mesh);
   Vec3 lower = mesh.vertices.front();
   Vec3 upper = lower;
   for (const Vec3& vertex : mesh.vertices) {

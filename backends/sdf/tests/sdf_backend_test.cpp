@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {
@@ -155,7 +155,7 @@ TEST(SdfBackend, BudgetsBandsAndThreadsChangeNoContact) {
   const std::vector<std::vector<Vec3>> path = wandering_nodes(30);
   for (const std::string precision : {"float", "compact"}) {
     const auto made = [&](const std::string& budgets, double band_m, int threads = 1) {
-      Given given{{"cells", std::int64_t{24}}, {"precision", precision}, {"motion_budgets", budgets}};
+      Given given{{"cells", std::int64_t{24}}, {"precision", precision}, {"clearance_cache", budgets}};
       if (band_m > 0) {
         given["band_m"] = band_m;
       }
@@ -193,7 +193,7 @@ TEST(SdfBackend, BudgetsBandsAndThreadsChangeNoContact) {
 
 TEST(SdfBackend, TellsTheErrorOfEachStructure) {
   const std::vector<Bone> bones = two_bones();
-  const auto backend = make({{"motion_budgets", std::string("off")}});
+  const auto backend = make({{"clearance_cache", std::string("off")}});
   backend->build(bones, {}, 1);
   const std::vector<StructureError> errors = backend->structure_errors();
   ASSERT_EQ(errors.size(), 2U);
@@ -207,7 +207,7 @@ TEST(SdfBackend, TellsTheErrorOfEachStructure) {
 
 TEST(SdfBackend, CountsItsBytes) {
   const std::vector<Bone> bones = two_bones();
-  const auto backend = make({{"cells", std::int64_t{8}}, {"motion_budgets", std::string("off")}});
+  const auto backend = make({{"cells", std::int64_t{8}}, {"clearance_cache", std::string("off")}});
   backend->build(bones, {}, 1);
   const std::size_t fields = 2 * (9 * 9 * (7 * 9 - 2) * sizeof(float) + 512 / 8);
   EXPECT_EQ(backend->structure_bytes(), fields);

@@ -36,7 +36,8 @@ TEST(Parameters, DefaultsAndGivenValues) {
 
 TEST(Parameters, RefusalsNamePlaceKeyAndCure) {
   EXPECT_EQ(error_of({{"cels", std::int64_t{1}}}), "here: cels: is unknown; did you mean 'cells'?");
-  EXPECT_EQ(error_of({{"cells", std::int64_t{0}}}), "here: cells: 0 is out of range; allowed is 1 to 100 (cells along an axis)");
+  EXPECT_EQ(error_of({{"cells", std::int64_t{0}}}),
+            "here: cells: 0 is out of range; allowed is 1 to 100 (cells along an axis)");
   EXPECT_EQ(error_of({{"cells", 1.5}}), "here: cells: is a whole number, not 1.5");
   EXPECT_EQ(error_of({{"size_m", std::numeric_limits<double>::quiet_NaN()}}),
             "here: size_m: nan is out of range; allowed is 0 to 1 (edge)");

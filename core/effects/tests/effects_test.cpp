@@ -5,8 +5,8 @@
 
 #include "core/effects/effect_registry.hpp"
 #include "core/effects/surface_edges.hpp"
-#include "core/geometry/shapes.hpp"
-#include "core/geometry/surface_volume.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/mesh/surface_volume.hpp"
 
 namespace musclebench {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/shapes.hpp"
 #include "core/measure/depth_error.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/shapes.hpp"
-#include "core/measure/tests/naive_truth.hpp"
-#include "core/measure/tests/test_bones.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/referee/tests/naive_truth.hpp"
+#include "core/referee/tests/test_bones.hpp"
 
 namespace musclebench {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/contact/response.hpp"
-#include "core/measure/tests/test_bones.hpp"
+#include "core/referee/tests/test_bones.hpp"
 
 namespace musclebench {
 namespace {

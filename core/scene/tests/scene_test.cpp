@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
-#include "core/geometry/shapes.hpp"
+#include "core/mesh/shapes.hpp"
 #include "core/scene/attachment_area.hpp"
 #include "core/scene/read_scene.hpp"
 
@@ -217,7 +217,7 @@ TEST(Fibres, FollowTheMuscleFromOriginToInsertion) {
 
 TEST(AttachmentArea, TheFarSideOfTheBoneDoesNotCount) {
   const TriangleMesh plate = make_box(Vec3(0.03, 0.03, 0.02), 6);
-  const TriangleTree tree(plate);
+  const TriangleBvh tree(plate);
   const AttachmentArea area{{Vec3(-0.01, -0.01, 0.02), Vec3(0.01, -0.01, 0.02), Vec3(0.0, 0.012, 0.02)}, 0.005, 0.001};
   const std::vector<Vec3> nodes = {{0, 0, 0.021}, {0, 0, -0.021}, {0.02, 0, 0.021}, {0, -0.0105, 0.024}, {0, 0, 0.03}};
   EXPECT_EQ(nodes_over_area(nodes, tree, area), (std::vector<int>{0, 3}));

@@ -18,7 +18,7 @@ RULE = (
 def faults_of(coupled: list[Aggregate], shapes: dict) -> dict[tuple, str]:
     """{(scene, configuration): why}, of the complete runs. `shapes` as tables.outcomes.shape_distances gives them."""
     found = {(e.scene, e.configuration): _faults(e, shapes.get((e.scene, e.configuration), {}))
-             for e in coupled if e.is_shown and e.backend != "null"}
+             for e in coupled if e.is_shown and not e.configuration.about.is_control}
     return {key: ", ".join(words) for key, words in found.items() if words}
 
 

@@ -10,7 +10,7 @@ from ..paper.published import Published
 from ..results.run_folder import Run
 from ..tables.paper_tables import MEGABYTE, by_case, collision_ratio
 from ..tables.table_formats import as_ratio
-from . import style
+from . import looks, style
 from .style import plt
 
 MUSCLE_OF_FIGURES = "iliacus"
@@ -47,7 +47,7 @@ def draw_figures(runs: list[Run], published: Published, folder: Path) -> list[Pa
 
 
 def _draw_times(cases, iliacus: dict[str, Run], published: Published, folder: Path) -> list[Path]:
-    shown = {backend: run for backend, run in iliacus.items() if backend != "null"}
+    shown = {backend: run for backend, run in iliacus.items() if not looks.backend(backend).is_control}
     figure, axes = _column_axes()
     labels = []
     for backend, run in shown.items():
@@ -122,8 +122,7 @@ def _column_axes():
 
 
 def _line(axes, backend: str, x, y, label=None) -> None:
-    axes.plot(x, y, color=style.backend_colour(backend), linestyle=style.BACKEND_DASHES.get(backend, "dashdot"),
-              label=label)
+    axes.plot(x, y, color=looks.colour(backend), linestyle=looks.dash(backend), label=label)
 
 
 def _label_ends(axes, labels: list[tuple[float, str, str]]) -> None:
@@ -132,7 +131,7 @@ def _label_ends(axes, labels: list[tuple[float, str, str]]) -> None:
     renderer, to_axes, lowest = axes.figure.canvas.get_renderer(), axes.transAxes.inverted(), 0.0
     for value, text, backend in sorted(label for label in labels if pd.notna(label[0])):
         drawn = axes.text(1.02, 0.0, text, transform=axes.transAxes, va="bottom", fontweight="bold", linespacing=1.1,
-                          color=style.backend_colour(backend), fontsize=style.SMALLEST_POINTS)
+                          color=looks.colour(backend), fontsize=style.SMALLEST_POINTS)
         height = drawn.get_window_extent(renderer).height / axes.get_window_extent(renderer).height
         wanted = to_axes.transform(axes.transData.transform((0, value)))[1] - height / 2
         lowest = max(wanted, lowest)

@@ -1,4 +1,4 @@
-"""One look for all figures: names, colours and line styles of backends and muscles, printed widths, saving."""
+"""One look for all figures: names, fonts, printed widths, saving."""
 
 import textwrap
 from pathlib import Path
@@ -9,17 +9,6 @@ matplotlib.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402  (the backend must be chosen first)
 from matplotlib.transforms import Bbox  # noqa: E402
 
-BACKENDS = ["null", "voxel", "sdf", "fcl", "bvh", "brute_force"]
-MUSCLES = ["adductor_brevis", "gluteus_maximus", "gluteus_medius", "iliacus"]
-
-# The colours of Okabe and Ito, which the common kinds of colour blindness keep apart.
-BACKEND_COLOURS = {
-    "null": "#7f7f7f", "voxel": "#E69F00", "sdf": "#0072B2", "fcl": "#009E73", "bvh": "#CC79A7",
-    "brute_force": "#000000",
-}
-BACKEND_DASHES = {
-    "null": (0, (1, 1.2)), "voxel": "solid", "sdf": "solid", "fcl": "solid", "bvh": "dashed", "brute_force": "dotted",
-}
 # Figures are drawn at the width at which a two-column page prints them, so that a point of text stays a point.
 COLUMN_INCHES = 3.5
 PAGE_INCHES = 7.16
@@ -32,10 +21,6 @@ FORMATS = (".png", ".svg", ".pdf")
 
 def muscle_label(muscle: str) -> str:
     return muscle.replace("_", " ")
-
-
-def backend_colour(backend: str) -> str:
-    return BACKEND_COLOURS.get(backend, "#56B4E9")
 
 
 def in_order(names, order: list[str]) -> list[str]:

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/parameters.hpp"
+#include "core/base/scoped_timer.hpp"
+
+namespace musclebench {
+
+/// A backend with the parameters that differ from its defaults.
+struct Configuration {
+  std::string backend;
+  std::map<std::string, ParameterValue> parameters;
+
+  /// As one would type it: "sdf cells=64".
+  [[nodiscard]] std::string text() const;
+};
+
+/// A median with its 95 % interval.
+struct MedianInterval {
+  double median = 0;
+  double low = 0;
+  double high = 0;
+};
+
+/// The median of `values`, at least one, with the interval between order statistics that holds the true median in about
+/// 95 of 100 samples of independent values (sign test, normal approximation; below 6 values the whole range).
+MedianInterval median_interval(std::vector<double> values);
+
+/// What a configuration was measured to cost and to err on one scene.
+struct Assessment {
+  Configuration configuration;
+  double p99_error_m = 0;  ///< 99th percentile of the depth error over the measured contacts
+  double max_error_m = 0;
+  long missed = 0;
+  long false_contacts = 0;
+  long true_contacts = 0;
+  MedianInterval collision_ns;  ///< a frame
+  Nanoseconds build_ns = 0;
+  std::size_t structure_bytes = 0;
+};
+
+/// A configuration that was left out, and why.
+struct Omission {
+  Configuration configuration;
+  std::string reason;
+};
+
+/// How the search measures: nothing where the configuration can't be built, with the reason put into the second.
+using Assess = std::function<std::optional<Assessment>(const Configuration&, std::string& reason)>;
+
+struct AdviceRequest {
+  double depth_m = 1e-4;  ///< wanted: p99 of the depth error at most this
+  double seconds = 90;    ///< for building and measuring; a configuration that would take longer is left out
+  bool with_fcl = true;
+};
+
+struct Advice {
+  std::vector<Assessment> measured;  ///< in the order of measuring
+  std::vector<Omission> omitted;
+  std::optional<std::size_t> chosen;  ///< in `measured`; nothing when none holds the wanted depth
+  std::optional<std::size_t> best;    ///< the smallest p99 error; nothing when nothing could be measured
+};
+
+/// Measures the exact tree, voxels and fields from coarse to fine until one holds the wanted depth, and FCL's ways. A
+/// field between two resolutions is predicted from the observed order and measured like any other, and so is an
+/// adaptive field of the wanted error.
+/// Chosen is the fastest that holds; of those as fast, as far as the intervals tell, the one with the least bytes.
+Advice find_advice(const AdviceRequest& request, const Assess& assess);
+
+}  // namespace musclebench

@@ -1,0 +1,184 @@
+#include "bench/cases/replay_case.hpp"
+
+#include <fmt/format.h>
+
+#include "bench/cases/build_backend.hpp"
+#include "core/base/huge_pages.hpp"
+#include "core/base/sha256.hpp"
+
+namespace musclebench {
+
+namespace {
+
+static_assert(sizeof(Contact) == 40, "the hash of a contact may not contain padding");
+
+std::optional<ErrorStatistics> statistics_of(const std::vector<double>& errors) {
+  return errors.empty() ? std::nullopt : std::optional(error_statistics(errors));
+}
+
+Accuracy accuracy_of(const AnswerErrors& errors) {
+  return {errors.contacts,
+          errors.true_contacts,
+          errors.missed_contacts,
+          errors.false_contacts,
+          static_cast<long>(errors.depth_errors_m.size()),
+          statistics_of(errors.depth_errors_m),
+          statistics_of(errors.normal_errors_deg),
+          errors.max_missed_depth_m,
+          errors.max_false_distance_m};
+}
+
+void add_step(Sha256& hash, std::span<const Contact> contacts) {
+  const std::size_t count = contacts.size();
+  hash.add(std::as_bytes(std::span(&count, 1)));
+  hash.add(std::as_bytes(contacts));
+}
+
+class Replayer {
+ public:
+  Replayer(const ReplayCase& replay, FrameSource& recording, const std::function<void(int)>& report)
+      : m_replay(replay), m_recording(recording), m_report(report) {}
+
+  ReplayResult run() {
+    BuiltBackend built = build_backend(m_replay);
+    m_backend = std::move(built.backend);
+    m_result.build_ns = built.build_ns;
+    m_result.structure_bytes = m_backend->structure_bytes();
+    m_result.structures_loaded = m_backend->built_from_file();
+    move_to_huge_pages();
+
+    ask_twice();
+    return std::move(m_result);
+  }
+
+ private:
+  void ask_twice() {
+    const Nanoseconds start_ns = monotonic_now_ns();
+    m_result.contact_hash = timed_pass();
+    if (m_replay.judge && judged_pass() != m_result.contact_hash) {
+      m_result.status = "nondeterministic";
+      m_result.status_detail = "the two passes over the same input did not get the same contacts";
+    }
+    m_result.wall_ns = monotonic_now_ns() - start_ns;
+  }
+
+  [[nodiscard]] bool is_replayed(int frame) const {
+    return frame % m_replay.stride == 0 || frame == m_recording.header().frames();
+  }
+
+  /// Calls `look` with every frame that is replayed.
+  template <typename Look>
+  void for_each_frame(const Look& look) {
+    m_recording.rewind();
+    for (int frame = 1; frame <= m_recording.header().frames(); ++frame) {
+      m_recording.read(m_frame);
+      if (is_replayed(frame)) {
+        if (m_frame.lead_in) {
+          lead_in(*m_frame.lead_in);
+        }
+        look(m_frame);
+        m_report(++m_frames_done);
+      } else if (is_replayed(frame + 1)) {
+        lead_in(m_frame.steps.back());
+      }
+    }
+  }
+
+  /// A backend that keeps something of the step before (fcl with model = update the positions, others with motion
+  /// budgets their answers) shall have seen it. Of budgets that is not all that a run has: after a jump they are all
+  /// new, so that few are used up in the frame.
+  void lead_in(const RecordedStep& step) {
+    m_backend->update(step.bone_poses, step.positions);
+    if (m_backend->capabilities().remembers) {
+      m_backend->detect(step.positions, m_recording.header().free_nodes, m_unused);
+    }
+  }
+
+  std::string timed_pass() {
+    Sha256 hash;
+    Response response(m_replay.backend.response);
+    std::vector<std::vector<Contact>> answers;
+    for_each_frame([&](const RecordedFrame& frame) {
+      ReplayRecord record;
+      record.frame = frame.frame;
+      record.angle_deg = frame.angle_deg;
+      record.warm_up = static_cast<int>(m_result.records.size()) < m_replay.warm_up_frames;
+      record.iterations = static_cast<int>(frame.steps.size());
+      answers.resize(frame.steps.size());
+      for (std::size_t i = 0; i < frame.steps.size(); ++i) {
+        time_step(frame.steps[i], response, answers[i], record);
+      }
+      for (const std::vector<Contact>& answer : answers) {
+        record.contacts += static_cast<long>(answer.size());
+        add_step(hash, answer);
+      }
+      m_result.records.push_back(record);
+    });
+    return hash.hex_digest().substr(0, 16);
+  }
+
+  void time_step(const RecordedStep& step, Response& response, std::vector<Contact>& contacts, ReplayRecord& record) {
+    // The response changes them, and the loop that it stands for has just written them: they are in the cache there,
+    // too.
+    m_positions = step.positions;
+    {
+      const ScopedTimer timer(record.update_ns);
+      m_backend->update(step.bone_poses, m_positions);
+    }
+    {
+      const ScopedTimer timer(record.detect_ns);
+      m_backend->detect(m_positions, m_recording.header().free_nodes, contacts);
+    }
+    const ScopedTimer timer(record.respond_ns);
+    response.resolve(*m_backend, {step.substep_start, step.previous_bone_poses, step.bone_poses}, contacts,
+                     m_positions);
+  }
+
+  std::string judged_pass() {
+    const RecordingHeader& header = m_recording.header();
+    Referee referee(m_replay.scene.bones, header.nodes, m_replay.threads);
+    const bool depths_known = m_backend->capabilities().depth;
+    Sha256 hash;
+    AnswerErrors all;
+    std::vector<Contact> contacts;
+    std::vector<Contact> truth;
+    auto record = m_result.records.begin();
+    for_each_frame([&](const RecordedFrame& frame) {
+      AnswerErrors errors;
+      for (const RecordedStep& step : frame.steps) {
+        m_backend->update(step.bone_poses, step.positions);
+        m_backend->detect(step.positions, header.free_nodes, contacts);
+        add_step(hash, contacts);
+        referee.judge(step.bone_poses, step.positions, header.free_nodes, truth);
+        measure_answer(referee, {step.bone_poses, step.positions, contacts, depths_known}, truth, m_replay.band_m,
+                       errors);
+      }
+      (record++)->accuracy = accuracy_of(errors);
+      all.add(errors);
+    });
+    m_result.accuracy = accuracy_of(all);
+    return hash.hex_digest().substr(0, 16);
+  }
+
+  const ReplayCase& m_replay;
+  FrameSource& m_recording;
+  const std::function<void(int)>& m_report;
+  ReplayResult m_result;
+  std::unique_ptr<CollisionBackend> m_backend;
+  RecordedFrame m_frame;
+  std::vector<Vec3> m_positions;
+  std::vector<Contact> m_unused;
+  int m_frames_done = 0;
+};
+
+}  // namespace
+
+int replayed_frames(const ReplayCase& replay, const RecordingHeader& header) {
+  return header.frames() / replay.stride + (header.frames() % replay.stride != 0 ? 1 : 0);
+}
+
+ReplayResult replay_case(const ReplayCase& replay, FrameSource& recording, const std::function<void(int)>& report) {
+  return Replayer(replay, recording, report).run();
+}
+
+}  // namespace musclebench

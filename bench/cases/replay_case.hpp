@@ -1,0 +1,77 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/cases/case.hpp"
+#include "core/measure/answer_error.hpp"
+#include "core/measure/depth_error.hpp"
+#include "core/recording/frame_source.hpp"
+
+namespace musclebench {
+
+/// One backend that is asked what a recording asks.
+struct ReplayCase : Case {
+  RecordingFile recording = {};  ///< none for frames that were never in a file
+  int warm_up_frames = 2;        ///< of those replayed; recorded and marked
+  int stride = 1;                ///< every so many-th frame is replayed, and the last
+  double band_m = 0.01;          ///< errors are measured so far from the surface (AnswerErrors)
+  bool judge = true;             ///< whether the Referee judges every answer
+};
+
+/// What the Referee makes of a frame's answers, or of all.
+struct Accuracy {
+  long contacts = 0;
+  long true_contacts = 0;
+  long missed_contacts = 0;
+  long false_contacts = 0;
+  long measured_contacts = 0;
+  std::optional<ErrorStatistics> depth_error_m;     ///< nothing where no contact was measured
+  std::optional<ErrorStatistics> normal_error_deg;  ///< nothing where no normal was
+  double max_missed_depth_m = 0;
+  double max_false_distance_m = 0;
+};
+
+/// One replayed frame; times and counts are sums over its collision steps.
+struct ReplayRecord {
+  int frame = 0;  ///< 1-based, of the recording
+  double angle_deg = 0;
+  bool warm_up = false;
+  int iterations = 0;  ///< collision steps
+  Nanoseconds update_ns = 0;
+  Nanoseconds detect_ns = 0;
+  Nanoseconds respond_ns = 0;
+  long contacts = 0;
+  std::optional<Accuracy> accuracy;  ///< nothing where the Referee did not look
+
+  [[nodiscard]] Nanoseconds collision_ns() const { return update_ns + detect_ns + respond_ns; }
+};
+
+struct ReplayResult {
+  std::string status = "ok";  ///< ok or nondeterministic
+  std::string status_detail;
+  std::vector<ReplayRecord> records;
+  std::optional<Accuracy> accuracy;  ///< over all frames
+  std::string contact_hash;          ///< of all contacts of all steps, in their order, to the last bit
+  std::size_t structure_bytes = 0;
+  bool structures_loaded = false;  ///< from a file; built otherwise
+  Nanoseconds build_ns = 0;        ///< building or loading
+  Nanoseconds wall_ns = 0;         ///< of both passes
+};
+
+/// How many frames are replayed.
+int replayed_frames(const ReplayCase& replay, const RecordingHeader& header);
+
+/// Feeds the recording to the backend, twice: a timed pass, and one that asks again and is judged, where every step
+/// must get the same contacts. The response works on copies: what it makes of them is not fed back. `report` is called
+/// after each frame of each pass. Throws InputError when the backend's parameters do not fit the scene.
+///
+/// Frames are read one at a time, between the timed regions. With all of them in memory first, detection takes the same
+/// time, and the backtracking response 40 % longer than it should: the starts of the substeps, which the loop has just
+/// written, are then cold.
+ReplayResult replay_case(const ReplayCase& replay, FrameSource& recording,
+                         const std::function<void(int frames_done)>& report);
+
+}  // namespace musclebench

@@ -1,0 +1,143 @@
+#include "bench/cases/run_case.hpp"
+
+#include <algorithm>
+#include <malloc.h>
+#include <memory>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "bench/cases/build_backend.hpp"
+#include "bench/cases/coupled_judge.hpp"
+#include "bench/cases/divergence.hpp"
+#include "core/base/huge_pages.hpp"
+#include "core/base/sha256.hpp"
+#include "core/base/system_memory.hpp"
+#include "core/mesh/surface_volume.hpp"
+#include "core/scene/prepare_simulation.hpp"
+
+namespace musclebench {
+
+namespace {
+
+constexpr double degrees_per_radian = 180 / std::numbers::pi;
+
+std::string hash_of(const Particles& particles) {
+  Sha256 hash;
+  hash.add(std::as_bytes(std::span(particles.positions)));
+  hash.add(std::as_bytes(std::span(particles.velocities)));
+  return hash.hex_digest().substr(0, 16);
+}
+
+/// Drives one simulation and looks at it between frames.
+class CaseRunner {
+ public:
+  explicit CaseRunner(const RunCase& run) : m_run(run), m_scene(run.scene), m_divergence(run.scene) {}
+
+  RunResult run(const std::function<void(int)>& report, const std::function<void(double)>& report_build) {
+    start(report_build);
+    const Nanoseconds start_ns = monotonic_now_ns();
+    keep_snapshot(0);
+    for (int frame = 1; frame <= m_scene.loop.frames && m_result.status == "ok"; ++frame) {
+      step(frame);
+      report(frame);
+    }
+    m_result.wall_ns = monotonic_now_ns() - start_ns;
+    m_result.memory_after_bytes = memory_needed_bytes();
+    m_result.memory_peak_bytes = peak_resident_memory_bytes();
+    m_result.state_hash = hash_of(m_simulation->particles());
+    return std::move(m_result);
+  }
+
+ private:
+  void start(const std::function<void(double)>& report_build) {
+    BuiltBackend built = build_backend(m_run, report_build);
+    m_backend = std::move(built.backend);
+    m_result.build_ns = built.build_ns;
+    m_result.structure_bytes = m_backend->structure_bytes();
+    m_result.structure_errors = m_backend->structure_errors();
+    m_result.structures_loaded = m_backend->built_from_file();
+
+    PreparedSimulation prepared = prepare_simulation(m_run.scene, *m_backend, m_run.backend.response);
+    m_simulation = std::move(prepared.simulation);
+    m_result.bound_nodes = std::move(prepared.bound_nodes);
+    m_result.effect_names = std::move(prepared.effect_names);
+    m_result.rest_volume_m3 = surface_volume_m3(m_scene.muscle.mesh.vertices, m_scene.muscle.mesh.triangles);
+    m_result.records.reserve(static_cast<std::size_t>(std::min(m_scene.loop.frames, 100000)));
+    malloc_trim(0);  // what only the building needed shall not count as the structures' memory
+    if (m_run.judge) {
+      const std::size_t before_bytes = resident_memory_bytes();
+      m_judge = std::make_unique<CoupledJudge>(m_scene, m_result.bound_nodes, *m_simulation);
+      malloc_trim(0);
+      m_result.referee_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_bytes);
+    }
+    m_result.memory_before_bytes = memory_needed_bytes();
+    const std::size_t before_bytes = resident_memory_bytes();
+    move_to_huge_pages();
+    m_result.huge_page_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_bytes);
+  }
+
+  /// The judge is the harness's, and what fills large pages up is nobody's; only the rest is what the simulation needs.
+  [[nodiscard]] std::size_t memory_needed_bytes() const {
+    const std::size_t resident_bytes = resident_memory_bytes();
+    return resident_bytes - std::min(resident_bytes, m_result.referee_bytes + m_result.huge_page_bytes);
+  }
+
+  void step(int frame) {
+    StepRecord record;
+    record.frame = frame;
+    record.angle_deg = m_scene.angle_rad(frame) * degrees_per_radian;
+    record.warm_up = frame <= m_run.warm_up_frames;
+    record.times = m_simulation->step_frame(frame, m_judge ? &m_last_detection : nullptr);
+    record.contacts = static_cast<int>(m_simulation->contacts().size());
+    record.resident_bytes = memory_needed_bytes();
+
+    const Particles& particles = m_simulation->particles();
+    record.volume_m3 = surface_volume_m3(particles.positions, m_scene.muscle.mesh.triangles);
+    const std::string lost = m_divergence.describe(frame, particles.positions);
+    if (!lost.empty()) {
+      m_result.status = "diverged";
+      m_result.status_detail = lost;
+    } else if (m_judge) {
+      m_judge->judge(*m_simulation, m_last_detection, record);
+    }
+    m_result.records.push_back(record);
+    if (lost.empty()) {
+      keep_snapshot(frame);
+    }
+  }
+
+  void keep_snapshot(int frame) {
+    if (!std::binary_search(m_run.snapshots.begin(), m_run.snapshots.end(), frame)) {
+      return;
+    }
+    const auto poses = m_simulation->bone_poses();
+    Snapshot snapshot{frame,
+                      m_scene.angle_rad(frame) * degrees_per_radian,
+                      m_simulation->particles().positions,
+                      std::vector<double>(m_simulation->particles().size(), 0.0),
+                      {poses.begin(), poses.end()}};
+    if (m_judge) {
+      snapshot.depths_m = m_judge->depths(*m_simulation);
+    }
+    m_result.snapshots.push_back(std::move(snapshot));
+  }
+
+  const RunCase& m_run;
+  const Scene& m_scene;
+  RunResult m_result;
+  std::unique_ptr<CollisionBackend> m_backend;
+  std::unique_ptr<Simulation> m_simulation;
+  std::unique_ptr<CoupledJudge> m_judge;
+  LastDetection m_last_detection;
+  Divergence m_divergence;
+};
+
+}  // namespace
+
+RunResult run_case(const RunCase& run, const std::function<void(int)>& report,
+                   const std::function<void(double)>& report_build) {
+  return CaseRunner(run).run(report, report_build);
+}
+
+}  // namespace musclebench

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/cases/case.hpp"
+#include "core/measure/step_record.hpp"
+
+namespace musclebench {
+
+/// One case and how its run is looked at.
+struct RunCase : Case {
+  int warm_up_frames = 2;      ///< recorded and marked
+  bool judge = true;           ///< whether the Referee judges every frame
+  std::vector<int> snapshots;  ///< frames (0: rest) whose shape is kept, ascending
+};
+
+/// The shape of the muscle at the end of a frame.
+struct Snapshot {
+  int frame = 0;
+  double angle_deg = 0;
+  std::vector<Vec3> positions;
+  std::vector<double> depths_m;  ///< a node: > 0 inside a bone; 0 for free and bound nodes
+  std::vector<RigidMotion> bone_poses;
+};
+
+struct RunResult {
+  std::string status = "ok";  ///< ok or diverged
+  std::string status_detail;
+  std::vector<std::string> effect_names;
+  std::vector<StepRecord> records;
+  std::vector<Snapshot> snapshots;
+  std::vector<BoundNode> bound_nodes;
+  std::size_t structure_bytes = 0;
+  std::vector<StructureError> structure_errors;  ///< of backends that approximate
+  bool structures_loaded = false;                ///< from a file; built otherwise
+  Nanoseconds build_ns = 0;                      ///< building or loading
+  Nanoseconds wall_ns = 0;                       ///< from the first frame to the last, with judging
+  std::size_t memory_before_bytes = 0;           ///< resident, without what the Referee and large pages took
+  std::size_t memory_after_bytes = 0;            ///< the same
+  std::size_t huge_page_bytes = 0;    ///< resident only because pages are large; in none of the others but the peak
+  std::size_t memory_peak_bytes = 0;  ///< of the whole process
+  std::size_t referee_bytes = 0;      ///< by which what judges raised the resident memory
+  double rest_volume_m3 = 0;
+  std::string state_hash;  ///< of all positions and velocities at the end
+};
+
+/// Runs the case. `report` is called after each frame, `report_build` now and then before the first. A run that blows
+/// up ends with status `diverged` at that frame. Throws InputError when the backend's parameters do not fit the scene.
+RunResult run_case(const RunCase& run, const std::function<void(int frames_done)>& report,
+                   const std::function<void(double share)>& report_build = {});
+
+}  // namespace musclebench

@@ -1,0 +1,102 @@
+#include "bench/cases/scene_source.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "core/base/input_error.hpp"
+#include "core/scene/read_scene.hpp"
+#include "datasets/embedded/embedded_files.hpp"
+#include "datasets/synthetic_hip.hpp"
+
+namespace musclebench {
+
+namespace {
+
+const EmbeddedFile* find_file(std::span<const EmbeddedFile> files, std::string_view name) {
+  const auto found = std::find_if(files.begin(), files.end(), [&](const EmbeddedFile& f) { return f.name == name; });
+  return found == files.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> names_of(std::span<const EmbeddedFile> files) {
+  std::vector<std::string> names;
+  for (const EmbeddedFile& file : files) {
+    names.emplace_back(file.name);
+  }
+  return names;
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file || std::filesystem::is_directory(path)) {
+    throw InputError(path.string(), "cannot be read; is the path right?");
+  }
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string preset_text(const std::string& name) {
+  const EmbeddedFile* file = find_file(embedded_presets(), name);
+  if (file == nullptr) {
+    throw InputError("preset", fmt::format("'{}' is unknown; did you mean '{}'?", name,
+                                           nearest_word(name, names_of(embedded_presets()))));
+  }
+  return std::string(file->text);
+}
+
+TriangleMesh synthetic_mesh(const std::string& name) {
+  const std::vector<std::string> known = synthetic_hip_names();
+  if (std::find(known.begin(), known.end(), name) == known.end()) {
+    throw InputError("synthetic:" + name, fmt::format("is unknown; did you mean '{}'?", nearest_word(name, known)));
+  }
+  return synthetic_hip_mesh(name);
+}
+
+}  // namespace
+
+std::optional<std::filesystem::path> data_folder(const std::string& option) {
+  if (!option.empty()) {
+    if (!std::filesystem::is_directory(option)) {
+      throw InputError("--data " + option, "is not a folder; give the one that holds lhdl.json and meshes/");
+    }
+    return option;
+  }
+  const char* variable = std::getenv("MUSCLEBENCH_DATA");
+  if (variable == nullptr || *variable == '\0') {
+    return std::nullopt;
+  }
+  if (!std::filesystem::is_directory(variable)) {
+    throw InputError(fmt::format("MUSCLEBENCH_DATA={}", variable),
+                     "is not a folder; set it to the one that holds lhdl.json and meshes/");
+  }
+  return variable;
+}
+
+Scene load_scene(const SceneChoice& choice) {
+  SceneRequest request;
+  request.preset_override = choice.preset;
+  request.preset_text = preset_text;
+  request.synthetic_mesh = synthetic_mesh;
+  request.data_folder = data_folder(choice.data);
+  request.loop_overrides = choice.loop_overrides;
+  if (const EmbeddedFile* file = find_file(embedded_scenes(), choice.scene)) {
+    request.name = choice.scene;
+    request.file = choice.scene;
+    request.text = file->text;
+  } else if (choice.scene.ends_with(".toml")) {
+    request.name = std::filesystem::path(choice.scene).stem().string();
+    request.file = choice.scene;
+    request.folder = std::filesystem::path(choice.scene).parent_path();
+    request.text = read_text(choice.scene);
+  } else {
+    const std::vector<std::string> names = names_of(embedded_scenes());
+    throw InputError(choice.scene, fmt::format("is neither an embedded scene nor a .toml file; did you mean '{}'? "
+                                               "`musclebench list` shows all scenes",
+                                               nearest_word(choice.scene, names)));
+  }
+  return read_scene(request);
+}
+
+}  // namespace musclebench

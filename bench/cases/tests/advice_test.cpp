@@ -1,0 +1,153 @@
+#include "bench/cases/advice.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace musclebench {
+namespace {
+
+/// A world where errors and costs follow formulas: fields err by (cells / 64)^-2 tenths of a millimetre, and can't be
+/// adaptive.
+std::optional<Assessment> modelled(const Configuration& configuration, std::string& reason) {
+  Assessment assessment;
+  assessment.configuration = configuration;
+  const auto found = configuration.parameters.find("cells");
+  const double cells =
+      found == configuration.parameters.end() ? 0.0 : static_cast<double>(std::get<std::int64_t>(found->second));
+  if (configuration.backend == "bvh") {
+    assessment.collision_ns = {9e6, 8.9e6, 9.1e6};
+    assessment.structure_bytes = 40'000'000;
+  } else if (configuration.backend == "voxel") {
+    assessment.p99_error_m = 0.2 / cells;
+    assessment.collision_ns = {2e5, 1.9e5, 2.1e5};
+    assessment.structure_bytes = static_cast<std::size_t>(cells * cells * cells / 8);
+  } else if (configuration.backend == "sdf") {
+    if (cells > 200 || cells == 0) {
+      reason = "no memory";
+      return std::nullopt;
+    }
+    assessment.p99_error_m = 1e-4 * std::pow(64 / cells, 2);
+    assessment.collision_ns = {3e5, 2.9e5, 3.1e5};
+    assessment.structure_bytes = static_cast<std::size_t>(32 * cells * cells * cells);
+  } else {
+    assessment.p99_error_m = 1e-3;
+    assessment.collision_ns = {5e7, 4e7, 6e7};
+  }
+  return assessment;
+}
+
+std::string chosen(double depth_m) {
+  const Advice advice = find_advice({depth_m, 1000, true}, modelled);
+  return advice.chosen ? advice.measured[*advice.chosen].configuration.text() : "none";
+}
+
+TEST(Advice, TheCheapestThatHolds) {
+  EXPECT_EQ(chosen(5e-3), "voxel cells=64");
+  EXPECT_EQ(chosen(1e-6), "bvh");
+}
+
+TEST(Advice, AResolutionBetweenTwoIsPredictedFromTheObservedOrder) {
+  // (cells / 64)^-2 * 0.1 mm = 0.07 mm at 76.5 cells; a tenth finer is 85.
+  EXPECT_EQ(chosen(7e-5), "sdf cells=85");
+  // 128 cells are needed almost exactly: nothing in between is worth a build.
+  EXPECT_EQ(chosen(2.6e-5), "sdf cells=128");
+}
+
+/// The same, but adaptive fields err a quarter more than they were asked for, and take a second for a tenth of a
+/// millimetre, 40 times as long for a hundredth.
+std::optional<Assessment> modelled_adaptive(const Configuration& configuration, std::string& reason) {
+  const auto found = configuration.parameters.find("max_error_mm");
+  if (found == configuration.parameters.end()) {
+    return modelled(configuration, reason);
+  }
+  const double wanted_mm = std::get<double>(found->second);
+  Assessment assessment;
+  assessment.configuration = configuration;
+  assessment.p99_error_m = 1.25e-3 * wanted_mm;
+  assessment.collision_ns = {3e5, 2.9e5, 3.1e5};
+  assessment.structure_bytes = static_cast<std::size_t>(1e5 / wanted_mm);
+  assessment.build_ns = static_cast<Nanoseconds>(1e9 * std::pow(0.1 / wanted_mm, 1.6));
+  return assessment;
+}
+
+TEST(Advice, AnAdaptiveFieldIsMadeFinerUntilItsContactsHold) {
+  const Advice advice = find_advice({1e-4, 1000, true}, modelled_adaptive);
+  std::vector<std::string> adaptive;
+  for (const Assessment& measured : advice.measured) {
+    if (measured.configuration.parameters.contains("max_error_mm")) {
+      adaptive.push_back(measured.configuration.text());
+    }
+  }
+  const std::vector<std::string> expected{"sdf max_error_mm=0.4", "sdf max_error_mm=0.1", "sdf max_error_mm=0.0727"};
+  EXPECT_EQ(adaptive, expected);
+  EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), expected.back());
+}
+
+TEST(Advice, AnAdaptiveFieldThatWouldTakeTooLongIsLeftOut) {
+  const Advice advice = find_advice({1e-7, 1000, true}, modelled_adaptive);
+  ASSERT_FALSE(advice.omitted.empty());
+  EXPECT_EQ(advice.omitted.back().configuration.text(), "sdf max_error_mm=0.0004");
+  EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), "bvh");
+}
+
+TEST(Advice, NoDepthAtAllIsHeldByWhatIsExact) {
+  const Advice advice = find_advice({0, 1000, true}, modelled_adaptive);
+  EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), "bvh");
+}
+
+TEST(Advice, OfEquallyFastOnesTheSmallest) {
+  const auto same_speed = [](const Configuration& configuration, std::string& reason) {
+    std::optional<Assessment> assessment = modelled(configuration, reason);
+    if (assessment) {
+      assessment->collision_ns = {1e6, 0.9e6, 1.1e6};
+      assessment->p99_error_m = 0;
+    }
+    return assessment;
+  };
+  const Advice advice = find_advice({1e-4, 1000, false}, same_speed);
+  EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), "voxel cells=16");
+}
+
+TEST(Advice, WhatNoneReachesNamesTheBest) {
+  const auto inexact = [](const Configuration& configuration, std::string& reason) {
+    std::optional<Assessment> assessment = modelled(configuration, reason);
+    if (assessment) {
+      assessment->p99_error_m += 1e-5;
+    }
+    return assessment;
+  };
+  const Advice advice = find_advice({1e-9, 1000, true}, inexact);
+  EXPECT_FALSE(advice.chosen);
+  EXPECT_EQ(advice.measured[advice.best.value()].configuration.text(), "bvh");
+  ASSERT_FALSE(advice.omitted.empty());
+  EXPECT_EQ(advice.omitted.front().configuration.text(), "sdf cells=256");
+  EXPECT_EQ(advice.omitted.front().reason, "no memory");
+}
+
+TEST(Advice, WithoutTimeNothingIsMeasured) {
+  const Advice advice = find_advice({1e-4, 0, true}, modelled);
+  EXPECT_TRUE(advice.measured.empty());
+  EXPECT_FALSE(advice.chosen);
+  EXPECT_FALSE(advice.best);
+  EXPECT_FALSE(advice.omitted.empty());
+}
+
+TEST(MedianInterval, OrderStatistics) {
+  std::vector<double> values;
+  for (int i = 1; i <= 101; ++i) {
+    values.push_back(102 - i);
+  }
+  const MedianInterval interval = median_interval(values);
+  EXPECT_EQ(interval.median, 51);
+  // Binomial(101, 1/2): the 41st and the 61st smallest enclose the median with 95 %.
+  EXPECT_NEAR(interval.low, 41, 1);
+  EXPECT_NEAR(interval.high, 61, 1);
+  EXPECT_EQ(median_interval({3, 1}).median, 2);
+  EXPECT_EQ(median_interval({3, 1}).low, 1);
+  EXPECT_EQ(median_interval({7}).high, 7);
+}
+
+}  // namespace
+}  // namespace musclebench

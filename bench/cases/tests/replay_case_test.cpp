@@ -1,0 +1,97 @@
+#include "bench/cases/replay_case.hpp"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "bench/cases/kept_frames.hpp"
+#include "core/mesh/shapes.hpp"
+
+namespace musclebench {
+namespace {
+
+/// Writes down what it is told and asked: each call with the first node's x.
+class ListeningBackend final : public CollisionBackend {
+ public:
+  ListeningBackend(bool remembers, std::vector<std::string>& calls) : m_remembers(remembers), m_calls(calls) {}
+
+  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_remembers}; }
+  [[nodiscard]] AnswerBound answer_bound(int /*bone*/) const override { return {}; }
+  [[nodiscard]] std::size_t structure_bytes() const override { return 0; }
+
+ private:
+  void do_build() override {}
+  void do_update(std::span<const Vec3> positions) override {
+    m_calls.push_back(fmt::format("update {}", positions[0].x()));
+  }
+  void do_detect(std::span<const Vec3> positions, std::span<const int> /*nodes*/,
+                 std::vector<Contact>& /*contacts*/) override {
+    m_calls.push_back(fmt::format("detect {}", positions[0].x()));
+  }
+
+  bool m_remembers;
+  std::vector<std::string>& m_calls;
+};
+
+/// Frames 7 and 8 with a step each, at x = 7 and 8; before them a frame of which two steps lead in, at 5 and 6.
+class ReplayOfKeptFrames : public testing::Test {
+ protected:
+  ReplayOfKeptFrames() : m_frames(static_cast<int>(m_muscle.vertices.size()), m_nodes) {
+    m_scene.bones.push_back({"ball", {m_muscle, true, {}}});
+    m_scene.muscle.mesh = m_muscle;
+    m_frames.begin_lead_in();
+    observe(5);
+    observe(6);
+    m_frames.begin_frame(7, 0);
+    observe(7);
+    m_frames.begin_frame(8, 0);
+    observe(8);
+  }
+
+  std::vector<std::string> calls_of_replay(bool remembers, int stride = 1) {
+    std::vector<std::string> calls;
+    const BackendEntry entry{"listening", "", ResponseKind::project, {}, [&](const Parameters& /*none*/) {
+                               return std::make_unique<ListeningBackend>(remembers, calls);
+                             }};
+    ReplayCase replay{{m_scene, entry, Parameters({}, {}, entry.name)}};
+    replay.judge = false;
+    replay.stride = stride;
+    EXPECT_EQ(replay_case(replay, m_frames, [](int /*done*/) {}).status, "ok");
+    return calls;
+  }
+
+ private:
+  void observe(double x) {
+    std::vector<Vec3> positions = m_muscle.vertices;
+    positions[0].x() = x;
+    const std::vector<RigidMotion> poses(1);
+    m_frames.before_detection({positions, poses, positions, poses});
+  }
+
+  TriangleMesh m_muscle = make_sphere(0.1, 0);
+  std::vector<int> m_nodes{0, 1, 2};
+  Scene m_scene;
+  KeptFrames m_frames;
+};
+
+TEST_F(ReplayOfKeptFrames, LeadsInByTheLastStepBeforeAGap) {
+  const std::vector<std::string> expected{"update 6", "update 7", "detect 7", "update 8", "detect 8"};
+  EXPECT_EQ(calls_of_replay(false), expected);
+}
+
+TEST_F(ReplayOfKeptFrames, ABackendThatRemembersIsAskedAboutThatStep) {
+  const std::vector<std::string> expected{"update 6", "detect 6", "update 7", "detect 7", "update 8", "detect 8"};
+  EXPECT_EQ(calls_of_replay(true), expected);
+  EXPECT_EQ(calls_of_replay(true), expected) << "the second time";
+}
+
+TEST_F(ReplayOfKeptFrames, AFrameThatTheStrideLeavesOutLeadsInToo) {
+  const std::vector<std::string> expected{"update 7", "detect 7", "update 8", "detect 8"};
+  EXPECT_EQ(calls_of_replay(true, 2), expected);
+}
+
+}  // namespace
+}  // namespace musclebench

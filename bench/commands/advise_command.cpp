@@ -1,0 +1,270 @@
+#include <algorithm>
+#include <memory>
+#include <new>
+#include <numbers>
+#include <optional>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/cases/advice.hpp"
+#include "bench/cases/build_backend.hpp"
+#include "bench/cases/divergence.hpp"
+#include "bench/cases/kept_frames.hpp"
+#include "bench/cases/replay_case.hpp"
+#include "bench/commands/command_options.hpp"
+#include "bench/commands/commands.hpp"
+#include "bench/process/progress.hpp"
+#include "core/base/input_error.hpp"
+#include "core/scene/prepare_simulation.hpp"
+
+namespace musclebench {
+
+namespace {
+
+constexpr double degrees_per_radian = 180 / std::numbers::pi;
+/// Enough for the interval of a median, few enough that FCL's ways fit into the time.
+constexpr int kept_frames = 40;
+constexpr int frames_in_a_row = 5;
+/// The run that makes the input may take this share of the time; the rest is for the configurations.
+constexpr double recording_share = 0.4;
+/// What is left of an exact answer is rounding.
+constexpr double exact_below_m = 1e-9;
+constexpr const char* exact_backend = "bvh";
+constexpr const char* unit_of_price = "voxel cells=64";
+
+struct AdviseOptions {
+  SceneOptions scene;
+  double depth_mm = 0;
+  double seconds = 90;
+  double band_mm = 10;
+  int threads = 1;
+};
+
+/// What the configurations are asked: rows of frames spread evenly over the exact run, and its deepest bend.
+struct Input {
+  std::unique_ptr<KeptFrames> frames;
+  int frames_run = 0;
+};
+
+/// In rows, as in a run: what backends know of a frame from the one before makes them faster.
+bool is_kept(const LoopParameters& loop, int frame) {
+  const int stride = std::max(1, loop.frames / kept_frames);
+  return (frame - 1) % (frames_in_a_row * stride) < frames_in_a_row || frame == (loop.frames + 1) / 2;
+}
+
+Input run_exactly(const Scene& scene, double seconds) {
+  const BackendEntry& backend = find_backend(exact_backend);
+  const int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const Case exact{scene, backend, backend_parameters(backend, {}), threads, 0};
+  const BuiltBackend built = build_backend(exact);
+  const PreparedSimulation prepared = prepare_simulation(exact.scene, *built.backend, exact.backend.response);
+  const Divergence divergence(scene);
+  Progress progress(progress_style(false), "exact run of " + scene.name, scene.loop.frames);
+  const Nanoseconds start_ns = monotonic_now_ns();
+  Input input{std::make_unique<KeptFrames>(static_cast<int>(scene.muscle.mesh.vertices.size()),
+                                           prepared.simulation->free_nodes())};
+  while (input.frames_run < scene.loop.frames && static_cast<double>(monotonic_now_ns() - start_ns) < seconds * 1e9) {
+    const int frame = ++input.frames_run;
+    const bool kept = is_kept(scene.loop, frame);
+    const bool leads_in = !kept && is_kept(scene.loop, frame + 1);
+    if (kept) {
+      input.frames->begin_frame(frame, scene.angle_rad(frame) * degrees_per_radian);
+    } else if (leads_in) {
+      input.frames->begin_lead_in();
+    }
+    prepared.simulation->step_frame(frame, kept || leads_in ? input.frames.get() : nullptr);
+    const std::string lost = divergence.describe(frame, prepared.simulation->particles().positions);
+    if (!lost.empty()) {
+      throw InputError(scene.name, "the exact run diverged, so there is nothing to advise on: " + lost);
+    }
+    progress.show(frame);
+  }
+  return input;
+}
+
+/// Nothing, with the reason, where the answers can't be judged.
+std::optional<Assessment> assess(const Scene& scene, const Configuration& configuration, const AdviseOptions& options,
+                                 KeptFrames& frames, std::string& reason) {
+  const BackendEntry& backend = find_backend(configuration.backend);
+  ReplayCase replay{{scene, backend, Parameters(backend.parameters, configuration.parameters, configuration.text()),
+                     options.threads, 0}};
+  replay.band_m = options.band_mm * 1e-3;
+  Progress progress(progress_style(false), "trying " + configuration.text(),
+                    2 * replayed_frames(replay, frames.header()));
+  const ReplayResult result = replay_case(replay, frames, [&](int done) { progress.show(done); });
+  std::vector<double> collision_ns;
+  for (const ReplayRecord& record : result.records) {
+    if (!record.warm_up || result.records.size() <= static_cast<std::size_t>(replay.warm_up_frames)) {
+      collision_ns.push_back(static_cast<double>(record.collision_ns()));
+    }
+  }
+  if (result.status != "ok") {
+    reason = result.status_detail;
+    return std::nullopt;
+  }
+  const Accuracy accuracy = result.accuracy.value_or(Accuracy{});
+  if (accuracy.true_contacts == 0) {
+    reason = "the muscle is in no bone in these frames: there is nothing to judge";
+    return std::nullopt;
+  }
+  const ErrorStatistics errors = accuracy.depth_error_m.value_or(ErrorStatistics{});
+  return Assessment{configuration,
+                    errors.p99,
+                    errors.max,
+                    accuracy.missed_contacts,
+                    accuracy.false_contacts,
+                    accuracy.true_contacts,
+                    median_interval(collision_ns),
+                    result.build_ns,
+                    result.structure_bytes};
+}
+
+std::string millimetres(double metres) {
+  return metres < exact_below_m ? "exact" : fmt::format("{:.3g}", metres * 1e3);
+}
+
+std::string accuracy_in_words(double error_m) {
+  return error_m < exact_below_m ? "exact" : fmt::format("right to {} mm", millimetres(error_m));
+}
+
+void print_table(const Advice& advice) {
+  const auto unit = std::find_if(advice.measured.begin(), advice.measured.end(),
+                                 [](const Assessment& a) { return a.configuration.text() == unit_of_price; });
+  fmt::print("  {:<30} {:>9} {:>9} {:>8} {:>8} {:>11} {:>20} {:>7} {:>8} {:>9}\n", "configuration", "p99 mm", "max mm",
+             "missed", "false", "ms a frame", "(95 % interval)", "x voxel", "build s", "MB");
+  for (std::size_t i = 0; i < advice.measured.size(); ++i) {
+    const Assessment& row = advice.measured[i];
+    const MedianInterval& time = row.collision_ns;
+    const std::string ratio =
+        unit == advice.measured.end() ? "" : fmt::format("{:.3g}", time.median / unit->collision_ns.median);
+    fmt::print("{} {:<30} {:>9} {:>9} {:>8} {:>8} {:>11.4g} {:>20} {:>7} {:>8.2f} {:>9.3g}\n",
+               advice.chosen == i ? '*' : ' ', row.configuration.text(), millimetres(row.p99_error_m),
+               millimetres(row.max_error_m), row.missed, row.false_contacts, time.median * 1e-6,
+               fmt::format("({:.4g} to {:.4g})", time.low * 1e-6, time.high * 1e-6), ratio,
+               static_cast<double>(row.build_ns) * 1e-9, static_cast<double>(row.structure_bytes) * 1e-6);
+  }
+  for (const Omission& omission : advice.omitted) {
+    fmt::print("  {:<30} not measured: {}\n", omission.configuration.text(), omission.reason);
+  }
+}
+
+/// The fastest of the others that hold the depth.
+const Assessment* runner_up(const Advice& advice, double depth_m) {
+  const Assessment* next = nullptr;
+  for (std::size_t i = 0; i < advice.measured.size(); ++i) {
+    const Assessment& row = advice.measured[i];
+    if (i != advice.chosen && row.p99_error_m <= depth_m &&
+        (next == nullptr || row.collision_ns.median < next->collision_ns.median)) {
+      next = &row;
+    }
+  }
+  return next;
+}
+
+std::string command_for(const AdviseOptions& options, const Configuration& configuration) {
+  std::string command =
+      fmt::format("musclebench run {} --backend {}", options.scene.choice.scene, configuration.backend);
+  for (const auto& [name, value] : configuration.parameters) {
+    command += fmt::format(" --param {}={}", name, format_parameter_value(value));
+  }
+  if (!options.scene.choice.preset.empty()) {
+    command += " --preset " + options.scene.choice.preset;
+  }
+  for (const std::string& assignment : options.scene.loop) {
+    command += fmt::format(" --loop '{}'", assignment);
+  }
+  if (options.scene.frames > 0) {
+    command += fmt::format(" --frames {}", options.scene.frames);
+  }
+  if (!options.scene.choice.data.empty()) {
+    command += fmt::format(" --data '{}'", options.scene.choice.data);
+  }
+  return options.threads > 1 ? fmt::format("{} --threads {}", command, options.threads) : command;
+}
+
+void print_verdict(const Advice& advice, const AdviseOptions& options) {
+  if (advice.measured.empty()) {
+    fmt::print("\nNothing could be measured; the reasons are above.\n");
+    return;
+  }
+  if (!advice.chosen) {
+    const Assessment& best = advice.measured[*advice.best];
+    fmt::print(
+        "\nNo configuration holds {} mm. The best found is {}: {:.3g} mm (99th percentile), largest {:.3g} mm, "
+        "{:.4g} ms a frame.\n",
+        options.depth_mm, best.configuration.text(), best.p99_error_m * 1e3, best.max_error_m * 1e3,
+        best.collision_ns.median * 1e-6);
+    return;
+  }
+  const Assessment& chosen = advice.measured[*advice.chosen];
+  fmt::print("\nTake {}: 99 of 100 contacts are {}, at {:.4g} ms a frame and {:.3g} MB.\n", chosen.configuration.text(),
+             accuracy_in_words(chosen.p99_error_m), chosen.collision_ns.median * 1e-6,
+             static_cast<double>(chosen.structure_bytes) * 1e-6);
+  if (const Assessment* next = runner_up(advice, options.depth_mm * 1e-3)) {
+    fmt::print("The next that holds {} mm is {}: {:.3g} times its time, {:.3g} MB.\n", options.depth_mm,
+               next->configuration.text(), next->collision_ns.median / chosen.collision_ns.median,
+               static_cast<double>(next->structure_bytes) * 1e-6);
+  } else {
+    fmt::print("No other configuration that was measured holds {} mm.\n", options.depth_mm);
+  }
+  fmt::print("  {}\n", command_for(options, chosen.configuration));
+}
+
+bool has_fcl() {
+  return std::any_of(backend_registry().begin(), backend_registry().end(),
+                     [](const BackendEntry& entry) { return entry.name == "fcl"; });
+}
+
+int advise(const AdviseOptions& options) {
+  const Nanoseconds start_ns = monotonic_now_ns();
+  const Scene scene = load_scene(options.scene);
+  Input input = run_exactly(scene, options.seconds * recording_share);
+  if (input.frames->header().frames() == 0) {
+    throw InputError("--seconds", fmt::format("no frame of the exact run could be kept within {:.0f} s; give more",
+                                              options.seconds * recording_share));
+  }
+  const double left_s = options.seconds - static_cast<double>(monotonic_now_ns() - start_ns) * 1e-9;
+  const AdviceRequest request{options.depth_mm * 1e-3, left_s, has_fcl()};
+  const Advice advice = find_advice(request, [&](const Configuration& configuration, std::string& reason) {
+    try {
+      return assess(scene, configuration, options, *input.frames, reason);
+    } catch (const InputError& refused) {
+      reason = refused.what();
+    } catch (const std::bad_alloc&) {
+      reason = "there is not enough memory";
+    }
+    return std::optional<Assessment>();
+  });
+  fmt::print("{}: wanted is a depth error of at most {} mm in 99 of 100 contacts\n", scene.name, options.depth_mm);
+  fmt::print("Asked were {} of {} frames of the exact run{}, {} true contacts; {} thread{}\n\n",
+             input.frames->header().frames(), scene.loop.frames,
+             input.frames_run < scene.loop.frames
+                 ? fmt::format(" (only its first {}: the time was up)", input.frames_run)
+                 : "",
+             advice.measured.empty() ? 0 : advice.measured.front().true_contacts, options.threads,
+             options.threads == 1 ? "" : "s");
+  print_table(advice);
+  print_verdict(advice, options);
+  return advice.chosen ? 0 : exit_not_held;
+}
+
+}  // namespace
+
+void add_advise_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<AdviseOptions>();
+  CLI::App* command = app.add_subcommand(
+      "advise", "Measure which backend and resolution hold a wanted depth error on a scene, and name the fastest");
+  add_scene_options(*command, options->scene);
+  command->add_option("--depth-mm", options->depth_mm, "Wanted: the 99th percentile of the depth error, mm")
+      ->required()
+      ->check(positive_and_finite());
+  command->add_option("--seconds", options->seconds, "Time for all of it (default: 90)")->check(positive_and_finite());
+  command->add_option("--band-mm", options->band_mm, "Errors count so far from a bone's surface (default: 10)")
+      ->check(positive_and_finite());
+  add_threads_option(*command, options->threads);
+  command->callback([options, &exit_code] { exit_code = advise(*options); });
+}
+
+}  // namespace musclebench

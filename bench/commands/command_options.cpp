@@ -1,0 +1,90 @@
+#include "bench/commands/command_options.hpp"
+
+#include <cmath>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "core/base/input_error.hpp"
+
+namespace musclebench {
+
+void add_scene_options(CLI::App& command, SceneOptions& options) {
+  command.add_option("scene", options.choice.scene, "Name of an embedded scene or path of a .toml file")->required();
+  command.add_option("--preset", options.choice.preset, "Loop and effects: paper or standard (default: the scene's)");
+  command.add_option("--loop", options.loop, "Parameter of the loop, key=value, over scene and preset");
+  command.add_option("--data", options.choice.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
+  command.add_option("--frames", options.frames, "Frames of the whole motion (default: the preset's)")
+      ->check(CLI::Range(1, 10000000));
+}
+
+std::map<std::string, ParameterValue> loop_overrides(const SceneOptions& options) {
+  std::map<std::string, ParameterValue> overrides;
+  if (options.frames > 0) {
+    overrides["frames"] = std::int64_t{options.frames};
+  }
+  for (const auto& [key, value] : parse_assignments(options.loop, "--loop")) {
+    overrides[key] = value;
+  }
+  return overrides;
+}
+
+Scene load_scene(const SceneOptions& options) {
+  SceneChoice choice = options.choice;
+  choice.loop_overrides = loop_overrides(options);
+  Scene scene = load_scene(choice);
+  print_warnings(scene);
+  return scene;
+}
+
+void print_warnings(const Scene& scene) {
+  for (const std::string& warning : scene_warnings(scene)) {
+    fmt::print(stderr, "musclebench: warning: {}: {}\n", scene.name, warning);
+  }
+}
+
+void add_backend_options(CLI::App& command, BackendOptions& options) {
+  command.add_option("--backend", options.backend, "Collision backend (see `musclebench list`)")->required();
+  command.add_option("--param", options.parameters, "Parameter of the backend, key=value; may be repeated");
+  add_threads_option(command, options.threads);
+}
+
+void add_threads_option(CLI::App& command, int& threads) {
+  command.add_option("--threads", threads, "Threads of the backend (default: 1)")->check(CLI::Range(1, 4096));
+}
+
+Parameters backend_parameters(const BackendEntry& backend, const std::vector<std::string>& assignments) {
+  Parameters parameters(backend.parameters, parse_assignments(assignments, "--param"),
+                        fmt::format("--param ({})", backend.name));
+  (void)backend.make(parameters);  // refuses what does not go together, before anything is read
+  return parameters;
+}
+
+std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::string>& texts,
+                                                        const std::string& option) {
+  std::map<std::string, ParameterValue> values;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw InputError(fmt::format("{} {}", option, text), "has to read key=value");
+    }
+    const std::string key = text.substr(0, equals);
+    if (!values.emplace(key, parse_parameter_value(std::string_view(text).substr(equals + 1))).second) {
+      throw InputError(fmt::format("{} {}", option, text), fmt::format("gives {} twice; leave one out", key));
+    }
+  }
+  return values;
+}
+
+CLI::Validator positive_and_finite() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        double value = 0;
+        const bool is_number = CLI::detail::lexical_cast(text, value);
+        return is_number && std::isfinite(value) && value > 0 ? std::string()
+                                                              : text + " is not a positive, finite number";
+      },
+      "POSITIVE");
+}
+
+}  // namespace musclebench

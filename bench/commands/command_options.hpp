@@ -1,0 +1,53 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <CLI/App.hpp>
+#include <CLI/Validators.hpp>
+
+#include "backends/registry.hpp"
+#include "bench/cases/scene_source.hpp"
+
+namespace musclebench {
+
+/// How a command line names a scene and changes its loop.
+struct SceneOptions {
+  SceneChoice choice;
+  std::vector<std::string> loop;
+  int frames = 0;  ///< 0: the preset's
+};
+
+/// Adds the argument `scene` and the options that change it.
+void add_scene_options(CLI::App& command, SceneOptions& options);
+
+/// All that the options change of the loop. Throws InputError.
+std::map<std::string, ParameterValue> loop_overrides(const SceneOptions& options);
+
+/// Reads the scene and prints its warnings. Throws InputError.
+Scene load_scene(const SceneOptions& options);
+void print_warnings(const Scene& scene);
+
+/// How a command line names a backend.
+struct BackendOptions {
+  std::string backend;
+  std::vector<std::string> parameters;
+  int threads = 1;
+};
+
+void add_backend_options(CLI::App& command, BackendOptions& options);
+void add_threads_option(CLI::App& command, int& threads);
+
+/// The checked parameters of `backend`. Throws InputError.
+Parameters backend_parameters(const BackendEntry& backend, const std::vector<std::string>& assignments);
+
+/// Of an option that is a length, a time: refuses what is not a positive finite number, which CLI::Range lets pass when
+/// it is NaN.
+CLI::Validator positive_and_finite();
+
+/// Texts `key=value`; `option` is the place that an InputError names.
+std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::string>& texts,
+                                                        const std::string& option);
+
+}  // namespace musclebench

@@ -1,0 +1,104 @@
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/commands/command_options.hpp"
+#include "bench/commands/commands.hpp"
+#include "bench/process/progress.hpp"
+#include "bench/process/signals.hpp"
+#include "bench/results/probe_output.hpp"
+#include "bench/results/result_folder.hpp"
+
+namespace musclebench {
+
+namespace {
+
+struct ProbeOptions {
+  SceneOptions scene;
+  BackendOptions backend;
+  std::string out;
+  int points = 20000;
+  std::uint64_t seed = 1;
+  double band_mm = 2;
+  bool progress_lines = false;
+  bool force = false;
+};
+
+void print_summary(const ProbeCase& what, const ProbeResult& result, const std::string& out) {
+  fmt::print("{} with {}: {}\n", what.scene.name, what.backend.name, result.status);
+  fmt::print("  {:<14} {:<6} {:>8} {:>12} {:>12} {:>12} {:>12} {:>11}\n", "bone", "place", "points", "largest mm",
+             "99th mm", "mean mm", "rms mm", "wrong side");
+  for (const ProbeRow& row : result.rows) {
+    const ErrorStatistics& errors = row.errors_m;
+    const double share = row.points > 0 ? static_cast<double>(row.wrong_side) / row.points : 0;
+    fmt::print("  {:<14} {:<6} {:>8} {:>12.6f} {:>12.6f} {:>12.6f} {:>12.6f} {:>9.3f} %\n", row.bone, row.place,
+               row.points, errors.max * 1e3, errors.p99 * 1e3, errors.mean * 1e3, errors.rms * 1e3, share * 100);
+  }
+  fmt::print("  structures {:.3f} MB, built in {:.2f} s\n  written to {}\n",
+             static_cast<double>(result.structure_bytes) * 1e-6, static_cast<double>(result.build_ns) * 1e-9, out);
+}
+
+ProbeResult probe_and_write(const ProbeCase& what, const ProbeOptions& options, const std::string& out) {
+  std::optional<EndAtOnce> until_written(std::in_place);
+  ProbeResult result;
+  {
+    const int total = what.points * static_cast<int>(what.scene.bones.size());
+    Progress progress(progress_style(options.progress_lines), fmt::format("{} {}", what.scene.name, what.backend.name),
+                      total);
+    result = probe(what, [&](int done) { progress.show(done); });
+  }
+  const HeldSignals held;
+  write_probe(out, what, result);
+  until_written.reset();
+  return result;
+}
+
+int run_probe(const ProbeOptions& options) {
+  const BackendEntry& backend = find_backend(options.backend.backend);
+  const Parameters parameters = backend_parameters(backend, options.backend.parameters);
+  const Scene scene = load_scene(options.scene);
+  const ProbeCase what{
+      {scene, backend, parameters, options.backend.threads, 0}, options.points, options.seed, options.band_mm * 1e-3};
+  const std::string id = probe_id(what);
+  const std::string out = options.out.empty() ? fmt::format("reports/out/probes/raw/{}", id) : options.out;
+  if (!options.force && is_complete(out, id, "probe.csv")) {
+    fmt::print("{} with {}: complete already in {} (--force runs it again)\n", scene.name, backend.name, out);
+    return 0;
+  }
+  {
+    const HeldSignals held;
+    require_writable(out);
+  }
+  const ProbeResult result = probe_and_write(what, options, out);
+  if (result.status != "ok") {
+    fmt::print(stderr, "musclebench: {}: {}: {}\n", scene.name, result.status, result.status_detail);
+    return exit_diverged;
+  }
+  print_summary(what, result, out);
+  return 0;
+}
+
+}  // namespace
+
+void add_probe_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<ProbeOptions>();
+  CLI::App* command =
+      app.add_subcommand("probe", "Measure a backend's depth error about each bone's surface: run.json, probe.csv");
+  add_scene_options(*command, options->scene);
+  add_backend_options(*command, options->backend);
+  command->add_option("--points", options->points, "Points about each bone")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 10'000'000));
+  command->add_option("--seed", options->seed, "Of the points")->capture_default_str();
+  command->add_option("--band-mm", options->band_mm, "How far from the surface the points lie at most")
+      ->capture_default_str()
+      ->check(positive_and_finite());
+  command->add_option("--out", options->out, "Result folder (default: reports/out/probes/raw/<run id>)");
+  command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
+  command->add_flag("--force", options->force, "Run even when the result is complete already");
+  command->callback([options, &exit_code] { exit_code = run_probe(*options); });
+}
+
+}  // namespace musclebench

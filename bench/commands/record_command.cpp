@@ -1,0 +1,166 @@
+#include <filesystem>
+#include <numbers>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/cases/build_backend.hpp"
+#include "bench/cases/divergence.hpp"
+#include "bench/commands/command_options.hpp"
+#include "bench/commands/commands.hpp"
+#include "bench/process/progress.hpp"
+#include "bench/process/signals.hpp"
+#include "bench/results/build_info.hpp"
+#include "bench/results/manifest.hpp"
+#include "core/recording/recording_writer.hpp"
+#include "core/scene/prepare_simulation.hpp"
+
+namespace musclebench {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double degrees_per_radian = 180 / std::numbers::pi;
+constexpr const char* exact_backend = "bvh";
+
+struct RecordOptions {
+  SceneOptions scene;
+  BackendOptions backend;
+  std::string out;
+  bool progress_lines = false;
+};
+
+/// Writes every collision step of the simulation that it watches.
+class StepWriter final : public CollisionObserver {
+ public:
+  explicit StepWriter(RecordingWriter& writer) : m_writer(writer) {}
+  /// Whether all positions so far could be written; the others have blown up.
+  [[nodiscard]] bool complete() const { return m_complete; }
+
+  void before_detection(const CollisionStep& step) override {
+    m_complete =
+        m_complete && m_writer.add_step(step.substep_start, step.previous_bone_poses, step.positions, step.bone_poses);
+  }
+  void after_detection(const CollisionStep& /*step*/, std::span<const Contact> /*contacts*/) override {}
+
+ private:
+  RecordingWriter& m_writer;
+  bool m_complete = true;
+};
+
+/// An embedded scene by its name, a file by its absolute path.
+std::string source_of(const SceneChoice& choice) {
+  return choice.scene.ends_with(".toml") ? fs::absolute(choice.scene).lexically_normal().string() : choice.scene;
+}
+
+RecordingHeader header_of(const Case& resolved, const SceneOptions& options, std::span<const int> free_nodes) {
+  const Scene& scene = resolved.scene;
+  RecordingHeader header;
+  header.scene = scene.name;
+  header.scene_source = source_of(options.choice);
+  header.preset = options.choice.preset;
+  header.loop_overrides = loop_overrides(options);
+  header.scene_sha256 = scene_hash(scene);
+  header.backend = resolved.backend.name;
+  header.build = build_info().git;
+  header.nodes = static_cast<int>(scene.muscle.mesh.vertices.size());
+  header.bones = static_cast<int>(scene.bones.size());
+  header.substeps = scene.loop.substeps;
+  header.iterations = scene.loop.iterations;
+  header.rounding_m = rounding_step_m(scene_diagonal_m(scene));
+  for (int frame = 1; frame <= scene.loop.frames; ++frame) {
+    header.angles_deg.push_back(scene.angle_rad(frame) * degrees_per_radian);
+  }
+  header.free_nodes.assign(free_nodes.begin(), free_nodes.end());
+  return header;
+}
+
+/// Runs all frames; says why when the simulation blew up before the last.
+std::string write_frames(Simulation& simulation, const Scene& scene, RecordingWriter& writer, Progress& progress) {
+  const Divergence divergence(scene);
+  StepWriter steps(writer);
+  for (int frame = 1; frame <= scene.loop.frames; ++frame) {
+    simulation.step_frame(frame, &steps);
+    const std::string lost = divergence.describe(frame, simulation.particles().positions);
+    if (!lost.empty()) {
+      return lost;
+    }
+    if (!steps.complete()) {
+      return fmt::format("frame {}: a node left the scene within a substep", frame);
+    }
+    progress.show(frame);
+  }
+  return "";
+}
+
+void print_summary(const RecordingHeader& header, const RecordingFile& file, Nanoseconds wall_ns,
+                   const std::string& out) {
+  const double positions = static_cast<double>(header.nodes) * header.steps_per_frame() * header.frames();
+  fmt::print("{} recorded with {}\n", header.scene, header.backend);
+  fmt::print("  frames                        {:>6} of {} steps\n", header.frames(), header.steps_per_frame());
+  fmt::print("  nodes                         {:>6}, {} of them free\n", header.nodes, header.free_nodes.size());
+  fmt::print("  size                          {:>6.1f} MB, {:.2f} bytes a node and step\n",
+             static_cast<double>(file.bytes) * 1e-6, static_cast<double>(file.bytes) / positions);
+  fmt::print("  positions rounded to          {:>6.2g} m\n", header.rounding_m);
+  fmt::print("  time                          {:>6.1f} s\n", static_cast<double>(wall_ns) * 1e-9);
+  fmt::print("  sha256                        {}\n  written to {}\n", file.sha256, out);
+}
+
+int record(const RecordOptions& options) {
+  const BackendEntry& backend = find_backend(options.backend.backend);
+  const Parameters parameters = backend_parameters(backend, options.backend.parameters);
+  const Scene scene = load_scene(options.scene);
+  const fs::path out = options.out;
+  {
+    const HeldSignals held;
+    require_recording_writable(out);
+  }
+
+  const Nanoseconds start_ns = monotonic_now_ns();
+  const Case resolved{scene, backend, parameters, options.backend.threads, 0};
+  std::optional<EndAtOnce> until_written(std::in_place);
+  const BuiltBackend built = build_backend(resolved);
+  const PreparedSimulation prepared = prepare_simulation(resolved.scene, *built.backend, resolved.backend.response);
+  const RecordingHeader header = header_of(resolved, options.scene, prepared.simulation->free_nodes());
+  std::optional<RecordingWriter> writer;
+  {
+    const HeldSignals held;
+    writer.emplace(out, header);
+    until_written->remove_first(writer->part());
+  }
+  {
+    Progress progress(progress_style(options.progress_lines), "record " + scene.name, scene.loop.frames);
+    const std::string lost = write_frames(*prepared.simulation, scene, *writer, progress);
+    if (!lost.empty()) {
+      fmt::print(stderr, "musclebench: {}: diverged, nothing was recorded: {}\n", scene.name, lost);
+      return exit_diverged;
+    }
+  }
+  RecordingFile file;
+  {
+    const HeldSignals held;
+    file = writer->finish();
+    until_written.reset();
+  }
+  print_summary(header, file, monotonic_now_ns() - start_ns, options.out);
+  return 0;
+}
+
+}  // namespace
+
+void add_record_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<RecordOptions>();
+  options->backend.backend = exact_backend;
+  CLI::App* command =
+      app.add_subcommand("record", "Run a scene with the exact backend and keep the input of every collision step");
+  add_scene_options(*command, options->scene);
+  add_backend_options(*command, options->backend);
+  command->get_option("--backend")->required(false)->description("Backend that drives the run (default: bvh, exact)");
+  command->add_option("--out", options->out, "The recording")->required();
+  command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
+  command->callback([options, &exit_code] { exit_code = record(*options); });
+}
+
+}  // namespace musclebench

@@ -1,0 +1,163 @@
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/commands/command_options.hpp"
+#include "bench/commands/commands.hpp"
+#include "bench/process/progress.hpp"
+#include "bench/process/signals.hpp"
+#include "bench/results/manifest.hpp"
+#include "bench/results/replay_output.hpp"
+#include "bench/results/result_folder.hpp"
+#include "bench/results/summary.hpp"
+#include "core/base/input_error.hpp"
+#include "core/recording/recording_reader.hpp"
+
+namespace musclebench {
+
+namespace {
+
+struct ReplayOptions {
+  std::string recording;
+  BackendOptions backend;
+  std::string scene;  ///< where it is now; empty: where it was
+  std::string data;
+  std::string out;
+  double band_mm = 10;
+  int stride = 1;
+  int repetition = 0;
+  bool progress_lines = false;
+  bool unjudged = false;
+  bool force = false;
+};
+
+Scene scene_of(const RecordingHeader& header, const ReplayOptions& options) {
+  SceneChoice choice;
+  choice.scene = options.scene.empty() ? header.scene_source : options.scene;
+  choice.preset = header.preset;
+  choice.data = options.data;
+  choice.loop_overrides = header.loop_overrides;
+  return load_scene(choice);
+}
+
+void require_same_scene(const Scene& scene, const RecordingHeader& header, const std::string& recording) {
+  const std::string hash = scene_hash(scene);
+  if (hash != header.scene_sha256) {
+    throw InputError(recording, fmt::format("is of another scene: '{}' with hash {}, and '{}' as it is now has {}; "
+                                            "name the right one with --scene, or record it again",
+                                            header.scene, header.scene_sha256, scene.name, hash));
+  }
+  const auto nodes = static_cast<int>(scene.muscle.mesh.vertices.size());
+  const auto bones = static_cast<int>(scene.bones.size());
+  if (nodes != header.nodes || bones != header.bones) {
+    throw InputError(recording, fmt::format("has {} nodes and {} bones, the scene '{}' has {} and {}; record it again",
+                                            header.nodes, header.bones, scene.name, nodes, bones));
+  }
+}
+
+void print_accuracy(const Accuracy& accuracy, double band_m) {
+  fmt::print("  missed / false contacts       {:>6} / {} (of {} true, {} answered)\n", accuracy.missed_contacts,
+             accuracy.false_contacts, accuracy.true_contacts, accuracy.contacts);
+  if (accuracy.depth_error_m) {
+    fmt::print("  depth error, max / p99 / mean {:>10.4g} / {:.4g} / {:.4g} mm, over {} contacts within {:g} mm\n",
+               accuracy.depth_error_m->max * 1e3, accuracy.depth_error_m->p99 * 1e3, accuracy.depth_error_m->mean * 1e3,
+               accuracy.measured_contacts, band_m * 1e3);
+  }
+  if (accuracy.normal_error_deg) {
+    fmt::print("  normal error                  {:>10.4g} / {:.4g} / {:.4g} degrees\n", accuracy.normal_error_deg->max,
+               accuracy.normal_error_deg->p99, accuracy.normal_error_deg->mean);
+  }
+}
+
+void print_summary(const ReplayCase& replay, const ReplayResult& result, const std::string& out) {
+  std::vector<Nanoseconds> collision_ns;
+  for (const ReplayRecord& record : result.records) {
+    if (!record.warm_up) {
+      collision_ns.push_back(record.collision_ns());
+    }
+  }
+  fmt::print("{} replayed to {}: {}{}{}\n", replay.scene.name, replay.backend.name, result.status,
+             result.status_detail.empty() ? "" : ", ", result.status_detail);
+  fmt::print("  frames                        {:>6} of {} steps\n", result.records.size(),
+             result.records.empty() ? 0 : result.records.front().iterations);
+  fmt::print("  collision a frame, median     {}\n", median_ms(std::move(collision_ns)));
+  fmt::print("  structures                    {:>10.3f} MB, {} in {:.2f} s\n",
+             static_cast<double>(result.structure_bytes) * 1e-6, result.structures_loaded ? "loaded" : "built",
+             static_cast<double>(result.build_ns) * 1e-9);
+  if (result.accuracy) {
+    print_accuracy(*result.accuracy, replay.band_m);
+  }
+  fmt::print("  contact hash                  {}\n  written to {}\n", result.contact_hash, out);
+}
+
+ReplayResult replay_and_write(const ReplayCase& replay, RecordingReader& recording, const ReplayOptions& options,
+                              const std::string& out) {
+  std::optional<EndAtOnce> until_written(std::in_place);
+  ReplayResult result;
+  {
+    const int passes = replay.judge ? 2 : 1;
+    Progress progress(progress_style(options.progress_lines),
+                      fmt::format("replay {} {}", replay.scene.name, replay.backend.name),
+                      passes * replayed_frames(replay, recording.header()));
+    result = replay_case(replay, recording, [&](int done) { progress.show(done); });
+  }
+  const HeldSignals held;
+  write_replay(out, replay, result, recording.header(), options.recording);
+  until_written.reset();
+  return result;
+}
+
+int replay(const ReplayOptions& options) {
+  const BackendEntry& backend = find_backend(options.backend.backend);
+  const Parameters parameters = backend_parameters(backend, options.backend.parameters);
+  RecordingReader recording(options.recording);
+  const Scene scene = scene_of(recording.header(), options);
+  require_same_scene(scene, recording.header(), options.recording);
+
+  ReplayCase replay{{scene, backend, parameters, options.backend.threads, options.repetition}, recording.file()};
+  replay.stride = options.stride;
+  replay.band_m = options.band_mm * 1e-3;
+  replay.judge = !options.unjudged;
+  const std::string id = replay_id(replay);
+  const std::string out = options.out.empty() ? fmt::format("reports/out/runs/raw/{}", id) : options.out;
+  if (!options.force && is_complete(out, id, "frames.csv")) {
+    fmt::print("{} replayed to {}: complete already in {} (--force replays it again)\n", scene.name, backend.name, out);
+    return 0;
+  }
+  {
+    const HeldSignals held;
+    require_writable(out);
+  }
+  const ReplayResult result = replay_and_write(replay, recording, options, out);
+  print_summary(replay, result, out);
+  if (result.status != "ok") {
+    fmt::print(stderr, "musclebench: {}: {}: {}\n", scene.name, result.status, result.status_detail);
+    return exit_nondeterministic;
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command = app.add_subcommand("replay", "Feed a recording to a backend; measure its time and its errors");
+  command->add_option("recording", options->recording, "A file of `musclebench record`")->required();
+  add_backend_options(*command, options->backend);
+  command->add_option("--scene", options->scene, "Where the recorded scene is now (default: where it was)");
+  command->add_option("--data", options->data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
+  command->add_option("--stride", options->stride, "Replay every so many-th frame, and the last (default: 1)")
+      ->check(CLI::Range(1, 10000000));
+  command->add_option("--band-mm", options->band_mm, "How far from the surface errors are measured (default: 10)")
+      ->check(positive_and_finite());
+  command->add_option("--repetition", options->repetition, "Number of the repetition, a part of the run's identity")
+      ->check(CLI::Range(0, 1000000));
+  command->add_option("--out", options->out, "Result folder (default: reports/out/runs/raw/<run id>)");
+  command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
+  command->add_flag("--no-referee", options->unjudged, "Time only: missed and false contacts and errors stay empty");
+  command->add_flag("--force", options->force, "Replay even when the result is complete already");
+  command->callback([options, &exit_code] { exit_code = replay(*options); });
+}
+
+}  // namespace musclebench

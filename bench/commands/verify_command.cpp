@@ -1,0 +1,106 @@
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/cases/scene_source.hpp"
+#include "bench/cases/verification.hpp"
+#include "bench/commands/command_options.hpp"
+#include "bench/commands/commands.hpp"
+#include "bench/process/progress.hpp"
+
+namespace musclebench {
+
+namespace {
+
+struct VerifyOptions {
+  SceneChoice choice;
+  VerificationSettings settings;
+  bool progress_lines = false;
+};
+
+/// One bar a stage.
+class StageProgress {
+ public:
+  StageProgress(Progress::Style style, std::string surface) : m_style(style), m_surface(std::move(surface)) {}
+
+  void show(const std::string& stage, int done, int total) {
+    if (!m_bar || stage != m_stage) {
+      m_bar.reset();
+      m_bar = std::make_unique<Progress>(m_style, m_surface + ": " + stage, total);
+      m_stage = stage;
+    }
+    m_bar->show(done);
+  }
+
+ private:
+  Progress::Style m_style;
+  std::string m_surface;
+  std::string m_stage;
+  std::unique_ptr<Progress> m_bar;
+};
+
+void print_row(const std::string& bone, const char* surface, const char* pair, const Agreement& agreement,
+               const SurfaceVerification& of) {
+  fmt::print("{:<12} {:<10} {:<21} {:>9} {:>9} {:>12.2e} {:>12} {:>9.1f}\n", bone, surface, pair, agreement.points,
+             agreement.inside, agreement.largest_difference_m / of.diagonal_m, agreement.sign_differences, of.seconds);
+  if (!of.holds(agreement)) {
+    fmt::print("  worst at ({:.17g}, {:.17g}, {:.17g}) m\n", agreement.worst_point_m.x(), agreement.worst_point_m.y(),
+               agreement.worst_point_m.z());
+  }
+}
+
+bool verify(const Bone& bone, const char* surface, const VerifyOptions& options) {
+  SurfaceVerification result;
+  {
+    StageProgress progress(progress_style(options.progress_lines), fmt::format("{} {}", bone.name, surface));
+    result = verify_surface(bone, options.settings, [&](const auto&... work) { progress.show(work...); });
+  }
+  print_row(bone.name, surface, "bvh, Referee", result.bvh_referee, result);
+  print_row(bone.name, surface, "bvh, brute_force", result.bvh_brute_force, result);
+  print_row(bone.name, surface, "Referee, brute_force", result.referee_brute_force, result);
+  std::fflush(stdout);
+  return result.held();
+}
+
+int verify_scene(const VerifyOptions& options) {
+  const Scene scene = load_scene(options.choice);
+  fmt::print("{:<12} {:<10} {:<21} {:>9} {:>9} {:>12} {:>12} {:>9}\n", "bone", "surface", "pair", "points", "inside",
+             "difference", "signs differ", "seconds");
+  bool held = true;
+  for (std::size_t i = 0; i < scene.bones.size(); ++i) {
+    held = verify(scene.bones[i], "repaired", options) && held;
+    held = verify({scene.bones[i].name, {scene.bone_meshes[i].mesh, false, {}}}, "as shipped", options) && held;
+  }
+  fmt::print(
+      "difference: of the distances, as a share of the bone's diagonal; signs: of points farther than {:g} of it, and "
+      "{:g} roundings of the largest coordinate, from the surface; seconds: of all three\n{}\n",
+      agreed_share, agreed_roundings, held ? "held" : "NOT held");
+  return held ? 0 : exit_not_held;
+}
+
+}  // namespace
+
+void add_verify_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<VerifyOptions>();
+  CLI::App* command = app.add_subcommand(
+      "verify", "Compare bvh, the Referee and brute_force about each bone of a scene, repaired and as shipped");
+  command->add_option("scene", options->choice.scene, "Name of an embedded scene or path of a .toml file")->required();
+  command
+      ->add_option("--points", options->settings.points,
+                   "Points about each surface for bvh and Referee; 1/50 of them about an open one")
+      ->capture_default_str()
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
+  command
+      ->add_option("--brute-force-points", options->settings.brute_force_points,
+                   "The first of them, for both against brute_force")
+      ->capture_default_str()
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000'000}));
+  command->add_option("--seed", options->settings.seed, "Of the points")->capture_default_str();
+  add_threads_option(*command, options->settings.threads);
+  command->add_option("--data", options->choice.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
+  command->add_flag("--progress", options->progress_lines, "Progress as lines on standard error");
+  command->callback([options, &exit_code] { exit_code = verify_scene(*options); });
+}
+
+}  // namespace musclebench

@@ -1,0 +1,150 @@
+#include "bench/results/manifest.hpp"
+
+#include <fmt/format.h>
+
+#include "bench/results/build_info.hpp"
+#include "core/base/sha256.hpp"
+
+namespace musclebench {
+
+namespace {
+
+Json json_of(const Parameters& parameters) {
+  Json json = Json::object();
+  for (const auto& [name, value] : parameters.values()) {
+    std::visit([&, &key = name](const auto& v) { json[key] = v; }, value);
+  }
+  return json;
+}
+
+Json json_of_effects(const Scene& scene) {
+  Json effects = Json::object();
+  for (const SceneEffect& effect : scene.effects) {
+    effects[effect.name] = json_of(effect.parameters);
+  }
+  return effects;
+}
+
+Json json_of_loop(const LoopParameters& loop) {
+  return {{"frames", loop.frames},
+          {"substeps", loop.substeps},
+          {"iterations", loop.iterations},
+          {"time_step_s", loop.time_step_s},
+          {"damping_per_s", loop.damping_per_s},
+          {"node_mass_kg", loop.node_mass_kg},
+          {"density_kg_per_m3", loop.density_kg_per_m3},
+          {"bone_motion", loop.interpolate_poses ? "interpolated" : "per_frame"}};
+}
+
+std::string_view attachment_mode(const Scene& scene) {
+  return scene.attach_at_first_contact ? "first_contact" : "areas";
+}
+
+Json json_of(const BoneMotion& motion) {
+  return {{"axis", {motion.axis.x(), motion.axis.y(), motion.axis.z()}},
+          {"centre_m", {motion.centre_m.x(), motion.centre_m.y(), motion.centre_m.z()}},
+          {"times", motion.times},
+          {"angles_rad", motion.angles_rad},
+          {"there_and_back", motion.there_and_back}};
+}
+
+Json json_of(const std::string& name, const SceneMesh& mesh) {
+  return {{"name", name},
+          {"mesh", mesh.reference},
+          {"vertices", mesh.mesh.vertices.size()},
+          {"triangles", mesh.mesh.triangles.size()},
+          {"mesh_sha256", mesh.sha256}};
+}
+
+Json json_of_machine() {
+  const MachineInfo machine = machine_info();
+  return {{"cpu", machine.cpu},
+          {"cores", machine.cores},
+          {"governor", machine.governor},
+          {"clock_resolution_ns", machine.clock_resolution_ns}};
+}
+
+/// What a scene file outlines or draws in becomes nodes and fibres; they are the input, however they were described.
+void add_nodes_and_fibres(Sha256& hash, const Scene& scene) {
+  for (const Attachment& attachment : scene.attachments) {
+    hash.add(fmt::format("{} {} ", attachment.name, attachment.bone));
+    hash.add(std::as_bytes(std::span(attachment.nodes)));
+  }
+  hash.add(scene.fibres_between_attachments ? "fibres between attachments" : "fibres of a file");
+  hash.add(std::as_bytes(std::span(scene.fibres)));
+}
+
+}  // namespace
+
+std::string text_of(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+Json json_of_case(const Case& resolved, std::string_view mode) {
+  return {{"mode", mode},
+          {"scene", resolved.scene.name},
+          {"preset", resolved.scene.preset},
+          {"backend", resolved.backend.name},
+          {"parameters", json_of(resolved.parameters)},
+          {"threads", resolved.threads},
+          {"repetition", resolved.repetition},
+          {"attachment", attachment_mode(resolved.scene)},
+          {"effects", json_of_effects(resolved.scene)},
+          {"loop", json_of_loop(resolved.scene.loop)}};
+}
+
+Json json_of_inputs(const Scene& scene) {
+  Json bones = Json::array();
+  for (std::size_t i = 0; i < scene.bones.size(); ++i) {
+    Json bone = json_of(scene.bones[i].name, scene.bone_meshes[i]);
+    bone["repairs"] = scene.bones[i].surface.changes;
+    bone["motion"] = json_of(scene.motions[i]);
+    bones.push_back(bone);
+  }
+  return {{"muscle", json_of(scene.muscle_name, scene.muscle)}, {"bones", bones}};
+}
+
+Json json_of_build() {
+  const BuildInfo build = build_info();
+  return {{"version", build.version},
+          {"git", build.git},
+          {"compiler", build.compiler},
+          {"flags", build.flags},
+          {"type", build.type}};
+}
+
+Json manifest_head(std::string_view status, std::string_view status_detail, const Json& json_of_case,
+                   const Scene& scene) {
+  Json json = {{"schema_version", schema_version},     {"status", status},     {"status_detail", status_detail},
+               {"run_id", id_of(json_of_case, scene)}, {"title", scene.title}, {"case", json_of_case}};
+  json.update(json_of_inputs(scene));
+  json["build"] = json_of_build();
+  json["machine"] = json_of_machine();
+  return json;
+}
+
+std::string id_of(const Json& json_of_case, const Scene& scene) {
+  Sha256 hash;
+  hash.add(text_of(json_of_case));
+  hash.add(text_of(json_of_inputs(scene)));
+  add_nodes_and_fibres(hash, scene);
+  hash.add(text_of(json_of_build()));
+  return hash.hex_digest().substr(0, 16);
+}
+
+std::string scene_hash(const Scene& scene) {
+  Sha256 hash;
+  hash.add(scene.muscle.sha256);
+  for (std::size_t i = 0; i < scene.bones.size(); ++i) {
+    hash.add(scene.bone_meshes[i].sha256);
+    hash.add(text_of(Json(scene.bones[i].surface.changes)));
+    hash.add(text_of(json_of(scene.motions[i])));
+  }
+  hash.add(attachment_mode(scene));
+  hash.add(text_of(json_of_effects(scene)));
+  hash.add(text_of(json_of_loop(scene.loop)));
+  add_nodes_and_fibres(hash, scene);
+  return hash.hex_digest();
+}
+
+}  // namespace musclebench

@@ -1,0 +1,183 @@
+#include "bench/results/run_output.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "bench/results/manifest.hpp"
+#include "bench/results/result_folder.hpp"
+#include "core/base/output_file.hpp"
+#include "core/measure/outcome.hpp"
+#include "core/mesh_files/read_mesh.hpp"
+
+namespace musclebench {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Json json_of_run(const RunCase& run) {
+  Json json = json_of_case(run, "coupled");
+  json["warm_up_frames"] = run.warm_up_frames;
+  json["judged"] = run.judge;
+  json["snapshots"] = run.snapshots;
+  return json;
+}
+
+Json json_of_attachments(const RunCase& run, const RunResult& result) {
+  Json attachments = Json::array();
+  for (const Attachment& attachment : run.scene.attachments) {
+    attachments.push_back({{"name", attachment.name},
+                           {"bone", run.scene.bones[attachment.bone].name},
+                           {"nodes", attachment.nodes.size()}});
+  }
+  if (run.scene.attach_at_first_contact) {
+    for (std::size_t bone = 0; bone < run.scene.bones.size(); ++bone) {
+      const auto nodes = std::count_if(result.bound_nodes.begin(), result.bound_nodes.end(),
+                                       [&](const BoundNode& n) { return n.bone == static_cast<int>(bone); });
+      attachments.push_back({{"name", "first_contact"}, {"bone", run.scene.bones[bone].name}, {"nodes", nodes}});
+    }
+  }
+  return attachments;
+}
+
+std::string snapshot_file(const Snapshot& snapshot) { return fmt::format("snapshots/frame_{:04}.ply", snapshot.frame); }
+
+Json json_of_snapshots(const RunResult& result) {
+  Json snapshots = Json::array();
+  for (const Snapshot& snapshot : result.snapshots) {
+    Json poses = Json::array();
+    for (const RigidMotion& pose : snapshot.bone_poses) {
+      Json rotation = Json::array();
+      for (int i = 0; i < 9; ++i) {
+        rotation.push_back(pose.rotation(i / 3, i % 3));
+      }
+      poses.push_back({{"rotation", rotation},
+                       {"translation_m", {pose.translation_m.x(), pose.translation_m.y(), pose.translation_m.z()}}});
+    }
+    snapshots.push_back({{"frame", snapshot.frame},
+                         {"angle_deg", snapshot.angle_deg},
+                         {"file", snapshot_file(snapshot)},
+                         {"bone_poses", poses}});
+  }
+  return snapshots;
+}
+
+Json json_of_structure_errors(const RunResult& result) {
+  Json errors = Json::array();
+  for (const StructureError& error : result.structure_errors) {
+    errors.push_back({{"bone", error.bone},
+                      {"bytes", error.bytes},
+                      {"samples", error.samples},
+                      {"p99_m", error.p99_m},
+                      {"largest_m", error.largest_m}});
+  }
+  return errors;
+}
+
+template <typename Value>
+Json json_of(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json json_of_outcome(const RunResult& result) {
+  const Outcome outcome = outcome_of(result.records, result.rest_volume_m3);
+  return {{"max_depth_m", json_of(outcome.max_depth_m)},
+          {"p99_depth_m", json_of(outcome.p99_depth_m)},
+          {"max_surface_depth_m", json_of(outcome.max_surface_depth_m)},
+          {"p99_surface_depth_m", json_of(outcome.p99_surface_depth_m)},
+          {"max_volume_error", json_of(outcome.max_volume_error)},
+          {"final_volume_error", json_of(outcome.final_volume_error)},
+          {"tunnelled_nodes", json_of(outcome.tunnelled_nodes)},
+          {"stuck_nodes", json_of(outcome.stuck_nodes)},
+          {"collision_ns", outcome.collision_ns},
+          {"loop_ns", outcome.loop_ns}};
+}
+
+Json manifest(const RunCase& run, const RunResult& result) {
+  Json json = manifest_head(result.status, result.status_detail, json_of_run(run), run.scene);
+  json["muscle"]["rest_volume_m3"] = result.rest_volume_m3;
+  json["attachments"] = json_of_attachments(run, result);
+  json["bound_nodes"] = result.bound_nodes.size();
+  json["structure_bytes"] = result.structure_bytes;
+  json["structure_errors"] = json_of_structure_errors(result);
+  json["structures"] = result.structures_loaded ? "loaded" : "built";
+  json["build_ns"] = result.build_ns;
+  json["memory"] = {{"before_first_frame_bytes", result.memory_before_bytes},
+                    {"after_last_frame_bytes", result.memory_after_bytes},
+                    {"peak_bytes", result.memory_peak_bytes},
+                    {"referee_bytes", result.referee_bytes},
+                    {"huge_page_bytes", result.huge_page_bytes}};
+  json["state_hash"] = result.state_hash;
+  json["wall_ns"] = result.wall_ns;
+  json["frames"] = result.records.size();
+  json["outcome"] = json_of_outcome(result);
+  json["snapshots"] = json_of_snapshots(result);
+  return json;
+}
+
+template <typename Value>
+void put(std::string& bytes, Value value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+void write_snapshot(const fs::path& path, const Snapshot& snapshot, const RunCase& run,
+                    const std::vector<BoundNode>& bound_nodes) {
+  std::vector<unsigned char> attached(snapshot.positions.size(), 0);
+  for (const BoundNode& bound : bound_nodes) {
+    attached[bound.node] = 1;
+  }
+  const std::vector<Triangle>& triangles = run.scene.muscle.mesh.triangles;
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double "
+      "z\n"
+      "property double depth_m\nproperty uchar attached\nelement face {}\nproperty list uchar int vertex_indices\n"
+      "end_header\n",
+      snapshot.positions.size(), triangles.size());
+  for (std::size_t i = 0; i < snapshot.positions.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      put(bytes, snapshot.positions[i][axis]);
+    }
+    put(bytes, snapshot.depths_m[i]);
+    put(bytes, attached[i]);
+  }
+  for (const Triangle& triangle : triangles) {
+    put(bytes, static_cast<unsigned char>(3));
+    for (const int corner : triangle) {
+      put(bytes, corner);
+    }
+  }
+  OutputFile file(path);
+  file.stream() << bytes;
+  file.close();
+}
+
+void write_files(const fs::path& folder, const RunCase& run, const RunResult& result) {
+  OutputFile frames(folder / "frames.csv");
+  write_frames_csv(frames.stream(), result.effect_names, result.records);
+  frames.close();
+  if (!result.snapshots.empty()) {
+    fs::create_directory(folder / "snapshots");
+    fs::create_directory(folder / "meshes");
+    for (const Snapshot& snapshot : result.snapshots) {
+      write_snapshot(folder / snapshot_file(snapshot), snapshot, run, result.bound_nodes);
+    }
+    for (const Bone& bone : run.scene.bones) {
+      write_ply(bone.surface.mesh, folder / "meshes" / (bone.name + ".ply"));
+    }
+  }
+  OutputFile json(folder / "run.json");
+  json.stream() << text_of(manifest(run, result), 2) << '\n';
+  json.close();
+}
+
+}  // namespace
+
+std::string run_id(const RunCase& run) { return id_of(json_of_run(run), run.scene); }
+
+void write_run(const fs::path& folder, const RunCase& run, const RunResult& result) {
+  write_result_folder(folder, [&](const fs::path& part) { write_files(part, run, result); });
+}
+
+}  // namespace musclebench

@@ -1,0 +1,221 @@
+#include "core/bvh/triangle_bvh.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/bvh/triangle_bvh_builder.hpp"
+#include "core/bvh/triangle_bvh_search.hpp"
+
+namespace musclebench {
+
+namespace {
+
+/// Half a unit in the last place of a float and of a double, relative.
+constexpr double float_rounding = 0x1p-24;
+constexpr double double_rounding = 0x1p-53;
+/// Above the rounding of distances that are compared.
+constexpr double distance_rounding = 1e-12;
+/// The unused places of leaves are farther than that.
+constexpr float widest_limit = 0.5F * bvh_far_away * bvh_far_away;
+
+float round_down(double value) {
+  const auto rounded = static_cast<float>(value);
+  return rounded > value ? std::nextafter(rounded, -std::numeric_limits<float>::infinity()) : rounded;
+}
+
+}  // namespace
+
+void TriangleBvh::Search::offer(int index) {
+  const ClosestOnTriangle found = tree->closest_on(exact_point, index);
+  if (found.squared_distance_m2 < best.squared_distance_m2 ||
+      (found.squared_distance_m2 == best.squared_distance_m2 && (best_triangle < 0 || index < best_triangle))) {
+    best = found;
+    best_triangle = index;
+  }
+}
+
+void TriangleBvh::Search::decide_listed() {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (squared[i] <= limit) {
+      offer(triangle[i]);
+    }
+  }
+  count = 0;
+}
+
+void TriangleBvh::Search::narrow(double distance_m) {
+  const double reach = distance_m * tree->m_scale + slack;
+  limit = std::min(limit, static_cast<float>(std::min<double>(reach * reach * 1.000001, widest_limit)));
+}
+
+ClosestPoint TriangleBvh::Search::answer() const {
+  return {best.point, std::sqrt(best.squared_distance_m2), best_triangle, best.feature};
+}
+
+TriangleBvh::TriangleBvh(const TriangleMesh& mesh) {
+  if (!mesh.triangles.empty()) {
+    TriangleBvhBuilder(mesh, *this).build();
+  }
+}
+
+bool TriangleBvh::is_sliver(int triangle) const {
+  const BvhLeaf& leaf = m_leaves[static_cast<std::size_t>(m_leaf_of[static_cast<std::size_t>(triangle)])];
+  return (leaf.slivers >> leaf.place_of(triangle) & 1U) != 0;
+}
+
+float TriangleBvh::slack_for(double reach, double coordinate) const {
+  return static_cast<float>(float_rounding * (49 * (1 + reach) + 17 * m_longest_side) +
+                            32 * double_rounding * std::max(m_reach, coordinate));
+}
+
+float TriangleBvh::near_slack_for(double reach, double coordinate) const {
+  return static_cast<float>(float_rounding * (2 * (1 + reach) + 44 * m_longest_side) +
+                            32 * double_rounding * std::max(m_reach, coordinate));
+}
+
+void TriangleBvh::prepare(const Vec3& point, Search& search) const {
+  search.count = 0;
+  search.least = bvh_far_away * bvh_far_away;
+  search.first_leaf = -1;
+  search.best_triangle = -1;
+  search.nodes = m_nodes.data();
+  search.leaves = m_leaves.data();
+  search.corners = m_corners.data();
+  search.tree = this;
+  search.exact_point = point;
+  search.best.squared_distance_m2 = std::numeric_limits<double>::infinity();
+  search.limit = widest_limit;
+  const Vec3 own = m_scale * (point - m_centre_m);
+  const double reach = own.cwiseAbs().maxCoeff();
+  search.slack = slack_for(reach, m_scale * point.cwiseAbs().maxCoeff());
+  search.point = {static_cast<float>(own.x()), static_cast<float>(own.y()), static_cast<float>(own.z())};
+  search.decide = [](BvhSearch& self) {
+    auto& full = static_cast<Search&>(self);
+    full.decide_listed();
+    full.narrow(std::sqrt(full.best.squared_distance_m2));
+  };
+}
+
+TriangleBvh::Search TriangleBvh::search_for(const Vec3& point) const {
+  Search search;
+  prepare(point, search);
+  return search;
+}
+
+bool TriangleBvh::within_horizon(const Vec3& point) const {
+  // Written so that what is not a number is not.
+  return (m_scale * (point - m_centre_m).array().abs() <= bvh_horizon).all();
+}
+
+void TriangleBvh::search_all(Search& search) const {
+  for (int triangle = 0; triangle < static_cast<int>(m_corners.size()); ++triangle) {
+    search.offer(triangle);
+  }
+}
+
+std::optional<ClosestPoint> TriangleBvh::closest_point(const Vec3& point, double max_distance_m) const {
+  if (m_corners.empty() || !(max_distance_m >= 0)) {
+    return std::nullopt;
+  }
+  Search search = search_for(point);
+  // Finite, so that a point that is not a number is close to nothing.
+  search.best.squared_distance_m2 = std::min(max_distance_m * max_distance_m, std::numeric_limits<double>::max());
+  search.narrow(max_distance_m);
+  if (within_horizon(point)) {
+    search_closest(search);
+    search.decide_listed();
+  } else {
+    search_all(search);
+  }
+  return search.best_triangle < 0 ? std::nullopt : std::optional(search.answer());
+}
+
+ClosestPoint TriangleBvh::closest_point_from(const Vec3& point, int triangle) const {
+  Search search = search_for(point);
+  if (within_horizon(point)) {
+    search.first_leaf = m_leaf_of[static_cast<std::size_t>(triangle)];
+    search_closest(search);
+    search.decide_listed();
+  } else {
+    search.best = closest_on(point, triangle);
+    search.best_triangle = triangle;
+    if (point.allFinite()) {
+      search_all(search);
+    }
+  }
+  return search.answer();
+}
+
+void TriangleBvh::list_candidate_leaves(const Vec3& point, double radius_m, CandidateLeaves& list) const {
+  list.clear();
+  if (m_corners.empty() || !within_horizon(point)) {
+    return;
+  }
+  Search search = search_for(point);
+  search.narrow(radius_m);
+  const NearestLeaves near = search_leaves(search);
+  list.place = search.point;
+  list.complete = round_down(std::max(std::sqrt(static_cast<double>(near.others)) - search.slack, 0.0));
+  list.leaf.fill(-1);
+  for (std::size_t i = 0; i < near.count; ++i) {
+    list.leaf[i] = near.leaf[i];
+    const double distance = std::sqrt(static_cast<double>(near.squared[i])) - search.slack;
+    list.distance[i] =
+        list.complete > 0
+            ? static_cast<std::uint8_t>(std::clamp(distance / list.complete, 0.0, 1.0) * CandidateLeaves::steps)
+            : std::uint8_t{0};
+  }
+}
+
+Clearance TriangleBvh::clearance_from(const Vec3& point, int triangle) const {
+  constexpr float squared_share = 0.81F;
+  if (!within_horizon(point)) {
+    return {0, triangle};
+  }
+  Search search = search_for(point);
+  search.first_leaf = m_leaf_of[static_cast<std::size_t>(triangle)];
+  const DistanceBound bound = search_bound(search, squared_share);
+  return {std::max(std::sqrt(static_cast<double>(bound.squared)) - search.slack, 0.0) / m_scale, bound.triangle};
+}
+
+void TriangleBvh::begin_candidate_search(const Vec3& point, const CandidateLeaves& list, Search& search) const {
+  prepare(point, search);
+  if (!within_horizon(point)) {
+    search.moved = std::numeric_limits<float>::infinity();
+    return;
+  }
+  double squared = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double way = static_cast<double>(search.point[axis]) - static_cast<double>(list.place[axis]);
+    squared += way * way;
+  }
+  // Both places are rounded: by less than the slack and some units of the way.
+  search.moved = static_cast<float>(std::sqrt(squared) * (1 + 16 * float_rounding)) + search.slack;
+  search_listed(search, list, (search.moved + search.slack) * (1 + 2 * static_cast<float>(float_rounding)));
+  const float known = std::max(list.complete - search.moved, 0.0F);
+  if (search.least >= known * known) {  // a search will follow
+    fetch_way_to(list);
+  }
+}
+
+ClosestCandidate TriangleBvh::finish_candidate_search(Search& search, const CandidateLeaves& list,
+                                                      double enough_m) const {
+  // What was not looked at is beyond the limit, which is more.
+  const double least = std::sqrt(static_cast<double>(search.least)) - search.slack;
+  const double others_m = (static_cast<double>(list.complete) - static_cast<double>(search.moved)) / m_scale;
+  const double clearance_m = std::min(least / m_scale, others_m);
+  if (clearance_m > enough_m) {
+    return {{}, false, clearance_m};
+  }
+  search.decide_listed();
+  const ClosestPoint closest = search.answer();
+  return {closest, closest.distance_m * (1 + distance_rounding) < others_m};
+}
+
+std::size_t TriangleBvh::bytes() const {
+  return m_nodes.capacity() * sizeof(BvhNode) + m_leaves.capacity() * sizeof(BvhLeaf) +
+         m_clusters.capacity() * sizeof(m_clusters[0]) + m_corners.capacity() * sizeof(m_corners[0]) +
+         m_leaf_of.capacity() * sizeof(int);
+}
+
+}  // namespace musclebench

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "core/bvh/triangle_bvh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// Builds a TriangleBvh from the top: ranges of triangles are cut in two where the areas of the boxes of both parts,
+/// each times its leaves, sum to the least (surface area heuristic over bins), until a node has its children.
+class TriangleBvhBuilder {
+ public:
+  /// `mesh` has triangles; `tree` is empty.
+  TriangleBvhBuilder(const TriangleMesh& mesh, TriangleBvh& tree);
+
+  void build();
+
+ private:
+  /// In the tree's own frame; both corners in one vector, the upper one negated, so that both grow by a minimum. Guides
+  /// the splits only, so that it need not be rounded outwards.
+  struct Box {
+    Eigen::Array4f lower = Eigen::Array4f::Constant(bvh_far_away);
+    Eigen::Array4f negated_upper = Eigen::Array4f::Constant(bvh_far_away);
+
+    void extend(const Box& other) {
+      lower = lower.min(other.lower);
+      negated_upper = negated_upper.min(other.negated_upper);
+    }
+    [[nodiscard]] Eigen::Array4f doubled_centre() const { return lower - negated_upper; }
+    [[nodiscard]] float half_area() const {
+      const Eigen::Array4f size = (-negated_upper - lower).max(0.0F);
+      return size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
+    }
+  };
+  /// Places in `m_order`.
+  struct Range {
+    int begin = 0;
+    int end = 0;
+    [[nodiscard]] int count() const { return end - begin; }
+    [[nodiscard]] bool fits_leaf() const { return count() <= static_cast<int>(bvh_width); }
+  };
+
+  void choose_frame();
+  /// Returns what a parent's `child` holds.
+  [[nodiscard]] int add(Range range, int depth);
+  [[nodiscard]] int add_leaf(Range range);
+  [[nodiscard]] std::pair<Range, Range> split(Range range, int depth);
+  /// Returns the first place of the upper part; the range's begin or end where there is nothing to gain.
+  [[nodiscard]] int split_by_area(Range range, const Box& spread);
+  [[nodiscard]] int halve(Range range, const Box& spread);
+  [[nodiscard]] BvhCluster cluster_of(Range range) const;
+  /// The unit vector across the unit vector `normal` along which the triangles extend the most.
+  [[nodiscard]] Vec3 longest_tangent(Range range, const Vec3& normal) const;
+  void set_bounds(Range range, const Vec3& area_normal, std::size_t place, BvhNode& node) const;
+  /// Returns whether the triangle is a sliver.
+  bool set_triangle(int triangle, std::size_t place, BvhLeaf& leaf);
+
+  [[nodiscard]] Vec3 to_own(const Vec3& position) const { return m_tree.m_scale * (position - m_tree.m_centre_m); }
+  [[nodiscard]] const std::array<Vec3, 3>& corners(int place) const {
+    return m_tree.m_corners[static_cast<std::size_t>(m_order[static_cast<std::size_t>(place)])];
+  }
+
+  [[nodiscard]] const Box& box(int place) const {
+    return m_boxes[static_cast<std::size_t>(m_order[static_cast<std::size_t>(place)])];
+  }
+
+  TriangleBvh& m_tree;
+  std::vector<Box> m_boxes;  ///< of each triangle
+  std::vector<int> m_order;
+  std::vector<std::int32_t> m_way;  ///< from the root to the node that children are being added to
+};
+
+}  // namespace musclebench

@@ -1,0 +1,158 @@
+// What searches in a TriangleBvh compute side by side. Included by each file that is compiled once for every kind of
+// SIMD, after highway.h, so that there is one copy for each.
+#if defined(MUSCLEBENCH_TRIANGLE_TREE_LANES) == defined(HWY_TARGET_TOGGLE)
+#ifdef MUSCLEBENCH_TRIANGLE_TREE_LANES
+#undef MUSCLEBENCH_TRIANGLE_TREE_LANES
+#else
+#define MUSCLEBENCH_TRIANGLE_TREE_LANES
+#endif
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <hwy/highway.h>
+
+#include "core/bvh/triangle_bvh_nodes.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::CappedTag<float, bvh_width>;
+using IntLanes = hn::RebindToSigned<Lanes>;
+using Vec = hn::Vec<Lanes>;
+
+/// Vectors, one a lane.
+template <typename V>
+struct Vec3Of {
+  V x, y, z;
+};
+using Vec3Lanes = Vec3Of<Vec>;
+
+HWY_INLINE Vec load(const BvhLanes& lanes, std::size_t first) { return hn::Load(Lanes(), lanes.data() + first); }
+
+HWY_INLINE Vec3Lanes load(const std::array<BvhLanes, 3>& lanes, std::size_t first) {
+  return {load(lanes[0], first), load(lanes[1], first), load(lanes[2], first)};
+}
+
+HWY_INLINE Vec3Lanes splat(const std::array<float, 3>& vector) {
+  const Lanes d;
+  return {hn::Set(d, vector[0]), hn::Set(d, vector[1]), hn::Set(d, vector[2])};
+}
+
+template <typename V>
+HWY_INLINE V dot(const Vec3Of<V>& a, const Vec3Of<V>& b) {
+  return hn::MulAdd(a.z, b.z, hn::MulAdd(a.y, b.y, hn::Mul(a.x, b.x)));
+}
+
+template <typename V>
+HWY_INLINE Vec3Of<V> cross(const Vec3Of<V>& a, const Vec3Of<V>& b) {
+  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
+          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
+}
+
+/// Triangles of a leaf, one a lane, or one of them in all lanes.
+template <typename V>
+struct TrianglesOf {
+  Vec3Of<V> origin, along, up;
+  V before, after, height;
+
+  static HWY_INLINE TrianglesOf of(const BvhLeaf& leaf, std::size_t first) {
+    return {load(leaf.origin, first), load(leaf.along, first), load(leaf.up, first),
+            load(leaf.before, first), load(leaf.after, first), load(leaf.height, first)};
+  }
+  static HWY_INLINE TrianglesOf one(const BvhLeaf& leaf, std::size_t place) {
+    const Lanes d;
+    const auto all = [&](const std::array<BvhLanes, 3>& lanes) HWY_ATTR {
+      return splat({lanes[0][place], lanes[1][place], lanes[2][place]});
+    };
+    return {all(leaf.origin),
+            all(leaf.along),
+            all(leaf.up),
+            hn::Set(d, leaf.before[place]),
+            hn::Set(d, leaf.after[place]),
+            hn::Set(d, leaf.height[place])};
+  }
+};
+
+using TriangleLanes = TrianglesOf<Vec>;
+
+/// From the closest point of a triangle to a place, in the triangle's own axes.
+template <typename V>
+struct ArmsOf {
+  V x;  ///< away from the foot of the height: to be turned round where `signed_x` is negative
+  V y, z;
+  V signed_x;
+  Vec3Of<V> across;  ///< the third axis
+
+  [[nodiscard]] HWY_INLINE V squared_length() const { return hn::MulAdd(z, z, hn::MulAdd(x, x, hn::Mul(y, y))); }
+};
+using Arms = ArmsOf<Vec>;
+
+/// Of a slanted side, which runs from (width, 0) to (0, height); not 0.
+template <typename V>
+HWY_INLINE V squared_side(V width, V height) {
+  return hn::Max(hn::MulAdd(width, width, hn::Mul(height, height)), hn::Set(hn::DFromV<V>(), 1e-37F));
+}
+
+/// Divides by the square of the slanted side that a point is beyond.
+struct BySlantedSide {
+  template <typename V, typename M>
+  HWY_INLINE V operator()(V run, M /*is_before*/, V width, V height) const {
+    return hn::Div(run, squared_side(width, height));
+  }
+};
+
+/// The same with the reciprocals of both squares, for triangles that are asked for more often.
+template <typename V>
+struct ByReciprocals {
+  V before, after;
+
+  template <typename M>
+  HWY_INLINE V operator()(V run, M is_before, V /*width*/, V /*height*/) const {
+    return hn::Mul(run, hn::IfThenElse(is_before, before, after));
+  }
+};
+
+/// The height cuts a triangle in two with a right angle each, and the half that the point is on holds the closest
+/// point, because both angles at the longest side are acute.
+template <typename V, typename Divide = BySlantedSide>
+HWY_INLINE ArmsOf<V> arms_to(const TrianglesOf<V>& triangle, const Vec3Of<V>& place, const Divide& divided = {}) {
+  const hn::DFromV<V> d;
+  const V zero = hn::Zero(d);
+  const Vec3Of<V> arm{hn::Sub(place.x, triangle.origin.x), hn::Sub(place.y, triangle.origin.y),
+                      hn::Sub(place.z, triangle.origin.z)};
+  const Vec3Of<V> across = cross(triangle.along, triangle.up);
+  const V signed_x = dot(arm, triangle.along);
+  const V y = dot(arm, triangle.up);
+  const auto is_before = hn::Lt(signed_x, zero);
+  const V width = hn::IfThenElse(is_before, triangle.before, triangle.after);
+  const V height = triangle.height;
+  const V over = hn::Sub(hn::Abs(signed_x), width);  // beyond the end of the longest side
+  const V run = hn::NegMulAdd(over, width, hn::Mul(y, height));
+  const V share = hn::Min(hn::Max(divided(run, is_before, width, height), zero), hn::Set(d, 1.0F));
+  const V outward = hn::MulAdd(over, height, hn::Mul(y, width));
+  // Below the longest side that is so beyond its end only, where the share is 0 and both ways give the same.
+  const auto at_side = hn::Gt(outward, zero);
+  // Elsewhere the rectangle about the half bounds the distance, which is 0 in the half itself: a sliver's slanted side
+  // is so close to its longest one that rounding may put a point far beyond its tip on the inner side.
+  const V rest_y = hn::Max(hn::Sub(y, height), hn::Min(y, zero));
+  return {hn::IfThenElse(at_side, hn::MulAdd(share, width, over), hn::Max(over, zero)),
+          hn::IfThenElse(at_side, hn::NegMulAdd(share, height, y), rest_y), dot(arm, across), signed_x, across};
+}
+
+/// A bit a lane, the first lane's being bit `first`.
+template <typename D, typename Mask>
+HWY_INLINE unsigned bits_of(D d, Mask mask, std::size_t first) {
+  std::uint8_t part[8] = {};
+  hn::StoreMaskBits(d, mask, part);
+  const unsigned all = part[0] | static_cast<unsigned>(part[1]) << 8U;
+  return (all & ((1U << hn::Lanes(d)) - 1U)) << first;
+}
+
+}  // namespace musclebench::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

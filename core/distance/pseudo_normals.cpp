@@ -1,0 +1,80 @@
+#include "core/distance/pseudo_normals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+namespace musclebench {
+
+namespace {
+
+struct EdgeUse {
+  std::pair<int, int> ends;
+  int edge = 0;  ///< 3 * triangle + edge of the triangle
+};
+
+/// The partner of every triangle edge; edges of one triangle or of more than two have none.
+std::vector<int> neighbours(const std::vector<Triangle>& triangles) {
+  std::vector<EdgeUse> uses;
+  uses.reserve(3 * triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      uses.push_back({std::minmax(triangles[t][i], triangles[t][(i + 1) % 3]), static_cast<int>(3 * t + i)});
+    }
+  }
+  std::sort(uses.begin(), uses.end(),
+            [](const EdgeUse& a, const EdgeUse& b) { return a.ends != b.ends ? a.ends < b.ends : a.edge < b.edge; });
+  std::vector<int> result(uses.size(), -1);
+  for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
+    while (end < uses.size() && uses[end].ends == uses[begin].ends) {
+      ++end;
+    }
+    if (end - begin == 2) {
+      result[static_cast<std::size_t>(uses[begin].edge)] = uses[begin + 1].edge / 3;
+      result[static_cast<std::size_t>(uses[begin + 1].edge)] = uses[begin].edge / 3;
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+PseudoNormals::PseudoNormals(const TriangleMesh& mesh)
+    : m_triangles(mesh.triangles),
+      m_of_vertex(mesh.vertices.size(), Vec3::Zero()),
+      m_neighbour(neighbours(mesh.triangles)) {
+  m_of_face.reserve(m_triangles.size());
+  for (const Triangle& triangle : m_triangles) {
+    const auto corner = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(triangle[i % 3])]; };
+    const Vec3 normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    const double length = normal.norm();
+    m_of_face.push_back(length > 0 ? Vec3(normal / length) : Vec3(Vec3::Zero()));
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 to_next = corner(i + 1) - corner(i);
+      const Vec3 to_last = corner(i + 2) - corner(i);
+      // atan2 is exact for obtuse and for tiny angles, where an arc cosine folds or loses digits.
+      const double angle = std::atan2(to_next.cross(to_last).norm(), to_next.dot(to_last));
+      m_of_vertex[static_cast<std::size_t>(triangle[i])] += angle * m_of_face.back();
+    }
+  }
+}
+
+Vec3 PseudoNormals::at(int triangle, Feature feature) const {
+  const auto t = static_cast<std::size_t>(triangle);
+  if (feature == Feature::face) {
+    return m_of_face[t];
+  }
+  if (feature < Feature::corner_0) {
+    const auto edge = static_cast<std::size_t>(feature) - static_cast<std::size_t>(Feature::edge_0);
+    const int other = m_neighbour[3 * t + edge];
+    return other < 0 ? m_of_face[t] : Vec3(m_of_face[t] + m_of_face[static_cast<std::size_t>(other)]);
+  }
+  const auto corner = static_cast<std::size_t>(feature) - static_cast<std::size_t>(Feature::corner_0);
+  return m_of_vertex[static_cast<std::size_t>(m_triangles[t][corner])];
+}
+
+}  // namespace musclebench

@@ -1,0 +1,170 @@
+#include "core/mesh/mesh_edges.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <numeric>
+#include <unordered_map>
+
+#include <Eigen/Geometry>
+
+namespace musclebench {
+
+MeshEdges::MeshEdges(const TriangleMesh& mesh) {
+  // Counting sort by the smaller vertex, then small sorts: linear for the valences of real meshes.
+  std::vector<int> end_of_vertex(mesh.vertices.size() + 1, 0);
+  const auto for_each_side = [&](const auto& visit) {
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      for (int k = 0; k < 3; ++k) {
+        const int from = mesh.triangles[t][k];
+        const int to = mesh.triangles[t][(k + 1) % 3];
+        if (from != to) {
+          visit(EdgeUse{std::min(from, to), std::max(from, to), static_cast<int>(3 * t) + k, from < to});
+        }
+      }
+    }
+  };
+  for_each_side([&](const EdgeUse& use) { ++end_of_vertex[use.low + 1]; });
+  std::partial_sum(end_of_vertex.begin(), end_of_vertex.end(), end_of_vertex.begin());
+  const std::vector<int> first_of_vertex = end_of_vertex;
+  m_uses.resize(end_of_vertex.back());
+  for_each_side([&](const EdgeUse& use) { m_uses[end_of_vertex[use.low]++] = use; });
+  for (std::size_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
+    std::sort(
+        m_uses.begin() + first_of_vertex[vertex], m_uses.begin() + first_of_vertex[vertex + 1],
+        [](const EdgeUse& a, const EdgeUse& b) { return a.high != b.high ? a.high < b.high : a.corner < b.corner; });
+  }
+  for (std::size_t i = 0; i < m_uses.size(); ++i) {
+    if (i == 0 || m_uses[i].low != m_uses[i - 1].low || m_uses[i].high != m_uses[i - 1].high) {
+      m_first.push_back(static_cast<int>(i));
+    }
+  }
+  m_first.push_back(static_cast<int>(m_uses.size()));
+}
+
+DisjointSets::DisjointSets(int count) : m_parent(count) { std::iota(m_parent.begin(), m_parent.end(), 0); }
+
+int DisjointSets::find(int element) {
+  while (m_parent[element] != element) {
+    m_parent[element] = m_parent[m_parent[element]];
+    element = m_parent[element];
+  }
+  return element;
+}
+
+void DisjointSets::unite(int a, int b) {
+  const int root_a = find(a);
+  const int root_b = find(b);
+  m_parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
+}
+
+namespace {
+
+struct PositionHash {
+  std::size_t operator()(const std::array<double, 3>& position) const {
+    std::uint64_t hash = 0x9e3779b97f4a7c15ULL;
+    for (const double coordinate : position) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(coordinate)) * 0xff51afd7ed558ccdULL;
+      hash ^= hash >> 32;
+    }
+    return hash;
+  }
+};
+
+}  // namespace
+
+std::vector<int> first_at_position(const std::vector<Vec3>& vertices) {
+  std::unordered_map<std::array<double, 3>, int, PositionHash> known;
+  known.reserve(vertices.size());
+  std::vector<int> first(vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    // Adding zero turns -0 into 0: equal positions must have equal bits.
+    const std::array<double, 3> key{vertices[i].x() + 0.0, vertices[i].y() + 0.0, vertices[i].z() + 0.0};
+    first[i] = known.try_emplace(key, static_cast<int>(i)).first->second;
+  }
+  return first;
+}
+
+int count_non_manifold_vertices(const TriangleMesh& mesh, const MeshEdges& edges) {
+  DisjointSets fans(static_cast<int>(3 * mesh.triangles.size()));
+  const auto corner_at = [&](const EdgeUse& use, int vertex) {
+    const int triangle = use.corner / 3;
+    const int k = use.corner % 3;
+    return 3 * triangle + (mesh.triangles[triangle][k] == vertex ? k : (k + 1) % 3);
+  };
+  for (int edge = 0; edge < edges.count(); ++edge) {
+    const auto uses = edges.uses(edge);
+    for (std::size_t i = 1; i < uses.size(); ++i) {
+      for (const int vertex : {uses[0].low, uses[0].high}) {
+        fans.unite(corner_at(uses[0], vertex), corner_at(uses[i], vertex));
+      }
+    }
+  }
+  std::vector<int> fans_of_vertex(mesh.vertices.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int corner = static_cast<int>(3 * t) + k;
+      fans_of_vertex[mesh.triangles[t][k]] += fans.find(corner) == corner ? 1 : 0;
+    }
+  }
+  return static_cast<int>(std::count_if(fans_of_vertex.begin(), fans_of_vertex.end(), [](int n) { return n > 1; }));
+}
+
+Winding find_winding(const TriangleMesh& mesh, const MeshEdges& edges) {
+  struct Neighbour {
+    int triangle = -1;
+    bool opposed = false;
+  };
+  std::vector<std::array<Neighbour, 3>> neighbours(mesh.triangles.size());
+  for (int edge = 0; edge < edges.count(); ++edge) {
+    const auto uses = edges.uses(edge);
+    if (uses.size() == 2) {
+      const bool opposed = uses[0].forward == uses[1].forward;
+      neighbours[uses[0].corner / 3][uses[0].corner % 3] = {uses[1].corner / 3, opposed};
+      neighbours[uses[1].corner / 3][uses[1].corner % 3] = {uses[0].corner / 3, opposed};
+    }
+  }
+  Winding winding;
+  winding.surface.assign(mesh.triangles.size(), -1);
+  winding.flipped.assign(mesh.triangles.size(), 0);
+  std::vector<int> members;
+  for (std::size_t seed = 0; seed < mesh.triangles.size(); ++seed) {
+    if (winding.surface[seed] >= 0) {
+      continue;
+    }
+    members.assign(1, static_cast<int>(seed));
+    winding.surface[seed] = winding.surfaces;
+    std::size_t opposed_count = 0;
+    for (std::size_t next = 0; next < members.size(); ++next) {
+      const int triangle = members[next];
+      opposed_count += winding.flipped[triangle];
+      for (const Neighbour& neighbour : neighbours[triangle]) {
+        if (neighbour.triangle >= 0 && winding.surface[neighbour.triangle] < 0) {
+          winding.surface[neighbour.triangle] = winding.surfaces;
+          winding.flipped[neighbour.triangle] = static_cast<char>(winding.flipped[triangle] != neighbour.opposed);
+          members.push_back(neighbour.triangle);
+        }
+      }
+    }
+    if (2 * opposed_count > members.size()) {
+      for (const int triangle : members) {
+        winding.flipped[triangle] = static_cast<char>(1 - winding.flipped[triangle]);
+      }
+    }
+    ++winding.surfaces;
+  }
+  return winding;
+}
+
+bool is_flat(const TriangleMesh& mesh, const Triangle& triangle) {
+  // The height over the longest side, relative to that side; real slivers lie many decades above.
+  constexpr double flat_height = 1e-13;
+  const Vec3& a = mesh.vertices[triangle[0]];
+  const Vec3& b = mesh.vertices[triangle[1]];
+  const Vec3& c = mesh.vertices[triangle[2]];
+  const double longest_squared = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+  return (b - a).cross(c - a).norm() <= flat_height * longest_squared;
+}
+
+}  // namespace musclebench

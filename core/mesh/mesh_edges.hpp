@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/mesh/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// One side of a triangle as a use of an edge.
+struct EdgeUse {
+  int low = 0;           ///< the edge's smaller vertex index
+  int high = 0;          ///< its larger one
+  int corner = 0;        ///< 3 * triangle + k: the side runs from the triangle's corner k to corner (k + 1) % 3
+  bool forward = false;  ///< it runs from `low` to `high`
+};
+
+/// All edges of a mesh with the triangles that use them, ordered by vertex indices. A side whose two ends are one
+/// vertex is no edge and left out.
+class MeshEdges {
+ public:
+  explicit MeshEdges(const TriangleMesh& mesh);
+
+  [[nodiscard]] int count() const { return static_cast<int>(m_first.size()) - 1; }
+
+  /// The uses of edge `edge`, by triangle.
+  [[nodiscard]] std::span<const EdgeUse> uses(int edge) const {
+    return {m_uses.data() + m_first[edge], static_cast<std::size_t>(m_first[edge + 1] - m_first[edge])};
+  }
+
+ private:
+  std::vector<EdgeUse> m_uses;
+  std::vector<int> m_first;  ///< of each edge in m_uses, and the end
+};
+
+/// Disjoint sets of 0 .. count-1.
+class DisjointSets {
+ public:
+  explicit DisjointSets(int count);
+  [[nodiscard]] int find(int element);
+  void unite(int a, int b);
+
+ private:
+  std::vector<int> m_parent;
+};
+
+/// Of each vertex the first vertex at the same position (itself where it is the first).
+std::vector<int> first_at_position(const std::vector<Vec3>& vertices);
+
+/// Vertices around which the triangles form more than one fan (joined across shared edges).
+int count_non_manifold_vertices(const TriangleMesh& mesh, const MeshEdges& edges);
+
+/// The triangles of each surface joined across manifold edges (those of two triangles), and whether a triangle is wound
+/// against the majority of its surface.
+struct Winding {
+  std::vector<int> surface;   ///< of each triangle, 0 .. surfaces-1
+  std::vector<char> flipped;  ///< of each triangle, 0 or 1
+  int surfaces = 0;
+};
+Winding find_winding(const TriangleMesh& mesh, const MeshEdges& edges);
+
+/// A triangle without area: two corners are one vertex, or its height is below what doubles can tell from 0.
+bool is_flat(const TriangleMesh& mesh, const Triangle& triangle);
+
+}  // namespace musclebench

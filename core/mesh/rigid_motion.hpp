@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "core/mesh/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// A rigid motion x -> rotation * x + translation_m. A bone's pose maps its rest frame to the world.
+struct RigidMotion {
+  Mat3 rotation = Mat3::Identity();
+  Vec3 translation_m = Vec3::Zero();
+
+  [[nodiscard]] Vec3 apply(const Vec3& point) const { return rotation * point + translation_m; }
+  [[nodiscard]] Vec3 apply_to_direction(const Vec3& direction) const { return rotation * direction; }
+  [[nodiscard]] Vec3 apply_inverse(const Vec3& point) const { return rotation.transpose() * (point - translation_m); }
+
+  [[nodiscard]] RigidMotion inverse() const { return {rotation.transpose(), -(rotation.transpose() * translation_m)}; }
+
+  /// First `other`, then this.
+  [[nodiscard]] RigidMotion operator*(const RigidMotion& other) const {
+    return {rotation * other.rotation, rotation * other.translation_m + translation_m};
+  }
+
+  /// Rotation by `angle_rad` about the line through `centre_m` along the unit vector `axis`, right-handed.
+  [[nodiscard]] static RigidMotion about_axis(const Vec3& axis, const Vec3& centre_m, double angle_rad) {
+    const Mat3 rotation = Eigen::AngleAxisd(angle_rad, axis).toRotationMatrix();
+    return {rotation, centre_m - rotation * centre_m};
+  }
+};
+
+}  // namespace musclebench

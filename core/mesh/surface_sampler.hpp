@@ -1,0 +1,36 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/random_numbers.hpp"
+#include "core/mesh/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// A point of a surface and the triangle that it lies in.
+struct SurfaceSample {
+  Vec3 point = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();  ///< of the triangle, unit, by its winding
+  int triangle = -1;
+};
+
+/// Draws points that are spread evenly over a surface's area.
+class SurfaceSampler {
+ public:
+  /// `mesh` outlives the sampler and has an area; triangles without area are never drawn.
+  explicit SurfaceSampler(const TriangleMesh& mesh);
+
+  [[nodiscard]] SurfaceSample draw(RandomNumbers& random) const;
+
+ private:
+  const TriangleMesh& m_mesh;
+  std::vector<double> m_area_until;  ///< of all triangles up to and with this one
+};
+
+/// The point of the triangle a b c at two shares in [0, 1): evenly spread where they are.
+inline Vec3 point_of_triangle(const Vec3& a, const Vec3& b, const Vec3& c, double v, double w) {
+  const bool beyond = v + w > 1;
+  return a + (beyond ? 1 - v : v) * (b - a) + (beyond ? 1 - w : w) * (c - a);
+}
+
+}  // namespace musclebench

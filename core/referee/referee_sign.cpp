@@ -1,0 +1,163 @@
+#include "core/referee/referee_sign.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace musclebench {
+namespace {
+
+constexpr double unit_roundoff = std::numeric_limits<double>::epsilon() / 2;
+
+int sign_of(double value) { return (value > 0) - (value < 0); }
+
+/// A sum without rounding: components that do not overlap, the smallest first (Shewchuk 1997, grow-expansion).
+class ExactSum {
+ public:
+  void add(double value) {
+    double carry = value;
+    for (int i = 0; i < m_size; ++i) {
+      const double sum = carry + m_parts[i];
+      const double virtual_part = sum - carry;
+      m_parts[i] = (carry - (sum - virtual_part)) + (m_parts[i] - virtual_part);
+      carry = sum;
+    }
+    assert(m_size < static_cast<int>(m_parts.size()));
+    m_parts[m_size++] = carry;
+  }
+  void add_product(double a, double b) {
+    const double product = a * b;
+    add(std::fma(a, b, -product));
+    add(product);
+  }
+  void add_product(double a, double b, double c) {
+    const double product = a * b;
+    add_product(std::fma(a, b, -product), c);
+    add_product(product, c);
+  }
+  [[nodiscard]] int sign() const {
+    for (int i = m_size - 1; i >= 0; --i) {
+      if (m_parts[i] != 0) return sign_of(m_parts[i]);
+    }
+    return 0;
+  }
+
+ private:
+  std::array<double, 96> m_parts;  // the largest use: 24 triple products of 4 parts
+  int m_size = 0;
+};
+
+/// The two coordinates that are left when one looks down an axis.
+struct Flat {
+  double x, y;
+};
+
+int exact_side(const Flat& a, const Flat& b, const Flat& p) {
+  ExactSum sum;
+  sum.add_product(a.x, b.y);
+  sum.add_product(-a.x, p.y);
+  sum.add_product(-p.x, b.y);
+  sum.add_product(-a.y, b.x);
+  sum.add_product(a.y, p.x);
+  sum.add_product(p.y, b.x);
+  return sum.sign();
+}
+
+/// On which side of the directed line a -> b the point p lies (+1 left, -1 right), p moved by (e, e^2) for an
+/// infinitesimal e. 0 only where a = b. Swapping a and b swaps the sign exactly, as every step is antisymmetric.
+int side(const Flat& a, const Flat& b, const Flat& p) {
+  const double left = (a.x - p.x) * (b.y - p.y);
+  const double right = (a.y - p.y) * (b.x - p.x);
+  const double determinant = left - right;
+  const double error = 4 * unit_roundoff * (std::abs(left) + std::abs(right));
+  if (std::abs(determinant) > error) return sign_of(determinant);
+  const int exact = exact_side(a, b, p);
+  if (exact != 0) return exact;
+  return b.y != a.y ? sign_of(a.y - b.y) : sign_of(b.x - a.x);
+}
+
+/// Adds the six signed triple products of det(u, v, w), times `factor` (+-1).
+void add_determinant(ExactSum& sum, const Vec3& u, const Vec3& v, const Vec3& w, double factor) {
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    const int k = (i + 2) % 3;
+    sum.add_product(factor * u[i], v[j], w[k]);
+    sum.add_product(-factor * u[i], v[k], w[j]);
+  }
+}
+
+int exact_plane_side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
+  ExactSum sum;
+  add_determinant(sum, a, b, c, -1);
+  add_determinant(sum, p, b, c, 1);
+  add_determinant(sum, a, p, c, 1);
+  add_determinant(sum, a, b, p, 1);
+  return sum.sign();
+}
+
+/// On which side of the edge a -> b the directed line from -> to passes. Swapping a and b swaps the sign, also where
+/// the line meets the edge.
+int edge_side(const Vec3& from, const Vec3& to, const Vec3& a, const Vec3& b) {
+  const bool swapped = std::lexicographical_compare(b.data(), b.data() + 3, a.data(), a.data() + 3);
+  const int side = swapped ? plane_side(from, to, b, a) : plane_side(from, to, a, b);
+  return (side >= 0) != swapped ? 1 : -1;
+}
+
+}  // namespace
+
+int plane_side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
+  const Vec3 u = a - p;
+  const Vec3 v = b - p;
+  const Vec3 w = c - p;
+  double determinant = 0;
+  double magnitude = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double first = v[(i + 1) % 3] * w[(i + 2) % 3];
+    const double second = v[(i + 2) % 3] * w[(i + 1) % 3];
+    determinant += u[i] * (first - second);
+    magnitude += std::abs(u[i]) * (std::abs(first) + std::abs(second));
+  }
+  if (std::abs(determinant) > 16 * unit_roundoff * magnitude) return -sign_of(determinant);
+  return exact_plane_side(a, b, c, p);
+}
+
+int segment_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& from, const Vec3& to) {
+  const bool starts_behind = plane_side(a, b, c, from) < 0;
+  if (starts_behind == (plane_side(a, b, c, to) < 0)) return 0;
+  const int side = edge_side(from, to, a, b);
+  if (edge_side(from, to, b, c) != side || edge_side(from, to, c, a) != side) return 0;
+  return starts_behind ? 1 : -1;
+}
+
+int ray_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& start, AxisRay ray) {
+  const int i = (ray.axis + 1) % 3;
+  const int j = (ray.axis + 2) % 3;
+  const Flat flat_a{a[i], a[j]};
+  const Flat flat_b{b[i], b[j]};
+  const Flat flat_start{start[i], start[j]};
+  const int facing = side(flat_a, flat_b, flat_start);
+  if (facing == 0) return 0;
+  const Flat flat_c{c[i], c[j]};
+  if (side(flat_b, flat_c, flat_start) != facing || side(flat_c, flat_a, flat_start) != facing) return 0;
+
+  const int outwards = ray.upwards ? facing : -facing;
+  return plane_side(a, b, c, start) == -outwards ? outwards : 0;
+}
+
+double winding_share(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& eye) {
+  const Vec3 u = a - eye;
+  const Vec3 v = b - eye;
+  const Vec3 w = c - eye;
+  const double lu = u.norm();
+  const double lv = v.norm();
+  const double lw = w.norm();
+  // From the edges instead of the long vectors u, v, w: nothing cancels where the eye is close to a small triangle.
+  const double volume = u.dot((b - a).cross(c - a));
+  const double denominator = lu * lv * lw + u.dot(v) * lw + v.dot(w) * lu + w.dot(u) * lv;
+  return std::atan2(volume, denominator) / (2 * std::numbers::pi);
+}
+
+}  // namespace musclebench

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "core/mesh/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// A ray along a coordinate axis: from its start towards +axis or -axis.
+struct AxisRay {
+  int axis = 0;         ///< 0, 1, 2: x, y, z
+  bool upwards = true;  ///< towards +axis
+};
+
+/// How the ray from `start` passes the triangle (a, b, c): +1 leaves through its front, -1 enters through it, 0 misses
+/// it. Decided without rounding errors (floating-point filter, then exact expansions, Shewchuk 1997); a ray that meets
+/// an edge or a vertex is moved aside infinitesimally, the same way for every triangle (simulation of simplicity,
+/// Edelsbrunner and Muecke 1990). So the sum over a closed surface is exactly its winding number around `start`, for
+/// every start that does not lie on the surface.
+int ray_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& start, AxisRay ray);
+
+/// +1 where p lies in front of the plane of (a, b, c), from which they run counter-clockwise; -1 behind it, 0 on it.
+/// Decided without rounding errors.
+int plane_side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p);
+
+/// Whether the segment passes through the triangle (a, b, c): +1 leaves through its front, -1 enters through it, 0
+/// misses it. Decided without rounding errors. An end on the triangle's plane counts as in front of it; of two
+/// triangles that share an edge which the segment meets, one is crossed. Through a vertex no such promise is made.
+int segment_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& from, const Vec3& to);
+
+/// Solid angle of the triangle (a, b, c) seen from `eye`, over 4 pi: the triangle's share of the winding number;
+/// positive where its back is seen (Van Oosterom and Strackee 1983). 0 for a triangle without area.
+double winding_share(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& eye);
+
+}  // namespace musclebench

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/mesh/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// The point of a surface that is closest to a query point.
+struct ClosestSurfacePoint {
+  double squared_distance_m2 = std::numeric_limits<double>::infinity();
+  Vec3 point_m = Vec3::Zero();  ///< relative to RefereeTree::centre_m()
+  int place = -1;               ///< of the triangle, in the order of the tree; -1: none
+};
+
+/// Where a segment passes through a surface.
+struct SurfaceCrossing {
+  double share = 0;       ///< of the segment, from its start to the crossing
+  bool entering = false;  ///< from the front of the triangle to its back
+  int place = -1;         ///< of the triangle, in the order of the tree
+};
+
+/// A tree of boxes, four children a node, over the triangles of one surface: the Referee's own, shared with no backend.
+///
+/// All points that go in or come out are relative to `centre_m()`, the middle of the surface's box, so that a bone far
+/// from the origin is judged as exactly as one at it. Boxes are held as 32-bit floats rounded outwards and serve only
+/// to leave triangles out; distances and crossings are computed from the vertices in double precision.
+class RefereeTree {
+ public:
+  /// Copies what it needs of `mesh` (at least one triangle, finite vertices, valid indices).
+  explicit RefereeTree(const TriangleMesh& mesh);
+
+  [[nodiscard]] const Vec3& centre_m() const { return m_centre; }
+  [[nodiscard]] double diagonal_m() const { return 2 * m_half_extents.norm(); }
+
+  /// True where the directed edges of all triangles cancel (vertices at equal positions count as one): only then is the
+  /// winding number a whole number that changes at the surface and nowhere else.
+  [[nodiscard]] bool closed() const { return m_closed; }
+
+  /// Distance from `point` to the surface's box; 0 inside it. Never larger than the distance to the surface.
+  [[nodiscard]] double box_distance(const Vec3& point) const;
+
+  /// The closest point of the surface. Of triangles at equal distance the first in the mesh is taken, so the answer
+  /// does not depend on `guess` (a place returned before, or -1), which only makes the search shorter.
+  [[nodiscard]] ClosestSurfacePoint closest(const Vec3& point, int guess = -1) const;
+
+  /// Winding number of the surface around `point`: exact where `closed()` (signed crossings of a ray), else the sum of
+  /// all solid angles, which costs time in proportion to the number of triangles.
+  [[nodiscard]] double winding_number(const Vec3& point) const;
+
+  /// Unit normal of the triangle at `place`, by its winding; zero for a triangle without area.
+  [[nodiscard]] Vec3 face_normal(int place) const;
+
+  /// Index in the mesh of the triangle at `place`.
+  [[nodiscard]] int triangle_index(int place) const { return m_triangles[static_cast<std::size_t>(place)].index; }
+
+  /// Whether the triangle (a, b, c), seen as filled, touches the surface. Never false for one that passes through the
+  /// surface by more than rounding; may be true for one that only comes that close.
+  [[nodiscard]] bool meets(const Vec3& a, const Vec3& b, const Vec3& c) const;
+
+  /// The crossings of the segment with the surface, into `crossings`, in the order that they are met in. A point on the
+  /// surface counts as in front of it. Which triangles are crossed is decided without rounding errors; a segment
+  /// through an edge crosses one of the triangles there; through a vertex it may cross any number.
+  void cross(const Vec3& from, const Vec3& to, std::vector<SurfaceCrossing>& crossings) const;
+
+  /// Moves the vertices and keeps the tree's shape: answers stay exact, queries get slower the more the surface
+  /// deforms. `triangles` and the number of `vertices` are those of the mesh that the tree was made of; `vertices` are
+  /// not relative to `centre_m()`, which stays what it was.
+  void refit(std::span<const Triangle> triangles, std::span<const Vec3> vertices);
+
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  struct Corners {
+    Vec3 a, b, c;
+    int index;    ///< in the mesh
+    bool sliver;  ///< so thin that rounding can tell its inside from its outside wrongly
+  };
+
+  /// `child` is the number of a node, or ~(8 * first place + count) for a leaf. Absent children have an inverted box.
+  struct Node {
+    Eigen::Array4f low[3], high[3];
+    int child[4];
+  };
+
+  friend class RefereeTreeBuilder;
+
+  /// Calls `visit_place` for the triangles in all boxes that `may_matter` (of a node: which of its children), until it
+  /// returns false.
+  template <typename Filter, typename Visit>
+  void visit(const Filter& may_matter, const Visit& visit_place) const;
+
+  void consider(const Vec3& point, int place, ClosestSurfacePoint& best) const;
+  [[nodiscard]] int count_crossings(const Vec3& point) const;
+
+  std::vector<Corners> m_triangles;
+  std::vector<Node> m_nodes;
+  Vec3 m_centre = Vec3::Zero();
+  Vec3 m_half_extents = Vec3::Zero();
+  bool m_closed = false;
+};
+
+}  // namespace musclebench

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "core/contact/collision_backend.hpp"
+#include "core/mesh/rigid_motion.hpp"
+
+namespace musclebench {
+
+inline Bone bone_of(const TriangleMesh& mesh) { return {"shape", {mesh, false, {}}}; }
+
+inline TriangleMesh moved(TriangleMesh mesh, const RigidMotion& motion) {
+  for (Vec3& vertex : mesh.vertices) vertex = motion.apply(vertex);
+  return mesh;
+}
+
+inline TriangleMesh moved(const TriangleMesh& mesh, const Vec3& way) {
+  return moved(mesh, RigidMotion{Mat3::Identity(), way});
+}
+
+inline TriangleMesh scaled(TriangleMesh mesh, double factor) {
+  for (Vec3& vertex : mesh.vertices) vertex *= factor;
+  return mesh;
+}
+
+inline void append(TriangleMesh& mesh, const TriangleMesh& other) {
+  const int first = static_cast<int>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const Triangle& t : other.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
+inline RigidMotion some_motion() {
+  RigidMotion motion = RigidMotion::about_axis(Vec3(1, 2, -0.5).normalized(), {0.3, -1, 2}, 1.1);
+  motion.translation_m += Vec3(0.7, -2, 5);
+  return motion;
+}
+
+/// A roof along y: its ridge at z = 0 from y = -length to length, its base at z = -height from x = -half_width to
+/// half_width.
+inline TriangleMesh make_roof(double half_width, double height, double length) {
+  TriangleMesh mesh;
+  for (const double y : {-length, length}) {
+    mesh.vertices.insert(mesh.vertices.end(), {{-half_width, y, -height}, {half_width, y, -height}, {0, y, 0}});
+  }
+  mesh.triangles = {{0, 1, 2}, {3, 5, 4}, {0, 3, 4}, {0, 4, 1}, {1, 4, 5}, {1, 5, 2}, {2, 5, 3}, {2, 3, 0}};
+  return mesh;
+}
+
+/// A pyramid on a square base at z = -height, its tip at the origin.
+inline TriangleMesh make_spike(double half_width, double height) {
+  TriangleMesh mesh;
+  mesh.vertices = {{-half_width, -half_width, -height},
+                   {half_width, -half_width, -height},
+                   {half_width, half_width, -height},
+                   {-half_width, half_width, -height},
+                   {0, 0, 0}};
+  mesh.triangles = {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+  return mesh;
+}
+
+inline std::vector<int> all_nodes(std::size_t count) {
+  std::vector<int> nodes(count);
+  for (std::size_t i = 0; i < count; ++i) nodes[i] = static_cast<int>(i);
+  return nodes;
+}
+
+}  // namespace musclebench

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/contact/collision_backend.hpp"
+#include "core/contact/response.hpp"
+#include "core/pbd/simulation.hpp"
+#include "core/scene/scene.hpp"
+
+namespace musclebench {
+
+/// A scene that is ready for its first frame.
+struct PreparedSimulation {
+  std::vector<BoundNode> bound_nodes;
+  std::vector<std::string> effect_names;  ///< in the order of the simulation's
+  std::unique_ptr<Simulation> simulation;
+};
+
+/// `scene` and `backend`, which is built over the scene's bones, outlive the simulation.
+PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend, ResponseKind response);
+
+/// Of the box around muscle and bones at rest.
+double scene_diagonal_m(const Scene& scene);
+
+}  // namespace musclebench

@@ -1,0 +1,110 @@
+#include "core/signed_distance/clearance_grid.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace musclebench {
+
+namespace {
+
+/// Along the longest side of the box, some 2 mm on a pelvis: coarser cubes know less about what is near, finer ones
+/// take longer to fill and gain little.
+constexpr double most_cubes_along = 96;
+/// So that a coarse mesh does not have a fine grid: its own queries are fast.
+constexpr double triangles_along_cube = 3;
+/// Cubes of which one distance may be enough, along an axis.
+constexpr std::size_t block_size = 16;
+/// A block is not looked into where its cubes then lose no more of their distances than the rest.
+constexpr double kept_share = 0.7;
+/// In steps; above the rounding of what is computed here, of a point's place in the grid and of the way to its cube.
+constexpr double rounding = 0.01;
+
+}  // namespace
+
+/// Goes through one block after the other, each from the whole to its parts.
+class ClearanceGrid::Filling {
+ public:
+  Filling(const SignedSurface& surface, ClearanceGrid& grid) : m_surface(surface), m_grid(grid) {}
+
+  /// `first`: the cube at the lower corner.
+  void fill(const std::array<std::size_t, 3>& first, std::size_t size) {
+    const Vec3 middle =
+        Vec3(static_cast<double>(first[0]), static_cast<double>(first[1]), static_cast<double>(first[2])) +
+        Vec3::Constant(0.5 * static_cast<double>(size));
+    const Vec3 point = m_grid.m_lower_m + m_grid.m_edge_m * middle;
+    const ClosestPoint closest = m_surface.tree().closest_point_from(point, m_nearest);
+    m_nearest = closest.triangle;
+    const bool inside = m_surface.is_inside(point, closest);
+    const double distance = closest.distance_m * m_grid.m_cubes_per_m;
+    const double to_centres = 0.5 * std::sqrt(3.0) * static_cast<double>(size - 1);
+    if (size == 1 || (distance > to_centres && (inside || distance - to_centres >= kept_share * distance))) {
+      if (!inside) {
+        store(first, size, middle, distance);
+      }
+      return;
+    }
+    const std::size_t half = size / 2;
+    for (std::size_t part = 0; part < 8; ++part) {
+      const std::array<std::size_t, 3> corner{first[0] + (part & 1U) * half, first[1] + (part >> 1U & 1U) * half,
+                                              first[2] + (part >> 2U) * half};
+      if (corner[0] < m_grid.m_count[0] && corner[1] < m_grid.m_count[1] && corner[2] < m_grid.m_count[2]) {
+        fill(corner, half);
+      }
+    }
+  }
+
+ private:
+  void store(const std::array<std::size_t, 3>& first, std::size_t size, const Vec3& middle, double distance) {
+    constexpr double most = std::numeric_limits<std::uint16_t>::max();
+    std::array<std::size_t, 3> end{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      end[axis] = std::min(first[axis] + size, m_grid.m_count[axis]);
+    }
+    for (std::size_t k = first[2]; k < end[2]; ++k) {
+      for (std::size_t j = first[1]; j < end[1]; ++j) {
+        for (std::size_t i = first[0]; i < end[0]; ++i) {
+          const Vec3 centre =
+              Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)) + Vec3::Constant(0.5);
+          const double kept = distance - (centre - middle).norm();
+          m_grid.m_steps[m_grid.cube(i, j, k)] =
+              static_cast<std::uint16_t>(std::clamp(steps_a_cube * kept - rounding, 0.0, most));
+        }
+      }
+    }
+  }
+
+  const SignedSurface& m_surface;
+  ClearanceGrid& m_grid;
+  int m_nearest = 0;  ///< triangle of the last query
+};
+
+ClearanceGrid::ClearanceGrid(const SignedSurface& surface, const Eigen::AlignedBox3d& box, double triangle_size_m,
+                             [[maybe_unused]] int threads) {
+  const double edge_m = std::max(box.sizes().maxCoeff() / most_cubes_along, triangles_along_cube * triangle_size_m);
+  if (!(edge_m > 0)) {
+    return;
+  }
+  m_edge_m = edge_m;
+  m_cubes_per_m = 1 / edge_m;
+  std::array<std::size_t, 3> blocks{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto along = static_cast<Eigen::Index>(axis);
+    m_count[axis] = static_cast<std::size_t>(std::max(std::ceil(box.sizes()[along] * m_cubes_per_m), 1.0));
+    m_last[along] = static_cast<double>(m_count[axis] - 1);
+    blocks[axis] = (m_count[axis] + block_size - 1) / block_size;
+  }
+  m_lower_m = box.center() - 0.5 * m_edge_m * (m_last + Vec3::Ones());
+  m_steps.assign(m_count[0] * m_count[1] * m_count[2], 0);
+  const auto block_count = static_cast<std::ptrdiff_t>(blocks[0] * blocks[1] * blocks[2]);
+#pragma omp parallel for num_threads(threads) schedule(dynamic)
+  for (std::ptrdiff_t block = 0; block < block_count; ++block) {
+    const auto place = static_cast<std::size_t>(block);
+    Filling(surface, *this)
+        .fill({place % blocks[0] * block_size, place / blocks[0] % blocks[1] * block_size,
+               place / (blocks[0] * blocks[1]) * block_size},
+              block_size);
+  }
+}
+
+}  // namespace musclebench
