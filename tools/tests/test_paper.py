@@ -73,7 +73,7 @@ def test_every_case_runs_once_on_a_core_of_its_own(finished):
 def test_everything_is_written_named_and_printed(finished):
     out, _, done = finished
     assert done.returncode == 0, done.stderr
-    names = [f"figures/{name}{suffix}" for name in BY_NUMBERS + OF_SURFACES for suffix in (".png", ".svg", ".csv")]
+    names = [f"figures/{name}{suffix}" for name in BY_NUMBERS + OF_SURFACES for suffix in (".png", ".svg", ".pdf", ".csv")]
     names += [f"tables/table_{name}{suffix}" for name in ("1_memory", "2_times") for suffix in (".csv", ".md", ".tex")]
     for name in [*names, "runs.csv"]:
         assert (out / name).stat().st_size > 0, name
@@ -171,6 +171,13 @@ def test_moments_are_the_rest_the_half_and_the_full_angle():
     chosen = surface_figures.choose_moments(shots)
     assert (chosen.rest.frame, chosen.half.frame, chosen.full.frame) == (0, 79, 157)
     assert surface_figures.choose_moments([]) is None
+
+
+@pytest.mark.parametrize("angles", [(0.0, -23.0, -45.3, -90.0), (20.0, -3.0, -25.3, -70.0)])
+def test_full_flexion_is_the_largest_turn_whichever_way(angles):
+    shots = [surface_pictures.Snapshot(f, a, None, []) for f, a in zip((0, 40, 79, 157), angles)]
+    chosen = surface_figures.choose_moments(shots)
+    assert (chosen.rest.frame, chosen.half.frame, chosen.full.frame) == (0, 79, 157)
 
 
 def test_depth_colours_begin_where_nodes_are_inside():
