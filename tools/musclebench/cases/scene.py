@@ -131,7 +131,8 @@ def told(scene: Scene, record: dict) -> Scene:
     meshes = [part.get("mesh_sha256", "") for part in (record["muscle"], *bones)]
     digest = fingerprint.text_digest(fingerprint.file_digest(Path(scene.name)), *meshes) if scene.is_file else ""
     return replace(
-        scene, nodes=record["muscle"]["vertices"], frames=loop["frames"], iterations=loop["substeps"] * loop["iterations"],
+        scene, nodes=record["muscle"]["vertices"], frames=loop["frames"],
+        iterations=loop["substeps"] * loop["iterations"],
         full_flexion_frame=full_flexion_frame([bone.get("motion") or {} for bone in bones], loop["frames"]),
         preset=record["case"].get("preset") or "", digest=digest)
 
@@ -154,8 +155,8 @@ def _angles_rad(motion: dict, progress: np.ndarray) -> np.ndarray:
 
 
 def _probed_on(name: str, registry: Registry) -> str:
-    """The first scene of the same data set with the same bones: whichever muscles are asked for, cases that are complete
-    stay so when others are added."""
+    """The first scene of the same data set with the same bones: whichever muscles are asked for, cases that are
+    complete stay so when others are added."""
     entry = next((scene for scene in registry.scenes if scene.name == name), None)
     if entry is None:
         return ""

@@ -28,7 +28,8 @@ def add_scene_options(group, default: str) -> None:
     group.add_argument("--scene", action="append", metavar="SCENE",
                        help="a .toml file of your own or a scene that 'musclebench list' names; may be repeated "
                             f"({default})")
-    group.add_argument("--muscle", action="append", metavar="NAME", help="short for the scene of that muscle in the data set")
+    group.add_argument("--muscle", action="append", metavar="NAME",
+                       help="short for the scene of that muscle in the data set")
 
 
 def data_set_of(options) -> str:
