@@ -13,7 +13,7 @@ from ..tables.table_formats import as_ratio
 from . import looks, style
 from .style import plt
 
-MUSCLE_OF_FIGURES = "iliacus"
+MUSCLE_OF_FIGURES = "iliacus"  # the paper's; of scenes without it the first
 PLAIN_NUMBERS = FuncFormatter(lambda value, _: f"{value:g}")
 
 
@@ -36,32 +36,35 @@ def draw_figures(runs: list[Run], published: Published, folder: Path) -> list[Pa
     style.apply_style()
     with_frames = [run for run in runs if not run.frames.empty]
     cases = by_case(with_frames)
-    iliacus = {backend: run for (muscle, backend), run in cases.items() if muscle == MUSCLE_OF_FIGURES}
-    files: list[Path] = []
-    if iliacus:
-        files += _draw_times(cases, iliacus, published, folder)
-        files += _draw_memory(iliacus, folder)
-    if cases:
-        files += _draw_depths(cases, folder)
-    return files
+    if not cases:
+        return []
+    chosen = muscle_of_figures(muscle for muscle, _ in cases)
+    of_muscle = {backend: run for (muscle, backend), run in cases.items() if muscle == chosen}
+    return [*_draw_times(cases, chosen, of_muscle, published, folder), *_draw_memory(chosen, of_muscle, folder),
+            *_draw_depths(cases, folder)]
 
 
-def _draw_times(cases, iliacus: dict[str, Run], published: Published, folder: Path) -> list[Path]:
-    shown = {backend: run for backend, run in iliacus.items() if not looks.backend(backend).is_control}
+def muscle_of_figures(muscles) -> str:
+    muscles = list(muscles)
+    return MUSCLE_OF_FIGURES if MUSCLE_OF_FIGURES in muscles else muscles[0]
+
+
+def _draw_times(cases, muscle: str, runs: dict[str, Run], published: Published, folder: Path) -> list[Path]:
+    shown = {backend: run for backend, run in runs.items() if not looks.backend(backend).is_control}
     figure, axes = _column_axes()
     labels = []
     for backend, run in shown.items():
         frames = run.timed_frames
         milliseconds = frames["collision_ns"] / 1e6
         _line(axes, backend, frames["frame"], milliseconds)
-        ratio = collision_ratio(cases, MUSCLE_OF_FIGURES, backend)
+        ratio = collision_ratio(cases, muscle, backend)
         paper = published.time_ratio(backend)
         note = "" if backend == "voxel" else f"\n{as_ratio(ratio.value)} x voxel\n(paper {paper or 'none'})"
         labels.append((milliseconds.iloc[-30:].median(), f"{backend}{note}", backend))
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter(PLAIN_NUMBERS)
     axes.set(xlabel="frame", ylabel="collision time a frame (ms)")
-    figure.suptitle("Fig. 7  Collision time, iliacus", x=0.02, ha="left", y=0.99)
+    figure.suptitle(f"Fig. 7  Collision time, {style.muscle_label(muscle)}", x=0.02, ha="left", y=0.99)
     _label_ends(axes, labels)
     _angle_axis(axes, next(iter(shown.values())))
     _footnote(figure, list(shown.values()))
@@ -69,21 +72,21 @@ def _draw_times(cases, iliacus: dict[str, Run], published: Published, folder: Pa
     return _save(figure, rows, folder / "fig_7_collision_time")
 
 
-def _draw_memory(iliacus: dict[str, Run], folder: Path) -> list[Path]:
+def _draw_memory(muscle: str, runs: dict[str, Run], folder: Path) -> list[Path]:
     figure, axes = _column_axes()
     labels = []
-    for backend, run in iliacus.items():
+    for backend, run in runs.items():
         megabytes = run.frames["resident_bytes"] / MEGABYTE
         _line(axes, backend, run.frames["frame"], megabytes)
         growth = megabytes.iloc[-1] - megabytes.iloc[0]
         labels.append((megabytes.iloc[-1], f"{backend}\n{megabytes.iloc[0]:.0f} MB, {growth:+.1f}", backend))
     axes.set_ylim(bottom=0)
     axes.set(xlabel="frame", ylabel="resident memory (MB)")
-    figure.suptitle("Fig. 8  Memory of the process, iliacus", x=0.02, ha="left", y=0.99)
+    figure.suptitle(f"Fig. 8  Memory of the process, {style.muscle_label(muscle)}", x=0.02, ha="left", y=0.99)
     _label_ends(axes, labels)
-    _angle_axis(axes, next(iter(iliacus.values())))
-    _footnote(figure, list(iliacus.values()))
-    return _save(figure, _rows(iliacus, ["resident_bytes"]), folder / "fig_8_memory")
+    _angle_axis(axes, next(iter(runs.values())))
+    _footnote(figure, list(runs.values()))
+    return _save(figure, _rows(runs, ["resident_bytes"]), folder / "fig_8_memory")
 
 
 def _draw_depths(cases, folder: Path) -> list[Path]:

@@ -163,7 +163,7 @@ def _marker(point) -> str:
 
 
 def _side(point) -> tuple[int, int]:
-    """Where the label goes first: curves of every second backend have theirs on the left, since they lie side by side."""
+    """Where the label goes first: curves of every second backend have theirs on the left; they lie side by side."""
     curved = looks.curved_backends()
     is_left = point["backend"] in curved and curved.index(point["backend"]) % 2
     return (-1, 0) if is_left else (1, 0)

@@ -1,4 +1,4 @@
-"""Fig. 6 (shape and depth of the iliacus), the other muscles at full flexion, and the attachments."""
+"""Fig. 6 (shape and depth of the iliacus, or of the first muscle), all muscles at full flexion, and the attachments."""
 
 import math
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib import cm, colors
 
 from ..figures import looks, style
-from ..figures.paper_figures import MUSCLE_OF_FIGURES, caption
+from ..figures.paper_figures import caption, muscle_of_figures
 from ..figures.style import plt
 from ..results.run_folder import Run
 from ..tables.paper_tables import by_case
@@ -42,10 +42,10 @@ def draw_surface_figures(runs: list[Run], folder: Path, say: Callable[[str], Non
     studios = {muscle: Studio(next(cases[case] for case in moments if case[0] == muscle)) for muscle in muscles}
     shown = [cases[case] for case in moments]
     files: list[Path] = []
-    iliacus = {backend: chosen for (muscle, backend), chosen in moments.items() if muscle == MUSCLE_OF_FIGURES}
-    if iliacus:
-        files += _draw_iliacus(studios[MUSCLE_OF_FIGURES], iliacus, shown, folder, say)
     if moments:
+        muscle = muscle_of_figures(muscles)
+        of_muscle = {backend: chosen for (name, backend), chosen in moments.items() if name == muscle}
+        files += _draw_muscle(studios[muscle], muscle, of_muscle, shown, folder, say)
         files += _draw_full_flexion(studios, moments, shown, folder, say)
         files += _draw_attachments(studios, cases, moments, shown, folder, say)
     return files
@@ -73,7 +73,7 @@ def depth_scale_mm(moments: dict) -> float:
     return min(math.ceil(max([1.0, *depths])), DEEPEST_SHOWN_MM)
 
 
-def _draw_iliacus(studio: Studio, moments: dict[str, Moments], runs, folder: Path, say) -> list[Path]:
+def _draw_muscle(studio: Studio, muscle: str, moments: dict[str, Moments], runs, folder: Path, say) -> list[Path]:
     deepest_mm = depth_scale_mm(moments)
     size = (style.PAGE_INCHES, 1.36 * len(moments) + 0.7)
     figure, panels = plt.subplots(len(moments), 5, figsize=size, squeeze=False)
@@ -91,10 +91,10 @@ def _draw_iliacus(studio: Studio, moments: dict[str, Moments], runs, folder: Pat
              ("half, joint", first.half), ("full, joint", first.full)]
     for place, (text, snapshot) in enumerate(heads):
         panels[0, place].set_title(f"{text} ({snapshot.angle_deg:.0f}°)", fontsize=7)
-    title = "Fig. 6  Iliacus over the hip joint; left from in front, right the joint from behind"
+    title = f"Fig. 6  {style.muscle_label(muscle).capitalize()}; left the muscle, right the joint from the other side"
     _finish(figure, title, runs, deepest_mm)
-    rows = _depth_rows({(MUSCLE_OF_FIGURES, backend): chosen for backend, chosen in moments.items()})
-    return _save(figure, rows, folder / "fig_6_iliacus")
+    rows = _depth_rows({(muscle, backend): chosen for backend, chosen in moments.items()})
+    return _save(figure, rows, folder / f"fig_6_{muscle}")
 
 
 def _draw_full_flexion(studios, moments, runs, folder: Path, say) -> list[Path]:
