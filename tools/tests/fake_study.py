@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+import fake_registry
 import fake_runs
 from musclebench.accuracy import cases
 from musclebench.accuracy.aggregates import Aggregate, aggregates_of, of_mode
+from musclebench.program.registry import save_registry
 
 FRAMES = 40
 BAND_M = 0.01
@@ -62,6 +64,7 @@ def frame_times_ns(truth: Truth, seed: int) -> list[int]:
 def write_replay(folder: Path, scene: str, backend: str, truth: Truth, repetition: int = 0, stride: int = 1) -> Path:
     """A tenth of the time is update, eight detect, one respond."""
     folder.mkdir(parents=True)
+    note_registry(folder.parents[1])
     made = record("replay", scene, backend, truth, repetition)
     reported = TRUE_CONTACTS - truth.missed + truth.false
     made |= {
@@ -98,6 +101,7 @@ def _replay_row(frame: int, ns: int, truth: Truth) -> dict:
 def write_coupled(folder: Path, scene: str, backend: str, truth: Truth, repetition: int = 0) -> Path:
     """The muscle is a sphere, in the first repetition with snapshots of rest, full flexion and the end."""
     folder.mkdir(parents=True)
+    note_registry(folder.parents[1])
     made = record("coupled", scene, backend, truth, repetition)
     made["state_hash"] = f"hash-{backend}-{truth.parameters}"
     times = frame_times_ns(truth, repetition)
@@ -134,6 +138,7 @@ def _coupled_row(frame: int, ns: int) -> dict:
 def write_probe(folder: Path, scene: str, backend: str, truth: Truth) -> Path:
     """Errors that fall with the powers of the cell size that stand above."""
     folder.mkdir(parents=True)
+    note_registry(folder.parents[1])
     made = record("probe", scene, backend, truth)
     rows = []
     for bone, edge in EDGES_M.items():
@@ -153,13 +158,19 @@ def write_probe(folder: Path, scene: str, backend: str, truth: Truth) -> Path:
 
 def write_failure(folder: Path, mode: str, scene: str, backend: str, status: str, truth: Truth | None = None) -> Path:
     folder.mkdir(parents=True)
+    note_registry(folder.parents[1])
     made = {"schema_version": 1, "status": status, "status_detail": f"why {status}",
             "case": record(mode, scene, backend, truth or Truth())["case"]}
     (folder / "run.json").write_text(json.dumps(made))
     return folder
 
 
+def note_registry(out_dir: Path) -> None:
+    save_registry(fake_registry.registry(), out_dir)
+
+
 def write_plan(out_dir: Path, cases: list[dict]) -> None:
+    note_registry(out_dir)
     (out_dir / "study.json").write_text(json.dumps({"cases": cases}))
 
 
