@@ -37,9 +37,8 @@ BoxedSurface::BoxedSurface(const RepairedMesh& surface)
       m_tree(std::make_shared<BoxTree>(surface.mesh.vertices, surface.mesh.triangles)),
       m_triangle_size_m(mean_triangle_size_m(surface.mesh)) {}
 
-ClosestPoint BoxedSurface::closest(const Vec3& point) const { return closest_from(point, 0); }
-
-ClosestPoint BoxedSurface::closest_from(const Vec3& point, int triangle) const {
+ClosestPoint BoxedSurface::closest(const Vec3& point, int triangle) const {
+  triangle = std::max(triangle, 0);
   ClosestOnTriangle best = closest_on(point, triangle);
   m_tree->search(point, reach_m(std::sqrt(best.squared_distance_m2)), [&](int candidate) {
     const ClosestOnTriangle found = closest_on(point, candidate);
@@ -54,7 +53,7 @@ ClosestPoint BoxedSurface::closest_from(const Vec3& point, int triangle) const {
 }
 
 /// Of an open surface the side changes in empty space, too: across a hole, and where its box ends.
-Clearance BoxedSurface::clearance_from(const Vec3& point, int triangle) const {
+Clearance BoxedSurface::clearance(const Vec3& point, int triangle) const {
   if (!sides().closed()) {
     return {0, triangle};
   }
@@ -70,8 +69,12 @@ Clearance BoxedSurface::clearance_from(const Vec3& point, int triangle) const {
   return {std::max((1 - rounding_share) * clearance_share * best_m - rounding_m(), 0.0), triangle};
 }
 
-double BoxedSurface::free_m(const ClosestPoint& closest) const {
-  return sides().closed() && closest.distance_m > touching_m() ? (1 - rounding_share) * closest.distance_m : 0;
+PointSide BoxedSurface::side(const Vec3& point, const ClosestPoint& closest) const {
+  if (contains(point, closest)) {
+    return {.inside = true};
+  }
+  const bool known = sides().closed() && closest.distance_m > touching_m();
+  return {.inside = false, .clearance_m = known ? (1 - rounding_share) * closest.distance_m : 0};
 }
 
 void BoxedSurface::list_candidates(const Vec3& point, double bound_m, NearTriangles& list) const {
@@ -110,15 +113,16 @@ void BoxedSurface::list_candidates(const Vec3& point, double bound_m, NearTriang
   }
 }
 
-void BoxedSurface::begin_candidate_search(const Vec3& /*point*/, const NearTriangles& list,
-                                          CandidateSearch& /*search*/) const {
+void BoxedSurface::begin_candidate_search(const Vec3& point, const NearTriangles& list, CandidateSearch& search) const {
+  search.point = point;
   for (std::size_t i = 0; i < width; ++i) {
     __builtin_prefetch(sides().tree().corners() + list.triangles[i]);
   }
 }
 
-ClosestCandidate BoxedSurface::finish_candidate_search(const Vec3& point, const NearTriangles& list,
-                                                       double /*enough_m*/, const CandidateSearch& /*search*/) const {
+ClosestCandidate BoxedSurface::finish_candidate_search(const NearTriangles& list, double /*enough_m*/,
+                                                       const CandidateSearch& search) const {
+  const Vec3& point = search.point;
   constexpr double slack = 1e-12;  // above the rounding of roots
   const double moved_m = (point - list.place).norm() * (1 + slack);
   double best_m = std::numeric_limits<double>::infinity();

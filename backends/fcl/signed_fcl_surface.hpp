@@ -7,8 +7,8 @@
 namespace musclebench {
 
 /// What FCL does not tell about one bone: it takes a surface for hollow, and which side a point is on is
-/// SignedSurface's answer. All points are points of the bone's rest frame. The members are those of a `Surface` of
-/// CachedPointQuery, which says what they are for. Safe from several threads.
+/// SignedSurface's answer. All points are points of the bone's rest frame. The members are those of a
+/// QuerySurface, where they are described. Safe from several threads.
 class SignedFclSurface {
  public:
   explicit SignedFclSurface(const RepairedMesh& surface);

@@ -102,7 +102,7 @@ class SdfBackend final : public CollisionBackend {
     field(bone).find_clearances(answers, clearance_m);
     for (std::size_t n = 0; n < block.count; ++n) {
       if (block.value_m[n] >= 0) {
-        m_detection.budgets().grant(bone, nodes[block.asker[n]], field(bone).grid().point(block.cells(n)),
+        m_detection.budgets().store(bone, nodes[block.asker[n]], field(bone).grid().point(block.cells(n)),
                                     clearance_m[n]);
       }
     }
@@ -117,7 +117,7 @@ class SdfBackend final : public CollisionBackend {
         continue;
       }
       const Vec3 cells = map.apply(positions[static_cast<std::size_t>(nodes[index])]);
-      m_detection.budgets().grant(bone, nodes[index], field(bone).grid().point(cells), field(bone).clearance_m(cells));
+      m_detection.budgets().store(bone, nodes[index], field(bone).grid().point(cells), field(bone).clearance_m(cells));
     }
   }
 

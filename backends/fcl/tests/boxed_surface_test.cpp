@@ -111,9 +111,9 @@ TEST(BoxedSurface, SearchesAnswerWhatBruteForceDoesToTheBit) {
     CountedSurface surface(about.surface);
     for (const Vec3& point : points_of(about)) {
       const ClosestPoint expected = surface.by_brute_force(point);
-      expect_equal(surface.closest(point), expected);
-      expect_equal(surface.closest_from(point, expected.triangle), expected);
-      expect_equal(surface.closest_from(point, surface.next_triangle()), expected);
+      expect_equal(surface.closest(point, -1), expected);
+      expect_equal(surface.closest(point, expected.triangle), expected);
+      expect_equal(surface.closest(point, surface.next_triangle()), expected);
     }
   }
 }
@@ -137,7 +137,7 @@ TEST(BoxedSurface, ListsAnswerWhatBruteForceDoesWhereTheyAreCertain) {
         BoxedSurface::CandidateSearch search;
         surface.begin_candidate_search(point, list, search);
         const ClosestCandidate found =
-            surface.finish_candidate_search(point, list, std::numeric_limits<double>::infinity(), search);
+            surface.finish_candidate_search(list, std::numeric_limits<double>::infinity(), search);
         EXPECT_EQ(found.clearance_m, 0);
         EXPECT_FALSE(way == 20 && distance_m < surface.near_m() && found.certain);
         if (found.certain) {
@@ -159,7 +159,7 @@ TEST(BoxedSurface, ClearancesAreTrueAndNotMuchLessThanTheDistance) {
     CountedSurface surface(about.surface);
     for (const Vec3& point : points_of(about)) {
       const double distance_m = surface.by_brute_force(point).distance_m;
-      const Clearance found = surface.clearance_from(point, surface.next_triangle());
+      const Clearance found = surface.clearance(point, surface.next_triangle());
       EXPECT_LE(found.distance_m, distance_m);
       EXPECT_GE(found.distance_m, 0.79 * distance_m - 1e-9);
       ASSERT_GE(found.triangle, 0);
@@ -173,8 +173,8 @@ TEST(BoxedSurface, AHoleIsNoClearance) {
   mesh.triangles.pop_back();
   const BoxedSurface surface({mesh, true, {}});
   const Vec3 point(0.001, 0.002, 0.003);
-  EXPECT_EQ(surface.clearance_from(point, 0).distance_m, 0);
-  EXPECT_EQ(surface.free_m(surface.closest(point)), 0);
+  EXPECT_EQ(surface.clearance(point, 0).distance_m, 0);
+  EXPECT_EQ(surface.side(point, surface.closest(point, -1)).clearance_m, 0);
 }
 
 TEST(BoxedSurface, CountsTheTreeOfBoxes) {

@@ -68,7 +68,7 @@ TreeView PacketSearch::view_from(const Eigen::AlignedBox3d& box) const {
 std::int32_t PacketSearch::bounding_place(int triangle) const {
   const std::int32_t index = m_tree->m_leaf_of[static_cast<std::size_t>(triangle)];
   const BvhLeaf& leaf = m_tree->m_leaves[static_cast<std::size_t>(index)];
-  const std::size_t own = leaf.place_of(triangle);
+  const std::size_t own = leaf.lane_of(triangle);
   const bool is_sliver = (leaf.slivers >> own & 1U) != 0;
   const std::int32_t place = is_sliver ? firm_place(leaf) : static_cast<std::int32_t>(own);
   return place < 0 ? m_any_place : index * static_cast<std::int32_t>(bvh_width) + place;
