@@ -11,7 +11,9 @@ class BvhBackend final : public CollisionBackend {
  public:
   explicit BvhBackend(bool clearance_cache) : m_uses_cache(clearance_cache) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_uses_cache}; }
+  [[nodiscard]] Capabilities capabilities() const override {
+    return {.remembers = m_uses_cache, .steady_memory = true};
+  }
   [[nodiscard]] AnswerBound answer_bound(int bone) const override {
     return {m_surfaces[static_cast<std::size_t>(bone)].touching_m(), 0};
   }
@@ -49,6 +51,17 @@ std::unique_ptr<CollisionBackend> make_bvh_backend(const Parameters& parameters)
   return std::make_unique<BvhBackend>(uses_clearance_cache(parameters));
 }
 
-std::vector<ParameterSpec> bvh_parameters() { return {clearance_cache_parameter(true)}; }
+BackendEntry bvh_entry() {
+  return {.name = "bvh",
+          .help = "exact: closest point by a tree of boxes over each bone, signed robustly",
+          .default_response = ResponseKind::project,
+          .exact = true,
+          .parameters = {clearance_cache_parameter()},
+          .make = make_bvh_backend,
+          .signed_distance = [](const Bone& bone, int threads) -> SignedDistance {
+            const auto surface = std::make_shared<const ExactSurface>(bone.surface, threads);
+            return [surface](const Vec3& point) { return surface->signed_distance_m(point); };
+          }};
+}
 
 }  // namespace musclebench

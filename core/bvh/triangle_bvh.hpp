@@ -121,7 +121,7 @@ class TriangleBvh {
 
  private:
   friend class TriangleBvhBuilder;
-  friend class PacketSearch;
+  friend class BatchedClosestPoint;
 
   /// BvhSearch::slack for points with coordinates up to `reach` in the tree's frame and up to `coordinate` in the
   /// mesh's, both in the tree's unit of length.

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "core/mesh/triangle_mesh.hpp"
+#include "core/referee/referee_sign.hpp"
 
 namespace musclebench {
 
@@ -15,21 +16,35 @@ namespace musclebench {
 struct ClosestSurfacePoint {
   double squared_distance_m2 = std::numeric_limits<double>::infinity();
   Vec3 point_m = Vec3::Zero();  ///< relative to RefereeTree::centre_m()
-  int place = -1;               ///< of the triangle, in the order of the tree; -1: none
+  int slot = -1;                ///< of the triangle, in the order of the tree; -1: none
 };
 
 /// Where a segment passes through a surface.
 struct SurfaceCrossing {
   double share = 0;       ///< of the segment, from its start to the crossing
   bool entering = false;  ///< from the front of the triangle to its back
-  int place = -1;         ///< of the triangle, in the order of the tree
+  int slot = -1;          ///< of the triangle, in the order of the tree
+};
+
+/// The winding number of a surface around a point, and for how long the point stays on its side of 0.5.
+struct SurfaceWinding {
+  double number = 0;
+  /// The point and the vertices of the surface may move by this much together before `number` may cross 0.5, as long as
+  /// the point does not pass through the surface. Infinite for a closed surface: its winding number changes nowhere
+  /// else.
+  double steady_m = std::numeric_limits<double>::infinity();
 };
 
 /// A tree of boxes, four children a node, over the triangles of one surface: the Referee's own, shared with no backend.
+/// It stays apart from core/bvh on purpose, although that is faster and answers much the same: what judges the backends
+/// may share no code with them, or a fault of that code would go unseen.
 ///
 /// All points that go in or come out are relative to `centre_m()`, the middle of the surface's box, so that a bone far
 /// from the origin is judged as exactly as one at it. Boxes are held as 32-bit floats rounded outwards and serve only
 /// to leave triangles out; distances and crossings are computed from the vertices in double precision.
+///
+/// Queries add what they took to `work`, where one is given: one for each node visited, triangle tested and boundary
+/// edge looked at. It depends on the input alone, so that a budget of it gives the same answer on any machine.
 class RefereeTree {
  public:
   /// Copies what it needs of `mesh` (at least one triangle, finite vertices, valid indices).
@@ -40,28 +55,35 @@ class RefereeTree {
 
   /// True where the directed edges of all triangles cancel (vertices at equal positions count as one): only then is the
   /// winding number a whole number that changes at the surface and nowhere else.
-  [[nodiscard]] bool closed() const { return m_closed; }
+  [[nodiscard]] bool closed() const { return m_boundary.empty(); }
 
   /// Distance from `point` to the surface's box; 0 inside it. Never larger than the distance to the surface.
   [[nodiscard]] double box_distance(const Vec3& point) const;
 
+  /// No point inside a closed surface is farther from it than half of the box's shortest side.
+  [[nodiscard]] double inradius_bound_m() const { return m_half_extents.minCoeff(); }
+
   /// The closest point of the surface. Of triangles at equal distance the first in the mesh is taken, so the answer
-  /// does not depend on `guess` (a place returned before, or -1), which only makes the search shorter.
-  [[nodiscard]] ClosestSurfacePoint closest(const Vec3& point, int guess = -1) const;
+  /// does not depend on `guess` (a slot returned before, or -1), which only makes the search shorter.
+  [[nodiscard]] ClosestSurfacePoint closest(const Vec3& point, int guess = -1, long* work = nullptr) const;
 
-  /// Winding number of the surface around `point`: exact where `closed()` (signed crossings of a ray), else the sum of
-  /// all solid angles, which costs time in proportion to the number of triangles.
-  [[nodiscard]] double winding_number(const Vec3& point) const;
+  /// Winding number of the surface around `point` (Jacobson et al. 2013): the signed crossings of a ray, which is all
+  /// and exact where `closed()`, and else the solid angles of the strips that close the surface along its boundary
+  /// edges (see strip_share), which costs time in proportion to their number.
+  [[nodiscard]] double winding_number(const Vec3& point, long* work = nullptr) const;
 
-  /// Unit normal of the triangle at `place`, by its winding; zero for a triangle without area.
-  [[nodiscard]] Vec3 face_normal(int place) const;
+  /// The same, with the movement for which the side holds.
+  [[nodiscard]] SurfaceWinding winding(const Vec3& point, long* work = nullptr) const;
 
-  /// Index in the mesh of the triangle at `place`.
-  [[nodiscard]] int triangle_index(int place) const { return m_triangles[static_cast<std::size_t>(place)].index; }
+  /// Unit normal of the triangle at `slot`, by its winding; zero for a triangle without area.
+  [[nodiscard]] Vec3 face_normal(int slot) const;
 
-  /// Whether the triangle (a, b, c), seen as filled, touches the surface. Never false for one that passes through the
-  /// surface by more than rounding; may be true for one that only comes that close.
-  [[nodiscard]] bool meets(const Vec3& a, const Vec3& b, const Vec3& c) const;
+  /// Index in the mesh of the triangle at `slot`.
+  [[nodiscard]] int triangle_index(int slot) const { return m_triangles[static_cast<std::size_t>(slot)].index; }
+
+  /// A triangle of the surface, by its slot, that the triangle (a, b, c), seen as filled, touches; -1: none. Never -1
+  /// for one that passes through the surface by more than rounding; may be a slot for one that only comes that close.
+  [[nodiscard]] int find_touched(const Vec3& a, const Vec3& b, const Vec3& c, long* work = nullptr) const;
 
   /// The crossings of the segment with the surface, into `crossings`, in the order that they are met in. A point on the
   /// surface counts as in front of it. Which triangles are crossed is decided without rounding errors; a segment
@@ -82,7 +104,14 @@ class RefereeTree {
     bool sliver;  ///< so thin that rounding can tell its inside from its outside wrongly
   };
 
-  /// `child` is the number of a node, or ~(8 * first place + count) for a leaf. Absent children have an inverted box.
+  /// An edge along which directed edges of the triangles do not cancel.
+  struct BoundaryEdge {
+    Vec3 from, to;
+    int from_vertex, to_vertex;  ///< in the mesh
+    double uses;                 ///< so many more triangles run from -> to than to -> from; positive
+  };
+
+  /// `child` is the number of a node, or ~(8 * first slot + count) for a leaf. Absent children have an inverted box.
   struct Node {
     Eigen::Array4f low[3], high[3];
     int child[4];
@@ -90,19 +119,20 @@ class RefereeTree {
 
   friend class RefereeTreeBuilder;
 
-  /// Calls `visit_place` for the triangles in all boxes that `may_matter` (of a node: which of its children), until it
+  /// Calls `visit_slot` for the triangles in all boxes that `may_matter` (of a node: which of its children), until it
   /// returns false.
   template <typename Filter, typename Visit>
-  void visit(const Filter& may_matter, const Visit& visit_place) const;
+  void visit(const Filter& may_matter, const Visit& visit_slot, long* work) const;
 
-  void consider(const Vec3& point, int place, ClosestSurfacePoint& best) const;
-  [[nodiscard]] int count_crossings(const Vec3& point) const;
+  void consider(const Vec3& point, int slot, ClosestSurfacePoint& best) const;
+  [[nodiscard]] int count_crossings(const Vec3& point, AxisRay ray, long* work) const;
+  [[nodiscard]] AxisRay shortest_ray_out(const Vec3& point) const;
 
   std::vector<Corners> m_triangles;
   std::vector<Node> m_nodes;
   Vec3 m_centre = Vec3::Zero();
   Vec3 m_half_extents = Vec3::Zero();
-  bool m_closed = false;
+  std::vector<BoundaryEdge> m_boundary;  // none where the surface is closed
 };
 
 }  // namespace musclebench

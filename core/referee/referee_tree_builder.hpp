@@ -19,6 +19,10 @@ inline float round_down(double value) {
 }
 inline float round_up(double value) { return -round_down(-value); }
 
+inline void add_work(long* work, long steps) {
+  if (work != nullptr) *work += steps;
+}
+
 /// Fills a RefereeTree: splits where the surface-area heuristic (binned, Wald 2007) expects the shortest queries.
 class RefereeTreeBuilder {
  public:
@@ -45,7 +49,7 @@ class RefereeTreeBuilder {
   };
 
   void centre();
-  [[nodiscard]] bool is_closed() const;
+  void find_boundary();
   [[nodiscard]] Range range(int first, int last) const;
   [[nodiscard]] int split_by_area(const Range& whole);
   [[nodiscard]] std::pair<Range, Range> split(const Range& whole, int depth);

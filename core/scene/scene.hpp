@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,7 @@ struct Scene {
   bool attach_at_first_contact = false;
   std::vector<SceneEffect> effects;  ///< only those the scene names, in the order of the registry
   LoopParameters loop;
+  std::optional<ResponseKind> response;  ///< nothing: the backend's own
 
   /// Poses at `frame_position` (0 at rest, `loop.frames` at the end).
   void poses_at(double frame_position, std::vector<RigidMotion>& poses) const;

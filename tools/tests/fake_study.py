@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+import fake_registry
 import fake_runs
 from musclebench.accuracy import cases
 from musclebench.accuracy.aggregates import Aggregate, aggregates_of, of_mode
+from musclebench.program.registry import save_registry
 
 FRAMES = 40
 BAND_M = 0.01
@@ -62,6 +64,7 @@ def frame_times_ns(truth: Truth, seed: int) -> list[int]:
 def write_replay(folder: Path, scene: str, backend: str, truth: Truth, repetition: int = 0, stride: int = 1) -> Path:
     """A tenth of the time is update, eight detect, one respond."""
     folder.mkdir(parents=True)
+    note_registry(folder.parents[1])
     made = record("replay", scene, backend, truth, repetition)
     reported = TRUE_CONTACTS - truth.missed + truth.false
     made |= {
@@ -80,6 +83,7 @@ def write_replay(folder: Path, scene: str, backend: str, truth: Truth, repetitio
         }
     times = frame_times_ns(truth, repetition)
     rows = [_replay_row(frame, times[frame - 1], truth) for frame in range(1, FRAMES + 1) if frame % stride == 0]
+    made["frames"] = len(rows)
     _write_rows(folder / "frames.csv", REPLAY_COLUMNS, rows)
     (folder / "run.json").write_text(json.dumps(made))
     return folder
@@ -98,6 +102,7 @@ def _replay_row(frame: int, ns: int, truth: Truth) -> dict:
 def write_coupled(folder: Path, scene: str, backend: str, truth: Truth, repetition: int = 0) -> Path:
     """The muscle is a sphere, in the first repetition with snapshots of rest, full flexion and the end."""
     folder.mkdir(parents=True)
+    note_registry(folder.parents[1])
     made = record("coupled", scene, backend, truth, repetition)
     made["state_hash"] = f"hash-{backend}-{truth.parameters}"
     times = frame_times_ns(truth, repetition)
@@ -134,6 +139,7 @@ def _coupled_row(frame: int, ns: int) -> dict:
 def write_probe(folder: Path, scene: str, backend: str, truth: Truth) -> Path:
     """Errors that fall with the powers of the cell size that stand above."""
     folder.mkdir(parents=True)
+    note_registry(folder.parents[1])
     made = record("probe", scene, backend, truth)
     rows = []
     for bone, edge in EDGES_M.items():
@@ -153,13 +159,19 @@ def write_probe(folder: Path, scene: str, backend: str, truth: Truth) -> Path:
 
 def write_failure(folder: Path, mode: str, scene: str, backend: str, status: str, truth: Truth | None = None) -> Path:
     folder.mkdir(parents=True)
+    note_registry(folder.parents[1])
     made = {"schema_version": 1, "status": status, "status_detail": f"why {status}",
             "case": record(mode, scene, backend, truth or Truth())["case"]}
     (folder / "run.json").write_text(json.dumps(made))
     return folder
 
 
+def note_registry(out_dir: Path) -> None:
+    save_registry(fake_registry.registry(), out_dir)
+
+
 def write_plan(out_dir: Path, cases: list[dict]) -> None:
+    note_registry(out_dir)
     (out_dir / "study.json").write_text(json.dumps({"cases": cases}))
 
 
@@ -247,7 +259,6 @@ def realistic_truths() -> list[tuple[str, Truth]]:
         (72, 0.02, 150, 1, {"manager": "none"}), (73, 0.02, 150, 1, {"solver": "indep"}),
         (55, 0.02, 150, 1, {"bounding_volume": "OBB", "update": "rebuild"}),
         (800, 1e-14, 0, 1, {"query": "node_distance"}),
-        (2, 1e-14, 0, 1, {"query": "node_distance", "clearance_cache": "on"}),
         (620, 1e-14, 0, 1, {"query": "node_distance", "manager": "none"}),
         (700, 1e-14, 0, 1, {"query": "node_distance", "bounding_volume": "RSS"}),
         (60, 1.9, 8100, 1, {"query": "node_collide"}), (38, 0.02, 150, 2, {}),

@@ -32,6 +32,60 @@ TEST(RefereeTree, RefittedAnswersLikeNew) {
   }
 }
 
+TriangleMesh capsule_with_holes(std::size_t missing, std::mt19937_64& random) {
+  TriangleMesh mesh = make_capsule(0.1, 0.3, 16);
+  std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
+  mesh.triangles.resize(mesh.triangles.size() - missing);
+  return mesh;
+}
+
+TEST(RefereeTree, WindingNumberOfOpenSurfacesIsTheSumOfSolidAngles) {
+  std::mt19937_64 random(17);
+  for (const std::size_t missing : {1, 2, 25, 300}) {
+    TriangleMesh mesh = capsule_with_holes(missing, random);
+    mesh.triangles.push_back(mesh.triangles[3]);  // an edge that is used more often one way than the other
+    mesh.triangles.push_back({mesh.triangles[5][0], mesh.triangles[5][0], mesh.triangles[5][1]});
+    const RefereeTree tree(mesh);
+    EXPECT_FALSE(tree.closed());
+    std::vector<Vec3> points = naive::cloud(mesh, 500, random);
+    for (const Vec3& point : naive::near_surface(mesh, 500, 1e-3, random)) points.push_back(point);
+    for (const Vec3& point : points) {
+      ASSERT_NEAR(tree.winding_number(point - tree.centre_m()), naive::winding_number(mesh, point), 1e-9);
+    }
+  }
+}
+
+TEST(RefereeTree, ASideHoldsForAsLongAsItSays) {
+  std::mt19937_64 random(19);
+  std::normal_distribution<double> normal;
+  for (const std::size_t missing : {1, 40}) {
+    const TriangleMesh mesh = capsule_with_holes(missing, random);
+    const RefereeTree tree(mesh);
+    int used = 0;
+    for (const Vec3& point : naive::cloud(mesh, 300, random)) {
+      const Vec3 local = point - tree.centre_m();
+      const SurfaceWinding winding = tree.winding(local);
+      EXPECT_EQ(winding.number, tree.winding_number(local));
+      const double distance = std::sqrt(tree.closest(local).squared_distance_m2);
+      const double reach = 0.999 * std::min(distance, winding.steady_m);
+      used += reach > 0.1 * distance ? 1 : 0;
+      for (int i = 0; i < 10; ++i) {
+        // Half of the movement is the point's, half that of the vertices, each its own way.
+        const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
+        TriangleMesh deformed = mesh;
+        for (Vec3& vertex : deformed.vertices) {
+          vertex += 0.5 * reach * Vec3(normal(random), normal(random), normal(random)).normalized();
+        }
+        const double after = naive::winding_number(deformed, point + 0.5 * reach * direction);
+        ASSERT_EQ(after > 0.5, winding.number > 0.5);
+      }
+    }
+    EXPECT_GT(used, 150);
+  }
+  EXPECT_EQ(RefereeTree(make_capsule(0.1, 0.3, 16)).winding(Vec3::Zero()).steady_m,
+            std::numeric_limits<double>::infinity());
+}
+
 /// Crossings of the triangle's edges with the surface and of the surface's edges with the triangle.
 bool plainly_meets(const TriangleMesh& mesh, const std::array<Vec3, 3>& blade) {
   const auto cuts = [](const Vec3& from, const Vec3& to, const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -65,7 +119,7 @@ TEST(RefereeTree, MeetsWhatPlainlyCrosses) {
     for (Vec3& corner : blade) corner = middle + Vec3(size(random), size(random), size(random));
     const bool expected = plainly_meets(mesh, blade);
     const Vec3& centre = tree.centre_m();
-    ASSERT_EQ(tree.meets(blade[0] - centre, blade[1] - centre, blade[2] - centre), expected);
+    ASSERT_EQ(tree.find_touched(blade[0] - centre, blade[1] - centre, blade[2] - centre) >= 0, expected);
     met += expected ? 1 : 0;
   }
   EXPECT_GT(met, 1000);
@@ -74,10 +128,10 @@ TEST(RefereeTree, MeetsWhatPlainlyCrosses) {
 
 TEST(RefereeTree, TouchingMeets) {
   const RefereeTree tree(make_box({1, 1, 1}, 2));
-  EXPECT_TRUE(tree.meets({-3, -3, 1}, {3, -3, 1}, {0, 3, 1}));         // in the plane of a face
-  EXPECT_TRUE(tree.meets({0.3, 0.2, 1}, {0.5, 1, 3}, {0.2, 0.7, 3}));  // with a corner
-  EXPECT_FALSE(tree.meets({-3, -3, 1.0001}, {3, -3, 1.0001}, {0, 3, 1.0001}));
-  EXPECT_FALSE(tree.meets({-0.3, -0.3, 0}, {0.3, -0.3, 0}, {0, 0.3, 0}));  // inside
+  EXPECT_GE(tree.find_touched({-3, -3, 1}, {3, -3, 1}, {0, 3, 1}), 0);         // in the plane of a face
+  EXPECT_GE(tree.find_touched({0.3, 0.2, 1}, {0.5, 1, 3}, {0.2, 0.7, 3}), 0);  // with a corner
+  EXPECT_EQ(tree.find_touched({-3, -3, 1.0001}, {3, -3, 1.0001}, {0, 3, 1.0001}), -1);
+  EXPECT_EQ(tree.find_touched({-0.3, -0.3, 0}, {0.3, -0.3, 0}, {0, 0.3, 0}), -1);  // inside
 }
 
 TEST(RefereeTree, CrossingsInOrder) {
@@ -92,7 +146,7 @@ TEST(RefereeTree, CrossingsInOrder) {
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_NEAR(crossings[i].share, shares[i], 1e-15);
     EXPECT_EQ(crossings[i].entering, i % 2 == 0);
-    EXPECT_EQ(tree.face_normal(crossings[i].place), Vec3(i % 2 == 0 ? -1 : 1, 0, 0));
+    EXPECT_EQ(tree.face_normal(crossings[i].slot), Vec3(i % 2 == 0 ? -1 : 1, 0, 0));
   }
   tree.cross(Vec3(-2, 0.1, 1.3) - centre, Vec3(6, 0.1, 1.3) - centre, crossings);
   EXPECT_TRUE(crossings.empty());
@@ -104,12 +158,12 @@ TEST(RefereeTree, CrossingsSumToTheWindingNumber) {
   const TriangleMesh mesh = make_box({1, 1, 1}, 4);
   const RefereeTree tree(mesh);
   std::mt19937_64 random(11);
-  std::uniform_int_distribution<int> place(-6, 6);
+  std::uniform_int_distribution<int> slot(-6, 6);
   std::vector<SurfaceCrossing> crossings;
   int checked = 0;
   for (int i = 0; i < 3000; ++i) {
-    const Vec3 from(0.25 * place(random), 0.25 * place(random), 0.25 * place(random));
-    const Vec3 to(0.25 * place(random), 0.25 * place(random), 0.25 * place(random));
+    const Vec3 from(0.25 * slot(random), 0.25 * slot(random), 0.25 * slot(random));
+    const Vec3 to(0.25 * slot(random), 0.25 * slot(random), 0.25 * slot(random));
     const double reach_from = from.lpNorm<Eigen::Infinity>();
     const double reach_to = to.lpNorm<Eigen::Infinity>();
     if (reach_from == 1 || reach_to == 1) continue;  // on the surface

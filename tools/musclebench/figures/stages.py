@@ -5,21 +5,19 @@ from pathlib import Path
 import pandas as pd
 
 from ..accuracy.aggregates import NANOSECONDS_TO_MS, Aggregate, find, stage_ns
-from ..accuracy.configurations import configuration
 from ..results.run_folder import COLLISION_STAGES
 from ..results.statistics import pooled_median
-from ..tables.fcl_table import best_right
+from ..tables.choices import best_right
 from . import style
 from .style import plt
 
 NOT_STAGES = {*COLLISION_STAGES, "frame_ns", "recording_ns", "collision_ns"}
-# Of Okabe and Ito; the three of collision are warm, so that their share is seen at once.
-COLOURS = {"update_ns": "#F0E442", "detect_ns": "#D55E00", "respond_ns": "#CC79A7"}
-OTHER_COLOURS = ["#0072B2", "#56B4E9", "#009E73", "#4d4d4d", "#999999", "#c7c7c7"]
-LEGEND_INCHES = 0.6
+# The three of collision are warm, so that their share is seen at once; no stage has a backend's colour.
+COLOURS = {"update_ns": "#F0E442", "detect_ns": "#D55E00", "respond_ns": "#8C2D04"}
+OTHER_COLOURS = ["#23395B", "#6A8CAF", "#A9C5DE", "#4d4d4d", "#999999", "#c7c7c7"]
+LEGEND_INCHES = 0.5
+WORDS_INCHES = 0.1  # right of what stands beside the bars
 STAGE_ORDER = ["edge_length_ns", "bending_ns", "volume_ns", "attachment_ns", "gravity_ns", "predict_ns", "finish_ns"]
-CHOSEN = [configuration("null", {}), configuration("voxel", {}), configuration("sdf", {}), configuration("bvh", {}),
-          configuration("fcl", {})]
 
 
 def stage_rows(coupled: list[Aggregate], replays: list[Aggregate]) -> pd.DataFrame:
@@ -38,9 +36,13 @@ def stage_rows(coupled: list[Aggregate], replays: list[Aggregate]) -> pd.DataFra
 
 
 def chosen_aggregates(coupled: list[Aggregate], replays: list[Aggregate], scene: str) -> list[Aggregate]:
-    """The default of each backend, and the fastest right configuration of fcl that has driven the muscle."""
-    best = best_right([e for e in replays if find(coupled, scene, e.configuration) is not None], scene)
-    wanted = [*CHOSEN, *([best.configuration] if best else [])]
+    """The default of each backend, and of one with many choices the fastest right configuration that has driven the
+    muscle."""
+    driven = [one for one in replays if find(coupled, scene, one.configuration) is not None]
+    wanted = [one.configuration for one in coupled if one.scene == scene and one.configuration.is_default]
+    for backend in dict.fromkeys(one.backend for one in driven if one.configuration.about.has_many_choices):
+        best = best_right(driven, scene, backend)
+        wanted += [best.configuration] if best else []
     found = [find(coupled, scene, one) for one in dict.fromkeys(wanted)]
     return [aggregate for aggregate in found if aggregate is not None]
 
@@ -58,17 +60,17 @@ def draw_stages(rows: pd.DataFrame, stem: Path) -> list[Path]:
     style.apply_style()
     scenes, names = list(dict.fromkeys(rows["scene"])), list(dict.fromkeys(rows["stage"]))
     bars = max(rows[rows["scene"] == scene]["configuration"].nunique() for scene in scenes)
-    height = len(scenes) * (0.34 * bars + 0.75) + LEGEND_INCHES
-    figure, panels = plt.subplots(len(scenes), 1, figsize=(9.6, height), squeeze=False)
+    height = len(scenes) * (0.22 * bars + 0.55) + LEGEND_INCHES
+    figure, panels = plt.subplots(len(scenes), 1, figsize=(style.PAGE_INCHES, height), squeeze=False)
     colours = _colours(names)
     for axes, scene in zip(panels[:, 0], scenes):
         _draw_bars(axes, rows[rows["scene"] == scene], names, colours)
         axes.set_title(style.muscle_label(scene.split("/")[-1]), loc="left")
     panels[-1, 0].set_xlabel("share of the frame's stages (%), medians")
-    figure.tight_layout(rect=(0, 0, 1, 1 - LEGEND_INCHES / height), h_pad=1.2)
+    figure.tight_layout(rect=(0, 0, 1 - WORDS_INCHES / style.PAGE_INCHES, 1 - LEGEND_INCHES / height), h_pad=0.8)
     handles = [plt.Rectangle((0, 0), 1, 1, color=colours[name]) for name in names]
     figure.legend(handles, [_words(name) for name in names], ncols=5, loc="upper left", bbox_to_anchor=(0.0, 1.0),
-                  frameon=False, fontsize=8.5)
+                  frameon=False)
     table = stem.with_suffix(".csv")
     rows.to_csv(table, index=False)
     return [*style.save_figure(figure, stem), table]
@@ -84,7 +86,7 @@ def _draw_bars(axes, rows: pd.DataFrame, names: list[str], colours: dict) -> Non
             left += width
         collision = mine.loc[[s for s in COLLISION_STAGES if s in mine.index], "ms"].sum()
         axes.text(101, height, f"{_ms(mine['ms'].sum())} ms, collision {_ms(collision)} ms", va="center",
-                  fontsize=8.5)
+                  fontsize=7)
     axes.set_yticks(range(len(configurations)), configurations)
     axes.set(xlim=(0, 100), ylim=(len(configurations) - 0.45, -0.55))
     axes.grid(axis="y", visible=False)
