@@ -11,6 +11,8 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[1])]
 
+import fake_registry  # noqa: E402  (found through the path that is set above)
+
 LAST_WORDS = {
     "crash": "musclebench: scene.toml: key 'x': no such thing",
     "full_disk": "musclebench: run/frames.csv: cannot be written; is the disk full or the folder write-protected?",
@@ -72,7 +74,7 @@ def write_study_case(options, status: str, answer: str) -> None:
         (Path(structures) / "bone.field").write_text("a field")
     mode = {"run": "coupled"}.get(options.command, options.command)
     record = {
-        "status": status, "status_detail": "", "contact_hash": answer, "state_hash": answer,
+        "status": status, "status_detail": "", "contact_hash": answer, "state_hash": answer, "frames": 1,
         "structures": "built" if built else "loaded",
         "case": {"mode": mode, "backend": options.backend, "parameters": parameters},
     }
@@ -89,8 +91,10 @@ def write_recording(options) -> None:
 def main() -> int:
     options = parse_arguments()
     if options.command == "list":
-        import fake_registry
         print(fake_registry.text())
+        return 0
+    if options.command == "probe" and options.points == "1":
+        fake_registry.write_survey(Path(options.out), options.input, int(options.frames or 314))
         return 0
     name = case_name(options)
     behaviours = dict(item.rsplit("=", 1) for item in os.environ.get("FAKE_BEHAVIOUR", "").split())

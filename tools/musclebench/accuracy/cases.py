@@ -83,7 +83,8 @@ def _complete(case: dict, planned: dict | None) -> None:
 
 def _case(name: str, run: Run, probe: pd.DataFrame, registry: Registry) -> StudyCase:
     told = run.record["case"]
-    chosen = configuration(registry.backend(told["backend"]), told.get("parameters") or {}, int(told.get("threads") or 1))
+    about, parameters = registry.backend(told["backend"]), told.get("parameters") or {}
+    chosen = configuration(about, parameters, int(told.get("threads") or 1))
     return StudyCase(name, run, chosen, probe)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from ..program.fingerprint import write_whole
+from ..program.registry import saved_registry
 from ..results.run_folder import ResultProblem, read_runs
 from ..study.study_manifest import machine
 from ..tables.table_formats import as_ratio
@@ -36,7 +37,7 @@ def write_report(out_dir: Path) -> tuple[list[Row], list[Path]]:
     measured = measured_in(out_dir)
     if not measured.runs:
         raise ResultProblem(f"{out_dir / 'raw'}: holds no complete case; run tools/speed first")
-    table = rows(measured)
+    table = rows(measured, saved_registry(out_dir))
     files = {"speed.md": as_markdown(table), "speed.txt": as_text(table), "speed.csv": as_csv(table),
              "speed.json": as_json(table, measured)}
     for name, text in files.items():
