@@ -32,7 +32,7 @@ TIME_COLUMNS = [
     Column("fps", "frames/s", 1, "frames\n/s"), Column("fps_without", "frames/s without collision", 1),
     Column("missed_contacts", "missed contacts", 0, "missed"), Column("false_contacts", "false contacts", 0, "false"),
     Column("largest_depth_mm", "largest depth mm", 3, "depth\nmm"), Column("mean_depth_mm", "mean depth mm", 3),
-    Column("build_s", "build s", 2),
+    Column("build_s", "build s", 2), Column("structure_mb", "structures MB", 1),
 ]
 TIME_COLUMNS_SHOWN = [
     "backend", "status", "collision_ms", "ratio", "ratio_low", "ratio_high", "paper_ratio", "fps",
@@ -110,6 +110,7 @@ def _time_row(cases, muscle: str, backend: str, published: Published) -> dict:
         "largest_depth_mm": 1e3 * run.frames["max_depth_m"].max(),
         "mean_depth_mm": 1e3 * run.frames["mean_depth_m"].mean(),
         "build_s": float("nan") if build_ns is None else build_ns / 1e9,
+        "structure_mb": _megabytes(run.record.get("structure_bytes")),
     }
 
 

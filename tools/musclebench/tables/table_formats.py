@@ -49,11 +49,14 @@ def write_table(table: Table, folder: Path) -> list[Path]:
 
 
 def as_markdown(table: Table) -> str:
-    titles = [column.title for column in table.columns]
-    lines = [table.caption, "", "| " + " | ".join(titles) + " |"]
-    lines.append("| " + " | ".join("---" if c.digits is None else "---:" for c in table.columns) + " |")
-    lines += ["| " + " | ".join(cells) + " |" for cells in _cells(table, table.columns)]
-    return "\n".join(lines) + "\n"
+    return f"{table.caption}\n\n{markdown_rows(table.columns, table.rows)}\n"
+
+
+def markdown_rows(columns: list[Column], rows: pd.DataFrame) -> str:
+    lines = ["| " + " | ".join(column.title for column in columns) + " |"]
+    lines.append("| " + " | ".join("---" if c.digits is None else "---:" for c in columns) + " |")
+    lines += ["| " + " | ".join(cells) + " |" for cells in _cells(Table("", "", columns, rows, []), columns)]
+    return "\n".join(lines)
 
 
 def as_latex(table: Table) -> str:
