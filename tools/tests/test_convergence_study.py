@@ -31,7 +31,7 @@ def test_complete_runs_are_kept_and_the_table_has_a_row_each(study, tmp_path):
     code, text, errors, called = study()
     assert code == 0, errors
     assert called == ["iliacus-substeps=10", "iliacus-substeps=5"]
-    assert (tmp_path / "out" / "tables" / "substeps.csv").read_text().count("\n") == 3
+    assert "".join((tmp_path / "out" / "tables" / "substeps.csv").read_text()).count("\n") == 3
     assert "synthetic/iliacus | 5 | ok | 0.000" in text
     assert study()[3] == []
     assert study("--substeps", "5,10,20")[3] == ["iliacus-substeps=20"]

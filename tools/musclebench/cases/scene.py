@@ -120,7 +120,8 @@ def _asked(scene: Scene, program: Path, registry: Registry, places: Places) -> S
     with tempfile.TemporaryDirectory() as folder:
         # The cheapest command that reads a scene and tells what it has read: one point, and no collision.
         command = [str(program), "probe", scene.name, "--backend", backend.name, "--points", "1",
-                   *scene.preset_arguments(), *scene.frames_arguments(), *scene.data_arguments(places), "--out", f"{folder}/survey"]
+                   *scene.preset_arguments(), *scene.frames_arguments(), *scene.data_arguments(places),
+                   "--out", f"{folder}/survey"]
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=SURVEY_SECONDS)
         if done.returncode != 0:
             lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]

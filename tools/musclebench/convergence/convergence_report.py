@@ -11,10 +11,11 @@ from ..results.statistics import percentile
 from ..tables.table_formats import Column, Table, write_table
 
 COLUMNS = [
-    Column("scene", "scene"), Column("substeps", "substeps", 0), Column("status", "status"),
+    Column("muscle", "muscle"), Column("scene", "scene"), Column("substeps", "substeps", 0), Column("status", "status"),
     Column("rms_mm", "RMS mm", 3), Column("p99_mm", "p99 mm", 3), Column("largest_mm", "largest mm", 3),
     Column("volume_error_percent", "volume error %", 4), Column("largest_depth_mm", "largest depth mm", 3),
 ]
+SHOWN = [column.key for column in COLUMNS if column.key != "muscle"]
 CAPTION = (
     "Distance of the muscle's shape at full flexion to that of the run with the most substeps, over the nodes; largest "
     "error of the volume and largest depth of a node over all frames. The time of a frame is the same in all runs."
@@ -26,7 +27,7 @@ def write_report(folders: list[Path], out_dir: Path) -> tuple[Table, list[Path]]
     runs = [read_run(folder) for folder in folders]
     rows = [row for scene in dict.fromkeys(run.scene for run in runs)
             for row in _rows([run for run in runs if run.scene == scene])]
-    table = Table("substeps", CAPTION, COLUMNS, pd.DataFrame(rows, columns=[column.key for column in COLUMNS]), [])
+    table = Table("substeps", CAPTION, COLUMNS, pd.DataFrame(rows, columns=[column.key for column in COLUMNS]), SHOWN)
     out_dir.mkdir(parents=True, exist_ok=True)
     return table, write_table(table, out_dir)
 
@@ -38,7 +39,7 @@ def _rows(runs: list[Run]) -> list[dict]:
 
 
 def _row(run: Run, finest: np.ndarray | None) -> dict:
-    row = {"scene": run.scene, "substeps": _substeps(run), "status": run.status}
+    row = {"muscle": run.muscle, "scene": run.scene, "substeps": _substeps(run), "status": run.status}
     shape = _flexed(run)
     if shape is not None and finest is not None:
         distances = 1e3 * np.linalg.norm(shape - finest, axis=1)
