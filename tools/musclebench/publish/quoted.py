@@ -10,7 +10,7 @@ from .pages import MARKED
 
 UNITS = (r"ms|us|µs|ns|s|min|h|seconds?|minutes?|hours?|GB|MB|kB|MiB|KiB|bytes?|mm|nm|µm|%|percent|fps|frames/s|cycles|"
          r"times|fold|x|voxel tests?")
-NUMBER = r"[\d][\d,]*(?:\.\d+)?(?:e-?\d+)?"
+NUMBER = r"\d+(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?"
 # An upper-case letter before: the version in a name.
 WITH_UNIT = re.compile(rf"(?<![\w.])({NUMBER})(?:\s?(?:to|and|-)\s?{NUMBER})?\s?(?:{UNITS})(?![\w/])")
 DECIMAL = re.compile(r"(?<![\w./:])(?<![A-Z+] )(\d+\.\d+)(?![\w./])")
@@ -20,6 +20,7 @@ NOT_PROSE = [
     re.compile(r"```.*?```", re.DOTALL),
     re.compile(r"<!--.*?-->", re.DOTALL),
     re.compile(r"`[^`\n]*`"),
+    re.compile(r"\$[^$\n]*\$"),
     re.compile(r"\]\([^)]*\)"),
     re.compile(r"https?://\S+|doi:\S+"),
 ]
