@@ -21,7 +21,7 @@ FIELD_LEVELS = 5
 
 def bone_distance(x, y):
     """Signed, of a flat shape with a round end: negative inside."""
-    shaft = np.maximum(np.abs(y - 0.1 * np.sin(2 * x)) - 0.28, np.abs(x) - 1.1)
+    shaft = np.maximum(np.abs(y - 0.1 * np.sin(2 * x)) - 0.28, np.maximum(-x - 1.1, x - 0.8))
     head = np.hypot(x - 0.75, y - 0.18) - 0.48
     return np.minimum(shaft, head)
 
@@ -48,7 +48,8 @@ def triangle_bvh(axes) -> None:
     points = np.array([(x, 0.35 * np.sin(1.4 * x)) for x in np.linspace(-2.4, 2.4, 25)])
     axes.plot(*points.T, "-", color=LINE, linewidth=1.2, marker="|", markersize=4)
     query = np.array([-0.35, 1.25])
-    closest = points[np.argmin(np.linalg.norm(points - query, axis=1))]
+    dense = np.array([(x, 0.35 * np.sin(1.4 * x)) for x in np.linspace(-2.4, 2.4, 500)])
+    closest = dense[np.argmin(np.linalg.norm(dense - query, axis=1))]
     radius = np.linalg.norm(closest - query)
     for first in range(0, 24, 3):
         part = points[first:first + 4]

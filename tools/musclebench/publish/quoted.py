@@ -32,7 +32,7 @@ def unmarked(text: str) -> list[tuple[int, str]]:
         text = pattern.sub(lambda match: re.sub(r"[^\n]", " ", match.group(0)), text)
     found = {(match.start(1), match.group(0).strip())
              for pattern in (WITH_UNIT, DECIMAL, CELL) for match in pattern.finditer(text)}
-    first_at_place = {}
-    for place, words in sorted(found):
-        first_at_place.setdefault(place, words)
-    return [(text.count("\n", 0, place) + 1, words) for place, words in first_at_place.items()]
+    longest_at = {}
+    for place, words in sorted(found, key=lambda one: (one[0], -len(one[1]))):
+        longest_at.setdefault(place, words)
+    return [(text.count("\n", 0, place) + 1, words) for place, words in longest_at.items()]
