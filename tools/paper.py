@@ -20,6 +20,7 @@ from musclebench.program.cli import (
 from musclebench.program.out_folder import claimed
 from musclebench.program.registry import Registry, read_registry, save_registry
 from musclebench.results import run_folder
+from musclebench.results.disturbance import note
 from musclebench.tables import paper_tables, table_formats
 
 TOOLS = Path(__file__).resolve().parent
@@ -102,7 +103,9 @@ def draw_surfaces(out_dir: Path, names: list[str]) -> list[Path]:
 def print_report(runs: list[run_folder.Run], made: list[paper_tables.Table], files: list[Path]) -> None:
     for table in made:
         print(f"\n{table.caption}\n\n{table_formats.as_text(table)}")
-    print(f"\n{paper_figures.caption(runs)}\n\nWritten:")
+    busy = note(paper_tables.disturbed_runs(runs), len(runs))
+    print(f"\n{busy}" if busy else "")
+    print(f"{paper_figures.caption(runs)}\n\nWritten:")
     for path in files:
         print(f"  {path}")
 

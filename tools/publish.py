@@ -82,7 +82,8 @@ def _arguments(kind: str, data_set: str, options) -> tuple[str, ...]:
     own = {"paper": ("--jobs", "1"),
            "accuracy": () if data_set == "lhdl" else ("--muscle", "iliacus")}.get(kind, ())
     if kind == "convergence":
-        own = tuple(f"{data_set}/{name}" for name in (SMOOTH_SCENES[:1] if options.quick else SMOOTH_SCENES))
+        names = SMOOTH_SCENES[:1] if options.quick else SMOOTH_SCENES
+        own = tuple(word for name in names for word in ("--muscle", name))
     return (*own, *data, *(quick if options.quick else ()))
 
 
@@ -104,8 +105,6 @@ def run_steps(steps: list[Step], options) -> list[str]:
         out_dir, started = out_dir_of(options) / step.name, time.monotonic()
         print(f"[{number}/{len(steps)}] {step.name}: {step.shown} -> {out_dir}", flush=True)
         command = step.command(options.musclebench, out_dir)
-        if step.kind == "convergence":
-            command += ["--report", str(out_dir)]
         code = subprocess.run(command, stdout=subprocess.DEVNULL, check=False).returncode
         if code == 130:
             raise KeyboardInterrupt

@@ -126,7 +126,7 @@ def measure_and_report(options) -> int:
         problems = run(cases, experiment, options)
         save_registry(registry, out_dir)
     table, files = speed_report.write_report(out_dir)
-    print(f"\n{speed_report.as_text(table)}\n{speed_report.CAPTION}\n\nWritten:")
+    print(f"\n{(out_dir / 'speed.txt').read_text()}\n{speed_report.CAPTION}\n\nWritten:")
     for path in files:
         print(f"  {path}")
     for problem in problems:

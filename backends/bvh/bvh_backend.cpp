@@ -11,7 +11,9 @@ class BvhBackend final : public CollisionBackend {
  public:
   explicit BvhBackend(bool clearance_cache) : m_uses_cache(clearance_cache) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_uses_cache}; }
+  [[nodiscard]] Capabilities capabilities() const override {
+    return {.remembers = m_uses_cache, .steady_memory = true};
+  }
   [[nodiscard]] AnswerBound answer_bound(int bone) const override {
     return {m_surfaces[static_cast<std::size_t>(bone)].touching_m(), 0};
   }

@@ -128,7 +128,7 @@ class TriangleBvh {
 
  private:
   friend class TriangleBvhBuilder;
-  friend class PacketSearch;
+  friend class BatchedClosestPoint;
 
   /// BvhSearch::slack for points up to `reach` from the middle and up to `coordinate` in the mesh's frame, along an
   /// axis, in the own unit.

@@ -30,6 +30,7 @@ def parse_arguments():
         parser.add_argument(option)
     parser.add_argument("--repetition", type=int)
     parser.add_argument("--param", action="append", default=[])
+    parser.add_argument("--loop", action="append", default=[])
     parser.add_argument("--progress", action="store_true")
     parser.add_argument("--no-referee", action="store_true")
     return parser.parse_args()
@@ -63,6 +64,11 @@ def write_paper_run(options, status: str) -> None:
     fake_runs.write_run(Path(options.out), options.input, options.backend, int(options.frames or 314), status,
                         "frame 3" if status == "diverged" else "", bones, muscle.triangles, shots,
                         {"femur": {"axis": [-1, 0, 0], "centre_m": [0, 0, 0], "angles_rad": [0, 1.57]}})
+    if options.loop:
+        told = Path(options.out) / "run.json"
+        loop = {"substeps": int(dict(word.split("=") for word in options.loop)["substeps"])}
+        record = json.loads(told.read_text())
+        told.write_text(json.dumps(record | {"case": record["case"] | {"loop": loop}}))
 
 
 def write_study_case(options, status: str, answer: str) -> None:

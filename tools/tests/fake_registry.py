@@ -48,7 +48,8 @@ def survey_record(scene: str, frames: int) -> dict:
     """What a probe tells of a scene, as far as experiments ask: half of the motion there, half back."""
     motion = {"axis": [-1, 0, 0], "centre_m": [0, 0, 0], "times": [0, 1], "angles_rad": [0, 1.5708],
               "there_and_back": True}
-    return {"case": {"scene": scene, "preset": "paper", "loop": {"frames": frames, "substeps": 3, "iterations": 1}},
+    return {"case": {"scene": scene, "preset": "paper", "loop": {
+        "frames": frames, "substeps": 3, "iterations": 1, "time_step_s": 1e-3}},
             "muscle": {"vertices": NODES.get(scene.split("/")[-1], 1000), "mesh_sha256": "00aa"},
             "bones": [{"name": "pelvis", "motion": {"angles_rad": []}}, {"name": "femur", "motion": motion}]}
 
@@ -61,7 +62,8 @@ def write_survey(folder: Path, scene: str, frames: int) -> None:
 def scene(name: str, frames: int | None = None) -> Scene:
     """As a survey tells it."""
     probed_on = "" if name.endswith(".toml") else f"{name.split('/')[0]}/{min(NODES)}"
-    return told(Scene(name, frames_limit=frames, probed_on=probed_on), survey_record(name, frames or 314))
+    asked = Scene(name, frames_limit=frames, probed_on=probed_on, asks_preset=not name.endswith(".toml"))
+    return told(asked, survey_record(name, frames or 314))
 
 
 def scenes(data_set: str) -> tuple[Scene, ...]:

@@ -10,6 +10,7 @@ from ..figures.convergence import draw_costs, draw_errors
 from ..figures.pareto import draw_pareto
 from ..figures.stages import draw_stages, stage_rows
 from ..program.registry import saved_registry
+from ..results.disturbance import note
 from ..tables import table_formats
 from ..tables.choices import choices_tables, rule
 from ..tables.outcomes import outcomes_table, shape_distances
@@ -56,8 +57,9 @@ def write_report(out_dir: Path) -> AccuracyReport:
     shapes = shape_distances(coupled)
     made = [table for table in (price_list(replays, builds), *choices_tables(replays), outcomes_table(coupled, shapes))
             if not table.rows.empty]
+    busy = note({case.name: case.disturbance for case in cases if case.disturbance}, len(cases))
     for table in made:
-        files += _write_table(table, tables)
+        files += _write_table(table, tables, busy)
     files += _draw_replay(replays, wrong, figures)
     files += _draw_coupled(coupled, wrong, shapes, figures)
     files += _draw_convergence(aggregates, builds, figures)
@@ -72,9 +74,10 @@ def _write_rows(cases: list[StudyCase], aggregates: list[Aggregate], builds: dic
     return paths
 
 
-def _write_table(table: Table, folder: Path) -> list[Path]:
+def _write_table(table: Table, folder: Path, busy: str) -> list[Path]:
+    """`busy`: of the machine, below the table."""
     text = folder / f"{table.name}.txt"
-    text.write_text(f"{table.caption}\n\n{table_formats.as_text(table)}\n{_notes(table)}")
+    text.write_text(f"{table.caption}\n\n{table_formats.as_text(table)}\n{_notes(table)}{busy}\n")
     return [*table_formats.write_table(table, folder), text]
 
 

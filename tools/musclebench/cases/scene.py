@@ -30,6 +30,8 @@ class Scene:
     iterations: int = 3  # collision steps a frame
     full_flexion_frame: int = 157  # the largest angle either way
     preset: str = PRESET
+    asks_preset: bool = True  # False: that of the scene file
+    frame_time_s: float = 3e-3
     frames_limit: int | None = None  # None: as many as scene and preset have
     probed_on: str = ""  # the scene whose bones are probed for this one, too; empty: this one
     digest: str = ""  # of a scene file and what it names; the program's own scenes change with the program
@@ -60,7 +62,7 @@ class Scene:
         return self.nodes / REFERENCE_NODES
 
     def preset_arguments(self) -> list[str]:
-        return [] if self.is_file else ["--preset", self.preset]
+        return ["--preset", self.preset] if self.asks_preset else []
 
     def data_arguments(self, places: Places) -> list[str]:
         return ["--data", str(places.data_dir)] if places.data_dir is not None else []
@@ -103,21 +105,23 @@ def _named(scene: str, known: list[str]) -> str:
     raise Problem(f"--scene {scene}: neither a scene of the program nor a .toml file; did you mean '{near[0]}'?")
 
 
-def survey(names: list[str], program: Path, registry: Registry, places: Places,
-           frames_limit: int | None = None) -> list[Scene]:
-    """Asks the program how large each scene is and how it moves."""
+def survey(names: list[str], program: Path, registry: Registry, places: Places, frames_limit: int | None = None,
+           preset: str | None = None) -> list[Scene]:
+    """Asks the program how large each scene is and how it moves. `preset`: of all; else scene files have their own."""
     short = [Scene(name).key for name in names]
-    return [replace(_asked(name, program, registry, places, frames_limit), has_long_key=short.count(key) > 1)
-            for name, key in zip(names, short)]
+    scenes = [Scene(name, preset=preset or PRESET, asks_preset=bool(preset) or not Scene(name).is_file,
+                    frames_limit=frames_limit, probed_on=_probed_on(name, registry), has_long_key=short.count(key) > 1)
+              for name, key in zip(names, short)]
+    return [_asked(scene, program, registry, places) for scene in scenes]
 
 
-def _asked(name: str, program: Path, registry: Registry, places: Places, frames_limit: int | None) -> Scene:
-    scene = Scene(name, frames_limit=frames_limit, probed_on=_probed_on(name, registry))
+def _asked(scene: Scene, program: Path, registry: Registry, places: Places) -> Scene:
     backend = registry.control or registry.backends[0]
     with tempfile.TemporaryDirectory() as folder:
         # The cheapest command that reads a scene and tells what it has read: one point, and no collision.
-        command = [str(program), "probe", name, "--backend", backend.name, "--points", "1", *scene.preset_arguments(),
-                   *scene.frames_arguments(), *scene.data_arguments(places), "--out", f"{folder}/survey"]
+        command = [str(program), "probe", scene.name, "--backend", backend.name, "--points", "1",
+                   *scene.preset_arguments(), *scene.frames_arguments(), *scene.data_arguments(places),
+                   "--out", f"{folder}/survey"]
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=SURVEY_SECONDS)
         if done.returncode != 0:
             lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
@@ -134,7 +138,7 @@ def told(scene: Scene, record: dict) -> Scene:
         scene, nodes=record["muscle"]["vertices"], frames=loop["frames"],
         iterations=loop["substeps"] * loop["iterations"],
         full_flexion_frame=full_flexion_frame([bone.get("motion") or {} for bone in bones], loop["frames"]),
-        preset=record["case"].get("preset") or "", digest=digest)
+        preset=record["case"].get("preset") or "", digest=digest, frame_time_s=loop["substeps"] * loop["time_step_s"])
 
 
 def full_flexion_frame(motions: list[dict], frames: int) -> int:

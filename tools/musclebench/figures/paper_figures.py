@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from ..paper.published import Published
+from ..results.disturbance import waits
 from ..results.run_folder import Run
 from ..tables.paper_tables import MEGABYTE, by_case, collision_ratio
 from ..tables.table_formats import as_ratio
@@ -52,11 +53,14 @@ def muscle_of_figures(muscles) -> str:
 def _draw_times(cases, muscle: str, runs: dict[str, Run], published: Published, folder: Path) -> list[Path]:
     shown = {backend: run for backend, run in runs.items() if not looks.backend(backend).is_control}
     figure, axes = _column_axes()
-    labels = []
+    labels, waiting = [], 0
     for backend, run in shown.items():
         frames = run.timed_frames
-        milliseconds = frames["collision_ns"] / 1e6
-        _line(axes, backend, frames["frame"], milliseconds)
+        milliseconds, waited = frames["collision_ns"] / 1e6, waits(frames["collision_ns"])
+        _line(axes, backend, frames["frame"][~waited], milliseconds[~waited])
+        axes.scatter(frames["frame"][waited], milliseconds[waited], marker="x", s=9, linewidth=0.6,
+                     color=looks.colour(backend), alpha=0.5)
+        waiting += int(waited.sum())
         ratio = collision_ratio(cases, muscle, backend)
         paper = published.time_ratio(backend)
         note = "" if backend == "voxel" else f"\n{as_ratio(ratio.value)} x voxel\n(paper {paper or 'none'})"
@@ -67,7 +71,8 @@ def _draw_times(cases, muscle: str, runs: dict[str, Run], published: Published, 
     figure.suptitle(f"Fig. 7  Collision time, {style.muscle_label(muscle)}", x=0.02, ha="left", y=0.99)
     _label_ends(axes, labels)
     _angle_axis(axes, next(iter(shown.values())))
-    _footnote(figure, list(shown.values()))
+    crosses = f"; crosses: {waiting} frames in which the process waited for the processor" if waiting else ""
+    _footnote(figure, list(shown.values()), crosses)
     rows = _rows(shown, ["update_ns", "detect_ns", "respond_ns", "collision_ns"])
     return _save(figure, rows, folder / "fig_7_collision_time")
 
@@ -154,8 +159,8 @@ def _angle_axis(axes, run: Run) -> None:
     top.tick_params(length=0, colors="#666666", labelsize=7, pad=0)
 
 
-def _footnote(figure: Figure, runs: list[Run]) -> None:
-    style.add_note(figure, caption(runs))
+def _footnote(figure: Figure, runs: list[Run], more: str = "") -> None:
+    style.add_note(figure, caption(runs) + more)
 
 
 def _rows(runs: dict[str, Run], columns: list[str]) -> pd.DataFrame:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..results.statistics import percentile
 from .rendering import CutPlane, View
 
 OVERVIEW_MARGIN = 1.15
@@ -63,7 +64,7 @@ def overview(joint: JointDirections, eye: np.ndarray, shapes_m: np.ndarray) -> V
     right, up = _picture_axes(eye, joint.up)
     focus, spans = joint.centre_m, []
     for direction in (right, up):
-        along = np.append(np.percentile(shapes_m @ direction, [0.5, 99.5]), joint.centre_m @ direction)
+        along = np.append(percentile(shapes_m @ direction, [0.5, 99.5]), joint.centre_m @ direction)
         focus = focus + direction * ((along.max() + along.min()) / 2 - focus @ direction)
         spans.append(along.max() - along.min())
     return View(focus, eye, up, OVERVIEW_MARGIN * max(spans) / 2)

@@ -10,13 +10,14 @@ import pandas as pd
 
 from ..program.cli import Problem
 from ..program.fingerprint import write_whole
+from ..results.disturbance import disturbed
 
 SOURCE = "source.json"
 TABLES = {
     "paper": ("tables/table_1_memory.csv", "tables/table_2_times.csv"),
     "accuracy": ("tables/price_list.csv", "tables/*_factors.csv", "tables/coupled_outcomes.csv", "study.csv"),
     "speed": ("speed.csv",),
-    "convergence": ("substeps.csv",),
+    "convergence": ("tables/substeps.csv",),
 }
 
 
@@ -82,16 +83,17 @@ def adopt(study: str, out_dir: Path, target: Path, command: str) -> Source:
 
 def source_of(out_dir: Path, command: str) -> Source:
     """Of the complete runs in the folder, which must be of one commit and machine."""
-    records = [_record(path) for path in sorted(out_dir.rglob("run.json"))
-               if not any(part.startswith(".") for part in path.relative_to(out_dir).parts)]
-    records = [record for record in records if record.get("build")]
+    named = {path.parent.name: _record(path) for path in sorted((out_dir / "raw").rglob("run.json"))
+             if not any(part.startswith(".") for part in path.relative_to(out_dir).parts)}
+    named = {name: record for name, record in named.items() if record.get("build")}
+    records = list(named.values())
     if not records:
         raise Problem(f"{out_dir}: holds no complete run")
     return Source(
         command, _one(records, out_dir, "commit", "build", "git"), _one(records, out_dir, "machine", "machine", "cpu"),
         _one(records, out_dir, "compiler", "build", "compiler"),
         datetime.now(timezone.utc).date().isoformat(), int(_one(records, out_dir, "schema", "schema_version")),
-        sum(1 for record in records if (record.get("machine_state") or {}).get("disturbed")))
+        len(disturbed(named)))
 
 
 def _unit(study_csv: Path) -> str:

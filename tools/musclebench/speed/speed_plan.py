@@ -56,7 +56,8 @@ def settings(registry: Registry) -> list[Setting]:
 
 def targets(registry: Registry) -> list[dict]:
     """Of kernels: what the backends' studies hold, and what is of no backend."""
-    return [target for backend in registry.backends for target in backend.study.get("target", [])] + list(COMMON_TARGETS)
+    told = [target for backend in registry.backends for target in backend.study.get("target", [])]
+    return [*told, *COMMON_TARGETS]
 
 
 def plan(request: Request, registry: Registry) -> list[Case]:

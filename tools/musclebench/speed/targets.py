@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from ..accuracy.configurations import configuration
 from ..program.registry import Registry
+from ..results.disturbance import MARK
 from ..results.run_folder import Run
 from ..results.statistics import Estimate, paired_ratio
 from . import samples
@@ -48,6 +49,7 @@ class Measured:
     runs: list[Run]
     kernels: Kernels
     refusals: dict[str, str]  # why a group of kernels was not run
+    disturbed: dict[str, str] = field(default_factory=dict)  # why the machine was too busy, by the folder of a run
 
 
 def rows(measured: Measured, registry: Registry) -> list[Row]:
@@ -99,6 +101,8 @@ def _race_parts(measured: Measured, label: str, unit: str) -> list[Row]:
         failed = [run for run in of_muscle if label_of(run) == label and run.status != "ok"]
         if not row.is_known and failed:
             row.note = failed[0].record.get("status_detail") or failed[0].status
+        if any(run.folder.name in measured.disturbed and label_of(run) in (label, unit) for run in of_muscle):
+            row.note += MARK
         parts.append(row)
     return parts
 

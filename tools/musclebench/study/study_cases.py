@@ -111,9 +111,9 @@ class MeasuredCase(SceneCase):
 
     def record(self) -> dict:
         configuration = self.configuration
-        return {"mode": self.mode, "scene": self.scene.name, "preset": self.scene.preset, "backend": configuration.backend,
-                "parameters": dict(configuration.parameters), "threads": configuration.threads,
-                "repetition": self.repetition}
+        return {"mode": self.mode, "scene": self.scene.name, "preset": self.scene.preset,
+                "backend": configuration.backend, "parameters": dict(configuration.parameters),
+                "threads": configuration.threads, "repetition": self.repetition}
 
     def backend_arguments(self, places: Places) -> list[str]:
         words = ["--backend", self.configuration.backend]

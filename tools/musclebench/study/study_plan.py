@@ -34,7 +34,7 @@ def plan(request: Request, configurations: list[Configuration]) -> list[StudyCas
     """Recordings first, then round by round; the cases of a round are shuffled."""
     chosen = [c for c in configurations if c.in_quick or not request.quick]
     probed = {scene.probed.name: scene.probed for scene in request.scenes}.values()
-    firsts = [ProbeCase(scene, configuration) for scene in probed for configuration in chosen if configuration.is_probed]
+    firsts = [ProbeCase(scene, one) for scene in probed for one in chosen if one.is_probed]
     firsts += [case for scene in request.scenes for configuration in chosen
                for case in _modes(scene, configuration, configurations, request)]
     measured = _rounds(in_shard(firsts, *request.shard), request)
@@ -88,7 +88,8 @@ def stride_of(scene: Scene, configuration: Configuration, seconds: float,
     of_backend = [c for c in all_of_them if c.backend == configuration.backend and c.replays and not c.has_cache]
     slowest = max([*of_backend, configuration], key=lambda c: c.step_ms)
     stride = 1
-    while stride < configuration.longest_stride and ReplayCase(scene, slowest, stride=stride).guessed_step_seconds > seconds:
+    longest = configuration.longest_stride
+    while stride < longest and ReplayCase(scene, slowest, stride=stride).guessed_step_seconds > seconds:
         stride *= 2
     return stride
 

@@ -5,6 +5,7 @@ import pandas as pd
 from ..figures.style import in_order
 from ..paper.paper_cases import BACKENDS
 from ..paper.published import Published
+from ..results.disturbance import MARK, disturbed
 from ..results.run_folder import Run
 from ..results.statistics import Estimate, median_ratio
 from .table_formats import Column, Table
@@ -94,10 +95,11 @@ def _megabytes(count) -> float:
 
 def _time_row(cases, muscle: str, backend: str, published: Published) -> dict:
     run, frames = cases[muscle, backend], cases[muscle, backend].timed_frames
+    busy = MARK if run.folder.name in disturbed_runs(list(cases.values())) else ""
     ratio = collision_ratio(cases, muscle, backend)
     build_ns = run.record.get("build_ns")
     return {
-        "muscle": muscle, "backend": backend, "status": run.status, "frames": len(run.frames),
+        "muscle": muscle, "backend": backend, "status": f"{run.status}{busy}", "frames": len(run.frames),
         "collision_ms": frames["collision_ns"].median() / 1e6, "update_ms": frames["update_ns"].median() / 1e6,
         "detect_ms": frames["detect_ns"].median() / 1e6, "respond_ms": frames["respond_ns"].median() / 1e6,
         "ratio": ratio.value, "ratio_low": ratio.low, "ratio_high": ratio.high,
@@ -110,6 +112,11 @@ def _time_row(cases, muscle: str, backend: str, published: Published) -> dict:
         "build_s": float("nan") if build_ns is None else build_ns / 1e9,
         "structure_mb": _megabytes(run.record.get("structure_bytes")),
     }
+
+
+def disturbed_runs(runs: list[Run]) -> dict[str, str]:
+    """{folder's name: why}"""
+    return disturbed({run.folder.name: run.record for run in runs})
 
 
 def collision_ratio(cases, muscle: str, backend: str) -> Estimate:

@@ -1,11 +1,11 @@
-#include "backends/sdf/grid/field_places.hpp"
+#include "backends/sdf/grid/gather_nodes.hpp"
 
 #include <array>
 
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "backends/sdf/grid/field_places.cpp"
+#define HWY_TARGET_INCLUDE "backends/sdf/grid/gather_nodes.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include "backends/sdf/grid/field_lanes-inl.hpp"
@@ -43,17 +43,17 @@ HWY_INLINE hn::Mask<Lanes> is_wanted(const std::array<double, 3>& cells, const s
                                      const Vec3Lanes& at) {
   const Lanes d;
   const hn::RebindToUnsigned<Lanes> integers;
-  const hn::RebindToSigned<Lanes> places;
+  const hn::RebindToSigned<Lanes> indices;
   const auto index = [&](Vec v, double count) HWY_ATTR { return hn::Min(hn::Floor(v), set(count - 1)); };
   const Vec row = add_product(index(at.y, cells[1]), index(at.z, cells[2]), set(cells[1]));
   const auto cell = whole(add_product(index(at.x, cells[0]), row, set(cells[0])));
-  const auto word = hn::GatherIndex(integers, wanted, hn::BitCast(places, hn::ShiftRight<6>(cell)));
+  const auto word = hn::GatherIndex(integers, wanted, hn::BitCast(indices, hn::ShiftRight<6>(cell)));
   const auto bit = hn::Shl(hn::Set(integers, 1), hn::And(cell, hn::Set(integers, 63)));
   return hn::RebindMask(d, hn::TestBit(word, bit));
 }
 
-std::size_t place(const std::array<double, 3>& cells, const CellMap& map, const std::uint64_t* wanted,
-                  const double* positions, const int* nodes, std::size_t count, std::size_t first, FieldBlock& block) {
+std::size_t gather(const std::array<double, 3>& cells, const CellMap& map, const std::uint64_t* wanted,
+                   const double* positions, const int* nodes, std::size_t count, std::size_t first, FieldBlock& block) {
   const Lanes d;
   const hn::RebindToUnsigned<Lanes> integers;
   const Vec zero = hn::Zero(d);
@@ -63,16 +63,17 @@ std::size_t place(const std::array<double, 3>& cells, const CellMap& map, const 
     const Vec3Lanes p = load_positions(positions, nodes + i, here);
     Vec3Lanes at{turned(map, 0, p), turned(map, 1, p), turned(map, 2, p)};
     const auto inside = [&](Vec v, double most) HWY_ATTR { return hn::And(hn::Ge(v, zero), hn::Le(v, set(most))); };
-    auto asked = hn::And(hn::And(inside(at.x, cells[0]), inside(at.y, cells[1])),
-                         hn::And(inside(at.z, cells[2]), hn::FirstN(d, here)));
-    if (hn::AllFalse(d, asked)) {
+    auto wanted_lanes = hn::And(hn::And(inside(at.x, cells[0]), inside(at.y, cells[1])),
+                                hn::And(inside(at.z, cells[2]), hn::FirstN(d, here)));
+    if (hn::AllFalse(d, wanted_lanes)) {
       continue;
     }
     if (wanted != nullptr) {
-      at = {hn::IfThenElseZero(asked, at.x), hn::IfThenElseZero(asked, at.y), hn::IfThenElseZero(asked, at.z)};
-      asked = hn::And(asked, is_wanted(cells, wanted, at));
+      at = {hn::IfThenElseZero(wanted_lanes, at.x), hn::IfThenElseZero(wanted_lanes, at.y),
+            hn::IfThenElseZero(wanted_lanes, at.z)};
+      wanted_lanes = hn::And(wanted_lanes, is_wanted(cells, wanted, at));
     }
-    append(at, hn::Iota(integers, first + i), asked, block);
+    append(at, hn::Iota(integers, first + i), wanted_lanes, block);
   }
   return HWY_MIN(i, count);
 }
@@ -85,15 +86,15 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace musclebench {
 
-HWY_EXPORT(place);
+HWY_EXPORT(gather);
 
 static_assert(sizeof(Vec3) == 3 * sizeof(double), "positions are read as a row of numbers");
 
-std::size_t place_nodes(const std::array<double, 3>& cells, const CellMap& map, const std::uint64_t* wanted,
-                        std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
-                        FieldBlock& block) {
-  return HWY_DYNAMIC_DISPATCH(place)(cells, map, wanted, positions.data()->data(), nodes.data(), nodes.size(), first,
-                                     block);
+std::size_t gather_nodes(const std::array<double, 3>& cells, const CellMap& map, const std::uint64_t* wanted,
+                         std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
+                         FieldBlock& block) {
+  return HWY_DYNAMIC_DISPATCH(gather)(cells, map, wanted, positions.data()->data(), nodes.data(), nodes.size(), first,
+                                      block);
 }
 
 }  // namespace musclebench

@@ -1,4 +1,4 @@
-#include "backends/sdf/build/octree_reach.hpp"
+#include "backends/sdf/build/octree_sign_error.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,11 +11,12 @@ namespace {
 /// Parts of a leaf whose corners are no farther from their middle than this, over the least reach, are not divided.
 constexpr double finest_part = 0.25;
 
-/// Divides a leaf until its parts are known to be positive, or near enough to the surface.
-class ReachSearch {
+/// Divides a leaf until its parts are known to be positive, or near enough to the surface
+/// (reports/performance/field_bounds.md).
+class SignErrorSearch {
  public:
-  ReachSearch(const SignedSurface& surface, const OctreeCell& cell, const PolynomialFit& fit, std::size_t terms,
-              double least_m)
+  SignErrorSearch(const SignedSurface& surface, const OctreeCell& cell, const PolynomialFit& fit, std::size_t terms,
+                  double least_m)
       : m_surface(surface),
         m_cell(cell),
         m_fit(fit),
@@ -51,7 +52,7 @@ class ReachSearch {
     const PartValues parts = m_terms == cubic_terms ? part_values<true>(at, half) : part_values<false>(at, half);
     for (std::size_t octant = 0; octant < 8; ++octant) {
       if (parts.least_m[octant] <= m_rounding_m) {
-        visit(at + half * sample_place(lattice_samples + octant), 0.5 * half, parts.middle_m[octant]);
+        visit(at + half * sample_position(lattice_samples + octant), 0.5 * half, parts.middle_m[octant]);
       }
     }
   }
@@ -79,7 +80,7 @@ class ReachSearch {
     return parts;
   }
 
-  /// One of those that are known and nearest to a place.
+  /// The nearest known sample to a point.
   [[nodiscard]] std::size_t nearest_sample(const Vec3& at) const {
     const auto side = [&](std::size_t axis) { return at[static_cast<Eigen::Index>(axis)]; };
     if (m_known == cell_samples && (at.cwiseAbs().array() - 0.5).abs().maxCoeff() <= 0.25) {
@@ -89,16 +90,16 @@ class ReachSearch {
     return 9 * third(0) + 3 * third(1) + third(2);
   }
 
-  /// Not less than the exact distance of a place, by a sample's.
+  /// An upper bound of the exact distance at a point, by a sample's.
   [[nodiscard]] double by_sample_m(const Vec3& at, std::size_t sample) const {
-    return m_cell.leaf->samples[sample].value_m + m_cell.half_edge_m * (at - sample_place(sample)).norm() +
+    return m_cell.leaf->samples[sample].value_m + m_cell.half_edge_m * (at - sample_position(sample)).norm() +
            m_rounding_m;
   }
 
-  /// Whether no place of a part is farther from the surface than the reach, which grows to that where the part is not
-  /// to be divided. What the polynomial says of the distance tells whether it is worth asking. No place is farther from
-  /// the surface than from a `triangle` near the part: where that is not enough the exact distance is, mostly, and
-  /// spares many smaller parts.
+  /// Whether no point of a part is farther from the surface than the sign error distance, which is raised to that where
+  /// the part is not to be divided. The polynomial's value tells whether a query pays. The distance to a `triangle`
+  /// near the part is an upper bound; where it does not suffice the exact distance mostly does, and spares many smaller
+  /// parts.
   [[nodiscard]] bool is_near_enough(const Vec3& at, double radius_m, double value_m, int triangle) {
     const double enough_m = m_reach_m - radius_m - m_rounding_m;
     const bool is_finest = radius_m <= m_finest_m;
@@ -133,13 +134,13 @@ class ReachSearch {
 
 }  // namespace
 
-double negative_reach_m(const SignedSurface& surface, const OctreeCell& cell, const PolynomialFit& fit,
-                        std::size_t terms, double least_m) {
+double sign_error_distance_m(const SignedSurface& surface, const OctreeCell& cell, const PolynomialFit& fit,
+                             std::size_t terms, double least_m) {
   const bool is_near = cell.distance_m + cell.reach_m() <= least_m;
   if (is_near || fit.smallest() > 1e-9 * cell.half_edge_m) {
     return least_m;
   }
-  return ReachSearch(surface, cell, fit, terms, least_m).reach_m();
+  return SignErrorSearch(surface, cell, fit, terms, least_m).reach_m();
 }
 
 }  // namespace musclebench

@@ -1,4 +1,4 @@
-#include "core/bvh/batch/packet_search.hpp"
+#include "core/bvh/batch/batched_closest_point.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -34,7 +34,7 @@ void expect_answers_of_single_queries(const TriangleMesh& mesh, int blocks) {
   std::uniform_int_distribution<int> triangles(0, static_cast<int>(mesh.triangles.size()) - 1);
   const auto noise = [&] { return Vec3(unit(generator) - 0.5, unit(generator) - 0.5, unit(generator) - 0.5); };
   int seed = 0;
-  PacketSearch search(tree);
+  BatchedClosestPoint search(tree);
   for (int block = 0; block < blocks; ++block) {
     const double away = size * std::pow(10.0, -5 * unit(generator));
     const double width = block % 5 == 0 ? 0 : size * std::pow(10.0, -4 * unit(generator) - 0.5);
@@ -74,7 +74,7 @@ void expect_answers_of_single_queries(const TriangleMesh& mesh, int blocks) {
   }
 }
 
-class PacketSearchWithEachTarget : public testing::Test {
+class BatchedClosestPointWithEachTarget : public testing::Test {
  protected:
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 
@@ -87,13 +87,13 @@ class PacketSearchWithEachTarget : public testing::Test {
   }
 };
 
-TEST_F(PacketSearchWithEachTarget, IsThatOfSingleQueriesOnShapes) {
+TEST_F(BatchedClosestPointWithEachTarget, IsThatOfSingleQueriesOnShapes) {
   expect_on_each_target(make_sphere(0.1, 4), 1000);
   expect_on_each_target(make_box({0.5, 0.2, 0.001}, 7), 1000);
   expect_on_each_target(make_capsule(0.01, 1, 32), 1000);
 }
 
-TEST_F(PacketSearchWithEachTarget, IsThatOfSingleQueriesOnNeedlesAndFarFromTheOrigin) {
+TEST_F(BatchedClosestPointWithEachTarget, IsThatOfSingleQueriesOnSliversAndFarFromTheOrigin) {
   std::mt19937 generator(5);
   std::normal_distribution<double> normal(0, 1);
   TriangleMesh soup;
@@ -110,7 +110,7 @@ TEST_F(PacketSearchWithEachTarget, IsThatOfSingleQueriesOnNeedlesAndFarFromTheOr
   expect_on_each_target(soup, 1500);
 }
 
-TEST_F(PacketSearchWithEachTarget, IsThatOfSingleQueriesOnThePelvis) {
+TEST_F(BatchedClosestPointWithEachTarget, IsThatOfSingleQueriesOnThePelvis) {
   const auto folder = lhdl_folder();
   if (!folder) {
     GTEST_SKIP() << "the LHDL data are not here (set MUSCLEBENCH_DATA)";

@@ -22,13 +22,13 @@ class BuildFailed(Exception):
 
 
 @dataclass(frozen=True)
-class TestRun:
+class ProgramRun:
     passed: bool
     seconds: float
     detail: str = ""  # the first test that failed, or how the program ended
 
 
-class TestBuild:
+class ScratchBuild:
     def __init__(self, tree: Path, folder: Path, jobs: int):
         self._tree, self._folder, self._jobs = tree, folder, jobs
 
@@ -55,7 +55,7 @@ class TestBuild:
         if done.returncode != 0:
             raise BuildFailed(_first_error(done.stdout))
 
-    def run(self, program: str, timeout_s: float) -> TestRun:
+    def run(self, program: str, timeout_s: float) -> ProgramRun:
         """One run that ends at the first failure. What is not in the sources is not there for it."""
         environment = {name: value for name, value in os.environ.items() if not name.startswith("MUSCLEBENCH_")}
         start = time.monotonic()
@@ -64,10 +64,10 @@ class TestBuild:
                                   cwd=(self._folder / program).parent, env=environment | {"OMP_NUM_THREADS": "2"},
                                   capture_output=True, text=True, errors="replace", timeout=timeout_s, check=False)
         except subprocess.TimeoutExpired:
-            return TestRun(False, time.monotonic() - start, f"no end within {timeout_s:.0f} s")
+            return ProgramRun(False, time.monotonic() - start, f"no end within {timeout_s:.0f} s")
         failed = FAILED_TEST.search(done.stdout)
         detail = failed[1] if failed else f"exit code {done.returncode}"
-        return TestRun(done.returncode == 0, time.monotonic() - start, detail if done.returncode != 0 else "")
+        return ProgramRun(done.returncode == 0, time.monotonic() - start, detail if done.returncode != 0 else "")
 
     def _ninja(self, *arguments: str) -> subprocess.CompletedProcess:
         return subprocess.run(["ninja", "-C", str(self._folder), *arguments], capture_output=True, text=True,

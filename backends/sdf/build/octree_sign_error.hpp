@@ -8,9 +8,9 @@
 namespace musclebench {
 
 /// Outside the surface and farther than this from it, in metres, the polynomial of a leaf (its `terms` coefficients in
-/// `fit`) is not negative: proven. At least `least_m`, below which nothing is looked at more closely. `surface` is what
+/// `fit`) is not negative: proven. At least `least_m`, below which nothing is examined more closely. `surface` is what
 /// the cell was sampled from.
-double negative_reach_m(const SignedSurface& surface, const OctreeCell& cell, const PolynomialFit& fit,
-                        std::size_t terms, double least_m);
+double sign_error_distance_m(const SignedSurface& surface, const OctreeCell& cell, const PolynomialFit& fit,
+                             std::size_t terms, double least_m);
 
 }  // namespace musclebench

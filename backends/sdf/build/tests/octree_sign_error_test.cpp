@@ -1,4 +1,4 @@
-#include "backends/sdf/build/octree_reach.hpp"
+#include "backends/sdf/build/octree_sign_error.hpp"
 
 #include <memory>
 
@@ -19,8 +19,8 @@ OctreeCell sampled_cell(const SignedSurface& surface, const Vec3& centre_m, std:
   cell.distance_m = surface.locate(centre_m).signed_distance_m();
   cell.leaf = std::make_unique<OctreeCell::Leaf>();
   for (std::size_t s = 0; s < known; ++s) {
-    const SignedPoint place = surface.locate(centre_m + sample_place(s));
-    cell.leaf->samples[s] = {place.signed_distance_m(), {0, 0, 1}, place.closest.triangle};
+    const SignedPoint located = surface.locate(centre_m + sample_position(s));
+    cell.leaf->samples[s] = {located.signed_distance_m(), {0, 0, 1}, located.closest.triangle};
   }
   return cell;
 }
@@ -34,19 +34,19 @@ TEST(OctreeReach, IsWhereThePolynomialIsNegativeOutside) {
   fit.coefficients[0] = -0.1F;
   fit.coefficients[3] = 1;
   for (const double least_m : {0.01, 0.1, 0.4}) {
-    const double reach_m = negative_reach_m(surface, cell, fit, quadratic_terms, least_m);
+    const double reach_m = sign_error_distance_m(surface, cell, fit, quadratic_terms, least_m);
     EXPECT_GE(reach_m, 0.5);
     EXPECT_LE(reach_m, 0.5 + least_m);
   }
-  EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, 0.8), 0.8);
+  EXPECT_EQ(sign_error_distance_m(surface, cell, fit, quadratic_terms, 0.8), 0.8);
   fit.coefficients[0] = 1.1F;
-  EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, 0.01), 0.01);
+  EXPECT_EQ(sign_error_distance_m(surface, cell, fit, quadratic_terms, 0.01), 0.01);
   // Flat and positive in the middle.
   for (const std::size_t falling : {std::size_t{4}, quadratic_terms}) {
     fit = {};
     fit.coefficients[0] = 0.5F;
     fit.coefficients[falling] = -1;
-    EXPECT_NEAR(negative_reach_m(surface, cell, fit, cubic_terms, 0.1), 1.4, 0.1);
+    EXPECT_NEAR(sign_error_distance_m(surface, cell, fit, cubic_terms, 0.1), 1.4, 0.1);
   }
 }
 
@@ -61,12 +61,12 @@ TEST(OctreeReach, IsTheLeastWhereThePolynomialIsTheDistance) {
       fit.coefficients[0] = static_cast<float>(above_m);
       fit.coefficients[3] = 1;
       for (const double least_m : {0.02, 0.3}) {
-        EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, least_m), least_m);
+        EXPECT_EQ(sign_error_distance_m(surface, cell, fit, quadratic_terms, least_m), least_m);
       }
       for (std::size_t s = 0; s < known; ++s) {
         cell.leaf->samples[s].triangle = 0;
       }
-      EXPECT_EQ(negative_reach_m(surface, cell, fit, quadratic_terms, 0.02), 0.02);
+      EXPECT_EQ(sign_error_distance_m(surface, cell, fit, quadratic_terms, 0.02), 0.02);
     }
   }
 }

@@ -1,4 +1,4 @@
-#include "backends/sdf/build/field_marks.hpp"
+#include "backends/sdf/build/cell_signs.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@ namespace musclebench {
 
 namespace {
 
-/// A face of the domain's border: the cell's place along the face's two axes, and where the cell itself stands.
+/// A face of a cell on the border of the domain.
 struct BorderFace {
   std::size_t axis;
   int side;
@@ -65,7 +65,7 @@ void straighten_face(CubicField& field, const BorderFace& face) {
 }  // namespace
 
 void keep_border_positive(CubicField& field) {
-  // A straightened face shares edges with its neighbours, so the faces are looked at until nothing changes. Each is
+  // A straightened face shares edges with its neighbours, so the faces are checked until nothing changes. Each is
   // straightened once at most.
   std::vector<BorderFace> curved = border_faces(field);
   for (std::size_t before = curved.size() + 1; before != curved.size();) {
@@ -84,30 +84,30 @@ void keep_border_positive(CubicField& field) {
 
 namespace {
 
-/// What the cells of one word of the mask say.
-struct Marks {
+/// Of the cells of one word of the mask.
+struct CellSigns {
   std::uint64_t bits = 0;
-  double steepest = 0;
-  double negative_reach_m = 0;
+  double lipschitz_bound = 0;
+  double sign_error_distance_m = 0;
 };
 
 /// Cells whose bounds are computed together.
 class CellBatch {
  public:
-  /// `steepest` is what cells of this thread had before: less of it need not be known exactly.
-  CellBatch(const CubicField& field, double& steepest, Marks& marks)
-      : m_field(field), m_steepest(steepest), m_marks(marks) {}
+  /// `lipschitz_bound` is what cells of this thread had before: less of it need not be known exactly.
+  CellBatch(const CubicField& field, double& lipschitz_bound, CellSigns& signs)
+      : m_field(field), m_lipschitz_bound(lipschitz_bound), m_signs(signs) {}
 
   void add(std::size_t index) {
     const auto [i, j, k] = m_field.shape().cell_grid().coordinates(index);
     m_index[m_count] = index;
     m_cells[m_count++] = m_field.cell(i, j, k);
     if (m_count == CellBounds::width) {
-      mark();
+      find_signs();
     }
   }
 
-  void mark() {
+  void find_signs() {
     if (m_count == 0) {
       return;
     }
@@ -116,25 +116,25 @@ class CellBatch {
     bound_cells({m_cells.data(), m_count}, size_m, bounds);
     for (std::size_t n = 0; n < m_count; ++n) {
       const CubicCell& cell = m_cells[n];
-      if (bounds.steepest[n] * (1 + 1e-12) > m_steepest) {
-        m_steepest = std::max(m_steepest, CubicCell::steepest(cell.bernstein(), size_m));
+      if (bounds.lipschitz_bound[n] * (1 + 1e-12) > m_lipschitz_bound) {
+        m_lipschitz_bound = std::max(m_lipschitz_bound, CubicCell::lipschitz_bound(cell.bernstein(), size_m));
       }
       // The bound is computed in floating point; this covers its rounding and that of the evaluation.
       if (bounds.lowest[n] < 1e-12 * std::max(bounds.highest[n], -bounds.lowest[n])) {
-        m_marks.bits |= std::uint64_t{1} << (m_index[n] % 64);
+        m_signs.bits |= std::uint64_t{1} << (m_index[n] % 64);
         // No point of the cell is farther from a vertex than the cell's diagonal.
         const double nearest_m = std::max(0.0, std::min(cell.axis[0].low.minCoeff(), cell.axis[0].high.minCoeff()));
-        m_marks.negative_reach_m = std::max(m_marks.negative_reach_m, nearest_m + size_m.norm());
+        m_signs.sign_error_distance_m = std::max(m_signs.sign_error_distance_m, nearest_m + size_m.norm());
       }
     }
-    m_marks.steepest = m_steepest;
+    m_signs.lipschitz_bound = m_lipschitz_bound;
     m_count = 0;
   }
 
  private:
   const CubicField& m_field;
-  double& m_steepest;
-  Marks& m_marks;
+  double& m_lipschitz_bound;
+  CellSigns& m_signs;
   std::size_t m_count = 0;
   std::array<std::size_t, CellBounds::width> m_index{};
   std::array<CubicCell, CellBounds::width> m_cells;
@@ -142,30 +142,30 @@ class CellBatch {
 
 }  // namespace
 
-void mark_cells(CubicField& field, [[maybe_unused]] int threads) {
+void find_cell_signs(CubicField& field, [[maybe_unused]] int threads) {
   // Covers the rounding of the coefficients, and of values kept in single precision.
   constexpr double slack = 1 + 1e-5;
   const GridShape& shape = field.shape();
-  std::vector<Marks> marks(shape.mask_words());
-  double steepest = 0;
-#pragma omp parallel for schedule(dynamic, 16) num_threads(threads) firstprivate(steepest)
-  for (std::size_t word = 0; word < marks.size(); ++word) {
-    CellBatch batch(field, steepest, marks[word]);
+  std::vector<CellSigns> signs(shape.mask_words());
+  double lipschitz_bound = 0;
+#pragma omp parallel for schedule(dynamic, 16) num_threads(threads) firstprivate(lipschitz_bound)
+  for (std::size_t word = 0; word < signs.size(); ++word) {
+    CellBatch batch(field, lipschitz_bound, signs[word]);
     const std::size_t end = std::min(64 * (word + 1), shape.cell_count());
     for (std::size_t index = 64 * word; index < end; ++index) {
       if (field.knows(index)) {
         batch.add(index);
       }
     }
-    batch.mark();
+    batch.find_signs();
   }
   FieldFacts& facts = field.facts();
-  facts.steepest = 0;
-  facts.negative_reach_m = 0;
-  for (std::size_t word = 0; word < marks.size(); ++word) {
-    field.mask()[word] = marks[word].bits;
-    facts.steepest = std::max(facts.steepest, slack * marks[word].steepest);
-    facts.negative_reach_m = std::max(facts.negative_reach_m, slack * marks[word].negative_reach_m);
+  facts.lipschitz_bound = 0;
+  facts.sign_error_distance_m = 0;
+  for (std::size_t word = 0; word < signs.size(); ++word) {
+    field.mask()[word] = signs[word].bits;
+    facts.lipschitz_bound = std::max(facts.lipschitz_bound, slack * signs[word].lipschitz_bound);
+    facts.sign_error_distance_m = std::max(facts.sign_error_distance_m, slack * signs[word].sign_error_distance_m);
   }
 }
 
