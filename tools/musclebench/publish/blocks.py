@@ -44,6 +44,7 @@ def _from(file_name: str, columns: list[Column], keys: tuple[str, ...]) -> Calla
         rows = chosen_rows(measured.table(f"{study}/{name}"), filters, f"{name} {study} {filters}")
         by_key = {column.key: column for column in with_unit(columns, measured.source(study).unit)}
         shown = [by_key[key] for key in keys if key in rows and key in by_key]
+        rows = rows.assign(**{key: rows[key].map(_plain) for key in ("target_mm",) if key in rows})
         return markdown_rows(shown, rows)
 
     return made
@@ -73,6 +74,10 @@ def _coupled(measured: Measured, study: str, filters: str) -> str:
                  if m in mine.index else "-" for m in muscles]
         lines.append(f"| `{name}` | " + " | ".join(cells) + " |")
     return "\n".join(lines)
+
+
+def _plain(value) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _three(value: float) -> str:

@@ -10,7 +10,7 @@ from .pages import MARKED
 
 UNITS = (r"ms|us|µs|ns|s|min|h|seconds?|minutes?|hours?|GB|MB|kB|MiB|KiB|bytes?|mm|nm|µm|%|percent|fps|frames/s|cycles|"
          r"times|fold|x|voxel tests?")
-NUMBER = r"[\d][\d,]*(?:\.\d+)?(?:e-?\d+)?"
+NUMBER = r"\d+(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?"
 # An upper-case letter before: the version in a name.
 WITH_UNIT = re.compile(rf"(?<![\w.])({NUMBER})(?:\s?(?:to|and|-)\s?{NUMBER})?\s?(?:{UNITS})(?![\w/])")
 DECIMAL = re.compile(r"(?<![\w./:])(?<![A-Z+] )(\d+\.\d+)(?![\w./])")
@@ -20,6 +20,7 @@ NOT_PROSE = [
     re.compile(r"```.*?```", re.DOTALL),
     re.compile(r"<!--.*?-->", re.DOTALL),
     re.compile(r"`[^`\n]*`"),
+    re.compile(r"\$[^$\n]*\$"),
     re.compile(r"\]\([^)]*\)"),
     re.compile(r"https?://\S+|doi:\S+"),
 ]
@@ -31,7 +32,7 @@ def unmarked(text: str) -> list[tuple[int, str]]:
         text = pattern.sub(lambda match: re.sub(r"[^\n]", " ", match.group(0)), text)
     found = {(match.start(1), match.group(0).strip())
              for pattern in (WITH_UNIT, DECIMAL, CELL) for match in pattern.finditer(text)}
-    first_at_place = {}
-    for place, words in sorted(found):
-        first_at_place.setdefault(place, words)
-    return [(text.count("\n", 0, place) + 1, words) for place, words in first_at_place.items()]
+    longest_at = {}
+    for place, words in sorted(found, key=lambda one: (one[0], -len(one[1]))):
+        longest_at.setdefault(place, words)
+    return [(text.count("\n", 0, place) + 1, words) for place, words in longest_at.items()]

@@ -35,8 +35,18 @@ def chosen_rows(rows: pd.DataFrame, filters: str, specification: str) -> pd.Data
         column, equals, wanted = one.partition("=")
         if not equals or column not in rows:
             raise Problem(f"'{specification}': no column '{column}'; there are {', '.join(rows.columns)}")
-        rows = rows[rows[column].astype(str).isin(wanted.split("|"))]
+        chosen = [f"{float(word):g}" if _is_number(word) else word for word in wanted.split("|")]
+        values = rows[column].map(lambda value: f"{value:g}" if isinstance(value, float) else str(value))
+        rows = rows[values.isin(chosen)]
     return rows
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _text(values: pd.Series, pick: str, form: str | None) -> str:
