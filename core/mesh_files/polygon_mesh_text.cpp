@@ -4,6 +4,9 @@
 #include <cstring>
 #include <initializer_list>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "core/mesh_files/polygon_mesh.hpp"
 
 namespace musclebench {
@@ -55,14 +58,10 @@ void require_plain_off(const TextLines& lines) {
 
 /// The next line must begin with `words`.
 void expect_line(TextLines& lines, std::initializer_list<std::string_view> words) {
-  std::string expected;
-  for (const std::string_view word : words) {
-    expected += (expected.empty() ? "" : " ") + std::string(word);
-  }
   const bool is_there = lines.next_filled(false) && lines.words().size() >= words.size();
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (!is_there || lower_case(lines.words()[i]) != words.begin()[i]) {
-      lines.fail(fmt::format("is not '{}' as it should be; the file is cut off or broken", expected));
+      lines.fail(fmt::format("is not '{}' as it should be; the file is cut off or broken", fmt::join(words, " ")));
     }
   }
 }

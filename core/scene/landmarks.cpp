@@ -34,10 +34,11 @@ std::vector<Vec3> read_landmark_outline(const std::filesystem::path& path, const
   try {
     std::vector<std::string> known;
     for (const auto& attachment : file.at("attachments")) {
-      std::string name = attachment.at("muscle").get<std::string>() + "/" + attachment.at("role").get<std::string>();
+      std::string name =
+          fmt::format("{}/{}", attachment.at("muscle").get<std::string>(), attachment.at("role").get<std::string>());
       const bool wanted_without_part = name == selector;
       if (attachment.contains("part") && attachment.at("part").is_string()) {
-        name += "/" + attachment.at("part").get<std::string>();
+        name += fmt::format("/{}", attachment.at("part").get<std::string>());
       }
       known.push_back(name);
       if (wanted_without_part || name == selector) {
