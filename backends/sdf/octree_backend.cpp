@@ -72,7 +72,7 @@ class OctreeBackend final : public CollisionBackend {
     const auto build = [&] {
       const double before = static_cast<double>(m_fields.size());
       const auto report = [&](double share) { build_report()((before + share) / static_cast<double>(bones().size())); };
-      return build_octree(SignedSurface(bone.surface), bone.surface.mesh, m_settings, bone.name, threads(),
+      return build_octree(bone.signed_distance(), bone.surface.mesh, m_settings, bone.name, threads(),
                           build_report() ? BuildProgress(report) : nullptr);
     };
     if (m_folder.empty()) {

@@ -102,7 +102,7 @@ class SdfBackend final : public CollisionBackend {
     for (const Bone& bone : bones()) {
       const std::filesystem::path path = m_discregrid / (bone_file_name(bone.name) + ".cdf");
       m_fields.push_back(read_discregrid(path, threads()));
-      const SignedSurface surface(bone.surface);
+      const SignedSurface& surface = bone.signed_distance();
       require_field_of(m_fields.back(), bone.surface.mesh, surface, bone.name, path);
       m_fields.back().facts().error = estimate_error(m_fields.back(), surface, samples_of_foreign);
       ++m_loaded_fields;
@@ -112,7 +112,7 @@ class SdfBackend final : public CollisionBackend {
   [[nodiscard]] CubicField build_over(const Bone& bone, const GridShape& shape) const {
     const double before = static_cast<double>(m_fields.size());
     const auto report = [&](double share) { build_report()((before + share) / static_cast<double>(bones().size())); };
-    return build_field(SignedSurface(bone.surface), shape, m_settings, threads(),
+    return build_field(bone.signed_distance(), shape, m_settings, threads(),
                        build_report() ? std::function<void(double)>(report) : nullptr);
   }
 

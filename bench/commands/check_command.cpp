@@ -6,6 +6,7 @@
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
 #include "core/referee/referee.hpp"
+#include "core/scene/scene_warnings.hpp"
 #include "datasets/embedded/embedded_files.hpp"
 
 namespace musclebench {
@@ -44,6 +45,16 @@ void print_overlaps(const Scene& scene) {
   }
 }
 
+void print_muscle(const Scene& scene) {
+  print_report(fmt::format("muscle {} ({})", scene.muscle_name, scene.muscle.reference), scene.muscle_file.mesh);
+  for (const std::string& change : scene.muscle_file.changes) {
+    fmt::print("  cleaned for simulation: {}\n", change);
+  }
+  if (!scene.muscle_file.changes.empty()) {
+    print_report(fmt::format("  simulated: {} nodes", scene.muscle.mesh.vertices.size()), scene.muscle.mesh);
+  }
+}
+
 void check_scene(const SceneChoice& choice) {
   const Scene scene = load_scene(choice);
   fmt::print("scene {}: {} (preset {})\n", scene.name, scene.title, scene.preset.empty() ? "none" : scene.preset);
@@ -54,7 +65,7 @@ void check_scene(const SceneChoice& choice) {
       fmt::print("  repaired for collision: {}\n", change);
     }
   }
-  print_report(fmt::format("muscle {} ({})", scene.muscle_name, scene.muscle.reference), scene.muscle.mesh);
+  print_muscle(scene);
   print_overlaps(scene);
   if (scene.attach_at_first_contact) {
     fmt::print("attachments: nodes that collide before the first frame; their number depends on the backend\n");
@@ -64,10 +75,13 @@ void check_scene(const SceneChoice& choice) {
                scene.bones[attachment.bone].name);
   }
   const std::vector<std::string> warnings = scene_warnings(scene);
+  for (const std::string& obstacle : scene.obstacles) {
+    fmt::print("can't be run: {}\n", obstacle);
+  }
   for (const std::string& warning : warnings) {
     fmt::print("warning: {}\n", warning);
   }
-  if (warnings.empty()) {
+  if (warnings.empty() && scene.obstacles.empty()) {
     fmt::print("no warnings\n");
   }
 }
@@ -87,6 +101,7 @@ void add_check_command(CLI::App& app, int& exit_code) {
       ->required();
   command->add_option("--data", choice->data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
   command->callback([choice, &exit_code] {
+    choice->notes_obstacles = true;
     if (names_scene(choice->scene)) {
       check_scene(*choice);
     } else {

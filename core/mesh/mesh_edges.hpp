@@ -34,6 +34,9 @@ class MeshEdges {
   std::vector<int> m_first;  ///< of each edge in m_uses, and the end
 };
 
+/// Edge index of each side (3 * triangle + k), -1 for a side that is no edge.
+std::vector<int> edge_of_sides(const TriangleMesh& mesh, const MeshEdges& edges);
+
 /// Disjoint sets of 0 .. count-1.
 class DisjointSets {
  public:

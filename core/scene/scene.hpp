@@ -7,6 +7,7 @@
 #include "core/contact/collision_backend.hpp"
 #include "core/effects/effect_registry.hpp"
 #include "core/pbd/simulation.hpp"
+#include "core/scene/attachment_area.hpp"
 #include "core/scene/bone_motion.hpp"
 
 namespace musclebench {
@@ -15,6 +16,7 @@ namespace musclebench {
 struct Attachment {
   std::string name;
   int bone = 0;
+  AttachmentArea area;
   std::vector<int> nodes;  ///< ascending
 };
 
@@ -29,6 +31,13 @@ struct SceneMesh {
   TriangleMesh mesh;      ///< as shipped
 };
 
+/// The muscle's file beside the nodes that are made of it (see weld_mesh).
+struct MuscleFile {
+  TriangleMesh mesh;                ///< as shipped
+  std::vector<int> node_of_vertex;  ///< -1 for a vertex that no triangle uses
+  std::vector<std::string> changes;
+};
+
 /// A complete, checked description of what is simulated: all files read, all parameters known.
 struct Scene {
   std::string name;
@@ -38,7 +47,8 @@ struct Scene {
   std::vector<SceneMesh> bone_meshes;  ///< as shipped, one a bone
   std::vector<BoneMotion> motions;     ///< one a bone
   std::string muscle_name;
-  SceneMesh muscle;
+  SceneMesh muscle;  ///< welded: its vertices are the nodes
+  MuscleFile muscle_file;
   std::vector<FibreSegment> fibres;  ///< from a file; none where they run between the attachments
   bool fibres_between_attachments = false;
   std::vector<Attachment> attachments;
@@ -47,6 +57,8 @@ struct Scene {
   bool attach_at_first_contact = false;
   std::vector<SceneEffect> effects;  ///< only those the scene names, in the order of the registry
   LoopParameters loop;
+  /// What keeps the scene from being run, where its reader was told to go on all the same (SceneRequest).
+  std::vector<std::string> obstacles;
 
   /// Poses at `frame_position` (0 at rest, `loop.frames` at the end).
   void poses_at(double frame_position, std::vector<RigidMotion>& poses) const;
@@ -62,9 +74,5 @@ struct Scene {
 /// The parameters of the `[loop]` table.
 std::vector<ParameterSpec> loop_parameters();
 LoopParameters loop_from(const Parameters& parameters);
-
-/// What is odd about the scene, one line each: effects that cannot act, effects that are missing, attachments without
-/// nodes. Empty when all is well.
-std::vector<std::string> scene_warnings(const Scene& scene);
 
 }  // namespace musclebench

@@ -1,6 +1,7 @@
 #include "core/signed_distance/signed_surface.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "core/mesh/mesh_edges.hpp"
@@ -34,7 +35,8 @@ bool is_closed(TriangleMesh mesh) {
   return true;
 }
 
-SignedSurface::SignedSurface(const RepairedMesh& surface) : m_tree(surface.mesh), m_closed(is_closed(surface.mesh)) {
+SignedSurface::SignedSurface(const RepairedMesh& surface, TriangleBvh tree)
+    : m_tree(std::move(tree)), m_closed(is_closed(surface.mesh)) {
   if (m_closed) {
     m_signs.emplace(Signs{ManifoldFeatures(surface.mesh, m_tree), PseudoNormals(surface.mesh)});
   }

@@ -29,7 +29,9 @@ bool is_closed(TriangleMesh mesh);
 /// number itself is asked. A point of the surface is outside. Queries are const and safe from several threads.
 class SignedSurface {
  public:
-  explicit SignedSurface(const RepairedMesh& surface);
+  explicit SignedSurface(const RepairedMesh& surface) : SignedSurface(surface, TriangleBvh(surface.mesh)) {}
+  /// `tree` is that of the surface.
+  SignedSurface(const RepairedMesh& surface, TriangleBvh tree);
 
   [[nodiscard]] const TriangleBvh& tree() const { return m_tree; }
 
