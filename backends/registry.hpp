@@ -1,30 +1,31 @@
 #pragma once
 
-#include <functional>
-#include <memory>
-#include <string>
+#include <span>
 #include <string_view>
 #include <vector>
 
-#include "core/base/parameters.hpp"
-#include "core/contact/collision_backend.hpp"
-#include "core/contact/response.hpp"
+#include "core/contact/backend_entry.hpp"
 
 namespace musclebench {
 
-/// One row of the table of backends. A backend has one name everywhere: folder, target, `--backend`, CSV, legend.
-struct BackendEntry {
-  std::string name;
-  std::string help;
-  ResponseKind response;
-  std::vector<ParameterSpec> parameters;
-  std::function<std::unique_ptr<CollisionBackend>(const Parameters&)> make;
+/// One folder of a backend, as CMake found it.
+struct BackendSource {
+  std::string_view name;  ///< of the folder
+  BackendEntry (*entry)();
+  std::string_view study;  ///< the text of its study.toml; empty: none
 };
+
+/// The folders that a program is built with (cmake/MusclebenchBackends.cmake writes it). A program of its own that
+/// defines this has other backends than the library.
+std::span<const BackendSource> backend_table();
 
 /// All backends of this build.
 const std::vector<BackendEntry>& backend_registry();
 
 /// The row of `name`. Throws InputError that prints the list for an unknown name.
 const BackendEntry& find_backend(std::string_view name);
+
+/// The first exact row: what drives recordings and judges advice. Throws InputError where there is none.
+const BackendEntry& exact_backend();
 
 }  // namespace musclebench

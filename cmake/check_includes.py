@@ -21,7 +21,7 @@ PACKAGES = {"Eigen/": "Eigen3::Eigen", "fcl/": "fcl", "ccd/": "ccd", "hwy/": "hw
             "zstd.h": "zstd::libzstd_shared", "openssl/": "OpenSSL::Crypto", "benchmark/": "benchmark::benchmark",
             "embree3/": "embree"}
 EVERYWHERE = {"musclebench_settings"}
-DECLARATION = re.compile(r"(musclebench_library|musclebench_test|add_executable)\(\s*(\w+)([^()]*(?:\([^()]*\)[^()]*)*)\)")
+DECLARATION = re.compile(r"(musclebench_library|musclebench_backend|musclebench_test|add_executable)\(\s*(\w+)([^()]*(?:\([^()]*\)[^()]*)*)\)")
 LINKING = re.compile(r"target_link_libraries\(\s*(\w+)\s+(PUBLIC|PRIVATE)([^()]*)\)")
 INCLUDE = re.compile(r'^\s*#\s*include\s+["<]([^">]+)[">]', re.MULTILINE)
 
@@ -47,7 +47,8 @@ def read_targets(root: Path) -> dict[str, Target]:
     lists = [path for room in ROOMS for path in sorted((root / room).rglob("CMakeLists.txt"))]
     for path in lists:
         for kind, name, body in DECLARATION.findall(path.read_text()):
-            target = Target(name, path.parent, kind == "musclebench_library")
+            name = f"musclebench_backend_{name}" if kind == "musclebench_backend" else name
+            target = Target(name, path.parent, kind in ("musclebench_library", "musclebench_backend"))
             key = "SOURCES"
             for word in words(body):
                 if word in ("SOURCES", "DEPENDS", "PRIVATE"):
@@ -139,7 +140,7 @@ def problems_of(path: Path, root: Path, targets: dict[str, Target], owned: dict[
             continue
         # A header without a source of its own may be any of its folder's targets'.
         refusing = [name for name in sorted(owned[path]) if not wanted & allowed_targets(targets[name], targets, is_public)]
-        if len(refusing) == len(owned[path]):
+        if refusing and len(refusing) == len(owned[path]):
             problems.append(f"includes {include} of {', '.join(sorted(wanted))}, which {refusing[0]} does not depend on"
                             + (" in its headers" if is_public else ""))
     return problems

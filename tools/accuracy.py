@@ -22,11 +22,13 @@ from musclebench.program.cli import (
 )
 from musclebench.program.disk import free_bytes
 from musclebench.program.out_folder import claimed
+from musclebench.program.registry import Registry, read_registry, save_registry
 from musclebench.results.run_folder import ResultProblem
 from musclebench.study.study import RESULT_DIRS, AccuracyStudy
 from musclebench.study.study_cases import ReplayCase
 from musclebench.study.study_manifest import total_memory_bytes, write_manifest
-from musclebench.study.study_plan import StudyCase, Request, is_too_long, plan
+from musclebench.study.study_plan import Request, StudyCase, is_too_long, plan
+from musclebench.study.sweeps import configurations
 
 PROJECT = Path(__file__).resolve().parent.parent
 PROGRAM = PROJECT / "build" / "release" / "bench" / "musclebench"
@@ -131,14 +133,16 @@ def check_space(cases: list[StudyCase], study: AccuracyStudy) -> None:
                       "make room, choose another --out or fewer muscles")
 
 
-def run_study(cases: list[StudyCase], study: AccuracyStudy, options) -> list[str]:
+def run_study(cases: list[StudyCase], study: AccuracyStudy, registry: Registry, options) -> list[str]:
     """Runs what is not complete yet; a line for each case that has no result."""
     todo = [case for case in cases if study.wants(case)]
     if len(todo) < len(cases):
         print(f"{len(cases) - len(todo)} of {len(cases)} cases are complete already (--force runs them again)")
     check_space(todo, study)
     with claimed(study.places.out_dir, *RESULT_DIRS):
-        write_manifest(study.places.out_dir, request_of(options), planned_everywhere(options), command_line())
+        save_registry(registry, study.places.out_dir)
+        everywhere = planned_everywhere(options, registry)
+        write_manifest(study.places.out_dir, request_of(options), everywhere, command_line())
         statuses = run_cases(todo, study, limits_of(options))
         marked = study.mark_nondeterministic(cases)
         failed = [case for case in cases if not study.is_complete(case) and not is_too_long(case)]
@@ -148,9 +152,9 @@ def run_study(cases: list[StudyCase], study: AccuracyStudy, options) -> list[str
     return [f"{case.name}: {status}, see {study.folder(case) / 'run.json'}" for case, status in ends]
 
 
-def planned_everywhere(options) -> list[StudyCase]:
+def planned_everywhere(options, registry: Registry) -> list[StudyCase]:
     options = argparse.Namespace(**{**vars(options), "shard": (1, 1)})
-    return plan(request_of(options))
+    return plan(request_of(options), configurations(registry))
 
 
 def command_line() -> list[str]:
@@ -175,13 +179,14 @@ def measure_and_report(options) -> int:
             raise Problem(f"{out_dir}: holds no study; run one, or name its folder with --out")
         print_report(out_dir)
         return 0
-    cases = plan(request_of(options))
+    registry = read_registry(options.musclebench)
+    cases = plan(request_of(options), configurations(registry))
     places = Places(out_dir, options.data and options.data.resolve())
     study = AccuracyStudy(options.musclebench, places, options.force)
     if options.dry_run:
         print_plan(cases, study, len(chosen_cores(options.jobs)))
         return 0
-    problems = run_study(cases, study, options)
+    problems = run_study(cases, study, registry, options)
     measured = time.monotonic()
     print_report(out_dir)
     print(f"\nMeasured in {duration(measured - started)}, drawn in {duration(time.monotonic() - measured)}.")

@@ -4,7 +4,10 @@
 import sys
 from pathlib import Path
 
+from musclebench.figures import looks
 from musclebench.pictures import surface_figures
+from musclebench.program.cli import Problem
+from musclebench.program.registry import saved_registry
 from musclebench.results import run_folder
 
 
@@ -12,11 +15,12 @@ def main(arguments: list[str]) -> int:
     """Arguments: the experiment's folder and the names of its runs. Prints `drawing WHAT` and `file PATH` lines."""
     out_dir, names = Path(arguments[0]), arguments[1:]
     try:
+        looks.know(saved_registry(out_dir))
         runs = [run_folder.read_run(out_dir / "raw" / name) for name in names]
         files = surface_figures.draw_surface_figures(
             runs, out_dir / "figures", lambda text: print(f"drawing {text}", flush=True)
         )
-    except (run_folder.ResultProblem, OSError) as problem:
+    except (Problem, run_folder.ResultProblem, OSError) as problem:
         print(f"draw_surfaces: {problem}", file=sys.stderr)
         return 2
     for path in files:

@@ -10,13 +10,14 @@ from pathlib import Path
 from musclebench.cases.case import Places
 from musclebench.cases.experiment import Experiment
 from musclebench.cases.pool import Limits, run_cases
-from musclebench.figures import paper_figures
+from musclebench.figures import looks, paper_figures
 from musclebench.paper import paper_cases
 from musclebench.paper import published
 from musclebench.program.cli import (
     OneLineParser, Problem, check_data, check_positive, check_program, chosen_cores, run_command,
 )
 from musclebench.program.out_folder import claimed
+from musclebench.program.registry import read_registry, save_registry
 from musclebench.results import run_folder
 from musclebench.tables import paper_tables, table_formats
 
@@ -111,7 +112,10 @@ def run_and_report(options) -> int:
     check_input(options)
     default_out = PROJECT / "reports" / "out" / ("paper-lhdl" if options.data else "paper-synthetic")
     out_dir = (options.out or default_out).absolute()
+    registry = read_registry(options.musclebench)
+    looks.know(registry)
     names = run_experiment(options, out_dir)
+    save_registry(registry, out_dir)
     runs, made, files = write_report(out_dir, names)
     problems = [f"{run.scene} with {run.backend}: {run.status}, {run.record.get('status_detail')}"
                 for run in runs if run.status != "ok"]

@@ -52,6 +52,18 @@ std::unique_ptr<CollisionBackend> make_brute_force_backend(const Parameters& /*p
   return std::make_unique<BruteForceBackend>();
 }
 
-std::vector<ParameterSpec> brute_force_parameters() { return {}; }
+BackendEntry brute_force_entry() {
+  return {.name = "brute_force",
+          .help = "every node against every triangle: the truth of contacts",
+          .default_response = ResponseKind::project,
+          .exact = true,
+          .make = make_brute_force_backend,
+          .signed_distance = [](const Bone& bone, int /*threads*/) -> SignedDistance {
+            return [&mesh = bone.surface.mesh](const Vec3& point) {
+              const SurfacePoint found = locate_by_brute_force(mesh, point);
+              return found.inside ? -found.distance_m : found.distance_m;
+            };
+          }};
+}
 
 }  // namespace musclebench

@@ -49,6 +49,17 @@ std::unique_ptr<CollisionBackend> make_bvh_backend(const Parameters& parameters)
   return std::make_unique<BvhBackend>(uses_clearance_cache(parameters));
 }
 
-std::vector<ParameterSpec> bvh_parameters() { return {clearance_cache_parameter(true)}; }
+BackendEntry bvh_entry() {
+  return {.name = "bvh",
+          .help = "exact: closest point by a tree of boxes over each bone, signed robustly",
+          .default_response = ResponseKind::project,
+          .exact = true,
+          .parameters = {clearance_cache_parameter()},
+          .make = make_bvh_backend,
+          .signed_distance = [](const Bone& bone, int threads) -> SignedDistance {
+            const auto surface = std::make_shared<const ExactSurface>(bone.surface, threads);
+            return [surface](const Vec3& point) { return surface->signed_distance_m(point); };
+          }};
+}
 
 }  // namespace musclebench

@@ -10,4 +10,12 @@ std::unique_ptr<CollisionBackend> make_fcl_backend(const Parameters& parameters)
   return options.query == Query::surfaces ? make_surface_backend(options) : make_node_backend(options);
 }
 
+BackendEntry fcl_entry() {
+  return {.name = "fcl",
+          .help = "FCL: muscle and bones as BVH models in dynamic AABB trees (the paper's way)",
+          .default_response = ResponseKind::project,
+          .parameters = fcl_parameters(),
+          .make = make_fcl_backend};
+}
+
 }  // namespace musclebench

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "backends/fcl/fcl_options.hpp"
-#include "core/contact/collision_backend.hpp"
+#include "core/contact/backend_entry.hpp"
 
 namespace musclebench {
 
@@ -11,5 +11,6 @@ namespace musclebench {
 /// with parameters (`fcl_parameters`) for what else it offers (see node_backend.hpp). Throws InputError for a
 /// combination that FCL cannot answer; one that it answers wrongly runs, and answers wrongly.
 std::unique_ptr<CollisionBackend> make_fcl_backend(const Parameters& parameters);
+BackendEntry fcl_entry();
 
 }  // namespace musclebench

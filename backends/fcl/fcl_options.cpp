@@ -1,7 +1,6 @@
 #include "backends/fcl/fcl_options.hpp"
 
 #include "core/base/input_error.hpp"
-#include "core/clearance/clearance_cache.hpp"
 
 namespace musclebench {
 
@@ -33,22 +32,6 @@ void check_for_meaning(const FclOptions& options) {
   if (options.query != Query::node_collide && options.node_radius_m != defaults.node_radius_m) {
     throw InputError("fcl: node_radius_m", "is the radius of the spheres of query = node_collide; leave it out");
   }
-  if (options.clearance_cache && options.query != Query::node_distance) {
-    throw InputError("fcl: clearance_cache",
-                     "wants to know how far a node is; take query = node_distance, or leave it out");
-  }
-  if (options.clearance_cache && options.broad_phase != defaults.broad_phase) {
-    throw InputError("fcl: manager",
-                     "finds the bones for each node, which clearance_cache = on does by itself; leave it out");
-  }
-  if (options.clearance_cache && options.bounding_volume != defaults.bounding_volume) {
-    throw InputError(
-        "fcl: bounding_volume",
-        "is AABB with clearance_cache = on, which walks FCL's tree of boxes whatever is chosen; leave it out");
-  }
-  if (options.clearance_cache && options.narrow_phase != defaults.narrow_phase) {
-    throw InputError("fcl: solver", "is not asked with clearance_cache = on; leave it out");
-  }
 }
 
 void check_for_support(const FclOptions& options) {
@@ -68,44 +51,44 @@ const std::vector<std::string>& bounding_volumes() {
 
 std::vector<ParameterSpec> fcl_parameters() {
   return {
-      {.name = "query",
-       .default_value = std::string("surfaces"),
-       .help = "surfaces: the muscle's triangles against the bones', blind to nodes deep inside; node_distance: each "
-               "node's distance to the bone's triangles, exact; node_collide: a small sphere about each node against "
-               "them, blind to nodes deeper than its radius",
-       .choices = {"surfaces", "node_distance", "node_collide"}},
-      {.name = "bounding_volume",
-       .default_value = std::string("OBBRSS"),
-       .help = "volume of the trees' nodes; OBB gives the contacts of OBBRSS in less time and memory; AABB and "
-               "KDOP24 copy a bone in every query of a node, and rebuild a moved one in every detection of surfaces; "
-               "node_distance knows OBBRSS, RSS and kIOS only, and with clearance_cache it is always AABB",
-       .choices = bounding_volumes()},
-      {.name = "manager",
-       .default_value = std::string("dynamic_aabb_tree"),
-       .help = "broad phase: the bones whose boxes overlap that of the muscle or of a node; none: all bones",
-       .choices = {"dynamic_aabb_tree", "sweep_and_prune", "none"}},
-      {.name = "update",
-       .default_value = std::string("refit"),
-       .help =
-           "how the muscle's tree follows the nodes (surfaces only): refit (from the leaves up), refit_top_down, or "
-           "rebuild; FCL 0.7 merges RSS volumes wrongly, so RSS with refit misses contacts, up to all",
-       .choices = {"refit", "refit_top_down", "rebuild"}},
-      {.name = "model",
-       .default_value = std::string("replace"),
-       .help = "replace the muscle's vertices, or update them: keeps the previous ones and encloses both, slower "
-               "(surfaces only)",
-       .choices = {"replace", "update"}},
-      {.name = "node_radius_m",
-       .default_value = FclOptions{}.node_radius_m,
-       .help = "radius of the spheres of node_collide: a node deeper than this is missed",
-       .minimum = 1e-9,
-       .maximum = 1},
-      {.name = "solver",
-       .default_value = std::string("libccd"),
-       .help = "FCL's narrow phase for convex shapes; FCL has formulas of its own for two triangles and for sphere and "
-               "triangle, so that both give the same here",
-       .choices = {"libccd", "indep"}},
-      clearance_cache_parameter(false),
+      parameter::choice(
+          {.name = "query",
+           .choices = {"surfaces", "node_distance", "node_collide"},
+           .help = "surfaces: the muscle's triangles against the bones', blind to nodes deep inside; node_distance: "
+                   "each node's distance to the bone's triangles, exact; node_collide: a small sphere about each node "
+                   "against them, blind to nodes deeper than its radius"}),
+      parameter::choice(
+          {.name = "bounding_volume",
+           .choices = bounding_volumes(),
+           .help = "volume of the trees' nodes; OBB gives the contacts of OBBRSS in less time and memory; AABB and "
+                   "KDOP24 copy a bone in every query of a node, and rebuild a moved one in every detection of "
+                   "surfaces; node_distance knows OBBRSS, RSS and kIOS only"}),
+      parameter::choice(
+          {.name = "manager",
+           .choices = {"dynamic_aabb_tree", "sweep_and_prune", "none"},
+           .help = "broad phase: the bones whose boxes overlap that of the muscle or of a node; none: all bones"}),
+      parameter::choice(
+          {.name = "update",
+           .choices = {"refit", "refit_top_down", "rebuild"},
+           .help = "how the muscle's tree follows the nodes (surfaces only): refit (from the leaves up), "
+                   "refit_top_down, or rebuild; FCL 0.7 merges RSS volumes wrongly, so RSS with refit misses contacts, "
+                   "up to all"}),
+      parameter::choice(
+          {.name = "model",
+           .choices = {"replace", "update"},
+           .help = "replace the muscle's vertices, or update them: keeps the previous ones and encloses both, slower "
+                   "(surfaces only)"}),
+      parameter::number({.name = "node_radius_m",
+                         .unit = "m",
+                         .default_value = FclOptions{}.node_radius_m,
+                         .minimum = 1e-9,
+                         .maximum = 1,
+                         .help = "radius of the spheres of node_collide: a node deeper than this is missed"}),
+      parameter::choice(
+          {.name = "solver",
+           .choices = {"libccd", "indep"},
+           .help = "FCL's narrow phase for convex shapes; FCL has formulas of its own for two triangles and for sphere "
+                   "and triangle, so that both give the same here"}),
   };
 }
 
@@ -117,7 +100,6 @@ FclOptions fcl_options(const Parameters& parameters) {
   options.tree_update = tree_update_of(parameters.word("update"));
   options.vertex_update = parameters.word("model") == "update" ? VertexUpdate::update : VertexUpdate::replace;
   options.narrow_phase = parameters.word("solver") == "libccd" ? NarrowPhase::libccd : NarrowPhase::indep;
-  options.clearance_cache = uses_clearance_cache(parameters);
   options.node_radius_m = parameters.number("node_radius_m");
   check_for_meaning(options);
   check_for_support(options);

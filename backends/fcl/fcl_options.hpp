@@ -32,8 +32,7 @@ struct FclOptions {
   TreeUpdate tree_update = TreeUpdate::refit;
   VertexUpdate vertex_update = VertexUpdate::replace;
   NarrowPhase narrow_phase = NarrowPhase::libccd;
-  bool clearance_cache = false;  ///< `Query::node_distance` only; by FCL's tree of AABB, whatever else is chosen
-  double node_radius_m = 5e-4;   ///< of the spheres of `Query::node_collide`
+  double node_radius_m = 5e-4;  ///< of the spheres of `Query::node_collide`
 };
 
 /// The names that `FclOptions::bounding_volume` may have.

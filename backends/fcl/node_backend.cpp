@@ -12,7 +12,7 @@ class NodeBackend final : public CollisionBackend {
  public:
   explicit NodeBackend(FclOptions options) : m_options(std::move(options)) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_options.clearance_cache}; }
+  [[nodiscard]] Capabilities capabilities() const override { return {}; }
 
   /// Exact by distance, on a surface whose pseudo-normals tell the side. A sphere misses what is deeper than it
   /// reaches, at any depth, and reports nothing that it does not reach.
@@ -29,9 +29,7 @@ class NodeBackend final : public CollisionBackend {
   [[nodiscard]] std::size_t structure_bytes() const override { return m_queries == nullptr ? 0 : m_queries->bytes(); }
 
  private:
-  void do_build() override {
-    m_queries = std::make_unique<NodeQueries>(m_options, bones(), muscle().vertices.size(), threads());
-  }
+  void do_build() override { m_queries = std::make_unique<NodeQueries>(m_options, bones(), threads()); }
 
   void do_update(std::span<const Vec3> /*positions*/) override { m_queries->move_bones(poses()); }
 

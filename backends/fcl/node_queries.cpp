@@ -3,10 +3,8 @@
 #include <fcl/geometry/shape/sphere.h>
 
 #include "backends/fcl/bone_objects.hpp"
-#include "backends/fcl/boxed_surface.hpp"
 #include "backends/fcl/fcl_model.hpp"
 #include "backends/fcl/node_surface.hpp"
-#include "core/clearance/cached_point_query.hpp"
 
 namespace musclebench {
 
@@ -19,8 +17,7 @@ struct Answer {
 };
 
 Answer ask(const NodeSurface& surface, Query query, const Vec3& point) {
-  double clearance_m = 0;
-  if (query == Query::node_distance && surface.is_outside(point, clearance_m)) {
+  if (query == Query::node_distance && surface.is_outside_box(point)) {
     return {};
   }
   const ClosestPoint closest = query == Query::node_distance ? surface.closest(point) : surface.closest_met(point);
@@ -37,30 +34,12 @@ Answer ask(const NodeSurface& surface, Query query, const Vec3& point) {
 }  // namespace
 
 struct NodeQueries::Implementation {
-  Implementation(const FclOptions& options, std::span<const Bone> bones, std::size_t nodes, int thread_count)
+  Implementation(const FclOptions& options, std::span<const Bone> bones, int thread_count)
       : query(options.query),
-        clearance_cache(options.clearance_cache),
         threads(thread_count),
         // Only inside the bone's box can a node be inside the bone; a sphere may also touch it from outside.
         reach_m(options.query == Query::node_distance ? 0 : options.node_radius_m),
         poses(bones.size()) {
-    if (clearance_cache) {
-      build_for_budgets(bones, nodes);
-    } else {
-      build_for_calls(options, bones);
-    }
-  }
-
-  void build_for_budgets(std::span<const Bone> bones, std::size_t nodes) {
-    boxed.reserve(bones.size());
-    for (const Bone& bone : bones) {
-      structure_bytes += boxed.emplace_back(bone.surface).bytes();
-    }
-    detection.reset(bones, boxed, nodes, true, threads);
-    structure_bytes += detection.bytes();
-  }
-
-  void build_for_calls(const FclOptions& options, std::span<const Bone> bones) {
     std::vector<std::shared_ptr<fcl::CollisionGeometryd>> models;
     surfaces.reserve(bones.size());
     for (const Bone& bone : bones) {
@@ -77,38 +56,27 @@ struct NodeQueries::Implementation {
   }
 
   Query query;
-  bool clearance_cache;
   int threads;
   double reach_m;
   std::vector<RigidMotion> poses;
-  // With clearance cache: which bones a node is asked about is up to them.
-  std::vector<BoxedSurface> boxed;
-  CachedPointQuery<BoxedSurface> detection;
-  // Without: FCL's calls.
   std::vector<NodeSurface> surfaces;
   std::unique_ptr<BoneObjects> objects;
   std::vector<Answer> answers;  ///< by bone, then place in `nodes`
   std::size_t structure_bytes = 0;
 };
 
-NodeQueries::NodeQueries(const FclOptions& options, std::span<const Bone> bones, std::size_t nodes, int threads)
-    : m_implementation(std::make_unique<Implementation>(options, bones, nodes, threads)) {}
+NodeQueries::NodeQueries(const FclOptions& options, std::span<const Bone> bones, int threads)
+    : m_implementation(std::make_unique<Implementation>(options, bones, threads)) {}
 
 NodeQueries::~NodeQueries() = default;
 
 void NodeQueries::move_bones(std::span<const RigidMotion> poses) {
   m_implementation->poses.assign(poses.begin(), poses.end());
-  if (m_implementation->objects != nullptr) {
-    m_implementation->objects->move(poses);
-  }
+  m_implementation->objects->move(poses);
 }
 
 void NodeQueries::append(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) {
   Implementation& all = *m_implementation;
-  if (all.clearance_cache) {
-    all.detection.detect(all.poses, positions, nodes, contacts);
-    return;
-  }
   all.answers.assign(all.surfaces.size() * nodes.size(), {});
   const auto count = static_cast<std::ptrdiff_t>(nodes.size());
 #pragma omp parallel num_threads(all.threads)
@@ -144,9 +112,7 @@ void NodeQueries::append(std::span<const Vec3> positions, std::span<const int> n
 }
 
 double NodeQueries::touching_m(int bone) const {
-  const auto place = static_cast<std::size_t>(bone);
-  return m_implementation->clearance_cache ? m_implementation->boxed[place].touching_m()
-                                           : m_implementation->surfaces[place].touching_m();
+  return m_implementation->surfaces[static_cast<std::size_t>(bone)].touching_m();
 }
 
 std::size_t NodeQueries::bytes() const { return m_implementation->structure_bytes; }

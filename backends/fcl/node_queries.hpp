@@ -20,14 +20,12 @@ namespace musclebench {
 ///   farther from the surface than that, on either side, meets none.
 ///
 /// Nodes are asked in the bone's rest frame: moved models without orientation would be rebuilt in every query. What FCL
-/// finds is measured again here (see NodeSurface). With clearance cache FCL is asked only about nodes of which too
-/// little is known from before, and not by its calls: its recursions go through its tree of boxes (see BoxedSurface).
-/// The contacts are the same.
+/// finds is measured again here (see NodeSurface).
 class NodeQueries {
  public:
-  /// Builds one model a bone; keeps references to the bones and their meshes. `nodes` is the number of positions that
-  /// calls will have. Throws InputError for an unknown bounding volume.
-  NodeQueries(const FclOptions& options, std::span<const Bone> bones, std::size_t nodes, int threads);
+  /// Builds one model a bone; keeps references to the bones and their meshes. Throws InputError for an unknown bounding
+  /// volume.
+  NodeQueries(const FclOptions& options, std::span<const Bone> bones, int threads);
   NodeQueries(const NodeQueries&) = delete;
   NodeQueries& operator=(const NodeQueries&) = delete;
   ~NodeQueries();

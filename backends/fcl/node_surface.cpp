@@ -9,12 +9,25 @@
 #include <fcl/narrowphase/distance.h>
 
 #include "backends/fcl/fcl_model.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 
 namespace {
 
 constexpr std::size_t all_contacts = std::numeric_limits<std::size_t>::max();
+/// Distances that FCL measures and those that are measured here differ by this share of them, besides the rounding of
+/// coordinates.
+constexpr double rounding_share = 1e-9;
+
+/// A closest point is a sum of three points, each rounded to the digits that the largest coordinate leaves; twice that
+/// for the two that are compared.
+double rounding_of(const Eigen::AlignedBox3d& box) {
+  constexpr double units = 16;
+  return box.isEmpty() ? 0
+                       : units * std::numeric_limits<double>::epsilon() *
+                             box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
+}
 
 fcl::Transform3d at(const Vec3& point) {
   fcl::Transform3d transform = fcl::Transform3d::Identity();
@@ -26,10 +39,25 @@ fcl::Transform3d at(const Vec3& point) {
 
 NodeSurface::NodeSurface(const FclOptions& options, const RepairedMesh& surface,
                          std::shared_ptr<fcl::CollisionGeometryd> model)
-    : SignedFclSurface(surface),
+    : m_sides(surface),
+      m_box(bounding_box(surface.mesh.vertices)),
+      m_touching_m(touching_distance_m(surface.mesh)),
+      m_rounding_m(m_touching_m + rounding_of(m_box)),
       m_model(std::move(model)),
       m_solver(to_fcl(options.narrow_phase)),
       m_node_radius_m(options.node_radius_m) {}
+
+bool NodeSurface::is_outside_box(const Vec3& point) const {
+  return !point.allFinite() || m_box.isEmpty() || m_box.exteriorDistance(point) > 0;
+}
+
+bool NodeSurface::contains(const Vec3& point, const ClosestPoint& closest) const {
+  return closest.distance_m > m_touching_m && m_sides.is_inside(point, closest);
+}
+
+Vec3 NodeSurface::outward(const Vec3& point, const ClosestPoint& closest) {
+  return (closest.point - point) / (closest.point - point).norm();
+}
 
 ClosestPoint NodeSurface::closest(const Vec3& point) const {
   const fcl::Sphered node(0);
@@ -45,7 +73,7 @@ ClosestPoint NodeSurface::closest(const Vec3& point) const {
 /// with any distance; and of several triangles at the same distance it names any. Its collision is sound in both cases.
 ClosestPoint NodeSurface::settled(const Vec3& point, const ClosestPoint& closest) const {
   std::vector<int> near;
-  meet(point, reach_m(closest.distance_m), near);
+  meet(point, (1 + rounding_share) * closest.distance_m + m_rounding_m, near);
   near.push_back(closest.triangle);
   return closest_of(point, near);
 }

@@ -11,16 +11,19 @@
 #include <fcl/narrowphase/gjk_solver_type.h>
 
 #include "backends/fcl/fcl_options.hpp"
-#include "backends/fcl/signed_fcl_surface.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 
 /// One bone's FCL model, asked about points in the bone's rest frame by FCL's calls; from several threads at once. FCL
 /// says which triangles are near; the closest point on them is then computed here, so that it does not depend on what
-/// was asked of FCL to find them.
-class NodeSurface : public SignedFclSurface {
+/// was asked of FCL to find them. FCL takes a surface for hollow: which side a point is on is SignedSurface's answer.
+class NodeSurface {
  public:
   NodeSurface(const FclOptions& options, const RepairedMesh& surface, std::shared_ptr<fcl::CollisionGeometryd> model);
+
+  /// Of the bone; then it is in no bone. So is what is not finite.
+  [[nodiscard]] bool is_outside_box(const Vec3& point) const;
 
   /// The closest triangle by FCL's distance.
   [[nodiscard]] ClosestPoint closest(const Vec3& point) const;
@@ -31,14 +34,29 @@ class NodeSurface : public SignedFclSurface {
   /// The closest triangle that a sphere of `node_radius_m` about `point` meets; its index is -1 where it meets none.
   [[nodiscard]] ClosestPoint closest_met(const Vec3& point) const;
 
+  /// Whether the bone contains a point with that closest point; not where the two are within `touching_m`.
+  [[nodiscard]] bool contains(const Vec3& point, const ClosestPoint& closest) const;
+  /// Unit, for a point that the bone contains.
+  [[nodiscard]] static Vec3 outward(const Vec3& point, const ClosestPoint& closest);
+
+  /// A point closer to the surface than this is not contained: which side it is on is rounding.
+  [[nodiscard]] double touching_m() const { return m_touching_m; }
+
   /// Without the model.
-  [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + sides().bytes(); }
+  [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + m_sides.bytes(); }
 
  private:
+  [[nodiscard]] ClosestOnTriangle closest_on(const Vec3& point, int triangle) const {
+    return m_sides.tree().closest_on(point, triangle);
+  }
   /// The triangles that a sphere meets, in any order.
   void meet(const Vec3& point, double radius_m, std::vector<int>& triangles) const;
   [[nodiscard]] ClosestPoint closest_of(const Vec3& point, std::span<const int> triangles) const;
 
+  SignedSurface m_sides;
+  Eigen::AlignedBox3d m_box;
+  double m_touching_m;
+  double m_rounding_m;  ///< what distances that FCL measures and those of `closest_on` differ by
   std::shared_ptr<fcl::CollisionGeometryd> m_model;
   fcl::GJKSolverType m_solver;
   double m_node_radius_m;

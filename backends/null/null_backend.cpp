@@ -8,7 +8,9 @@ namespace {
 
 class NullBackend final : public CollisionBackend {
  public:
-  [[nodiscard]] Capabilities capabilities() const override { return {.depth = false, .point_queries = true}; }
+  /// There is no contact that a response could miss something of, so it can be paired with any.
+  [[nodiscard]] Capabilities capabilities() const override { return {.has_step = true}; }
+  [[nodiscard]] double step_m(int /*bone*/) const override { return 1; }
   [[nodiscard]] AnswerBound answer_bound(int /*bone*/) const override {
     return {std::numeric_limits<double>::infinity(), 0};
   }
@@ -26,6 +28,11 @@ std::unique_ptr<CollisionBackend> make_null_backend(const Parameters& /*paramete
   return std::make_unique<NullBackend>();
 }
 
-std::vector<ParameterSpec> null_parameters() { return {}; }
+BackendEntry null_entry() {
+  return {.name = "null",
+          .help = "no collision: the cost of the loop alone",
+          .default_response = ResponseKind::project,
+          .make = make_null_backend};
+}
 
 }  // namespace musclebench

@@ -1,15 +1,13 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
-#include "core/base/parameters.hpp"
-#include "core/contact/collision_backend.hpp"
+#include "core/contact/backend_entry.hpp"
 
 namespace musclebench {
 
 /// No collision: the cost of the loop alone.
 std::unique_ptr<CollisionBackend> make_null_backend(const Parameters& parameters);
-std::vector<ParameterSpec> null_parameters();
+BackendEntry null_entry();
 
 }  // namespace musclebench

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "backends/sdf/field_block.hpp"
-#include "backends/sdf/grid_shape.hpp"
+#include "backends/sdf/grid/field_block.hpp"
+#include "backends/sdf/grid/grid_shape.hpp"
 #include "core/contact/contact.hpp"
 #include "core/mesh/rigid_motion.hpp"
 

@@ -3,8 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/base/parameters.hpp"
-#include "core/contact/collision_backend.hpp"
+#include "core/contact/backend_entry.hpp"
 
 namespace musclebench {
 
@@ -13,5 +12,6 @@ namespace musclebench {
 /// about a cell can be missed. Outside the fields' boxes nodes are free.
 std::unique_ptr<CollisionBackend> make_sdf_backend(const Parameters& parameters);
 std::vector<ParameterSpec> sdf_parameters();
+BackendEntry sdf_entry();
 
 }  // namespace musclebench

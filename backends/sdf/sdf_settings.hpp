@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "backends/sdf/field_builder.hpp"
-#include "backends/sdf/octree_builder.hpp"
+#include "backends/sdf/build/field_builder.hpp"
+#include "backends/sdf/build/octree_builder.hpp"
 #include "core/base/parameters.hpp"
 
 namespace musclebench {

@@ -13,7 +13,7 @@ class VoxelBackend final : public CollisionBackend {
   explicit VoxelBackend(const Parameters& parameters)
       : m_cells(static_cast<int>(parameters.integer("cells"))), m_voxel_size_m(parameters.number("voxel_size_m")) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.depth = false, .point_queries = true}; }
+  [[nodiscard]] Capabilities capabilities() const override { return {.depth = false, .has_step = true}; }
 
   [[nodiscard]] AnswerBound answer_bound(int bone) const override { return {0, m_grids[bone].cell_size_m().norm()}; }
 
@@ -58,15 +58,34 @@ class VoxelBackend final : public CollisionBackend {
   std::vector<VoxelGrid> m_grids;
 };
 
+std::vector<ParameterSpec> voxel_parameters() {
+  return {parameter::integer({.name = "cells",
+                              .default_value = 64,
+                              .minimum = 1,
+                              .maximum = 100'000,
+                              .role = ParameterRole::resolution,
+                              .help = "voxels along each axis of a bone's own bounding box"}),
+          parameter::number({.name = "voxel_size_m",
+                             .unit = "m",
+                             .default_value = 0,
+                             .minimum = 0,
+                             .maximum = 10,
+                             .role = ParameterRole::resolution,
+                             .help = "edge of cubic voxels; 0: use cells"})};
+}
+
 }  // namespace
 
 std::unique_ptr<CollisionBackend> make_voxel_backend(const Parameters& parameters) {
   return std::make_unique<VoxelBackend>(parameters);
 }
 
-std::vector<ParameterSpec> voxel_parameters() {
-  return {{"cells", std::int64_t{64}, "voxels along each axis of a bone's own bounding box", 1, 100000, {}},
-          {"voxel_size_m", 0.0, "edge of cubic voxels; 0: use cells", 0, 10, {}}};
+BackendEntry voxel_entry() {
+  return {.name = "voxel",
+          .help = "uniform bit grid over each bone (the paper's voxelisation)",
+          .default_response = ResponseKind::backtrack,
+          .parameters = voxel_parameters(),
+          .make = make_voxel_backend};
 }
 
 }  // namespace musclebench

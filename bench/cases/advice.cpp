@@ -11,36 +11,33 @@ namespace musclebench {
 
 namespace {
 
-constexpr std::int64_t coarsest_field = 8;
-constexpr std::int64_t finest_field = 256;
-constexpr std::int64_t coarsest_voxels = 16;
-constexpr std::int64_t finest_voxels = 256;
-/// What times are compared with, so always measured.
-constexpr std::int64_t unit_of_price = 64;
-/// Adaptive fields get finer by this factor until they are as fine as wanted, from about a millimetre on.
-constexpr double adaptive_step = 4;
-constexpr double coarsest_adaptive_m = 1e-3;
-/// A little steeper than what building one cost over its wanted error on scanned bones.
-constexpr double adaptive_build_order = 1.6;
 /// A predicted resolution is taken a little finer than the fitted order asks for: the order is a fit.
 constexpr double prediction_margin = 1.1;
 /// Less than this between two resolutions is not worth another build.
 constexpr double worthwhile_step = 0.85;
+/// Configurations are timed minutes apart: a machine drifts by so much meanwhile, which no interval knows of.
+constexpr double drift = 1.1;
+/// An error up to so much above the wanted one may be one of the few frames that were asked.
+constexpr double nearly_held = 1.5;
 
 class Search {
  public:
   Search(const AdviceRequest& request, const Assess& assess) : m_request(request), m_assess(assess) {}
 
   Advice run() {
-    try_one(with_cells("voxel", unit_of_price));
-    try_one({"bvh", {}});
-    refine("voxel", coarsest_voxels, finest_voxels);
-    const std::vector<std::size_t> fields = refine("sdf", coarsest_field, finest_field);
-    interpolate(fields);
-    adapt();
-    if (m_request.with_fcl) {
-      try_one({"fcl", {}});
-      try_one({"fcl", {{"bounding_volume", std::string("OBB")}}});
+    for (const AdvisePlan& plan : m_request.plans) {
+      if (plan.unit_of_price) {
+        try_one({plan.backend, *plan.unit_of_price});
+        m_advice.unit_of_price = Configuration{plan.backend, *plan.unit_of_price};
+      }
+    }
+    // What is exact holds any depth, so whatever time there is, there is an answer.
+    for (const bool exact : {true, false}) {
+      for (const AdvisePlan& plan : m_request.plans) {
+        if (plan.exact == exact) {
+          try_all(plan);
+        }
+      }
     }
     choose();
     return std::move(m_advice);
@@ -75,70 +72,100 @@ class Search {
     return m_advice.measured.size() - 1;
   }
 
-  static Configuration with_cells(const std::string& backend, std::int64_t cells) {
-    return {backend, {{"cells", cells}}};
-  }
-
-  /// Doubles the cells until the wanted depth holds; where they were measured.
-  std::vector<std::size_t> refine(const std::string& backend, std::int64_t coarsest, std::int64_t finest) {
-    std::vector<std::size_t> places;
-    double predicted_s = 0;
-    for (std::int64_t cells = coarsest; cells <= finest; cells *= 2) {
-      const std::optional<std::size_t> place = try_one(with_cells(backend, cells), predicted_s);
-      if (!place) {
-        break;
-      }
-      places.push_back(*place);
-      if (holds(m_advice.measured[*place])) {
-        break;
-      }
-      const double build_s = static_cast<double>(m_advice.measured[*place].build_ns) * 1e-9;
-      predicted_s = std::max(0.0, m_last_s - build_s) + 8 * build_s;  // twice the cells along each of three axes
+  void try_all(const AdvisePlan& plan) {
+    for (const Settings& point : plan.points) {
+      try_one({plan.backend, point});
     }
-    return places;
+    if (plan.refine) {
+      const std::vector<std::size_t> steps = refine(plan.backend, *plan.refine);
+      if (plan.refine->interpolate) {
+        interpolate(plan.backend, *plan.refine, steps);
+      }
+    }
+    if (plan.wanted_error) {
+      adapt(plan.backend, *plan.wanted_error);
+    }
   }
 
-  /// Between the last two resolutions, of which the finer holds and the coarser does not, or past the last that could
-  /// be built.
-  void interpolate(const std::vector<std::size_t>& places) {
-    if (places.size() < 2) {
+  static Configuration with_value(const std::string& backend, const Refinement& of, double value) {
+    return of.is_integer ? Configuration{backend, {{of.parameter, static_cast<std::int64_t>(std::ceil(value))}}}
+                         : Configuration{backend, {{of.parameter, typeable(value)}}};
+  }
+
+  /// Three digits: the number is to be typed.
+  static double typeable(double value) { return std::stod(fmt::format("{:.3g}", value)); }
+
+  /// Cells along an axis, or what is proportional to them: finer is more.
+  static double fineness(const Refinement& of, double value) { return of.factor > 1 ? value : 1 / value; }
+
+  [[nodiscard]] double fineness(const Refinement& of, const Assessment& of_step) const {
+    const ParameterValue& value = of_step.configuration.parameters.at(of.parameter);
+    const auto* whole = std::get_if<std::int64_t>(&value);
+    return fineness(of, whole != nullptr ? static_cast<double>(*whole) : std::get<double>(value));
+  }
+
+  /// Step by step until the wanted depth holds; what was measured.
+  std::vector<std::size_t> refine(const std::string& backend, const Refinement& of) {
+    std::vector<std::size_t> measured;
+    double predicted_s = 0;
+    const double finest = fineness(of, of.to);
+    for (double value = of.from; fineness(of, value) <= finest; value *= of.factor) {
+      const std::optional<std::size_t> index = try_one(with_value(backend, of, value), predicted_s);
+      if (!index) {
+        break;
+      }
+      measured.push_back(*index);
+      if (holds(m_advice.measured[*index])) {
+        break;
+      }
+      const double build_s = static_cast<double>(m_advice.measured[*index].build_ns) * 1e-9;
+      // More cells along each of three axes.
+      const double more = std::pow(std::max(of.factor, 1 / of.factor), 3);
+      predicted_s = std::max(0.0, m_last_s - build_s) + more * build_s;
+    }
+    return measured;
+  }
+
+  /// Between the last two steps, of which the finer holds and the coarser does not, or past the last that could be
+  /// built.
+  void interpolate(const std::string& backend, const Refinement& of, const std::vector<std::size_t>& steps) {
+    if (steps.size() < 2) {
       return;
     }
-    const Assessment coarse = m_advice.measured[places[places.size() - 2]];
-    const Assessment fine = m_advice.measured[places.back()];
-    const double coarse_cells =
-        static_cast<double>(std::get<std::int64_t>(coarse.configuration.parameters.at("cells")));
-    const double fine_cells = static_cast<double>(std::get<std::int64_t>(fine.configuration.parameters.at("cells")));
+    const Assessment coarse = m_advice.measured[steps[steps.size() - 2]];
+    const Assessment fine = m_advice.measured[steps.back()];
+    const double at_coarse = fineness(of, coarse);
+    const double at_fine = fineness(of, fine);
     if (fine.p99_error_m <= 0 || fine.p99_error_m >= coarse.p99_error_m || m_request.depth_m <= 0) {
       return;
     }
-    const double order = std::log(coarse.p99_error_m / fine.p99_error_m) / std::log(fine_cells / coarse_cells);
-    const double wanted = prediction_margin * fine_cells * std::pow(fine.p99_error_m / m_request.depth_m, 1 / order);
+    const double order = std::log(coarse.p99_error_m / fine.p99_error_m) / std::log(at_fine / at_coarse);
+    const double wanted = prediction_margin * at_fine * std::pow(fine.p99_error_m / m_request.depth_m, 1 / order);
     const bool finer_is_known = holds(fine);
-    if (finer_is_known ? wanted > worthwhile_step * fine_cells : !(wanted < static_cast<double>(2 * finest_field))) {
+    if (finer_is_known ? wanted > worthwhile_step * at_fine : !(wanted < 2 * fineness(of, of.to))) {
       return;
     }
-    const auto cells = static_cast<std::int64_t>(std::ceil(wanted));
-    const double build_s = static_cast<double>(fine.build_ns) * 1e-9 * std::pow(wanted / fine_cells, 3);
-    try_one(with_cells("sdf", cells), build_s);
+    const double build_s = static_cast<double>(fine.build_ns) * 1e-9 * std::pow(wanted / at_fine, 3);
+    try_one(with_value(backend, of, fineness(of, wanted)), build_s);
   }
 
   /// Coarse ones first: what they cost to build says whether there is time for the fine one.
-  void adapt() {
+  void adapt(const std::string& backend, const WantedErrorSteps& of) {
     if (!(m_request.depth_m > 0)) {
       return;
     }
-    double error_m = std::min(m_request.depth_m, coarsest_adaptive_m);
-    while (error_m * adaptive_step <= coarsest_adaptive_m) {
-      error_m *= adaptive_step;
+    double error_m = std::min(m_request.depth_m, of.coarsest_m);
+    while (error_m * of.factor <= of.coarsest_m) {
+      error_m *= of.factor;
     }
-    double predicted_s = m_last_s;  // of a field of cubes
+    double predicted_s = m_last_s;  // of what was tried before
     for (;;) {
-      const std::optional<std::size_t> place = try_one(adaptive(error_m), predicted_s);
-      if (!place) {
+      const Configuration adaptive{backend, {{of.parameter, typeable(error_m * of.per_metre)}}};
+      const std::optional<std::size_t> index = try_one(adaptive, predicted_s);
+      if (!index) {
         return;
       }
-      const Assessment& measured = m_advice.measured[*place];
+      const Assessment& measured = m_advice.measured[*index];
       const bool is_last = error_m <= m_request.depth_m;
       if (holds(measured) || error_m < m_request.depth_m) {
         return;
@@ -146,16 +173,11 @@ class Search {
       // The wanted error is that of all points near the surface; of this scene's contacts it may be a little more.
       const double finer_m = is_last
                                  ? m_request.depth_m * m_request.depth_m / (prediction_margin * measured.p99_error_m)
-                                 : std::max(m_request.depth_m, error_m / adaptive_step);
+                                 : std::max(m_request.depth_m, error_m / of.factor);
       const double build_s = static_cast<double>(measured.build_ns) * 1e-9;
-      predicted_s = std::max(0.0, m_last_s - build_s) + build_s * std::pow(error_m / finer_m, adaptive_build_order);
+      predicted_s = std::max(0.0, m_last_s - build_s) + build_s * std::pow(error_m / finer_m, of.build_order);
       error_m = finer_m;
     }
-  }
-
-  static Configuration adaptive(double error_m) {
-    // Three digits: the number is to be typed.
-    return {"sdf", {{"max_error_mm", std::stod(fmt::format("{:.3g}", error_m * 1e3))}}};
   }
 
   void choose() {
@@ -170,13 +192,18 @@ class Search {
         fastest = i;
       }
     }
+    m_advice.fastest = fastest;
     m_advice.chosen = fastest;
     for (std::size_t i = 0; fastest && i < measured.size(); ++i) {
-      const bool as_fast = measured[i].collision_ns.low <= measured[*fastest].collision_ns.high;
-      if (holds(measured[i]) && as_fast && measured[i].structure_bytes < measured[*m_advice.chosen].structure_bytes) {
+      if (holds(measured[i]) && is_as_fast(measured[i].collision_ns, measured[*fastest].collision_ns) &&
+          measured[i].structure_bytes < measured[*m_advice.chosen].structure_bytes) {
         m_advice.chosen = i;
       }
     }
+  }
+
+  static bool is_as_fast(const MedianInterval& time, const MedianInterval& fastest) {
+    return time.low <= fastest.high || time.median <= drift * fastest.median;
   }
 
   const AdviceRequest& m_request;
@@ -186,7 +213,40 @@ class Search {
   double m_last_s = 0;  ///< the last assessment took
 };
 
+double megabytes(const Assessment& assessment) { return static_cast<double>(assessment.structure_bytes) * 1e-6; }
+
+std::string why_chosen(const Assessment& chosen, const Assessment& fastest) {
+  if (&chosen == &fastest) {
+    return "It is the fastest that holds, and none that is as fast is smaller.";
+  }
+  return fmt::format(
+      "It is smaller than {} ({:.3g} against {:.3g} MB) and as fast as far as this tells: {:.3g} times its time, where "
+      "overlapping intervals, or {:.0f} % between two measurements, are no difference.",
+      fastest.configuration.text(), megabytes(chosen), megabytes(fastest),
+      chosen.collision_ns.median / fastest.collision_ns.median, (drift - 1) * 100);
+}
+
 }  // namespace
+
+std::vector<std::string> explain(const Advice& advice, const AdviceRequest& request, const AskedFrames& frames) {
+  std::vector<std::string> lines;
+  if (advice.chosen) {
+    lines.push_back(why_chosen(advice.measured[*advice.chosen], advice.measured[*advice.fastest]));
+  }
+  for (const Assessment& row : advice.measured) {
+    const bool nearly = row.p99_error_m > request.depth_m && row.p99_error_m <= nearly_held * request.depth_m;
+    const bool cheaper = !advice.chosen ||
+                         row.collision_ns.median < advice.measured[*advice.chosen].collision_ns.median ||
+                         row.structure_bytes < advice.measured[*advice.chosen].structure_bytes;
+    if (nearly && cheaper && frames.asked < frames.all) {
+      lines.push_back(fmt::format(
+          "{} would be cheaper and misses the depth narrowly ({:.3g} mm), by {} of {} frames: over all of them its "
+          "error may be another; record the scene and replay it to be sure.",
+          row.configuration.text(), row.p99_error_m * 1e3, frames.asked, frames.all));
+    }
+  }
+  return lines;
+}
 
 std::string Configuration::text() const {
   std::string text = backend;

@@ -2,12 +2,11 @@
 
 #include <cstddef>
 #include <functional>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/base/parameters.hpp"
+#include "bench/cases/advise_plan.hpp"
 #include "core/base/scoped_timer.hpp"
 
 namespace musclebench {
@@ -15,7 +14,7 @@ namespace musclebench {
 /// A backend with the parameters that differ from its defaults.
 struct Configuration {
   std::string backend;
-  std::map<std::string, ParameterValue> parameters;
+  Settings parameters;
 
   /// As one would type it: "sdf cells=64".
   [[nodiscard]] std::string text() const;
@@ -57,20 +56,32 @@ using Assess = std::function<std::optional<Assessment>(const Configuration&, std
 struct AdviceRequest {
   double depth_m = 1e-4;  ///< wanted: p99 of the depth error at most this
   double seconds = 90;    ///< for building and measuring; a configuration that would take longer is left out
-  bool with_fcl = true;
+  std::vector<AdvisePlan> plans = {};  ///< a backend each
 };
 
 struct Advice {
   std::vector<Assessment> measured;  ///< in the order of measuring
   std::vector<Omission> omitted;
-  std::optional<std::size_t> chosen;  ///< in `measured`; nothing when none holds the wanted depth
-  std::optional<std::size_t> best;    ///< the smallest p99 error; nothing when nothing could be measured
+  std::optional<Configuration> unit_of_price;
+  std::optional<std::size_t> chosen;   ///< in `measured`; nothing when none holds the wanted depth
+  std::optional<std::size_t> fastest;  ///< of those that hold
+  std::optional<std::size_t> best;     ///< the smallest p99 error; nothing when nothing could be measured
 };
 
-/// Measures the exact tree, voxels and fields from coarse to fine until one holds the wanted depth, and FCL's ways. A
-/// field between two resolutions is predicted from the observed order and measured like any other, and so is an
-/// adaptive field of the wanted error.
-/// Chosen is the fastest that holds; of those as fast, as far as the intervals tell, the one with the least bytes.
+/// Measures what the plans name, the exact backends first: single configurations, resolutions from coarse to fine until
+/// one holds the wanted depth, one between two of them that is predicted from the observed order, and structures that
+/// adapt to a wanted error.
+/// Chosen is the fastest that holds; of those as fast (intervals that overlap, or no more than a tenth slower) the one
+/// with the least bytes.
 Advice find_advice(const AdviceRequest& request, const Assess& assess);
+
+/// How many frames of the run an advice rests on.
+struct AskedFrames {
+  int asked = 0;
+  int all = 0;
+};
+
+/// Why the chosen one, and which cheaper ones were refused by an error that more frames might not have; a line each.
+std::vector<std::string> explain(const Advice& advice, const AdviceRequest& request, const AskedFrames& frames);
 
 }  // namespace musclebench

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "backends/registry.hpp"
 #include "core/scene/scene.hpp"
 
@@ -12,6 +14,12 @@ struct Case {
   Parameters parameters;  ///< of the backend
   int threads = 1;
   int repetition = 0;
+  ResponseKind response = backend.default_response;
 };
+
+/// The response of a case: what the command line says (`--response`; empty: nothing), else the scene, else the
+/// backend's own. Throws InputError where the backend can't serve what was chosen.
+ResponseKind choose_response(const std::string& option, const Scene& scene, const BackendEntry& backend,
+                             const Parameters& parameters);
 
 }  // namespace musclebench

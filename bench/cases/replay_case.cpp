@@ -96,7 +96,7 @@ class Replayer {
 
   std::string timed_pass() {
     Sha256 hash;
-    Response response(m_replay.backend.response);
+    Response response(m_replay.response);
     std::vector<std::vector<Contact>> answers;
     for_each_frame([&](const RecordedFrame& frame) {
       ReplayRecord record;

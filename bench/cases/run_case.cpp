@@ -58,7 +58,7 @@ class CaseRunner {
     m_result.structure_errors = m_backend->structure_errors();
     m_result.structures_loaded = m_backend->built_from_file();
 
-    PreparedSimulation prepared = prepare_simulation(m_run.scene, *m_backend, m_run.backend.response);
+    PreparedSimulation prepared = prepare_simulation(m_run.scene, *m_backend, m_run.response);
     m_simulation = std::move(prepared.simulation);
     m_result.bound_nodes = std::move(prepared.bound_nodes);
     m_result.effect_names = std::move(prepared.effect_names);

@@ -6,11 +6,14 @@
 #include <cmath>
 #include <limits>
 
-#include "backends/brute_force/brute_force_surface.hpp"
-#include "backends/bvh/exact_surface.hpp"
+#include <fmt/format.h>
+
+#include "backends/registry.hpp"
+#include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/mesh/surface_sampler.hpp"
 #include "core/referee/referee.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 
@@ -87,9 +90,16 @@ void answer_all(std::span<const Vec3> points, [[maybe_unused]] const Verificatio
   }
 }
 
-Agreement compare(std::span<const Vec3> points, std::span<const double> one, std::span<const double> other,
-                  double tolerance_m) {
-  Agreement result;
+/// What one of those that are compared says of the points, or of the first of them.
+struct Answers {
+  std::string name;
+  std::vector<double> distances_m;
+};
+
+Agreement compare(std::span<const Vec3> points, const Answers& by_one, const Answers& by_other, double tolerance_m) {
+  const std::vector<double>& one = by_one.distances_m;
+  const std::vector<double>& other = by_other.distances_m;
+  Agreement result{by_one.name, by_other.name};
   result.points = static_cast<std::int64_t>(other.size());
   for (std::size_t i = 0; i < other.size(); ++i) {
     double difference = std::abs(std::abs(one[i]) - std::abs(other[i]));
@@ -109,10 +119,10 @@ Agreement compare(std::span<const Vec3> points, std::span<const double> one, std
   return result;
 }
 
-std::int64_t points_for(const ExactSurface& surface, const VerificationSettings& settings) {
+std::int64_t points_for(const TriangleMesh& mesh, const VerificationSettings& settings) {
   constexpr std::int64_t share_if_open = 50;
   const std::int64_t fewer = std::max(settings.points / share_if_open, settings.brute_force_points);
-  return surface.closed() ? settings.points : std::min(settings.points, fewer);
+  return is_closed(mesh) ? settings.points : std::min(settings.points, fewer);
 }
 
 }  // namespace
@@ -122,7 +132,7 @@ bool SurfaceVerification::holds(const Agreement& agreement) const {
 }
 
 bool SurfaceVerification::held() const {
-  return holds(bvh_referee) && holds(bvh_brute_force) && holds(referee_brute_force);
+  return std::all_of(pairs.begin(), pairs.end(), [&](const Agreement& pair) { return holds(pair); });
 }
 
 std::vector<Vec3> points_about(const TriangleMesh& mesh, std::int64_t count, std::uint64_t seed) {
@@ -162,20 +172,20 @@ SurfaceVerification verify_surface(const Bone& bone, const VerificationSettings&
   const auto start = std::chrono::steady_clock::now();
   const TriangleMesh& mesh = bone.surface.mesh;
   const Referee referee(std::span(&bone, 1), 0);
-  const ExactSurface bvh(bone.surface, settings.threads);
-  const std::vector<Vec3> points = points_about(mesh, points_for(bvh, settings), settings.seed);
-  const std::size_t few = static_cast<std::size_t>(std::min(std::ssize(points), settings.brute_force_points));
+  const BackendEntry& exact = exact_backend();
+  if (!exact.signed_distance) {
+    throw InputError("verify", fmt::format("'{}' tells no signed distances to compare", exact.name));
+  }
+  const SignedDistance by_exact = exact.signed_distance(bone, settings.threads);
+  const std::vector<Vec3> points = points_about(mesh, points_for(mesh, settings), settings.seed);
+  const auto few = std::span(points).first(
+      static_cast<std::size_t>(std::min(std::ssize(points), static_cast<std::ptrdiff_t>(settings.brute_force_points))));
 
-  std::vector<double> by_bvh(points.size());
-  std::vector<double> by_referee(points.size());
-  answer_all(points, settings, "bvh and Referee", 2000, progress, [&](std::size_t i) {
-    by_bvh[i] = bvh.signed_distance_m(points[i]);
-    by_referee[i] = referee.signed_distance(0, points[i]);
-  });
-  std::vector<double> by_brute_force(few);
-  answer_all(std::span(points).first(few), settings, "brute_force", 64, progress, [&](std::size_t i) {
-    const SurfacePoint place = locate_by_brute_force(mesh, points[i]);
-    by_brute_force[i] = place.inside ? -place.distance_m : place.distance_m;
+  Answers of_exact{exact.name, std::vector<double>(points.size())};
+  Answers of_referee{"Referee", std::vector<double>(points.size())};
+  answer_all(points, settings, exact.name + " and Referee", 2000, progress, [&](std::size_t i) {
+    of_exact.distances_m[i] = by_exact(points[i]);
+    of_referee.distances_m[i] = referee.signed_distance(0, points[i]);
   });
 
   SurfaceVerification result;
@@ -184,9 +194,17 @@ SurfaceVerification verify_surface(const Bone& bone, const VerificationSettings&
   const double largest_coordinate_m = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
   result.agreed_m = agreed_share * result.diagonal_m +
                     agreed_roundings * std::numeric_limits<double>::epsilon() * largest_coordinate_m;
-  result.bvh_referee = compare(points, by_bvh, by_referee, result.agreed_m);
-  result.bvh_brute_force = compare(points, by_bvh, by_brute_force, result.agreed_m);
-  result.referee_brute_force = compare(points, by_referee, by_brute_force, result.agreed_m);
+  result.pairs.push_back(compare(points, of_exact, of_referee, result.agreed_m));
+  for (const BackendEntry& other : backend_registry()) {
+    if (other.exact && other.signed_distance && &other != &exact) {
+      const SignedDistance by_other = other.signed_distance(bone, settings.threads);
+      Answers of_other{other.name, std::vector<double>(few.size())};
+      answer_all(few, settings, other.name, 64, progress,
+                 [&](std::size_t i) { of_other.distances_m[i] = by_other(points[i]); });
+      result.pairs.push_back(compare(points, of_exact, of_other, result.agreed_m));
+      result.pairs.push_back(compare(points, of_referee, of_other, result.agreed_m));
+    }
+  }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

@@ -10,21 +10,23 @@
 namespace musclebench {
 
 struct VerificationSettings {
-  /// Where `bvh` and the Referee are compared. About a surface that is not closed 1/50 of them: there the Referee sums
-  /// the solid angles of all triangles.
+  /// Where the first exact backend and the Referee are compared. About a surface that is not closed 1/50 of them: there
+  /// the Referee sums the solid angles of all triangles.
   std::int64_t points = 1'000'000;
-  std::int64_t brute_force_points = 10'000;  ///< the first of them, where both are compared with `brute_force`
+  std::int64_t brute_force_points = 10'000;  ///< the first of them, where both are compared with the other exact ones
   std::uint64_t seed = 1;
   int threads = 1;
 };
 
 /// How far two signed distances may lie apart, and how far from the surface their signs may differ: a share of the
-/// surface's diagonal, and roundings of its largest coordinate, which `brute_force` computes with as they are.
+/// surface's diagonal, and roundings of its largest coordinate, which not every backend subtracts before it computes.
 constexpr double agreed_share = 1e-12;
 constexpr double agreed_roundings = 64;
 
 /// How two ways to the same signed distance agree.
 struct Agreement {
+  std::string first;  ///< name of a backend, or "Referee"
+  std::string second;
   std::int64_t points = 0;
   double largest_difference_m = 0;  ///< of the distances without their signs
   Vec3 worst_point_m = Vec3::Zero();
@@ -34,10 +36,8 @@ struct Agreement {
 
 struct SurfaceVerification {
   double diagonal_m = 0;
-  double agreed_m = 0;  ///< what two answers may lie apart
-  Agreement bvh_referee;
-  Agreement bvh_brute_force;
-  Agreement referee_brute_force;
+  double agreed_m = 0;           ///< what two answers may lie apart
+  std::vector<Agreement> pairs;  ///< the first exact backend and the Referee; then each of them and the other backends
   double seconds = 0;
 
   [[nodiscard]] bool holds(const Agreement& agreement) const;
@@ -53,8 +53,8 @@ std::vector<Vec3> points_about(const TriangleMesh& mesh, std::int64_t count, std
 /// Work that has been done, of the whole of one stage.
 using VerificationProgress = std::function<void(const std::string& stage, int done, int total)>;
 
-/// Compares `bvh`, the Referee and `brute_force` about one surface. The result does not depend on the number of
-/// threads. Throws InputError where the surface has no triangles.
+/// Compares the exact backends of this build and the Referee about one surface. The result does not depend on the
+/// number of threads. Throws InputError where the surface has no triangles or the build no exact backend.
 SurfaceVerification verify_surface(const Bone& bone, const VerificationSettings& settings,
                                    const VerificationProgress& progress);
 

@@ -24,15 +24,13 @@ namespace musclebench {
 namespace {
 
 constexpr double degrees_per_radian = 180 / std::numbers::pi;
-/// Enough for the interval of a median, few enough that FCL's ways fit into the time.
+/// Enough for the interval of a median, few enough that slow backends fit into the time.
 constexpr int kept_frames = 40;
 constexpr int frames_in_a_row = 5;
 /// The run that makes the input may take this share of the time; the rest is for the configurations.
 constexpr double recording_share = 0.4;
 /// What is left of an exact answer is rounding.
 constexpr double exact_below_m = 1e-9;
-constexpr const char* exact_backend = "bvh";
-constexpr const char* unit_of_price = "voxel cells=64";
 
 struct AdviseOptions {
   SceneOptions scene;
@@ -55,11 +53,11 @@ bool is_kept(const LoopParameters& loop, int frame) {
 }
 
 Input run_exactly(const Scene& scene, double seconds) {
-  const BackendEntry& backend = find_backend(exact_backend);
+  const BackendEntry& backend = exact_backend();
   const int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const Case exact{scene, backend, backend_parameters(backend, {}), threads, 0};
   const BuiltBackend built = build_backend(exact);
-  const PreparedSimulation prepared = prepare_simulation(exact.scene, *built.backend, exact.backend.response);
+  const PreparedSimulation prepared = prepare_simulation(exact.scene, *built.backend, exact.response);
   const Divergence divergence(scene);
   Progress progress(progress_style(false), "exact run of " + scene.name, scene.loop.frames);
   const Nanoseconds start_ns = monotonic_now_ns();
@@ -88,8 +86,9 @@ Input run_exactly(const Scene& scene, double seconds) {
 std::optional<Assessment> assess(const Scene& scene, const Configuration& configuration, const AdviseOptions& options,
                                  KeptFrames& frames, std::string& reason) {
   const BackendEntry& backend = find_backend(configuration.backend);
-  ReplayCase replay{{scene, backend, Parameters(backend.parameters, configuration.parameters, configuration.text()),
-                     options.threads, 0}};
+  const Parameters parameters(backend.parameters, configuration.parameters, configuration.text());
+  const ResponseKind response = choose_response("", scene, backend, parameters);
+  ReplayCase replay{{scene, backend, parameters, options.threads, 0, response}};
   replay.band_m = options.band_mm * 1e-3;
   Progress progress(progress_style(false), "trying " + configuration.text(),
                     2 * replayed_frames(replay, frames.header()));
@@ -130,10 +129,11 @@ std::string accuracy_in_words(double error_m) {
 }
 
 void print_table(const Advice& advice) {
+  const std::string unit_name = advice.unit_of_price ? advice.unit_of_price->text() : "";
   const auto unit = std::find_if(advice.measured.begin(), advice.measured.end(),
-                                 [](const Assessment& a) { return a.configuration.text() == unit_of_price; });
+                                 [&](const Assessment& a) { return a.configuration.text() == unit_name; });
   fmt::print("  {:<30} {:>9} {:>9} {:>8} {:>8} {:>11} {:>20} {:>7} {:>8} {:>9}\n", "configuration", "p99 mm", "max mm",
-             "missed", "false", "ms a frame", "(95 % interval)", "x voxel", "build s", "MB");
+             "missed", "false", "ms a frame", "(95 % interval)", "x unit", "build s", "MB");
   for (std::size_t i = 0; i < advice.measured.size(); ++i) {
     const Assessment& row = advice.measured[i];
     const MedianInterval& time = row.collision_ns;
@@ -144,6 +144,9 @@ void print_table(const Advice& advice) {
                millimetres(row.max_error_m), row.missed, row.false_contacts, time.median * 1e-6,
                fmt::format("({:.4g} to {:.4g})", time.low * 1e-6, time.high * 1e-6), ratio,
                static_cast<double>(row.build_ns) * 1e-9, static_cast<double>(row.structure_bytes) * 1e-6);
+  }
+  if (unit != advice.measured.end()) {
+    fmt::print("  x unit: time over that of {}\n", unit_name);
   }
   for (const Omission& omission : advice.omitted) {
     fmt::print("  {:<30} not measured: {}\n", omission.configuration.text(), omission.reason);
@@ -184,7 +187,13 @@ std::string command_for(const AdviseOptions& options, const Configuration& confi
   return options.threads > 1 ? fmt::format("{} --threads {}", command, options.threads) : command;
 }
 
-void print_verdict(const Advice& advice, const AdviseOptions& options) {
+void print_lines(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) {
+    fmt::print("{}\n", line);
+  }
+}
+
+void print_verdict(const Advice& advice, const AdviseOptions& options, const std::vector<std::string>& reasons) {
   if (advice.measured.empty()) {
     fmt::print("\nNothing could be measured; the reasons are above.\n");
     return;
@@ -196,6 +205,7 @@ void print_verdict(const Advice& advice, const AdviseOptions& options) {
         "{:.4g} ms a frame.\n",
         options.depth_mm, best.configuration.text(), best.p99_error_m * 1e3, best.max_error_m * 1e3,
         best.collision_ns.median * 1e-6);
+    print_lines(reasons);
     return;
   }
   const Assessment& chosen = advice.measured[*advice.chosen];
@@ -209,16 +219,13 @@ void print_verdict(const Advice& advice, const AdviseOptions& options) {
   } else {
     fmt::print("No other configuration that was measured holds {} mm.\n", options.depth_mm);
   }
+  print_lines(reasons);
   fmt::print("  {}\n", command_for(options, chosen.configuration));
-}
-
-bool has_fcl() {
-  return std::any_of(backend_registry().begin(), backend_registry().end(),
-                     [](const BackendEntry& entry) { return entry.name == "fcl"; });
 }
 
 int advise(const AdviseOptions& options) {
   const Nanoseconds start_ns = monotonic_now_ns();
+  std::vector<AdvisePlan> plans = advise_plans();
   const Scene scene = load_scene(options.scene);
   Input input = run_exactly(scene, options.seconds * recording_share);
   if (input.frames->header().frames() == 0) {
@@ -226,7 +233,7 @@ int advise(const AdviseOptions& options) {
                                               options.seconds * recording_share));
   }
   const double left_s = options.seconds - static_cast<double>(monotonic_now_ns() - start_ns) * 1e-9;
-  const AdviceRequest request{options.depth_mm * 1e-3, left_s, has_fcl()};
+  const AdviceRequest request{options.depth_mm * 1e-3, left_s, std::move(plans)};
   const Advice advice = find_advice(request, [&](const Configuration& configuration, std::string& reason) {
     try {
       return assess(scene, configuration, options, *input.frames, reason);
@@ -246,7 +253,7 @@ int advise(const AdviseOptions& options) {
              advice.measured.empty() ? 0 : advice.measured.front().true_contacts, options.threads,
              options.threads == 1 ? "" : "s");
   print_table(advice);
-  print_verdict(advice, options);
+  print_verdict(advice, options, explain(advice, request, {input.frames->header().frames(), scene.loop.frames}));
   return advice.chosen ? 0 : exit_not_held;
 }
 
@@ -255,7 +262,7 @@ int advise(const AdviseOptions& options) {
 void add_advise_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<AdviseOptions>();
   CLI::App* command = app.add_subcommand(
-      "advise", "Measure which backend and resolution hold a wanted depth error on a scene, and name the fastest");
+      "advise", "Measure which backend and resolution hold a wanted depth error on a scene, and name the one to take");
   add_scene_options(*command, options->scene);
   command->add_option("--depth-mm", options->depth_mm, "Wanted: the 99th percentile of the depth error, mm")
       ->required()

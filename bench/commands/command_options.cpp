@@ -50,6 +50,11 @@ void add_backend_options(CLI::App& command, BackendOptions& options) {
   add_threads_option(command, options.threads);
 }
 
+void add_response_option(CLI::App& command, BackendOptions& options) {
+  command.add_option("--response", options.response,
+                     "How nodes get out of bones: backtrack or project (default: the scene's, or the backend's own)");
+}
+
 void add_threads_option(CLI::App& command, int& threads) {
   command.add_option("--threads", threads, "Threads of the backend (default: 1)")->check(CLI::Range(1, 4096));
 }

@@ -32,11 +32,14 @@ void print_warnings(const Scene& scene);
 /// How a command line names a backend.
 struct BackendOptions {
   std::string backend;
+  std::string response;  ///< empty: the scene's, or the backend's own
   std::vector<std::string> parameters;
   int threads = 1;
 };
 
 void add_backend_options(CLI::App& command, BackendOptions& options);
+/// Of commands where nodes get out of bones.
+void add_response_option(CLI::App& command, BackendOptions& options);
 void add_threads_option(CLI::App& command, int& threads);
 
 /// The checked parameters of `backend`. Throws InputError.

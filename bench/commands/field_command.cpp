@@ -5,10 +5,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "backends/sdf/discregrid_file.hpp"
-#include "backends/sdf/field_file.hpp"
-#include "backends/sdf/field_memory.hpp"
-#include "backends/sdf/octree_file.hpp"
+#include "backends/sdf/build/field_memory.hpp"
+#include "backends/sdf/files/discregrid_file.hpp"
+#include "backends/sdf/files/field_file.hpp"
+#include "backends/sdf/files/octree_file.hpp"
 #include "backends/sdf/sdf_settings.hpp"
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"

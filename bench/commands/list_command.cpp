@@ -2,81 +2,74 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "backends/registry.hpp"
 #include "bench/commands/commands.hpp"
-#include "core/effects/effect_registry.hpp"
-#include "core/scene/scene.hpp"
-#include "datasets/embedded/embedded_files.hpp"
+#include "bench/results/catalogue.hpp"
 
 namespace musclebench {
 
 namespace {
 
-/// The unit is the end of the name, after the last word that is not a unit.
-std::string unit_of(const std::string& name) {
-  static constexpr std::pair<std::string_view, std::string_view> endings[] = {{"_rad_per_n_m", "rad/Nm"},
-                                                                              {"_kg_per_m3", "kg/m3"},
-                                                                              {"_m_per_n", "m/N"},
-                                                                              {"_m_per_s2", "m/s2"},
-                                                                              {"_per_s", "1/s"},
-                                                                              {"_m3", "m3"},
-                                                                              {"_rad", "rad"},
-                                                                              {"_deg", "deg"},
-                                                                              {"_kg", "kg"},
-                                                                              {"_mm", "mm"},
-                                                                              {"_s", "s"},
-                                                                              {"_m", "m"}};
-  for (const auto& [ending, unit] : endings) {
-    if (name.ends_with(ending)) {
-      return std::string(unit);
-    }
-  }
-  return "";
-}
+std::string word(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
 
-std::string range_of(const ParameterSpec& spec) {
-  if (!spec.choices.empty()) {
-    return fmt::format("{}", fmt::join(spec.choices, " | "));
+std::string range_of(const Json& parameter) {
+  if (parameter.contains("choices")) {
+    return fmt::format("{}", fmt::join(parameter["choices"].get<std::vector<std::string>>(), " | "));
   }
-  if (std::holds_alternative<bool>(spec.default_value)) {
+  if (parameter["kind"] == "flag") {
     return "true | false";
   }
-  return std::holds_alternative<std::string>(spec.default_value) ? ""
-                                                                 : fmt::format("{} to {}", spec.minimum, spec.maximum);
+  return parameter["minimum"].is_null()
+             ? ""
+             : fmt::format("{} to {}", parameter["minimum"].get<double>(), parameter["maximum"].get<double>());
 }
 
-void print_parameters(const std::vector<ParameterSpec>& specs) {
-  for (const ParameterSpec& spec : specs) {
-    const std::string value = format_parameter_value(spec.default_value);
-    fmt::print("    {:<24} {:<12} {:<6} {}\n", spec.name, value.empty() ? "\"\"" : value, unit_of(spec.name),
-               spec.help);
-    if (const std::string range = range_of(spec); !range.empty()) {
+void print_parameters(const Json& parameters) {
+  for (const Json& parameter : parameters) {
+    const std::string value = word(parameter["default"]);
+    fmt::print("    {:<24} {:<12} {:<6} {}\n", word(parameter["name"]), value.empty() ? "\"\"" : value,
+               word(parameter["unit"]), word(parameter["help"]));
+    if (const std::string range = range_of(parameter); !range.empty()) {
       fmt::print("    {:<44} [{}]\n", "", range);
     }
   }
 }
 
-int list() {
+void print_titles(const Json& entries) {
+  for (const Json& entry : entries) {
+    fmt::print("  {:<26} {}\n", word(entry["name"]), word(entry["title"]));
+  }
+}
+
+void print_for_people(const Json& all) {
   fmt::print("Backends (--backend NAME --param key=value), with default and unit of each parameter:\n");
-  for (const BackendEntry& entry : backend_registry()) {
-    fmt::print("  {:<26} {} (response: {})\n", entry.name, entry.help,
-               entry.response == ResponseKind::backtrack ? "backtrack" : "project");
-    print_parameters(entry.parameters);
+  for (const Json& backend : all["backends"]) {
+    fmt::print("  {:<26} {} (response: {})\n", word(backend["name"]), word(backend["help"]),
+               word(backend["default_response"]));
+    print_parameters(backend["parameters"]);
+  }
+  fmt::print("\nResponses (--response NAME, or response in [contact] of a scene):\n");
+  for (const Json& response : all["responses"]) {
+    fmt::print("  {:<26} {}\n", word(response["name"]), word(response["help"]));
   }
   fmt::print("\nEffects ([effects.NAME] in a scene):\n");
-  for (const EffectEntry& entry : effect_registry()) {
-    fmt::print("  {:<26} {}\n", entry.name, entry.help);
-    print_parameters(entry.parameters);
+  for (const Json& effect : all["effects"]) {
+    fmt::print("  {:<26} {}\n", word(effect["name"]), word(effect["help"]));
+    print_parameters(effect["parameters"]);
   }
   fmt::print("\nLoop ([loop] in a scene, --loop key=value):\n");
-  print_parameters(loop_parameters());
+  print_parameters(all["loop"]);
   fmt::print("\nPresets (--preset NAME):\n");
-  for (const EmbeddedFile& file : embedded_presets()) {
-    fmt::print("  {}\n", file.name);
-  }
+  print_titles(all["presets"]);
   fmt::print("\nScenes (lhdl/... need --data DIR or MUSCLEBENCH_DATA):\n");
-  for (const EmbeddedFile& file : embedded_scenes()) {
-    fmt::print("  {}\n", file.name);
+  print_titles(all["scenes"]);
+}
+
+int list(bool as_json) {
+  const Json all = catalogue();
+  if (as_json) {
+    fmt::print("{}\n", text_of(all, 1));
+  } else {
+    print_for_people(all);
   }
   return 0;
 }
@@ -84,8 +77,11 @@ int list() {
 }  // namespace
 
 void add_list_command(CLI::App& app, int& exit_code) {
-  app.add_subcommand("list", "Show backends, effects, scenes and their parameters with units and defaults")
-      ->callback([&exit_code] { exit_code = list(); });
+  auto as_json = std::make_shared<bool>(false);
+  CLI::App* command =
+      app.add_subcommand("list", "Show backends, responses, effects, presets, scenes and their parameters");
+  command->add_flag("--json", *as_json, "As JSON, with what studies sweep: for programs");
+  command->callback([as_json, &exit_code] { exit_code = list(*as_json); });
 }
 
 }  // namespace musclebench

@@ -23,7 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double degrees_per_radian = 180 / std::numbers::pi;
-constexpr const char* exact_backend = "bvh";
 
 struct RecordOptions {
   SceneOptions scene;
@@ -109,9 +108,11 @@ void print_summary(const RecordingHeader& header, const RecordingFile& file, Nan
 }
 
 int record(const RecordOptions& options) {
-  const BackendEntry& backend = find_backend(options.backend.backend);
+  const BackendEntry& backend =
+      options.backend.backend.empty() ? exact_backend() : find_backend(options.backend.backend);
   const Parameters parameters = backend_parameters(backend, options.backend.parameters);
   const Scene scene = load_scene(options.scene);
+  const ResponseKind response = choose_response(options.backend.response, scene, backend, parameters);
   const fs::path out = options.out;
   {
     const HeldSignals held;
@@ -119,10 +120,10 @@ int record(const RecordOptions& options) {
   }
 
   const Nanoseconds start_ns = monotonic_now_ns();
-  const Case resolved{scene, backend, parameters, options.backend.threads, 0};
+  const Case resolved{scene, backend, parameters, options.backend.threads, 0, response};
   std::optional<EndAtOnce> until_written(std::in_place);
   const BuiltBackend built = build_backend(resolved);
-  const PreparedSimulation prepared = prepare_simulation(resolved.scene, *built.backend, resolved.backend.response);
+  const PreparedSimulation prepared = prepare_simulation(resolved.scene, *built.backend, resolved.response);
   const RecordingHeader header = header_of(resolved, options.scene, prepared.simulation->free_nodes());
   std::optional<RecordingWriter> writer;
   {
@@ -152,12 +153,14 @@ int record(const RecordOptions& options) {
 
 void add_record_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RecordOptions>();
-  options->backend.backend = exact_backend;
   CLI::App* command =
       app.add_subcommand("record", "Run a scene with the exact backend and keep the input of every collision step");
   add_scene_options(*command, options->scene);
   add_backend_options(*command, options->backend);
-  command->get_option("--backend")->required(false)->description("Backend that drives the run (default: bvh, exact)");
+  add_response_option(*command, options->backend);
+  command->get_option("--backend")
+      ->required(false)
+      ->description("Backend that drives the run (default: the exact one)");
   command->add_option("--out", options->out, "The recording")->required();
   command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
   command->callback([options, &exit_code] { exit_code = record(*options); });

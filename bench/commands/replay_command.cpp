@@ -115,7 +115,9 @@ int replay(const ReplayOptions& options) {
   const Scene scene = scene_of(recording.header(), options);
   require_same_scene(scene, recording.header(), options.recording);
 
-  ReplayCase replay{{scene, backend, parameters, options.backend.threads, options.repetition}, recording.file()};
+  const ResponseKind response = choose_response(options.backend.response, scene, backend, parameters);
+  ReplayCase replay{{scene, backend, parameters, options.backend.threads, options.repetition, response},
+                    recording.file()};
   replay.stride = options.stride;
   replay.band_m = options.band_mm * 1e-3;
   replay.judge = !options.unjudged;
@@ -145,6 +147,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("replay", "Feed a recording to a backend; measure its time and its errors");
   command->add_option("recording", options->recording, "A file of `musclebench record`")->required();
   add_backend_options(*command, options->backend);
+  add_response_option(*command, options->backend);
   command->add_option("--scene", options->scene, "Where the recorded scene is now (default: where it was)");
   command->add_option("--data", options->data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
   command->add_option("--stride", options->stride, "Replay every so many-th frame, and the last (default: 1)")

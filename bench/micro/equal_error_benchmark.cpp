@@ -7,9 +7,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "backends/sdf/exact_places.hpp"
-#include "backends/sdf/field_builder.hpp"
-#include "backends/sdf/octree_builder.hpp"
+#include "backends/sdf/build/exact_places.hpp"
+#include "backends/sdf/build/field_builder.hpp"
+#include "backends/sdf/build/octree_builder.hpp"
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
 #include "core/base/huge_pages.hpp"

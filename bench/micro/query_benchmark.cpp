@@ -10,8 +10,8 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "backends/sdf/field_builder.hpp"
-#include "backends/sdf/octree_builder.hpp"
+#include "backends/sdf/build/field_builder.hpp"
+#include "backends/sdf/build/octree_builder.hpp"
 #include "backends/voxel/voxel_grid.hpp"
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"

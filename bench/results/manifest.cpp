@@ -85,6 +85,7 @@ Json json_of_case(const Case& resolved, std::string_view mode) {
           {"scene", resolved.scene.name},
           {"preset", resolved.scene.preset},
           {"backend", resolved.backend.name},
+          {"response", name_of(resolved.response)},
           {"parameters", json_of(resolved.parameters)},
           {"threads", resolved.threads},
           {"repetition", resolved.repetition},

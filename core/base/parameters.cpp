@@ -1,8 +1,11 @@
 #include "core/base/parameters.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -39,7 +42,7 @@ void check_range(const ParameterSpec& spec, const ParameterValue& value, const s
     }
     return;
   }
-  if (std::holds_alternative<bool>(value)) {
+  if (!spec.has_range()) {
     return;
   }
   const double number = std::holds_alternative<double>(value) ? std::get<double>(value)
@@ -52,6 +55,80 @@ void check_range(const ParameterSpec& spec, const ParameterValue& value, const s
 
 }  // namespace
 
+namespace parameter {
+
+ParameterSpec flag(Flag declared) {
+  return {.name = std::move(declared.name),
+          .kind = ParameterKind::flag,
+          .role = declared.role,
+          .default_value = declared.default_value,
+          .help = std::move(declared.help)};
+}
+
+ParameterSpec integer(Integer declared) {
+  return {.name = std::move(declared.name),
+          .kind = ParameterKind::integer,
+          .role = declared.role,
+          .default_value = declared.default_value,
+          .help = std::move(declared.help),
+          .minimum = static_cast<double>(declared.minimum),
+          .maximum = static_cast<double>(declared.maximum)};
+}
+
+ParameterSpec number(Number declared) {
+  assert(declared.minimum < declared.maximum);
+  return {.name = std::move(declared.name),
+          .kind = ParameterKind::number,
+          .role = declared.role,
+          .unit = std::move(declared.unit),
+          .default_value = declared.default_value,
+          .help = std::move(declared.help),
+          .minimum = declared.minimum,
+          .maximum = declared.maximum};
+}
+
+ParameterSpec choice(Choice declared) {
+  assert(!declared.choices.empty());
+  std::string chosen = declared.default_value.empty() ? declared.choices.front() : std::move(declared.default_value);
+  return {.name = std::move(declared.name),
+          .kind = ParameterKind::choice,
+          .role = declared.role,
+          .default_value = std::move(chosen),
+          .help = std::move(declared.help),
+          .choices = std::move(declared.choices)};
+}
+
+ParameterSpec path(Path declared) {
+  return {.name = std::move(declared.name),
+          .kind = ParameterKind::path,
+          .role = declared.role,
+          .default_value = std::string(),
+          .help = std::move(declared.help)};
+}
+
+}  // namespace parameter
+
+std::string_view name_of(ParameterKind kind) {
+  static constexpr std::array<std::string_view, 5> names = {"flag", "integer", "number", "choice", "path"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+std::string_view name_of(ParameterRole role) {
+  static constexpr std::array<std::string_view, 5> names = {"", "resolution", "wanted_error", "storage",
+                                                            "clearance_cache"};
+  return names[static_cast<std::size_t>(role)];
+}
+
+const ParameterSpec* find_parameter(const std::vector<ParameterSpec>& specs, std::string_view name) {
+  const auto found = std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.name == name; });
+  return found == specs.end() ? nullptr : &*found;
+}
+
+const ParameterSpec* find_parameter(const std::vector<ParameterSpec>& specs, ParameterRole role) {
+  const auto found = std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.role == role; });
+  return found == specs.end() ? nullptr : &*found;
+}
+
 Parameters::Parameters(const std::vector<ParameterSpec>& specs, const std::map<std::string, ParameterValue>& given,
                        std::string_view place) {
   for (const ParameterSpec& spec : specs) {
@@ -59,9 +136,8 @@ Parameters::Parameters(const std::vector<ParameterSpec>& specs, const std::map<s
   }
   for (const auto& [name, value] : given) {
     const std::string key = fmt::format("{}: {}", place, name);
-    const auto spec =
-        std::find_if(specs.begin(), specs.end(), [&wanted = name](const auto& s) { return s.name == wanted; });
-    if (spec == specs.end()) {
+    const ParameterSpec* spec = find_parameter(specs, name);
+    if (spec == nullptr) {
       std::vector<std::string> known;
       for (const ParameterSpec& s : specs) {
         known.push_back(s.name);

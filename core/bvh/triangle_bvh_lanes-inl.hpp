@@ -54,16 +54,15 @@ HWY_INLINE Vec3Of<V> cross(const Vec3Of<V>& a, const Vec3Of<V>& b) {
 }
 
 /// Triangles of a leaf, one a lane, or one of them in all lanes.
-template <typename V>
-struct TrianglesOf {
-  Vec3Of<V> origin, along, up;
-  V before, after, height;
+struct TriangleLanes {
+  Vec3Lanes origin, along, up;
+  Vec before, after, height;
 
-  static HWY_INLINE TrianglesOf of(const BvhLeaf& leaf, std::size_t first) {
+  static HWY_INLINE TriangleLanes of(const BvhLeaf& leaf, std::size_t first) {
     return {load(leaf.origin, first), load(leaf.along, first), load(leaf.up, first),
             load(leaf.before, first), load(leaf.after, first), load(leaf.height, first)};
   }
-  static HWY_INLINE TrianglesOf one(const BvhLeaf& leaf, std::size_t place) {
+  static HWY_INLINE TriangleLanes one(const BvhLeaf& leaf, std::size_t place) {
     const Lanes d;
     const auto all = [&](const std::array<BvhLanes, 3>& lanes) HWY_ATTR {
       return splat({lanes[0][place], lanes[1][place], lanes[2][place]});
@@ -77,68 +76,40 @@ struct TrianglesOf {
   }
 };
 
-using TriangleLanes = TrianglesOf<Vec>;
-
 /// From the closest point of a triangle to a place, in the triangle's own axes.
-template <typename V>
-struct ArmsOf {
-  V x;  ///< away from the foot of the height: to be turned round where `signed_x` is negative
-  V y, z;
-  V signed_x;
-  Vec3Of<V> across;  ///< the third axis
+struct Arms {
+  Vec x;  ///< away from the foot of the height: to be turned round where `signed_x` is negative
+  Vec y, z;
+  Vec signed_x;
+  Vec3Lanes across;  ///< the third axis
 
-  [[nodiscard]] HWY_INLINE V squared_length() const { return hn::MulAdd(z, z, hn::MulAdd(x, x, hn::Mul(y, y))); }
-};
-using Arms = ArmsOf<Vec>;
-
-/// Of a slanted side, which runs from (width, 0) to (0, height); not 0.
-template <typename V>
-HWY_INLINE V squared_side(V width, V height) {
-  return hn::Max(hn::MulAdd(width, width, hn::Mul(height, height)), hn::Set(hn::DFromV<V>(), 1e-37F));
-}
-
-/// Divides by the square of the slanted side that a point is beyond.
-struct BySlantedSide {
-  template <typename V, typename M>
-  HWY_INLINE V operator()(V run, M /*is_before*/, V width, V height) const {
-    return hn::Div(run, squared_side(width, height));
-  }
-};
-
-/// The same with the reciprocals of both squares, for triangles that are asked for more often.
-template <typename V>
-struct ByReciprocals {
-  V before, after;
-
-  template <typename M>
-  HWY_INLINE V operator()(V run, M is_before, V /*width*/, V /*height*/) const {
-    return hn::Mul(run, hn::IfThenElse(is_before, before, after));
-  }
+  [[nodiscard]] HWY_INLINE Vec squared_length() const { return hn::MulAdd(z, z, hn::MulAdd(x, x, hn::Mul(y, y))); }
 };
 
 /// The height cuts a triangle in two with a right angle each, and the half that the point is on holds the closest
 /// point, because both angles at the longest side are acute.
-template <typename V, typename Divide = BySlantedSide>
-HWY_INLINE ArmsOf<V> arms_to(const TrianglesOf<V>& triangle, const Vec3Of<V>& place, const Divide& divided = {}) {
-  const hn::DFromV<V> d;
-  const V zero = hn::Zero(d);
-  const Vec3Of<V> arm{hn::Sub(place.x, triangle.origin.x), hn::Sub(place.y, triangle.origin.y),
+HWY_INLINE Arms arms_to(const TriangleLanes& triangle, const Vec3Lanes& place) {
+  const Lanes d;
+  const Vec zero = hn::Zero(d);
+  const Vec3Lanes arm{hn::Sub(place.x, triangle.origin.x), hn::Sub(place.y, triangle.origin.y),
                       hn::Sub(place.z, triangle.origin.z)};
-  const Vec3Of<V> across = cross(triangle.along, triangle.up);
-  const V signed_x = dot(arm, triangle.along);
-  const V y = dot(arm, triangle.up);
+  const Vec3Lanes across = cross(triangle.along, triangle.up);
+  const Vec signed_x = dot(arm, triangle.along);
+  const Vec y = dot(arm, triangle.up);
   const auto is_before = hn::Lt(signed_x, zero);
-  const V width = hn::IfThenElse(is_before, triangle.before, triangle.after);
-  const V height = triangle.height;
-  const V over = hn::Sub(hn::Abs(signed_x), width);  // beyond the end of the longest side
-  const V run = hn::NegMulAdd(over, width, hn::Mul(y, height));
-  const V share = hn::Min(hn::Max(divided(run, is_before, width, height), zero), hn::Set(d, 1.0F));
-  const V outward = hn::MulAdd(over, height, hn::Mul(y, width));
+  const Vec width = hn::IfThenElse(is_before, triangle.before, triangle.after);
+  const Vec height = triangle.height;
+  const Vec over = hn::Sub(hn::Abs(signed_x), width);  // beyond the end of the longest side
+  const Vec run = hn::NegMulAdd(over, width, hn::Mul(y, height));
+  // The slanted side runs from (width, 0) to (0, height); its square is kept from 0.
+  const Vec squared_side = hn::Max(hn::MulAdd(width, width, hn::Mul(height, height)), hn::Set(d, 1e-37F));
+  const Vec share = hn::Min(hn::Max(hn::Div(run, squared_side), zero), hn::Set(d, 1.0F));
+  const Vec outward = hn::MulAdd(over, height, hn::Mul(y, width));
   // Below the longest side that is so beyond its end only, where the share is 0 and both ways give the same.
   const auto at_side = hn::Gt(outward, zero);
   // Elsewhere the rectangle about the half bounds the distance, which is 0 in the half itself: a sliver's slanted side
   // is so close to its longest one that rounding may put a point far beyond its tip on the inner side.
-  const V rest_y = hn::Max(hn::Sub(y, height), hn::Min(y, zero));
+  const Vec rest_y = hn::Max(hn::Sub(y, height), hn::Min(y, zero));
   return {hn::IfThenElse(at_side, hn::MulAdd(share, width, over), hn::Max(over, zero)),
           hn::IfThenElse(at_side, hn::NegMulAdd(share, height, y), rest_y), dot(arm, across), signed_x, across};
 }

@@ -296,13 +296,12 @@ std::size_t ClearanceCache::bytes() const {
   return bytes;
 }
 
-ParameterSpec clearance_cache_parameter(bool on_by_default) {
-  return {.name = "clearance_cache",
-          .default_value = std::string(on_by_default ? "on" : "off"),
-          .help =
-              "ask about a node again only when it and the bone together have moved as far as it was away; the "
-              "contacts are the same",
-          .choices = {"on", "off"}};
+ParameterSpec clearance_cache_parameter() {
+  return parameter::choice({.name = "clearance_cache",
+                            .choices = {"on", "off"},
+                            .role = ParameterRole::clearance_cache,
+                            .help = "ask about a node again only when it and the bone together have moved as far as it "
+                                    "was away; the contacts are the same"});
 }
 
 bool uses_clearance_cache(const Parameters& parameters) { return parameters.word("clearance_cache") == "on"; }

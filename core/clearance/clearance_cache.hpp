@@ -95,8 +95,8 @@ class ClearanceCache {
   std::vector<SweptBone> m_sweeps;  ///< scratch memory
 };
 
-/// The parameter `clearance_cache` (on or off) of the backends that can keep them.
-ParameterSpec clearance_cache_parameter(bool on_by_default);
+/// The parameter `clearance_cache` (on, the default, or off) of the backends that can keep one.
+ParameterSpec clearance_cache_parameter();
 bool uses_clearance_cache(const Parameters& parameters);
 
 }  // namespace musclebench

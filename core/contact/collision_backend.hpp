@@ -22,6 +22,8 @@ struct Capabilities {
   bool point_queries = true;
   /// A detection is cheaper after one of the step before: what that found is kept.
   bool remembers = false;
+  /// Once built, `step_m` is positive: there is a step that backtracking goes by.
+  bool has_step = false;
 };
 
 /// How far a backend's answer may be from the truth. A node closer to a surface than `touching_distance_m` is on it,

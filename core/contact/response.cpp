@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "core/base/input_error.hpp"
+
 namespace musclebench {
 
 namespace {
@@ -29,6 +31,43 @@ void push_out(std::span<const Contact> contacts, std::span<Vec3> positions) {
 }
 
 }  // namespace
+
+const std::vector<ResponseEntry>& response_registry() {
+  static const std::vector<ResponseEntry> entries = {
+      {ResponseKind::backtrack, "backtrack",
+       "back to where the substep began, a cell at a time, until free; who began in the bone follows it"},
+      {ResponseKind::project, "project", "along the contact's normal by its depth, at most three times"},
+  };
+  return entries;
+}
+
+const std::string& name_of(ResponseKind kind) {
+  const auto& entries = response_registry();
+  return std::find_if(entries.begin(), entries.end(), [&](const ResponseEntry& e) { return e.kind == kind; })->name;
+}
+
+ResponseKind find_response(std::string_view name, std::string_view place) {
+  std::vector<std::string> known;
+  for (const ResponseEntry& entry : response_registry()) {
+    if (entry.name == name) {
+      return entry.kind;
+    }
+    known.push_back(entry.name);
+  }
+  const std::string word(name);
+  throw InputError(std::string(place),
+                   "'" + word + "' is not a response; did you mean '" + nearest_word(word, known) + "'?");
+}
+
+std::string_view lacks_for(ResponseKind kind, const Capabilities& capabilities) {
+  if (kind == ResponseKind::project) {
+    return capabilities.depth ? "" : "depth to project by";
+  }
+  if (!capabilities.point_queries) {
+    return "answer about single nodes on their way back";
+  }
+  return capabilities.has_step ? "" : "cells whose size is the step back";
+}
 
 void Response::reserve(std::size_t nodes, std::size_t bones) {
   m_contacts.reserve(nodes * bones);

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/contact/collision_backend.hpp"
@@ -16,6 +18,23 @@ enum class ResponseKind {
   /// Along the contact normal by the depth, until the depth is gone or three steps are done (paper, IV-A).
   project,
 };
+
+/// One row of the table of responses.
+struct ResponseEntry {
+  ResponseKind kind;
+  std::string name;
+  std::string help;
+};
+
+const std::vector<ResponseEntry>& response_registry();
+
+const std::string& name_of(ResponseKind kind);
+
+/// The response of that name. Throws InputError that names `place` for an unknown one.
+ResponseKind find_response(std::string_view name, std::string_view place);
+
+/// What a backend with these capabilities lacks for a response; empty: nothing.
+std::string_view lacks_for(ResponseKind kind, const Capabilities& capabilities);
 
 /// What a response needs to know of the substep.
 struct ResponseInput {

@@ -146,12 +146,28 @@ std::unique_ptr<Effect> make_bending(const EffectInput& input, const Parameters&
 
 std::vector<ParameterSpec> bending_parameters() {
   return {
-      {"stiffness", 0.9, "part of the error that one visit corrects", 0, 1, {}},
-      {"compliance_rad_per_n_m", 0.0, "compliance of the angle (XPBD); 0: none", 0, 1e12, {}},
-      {.name = "public_code_ratio_gate",
-       .default_value = false,
-       .help = "as the paper's public code: correct only where error over rest angle is 0.1 to 10 (one direction)"},
-      {"skip_flatter_than_rad", 0.0, "leave out pairs that are flatter than this at rest; 0: none", 0, 3.2, {}},
+      parameter::number({.name = "stiffness",
+                         .default_value = 0.9,
+                         .minimum = 0,
+                         .maximum = 1,
+                         .help = "part of the error that one visit corrects"}),
+      parameter::number({.name = "compliance_rad_per_n_m",
+                         .unit = "rad/Nm",
+                         .default_value = 0,
+                         .minimum = 0,
+                         .maximum = 1e12,
+                         .help = "compliance of the angle (XPBD); 0: none"}),
+      parameter::flag(
+          {.name = "public_code_ratio_gate",
+           .default_value = false,
+           .help =
+               "as the paper's public code: correct only where error over rest angle is 0.1 to 10 (one direction)"}),
+      parameter::number({.name = "skip_flatter_than_rad",
+                         .unit = "rad",
+                         .default_value = 0,
+                         .minimum = 0,
+                         .maximum = 3.2,
+                         .help = "leave out pairs that are flatter than this at rest; 0: none"}),
   };
 }
 

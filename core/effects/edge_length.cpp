@@ -88,20 +88,28 @@ std::unique_ptr<Effect> make_edge_length(const EffectInput& input, const Paramet
 
 std::vector<ParameterSpec> edge_length_parameters() {
   return {
-      {"stiffness", 1.0, "part of the error that one visit corrects, across the fibres", 0, 1, {}},
-      {"compliance_m_per_n",
-       0.0,
-       "compliance across the fibres (XPBD), divided by the factor of the anisotropy; 0: none",
-       0,
-       1e6,
-       {}},
-      {"anisotropy_exponent", 0.5, "stiffness is scaled by (1 - |cos(edge, fibre)|)^exponent; 0: isotropic", 0, 16, {}},
-      {"visits_per_edge",
-       std::int64_t{1},
-       "2 as in the paper's public code, which visits an edge from both ends",
-       1,
-       2,
-       {}},
+      parameter::number({.name = "stiffness",
+                         .default_value = 1,
+                         .minimum = 0,
+                         .maximum = 1,
+                         .help = "part of the error that one visit corrects, across the fibres"}),
+      parameter::number(
+          {.name = "compliance_m_per_n",
+           .unit = "m/N",
+           .default_value = 0,
+           .minimum = 0,
+           .maximum = 1e6,
+           .help = "compliance across the fibres (XPBD), divided by the factor of the anisotropy; 0: none"}),
+      parameter::number({.name = "anisotropy_exponent",
+                         .default_value = 0.5,
+                         .minimum = 0,
+                         .maximum = 16,
+                         .help = "stiffness is scaled by (1 - |cos(edge, fibre)|)^exponent; 0: isotropic"}),
+      parameter::integer({.name = "visits_per_edge",
+                          .default_value = 1,
+                          .minimum = 1,
+                          .maximum = 2,
+                          .help = "2 as in the paper's public code, which visits an edge from both ends"}),
   };
 }
 

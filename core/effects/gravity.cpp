@@ -31,10 +31,17 @@ std::unique_ptr<Effect> make_gravity(const EffectInput& /*input*/, const Paramet
 }
 
 std::vector<ParameterSpec> gravity_parameters() {
-  constexpr double limit = 1e6;
-  return {{"x_m_per_s2", 0.0, "acceleration along x", -limit, limit, {}},
-          {"y_m_per_s2", 0.0, "acceleration along y", -limit, limit, {}},
-          {"z_m_per_s2", -9.80665, "acceleration along z (default: standard gravity, z up)", -limit, limit, {}}};
+  const auto along = [](const char* name, double standard_m_per_s2, const char* help) {
+    constexpr double limit_m_per_s2 = 1e6;
+    return parameter::number({.name = name,
+                              .unit = "m/s2",
+                              .default_value = standard_m_per_s2,
+                              .minimum = -limit_m_per_s2,
+                              .maximum = limit_m_per_s2,
+                              .help = help});
+  };
+  return {along("x_m_per_s2", 0, "acceleration along x"), along("y_m_per_s2", 0, "acceleration along y"),
+          along("z_m_per_s2", -9.80665, "acceleration along z (default: standard gravity, z up)")};
 }
 
 }  // namespace musclebench

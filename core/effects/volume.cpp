@@ -66,13 +66,16 @@ std::unique_ptr<Effect> make_volume(const EffectInput& input, const Parameters& 
 }
 
 std::vector<ParameterSpec> volume_parameters() {
-  return {{"pressure", 1.0, "target volume over rest volume (useful: 0.5 to 2)", 0.01, 100, {}},
-          {"projection_scale",
-           1.0,
-           "part of the full projection that one pass does (the paper's public code: 1/6)",
-           0,
-           1,
-           {}}};
+  return {parameter::number({.name = "pressure",
+                             .default_value = 1,
+                             .minimum = 0.01,
+                             .maximum = 100,
+                             .help = "target volume over rest volume (useful: 0.5 to 2)"}),
+          parameter::number({.name = "projection_scale",
+                             .default_value = 1,
+                             .minimum = 0,
+                             .maximum = 1,
+                             .help = "part of the full projection that one pass does (the paper's public code: 1/6)"})};
 }
 
 }  // namespace musclebench

@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "core/base/input_error.hpp"
 #include "core/mesh/mesh_size.hpp"
@@ -13,6 +14,8 @@ namespace {
 /// from. Of a bone's diagonal it is more than `touching_distance_m`, so that no side is remembered of a point that
 /// touches.
 constexpr double rounding_share = 0x1p-39;
+
+constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 bool stays_within(double moved_m, double clearance_m, double diagonal_m) {
   return moved_m < clearance_m * (1 - rounding_share) - rounding_share * diagonal_m;
@@ -70,29 +73,32 @@ double Referee::least_distance(int bone, int node, const Vec3& rest_point) const
 bool Referee::examine(int bone, const Vec3& point, Memory& memory, SurfaceDistance& found,
                       RefereeEffort& effort) const {
   const RefereeTree& tree = m_trees[static_cast<std::size_t>(bone)];
-  const bool may_remember = m_reuses_distances && tree.closed();
-  // Within its clearance of a point the winding number is constant.
   const double moved = (point - memory.point_m).norm();
-  bool side_known = may_remember && stays_within(moved, memory.clearance_m, tree.diagonal_m());
+  bool side_known = m_reuses_distances && stays_within(moved, memory.clearance_m, tree.diagonal_m()) &&
+                    stays_within(moved, memory.steady_m, tree.diagonal_m());
   if (side_known && !memory.inside) return false;
   if (!point.allFinite()) return false;
 
   const double box_distance = tree.box_distance(point);
-  if (may_remember && box_distance > 0) {
-    memory = {point, box_distance, -1, false};
+  if (m_reuses_distances && tree.closed() && box_distance > 0) {
+    memory = {point, box_distance, no_limit, -1, false};
     return false;
   }
   ++effort.distance_queries;
   const ClosestSurfacePoint nearest = tree.closest(point, m_reuses_distances ? memory.triangle : -1);
   const double distance = std::sqrt(nearest.squared_distance_m2);
-  side_known =
-      side_known || (may_remember && memory.clearance_m >= 0 && stays_within(moved, distance, tree.diagonal_m()));
+  side_known = side_known || (m_reuses_distances && memory.clearance_m >= 0 &&
+                              stays_within(moved, distance, tree.diagonal_m()) &&
+                              stays_within(moved, memory.steady_m, tree.diagonal_m()));
   bool inside = memory.inside;
+  double steady_m = memory.steady_m - moved;
   if (!side_known) {
     ++effort.winding_numbers;
-    inside = distance > m_touching_m[static_cast<std::size_t>(bone)] && is_inside(tree, point, nearest);
+    const SurfaceWinding winding = tree.winding(point);
+    inside = distance > m_touching_m[static_cast<std::size_t>(bone)] && winding.number > 0.5;
+    steady_m = winding.steady_m;
   }
-  memory = {point, distance, nearest.place, inside};
+  memory = {point, distance, steady_m, nearest.place, inside};
   if (inside) found = describe(tree, point, nearest, inside);
   return inside;
 }

@@ -33,8 +33,9 @@ struct RefereeEffort {
 /// thickness. Inside an overlap of two components the nearest triangle, hence the depth and the normal, may belong to a
 /// face that lies inside the other component.
 ///
-/// A surface that is not closed has a winding number too, but it changes away from the surface: such a bone is judged
-/// rightly, but without any short cut and at a cost proportional to its triangles.
+/// A surface that is not closed has a winding number too, but it changes away from the surface. Such a bone is judged by
+/// the same means, where a side is remembered only for as long as the surface's boundary allows (SurfaceWinding), and at
+/// a cost that grows with the number of boundary edges.
 class Referee {
  public:
   /// Distance reuse: `judge` remembers each node's distance to each bone, and asks again only when the node has moved,
@@ -76,6 +77,7 @@ class Referee {
   struct Memory {
     Vec3 point_m = Vec3::Zero();  ///< where the node was when it was last looked at, relative to the tree's centre
     double clearance_m = -1;      ///< lower bound of the distance to the surface there; negative: nothing is known
+    double steady_m = 0;          ///< for how long `inside` holds away from the surface, see SurfaceWinding
     int triangle = -1;            ///< closest one, place in the tree; -1: unknown
     bool inside = false;
   };

@@ -79,6 +79,25 @@ int side(const Flat& a, const Flat& b, const Flat& p) {
   return b.y != a.y ? sign_of(a.y - b.y) : sign_of(b.x - a.x);
 }
 
+/// A vector by its part across a ray and r cot(t / 2), r being the length of that part and t the vector's angle from the
+/// direction opposite to the ray. The half-angle formula for the area of a spherical triangle takes no more.
+struct AxialView {
+  Flat flat;
+  double half_cosine;
+};
+
+AxialView view_along(const Vec3& vector, AxisRay ray) {
+  AxialView view{{vector[(ray.axis + 1) % 3], vector[(ray.axis + 2) % 3]}, 0};
+  const double behind = ray.upwards ? -vector[ray.axis] : vector[ray.axis];
+  const double squared = view.flat.x * view.flat.x + view.flat.y * view.flat.y;
+  const double length = std::sqrt(squared + behind * behind);
+  // The sum would cancel where the vector points along the ray.
+  view.half_cosine = behind >= 0 ? length + behind : squared / (length - behind);
+  // Straight ahead: where the infinitesimal movement of `side` puts it.
+  if (squared == 0 && behind < 0) view.flat.x = -1;
+  return view;
+}
+
 /// Adds the six signed triple products of det(u, v, w), times `factor` (+-1).
 void add_determinant(ExactSum& sum, const Vec3& u, const Vec3& v, const Vec3& w, double factor) {
   for (int i = 0; i < 3; ++i) {
@@ -147,17 +166,16 @@ int ray_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& start,
   return plane_side(a, b, c, start) == -outwards ? outwards : 0;
 }
 
-double winding_share(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& eye) {
-  const Vec3 u = a - eye;
-  const Vec3 v = b - eye;
-  const Vec3 w = c - eye;
-  const double lu = u.norm();
-  const double lv = v.norm();
-  const double lw = w.norm();
-  // From the edges instead of the long vectors u, v, w: nothing cancels where the eye is close to a small triangle.
-  const double volume = u.dot((b - a).cross(c - a));
-  const double denominator = lu * lv * lw + u.dot(v) * lw + v.dot(w) * lu + w.dot(u) * lv;
-  return std::atan2(volume, denominator) / (2 * std::numbers::pi);
+double strip_share(const Vec3& a, const Vec3& b, const Vec3& eye, AxisRay ray) {
+  const AxialView from = view_along(a - eye, ray);
+  const AxialView to = view_along(b - eye, ray);
+  const int i = (ray.axis + 1) % 3;
+  const int j = (ray.axis + 2) % 3;
+  const int facing = side({a[i], a[j]}, {b[i], b[j]}, {eye[i], eye[j]});
+  const double sine = std::abs(from.flat.x * to.flat.y - from.flat.y * to.flat.x);
+  const double cosine = from.flat.x * to.flat.x + from.flat.y * to.flat.y;
+  const double half_excess = std::atan2(sine, from.half_cosine * to.half_cosine + cosine);
+  return (ray.upwards ? -facing : facing) * half_excess / (2 * std::numbers::pi);
 }
 
 }  // namespace musclebench

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 #include "core/referee/referee_sign.hpp"
 #include "core/referee/referee_tree_builder.hpp"
@@ -140,11 +141,15 @@ ClosestSurfacePoint RefereeTree::closest(const Vec3& point, int guess) const {
   return best;
 }
 
-int RefereeTree::count_crossings(const Vec3& point) const {
-  // The shortest way out of the box meets the fewest triangles.
+/// The shortest way out of the box meets the fewest triangles.
+AxisRay RefereeTree::shortest_ray_out(const Vec3& point) const {
   AxisRay ray;
   (m_half_extents - point.cwiseAbs()).minCoeff(&ray.axis);
   ray.upwards = point[ray.axis] > 0;
+  return ray;
+}
+
+int RefereeTree::count_crossings(const Vec3& point, AxisRay ray) const {
   const int i = (ray.axis + 1) % 3;
   const int j = (ray.axis + 2) % 3;
   const Eigen::Array3f below = point.unaryExpr([](double x) { return round_down(x); }).array();
@@ -177,14 +182,42 @@ int RefereeTree::count_crossings(const Vec3& point) const {
 }
 
 double RefereeTree::winding_number(const Vec3& point) const {
-  if (m_closed) return box_distance(point) > 0 ? 0 : count_crossings(point);
-  double sum = 0;
-  for (const Corners& t : m_triangles) sum += winding_share(t.a, t.b, t.c, point);
-  return sum;
+  const bool outside_box = box_distance(point) > 0;
+  if (closed() && outside_box) return 0;
+  const AxisRay ray = shortest_ray_out(point);
+  double number = outside_box ? 0 : count_crossings(point, ray);
+  for (const BoundaryEdge& edge : m_boundary) number += edge.uses * strip_share(edge.from, edge.to, point, ray);
+  return number;
+}
+
+/// Away from the surface only its boundary curve changes the winding number: by at most L / (4 pi d^2) per movement, for
+/// each edge of length L at distance d (Biot-Savart). A movement of s, the point's and the vertices' together, leaves d
+/// above half of what it was while s is below that half, and makes L longer by at most 2 s; so the change is at most
+/// s / pi * sum (L + 2 s) / d^2, and the largest s that keeps it below |number - 0.5| solves a quadratic equation.
+SurfaceWinding RefereeTree::winding(const Vec3& point) const {
+  SurfaceWinding winding{winding_number(point)};
+  if (closed()) return winding;
+  double nearest = std::numeric_limits<double>::infinity();
+  double linear = 0;
+  double quadratic = 0;
+  for (const BoundaryEdge& edge : m_boundary) {
+    double squared = std::numeric_limits<double>::infinity();
+    Vec3 foot = edge.from;
+    keep_nearer_of_edge(point, edge.from, edge.to, squared, foot);
+    nearest = std::min(nearest, squared);
+    linear += edge.uses * (edge.to - edge.from).norm() / squared;
+    quadratic += edge.uses * 2 / squared;
+  }
+  const double margin = std::numbers::pi * std::abs(winding.number - 0.5);
+  const double reach = 2 * margin / (linear + std::sqrt(linear * linear + 4 * quadratic * margin));
+  // On the boundary itself the sums are infinite and the quotient is no number: nothing holds there.
+  winding.steady_m = reach > 0 ? std::min(reach, 0.5 * std::sqrt(nearest)) : 0;
+  return winding;
 }
 
 std::size_t RefereeTree::bytes() const {
-  return m_triangles.capacity() * sizeof(Corners) + m_nodes.capacity() * sizeof(Node);
+  return m_triangles.capacity() * sizeof(Corners) + m_nodes.capacity() * sizeof(Node) +
+         m_boundary.capacity() * sizeof(BoundaryEdge);
 }
 
 }  // namespace musclebench

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "core/mesh/triangle_mesh.hpp"
+#include "core/referee/referee_sign.hpp"
 
 namespace musclebench {
 
@@ -25,7 +26,17 @@ struct SurfaceCrossing {
   int place = -1;         ///< of the triangle, in the order of the tree
 };
 
+/// The winding number of a surface around a point, and for how long the point stays on its side of 0.5.
+struct SurfaceWinding {
+  double number = 0;
+  /// The point and the vertices of the surface may move by this much together before `number` may cross 0.5, as long as
+  /// the point does not pass through the surface. Infinite for a closed surface: its winding number changes nowhere else.
+  double steady_m = std::numeric_limits<double>::infinity();
+};
+
 /// A tree of boxes, four children a node, over the triangles of one surface: the Referee's own, shared with no backend.
+/// It stays apart from core/bvh on purpose, although that is faster and answers much the same: what judges the backends
+/// may share no code with them, or a fault of that code would go unseen.
 ///
 /// All points that go in or come out are relative to `centre_m()`, the middle of the surface's box, so that a bone far
 /// from the origin is judged as exactly as one at it. Boxes are held as 32-bit floats rounded outwards and serve only
@@ -40,7 +51,7 @@ class RefereeTree {
 
   /// True where the directed edges of all triangles cancel (vertices at equal positions count as one): only then is the
   /// winding number a whole number that changes at the surface and nowhere else.
-  [[nodiscard]] bool closed() const { return m_closed; }
+  [[nodiscard]] bool closed() const { return m_boundary.empty(); }
 
   /// Distance from `point` to the surface's box; 0 inside it. Never larger than the distance to the surface.
   [[nodiscard]] double box_distance(const Vec3& point) const;
@@ -49,9 +60,13 @@ class RefereeTree {
   /// does not depend on `guess` (a place returned before, or -1), which only makes the search shorter.
   [[nodiscard]] ClosestSurfacePoint closest(const Vec3& point, int guess = -1) const;
 
-  /// Winding number of the surface around `point`: exact where `closed()` (signed crossings of a ray), else the sum of
-  /// all solid angles, which costs time in proportion to the number of triangles.
+  /// Winding number of the surface around `point` (Jacobson et al. 2013): the signed crossings of a ray, which is all and
+  /// exact where `closed()`, and else the solid angles of the strips that close the surface along its boundary edges
+  /// (see strip_share), which costs time in proportion to their number.
   [[nodiscard]] double winding_number(const Vec3& point) const;
+
+  /// The same, with the movement for which the side holds.
+  [[nodiscard]] SurfaceWinding winding(const Vec3& point) const;
 
   /// Unit normal of the triangle at `place`, by its winding; zero for a triangle without area.
   [[nodiscard]] Vec3 face_normal(int place) const;
@@ -82,6 +97,13 @@ class RefereeTree {
     bool sliver;  ///< so thin that rounding can tell its inside from its outside wrongly
   };
 
+  /// An edge along which directed edges of the triangles do not cancel.
+  struct BoundaryEdge {
+    Vec3 from, to;
+    int from_vertex, to_vertex;  ///< in the mesh
+    double uses;                 ///< so many more triangles run from -> to than to -> from; positive
+  };
+
   /// `child` is the number of a node, or ~(8 * first place + count) for a leaf. Absent children have an inverted box.
   struct Node {
     Eigen::Array4f low[3], high[3];
@@ -96,13 +118,14 @@ class RefereeTree {
   void visit(const Filter& may_matter, const Visit& visit_place) const;
 
   void consider(const Vec3& point, int place, ClosestSurfacePoint& best) const;
-  [[nodiscard]] int count_crossings(const Vec3& point) const;
+  [[nodiscard]] int count_crossings(const Vec3& point, AxisRay ray) const;
+  [[nodiscard]] AxisRay shortest_ray_out(const Vec3& point) const;
 
   std::vector<Corners> m_triangles;
   std::vector<Node> m_nodes;
   Vec3 m_centre = Vec3::Zero();
   Vec3 m_half_extents = Vec3::Zero();
-  bool m_closed = false;
+  std::vector<BoundaryEdge> m_boundary;  // none where the surface is closed
 };
 
 }  // namespace musclebench

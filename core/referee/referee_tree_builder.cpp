@@ -26,7 +26,7 @@ bool is_sliver(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 /// One number a vertex, the same for vertices at the same position.
-std::vector<std::uint64_t> place_numbers(const std::vector<Vec3>& vertices) {
+std::vector<std::uint64_t> position_ids(const std::vector<Vec3>& vertices) {
   std::vector<int> order(vertices.size());
   std::iota(order.begin(), order.end(), 0);
   const auto at = [&](int i) -> const Vec3& { return vertices[static_cast<std::size_t>(i)]; };
@@ -47,7 +47,7 @@ std::vector<std::uint64_t> place_numbers(const std::vector<Vec3>& vertices) {
 void RefereeTreeBuilder::build() {
   assert(!m_mesh.triangles.empty());
   centre();
-  m_tree.m_closed = is_closed();
+  find_boundary();
   const int count = static_cast<int>(m_mesh.triangles.size());
   m_items.reserve(m_mesh.triangles.size());
   for (int index = 0; index < count; ++index) {
@@ -80,27 +80,41 @@ void RefereeTreeBuilder::centre() {
   }
 }
 
-bool RefereeTreeBuilder::is_closed() const {
-  const std::vector<std::uint64_t> numbers = place_numbers(m_vertices);
-  // The undirected edge in the upper bits, its direction in the lowest one.
-  std::vector<std::uint64_t> edges;
-  edges.reserve(3 * m_mesh.triangles.size());
+/// Boundary edges are those whose uses in the two directions do not cancel; vertices at equal positions count as one.
+void RefereeTreeBuilder::find_boundary() {
+  const std::vector<std::uint64_t> ids = position_ids(m_vertices);
+  struct Side {
+    std::uint64_t edge;  // the undirected edge in the upper bits, its direction in the lowest one
+    int from, to;        // vertices
+  };
+  std::vector<Side> sides;
+  sides.reserve(3 * m_mesh.triangles.size());
   for (const Triangle& triangle : m_mesh.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t from = numbers[static_cast<std::size_t>(triangle[k])];
-      const std::uint64_t to = numbers[static_cast<std::size_t>(triangle[(k + 1) % 3])];
-      if (from != to) edges.push_back((std::min(from, to) << 32U | std::max(from, to) << 1U) | (from < to ? 1U : 0U));
+      const int from = triangle[k];
+      const int to = triangle[(k + 1) % 3];
+      const std::uint64_t start = ids[static_cast<std::size_t>(from)];
+      const std::uint64_t end = ids[static_cast<std::size_t>(to)];
+      const std::uint64_t edge = std::min(start, end) << 32U | std::max(start, end) << 1U | (start < end ? 1U : 0U);
+      if (start != end) sides.push_back({edge, from, to});
     }
   }
-  std::sort(edges.begin(), edges.end());
+  std::stable_sort(sides.begin(), sides.end(), [](const Side& one, const Side& other) { return one.edge < other.edge; });
   std::size_t k = 0;
-  while (k < edges.size()) {
-    const std::uint64_t edge = edges[k] >> 1U;
+  while (k < sides.size()) {
+    const std::uint64_t edge = sides[k].edge >> 1U;
+    const Side first = sides[k];  // of one direction, and the last of the other if there are both
     int balance = 0;
-    for (; k < edges.size() && edges[k] >> 1U == edge; ++k) balance += (edges[k] & 1U) != 0 ? 1 : -1;
-    if (balance != 0) return false;
+    for (; k < sides.size() && sides[k].edge >> 1U == edge; ++k) balance += (sides[k].edge & 1U) != 0 ? 1 : -1;
+    const bool first_runs_up = (first.edge & 1U) != 0;
+    const Side& side = (balance > 0) == first_runs_up ? first : sides[k - 1];
+    if (balance != 0) {
+      m_tree.m_boundary.push_back({m_vertices[static_cast<std::size_t>(side.from)],
+                                   m_vertices[static_cast<std::size_t>(side.to)], side.from, side.to,
+                                   static_cast<double>(std::abs(balance))});
+    }
   }
-  return true;
+  m_tree.m_boundary.shrink_to_fit();
 }
 
 RefereeTreeBuilder::Range RefereeTreeBuilder::range(int first, int last) const {
@@ -226,6 +240,10 @@ void RefereeTreeBuilder::refit(std::span<const Triangle> triangles, std::span<co
     corners.sliver = is_sliver(corners.a, corners.b, corners.c);
     const Vec3 reach = corners.a.cwiseAbs().cwiseMax(corners.b.cwiseAbs()).cwiseMax(corners.c.cwiseAbs());
     tree.m_half_extents = tree.m_half_extents.cwiseMax(reach);
+  }
+  for (RefereeTree::BoundaryEdge& edge : tree.m_boundary) {
+    edge.from = vertices[static_cast<std::size_t>(edge.from_vertex)] - tree.m_centre;
+    edge.to = vertices[static_cast<std::size_t>(edge.to_vertex)] - tree.m_centre;
   }
   // A node stands before its children.
   for (auto node = tree.m_nodes.rbegin(); node != tree.m_nodes.rend(); ++node) {

@@ -45,7 +45,7 @@ class RefereeTreeBuilder {
   };
 
   void centre();
-  [[nodiscard]] bool is_closed() const;
+  void find_boundary();
   [[nodiscard]] Range range(int first, int last) const;
   [[nodiscard]] int split_by_area(const Range& whole);
   [[nodiscard]] std::pair<Range, Range> split(const Range& whole, int depth);

@@ -293,12 +293,21 @@ void read_effects(const std::optional<TomlTable>& preset, const std::optional<To
   }
 }
 
+void read_contact(const TomlTable& root, Scene& scene) {
+  if (const auto table = root.table("contact")) {
+    table->allow_only({"response"});
+    if (table->has("response")) {
+      scene.response = find_response(table->word("response"), table->place("response"));
+    }
+  }
+}
+
 }  // namespace
 
 Scene read_scene(const SceneRequest& request) {
   const toml::table text = parse_toml(request.text, request.file);
   const TomlTable root(text, request.file, "");
-  root.allow_only({"title", "preset", "bone", "muscle", "attachment", "effects", "loop"});
+  root.allow_only({"title", "preset", "bone", "muscle", "attachment", "contact", "effects", "loop"});
 
   Scene scene;
   scene.name = request.name;
@@ -317,6 +326,7 @@ Scene read_scene(const SceneRequest& request) {
     loop_values[key] = value;
   }
   scene.loop = loop_from(Parameters(loop_parameters(), loop_values, "--loop"));
+  read_contact(root, scene);
   read_effects(preset.table("effects"), root.table("effects"), scene);
   read_bones(request, root, scene);
   read_muscle(request, root, scene);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,7 @@ struct Scene {
   bool attach_at_first_contact = false;
   std::vector<SceneEffect> effects;  ///< only those the scene names, in the order of the registry
   LoopParameters loop;
+  std::optional<ResponseKind> response;  ///< nothing: the backend's own
   /// What keeps the scene from being run, where its reader was told to go on all the same (SceneRequest).
   std::vector<std::string> obstacles;
 

@@ -28,7 +28,7 @@ class ClearanceGrid::Filling {
   Filling(const SignedSurface& surface, ClearanceGrid& grid) : m_surface(surface), m_grid(grid) {}
 
   /// `first`: the cube at the lower corner.
-  void fill(const std::array<std::size_t, 3>& first, std::size_t size) {
+  void fill(const GridIndex::Coordinates& first, std::size_t size) {
     const Vec3 middle =
         Vec3(static_cast<double>(first[0]), static_cast<double>(first[1]), static_cast<double>(first[2])) +
         Vec3::Constant(0.5 * static_cast<double>(size));
@@ -45,33 +45,30 @@ class ClearanceGrid::Filling {
       return;
     }
     const std::size_t half = size / 2;
+    const GridIndex::Coordinates& count = m_grid.m_cubes.count;
     for (std::size_t part = 0; part < 8; ++part) {
-      const std::array<std::size_t, 3> corner{first[0] + (part & 1U) * half, first[1] + (part >> 1U & 1U) * half,
-                                              first[2] + (part >> 2U) * half};
-      if (corner[0] < m_grid.m_count[0] && corner[1] < m_grid.m_count[1] && corner[2] < m_grid.m_count[2]) {
+      const GridIndex::Coordinates corner{first[0] + (part & 1U) * half, first[1] + (part >> 1U & 1U) * half,
+                                          first[2] + (part >> 2U) * half};
+      if (corner[0] < count[0] && corner[1] < count[1] && corner[2] < count[2]) {
         fill(corner, half);
       }
     }
   }
 
  private:
-  void store(const std::array<std::size_t, 3>& first, std::size_t size, const Vec3& middle, double distance) {
+  void store(const GridIndex::Coordinates& first, std::size_t size, const Vec3& middle, double distance) {
     constexpr double most = std::numeric_limits<std::uint16_t>::max();
-    std::array<std::size_t, 3> end{};
+    GridIndex::Coordinates end{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      end[axis] = std::min(first[axis] + size, m_grid.m_count[axis]);
+      end[axis] = std::min(first[axis] + size, m_grid.m_cubes.count[axis]);
     }
-    for (std::size_t k = first[2]; k < end[2]; ++k) {
-      for (std::size_t j = first[1]; j < end[1]; ++j) {
-        for (std::size_t i = first[0]; i < end[0]; ++i) {
-          const Vec3 centre =
-              Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)) + Vec3::Constant(0.5);
-          const double kept = distance - (centre - middle).norm();
-          m_grid.m_steps[m_grid.cube(i, j, k)] =
-              static_cast<std::uint16_t>(std::clamp(steps_a_cube * kept - rounding, 0.0, most));
-        }
-      }
-    }
+    for_each_in(first, end, [&](std::size_t i, std::size_t j, std::size_t k) {
+      const Vec3 centre =
+          Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)) + Vec3::Constant(0.5);
+      const double kept = distance - (centre - middle).norm();
+      m_grid.m_steps[m_grid.m_cubes.index(i, j, k)] =
+          static_cast<std::uint16_t>(std::clamp(steps_a_cube * kept - rounding, 0.0, most));
+    });
   }
 
   const SignedSurface& m_surface;
@@ -87,23 +84,20 @@ ClearanceGrid::ClearanceGrid(const SignedSurface& surface, const Eigen::AlignedB
   }
   m_edge_m = edge_m;
   m_cubes_per_m = 1 / edge_m;
-  std::array<std::size_t, 3> blocks{};
+  GridIndex blocks;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto along = static_cast<Eigen::Index>(axis);
-    m_count[axis] = static_cast<std::size_t>(std::max(std::ceil(box.sizes()[along] * m_cubes_per_m), 1.0));
-    m_last[along] = static_cast<double>(m_count[axis] - 1);
-    blocks[axis] = (m_count[axis] + block_size - 1) / block_size;
+    m_cubes.count[axis] = static_cast<std::size_t>(std::max(std::ceil(box.sizes()[along] * m_cubes_per_m), 1.0));
+    m_last[along] = static_cast<double>(m_cubes.count[axis] - 1);
+    blocks.count[axis] = (m_cubes.count[axis] + block_size - 1) / block_size;
   }
   m_lower_m = box.center() - 0.5 * m_edge_m * (m_last + Vec3::Ones());
-  m_steps.assign(m_count[0] * m_count[1] * m_count[2], 0);
-  const auto block_count = static_cast<std::ptrdiff_t>(blocks[0] * blocks[1] * blocks[2]);
+  m_steps.assign(m_cubes.size(), 0);
+  const auto block_count = static_cast<std::ptrdiff_t>(blocks.size());
 #pragma omp parallel for num_threads(threads) schedule(dynamic)
   for (std::ptrdiff_t block = 0; block < block_count; ++block) {
-    const auto place = static_cast<std::size_t>(block);
-    Filling(surface, *this)
-        .fill({place % blocks[0] * block_size, place / blocks[0] % blocks[1] * block_size,
-               place / (blocks[0] * blocks[1]) * block_size},
-              block_size);
+    const auto [i, j, k] = blocks.coordinates(static_cast<std::size_t>(block));
+    Filling(surface, *this).fill({i * block_size, j * block_size, k * block_size}, block_size);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/grid_index.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
@@ -32,7 +33,7 @@ class ClearanceGrid {
     const Vec3 corner = place.array().floor().max(0).min(m_last.array());
     const double away = (place - corner - Vec3::Constant(0.5)).norm();
     const auto index = [&](Eigen::Index axis) { return static_cast<std::size_t>(corner[axis]); };
-    return std::max(m_steps[cube(index(0), index(1), index(2))] / steps_a_cube - away, 0.0) * m_edge_m;
+    return std::max(m_steps[m_cubes.index(index(0), index(1), index(2))] / steps_a_cube - away, 0.0) * m_edge_m;
   }
 
   /// What `clearance_m` will need begins to come from memory.
@@ -42,7 +43,7 @@ class ClearanceGrid {
     }
     const Vec3 corner = (m_cubes_per_m * (point - m_lower_m)).array().max(0).min(m_last.array());
     const auto index = [&](Eigen::Index axis) { return static_cast<std::size_t>(corner[axis]); };
-    __builtin_prefetch(m_steps.data() + cube(index(0), index(1), index(2)));
+    __builtin_prefetch(m_steps.data() + m_cubes.index(index(0), index(1), index(2)));
   }
 
   [[nodiscard]] std::size_t bytes() const { return m_steps.capacity() * sizeof(m_steps[0]); }
@@ -50,17 +51,13 @@ class ClearanceGrid {
  private:
   class Filling;
 
-  [[nodiscard]] std::size_t cube(std::size_t i, std::size_t j, std::size_t k) const {
-    return (k * m_count[1] + j) * m_count[0] + i;
-  }
-
   /// Those that a number holds reach farther than any two cubes are apart.
   static constexpr double steps_a_cube = 256;
 
   Vec3 m_lower_m = Vec3::Zero();
   double m_edge_m = 0;
   double m_cubes_per_m = 0;
-  std::array<std::size_t, 3> m_count{};
+  GridIndex m_cubes;
   Vec3 m_last = Vec3::Zero();          ///< cube along each axis
   std::vector<std::uint16_t> m_steps;  ///< distances, rounded down, x changing fastest; 0 where a centre is inside
 };

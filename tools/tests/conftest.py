@@ -13,7 +13,9 @@ sys.path[:0] = [str(TOOLS), str(TOOLS / "tests")]
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 import ball_on_box  # noqa: E402  (found through the path that is set above)
+import fake_registry  # noqa: E402
 import fake_runs  # noqa: E402
+from musclebench.figures import looks  # noqa: E402
 
 
 @pytest.fixture(scope="session")
@@ -43,6 +45,12 @@ def fake_raw(tmp_path) -> Path:
         for backend in fake_runs.BACKENDS:
             fake_runs.write_run(raw / f"{muscle}-{backend}", f"synthetic/{muscle}", backend)
     return raw
+
+
+@pytest.fixture(autouse=True)
+def known_backends():
+    """Figures look as the project's own list of backends says."""
+    looks.know(fake_registry.registry())
 
 
 @pytest.fixture

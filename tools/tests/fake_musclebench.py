@@ -9,7 +9,7 @@ import sys
 import time
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[1])]
 
 LAST_WORDS = {
     "crash": "musclebench: scene.toml: key 'x': no such thing",
@@ -20,8 +20,9 @@ LAST_WORDS = {
 
 def parse_arguments():
     parser = argparse.ArgumentParser()
-    parser.add_argument("command", choices=["run", "record", "replay", "probe"])
-    parser.add_argument("input")
+    parser.add_argument("command", choices=["run", "record", "replay", "probe", "list"])
+    parser.add_argument("input", nargs="?")
+    parser.add_argument("--json", action="store_true")
     for option in ("--backend", "--preset", "--out", "--data", "--snapshots", "--threads", "--frames", "--stride",
                    "--band-mm", "--points"):
         parser.add_argument(option)
@@ -87,6 +88,10 @@ def write_recording(options) -> None:
 
 def main() -> int:
     options = parse_arguments()
+    if options.command == "list":
+        import fake_registry
+        print(fake_registry.text())
+        return 0
     name = case_name(options)
     behaviours = dict(item.rsplit("=", 1) for item in os.environ.get("FAKE_BEHAVIOUR", "").split())
     behaviour = behaviours.get(name, "")

@@ -42,7 +42,7 @@ def behaviour() -> str:
 def run(arguments: list[str]) -> int:
     backend = arguments[arguments.index("--backend") + 1]
     repetition = int(arguments[arguments.index("--repetition") + 1])
-    a_frame = COLLISION_NS[backend] * (SLOWER_WITHOUT_BUDGETS if "motion_budgets=off" in arguments else 1)
+    a_frame = COLLISION_NS[backend] * (SLOWER_WITHOUT_BUDGETS if "clearance_cache=off" in arguments else 1)
     folder = Path(arguments[arguments.index("--out") + 1])
     folder.mkdir(parents=True)
     lines = [f"{frame},{frame},{int(frame <= 2)},{0.1 * a_frame},{0.8 * a_frame},{0.1 * a_frame},9e6,5,,,,,,1000\n"

@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+import fake_registry
 import fake_runs
 from musclebench.accuracy import cases
 from musclebench.accuracy.aggregates import Aggregate, aggregates_of, of_mode
+from musclebench.program.registry import save_registry
 
 FRAMES = 40
 BAND_M = 0.01
@@ -62,6 +64,7 @@ def frame_times_ns(truth: Truth, seed: int) -> list[int]:
 def write_replay(folder: Path, scene: str, backend: str, truth: Truth, repetition: int = 0, stride: int = 1) -> Path:
     """A tenth of the time is update, eight detect, one respond."""
     folder.mkdir(parents=True)
+    note_registry(folder.parents[1])
     made = record("replay", scene, backend, truth, repetition)
     reported = TRUE_CONTACTS - truth.missed + truth.false
     made |= {
@@ -98,6 +101,7 @@ def _replay_row(frame: int, ns: int, truth: Truth) -> dict:
 def write_coupled(folder: Path, scene: str, backend: str, truth: Truth, repetition: int = 0) -> Path:
     """The muscle is a sphere, in the first repetition with snapshots of rest, full flexion and the end."""
     folder.mkdir(parents=True)
+    note_registry(folder.parents[1])
     made = record("coupled", scene, backend, truth, repetition)
     made["state_hash"] = f"hash-{backend}-{truth.parameters}"
     times = frame_times_ns(truth, repetition)
@@ -134,6 +138,7 @@ def _coupled_row(frame: int, ns: int) -> dict:
 def write_probe(folder: Path, scene: str, backend: str, truth: Truth) -> Path:
     """Errors that fall with the powers of the cell size that stand above."""
     folder.mkdir(parents=True)
+    note_registry(folder.parents[1])
     made = record("probe", scene, backend, truth)
     rows = []
     for bone, edge in EDGES_M.items():
@@ -153,13 +158,19 @@ def write_probe(folder: Path, scene: str, backend: str, truth: Truth) -> Path:
 
 def write_failure(folder: Path, mode: str, scene: str, backend: str, status: str, truth: Truth | None = None) -> Path:
     folder.mkdir(parents=True)
+    note_registry(folder.parents[1])
     made = {"schema_version": 1, "status": status, "status_detail": f"why {status}",
             "case": record(mode, scene, backend, truth or Truth())["case"]}
     (folder / "run.json").write_text(json.dumps(made))
     return folder
 
 
+def note_registry(out_dir: Path) -> None:
+    save_registry(fake_registry.registry(), out_dir)
+
+
 def write_plan(out_dir: Path, cases: list[dict]) -> None:
+    note_registry(out_dir)
     (out_dir / "study.json").write_text(json.dumps({"cases": cases}))
 
 
@@ -237,7 +248,7 @@ def realistic_truths() -> list[tuple[str, Truth]]:
                                   remaining_mm=wanted, shift_mm=wanted, parameters={
                                       "cells": 64, "max_error_mm": wanted, "precision": "float"})))
     made.append(("sdf", Truth(0.3, 0.3, structure_bytes=15_000_000, remaining_mm=0.1, shift_mm=0.2, parameters={
-        "cells": 64, "cell_size_m": 0.0, "precision": "float", "motion_budgets": "off"})))
+        "cells": 64, "cell_size_m": 0.0, "precision": "float", "clearance_cache": "off"})))
     for ms, mm, missed, threads, choices in (
         (72, 0.02, 150, 1, {}), (40, 0.02, 150, 1, {"bounding_volume": "OBB"}),
         (60, 4.0, 9990, 1, {"bounding_volume": "RSS"}), (110, 0.02, 150, 1, {"bounding_volume": "kIOS"}),
@@ -247,14 +258,14 @@ def realistic_truths() -> list[tuple[str, Truth]]:
         (72, 0.02, 150, 1, {"manager": "none"}), (73, 0.02, 150, 1, {"solver": "indep"}),
         (55, 0.02, 150, 1, {"bounding_volume": "OBB", "update": "rebuild"}),
         (800, 1e-14, 0, 1, {"query": "node_distance"}),
-        (2, 1e-14, 0, 1, {"query": "node_distance", "motion_budgets": "on"}),
+        (2, 1e-14, 0, 1, {"query": "node_distance", "clearance_cache": "on"}),
         (620, 1e-14, 0, 1, {"query": "node_distance", "manager": "none"}),
         (700, 1e-14, 0, 1, {"query": "node_distance", "bounding_volume": "RSS"}),
         (60, 1.9, 8100, 1, {"query": "node_collide"}), (38, 0.02, 150, 2, {}),
     ):
         made.append(("fcl", Truth(ms, mm, missed, structure_bytes=200_000_000, build_s=2.0, remaining_mm=max(mm, 0.05),
                                   shift_mm=mm, parameters=SURFACES | choices, threads=threads)))
-    for ms, choices in ((0.3, {}), (15, {"motion_budgets": "off"})):
+    for ms, choices in ((0.3, {}), (15, {"clearance_cache": "off"})):
         made.append(("bvh", Truth(ms, 1e-14, structure_bytes=23_000_000, build_s=0.4, remaining_mm=0.02,
                                   parameters=choices)))
     made.append(("brute_force", Truth(75_000, 1e-14, structure_bytes=11_000_000, build_s=0.05, remaining_mm=0.02)))
@@ -278,7 +289,7 @@ def write_realistic_study(out_dir: Path, scenes: dict[str, float], repetitions: 
                     write_coupled(raw / (name.format("coupled") + end), scene, backend, truth, repetition)
             if backend in ("voxel", "sdf") and not math.prod(
                     truth.parameters.get(key, 0) for key in ("voxel_size_m", "cell_size_m")) and not any(
-                    truth.parameters.get(key) for key in ("voxel_size_m", "cell_size_m", "motion_budgets")):
+                    truth.parameters.get(key) for key in ("voxel_size_m", "cell_size_m", "clearance_cache")):
                 write_probe(raw / name.format("probe"), scene, backend, truth)
         refused = Truth(parameters=SURFACES | {"bounding_volume": "RSS", "update": "refit_top_down"})
         write_failure(raw / f"{muscle}-refused", "replay", scene, "fcl", "unsupported", refused)

@@ -13,18 +13,18 @@ from pathlib import Path
 import pytest
 
 import accuracy
+import fake_registry
 from musclebench.program import fingerprint
-from musclebench.study import study_plan
-from musclebench.study.sweeps import Configuration
 
 PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
-FEW = [
-    Configuration("null", replays=False),
-    Configuration("voxel", (("cells", 16),), step_ms=0.05, is_probed=True),
-    Configuration("sdf", (("cells", 8), ("precision", "float")), step_ms=0.1, stored_bytes=1e3, is_probed=True),
-    Configuration("bvh", step_ms=1.0),
-    Configuration("brute_force", step_ms=1.2e4),
-]
+FEW = {
+    "null": {"control": True, "series": [{"replays": False, "step_ms": 0.0}]},
+    "voxel": {"series": [{"name": "cells", "sweep": {"cells": [16]}, "step_ms": 0.05, "probed": True}]},
+    "sdf": {"series": [{"name": "cells", "sweep": {"cells": [8]}, "fixed": {"precision": "float"}, "step_ms": 0.1,
+                        "stores": True, "stored_bytes": 1e3, "probed": True}]},
+    "bvh": {"series": [{"step_ms": 1.0}]},
+    "brute_force": {"longest_stride": 128, "series": [{"step_ms": 1.2e4}]},
+}
 PROBES = ["adductor_brevis-probe-sdf-cells=8,precision=float-r0", "adductor_brevis-probe-voxel-cells=16-r0"]
 ONCE = ["iliacus-coupled-null", "iliacus-replay-voxel-cells=16", "iliacus-coupled-voxel-cells=16",
         "iliacus-replay-sdf-cells=8,precision=float", "iliacus-coupled-sdf-cells=8,precision=float",
@@ -32,12 +32,11 @@ ONCE = ["iliacus-coupled-null", "iliacus-replay-voxel-cells=16", "iliacus-couple
 TOO_LONG = "iliacus-coupled-brute_force-r0"
 RUN_CASES = sorted(["iliacus", *PROBES, "iliacus-replay-brute_force-r0",
                     *[f"{name}-r{r}" for name in ONCE for r in (0, 1)]])
-# A program of its own, since configurations can't be replaced in another process from here.
+# A program of its own, since the report can't be left out in another process from here.
 DRIVER = """
 import sys
 sys.path[:0] = [{tools!r}, {tests!r}]
-import accuracy, test_accuracy
-test_accuracy.study_plan.configurations = lambda: test_accuracy.FEW
+import accuracy
 accuracy.report.write_report = lambda out_dir: []
 sys.exit(accuracy.main(sys.argv[1:]))
 """
@@ -66,7 +65,7 @@ class Sweep:
         """In a process of its own."""
         tools = Path(accuracy.__file__).resolve().parent
         driver = DRIVER.format(tools=str(tools), tests=str(tools / "tests"))
-        environment = {**os.environ, "FAKE_BEHAVIOUR": behaviour, "FAKE_LOG": str(self._log)}
+        environment = {**os.environ, "FAKE_BEHAVIOUR": behaviour, "FAKE_LOG": f"{self._log}-of-another"}
         return subprocess.Popen([sys.executable, "-c", driver, *self.arguments], env=environment,
                                 stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
 
@@ -84,7 +83,8 @@ class Sweep:
 
 @pytest.fixture
 def sweep(tmp_path, monkeypatch, capfd):
-    monkeypatch.setattr(study_plan, "configurations", lambda: FEW)
+    (tmp_path / "registry.json").write_text(fake_registry.with_studies(FEW))
+    monkeypatch.setenv("FAKE_REGISTRY", str(tmp_path / "registry.json"))
     monkeypatch.setattr(accuracy.report, "write_report", lambda out_dir: [], raising=False)
     monkeypatch.setattr("musclebench.cases.pool.POLL_SECONDS", 0.01)
     return Sweep(tmp_path, monkeypatch, capfd)

@@ -49,6 +49,7 @@ def test_an_empty_study_gives_empty_tables_and_no_figure(tmp_path, folders):
 
 def test_a_broken_folder_that_no_plan_names_stops_with_its_place(tmp_path):
     (tmp_path / "raw" / "x").mkdir(parents=True)
+    fake_study.note_registry(tmp_path)
     (tmp_path / "raw" / "x" / "run.json").write_text("{")
     with pytest.raises(run_folder.ResultProblem, match="x/run.json"):
         report.write_report(tmp_path)
@@ -75,7 +76,7 @@ def test_rows_have_medians_and_the_judged_repetitions_errors(study):
     aggregates = aggregates_of(found)
     row = study_rows(aggregates, build_seconds_of(aggregates)).set_index(["scene", "configuration"]).loc[
         (SCENES[0], "sdf 64")]
-    assert row["collision_ms"] == pytest.approx(0.3) and row["times_voxel_64"] == pytest.approx(1.5)
+    assert row["collision_ms"] == pytest.approx(0.3) and row["times_unit"] == pytest.approx(1.5)
     assert row["p99_depth_error_m"] == pytest.approx(0.25e-3) and row["ok_repetitions"] == 2
     assert row["detect_ms"] == pytest.approx(0.24) and row["build_s"] == 12
 

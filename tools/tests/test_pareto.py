@@ -29,7 +29,7 @@ def test_all_muscles_are_the_sum_of_times_and_the_largest_error(study):
 
 def test_exact_backends_count_as_equal():
     rows = [("a", 1.0, 2e-17), ("b", 2.0, 0.0), ("c", 0.5, 1e-3)]
-    points = pd.DataFrame(rows, columns=["backend", "time_ms", "error_mm"]).assign(is_wrong=False)
+    points = pd.DataFrame(rows, columns=["backend", "time_ms", "error_mm"]).assign(is_wrong=False, is_control=False)
     assert [points.loc[i, "backend"] for i in front.on_front(points)] == ["c", "a"]
 
 

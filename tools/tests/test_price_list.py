@@ -9,7 +9,7 @@ from fake_study import REPLAYED, SCENES, Truth, replays_of, write_failure, write
 from musclebench.accuracy import front, report
 from musclebench.accuracy.rows import build_seconds_of
 from musclebench.tables import prices
-from musclebench.tables.fcl_table import best_right, fcl_table
+from musclebench.tables.choices import best_right, choices_tables
 
 
 def price(replays, muscle, target):
@@ -55,14 +55,15 @@ def test_a_depth_that_none_holds_names_the_best_found(tmp_path):
 
 def test_the_factors_of_fcl_and_its_wrong_answers(study):
     replays = replays_of(study)
-    rows = fcl_table(replays).rows
+    table, = choices_tables(replays)
+    rows = table.rows
     rows = rows[rows["muscle"] == "iliacus"].set_index("choice")
     assert rows.index[0] == "default" and rows.loc["default", "factor"] == 1
     assert rows.loc["OBB", "factor"] == pytest.approx(0.5) and rows.loc["OBB", "ratio"] == pytest.approx(180)
     assert rows.loc["default", "verdict"] == "right" and rows.loc["default", "missed"] == 50
     assert rows.loc["RSS", "verdict"] == "wrong: 100 % missed"
-    assert best_right(replays, SCENES[0]).configuration.name == "fcl OBB"
-    assert "a factor of 2.00 is configuration" in fcl_table(replays).caption
+    assert best_right(replays, SCENES[0], "fcl").configuration.name == "fcl OBB"
+    assert "a factor of 2.00 is configuration" in table.caption
 
 
 @pytest.mark.parametrize("missed, false, p99_mm, verdict", [

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+import fake_registry
 import fake_runs
 import fake_study
 from fake_study import SCENES, Truth, write_coupled
@@ -89,7 +90,7 @@ def test_a_snapshot_that_is_gone_costs_only_its_own_cells(coupled):
 
 
 def test_remaining_depth_is_the_surfaces_else_the_nodes(coupled):
-    aggregate = find(aggregates_of(cases.read_cases(coupled)), SCENES[0], configuration("sdf", {}))
+    aggregate = find(aggregates_of(cases.read_cases(coupled)), SCENES[0], configuration(fake_registry.registry().backend("sdf"), {}))
     assert aggregate.remaining_depth_mm == pytest.approx(0.2)
     for case in aggregate.ok:
         case.run.record.get("outcome", {}).pop("p99_surface_depth_m", None)

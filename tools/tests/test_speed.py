@@ -60,7 +60,7 @@ def test_the_table_has_every_bar_with_its_median_spread_and_verdict(table):
         "collision time, bvh / voxel 64": (2.5, "no"),
         "collision time, sdf 64 / voxel 64": (1.2, "yes"),
         "collision time, fcl node_distance / voxel 64": (100.0, "no"),
-        "the same without motion budgets: bvh": (10.0, ""),
+        "the same without clearance cache: bvh": (10.0, ""),
         "sdf value + gradient / voxel test, near points, float": (5.5, "no"),
         "sdf build per node / cold closest point of bvh near": (0.25, "yes"),
         "MB of sdf 64 float, dense, a bone": (7.6, "yes"),

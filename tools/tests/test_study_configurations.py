@@ -1,8 +1,14 @@
 """What tells configurations of the study apart, and what figures and tables call them."""
 
+import fake_registry
 import fake_study
 from fake_study import SURFACES
-from musclebench.accuracy.configurations import Configuration, configuration
+from musclebench.accuracy import configurations
+from musclebench.accuracy.configurations import Configuration
+
+
+def configuration(backend, parameters, threads=1):
+    return configurations.configuration(fake_registry.registry().backend(backend), parameters, threads)
 
 
 def test_resolved_and_asked_parameters_are_the_same_configuration():
@@ -27,13 +33,13 @@ def test_adaptive_cells_are_a_series_by_the_error_that_is_wanted():
     assert adaptive.fineness > configuration("sdf", {"max_error_mm": 0.3}).fineness
 
 
-def test_motion_budgets_make_a_curve_or_point_of_their_own():
-    assert configuration("sdf", {"motion_budgets": "on"}) == configuration("sdf", {})
-    assert configuration("sdf", {"motion_budgets": "off"}).series == "sdf float cells no budgets"
-    assert configuration("bvh", {"motion_budgets": "off"}).name == "bvh no budgets"
+def test_clearance_cache_make_a_curve_or_point_of_their_own():
+    assert configuration("sdf", {"clearance_cache": "on"}) == configuration("sdf", {})
+    assert configuration("sdf", {"clearance_cache": "off"}).series == "sdf float cells no cache"
+    assert configuration("bvh", {"clearance_cache": "off"}).name == "bvh no cache"
     distance = {"query": "node_distance"}
-    assert configuration("fcl", distance | {"motion_budgets": "off"}).name == "fcl node distance"
-    assert configuration("fcl", distance | {"motion_budgets": "on"}).name == "fcl node distance, budgets"
+    assert configuration("fcl", distance | {"clearance_cache": "off"}).name == "fcl node distance"
+    assert configuration("fcl", distance | {"clearance_cache": "on"}).name == "fcl node distance, cache"
 
 
 def test_names_tell_configurations_apart():

@@ -5,16 +5,23 @@ from pathlib import Path
 
 import pytest
 
+import fake_registry
 from musclebench.cases.case import Places
 from musclebench.cases.case_queue import CaseQueue
 from musclebench.cases.muscle_scene import VERTICES, MuscleScene
 from musclebench.study.study_cases import CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
-from musclebench.study.study_plan import Request, in_shard, is_too_long, plan, stride_of
+from musclebench.study import study_plan
+from musclebench.study.study_plan import Request, in_shard, is_too_long, stride_of
 from musclebench.study.sweeps import Configuration, configurations
 
 PLACES = Places(Path("out"), Path("data"))
 FULL = Request("lhdl", ("iliacus",))
 ILIACUS = MuscleScene("lhdl", "iliacus")
+ALL = configurations(fake_registry.registry())
+
+
+def plan(request):
+    return study_plan.plan(request, ALL)
 
 
 def measured(request):
@@ -45,9 +52,9 @@ def test_the_full_study_has_what_the_study_asks_for():
 
 
 @pytest.mark.parametrize("backend", ["sdf", "bvh", "fcl"])
-def test_the_study_shows_runs_with_and_without_motion_budgets(backend):
+def test_the_study_shows_runs_with_and_without_a_clearance_cache(backend):
     chosen = [c.configuration for c in measured(FULL) if c.configuration.backend == backend]
-    assert {configuration.has_budgets for configuration in chosen} == {True, False}
+    assert {configuration.has_cache for configuration in chosen} == {True, False}
 
 
 def test_repetitions_come_round_by_round_and_shuffled():
@@ -98,14 +105,14 @@ def test_strides_are_powers_of_two_that_keep_enough_frames(milliseconds):
     assert stride == 1 or ReplayCase(ILIACUS, configuration, stride=stride // 2).guessed_step_seconds > 12.0
 
 
-def test_configurations_of_a_backend_replay_the_same_frames_and_all_of_them_with_motion_budgets():
+def test_configurations_of_a_backend_replay_the_same_frames_and_all_of_them_with_a_clearance_cache():
     strides = {}
     for case in plan(Request("lhdl", tuple(VERTICES))):
         if isinstance(case, ReplayCase):
-            key = (case.scene.muscle, case.configuration.backend, case.configuration.has_budgets)
+            key = (case.scene.muscle, case.configuration.backend, case.configuration.has_cache)
             strides.setdefault(key, set()).add(case.stride)
     assert all(len(of_backend) == 1 for of_backend in strides.values())
-    assert all(of_backend == {1} for (_, _, has_budgets), of_backend in strides.items() if has_budgets)
+    assert all(of_backend == {1} for (_, _, has_cache), of_backend in strides.items() if has_cache)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 7, 500])
@@ -127,11 +134,11 @@ def test_a_part_records_only_the_muscles_that_it_replays():
 def test_a_configuration_stays_in_one_part():
     parts = [in_shard(measured(FULL), number, 4) for number in (1, 2, 3, 4)]
     labels = [{case.configuration.label for case in part} for part in parts]
-    assert sum(map(len, labels)) == len(set().union(*labels)) == len(configurations())
+    assert sum(map(len, labels)) == len(set().union(*labels)) == len(ALL)
 
 
 def test_a_queue_keeps_cases_until_what_they_need_has_ended():
-    sdf = Configuration("sdf", (("cells", 8),), stored_bytes=1.0)
+    sdf = Configuration("sdf", (("cells", 8),), storage="structures")
     probe, replay, recording = ProbeCase(ILIACUS, sdf), ReplayCase(ILIACUS, sdf), RecordCase(ILIACUS)
     queue = CaseQueue([replay, recording, probe])
     assert queue.take() == recording and queue.take() == probe and queue.take() is None
@@ -165,7 +172,7 @@ def test_a_queue_lets_nobody_overtake_a_case_of_several_threads():
 
 
 def test_a_queue_goes_past_a_case_of_several_threads_that_waits_for_another():
-    two_threads = Configuration("sdf", stored_bytes=1.0, threads=2)
+    two_threads = Configuration("sdf", storage="structures", threads=2)
     wide, probe = CoupledCase(ILIACUS, two_threads), ProbeCase(ILIACUS, two_threads)
     narrow = CoupledCase(ILIACUS, Configuration("null"))
     queue = CaseQueue([wide, narrow, probe])

@@ -6,23 +6,29 @@ from pathlib import Path
 import pytest
 
 import accuracy
+import fake_registry
 from musclebench.accuracy.configurations import configuration
 from musclebench.cases.case import Places
+from musclebench.program.registry import parse_registry, read_registry
 from musclebench.study import study_plan
 from musclebench.study.study_cases import ReplayCase
-from musclebench.study.sweeps import Configuration
+from musclebench.study.sweeps import configurations
 from program import PROGRAM, call, needs_program
 
 pytestmark = needs_program
-FEW = [
-    Configuration("sdf", (("cells", 8), ("precision", "float")), stored_bytes=1e5, is_probed=True),
-    Configuration("bvh"),
-]
+FEW = {
+    "sdf": {"series": [{"sweep": {"cells": [8]}, "fixed": {"precision": "float"}, "stores": True, "probed": True}]},
+    "bvh": {"series": [{}]},
+}
+
+
+def registry():
+    return read_registry(Path(PROGRAM))
 
 
 def test_the_program_takes_every_configuration(tmp_path):
     """Parameters are checked before the recording is looked for."""
-    cases = [case for case in study_plan.plan(study_plan.Request()) if isinstance(case, ReplayCase)]
+    cases = [case for case in study_plan.plan(study_plan.Request(), configurations(registry())) if isinstance(case, ReplayCase)]
     chosen = {case.configuration: case for case in cases}
     for case in chosen.values():
         done = call(*case.arguments(Places(tmp_path)))
@@ -30,7 +36,7 @@ def test_the_program_takes_every_configuration(tmp_path):
             f"{case.name}: {done.stderr}")
 
 
-@pytest.mark.parametrize("backend", ["null", "voxel", "sdf", "bvh", "fcl", "brute_force"])
+@pytest.mark.parametrize("backend", fake_registry.registry().names)
 def test_what_the_program_does_by_default_needs_no_words_in_a_figure(tmp_path, backend):
     done = call("run", "synthetic/adductor_brevis", "--backend", backend, "--frames", 2, "--no-referee",
                 "--out", tmp_path / "out")
@@ -38,11 +44,12 @@ def test_what_the_program_does_by_default_needs_no_words_in_a_figure(tmp_path, b
         pytest.skip(done.stderr)
     assert done.returncode == 0, done.stderr
     case = json.loads((tmp_path / "out" / "run.json").read_text())["case"]
-    assert configuration(backend, case["parameters"]).is_default
+    assert configuration(registry().backend(backend), case["parameters"]).is_default
 
 
 def test_a_small_study_comes_out_complete(tmp_path, monkeypatch, capfd):
-    monkeypatch.setattr(study_plan, "configurations", lambda: FEW)
+    few = parse_registry(fake_registry.with_studies(FEW), "few")
+    monkeypatch.setattr(accuracy, "read_registry", lambda program: few)
     monkeypatch.setattr(accuracy.report, "write_report", lambda out_dir: [], raising=False)
     arguments = ["--musclebench", PROGRAM, "--out", str(tmp_path / "out"), "--muscle", "adductor_brevis",
                  "--frames-limit", "4", "--repetitions", "2"]

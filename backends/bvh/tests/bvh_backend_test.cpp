@@ -15,7 +15,7 @@ namespace {
 
 std::vector<Contact> detect(const std::vector<Bone>& bones, const std::vector<Vec3>& points, int threads = 1,
                             const std::vector<RigidMotion>& poses = {}) {
-  const auto backend = make_bvh_backend(Parameters(bvh_parameters(), {}, "test"));
+  const auto backend = make_bvh_backend(Parameters(bvh_entry().parameters, {}, "test"));
   const TriangleMesh no_muscle;
   backend->build(bones, no_muscle, threads);
   backend->update(poses.empty() ? std::vector<RigidMotion>(bones.size()) : poses, points);
@@ -229,7 +229,7 @@ TEST(ExactSurface, ContainsWhereItsSignedDistanceIsNegative) {
 }
 
 TEST(BvhBackend, CountsTheBytesOfItsTrees) {
-  const auto backend = make_bvh_backend(Parameters(bvh_parameters(), {}, "test"));
+  const auto backend = make_bvh_backend(Parameters(bvh_entry().parameters, {}, "test"));
   const TriangleMesh no_muscle;
   std::vector<std::size_t> bytes;
   for (const int subdivisions : {2, 4}) {

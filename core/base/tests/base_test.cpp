@@ -10,10 +10,13 @@
 namespace musclebench {
 namespace {
 
-const std::vector<ParameterSpec> specs = {{"cells", std::int64_t{64}, "cells along an axis", 1, 100, {}},
-                                          {"size_m", 0.5, "edge", 0, 1, {}},
-                                          {"mode", std::string("fast"), "", 0, 0, {"fast", "slow"}},
-                                          {"open", false, "", 0, 0, {}}};
+const std::vector<ParameterSpec> specs = {
+    parameter::integer(
+        {.name = "cells", .default_value = 64, .minimum = 1, .maximum = 100, .help = "cells along an axis"}),
+    parameter::number(
+        {.name = "size_m", .unit = "m", .default_value = 0.5, .minimum = 0, .maximum = 1, .help = "edge"}),
+    parameter::choice({.name = "mode", .choices = {"fast", "slow"}}), parameter::flag({.name = "open"}),
+    parameter::path({.name = "folder", .role = ParameterRole::storage})};
 
 std::string error_of(const std::map<std::string, ParameterValue>& given) {
   try {
@@ -32,6 +35,15 @@ TEST(Parameters, DefaultsAndGivenValues) {
   EXPECT_TRUE(parameters.flag("open"));
   EXPECT_TRUE(parameters.given("size_m"));
   EXPECT_FALSE(parameters.given("cells"));
+}
+
+TEST(Parameters, AreFoundByNameAndByRole) {
+  EXPECT_EQ(find_parameter(specs, "mode")->kind, ParameterKind::choice);
+  EXPECT_EQ(find_parameter(specs, ParameterRole::storage)->name, "folder");
+  EXPECT_EQ(find_parameter(specs, ParameterRole::resolution), nullptr);
+  EXPECT_EQ(find_parameter(specs, "cels"), nullptr);
+  EXPECT_EQ(name_of(ParameterKind::path), "path");
+  EXPECT_EQ(name_of(ParameterRole::clearance_cache), "clearance_cache");
 }
 
 TEST(Parameters, RefusalsNamePlaceKeyAndCure) {

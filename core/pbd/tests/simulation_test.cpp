@@ -10,17 +10,14 @@ namespace {
 /// A half space z < height of bone 0 in its rest frame, answered exactly.
 class HalfSpace final : public CollisionBackend {
  public:
-  explicit HalfSpace(double cell_m = 0, bool point_queries = true) : m_cell_m(cell_m), m_point_queries(point_queries) {}
-  [[nodiscard]] Capabilities capabilities() const override { return {true, m_point_queries}; }
+  [[nodiscard]] Capabilities capabilities() const override { return {}; }
   [[nodiscard]] AnswerBound answer_bound(int /*bone*/) const override { return {}; }
   [[nodiscard]] std::size_t structure_bytes() const override { return 0; }
-  [[nodiscard]] double step_m(int /*bone*/) const override { return m_cell_m; }
-  int detections = 0;
+  [[nodiscard]] double step_m(int /*bone*/) const override { return 0.125; }
 
  private:
   void do_build() override {}
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
-    ++detections;
     for (std::size_t bone = 0; bone < bones().size(); ++bone) {
       for (const int node : nodes) {
         const Vec3 x = poses()[bone].apply_inverse(positions[node]);
@@ -30,74 +27,7 @@ class HalfSpace final : public CollisionBackend {
       }
     }
   }
-  double m_cell_m;
-  bool m_point_queries;
 };
-
-struct Respond {
-  std::vector<Bone> bones;
-  TriangleMesh muscle;
-  std::vector<RigidMotion> previous{RigidMotion{}};
-  std::vector<RigidMotion> now{RigidMotion{}};
-
-  explicit Respond(std::size_t count = 1) : bones(count), previous(count), now(count) {}
-
-  Vec3 operator()(ResponseKind kind, HalfSpace& backend, const Vec3& x, const Vec3& p) {
-    backend.build(bones, muscle, 1);
-    std::vector<Vec3> start = {x};
-    std::vector<Vec3> predicted = {p};
-    const std::vector<int> nodes = {0};
-    std::vector<Contact> contacts;
-    backend.update(now, predicted);
-    backend.detect(predicted, nodes, contacts);
-    Response response(kind);
-    response.resolve(backend, {start, previous, now}, contacts, predicted);
-    return predicted[0];
-  }
-};
-
-TEST(ProjectResponse, PushesAlongTheNormalByTheDepth) {
-  HalfSpace backend;
-  Respond respond;
-  EXPECT_EQ(respond(ResponseKind::project, backend, Vec3(0, 0, 1), Vec3(0.5, 0, -0.25)), Vec3(0.5, 0, 0));
-  EXPECT_EQ(respond(ResponseKind::project, backend, Vec3(0, 0, 1), Vec3(0.5, 0, 0.25)), Vec3(0.5, 0, 0.25));
-}
-
-TEST(ProjectResponse, AddsTheCorrectionsOfTwoBones) {
-  HalfSpace backend;
-  Respond respond(2);
-  respond.now[1] = RigidMotion::about_axis(Vec3::UnitY(), Vec3::Zero(), M_PI / 2);  // x < 0 is bone 1
-  const Vec3 out = respond(ResponseKind::project, backend, Vec3(1, 0, 1), Vec3(-0.25, 0, -0.5));
-  EXPECT_LT(out.norm(), 1e-15);
-}
-
-TEST(ProjectResponse, AWholeSurfaceBackendIsAskedOnlyOnce) {
-  HalfSpace backend(0, false);
-  Respond respond;
-  respond(ResponseKind::project, backend, Vec3(0, 0, 1), Vec3(0, 0, -0.25));
-  EXPECT_EQ(backend.detections, 1);
-}
-
-TEST(BacktrackResponse, StepsBackUntilFree) {
-  HalfSpace backend(0.1);
-  Respond respond;
-  const Vec3 out = respond(ResponseKind::backtrack, backend, Vec3(0, 0, 1), Vec3(0, 0, -0.25));
-  EXPECT_NEAR(out.z(), 0.05, 1e-12);  // -0.25, -0.15, -0.05, 0.05
-}
-
-TEST(BacktrackResponse, EndsAtTheStartHoweverSmallTheWayOrLargeTheStep) {
-  HalfSpace backend(10);
-  Respond respond;
-  EXPECT_EQ(respond(ResponseKind::backtrack, backend, Vec3(0, 0, 1e-9), Vec3(0, 0, -1e-9)), Vec3(0, 0, 1e-9));
-}
-
-TEST(BacktrackResponse, ANodeThatStartsInsideFollowsTheBone) {
-  HalfSpace backend(0.1);
-  Respond respond;
-  respond.now[0].translation_m = Vec3(0.2, 0, 0.05);
-  const Vec3 out = respond(ResponseKind::backtrack, backend, Vec3(0, 0, -0.5), Vec3(0, 0, -0.6));
-  EXPECT_LT((out - Vec3(0.2, 0, -0.45)).norm(), 1e-15);
-}
 
 Particles particles(const std::vector<Vec3>& positions) {
   Particles p;

@@ -80,15 +80,46 @@ TEST(RayCrossing, TrianglesSeenEdgeOnAreMissed) {
   EXPECT_EQ(ray_crossing(Vec3(0, 0, 1), Vec3(0, 0, 1), Vec3(0, 0, 1), start, up), 0);
 }
 
-TEST(WindingShare, OctantIsAnEighth) {
-  EXPECT_NEAR(winding_share(Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3::Zero()), 0.125, 1e-15);
-  EXPECT_NEAR(winding_share(Vec3(0, 1, 0), Vec3(1, 0, 0), Vec3(0, 0, 1), Vec3::Zero()), -0.125, 1e-15);
+/// Winding number of a lone triangle: its crossing and the strips of its three sides.
+double winding_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& eye, AxisRay ray) {
+  return ray_crossing(a, b, c, eye, ray) + strip_share(a, b, eye, ray) + strip_share(b, c, eye, ray) +
+         strip_share(c, a, eye, ray);
 }
 
-TEST(WindingShare, CloseToAFaceItIsAHalf) {
+constexpr AxisRay all_rays[] = {{0, true}, {0, false}, {1, true}, {1, false}, {2, true}, {2, false}};
+
+TEST(StripShare, OctantIsAnEighthAlongEveryRay) {
+  for (const AxisRay ray : all_rays) {
+    EXPECT_NEAR(winding_of(Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3::Zero(), ray), 0.125, 1e-15);
+    EXPECT_NEAR(winding_of(Vec3(0, 1, 0), Vec3(1, 0, 0), Vec3(0, 0, 1), Vec3::Zero(), ray), -0.125, 1e-15);
+  }
+}
+
+TEST(StripShare, CloseToAFaceItIsAHalf) {
   const Vec3 eye(0.3, 0.3, -1e-12);
-  EXPECT_NEAR(winding_share(Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), eye), 0.5, 1e-11);
-  EXPECT_EQ(winding_share(Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0), eye), 0) << "no area";
+  for (const AxisRay ray : all_rays) {
+    EXPECT_NEAR(winding_of(Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), eye, ray), 0.5, 1e-11);
+  }
+}
+
+TEST(StripShare, NothingJumpsWhereTheRayMeetsABoundaryEdge) {
+  // Eyes below and on the sides of the triangle, along the plane through an edge and the ray, within rounding of it.
+  const Vec3 a(0, 0, 0);
+  const Vec3 b(1, 0.1, 0.2);
+  const Vec3 c(0.3, 1, -0.1);
+  const double tiny = std::numeric_limits<double>::epsilon();
+  for (const double share : {0.0, 0.25, 1.0 / 3, 0.7, 1.0}) {
+    for (const double depth : {0.5, 0.01, -0.01}) {
+      const Vec3 on = a + share * (b - a) - Vec3(0, 0, depth);
+      const double expected = winding_of(a, b, c, on, {0, true});
+      for (const double x : {-tiny, 0.0, tiny}) {
+        for (const double y : {-tiny, 0.0, tiny}) {
+          EXPECT_NEAR(winding_of(a, b, c, on + Vec3(x, y, 0), {2, true}), expected, 1e-12);
+          EXPECT_NEAR(winding_of(a, b, c, on + Vec3(x, y, 0), {2, false}), expected, 1e-12);
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

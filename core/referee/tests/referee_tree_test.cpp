@@ -32,6 +32,60 @@ TEST(RefereeTree, RefittedAnswersLikeNew) {
   }
 }
 
+TriangleMesh capsule_with_holes(std::size_t missing, std::mt19937_64& random) {
+  TriangleMesh mesh = make_capsule(0.1, 0.3, 16);
+  std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
+  mesh.triangles.resize(mesh.triangles.size() - missing);
+  return mesh;
+}
+
+TEST(RefereeTree, WindingNumberOfOpenSurfacesIsTheSumOfSolidAngles) {
+  std::mt19937_64 random(17);
+  for (const std::size_t missing : {1, 2, 25, 300}) {
+    TriangleMesh mesh = capsule_with_holes(missing, random);
+    mesh.triangles.push_back(mesh.triangles[3]);  // an edge that is used more often one way than the other
+    mesh.triangles.push_back({mesh.triangles[5][0], mesh.triangles[5][0], mesh.triangles[5][1]});
+    const RefereeTree tree(mesh);
+    EXPECT_FALSE(tree.closed());
+    std::vector<Vec3> points = naive::cloud(mesh, 500, random);
+    for (const Vec3& point : naive::near_surface(mesh, 500, 1e-3, random)) points.push_back(point);
+    for (const Vec3& point : points) {
+      ASSERT_NEAR(tree.winding_number(point - tree.centre_m()), naive::winding_number(mesh, point), 1e-9);
+    }
+  }
+}
+
+TEST(RefereeTree, ASideHoldsForAsLongAsItSays) {
+  std::mt19937_64 random(19);
+  std::normal_distribution<double> normal;
+  for (const std::size_t missing : {1, 40}) {
+    const TriangleMesh mesh = capsule_with_holes(missing, random);
+    const RefereeTree tree(mesh);
+    int used = 0;
+    for (const Vec3& point : naive::cloud(mesh, 300, random)) {
+      const Vec3 local = point - tree.centre_m();
+      const SurfaceWinding winding = tree.winding(local);
+      EXPECT_EQ(winding.number, tree.winding_number(local));
+      const double distance = std::sqrt(tree.closest(local).squared_distance_m2);
+      const double reach = 0.999 * std::min(distance, winding.steady_m);
+      used += reach > 0.1 * distance ? 1 : 0;
+      for (int i = 0; i < 10; ++i) {
+        // Half of the movement is the point's, half that of the vertices, each its own way.
+        const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
+        TriangleMesh deformed = mesh;
+        for (Vec3& vertex : deformed.vertices) {
+          vertex += 0.5 * reach * Vec3(normal(random), normal(random), normal(random)).normalized();
+        }
+        const double after = naive::winding_number(deformed, point + 0.5 * reach * direction);
+        ASSERT_EQ(after > 0.5, winding.number > 0.5);
+      }
+    }
+    EXPECT_GT(used, 150);
+  }
+  EXPECT_EQ(RefereeTree(make_capsule(0.1, 0.3, 16)).winding(Vec3::Zero()).steady_m,
+            std::numeric_limits<double>::infinity());
+}
+
 /// Crossings of the triangle's edges with the surface and of the surface's edges with the triangle.
 bool plainly_meets(const TriangleMesh& mesh, const std::array<Vec3, 3>& blade) {
   const auto cuts = [](const Vec3& from, const Vec3& to, const Vec3& a, const Vec3& b, const Vec3& c) {

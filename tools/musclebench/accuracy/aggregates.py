@@ -6,7 +6,6 @@ from functools import cached_property
 
 import pandas as pd
 
-from ..figures.style import BACKENDS, MUSCLES, in_order
 from ..results.statistics import Estimate, pooled_median
 from .cases import StudyCase
 from .configurations import Configuration
@@ -15,7 +14,6 @@ NANOSECONDS_TO_MS = 1e-6
 ALLOWED_MISSED_SHARE = 0.01
 ALLOWED_FALSE_SHARE = 0.01
 ALLOWED_P99_ERROR_MM = 0.1
-EXACT_BACKENDS = ("bvh", "brute_force")  # the first that has run is what shapes are compared with
 
 
 @dataclass
@@ -110,7 +108,7 @@ class Aggregate:
 
     @property
     def verdict(self) -> str:
-        """Of a replay of an exact method (fcl): `right`, `wrong: why`, or the status."""
+        """Of a replay of a method without a resolution: `right`, `wrong: why`, or the status."""
         if not self.is_shown:
             return self.status
         faults = [
@@ -125,8 +123,13 @@ class Aggregate:
 
     @property
     def is_wrong(self) -> bool:
+        return self.is_right_or_wrong and self.verdict.startswith("wrong")
+
+    @property
+    def is_right_or_wrong(self) -> bool:
         """Methods with a resolution are not wrong but coarse: their error says it."""
-        return self.backend == "fcl" and self.mode == "replay" and self.verdict.startswith("wrong")
+        about = self.configuration.about
+        return self.mode == "replay" and not about.has_resolution and not about.is_control
 
 
 def aggregates_of(cases: list[StudyCase]) -> list[Aggregate]:
@@ -135,17 +138,10 @@ def aggregates_of(cases: list[StudyCase]) -> list[Aggregate]:
     for case in cases:
         grouped.setdefault((case.mode, case.scene, case.configuration), []).append(case)
     aggregates = [Aggregate(*key, sorted(group, key=lambda case: case.repetition)) for key, group in grouped.items()]
-    scenes = in_order_of_muscles({aggregate.scene for aggregate in aggregates})
-    backends = in_order({aggregate.backend for aggregate in aggregates}, BACKENDS)
     return sorted(aggregates, key=lambda one: (
-        one.mode, scenes.index(one.scene), backends.index(one.backend), one.configuration.series or "",
+        one.mode, one.muscle, one.scene, one.configuration.about.place, one.backend, one.configuration.series or "",
         one.configuration.fineness, one.configuration.factors, one.configuration.name,
     ))
-
-
-def in_order_of_muscles(scenes) -> list[str]:
-    muscles = in_order({scene.split("/")[-1] for scene in scenes}, MUSCLES)
-    return sorted(scenes, key=lambda scene: (muscles.index(scene.split("/")[-1]), scene))
 
 
 def of_mode(aggregates: list[Aggregate], mode: str) -> list[Aggregate]:
@@ -159,11 +155,18 @@ def find(aggregates: list[Aggregate], scene: str, chosen: Configuration) -> Aggr
 
 def exact_aggregate(aggregates: list[Aggregate], scene: str) -> Aggregate | None:
     """Of coupled aggregates: the one that the others' shapes are compared with."""
-    for backend in EXACT_BACKENDS:
-        for aggregate in aggregates:
-            if aggregate.scene == scene and aggregate.backend == backend and aggregate.is_shown:
-                return aggregate
-    return None
+    exact = [one for one in aggregates if one.scene == scene and one.is_shown and one.configuration.about.is_exact]
+    return min(exact, key=lambda one: (one.configuration.factors, one.collision_ms.value), default=None)
+
+
+def unit_of_price(aggregates: list[Aggregate], aggregate: Aggregate) -> Aggregate | None:
+    """What times of the same mode and scene are divided by, where it is complete."""
+    return next((one for one in aggregates if one.mode == aggregate.mode and one.scene == aggregate.scene
+                 and one.configuration.is_unit_of_price and one.is_shown), None)
+
+
+def name_of_unit(aggregates: list[Aggregate]) -> str:
+    return next((one.configuration.name for one in aggregates if one.configuration.is_unit_of_price), "the unit")
 
 
 def stage_ns(case: StudyCase, column: str) -> pd.Series:

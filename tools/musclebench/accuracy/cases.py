@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from ..program.registry import Registry, saved_registry
 from ..results.run_folder import REPLAY_COLUMNS, ResultProblem, Run, no_frames, read_run
 from .configurations import Configuration, configuration
 
@@ -42,9 +43,10 @@ def read_cases(out_dir: Path) -> list[StudyCase]:
     raw = out_dir / "raw"
     folders = sorted(path.parent for path in raw.glob("*/run.json") if not path.parent.name.startswith("."))
     planned = {case["name"]: case for case in read_plan(out_dir)}
-    cases = [_read_case(folder, planned.get(folder.name)) for folder in folders]
+    registry = saved_registry(out_dir) if folders or planned else Registry(())
+    cases = [_read_case(folder, planned.get(folder.name), registry) for folder in folders]
     read = {case.name for case in cases}
-    absent = [_absent(raw / name, case) for name, case in planned.items() if name not in read]
+    absent = [_absent(raw / name, case, registry) for name, case in planned.items() if name not in read]
     return sorted([*cases, *absent], key=lambda case: case.name)
 
 
@@ -59,17 +61,17 @@ def read_plan(out_dir: Path) -> list[dict]:
         raise ResultProblem(f"{path}: not the plan of a study ({problem}); start tools/accuracy again") from None
 
 
-def _read_case(folder: Path, planned: dict | None) -> StudyCase:
+def _read_case(folder: Path, planned: dict | None, registry: Registry) -> StudyCase:
     try:
         run = read_run(folder)
         _complete(run.record["case"], planned)
         probe = _read_probe(folder / "probe.csv") if run.mode == "probe" else pd.DataFrame()
-        return _case(folder.name, run, probe)
+        return _case(folder.name, run, probe, registry)
     except (ResultProblem, KeyError) as problem:
         if planned is None:
             raise problem if isinstance(problem, ResultProblem) else ResultProblem(
                 f"{folder / 'run.json'}: its case has no {problem}; run the case again") from None
-        return _absent(folder, planned, "failed", str(problem))
+        return _absent(folder, planned, registry, "failed", str(problem))
 
 
 def _complete(case: dict, planned: dict | None) -> None:
@@ -79,16 +81,17 @@ def _complete(case: dict, planned: dict | None) -> None:
             case[key] = value
 
 
-def _case(name: str, run: Run, probe: pd.DataFrame) -> StudyCase:
+def _case(name: str, run: Run, probe: pd.DataFrame, registry: Registry) -> StudyCase:
     told = run.record["case"]
-    chosen = configuration(told["backend"], told.get("parameters") or {}, int(told.get("threads") or 1))
+    chosen = configuration(registry.backend(told["backend"]), told.get("parameters") or {}, int(told.get("threads") or 1))
     return StudyCase(name, run, chosen, probe)
 
 
-def _absent(folder: Path, planned: dict, status: str = MISSING, detail: str = "not run yet") -> StudyCase:
+def _absent(folder: Path, planned: dict, registry: Registry, status: str = MISSING,
+            detail: str = "not run yet") -> StudyCase:
     case = {key: value for key, value in planned.items() if key != "name"}
     run = Run(folder, {"status": status, "status_detail": detail, "case": case}, no_frames(REPLAY_COLUMNS))
-    return _case(folder.name, run, pd.DataFrame())
+    return _case(folder.name, run, pd.DataFrame(), registry)
 
 
 def _read_probe(path: Path) -> pd.DataFrame:

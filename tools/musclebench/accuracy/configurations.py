@@ -1,33 +1,11 @@
 """Configurations: a backend with what differs from its defaults, and the names that figures and tables give them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-DEFAULTS = {
-    "voxel": {"cells": 64, "voxel_size_m": 0},
-    "sdf": {
-        "cells": 64, "cell_size_m": 0, "precision": "float", "band_m": 0, "max_error_mm": 0, "margin": 0.001,
-        "discregrid": "", "motion_budgets": "on",
-    },
-    "bvh": {"motion_budgets": "on"},
-    "fcl": {
-        "bounding_volume": "OBBRSS", "manager": "dynamic_aabb_tree", "update": "refit", "model": "replace",
-        "query": "surfaces", "node_radius_m": 0.0005, "solver": "libccd",
-        "motion_budgets": "off",
-    },
-}
-EDGE_OF_CUBES = {"voxel": "voxel_size_m", "sdf": "cell_size_m"}
-WANTED_ERROR = "max_error_mm"
-SIZES = {"cells", *EDGE_OF_CUBES.values(), WANTED_ERROR}
-NO_CHOICE = {"structures"}  # where fields are kept changes no answer and no time of a frame
-WORDS = {
-    ("manager", "none"): "no manager", ("manager", "sweep_and_prune"): "sweep and prune",
-    ("update", "refit_top_down"): "refit top-down", ("update", "rebuild"): "rebuild",
-    ("model", "update"): "update model",
-    ("query", "node_distance"): "node distance", ("query", "node_collide"): "node spheres",
-    ("solver", "indep"): "own solver", ("precision", "double"): "double",
-    ("motion_budgets", "on"): "budgets", ("motion_budgets", "off"): "no budgets",
-}
+from ..program.registry import SIZE_ROLES, Backend, Parameter
+
+MM_OF_UNIT = {"m": 1e3, "mm": 1.0}
 
 
 @dataclass(frozen=True)
@@ -35,10 +13,17 @@ class Configuration:
     backend: str
     choices: tuple[tuple[str, str], ...] = ()  # parameters that differ from the defaults, by name
     threads: int = 1
+    about: Backend = field(default=Backend("", ""), compare=False, repr=False)
 
     @property
     def is_default(self) -> bool:
         return not self.choices and self.threads == 1
+
+    @property
+    def is_unit_of_price(self) -> bool:
+        """What times are divided by."""
+        parameters = self.about.study.get("advise", {}).get("unit_of_price")
+        return parameters is not None and self == configuration(self.about, parameters)
 
     @property
     def factors(self) -> int:
@@ -46,80 +31,111 @@ class Configuration:
         return len(self.choices) + (self.threads != 1)
 
     @property
+    def size(self) -> Parameter | None:
+        """What says how fine it is: a wanted error where there is one, an edge of cells, else their count along each
+        axis; None for backends without a resolution."""
+        sizes = [one for one in self.about.parameters if one.role in SIZE_ROLES]
+        sizes.sort(key=lambda one: (one.role != "wanted_error", one.unit == ""))
+        return next((one for one in sizes if one.unit == "" or self._number(one) > 0), None)
+
+    @property
     def cells(self) -> int | None:
         """Along each axis; None for cubes, for adaptive cells and for backends without a grid."""
-        if self.backend not in EDGE_OF_CUBES or self.cube_edge_m is not None or self.wanted_error_mm is not None:
-            return None
-        return int(float(self.choice("cells")))
+        return int(self._number(self.size)) if self.size is not None and self.size.unit == "" else None
 
     @property
     def cube_edge_m(self) -> float | None:
-        key = EDGE_OF_CUBES.get(self.backend)
-        edge = float(self.choice(key)) if key else 0.0
-        return edge if edge > 0 else None
+        return 1e-3 * self._size_mm() if self.size is not None and self._is_length("resolution") else None
 
     @property
     def wanted_error_mm(self) -> float | None:
         """Of adaptive cells."""
-        error = float(self.choice(WANTED_ERROR) or 0)
-        return error if error > 0 else None
+        return self._size_mm() if self.size is not None and self._is_length("wanted_error") else None
 
     @property
     def series(self) -> str | None:
         """Name of the curve over resolutions on which the configuration lies; None for a single point."""
-        if self.backend not in EDGE_OF_CUBES:
+        if self.size is None:
             return None
-        precision = f" {self.choice('precision')}" if self.backend == "sdf" else ""
-        others = [text for key, text in self._spoken() if key not in SIZES and key != "precision"]
-        kind = "adaptive" if self.wanted_error_mm is not None else "cubes" if self.cube_edge_m is not None else "cells"
-        return " ".join([f"{self.backend}{precision}", kind, *others])
+        name = next((one.get("name") for one in self.about.series if self._lies_on(one)), None)
+        return f"{self.about.label} {name or ' '.join([*self._words_beside_size(), _without_unit(self.size.name)])}"
 
     @property
     def fineness(self) -> float:
         """Grows with resolution along a series."""
-        size = self.wanted_error_mm or self.cube_edge_m
-        return 1.0 / size if size is not None else float(self.cells or 0)
+        if self.size is None:
+            return 0.0
+        return float(self.cells) if self.size.unit == "" else 1e3 / self._size_mm()
 
     @property
     def short(self) -> str:
         """Resolution, or the choices that make the point."""
+        if self.size is None:
+            return ", ".join(text for _, text in self._spoken()) or "default"
         if self.wanted_error_mm is not None:
             return f"to {self.wanted_error_mm:g} mm"
-        if self.cube_edge_m is not None:
-            return f"{1e3 * self.cube_edge_m:g} mm"
-        if self.cells is not None:
-            return str(self.cells)
-        return ", ".join(text for _, text in self._spoken()) or "default"
+        return str(self.cells) if self.size.unit == "" else f"{self._size_mm():g} mm"
 
     @property
     def name(self) -> str:
-        """Unambiguous and short, such as `sdf 128 double`, `fcl OBB, rebuild`, `bvh`."""
-        if self.series is None:
-            return f"{self.backend} {self.short}" if self.choices or self.threads != 1 or self.backend == "fcl" \
-                else self.backend
-        return " ".join([self.backend, self.short, *(text for key, text in self._spoken() if key not in SIZES)])
+        """Unambiguous and short: a label, a label with a resolution, a label with the choices that make the point."""
+        if self.size is not None:
+            return " ".join([self.about.label, self.short, *self._words_beside_size()])
+        is_told = not self.is_default or self.about.has_many_choices
+        return f"{self.about.label} {self.short}" if is_told else self.about.label
 
     def choice(self, key: str) -> str:
-        return dict(self.choices).get(key, str(DEFAULTS.get(self.backend, {}).get(key, "")))
+        return dict(self.choices).get(key, _plain(self.about.parameter(key).default))
+
+    def _number(self, parameter: Parameter) -> float:
+        return float(self.choice(parameter.name) or 0)
+
+    def _size_mm(self) -> float:
+        return MM_OF_UNIT[self.size.unit] * self._number(self.size)
+
+    def _is_length(self, role: str) -> bool:
+        return self.size.role == role and self.size.unit in MM_OF_UNIT
+
+    def _lies_on(self, series: dict) -> bool:
+        """Whether only the swept parameter tells it from the series' other configurations."""
+        if self.size.name not in series.get("sweep", {}) or series.get("threads", 1) != self.threads:
+            return False
+        like = configuration(self.about, series.get("fixed", {}) | {self.size.name: self.choice(self.size.name)})
+        return like.choices == self.choices
+
+    def _words_beside_size(self) -> list[str]:
+        sizes = {one.name for one in self.about.parameters if one.role in SIZE_ROLES}
+        return [text for key, text in self._spoken() if key not in sizes]
 
     def _spoken(self) -> list[tuple[str, str]]:
-        ordered = sorted(self.choices, key=lambda choice: choice[0] == "motion_budgets")
-        words = [(key, _word(key, value)) for key, value in ordered]
+        cache = self.about.of_role("clearance_cache")
+        ordered = sorted(self.choices, key=lambda choice: cache is not None and choice[0] == cache.name)
+        words = [(key, self._word(key, value)) for key, value in ordered]
         return words + ([("threads", f"{self.threads} threads")] if self.threads != 1 else [])
 
+    def _word(self, key: str, value: str) -> str:
+        """As the study says it; lengths in mm; else the parameter and its value."""
+        for told in self.about.study.get("words", []):
+            if told["parameter"] == key and _plain(told.get("value", value)) == value:
+                return told["text"].replace("{value}", value)
+        if self.about.parameter(key).unit == "m":
+            return f"{_without_unit(key)} {1e3 * float(value):g} mm"
+        return f"{key.replace('_', ' ')} {value}"
 
-def configuration(backend: str, parameters: Mapping, threads: int = 1) -> Configuration:
-    """Of resolved parameters or of those that were asked for: the same."""
-    defaults = DEFAULTS.get(backend, {})
-    told = {key: _plain(value) for key, value in parameters.items() if key not in NO_CHOICE}
-    choices = {key: value for key, value in told.items() if value != _plain(defaults.get(key)) or key not in defaults}
-    if backend == "fcl" and choices.get("query") != "node_collide":
-        choices.pop("node_radius_m", None)
-    if float(choices.get(WANTED_ERROR, 0)) > 0:
-        choices.pop(EDGE_OF_CUBES[backend], None)
-    if float(choices.get(WANTED_ERROR, 0)) > 0 or float(choices.get(EDGE_OF_CUBES.get(backend), 0)) > 0:
-        choices.pop("cells", None)
-    return Configuration(backend, tuple(sorted(choices.items())), threads)
+
+def configuration(backend: Backend, parameters: Mapping, threads: int = 1) -> Configuration:
+    """Of resolved parameters or of those that were asked for: the same. Where structures are kept makes no other."""
+    told = {key: _plain(value) for key, value in parameters.items() if backend.parameter(key).role != "storage"}
+    known = {parameter.name: _plain(parameter.default) for parameter in backend.parameters}
+    choices = {key: value for key, value in told.items() if value != known.get(key)}
+    for rule in backend.study.get("matters", []):
+        resolved = known | choices
+        if any(resolved.get(key) != _plain(value) for key, value in rule["where"].items()):
+            choices.pop(rule["parameter"], None)
+    size = Configuration(backend.name, tuple(choices.items()), threads, backend).size
+    unused = {one.name for one in backend.parameters if one.role in SIZE_ROLES and one != size}
+    chosen = sorted((key, value) for key, value in choices.items() if key not in unused)
+    return Configuration(backend.name, tuple(chosen), threads, backend)
 
 
 def _plain(value) -> str:
@@ -129,9 +145,5 @@ def _plain(value) -> str:
         return str(value)
 
 
-def _word(key: str, value: str) -> str:
-    if key.endswith("_m"):
-        return f"{key.removesuffix('_m').replace('_', ' ')} {1e3 * float(value):g} mm"
-    if key == "bounding_volume":
-        return value
-    return WORDS.get((key, value), f"{key.replace('_', ' ')} {value}")
+def _without_unit(name: str) -> str:
+    return name.removesuffix("_mm").removesuffix("_m").replace("_", " ")

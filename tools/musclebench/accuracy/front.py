@@ -32,7 +32,7 @@ def on_front(points: pd.DataFrame) -> list:
     """Index of the points than which no other is both faster and at least as accurate. Wrong configurations and the run
     without collision take no part; below a nanometre all are equally accurate."""
     best, front = math.inf, []
-    may = points[~points["is_wrong"] & (points["backend"] != "null")]
+    may = points[~points["is_wrong"] & ~points["is_control"]]
     for place, row in may.sort_values(["time_ms", "error_mm"]).iterrows():
         error = max(row["error_mm"], EXACT_MM)
         if error < best:
@@ -56,6 +56,7 @@ def _row(panel: str, group: list[Aggregate], error_mm, wrong: set) -> dict:
         "label": chosen.short, "fineness": chosen.fineness, "time_ms": time.value, "time_ms_low": time.low,
         "time_ms_high": time.high, "error_mm": float(np.max([error_mm(aggregate) for aggregate in group])),
         "structure_bytes": sum(aggregate.structure_bytes for aggregate in group) / len(group),
+        "is_control": chosen.about.is_control,
         "is_wrong": any((aggregate.scene, aggregate.configuration) in wrong for aggregate in group),
         "repetitions": min(len(aggregate.ok) for aggregate in group),
         "frames": time.frames,
@@ -64,4 +65,4 @@ def _row(panel: str, group: list[Aggregate], error_mm, wrong: set) -> dict:
 
 def _row_keys() -> list[str]:
     return ["panel", "backend", "configuration", "series", "label", "fineness", "time_ms", "time_ms_low",
-            "time_ms_high", "error_mm", "structure_bytes", "is_wrong", "repetitions", "frames"]
+            "time_ms_high", "error_mm", "structure_bytes", "is_control", "is_wrong", "repetitions", "frames"]

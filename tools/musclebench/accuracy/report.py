@@ -5,12 +5,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..figures import captions
+from ..figures import captions, looks
 from ..figures.convergence import draw_costs, draw_errors
 from ..figures.pareto import draw_pareto
 from ..figures.stages import draw_stages, stage_rows
+from ..program.registry import saved_registry
 from ..tables import table_formats
-from ..tables.fcl_table import fcl_table, rule
+from ..tables.choices import choices_tables, rule
 from ..tables.outcomes import outcomes_table, shape_distances
 from ..tables.prices import price_list
 from ..tables.table_formats import Table
@@ -22,7 +23,7 @@ from .rows import accuracy_rows, build_seconds_of, study_rows
 
 FRONT_WORDS = (
     "The grey line is the Pareto front: nothing is both faster and more accurate than what lies on it. Configurations "
-    "of fcl that answer wrongly on replayed positions are crossed out and not on it; errors below a nanometre count "
+    "without a resolution that answer wrongly on replayed positions are crossed out and not on it; errors below a nanometre count "
     "as equal and are drawn in a band in which height means nothing. A marker's area grows with the bytes of the "
     "structures, a step a factor of ten. All muscles: the sum of their times, the largest of their errors, of "
     "configurations that are complete on each.")
@@ -31,7 +32,7 @@ FRONT_WORDS = (
 @dataclass
 class AccuracyReport:
     files: list[Path]
-    tables: list[Table]  # price list, factors of fcl, outcomes of coupled runs
+    tables: list[Table]  # price list, choices of backends that have many, outcomes of coupled runs
 
     def __iter__(self) -> Iterator[Path]:
         return iter(self.files)
@@ -41,6 +42,8 @@ def write_report(out_dir: Path) -> AccuracyReport:
     """Of out_dir/raw and out_dir/study.json, however much of the study there is. Cases that failed or are missing stand
     in accuracy.csv and study.csv with their status."""
     cases = read_cases(out_dir)
+    if cases:
+        looks.know(saved_registry(out_dir))
     aggregates = aggregates_of(cases)
     figures, tables = out_dir / "figures", out_dir / "tables"
     for folder in (figures, tables):
@@ -50,7 +53,7 @@ def write_report(out_dir: Path) -> AccuracyReport:
     replays, coupled = of_mode(aggregates, "replay"), of_mode(aggregates, "coupled")
     wrong = {(aggregate.scene, aggregate.configuration) for aggregate in replays if aggregate.is_wrong}
     shapes = shape_distances(coupled)
-    made = [table for table in (price_list(replays, builds), fcl_table(replays), outcomes_table(coupled, shapes))
+    made = [table for table in (price_list(replays, builds), *choices_tables(replays), outcomes_table(coupled, shapes))
             if not table.rows.empty]
     for table in made:
         files += _write_table(table, tables)
@@ -103,7 +106,7 @@ def _draw_coupled(coupled: list[Aggregate], wrong: set, shapes: dict, folder: Pa
         "The error is the true depth that remains at the end of a frame, by the Referee: the deepest point of a "
         "muscle triangle inside a bone or of a bone's vertex inside the muscle (of the nodes where the surface was "
         "not judged), 99th percentile over the run's frames. Little depth is not yet accuracy: a backend that keeps "
-        "the muscle too far from the bones (voxel) leaves none; the figure of shapes shows what that costs. "
+        "the muscle too far from the bones leaves none; the figure of shapes shows what that costs. "
         "Trajectories part: the table of coupled outcomes has times of whole runs.")
     texts = [error, captions.TIME, FRONT_WORDS, _left_out(coupled, depths)]
     files = _with_caption(files, title, texts, _cases(coupled))
@@ -111,7 +114,7 @@ def _draw_coupled(coupled: list[Aggregate], wrong: set, shapes: dict, folder: Pa
     title = "How far the muscle's shape at full flexion is from the exact run's (coupled)"
     stem, axis_title = folder / "pareto_coupled_shape", "distance to exact shape, RMS (mm)"
     drawn = draw_pareto(distances, stem, title, axis_title, "same shape")
-    error = "The error is the root mean square over all nodes of their distance to the same nodes of the run with bvh."
+    error = "The error is the root mean square over all nodes of their distance to the same nodes of the exact run."
     texts = [error, captions.TIME, FRONT_WORDS, _left_out(coupled, distances)]
     return files + _with_caption(drawn, title, texts, _cases(coupled))
 
@@ -123,7 +126,7 @@ def _draw_convergence(aggregates: list[Aggregate], builds: dict, folder: Path) -
     bands = sorted({case.run.record["case"].get("band_m") or 0 for case in _cases(probes)} - {0})
     near = f" within {' and '.join(f'{1e3 * band:g} mm' for band in bands)} of the surface" if bands else ""
     texts = [f"99th percentile of the depth error of points sampled about each bone{near}, at smooth places and near "
-             "sharp edges; a method that knows only inside and outside (voxel) can't err by more than that distance, "
+             "sharp edges; a method that knows only inside and outside can't err by more than that distance, "
              "so that its curve is flat at coarse cells; the edge of a cell is that of the bone's grid. Orders are "
              "slopes of straight lines through the logarithms, over all resolutions in the legend and between "
              "neighbouring ones in the CSV. An order that falls off at fine cells says that something else limits "
@@ -133,7 +136,7 @@ def _draw_convergence(aggregates: list[Aggregate], builds: dict, folder: Path) -
     drawn = draw_costs(cost_rows(probes or aggregates, builds), folder / "convergence_cost")
     texts = ["Build time and bytes of the structures of all bones of a scene against their number of cells, of grids "
              "with a fixed count of cells; slopes of straight lines through the logarithms. Bones that scenes share "
-             "count once. Bytes hold what motion budgets keep of the muscle's nodes, too."]
+             "count once. Bytes hold what clearance caches keep of the muscle's nodes, too."]
     return files + _with_caption(drawn, title, texts, _cases(probes or aggregates))
 
 
@@ -141,8 +144,8 @@ def _draw_stages(coupled: list[Aggregate], replays: list[Aggregate], folder: Pat
     title = "Where the time of a frame goes"
     files = draw_stages(stage_rows(coupled, replays), folder / "stages")
     texts = ["Medians over the frames without warm-up of each stage of the loop, as shares of their sum; the words "
-             "tell milliseconds a frame. Each backend in its default; of fcl also the fastest configuration that "
-             "answers right on replayed positions. Judging and writing are outside."]
+             "tell milliseconds a frame. Each backend in its default; of one with many choices also the fastest "
+             "configuration that answers right on replayed positions. Judging and writing are outside."]
     return _with_caption(files, title, texts, _cases(coupled))
 
 

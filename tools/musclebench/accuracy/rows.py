@@ -7,11 +7,9 @@ import pandas as pd
 
 from ..results.run_folder import COLLISION_STAGES
 from ..results.statistics import paired_ratio
-from .aggregates import Aggregate, find, number
+from .aggregates import Aggregate, number, unit_of_price
 from .cases import StudyCase
-from .configurations import configuration
 
-VOXEL_64 = configuration("voxel", {})
 ACCURACY_KEYS = [
     "contacts", "true_contacts", "missed_contacts", "false_contacts", "measured_contacts", "max_depth_error_m",
     "p99_depth_error_m", "mean_depth_error_m", "max_normal_error_deg", "p99_normal_error_deg", "mean_normal_error_deg",
@@ -74,7 +72,7 @@ def _case_row(case: StudyCase) -> dict:
 
 
 def _aggregate_row(aggregate: Aggregate, aggregates: list[Aggregate], measured: dict) -> dict:
-    time, ratio = aggregate.collision_ms, ratio_to(aggregate, find_voxel_64(aggregates, aggregate))
+    time, ratio = aggregate.collision_ms, ratio_to(aggregate, unit_of_price(aggregates, aggregate))
     stages = {stage.replace("_ns", "_ms"): aggregate.stage_ms(stage) for stage in COLLISION_STAGES}
     return {
         **_identity(aggregate.mode, aggregate.scene, aggregate.configuration), "status": aggregate.status,
@@ -82,17 +80,13 @@ def _aggregate_row(aggregate: Aggregate, aggregates: list[Aggregate], measured: 
         "repetitions": len(aggregate.cases), "ok_repetitions": len(aggregate.ok),
         "distinct_answers": len(aggregate.answers) or None,
         "frames": time.frames or None, "collision_ms": time.value, "collision_ms_low": time.low,
-        "collision_ms_high": time.high, **stages, "times_voxel_64": ratio.value, "times_voxel_64_low": ratio.low,
-        "times_voxel_64_high": ratio.high, "build_s": build_seconds(aggregate, measured),
+        "collision_ms_high": time.high, **stages, "times_unit": ratio.value, "times_unit_low": ratio.low,
+        "times_unit_high": ratio.high, "build_s": build_seconds(aggregate, measured),
         "structure_bytes": aggregate.structure_bytes,
         **{key: aggregate.number("accuracy", key) for key in ACCURACY_KEYS},
         **{f"outcome_{key}": aggregate.number("outcome", key) for key in OUTCOME_KEYS},
-        "verdict": aggregate.verdict if aggregate.mode == "replay" and aggregate.backend == "fcl" else "",
+        "verdict": aggregate.verdict if aggregate.is_right_or_wrong else "",
     }
-
-
-def find_voxel_64(aggregates: list[Aggregate], aggregate: Aggregate) -> Aggregate | None:
-    return find([other for other in aggregates if other.mode == aggregate.mode], aggregate.scene, VOXEL_64)
 
 
 def ratio_to(aggregate: Aggregate, reference: Aggregate | None):

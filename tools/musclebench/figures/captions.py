@@ -7,9 +7,9 @@ from .style import muscle_label
 
 REPLAY_ERROR = (
     "The error is that of the signed distance that an answer admits, against the Referee's exact s (negative inside): "
-    "|-a - s| where a depth a was reported, max(0, s) where contact was reported without a depth (voxel), max(0, -s) "
+    "|-a - s| where a depth a was reported, max(0, s) where contact was reported without a depth, max(0, -s) "
     "where nothing was reported; 99th percentile (nearest rank) over all measured nodes of the run, missed and false "
-    "contacts included, within {band} of the surface; contacts farther away, which very coarse voxels report, are not "
+    "contacts included, within {band} of the surface; contacts farther away, which very coarse grids report, are not "
     "measured, so that their error is capped there."
 )
 TIME = (

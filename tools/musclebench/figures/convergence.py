@@ -6,8 +6,7 @@ import pandas as pd
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..accuracy.orders import PLACES, slope
-from . import style
-from .pareto import SERIES_STYLES, series_style
+from . import looks, style
 from .style import plt
 
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
@@ -39,23 +38,24 @@ def draw_errors(rows: pd.DataFrame, stem: Path) -> list[Path]:
 
 def _draw_curves(axes, rows: pd.DataFrame) -> None:
     axes.set(xscale="log", yscale="log")
-    for series in style.in_order(rows["series"], list(SERIES_STYLES)):
+    for series in style.in_order(rows["series"], looks.all_series()):
         curve = rows[rows["series"] == series]
         order = curve["fitted_order"].iloc[0]
         known = f", order {order:.1f}" if pd.notna(order) else ""
-        _draw_curve(axes, 1e3 * curve["cell_edge_m"], 1e3 * curve["p99_error_m"], series, f"{series}{known}")
+        _draw_curve(axes, 1e3 * curve["cell_edge_m"], 1e3 * curve["p99_error_m"], curve, f"{series}{known}")
     _draw_guides(axes, rows)
     _plain_ticks(axes)
     # Curves rise to the right, so that the lower right corner is free.
     axes.legend(loc="lower right", fontsize=7.5, framealpha=0.85, edgecolor="none")
 
 
-def _draw_curve(axes, x, y, series: str, label: str) -> None:
-    """Double precision hollow and larger: it mostly lies upon single."""
-    shape, dashes = series_style(series)
-    is_double = " double " in series
-    axes.plot(x, y, linestyle=dashes, marker=shape, markersize=7.5 if is_double else 4.5, label=label,
-              markerfacecolor="none" if is_double else None, color=style.backend_colour(series.split()[0]))
+def _draw_curve(axes, x, y, curve: pd.DataFrame, label: str) -> None:
+    """A backend's further curves hollow and larger: they may lie upon its first."""
+    backend, series = curve["backend"].iloc[0], curve["series"].iloc[0]
+    shape, dashes = looks.series_style(backend, series)
+    is_first = series in looks.series_of(backend)[:1]
+    axes.plot(x, y, linestyle=dashes, marker=shape, markersize=4.5 if is_first else 7.5, label=label,
+              markerfacecolor=None if is_first else "none", color=looks.colour(backend))
 
 
 def _draw_guides(axes, rows: pd.DataFrame) -> None:
@@ -80,9 +80,11 @@ def draw_costs(rows: pd.DataFrame, stem: Path) -> list[Path]:
         axes.set(xscale="log", yscale="log", xlabel="cells of all bones", ylabel=title)
         for bones, series in _curves(rows):
             curve = rows[(rows["bones"] == bones) & (rows["series"] == series) & rows[key].notna()]
+            if curve.empty:
+                continue
             fitted = slope(curve["cells"], curve[key])
             known = f", slope {fitted:.2f}" if pd.notna(fitted) else ""
-            _draw_curve(axes, curve["cells"], unit * curve[key], series, f"{series}{known}")
+            _draw_curve(axes, curve["cells"], unit * curve[key], curve, f"{series}{known}")
         axes.yaxis.set_major_formatter(PLAIN)
         axes.yaxis.set_minor_formatter(NullFormatter())
         axes.legend(loc="upper left", fontsize=7.5, framealpha=0.85, edgecolor="none")
@@ -92,7 +94,7 @@ def draw_costs(rows: pd.DataFrame, stem: Path) -> list[Path]:
 
 
 def _curves(rows: pd.DataFrame) -> list[tuple[str, str]]:
-    series = style.in_order(rows["series"], list(SERIES_STYLES))
+    series = style.in_order(rows["series"], looks.all_series())
     return [(bones, name) for bones in dict.fromkeys(rows["bones"]) for name in series]
 
 

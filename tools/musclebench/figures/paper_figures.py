@@ -10,7 +10,7 @@ from ..paper.published import Published
 from ..results.run_folder import Run
 from ..tables.paper_tables import MEGABYTE, by_case, collision_ratio
 from ..tables.table_formats import as_ratio
-from . import style
+from . import looks, style
 from .style import plt
 
 MUSCLE_OF_FIGURES = "iliacus"
@@ -47,7 +47,7 @@ def draw_figures(runs: list[Run], published: Published, folder: Path) -> list[Pa
 
 
 def _draw_times(cases, iliacus: dict[str, Run], published: Published, folder: Path) -> list[Path]:
-    shown = {backend: run for backend, run in iliacus.items() if backend != "null"}
+    shown = {backend: run for backend, run in iliacus.items() if not looks.backend(backend).is_control}
     figure, axes = plt.subplots(figsize=(8.2, 4.4))
     labels = []
     for backend, run in shown.items():
@@ -115,7 +115,7 @@ def _draw_depths(cases, folder: Path) -> list[Path]:
 
 
 def _line(axes, backend: str, x, y, label=None) -> None:
-    axes.plot(x, y, color=style.backend_colour(backend), linestyle=style.BACKEND_DASHES.get(backend, "dashdot"),
+    axes.plot(x, y, color=looks.colour(backend), linestyle=looks.dash(backend),
               label=label, linewidth=1.4)
 
 
@@ -128,7 +128,7 @@ def _label_ends(axes, labels: list[tuple[float, str, str]]) -> None:
         wanted = to_axes.transform(axes.transData.transform((0, value)))[1]
         lines = text.count("\n") + 1
         height = max(wanted, height + 0.03 * lines)
-        axes.text(1.015, height, text, transform=axes.transAxes, va="center", color=style.backend_colour(backend),
+        axes.text(1.015, height, text, transform=axes.transAxes, va="center", color=looks.colour(backend),
                   fontweight="bold", fontsize=9)
         height += 0.035 * lines
 

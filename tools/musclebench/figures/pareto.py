@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..accuracy.front import ALL_MUSCLES, EXACT_MM
-from . import style
+from . import looks, style
 from .labels import Label, place_labels
 from .style import plt
 
@@ -18,14 +18,6 @@ PANEL_INCHES = (6.2, 4.1)
 COLUMNS = 2
 BAND_SHARE = 0.30  # of the axis' height for what is exact
 LANES = 5  # in that band, so that points of about the same time stand apart
-SERIES_STYLES = {
-    "voxel cells": ("o", "-"), "voxel cubes": ("s", "--"),
-    "sdf float cells": ("o", "-"), "sdf float cubes": ("s", "--"),
-    "sdf double cells": ("D", ":"), "sdf double cubes": ("^", "-."),
-    "sdf float adaptive": ("X", (0, (1, 1))), "sdf float cells no budgets": ("v", "-."),
-}
-PREFERRED_SIDES = {"sdf float cells": (-1, 0), "sdf float cubes": (-1, 0), "voxel cubes": (-1, 0)}
-POINT_MARKERS = {"fcl": "o", "bvh": "*", "brute_force": "P"}
 LEGEND_BYTES = (1e4, 1e6, 1e8)
 FRONT_COLOUR = "#555555"
 
@@ -48,7 +40,7 @@ class Axis:
 
 def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str, nothing: str) -> list[Path]:
     """PNG, SVG and CSV; nothing without points. `nothing`: what an error below a nanometre is called."""
-    if points.empty or (points["backend"] == "null").all():
+    if points.empty or points["is_control"].all():
         return []
     style.apply_style()
     panels = list(dict.fromkeys(points["panel"]))
@@ -59,7 +51,7 @@ def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str, 
     figure, cells = plt.subplots(rows, columns, figsize=(width * sum(shares), height * rows), squeeze=False,
                                  width_ratios=shares)
     cells = list(cells.flat)
-    numbers = _fcl_numbers(points)
+    numbers = _numbers(points)
     for cell, panel in zip(cells, panels):
         cell.set(xlabel="collision time a frame (ms)", ylabel=error_title)
         cell.set_title(panel_title(panel, panels), loc="left")
@@ -108,18 +100,19 @@ def _draw_panel(axes, points: pd.DataFrame, axis: Axis, numbers: dict[str, int],
     labels = []
     for series, curve in points[points["series"].notna()].groupby("series", sort=False):
         curve = curve.sort_values("fineness")
-        _, dashes = series_style(series)
+        backend = curve["backend"].iloc[0]
+        _, dashes = looks.series_style(backend, series)
         axes.plot(curve["time_ms"], heights[curve.index], linestyle=dashes, linewidth=1.1, zorder=2,
-                  color=style.backend_colour(curve["backend"].iloc[0]))
+                  color=looks.colour(backend))
     for place, point in points.iterrows():
-        if point["backend"] == "null":
-            _draw_null(axes, point, heights[place], times)
+        if point["is_control"]:
+            _draw_control(axes, point, heights[place], times)
             continue
         _draw_point(axes, point, heights[place])
         text = _label_text(point, points, numbers)
         radius = math.sqrt(marker_area(point["structure_bytes"])) / 2
-        side, bar = PREFERRED_SIDES.get(point["series"], (1, 0)), (point["time_ms_low"], point["time_ms_high"])
-        colour = style.backend_colour(point["backend"])
+        side, bar = _side(point), (point["time_ms_low"], point["time_ms_high"])
+        colour = looks.colour(point["backend"])
         labels.append(Label(point["time_ms"], heights[place], text, colour, radius, side, bar))
     place_labels(axes, labels, size=6.8)
 
@@ -151,10 +144,10 @@ def _draw_front(axes, points: pd.DataFrame, axis: Axis) -> None:
 
 
 def _draw_point(axes, point, height: float) -> None:
-    colour, area = style.backend_colour(point["backend"]), marker_area(point["structure_bytes"])
+    colour, area = looks.colour(point["backend"]), marker_area(point["structure_bytes"])
     axes.plot([point["time_ms_low"], point["time_ms_high"]], [height, height], color=colour, linewidth=1.0, alpha=0.8,
               zorder=3, solid_capstyle="butt")
-    shape = series_style(point["series"])[0] if point["series"] else POINT_MARKERS.get(point["backend"], "o")
+    shape = _marker(point)
     wrong = point["is_wrong"]
     edge = "black" if point["on_front"] else colour if wrong else "white"
     axes.scatter([point["time_ms"]], [height], s=area, marker=shape, facecolor="none" if wrong else colour,
@@ -163,37 +156,46 @@ def _draw_point(axes, point, height: float) -> None:
         axes.scatter([point["time_ms"]], [height], s=1.6 * area, marker="x", color=colour, linewidth=0.9, zorder=5)
 
 
-def _draw_null(axes, point, height: float, times: tuple[float, float]) -> None:
-    colour = style.backend_colour("null")
-    axes.axhline(height, color=colour, linestyle=style.BACKEND_DASHES["null"], linewidth=1.0, zorder=1)
+def _marker(point) -> str:
+    series = point["series"]
+    return looks.series_style(point["backend"], series)[0] if series else looks.marker(point["backend"])
+
+
+def _side(point) -> tuple[int, int]:
+    """Where the label goes first: curves of every second backend have theirs on the left, since they lie side by side."""
+    curved = looks.curved_backends()
+    is_left = point["backend"] in curved and curved.index(point["backend"]) % 2
+    return (-1, 0) if is_left else (1, 0)
+
+
+def _draw_control(axes, point, height: float, times: tuple[float, float]) -> None:
+    colour = looks.colour(point["backend"])
+    axes.axhline(height, color=colour, linestyle=looks.dash(point["backend"]), linewidth=1.0, zorder=1)
     axes.scatter([times[0]], [height], marker="<", s=50, color=colour, clip_on=False, zorder=5)
-    axes.annotate("null: no collision", (times[1], height), xytext=(-2, 3), textcoords="offset points", fontsize=7,
+    axes.annotate(f"{looks.backend(point['backend']).label}: no collision", (times[1], height), xytext=(-2, 3), textcoords="offset points", fontsize=7,
                   color=colour, ha="right")
 
 
 def _label_text(point, points: pd.DataFrame, numbers: dict[str, int]) -> str:
-    """Cells in double precision are those in single; of cubes the coarsest and the finest are named."""
-    if point["backend"] == "fcl":
+    """All of a backend's first curve are named, of the others the coarsest and the finest."""
+    if point["configuration"] in numbers:
         return str(numbers[point["configuration"]])
     if point["series"]:
         alike = points.loc[points["series"] == point["series"], "fineness"]
-        is_inner = "cubes" in point["series"] and alike.min() < point["fineness"] < alike.max()
-        return "" if " double " in point["series"] or is_inner else point["label"]
+        is_inner = alike.min() < point["fineness"] < alike.max()
+        return "" if is_inner and point["series"] not in looks.series_of(point["backend"])[:1] else point["label"]
     return point["configuration"]
 
 
-def _fcl_numbers(points: pd.DataFrame) -> dict[str, int]:
-    names = dict.fromkeys(points.loc[points["backend"] == "fcl", "configuration"])
-    return {name: number for number, name in enumerate(names, 1)}
+def _numbers(points: pd.DataFrame) -> dict[str, int]:
+    """Of the configurations of backends that have many choices: their names have no room beside the points."""
+    crowded = points["backend"].map(lambda name: looks.backend(name).has_many_choices)
+    return {name: number for number, name in enumerate(dict.fromkeys(points.loc[crowded, "configuration"]), 1)}
 
 
 def _time_limits(points: pd.DataFrame) -> tuple[float, float]:
-    times = points.loc[points["backend"] != "null", ["time_ms", "time_ms_low", "time_ms_high"]]
+    times = points.loc[~points["is_control"], ["time_ms", "time_ms_low", "time_ms_high"]]
     return 0.3 * float(times.min().min()), 2.2 * float(times.max().max())
-
-
-def series_style(series: str) -> tuple[str, str]:
-    return SERIES_STYLES.get(series, ("v", "-."))
 
 
 def marker_area(structure_bytes: float) -> float:
@@ -205,16 +207,19 @@ def marker_area(structure_bytes: float) -> float:
 def _draw_key(axes, points: pd.DataFrame, numbers: dict[str, int]) -> None:
     """What signs mean, in a cell of the grid of panels."""
     handles = []
-    for series in style.in_order(points.loc[points["series"].notna(), "series"], list(SERIES_STYLES)):
-        shape, dashes = series_style(series)
-        handles.append(Line2D([], [], marker=shape, linestyle=dashes, markersize=5, label=_series_words(series),
-                              color=style.backend_colour(series.split()[0])))
-    for backend in style.in_order(set(points.loc[points["series"].isna(), "backend"]) - {"null"}, style.BACKENDS):
-        note = ", answers right" if backend == "fcl" else ""
-        handles.append(_dot(POINT_MARKERS.get(backend, "o"), style.backend_colour(backend), f"{backend}{note}"))
-    if points["is_wrong"].any():
-        handles.append(Line2D([], [], marker="x", linestyle="", markersize=8, color=style.backend_colour("fcl"),
-                              label="fcl, answers wrong"))
+    curves = points[points["series"].notna()]
+    backend_of = dict(zip(curves["series"], curves["backend"]))
+    for series in style.in_order(backend_of, looks.all_series()):
+        shape, dashes = looks.series_style(backend_of[series], series)
+        handles.append(Line2D([], [], marker=shape, linestyle=dashes, markersize=5, label=series,
+                              color=looks.colour(backend_of[series])))
+    wrong = set(points.loc[points["is_wrong"], "backend"])
+    for backend in looks.backends_in_order(points.loc[points["series"].isna() & ~points["is_control"], "backend"]):
+        label, colour = looks.backend(backend).label, looks.colour(backend)
+        handles.append(_dot(looks.marker(backend), colour, f"{label}{', answers right' if backend in wrong else ''}"))
+        if backend in wrong:
+            handles.append(Line2D([], [], marker="x", linestyle="", markersize=8, color=colour,
+                                  label=f"{label}, answers wrong"))
     handles.append(Line2D([], [], color=FRONT_COLOUR, linewidth=3.2, alpha=0.25, label="Pareto front"))
     handles.append(Line2D([], [], marker="o", linestyle="", markerfacecolor="white", markeredgecolor="black",
                           markeredgewidth=1.3, markersize=6, label="on the front"))
@@ -225,17 +230,11 @@ def _draw_key(axes, points: pd.DataFrame, numbers: dict[str, int]) -> None:
                               markersize=math.sqrt(marker_area(count)), label=f"{_bytes(count)} of structures"))
     axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(-0.06, 1.04), frameon=False, fontsize=7.6,
                 handlelength=2.4, labelspacing=0.45)
-    words = [f"{number}  {name.removeprefix('fcl ')}" for name, number in numbers.items()]
+    words = [f"{number}  {name}" for name, number in numbers.items()]
     if words:
-        axes.text(0.52, 1.0, "\n".join(["numbers: fcl configurations", *words]), transform=axes.transAxes,
-                  fontsize=7.0, va="top", color=style.backend_colour("fcl"), linespacing=1.25)
-
-
-def _series_words(series: str) -> str:
-    backend, *words = series.split()
-    # Short: beside a single panel the numbers of fcl's configurations stand close by.
-    kind = {"cells": "cells", "cubes": "cubes, edge in mm", "adaptive": "adaptive, to mm"}
-    return " ".join([f"{backend}:", *(kind.get(word, word) for word in words)])
+        colours = {looks.colour(name) for name in points.loc[points["configuration"].isin(list(numbers)), "backend"]}
+        axes.text(0.52, 1.0, "\n".join(["numbers: configurations", *words]), transform=axes.transAxes, fontsize=7.0,
+                  va="top", color=colours.pop() if len(colours) == 1 else "black", linespacing=1.25)
 
 
 def _dot(shape: str, colour: str, label: str) -> Line2D:

@@ -5,10 +5,9 @@ from pathlib import Path
 import pandas as pd
 
 from ..accuracy.aggregates import NANOSECONDS_TO_MS, Aggregate, find, stage_ns
-from ..accuracy.configurations import configuration
 from ..results.run_folder import COLLISION_STAGES
 from ..results.statistics import pooled_median
-from ..tables.fcl_table import best_right
+from ..tables.choices import best_right
 from . import style
 from .style import plt
 
@@ -18,8 +17,6 @@ COLOURS = {"update_ns": "#F0E442", "detect_ns": "#D55E00", "respond_ns": "#CC79A
 OTHER_COLOURS = ["#0072B2", "#56B4E9", "#009E73", "#4d4d4d", "#999999", "#c7c7c7"]
 LEGEND_INCHES = 0.6
 STAGE_ORDER = ["edge_length_ns", "bending_ns", "volume_ns", "attachment_ns", "gravity_ns", "predict_ns", "finish_ns"]
-CHOSEN = [configuration("null", {}), configuration("voxel", {}), configuration("sdf", {}), configuration("bvh", {}),
-          configuration("fcl", {})]
 
 
 def stage_rows(coupled: list[Aggregate], replays: list[Aggregate]) -> pd.DataFrame:
@@ -38,9 +35,13 @@ def stage_rows(coupled: list[Aggregate], replays: list[Aggregate]) -> pd.DataFra
 
 
 def chosen_aggregates(coupled: list[Aggregate], replays: list[Aggregate], scene: str) -> list[Aggregate]:
-    """The default of each backend, and the fastest right configuration of fcl that has driven the muscle."""
-    best = best_right([e for e in replays if find(coupled, scene, e.configuration) is not None], scene)
-    wanted = [*CHOSEN, *([best.configuration] if best else [])]
+    """The default of each backend, and of one with many choices the fastest right configuration that has driven the
+    muscle."""
+    driven = [one for one in replays if find(coupled, scene, one.configuration) is not None]
+    wanted = [one.configuration for one in coupled if one.scene == scene and one.configuration.is_default]
+    for backend in dict.fromkeys(one.backend for one in driven if one.configuration.about.has_many_choices):
+        best = best_right(driven, scene, backend)
+        wanted += [best.configuration] if best else []
     found = [find(coupled, scene, one) for one in dict.fromkeys(wanted)]
     return [aggregate for aggregate in found if aggregate is not None]
 

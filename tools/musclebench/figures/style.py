@@ -1,4 +1,4 @@
-"""One look for all figures: names, colours and line styles of backends and muscles, saving."""
+"""One look for all figures: names, fonts, saving."""
 
 from pathlib import Path
 
@@ -8,27 +8,12 @@ matplotlib.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402  (the backend must be chosen first)
 from PIL import Image  # noqa: E402
 
-BACKENDS = ["null", "voxel", "sdf", "fcl", "bvh", "brute_force"]
-MUSCLES = ["adductor_brevis", "gluteus_maximus", "gluteus_medius", "iliacus"]
-
-# The colours of Okabe and Ito, which the common kinds of colour blindness keep apart.
-BACKEND_COLOURS = {
-    "null": "#7f7f7f", "voxel": "#E69F00", "sdf": "#0072B2", "fcl": "#009E73", "bvh": "#CC79A7",
-    "brute_force": "#000000",
-}
-BACKEND_DASHES = {
-    "null": (0, (1, 1.2)), "voxel": "solid", "sdf": "solid", "fcl": "solid", "bvh": "dashed", "brute_force": "dotted",
-}
 PNG_DPI = 180
 PNG_COLOURS = 128
 
 
 def muscle_label(muscle: str) -> str:
     return muscle.replace("_", " ")
-
-
-def backend_colour(backend: str) -> str:
-    return BACKEND_COLOURS.get(backend, "#56B4E9")
 
 
 def in_order(names, order: list[str]) -> list[str]:

@@ -10,6 +10,8 @@ from ..cases.muscle_scene import PRESET, VERTICES, MuscleScene
 # Seconds a vertex and seconds for building on a 2.5 GHz core: first guesses, which the progress bar corrects.
 GUESSED_SECONDS = {"null": (7e-4, 0.5), "voxel": (8e-4, 1.0), "sdf": (8e-4, 15.0), "fcl": (6e-3, 3.0)}
 
+BACKENDS = list(GUESSED_SECONDS)  # in the order of its tables and figures
+
 
 @dataclass(frozen=True)
 class PaperCase(Case):

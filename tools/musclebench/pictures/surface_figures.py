@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib import cm, colors
 
-from ..figures import style
+from ..figures import looks, style
 from ..figures.paper_figures import MUSCLE_OF_FIGURES, caption
 from ..figures.style import plt
 from ..results.run_folder import Run
@@ -65,7 +65,7 @@ def depth_scale_mm(moments: dict) -> float:
         snapshot.depth_mm.max()
         for case, chosen in moments.items()
         for snapshot in (chosen.rest, chosen.half, chosen.full)
-        if "null" not in (case, case[-1])
+        if not looks.backend(case if isinstance(case, str) else case[-1]).is_control
     ]
     return min(math.ceil(max([1.0, *depths])), DEEPEST_SHOWN_MM)
 
@@ -79,7 +79,7 @@ def _draw_iliacus(studio: Studio, moments: dict[str, Moments], runs, folder: Pat
         pictures += [studio.close_up(s, deepest_mm) for s in (chosen.half, chosen.full)]
         for place, picture in enumerate(pictures):
             _show(panels[row, place], picture)
-        _row_name(panels[row, 0], backend, style.backend_colour(backend))
+        _row_name(panels[row, 0], backend, looks.colour(backend))
         for place, snapshot in ((3, chosen.half), (4, chosen.full)):
             _note_depth(panels[row, place], snapshot)
     first = next(iter(moments.values()))
@@ -94,7 +94,7 @@ def _draw_iliacus(studio: Studio, moments: dict[str, Moments], runs, folder: Pat
 
 
 def _draw_full_flexion(studios, moments, runs, folder: Path, say) -> list[Path]:
-    backends = style.in_order((backend for _, backend in moments), style.BACKENDS)
+    backends = list(dict.fromkeys(backend for _, backend in moments))
     deepest_mm = depth_scale_mm(moments)
     size = (2.6 * len(backends) + 1.4, 2.65 * len(studios) + 1.25)
     figure, panels = plt.subplots(len(studios), len(backends), figsize=size, squeeze=False)
@@ -109,7 +109,7 @@ def _draw_full_flexion(studios, moments, runs, folder: Path, say) -> list[Path]:
             _note_depth(panels[row, place], chosen.full)
         _row_name(panels[row, 0], style.muscle_label(muscle), "black")
     for place, backend in enumerate(backends):
-        panels[0, place].set_title(backend, fontsize=11, fontweight="bold", color=style.backend_colour(backend))
+        panels[0, place].set_title(backend, fontsize=11, fontweight="bold", color=looks.colour(backend))
     angle = max(chosen.full.angle_deg for chosen in moments.values())
     _finish(figure, f"All muscles at full flexion ({angle:.0f}°)", runs, deepest_mm)
     return _save(figure, _depth_rows(moments), folder / "muscles_at_full_flexion")

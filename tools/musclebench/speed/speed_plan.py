@@ -10,12 +10,12 @@ from .speed_cases import KernelCase, KernelGroup, RaceCase, Setting
 
 REFERENCE = "voxel"  # what everything is divided by
 SDF = (("cells", 64), ("precision", "float"))
-OFF = (("motion_budgets", "off"),)
+OFF = (("clearance_cache", "off"),)
 SETTINGS = (
     Setting(REFERENCE, "voxel", (("cells", 64),), step_ms=0.05),
     Setting("sdf", "sdf", SDF, step_ms=0.1, stores=True),
     Setting("bvh", "bvh", (), step_ms=0.2),
-    Setting("fcl", "fcl", (("query", "node_distance"), ("motion_budgets", "on")), step_ms=1.5),
+    Setting("fcl", "fcl", (("query", "node_distance"), ("clearance_cache", "on")), step_ms=1.5),
     Setting("sdf-cold", "sdf", (*SDF, *OFF), step_ms=0.2, stores=True),
     Setting("bvh-cold", "bvh", OFF, step_ms=4.0),
 )

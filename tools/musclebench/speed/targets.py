@@ -78,8 +78,8 @@ def _races(measured: Measured) -> list[Row]:
         worst("collision time, bvh / voxel 64", _race(measured, "bvh"), "<= 2, aim 1", at_most=2),
         worst("collision time, sdf 64 / voxel 64", _race(measured, "sdf"), "<= 1.5, aim 1", at_most=1.5),
         worst("collision time, fcl node_distance / voxel 64", _race(measured, "fcl"), "<= 20", at_most=20),
-        worst("the same without motion budgets: bvh", _race(measured, "bvh-cold"), ""),
-        worst("the same without motion budgets: sdf 64", _race(measured, "sdf-cold"), ""),
+        worst("the same without clearance cache: bvh", _race(measured, "bvh-cold"), ""),
+        worst("the same without clearance cache: sdf 64", _race(measured, "sdf-cold"), ""),
     ]
 
 

@@ -60,8 +60,7 @@ class RecordCase(Case):
         return ["--out", str(folder / self.file_name), "--progress"]
 
     def record(self) -> dict:
-        return {"mode": "record", "scene": self.scene.name, "preset": PRESET, "backend": "bvh", "parameters": {},
-                "threads": 1, "repetition": 0}
+        return {"mode": "record", "scene": self.scene.name, "preset": PRESET, "threads": 1, "repetition": 0}
 
 
 @dataclass(frozen=True)
@@ -121,7 +120,7 @@ class MeasuredCase(Case):
         for key, value in self.configuration.parameters:
             words += ["--param", f"{key}={value}"]
         if self.configuration.stores:
-            words += ["--param", f"structures={places.out_dir / self.structures}"]
+            words += ["--param", f"{self.configuration.storage}={places.out_dir / self.structures}"]
         return [*words, "--threads", str(self.configuration.threads)]
 
     def repetition_arguments(self) -> list[str]:
@@ -211,11 +210,6 @@ class ProbeCase(MeasuredCase):
     mode = "probe"
 
     @property
-    def band_mm(self) -> float:
-        """Voxels answer wrongly as far out as they are large; fields are asked where contacts are."""
-        return 20.0 if self.configuration.backend == "voxel" else 2.0
-
-    @property
     def needs(self) -> tuple[str, ...]:
         return ()
 
@@ -229,4 +223,4 @@ class ProbeCase(MeasuredCase):
 
     def arguments(self, places: Places) -> list[str]:
         return ["probe", self.scene.name, *self.backend_arguments(places), *self.scene.data_arguments(places),
-                "--points", str(self.points), "--band-mm", f"{self.band_mm:g}"]
+                "--points", str(self.points), "--band-mm", f"{self.configuration.probe_band_mm:g}"]

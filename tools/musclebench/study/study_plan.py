@@ -5,12 +5,10 @@ from dataclasses import dataclass, replace
 
 from ..cases.muscle_scene import VERTICES, MuscleScene
 from .study_cases import CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
-from .sweeps import Configuration, configurations
+from .sweeps import Configuration
 
 REPLAY_SECONDS = 4.0  # of the steps of one replay; the stride keeps to it
 QUICK_REPLAY_SECONDS = 2.0
-LONGEST_STRIDE = 16  # 20 of the paper's frames, 2 of them for warming up: fewer don't tell a median
-LONGEST_STRIDE_OF = {"brute_force": 128}  # which is there to be right
 LONGEST_SECONDS = 360.0  # what would take longer is a row with its estimate
 FEWER_REPETITIONS = ((60.0, 1), (8.0, 2))  # of more seconds a repetition there are no more
 
@@ -32,13 +30,14 @@ class Request:
 StudyCase = RecordCase | MeasuredCase
 
 
-def plan(request: Request) -> list[StudyCase]:
+def plan(request: Request, configurations: list[Configuration]) -> list[StudyCase]:
     """Recordings first, then round by round; the cases of a round are shuffled."""
     # Whichever muscles are asked for: cases that are complete stay so when others are added.
     scenes = [MuscleScene(request.data_set, muscle, request.frames_limit, min(VERTICES)) for muscle in request.muscles]
-    chosen = [c for c in configurations() if c.in_quick or not request.quick]
+    chosen = [c for c in configurations if c.in_quick or not request.quick]
     firsts = [ProbeCase(scenes[0].probed, configuration) for configuration in chosen if configuration.is_probed]
-    firsts += [case for scene in scenes for configuration in chosen for case in _modes(scene, configuration, request)]
+    firsts += [case for scene in scenes for configuration in chosen
+               for case in _modes(scene, configuration, configurations, request)]
     measured = _rounds(in_shard(firsts, *request.shard), request)
     recorded = {case.recording for case in measured if isinstance(case, ReplayCase)}
     return [case for case in map(RecordCase, scenes) if case in recorded] + measured
@@ -68,27 +67,29 @@ def _group(case: MeasuredCase) -> tuple[str, str]:
     return scene.muscle, case.configuration.label
 
 
-def _modes(scene: MuscleScene, configuration: Configuration, request: Request) -> list[MeasuredCase]:
+def _modes(scene: MuscleScene, configuration: Configuration, all_of_them: list[Configuration],
+           request: Request) -> list[MeasuredCase]:
     cases = []
     if configuration.replays:
-        stride = stride_of(scene, configuration, QUICK_REPLAY_SECONDS if request.quick else REPLAY_SECONDS)
+        seconds = QUICK_REPLAY_SECONDS if request.quick else REPLAY_SECONDS
+        stride = stride_of(scene, configuration, seconds, all_of_them)
         cases.append(ReplayCase(scene, configuration, stride=stride, band_mm=request.band_mm))
-    if configuration.drives or (configuration.threads == 1 and not request.quick):
+    if configuration.drives_quick if request.quick else configuration.drives:
         cases.append(CoupledCase(scene, configuration))
     return cases
 
 
-def stride_of(scene: MuscleScene, configuration: Configuration, seconds: float) -> int:
-    """A power of two, so that the frames of a longer stride are among those of a shorter one. All frames with motion
-    budgets; without, the same for all configurations of a backend, so that their errors are of the same contacts."""
-    if configuration.has_budgets:
+def stride_of(scene: MuscleScene, configuration: Configuration, seconds: float,
+              all_of_them: list[Configuration] = ()) -> int:
+    """A power of two, so that the frames of a longer stride are among those of a shorter one. All frames with a
+    clearance cache; without, the same for all configurations of a backend, so that their errors are of the same
+    contacts."""
+    if configuration.has_cache:
         return 1
-    longest = LONGEST_STRIDE_OF.get(configuration.backend, LONGEST_STRIDE)
-    of_backend = [c for c in configurations() if c.backend == configuration.backend and c.replays
-                  and not c.has_budgets]
+    of_backend = [c for c in all_of_them if c.backend == configuration.backend and c.replays and not c.has_cache]
     slowest = max([*of_backend, configuration], key=lambda c: c.step_ms)
     stride = 1
-    while stride < longest and ReplayCase(scene, slowest, stride=stride).guessed_step_seconds > seconds:
+    while stride < configuration.longest_stride and ReplayCase(scene, slowest, stride=stride).guessed_step_seconds > seconds:
         stride *= 2
     return stride
 

@@ -2,7 +2,8 @@
 
 import pandas as pd
 
-from ..figures.style import BACKENDS, MUSCLES, in_order
+from ..figures.style import in_order
+from ..paper.paper_cases import BACKENDS
 from ..paper.published import Published
 from ..results.run_folder import Run
 from ..results.statistics import Estimate, median_ratio
@@ -41,7 +42,7 @@ TIME_COLUMNS_SHOWN = [
 def by_case(runs: list[Run]) -> dict[tuple[str, str], Run]:
     """{(muscle, backend): run}, in the order in which figures and tables list them."""
     cases = {(run.muscle, run.backend): run for run in runs}
-    muscles = in_order((muscle for muscle, _ in cases), MUSCLES)
+    muscles = sorted({muscle for muscle, _ in cases})
     backends = in_order((backend for _, backend in cases), BACKENDS)
     return {(m, b): cases[m, b] for m in muscles for b in backends if (m, b) in cases}
 

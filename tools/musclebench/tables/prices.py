@@ -4,18 +4,18 @@ import math
 
 import pandas as pd
 
-from ..accuracy.aggregates import Aggregate, find
+from ..accuracy.aggregates import Aggregate, name_of_unit, unit_of_price
 from ..accuracy.front import ALL_MUSCLES, EXACT_MM
-from ..accuracy.rows import VOXEL_64, build_seconds, find_voxel_64, ratio_to
+from ..accuracy.rows import build_seconds, ratio_to
 from ..results.statistics import Estimate, quotient, total
-from .table_formats import Column, Table
+from .table_formats import Column, Table, with_unit
 
 TARGETS_MM = (1.0, 0.3, 0.1, 0.03, 0.01)
 MEGABYTE = 1e6
 
 COLUMNS = [
     Column("muscle", "muscle"), Column("target_mm", "holds (mm)"), Column("configuration", "cheapest"),
-    Column("time_ms", "ms a frame", 3, "ms a\nframe"), Column("ratio", "x voxel 64", 2, "x\nvoxel 64", True),
+    Column("time_ms", "ms a frame", 3, "ms a\nframe"), Column("ratio", "x {unit}", 2, "x\n{unit}", True),
     Column("ratio_low", "95 % low", 2, "95 %\nlow", True), Column("ratio_high", "95 % high", 2, "95 %\nhigh", True),
     Column("build_s", "build s", 2, "build\ns"), Column("structure_mb", "structures MB", 2, "MB"),
     Column("p99_error_mm", "p99 error mm", 4, "p99\nmm"), Column("max_error_mm", "largest error mm", 3, "largest\nmm"),
@@ -38,12 +38,13 @@ def price_list(replays: list[Aggregate], measured_builds: dict) -> Table:
         rows += _rows(ALL_MUSCLES, _offers_on_all(able, replays, scenes, measured_builds))
     caption = (
         "Price list. For each depth error the fastest configuration whose error's 99th percentile over the measured "
-        "contacts of the replayed frames is no larger (fcl only where it answers right); of those whose intervals "
-        "overlap the fastest one's, the one with the fewest bytes. Time as a multiple of voxel with 64 cells on the "
-        "same frames, with its 95 % interval; all muscles: sum of the medians, each over its configuration's frames, "
+        "contacts of the replayed frames is no larger (methods without a resolution only where they answer right); of "
+        "those whose intervals overlap the fastest one's, the one with the fewest bytes. Time as a multiple of "
+        f"{name_of_unit(replays)} on the same frames, with its 95 % interval; all muscles: sum of the medians, each over its configuration's frames, "
         "holding on each, the worst of the errors, building and bytes of the largest. One thread."
     )
-    return Table("price_list", caption, COLUMNS, pd.DataFrame(rows, columns=[c.key for c in COLUMNS]), SHOWN)
+    columns = with_unit(COLUMNS, name_of_unit(replays))
+    return Table("price_list", caption, columns, pd.DataFrame(rows, columns=[c.key for c in columns]), SHOWN)
 
 
 def _rows(muscle: str, offers: list[dict]) -> list[dict]:
@@ -78,7 +79,7 @@ def _offers_on_all(able: list[Aggregate], replays: list[Aggregate], scenes: list
 
 
 def _offer(group: list[Aggregate], replays: list[Aggregate], measured_builds: dict) -> dict:
-    ratio = ratio_to(group[0], find_voxel_64(replays, group[0])) if len(group) == 1 else _ratio_of_sums(group, replays)
+    ratio = ratio_to(group[0], unit_of_price(replays, group[0])) if len(group) == 1 else _ratio_of_sums(group, replays)
     time = total([aggregate.collision_ms for aggregate in group])
     return {
         "configuration": group[0].configuration.name, "time_ms": time.value, "time_ms_low": time.low,
@@ -94,7 +95,7 @@ def _offer(group: list[Aggregate], replays: list[Aggregate], measured_builds: di
 
 
 def _ratio_of_sums(group: list[Aggregate], replays: list[Aggregate]) -> Estimate:
-    voxels = [find(replays, aggregate.scene, VOXEL_64) for aggregate in group]
-    if any(voxel is None for voxel in voxels):
+    units = [unit_of_price(replays, aggregate) for aggregate in group]
+    if any(unit is None for unit in units):
         return Estimate.unknown()
-    return quotient(total([e.collision_ms for e in group]), total([voxel.collision_ms for voxel in voxels]))
+    return quotient(total([one.collision_ms for one in group]), total([unit.collision_ms for unit in units]))

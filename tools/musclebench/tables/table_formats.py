@@ -1,7 +1,7 @@
 """A table of results as CSV, Markdown, LaTeX and plain text."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pandas as pd
@@ -28,6 +28,12 @@ class Table:
     columns: list[Column]
     rows: pd.DataFrame  # full precision; NaN is unknown
     shown: list[str]  # keys of the columns that fit a terminal
+
+
+def with_unit(columns: list[Column], unit: str) -> list[Column]:
+    """Titles that name what times are divided by."""
+    return [replace(one, title=one.title.replace("{unit}", unit), head=one.head.replace("{unit}", unit))
+            for one in columns]
 
 
 def write_table(table: Table, folder: Path) -> list[Path]:

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "backends/sdf/files/field_file.hpp"
+#include "backends/sdf/grid/cell_map.hpp"
+#include "backends/sdf/grid/field_block.hpp"
+#include "backends/sdf/octree/octree_kernel.hpp"
+#include "core/contact/collision_backend.hpp"
+
+namespace musclebench {
+
+/// Points of one bone's field that are evaluated together. An octree tells their leaves, too.
+struct FieldAnswers {
+  FieldBlock block;
+  LeafBlock leaves;
+};
+
+/// The distance field of one bone as the `sdf` backend queries it, in batches. Queries are const and safe from several
+/// threads.
+class BoneField {
+ public:
+  /// Which points are evaluated: those that may be inside the bone, or all that the field knows.
+  enum class Wanted : std::uint8_t { contacts, clearances };
+
+  BoneField() = default;
+  BoneField(const BoneField&) = delete;
+  BoneField& operator=(const BoneField&) = delete;
+  virtual ~BoneField() = default;
+
+  /// Without the bone's name.
+  [[nodiscard]] virtual StructureError error() const = 0;
+  [[nodiscard]] virtual AnswerBound answer_bound() const = 0;
+  /// The smallest edge of a cell.
+  [[nodiscard]] virtual double step_m() const = 0;
+  /// The frame that a CellMap of this field maps into.
+  [[nodiscard]] virtual const GridShape& grid() const = 0;
+
+  /// Appends the wanted ones of `nodes` (ascending indices into `positions`) from `first` on to an empty block and
+  /// evaluates them; negative values are contacts. Returns the index in `nodes` to go on at; `asker` is the index in
+  /// `nodes`.
+  virtual std::size_t sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes,
+                             std::size_t first, Wanted wanted, FieldAnswers& answers) const = 0;
+  /// Radii of balls about the points of such a block, clearances wanted, in which the field is nowhere negative. Those
+  /// of contacts mean nothing.
+  virtual void find_clearances(const FieldAnswers& answers, FieldBlock::Lanes<double>& clearance_m) const = 0;
+  /// The same for a point that `sample` leaves out, clearances wanted: outside the domain, or in a cell that the field
+  /// does not know. `cells` is where the CellMap takes it.
+  [[nodiscard]] virtual double clearance_m(const Vec3& cells) const { return grid().distance_m(cells); }
+};
+
+/// Where the fields of a configured `sdf` backend come from.
+class FieldSource {
+ public:
+  struct Made {
+    std::unique_ptr<BoneField> field;
+    bool from_file = false;
+  };
+
+  FieldSource() = default;
+  FieldSource(const FieldSource&) = delete;
+  FieldSource& operator=(const FieldSource&) = delete;
+  virtual ~FieldSource() = default;
+
+  /// Whether clearances hold for closed surfaces only, because parts of space are known by the unsigned distance alone.
+  [[nodiscard]] virtual bool needs_closed_surfaces() const = 0;
+  /// Throws InputError where the parameters do not fit the bones, before anything is built.
+  virtual void require_fit(std::span<const Bone> /*bones*/) const {}
+  /// `progress`, where not empty, is told the share that is done.
+  [[nodiscard]] virtual Made make(const Bone& bone, int threads, const std::function<void(double)>& progress) const = 0;
+};
+
+/// Loads a field from `folder` / `file_name`, or builds it and saves it there; only builds it without a folder.
+template <typename Field>
+struct StoredField {
+  std::function<Field()> build;
+  std::function<std::optional<Field>(const std::filesystem::path&, const std::string& digest)> load;
+  std::function<void(const Field&, const std::filesystem::path&, const std::string& digest)> save;
+
+  [[nodiscard]] Field load_or_build(const std::filesystem::path& folder, const std::string& file_name, const Bone& bone,
+                                    bool& from_file) const {
+    from_file = false;
+    if (folder.empty()) {
+      return build();
+    }
+    const std::string digest = surface_digest(bone.surface);
+    if (std::optional<Field> loaded = load(folder / file_name, digest)) {
+      from_file = true;
+      return *std::move(loaded);
+    }
+    Field built = build();
+    save(built, folder / file_name, digest);
+    return built;
+  }
+};
+
+}  // namespace musclebench

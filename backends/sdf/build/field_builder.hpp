@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "backends/sdf/grid/cubic_field.hpp"
+#include "core/signed_distance/signed_surface.hpp"
+
+namespace musclebench {
+
+/// How a bone's grid is laid out.
+struct GridSettings {
+  int cells = 64;          ///< along each axis of the bone's box; not used where `cell_size_m` is given
+  double cell_size_m = 0;  ///< edge of cubic cells; 0: use `cells`
+  double margin = 1e-3;    ///< the domain is the bone's bounding box, grown on all sides by this share of its diagonal
+};
+
+/// The grid over a bone's surface. Throws InputError (place: `cell_size_m` of the bone) where the cells are larger than
+/// the bone or absurdly small.
+GridShape grid_over(const TriangleMesh& mesh, const GridSettings& settings, const std::string& bone_name);
+
+/// How a field is kept.
+struct FieldSettings {
+  FieldPrecision precision = FieldPrecision::single_precision;
+  /// Outside the bone, how far from its surface cells have coefficients; none: all have.
+  std::optional<double> band_m = std::nullopt;
+};
+
+/// Throws InputError (place: `band_m` of the bone) for a band narrower than a cell's diagonal or wider than the bone.
+void require_sensible_band(double band_m, const GridShape& shape, const TriangleMesh& mesh,
+                           const std::string& bone_name);
+
+/// Fills the grid with the exact signed distance at its nodes (Koschier et al. 2017), marks the cells where the cubic
+/// field may be negative, and estimates its error. Where interpolation would make the field negative on the border of
+/// the domain, the edges there are made straight: all vertices of the border are outside the bone. What a narrow band
+/// keeps is the same as in the dense field. The same bits for any number of threads.
+/// `progress`, where given, is called from time to time by one thread with the share that is done.
+CubicField build_field(const SignedSurface& surface, const GridShape& shape, const FieldSettings& settings, int threads,
+                       const std::function<void(double)>& progress = {});
+inline CubicField build_field(const SignedSurface& surface, const GridShape& shape, FieldPrecision precision,
+                              int threads) {
+  return build_field(surface, shape, FieldSettings{.precision = precision}, threads);
+}
+
+/// Compares at `samples` random points of the domain within two cells (their diagonal) of the surface; deterministic.
+FieldError estimate_error(const CubicField& field, const SignedSurface& surface, int samples, std::uint64_t seed = 1);
+
+}  // namespace musclebench

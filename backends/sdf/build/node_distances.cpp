@@ -1,0 +1,206 @@
+#include "backends/sdf/build/node_distances.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "core/bvh/batch/packet_search.hpp"
+
+namespace musclebench {
+
+namespace {
+
+/// Grid vertices along the edge of a block, which are searched for together.
+constexpr std::size_t block_edge = 4;
+constexpr std::size_t block_size = block_edge * block_edge * block_edge;
+
+/// Of the three edges that leave a grid vertex, in the order of their nodes in its record.
+constexpr std::array<std::size_t, 3> edge_axis{1, 2, 0};
+
+/// Where the nodes of a record stand, in thirds of a cell from its vertex.
+constexpr std::array<std::array<std::size_t, 3>, GridShape::record_size> thirds_away{
+    {{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 0, 1}, {0, 0, 2}, {1, 0, 0}, {2, 0, 0}}};
+
+using Index = GridIndex::Coordinates;
+
+/// Where the nodes of one record stand.
+struct Record {
+  std::size_t place = 0;
+  std::array<std::size_t, GridShape::record_size> offset;
+};
+
+/// Whether a cell that is known has this edge.
+bool has_cell_at_edge(const CubicField& field, const Index& vertex, std::size_t axis) {
+  const GridShape& shape = field.shape();
+  if (vertex[axis] >= shape.count(axis)) {
+    return false;
+  }
+  if (!field.band()) {
+    return true;
+  }
+  const std::size_t p = (axis + 1) % 3;
+  const std::size_t q = (axis + 2) % 3;
+  for (const std::size_t down : {0, 1, 2, 3}) {
+    const std::size_t down_p = down % 2;
+    const std::size_t down_q = down / 2;
+    if (vertex[p] < down_p || vertex[q] < down_q) {
+      continue;
+    }
+    Index cell = vertex;
+    cell[p] -= down_p;
+    cell[q] -= down_q;
+    if (cell[p] < shape.count(p) && cell[q] < shape.count(q) && field.knows(shape.cell(cell[0], cell[1], cell[2]))) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Three numbers of two bits each, whose bits alternate in `number`: those that follow each other are close together.
+Index place_in_block(std::size_t number) {
+  Index place{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    place[axis] = (number >> axis & 1U) + 2 * (number >> (axis + 3) & 1U);
+  }
+  return place;
+}
+
+/// Fills block after block and remembers the last node: its closest triangle starts the next search, and a node that is
+/// farther from the surface than from a signed node lies on the same side.
+class NodeWalk {
+ public:
+  NodeWalk(const SignedSurface& surface, CubicField& field)
+      : m_surface(surface), m_search(surface.tree()), m_field(field), m_packets(block_size) {
+    const GridShape& shape = field.shape();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<Eigen::Index>(axis);
+      for (std::size_t third = 0; third < 3 * (shape.count(axis) + 1); ++third) {
+        const double cells = static_cast<double>(third / 3) + static_cast<double>(third % 3) / 3;
+        m_coordinate[axis].push_back(shape.lower_m[a] + shape.cell_size_m[a] * cells);
+      }
+    }
+  }
+
+  /// Blocks that follow are filled as if they were the first: which ones a thread has filled before is chance.
+  void forget_side() { m_knows_side = false; }
+
+  void fill_block(const Index& first) {
+    m_box.setEmpty();
+    for (std::size_t number = 0; number < block_size; ++number) {
+      const Index place = place_in_block(number);
+      m_packets[number].count = 0;
+      add_record({first[0] + place[0], first[1] + place[1], first[2] + place[2]}, number);
+    }
+    if (m_box.isEmpty()) {
+      return;
+    }
+    const int last = std::max(m_last.closest.triangle, 0);
+    m_search.enter(m_box, m_surface.tree().closest_point_from(m_box.center(), last).triangle);
+    m_search.closest_points(m_packets);
+    for (std::size_t number = 0; number < block_size; ++number) {
+      store(m_packets[number], m_records[number]);
+    }
+  }
+
+ private:
+  struct Node {
+    Vec3 point = Vec3::Zero();
+    ClosestPoint closest;
+    bool inside = false;
+  };
+
+  /// Nothing where the field keeps none.
+  void add_record(const Index& vertex, std::size_t number) {
+    const GridShape& shape = m_field.shape();
+    if (vertex[0] > shape.count(0) || vertex[1] > shape.count(1) || vertex[2] > shape.count(2)) {
+      return;
+    }
+    const std::optional<std::size_t> place = m_field.record(vertex[0], vertex[1], vertex[2]);
+    if (!place) {
+      return;
+    }
+    PointPacket& packet = m_packets[number];
+    Record& record = m_records[number];
+    record.place = *place;
+    const auto at = [&](std::size_t axis, std::size_t thirds) { return m_coordinate[axis][3 * vertex[axis] + thirds]; };
+    const auto add = [&](std::size_t offset) {
+      const std::array<std::size_t, 3>& away = thirds_away[offset];
+      record.offset[packet.count] = offset;
+      packet.add({at(0, away[0]), at(1, away[1]), at(2, away[2])});
+    };
+    add(0);
+    m_box.extend(packet.point[0]);
+    for (std::size_t edge = 0; edge < edge_axis.size(); ++edge) {
+      const std::size_t axis = edge_axis[edge];
+      if (has_cell_at_edge(m_field, vertex, axis)) {
+        add(2 * edge + 1);
+        add(2 * edge + 2);
+        double& highest = m_box.max()[static_cast<Eigen::Index>(axis)];
+        highest = std::max(highest, at(axis, 2));
+      }
+    }
+  }
+
+  void store(const PointPacket& packet, const Record& record) {
+    for (std::size_t n = 0; n < packet.count; ++n) {
+      const ClosestPoint& closest = packet.closest[n];
+      const bool inside = is_inside(packet.point[n], closest);
+      m_field.store(record.place + record.offset[n], inside ? -closest.distance_m : closest.distance_m);
+      if (n == 0) {
+        m_last = {packet.point[n], closest, inside};  // the others of the record are next to it, too
+        m_knows_side = true;
+      }
+    }
+  }
+
+  [[nodiscard]] bool is_inside(const Vec3& point, const ClosestPoint& closest) const {
+    const double step = (point - m_last.point).norm() * (1 + 1e-9);
+    // Across a hole the side changes without a surface.
+    const bool sure =
+        m_surface.closed() && m_knows_side && std::max(closest.distance_m, m_last.closest.distance_m) > step;
+    return sure ? m_last.inside : m_surface.is_inside(point, closest);
+  }
+
+  const SignedSurface& m_surface;
+  PacketSearch m_search;
+  CubicField& m_field;
+  std::array<std::vector<double>, 3> m_coordinate;  ///< along each axis: a vertex, the two thirds that follow it
+  Eigen::AlignedBox3d m_box;                        ///< of the block's nodes
+  std::vector<PointPacket> m_packets;
+  std::array<Record, block_size> m_records;
+  Node m_last;
+  bool m_knows_side = false;
+};
+
+std::size_t blocks_along(const GridShape& shape, std::size_t axis) { return shape.count(axis) / block_edge + 1; }
+
+}  // namespace
+
+void fill_distances(const SignedSurface& surface, CubicField& field, [[maybe_unused]] int threads,
+                    const std::function<void(double)>& progress) {
+  const GridShape& shape = field.shape();
+  const std::size_t rows_y = blocks_along(shape, 1);
+  const std::size_t rows = rows_y * blocks_along(shape, 2);
+  const std::thread::id reporter = std::this_thread::get_id();
+  std::atomic<std::size_t> done = 0;
+#pragma omp parallel num_threads(threads)
+  {
+    NodeWalk walk(surface, field);
+#pragma omp for schedule(dynamic)
+    for (std::size_t row = 0; row < rows; ++row) {
+      walk.forget_side();
+      for (std::size_t x = 0; x < blocks_along(shape, 0); ++x) {
+        walk.fill_block({block_edge * x, block_edge * (row % rows_y), block_edge * (row / rows_y)});
+      }
+      ++done;
+      if (progress && std::this_thread::get_id() == reporter) {
+        progress(static_cast<double>(done) / static_cast<double>(rows));
+      }
+    }
+  }
+}
+
+}  // namespace musclebench

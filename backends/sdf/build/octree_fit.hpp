@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "backends/sdf/octree/octree_polynomial.hpp"
+#include "core/mesh/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// The exact distance at one place.
+struct DistanceSample {
+  double value_m = 0;             ///< negative inside
+  std::array<float, 3> gradient;  ///< of the distance: unit
+  int triangle = -1;              ///< the closest one
+};
+
+/// Where a cell is sampled: at the 27 places of its corners, of the middles of its edges and faces and of its own
+/// middle, x changing slowest; then, where it may matter, at the middles of its eight octants, x changing fastest. A
+/// child's middle is the middle of its parent's octant, and 8 of its corners or middles are its parent's.
+inline constexpr std::size_t lattice_samples = 27;
+inline constexpr std::size_t cell_samples = 35;
+using CellSamples = std::array<DistanceSample, cell_samples>;
+/// The middles of the octants are all known or none is.
+inline std::size_t known_samples(const CellSamples& samples) {
+  return samples[lattice_samples].triangle >= 0 ? cell_samples : lattice_samples;
+}
+
+/// In [-1, 1]^3. A table: places that are put together are stored in parts and read whole, for which the CPU waits.
+inline constexpr std::array<std::array<double, 3>, cell_samples> sample_places = [] {
+  std::array<std::array<double, 3>, cell_samples> places{};
+  for (std::size_t s = 0; s < lattice_samples; ++s) {
+    const std::array<std::size_t, 3> index{s / 9, s / 3 % 3, s % 3};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      places[s][axis] = static_cast<double>(index[axis]) - 1;
+    }
+  }
+  for (std::size_t octant = 0; octant < 8; ++octant) {
+    const auto middle = [&](std::size_t bit) { return (octant >> bit & 1U) != 0 ? 0.5 : -0.5; };
+    places[lattice_samples + octant] = {middle(0), middle(1), middle(2)};
+  }
+  return places;
+}();
+inline Vec3 sample_place(std::size_t sample) { return Eigen::Map<const Vec3>(sample_places[sample].data()); }
+
+/// A cell's polynomial: the best one of its degree by least squares in values and (with less weight) gradients.
+struct PolynomialFit {
+  std::array<float, cubic_terms> coefficients{};
+  double bound_m = 0;  ///< of the error, anywhere in the cell
+  /// At the cell's samples where the polynomial is positive it is above the exact distance by no more than this.
+  double excess_m = 0;
+
+  [[nodiscard]] double value(const Vec3& at, std::size_t terms) const;
+  /// Nowhere in the cell is the polynomial larger, or smaller.
+  [[nodiscard]] double largest() const { return coefficients[0] + spread(); }
+  [[nodiscard]] double smallest() const { return coefficients[0] - spread(); }
+  /// How fast the polynomial changes at most, per metre.
+  [[nodiscard]] double steepest(double half_edge_m) const;
+
+ private:
+  [[nodiscard]] double spread() const;
+};
+
+/// At the samples of a cell, 0 where they are not known; whole vectors, whatever their width.
+inline constexpr std::size_t padded_samples = (cell_samples + 7) / 8 * 8;
+using CellErrors = std::array<float, padded_samples>;
+
+/// Fits polynomials of `terms` coefficients; made once, for all cells. In floats, as the coefficients are, after the
+/// value in the middle: what is left is no more than the cell's diagonal.
+template <std::size_t terms>
+class PolynomialFitter {
+ public:
+  PolynomialFitter();
+
+  /// The coefficients, by all samples that are known.
+  [[nodiscard]] PolynomialFit fit(const CellSamples& samples, double half_edge_m) const;
+  /// Sets the bound and the excess.
+  [[nodiscard]] CellErrors measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const;
+
+ private:
+  static constexpr std::size_t padded_terms = (terms + 7) / 8 * 8;
+  using Row = std::array<float, padded_terms>;
+
+  /// Of a sample's value and derivatives in each term.
+  using Shares = std::array<Row, 4>;
+
+  /// Where the first `known` samples are.
+  static std::vector<Shares> shares(std::size_t known);
+
+  std::vector<Shares> m_of_lattice = shares(lattice_samples);
+  std::vector<Shares> m_of_all = shares(cell_samples);
+  std::array<std::array<float, padded_samples>, terms> m_powers{};  ///< each term at each sample
+};
+
+}  // namespace musclebench

@@ -1,0 +1,104 @@
+#include "backends/sdf/build/octree_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "backends/sdf/octree/octree_field.hpp"
+#include "core/base/random_numbers.hpp"
+
+namespace musclebench {
+namespace {
+
+Vec3 random_point(RandomNumbers& random, const Vec3& lower, const Vec3& upper) {
+  const double x = random.share();
+  const double y = random.share();
+  return lower + Vec3(x, y, random.share()).cwiseProduct(upper - lower);
+}
+
+double monomial(std::size_t term, const Vec3& at) {
+  const auto& [x, y, z] = polynomial_powers[term];
+  return std::pow(at[0], x) * std::pow(at[1], y) * std::pow(at[2], z);
+}
+
+TEST(OctreePolynomial, HasTheValueAndTheSlopesOfItsTerms) {
+  RandomNumbers random(3);
+  std::array<float, cubic_terms> c{};
+  for (float& value : c) {
+    value = static_cast<float>(random.share() - 0.5);
+  }
+  for (int i = 0; i < 50; ++i) {
+    const Vec3 at = random_point(random, Vec3::Constant(-1), Vec3::Constant(1));
+    for (const std::size_t terms : {quadratic_terms, cubic_terms}) {
+      const auto expected = [&](const Vec3& place) {
+        double sum = 0;
+        for (std::size_t term = 0; term < terms; ++term) {
+          sum += static_cast<double>(c[term]) * monomial(term, place);
+        }
+        return sum;
+      };
+      Vec3 gradient;
+      const double value = terms == cubic_terms ? evaluate_polynomial<true>(c.data(), at, gradient)
+                                                : evaluate_polynomial<false>(c.data(), at, gradient);
+      EXPECT_NEAR(value, expected(at), 1e-14);
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const Vec3 step = 1e-4 * Vec3::Unit(axis);
+        EXPECT_NEAR(gradient[axis], (expected(at + step) - expected(at - step)) / 2e-4, 1e-7);
+      }
+    }
+  }
+}
+
+template <std::size_t terms>
+void find_polynomial() {
+  constexpr double half_edge_m = 0.004;
+  RandomNumbers random(terms);
+  PolynomialFit wanted;
+  for (std::size_t term = 0; term < terms; ++term) {
+    wanted.coefficients[term] = static_cast<float>(random.share() - 0.5);
+  }
+  CellSamples samples;
+  for (std::size_t s = 0; s < cell_samples; ++s) {
+    Vec3 gradient;
+    const double value = evaluate_polynomial<true>(wanted.coefficients.data(), sample_place(s), gradient);
+    gradient /= half_edge_m;
+    samples[s] = {
+        value, {static_cast<float>(gradient[0]), static_cast<float>(gradient[1]), static_cast<float>(gradient[2])}, 0};
+  }
+  const PolynomialFitter<terms> fitter;
+  PolynomialFit found = fitter.fit(samples, half_edge_m);
+  for (std::size_t term = 0; term < cubic_terms; ++term) {
+    EXPECT_NEAR(found.coefficients[term], wanted.coefficients[term], 1e-6) << term;
+  }
+  const CellErrors errors_m = fitter.measure(samples, half_edge_m, found);
+  EXPECT_LT(*std::max_element(errors_m.begin(), errors_m.end()), 2e-6);
+  EXPECT_NEAR(found.excess_m, 0, 5e-6);
+  samples[30].value_m += 1;
+  EXPECT_NEAR(fitter.measure(samples, half_edge_m, found)[30], 1, 2e-6) << "an octant's middle counts";
+  EXPECT_NEAR(found.excess_m, 0, 5e-6) << "too low is no excess";
+  EXPECT_GT(fitter.fit(samples, half_edge_m).coefficients[0], found.coefficients[0] + 1e-3);
+  samples[30].value_m -= 2;
+  (void)fitter.measure(samples, half_edge_m, found);
+  EXPECT_NEAR(found.excess_m, 1, 5e-6);
+  PolynomialFit negative = found;
+  negative.coefficients[0] -= 10;
+  (void)fitter.measure(samples, half_edge_m, negative);
+  EXPECT_EQ(negative.excess_m, 0) << "where it is negative";
+  for (std::size_t s = lattice_samples; s < cell_samples; ++s) {
+    samples[s].triangle = -1;
+  }
+  const PolynomialFit by_lattice = fitter.fit(samples, half_edge_m);
+  for (std::size_t term = 0; term < cubic_terms; ++term) {
+    EXPECT_NEAR(by_lattice.coefficients[term], wanted.coefficients[term], 1e-6) << "of what is not known, " << term;
+  }
+}
+
+TEST(PolynomialFitter, FindsThePolynomialThatItIsGiven) {
+  find_polynomial<quadratic_terms>();
+  find_polynomial<cubic_terms>();
+}
+
+}  // namespace
+}  // namespace musclebench

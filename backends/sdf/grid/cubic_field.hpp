@@ -1,0 +1,106 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "backends/sdf/grid/cell_map.hpp"
+#include "backends/sdf/grid/compact_record.hpp"
+#include "backends/sdf/grid/cubic_cell.hpp"
+#include "backends/sdf/grid/field_block.hpp"
+#include "backends/sdf/grid/field_facts.hpp"
+#include "backends/sdf/grid/grid_shape.hpp"
+#include "backends/sdf/grid/narrow_band.hpp"
+
+namespace musclebench {
+
+struct FieldSample {
+  double value_m = 0;
+  Vec3 gradient = Vec3::Zero();  ///< of the polynomial: about, but not exactly, of unit length
+};
+
+/// A signed distance field over the box of a bone, cubic in each cell and continuous: negative inside, in metres. Made
+/// by `build_field`. On the border of its domain it is positive, so that nothing inside the bone is cut off. It knows
+/// every cell, or those of a narrow band only. Queries are const and safe from several threads.
+class CubicField {
+ public:
+  CubicField(const GridShape& shape, FieldPrecision precision);
+  CubicField(const GridShape& shape, FieldPrecision precision, NarrowBand band);
+
+  [[nodiscard]] const GridShape& shape() const { return m_shape; }
+  [[nodiscard]] FieldPrecision precision() const { return m_precision; }
+  /// Nothing for a dense field.
+  [[nodiscard]] const std::optional<NarrowBand>& band() const { return m_band; }
+  [[nodiscard]] const FieldFacts& facts() const { return m_facts; }
+  [[nodiscard]] FieldFacts& facts() { return m_facts; }
+
+  /// Bytes that a dense field of this shape holds.
+  [[nodiscard]] static double bytes_needed(const GridShape& shape, FieldPrecision precision);
+  /// With all that finds a value.
+  [[nodiscard]] std::size_t bytes() const;
+
+  /// Nothing outside the domain and in cells that are not known.
+  [[nodiscard]] std::optional<double> value(const Vec3& point) const;
+  [[nodiscard]] std::optional<FieldSample> sample(const Vec3& point) const;
+
+  /// Which of many points are looked up.
+  enum class Wanted : std::uint8_t {
+    known,         ///< those in cells that are known
+    may_be_inside  ///< of those the ones that `may_be_negative` does not exclude
+  };
+  /// Appends to `block` the `wanted` ones of `nodes` (ascending indices into `positions`) from `first` on, where `map`
+  /// takes them, and evaluates them when the block is full or all nodes were looked at. Returns the place in `nodes` to
+  /// go on at. `asker` is the place in `nodes`. A position that is not a number is nowhere.
+  std::size_t sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
+                     Wanted wanted, FieldBlock& block) const;
+
+  /// Nothing outside the domain.
+  [[nodiscard]] std::optional<CellPlace> place(const Vec3& point) const;
+  [[nodiscard]] bool knows(std::size_t cell) const { return !m_band || m_band->keeps(cell); }
+
+  /// Whether the field may be negative somewhere in this cell; where it says no, it is not.
+  [[nodiscard]] bool may_be_negative(std::size_t cell) const {
+    return ((m_negative[cell / 64] >> (cell % 64)) & 1U) != 0;
+  }
+
+  /// Of a cell that is known.
+  [[nodiscard]] CubicCell cell(std::size_t i, std::size_t j, std::size_t k) const;
+
+  /// Where the seven values of a grid vertex stand, for `stored` and `store`: at the offsets that GridShape tells. For
+  /// a dense field that is GridShape::record; nothing where the band has no record.
+  [[nodiscard]] std::optional<std::size_t> record(std::size_t i, std::size_t j, std::size_t k) const;
+
+  /// For those who make, save and compare fields. A compact field wants a vertex's own value before those of its edges.
+  [[nodiscard]] double stored(std::size_t place) const;
+  void store(std::size_t place, double value);
+  [[nodiscard]] std::vector<float>& single_values() { return m_single; }
+  [[nodiscard]] std::vector<double>& double_values() { return m_double; }
+  [[nodiscard]] std::vector<CompactRecord>& compact_records() { return m_compact; }
+  [[nodiscard]] std::vector<std::uint64_t>& mask() { return m_negative; }
+  [[nodiscard]] const std::vector<float>& single_values() const { return m_single; }
+  [[nodiscard]] const std::vector<double>& double_values() const { return m_double; }
+  [[nodiscard]] const std::vector<CompactRecord>& compact_records() const { return m_compact; }
+  [[nodiscard]] const std::vector<std::uint64_t>& mask() const { return m_negative; }
+
+ private:
+  void allocate(std::size_t values, std::size_t records);
+  [[nodiscard]] FieldView view() const;
+  struct CompactPlace {
+    std::size_t record, offset;
+  };
+  [[nodiscard]] CompactPlace compact_place(std::size_t place) const;
+
+  GridShape m_shape;
+  FieldPrecision m_precision;
+  CompactSteps m_steps;
+  std::optional<NarrowBand> m_band;
+  std::vector<float> m_single;
+  std::vector<double> m_double;
+  std::vector<CompactRecord> m_compact;
+  std::vector<std::uint64_t> m_negative;  ///< one bit a cell
+  FieldFacts m_facts;
+};
+
+}  // namespace musclebench

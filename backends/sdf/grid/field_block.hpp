@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "backends/sdf/grid/compact_record.hpp"
+#include "backends/sdf/grid/narrow_band.hpp"
+#include "core/mesh/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// How a field's values are kept.
+enum class FieldPrecision : std::uint8_t {
+  compact = 2,           ///< CompactRecord
+  single_precision = 4,  ///< bytes of a value
+  double_precision = 8,
+};
+
+/// A field as its kernels read it. What it points to is the field's.
+struct FieldView {
+  FieldPrecision precision;
+  const void* values;           ///< of the first grid vertex (see GridShape), or its CompactRecord
+  const NarrowBand* band;       ///< none for a dense field
+  std::array<double, 3> cells;  ///< along each axis
+  std::array<double, 3> cells_per_m;
+  CompactSteps steps;  ///< of a compact field
+};
+
+/// Points that are asked about together, side by side: where they are in a field, and what it says there.
+struct FieldBlock {
+  static constexpr std::size_t capacity = 128;
+  static constexpr std::size_t most_lanes = 4;
+  /// Vectors are written whole, and aligned.
+  template <typename Scalar>
+  struct alignas(64) Lanes : std::array<Scalar, capacity + most_lanes> {};
+
+  std::size_t count = 0;
+  Lanes<double> x, y, z;  ///< in units of the field's cells
+  Lanes<double> value_m;
+  Lanes<double> slope_x, slope_y, slope_z;  ///< by metres along the field's axes
+  Lanes<std::uint64_t> asker;               ///< ascending
+
+  [[nodiscard]] Vec3 cells(std::size_t n) const { return {x[n], y[n], z[n]}; }
+  [[nodiscard]] Vec3 slope(std::size_t n) const { return {slope_x[n], slope_y[n], slope_z[n]}; }
+
+  /// Whole vectors are computed: the lanes that are left over ask once more for the last point. Not empty.
+  void fill_last_vector() {
+    for (std::size_t n = count; n < count + most_lanes; ++n) {
+      x[n] = x[count - 1];
+      y[n] = y[count - 1];
+      z[n] = z[count - 1];
+      asker[n] = asker[count - 1];
+    }
+  }
+};
+
+}  // namespace musclebench

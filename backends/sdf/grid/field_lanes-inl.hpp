@@ -1,0 +1,106 @@
+// How points of a field are computed side by side. Included by each file that is compiled once for every kind of SIMD,
+// after highway.h.
+#if defined(MUSCLEBENCH_FIELD_LANES) == defined(HWY_TARGET_TOGGLE)
+#ifdef MUSCLEBENCH_FIELD_LANES
+#undef MUSCLEBENCH_FIELD_LANES
+#else
+#define MUSCLEBENCH_FIELD_LANES
+#endif
+
+#include <cstddef>
+#include <cstdint>
+
+#include <hwy/highway.h>
+
+#include "backends/sdf/grid/field_block.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
+
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// A point a lane. Every operation is rounded by itself, none is fused, so that all kinds of SIMD give the same bits.
+// Four lanes at most: a detection is a short burst between milliseconds of scalar code, and registers of 64 bytes would
+// have to be woken up for it, which costs more than they give.
+#if HWY_HAVE_SCALABLE
+using Lanes = hn::CappedTag<double, 2>;
+#else
+using Lanes = hn::CappedTag<double, FieldBlock::most_lanes>;
+#endif
+using Words = hn::Rebind<float, Lanes>;
+using Vec = hn::Vec<Lanes>;
+using Word = hn::Vec<Words>;
+constexpr std::size_t lane_count = hn::MaxLanes(Lanes());
+
+HWY_INLINE Vec set(double value) { return hn::Set(Lanes(), value); }
+HWY_INLINE Vec sum_of_products(Vec a, Vec b, Vec c, Vec d) { return hn::Add(hn::Mul(a, b), hn::Mul(c, d)); }
+/// a + b * c
+HWY_INLINE Vec add_product(Vec a, Vec b, Vec c) { return hn::Add(a, hn::Mul(b, c)); }
+
+/// Whole numbers from 0 to 2^52 as integers.
+HWY_INLINE hn::Vec<hn::RebindToUnsigned<Lanes>> whole(Vec number) {
+  const hn::RebindToUnsigned<Lanes> integers;
+  const Vec magic = set(0x1p52);
+  return hn::Xor(hn::BitCast(integers, hn::Add(number, magic)), hn::BitCast(integers, magic));
+}
+
+struct Vec3Lanes {
+  Vec x, y, z;
+};
+
+/// Adds those points that are asked about to a block.
+HWY_INLINE void append(const Vec3Lanes& at, hn::Vec<hn::RebindToUnsigned<Lanes>> asker, hn::Mask<Lanes> asked,
+                       FieldBlock& block) {
+  const Lanes d;
+  const hn::RebindToUnsigned<Lanes> integers;
+  const std::size_t to = block.count;
+  if (hn::AllTrue(d, asked)) {
+    hn::StoreU(at.x, d, block.x.data() + to);
+    hn::StoreU(at.y, d, block.y.data() + to);
+    hn::StoreU(at.z, d, block.z.data() + to);
+    hn::StoreU(asker, integers, block.asker.data() + to);
+    block.count += lane_count;
+    return;
+  }
+  hn::CompressStore(at.x, asked, d, block.x.data() + to);
+  hn::CompressStore(at.y, asked, d, block.y.data() + to);
+  hn::CompressStore(at.z, asked, d, block.z.data() + to);
+  block.count += hn::CompressStore(asker, hn::RebindMask(integers, asked), integers, block.asker.data() + to);
+}
+
+HWY_INLINE Vec widen(Word values) { return hn::PromoteTo(Lanes(), values); }
+HWY_INLINE Vec load_wide(const float* values) { return widen(hn::LoadU(Words(), values)); }
+
+/// Turns a square of as many values as there are lanes: `row(lane)` becomes the lanes of its columns.
+template <typename Tag, typename Row>
+HWY_INLINE void transpose(Tag d, const Row& row, Vec* HWY_RESTRICT columns) {
+#if HWY_TARGET == HWY_SCALAR
+  (void)d;
+  columns[0] = row(0);
+#else
+  if constexpr (hn::MaxLanes(d) == 2) {
+    const auto r0 = row(0), r1 = row(1);
+    columns[0] = hn::InterleaveLower(d, r0, r1);
+    columns[1] = hn::InterleaveUpper(d, r0, r1);
+  } else {
+    const auto r0 = row(0), r1 = row(1), r2 = row(2), r3 = row(3);
+    const auto even_01 = hn::InterleaveLower(d, r0, r1);
+    const auto odd_01 = hn::InterleaveUpper(d, r0, r1);
+    const auto even_23 = hn::InterleaveLower(d, r2, r3);
+    const auto odd_23 = hn::InterleaveUpper(d, r2, r3);
+    columns[0] = hn::ConcatLowerLower(d, even_23, even_01);
+    columns[1] = hn::ConcatLowerLower(d, odd_23, odd_01);
+    columns[2] = hn::ConcatUpperUpper(d, even_23, even_01);
+    columns[3] = hn::ConcatUpperUpper(d, odd_23, odd_01);
+  }
+#endif
+}
+
+}  // namespace
+
+}  // namespace musclebench::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,167 @@
+#include "backends/sdf/grid/cubic_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "backends/sdf/build/field_builder.hpp"
+#include "backends/sdf/grid/tests/field_samples.hpp"
+#include "core/mesh/shapes.hpp"
+
+namespace musclebench {
+namespace {
+
+constexpr auto single_precision = FieldPrecision::single_precision;
+constexpr auto double_precision = FieldPrecision::double_precision;
+
+GridShape cube_grid(int cells) {
+  GridShape shape;
+  shape.lower_m = Vec3::Constant(-1);
+  shape.cell_size_m = Vec3::Constant(2.0 / cells);
+  shape.cells = {cells, cells, cells};
+  return shape;
+}
+
+std::vector<Vec3> random_points(int count) {
+  std::mt19937 generator(9);
+  std::uniform_real_distribution<double> coordinate(-1, 1);
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) {
+    const double x = coordinate(generator);
+    const double y = coordinate(generator);
+    points.emplace_back(x, y, coordinate(generator));
+  }
+  return points;
+}
+
+double sphere(const Vec3& point) { return point.norm() - 0.7; }
+
+RepairedMesh clean_surface(TriangleMesh mesh) { return {std::move(mesh), true, {}}; }
+
+TEST(GridShape, DenseFieldOf64CellsStaysBelow7700000Bytes) {
+  const CubicField field(cube_grid(64), single_precision);
+  EXPECT_EQ(field.single_values().size() * sizeof(float), 7655700U);
+  EXPECT_LE(field.bytes(), 7700000U);
+  EXPECT_EQ(CubicField::bytes_needed(field.shape(), single_precision), static_cast<double>(field.bytes()));
+  EXPECT_EQ(field.shape().node_count(), 1897025U);
+}
+
+TEST(GridShape, EveryNodeHasAPlaceOfItsOwn) {
+  GridShape shape = cube_grid(3);
+  shape.cells = {3, 4, 2};
+  std::vector<int> uses(shape.value_count(), 0);
+  std::size_t nodes = 0;
+  for_each_node(shape, [&](std::size_t place, const Vec3&) {
+    ++uses.at(place);
+    ++nodes;
+  });
+  EXPECT_EQ(nodes, shape.node_count());
+  EXPECT_EQ(std::count(uses.begin(), uses.end(), 1), static_cast<long>(nodes));
+}
+
+TEST(CubicField, ReproducesCubicsOverStretchedCells) {
+  GridShape shape;
+  shape.lower_m = Vec3(-1, -1, -1);
+  shape.cell_size_m = Vec3(2.0 / 3, 2.0 / 5, 2.0 / 4);
+  shape.cells = {3, 5, 4};
+  const auto cubic = [](const Vec3& p) {
+    return 1 + p.x() - 2 * p.y() * p.z() + p.x() * p.x() * p.y() - p.z() * p.z() * p.z() + 3 * p.x() * p.y() * p.z();
+  };
+  const auto slope = [](const Vec3& p) {
+    return Vec3(1 + 2 * p.x() * p.y() + 3 * p.y() * p.z(), -2 * p.z() + p.x() * p.x() + 3 * p.x() * p.z(),
+                -2 * p.y() - 3 * p.z() * p.z() + 3 * p.x() * p.y());
+  };
+  const CubicField field = interpolate(shape, double_precision, cubic);
+  for (const Vec3& point : random_points(200)) {
+    EXPECT_NEAR(*field.value(point), cubic(point), 1e-13);
+    const std::optional<FieldSample> sample = field.sample(point);
+    EXPECT_NEAR(sample->value_m, cubic(point), 1e-13);
+    EXPECT_NEAR((sample->gradient - slope(point)).norm(), 0, 1e-12);
+  }
+}
+
+TEST(CubicField, IsContinuousAcrossFaces) {
+  std::mt19937 generator(3);
+  std::normal_distribution<double> noise;
+  const CubicField field = interpolate(cube_grid(4), double_precision, [&](const Vec3&) { return noise(generator); });
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3 at(unit(generator), unit(generator), unit(generator));
+      const std::array<std::size_t, 3> step{axis == 0 ? 1U : 0U, axis == 1 ? 1U : 0U, axis == 2 ? 1U : 0U};
+      at[axis] = 1;
+      const double before = field.cell(i, i, i).value(at);
+      at[axis] = 0;
+      EXPECT_NEAR(field.cell(i + step[0], i + step[1], i + step[2]).value(at), before, 1e-13);
+    }
+  }
+}
+
+TEST(CubicField, KnowsNothingOutsideItsDomain) {
+  const CubicField field = interpolate(cube_grid(2), double_precision, sphere);
+  EXPECT_FALSE(field.value({1.001, 0, 0}));
+  EXPECT_FALSE(field.sample({0, 0, -1.001}));
+  EXPECT_FALSE(field.value({0, std::nan(""), 0}));
+  EXPECT_TRUE(field.value({1, 1, 1}));
+  EXPECT_TRUE(field.value({-1, -1, -1}));
+}
+
+TEST(CubicField, HalvingTheCellsOfASphereDividesTheErrorByEight) {
+  double last = 0;
+  for (const int cells : {8, 16, 32}) {
+    const CubicField field = interpolate(cube_grid(cells), double_precision, sphere);
+    double largest = 0;
+    for (const Vec3& point : random_points(20000)) {
+      if (point.norm() > 0.5) {  // the centre, where distance has a kink, is left out
+        largest = std::max(largest, std::abs(*field.value(point) - sphere(point)));
+      }
+    }
+    if (cells > 8) {
+      EXPECT_GE(last / largest, 8) << cells;
+    }
+    last = largest;
+  }
+  EXPECT_LT(last, 1e-4);
+}
+
+TEST(CubicField, ErrorOfABoxFallsWithItsCells) {
+  const RepairedMesh box = clean_surface(make_box({0.5, 0.4, 0.3}, 2));
+  const SignedSurface surface(box);
+  double last = 0;
+  for (const int cells : {9, 18, 36}) {
+    const CubicField field = build_field(surface, grid_over(box.mesh, {.cells = cells}, "box"), double_precision, 1);
+    const FieldError error = estimate_error(field, surface, 20000);
+    EXPECT_EQ(error.samples, 20000);
+    EXPECT_LE(error.largest_m, 0.5 * field.shape().cell_size_m.maxCoeff());
+    if (cells > 9) {
+      EXPECT_GE(last / error.largest_m, 1.8) << cells;
+    }
+    last = error.largest_m;
+  }
+}
+
+TEST(CubicField, CompactRecordsRoundToAFractionOfACell) {
+  const GridShape shape = cube_grid(8);
+  const CubicField compact = interpolate(shape, FieldPrecision::compact, sphere);
+  for_each_node(shape, [&](std::size_t place, const Vec3& position) {
+    EXPECT_NEAR(compact.stored(place), sphere(position), shape.cell_size_m.x() / 90000);
+  });
+  EXPECT_EQ(compact.bytes(), 9U * 9 * 9 * 16 + 512 / 8);
+  EXPECT_EQ(CubicField::bytes_needed(shape, FieldPrecision::compact), static_cast<double>(compact.bytes()));
+}
+
+TEST(CubicField, SinglePrecisionIsOnlyRounded) {
+  const CubicField coarse = interpolate(cube_grid(8), single_precision, sphere);
+  const CubicField fine = interpolate(cube_grid(8), double_precision, sphere);
+  double largest = 0;
+  for (const Vec3& point : random_points(1000)) {
+    largest = std::max(largest, std::abs(*coarse.value(point) - *fine.value(point)));
+  }
+  EXPECT_LT(largest, 1e-6);
+  EXPECT_GT(largest, 0);
+}
+
+}  // namespace
+}  // namespace musclebench

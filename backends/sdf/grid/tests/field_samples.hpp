@@ -1,0 +1,38 @@
+#pragma once
+
+#include <functional>
+
+#include "backends/sdf/grid/cubic_field.hpp"
+
+namespace musclebench {
+
+/// Calls visit(place, position) for every node of the grid, where place is that of its stored value.
+inline void for_each_node(const GridShape& shape, const std::function<void(std::size_t, const Vec3&)>& visit) {
+  // Offsets in a record, and thirds of a cell along x, y, z.
+  static constexpr int nodes[7][4] = {{0, 0, 0, 0}, {1, 0, 1, 0}, {2, 0, 2, 0}, {3, 0, 0, 1},
+                                      {4, 0, 0, 2}, {5, 1, 0, 0}, {6, 2, 0, 0}};
+  for (int k = 0; k <= shape.cells[2]; ++k) {
+    for (int j = 0; j <= shape.cells[1]; ++j) {
+      for (int i = 0; i <= shape.cells[0]; ++i) {
+        for (const auto& [offset, x, y, z] : nodes) {
+          if ((x == 0 || i < shape.cells[0]) && (y == 0 || j < shape.cells[1]) && (z == 0 || k < shape.cells[2])) {
+            const std::size_t record =
+                shape.record(static_cast<std::size_t>(i), static_cast<std::size_t>(j), static_cast<std::size_t>(k));
+            visit(record + static_cast<std::size_t>(offset),
+                  shape.lower_m + shape.cell_size_m.cwiseProduct(Vec3(i + x / 3.0, j + y / 3.0, k + z / 3.0)));
+          }
+        }
+      }
+    }
+  }
+}
+
+/// A field with the values of `function` at its nodes, and no mask.
+inline CubicField interpolate(const GridShape& shape, FieldPrecision precision,
+                              const std::function<double(const Vec3&)>& function) {
+  CubicField field(shape, precision);
+  for_each_node(shape, [&](std::size_t place, const Vec3& position) { field.store(place, function(position)); });
+  return field;
+}
+
+}  // namespace musclebench

@@ -1,0 +1,167 @@
+#include "backends/sdf/grid_field_source.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "backends/sdf/build/field_builder.hpp"
+#include "backends/sdf/build/field_memory.hpp"
+#include "backends/sdf/files/discregrid_file.hpp"
+#include "backends/sdf/files/foreign_field.hpp"
+#include "backends/sdf/grid/cubic_field.hpp"
+#include "backends/sdf/sdf_settings.hpp"
+
+namespace musclebench {
+
+namespace {
+
+/// To estimate the error of a field that someone else has built.
+constexpr int samples_of_foreign = 2000;
+
+class GridBoneField final : public BoneField {
+ public:
+  explicit GridBoneField(CubicField field) : m_field(std::move(field)) {}
+
+  [[nodiscard]] StructureError error() const override {
+    const FieldError& error = m_field.facts().error;
+    return {"", m_field.bytes(), error.samples, error.largest_m, error.p99_m};
+  }
+  /// Half a cell: what a cubic field errs by at kinks, where it is of first order. Sheets thinner than a cell lie
+  /// outside it.
+  [[nodiscard]] AnswerBound answer_bound() const override {
+    const double half_cell_m = 0.5 * grid().cell_size_m.norm();
+    return {half_cell_m, half_cell_m};
+  }
+  [[nodiscard]] double step_m() const override { return grid().cell_size_m.minCoeff(); }
+  [[nodiscard]] const GridShape& grid() const override { return m_field.shape(); }
+
+  std::size_t sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
+                     Wanted wanted, FieldAnswers& answers) const override {
+    FieldBlock& block = answers.block;
+    if (wanted == Wanted::contacts) {
+      return m_field.sample(map, positions, nodes, first, CubicField::Wanted::may_be_inside, block);
+    }
+    const std::size_t next = m_field.sample(map, positions, nodes, first, CubicField::Wanted::known, block);
+    for (std::size_t n = 0; n < block.count; ++n) {
+      if (block.value_m[n] < 0 && !may_be_inside(block.cells(n))) {
+        block.value_m[n] = 0;  // below zero by rounding only
+      }
+    }
+    return next;
+  }
+
+  /// A path that leaves the cells of a narrow band comes back to them at a distance of the bone that is its width.
+  void find_clearances(const FieldAnswers& answers, FieldBlock::Lanes<double>& clearance_m) const override {
+    const FieldFacts& facts = m_field.facts();
+    for (std::size_t n = 0; n < answers.block.count; ++n) {
+      const double by_slope_m = answers.block.value_m[n] / facts.steepest;
+      clearance_m[n] =
+          m_field.band() ? std::min(by_slope_m, m_field.band()->width_m() - facts.negative_reach_m) : by_slope_m;
+    }
+  }
+
+  /// At the border of a cell rounding may take the point into the next one, by less than the slack of a clearance.
+  [[nodiscard]] double clearance_m(const Vec3& cells) const override {
+    if (!m_field.band() || !grid().contains(cells)) {
+      return BoneField::clearance_m(cells);
+    }
+    const CellPlace place = grid().place(cells);
+    return static_cast<double>(m_field.band()->far_m(place.i, place.j, place.k)) - m_field.facts().negative_reach_m;
+  }
+
+ private:
+  [[nodiscard]] bool may_be_inside(const Vec3& cells) const {
+    const CellPlace place = grid().place(cells);
+    return m_field.may_be_negative(grid().cell(place.i, place.j, place.k));
+  }
+
+  CubicField m_field;
+};
+
+class GridFieldSource final : public FieldSource {
+ public:
+  explicit GridFieldSource(const Parameters& parameters)
+      : m_grid(grid_settings(parameters)),
+        m_settings(field_settings(parameters)),
+        m_precision_name(parameters.word("precision")),
+        m_folder(parameters.word("structures")) {}
+
+  /// What lies outside the band is known by the distance alone.
+  [[nodiscard]] bool needs_closed_surfaces() const override { return m_settings.band_m.has_value(); }
+
+  void require_fit(std::span<const Bone> bones) const override {
+    std::vector<GridShape> shapes;
+    for (const Bone& bone : bones) {
+      shapes.push_back(grid_over(bone.surface.mesh, m_grid, bone.name));
+      if (m_settings.band_m) {
+        require_sensible_band(*m_settings.band_m, shapes.back(), bone.surface.mesh, bone.name);
+      }
+    }
+    require_room(bones, shapes, m_grid, m_settings);
+  }
+
+  [[nodiscard]] Made make(const Bone& bone, int threads, const std::function<void(double)>& progress) const override {
+    const GridShape shape = grid_over(bone.surface.mesh, m_grid, bone.name);
+    const StoredField<CubicField> stored{
+        [&] { return build_field(bone.signed_distance(), shape, m_settings, threads, progress); },
+        [&](const std::filesystem::path& path, const std::string& digest) {
+          return load_field(path, digest, shape, m_settings);
+        },
+        [](const CubicField& field, const std::filesystem::path& path, const std::string& digest) {
+          save_field(field, digest, path);
+        }};
+    bool from_file = false;
+    CubicField field = stored.load_or_build(m_folder, file_name(bone), bone, from_file);
+    return {std::make_unique<GridBoneField>(std::move(field)), from_file};
+  }
+
+ private:
+  [[nodiscard]] std::string file_name(const Bone& bone) const {
+    const std::string grid =
+        m_grid.cell_size_m > 0 ? fmt::format("{}m", m_grid.cell_size_m) : fmt::format("{}cells", m_grid.cells);
+    const std::string band = m_settings.band_m ? fmt::format("-band{}m", *m_settings.band_m) : "";
+    return fmt::format("{}-{}{}{}-{}.field", bone_file_name(bone.name), grid, band, margin_file_name(m_grid.margin),
+                       m_precision_name);
+  }
+
+  GridSettings m_grid;
+  FieldSettings m_settings;
+  std::string m_precision_name;
+  std::filesystem::path m_folder;
+};
+
+class DiscregridFieldSource final : public FieldSource {
+ public:
+  explicit DiscregridFieldSource(const Parameters& parameters) : m_folder(parameters.word("discregrid")) {}
+
+  [[nodiscard]] bool needs_closed_surfaces() const override { return false; }
+
+  [[nodiscard]] Made make(const Bone& bone, int threads,
+                          const std::function<void(double)>& /*progress*/) const override {
+    const std::filesystem::path path = m_folder / (bone_file_name(bone.name) + ".cdf");
+    CubicField field = read_discregrid(path, threads);
+    const SignedSurface& surface = bone.signed_distance();
+    require_field_of(field, bone.surface.mesh, surface, bone.name, path);
+    field.facts().error = estimate_error(field, surface, samples_of_foreign);
+    return {std::make_unique<GridBoneField>(std::move(field)), true};
+  }
+
+ private:
+  std::filesystem::path m_folder;
+};
+
+}  // namespace
+
+std::unique_ptr<FieldSource> make_grid_field_source(const Parameters& parameters) {
+  return std::make_unique<GridFieldSource>(parameters);
+}
+
+std::unique_ptr<FieldSource> make_discregrid_field_source(const Parameters& parameters) {
+  return std::make_unique<DiscregridFieldSource>(parameters);
+}
+
+}  // namespace musclebench

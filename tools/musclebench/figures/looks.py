@@ -1,0 +1,66 @@
+"""How the backends look in figures: colours, dashes and markers, as the program's list of backends tells them."""
+
+from ..program.registry import Backend, Registry
+
+DASHES = {"solid": "solid", "dashed": "dashed", "dotted": (0, (1, 1.2))}
+# Of Okabe and Ito, for backends that name no colour of their own.
+SPARE_COLOURS = ("#56B4E9", "#D55E00", "#F0E442")
+SPARE_MARKERS = ("h", "p", "d", "X")
+SERIES_STYLES = (("o", "-"), ("s", "--"), ("D", ":"), ("X", (0, (1, 1))), ("v", "-."), ("^", (0, (3, 1, 1, 1))))
+
+_known = Registry(())
+
+
+def know(registry: Registry) -> None:
+    """From here on figures look as this list says; as the settings of matplotlib, it holds for the whole process."""
+    global _known
+    _known = registry
+
+
+def backend(name: str) -> Backend:
+    return _known.backend(name)
+
+
+def backends_in_order(names) -> list[str]:
+    """Names without repetition, in the program's order; those that it doesn't know last."""
+    names = set(names)
+    return [name for name in _known.names if name in names] + sorted(names - set(_known.names))
+
+
+def colour(name: str) -> str:
+    return backend(name).colour or SPARE_COLOURS[_place(name) % len(SPARE_COLOURS)]
+
+
+def dash(name: str):
+    return DASHES.get(backend(name).dash or "solid", "solid")
+
+
+def marker(name: str) -> str:
+    """Of a single point."""
+    return backend(name).study.get("marker") or SPARE_MARKERS[_place(name) % len(SPARE_MARKERS)]
+
+
+def series_style(backend_name: str, series: str) -> tuple:
+    """Marker and dash of a curve: the first of a backend is plain."""
+    names = series_of(backend_name)
+    place = names.index(series) if series in names else len(names)
+    return SERIES_STYLES[place % len(SERIES_STYLES)]
+
+
+def series_of(backend_name: str) -> list[str]:
+    """Of a backend's study, as configurations name their curves."""
+    about = backend(backend_name)
+    return [f"{about.label} {one['name']}" for one in about.series if "sweep" in one and "name" in one]
+
+
+def curved_backends() -> list[str]:
+    """Those whose answers get better with resolution."""
+    return [name for name in _known.names if series_of(name)]
+
+
+def all_series() -> list[str]:
+    return [series for name in _known.names for series in series_of(name)]
+
+
+def _place(name: str) -> int:
+    return _known.names.index(name) if name in _known.names else len(_known.names)

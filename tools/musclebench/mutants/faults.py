@@ -1,0 +1,80 @@
+"""The list of faults: what each replaces where, and whether it still applies to a tree of the sources."""
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOMS = ("core/", "backends/")
+LEAST_FAULTS = 80
+MOST_SURVIVORS = 2
+
+
+class FaultListError(Exception):
+    """The list can't be used; one line with file, fault and cure."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """`line` is text that occurs once in `file`; `fault` takes its place."""
+
+    name: str
+    file: str
+    line: str
+    fault: str
+    may_survive: str = ""  # why no test can see it; empty: it has to be seen
+
+    def problem(self, root: Path) -> str | None:
+        """Why it can't be put into the tree at `root`."""
+        if not self.file.startswith(ROOMS):
+            return f"{self.file} is not in {' or '.join(ROOMS)}"
+        path = root / self.file
+        if not path.is_file():
+            return f"{self.file} is not there any more; name the file that holds the line now"
+        if self.line == self.fault or not self.line:
+            return "'line' and 'fault' have to be two texts"
+        count = path.read_text().count(self.line)
+        if count != 1:
+            return f"its line stands {count} times in {self.file}, not once: {self.line.strip()!r}"
+        return None
+
+    def put_into(self, text: str) -> str:
+        return text.replace(self.line, self.fault)
+
+
+def read_faults(path: Path) -> list[Fault]:
+    """Raises FaultListError."""
+    try:
+        rows = tomllib.loads(path.read_text()).get("fault", [])
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise FaultListError(f"{path}: {error}") from error
+    faults = [_fault_of(row, number, path) for number, row in enumerate(rows, 1)]
+    names = [fault.name for fault in faults]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise FaultListError(f"{path}: {', '.join(twice)}: every fault needs a name of its own")
+    return faults
+
+
+def _fault_of(row: dict, number: int, path: Path) -> Fault:
+    place = f"{path}: fault {row.get('name', number)}"
+    unknown = set(row) - set(Fault.__dataclass_fields__)
+    if unknown:
+        raise FaultListError(f"{place}: {', '.join(sorted(unknown))}: no such key")
+    try:
+        fault = Fault(**row)
+    except TypeError as error:
+        raise FaultListError(f"{place}: name, file, line and fault have to be given") from error
+    if not all(isinstance(value, str) for value in row.values()):
+        raise FaultListError(f"{place}: every value has to be a text")
+    return fault
+
+
+def problems_of(faults: list[Fault], root: Path) -> list[str]:
+    """One line each; empty when every fault applies and the list is as long as it has to be."""
+    found = [f"{fault.name}: {problem}" for fault in faults if (problem := fault.problem(root))]
+    if len(faults) < LEAST_FAULTS:
+        found.append(f"the list has {len(faults)} faults; it needs {LEAST_FAULTS}")
+    excused = [fault.name for fault in faults if fault.may_survive]
+    if len(excused) > MOST_SURVIVORS:
+        found.append(f"{len(excused)} faults may survive ({', '.join(excused)}); at most {MOST_SURVIVORS} may")
+    return found
