@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <filesystem>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -86,9 +89,11 @@ void check_scene(const SceneChoice& choice) {
   }
 }
 
+/// A word that is no file is a scene's, wrongly written: reading scenes says which one may be meant.
 bool names_scene(const std::string& target) {
   const auto scenes = embedded_scenes();
   return target.ends_with(".toml") ||
+         (!std::filesystem::exists(target) && !std::filesystem::path(target).has_extension()) ||
          std::any_of(scenes.begin(), scenes.end(), [&](const EmbeddedFile& file) { return file.name == target; });
 }
 

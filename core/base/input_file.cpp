@@ -39,8 +39,8 @@ std::string InputFile::head(std::size_t most) {
 
 std::string InputFile::text(std::uintmax_t most) {
   if (m_bytes > most) {
-    throw InputError(m_place, fmt::format("has {} bytes, where at most {} make sense; is it the right file?", m_bytes,
-                                          most));
+    throw InputError(m_place,
+                     fmt::format("has {} bytes, where at most {} make sense; is it the right file?", m_bytes, most));
   }
   require_memory(static_cast<std::size_t>(m_bytes), m_place, "name a smaller file");
   return head(static_cast<std::size_t>(m_bytes));

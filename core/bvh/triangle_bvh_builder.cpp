@@ -69,7 +69,7 @@ void TriangleBvhBuilder::build() {
   (void)add({0, static_cast<int>(m_order.size())}, 0);
   m_tree.m_nodes.shrink_to_fit();
   m_tree.m_clusters.shrink_to_fit();
-  m_tree.m_leaves.shrink_to_fit();
+  fill_leaves();
 }
 
 void TriangleBvhBuilder::choose_frame() {
@@ -296,25 +296,33 @@ bool TriangleBvhBuilder::set_triangle(int triangle, std::size_t place, BvhLeaf& 
 }
 
 int TriangleBvhBuilder::add_leaf(Range range) {
-  BvhLeaf leaf{};
-  leaf.count = range.count();
-  const auto index = static_cast<int>(m_tree.m_leaves.size());
-  for (std::size_t place = 0; place < bvh_width; ++place) {
-    if (static_cast<int>(place) < leaf.count) {
-      const int triangle = m_order[static_cast<std::size_t>(range.begin) + place];
-      leaf.slivers |= static_cast<std::uint32_t>(set_triangle(triangle, place, leaf)) << place;
-      m_tree.m_leaf_of[static_cast<std::size_t>(triangle)] = index;
-    } else {
-      put(Vec3::Constant(bvh_far_away), place, leaf.origin);
-      put(Vec3::UnitX(), place, leaf.along);
-      put(Vec3::UnitY(), place, leaf.up);
-      leaf.triangle[place] = -1;
+  NotedLeaf& noted = m_noted.emplace_back();
+  noted.range = range;
+  noted.above.fill(-1);
+  std::copy_n(m_way.rbegin(), std::min(m_way.size(), noted.above.size()), noted.above.begin());
+  return ~static_cast<int>(m_noted.size() - 1);
+}
+
+void TriangleBvhBuilder::fill_leaves() {
+  m_tree.m_leaves.resize(m_noted.size());
+  for (std::size_t index = 0; index < m_noted.size(); ++index) {
+    BvhLeaf& leaf = m_tree.m_leaves[index];
+    const Range range = m_noted[index].range;
+    leaf.count = range.count();
+    leaf.above = m_noted[index].above;
+    for (std::size_t place = 0; place < bvh_width; ++place) {
+      if (static_cast<int>(place) < leaf.count) {
+        const int triangle = m_order[static_cast<std::size_t>(range.begin) + place];
+        leaf.slivers |= static_cast<std::uint32_t>(set_triangle(triangle, place, leaf)) << place;
+        m_tree.m_leaf_of[static_cast<std::size_t>(triangle)] = static_cast<int>(index);
+      } else {
+        put(Vec3::Constant(bvh_far_away), place, leaf.origin);
+        put(Vec3::UnitX(), place, leaf.along);
+        put(Vec3::UnitY(), place, leaf.up);
+        leaf.triangle[place] = -1;
+      }
     }
   }
-  leaf.above.fill(-1);
-  std::copy_n(m_way.rbegin(), std::min(m_way.size(), leaf.above.size()), leaf.above.begin());
-  m_tree.m_leaves.push_back(leaf);
-  return ~index;
 }
 
 int TriangleBvhBuilder::add(Range range, int depth) {

@@ -45,7 +45,9 @@ class TriangleBvhBuilder {
   void choose_frame();
   /// Returns what a parent's `child` holds.
   [[nodiscard]] int add(Range range, int depth);
+  /// Only notes the leaf: all are filled at the end, when their number is known, into memory of the right size.
   [[nodiscard]] int add_leaf(Range range);
+  void fill_leaves();
   [[nodiscard]] std::pair<Range, Range> split(Range range, int depth);
   /// Returns the first place of the upper part; the range's begin or end where there is nothing to gain.
   [[nodiscard]] int split_by_area(Range range, const Box& spread);
@@ -69,6 +71,11 @@ class TriangleBvhBuilder {
   TriangleBvh& m_tree;
   std::vector<Box> m_boxes;  ///< of each triangle
   std::vector<int> m_order;
+  struct NotedLeaf {
+    Range range;
+    decltype(BvhLeaf::above) above;
+  };
+  std::vector<NotedLeaf> m_noted;
   std::vector<std::int32_t> m_way;  ///< from the root to the node that children are being added to
 };
 

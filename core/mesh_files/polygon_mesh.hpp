@@ -71,8 +71,9 @@ class PolygonMeshBuilder {
     }
     m_mesh.corners.push_back(static_cast<int>(index));
     if (m_mesh.corners.size() - m_begin > most_corners) {
-      throw InputError(m_place, fmt::format("face {} (counted from 0) has more than {} corners; split it into triangles",
-                                            m_faces, most_corners));
+      throw InputError(
+          m_place, fmt::format("face {} (counted from 0) has more than {} corners; split it into triangles", m_faces,
+                               most_corners));
     }
   }
   /// Faces of one or two corners are points and lines: they count, but bound nothing and are left out.

@@ -126,7 +126,8 @@ class NestingTest {
   /// Most surfaces beside others are told from nested ones by their first sample, for which a tree would be dear.
   [[nodiscard]] double winding_number(const Vec3& point) {
     constexpr int asked_without_tree = 4;
-    return ++m_asked > asked_without_tree ? tree().winding_number(point) : sum_of_angles(point) / (4 * std::numbers::pi);
+    return ++m_asked > asked_without_tree ? tree().winding_number(point)
+                                          : sum_of_angles(point) / (4 * std::numbers::pi);
   }
 
   [[nodiscard]] double sum_of_angles(const Vec3& point) const {

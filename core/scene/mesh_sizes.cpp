@@ -27,9 +27,9 @@ struct Unit {
 constexpr Unit units[] = {{"millimetres", 1e-3}, {"centimetres", 1e-2}};
 
 struct MeasuredMesh {
-  std::string name;          ///< "bone 'femur'"
-  Eigen::AlignedBox3d box;   ///< without stray vertices
-  int stray_vertices = 0;    ///< far from all others
+  std::string name;             ///< "bone 'femur'"
+  Eigen::AlignedBox3d box;      ///< without stray vertices
+  int stray_vertices = 0;       ///< far from all others
   double stray_distance_m = 0;  ///< of the farthest one, from the middle of the others
 
   [[nodiscard]] double size_m() const { return box.diagonal().norm(); }
@@ -51,8 +51,14 @@ Vec3 median_of(const std::vector<Vec3>& points) {
 /// The distance from the middle within which the mesh lies but for stray vertices: more than half of all lie within,
 /// and no other one within ten times of it.
 double radius_without_strays(std::vector<double> distances) {
-  std::sort(distances.begin(), distances.end());
   constexpr double gap = 10;
+  const auto half = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), half, distances.end());
+  const double farthest = *std::max_element(half, distances.end());
+  if (farthest <= gap * *half) {
+    return farthest;
+  }
+  std::sort(distances.begin(), distances.end());
   for (std::size_t i = distances.size() / 2; i + 1 < distances.size(); ++i) {
     if (distances[i] > 0 && distances[i + 1] > gap * distances[i]) {
       return distances[i];
@@ -69,7 +75,8 @@ MeasuredMesh measure(std::string name, const std::vector<Vec3>& vertices) {
   }
   const Vec3 middle = median_of(vertices);
   std::vector<double> distances(vertices.size());
-  std::transform(vertices.begin(), vertices.end(), distances.begin(), [&](const Vec3& v) { return (v - middle).norm(); });
+  std::transform(vertices.begin(), vertices.end(), distances.begin(),
+                 [&](const Vec3& v) { return (v - middle).norm(); });
   const double radius_m = radius_without_strays(distances);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (distances[i] <= radius_m) {
@@ -113,7 +120,8 @@ std::optional<Unit> likely_unit(const MeasuredMesh& mesh, const Eigen::AlignedBo
 }
 
 std::string unit_cure(const std::optional<Unit>& unit, std::string_view whose) {
-  return unit ? fmt::format("{} unit is likely {}; scale by {:g}, coordinates are metres", whose, unit->name, unit->metres)
+  return unit ? fmt::format("{} unit is likely {}; scale by {:g}, coordinates are metres", whose, unit->name,
+                            unit->metres)
               : std::string("coordinates are metres; scale by what their unit is");
 }
 
@@ -139,12 +147,12 @@ void warn_of_units(const std::vector<MeasuredMesh>& meshes, std::vector<std::str
   }
   for (const MeasuredMesh& mesh : meshes) {
     if (mesh.is_too_large()) {
-      warnings.push_back(fmt::format("{} is {:.3g} m large, out of step with the other meshes ({:.3g} m): {}", mesh.name,
-                                     mesh.size_m(), plausible.diagonal().norm(),
+      warnings.push_back(fmt::format("{} is {:.3g} m large, out of step with the other meshes ({:.3g} m): {}",
+                                     mesh.name, mesh.size_m(), plausible.diagonal().norm(),
                                      unit_cure(likely_unit(mesh, plausible), "its")));
     } else if (mesh.size_m() < smallest_m) {
-      warnings.push_back(fmt::format("{} is {:.3g} mm large: was it scaled to metres twice?", mesh.name,
-                                     1e3 * mesh.size_m()));
+      warnings.push_back(
+          fmt::format("{} is {:.3g} mm large: was it scaled to metres twice?", mesh.name, 1e3 * mesh.size_m()));
     }
   }
 }
@@ -154,9 +162,9 @@ void warn_of_far_meshes(const std::vector<MeasuredMesh>& meshes, std::vector<std
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const MeasuredMesh& mesh = meshes[i];
     if (mesh.stray_vertices > 0) {
-      warnings.push_back(fmt::format("{} has {} {} far outside the rest of it, up to {:.3g} m away: check its coordinates",
-                                     mesh.name, mesh.stray_vertices, mesh.stray_vertices == 1 ? "vertex" : "vertices",
-                                     mesh.stray_distance_m));
+      warnings.push_back(
+          fmt::format("{} has {} {} far outside the rest of it, up to {:.3g} m away: check its coordinates", mesh.name,
+                      mesh.stray_vertices, mesh.stray_vertices == 1 ? "vertex" : "vertices", mesh.stray_distance_m));
     }
     Eigen::AlignedBox3d others;
     for (std::size_t j = 0; j < meshes.size(); ++j) {
@@ -164,13 +172,15 @@ void warn_of_far_meshes(const std::vector<MeasuredMesh>& meshes, std::vector<std
         others.extend(meshes[j].box);
       }
     }
-    if (mesh.box.isEmpty() || others.isEmpty() || mesh.is_too_large() || others.diagonal().norm() > largest_m) {
-      continue;  // the unit is to be mended first
+    const bool is_said_of_the_muscle = meshes.size() == 2 && i == 0;
+    if (mesh.box.isEmpty() || others.isEmpty() || is_said_of_the_muscle || mesh.is_too_large() ||
+        others.diagonal().norm() > largest_m) {
+      continue;  // where a unit is wrong, that is to be mended first
     }
     const double gap_m = mesh.box.exteriorDistance(others);
     if (gap_m > far * std::max(mesh.size_m(), others.diagonal().norm())) {
-      warnings.push_back(fmt::format("{} is {:.3g} m away from the other meshes: are they in one frame and unit?",
-                                     mesh.name, gap_m));
+      warnings.push_back(
+          fmt::format("{} is {:.3g} m away from the other meshes: are they in one frame and unit?", mesh.name, gap_m));
     }
   }
 }

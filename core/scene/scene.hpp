@@ -29,7 +29,7 @@ struct SceneEffect {
 struct SceneMesh {
   std::string reference;  ///< as the scene names it
   std::string sha256;     ///< of the coordinates and indices as read
-  TriangleMesh mesh;      ///< as shipped
+  TriangleMesh mesh;      ///< as shipped; that of the muscle welded
 };
 
 /// The muscle's file beside the nodes that are made of it (see weld_mesh).

@@ -62,9 +62,8 @@ void warn_of_pieces(const Scene& scene, Lines& warnings) {
   if (pieces.count < 2) {
     return;
   }
-  const std::string unbound = scene.attachments.empty()
-                                  ? std::string()
-                                  : fmt::format(", {} of them without a bound node", pieces.unbound);
+  const std::string unbound =
+      scene.attachments.empty() ? std::string() : fmt::format(", {} of them without a bound node", pieces.unbound);
   warnings.push_back(fmt::format("muscle '{}' is in {} separate pieces{}: nothing holds them together",
                                  scene.muscle_name, pieces.count, unbound));
 }
@@ -88,10 +87,11 @@ void warn_of_overlaps(const Scene& scene, Lines& warnings) {
   const std::vector<RestOverlap> overlaps = free_overlaps_at_rest(scene);
   for (std::size_t bone = 0; bone < overlaps.size(); ++bone) {
     if (overlaps[bone].nodes > 0) {
-      warnings.push_back(fmt::format(
-          "{} of {} nodes begin inside bone '{}' without being bound, {:.3g} mm deep: the first contact throws them out",
-          overlaps[bone].nodes, scene.muscle.mesh.vertices.size(), scene.bones[bone].name,
-          1e3 * overlaps[bone].deepest_m));
+      warnings.push_back(
+          fmt::format("{} of {} nodes begin inside bone '{}' without being bound, {:.3g} mm deep: the first contact "
+                      "throws them out",
+                      overlaps[bone].nodes, scene.muscle.mesh.vertices.size(), scene.bones[bone].name,
+                      1e3 * overlaps[bone].deepest_m));
     }
   }
 }
@@ -149,14 +149,15 @@ void warn_of_motions(const Scene& scene, Lines& warnings) {
 
 std::string describe_empty_attachment(const Scene& scene, const Attachment& attachment) {
   const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
-  const auto nearest =
-      nearest_to_area(scene.muscle.mesh.vertices, bone.tree(), attachment.area);
+  const auto nearest = nearest_to_area(scene.muscle.mesh.vertices, bone.tree(), attachment.area);
   if (!nearest) {
-    return fmt::format("attachment '{}' binds no node: the muscle is nowhere on its side of bone '{}'; check its outline",
-                       attachment.name, bone.name);
+    return fmt::format(
+        "attachment '{}' binds no node: the muscle is nowhere on its side of bone '{}'; check its outline",
+        attachment.name, bone.name);
   }
   return fmt::format(
-      "attachment '{}' binds no node: the nearest is {:.4g} mm from bone '{}' (distance_m allows {:.4g} mm) and {:.4g} mm "
+      "attachment '{}' binds no node: the nearest is {:.4g} mm from bone '{}' (distance_m allows {:.4g} mm) and {:.4g} "
+      "mm "
       "beside the outlined area (margin_m allows {:.4g} mm); enlarge them or check its outline",
       attachment.name, 1e3 * nearest->to_bone_m, bone.name, 1e3 * attachment.area.distance_m,
       1e3 * nearest->beside_area_m, 1e3 * attachment.area.margin_m);
@@ -187,7 +188,8 @@ std::string describe_missing_fibres(const Scene& scene) {
   if (bones.size() > 1 && pieces.count > 1) {
     counts.push_back(fmt::format("the muscle is in {} separate pieces, none of which joins them", pieces.count));
   } else if (bones.size() == 1) {
-    counts.push_back(fmt::format("all bound nodes are on bone '{}'", scene.bones[static_cast<std::size_t>(bones[0])].name));
+    counts.push_back(
+        fmt::format("all bound nodes are on bone '{}'", scene.bones[static_cast<std::size_t>(bones[0])].name));
   }
   return fmt::format("{}: {}", needs, fmt::join(counts, "; "));
 }

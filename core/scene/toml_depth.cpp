@@ -41,8 +41,9 @@ void require_shallow_keys(std::string_view text, const std::string& file) {
     }
     dots = ends_of_a_key.find(c) != std::string_view::npos ? 0 : dots + (c == '.' ? 1 : 0);
     if (dots > most_dots) {
-      throw InputError(fmt::format("{}:{}", file, 1 + std::count(text.begin(), text.begin() + static_cast<long>(i), '\n')),
-                       fmt::format("has a key of more than {} dotted parts; no scene needs one", most_dots));
+      throw InputError(
+          fmt::format("{}:{}", file, 1 + std::count(text.begin(), text.begin() + static_cast<long>(i), '\n')),
+          fmt::format("has a key of more than {} dotted parts; no scene needs one", most_dots));
     }
     ++i;
   }

@@ -5,6 +5,7 @@
 
 #include "core/bvh/triangle_bvh.hpp"
 #include "core/distance/triangle_distance.hpp"
+#include "core/mesh/mesh_edges.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
@@ -16,9 +17,9 @@ namespace musclebench {
 /// The way from a point to its closest point crosses no surface, so that the sign there is the sign here.
 class ManifoldFeatures {
  public:
-  /// `tree` is that of the mesh, whose directed edges cancel (`SignedSurface::closed`): otherwise the inside ends
-  /// somewhere without a surface.
-  ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree);
+  /// `tree` and `edges` are those of the mesh, whose directed edges cancel (`SignedSurface::closed`): otherwise the
+  /// inside ends somewhere without a surface.
+  ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree, const MeshEdges& edges);
 
   [[nodiscard]] bool holds(int triangle, Feature feature) const {
     return ((m_bits[static_cast<std::size_t>(triangle)] >> static_cast<unsigned>(feature)) & 1U) != 0;

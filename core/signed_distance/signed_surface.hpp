@@ -21,7 +21,7 @@ struct SignedPoint {
 };
 
 /// Whether the directed edges of all triangles cancel; vertices at equal positions count as one.
-bool is_closed(TriangleMesh mesh);
+bool is_closed(const TriangleMesh& mesh);
 
 /// Exact signed distance to a surface: closest triangle by a tree; inside is where the winding number exceeds 0.5. Next
 /// to the features of the surface that are clean (`ManifoldFeatures`), nearly all of them, the pseudo-normal tells as
