@@ -11,9 +11,9 @@ namespace musclebench {
 
 /// One case and how its run is looked at.
 struct RunCase : Case {
-  int warm_up_frames = 2;      ///< recorded and marked
-  bool judge = true;           ///< whether the Referee judges every frame
-  std::vector<int> snapshots;  ///< frames (0: rest) whose shape is kept, ascending
+  int warm_up_frames = 2;           ///< recorded and marked
+  bool judge = true;                ///< whether the Referee judges every frame
+  std::vector<int> snapshots = {};  ///< frames (0: rest) whose shape is kept, ascending
 };
 
 /// The shape of the muscle at the end of a frame.

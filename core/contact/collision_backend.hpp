@@ -24,6 +24,8 @@ struct Capabilities {
   bool remembers = false;
   /// Once built, `step_m` is positive: there is a step that backtracking goes by.
   bool has_step = false;
+  /// After two frames of a run a detection asks for no heap memory any more.
+  bool steady_memory = false;
 };
 
 /// How far a backend's answer may be from the truth. A node closer to a surface than `touching_distance_m` is on it,

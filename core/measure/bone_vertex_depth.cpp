@@ -64,17 +64,18 @@ void BoneVertexDepthMeter::divide(BoneVertices& bone, int first, int last) {
   divide(bone, middle, last);
 }
 
-DeepestBoneVertex BoneVertexDepthMeter::measure(std::span<const RigidMotion> poses, std::span<const Vec3> positions) {
+DeepestBoneVertex BoneVertexDepthMeter::measure(std::span<const RigidMotion> poses, std::span<const Vec3> positions,
+                                                long budget) {
   assert(poses.size() == m_bones.size() && positions.size() == m_carriers.size());
-  m_queries = 0;
+  m_work = 0;
   m_best = {};
+  m_unmeasured_m = 0;
   m_tree.refit(m_triangles, positions);
   for (std::size_t bone = 0; bone < m_bones.size(); ++bone) {
     follow(m_bones[bone], poses[bone], positions);
-    for (Cluster& cluster : m_bones[bone].clusters) {
-      if (m_bones[bone].way_m >= cluster.safe_until_m) measure_cluster(static_cast<int>(bone), poses[bone], cluster);
-    }
+    measure_bone(static_cast<int>(bone), poses[bone], budget);
   }
+  m_best.bound_m = std::max(m_best.depth_m, m_unmeasured_m);
   return m_best;
 }
 
@@ -87,48 +88,76 @@ void BoneVertexDepthMeter::follow(BoneVertices& bone, const RigidMotion& pose, s
     if (!first) farthest2 = std::max(farthest2, (rest_point - bone.last_m[node]).squaredNorm());
     bone.last_m[node] = rest_point;
   }
-  bone.way_m += std::sqrt(farthest2) + rounding_share * m_tree.diagonal_m();
+  bone.travel_m += std::sqrt(farthest2) + rounding_share * m_tree.diagonal_m();
+}
+
+void BoneVertexDepthMeter::measure_bone(int bone, const RigidMotion& pose, long budget) {
+  BoneVertices& vertices = m_bones[static_cast<std::size_t>(bone)];
+  const std::size_t count = vertices.clusters.size();
+  const std::size_t start = vertices.start;
+  vertices.start = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t index = (start + i) % count;
+    Cluster& cluster = vertices.clusters[index];
+    if (vertices.travel_m < cluster.safe_until_m) continue;
+    if (m_work < budget) {
+      measure_cluster(bone, pose, cluster);
+      continue;
+    }
+    const double bound_m = bound_of(cluster, pose);
+    if (bound_m > 0 && m_unmeasured_m == 0) vertices.start = index;
+    m_unmeasured_m = std::max(m_unmeasured_m, bound_m);
+  }
+}
+
+/// Without a query: nothing outside the muscle's box is inside a closed muscle, and nothing inside is farther from the
+/// surface than half of the box's shortest side.
+double BoneVertexDepthMeter::bound_of(const Cluster& cluster, const RigidMotion& pose) const {
+  if (!m_tree.closed()) return m_tree.diagonal_m();
+  const double to_box_m = m_tree.box_distance(pose.apply(cluster.centre_m) - m_tree.centre_m());
+  return to_box_m > cluster.radius_m ? 0 : m_tree.inradius_bound_m();
 }
 
 void BoneVertexDepthMeter::measure_cluster(int bone, const RigidMotion& pose, Cluster& cluster) {
   BoneVertices& vertices = m_bones[static_cast<std::size_t>(bone)];
-  const double way_m = vertices.way_m;
-  Place centre{pose.apply(cluster.centre_m) - m_tree.centre_m(), 0, false};
-  ++m_queries;
-  const ClosestSurfacePoint nearest = m_tree.closest(centre.point_m, cluster.place);
-  cluster.place = nearest.place;
+  const double travel_m = vertices.travel_m;
+  KnownPoint centre{pose.apply(cluster.centre_m) - m_tree.centre_m(), 0, {}};
+  const ClosestSurfacePoint nearest = m_tree.closest(centre.point_m, cluster.slot, &m_work);
+  cluster.slot = nearest.slot;
   centre.distance_m = std::sqrt(nearest.squared_distance_m2);
   if (centre.distance_m + cluster.radius_m <= m_best.depth_m) return;
-  centre.inside = m_tree.winding_number(centre.point_m) > 0.5;
-  if (!centre.inside && m_tree.closed() && centre.distance_m > cluster.radius_m) {
-    cluster.safe_until_m = way_m + (centre.distance_m - cluster.radius_m) * (1 - rounding_share);
+  centre.winding = m_tree.winding(centre.point_m, &m_work);
+  const double safe_m = std::min(centre.distance_m, centre.winding.steady_m);
+  if (!centre.inside() && safe_m > cluster.radius_m) {
+    cluster.safe_until_m = travel_m + (safe_m - cluster.radius_m) * (1 - rounding_share);
     return;
   }
   for (int i = cluster.first; i < cluster.last; ++i) {
     Vertex& vertex = vertices.vertices[static_cast<std::size_t>(i)];
-    if (way_m >= vertex.safe_until_m) measure_vertex(bone, pose, vertex, centre);
+    if (travel_m >= vertex.safe_until_m) measure_vertex(bone, pose, vertex, centre);
   }
 }
 
-/// `near`: a point near the vertex, whose side is known.
-void BoneVertexDepthMeter::measure_vertex(int bone, const RigidMotion& pose, Vertex& vertex, const Place& near) {
+/// `near`: a point near the vertex.
+void BoneVertexDepthMeter::measure_vertex(int bone, const RigidMotion& pose, Vertex& vertex, const KnownPoint& near) {
   const Vec3 point = pose.apply(vertex.point_m) - m_tree.centre_m();
-  ++m_queries;
-  const ClosestSurfacePoint nearest = m_tree.closest(point, vertex.place);
-  vertex.place = nearest.place;
+  const ClosestSurfacePoint nearest = m_tree.closest(point, vertex.slot, &m_work);
+  vertex.slot = nearest.slot;
   const double distance = std::sqrt(nearest.squared_distance_m2);
-  if (distance <= m_best.depth_m || is_attached(bone, nearest.place)) return;
-  const double rounding_m = rounding_share * m_tree.diagonal_m();
-  const bool near_known = m_tree.closed() && (point - near.point_m).norm() < distance - rounding_m;
-  if (near_known ? near.inside : m_tree.winding_number(point) > 0.5) {
-    m_best = {distance, bone, vertex.index};
-  } else if (m_tree.closed()) {
-    vertex.safe_until_m = m_bones[static_cast<std::size_t>(bone)].way_m + distance * (1 - rounding_share);
+  if (distance <= m_best.depth_m || is_attached(bone, nearest.slot)) return;
+  const double from_near = (point - near.point_m).norm() + rounding_share * m_tree.diagonal_m();
+  SurfaceWinding winding{near.winding.number, near.winding.steady_m - from_near};
+  if (from_near >= std::min(distance, near.winding.steady_m)) winding = m_tree.winding(point, &m_work);
+  if (winding.number > 0.5) {
+    m_best = {distance, 0, bone, vertex.index};
+  } else {
+    const double safe_m = std::min(distance, winding.steady_m) * (1 - rounding_share);
+    vertex.safe_until_m = m_bones[static_cast<std::size_t>(bone)].travel_m + safe_m;
   }
 }
 
-bool BoneVertexDepthMeter::is_attached(int bone, int place) const {
-  const Triangle& nodes = m_triangles[static_cast<std::size_t>(m_tree.triangle_index(place))];
+bool BoneVertexDepthMeter::is_attached(int bone, int slot) const {
+  const Triangle& nodes = m_triangles[static_cast<std::size_t>(m_tree.triangle_index(slot))];
   return std::any_of(nodes.begin(), nodes.end(),
                      [&](int node) { return m_carriers[static_cast<std::size_t>(node)] == bone; });
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -11,7 +12,8 @@ namespace musclebench {
 
 /// The deepest vertex of a bone inside the muscle.
 struct DeepestBoneVertex {
-  double depth_m = 0;  ///< distance to the muscle's surface; 0: no vertex is inside
+  double depth_m = 0;  ///< distance to the muscle's surface; 0: no vertex inside was found
+  double bound_m = 0;  ///< no vertex is deeper: the depth, unless the budget was spent
   int bone = -1;
   int vertex = -1;
 };
@@ -27,11 +29,14 @@ class BoneVertexDepthMeter {
   /// free node.
   BoneVertexDepthMeter(std::span<const Bone> bones, const TriangleMesh& muscle, std::span<const int> carriers);
 
-  /// `positions`: the muscle's nodes, finite; world frame. What is kept from earlier calls changes no bit of the depth.
-  DeepestBoneVertex measure(std::span<const RigidMotion> poses, std::span<const Vec3> positions);
+  /// `positions`: the muscle's nodes, finite; world frame. `budget`: of work, in the unit of RefereeTree; what it does
+  /// not suffice for is in `bound_m`, and comes first in the next call. What is kept from earlier calls changes no bit
+  /// of the depth while budgets suffice.
+  DeepestBoneVertex measure(std::span<const RigidMotion> poses, std::span<const Vec3> positions,
+                            long budget = std::numeric_limits<long>::max());
 
-  /// Closest-point queries of the last call.
-  [[nodiscard]] long last_queries() const { return m_queries; }
+  /// Work of the last call, in the unit of RefereeTree.
+  [[nodiscard]] long last_work() const { return m_work; }
 
   [[nodiscard]] std::size_t bytes() const;
 
@@ -39,15 +44,15 @@ class BoneVertexDepthMeter {
   struct Vertex {
     Vec3 point_m;  ///< rest frame
     int index;
-    int place = 0;            ///< of a triangle of the muscle that was near
-    double safe_until_m = 0;  ///< outside until the muscle's way exceeds this
+    int slot = 0;             ///< of a triangle of the muscle that was near
+    double safe_until_m = 0;  ///< outside until the muscle's travel exceeds this
   };
   /// Some vertices that lie close together.
   struct Cluster {
     int first, last;  ///< vertices first .. last - 1
     Vec3 centre_m;
     double radius_m;
-    int place = 0;
+    int slot = 0;
     double safe_until_m = 0;  ///< all outside until then
   };
   struct BoneVertices {
@@ -55,27 +60,32 @@ class BoneVertexDepthMeter {
     std::vector<Cluster> clusters;
     std::vector<Vec3> last_m;  ///< the muscle's nodes in the bone's frame, in the last call
     /// Sum over the calls of the farthest that a node moved in the bone's frame.
-    double way_m = 0;
+    double travel_m = 0;
+    std::size_t start = 0;  ///< the cluster that comes first, where the budget did not suffice for it before
   };
-  /// Where a point is relative to the muscle; the side is found only when asked for.
-  struct Place {
+  /// A point whose side of the muscle's surface is known.
+  struct KnownPoint {
     Vec3 point_m;
     double distance_m;
-    bool inside;
+    SurfaceWinding winding;
+    [[nodiscard]] bool inside() const { return winding.number > 0.5; }
   };
 
   static void divide(BoneVertices& bone, int first, int last);
   void follow(BoneVertices& bone, const RigidMotion& pose, std::span<const Vec3> positions) const;
+  void measure_bone(int bone, const RigidMotion& pose, long budget);
   void measure_cluster(int bone, const RigidMotion& pose, Cluster& cluster);
-  void measure_vertex(int bone, const RigidMotion& pose, Vertex& vertex, const Place& near);
-  [[nodiscard]] bool is_attached(int bone, int place) const;
+  void measure_vertex(int bone, const RigidMotion& pose, Vertex& vertex, const KnownPoint& near);
+  [[nodiscard]] double bound_of(const Cluster& cluster, const RigidMotion& pose) const;
+  [[nodiscard]] bool is_attached(int bone, int slot) const;
 
   std::vector<Triangle> m_triangles;
   std::vector<int> m_carriers;
   RefereeTree m_tree;
   std::vector<BoneVertices> m_bones;
   DeepestBoneVertex m_best;
-  long m_queries = 0;
+  double m_unmeasured_m = 0;  // bound of what the budget did not suffice for
+  long m_work = 0;
 };
 
 }  // namespace musclebench

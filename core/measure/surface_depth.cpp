@@ -17,6 +17,12 @@ double longest_edge(const Vec3& a, const Vec3& b, const Vec3& c) {
   return std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
 }
 
+double radius_about(const Vec3& centre, const Vec3& a, const Vec3& b, const Vec3& c) {
+  return std::sqrt(std::max({(a - centre).squaredNorm(), (b - centre).squaredNorm(), (c - centre).squaredNorm()}));
+}
+
+constexpr auto less_urgent = [](const auto& one, const auto& other) { return one.excess_m < other.excess_m; };
+
 Vec3 weights_in(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& point) {
   const Vec3 normal = (b - a).cross(c - a);
   const double whole = normal.squaredNorm();
@@ -51,24 +57,41 @@ double SurfaceDepthMeter::limit_m(const RefereeTree& tree) const {
 }
 
 DeepestSurfacePoint SurfaceDepthMeter::measure(const Referee& referee, std::span<const RigidMotion> poses,
-                                               std::span<const Vec3> positions, std::span<const Contact> truth) {
+                                               std::span<const Vec3> positions, std::span<const Contact> truth,
+                                               long budget) {
   assert(poses.size() == m_counting.size() && positions.size() == m_carriers.size());
-  m_queries = 0;
+  m_work = 0;
   start_where_it_was_deepest(referee, poses, positions);
   for (const Contact& contact : truth) {
     if (contact.depth_m > m_best.depth_m) {
-      m_best = {contact.depth_m, contact.bone, -1, positions[static_cast<std::size_t>(contact.node)]};
+      m_best = {contact.depth_m, 0, contact.bone, -1, positions[static_cast<std::size_t>(contact.node)]};
     }
   }
+  m_parts.clear();
   std::size_t first = 0;
   for (std::size_t bone = 0; bone < poses.size(); ++bone) {
-    m_inside.assign(positions.size(), 0);
+    m_depth_m.assign(positions.size(), 0);
     for (; first < truth.size() && truth[first].bone == static_cast<int>(bone); ++first) {
-      m_inside[static_cast<std::size_t>(truth[first].node)] = 1;
+      m_depth_m[static_cast<std::size_t>(truth[first].node)] = truth[first].depth_m;
     }
-    measure_bone(static_cast<int>(bone), referee, poses[bone], positions);
+    collect_parts(static_cast<int>(bone), referee, poses[bone], positions);
   }
-  if (m_best.triangle >= 0) m_best.point_m = poses[static_cast<std::size_t>(m_best.bone)].apply(m_best_rest_m);
+  while (!m_parts.empty() && m_parts.front().excess_m > (1 + relative_tolerance) * m_best.depth_m && m_work < budget) {
+    std::pop_heap(m_parts.begin(), m_parts.end(), less_urgent);
+    const Part part = m_parts.back();
+    m_parts.pop_back();
+    refine(part, referee.tree(part.bone));
+  }
+  for (std::size_t bone = 0; bone < poses.size(); ++bone) {
+    m_best.bound_m = std::max(m_best.bound_m, limit_m(referee.tree(static_cast<int>(bone))));
+  }
+  for (const Part& part : m_parts) m_best.bound_m = std::max(m_best.bound_m, part.bound_m);
+  if (m_best.triangle >= 0) {
+    m_best.point_m = poses[static_cast<std::size_t>(m_best.bone)].apply(m_best_rest_m);
+    const Triangle& nodes = m_triangles[static_cast<std::size_t>(m_best.triangle)];
+    const auto at = [&](std::size_t k) -> const Vec3& { return positions[static_cast<std::size_t>(nodes[k])]; };
+    m_best_weights = weights_in(at(0), at(1), at(2), m_best.point_m);
+  }
   return m_best;
 }
 
@@ -85,121 +108,160 @@ void SurfaceDepthMeter::start_where_it_was_deepest(const Referee& referee, std::
   }
   m_best_rest_m = poses[static_cast<std::size_t>(last.bone)].apply_inverse(point);
   const double depth_m = -referee.signed_distance(last.bone, m_best_rest_m);
-  if (depth_m > 0) m_best = {depth_m, last.bone, last.triangle, point};
+  if (depth_m > 0) m_best = {depth_m, 0, last.bone, last.triangle, point};
 }
 
-void SurfaceDepthMeter::measure_bone(int bone, const Referee& referee, const RigidMotion& pose,
-                                     std::span<const Vec3> positions) {
+/// Puts the triangles that may be deeper than the deepest point so far into the heap.
+void SurfaceDepthMeter::collect_parts(int bone, const Referee& referee, const RigidMotion& pose,
+                                      std::span<const Vec3> positions) {
   const RefereeTree& tree = referee.tree(bone);
   m_rest.resize(positions.size());
   m_least_m.resize(positions.size());
   for (std::size_t node = 0; node < positions.size(); ++node) {
     const Vec3 rest_point = pose.apply_inverse(positions[node]);
     m_rest[node] = rest_point - tree.centre_m();
-    const bool known = m_carriers[node] < 0 && m_inside[node] == 0;
-    m_least_m[node] = known ? std::max(0.0, referee.least_distance(bone, static_cast<int>(node), rest_point))
-                            : -std::numeric_limits<double>::infinity();
+    if (m_carriers[node] >= 0) {
+      m_least_m[node] = -std::numeric_limits<double>::infinity();
+    } else if (m_depth_m[node] > 0) {
+      m_least_m[node] = -m_depth_m[node];
+    } else {
+      m_least_m[node] = std::max(0.0, referee.least_distance(bone, static_cast<int>(node), rest_point));
+    }
   }
 
   const double rounding_m = rounding_share * tree.diagonal_m();
   const std::vector<int>& counting = m_counting[static_cast<std::size_t>(bone)];
   for (std::size_t i = 0; i < counting.size(); ++i) {
     const Triangle& nodes = m_triangles[static_cast<std::size_t>(counting[i])];
-    if (bound_from_nodes(nodes) <= limit_m(tree)) continue;
-    const auto at = [&](std::size_t k) -> const Vec3& { return m_rest[static_cast<std::size_t>(nodes[k])]; };
-    Part part{at(0), at(1), at(2), Vec3::Zero()};
-    Memory& memory = m_memories[static_cast<std::size_t>(bone)][i];
-    if (memory.place >= 0) {
-      const Vec3 centroid = (part.a + part.b + part.c) / 3;
-      const double radius = std::sqrt(std::max(
-          {(part.a - centroid).squaredNorm(), (part.b - centroid).squaredNorm(), (part.c - centroid).squaredNorm()}));
-      const double moved = (centroid - memory.point_m).norm();
-      if (radius + moved - memory.signed_distance_m + rounding_m <= limit_m(tree)) continue;
-      part.place = memory.place;
-    }
-    for (std::size_t k = 0; k < 3 && !part.known; ++k) {
-      const auto node = static_cast<std::size_t>(nodes[k]);
-      part.known = m_carriers[node] < 0;
-      part.known_m = at(k);
-      part.known_inside = m_inside[node] != 0;
-    }
-    search(tree, bone, counting[i], part, memory);
+    Part part{m_rest[static_cast<std::size_t>(nodes[0])], m_rest[static_cast<std::size_t>(nodes[1])],
+              m_rest[static_cast<std::size_t>(nodes[2])]};
+    part.bound_m = bound_from_nodes(nodes);
+    if (part.bound_m <= limit_m(tree)) continue;
+    const Memory& memory = m_memories[static_cast<std::size_t>(bone)][i];
+    if (memory.slot >= 0) part.bound_m = std::min(part.bound_m, bound_from_memory(part, memory, rounding_m));
+    part.bone = bone;
+    part.index = static_cast<int>(i);
+    part.slot = memory.slot;
+    know_a_corner(tree, nodes, part);
+    push(part, tree);
   }
+}
+
+/// The side of a free node is known from the truth, but not for how long it holds where the surface is open.
+void SurfaceDepthMeter::know_a_corner(const RefereeTree& tree, const Triangle& nodes, Part& part) const {
+  for (std::size_t k = 0; k < 3 && tree.closed() && part.known_steady_m == 0; ++k) {
+    const auto node = static_cast<std::size_t>(nodes[k]);
+    if (m_carriers[node] >= 0) continue;
+    part.known_m = m_rest[node];
+    part.known_inside = m_depth_m[node] > 0;
+    part.known_steady_m = std::numeric_limits<double>::infinity();
+  }
+}
+
+void SurfaceDepthMeter::push(Part part, const RefereeTree& tree) {
+  if (part.bound_m <= limit_m(tree)) return;
+  part.excess_m = part.bound_m - absolute_tolerance * tree.diagonal_m();
+  m_parts.push_back(part);
+  std::push_heap(m_parts.begin(), m_parts.end(), less_urgent);
+}
+
+double SurfaceDepthMeter::bound_from_memory(const Part& part, const Memory& memory, double rounding_m) const {
+  const Vec3 centroid = (part.a + part.b + part.c) / 3;
+  const double moved = (centroid - memory.point_m).norm();
+  return radius_about(centroid, part.a, part.b, part.c) + moved - memory.signed_distance_m + rounding_m;
 }
 
 /// Upper bound of the depth anywhere in the triangle: no point is farther from the nearest corner than the longest edge
 /// over sqrt(3), nor farther from one corner than that corner's longer edge.
 double SurfaceDepthMeter::bound_from_nodes(const Triangle& triangle) const {
-  const auto place = [&](std::size_t k) { return static_cast<std::size_t>(triangle[k]); };
-  const Vec3& a = m_rest[place(0)];
-  const Vec3& b = m_rest[place(1)];
-  const Vec3& c = m_rest[place(2)];
+  const auto node = [&](std::size_t k) { return static_cast<std::size_t>(triangle[k]); };
+  const Vec3& a = m_rest[node(0)];
+  const Vec3& b = m_rest[node(1)];
+  const Vec3& c = m_rest[node(2)];
   const double longest = longest_edge(a, b, c) * (1 + rounding_share);
-  const double least = std::min({m_least_m[place(0)], m_least_m[place(1)], m_least_m[place(2)]});
-  const double most = std::max({m_least_m[place(0)], m_least_m[place(1)], m_least_m[place(2)]});
+  const double least = std::min({m_least_m[node(0)], m_least_m[node(1)], m_least_m[node(2)]});
+  const double most = std::max({m_least_m[node(0)], m_least_m[node(1)], m_least_m[node(2)]});
   return std::min(longest * std::numbers::inv_sqrt3 - least, longest - most);
 }
 
-void SurfaceDepthMeter::search(const RefereeTree& tree, int bone, int triangle, const Part& whole, Memory& memory) {
+/// Queries the part's centroid; what cannot be settled by that is split.
+void SurfaceDepthMeter::refine(const Part& part, const RefereeTree& tree) {
   const double rounding_m = rounding_share * tree.diagonal_m();
-  const Vec3 out_of_muscle = (whole.b - whole.a).cross(whole.c - whole.a).stableNormalized();
-  bool first = true;
-  m_parts.assign(1, whole);
-  while (!m_parts.empty()) {
-    const Part part = m_parts.back();
-    m_parts.pop_back();
-    const Vec3 centroid = (part.a + part.b + part.c) / 3;
-    const double radius = std::sqrt(std::max(
-        {(part.a - centroid).squaredNorm(), (part.b - centroid).squaredNorm(), (part.c - centroid).squaredNorm()}));
-    ++m_queries;
-    const ClosestSurfacePoint nearest = tree.closest(centroid, part.place);
-    const double distance = std::sqrt(nearest.squared_distance_m2);
-    const bool near_known = tree.closed() && part.known && (centroid - part.known_m).norm() < distance - rounding_m;
-    const bool inside = near_known ? part.known_inside : distance > 0 && tree.winding_number(centroid) > 0.5;
-    const double signed_distance = inside ? -distance : distance;
-    if (first) memory = {centroid, signed_distance, nearest.place};
-    first = false;
+  const Vec3 centroid = (part.a + part.b + part.c) / 3;
+  const ClosestSurfacePoint nearest = tree.closest(centroid, part.slot, &m_work);
+  const double distance = std::sqrt(nearest.squared_distance_m2);
+  const double from_known = (centroid - part.known_m).norm() + rounding_m;
+  Part facts;  // of the parts that it is split into
+  facts.known_m = centroid;
+  if (from_known < std::min(distance, part.known_steady_m)) {
+    facts.known_inside = part.known_inside;
+    facts.known_steady_m = part.known_steady_m - from_known;
+  } else {
+    const SurfaceWinding winding = tree.winding(centroid, &m_work);
+    facts.known_inside = distance > 0 && winding.number > 0.5;
+    facts.known_steady_m = winding.steady_m;
+  }
+  const double signed_distance = facts.known_inside ? -distance : distance;
+  const auto bone = static_cast<std::size_t>(part.bone);
+  const auto index = static_cast<std::size_t>(part.index);
+  if (part.whole) m_memories[bone][index] = {centroid, signed_distance, nearest.slot};
 
-    if (-signed_distance > m_best.depth_m) {
-      m_best.depth_m = -signed_distance;
-      m_best.bone = bone;
-      m_best.triangle = triangle;
-      m_best_rest_m = centroid + tree.centre_m();
-      m_best_weights = weights_in(whole.a, whole.b, whole.c, centroid);
-    }
-    if (radius - signed_distance + rounding_m <= limit_m(tree)) continue;
+  if (-signed_distance > m_best.depth_m) {
+    m_best.depth_m = -signed_distance;
+    m_best.bone = part.bone;
+    m_best.triangle = m_counting[bone][index];
+    m_best_rest_m = centroid + tree.centre_m();
+  }
+  const double radius = radius_about(centroid, part.a, part.b, part.c);
+  if (radius - signed_distance + rounding_m <= limit_m(tree)) return;
 
-    const Vec3 way =
-        distance > rounding_m ? Vec3((centroid - nearest.point_m) / signed_distance) : tree.face_normal(nearest.place);
-    if (clear_when_moved(tree, part, way, limit_m(tree))) continue;
-    if (clear_when_moved(tree, part, -out_of_muscle, limit_m(tree))) continue;
+  const Vec3 out_of_bone =
+      distance > rounding_m ? Vec3((centroid - nearest.point_m) / signed_distance) : tree.face_normal(nearest.slot);
+  if (clear_when_moved(tree, part, out_of_bone, limit_m(tree))) return;
+  const Vec3 into_muscle = (part.c - part.a).cross(part.b - part.a).stableNormalized();
+  if (clear_when_moved(tree, part, into_muscle, limit_m(tree))) return;
 
-    const Vec3 ab = 0.5 * (part.a + part.b);
-    const Vec3 bc = 0.5 * (part.b + part.c);
-    const Vec3 ca = 0.5 * (part.c + part.a);
-    Part child{ab, bc, ca, centroid, true, inside, nearest.place};
-    m_parts.push_back(child);
-    for (const std::array<Vec3, 3>& corners :
-         {std::array{part.a, ab, ca}, std::array{ab, part.b, bc}, std::array{ca, bc, part.c}}) {
-      child.a = corners[0];
-      child.b = corners[1];
-      child.c = corners[2];
-      m_parts.push_back(child);
-    }
+  facts.whole = false;
+  facts.bone = part.bone;
+  facts.index = part.index;
+  facts.slot = nearest.slot;
+  split(part, tree, facts, signed_distance);
+}
+
+/// `facts`: what the parts have in common; `signed_distance_m`: of the point that it knows.
+void SurfaceDepthMeter::split(const Part& part, const RefereeTree& tree, const Part& facts, double signed_distance_m) {
+  const double rounding_m = rounding_share * tree.diagonal_m();
+  const Vec3 ab = 0.5 * (part.a + part.b);
+  const Vec3 bc = 0.5 * (part.b + part.c);
+  const Vec3 ca = 0.5 * (part.c + part.a);
+  for (const std::array<Vec3, 3>& corners :
+       {std::array{ab, bc, ca}, std::array{part.a, ab, ca}, std::array{ab, part.b, bc}, std::array{ca, bc, part.c}}) {
+    Part child = facts;
+    child.a = corners[0];
+    child.b = corners[1];
+    child.c = corners[2];
+    const double radius = radius_about(facts.known_m, child.a, child.b, child.c);
+    child.bound_m = std::min(part.bound_m, radius - signed_distance_m + rounding_m);
+    push(child, tree);
   }
 }
 
-/// Whether the part lies outside the bone once it is moved by `way_m` along the unit vector `way`.
-bool SurfaceDepthMeter::clear_when_moved(const RefereeTree& tree, const Part& part, const Vec3& way, double way_m) {
-  ++m_queries;
-  const Vec3 move = way_m * way;
-  if (tree.meets(part.a + move, part.b + move, part.c + move)) return false;
-  return tree.winding_number((part.a + part.b + part.c) / 3 + move) < 0.5;
+/// Whether the part lies outside the bone once it is moved by `distance_m`, in `direction` (unit) or in one near it: in
+/// a groove the direction out of one flank may lead into the other, and the sum of their normals out of both.
+bool SurfaceDepthMeter::clear_when_moved(const RefereeTree& tree, const Part& part, Vec3 direction, double distance_m) {
+  constexpr int attempts = 3;
+  for (int attempt = 0; attempt < attempts; ++attempt) {
+    const Vec3 move = distance_m * direction;
+    const int touched = tree.find_touched(part.a + move, part.b + move, part.c + move, &m_work);
+    if (touched < 0) return tree.winding_number((part.a + part.b + part.c) / 3 + move, &m_work) < 0.5;
+    direction = (direction + tree.face_normal(touched)).stableNormalized();
+  }
+  return false;
 }
 
 std::size_t SurfaceDepthMeter::bytes() const {
   std::size_t sum = m_triangles.capacity() * sizeof(Triangle) + m_carriers.capacity() * sizeof(int) +
-                    m_rest.capacity() * sizeof(Vec3) + m_least_m.capacity() * sizeof(double) + m_inside.capacity() +
+                    m_rest.capacity() * sizeof(Vec3) + (m_least_m.capacity() + m_depth_m.capacity()) * sizeof(double) +
                     m_parts.capacity() * sizeof(Part);
   for (const std::vector<int>& counting : m_counting) sum += counting.capacity() * sizeof(int);
   for (const std::vector<Memory>& memories : m_memories) sum += memories.capacity() * sizeof(Memory);

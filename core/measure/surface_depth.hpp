@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -12,7 +13,9 @@ namespace musclebench {
 
 /// The deepest point of the muscle's surface inside a bone.
 struct DeepestSurfacePoint {
-  double depth_m = 0;  ///< 0: the surface is outside all bones
+  double depth_m = 0;  ///< 0: no point inside a bone was found
+  /// No point of the surface is deeper. It exceeds the depth by the tolerance alone unless the budget was spent.
+  double bound_m = 0;
   int bone = -1;
   int triangle = -1;            ///< of the muscle; -1 where the point is a node
   Vec3 point_m = Vec3::Zero();  ///< world
@@ -21,12 +24,13 @@ struct DeepestSurfacePoint {
 /// Finds how deep the muscle's surface, not only its nodes, is inside the bones: all nodes can be outside while a
 /// bone's ridge cuts through a face.
 ///
-/// Branch and bound over the triangles: the signed distance of a point p changes by at most the way that p moves, so no
-/// point of a triangle is deeper than the depth of its centroid plus the radius about it. Nor is it deeper than b when
-/// the triangle, moved aside by b, lies outside the bone: that leaves out what lies along a bone. What is not left out
-/// is split. The answer is the depth of a point of the surface, so never too large, and at most
-/// `relative_tolerance * depth + absolute_tolerance * (the bone's diagonal)` too small. For a bone whose surface is not
-/// closed, whose signed distance jumps away from the surface, it is the depth of a point, but perhaps not the deepest.
+/// Branch and bound over the triangles, best first: the signed distance changes by at most the distance between two
+/// points, so no point of a triangle is deeper than the depth of its centroid plus the radius about it. Nor is it
+/// deeper than b when the triangle, moved by b in any direction, lies outside the bone: that settles what lies along a
+/// bone. What is not settled is split in four. The answer is the depth of a point of the surface, so never too large,
+/// and at most `relative_tolerance * depth + absolute_tolerance * (the bone's diagonal)` too small, unless the budget
+/// is spent before. For a bone whose surface is not closed, whose signed distance jumps away from the surface, it is
+/// the depth of a point, but perhaps not the deepest.
 ///
 /// A triangle counts against a bone when none of its nodes is carried by that bone and at least one node is free: what
 /// is attached to a bone lies in it by intention, with the triangles around, and would hide all else. Free nodes count
@@ -40,53 +44,63 @@ class SurfaceDepthMeter {
   SurfaceDepthMeter(std::span<const Triangle> triangles, std::span<const int> carriers, int bones);
 
   /// `truth`: what `referee.judge` answered last, for these poses and positions (finite; world frame) and all free
-  /// nodes. Deterministic; what is kept from earlier calls makes a call faster, and changes the answer only within the
-  /// tolerance.
+  /// nodes. `budget`: of work, in the unit of RefereeTree; what it does not suffice for is in `bound_m`. Deterministic;
+  /// what is kept from earlier calls makes a call faster, and changes the answer only within tolerance and bound.
   DeepestSurfacePoint measure(const Referee& referee, std::span<const RigidMotion> poses,
-                              std::span<const Vec3> positions, std::span<const Contact> truth);
+                              std::span<const Vec3> positions, std::span<const Contact> truth,
+                              long budget = std::numeric_limits<long>::max());
 
-  /// Questions to the trees in the last call: closest points, and triangles tested for an intersection.
-  [[nodiscard]] long last_queries() const { return m_queries; }
+  /// Work of the last call, in the unit of RefereeTree.
+  [[nodiscard]] long last_work() const { return m_work; }
 
   [[nodiscard]] std::size_t bytes() const;
 
  private:
   /// What is known of one triangle's centroid and one bone.
   struct Memory {
-    Vec3 point_m = Vec3::Zero();  ///< where it was when it was last looked at, relative to the tree's centre
+    Vec3 point_m = Vec3::Zero();  ///< where it was when it was last queried, relative to the tree's centre
     double signed_distance_m = 0;
-    int place = -1;  ///< of the closest triangle of the bone; -1: nothing is known
+    int slot = -1;  ///< of the closest triangle of the bone; -1: nothing is known
   };
   /// A triangle or a part of one, relative to the tree's centre, and a point whose side of the surface is known.
   struct Part {
     Vec3 a, b, c;
-    Vec3 known_m;
-    bool known = false;
+    Vec3 known_m = Vec3::Zero();
+    double known_steady_m = 0;  ///< see SurfaceWinding; 0: no side is known
     bool known_inside = false;
-    int place = -1;  ///< a triangle of the bone that is near
+    bool whole = true;    ///< a triangle, not a part of one
+    double bound_m = 0;   ///< no point of it is deeper
+    double excess_m = 0;  ///< the bound without the absolute tolerance, by which parts at several bones compare
+    int bone = -1;
+    int index = -1;  ///< in m_counting of the bone
+    int slot = -1;   ///< of a triangle of the bone that is near
   };
 
   void start_where_it_was_deepest(const Referee& referee, std::span<const RigidMotion> poses,
                                   std::span<const Vec3> positions);
-  void measure_bone(int bone, const Referee& referee, const RigidMotion& pose, std::span<const Vec3> positions);
+  void collect_parts(int bone, const Referee& referee, const RigidMotion& pose, std::span<const Vec3> positions);
+  void know_a_corner(const RefereeTree& tree, const Triangle& nodes, Part& part) const;
   [[nodiscard]] double bound_from_nodes(const Triangle& triangle) const;
-  void search(const RefereeTree& tree, int bone, int triangle, const Part& whole, Memory& memory);
-  [[nodiscard]] bool clear_when_moved(const RefereeTree& tree, const Part& part, const Vec3& way, double way_m);
+  [[nodiscard]] double bound_from_memory(const Part& part, const Memory& memory, double rounding_m) const;
+  void push(Part part, const RefereeTree& tree);
+  void refine(const Part& part, const RefereeTree& tree);
+  void split(const Part& part, const RefereeTree& tree, const Part& child_facts, double signed_distance_m);
+  [[nodiscard]] bool clear_when_moved(const RefereeTree& tree, const Part& part, Vec3 direction, double distance_m);
   [[nodiscard]] double limit_m(const RefereeTree& tree) const;
 
   std::vector<Triangle> m_triangles;
   std::vector<std::vector<int>> m_counting;     // by bone: the triangles that count against it
-  std::vector<std::vector<Memory>> m_memories;  // by bone, by place in m_counting
+  std::vector<std::vector<Memory>> m_memories;  // by bone, by index in m_counting
   std::vector<int> m_carriers;
   DeepestSurfacePoint m_best;
   Vec3 m_best_rest_m = Vec3::Zero();   // rest frame of its bone; where it is in a triangle
   Vec3 m_best_weights = Vec3::Zero();  // its barycentric coordinates there
-  long m_queries = 0;
+  long m_work = 0;
   // Scratch memory, kept so that a frame allocates nothing.
   std::vector<Vec3> m_rest;       // nodes, relative to the tree's centre
   std::vector<double> m_least_m;  // lower bounds of their signed distances
-  std::vector<char> m_inside;
-  std::vector<Part> m_parts;
+  std::vector<double> m_depth_m;  // of the nodes, in one bone; 0: not inside
+  std::vector<Part> m_parts;      // a heap, the one with the largest excess first
 };
 
 }  // namespace musclebench

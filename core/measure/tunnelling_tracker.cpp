@@ -63,7 +63,7 @@ void TunnellingTracker::follow_crossings(const RefereeTree& tree, const Vec3& po
     layers = std::max(1, static_cast<int>(std::lround(tree.winding_number(way.point_m))));
   // What touches the surface counts as outside, but its way may begin inside.
   if (tree.closed() && !way.inside && !m_crossings.front().entering) {
-    way.enter(tree.face_normal(tree.closest(way.point_m).place));
+    way.enter(tree.face_normal(tree.closest(way.point_m).slot));
     layers = 1;
   }
   double inside_since = 0;
@@ -73,11 +73,11 @@ void TunnellingTracker::follow_crossings(const RefereeTree& tree, const Vec3& po
   for (const SurfaceCrossing& crossing : m_crossings) {
     layers += crossing.entering ? 1 : -1;
     if (layers > 0 && !way.inside) {
-      way.enter(tree.face_normal(crossing.place));
+      way.enter(tree.face_normal(crossing.slot));
       inside_since = crossing.share;
     } else if (layers <= 0 && way.inside) {
       look_in_the_middle(crossing.share);
-      way.leave(tree.face_normal(crossing.place), grazing_depth * tree.diagonal_m());
+      way.leave(tree.face_normal(crossing.slot), grazing_depth * tree.diagonal_m());
     }
   }
   if (way.inside) look_in_the_middle(1);

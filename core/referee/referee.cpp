@@ -27,7 +27,7 @@ SurfaceDistance describe(const RefereeTree& tree, const Vec3& point, const Close
   // So close to the surface the difference of the two points is mostly rounding.
   const bool direction_known = distance > rounding_share * tree.diagonal_m();
   return {inside ? -distance : distance, nearest.point_m,
-          direction_known ? Vec3(outwards / distance) : tree.face_normal(nearest.place)};
+          direction_known ? Vec3(outwards / distance) : tree.face_normal(nearest.slot)};
 }
 
 bool is_inside(const RefereeTree& tree, const Vec3& point, const ClosestSurfacePoint& nearest) {
@@ -85,20 +85,20 @@ bool Referee::examine(int bone, const Vec3& point, Memory& memory, SurfaceDistan
     return false;
   }
   ++effort.distance_queries;
-  const ClosestSurfacePoint nearest = tree.closest(point, m_reuses_distances ? memory.triangle : -1);
+  const ClosestSurfacePoint nearest = tree.closest(point, m_reuses_distances ? memory.triangle : -1, &effort.work);
   const double distance = std::sqrt(nearest.squared_distance_m2);
-  side_known = side_known || (m_reuses_distances && memory.clearance_m >= 0 &&
-                              stays_within(moved, distance, tree.diagonal_m()) &&
-                              stays_within(moved, memory.steady_m, tree.diagonal_m()));
+  side_known = side_known ||
+               (m_reuses_distances && memory.clearance_m >= 0 && stays_within(moved, distance, tree.diagonal_m()) &&
+                stays_within(moved, memory.steady_m, tree.diagonal_m()));
   bool inside = memory.inside;
   double steady_m = memory.steady_m - moved;
   if (!side_known) {
     ++effort.winding_numbers;
-    const SurfaceWinding winding = tree.winding(point);
+    const SurfaceWinding winding = tree.winding(point, &effort.work);
     inside = distance > m_touching_m[static_cast<std::size_t>(bone)] && winding.number > 0.5;
     steady_m = winding.steady_m;
   }
-  memory = {point, distance, steady_m, nearest.place, inside};
+  memory = {point, distance, steady_m, nearest.slot, inside};
   if (inside) found = describe(tree, point, nearest, inside);
   return inside;
 }
@@ -110,9 +110,10 @@ void Referee::judge_bone(int bone, const RigidMotion& pose, std::span<const Vec3
   const int count = static_cast<int>(nodes.size());
   long distance_queries = 0;
   long winding_numbers = 0;
+  long work = 0;
 #ifdef _OPENMP
 #pragma omp parallel for schedule(dynamic, 128) num_threads(m_threads) if (m_threads > 1) \
-    reduction(+ : distance_queries, winding_numbers)
+    reduction(+ : distance_queries, winding_numbers, work)
 #endif
   for (int i = 0; i < count; ++i) {
     const auto place = static_cast<std::size_t>(i);
@@ -126,9 +127,11 @@ void Referee::judge_bone(int bone, const RigidMotion& pose, std::span<const Vec3
     }
     distance_queries += effort.distance_queries;
     winding_numbers += effort.winding_numbers;
+    work += effort.work;
   }
   m_effort.distance_queries += distance_queries;
   m_effort.winding_numbers += winding_numbers;
+  m_effort.work += work;
 }
 
 void Referee::judge(std::span<const RigidMotion> poses, std::span<const Vec3> positions, std::span<const int> nodes,

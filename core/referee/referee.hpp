@@ -23,6 +23,7 @@ struct SurfaceDistance {
 struct RefereeEffort {
   long distance_queries = 0;
   long winding_numbers = 0;
+  long work = 0;  ///< of the trees, in the unit of RefereeTree
 };
 
 /// The harness's truth: the exact signed distance of points to bones, in double precision, by means that no backend
@@ -33,9 +34,9 @@ struct RefereeEffort {
 /// thickness. Inside an overlap of two components the nearest triangle, hence the depth and the normal, may belong to a
 /// face that lies inside the other component.
 ///
-/// A surface that is not closed has a winding number too, but it changes away from the surface. Such a bone is judged by
-/// the same means, where a side is remembered only for as long as the surface's boundary allows (SurfaceWinding), and at
-/// a cost that grows with the number of boundary edges.
+/// A surface that is not closed has a winding number too, but it changes away from the surface. Such a bone is judged
+/// by the same means, where a side is remembered only for as long as the surface's boundary allows (SurfaceWinding),
+/// and at a cost that grows with the number of boundary edges.
 class Referee {
  public:
   /// Distance reuse: `judge` remembers each node's distance to each bone, and asks again only when the node has moved,

@@ -79,8 +79,8 @@ int side(const Flat& a, const Flat& b, const Flat& p) {
   return b.y != a.y ? sign_of(a.y - b.y) : sign_of(b.x - a.x);
 }
 
-/// A vector by its part across a ray and r cot(t / 2), r being the length of that part and t the vector's angle from the
-/// direction opposite to the ray. The half-angle formula for the area of a spherical triangle takes no more.
+/// A vector by its part across a ray and r cot(t / 2), r being the length of that part and t the vector's angle from
+/// the direction opposite to the ray. The half-angle formula for the area of a spherical triangle takes no more.
 struct AxialView {
   Flat flat;
   double half_cosine;

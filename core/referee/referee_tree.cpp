@@ -53,15 +53,15 @@ double RefereeTree::box_distance(const Vec3& point) const {
   return (point.cwiseAbs() - m_half_extents).cwiseMax(0.0).norm();
 }
 
-Vec3 RefereeTree::face_normal(int place) const {
-  const Corners& triangle = m_triangles[static_cast<std::size_t>(place)];
+Vec3 RefereeTree::face_normal(int slot) const {
+  const Corners& triangle = m_triangles[static_cast<std::size_t>(slot)];
   const Vec3 normal = (triangle.b - triangle.a).cross(triangle.c - triangle.a);
   const double length = normal.norm();
   return length > 0 ? Vec3(normal / length) : Vec3(Vec3::Zero());
 }
 
-void RefereeTree::consider(const Vec3& point, int place, ClosestSurfacePoint& best) const {
-  const Corners& t = m_triangles[static_cast<std::size_t>(place)];
+void RefereeTree::consider(const Vec3& point, int slot, ClosestSurfacePoint& best) const {
+  const Corners& t = m_triangles[static_cast<std::size_t>(slot)];
   const Vec3 ab = t.b - t.a;
   const Vec3 ac = t.c - t.a;
   const Vec3 normal = ab.cross(ac);
@@ -93,15 +93,15 @@ void RefereeTree::consider(const Vec3& point, int place, ClosestSurfacePoint& be
   if (t.sliver || weight_a < 0) keep_nearer_of_edge(point, t.b, t.c, squared, nearest);
   if (t.sliver || weight_b < 0) keep_nearer_of_edge(point, t.c, t.a, squared, nearest);
 
-  const bool first = best.place < 0;
+  const bool first = best.slot < 0;
   const bool tie = squared == best.squared_distance_m2;
   if (first || squared < best.squared_distance_m2 ||
-      (tie && t.index < m_triangles[static_cast<std::size_t>(best.place)].index)) {
-    best = {squared, nearest, place};
+      (tie && t.index < m_triangles[static_cast<std::size_t>(best.slot)].index)) {
+    best = {squared, nearest, slot};
   }
 }
 
-ClosestSurfacePoint RefereeTree::closest(const Vec3& point, int guess) const {
+ClosestSurfacePoint RefereeTree::closest(const Vec3& point, int guess, long* work) const {
   ClosestSurfacePoint best;
   if (guess >= 0) consider(point, guess, best);
   const Eigen::Array3f query = point.cast<float>().array();
@@ -113,14 +113,17 @@ ClosestSurfacePoint RefereeTree::closest(const Vec3& point, int guess) const {
   float bound = bound_of(best.squared_distance_m2);
 
   std::array<StackEntry, stack_size> stack;
+  long steps = 0;
   int waiting = 0;
   stack[waiting++] = {0, 0};
   while (waiting > 0) {
     const StackEntry entry = stack[--waiting];
     if (entry.squared_distance > bound) continue;
+    ++steps;
     if (entry.child < 0) {
       const int leaf = ~entry.child;
-      for (int place = leaf / 8; place < leaf / 8 + leaf % 8; ++place) consider(point, place, best);
+      steps += leaf % 8;
+      for (int slot = leaf / 8; slot < leaf / 8 + leaf % 8; ++slot) consider(point, slot, best);
       bound = bound_of(best.squared_distance_m2);
       continue;
     }
@@ -138,6 +141,7 @@ ClosestSurfacePoint RefereeTree::closest(const Vec3& point, int guess) const {
       stack[at] = {squared[k], node.child[k]};
     }
   }
+  add_work(work, steps);
   return best;
 }
 
@@ -149,22 +153,25 @@ AxisRay RefereeTree::shortest_ray_out(const Vec3& point) const {
   return ray;
 }
 
-int RefereeTree::count_crossings(const Vec3& point, AxisRay ray) const {
+int RefereeTree::count_crossings(const Vec3& point, AxisRay ray, long* work) const {
   const int i = (ray.axis + 1) % 3;
   const int j = (ray.axis + 2) % 3;
   const Eigen::Array3f below = point.unaryExpr([](double x) { return round_down(x); }).array();
   const Eigen::Array3f above = point.unaryExpr([](double x) { return round_up(x); }).array();
 
   int crossings = 0;
+  long steps = 0;
   std::array<int, stack_size> stack;
   int waiting = 0;
   stack[waiting++] = 0;
   while (waiting > 0) {
     const int child = stack[--waiting];
+    ++steps;
     if (child < 0) {
       const int leaf = ~child;
-      for (int place = leaf / 8; place < leaf / 8 + leaf % 8; ++place) {
-        const Corners& t = m_triangles[static_cast<std::size_t>(place)];
+      steps += leaf % 8;
+      for (int slot = leaf / 8; slot < leaf / 8 + leaf % 8; ++slot) {
+        const Corners& t = m_triangles[static_cast<std::size_t>(slot)];
         crossings += ray_crossing(t.a, t.b, t.c, point, ray);
       }
       continue;
@@ -178,25 +185,29 @@ int RefereeTree::count_crossings(const Vec3& point, AxisRay ray) const {
       if (gap[k] <= 0) stack[waiting++] = node.child[k];
     }
   }
+  add_work(work, steps);
   return crossings;
 }
 
-double RefereeTree::winding_number(const Vec3& point) const {
+double RefereeTree::winding_number(const Vec3& point, long* work) const {
   const bool outside_box = box_distance(point) > 0;
   if (closed() && outside_box) return 0;
   const AxisRay ray = shortest_ray_out(point);
-  double number = outside_box ? 0 : count_crossings(point, ray);
+  double number = outside_box ? 0 : count_crossings(point, ray, work);
+  add_work(work, static_cast<long>(m_boundary.size()));
   for (const BoundaryEdge& edge : m_boundary) number += edge.uses * strip_share(edge.from, edge.to, point, ray);
   return number;
 }
 
-/// Away from the surface only its boundary curve changes the winding number: by at most L / (4 pi d^2) per movement, for
-/// each edge of length L at distance d (Biot-Savart). A movement of s, the point's and the vertices' together, leaves d
-/// above half of what it was while s is below that half, and makes L longer by at most 2 s; so the change is at most
-/// s / pi * sum (L + 2 s) / d^2, and the largest s that keeps it below |number - 0.5| solves a quadratic equation.
-SurfaceWinding RefereeTree::winding(const Vec3& point) const {
-  SurfaceWinding winding{winding_number(point)};
+/// Away from the surface only its boundary curve changes the winding number: by at most L / (4 pi d^2) per movement,
+/// for each edge of length L at distance d (Biot-Savart). A movement of s, the point's and the vertices' together,
+/// leaves d above half of what it was while s is below that half, and makes L longer by at most 2 s; so the change is
+/// at most s / pi * sum (L + 2 s) / d^2, and the largest s that keeps it below |number - 0.5| solves a quadratic
+/// equation.
+SurfaceWinding RefereeTree::winding(const Vec3& point, long* work) const {
+  SurfaceWinding winding{winding_number(point, work)};
   if (closed()) return winding;
+  add_work(work, static_cast<long>(m_boundary.size()));
   double nearest = std::numeric_limits<double>::infinity();
   double linear = 0;
   double quadratic = 0;

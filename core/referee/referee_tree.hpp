@@ -16,21 +16,22 @@ namespace musclebench {
 struct ClosestSurfacePoint {
   double squared_distance_m2 = std::numeric_limits<double>::infinity();
   Vec3 point_m = Vec3::Zero();  ///< relative to RefereeTree::centre_m()
-  int place = -1;               ///< of the triangle, in the order of the tree; -1: none
+  int slot = -1;                ///< of the triangle, in the order of the tree; -1: none
 };
 
 /// Where a segment passes through a surface.
 struct SurfaceCrossing {
   double share = 0;       ///< of the segment, from its start to the crossing
   bool entering = false;  ///< from the front of the triangle to its back
-  int place = -1;         ///< of the triangle, in the order of the tree
+  int slot = -1;          ///< of the triangle, in the order of the tree
 };
 
 /// The winding number of a surface around a point, and for how long the point stays on its side of 0.5.
 struct SurfaceWinding {
   double number = 0;
   /// The point and the vertices of the surface may move by this much together before `number` may cross 0.5, as long as
-  /// the point does not pass through the surface. Infinite for a closed surface: its winding number changes nowhere else.
+  /// the point does not pass through the surface. Infinite for a closed surface: its winding number changes nowhere
+  /// else.
   double steady_m = std::numeric_limits<double>::infinity();
 };
 
@@ -41,6 +42,9 @@ struct SurfaceWinding {
 /// All points that go in or come out are relative to `centre_m()`, the middle of the surface's box, so that a bone far
 /// from the origin is judged as exactly as one at it. Boxes are held as 32-bit floats rounded outwards and serve only
 /// to leave triangles out; distances and crossings are computed from the vertices in double precision.
+///
+/// Queries add what they took to `work`, where one is given: one for each node visited, triangle tested and boundary
+/// edge looked at. It depends on the input alone, so that a budget of it gives the same answer on any machine.
 class RefereeTree {
  public:
   /// Copies what it needs of `mesh` (at least one triangle, finite vertices, valid indices).
@@ -56,27 +60,30 @@ class RefereeTree {
   /// Distance from `point` to the surface's box; 0 inside it. Never larger than the distance to the surface.
   [[nodiscard]] double box_distance(const Vec3& point) const;
 
-  /// The closest point of the surface. Of triangles at equal distance the first in the mesh is taken, so the answer
-  /// does not depend on `guess` (a place returned before, or -1), which only makes the search shorter.
-  [[nodiscard]] ClosestSurfacePoint closest(const Vec3& point, int guess = -1) const;
+  /// No point inside a closed surface is farther from it than half of the box's shortest side.
+  [[nodiscard]] double inradius_bound_m() const { return m_half_extents.minCoeff(); }
 
-  /// Winding number of the surface around `point` (Jacobson et al. 2013): the signed crossings of a ray, which is all and
-  /// exact where `closed()`, and else the solid angles of the strips that close the surface along its boundary edges
-  /// (see strip_share), which costs time in proportion to their number.
-  [[nodiscard]] double winding_number(const Vec3& point) const;
+  /// The closest point of the surface. Of triangles at equal distance the first in the mesh is taken, so the answer
+  /// does not depend on `guess` (a slot returned before, or -1), which only makes the search shorter.
+  [[nodiscard]] ClosestSurfacePoint closest(const Vec3& point, int guess = -1, long* work = nullptr) const;
+
+  /// Winding number of the surface around `point` (Jacobson et al. 2013): the signed crossings of a ray, which is all
+  /// and exact where `closed()`, and else the solid angles of the strips that close the surface along its boundary
+  /// edges (see strip_share), which costs time in proportion to their number.
+  [[nodiscard]] double winding_number(const Vec3& point, long* work = nullptr) const;
 
   /// The same, with the movement for which the side holds.
-  [[nodiscard]] SurfaceWinding winding(const Vec3& point) const;
+  [[nodiscard]] SurfaceWinding winding(const Vec3& point, long* work = nullptr) const;
 
-  /// Unit normal of the triangle at `place`, by its winding; zero for a triangle without area.
-  [[nodiscard]] Vec3 face_normal(int place) const;
+  /// Unit normal of the triangle at `slot`, by its winding; zero for a triangle without area.
+  [[nodiscard]] Vec3 face_normal(int slot) const;
 
-  /// Index in the mesh of the triangle at `place`.
-  [[nodiscard]] int triangle_index(int place) const { return m_triangles[static_cast<std::size_t>(place)].index; }
+  /// Index in the mesh of the triangle at `slot`.
+  [[nodiscard]] int triangle_index(int slot) const { return m_triangles[static_cast<std::size_t>(slot)].index; }
 
-  /// Whether the triangle (a, b, c), seen as filled, touches the surface. Never false for one that passes through the
-  /// surface by more than rounding; may be true for one that only comes that close.
-  [[nodiscard]] bool meets(const Vec3& a, const Vec3& b, const Vec3& c) const;
+  /// A triangle of the surface, by its slot, that the triangle (a, b, c), seen as filled, touches; -1: none. Never -1
+  /// for one that passes through the surface by more than rounding; may be a slot for one that only comes that close.
+  [[nodiscard]] int find_touched(const Vec3& a, const Vec3& b, const Vec3& c, long* work = nullptr) const;
 
   /// The crossings of the segment with the surface, into `crossings`, in the order that they are met in. A point on the
   /// surface counts as in front of it. Which triangles are crossed is decided without rounding errors; a segment
@@ -104,7 +111,7 @@ class RefereeTree {
     double uses;                 ///< so many more triangles run from -> to than to -> from; positive
   };
 
-  /// `child` is the number of a node, or ~(8 * first place + count) for a leaf. Absent children have an inverted box.
+  /// `child` is the number of a node, or ~(8 * first slot + count) for a leaf. Absent children have an inverted box.
   struct Node {
     Eigen::Array4f low[3], high[3];
     int child[4];
@@ -112,13 +119,13 @@ class RefereeTree {
 
   friend class RefereeTreeBuilder;
 
-  /// Calls `visit_place` for the triangles in all boxes that `may_matter` (of a node: which of its children), until it
+  /// Calls `visit_slot` for the triangles in all boxes that `may_matter` (of a node: which of its children), until it
   /// returns false.
   template <typename Filter, typename Visit>
-  void visit(const Filter& may_matter, const Visit& visit_place) const;
+  void visit(const Filter& may_matter, const Visit& visit_slot, long* work) const;
 
-  void consider(const Vec3& point, int place, ClosestSurfacePoint& best) const;
-  [[nodiscard]] int count_crossings(const Vec3& point, AxisRay ray) const;
+  void consider(const Vec3& point, int slot, ClosestSurfacePoint& best) const;
+  [[nodiscard]] int count_crossings(const Vec3& point, AxisRay ray, long* work) const;
   [[nodiscard]] AxisRay shortest_ray_out(const Vec3& point) const;
 
   std::vector<Corners> m_triangles;

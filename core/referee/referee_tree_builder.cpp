@@ -99,7 +99,8 @@ void RefereeTreeBuilder::find_boundary() {
       if (start != end) sides.push_back({edge, from, to});
     }
   }
-  std::stable_sort(sides.begin(), sides.end(), [](const Side& one, const Side& other) { return one.edge < other.edge; });
+  std::stable_sort(sides.begin(), sides.end(),
+                   [](const Side& one, const Side& other) { return one.edge < other.edge; });
   std::size_t k = 0;
   while (k < sides.size()) {
     const std::uint64_t edge = sides[k].edge >> 1U;
@@ -200,12 +201,12 @@ int RefereeTreeBuilder::add(const Range& whole, int depth) {
   }
 
   constexpr float infinity = std::numeric_limits<float>::infinity();
-  const auto place = m_tree.m_nodes.size();
+  const auto index = m_tree.m_nodes.size();
   m_tree.m_nodes.emplace_back();
   for (std::size_t k = 0; k < 4; ++k) {
     const auto lane = static_cast<Eigen::Index>(k);
     for (int axis = 0; axis < 3; ++axis) {
-      RefereeTree::Node& node = m_tree.m_nodes[place];
+      RefereeTree::Node& node = m_tree.m_nodes[index];
       node.low[axis][lane] = k < count ? round_down(children[k].box.min()[axis]) : infinity;
       node.high[axis][lane] = k < count ? round_up(children[k].box.max()[axis]) : -infinity;
     }
@@ -214,9 +215,9 @@ int RefereeTreeBuilder::add(const Range& whole, int depth) {
       child = children[k].count() > leaf_size ? add(children[k], depth + 1)
                                               : ~(8 * children[k].first + children[k].count());
     }
-    m_tree.m_nodes[place].child[k] = child;
+    m_tree.m_nodes[index].child[k] = child;
   }
-  return static_cast<int>(place);
+  return static_cast<int>(index);
 }
 
 void RefereeTreeBuilder::copy_triangles() {
@@ -259,8 +260,8 @@ void RefereeTreeBuilder::refit(std::span<const Triangle> triangles, std::span<co
         continue;
       }
       Box box;
-      for (int place = ~child / 8; place < ~child / 8 + ~child % 8; ++place) {
-        const RefereeTree::Corners& corners = tree.m_triangles[static_cast<std::size_t>(place)];
+      for (int slot = ~child / 8; slot < ~child / 8 + ~child % 8; ++slot) {
+        const RefereeTree::Corners& corners = tree.m_triangles[static_cast<std::size_t>(slot)];
         box.extend(corners.a).extend(corners.b).extend(corners.c);
       }
       for (int axis = 0; axis < 3; ++axis) {

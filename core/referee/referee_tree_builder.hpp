@@ -19,6 +19,10 @@ inline float round_down(double value) {
 }
 inline float round_up(double value) { return -round_down(-value); }
 
+inline void add_work(long* work, long steps) {
+  if (work != nullptr) *work += steps;
+}
+
 /// Fills a RefereeTree: splits where the surface-area heuristic (binned, Wald 2007) expects the shortest queries.
 class RefereeTreeBuilder {
  public:

@@ -88,17 +88,22 @@ struct FloatBox {
 }  // namespace
 
 template <typename Filter, typename Visit>
-void RefereeTree::visit(const Filter& may_matter, const Visit& visit_place) const {
+void RefereeTree::visit(const Filter& may_matter, const Visit& visit_slot, long* work) const {
+  long steps = 0;
   std::array<int, stack_size> stack;
   int waiting = 0;
   stack[waiting++] = 0;
   while (waiting > 0) {
     const int child = stack[--waiting];
+    ++steps;
     if (child < 0) {
       const int leaf = ~child;
-      for (int place = leaf / 8; place < leaf / 8 + leaf % 8; ++place) {
-        if (!visit_place(place)) return;
+      bool goes_on = true;
+      for (int slot = leaf / 8; goes_on && slot < leaf / 8 + leaf % 8; ++slot) {
+        ++steps;
+        goes_on = visit_slot(slot);
       }
+      if (!goes_on) break;
       continue;
     }
     const Node& node = m_nodes[static_cast<std::size_t>(child)];
@@ -107,9 +112,10 @@ void RefereeTree::visit(const Filter& may_matter, const Visit& visit_place) cons
       if (wanted[k]) stack[waiting++] = node.child[k];
     }
   }
+  add_work(work, steps);
 }
 
-bool RefereeTree::meets(const Vec3& a, const Vec3& b, const Vec3& c) const {
+int RefereeTree::find_touched(const Vec3& a, const Vec3& b, const Vec3& c, long* work) const {
   const Blade blade(a, b, c);
   FloatBox box;
   for (const Vec3* corner : {&a, &b, &c}) box.extend(*corner);
@@ -132,12 +138,15 @@ bool RefereeTree::meets(const Vec3& a, const Vec3& b, const Vec3& c) const {
     }
     return Eigen::Array<bool, 4, 1>(gap <= 0 && lowest <= 0 && highest >= 0);
   };
-  bool met = false;
-  visit(may_matter, [&](int place) {
-    const Corners& t = m_triangles[static_cast<std::size_t>(place)];
-    met = triangles_meet(blade, t.a, t.b, t.c);
-    return !met;
-  });
+  int met = -1;
+  visit(
+      may_matter,
+      [&](int slot) {
+        const Corners& t = m_triangles[static_cast<std::size_t>(slot)];
+        if (triangles_meet(blade, t.a, t.b, t.c)) met = slot;
+        return met < 0;
+      },
+      work);
   return met;
 }
 
@@ -152,19 +161,22 @@ void RefereeTree::cross(const Vec3& from, const Vec3& to, std::vector<SurfaceCro
     gap = gap.max(node.low[2] - box.high[2]).max(box.low[2] - node.high[2]);
     return Eigen::Array<bool, 4, 1>(gap <= 0);
   };
-  visit(may_matter, [&](int place) {
-    const Corners& t = m_triangles[static_cast<std::size_t>(place)];
-    const int crossing = segment_crossing(t.a, t.b, t.c, from, to);
-    if (crossing != 0) {
-      const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
-      const double start = std::abs(normal.dot(from - t.a));
-      const double end = std::abs(normal.dot(to - t.a));
-      crossings.push_back({start + end > 0 ? start / (start + end) : 0, crossing < 0, place});
-    }
-    return true;
-  });
+  visit(
+      may_matter,
+      [&](int slot) {
+        const Corners& t = m_triangles[static_cast<std::size_t>(slot)];
+        const int crossing = segment_crossing(t.a, t.b, t.c, from, to);
+        if (crossing != 0) {
+          const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
+          const double start = std::abs(normal.dot(from - t.a));
+          const double end = std::abs(normal.dot(to - t.a));
+          crossings.push_back({start + end > 0 ? start / (start + end) : 0, crossing < 0, slot});
+        }
+        return true;
+      },
+      nullptr);
   std::sort(crossings.begin(), crossings.end(), [&](const SurfaceCrossing& one, const SurfaceCrossing& other) {
-    return std::pair(one.share, triangle_index(one.place)) < std::pair(other.share, triangle_index(other.place));
+    return std::pair(one.share, triangle_index(one.slot)) < std::pair(other.share, triangle_index(other.slot));
   });
 }
 

@@ -97,27 +97,73 @@ double plain_depth(const TriangleMesh& bone, const RigidMotion& pose, const Tria
   return deepest;
 }
 
-TEST(BoneVertexDepth, FollowsADeformingMuscleAndAMovingBone) {
-  const TriangleMesh bone = make_capsule(0.1, 0.3, 16);
-  const TriangleMesh rest = moved(make_sphere(0.2, 3), Vec3(0.4, 0, 0));
+struct FollowedMuscle {
+  int touching = 0;
+  long work = 0;
+};
+
+constexpr int followed_frames = 40;
+
+/// A muscle of `rest` deforms while a bone turns into it and out again; each frame as the plain way says.
+FollowedMuscle follow(const TriangleMesh& bone, const TriangleMesh& rest) {
   const std::vector<Bone> bones{bone_of(bone)};
   BoneVertexDepthMeter meter(bones, rest, std::vector<int>(rest.vertices.size(), -1));
-  int touching = 0;
-  long queries = 0;
-  for (int frame = 0; frame < 40; ++frame) {
+  FollowedMuscle result;
+  for (int frame = 0; frame < followed_frames; ++frame) {
     const RigidMotion pose = RigidMotion::about_axis(Vec3::UnitZ(), {0.1, 0, 0}, 0.1 * frame);
     TriangleMesh muscle = rest;
     for (Vec3& p : muscle.vertices)
       p += Vec3(-0.2 - 0.2 * std::sin(0.3 * frame), 0.02 * std::cos(9 * p.x() + frame), 0);
     const double plain = plain_depth(bone, pose, muscle);
-    const double found = meter.measure(std::vector{pose}, muscle.vertices).depth_m;
-    ASSERT_NEAR(found, plain, 1e-12) << frame;
-    touching += plain > 0 ? 1 : 0;
-    queries += meter.last_queries();
+    const DeepestBoneVertex found = meter.measure(std::vector{pose}, muscle.vertices);
+    EXPECT_NEAR(found.depth_m, plain, 1e-12) << frame;
+    EXPECT_EQ(found.bound_m, found.depth_m);
+    result.touching += plain > 0 ? 1 : 0;
+    result.work += meter.last_work();
   }
-  EXPECT_GT(touching, 10);
-  EXPECT_LT(touching, 40);
-  EXPECT_LT(queries, 40 * static_cast<long>(bone.vertices.size()) / 2);
+  return result;
+}
+
+TEST(BoneVertexDepth, FollowsADeformingMuscleAndAMovingBone) {
+  const TriangleMesh bone = make_capsule(0.1, 0.3, 16);
+  const FollowedMuscle closed = follow(bone, moved(make_sphere(0.2, 3), Vec3(0.4, 0, 0)));
+  EXPECT_GT(closed.touching, 10);
+  EXPECT_LT(closed.touching, followed_frames);
+  constexpr long work_of_a_query = 20;
+  EXPECT_LT(closed.work, work_of_a_query * followed_frames * static_cast<long>(bone.vertices.size()) / 2);
+}
+
+TEST(BoneVertexDepth, AnOpenMuscleTakesHardlyMoreWorkThanAClosedOne) {
+  const TriangleMesh bone = make_capsule(0.1, 0.3, 16);
+  const TriangleMesh closed = moved(make_sphere(0.2, 3), Vec3(0.4, 0, 0));
+  TriangleMesh open = closed;
+  open.triangles.resize(open.triangles.size() - 2);
+  const FollowedMuscle of_open = follow(bone, open);
+  EXPECT_GT(of_open.touching, 10);
+  EXPECT_LT(of_open.work, 3 * follow(bone, closed).work);
+}
+
+TEST(BoneVertexDepth, WhatTheBudgetDoesNotSufficeForIsInTheBound) {
+  const TriangleMesh bone = make_sphere(0.5, 4);
+  const TriangleMesh muscle = make_sphere(1, 3);
+  const std::vector<Bone> bones{bone_of(bone)};
+  BoneVertexDepthMeter meter(bones, muscle, std::vector<int>(muscle.vertices.size(), -1));
+  const double plain = plain_depth(bone, {}, muscle);
+  constexpr long budget = 5000;
+  double deepest = 0;
+  int frames = 0;
+  for (; deepest < plain - 1e-12 && frames < 1000; ++frames) {
+    const DeepestBoneVertex found = meter.measure(std::vector<RigidMotion>(1), muscle.vertices, budget);
+    EXPECT_LE(found.depth_m, plain + 1e-12);
+    EXPECT_GE(found.bound_m, plain - 1e-12);
+    EXPECT_LT(meter.last_work(), budget + 5000) << "one cluster more";
+    deepest = std::max(deepest, found.depth_m);
+  }
+  EXPECT_GT(frames, 1) << "the budget should not suffice at once";
+  EXPECT_LT(frames, 1000) << "what was left out comes first in the next frame";
+  const TriangleMesh far = moved(bone, Vec3(5, 0, 0));
+  BoneVertexDepthMeter apart(std::vector{bone_of(far)}, muscle, std::vector<int>(muscle.vertices.size(), -1));
+  EXPECT_EQ(apart.measure(std::vector<RigidMotion>(1), muscle.vertices, 0).bound_m, 0) << "outside the muscle's box";
 }
 
 }  // namespace

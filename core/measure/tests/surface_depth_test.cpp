@@ -23,13 +23,16 @@ class Scene {
     m_meter.emplace(m_muscle.triangles, m_carriers, static_cast<int>(bones.size()));
   }
 
-  DeepestSurfacePoint measure(const std::vector<Vec3>& positions, const std::vector<RigidMotion>& poses) {
+  DeepestSurfacePoint measure(const std::vector<Vec3>& positions, const std::vector<RigidMotion>& poses,
+                              long budget = std::numeric_limits<long>::max()) {
     m_referee->judge(poses, positions, m_free, m_truth);
-    return m_meter->measure(*m_referee, poses, positions, m_truth);
+    return m_meter->measure(*m_referee, poses, positions, m_truth, budget);
   }
-  DeepestSurfacePoint measure() { return measure(m_muscle.vertices, std::vector<RigidMotion>(m_bones.size())); }
+  DeepestSurfacePoint measure(long budget = std::numeric_limits<long>::max()) {
+    return measure(m_muscle.vertices, std::vector<RigidMotion>(m_bones.size()), budget);
+  }
   [[nodiscard]] bool a_node_is_inside() const { return !m_truth.empty(); }
-  [[nodiscard]] long queries() const { return m_meter->last_queries(); }
+  [[nodiscard]] long work() const { return m_meter->last_work(); }
 
  private:
   TriangleMesh m_muscle;
@@ -49,6 +52,8 @@ double tolerance(const TriangleMesh& bone, double depth_m) {
 void expect_depth(const DeepestSurfacePoint& found, double depth_m, const TriangleMesh& bone) {
   EXPECT_LE(found.depth_m, depth_m + 1e-12 * naive::diagonal(bone));
   EXPECT_GE(found.depth_m, depth_m - tolerance(bone, depth_m));
+  EXPECT_GE(found.bound_m, depth_m - 1e-12 * naive::diagonal(bone));
+  EXPECT_LE(found.bound_m, found.depth_m + tolerance(bone, depth_m)) << "nothing is left open";
 }
 
 /// A face across the ridge of make_roof at height z, its corners far outside.
@@ -81,10 +86,10 @@ TEST(SurfaceDepth, NothingInsideIsExactlyZero) {
   }
 }
 
-TEST(SurfaceDepth, FarTrianglesCostNoQuery) {
+TEST(SurfaceDepth, FarTrianglesCostNoWork) {
   Scene scene({make_box({0.1, 0.1, 0.1}, 4)}, moved(make_sphere(0.1, 3), Vec3(1, 0, 0)));
   EXPECT_EQ(scene.measure().depth_m, 0);
-  EXPECT_EQ(scene.queries(), 0);
+  EXPECT_EQ(scene.work(), 0);
 }
 
 TEST(SurfaceDepth, SphereInSphere) {
@@ -204,7 +209,7 @@ TEST(SurfaceDepth, AFaceThatWasLookedAtMayJumpOntoTheBone) {
   append(bone, moved(make_box({0.1, 0.1, 0.1}, 1), Vec3(0.1, 1.2, 1)));
   Scene scene({bone}, face_at(1));
   EXPECT_EQ(scene.measure().depth_m, 0);
-  EXPECT_GT(scene.queries(), 0);
+  EXPECT_GT(scene.work(), 0);
   expect_depth(scene.measure(face_at(-0.1).vertices, {RigidMotion{}}), 0.06, bone);
 }
 
@@ -216,6 +221,79 @@ TEST(SurfaceDepth, OpenBoneGivesADepthThatIsReached) {
   EXPECT_GE(found.depth_m, 0.199);
   const std::vector<Bone> bones{bone_of(bone)};
   EXPECT_NEAR(Referee(bones, 0).signed_distance(0, found.point_m), -found.depth_m, 1e-12);
+}
+
+/// The outline (x, z; counter-clockwise seen from -y) along y from -1 to 1, in `rows` rows; the ends are fans around
+/// `hub`, a point from which the whole outline is seen.
+TriangleMesh extruded(const std::vector<Eigen::Vector2d>& outline, const Eigen::Vector2d& hub, int rows) {
+  TriangleMesh mesh;
+  const int n = static_cast<int>(outline.size());
+  for (int row = 0; row <= rows; ++row) {
+    for (const Eigen::Vector2d& p : outline) mesh.vertices.emplace_back(p.x(), -1 + 2.0 * row / rows, p.y());
+  }
+  for (const double y : {-1.0, 1.0}) mesh.vertices.emplace_back(hub.x(), y, hub.y());
+  for (int i = 0; i < n; ++i) {
+    const int next = (i + 1) % n;
+    for (int row = 0; row < rows; ++row) {
+      mesh.triangles.push_back({row * n + i, row * n + next, (row + 1) * n + next});
+      mesh.triangles.push_back({row * n + i, (row + 1) * n + next, (row + 1) * n + i});
+    }
+    mesh.triangles.push_back({next, i, (rows + 1) * n});
+    mesh.triangles.push_back({rows * n + i, rows * n + next, (rows + 1) * n + 1});
+  }
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+/// A block with a groove along y, 45 degrees to both sides, its valley line at z = 0. 196 triangles.
+TriangleMesh grooved_block() {
+  return extruded({{-2, -2}, {2, -2}, {2, 1}, {1, 1}, {0, 0}, {-1, 1}, {-2, 1}}, {0, -1}, 13);
+}
+
+/// What fills the groove. 96 nodes.
+TriangleMesh groove_filling() { return extruded({{0, 0}, {0.5, 0.5}, {1, 1}, {-1, 1}, {-0.5, 0.5}}, {0, 0.7}, 18); }
+
+TEST(SurfaceDepth, FlushInAGrooveIsSettledAtOnce) {
+  const TriangleMesh block = grooved_block();
+  ASSERT_GT(naive::winding_number(block, Vec3(0.1, 0.2, -0.5)), 0.9);
+  ASSERT_LT(naive::winding_number(block, Vec3(0.1, 0.2, 0.5)), 0.1);
+  Scene scene({block}, groove_filling());
+  const DeepestSurfacePoint found = scene.measure(10'000'000);
+  EXPECT_LE(found.depth_m, 1e-12);
+  EXPECT_LE(found.bound_m, 2 * tolerance(block, 0));
+  EXPECT_LT(scene.work(), 100'000) << "faces were split down along the valley line";
+
+  Scene sunk({block}, moved(groove_filling(), Vec3(0.01, 0, -0.02)));
+  const DeepestSurfacePoint deepest = sunk.measure(10'000'000);
+  expect_depth(deepest, std::sqrt(0.5) * 0.03, block);
+  EXPECT_LT(sunk.work(), 1'000'000);
+}
+
+TEST(SurfaceDepth, WhatTheBudgetDoesNotSufficeForIsInTheBound) {
+  const TriangleMesh roof = make_roof(0.3, 0.4, 2);
+  for (const double z : {-0.1, -0.01, 1e-5}) {
+    const double depth = std::max(0.0, -z * 0.6);
+    double last_bound = std::numeric_limits<double>::infinity();
+    for (const long budget : {0L, 20L, 100L, 1000L}) {
+      Scene scene({roof}, face_at(z));
+      const DeepestSurfacePoint found = scene.measure(budget);
+      EXPECT_LE(found.depth_m, depth + 1e-12);
+      EXPECT_GE(found.bound_m, depth - 1e-12);
+      EXPECT_LE(found.bound_m, last_bound);
+      EXPECT_LE(scene.work(), budget + 1000);
+      last_bound = found.bound_m;
+      if (budget == 0) EXPECT_GT(found.bound_m, 0.2) << "a bound that nothing was asked for";
+    }
+  }
+}
+
+TEST(SurfaceDepth, ABoundOfNodesInsideIsFinite) {
+  const TriangleMesh bone = make_box({1, 1, 1}, 1);
+  Scene scene({bone}, moved(make_box({0.1, 0.1, 0.1}, 1), Vec3(0, 0, 0.5)));
+  const DeepestSurfacePoint found = scene.measure(0L);
+  EXPECT_GE(found.depth_m, 0.5) << "that of the nodes is always known";
+  EXPECT_GE(found.bound_m, 0.6);
+  EXPECT_LE(found.bound_m, 1);
 }
 
 TEST(SurfaceDepth, TrianglesWithoutAreaAreHarmless) {

@@ -119,7 +119,7 @@ TEST(RefereeTree, MeetsWhatPlainlyCrosses) {
     for (Vec3& corner : blade) corner = middle + Vec3(size(random), size(random), size(random));
     const bool expected = plainly_meets(mesh, blade);
     const Vec3& centre = tree.centre_m();
-    ASSERT_EQ(tree.meets(blade[0] - centre, blade[1] - centre, blade[2] - centre), expected);
+    ASSERT_EQ(tree.find_touched(blade[0] - centre, blade[1] - centre, blade[2] - centre) >= 0, expected);
     met += expected ? 1 : 0;
   }
   EXPECT_GT(met, 1000);
@@ -128,10 +128,10 @@ TEST(RefereeTree, MeetsWhatPlainlyCrosses) {
 
 TEST(RefereeTree, TouchingMeets) {
   const RefereeTree tree(make_box({1, 1, 1}, 2));
-  EXPECT_TRUE(tree.meets({-3, -3, 1}, {3, -3, 1}, {0, 3, 1}));         // in the plane of a face
-  EXPECT_TRUE(tree.meets({0.3, 0.2, 1}, {0.5, 1, 3}, {0.2, 0.7, 3}));  // with a corner
-  EXPECT_FALSE(tree.meets({-3, -3, 1.0001}, {3, -3, 1.0001}, {0, 3, 1.0001}));
-  EXPECT_FALSE(tree.meets({-0.3, -0.3, 0}, {0.3, -0.3, 0}, {0, 0.3, 0}));  // inside
+  EXPECT_GE(tree.find_touched({-3, -3, 1}, {3, -3, 1}, {0, 3, 1}), 0);         // in the plane of a face
+  EXPECT_GE(tree.find_touched({0.3, 0.2, 1}, {0.5, 1, 3}, {0.2, 0.7, 3}), 0);  // with a corner
+  EXPECT_EQ(tree.find_touched({-3, -3, 1.0001}, {3, -3, 1.0001}, {0, 3, 1.0001}), -1);
+  EXPECT_EQ(tree.find_touched({-0.3, -0.3, 0}, {0.3, -0.3, 0}, {0, 0.3, 0}), -1);  // inside
 }
 
 TEST(RefereeTree, CrossingsInOrder) {
@@ -146,7 +146,7 @@ TEST(RefereeTree, CrossingsInOrder) {
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_NEAR(crossings[i].share, shares[i], 1e-15);
     EXPECT_EQ(crossings[i].entering, i % 2 == 0);
-    EXPECT_EQ(tree.face_normal(crossings[i].place), Vec3(i % 2 == 0 ? -1 : 1, 0, 0));
+    EXPECT_EQ(tree.face_normal(crossings[i].slot), Vec3(i % 2 == 0 ? -1 : 1, 0, 0));
   }
   tree.cross(Vec3(-2, 0.1, 1.3) - centre, Vec3(6, 0.1, 1.3) - centre, crossings);
   EXPECT_TRUE(crossings.empty());
@@ -158,12 +158,12 @@ TEST(RefereeTree, CrossingsSumToTheWindingNumber) {
   const TriangleMesh mesh = make_box({1, 1, 1}, 4);
   const RefereeTree tree(mesh);
   std::mt19937_64 random(11);
-  std::uniform_int_distribution<int> place(-6, 6);
+  std::uniform_int_distribution<int> slot(-6, 6);
   std::vector<SurfaceCrossing> crossings;
   int checked = 0;
   for (int i = 0; i < 3000; ++i) {
-    const Vec3 from(0.25 * place(random), 0.25 * place(random), 0.25 * place(random));
-    const Vec3 to(0.25 * place(random), 0.25 * place(random), 0.25 * place(random));
+    const Vec3 from(0.25 * slot(random), 0.25 * slot(random), 0.25 * slot(random));
+    const Vec3 to(0.25 * slot(random), 0.25 * slot(random), 0.25 * slot(random));
     const double reach_from = from.lpNorm<Eigen::Infinity>();
     const double reach_to = to.lpNorm<Eigen::Infinity>();
     if (reach_from == 1 || reach_to == 1) continue;  // on the surface
