@@ -148,7 +148,8 @@ TEST_P(SignedSurfaceShapes, FeaturesAreManifoldWhereNothingTouchesThem) {
   if (shape.name == "open") {
     return;  // There the question makes no sense.
   }
-  const double share = manifold_fraction(shape.mesh, ManifoldFeatures(shape.mesh, TriangleBvh(shape.mesh)));
+  const double share =
+      manifold_fraction(shape.mesh, ManifoldFeatures(shape.mesh, TriangleBvh(shape.mesh), MeshEdges(shape.mesh)));
   EXPECT_GE(share, shape.least_manifold);
   EXPECT_LE(share, shape.most_clean);
 }
@@ -164,7 +165,7 @@ TEST(SignedSurface, OfThePelvisWithItsFinHasNoWrongSign) {
   const RepairedMesh pelvis = repair_mesh(read_mesh(*folder / "meshes" / "pelvis.ply"), "pelvis");
   ASSERT_FALSE(pelvis.clean);
   const SignedSurface surface(pelvis);
-  const ManifoldFeatures clean(pelvis.mesh, surface.tree());
+  const ManifoldFeatures clean(pelvis.mesh, surface.tree(), MeshEdges(pelvis.mesh));
   std::vector<int> unclean;
   for (int t = 0; t < static_cast<int>(pelvis.mesh.triangles.size()); ++t) {
     if (!clean.holds(t, Feature::corner_0) || !clean.holds(t, Feature::corner_1) || !clean.holds(t, Feature::face)) {
