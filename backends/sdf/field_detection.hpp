@@ -49,7 +49,7 @@ class FieldDetection {
       if (positions.size() != m_clearance_cache.nodes()) {
         m_clearance_cache.reset(m_bones, positions.size());
       }
-      m_clearance_cache.collect_spent(poses, positions, nodes);
+      m_clearance_cache.collect_expired(poses, positions, nodes);
     }
     deal_out(nodes, threads);
     // Without OpenMP where a share a bone is all there is: it allocates even a team of one.
@@ -81,7 +81,7 @@ class FieldDetection {
   void deal_out(std::span<const int> nodes, int threads) {
     m_shares.clear();
     for (int bone = 0; bone < static_cast<int>(m_bones.size()); ++bone) {
-      std::span<const int> queried = m_has_cache ? m_clearance_cache.spent(bone) : nodes;
+      std::span<const int> queried = m_has_cache ? m_clearance_cache.expired(bone) : nodes;
       while (threads > 1 && queried.size() > nodes_a_share) {
         m_shares.push_back({bone, queried.first(nodes_a_share)});
         queried = queried.subspan(nodes_a_share);

@@ -106,7 +106,7 @@ class SdfBackend final : public CollisionBackend {
     field(bone).find_clearances(answers, clearance_m);
     for (std::size_t n = 0; n < block.count; ++n) {
       if (block.value_m[n] >= 0) {
-        m_detection.clearance_cache().grant(bone, nodes[block.query[n]], field(bone).grid().point(block.cells(n)),
+        m_detection.clearance_cache().store(bone, nodes[block.query[n]], field(bone).grid().point(block.cells(n)),
                                             clearance_m[n]);
       }
     }
@@ -121,7 +121,7 @@ class SdfBackend final : public CollisionBackend {
         continue;
       }
       const Vec3 cells = map.apply(positions[static_cast<std::size_t>(nodes[index])]);
-      m_detection.clearance_cache().grant(bone, nodes[index], field(bone).grid().point(cells),
+      m_detection.clearance_cache().store(bone, nodes[index], field(bone).grid().point(cells),
                                           field(bone).clearance_m(cells));
     }
   }

@@ -34,7 +34,7 @@ def runs_and_is_judged(program: str, folder: Path) -> None:
 
 
 def is_tried_by_advise(program: str) -> None:
-    advice = call(program, "advise", *SCENE, "--depth-mm", "50", "--seconds", "30")
+    advice = call(program, "advise", *SCENE, "--depth-mm", "50", "--seconds", "100")
     assert f"{NAME} radius_share=0.9" in advice, advice
 
 

@@ -24,8 +24,9 @@ bool overlaps_along(const Vec3& axis, const std::array<Vec3, 3>& corners, const 
   return std::min({p0, p1, p2}) <= reach && std::max({p0, p1, p2}) >= -reach;
 }
 
-/// Separating axes of a triangle and a box (Akenine-Moeller 2001): the box's, the triangle's normal, the nine edge
-/// pairs. An axis of no length separates nothing, so degenerate triangles are treated conservatively.
+/// Separating axis test of a triangle and a box (Akenine-Moeller 2001): the box's axes, the triangle's normal and the
+/// nine cross products of edges. An axis of length 0 separates nothing, so degenerate triangles are handled
+/// conservatively.
 bool triangle_touches_box(const std::array<Vec3, 3>& triangle, const Vec3& centre, const Vec3& half) {
   const std::array<Vec3, 3> corners = {triangle[0] - centre, triangle[1] - centre, triangle[2] - centre};
   const std::array<Vec3, 3> edges = {corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2]};
@@ -73,11 +74,11 @@ void VoxelGrid::size_cells(const TriangleMesh& surface, int cells, double voxel_
   const Eigen::AlignedBox3d box = bounding_box(surface.vertices);
   const Vec3 lower = box.min();
   const Vec3 upper = box.max();
-  // A hair of room, so that no point of the surface is rounded out of the grid and no cell of a flat bone is empty.
-  const Vec3 room = Vec3::Constant(1e-9 * (upper - lower).norm()) +
-                    4 * std::numeric_limits<double>::epsilon() * lower.cwiseAbs().cwiseMax(upper.cwiseAbs());
-  m_lower = lower - room;
-  const Vec3 extent = upper - lower + 2 * room;
+  // Padded, so that rounding puts no point of the surface outside the grid and a flat bone has cells of positive size.
+  const Vec3 padding = Vec3::Constant(1e-9 * (upper - lower).norm()) +
+                       4 * std::numeric_limits<double>::epsilon() * lower.cwiseAbs().cwiseMax(upper.cwiseAbs());
+  m_lower = lower - padding;
+  const Vec3 extent = upper - lower + 2 * padding;
   if (voxel_size_m > 0) {
     m_cell_size_m.setConstant(voxel_size_m);
     m_counts_real = (extent / voxel_size_m).array().floor() + 1;
@@ -92,7 +93,7 @@ void VoxelGrid::size_cells(const TriangleMesh& surface, int cells, double voxel_
 }
 
 void VoxelGrid::mark_border(const TriangleMesh& surface, std::vector<Cell>& states) const {
-  // Cells are tested a little larger than they are: rounding must not lose the surface.
+  // Cells are tested slightly enlarged, so that rounding misses none.
   const Vec3 half = (0.5 + 1e-9) * m_cell_size_m;
   for (const Triangle& triangle : surface.triangles) {
     const std::array<Vec3, 3> corners = {surface.vertices[triangle[0]], surface.vertices[triangle[1]],
@@ -119,8 +120,8 @@ void VoxelGrid::mark_border(const TriangleMesh& surface, std::vector<Cell>& stat
   }
 }
 
-/// Cells between border cells form connected regions that the surface does not cross: one winding number decides for
-/// each. A flood from a corner would call every enclosed pocket of free space inside.
+/// The cells that the surface does not touch form connected regions, each wholly inside or outside: one winding number
+/// decides. (A flood fill from a corner of the grid would take every enclosed cavity for inside.)
 void VoxelGrid::mark_inside(const TriangleMesh& surface, std::vector<Cell>& states) const {
   const TriangleBvh tree(surface);
   for (int z = 0; z < m_counts[2]; ++z) {
@@ -135,7 +136,7 @@ void VoxelGrid::mark_inside(const TriangleMesh& surface, std::vector<Cell>& stat
   }
 }
 
-/// Fills whole runs along x, so that what waits is a cell a run and not a cell a cell.
+/// Scan-line flood fill: fills whole runs along x, so that the stack holds runs instead of cells.
 void VoxelGrid::flood(const std::array<int, 3>& seed, Cell region, std::vector<Cell>& states) const {
   const auto unknown = [&](int x, int y, int z) { return states[index(x, y, z)] == Cell::unknown; };
   std::vector<std::array<int, 3>> front = {seed};

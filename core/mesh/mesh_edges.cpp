@@ -158,7 +158,7 @@ Winding find_winding(const TriangleMesh& mesh, const MeshEdges& edges) {
 }
 
 bool is_flat(const TriangleMesh& mesh, const Triangle& triangle) {
-  // The height over the longest side, relative to that side; real slivers lie many decades above.
+  // Height over the longest side, relative to that side; slivers of real meshes are many decades above.
   constexpr double flat_height = 1e-13;
   const Vec3& a = mesh.vertices[triangle[0]];
   const Vec3& b = mesh.vertices[triangle[1]];

@@ -9,8 +9,8 @@ namespace musclebench {
 
 namespace {
 
-/// Rounding errors of a position stay below this share of its coordinates.
-constexpr double rounding_share = 1e-13;
+/// Bound of the rounding error of a position, relative to its largest coordinate.
+constexpr double relative_rounding = 1e-13;
 
 }  // namespace
 
@@ -68,16 +68,17 @@ std::optional<double> SignedSurface::distance(const Vec3& point, double max_dist
   return is_inside(point, *closest) ? -closest->distance_m : closest->distance_m;
 }
 
-Vec3 SignedSurface::outward(const Vec3& point, const SignedPoint& place) const {
-  if (place.closest.distance_m > rounding_share * m_reach_m) {
-    const Vec3 way = place.inside ? Vec3(place.closest.point - point) : Vec3(point - place.closest.point);
-    return way / place.closest.distance_m;
+Vec3 SignedSurface::outward(const Vec3& point, const SignedPoint& located) const {
+  const ClosestPoint& closest = located.closest;
+  if (closest.distance_m > relative_rounding * m_reach_m) {
+    const Vec3 direction = located.inside ? Vec3(closest.point - point) : Vec3(point - closest.point);
+    return direction / closest.distance_m;
   }
-  const Vec3 of_face = m_tree.area_normal(place.closest.triangle);
-  const bool clean = m_signs && m_signs->clean.holds(place.closest.triangle, place.closest.feature);
-  const Vec3 of_feature = clean ? normal_at(place.closest) : of_face;
+  const Vec3 of_face = m_tree.area_normal(closest.triangle);
+  const bool manifold = m_signs && m_signs->manifold.holds(closest.triangle, closest.feature);
+  const Vec3 of_feature = manifold ? normal_at(closest) : of_face;
   for (const Vec3& direction : {of_feature, of_face}) {
-    // Scaled first, so that the square of a tiny triangle's normal does not vanish.
+    // Scaled first, so that the squared normal of a tiny triangle does not underflow.
     const double size = direction.cwiseAbs().maxCoeff();
     if (size > 0) {
       return (direction / size).normalized();

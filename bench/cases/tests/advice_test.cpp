@@ -147,7 +147,8 @@ Advice two_sizes(double ratio) {
   plan.points = {{{"cells", std::int64_t{2}}}, {{"cells", std::int64_t{1}}}};
   return find_advice({1e-4, 1000, {plan}}, [&](const Configuration& configuration, std::string& /*reason*/) {
     const bool large = configuration.text() == "grid cells=2";
-    Assessment assessment{configuration};
+    Assessment assessment;
+    assessment.configuration = configuration;
     const double time_ns = large ? 1e6 : ratio * 1e6;
     assessment.collision_ns = {time_ns, 0.999 * time_ns, 1.001 * time_ns};
     assessment.structure_bytes = large ? 52'900'000 : 7'300'000;

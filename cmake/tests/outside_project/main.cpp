@@ -30,7 +30,6 @@ double closest_after_a_frame(const BackendEntry& entry, const std::vector<Bone>&
   std::vector<int> nodes(ball.vertices.size());
   std::iota(nodes.begin(), nodes.end(), 0);
   LoopParameters loop;
-  loop.substeps = 3;
   Simulation simulation(loop, particles, nodes, {}, *backend, entry.default_response,
                         [](double frame, std::vector<RigidMotion>& poses) {
                           poses.assign(1, RigidMotion{Mat3::Identity(), Vec3(frame * step_m, 0, 0)});

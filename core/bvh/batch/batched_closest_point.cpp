@@ -68,7 +68,7 @@ BvhView BatchedClosestPoint::view_from(const Eigen::AlignedBox3d& box) const {
 std::int32_t BatchedClosestPoint::bounding_triangle(int triangle) const {
   const std::int32_t index = m_bvh->m_leaf_of[static_cast<std::size_t>(triangle)];
   const BvhLeaf& leaf = m_bvh->m_leaves[static_cast<std::size_t>(index)];
-  const std::size_t own = leaf.place_of(triangle);
+  const std::size_t own = leaf.lane_of(triangle);
   const bool is_sliver = (leaf.slivers >> own & 1U) != 0;
   const std::int32_t lane = is_sliver ? first_sound_triangle(leaf) : static_cast<std::int32_t>(own);
   return lane < 0 ? m_any_triangle : index * static_cast<std::int32_t>(bvh_width) + lane;

@@ -184,9 +184,9 @@ HWY_INLINE PointVec squared_to_box(const BvhNode& node, std::size_t child_lane, 
   };
   const Vec3Of<PointVec> normal = one(node.normal);
   const Vec3Of<PointVec> tangent = one(node.tangent);
-  const Vec3Of<PointVec> out{beyond(dot(normal, point), node.slab_lower, node.slab_upper),
-                             beyond(dot(tangent, point), node.side_lower[0], node.side_upper[0]),
-                             beyond(dot(cross(normal, tangent), point), node.side_lower[1], node.side_upper[1])};
+  const Vec3Of<PointVec> out{beyond(dot(normal, point), node.obb_lower[0], node.obb_upper[0]),
+                             beyond(dot(tangent, point), node.obb_lower[1], node.obb_upper[1]),
+                             beyond(dot(cross(normal, tangent), point), node.obb_lower[2], node.obb_upper[2])};
   return dot(out, out);
 }
 

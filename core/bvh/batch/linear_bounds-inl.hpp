@@ -75,12 +75,12 @@ HWY_INLINE Bound bound_of_children(const BvhNode& node, const Vec3Lanes& middle,
   const Vec3Lanes normal = load(node.normal, first);
   const Vec3Lanes tangent = load(node.tangent, first);
   const Vec3Lanes third = cross(normal, tangent);
-  const Interval up(dot(normal, middle), dot(abs(normal), half), load(node.slab_lower, first),
-                    load(node.slab_upper, first));
-  const Interval along(dot(tangent, middle), dot(abs(tangent), half), load(node.side_lower[0], first),
-                       load(node.side_upper[0], first));
-  const Interval across(dot(third, middle), dot(abs(third), half), load(node.side_lower[1], first),
-                        load(node.side_upper[1], first));
+  const Interval up(dot(normal, middle), dot(abs(normal), half), load(node.obb_lower[0], first),
+                    load(node.obb_upper[0], first));
+  const Interval along(dot(tangent, middle), dot(abs(tangent), half), load(node.obb_lower[1], first),
+                       load(node.obb_upper[1], first));
+  const Interval across(dot(third, middle), dot(abs(third), half), load(node.obb_lower[2], first),
+                        load(node.obb_upper[2], first));
   const Vec turned_value = hn::Add(hn::Add(up.value, along.value), across.value);
   const auto by_turned = hn::Gt(turned_value, value);
   const auto along_axis = [&](Vec of_normal, Vec of_tangent, Vec of_third, Vec of_box) HWY_ATTR {

@@ -56,7 +56,7 @@ void expect_answers_of_single_queries(const TriangleMesh& mesh, int blocks) {
       continue;
     }
     const Vec3 more = block % 7 == 0 ? Vec3(0.1 * width * Vec3::Ones()) : Vec3(Vec3::Zero());
-    search.enter({box.min() - more, box.max() + more}, block % 4 == 0 ? triangles(generator) : seed);
+    search.begin({box.min() - more, box.max() + more}, block % 4 == 0 ? triangles(generator) : seed);
     const std::span<PointPacket> all(packets);
     const std::size_t first_asked = static_cast<std::size_t>(block) % (all.size() + 1);
     search.closest_points(all.first(first_asked));
