@@ -115,6 +115,14 @@ def test_tables_are_written_with_their_source_and_stay(small):
     assert written(new, small, "page.md") == new
 
 
+def test_a_disturbed_run_is_marked_and_still_found(small):
+    path = small.folder / "paper-lhdl" / "table_2_times.csv"
+    rows = pd.read_csv(path).assign(status=["ok", "ok *", "ok"])
+    rows.assign(configuration=rows["backend"] + [" *", "", ""]).to_csv(path, index=False)
+    assert "| iliacus | fcl * |" in block(small, "times paper-lhdl")
+    assert value_text(small, "paper-lhdl/table_2_times[configuration=voxel].ratio") == "1.00"
+
+
 def test_a_marker_without_an_end_is_told(small):
     with pytest.raises(Problem, match="page.md"):
         written("<!-- value: paper-lhdl/table_2_times.ratio -->1", small, "page.md")
@@ -135,7 +143,7 @@ def test_results_are_taken_over_with_commit_machine_and_disturbance(tmp_path):
     for name in ("voxel", "fcl"):
         fake_runs.write_run(out / "raw" / name, "lhdl/iliacus", name)
     path = out / "raw" / "fcl" / "run.json"
-    path.write_text(json.dumps(json.loads(path.read_text()) | {"machine_state": {"disturbed": True}}))
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"machine_state": {"involuntary_context_switches": 9000}}))
     (out / "tables").mkdir()
     (out / "tables" / "table_2_times.csv").write_text("muscle,backend,ratio\niliacus,fcl,200\n")
     source = adopt("paper-lhdl", out, tmp_path / "measured" / "paper-lhdl", "tools/paper")

@@ -6,10 +6,11 @@ from collections.abc import Callable
 import pandas as pd
 
 from ..program.cli import Problem
+from ..results.disturbance import MARK
 from ..tables import choices, outcomes, paper_tables, prices
 from ..tables.table_formats import Column, as_ratio, markdown_rows, with_unit
 from .measured import Measured
-from .selection import chosen_rows
+from .selection import chosen_rows, plain
 
 TIME_KEYS = ("muscle", "backend", "collision_ms", "ratio", "paper_ratio", "fps", "missed_contacts", "false_contacts",
              "largest_depth_mm", "structure_mb")
@@ -44,10 +45,18 @@ def _from(file_name: str, columns: list[Column], keys: tuple[str, ...]) -> Calla
         rows = chosen_rows(measured.table(f"{study}/{name}"), filters, f"{name} {study} {filters}")
         by_key = {column.key: column for column in with_unit(columns, measured.source(study).unit)}
         shown = [by_key[key] for key in keys if key in rows and key in by_key]
-        rows = rows.assign(**{key: rows[key].map(_plain) for key in ("target_mm",) if key in rows})
+        rows = _marked(rows.assign(**{key: rows[key].map(plain) for key in ("target_mm",) if key in rows}))
         return markdown_rows(shown, rows)
 
     return made
+
+
+def _marked(rows: pd.DataFrame) -> pd.DataFrame:
+    """A disturbed run's mark stands at its status, which pages don't show."""
+    if "status" not in rows or "backend" not in rows:
+        return rows
+    busy = rows["status"].astype(str).str.endswith(MARK)
+    return rows.assign(backend=rows["backend"].where(~busy, rows["backend"] + MARK))
 
 
 def _speed(measured: Measured, study: str, filters: str) -> str:
@@ -74,10 +83,6 @@ def _coupled(measured: Measured, study: str, filters: str) -> str:
                  if m in mine.index else "-" for m in muscles]
         lines.append(f"| `{name}` | " + " | ".join(cells) + " |")
     return "\n".join(lines)
-
-
-def _plain(value) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _three(value: float) -> str:

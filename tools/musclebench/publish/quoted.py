@@ -8,8 +8,8 @@ import re
 
 from .pages import MARKED
 
-UNITS = (r"ms|us|µs|ns|s|min|h|seconds?|minutes?|hours?|GB|MB|kB|MiB|KiB|bytes?|mm|nm|µm|%|percent|fps|frames/s|cycles|"
-         r"times|fold|x|voxel tests?")
+UNITS = (r"ms|us|µs|ns|s|min|h|seconds?|minutes?|hours?|GB|MB|kB|MiB|KiB|bytes?|mm|nm|µm|%|percent|fps|frames/s|"
+         r"cycles|times|fold|x|voxel tests?")
 NUMBER = r"\d+(?:,\d{3})*(?:\.\d+)?(?:e-?\d+)?"
 # An upper-case letter before: the version in a name.
 WITH_UNIT = re.compile(rf"(?<![\w.])({NUMBER})(?:\s?(?:to|and|-)\s?{NUMBER})?\s?(?:{UNITS})(?![\w/])")

@@ -5,6 +5,7 @@ import re
 import pandas as pd
 
 from ..program.cli import Problem
+from ..results.disturbance import MARK
 from ..tables.table_formats import as_ratio
 from .measured import Measured
 
@@ -36,9 +37,14 @@ def chosen_rows(rows: pd.DataFrame, filters: str, specification: str) -> pd.Data
         if not equals or column not in rows:
             raise Problem(f"'{specification}': no column '{column}'; there are {', '.join(rows.columns)}")
         chosen = [f"{float(word):g}" if _is_number(word) else word for word in wanted.split("|")]
-        values = rows[column].map(lambda value: f"{value:g}" if isinstance(value, float) else str(value))
+        values = rows[column].map(plain)
         rows = rows[values.isin(chosen)]
     return rows
+
+
+def plain(value) -> str:
+    """As filters name it: without the mark of a disturbed run."""
+    return f"{value:g}" if isinstance(value, float) else str(value).removesuffix(MARK)
 
 
 def _is_number(text: str) -> bool:
