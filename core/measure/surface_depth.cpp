@@ -10,8 +10,9 @@
 namespace musclebench {
 namespace {
 
-/// Rounding errors of a distance or a movement stay far below this share of the lengths that they come from.
-constexpr double rounding_share = 0x1p-40;
+/// Rounding errors of a distance or a movement stay far below this share of the lengths that they come from. Of a bone's
+/// diagonal it is more than `touching_distance_m`, so that no side is concluded from a node that touches.
+constexpr double rounding_share = 0x1p-39;
 
 double longest_edge(const Vec3& a, const Vec3& b, const Vec3& c) {
   return std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
@@ -64,7 +65,7 @@ DeepestSurfacePoint SurfaceDepthMeter::measure(const Referee& referee, std::span
   start_where_it_was_deepest(referee, poses, positions);
   for (const Contact& contact : truth) {
     if (contact.depth_m > m_best.depth_m) {
-      m_best = {contact.depth_m, 0, contact.bone, -1, positions[static_cast<std::size_t>(contact.node)]};
+      m_best = {contact.depth_m, 0, true, contact.bone, -1, positions[static_cast<std::size_t>(contact.node)]};
     }
   }
   m_parts.clear();
@@ -85,7 +86,11 @@ DeepestSurfacePoint SurfaceDepthMeter::measure(const Referee& referee, std::span
   for (std::size_t bone = 0; bone < poses.size(); ++bone) {
     m_best.bound_m = std::max(m_best.bound_m, limit_m(referee.tree(static_cast<int>(bone))));
   }
-  for (const Part& part : m_parts) m_best.bound_m = std::max(m_best.bound_m, part.bound_m);
+  for (const Part& part : m_parts) {
+    if (part.bound_m <= limit_m(referee.tree(part.bone))) continue;
+    m_best.bound_m = std::max(m_best.bound_m, part.bound_m);
+    m_best.complete = false;
+  }
   if (m_best.triangle >= 0) {
     m_best.point_m = poses[static_cast<std::size_t>(m_best.bone)].apply(m_best_rest_m);
     const Triangle& nodes = m_triangles[static_cast<std::size_t>(m_best.triangle)];
@@ -108,7 +113,7 @@ void SurfaceDepthMeter::start_where_it_was_deepest(const Referee& referee, std::
   }
   m_best_rest_m = poses[static_cast<std::size_t>(last.bone)].apply_inverse(point);
   const double depth_m = -referee.signed_distance(last.bone, m_best_rest_m);
-  if (depth_m > 0) m_best = {depth_m, 0, last.bone, last.triangle, point};
+  if (depth_m > 0) m_best = {depth_m, 0, true, last.bone, last.triangle, point};
 }
 
 /// Puts the triangles that may be deeper than the deepest point so far into the heap.

@@ -16,6 +16,7 @@ struct DeepestSurfacePoint {
   double depth_m = 0;  ///< 0: no point inside a bone was found
   /// No point of the surface is deeper. It exceeds the depth by the tolerance alone unless the budget was spent.
   double bound_m = 0;
+  bool complete = true;  ///< whether the budget sufficed
   int bone = -1;
   int triangle = -1;            ///< of the muscle; -1 where the point is a node
   Vec3 point_m = Vec3::Zero();  ///< world

@@ -16,6 +16,7 @@
 #include "backends/sdf/build/octree_reach.hpp"
 #include "backends/sdf/octree/octree_entry.hpp"
 #include "core/base/input_error.hpp"
+#include "core/base/percentile.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
@@ -276,10 +277,7 @@ class OctreeBuilder {
     if (m_errors_m.empty()) {
       return 0;
     }
-    std::vector<double> errors_m = m_errors_m;
-    const auto place = errors_m.begin() + static_cast<std::ptrdiff_t>(share * number(errors_m.size() - 1));
-    std::nth_element(errors_m.begin(), place, errors_m.end());
-    return *place;
+    return percentile(m_errors_m, share);
   }
 
   /// Of the places that were measured last.

@@ -282,7 +282,9 @@ TEST(SurfaceDepth, WhatTheBudgetDoesNotSufficeForIsInTheBound) {
       EXPECT_LE(found.bound_m, last_bound);
       EXPECT_LE(scene.work(), budget + 1000);
       last_bound = found.bound_m;
-      if (budget == 0) EXPECT_GT(found.bound_m, 0.2) << "a bound that nothing was asked for";
+      if (budget == 0) {
+        EXPECT_GT(found.bound_m, 0.2) << "a bound that nothing was asked for";
+      }
     }
   }
 }
