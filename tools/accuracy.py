@@ -10,15 +10,17 @@ import argparse
 import shlex
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from musclebench.accuracy import report
 from musclebench.cases.case import Places
-from musclebench.cases.muscle_scene import VERTICES
+from musclebench.cases.scene import chosen_names, survey
 from musclebench.cases.pool import Limits, run_cases
 from musclebench.cases.progress import duration
 from musclebench.program.cli import (
-    OneLineParser, Problem, check_data, check_positive, check_program, chosen_cores, run_command,
+    OneLineParser, Problem, add_scene_options, check_data, check_positive, check_program, chosen_cores, data_set_of,
+    out_name_of, run_command,
 )
 from musclebench.program.disk import free_bytes
 from musclebench.program.out_folder import claimed
@@ -32,7 +34,7 @@ from musclebench.study.sweeps import configurations
 
 PROJECT = Path(__file__).resolve().parent.parent
 PROGRAM = PROJECT / "build" / "release" / "bench" / "musclebench"
-QUICK_MUSCLES = ("iliacus",)
+QUICK_MUSCLE = "iliacus"
 REPETITIONS = 3
 PRICE_LIST = "price_list.txt"
 SPARE_BYTES = 100e6
@@ -45,11 +47,7 @@ def parse_arguments(arguments):
     what = parser.add_argument_group("what is measured")
     what.add_argument("--quick", action="store_true",
                       help="a first picture in under 5 minutes: fewer configurations, frames and repetitions")
-    what.add_argument("--data", type=Path, metavar="DIR",
-                      help="LHDL data folder: measure lhdl/* scenes (default: synthetic/*)")
-    what.add_argument("--muscle", action="append", metavar="NAME", choices=sorted(VERTICES),
-                      help=f"one of {', '.join(sorted(VERTICES))}; may be repeated "
-                           "(default: all; with --quick iliacus)")
+    add_scene_options(what, f"default: all of the data set; with --quick {QUICK_MUSCLE}")
     what.add_argument("--repetitions", type=int, metavar="N",
                       help=f"of each case; long ones are repeated less (default {REPETITIONS}; with --quick 1)")
     what.add_argument("--band-mm", type=float, default=10.0, metavar="MM",
@@ -92,15 +90,17 @@ def check_input(options) -> None:
         check_program(options.musclebench, "tools/accuracy")
 
 
-def request_of(options) -> Request:
-    muscles = tuple(dict.fromkeys(options.muscle or (QUICK_MUSCLES if options.quick else sorted(VERTICES))))
+def request_of(options, registry: Registry, places: Places) -> Request:
+    data_set = data_set_of(options)
+    names = chosen_names(options.scene, options.muscle, data_set, registry, QUICK_MUSCLE if options.quick else None)
+    scenes = survey(names, options.musclebench, registry, places, options.frames_limit)
     repetitions = options.repetitions or (1 if options.quick else REPETITIONS)
-    return Request("lhdl" if options.data else "synthetic", muscles, repetitions, options.quick, options.frames_limit,
-                  options.band_mm, options.shard)
+    return Request(tuple(scenes), data_set, repetitions, options.quick, options.frames_limit, options.band_mm,
+                   options.shard)
 
 
 def out_dir_of(options) -> Path:
-    name = "-".join(["accuracy", *(["quick"] if options.quick else []), "lhdl" if options.data else "synthetic"])
+    name = "-".join(["accuracy", *(["quick"] if options.quick else []), out_name_of(options)])
     return (options.out or PROJECT / "reports" / "out" / name).absolute()
 
 
@@ -133,16 +133,17 @@ def check_space(cases: list[StudyCase], study: AccuracyStudy) -> None:
                       "make room, choose another --out or fewer muscles")
 
 
-def run_study(cases: list[StudyCase], study: AccuracyStudy, registry: Registry, options) -> list[str]:
+def run_study(request: Request, study: AccuracyStudy, registry: Registry, options) -> list[str]:
     """Runs what is not complete yet; a line for each case that has no result."""
+    cases = plan(request, configurations(registry))
     todo = [case for case in cases if study.wants(case)]
     if len(todo) < len(cases):
         print(f"{len(cases) - len(todo)} of {len(cases)} cases are complete already (--force runs them again)")
     check_space(todo, study)
     with claimed(study.places.out_dir, *RESULT_DIRS):
         save_registry(registry, study.places.out_dir)
-        everywhere = planned_everywhere(options, registry)
-        write_manifest(study.places.out_dir, request_of(options), everywhere, command_line())
+        everywhere = plan(replace(request, shard=(1, 1)), configurations(registry))
+        write_manifest(study.places.out_dir, request, everywhere, command_line())
         statuses = run_cases(todo, study, limits_of(options))
         marked = study.mark_nondeterministic(cases)
         failed = [case for case in cases if not study.is_complete(case) and not is_too_long(case)]
@@ -150,11 +151,6 @@ def run_study(cases: list[StudyCase], study: AccuracyStudy, registry: Registry, 
             study.remove_structures()
     ends = [(case, statuses.get(case, "failed")) for case in failed] + [(case, "nondeterministic") for case in marked]
     return [f"{case.name}: {status}, see {study.folder(case) / 'run.json'}" for case, status in ends]
-
-
-def planned_everywhere(options, registry: Registry) -> list[StudyCase]:
-    options = argparse.Namespace(**{**vars(options), "shard": (1, 1)})
-    return plan(request_of(options), configurations(registry))
 
 
 def command_line() -> list[str]:
@@ -180,13 +176,13 @@ def measure_and_report(options) -> int:
         print_report(out_dir)
         return 0
     registry = read_registry(options.musclebench)
-    cases = plan(request_of(options), configurations(registry))
     places = Places(out_dir, options.data and options.data.resolve())
+    request = request_of(options, registry, places)
     study = AccuracyStudy(options.musclebench, places, options.force)
     if options.dry_run:
-        print_plan(cases, study, len(chosen_cores(options.jobs)))
+        print_plan(plan(request, configurations(registry)), study, len(chosen_cores(options.jobs)))
         return 0
-    problems = run_study(cases, study, registry, options)
+    problems = run_study(request, study, registry, options)
     measured = time.monotonic()
     print_report(out_dir)
     print(f"\nMeasured in {duration(measured - started)}, drawn in {duration(time.monotonic() - measured)}.")

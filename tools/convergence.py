@@ -1,102 +1,110 @@
 #!/usr/bin/python3
 """How many substeps a muscle needs: the shape at full flexion against the number of substeps a frame.
 
-Runs a scene with the `standard` preset for 5, 10, 20, ... substeps (the time of a frame stays the same), takes the run with the
-most substeps as the reference, and writes the distance of each shape to it as CSV and prints it as Markdown.
+Runs scenes with the `standard` preset for 5, 10, 20, ... substeps (the time of a frame stays the same), takes the run
+with the most substeps as the reference, and writes the distance of each shape to it as a table.
+
+A study goes on where it was stopped: complete runs are skipped until their arguments, the program or the data change.
 """
 
 import argparse
-import json
-import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
-import pandas as pd
+from musclebench.cases.case import Places
+from musclebench.cases.experiment import Experiment
+from musclebench.cases.pool import Limits, run_cases
+from musclebench.cases.scene import chosen_names, survey
+from musclebench.convergence.convergence_cases import PRESET, ConvergenceCase, plan, usual_backend
+from musclebench.convergence.convergence_report import write_report
+from musclebench.program.cli import (
+    OneLineParser, Problem, add_scene_options, check_data, check_positive, check_program, chosen_cores, data_set_of,
+    out_name_of, run_command,
+)
+from musclebench.program.out_folder import claimed
+from musclebench.program.registry import Registry, read_registry
+from musclebench.results.run_folder import ResultProblem
+from musclebench.tables.table_formats import as_markdown
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-from musclebench.results.ply import read_ply  # noqa: E402
-
-FRAME_TIME_S = 0.02
-FRAMES = 90
-
-
-def run_case(program: Path, scene: str, substeps: int, arguments: argparse.Namespace) -> dict:
-    """Runs one case and returns its manifest, its frames and its shape at full flexion (vertices in metres, triangles)."""
-    out = arguments.out / "raw" / scene.replace("/", "-") / f"substeps-{substeps}"
-    command = [str(program), "run", scene, "--preset", "standard", "--backend", "sdf", "--out", str(out),
-               "--param", f"structures={arguments.out / 'fields' / scene.split('/')[0]}",
-               "--loop", f"substeps={substeps}", "--loop", f"time_step_s={FRAME_TIME_S / substeps!r}",
-               "--snapshots", f"{FRAMES // 2},{FRAMES}"]
-    if arguments.data:
-        command += ["--data", str(arguments.data)]
-    done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
-    if done.returncode not in (0, 3):
-        sys.exit(f"tools/convergence.py: {done.stderr.strip().splitlines()[-1] if done.stderr else 'the run failed'}")
-    manifest = json.loads((out / "run.json").read_text())
-    shapes = {shot["frame"]: read_ply(out / shot["file"]) for shot in manifest["snapshots"]}
-    return {"manifest": manifest, "frames": pd.read_csv(out / "frames.csv"), "shapes": shapes}
+PROJECT = Path(__file__).resolve().parent.parent
+PROGRAM = PROJECT / "build" / "release" / "bench" / "musclebench"
+SUBSTEPS = (5, 10, 20, 40, 80, 160)
 
 
-def distances_mm(shape: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    return 1e3 * np.linalg.norm(shape - reference, axis=1)
+def parse_arguments(arguments):
+    parser = OneLineParser(prog="tools/convergence.py", description=__doc__,
+                           formatter_class=argparse.RawDescriptionHelpFormatter)
+    add_scene_options(parser, "default: all of the data set")
+    parser.add_argument("--substeps", type=_counts, default=list(SUBSTEPS), metavar="N,N,...",
+                        help=f"numbers to compare (default: {','.join(map(str, SUBSTEPS))})")
+    parser.add_argument("--backend", metavar="NAME", help="of all runs (default: an exact one)")
+    parser.add_argument("--frames-limit", type=int, metavar="N", help="frames of the whole motion, for a quick look")
+    parser.add_argument("--out", type=Path, metavar="DIR",
+                        help="default: reports/out/convergence-synthetic, -lhdl or -SCENE")
+    parser.add_argument("--jobs", type=int, metavar="N",
+                        help="runs at a time, each on a core (default: 2, or 1 on one core)")
+    parser.add_argument("--timeout", type=float, default=3600.0, metavar="SECONDS", help="of one run (default 3600)")
+    parser.add_argument("--force", action="store_true", help="run complete cases again")
+    parser.add_argument("--musclebench", type=Path, default=PROGRAM, metavar="PROGRAM",
+                        help="the program to measure (default: that of the preset release)")
+    return parser.parse_args(arguments)
 
 
-def rows_of(scene: str, results: dict[int, dict]) -> list[dict]:
-    reference = results[max(results)]["shapes"]
-    rows = []
-    for substeps, result in sorted(results.items()):
-        row = {"scene": scene, "substeps": substeps, "status": result["manifest"]["status"]}
-        if FRAMES // 2 in result["shapes"] and FRAMES // 2 in reference:
-            at_flexion = distances_mm(result["shapes"][FRAMES // 2].vertices_m, reference[FRAMES // 2].vertices_m)
-            row |= {"rms_mm": float(np.sqrt(np.mean(at_flexion**2))), "p99_mm": float(np.percentile(at_flexion, 99)),
-                    "largest_mm": float(at_flexion.max())}
-        frames = result["frames"]
-        rest = result["manifest"]["muscle"]["rest_volume_m3"]
-        row |= {"volume_error_percent": float(100 * (frames.volume_m3 / rest - 1).abs().max()),
-                "largest_depth_mm": float(1e3 * frames.max_depth_m.max())}
-        rows.append(row)
-    return rows
+def _counts(text: str) -> list[int]:
+    words = text.split(",")
+    if not all(word.isdecimal() and int(word) > 0 for word in words):
+        raise argparse.ArgumentTypeError(f"'{text}' is not like 5,10,20")
+    return sorted({int(word) for word in words})
 
 
-def parse_arguments() -> argparse.Namespace:
-    root = Path(__file__).resolve().parent.parent
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scenes", nargs="+", help="scenes, such as synthetic/iliacus")
-    parser.add_argument("--musclebench", type=Path, default=root / "build/release/bench/musclebench",
-                        help="the program (default: %(default)s)")
-    parser.add_argument("--data", type=Path, help="folder of the anatomical data, for lhdl/ scenes")
-    parser.add_argument("--substeps", default="5,10,20,40,80,160", help="numbers to compare (default: %(default)s)")
-    parser.add_argument("--out", type=Path, default=root / "reports/out/convergence",
-                        help="folder of the raw results (default: %(default)s)")
-    parser.add_argument("--report", type=Path, default=root / "reports/convergence",
-                        help="folder of the table (default: %(default)s)")
-    return parser.parse_args()
+def check_input(options) -> None:
+    check_program(options.musclebench, "tools/build")
+    check_data(options.data)
+    for option in ("jobs", "frames_limit", "timeout"):
+        check_positive(f"--{option.replace('_', '-')}", getattr(options, option))
 
 
-def main() -> None:
-    arguments = parse_arguments()
-    if not arguments.musclebench.exists():
-        sys.exit(f"tools/convergence.py: {arguments.musclebench} is missing; run tools/build first")
-    counts = [int(count) for count in arguments.substeps.split(",")]
-    rows = []
-    for number, scene in enumerate(arguments.scenes):
-        results = {}
-        for place, count in enumerate(counts):
-            print(f"\r{scene}: {count} substeps ({number * len(counts) + place + 1} of "
-                  f"{len(counts) * len(arguments.scenes)})   ", end="", file=sys.stderr, flush=True)
-            results[count] = run_case(arguments.musclebench, scene, count, arguments)
-        rows += rows_of(scene, results)
-    print(file=sys.stderr)
-    table = pd.DataFrame(rows)
-    arguments.report.mkdir(parents=True, exist_ok=True)
-    table.to_csv(arguments.report / "substeps.csv", index=False)
-    text = "\n".join(["| " + " | ".join(table.columns) + " |", "|" + " --- |" * len(table.columns)]
-                     + ["| " + " | ".join(f"{v:.3g}" if isinstance(v, float) else str(v) for v in row) + " |"
-                        for row in table.itertuples(index=False)])
-    print(text)
-    print(f"written to {arguments.report}")
+class ConvergenceStudy(Experiment):
+    final_statuses = frozenset({"ok", "diverged"})  # with few substeps to diverge is an answer
+
+
+def backend_of(options, registry: Registry) -> str:
+    if options.backend and not registry.has(options.backend):
+        raise Problem(f"--backend {options.backend}: not built; there are: {', '.join(registry.names)}")
+    return options.backend or usual_backend(registry).name
+
+
+def planned(options, registry: Registry, places: Places) -> list[ConvergenceCase]:
+    names = chosen_names(options.scene, options.muscle, data_set_of(options), registry)
+    scenes = survey(names, options.musclebench, registry, places, options.frames_limit, PRESET)
+    return plan(scenes, backend_of(options, registry), options.substeps)
+
+
+def run_and_report(options) -> int:
+    check_input(options)
+    out_dir = (options.out or PROJECT / "reports" / "out" / f"convergence-{out_name_of(options)}").absolute()
+    places = Places(out_dir, options.data and options.data.resolve())
+    cases = planned(options, read_registry(options.musclebench), places)
+    study = ConvergenceStudy(options.musclebench, places, options.force)
+    todo = [case for case in cases if study.wants(case)]
+    if len(todo) < len(cases):
+        print(f"{len(cases) - len(todo)} of {len(cases)} runs are complete already (--force runs them again)")
+    with claimed(out_dir, "raw"):
+        statuses = run_cases(todo, study, Limits(chosen_cores(options.jobs), options.timeout))
+    problems = [f"{case.name}: {status}, see {study.folder(case) / 'run.json'}" for case, status in statuses.items()
+                if status not in study.final_statuses]
+    table, files = write_report([study.folder(case) for case in cases if study.is_complete(case)], out_dir / "tables")
+    print(as_markdown(table))
+    print("Written:", *(f"  {path}" for path in files), sep="\n")
+    for problem in problems:
+        print(f"convergence: {problem}", file=sys.stderr)
+    return 1 if problems else 0
+
+
+def main(arguments=None) -> int:
+    return run_command("convergence", lambda: run_and_report(parse_arguments(arguments)),
+                       "complete runs are kept, unfinished ones removed", ResultProblem)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

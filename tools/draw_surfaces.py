@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws the surface figures of an experiment's runs. A process of its own, because VTK needs a display (xvfb-run)."""
+"""Draws the surface figures of an experiment's runs. A process of its own, because VTK needs a display."""
 
 import sys
 from pathlib import Path

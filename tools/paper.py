@@ -1,8 +1,6 @@
 #!/usr/bin/python3
 """Runs the paper's experiment (4 muscles, 3 backends and a control without collision); makes its tables and figures."""
 
-import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,15 +8,19 @@ from pathlib import Path
 from musclebench.cases.case import Places
 from musclebench.cases.experiment import Experiment
 from musclebench.cases.pool import Limits, run_cases
+from musclebench.cases.scene import chosen_names, survey
 from musclebench.figures import looks, paper_figures
 from musclebench.paper import paper_cases
 from musclebench.paper import published
+from musclebench.program.children import display, started
 from musclebench.program.cli import (
-    OneLineParser, Problem, check_data, check_positive, check_program, chosen_cores, run_command,
+    OneLineParser, Problem, add_scene_options, check_data, check_positive, check_program, chosen_cores, data_set_of,
+    out_name_of, run_command,
 )
 from musclebench.program.out_folder import claimed
-from musclebench.program.registry import read_registry, save_registry
+from musclebench.program.registry import Registry, read_registry, save_registry
 from musclebench.results import run_folder
+from musclebench.results.disturbance import note
 from musclebench.tables import paper_tables, table_formats
 
 TOOLS = Path(__file__).resolve().parent
@@ -30,8 +32,8 @@ def parse_arguments(arguments):
     parser = OneLineParser(prog="tools/paper", description=__doc__)
     parser.add_argument("--musclebench", type=Path, default=PROGRAM,
                         help="the program to measure (default: that of the preset release)")
-    parser.add_argument("--data", type=Path, help="LHDL data folder: run lhdl/* scenes instead of synthetic/*")
-    parser.add_argument("--out", type=Path, help="default: reports/out/paper-synthetic or paper-lhdl in the project")
+    add_scene_options(parser, "default: the paper's four muscles")
+    parser.add_argument("--out", type=Path, help="default: reports/out/paper-synthetic, -lhdl or -SCENE")
     parser.add_argument("--jobs", type=int, help="cases at a time, each on a core (default: 2, or 1 on one core)")
     parser.add_argument("--frames-limit", type=int, metavar="N", help="only N frames a case, for a quick look")
     parser.add_argument("--timeout", type=float, default=1800.0, metavar="SECONDS", help="of one case (default 1800)")
@@ -47,11 +49,12 @@ def check_input(options) -> None:
     check_positive("--timeout", options.timeout)
 
 
-def run_experiment(options, out_dir: Path) -> list[str]:
+def run_experiment(options, registry: Registry, out_dir: Path) -> list[str]:
     """Runs what is not complete yet; the names of all runs of the plan."""
-    data_dir = options.data.resolve() if options.data else None
-    experiment = Experiment(options.musclebench, Places(out_dir, data_dir), options.force)
-    plan = paper_cases.plan("lhdl" if data_dir else "synthetic", options.frames_limit)
+    places = Places(out_dir, options.data and options.data.resolve())
+    experiment = Experiment(options.musclebench, places, options.force)
+    names = chosen_names(options.scene, options.muscle, data_set_of(options), registry)
+    plan = paper_cases.plan(survey(names, options.musclebench, registry, places, options.frames_limit))
     todo = [case for case in plan if experiment.wants(case)]
     if len(todo) < len(plan):
         print(f"{len(plan) - len(todo)} of {len(plan)} runs are complete already (--force runs them again)")
@@ -79,19 +82,16 @@ def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run],
 def draw_surfaces(out_dir: Path, names: list[str]) -> list[Path]:
     """Pictures of the surfaces; raises Problem where they can't be drawn."""
     command = [sys.executable, str(TOOLS / "draw_surfaces.py"), str(out_dir), *names]
-    if shutil.which("xvfb-run"):
-        command = ["xvfb-run", "-a", *command]
-    elif not os.environ.get("DISPLAY"):
-        raise Problem("surface figures: no display and no xvfb-run; install the packages xvfb and xauth")
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     files = []
-    for line in process.stdout:
-        kind, _, text = line.rstrip().partition(" ")
-        if kind == "file":
-            files.append(Path(text))
-        elif kind == "drawing" and sys.stderr.isatty():
-            print(f"\rdrawing {text}\x1b[K", end="", file=sys.stderr, flush=True)
-    errors = process.communicate()[1]
+    with display() as environment, started(command, env=environment, **pipes) as process:
+        for line in process.stdout:
+            kind, _, text = line.rstrip().partition(" ")
+            if kind == "file":
+                files.append(Path(text))
+            elif kind == "drawing" and sys.stderr.isatty():
+                print(f"\rdrawing {text}\x1b[K", end="", file=sys.stderr, flush=True)
+        errors = process.communicate()[1]
     if sys.stderr.isatty():
         print("\r\x1b[K", end="", file=sys.stderr)
     if process.returncode != 0:
@@ -103,18 +103,20 @@ def draw_surfaces(out_dir: Path, names: list[str]) -> list[Path]:
 def print_report(runs: list[run_folder.Run], made: list[paper_tables.Table], files: list[Path]) -> None:
     for table in made:
         print(f"\n{table.caption}\n\n{table_formats.as_text(table)}")
-    print(f"\n{paper_figures.caption(runs)}\n\nWritten:")
+    busy = note(paper_tables.disturbed_runs(runs), len(runs))
+    print(f"\n{busy}" if busy else "")
+    print(f"{paper_figures.caption(runs)}\n\nWritten:")
     for path in files:
         print(f"  {path}")
 
 
 def run_and_report(options) -> int:
     check_input(options)
-    default_out = PROJECT / "reports" / "out" / ("paper-lhdl" if options.data else "paper-synthetic")
+    default_out = PROJECT / "reports" / "out" / f"paper-{out_name_of(options)}"
     out_dir = (options.out or default_out).absolute()
     registry = read_registry(options.musclebench)
     looks.know(registry)
-    names = run_experiment(options, out_dir)
+    names = run_experiment(options, registry, out_dir)
     save_registry(registry, out_dir)
     runs, made, files = write_report(out_dir, names)
     problems = [f"{run.scene} with {run.backend}: {run.status}, {run.record.get('status_detail')}"

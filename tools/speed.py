@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Measures how fast the distance field and the exact tree are, against voxels and against the targets that the project
-has set: coupled runs of four muscles and Google Benchmark kernels, one after the other on a quiet machine. Prints a
+"""Measures how fast the backends are, against each other and against the targets that the project has set: coupled runs
+of four muscles, or of scenes of your own, and Google Benchmark kernels, one after the other on a quiet machine. Prints a
 table of what was to be reached, what was measured, how well that is known, and whether the target is held.
 
 A measurement goes on where it was stopped: complete cases are skipped until their arguments, a program or the data
@@ -14,20 +14,23 @@ import sys
 from pathlib import Path
 
 from musclebench.cases.case import Case, Places
-from musclebench.cases.muscle_scene import VERTICES
 from musclebench.cases.pool import Limits, run_cases
 from musclebench.cases.progress import duration
-from musclebench.program.cli import OneLineParser, Problem, check_data, check_positive, check_program, run_command
+from musclebench.cases.scene import chosen_names, survey
+from musclebench.program.cli import (
+    OneLineParser, Problem, add_scene_options, check_data, check_positive, check_program, data_set_of, out_name_of,
+    run_command,
+)
 from musclebench.program.out_folder import claimed
+from musclebench.program.registry import Registry, read_registry, save_registry
 from musclebench.results.run_folder import ResultProblem
 from musclebench.speed import speed_report
 from musclebench.speed.speed_cases import MICRO_PROGRAM, STRUCTURES_DIR
 from musclebench.speed.speed_experiment import SpeedExperiment
-from musclebench.speed.speed_plan import Request, plan
+from musclebench.speed.speed_plan import MAIN_MUSCLE, QUICK_FRAMES, Request, plan
 
 PROJECT = Path(__file__).resolve().parent.parent
 PROGRAM = PROJECT / "build" / "bench" / "bench" / "musclebench"
-QUICK_MUSCLES = ("iliacus",)
 REPETITIONS, QUICK_REPETITIONS = 3, 2
 
 
@@ -37,11 +40,7 @@ def parse_arguments(arguments):
     what = parser.add_argument_group("what is measured")
     what.add_argument("--quick", action="store_true",
                       help="a first table in under 3 minutes: one muscle, fewer frames, repetitions and sizes")
-    what.add_argument("--data", type=Path, metavar="DIR",
-                      help="LHDL data folder: measure lhdl/* scenes (default: synthetic/*)")
-    what.add_argument("--muscle", action="append", metavar="NAME", choices=sorted(VERTICES),
-                      help=f"one of {', '.join(sorted(VERTICES))}; may be repeated "
-                           "(default: all; with --quick iliacus)")
+    add_scene_options(what, f"default: all of the data set; with --quick {MAIN_MUSCLE}")
     what.add_argument("--repetitions", type=int, metavar="N",
                       help=f"rounds of all cases (default {REPETITIONS}; with --quick {QUICK_REPETITIONS})")
     how = parser.add_argument_group("how it runs")
@@ -71,14 +70,17 @@ def micro_of(options) -> Path:
     return options.micro or options.musclebench.resolve().parent / "micro" / MICRO_PROGRAM
 
 
-def request_of(options) -> Request:
-    muscles = tuple(dict.fromkeys(options.muscle or (QUICK_MUSCLES if options.quick else sorted(VERTICES))))
+def request_of(options, registry: Registry, places: Places) -> Request:
+    names = chosen_names(options.scene, options.muscle, data_set_of(options), registry,
+                         MAIN_MUSCLE if options.quick else None)
+    frames = QUICK_FRAMES if options.quick else None
+    scenes = survey(names, options.musclebench, registry, places, frames)
     repetitions = options.repetitions or (QUICK_REPETITIONS if options.quick else REPETITIONS)
-    return Request("lhdl" if options.data else "synthetic", muscles, repetitions, options.quick)
+    return Request(tuple(scenes), repetitions, options.quick)
 
 
 def out_dir_of(options) -> Path:
-    name = "-".join(["speed", *(["quick"] if options.quick else []), "lhdl" if options.data else "synthetic"])
+    name = "-".join(["speed", *(["quick"] if options.quick else []), out_name_of(options)])
     return (options.out or PROJECT / "reports" / "out" / name).absolute()
 
 
@@ -114,15 +116,17 @@ def measure_and_report(options) -> int:
         if not (out_dir / "raw").is_dir():
             raise Problem(f"{out_dir}: holds no measurement; run one, or name its folder with --out")
     else:
-        cases = plan(request_of(options))
+        registry = read_registry(options.musclebench)
         places = Places(out_dir, options.data and options.data.resolve())
+        cases = plan(request_of(options, registry, places), registry)
         experiment = SpeedExperiment(options.musclebench, micro_of(options), places, options.force)
         if options.dry_run:
             print_plan(cases, experiment)
             return 0
         problems = run(cases, experiment, options)
+        save_registry(registry, out_dir)
     table, files = speed_report.write_report(out_dir)
-    print(f"\n{speed_report.as_text(table)}\n{speed_report.CAPTION}\n\nWritten:")
+    print(f"\n{(out_dir / 'speed.txt').read_text()}\n{speed_report.CAPTION}\n\nWritten:")
     for path in files:
         print(f"  {path}")
     for problem in problems:

@@ -6,7 +6,7 @@
 
 namespace musclebench {
 
-/// The truth of contacts by definition: every node against every triangle, the sign by the full winding number.
+/// Contacts by definition: every node against every triangle, the side by the exact winding number.
 std::unique_ptr<CollisionBackend> make_brute_force_backend(const Parameters& parameters);
 BackendEntry brute_force_entry();
 

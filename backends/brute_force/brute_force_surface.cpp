@@ -27,11 +27,11 @@ SurfacePoint locate_by_brute_force(const TriangleMesh& mesh, const Vec3& point) 
   SurfacePoint result;
   result.inside = angle_sum > 2 * std::numbers::pi;  // winding number above one half
   result.distance_m = std::sqrt(closest.squared_distance_m2);
-  const Vec3 towards = closest.point - point;
-  const double length = towards.norm();
-  // On the surface the way to the closest point has no direction left; the face's normal still has.
+  const Vec3 to_closest = closest.point - point;
+  const double length = to_closest.norm();
+  // On the surface the direction to the closest point is only rounding; the face's normal is not.
   if (length > 1e-12 * closest.point.cwiseAbs().maxCoeff()) {
-    result.normal = (result.inside ? 1.0 : -1.0) / length * towards;
+    result.normal = (result.inside ? 1.0 : -1.0) / length * to_closest;
   } else if (const double norm = face_normal.norm(); norm > 0) {
     result.normal = face_normal / norm;
   } else {

@@ -4,15 +4,15 @@
 
 namespace musclebench {
 
-/// Where a point stands to a surface.
+/// Side, distance and normal of a point with respect to a surface.
 struct SurfacePoint {
   bool inside = false;
   double distance_m = 0;
   Vec3 normal = Vec3::Zero();  ///< outward, unit
 };
 
-/// By definition: the closest of all triangles; inside where the solid angles of all of them sum to more than half a
-/// sphere (winding number above 0.5). `mesh` has triangles, `point` is finite.
+/// By definition: the closest of all triangles; inside where their solid angles sum to more than 2 pi (winding number
+/// above 0.5). `mesh` has triangles, `point` is finite; both in metres, in one frame.
 SurfacePoint locate_by_brute_force(const TriangleMesh& mesh, const Vec3& point);
 
 }  // namespace musclebench

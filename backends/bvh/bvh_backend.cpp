@@ -11,13 +11,15 @@ class BvhBackend final : public CollisionBackend {
  public:
   explicit BvhBackend(bool clearance_cache) : m_uses_cache(clearance_cache) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_uses_cache}; }
+  [[nodiscard]] Capabilities capabilities() const override {
+    return {.remembers = m_uses_cache, .steady_memory = true};
+  }
   [[nodiscard]] AnswerBound answer_bound(int bone) const override {
     return {m_surfaces[static_cast<std::size_t>(bone)].touching_m(), 0};
   }
 
   [[nodiscard]] std::size_t structure_bytes() const override {
-    std::size_t bytes = m_detection.bytes();
+    std::size_t bytes = m_query.bytes();
     for (const ExactSurface& surface : m_surfaces) {
       bytes += surface.bytes();
     }
@@ -31,16 +33,16 @@ class BvhBackend final : public CollisionBackend {
     for (const Bone& bone : bones()) {
       m_surfaces.emplace_back(bone.surface, threads());
     }
-    m_detection.reset(bones(), m_surfaces, muscle().vertices.size(), m_uses_cache, threads());
+    m_query.reset(bones(), m_surfaces, muscle().vertices.size(), m_uses_cache, threads());
   }
 
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
-    m_detection.detect(poses(), positions, nodes, contacts);
+    m_query.detect(poses(), positions, nodes, contacts);
   }
 
   bool m_uses_cache;
   std::vector<ExactSurface> m_surfaces;  ///< one a bone
-  CachedPointQuery<ExactSurface> m_detection;
+  CachedPointQuery<ExactSurface> m_query;
 };
 
 }  // namespace

@@ -6,8 +6,8 @@
 
 namespace musclebench {
 
-/// Exact: the closest point of every node by a tree of boxes over each bone's triangles in rest pose, signed robustly
-/// (`SignedSurface`). Depth and normal are the true ones to rounding, wherever the bone stands.
+/// Exact signed distances: the closest point of every node by an 8-wide triangle BVH over each bone in rest pose, its
+/// side by SignedSurface. Depth and normal are exact to rounding at any pose of the bone.
 std::unique_ptr<CollisionBackend> make_bvh_backend(const Parameters& parameters);
 BackendEntry bvh_entry();
 

@@ -45,12 +45,12 @@ class BoneField {
   [[nodiscard]] virtual const GridShape& grid() const = 0;
 
   /// Appends the wanted ones of `nodes` (ascending indices into `positions`) from `first` on to an empty block and
-  /// evaluates them; negative values are contacts. Returns the index in `nodes` to go on at; `asker` is the index in
+  /// evaluates them; negative values are contacts. Returns the index in `nodes` to go on at; `query` is the index in
   /// `nodes`.
   virtual std::size_t sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes,
                              std::size_t first, Wanted wanted, FieldAnswers& answers) const = 0;
-  /// Radii of balls about the points of such a block, clearances wanted, in which the field is nowhere negative. Those
-  /// of contacts mean nothing.
+  /// Radii of spheres around the points of such a block, clearances wanted, in which the field is nowhere negative.
+  /// Those of contacts mean nothing.
   virtual void find_clearances(const FieldAnswers& answers, FieldBlock::Lanes<double>& clearance_m) const = 0;
   /// The same for a point that `sample` leaves out, clearances wanted: outside the domain, or in a cell that the field
   /// does not know. `cells` is where the CellMap takes it.

@@ -16,40 +16,40 @@ inline bool are_closed(std::span<const Bone> bones) {
   return std::all_of(bones.begin(), bones.end(), [](const Bone& bone) { return is_closed(bone.surface.mesh); });
 }
 
-/// Detection by fields, one a bone: finds the nodes that have to be asked about and deals them out to threads. Its
+/// Detection by fields, one a bone: finds the nodes that have to be queried and deals them out to threads. Its
 /// memory is kept, so that a frame allocates nothing.
 class FieldDetection {
  public:
-  /// Nodes in ascending order that one thread asks one bone about.
+  /// Nodes in ascending order that one thread queries in one bone's field.
   struct Share {
     int bone;
     std::span<const int> nodes;
   };
 
   /// `bones` outlive the detection or its next `reset`. `nodes`: positions that calls will have.
-  void reset(std::span<const Bone> bones, std::size_t nodes, bool clearance_cache) {
+  void reset(std::span<const Bone> bones, std::size_t nodes, bool with_cache) {
     m_bones = bones;
-    m_has_budgets = clearance_cache;
-    if (m_has_budgets) {
+    m_has_cache = with_cache;
+    if (m_has_cache) {
       m_clearance_cache.reset(bones, nodes);
     }
   }
 
-  /// Then all nodes that are asked about are new ones or have used up what they may move, and are to be granted anew.
-  [[nodiscard]] bool has_budgets() const { return m_has_budgets; }
-  [[nodiscard]] ClearanceCache& budgets() { return m_clearance_cache; }
-  [[nodiscard]] std::size_t bytes() const { return m_has_budgets ? m_clearance_cache.bytes() : 0; }
+  /// Then all nodes that are queried have no clearance, or have left theirs, and are to be given a new one.
+  [[nodiscard]] bool has_cache() const { return m_has_cache; }
+  [[nodiscard]] ClearanceCache& clearance_cache() { return m_clearance_cache; }
+  [[nodiscard]] std::size_t bytes() const { return m_has_cache ? m_clearance_cache.bytes() : 0; }
 
-  /// Calls `detect(share, contacts)` for all nodes that have to be asked about, from several threads at once where a
+  /// Calls `detect(share, contacts)` for all nodes that have to be queried, from several threads at once where a
   /// thread more pays. Appends to `contacts` in the order of bones and nodes: the same for any number of threads.
   template <typename Detect>
   void detect(std::span<const RigidMotion> poses, std::span<const Vec3> positions, std::span<const int> nodes,
               int threads, const Detect& detect, std::vector<Contact>& contacts) {
-    if (m_has_budgets) {
+    if (m_has_cache) {
       if (positions.size() != m_clearance_cache.nodes()) {
         m_clearance_cache.reset(m_bones, positions.size());
       }
-      m_clearance_cache.collect_spent(poses, positions, nodes);
+      m_clearance_cache.collect_expired(poses, positions, nodes);
     }
     deal_out(nodes, threads);
     // Without OpenMP where a share a bone is all there is: it allocates even a team of one.
@@ -62,7 +62,7 @@ class FieldDetection {
     while (m_found.size() < m_shares.size()) {
       m_found.emplace_back().reserve(nodes_a_share);
     }
-    // Without budgets a thread gets the same shares in every step, whose cells are in its cache.
+    // Without a cache a thread gets the same shares in every step, whose cells are in its cache.
 #pragma omp parallel for schedule(static, 1) num_threads(threads)
     for (std::size_t n = 0; n < m_shares.size(); ++n) {
       m_found[n].clear();
@@ -81,17 +81,17 @@ class FieldDetection {
   void deal_out(std::span<const int> nodes, int threads) {
     m_shares.clear();
     for (int bone = 0; bone < static_cast<int>(m_bones.size()); ++bone) {
-      std::span<const int> asked = m_has_budgets ? m_clearance_cache.spent(bone) : nodes;
-      while (threads > 1 && asked.size() > nodes_a_share) {
-        m_shares.push_back({bone, asked.first(nodes_a_share)});
-        asked = asked.subspan(nodes_a_share);
+      std::span<const int> queried = m_has_cache ? m_clearance_cache.expired(bone) : nodes;
+      while (threads > 1 && queried.size() > nodes_a_share) {
+        m_shares.push_back({bone, queried.first(nodes_a_share)});
+        queried = queried.subspan(nodes_a_share);
       }
-      m_shares.push_back({bone, asked});
+      m_shares.push_back({bone, queried});
     }
   }
 
   std::span<const Bone> m_bones;
-  bool m_has_budgets = false;
+  bool m_has_cache = false;
   ClearanceCache m_clearance_cache;
   std::vector<Share> m_shares;
   std::vector<std::vector<Contact>> m_found;  ///< by share

@@ -58,9 +58,9 @@ class GridBoneField final : public BoneField {
   void find_clearances(const FieldAnswers& answers, FieldBlock::Lanes<double>& clearance_m) const override {
     const FieldFacts& facts = m_field.facts();
     for (std::size_t n = 0; n < answers.block.count; ++n) {
-      const double by_slope_m = answers.block.value_m[n] / facts.steepest;
+      const double by_slope_m = answers.block.value_m[n] / facts.lipschitz_bound;
       clearance_m[n] =
-          m_field.band() ? std::min(by_slope_m, m_field.band()->width_m() - facts.negative_reach_m) : by_slope_m;
+          m_field.band() ? std::min(by_slope_m, m_field.band()->width_m() - facts.sign_error_distance_m) : by_slope_m;
     }
   }
 
@@ -69,14 +69,14 @@ class GridBoneField final : public BoneField {
     if (!m_field.band() || !grid().contains(cells)) {
       return BoneField::clearance_m(cells);
     }
-    const CellPlace place = grid().place(cells);
-    return static_cast<double>(m_field.band()->far_m(place.i, place.j, place.k)) - m_field.facts().negative_reach_m;
+    const CellPosition at = grid().locate(cells);
+    return static_cast<double>(m_field.band()->far_m(at.i, at.j, at.k)) - m_field.facts().sign_error_distance_m;
   }
 
  private:
   [[nodiscard]] bool may_be_inside(const Vec3& cells) const {
-    const CellPlace place = grid().place(cells);
-    return m_field.may_be_negative(grid().cell(place.i, place.j, place.k));
+    const CellPosition at = grid().locate(cells);
+    return m_field.may_be_negative(grid().cell(at.i, at.j, at.k));
   }
 
   CubicField m_field;
@@ -107,7 +107,7 @@ class GridFieldSource final : public FieldSource {
   [[nodiscard]] Made make(const Bone& bone, int threads, const std::function<void(double)>& progress) const override {
     const GridShape shape = grid_over(bone.surface.mesh, m_grid, bone.name);
     const StoredField<CubicField> stored{
-        [&] { return build_field(SignedSurface(bone.surface), shape, m_settings, threads, progress); },
+        [&] { return build_field(bone.signed_distance(), shape, m_settings, threads, progress); },
         [&](const std::filesystem::path& path, const std::string& digest) {
           return load_field(path, digest, shape, m_settings);
         },
@@ -144,7 +144,7 @@ class DiscregridFieldSource final : public FieldSource {
                           const std::function<void(double)>& /*progress*/) const override {
     const std::filesystem::path path = m_folder / (bone_file_name(bone.name) + ".cdf");
     CubicField field = read_discregrid(path, threads);
-    const SignedSurface surface(bone.surface);
+    const SignedSurface& surface = bone.signed_distance();
     require_field_of(field, bone.surface.mesh, surface, bone.name, path);
     field.facts().error = estimate_error(field, surface, samples_of_foreign);
     return {std::make_unique<GridBoneField>(std::move(field)), true};

@@ -17,11 +17,11 @@ namespace {
 
 class SdfBackend final : public CollisionBackend {
  public:
-  SdfBackend(std::unique_ptr<FieldSource> source, bool wants_budgets)
-      : m_source(std::move(source)), m_wants_budgets(wants_budgets) {}
+  SdfBackend(std::unique_ptr<FieldSource> source, bool wants_cache)
+      : m_source(std::move(source)), m_wants_cache(wants_cache) {}
 
   [[nodiscard]] Capabilities capabilities() const override {
-    return {.remembers = m_detection.has_budgets(), .has_step = true};
+    return {.remembers = m_wants_cache, .has_step = true, .steady_memory = true};
   }
 
   [[nodiscard]] bool built_from_file() const override {
@@ -55,7 +55,7 @@ class SdfBackend final : public CollisionBackend {
     m_fields.clear();
     m_loaded_fields = 0;
     m_detection.reset(bones(), muscle().vertices.size(),
-                      m_wants_budgets && (!m_source->needs_closed_surfaces() || are_closed(bones())));
+                      m_wants_cache && (!m_source->needs_closed_surfaces() || are_closed(bones())));
     m_source->require_fit(bones());
     for (const Bone& bone : bones()) {
       const double before = static_cast<double>(m_fields.size());
@@ -74,13 +74,14 @@ class SdfBackend final : public CollisionBackend {
         contacts);
   }
 
-  /// Where there are budgets all nodes are new ones or have used up what they may move, and are granted anew.
+  /// With a clearance cache all `nodes` have no clearance or have left theirs, and get a new one unless they are
+  /// contacts.
   void detect_share(const FieldDetection::Share& share, std::span<const Vec3> positions,
                     std::vector<Contact>& contacts) {
     const auto& [bone, nodes] = share;
     const BoneField& field = this->field(bone);
     const CellMap map(field.grid(), pose(bone));
-    const auto wanted = m_detection.has_budgets() ? BoneField::Wanted::clearances : BoneField::Wanted::contacts;
+    const auto wanted = m_detection.has_cache() ? BoneField::Wanted::clearances : BoneField::Wanted::contacts;
     FieldAnswers answers;
     const FieldBlock& block = answers.block;
     for (std::size_t next = 0; next < nodes.size();) {
@@ -89,43 +90,44 @@ class SdfBackend final : public CollisionBackend {
       next = field.sample(map, positions, nodes, next, wanted, answers);
       for (std::size_t n = 0; n < block.count; ++n) {
         if (block.value_m[n] < 0) {
-          contacts.push_back(field_contact(field.grid(), pose(bone), bone, nodes[block.asker[n]], block, n));
+          contacts.push_back(field_contact(field.grid(), pose(bone), bone, nodes[block.query[n]], block, n));
         }
       }
-      if (m_detection.has_budgets()) {
-        grant_sampled(bone, nodes, answers);
-        grant_left_out(bone, nodes, first, next, map, positions, block);
+      if (m_detection.has_cache()) {
+        store_sampled(bone, nodes, answers);
+        store_left_out(bone, nodes, first, next, map, positions, block);
       }
     }
   }
 
-  void grant_sampled(int bone, std::span<const int> nodes, const FieldAnswers& answers) {
+  void store_sampled(int bone, std::span<const int> nodes, const FieldAnswers& answers) {
     const FieldBlock& block = answers.block;
     FieldBlock::Lanes<double> clearance_m;
     field(bone).find_clearances(answers, clearance_m);
     for (std::size_t n = 0; n < block.count; ++n) {
       if (block.value_m[n] >= 0) {
-        m_detection.budgets().grant(bone, nodes[block.asker[n]], field(bone).grid().point(block.cells(n)),
-                                    clearance_m[n]);
+        m_detection.clearance_cache().store(bone, nodes[block.query[n]], field(bone).grid().point(block.cells(n)),
+                                            clearance_m[n]);
       }
     }
   }
 
   /// Those from `first` to `end` that are not in the block.
-  void grant_left_out(int bone, std::span<const int> nodes, std::size_t first, std::size_t end, const CellMap& map,
+  void store_left_out(int bone, std::span<const int> nodes, std::size_t first, std::size_t end, const CellMap& map,
                       std::span<const Vec3> positions, const FieldBlock& block) {
     for (std::size_t index = first, n = 0; index < end; ++index) {
-      if (n < block.count && block.asker[n] == index) {
+      if (n < block.count && block.query[n] == index) {
         ++n;
         continue;
       }
       const Vec3 cells = map.apply(positions[static_cast<std::size_t>(nodes[index])]);
-      m_detection.budgets().grant(bone, nodes[index], field(bone).grid().point(cells), field(bone).clearance_m(cells));
+      m_detection.clearance_cache().store(bone, nodes[index], field(bone).grid().point(cells),
+                                          field(bone).clearance_m(cells));
     }
   }
 
   std::unique_ptr<FieldSource> m_source;
-  bool m_wants_budgets;
+  bool m_wants_cache;
   std::size_t m_loaded_fields = 0;
   std::vector<std::unique_ptr<BoneField>> m_fields;
   FieldDetection m_detection;

@@ -1,3 +1,4 @@
+#include "backends/sdf/field_export.hpp"
 #include "backends/sdf/sdf_backend.hpp"
 #include "core/clearance/clearance_cache.hpp"
 
@@ -55,7 +56,8 @@ BackendEntry sdf_entry() {
           .help = "cubic signed distance field over each bone (the Discregrid method)",
           .default_response = ResponseKind::project,
           .parameters = sdf_parameters(),
-          .make = make_sdf_backend};
+          .make = make_sdf_backend,
+          .structure_export = field_export()};
 }
 
 }  // namespace musclebench

@@ -109,6 +109,7 @@ class Contract : public testing::TestWithParam<std::string> {
     return contacts;
   }
 
+  /// The control is there to find nothing: any depth may be missed.
   [[nodiscard]] bool collides() const { return GetParam() != "null"; }
 };
 

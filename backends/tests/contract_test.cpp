@@ -219,6 +219,35 @@ TEST_P(Contract, OnTheWayOutANodeIsFree) {
   }
 }
 
+/// What it says of itself is so: a response is paired with it by that.
+TEST_P(Contract, CapabilitiesAreWhatItCanDo) {
+  const std::vector<Bone> bones = one_bone(analytic_bones()[0]);
+  const TriangleMesh mesh = muscle();
+  const auto backend = build(GetParam(), bones, mesh);
+  EXPECT_EQ(backend->capabilities().has_step, backend->step_m(0) > 0);
+  EXPECT_EQ(lacks_for(find_backend(GetParam()).default_response, backend->capabilities()), "");
+}
+
+/// A row that calls itself exact drives recordings and judges others.
+TEST_P(Contract, AnExactRowErrsByRoundingAndTellsSignedDistances) {
+  const BackendEntry& entry = find_backend(GetParam());
+  if (!entry.exact) {
+    GTEST_SKIP() << entry.name << " does not call itself exact";
+  }
+  for (const AnalyticBone& shape : analytic_bones()) {
+    const std::vector<Bone> bones = one_bone(shape);
+    const TriangleMesh mesh = muscle();
+    const AnswerBound bound = build(GetParam(), bones, mesh)->answer_bound(0);
+    EXPECT_LT(bound.missed_depth_m, 1e-9);
+    EXPECT_LT(bound.false_distance_m, 1e-9);
+    ASSERT_TRUE(entry.signed_distance);
+    const SignedDistance distance = entry.signed_distance(bones[0], 1);
+    for (const Vec3& point : mesh.vertices) {
+      EXPECT_NEAR(distance(point), shape.signed_distance_m(point), shape.faceting_m + 1e-12) << shape.name;
+    }
+  }
+}
+
 std::vector<std::string> backend_names() {
   std::vector<std::string> names;
   for (const BackendEntry& entry : backend_registry()) {

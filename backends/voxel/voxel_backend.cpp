@@ -13,7 +13,9 @@ class VoxelBackend final : public CollisionBackend {
   explicit VoxelBackend(const Parameters& parameters)
       : m_cells(static_cast<int>(parameters.integer("cells"))), m_voxel_size_m(parameters.number("voxel_size_m")) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.depth = false, .has_step = true}; }
+  [[nodiscard]] Capabilities capabilities() const override {
+    return {.depth = false, .has_step = true, .steady_memory = true};
+  }
 
   [[nodiscard]] AnswerBound answer_bound(int bone) const override { return {0, m_grids[bone].cell_size_m().norm()}; }
 
@@ -32,7 +34,7 @@ class VoxelBackend final : public CollisionBackend {
     m_grids.clear();
     for (const Bone& bone : bones()) {
       m_grids.emplace_back(
-          bone.surface.mesh, m_cells, m_voxel_size_m,
+          bone.surface.mesh, bone.tree(), m_cells, m_voxel_size_m,
           fmt::format("voxel: {} (bone '{}')", m_voxel_size_m > 0 ? "voxel_size_m" : "cells", bone.name));
     }
   }

@@ -6,8 +6,8 @@
 
 namespace musclebench {
 
-/// The paper's voxelisation (II-A): a bit grid a bone in rest pose; nodes go through the inverse bone pose. Contacts
-/// carry no depth and no normal.
+/// The paper's voxelisation (section II-A): an occupancy grid a bone in rest pose, looked up with the node in the
+/// bone's rest frame. Contacts have no depth and no normal.
 std::unique_ptr<CollisionBackend> make_voxel_backend(const Parameters& parameters);
 BackendEntry voxel_entry();
 

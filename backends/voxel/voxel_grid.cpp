@@ -8,7 +8,6 @@
 
 #include "core/base/input_error.hpp"
 #include "core/base/system_memory.hpp"
-#include "core/bvh/triangle_bvh.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
@@ -24,8 +23,9 @@ bool overlaps_along(const Vec3& axis, const std::array<Vec3, 3>& corners, const 
   return std::min({p0, p1, p2}) <= reach && std::max({p0, p1, p2}) >= -reach;
 }
 
-/// Separating axes of a triangle and a box (Akenine-Moeller 2001): the box's, the triangle's normal, the nine edge
-/// pairs. An axis of no length separates nothing, so degenerate triangles are treated conservatively.
+/// Separating axis test of a triangle and a box (Akenine-Moeller 2001): the box's axes, the triangle's normal and the
+/// nine cross products of edges. An axis of length 0 separates nothing, so degenerate triangles are handled
+/// conservatively.
 bool triangle_touches_box(const std::array<Vec3, 3>& triangle, const Vec3& centre, const Vec3& half) {
   const std::array<Vec3, 3> corners = {triangle[0] - centre, triangle[1] - centre, triangle[2] - centre};
   const std::array<Vec3, 3> edges = {corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2]};
@@ -49,7 +49,8 @@ bool triangle_touches_box(const std::array<Vec3, 3>& triangle, const Vec3& centr
 
 }  // namespace
 
-VoxelGrid::VoxelGrid(const TriangleMesh& surface, int cells, double voxel_size_m, const std::string& name) {
+VoxelGrid::VoxelGrid(const TriangleMesh& surface, const TriangleBvh& tree, int cells, double voxel_size_m,
+                     const std::string& name) {
   size_cells(surface, cells, voxel_size_m);
   const double total = m_counts_real.prod();
   constexpr double bytes_while_building = 2 * sizeof(Cell) + 1.0 / 8;
@@ -60,7 +61,7 @@ VoxelGrid::VoxelGrid(const TriangleMesh& surface, int cells, double voxel_size_m
 
   std::vector<Cell> states(index(0, 0, m_counts[2]), Cell::unknown);
   mark_border(surface, states);
-  mark_inside(surface, states);
+  mark_inside(tree, states);
   m_bits.assign((states.size() + 63) / 64, 0);
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (states[i] == Cell::border || states[i] == Cell::inside) {
@@ -73,11 +74,11 @@ void VoxelGrid::size_cells(const TriangleMesh& surface, int cells, double voxel_
   const Eigen::AlignedBox3d box = bounding_box(surface.vertices);
   const Vec3 lower = box.min();
   const Vec3 upper = box.max();
-  // A hair of room, so that no point of the surface is rounded out of the grid and no cell of a flat bone is empty.
-  const Vec3 room = Vec3::Constant(1e-9 * (upper - lower).norm()) +
-                    4 * std::numeric_limits<double>::epsilon() * lower.cwiseAbs().cwiseMax(upper.cwiseAbs());
-  m_lower = lower - room;
-  const Vec3 extent = upper - lower + 2 * room;
+  // Padded, so that rounding puts no point of the surface outside the grid and a flat bone has cells of positive size.
+  const Vec3 padding = Vec3::Constant(1e-9 * (upper - lower).norm()) +
+                       4 * std::numeric_limits<double>::epsilon() * lower.cwiseAbs().cwiseMax(upper.cwiseAbs());
+  m_lower = lower - padding;
+  const Vec3 extent = upper - lower + 2 * padding;
   if (voxel_size_m > 0) {
     m_cell_size_m.setConstant(voxel_size_m);
     m_counts_real = (extent / voxel_size_m).array().floor() + 1;
@@ -92,7 +93,7 @@ void VoxelGrid::size_cells(const TriangleMesh& surface, int cells, double voxel_
 }
 
 void VoxelGrid::mark_border(const TriangleMesh& surface, std::vector<Cell>& states) const {
-  // Cells are tested a little larger than they are: rounding must not lose the surface.
+  // Cells are tested slightly enlarged, so that rounding misses none.
   const Vec3 half = (0.5 + 1e-9) * m_cell_size_m;
   for (const Triangle& triangle : surface.triangles) {
     const std::array<Vec3, 3> corners = {surface.vertices[triangle[0]], surface.vertices[triangle[1]],
@@ -119,10 +120,9 @@ void VoxelGrid::mark_border(const TriangleMesh& surface, std::vector<Cell>& stat
   }
 }
 
-/// Cells between border cells form connected regions that the surface does not cross: one winding number decides for
-/// each. A flood from a corner would call every enclosed pocket of free space inside.
-void VoxelGrid::mark_inside(const TriangleMesh& surface, std::vector<Cell>& states) const {
-  const TriangleBvh tree(surface);
+/// The cells that the surface does not touch form connected regions, each wholly inside or outside: one winding number
+/// decides. (A flood fill from a corner of the grid would take every enclosed cavity for inside.)
+void VoxelGrid::mark_inside(const TriangleBvh& tree, std::vector<Cell>& states) const {
   for (int z = 0; z < m_counts[2]; ++z) {
     for (int y = 0; y < m_counts[1]; ++y) {
       for (int x = 0; x < m_counts[0]; ++x) {
@@ -135,7 +135,7 @@ void VoxelGrid::mark_inside(const TriangleMesh& surface, std::vector<Cell>& stat
   }
 }
 
-/// Fills whole runs along x, so that what waits is a cell a run and not a cell a cell.
+/// Scan-line flood fill: fills whole runs along x, so that the stack holds runs instead of cells.
 void VoxelGrid::flood(const std::array<int, 3>& seed, Cell region, std::vector<Cell>& states) const {
   const auto unknown = [&](int x, int y, int z) { return states[index(x, y, z)] == Cell::unknown; };
   std::vector<std::array<int, 3>> front = {seed};

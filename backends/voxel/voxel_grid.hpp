@@ -6,22 +6,27 @@
 #include <string>
 #include <vector>
 
+#include "core/bvh/triangle_bvh.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 
-/// One bit a cell of a uniform grid over a closed surface: set where the cell touches the surface or lies inside it.
-/// Every point inside the surface is in a set cell.
+/// Occupancy grid of a closed surface, one bit a cell: set where the cell touches the surface or lies inside it. So
+/// every point inside the surface is in a set cell.
 class VoxelGrid {
  public:
-  /// `cells` along each axis of the surface's own bounding box, so that cells are not cubes (the paper's public code);
-  /// or, where `voxel_size_m` > 0, cubes of that size. `surface` is closed. Throws InputError (place: `name`) when the
-  /// grid needs more memory than is there.
-  VoxelGrid(const TriangleMesh& surface, int cells, double voxel_size_m, const std::string& name);
+  /// `cells` along each axis of the surface's bounding box, so that cells are not cubes (as in the paper's public
+  /// code); or, if `voxel_size_m` > 0, cubes of that size. `surface` is closed. Throws InputError, which names `name`,
+  /// when the grid needs more memory than is available. `tree` is
+  /// that of the surface.
+  VoxelGrid(const TriangleMesh& surface, const TriangleBvh& tree, int cells, double voxel_size_m,
+            const std::string& name);
+  VoxelGrid(const TriangleMesh& surface, int cells, double voxel_size_m, const std::string& name)
+      : VoxelGrid(surface, TriangleBvh(surface), cells, voxel_size_m, name) {}
 
   /// `scaled` is a point in units of cells from `lower()`.
   [[nodiscard]] bool contains_scaled(const Vec3& scaled) const {
-    // Written so that a NaN fails as well.
+    // Comparisons that a NaN fails.
     if (!(scaled.x() >= 0 && scaled.y() >= 0 && scaled.z() >= 0 && scaled.x() < m_counts_real.x() &&
           scaled.y() < m_counts_real.y() && scaled.z() < m_counts_real.z())) {
       return false;
@@ -47,7 +52,7 @@ class VoxelGrid {
   }
   void size_cells(const TriangleMesh& surface, int cells, double voxel_size_m);
   void mark_border(const TriangleMesh& surface, std::vector<Cell>& states) const;
-  void mark_inside(const TriangleMesh& surface, std::vector<Cell>& states) const;
+  void mark_inside(const TriangleBvh& tree, std::vector<Cell>& states) const;
   void flood(const std::array<int, 3>& seed, Cell region, std::vector<Cell>& states) const;
 
   Vec3 m_lower = Vec3::Zero();

@@ -15,7 +15,7 @@ namespace musclebench {
 struct RunCase : Case {
   int warm_up_frames = 2;                 ///< recorded and marked
   bool judge = true;                      ///< whether the Referee judges every frame
-  std::vector<int> snapshots;             ///< frames (0: rest) whose shape is kept, ascending
+  std::vector<int> snapshots = {};        ///< frames (0: rest) whose shape is kept, ascending
   bool count_self_intersections = false;  ///< at rest, in the frames of `snapshots` and after the last frame
 };
 
@@ -29,7 +29,7 @@ struct Snapshot {
 };
 
 struct RunResult {
-  std::string status = "ok";  ///< ok, suspect (beyond an OutcomeLimit) or diverged
+  std::string status = "ok";  ///< ok, suspect (beyond an OutcomeLimit), diverged or interrupted
   std::string status_detail;
   MuscleAtRest rest;
   Outcome outcome;
@@ -52,9 +52,11 @@ struct RunResult {
 };
 
 /// Runs the case. `report` is called after each frame, `report_build` now and then before the first. A run that blows
-/// up ends with status `diverged` at that frame, one with an outcome beyond a limit (outcome_limits) is `suspect`.
+/// up ends with status `diverged` at that frame; one that `is_stopped` stops after a frame, with status `interrupted`;
+/// one with an outcome beyond a limit (outcome_limits) is `suspect`.
 /// Throws InputError when the backend's parameters do not fit the scene.
 RunResult run_case(const RunCase& run, const std::function<void(int frames_done)>& report,
-                   const std::function<void(double share)>& report_build = {});
+                   const std::function<void(double share)>& report_build = {},
+                   const std::function<bool()>& is_stopped = {});
 
 }  // namespace musclebench

@@ -4,12 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include "backends/sdf/build/field_memory.hpp"
-#include "backends/sdf/files/discregrid_file.hpp"
-#include "backends/sdf/files/field_file.hpp"
-#include "backends/sdf/files/octree_file.hpp"
-#include "backends/sdf/sdf_settings.hpp"
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
 #include "bench/process/progress.hpp"
@@ -23,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* field_backend = "sdf";
 constexpr int progress_steps = 1000;
 
 struct FieldOptions {
@@ -48,128 +43,77 @@ const Bone& find_bone(const Scene& scene, const std::string& name) {
   return *found;
 }
 
-/// The ending says what is written; refuses what does not fit the field before anything is built.
-void require_ending(const fs::path& out, bool octree, const FieldSettings& settings) {
-  const std::string ending = out.extension().string();
-  const std::string wanted = octree ? ".octree" : ".cdf or .field";
-  if (octree ? ending != ".octree" : (ending != ".cdf" && ending != ".field")) {
-    throw InputError("--out " + out.string(), fmt::format("has to end in {} for this field", wanted));
-  }
-  if (ending == ".cdf" && settings.band_m) {
-    throw InputError("--out " + out.string(), "Discregrid's format wants a value in every cell; leave out `band_m`");
-  }
-}
-
-struct FieldSummary {
-  std::string cells;
-  std::size_t bytes = 0;
-  double p99_m = 0;
-  double largest_m = 0;
-  std::int64_t samples = 0;
-};
-
-void print_summary(const Scene& scene, const Bone& bone, const FieldSummary& summary, Nanoseconds build_ns,
+void print_summary(const Scene& scene, const Bone& bone, const BuiltStructure& built, Nanoseconds build_ns,
                    const std::string& out) {
   fmt::print("{} of {}\n", bone.name, scene.name);
-  fmt::print("  cells                         {}\n", summary.cells);
-  fmt::print("  size                          {:.3f} MB\n", static_cast<double>(summary.bytes) * 1e-6);
+  fmt::print("  cells                         {}\n", built.cells);
+  fmt::print("  size                          {:.3f} MB\n", static_cast<double>(built.bytes) * 1e-6);
   fmt::print("  built in                      {:.2f} s\n", static_cast<double>(build_ns) * 1e-9);
-  fmt::print("  error near the surface        {:.4f} mm at 99 of 100 places, {:.4f} mm at most, of {} places\n",
-             summary.p99_m * 1e3, summary.largest_m * 1e3, summary.samples);
+  fmt::print("  error near the surface        {:.4f} mm at 99 of 100 points, {:.4f} mm at most, of {} points\n",
+             built.p99_error_m * 1e3, built.largest_error_m * 1e3, built.samples);
   fmt::print("  written to {}\n", out);
 }
 
 /// Builds with progress, then writes with signals held back.
-template <typename Build, typename Write>
-Nanoseconds build_and_write(const FieldOptions& options, const std::string& label, const Build& build,
-                            const Write& write) {
+int build_and_write(const FieldOptions& options, const BackendEntry& backend, const Parameters& parameters,
+                    const Scene& scene, const Bone& bone) {
   std::optional<EndAtOnce> until_written(std::in_place);
   const Nanoseconds start_ns = monotonic_now_ns();
-  Nanoseconds build_ns = 0;
+  BuiltStructure built;
   {
-    Progress progress(progress_style(options.progress_lines), label, progress_steps);
-    build([&](double share) { progress.show(static_cast<int>(share * progress_steps)); });
-    build_ns = monotonic_now_ns() - start_ns;
+    Progress progress(progress_style(options.progress_lines), "field " + bone.name, progress_steps);
+    built = backend.structure_export.build(bone, parameters, options.backend.threads, [&](double share) {
+      progress.show(static_cast<int>(share * progress_steps));
+    });
   }
+  const Nanoseconds build_ns = monotonic_now_ns() - start_ns;
   const HeldSignals held;
-  write();
+  built.write(options.out);
   until_written.reset();
-  return build_ns;
-}
-
-int write_octree(const FieldOptions& options, const Scene& scene, const Bone& bone, const Parameters& parameters) {
-  const OctreeSettings settings = octree_settings(parameters);
-  std::optional<OctreeField> field;
-  const Nanoseconds build_ns = build_and_write(
-      options, "field " + bone.name,
-      [&](const BuildProgress& progress) {
-        field.emplace(build_octree(SignedSurface(bone.surface), bone.surface.mesh, settings, bone.name,
-                                   options.backend.threads, progress));
-      },
-      [&] { save_octree(*field, surface_digest(bone.surface), settings, options.out); });
-  const OctreeQuality& quality = field->quality();
-  const std::string cells = fmt::format("{} of {:.3g} to {:.3g} mm", field->leaf_count(), quality.finest_edge_m * 1e3,
-                                        field->shape().root_edge_m * 1e3);
-  print_summary(scene, bone, {cells, field->bytes(), quality.p99_m, quality.largest_m, quality.samples}, build_ns,
-                options.out);
+  print_summary(scene, bone, built, build_ns, options.out);
   return 0;
 }
 
-int write_grid(const FieldOptions& options, const Scene& scene, const Bone& bone, const Parameters& parameters) {
-  const FieldSettings settings = field_settings(parameters);
-  const GridSettings grid = grid_settings(parameters);
-  const GridShape shape = grid_over(bone.surface.mesh, grid, bone.name);
-  if (settings.band_m) {
-    require_sensible_band(*settings.band_m, shape, bone.surface.mesh, bone.name);
+std::vector<std::string> exporting_backends() {
+  std::vector<std::string> names;
+  for (const BackendEntry& entry : backend_registry()) {
+    if (entry.structure_export) {
+      names.push_back(entry.name);
+    }
   }
-  require_room({&bone, 1}, {&shape, 1}, grid, settings);
-  std::optional<CubicField> field;
-  const Nanoseconds build_ns = build_and_write(
-      options, "field " + bone.name,
-      [&](const BuildProgress& progress) {
-        field.emplace(build_field(SignedSurface(bone.surface), shape, settings, options.backend.threads, progress));
-      },
-      [&] {
-        if (fs::path(options.out).extension() == ".cdf") {
-          write_discregrid(*field, options.out);
-        } else {
-          save_field(*field, surface_digest(bone.surface), options.out);
-        }
-      });
-  const FieldError& error = field->facts().error;
-  const Vec3 size_mm = shape.cell_size_m * 1e3;
-  const std::string cells = fmt::format("{} x {} x {} of {:.3g} x {:.3g} x {:.3g} mm", shape.cells[0], shape.cells[1],
-                                        shape.cells[2], size_mm[0], size_mm[1], size_mm[2]);
-  print_summary(scene, bone, {cells, field->bytes(), error.p99_m, error.largest_m, error.samples}, build_ns,
-                options.out);
-  return 0;
+  return names;
+}
+
+const BackendEntry& chosen_backend(const std::string& option) {
+  const std::vector<std::string> exporting = exporting_backends();
+  if (exporting.empty()) {
+    throw InputError("field", "no backend of this build writes its structures to files");
+  }
+  const BackendEntry& backend = find_backend(option.empty() ? exporting.front() : option);
+  if (!backend.structure_export) {
+    throw InputError("--backend " + option, fmt::format("has no distance field; {} has", fmt::join(exporting, ", ")));
+  }
+  return backend;
 }
 
 int make_field(const FieldOptions& options) {
-  const BackendEntry& backend = find_backend(options.backend.backend);
-  if (backend.name != field_backend) {
-    throw InputError("--backend " + options.backend.backend, "has no distance field; `sdf` has");
-  }
+  const BackendEntry& backend = chosen_backend(options.backend.backend);
   const Parameters parameters = backend_parameters(backend, options.backend.parameters);
-  const bool octree = wants_octree(parameters);
-  if (!parameters.word("discregrid").empty()) {
-    throw InputError("--param discregrid", "is for fields that are there already; leave it out to build one");
-  }
-  require_ending(options.out, octree, field_settings(parameters));
+  backend.structure_export.require_fit(parameters, options.out);
   const Scene scene = load_scene(options.scene);
-  const Bone& bone = find_bone(scene, options.bone);
-  return octree ? write_octree(options, scene, bone, parameters) : write_grid(options, scene, bone, parameters);
+  return build_and_write(options, backend, parameters, scene, find_bone(scene, options.bone));
 }
 
 }  // namespace
 
 void add_field_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<FieldOptions>();
-  options->backend.backend = field_backend;
   CLI::App* command = app.add_subcommand("field", "Build one bone's distance field and write it to a file");
   add_scene_options(*command, options->scene);
   add_backend_options(*command, options->backend);
-  command->get_option("--backend")->required(false)->description("Backend whose field it is (default: sdf)");
+  command->get_option("--backend")
+      ->required(false)
+      ->description("Backend whose field it is (default: the first that has one)");
   command->add_option("--bone", options->bone, "Name of the bone (default: the only one)");
   command
       ->add_option("--out", options->out,

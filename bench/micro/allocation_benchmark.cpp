@@ -1,5 +1,5 @@
 // How often a frame after the second asks for heap memory, at most: a coupled run of each backend with each response
-// that it can have. fcl and brute_force are left out: their libraries and their ways allocate in every query.
+// that it can have, of those that promise none.
 #include <algorithm>
 
 #include <benchmark/benchmark.h>
@@ -19,12 +19,11 @@ constexpr int frames = 40;  // of the whole motion: contacts come and go fast
 void allocations(benchmark::State& state, const std::string& name, ResponseKind response) {
   Scene scene = micro_scene();
   scene.loop.frames = frames;
-  BackendEntry entry = find_backend(name);
-  entry.response = response;
-  const Case resolved{scene, entry, Parameters(entry.parameters, run_settings(name), name), 1, 0};
+  const BackendEntry& entry = find_backend(name);
+  const Case resolved{scene, entry, Parameters(entry.parameters, run_settings(name), name), 1, 0, response};
   for (auto _ : state) {
     const BuiltBackend built = build_backend(resolved);
-    const PreparedSimulation prepared = prepare_simulation(resolved.scene, *built.backend, resolved.backend.response);
+    const PreparedSimulation prepared = prepare_simulation(resolved.scene, *built.backend, resolved.response);
     std::uint64_t most = 0;
     for (int frame = 1; frame <= frames; ++frame) {
       const std::uint64_t before = heap_allocations();
@@ -39,17 +38,18 @@ void allocations(benchmark::State& state, const std::string& name, ResponseKind 
 }  // namespace
 
 void register_allocation_kernels() {
-  const auto add = [](const std::string& name, const std::string& word, ResponseKind response) {
-    benchmark::RegisterBenchmark(("allocations/" + name + "/" + word).c_str(),
-                                 [name, response](benchmark::State& s) { allocations(s, name, response); })
-        ->Iterations(1)
-        ->Unit(benchmark::kMillisecond);
-  };
-  add("null", "project", ResponseKind::project);
-  add("voxel", "backtrack", ResponseKind::backtrack);
-  add("sdf", "project", ResponseKind::project);
-  add("sdf", "backtrack", ResponseKind::backtrack);
-  add("bvh", "project", ResponseKind::project);
+  for (const BackendEntry& entry : backend_registry()) {
+    const Capabilities can = entry.make(Parameters(entry.parameters, {}, entry.name))->capabilities();
+    for (const ResponseEntry& response : response_registry()) {
+      if (can.steady_memory && lacks_for(response.kind, can).empty()) {
+        benchmark::RegisterBenchmark(
+            ("allocations/" + entry.name + "/" + response.name).c_str(),
+            [name = entry.name, kind = response.kind](benchmark::State& s) { allocations(s, name, kind); })
+            ->Iterations(1)
+            ->Unit(benchmark::kMillisecond);
+      }
+    }
+  }
 }
 
 }  // namespace musclebench

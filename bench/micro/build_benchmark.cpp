@@ -27,16 +27,17 @@ void sdf_build_a_node(benchmark::State& state, const Bone& bone, int threads) {
 }
 
 /// Bytes of the field of 64 cells; with `band_m` > 0 of a narrow band.
-void sdf_bytes(benchmark::State& state, const Bone& bone, const std::string& precision, double band_m) {
-  const TriangleMesh& muscle = micro_scene().muscle.mesh;
-  Settings settings{{"cells", std::int64_t{cells}}, {"precision", precision}, {"clearance_cache", std::string("off")}};
-  if (band_m > 0) {
-    settings["band_m"] = band_m;
-  }
+void sdf_bytes(benchmark::State& state, const Bone& bone, FieldPrecision precision, double band_m) {
+  FieldSettings settings{precision};
+  const GridShape shape = grid_over(bone.surface.mesh, {.cells = cells}, bone.name);
   try {
+    if (band_m > 0) {
+      settings.band_m = band_m;
+      require_sensible_band(band_m, shape, bone.surface.mesh, bone.name);
+    }
     for (auto _ : state) {
-      const std::unique_ptr<CollisionBackend> backend = built_backend("sdf", settings, {&bone, 1}, muscle);
-      state.counters["bytes"] = static_cast<double>(backend->structure_bytes());
+      state.counters["bytes"] =
+          static_cast<double>(build_field(SignedSurface(bone.surface), shape, settings, 1).bytes());
     }
   } catch (const InputError& error) {
     state.SkipWithError(error.what());
@@ -58,11 +59,11 @@ void register_build_kernels() {
         ->Arg(2)
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime();
-    for (const std::string precision : {"float", "compact"}) {
+    for (const auto& [precision, kind] :
+         {std::pair("float", FieldPrecision::single_precision), std::pair("compact", FieldPrecision::compact)}) {
       for (const auto& [word, band_m] : {std::pair("dense", 0.0), std::pair("band_10mm", 0.01)}) {
-        benchmark::RegisterBenchmark(
-            fmt::format("sdf_bytes/{}/{}/{}", word, precision, bone.name).c_str(),
-            [&bone, precision, b = band_m](benchmark::State& s) { sdf_bytes(s, bone, precision, b); })
+        benchmark::RegisterBenchmark(fmt::format("sdf_bytes/{}/{}/{}", word, precision, bone.name).c_str(),
+                                     [&bone, p = kind, b = band_m](benchmark::State& s) { sdf_bytes(s, bone, p, b); })
             ->Iterations(1)
             ->Unit(benchmark::kMillisecond);
       }

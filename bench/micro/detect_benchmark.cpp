@@ -13,6 +13,9 @@
 namespace musclebench {
 namespace {
 
+/// Once is enough of what takes longer.
+constexpr double long_step_ms = 1000;
+
 struct Nodes {
   std::vector<Vec3> positions;
   std::vector<int> all;
@@ -76,11 +79,14 @@ void register_detect_kernels() {
     auto* detection = benchmark::RegisterBenchmark(("detect/" + entry.name).c_str(),
                                                    [name = entry.name](benchmark::State& s) { detect(s, name, 1); });
     detection->Unit(benchmark::kMicrosecond);
-    if (entry.name == "brute_force") {
-      detection->Iterations(1);  // takes a minute on real anatomy
+    if (guessed_step_ms(entry) > long_step_ms) {
+      detection->Iterations(1);
     }
   }
-  for (const std::string name : {"bvh", "sdf"}) {
+  for (const std::string& name : raced_backends()) {
+    if (find_parameter(find_backend(name).parameters, ParameterRole::clearance_cache) == nullptr) {
+      continue;  // too little work for threads
+    }
     benchmark::RegisterBenchmark(("detect_threads/" + name).c_str(),
                                  [name](benchmark::State& s) { detect(s, name, static_cast<int>(s.range(0))); })
         ->Arg(1)

@@ -7,9 +7,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "backends/sdf/build/exact_places.hpp"
 #include "backends/sdf/build/field_builder.hpp"
 #include "backends/sdf/build/octree_builder.hpp"
+#include "backends/sdf/build/reference_samples.hpp"
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
 #include "core/base/huge_pages.hpp"
@@ -27,9 +27,9 @@ constexpr double finer = 0.95;  // each uniform grid's cell over that before it
 
 /// The error that 99 of 100 places stay below; where the field knows nothing it errs without bound.
 template <typename Field>
-double p99_error_m(const Field& field, const std::vector<ExactPlace>& places) {
+double p99_error_m(const Field& field, const std::vector<ReferenceSample>& places) {
   std::vector<double> errors;
-  for (const ExactPlace& place : places) {
+  for (const ReferenceSample& place : places) {
     const auto value = field.value(place.point);
     errors.push_back(value ? std::abs(*value - place.distance_m) : std::numeric_limits<double>::infinity());
   }
@@ -45,8 +45,8 @@ void adaptive_over_uniform(benchmark::State& state, const Bone& bone) {
       const ScopedTimer timer(adaptive_ns);
       return build_octree(surface, bone.surface.mesh, {.max_error_m = wanted_m}, bone.name, 1);
     }();
-    const std::vector<ExactPlace> places =
-        places_about(surface, bone.surface.mesh, adaptive.quality().near_m, place_count, 11, 1);
+    const std::vector<ReferenceSample> places =
+        reference_samples(surface, bone.surface.mesh, adaptive.quality().near_m, place_count, 11, 1);
     const double reached_m = p99_error_m(adaptive, places);
     double cell_size_m = coarsest_m;
     double uniform_p99_m = std::numeric_limits<double>::infinity();

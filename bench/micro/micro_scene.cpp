@@ -1,22 +1,13 @@
 #include "bench/micro/micro_scene.hpp"
 
-#include <algorithm>
 #include <cstdlib>
 #include <random>
 
 #include "bench/cases/scene_source.hpp"
 #include "core/mesh/mesh_size.hpp"
+#include "core/scene/toml_table.hpp"
 
 namespace musclebench {
-
-namespace {
-
-bool knows(const BackendEntry& entry, const std::string& parameter) {
-  return std::any_of(entry.parameters.begin(), entry.parameters.end(),
-                     [&](const ParameterSpec& spec) { return spec.name == parameter; });
-}
-
-}  // namespace
 
 const Scene& micro_scene() {
   static const Scene loaded = [] {
@@ -53,19 +44,35 @@ std::vector<Vec3> points_far(const Bone& bone, std::size_t count) {
   return points;
 }
 
+std::vector<std::string> raced_backends() {
+  std::vector<std::string> names;
+  for (const BackendEntry& backend : backend_registry()) {
+    if (parse_toml(backend.study, backend.name).contains("race")) {
+      names.push_back(backend.name);
+    }
+  }
+  return names;
+}
+
+double guessed_step_ms(const BackendEntry& backend) {
+  const toml::table study = parse_toml(backend.study, backend.name);
+  return study["series"][0]["step_ms"].value_or(0.0);
+}
+
 Settings run_settings(const std::string& backend) {
   Settings settings;
   const char* folder = std::getenv("MUSCLEBENCH_MICRO_STRUCTURES");
-  if (folder != nullptr && knows(find_backend(backend), "structures")) {
-    settings["structures"] = std::string(folder);
+  const ParameterSpec* storage = find_parameter(find_backend(backend).parameters, ParameterRole::storage);
+  if (folder != nullptr && storage != nullptr) {
+    settings[storage->name] = std::string(folder);
   }
   return settings;
 }
 
 Settings cold_settings(const std::string& backend) {
   Settings settings = run_settings(backend);
-  if (knows(find_backend(backend), "clearance_cache")) {
-    settings["clearance_cache"] = std::string("off");
+  if (const auto* cache = find_parameter(find_backend(backend).parameters, ParameterRole::clearance_cache)) {
+    settings[cache->name] = std::string("off");
   }
   return settings;
 }

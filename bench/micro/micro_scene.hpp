@@ -1,12 +1,12 @@
 #pragma once
 
-#include <map>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "backends/registry.hpp"
+#include "bench/cases/advise_plan.hpp"
 #include "core/scene/scene.hpp"
 
 namespace musclebench {
@@ -22,7 +22,11 @@ std::vector<Vec3> points_near(const Bone& bone, std::size_t count);
 /// Points spread evenly over the bone's box, enlarged by a tenth.
 std::vector<Vec3> points_far(const Bone& bone, std::size_t count);
 
-using Settings = std::map<std::string, ParameterValue>;
+/// The backends that are raced for speed: those with a [[race]] in their study.
+std::vector<std::string> raced_backends();
+
+/// What a step of the backend takes, as its study guesses for the reference muscle; 0: unknown.
+double guessed_step_ms(const BackendEntry& backend);
 
 /// Parameters of a backend as in a run; fields are kept in the folder MUSCLEBENCH_MICRO_STRUCTURES, where it is given.
 Settings run_settings(const std::string& backend);

@@ -175,7 +175,8 @@ void bvh_locate(benchmark::State& state) {
 void bvh_step(benchmark::State& state) {
   const Bone& bone = knobbly_bone(subdivisions_for(state.range(0)));
   const TriangleMesh muscle{points_at_knobbly_bone(), {}};
-  const std::unique_ptr<CollisionBackend> backend = built_backend("bvh", run_settings("bvh"), {&bone, 1}, muscle);
+  const std::string& exact = exact_backend().name;
+  const std::unique_ptr<CollisionBackend> backend = built_backend(exact, run_settings(exact), {&bone, 1}, muscle);
   run_steps(state, *backend, muscle.vertices, [](const MovingNodes& moving, std::vector<RigidMotion>& poses) {
     const double angle = 0.01 * moving.frame_from(0);
     poses.assign(1, RigidMotion{});
@@ -186,7 +187,7 @@ void bvh_step(benchmark::State& state) {
 }  // namespace
 
 void register_size_kernels() {
-  for (const std::string name : {"voxel", "sdf", "bvh"}) {
+  for (const std::string& name : raced_backends()) {
     auto* kernel = benchmark::RegisterBenchmark(("muscle_size/" + name).c_str(),
                                                 [name](benchmark::State& s) { muscle_size(s, name); });
     for (const std::int64_t size : muscle_sizes) {

@@ -65,7 +65,8 @@ Json json_of(const Capabilities& capabilities) {
   return {{"depth", capabilities.depth},
           {"point_queries", capabilities.point_queries},
           {"remembers", capabilities.remembers},
-          {"has_step", capabilities.has_step}};
+          {"has_step", capabilities.has_step},
+          {"steady_memory", capabilities.steady_memory}};
 }
 
 Json json_of(const BackendEntry& backend) {

@@ -28,7 +28,8 @@ constexpr ManifestKey of_run_and_replay(std::string_view name, std::string_view 
 
 constexpr auto keys = std::to_array<ManifestKey>({
     everywhere("schema_version", "", "version of columns and keys"),
-    everywhere("status", "", "ok, suspect (an outcome is beyond its limit), diverged, nondeterministic, unsupported"),
+    everywhere("status", "",
+               "ok, suspect (an outcome is beyond its limit), diverged, interrupted, nondeterministic, unsupported"),
     everywhere("status_detail", "", "why it is not ok"),
     everywhere("run_id", "", "hash of the resolved case, the inputs and the build"),
     everywhere("title", "", "of the scene"),
@@ -58,6 +59,8 @@ constexpr auto keys = std::to_array<ManifestKey>({
     everywhere("muscle.vertices", "", "of the mesh as read"),
     everywhere("muscle.triangles", "", "of the mesh as read"),
     everywhere("muscle.mesh_sha256", "", "of its coordinates and indices"),
+    everywhere("muscle.nodes", "", "vertices after equal positions were joined and unused ones left out"),
+    everywhere("muscle.repairs[]", "", "what was mended, in words"),
     of_run("muscle.rest_volume_m3", "m3", "volume at rest, V0"),
     of_run("muscle.pressure", "", "target volume over that at rest, p; 1 without the effect volume"),
     of_run("muscle.mean_edge_length_m", "m", "at rest"),

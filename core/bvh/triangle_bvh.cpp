@@ -10,12 +10,12 @@ namespace musclebench {
 
 namespace {
 
-/// Half a unit in the last place of a float and of a double, relative.
+/// Relative rounding errors of single and double precision.
 constexpr double float_rounding = 0x1p-24;
 constexpr double double_rounding = 0x1p-53;
-/// Above the rounding of distances that are compared.
+/// More than the relative rounding error of distances that are compared.
 constexpr double distance_rounding = 1e-12;
-/// The unused places of leaves are farther than that.
+/// Unused slots of leaves are farther away than this.
 constexpr float widest_limit = 0.5F * bvh_far_away * bvh_far_away;
 
 float round_down(double value) {
@@ -25,25 +25,25 @@ float round_down(double value) {
 
 }  // namespace
 
-void TriangleBvh::Search::offer(int index) {
-  const ClosestOnTriangle found = tree->closest_on(exact_point, index);
-  if (found.squared_distance_m2 < best.squared_distance_m2 ||
-      (found.squared_distance_m2 == best.squared_distance_m2 && (best_triangle < 0 || index < best_triangle))) {
+void TriangleBvh::Search::consider(int triangle_index) {
+  const ClosestOnTriangle found = tree->closest_on(exact_point, triangle_index);
+  if (found.squared_distance_m2 < best.squared_distance_m2 || (found.squared_distance_m2 == best.squared_distance_m2 &&
+                                                               (best_triangle < 0 || triangle_index < best_triangle))) {
     best = found;
-    best_triangle = index;
+    best_triangle = triangle_index;
   }
 }
 
-void TriangleBvh::Search::decide_listed() {
+void TriangleBvh::Search::decide_candidates() {
   for (std::size_t i = 0; i < count; ++i) {
     if (squared[i] <= limit) {
-      offer(triangle[i]);
+      consider(triangle[i]);
     }
   }
   count = 0;
 }
 
-void TriangleBvh::Search::narrow(double distance_m) {
+void TriangleBvh::Search::lower_limit(double distance_m) {
   const double reach = distance_m * tree->m_scale + slack;
   limit = std::min(limit, static_cast<float>(std::min<double>(reach * reach * 1.000001, widest_limit)));
 }
@@ -60,7 +60,7 @@ TriangleBvh::TriangleBvh(const TriangleMesh& mesh) {
 
 bool TriangleBvh::is_sliver(int triangle) const {
   const BvhLeaf& leaf = m_leaves[static_cast<std::size_t>(m_leaf_of[static_cast<std::size_t>(triangle)])];
-  return (leaf.slivers >> leaf.place_of(triangle) & 1U) != 0;
+  return (leaf.slivers >> leaf.lane_of(triangle) & 1U) != 0;
 }
 
 float TriangleBvh::slack_for(double reach, double coordinate) const {
@@ -85,14 +85,14 @@ void TriangleBvh::prepare(const Vec3& point, Search& search) const {
   search.exact_point = point;
   search.best.squared_distance_m2 = std::numeric_limits<double>::infinity();
   search.limit = widest_limit;
-  const Vec3 own = m_scale * (point - m_centre_m);
-  const double reach = own.cwiseAbs().maxCoeff();
+  const Vec3 local = m_scale * (point - m_centre_m);
+  const double reach = local.cwiseAbs().maxCoeff();
   search.slack = slack_for(reach, m_scale * point.cwiseAbs().maxCoeff());
-  search.point = {static_cast<float>(own.x()), static_cast<float>(own.y()), static_cast<float>(own.z())};
+  search.point = {static_cast<float>(local.x()), static_cast<float>(local.y()), static_cast<float>(local.z())};
   search.decide = [](BvhSearch& self) {
     auto& full = static_cast<Search&>(self);
-    full.decide_listed();
-    full.narrow(std::sqrt(full.best.squared_distance_m2));
+    full.decide_candidates();
+    full.lower_limit(std::sqrt(full.best.squared_distance_m2));
   };
 }
 
@@ -103,13 +103,13 @@ TriangleBvh::Search TriangleBvh::search_for(const Vec3& point) const {
 }
 
 bool TriangleBvh::within_horizon(const Vec3& point) const {
-  // Written so that what is not a number is not.
+  // A comparison that a NaN fails.
   return (m_scale * (point - m_centre_m).array().abs() <= bvh_horizon).all();
 }
 
 void TriangleBvh::search_all(Search& search) const {
   for (int triangle = 0; triangle < static_cast<int>(m_corners.size()); ++triangle) {
-    search.offer(triangle);
+    search.consider(triangle);
   }
 }
 
@@ -118,12 +118,12 @@ std::optional<ClosestPoint> TriangleBvh::closest_point(const Vec3& point, double
     return std::nullopt;
   }
   Search search = search_for(point);
-  // Finite, so that a point that is not a number is close to nothing.
+  // Finite, so that no triangle is closer to a NaN.
   search.best.squared_distance_m2 = std::min(max_distance_m * max_distance_m, std::numeric_limits<double>::max());
-  search.narrow(max_distance_m);
+  search.lower_limit(max_distance_m);
   if (within_horizon(point)) {
     search_closest(search);
-    search.decide_listed();
+    search.decide_candidates();
   } else {
     search_all(search);
   }
@@ -135,7 +135,7 @@ ClosestPoint TriangleBvh::closest_point_from(const Vec3& point, int triangle) co
   if (within_horizon(point)) {
     search.first_leaf = m_leaf_of[static_cast<std::size_t>(triangle)];
     search_closest(search);
-    search.decide_listed();
+    search.decide_candidates();
   } else {
     search.best = closest_on(point, triangle);
     search.best_triangle = triangle;
@@ -152,29 +152,29 @@ void TriangleBvh::list_candidate_leaves(const Vec3& point, double radius_m, Cand
     return;
   }
   Search search = search_for(point);
-  search.narrow(radius_m);
+  search.lower_limit(radius_m);
   const NearestLeaves near = search_leaves(search);
-  list.place = search.point;
-  list.complete = round_down(std::max(std::sqrt(static_cast<double>(near.others)) - search.slack, 0.0));
+  list.point = search.point;
+  list.cutoff = round_down(std::max(std::sqrt(static_cast<double>(near.cutoff)) - search.slack, 0.0));
   list.leaf.fill(-1);
   for (std::size_t i = 0; i < near.count; ++i) {
     list.leaf[i] = near.leaf[i];
     const double distance = std::sqrt(static_cast<double>(near.squared[i])) - search.slack;
     list.distance[i] =
-        list.complete > 0
-            ? static_cast<std::uint8_t>(std::clamp(distance / list.complete, 0.0, 1.0) * CandidateLeaves::steps)
+        list.cutoff > 0
+            ? static_cast<std::uint8_t>(std::clamp(distance / list.cutoff, 0.0, 1.0) * CandidateLeaves::distance_steps)
             : std::uint8_t{0};
   }
 }
 
 Clearance TriangleBvh::clearance_from(const Vec3& point, int triangle) const {
-  constexpr float squared_share = 0.81F;
+  constexpr float squared_fraction = 0.81F;
   if (!within_horizon(point)) {
     return {0, triangle};
   }
   Search search = search_for(point);
   search.first_leaf = m_leaf_of[static_cast<std::size_t>(triangle)];
-  const DistanceBound bound = search_bound(search, squared_share);
+  const DistanceBound bound = search_bound(search, squared_fraction);
   return {std::max(std::sqrt(static_cast<double>(bound.squared)) - search.slack, 0.0) / m_scale, bound.triangle};
 }
 
@@ -186,30 +186,39 @@ void TriangleBvh::begin_candidate_search(const Vec3& point, const CandidateLeave
   }
   double squared = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double way = static_cast<double>(search.point[axis]) - static_cast<double>(list.place[axis]);
-    squared += way * way;
+    const double difference = static_cast<double>(search.point[axis]) - static_cast<double>(list.point[axis]);
+    squared += difference * difference;
   }
-  // Both places are rounded: by less than the slack and some units of the way.
+  // An upper bound: both points are rounded, by less than the slack in all.
   search.moved = static_cast<float>(std::sqrt(squared) * (1 + 16 * float_rounding)) + search.slack;
   search_listed(search, list, (search.moved + search.slack) * (1 + 2 * static_cast<float>(float_rounding)));
-  const float known = std::max(list.complete - search.moved, 0.0F);
-  if (search.least >= known * known) {  // a search will follow
-    fetch_way_to(list);
+  const float known = std::max(list.cutoff - search.moved, 0.0F);
+  if (search.least >= known * known) {  // the list is not enough: a search of the tree will follow
+    prefetch_ancestors(list);
+  }
+}
+
+void TriangleBvh::prefetch_ancestors(const CandidateLeaves& list) const {
+  for (const std::int32_t ancestor : m_leaves[static_cast<std::size_t>(list.leaf[0])].ancestors) {
+    if (ancestor < 0) {
+      return;
+    }
+    prefetch(m_nodes[static_cast<std::size_t>(ancestor)]);
   }
 }
 
 ClosestCandidate TriangleBvh::finish_candidate_search(Search& search, const CandidateLeaves& list,
                                                       double enough_m) const {
-  // What was not looked at is beyond the limit, which is more.
+  // Triangles of the listed leaves that were skipped are beyond the limit, which is no smaller.
   const double least = std::sqrt(static_cast<double>(search.least)) - search.slack;
-  const double others_m = (static_cast<double>(list.complete) - static_cast<double>(search.moved)) / m_scale;
-  const double clearance_m = std::min(least / m_scale, others_m);
+  const double unlisted_m = (static_cast<double>(list.cutoff) - static_cast<double>(search.moved)) / m_scale;
+  const double clearance_m = std::min(least / m_scale, unlisted_m);
   if (clearance_m > enough_m) {
     return {{}, false, clearance_m};
   }
-  search.decide_listed();
+  search.decide_candidates();
   const ClosestPoint closest = search.answer();
-  return {closest, closest.distance_m * (1 + distance_rounding) < others_m};
+  return {closest, closest.distance_m * (1 + distance_rounding) < unlisted_m};
 }
 
 std::size_t TriangleBvh::bytes() const {

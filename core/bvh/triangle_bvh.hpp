@@ -23,49 +23,50 @@ struct ClosestPoint {
   Feature feature = Feature::face;
 };
 
-/// The closest point among listed triangles.
+/// Result of a search among candidate triangles.
 struct ClosestCandidate {
   ClosestPoint closest;
-  /// No triangle outside the list can be as close, so this is what a search finds.
+  /// No triangle outside the list can be as close: `closest` is what a full search would find.
   bool certain = false;
-  /// Positive: that was enough to know, and the closest point is not. No triangle at all is closer.
+  /// If positive, the other members are not set, and no triangle at all is closer than this.
   double clearance_m = 0;
 };
 
-/// How far a point is at least from all triangles, and one of those that are near it.
+/// A lower bound of a point's distance, and a triangle near it.
 struct Clearance {
   double distance_m = 0;
   int triangle = -1;
 };
 
-/// The triangles below one child of a node as seen from afar.
+/// The triangles below one child of a node as a dipole (Barill et al. 2018), for winding numbers from far away.
 struct BvhCluster {
   Vec3 centre = Vec3::Zero();
-  Vec3 area_normal = Vec3::Zero();
-  double radius = 0;  ///< of the ball about `centre` that holds the triangles
+  Vec3 area_normal = Vec3::Zero();  ///< sum of the triangles' unit normals times their areas
+  double radius = 0;                ///< of a sphere about `centre` that contains the triangles
 };
 
-/// A bounding-box tree over the triangles of a mesh, for closest points and winding numbers. Nodes and leaves are
-/// compact floats, tested side by side with the vectors of the CPU that it runs on; they only prune, with a proven
-/// slack (see triangle_bvh_search.cpp), and `closest_on_triangle` decides. So every answer is that of brute force, to
-/// the bit, on any CPU: of all triangles the one whose squared distance by `closest_on_triangle` is the smallest, the
-/// first of several. Keeps a copy of the triangles' corners; the mesh need not outlive it. Queries are const and safe
-/// from several threads.
+/// An 8-wide bounding volume hierarchy (BVH) over the triangles of a mesh, for closest points and winding numbers.
+/// Boxes and triangles are tested in single precision, eight at a time, only to prune: the tests allow for their
+/// rounding error (reports/performance/bvh_error_bounds.md), and `closest_on_triangle` decides in double precision. So
+/// every answer is that of brute force to the bit, on any CPU: of all triangles the one with the smallest squared
+/// distance by `closest_on_triangle`, of several the one with the smallest index. Points are in the mesh's frame, in
+/// metres. The mesh need not outlive the tree. Queries are const and safe from several threads.
 class TriangleBvh {
  public:
   explicit TriangleBvh(const TriangleMesh& mesh);
 
-  /// The closest point within `max_distance_m`; nothing when the surface is farther away.
+  /// The closest point; nothing where the surface is farther than `max_distance_m`, for a point that is not finite and
+  /// for a mesh without triangles.
   [[nodiscard]] std::optional<ClosestPoint> closest_point(
       const Vec3& point, double max_distance_m = std::numeric_limits<double>::infinity()) const;
 
-  /// The closest point, found faster from a triangle that is known to be near: the closest one of a neighbouring query.
-  /// `triangle` is any triangle of the mesh; the answer is that of `closest_point`, to the bit.
+  /// The answer of `closest_point` to the bit, found faster the closer `triangle` is, such as the closest one of a
+  /// neighbouring query. `triangle` may be any triangle of the mesh.
   [[nodiscard]] ClosestPoint closest_point_from(const Vec3& point, int triangle) const;
 
-  /// At least 0.9 of the distance to the closest triangle, less what floats may be off by, for much less than
-  /// `closest_point_from`; `triangle` is any of the mesh, best one that was near the point before. 0 for a point beyond
-  /// the reach of `list_candidate_leaves`.
+  /// A lower bound of the distance to the closest triangle: at least 0.9 of it, less the slack of single precision.
+  /// Much cheaper than `closest_point_from`. `triangle` may be any triangle of the mesh; one near the point is fastest.
+  /// 0 for a point for which `list_candidate_leaves` lists nothing.
   [[nodiscard]] Clearance clearance_from(const Vec3& point, int triangle) const;
 
   /// The closest point of one triangle.
@@ -74,101 +75,94 @@ class TriangleBvh {
     return closest_on_triangle(point, a, b, c);
   }
 
-  /// The leaves within `radius_m` of `point`, or the nearest of them, for `begin_candidate_search`. None for a point
-  /// that is not finite or more than 1e12 times the mesh's size away.
+  /// Lists the leaves within `radius_m` of `point`, or the nearest of them. The list is empty for a point that is not
+  /// finite or more than 1e12 times the mesh's size away.
   void list_candidate_leaves(const Vec3& point, double radius_m, CandidateLeaves& list) const;
 
-  /// `closest_point`, to the bit, where the list is enough to tell; `list` is not empty and `certain` says whether.
-  /// Else one of the nearest triangles, or none (-1). Where all triangles are certainly farther away than `enough_m`,
-  /// only that is told, sooner. In two parts, so that those of several points can be done one part after the other and
-  /// their ways through memory overlap: the first leaves to the second what may be the closest, asked for in memory.
+  /// Searches the leaves of a list that is not empty. If they are enough to tell, the result is `certain` and that of
+  /// `closest_point` to the bit; else its triangle is one near the point, or -1. If all triangles are certainly farther
+  /// away than `enough_m`, the result is only that lower bound. The first part prunes and prefetches the corners of the
+  /// candidates, the second decides in double precision, so that a caller can overlap the cache misses of several
+  /// points.
   struct Search;
   void begin_candidate_search(const Vec3& point, const CandidateLeaves& list, Search& search) const;
   [[nodiscard]] ClosestCandidate finish_candidate_search(Search& search, const CandidateLeaves& list,
                                                          double enough_m) const;
-  /// The way to what is listed begins to come from memory, for a search from near there.
-  void fetch_way_to(const CandidateLeaves& list) const {
-    for (const std::int32_t above : m_leaves[static_cast<std::size_t>(list.leaf[0])].above) {
-      if (above < 0) {
-        return;
-      }
-      prefetch(m_nodes[static_cast<std::size_t>(above)]);
-    }
-  }
-  /// What `begin_candidate_search` will look at first begins to come from memory.
-  void fetch(const CandidateLeaves& list) const {
-    constexpr std::size_t looked_at = 4;  // of eight: a point is rarely farther from its list's place
-    for (std::size_t i = 0; i < looked_at && list.leaf[i] >= 0; ++i) {
+  /// Prefetches the leaves that `begin_candidate_search` reads first: few points move so far that it reads more.
+  void prefetch_leaves(const CandidateLeaves& list) const {
+    constexpr std::size_t count = 4;
+    for (std::size_t i = 0; i < count && list.leaf[i] >= 0; ++i) {
       prefetch(m_leaves[static_cast<std::size_t>(list.leaf[i])]);
     }
   }
 
-  /// Generalised winding number (Jacobson et al. 2013), far clusters by their dipole (Barill et al. 2018): about 1
-  /// inside an outward closed surface, 0 outside; inside is > 0.5. A result within 0.25 of 0.5 is refined, in the end
-  /// exactly.
+  /// Generalised winding number (Jacobson et al. 2013) with dipoles for distant clusters (Barill et al. 2018): about 1
+  /// inside a closed surface wound outwards, 0 outside; a point is inside where it exceeds 0.5. A result within 0.25 of
+  /// 0.5 is computed again with finer clusters, in the end exactly.
   [[nodiscard]] double winding_number(const Vec3& point) const;
 
-  /// Calls `visit` with the indices of every two triangles whose boxes meet or nearly do, each pair once.
+  /// Calls `visit` with the indices of each pair of triangles whose AABBs overlap or nearly do, once a pair.
   void for_each_close_pair(const std::function<void(int, int)>& visit) const;
 
-  /// Normal of a triangle by its winding, as long as twice its area; zero where it has none.
+  /// Normal of a triangle by its winding, of a length of twice its area in m2.
   [[nodiscard]] Vec3 area_normal(int triangle) const {
     const auto& [a, b, c] = m_corners[static_cast<std::size_t>(triangle)];
     return (b - a).cross(c - a);
   }
 
-  /// Whether the triangle is so narrow that `closest_on_triangle` may answer it too far away by more than rounding: its
-  /// distance at one place says nothing about that at another.
+  /// Whether the triangle is so narrow that the distance by `closest_on_triangle` may exceed the true one by more than
+  /// the slack of a search. The 1-Lipschitz bounds that lists rely on do not hold for it.
   [[nodiscard]] bool is_sliver(int triangle) const;
 
   [[nodiscard]] std::size_t triangle_count() const { return m_corners.size(); }
-  /// Of each triangle, for `closest_on_triangles`.
+  /// By triangle, for `closest_on_triangles`.
   [[nodiscard]] const std::array<Vec3, 3>* corners() const { return m_corners.data(); }
   [[nodiscard]] std::size_t bytes() const;
 
  private:
   friend class TriangleBvhBuilder;
-  friend class PacketSearch;
+  friend class BatchedClosestPoint;
 
-  /// BvhSearch::slack for points up to `reach` from the middle and up to `coordinate` in the mesh's frame, along an
-  /// axis, in the own unit.
+  /// BvhSearch::slack for points with coordinates up to `reach` in the tree's frame and up to `coordinate` in the
+  /// mesh's, both in the tree's unit of length.
   [[nodiscard]] float slack_for(double reach, double coordinate) const;
-  /// The same for triangles, less what grows with their distance: that times `slack_growth`.
+  /// A smaller slack for triangles at distance d: near_slack_for + slack_growth * d.
   [[nodiscard]] float near_slack_for(double reach, double coordinate) const;
   static constexpr float slack_growth = 27 * 0x1p-24F;
   void prepare(const Vec3& point, Search& search) const;
   [[nodiscard]] Search search_for(const Vec3& point) const;
-  /// Whether floats do for the search.
+  /// Whether single precision can prune: the point is finite and within bvh_horizon.
   [[nodiscard]] bool within_horizon(const Vec3& point) const;
   void search_all(Search& search) const;
-  /// Clusters count as far beyond `opening` times their radius.
+  void prefetch_ancestors(const CandidateLeaves& list) const;
+  /// Clusters farther away than `opening` times their radius count as dipoles.
   [[nodiscard]] double winding_number(const Vec3& point, double opening) const;
   [[nodiscard]] double leaf_winding(const BvhLeaf& leaf, const Vec3& point) const;
 
   std::vector<BvhNode> m_nodes;
   std::vector<BvhLeaf> m_leaves;
-  std::vector<std::array<BvhCluster, bvh_width>> m_clusters;  ///< one a child of a node
-  std::vector<std::array<Vec3, 3>> m_corners;                 ///< of each triangle
-  std::vector<int> m_leaf_of;                                 ///< of each triangle
+  std::vector<std::array<BvhCluster, bvh_width>> m_clusters;  ///< by node, then child
+  std::vector<std::array<Vec3, 3>> m_corners;                 ///< by triangle
+  std::vector<int> m_leaf_of;                                 ///< by triangle
 
-  // The tree's own frame is scale * (position - centre).
+  // The tree's frame is scale * (position - centre).
   Vec3 m_centre_m = Vec3::Zero();
   double m_scale = 1;         ///< a power of two, so that it rounds nothing
-  double m_longest_side = 0;  ///< of a triangle, in the own unit
-  double m_reach = 0;         ///< largest coordinate of a vertex in the mesh's frame, in the own unit
+  double m_longest_side = 0;  ///< of all triangles, in the tree's unit
+  double m_reach = 0;         ///< largest coordinate of a vertex in the mesh's frame, in the tree's unit
 };
 
-/// A search in floats with what has been decided in double so far.
+/// A search in single precision with the best triangle so far in double precision.
 struct TriangleBvh::Search : BvhSearch {
   const TriangleBvh* tree = nullptr;
   Vec3 exact_point;
-  float moved = 0;  ///< from the place of a list, at most; own unit
+  float moved = 0;  ///< upper bound of the distance from the list's point, in the tree's unit
   ClosestOnTriangle best;
   int best_triangle = -1;
 
-  void offer(int index);
-  void decide_listed();
-  void narrow(double distance_m);
+  void consider(int triangle_index);
+  void decide_candidates();
+  void lower_limit(double distance_m);
   [[nodiscard]] ClosestPoint answer() const;
 };
 

@@ -9,16 +9,17 @@ namespace musclebench {
 namespace {
 
 constexpr int bin_count = 16;
-/// Beyond this depth ranges are halved by count, which bounds the depth of the tree, and so of the stacks, for any
+/// Deeper ranges are halved by count, which bounds the depth of the tree, and so the stacks of its searches, for any
 /// mesh.
 constexpr int deepest_by_area = 24;
-/// Squares of the sines between which `closest_on_triangle` rounds more than the slack of a search allows: its error is
-/// a few units of rounding over the square, and below the smaller one it takes the triangle for a segment.
-constexpr double needle_squared_sine = 1e-6;
+/// Range of the squared sine of a corner in which a triangle is a sliver: the error of `closest_on_triangle`, some
+/// units of rounding over the squared sine, exceeds the slack of a search. Smaller ones are answered as segments,
+/// exactly.
+constexpr double sliver_squared_sine = 1e-6;
 constexpr double segment_squared_sine = 1e-27;
 
-/// Of the axes of a turned box: so much shorter than 1 that rounding makes them neither longer than 1 nor, by not being
-/// quite orthogonal, lengths along them longer than a distance.
+/// Length of the axes of an OBB: short enough that neither rounding nor their not being quite orthogonal makes a
+/// projection longer than the true distance.
 constexpr double axis_length = 1 - 1e-6;
 
 float round_down(double value) {
@@ -33,16 +34,16 @@ int leaves_for(int triangles) {
   return (triangles + width - 1) / width;
 }
 
-/// A unit vector across the unit vector `along`.
-Vec3 any_across(const Vec3& along) {
+/// A unit vector perpendicular to the unit vector `along`.
+Vec3 any_perpendicular(const Vec3& along) {
   int axis = 0;
   along.cwiseAbs().minCoeff(&axis);
   return along.cross(Vec3::Unit(axis)).normalized();
 }
 
-void put(const Vec3& vector, std::size_t place, std::array<BvhLanes, 3>& lanes) {
+void put(const Vec3& vector, std::size_t lane, std::array<BvhLanes, 3>& lanes) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    lanes[axis][place] = static_cast<float>(vector[static_cast<Eigen::Index>(axis)]);
+    lanes[axis][lane] = static_cast<float>(vector[static_cast<Eigen::Index>(axis)]);
   }
 }
 
@@ -62,14 +63,14 @@ void TriangleBvhBuilder::build() {
   choose_frame();
   for (std::size_t t = 0; t < m_boxes.size(); ++t) {
     const auto& [a, b, c] = m_tree.m_corners[t];
-    m_boxes[t].lower.head<3>() = to_own(a.cwiseMin(b).cwiseMin(c)).cast<float>().array();
-    m_boxes[t].negated_upper.head<3>() = -to_own(a.cwiseMax(b).cwiseMax(c)).cast<float>().array();
+    m_boxes[t].lower.head<3>() = to_tree_frame(a.cwiseMin(b).cwiseMin(c)).cast<float>().array();
+    m_boxes[t].negated_upper.head<3>() = -to_tree_frame(a.cwiseMax(b).cwiseMax(c)).cast<float>().array();
     m_order[t] = static_cast<int>(t);
   }
   (void)add({0, static_cast<int>(m_order.size())}, 0);
   m_tree.m_nodes.shrink_to_fit();
   m_tree.m_clusters.shrink_to_fit();
-  m_tree.m_leaves.shrink_to_fit();
+  fill_leaves();
 }
 
 void TriangleBvhBuilder::choose_frame() {
@@ -117,11 +118,11 @@ int TriangleBvhBuilder::halve(Range range, const Box& spread) {
 
 int TriangleBvhBuilder::split_by_area(Range range, const Box& spread) {
   const Eigen::Array4f extent = -spread.negated_upper - spread.lower;
-  // Just below the number of bins, so that the last centre falls into the last bin; 0 where all are at one place.
-  const Eigen::Array4f bins_a_unit = (extent > 0).select((bin_count * 0.9999F) / extent, 0.0F);
+  // Just below the number of bins, so that the last centre falls into the last bin; 0 where all coincide.
+  const Eigen::Array4f bins_per_unit = (extent > 0).select((bin_count * 0.9999F) / extent, 0.0F);
   const auto bins_of = [&](int triangle) -> Eigen::Array4i {
     const Eigen::Array4f centre = m_boxes[static_cast<std::size_t>(triangle)].doubled_centre();
-    return ((centre - spread.lower) * bins_a_unit).min(bin_count - 1.0F).max(0.0F).cast<int>();
+    return ((centre - spread.lower) * bins_per_unit).min(bin_count - 1.0F).max(0.0F).cast<int>();
   };
   struct Bin {
     Box box;
@@ -130,9 +131,9 @@ int TriangleBvhBuilder::split_by_area(Range range, const Box& spread) {
   std::array<std::array<Bin, bin_count>, 3> bins;
   for (int i = range.begin; i < range.end; ++i) {
     const int triangle = m_order[static_cast<std::size_t>(i)];
-    const Eigen::Array4i places = bins_of(triangle);
+    const Eigen::Array4i bin_indices = bins_of(triangle);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      Bin& bin = bins[axis][static_cast<std::size_t>(places[static_cast<Eigen::Index>(axis)])];
+      Bin& bin = bins[axis][static_cast<std::size_t>(bin_indices[static_cast<Eigen::Index>(axis)])];
       bin.box.extend(m_boxes[static_cast<std::size_t>(triangle)]);
       ++bin.count;
     }
@@ -174,10 +175,10 @@ BvhCluster TriangleBvhBuilder::cluster_of(Range range) const {
   for (int i = range.begin; i < range.end; ++i) {
     const auto& [a, b, c] = corners(i);
     const Vec3 area_normal = 0.5 * (b - a).cross(c - a);
-    const double own_area = area_normal.norm();
+    const double triangle_area = area_normal.norm();
     cluster.area_normal += area_normal;
-    area += own_area;
-    weighted += own_area * (a + b + c) / 3;
+    area += triangle_area;
+    weighted += triangle_area * (a + b + c) / 3;
     lower = lower.cwiseMin(a).cwiseMin(b).cwiseMin(c);
     upper = upper.cwiseMax(a).cwiseMax(b).cwiseMax(c);
   }
@@ -193,9 +194,10 @@ BvhCluster TriangleBvhBuilder::cluster_of(Range range) const {
 }
 
 Vec3 TriangleBvhBuilder::longest_tangent(Range range, const Vec3& normal) const {
-  const Vec3 first = any_across(normal);
+  const Vec3 first = any_perpendicular(normal);
   const Vec3 second = normal.cross(first);
-  // Moments of the triangles' middles about the first one, in units that cancel.
+  // Principal axis of the triangles' centres in the tangent plane, relative to the first corner. Scaled by 3, which
+  // cancels.
   const Vec3 origin = corners(range.begin)[0];
   double x = 0;
   double y = 0;
@@ -218,103 +220,107 @@ Vec3 TriangleBvhBuilder::longest_tangent(Range range, const Vec3& normal) const 
   return std::cos(angle) * first + std::sin(angle) * second;
 }
 
-void TriangleBvhBuilder::set_bounds(Range range, const Vec3& area_normal, std::size_t place, BvhNode& node) const {
+void TriangleBvhBuilder::set_bounds(Range range, const Vec3& area_normal, std::size_t lane, BvhNode& node) const {
   const double length = area_normal.norm();
   const Vec3 unit = length > 0 ? Vec3(area_normal / length) : Vec3(Vec3::UnitZ());
-  put(axis_length * unit, place, node.normal);
-  put(axis_length * longest_tangent(range, unit), place, node.tangent);
-  // As the search has them: rounded.
-  const Vec3 normal(node.normal[0][place], node.normal[1][place], node.normal[2][place]);
-  const Vec3 tangent(node.tangent[0][place], node.tangent[1][place], node.tangent[2][place]);
+  put(axis_length * unit, lane, node.normal);
+  put(axis_length * longest_tangent(range, unit), lane, node.tangent);
+  // Rounded to single precision, as the search uses them.
+  const Vec3 normal(node.normal[0][lane], node.normal[1][lane], node.normal[2][lane]);
+  const Vec3 tangent(node.tangent[0][lane], node.tangent[1][lane], node.tangent[2][lane]);
   const Vec3 third = normal.cross(tangent);
-  Vec3 lower = to_own(corners(range.begin)[0]);
+  Vec3 lower = to_tree_frame(corners(range.begin)[0]);
   Vec3 upper = lower;
-  Vec3 turned_lower(normal.dot(lower), tangent.dot(lower), third.dot(lower));
-  Vec3 turned_upper = turned_lower;
+  Vec3 obb_lower(normal.dot(lower), tangent.dot(lower), third.dot(lower));
+  Vec3 obb_upper = obb_lower;
   for (int i = range.begin; i < range.end; ++i) {
     for (const Vec3& position : corners(i)) {
-      const Vec3 own = to_own(position);
-      const Vec3 turned(normal.dot(own), tangent.dot(own), third.dot(own));
-      lower = lower.cwiseMin(own);
-      upper = upper.cwiseMax(own);
-      turned_lower = turned_lower.cwiseMin(turned);
-      turned_upper = turned_upper.cwiseMax(turned);
+      const Vec3 local = to_tree_frame(position);
+      const Vec3 projected(normal.dot(local), tangent.dot(local), third.dot(local));
+      lower = lower.cwiseMin(local);
+      upper = upper.cwiseMax(local);
+      obb_lower = obb_lower.cwiseMin(projected);
+      obb_upper = obb_upper.cwiseMax(projected);
     }
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    node.lower[axis][place] = round_down(lower[static_cast<Eigen::Index>(axis)]);
-    node.upper[axis][place] = round_up(upper[static_cast<Eigen::Index>(axis)]);
-  }
-  node.slab_lower[place] = round_down(turned_lower[0]);
-  node.slab_upper[place] = round_up(turned_upper[0]);
-  for (std::size_t side = 0; side < 2; ++side) {
-    node.side_lower[side][place] = round_down(turned_lower[static_cast<Eigen::Index>(side) + 1]);
-    node.side_upper[side][place] = round_up(turned_upper[static_cast<Eigen::Index>(side) + 1]);
+    node.lower[axis][lane] = round_down(lower[static_cast<Eigen::Index>(axis)]);
+    node.upper[axis][lane] = round_up(upper[static_cast<Eigen::Index>(axis)]);
+    node.obb_lower[axis][lane] = round_down(obb_lower[static_cast<Eigen::Index>(axis)]);
+    node.obb_upper[axis][lane] = round_up(obb_upper[static_cast<Eigen::Index>(axis)]);
   }
 }
 
-bool TriangleBvhBuilder::set_triangle(int triangle, std::size_t place, BvhLeaf& leaf) {
+bool TriangleBvhBuilder::set_triangle(int triangle, std::size_t lane, BvhLeaf& leaf) {
   const auto& exact = m_tree.m_corners[static_cast<std::size_t>(triangle)];
-  const std::array<Vec3, 3> own = {to_own(exact[0]), to_own(exact[1]), to_own(exact[2])};
+  const std::array<Vec3, 3> local = {to_tree_frame(exact[0]), to_tree_frame(exact[1]), to_tree_frame(exact[2])};
   std::size_t first = 0;
   double squared_length = -1;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double squared = (own[(i + 1) % 3] - own[i]).squaredNorm();
+    const double squared = (local[(i + 1) % 3] - local[i]).squaredNorm();
     if (squared > squared_length) {
       squared_length = squared;
       first = i;
     }
   }
-  const Vec3& from = own[first];
-  const Vec3& to = own[(first + 1) % 3];
-  const Vec3& tip = own[(first + 2) % 3];
+  const Vec3& from = local[first];
+  const Vec3& to = local[(first + 1) % 3];
+  const Vec3& tip = local[(first + 2) % 3];
   const double length = std::sqrt(squared_length);
   const Vec3 along = length > 0 ? Vec3((to - from) / length) : Vec3(Vec3::UnitX());
   const double before = std::clamp(along.dot(tip - from), 0.0, length);
   const Vec3 foot = from + before * along;
-  // Made orthogonal twice: the first remainder of a sliver is mostly rounding.
+  // Orthogonalised twice: what the first pass leaves of a sliver's height is mostly rounding.
   Vec3 up = tip - foot;
   up -= along.dot(up) * along;
   const double height = up.norm();
-  up = height > 0 ? Vec3(up / height) : any_across(along);
+  up = height > 0 ? Vec3(up / height) : any_perpendicular(along);
   up -= along.dot(up) * along;
-  up = up.norm() > 0.5 ? Vec3(up.normalized()) : any_across(along);
-  put(foot, place, leaf.origin);
-  put(along, place, leaf.along);
-  put(up, place, leaf.up);
-  leaf.before[place] = static_cast<float>(before);
-  leaf.after[place] = static_cast<float>(length - before);
-  leaf.height[place] = static_cast<float>(height);
-  leaf.triangle[place] = triangle;
+  up = up.norm() > 0.5 ? Vec3(up.normalized()) : any_perpendicular(along);
+  put(foot, lane, leaf.origin);
+  put(along, lane, leaf.along);
+  put(up, lane, leaf.up);
+  leaf.before[lane] = static_cast<float>(before);
+  leaf.after[lane] = static_cast<float>(length - before);
+  leaf.height[lane] = static_cast<float>(height);
+  leaf.triangle[lane] = triangle;
   m_tree.m_longest_side = std::max(m_tree.m_longest_side, length);
 
   const Vec3 ab = exact[1] - exact[0];
   const Vec3 ac = exact[2] - exact[0];
   const double squared_normal = ab.cross(ac).squaredNorm();
   const double squared_sides = ab.squaredNorm() * ac.squaredNorm();
-  return squared_normal < needle_squared_sine * squared_sides && squared_normal > segment_squared_sine * squared_sides;
+  return squared_normal < sliver_squared_sine * squared_sides && squared_normal > segment_squared_sine * squared_sides;
 }
 
 int TriangleBvhBuilder::add_leaf(Range range) {
-  BvhLeaf leaf{};
-  leaf.count = range.count();
-  const auto index = static_cast<int>(m_tree.m_leaves.size());
-  for (std::size_t place = 0; place < bvh_width; ++place) {
-    if (static_cast<int>(place) < leaf.count) {
-      const int triangle = m_order[static_cast<std::size_t>(range.begin) + place];
-      leaf.slivers |= static_cast<std::uint32_t>(set_triangle(triangle, place, leaf)) << place;
-      m_tree.m_leaf_of[static_cast<std::size_t>(triangle)] = index;
-    } else {
-      put(Vec3::Constant(bvh_far_away), place, leaf.origin);
-      put(Vec3::UnitX(), place, leaf.along);
-      put(Vec3::UnitY(), place, leaf.up);
-      leaf.triangle[place] = -1;
+  NotedLeaf& noted = m_noted.emlane_back();
+  noted.range = range;
+  noted.ancestors.fill(-1);
+  std::copy_n(m_path.rbegin(), std::min(m_path.size(), noted.ancestors.size()), noted.ancestors.begin());
+  return ~static_cast<int>(m_noted.size() - 1);
+}
+
+void TriangleBvhBuilder::fill_leaves() {
+  m_tree.m_leaves.resize(m_noted.size());
+  for (std::size_t index = 0; index < m_noted.size(); ++index) {
+    BvhLeaf& leaf = m_tree.m_leaves[index];
+    const Range range = m_noted[index].range;
+    leaf.count = range.count();
+    leaf.ancestors = m_noted[index].ancestors;
+    for (std::size_t lane = 0; lane < bvh_width; ++lane) {
+      if (static_cast<int>(lane) < leaf.count) {
+        const int triangle = m_order[static_cast<std::size_t>(range.begin) + lane];
+        leaf.slivers |= static_cast<std::uint32_t>(set_triangle(triangle, lane, leaf)) << lane;
+        m_tree.m_leaf_of[static_cast<std::size_t>(triangle)] = static_cast<int>(index);
+      } else {
+        put(Vec3::Constant(bvh_far_away), lane, leaf.origin);
+        put(Vec3::UnitX(), lane, leaf.along);
+        put(Vec3::UnitY(), lane, leaf.up);
+        leaf.triangle[lane] = -1;
+      }
     }
   }
-  leaf.above.fill(-1);
-  std::copy_n(m_way.rbegin(), std::min(m_way.size(), leaf.above.size()), leaf.above.begin());
-  m_tree.m_leaves.push_back(leaf);
-  return ~index;
 }
 
 int TriangleBvhBuilder::add(Range range, int depth) {
@@ -344,12 +350,12 @@ int TriangleBvhBuilder::add(Range range, int depth) {
   const auto index = m_tree.m_nodes.size();
   m_tree.m_nodes.push_back(node);
   m_tree.m_clusters.push_back(clusters);
-  m_way.push_back(static_cast<std::int32_t>(index));
+  m_path.push_back(static_cast<std::int32_t>(index));
   for (std::size_t part = 0; part < count; ++part) {
     const int child = parts[part].fits_leaf() ? add_leaf(parts[part]) : add(parts[part], depth + 1);
     m_tree.m_nodes[index].child[part] = child;
   }
-  m_way.pop_back();
+  m_path.pop_back();
   return static_cast<int>(index);
 }
 

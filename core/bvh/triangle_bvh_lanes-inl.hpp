@@ -1,10 +1,10 @@
-// What searches in a TriangleBvh compute side by side. Included by each file that is compiled once for every kind of
-// SIMD, after highway.h, so that there is one copy for each.
-#if defined(MUSCLEBENCH_TRIANGLE_TREE_LANES) == defined(HWY_TARGET_TOGGLE)
-#ifdef MUSCLEBENCH_TRIANGLE_TREE_LANES
-#undef MUSCLEBENCH_TRIANGLE_TREE_LANES
+// SIMD distances from points to the triangles of a BVH leaf. Each source file that Highway compiles for several targets
+// includes this after highway.h, so that there is one copy a target.
+#if defined(MUSCLEBENCH_TRIANGLE_BVH_LANES) == defined(HWY_TARGET_TOGGLE)
+#ifdef MUSCLEBENCH_TRIANGLE_BVH_LANES
+#undef MUSCLEBENCH_TRIANGLE_BVH_LANES
 #else
-#define MUSCLEBENCH_TRIANGLE_TREE_LANES
+#define MUSCLEBENCH_TRIANGLE_BVH_LANES
 #endif
 
 #include <array>
@@ -24,7 +24,7 @@ using Lanes = hn::CappedTag<float, bvh_width>;
 using IntLanes = hn::RebindToSigned<Lanes>;
 using Vec = hn::Vec<Lanes>;
 
-/// Vectors, one a lane.
+/// One vector a lane, as a structure of arrays.
 template <typename V>
 struct Vec3Of {
   V x, y, z;
@@ -53,7 +53,7 @@ HWY_INLINE Vec3Of<V> cross(const Vec3Of<V>& a, const Vec3Of<V>& b) {
           hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
 }
 
-/// Triangles of a leaf, one a lane, or one of them in all lanes.
+/// Triangles of a leaf in their own axes, one a lane; or one of them in all lanes.
 struct TriangleLanes {
   Vec3Lanes origin, along, up;
   Vec before, after, height;
@@ -62,37 +62,38 @@ struct TriangleLanes {
     return {load(leaf.origin, first), load(leaf.along, first), load(leaf.up, first),
             load(leaf.before, first), load(leaf.after, first), load(leaf.height, first)};
   }
-  static HWY_INLINE TriangleLanes one(const BvhLeaf& leaf, std::size_t place) {
+  static HWY_INLINE TriangleLanes one(const BvhLeaf& leaf, std::size_t lane) {
     const Lanes d;
     const auto all = [&](const std::array<BvhLanes, 3>& lanes) HWY_ATTR {
-      return splat({lanes[0][place], lanes[1][place], lanes[2][place]});
+      return splat({lanes[0][lane], lanes[1][lane], lanes[2][lane]});
     };
     return {all(leaf.origin),
             all(leaf.along),
             all(leaf.up),
-            hn::Set(d, leaf.before[place]),
-            hn::Set(d, leaf.after[place]),
-            hn::Set(d, leaf.height[place])};
+            hn::Set(d, leaf.before[lane]),
+            hn::Set(d, leaf.after[lane]),
+            hn::Set(d, leaf.height[lane])};
   }
 };
 
-/// From the closest point of a triangle to a place, in the triangle's own axes.
+/// Difference between a point and its closest point on a triangle, in the triangle's own axes.
 struct Arms {
-  Vec x;  ///< away from the foot of the height: to be turned round where `signed_x` is negative
+  Vec x;  ///< mirrored to positive `signed_x`
   Vec y, z;
-  Vec signed_x;
+  Vec signed_x;      ///< of the point, along the longest side from the foot of the height
   Vec3Lanes across;  ///< the third axis
 
   [[nodiscard]] HWY_INLINE Vec squared_length() const { return hn::MulAdd(z, z, hn::MulAdd(x, x, hn::Mul(y, y))); }
 };
 
-/// The height cuts a triangle in two with a right angle each, and the half that the point is on holds the closest
-/// point, because both angles at the longest side are acute.
-HWY_INLINE Arms arms_to(const TriangleLanes& triangle, const Vec3Lanes& place) {
+/// The height splits a triangle into two right triangles. The half on the point's side of the height contains the
+/// closest point, because both angles at the longest side are acute. That half has its right angle at the origin and a
+/// slanted side from (width, 0) to (0, height).
+HWY_INLINE Arms arms_to(const TriangleLanes& triangle, const Vec3Lanes& point) {
   const Lanes d;
   const Vec zero = hn::Zero(d);
-  const Vec3Lanes arm{hn::Sub(place.x, triangle.origin.x), hn::Sub(place.y, triangle.origin.y),
-                      hn::Sub(place.z, triangle.origin.z)};
+  const Vec3Lanes arm{hn::Sub(point.x, triangle.origin.x), hn::Sub(point.y, triangle.origin.y),
+                      hn::Sub(point.z, triangle.origin.z)};
   const Vec3Lanes across = cross(triangle.along, triangle.up);
   const Vec signed_x = dot(arm, triangle.along);
   const Vec y = dot(arm, triangle.up);
@@ -101,20 +102,22 @@ HWY_INLINE Arms arms_to(const TriangleLanes& triangle, const Vec3Lanes& place) {
   const Vec height = triangle.height;
   const Vec over = hn::Sub(hn::Abs(signed_x), width);  // beyond the end of the longest side
   const Vec run = hn::NegMulAdd(over, width, hn::Mul(y, height));
-  // The slanted side runs from (width, 0) to (0, height); its square is kept from 0.
+  // Kept above 0 for a triangle without extent.
   const Vec squared_side = hn::Max(hn::MulAdd(width, width, hn::Mul(height, height)), hn::Set(d, 1e-37F));
-  const Vec share = hn::Min(hn::Max(hn::Div(run, squared_side), zero), hn::Set(d, 1.0F));
+  const Vec fraction = hn::Min(hn::Max(hn::Div(run, squared_side), zero), hn::Set(d, 1.0F));
   const Vec outward = hn::MulAdd(over, height, hn::Mul(y, width));
-  // Below the longest side that is so beyond its end only, where the share is 0 and both ways give the same.
-  const auto at_side = hn::Gt(outward, zero);
-  // Elsewhere the rectangle about the half bounds the distance, which is 0 in the half itself: a sliver's slanted side
-  // is so close to its longest one that rounding may put a point far beyond its tip on the inner side.
+  // Positive on the outer side of the line through the slanted side; below the longest side (y < 0) that is so beyond
+  // its end only, where the fraction is 0 and both formulas agree.
+  const auto by_slanted_side = hn::Gt(outward, zero);
+  // On the inner side y is measured from the rectangle [0, height], which is 0 in the triangle: the slanted side of a
+  // sliver is so close to its longest one that rounding may put a point far beyond the tip on the inner side.
   const Vec rest_y = hn::Max(hn::Sub(y, height), hn::Min(y, zero));
-  return {hn::IfThenElse(at_side, hn::MulAdd(share, width, over), hn::Max(over, zero)),
-          hn::IfThenElse(at_side, hn::NegMulAdd(share, height, y), rest_y), dot(arm, across), signed_x, across};
+  return {hn::IfThenElse(by_slanted_side, hn::MulAdd(fraction, width, over), hn::Max(over, zero)),
+          hn::IfThenElse(by_slanted_side, hn::NegMulAdd(fraction, height, y), rest_y), dot(arm, across), signed_x,
+          across};
 }
 
-/// A bit a lane, the first lane's being bit `first`.
+/// One bit a lane of a mask; lane 0 is bit `first`.
 template <typename D, typename Mask>
 HWY_INLINE unsigned bits_of(D d, Mask mask, std::size_t first) {
   std::uint8_t part[8] = {};

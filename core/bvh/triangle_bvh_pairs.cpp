@@ -8,8 +8,9 @@ namespace musclebench {
 
 namespace {
 
+/// Each level leaves up to 7 nodes on the stack; the builder bounds the depth.
 constexpr int stack_capacity = 320;
-/// More than the rounding of a coordinate to float, in the tree's own unit, and far less than a triangle.
+/// More than the rounding error of a coordinate in the tree's frame, far less than a triangle.
 constexpr float padding = 0x1p-22F;
 
 struct LaneBoxes {
@@ -22,43 +23,43 @@ struct FloatBox {
   std::array<float, 3> upper;
 };
 
-/// A bit a place whose box meets `box`.
+/// One bit a lane: its box overlaps `box`.
 template <typename Lanes>
-unsigned meeting(const FloatBox& box, const Lanes& lanes) {
-  std::array<unsigned char, bvh_width> meets;
-  meets.fill(1);
+unsigned overlapping(const FloatBox& box, const Lanes& lanes) {
+  std::array<unsigned char, bvh_width> overlaps;
+  overlaps.fill(1);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t place = 0; place < bvh_width; ++place) {
-      meets[place] = static_cast<unsigned char>(meets[place] & (lanes.lower[axis][place] <= box.upper[axis]) &
-                                                (lanes.upper[axis][place] >= box.lower[axis]));
+    for (std::size_t lane = 0; lane < bvh_width; ++lane) {
+      overlaps[lane] = static_cast<unsigned char>(overlaps[lane] & (lanes.lower[axis][lane] <= box.upper[axis]) &
+                                                  (lanes.upper[axis][lane] >= box.lower[axis]));
     }
   }
   unsigned bits = 0;
-  for (std::size_t place = 0; place < bvh_width; ++place) {
-    bits |= static_cast<unsigned>(meets[place]) << place;
+  for (std::size_t lane = 0; lane < bvh_width; ++lane) {
+    bits |= static_cast<unsigned>(overlaps[lane]) << lane;
   }
   return bits;
 }
 
 template <typename Visit>
 void for_each_bit(unsigned bits, Visit&& visit) {
-  for (std::size_t place = 0; bits != 0; ++place, bits >>= 1U) {
+  for (std::size_t lane = 0; bits != 0; ++lane, bits >>= 1U) {
     if ((bits & 1U) != 0) {
-      visit(place);
+      visit(lane);
     }
   }
 }
 
-FloatBox box_at(const LaneBoxes& boxes, std::size_t place) {
+FloatBox box_at(const LaneBoxes& boxes, std::size_t lane) {
   FloatBox box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    box.lower[axis] = boxes.lower[axis][place];
-    box.upper[axis] = boxes.upper[axis][place];
+    box.lower[axis] = boxes.lower[axis][lane];
+    box.upper[axis] = boxes.upper[axis][lane];
   }
   return box;
 }
 
-FloatBox box_about(const LaneBoxes& boxes) {
+FloatBox bounds_of(const LaneBoxes& boxes) {
   FloatBox box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     box.lower[axis] = *std::min_element(boxes.lower[axis].begin(), boxes.lower[axis].end());
@@ -72,27 +73,27 @@ FloatBox box_about(const LaneBoxes& boxes) {
 void TriangleBvh::for_each_close_pair(const std::function<void(int, int)>& visit) const {
   std::vector<LaneBoxes> boxes(m_leaves.size());
   for (std::size_t index = 0; index < m_leaves.size(); ++index) {
-    for (std::size_t place = 0; place < bvh_width; ++place) {
-      const bool used = place < static_cast<std::size_t>(m_leaves[index].count);
-      const auto& corners = m_corners[static_cast<std::size_t>(used ? m_leaves[index].triangle[place] : 0)];
+    for (std::size_t lane = 0; lane < bvh_width; ++lane) {
+      const bool used = lane < static_cast<std::size_t>(m_leaves[index].count);
+      const auto& corners = m_corners[static_cast<std::size_t>(used ? m_leaves[index].triangle[lane] : 0)];
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto own = [&](std::size_t corner) {
           const auto i = static_cast<Eigen::Index>(axis);
           return static_cast<float>(m_scale * (corners[corner][i] - m_centre_m[i]));
         };
-        boxes[index].lower[axis][place] = used ? std::min({own(0), own(1), own(2)}) - padding : bvh_far_away;
-        boxes[index].upper[axis][place] = used ? std::max({own(0), own(1), own(2)}) + padding : -bvh_far_away;
+        boxes[index].lower[axis][lane] = used ? std::min({own(0), own(1), own(2)}) - padding : bvh_far_away;
+        boxes[index].upper[axis][lane] = used ? std::max({own(0), own(1), own(2)}) + padding : -bvh_far_away;
       }
     }
   }
   for (std::size_t index = 0; index < m_leaves.size(); ++index) {
-    const FloatBox about = box_about(boxes[index]);
-    const auto look = [&](std::size_t other) {
-      for_each_bit(meeting(about, boxes[other]), [&](std::size_t theirs) {
-        const unsigned mine = meeting(box_at(boxes[other], theirs), boxes[index]);
-        // Within one leaf each pair once.
-        for_each_bit(other == index ? mine & ((1U << theirs) - 1U) : mine, [&](std::size_t place) {
-          visit(m_leaves[index].triangle[place], m_leaves[other].triangle[theirs]);
+    const FloatBox bounds = bounds_of(boxes[index]);
+    const auto visit_leaf = [&](std::size_t other) {
+      for_each_bit(overlapping(bounds, boxes[other]), [&](std::size_t theirs) {
+        const unsigned mine = overlapping(box_at(boxes[other], theirs), boxes[index]);
+        // Within one leaf only lanes below, so that each pair comes once.
+        for_each_bit(other == index ? mine & ((1U << theirs) - 1U) : mine, [&](std::size_t lane) {
+          visit(m_leaves[index].triangle[lane], m_leaves[other].triangle[theirs]);
         });
       });
     };
@@ -101,12 +102,12 @@ void TriangleBvh::for_each_close_pair(const std::function<void(int, int)>& visit
     stack[0] = 0;
     while (top >= 0) {
       const BvhNode& node = m_nodes[static_cast<std::size_t>(stack[static_cast<std::size_t>(top--)])];
-      for_each_bit(meeting(about, node), [&](std::size_t part) {
+      for_each_bit(overlapping(bounds, node), [&](std::size_t part) {
         const int child = node.child[part];
         if (child >= 0) {
           stack[static_cast<std::size_t>(++top)] = child;
         } else if (static_cast<std::size_t>(~child) >= index) {
-          look(static_cast<std::size_t>(~child));
+          visit_leaf(static_cast<std::size_t>(~child));
         }
       });
     }

@@ -13,29 +13,19 @@
 
 #include "core/bvh/triangle_bvh_lanes-inl.hpp"
 
-// How far a float distance may be from the truth (u = 2^-24, R = 1 + largest coordinate of the point, E = longest side
-// of the mesh; the mesh fits in -1 .. 1, so that an arm from a triangle to the point is at most sqrt(3) R long):
-// - the point, the origin and their difference: sqrt(3) u (R - 1) + sqrt(3) u + sqrt(3) u R           <=  3.5 u R
-// - the coordinates X, Y (4 u of the arm: rounded axis and sum) and Z (9 u, the axis is a product)    <= 18.5 u R
-//   The distance is a 1-Lipschitz function of (X, Y, Z), whichever part of the triangle is nearest.
-// - rounded sides of the triangle: u E, twice                                                         <=  3.5 u E
-// - evaluation: the place along the slanted side 3 sqrt(3) u R + 4 u E, the two differences 7 u R, the side of the
-//   slanted side that the point is on 7 u R + 4 u E, the squares 2.6 u R                              <=   22 u R + 8 u
-//   E
-// The sum is below 48 u R + 16 u E, which is the slack that TriangleBvh uses. A distance to a box errs less.
-// Near a triangle it is far less: only the places themselves, 1.8 u R, are rounded by their coordinates, all else by
-// the arm A, 26 u A, or by E, 16 u E. From a triangle at distance D an arm is at most D + E: 1.8 u R + 42 u E + 26 u D
-// in all. This does not hold for boxes. Fused or not, each product errs no more than assumed.
+// How far a distance computed here may be from the true one is derived in reports/performance/bvh_error_bounds.md.
 HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
 namespace {
 
-/// Each level of the deepest tree leaves up to 7 nodes, and what is written beyond the last one has room, too.
+/// Each level of the deepest tree leaves up to 7 nodes, and a compressed store writes up to 8 entries past the last
+/// one.
 constexpr int stack_capacity = 320;
 
-HWY_INLINE Vec beyond(Vec p, const BvhLanes& lower, const BvhLanes& upper, std::size_t first) {
-  const Vec out = hn::Max(hn::Sub(load(lower, first), p), hn::Sub(p, load(upper, first)));
-  return hn::Max(out, hn::Zero(Lanes()));
+/// Distance outside an interval; 0 within.
+HWY_INLINE Vec outside(Vec p, const BvhLanes& lower, const BvhLanes& upper, std::size_t first) {
+  const Vec distance = hn::Max(hn::Sub(load(lower, first), p), hn::Sub(p, load(upper, first)));
+  return hn::Max(distance, hn::Zero(Lanes()));
 }
 
 HWY_INLINE Vec dot(const std::array<BvhLanes, 3>& axis, const Vec3Lanes& p, std::size_t first) {
@@ -44,11 +34,11 @@ HWY_INLINE Vec dot(const std::array<BvhLanes, 3>& axis, const Vec3Lanes& p, std:
 
 HWY_INLINE Vec squared_length(Vec x, Vec y, Vec z) { return hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x))); }
 
-/// Squared distances to what bounds the children.
+/// Squared distances to the children: to the AABB or to the OBB, whichever is farther.
 HWY_INLINE Vec squared_to_children(const BvhNode& node, const Vec3Lanes& p, std::size_t first) {
-  const Vec to_box =
-      squared_length(beyond(p.x, node.lower[0], node.upper[0], first), beyond(p.y, node.lower[1], node.upper[1], first),
-                     beyond(p.z, node.lower[2], node.upper[2], first));
+  const Vec to_aabb = squared_length(outside(p.x, node.lower[0], node.upper[0], first),
+                                     outside(p.y, node.lower[1], node.upper[1], first),
+                                     outside(p.z, node.lower[2], node.upper[2], first));
   const Vec nx = load(node.normal[0], first);
   const Vec ny = load(node.normal[1], first);
   const Vec nz = load(node.normal[2], first);
@@ -58,24 +48,23 @@ HWY_INLINE Vec squared_to_children(const BvhNode& node, const Vec3Lanes& p, std:
   const Vec third = hn::MulAdd(
       hn::MulSub(nx, ty, hn::Mul(ny, tx)), p.z,
       hn::MulAdd(hn::MulSub(nz, tx, hn::Mul(nx, tz)), p.y, hn::Mul(hn::MulSub(ny, tz, hn::Mul(nz, ty)), p.x)));
-  const Vec to_turned_box =
-      squared_length(beyond(dot(node.normal, p, first), node.slab_lower, node.slab_upper, first),
-                     beyond(dot(node.tangent, p, first), node.side_lower[0], node.side_upper[0], first),
-                     beyond(third, node.side_lower[1], node.side_upper[1], first));
-  return hn::Max(to_box, to_turned_box);
+  const Vec to_obb = squared_length(outside(dot(node.normal, p, first), node.obb_lower[0], node.obb_upper[0], first),
+                                    outside(dot(node.tangent, p, first), node.obb_lower[1], node.obb_upper[1], first),
+                                    outside(third, node.obb_lower[2], node.obb_upper[2], first));
+  return hn::Max(to_aabb, to_obb);
 }
 
 HWY_INLINE Vec squared_to_triangles(const BvhLeaf& leaf, const Vec3Lanes& p, std::size_t first) {
   return arms_to(TriangleLanes::of(leaf, first), p).squared_length();
 }
 
-/// Square of a distance that the closest triangle does not exceed in floats, given that of another triangle.
+/// Upper bound of the squared distance of the closest triangle as it is computed here, given that of any triangle.
 HWY_INLINE float limit_from(float squared, float slack) {
   const float reach = std::sqrt(squared) + 2 * slack;
   return reach * reach * 1.000001F;
 }
 
-/// A bit a place of a leaf, those within the limit; the squared distances go to `squared`.
+/// One bit a lane: its squared distance is within the limit.
 HWY_INLINE unsigned within(const float* HWY_RESTRICT squared, float limit) {
   const Lanes d;
   unsigned bits = 0;
@@ -94,7 +83,7 @@ HWY_INLINE float least_squared(const BvhLeaf& leaf, const Vec3Lanes& p) {
   return hn::GetLane(hn::MinOfLanes(d, least));
 }
 
-/// Lists the triangles of a leaf that may be the closest and lowers the limit.
+/// Adds the triangles of a leaf that may be the closest to the candidates and lowers the limit.
 HWY_INLINE void collect(const BvhLeaf& leaf, const Vec3Lanes& p, BvhSearch& search) {
   const Lanes d;
   alignas(64) float squared[bvh_width];
@@ -118,10 +107,10 @@ HWY_INLINE void collect(const BvhLeaf& leaf, const Vec3Lanes& p, BvhSearch& sear
     }
   }
   for (; found != 0; found &= found - 1) {
-    const auto place = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(found));
-    search.squared[search.count] = squared[place];
-    search.triangle[search.count] = leaf.triangle[place];
-    prefetch(search.corners[leaf.triangle[place]]);
+    const auto lane = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(found));
+    search.squared[search.count] = squared[lane];
+    search.triangle[search.count] = leaf.triangle[lane];
+    prefetch(search.corners[leaf.triangle[lane]]);
     ++search.count;
   }
   if (search.count > BvhSearch::capacity - bvh_width || leaf.slivers != 0) {
@@ -129,21 +118,21 @@ HWY_INLINE void collect(const BvhLeaf& leaf, const Vec3Lanes& p, BvhSearch& sear
   }
 }
 
-/// Calls `look(index)` for leaves whose bounds are within `limit`, which `look` may lower. Of a node's children the
-/// nearest one is next, without a way through memory; the others wait on the stack in any order, since sorting them
-/// costs more than it saves.
-template <typename Look>
-HWY_INLINE void walk(const BvhSearch& search, const Vec3Lanes& p, const float& limit, Look&& look) {
+/// Traverses the tree and calls `visit_leaf(index)` for leaves whose bounds are within `limit`, which `visit_leaf` may
+/// lower. The nearest child is visited next, without a round trip through the stack; the others are pushed unsorted,
+/// since sorting them costs more than it saves.
+template <typename VisitLeaf>
+HWY_INLINE void traverse(const BvhSearch& search, const Vec3Lanes& p, const float& limit, VisitLeaf&& visit_leaf) {
   const Lanes d;
   const IntLanes di;
   HWY_ALIGN float squared[bvh_width];
   HWY_ALIGN float near[stack_capacity];
   HWY_ALIGN std::int32_t child[stack_capacity];
-  int waiting = 0;
+  int stacked = 0;
   std::int32_t next = 0;
   for (;;) {
     if (next < 0) {
-      look(~next);
+      visit_leaf(~next);
     } else {
       const BvhNode& node = search.nodes[next];
       Vec least = hn::Set(d, std::numeric_limits<float>::max());
@@ -156,18 +145,18 @@ HWY_INLINE void walk(const BvhSearch& search, const Vec3Lanes& p, const float& l
       if (squared_least <= limit) {
         const std::size_t nearest = hwy::Num0BitsBelowLS1Bit_Nonzero32(within(squared, squared_least));
         next = node.child[nearest];
-        const auto place_of_next = hn::Set(di, static_cast<std::int32_t>(nearest));
+        const auto lane_of_next = hn::Set(di, static_cast<std::int32_t>(nearest));
         for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
           const Vec part = hn::Load(d, squared + first);
-          const auto is_other = hn::Ne(hn::Iota(di, static_cast<std::int32_t>(first)), place_of_next);
-          const auto waits = hn::And(hn::RebindMask(d, is_other), hn::Le(part, hn::Set(d, limit)));
+          const auto is_other = hn::Ne(hn::Iota(di, static_cast<std::int32_t>(first)), lane_of_next);
+          const auto pushed = hn::And(hn::RebindMask(d, is_other), hn::Le(part, hn::Set(d, limit)));
           const auto children = hn::Load(di, node.child.data() + first);
-          hn::StoreU(hn::Compress(part, waits), d, near + waiting);
-          hn::StoreU(hn::Compress(children, hn::RebindMask(di, waits)), di, child + waiting);
-          waiting += static_cast<int>(hn::CountTrue(d, waits));
+          hn::StoreU(hn::Compress(part, pushed), d, near + stacked);
+          hn::StoreU(hn::Compress(children, hn::RebindMask(di, pushed)), di, child + stacked);
+          stacked += static_cast<int>(hn::CountTrue(d, pushed));
         }
-        if (waiting > 0) {
-          const std::int32_t after = child[waiting - 1];
+        if (stacked > 0) {
+          const std::int32_t after = child[stacked - 1];
           prefetch_bytes(after < 0 ? static_cast<const void*>(search.leaves + ~after) : search.nodes + after,
                          std::min(sizeof(BvhNode), sizeof(BvhLeaf)));
         }
@@ -175,11 +164,11 @@ HWY_INLINE void walk(const BvhSearch& search, const Vec3Lanes& p, const float& l
       }
     }
     do {
-      if (--waiting < 0) {
+      if (--stacked < 0) {
         return;
       }
-    } while (near[waiting] > limit);
-    next = child[waiting];
+    } while (near[stacked] > limit);
+    next = child[stacked];
   }
 }
 
@@ -189,7 +178,7 @@ void closest(BvhSearch& search) {
   if (first_leaf >= 0) {
     collect(search.leaves[first_leaf], p, search);
   }
-  walk(search, p, search.limit, [&](std::int32_t leaf) HWY_ATTR {
+  traverse(search, p, search.limit, [&](std::int32_t leaf) HWY_ATTR {
     if (leaf != first_leaf) {
       collect(search.leaves[leaf], p, search);
     }
@@ -200,39 +189,39 @@ NearestLeaves leaves_within(const BvhSearch& search) {
   constexpr std::size_t capacity = CandidateLeaves::capacity;
   const Vec3Lanes p = splat(search.point);
   NearestLeaves near;
-  near.others = search.limit;
-  walk(search, p, near.others, [&](std::int32_t index) HWY_ATTR {
+  near.cutoff = search.limit;
+  traverse(search, p, near.cutoff, [&](std::int32_t index) HWY_ATTR {
     const float squared = least_squared(search.leaves[index], p);
-    if (squared > near.others) {
+    if (squared > near.cutoff) {
       return;
     }
     if (near.count == capacity) {
-      near.others = std::min(near.others, std::max(squared, near.squared[capacity - 1]));
+      near.cutoff = std::min(near.cutoff, std::max(squared, near.squared[capacity - 1]));
       if (squared >= near.squared[capacity - 1]) {
         return;
       }
     }
-    std::size_t at = near.count < capacity ? near.count++ : capacity - 1;
-    for (; at > 0 && near.squared[at - 1] > squared; --at) {
-      near.squared[at] = near.squared[at - 1];
-      near.leaf[at] = near.leaf[at - 1];
+    std::size_t i = near.count < capacity ? near.count++ : capacity - 1;
+    for (; i > 0 && near.squared[i - 1] > squared; --i) {
+      near.squared[i] = near.squared[i - 1];
+      near.leaf[i] = near.leaf[i - 1];
     }
-    near.squared[at] = squared;
-    near.leaf[at] = index;
+    near.squared[i] = squared;
+    near.leaf[i] = index;
   });
   return near;
 }
 
-DistanceBound bound(const BvhSearch& search, float share) {
+DistanceBound bound(const BvhSearch& search, float squared_fraction) {
   const Vec3Lanes p = splat(search.point);
   std::int32_t nearest = search.first_leaf;
   float least = least_squared(search.leaves[nearest], p);
-  float limit = share * least;
-  walk(search, p, limit, [&](std::int32_t index) HWY_ATTR {
+  float limit = squared_fraction * least;
+  traverse(search, p, limit, [&](std::int32_t index) HWY_ATTR {
     const float squared = least_squared(search.leaves[index], p);
     if (squared < least) {
       least = squared;
-      limit = share * squared;
+      limit = squared_fraction * squared;
       nearest = index;
     }
   });
@@ -245,62 +234,62 @@ DistanceBound bound(const BvhSearch& search, float share) {
   return {limit, leaf.triangle[found == 0 ? 0 : hwy::Num0BitsBelowLS1Bit_Nonzero32(found)]};
 }
 
-/// At least that far from `search.point` is what is listed at `place`.
-HWY_INLINE float least_listed(const CandidateLeaves& list, std::size_t place, float moved) {
-  return static_cast<float>(list.distance[place]) * (list.complete * ((1 - 1e-6F) / CandidateLeaves::steps)) - moved;
+/// Lower bound of the distance from the query point to the i-th listed leaf, by the triangle inequality.
+HWY_INLINE float leaf_distance(const CandidateLeaves& list, std::size_t i, float moved) {
+  return static_cast<float>(list.distance[i]) * (list.cutoff * ((1 - 1e-6F) / CandidateLeaves::distance_steps)) - moved;
 }
 
-/// For lists with slivers.
-void in_listed_leaves_in_turn(BvhSearch& search, const CandidateLeaves& list, float moved) {
+/// With slivers no computed distance is an upper bound, so that candidates have to be decided leaf by leaf.
+void listed_leaf_by_leaf(BvhSearch& search, const CandidateLeaves& list, float moved) {
   const Vec3Lanes p = splat(search.point);
   for (std::size_t i = 0; i < CandidateLeaves::capacity && list.leaf[i] >= 0; ++i) {
-    const float least = least_listed(list, i, moved);
-    if (least > 0 && least * least > search.limit) {
+    const float distance = leaf_distance(list, i, moved);
+    if (distance > 0 && distance * distance > search.limit) {
       return;
     }
     collect(search.leaves[list.leaf[i]], p, search);
   }
 }
 
-/// First all distances, then what may be the closest: a branch that is guessed wrong costs as much as half a leaf.
-void in_listed_leaves(BvhSearch& search, const CandidateLeaves& list, float moved) {
+/// Computes all distances before it picks candidates: a mispredicted branch costs as much as half a leaf.
+void listed(BvhSearch& search, const CandidateLeaves& list, float moved) {
   const Lanes d;
   const Vec3Lanes p = splat(search.point);
   HWY_ALIGN float squared[CandidateLeaves::capacity * bvh_width];
-  const float certain = moved + 2 * search.slack;
+  const float moved_and_slack = moved + 2 * search.slack;
   float least = bvh_far_away * bvh_far_away;
   std::size_t nearest = 0;
-  std::size_t looked_at = 0;
-  for (; looked_at < CandidateLeaves::capacity && list.leaf[looked_at] >= 0; ++looked_at) {
-    const float beyond = least_listed(list, looked_at, certain);
-    if (beyond > 0 && beyond * beyond > 1.000001F * least) {
+  std::size_t visited = 0;
+  for (; visited < CandidateLeaves::capacity && list.leaf[visited] >= 0; ++visited) {
+    const float distance = leaf_distance(list, visited, moved_and_slack);
+    if (distance > 0 && distance * distance > 1.000001F * least) {
       break;
     }
-    const BvhLeaf& leaf = search.leaves[list.leaf[looked_at]];
+    const BvhLeaf& leaf = search.leaves[list.leaf[visited]];
     Vec least_here = hn::Set(d, std::numeric_limits<float>::max());
     for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
       const Vec part = squared_to_triangles(leaf, p, first);
-      hn::Store(part, d, squared + looked_at * bvh_width + first);
+      hn::Store(part, d, squared + visited * bvh_width + first);
       least_here = hn::Min(least_here, part);
     }
     const float here = hn::GetLane(hn::MinOfLanes(d, least_here));
-    nearest = here < least ? looked_at : nearest;
+    nearest = here < least ? visited : nearest;
     least = std::min(least, here);
   }
   if (search.leaves[list.leaf[nearest]].slivers != 0) {
-    in_listed_leaves_in_turn(search, list, moved);
+    listed_leaf_by_leaf(search, list, moved);
     return;
   }
   search.least = least;
   search.limit = std::min(search.limit, limit_from(least, search.slack));
   std::uint64_t found = 0;
-  for (std::size_t i = 0; i < looked_at; ++i) {
+  for (std::size_t i = 0; i < visited; ++i) {
     found |= static_cast<std::uint64_t>(within(squared + i * bvh_width, search.limit)) << i * bvh_width;
   }
   for (; found != 0; found &= found - 1) {
-    const auto place = hwy::Num0BitsBelowLS1Bit_Nonzero64(found);
-    const std::int32_t triangle = search.leaves[list.leaf[place / bvh_width]].triangle[place % bvh_width];
-    search.squared[search.count] = squared[place];
+    const auto slot = hwy::Num0BitsBelowLS1Bit_Nonzero64(found);
+    const std::int32_t triangle = search.leaves[list.leaf[slot / bvh_width]].triangle[slot % bvh_width];
+    search.squared[search.count] = squared[slot];
     search.triangle[search.count] = triangle;
     prefetch(search.corners[triangle]);
     ++search.count;
@@ -317,16 +306,18 @@ namespace musclebench {
 HWY_EXPORT(closest);
 HWY_EXPORT(leaves_within);
 HWY_EXPORT(bound);
-HWY_EXPORT(in_listed_leaves);
+HWY_EXPORT(listed);
 
 void search_closest(BvhSearch& search) { HWY_DYNAMIC_DISPATCH(closest)(search); }
 
 NearestLeaves search_leaves(const BvhSearch& search) { return HWY_DYNAMIC_DISPATCH(leaves_within)(search); }
 
-DistanceBound search_bound(const BvhSearch& search, float share) { return HWY_DYNAMIC_DISPATCH(bound)(search, share); }
+DistanceBound search_bound(const BvhSearch& search, float squared_fraction) {
+  return HWY_DYNAMIC_DISPATCH(bound)(search, squared_fraction);
+}
 
 void search_listed(BvhSearch& search, const CandidateLeaves& list, float moved) {
-  HWY_DYNAMIC_DISPATCH(in_listed_leaves)(search, list, moved);
+  HWY_DYNAMIC_DISPATCH(listed)(search, list, moved);
 }
 
 }  // namespace musclebench

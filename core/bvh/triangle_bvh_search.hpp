@@ -9,57 +9,56 @@
 
 namespace musclebench {
 
-/// What the SIMD part of a closest-point search works on. All lengths are in the tree's own frame and unit. It prunes
-/// only: it leaves every triangle that may be the closest one, and the caller decides between them in double.
+/// State of the SIMD part of a closest-point search. It only prunes: every triangle that may be the closest one is left
+/// as a candidate, and the caller decides between them in double precision. All lengths are in the tree's frame.
 struct BvhSearch {
   static constexpr std::size_t capacity = 64;
 
   const BvhNode* nodes = nullptr;
   const BvhLeaf* leaves = nullptr;
-  const std::array<Vec3, 3>* corners = nullptr;  ///< of each triangle, which are fetched early for the caller
+  const std::array<Vec3, 3>* corners = nullptr;  ///< by triangle; prefetched for the caller's decision
   std::array<float, 3> point{};
-  /// No float distance here (to a box, a slab or a triangle) is farther from the truth, the caller's own answers in
-  /// double included.
+  /// Bound of the difference between a distance computed here (to an AABB, an OBB or a triangle) and the true one, or
+  /// the one that the caller computes in double precision.
   float slack = 0;
-  /// Square of a distance that nothing closest exceeds in the floats here.
+  /// Square of an upper bound of the closest triangle's distance as it is computed here.
   float limit = 0;
-  float least = bvh_far_away * bvh_far_away;  ///< square of the smallest distance within the limit that was met
-  int first_leaf = -1;                        ///< looked at before all others; -1: none
+  float least = bvh_far_away * bvh_far_away;  ///< smallest squared distance found within the limit
+  int first_leaf = -1;                        ///< searched before all others; -1: none
 
-  /// Triangles whose distance was within the limit when they were found.
+  /// Candidates: triangles whose squared distance was within the limit when they were found.
   std::size_t count = 0;
   std::array<float, capacity> squared;
   std::array<std::int32_t, capacity> triangle;
 
-  /// Called when the list is full: empties it and may lower the limit. Called for slivers, too.
+  /// Called when the candidates fill up, and for a leaf with slivers: empties them and may lower the limit.
   void (*decide)(BvhSearch& search) = nullptr;
 };
 
-/// Lists what may be the closest triangle.
+/// Searches the whole tree for candidates.
 void search_closest(BvhSearch& search);
 
-/// Leaves with the squares of their float distances, ascending.
+/// Leaves by ascending squared distance.
 struct NearestLeaves {
   std::size_t count = 0;
   std::array<std::int32_t, CandidateLeaves::capacity> leaf;
   std::array<float, CandidateLeaves::capacity> squared;
-  float others = 0;  ///< what all others keep
+  float cutoff = 0;  ///< squared; no other leaf is closer
 };
 
-/// The leaves that hold a triangle within `search.limit`, the nearest of them where there are too many.
+/// The leaves with a triangle within `search.limit`, or the nearest of them.
 NearestLeaves search_leaves(const BvhSearch& search);
 
-/// The square of a float distance that nothing is closer than, and the closest triangle that was met.
+/// A lower bound of the squared distance, and the closest triangle that was visited.
 struct DistanceBound {
   float squared = 0;
   std::int32_t triangle = 0;
 };
 
-/// Starting from `first_leaf`, some leaf near the point. The bound is at least `share` (squared) of the smallest one.
-DistanceBound search_bound(const BvhSearch& search, float share);
+/// Starts from `first_leaf`, which has to be given. The bound is at least `squared_fraction` of the true one.
+DistanceBound search_bound(const BvhSearch& search, float squared_fraction);
 
-/// Looks at the listed leaves only, as far as they may hold something within the limit for a point that is `moved` (own
-/// unit) away from the list's place.
+/// Searches only the listed leaves for candidates. `moved`: distance of the query point from the list's point.
 void search_listed(BvhSearch& search, const CandidateLeaves& list, float moved);
 
 }  // namespace musclebench

@@ -9,16 +9,17 @@ namespace musclebench {
 
 namespace {
 
+/// Each level leaves up to 7 nodes on the stack; the builder bounds the depth.
 constexpr int stack_capacity = 320;
-/// Closed surfaces have whole winding numbers; one this close to 0.5 shows that the dipoles were too coarse.
+/// A closed surface has integer winding numbers; a sum this close to 0.5 shows that the dipoles were too coarse.
 constexpr double safe_margin = 0.25;
 
 }  // namespace
 
 double TriangleBvh::leaf_winding(const BvhLeaf& leaf, const Vec3& point) const {
   double angle = 0;
-  for (std::size_t place = 0; place < static_cast<std::size_t>(leaf.count); ++place) {
-    const auto& [a, b, c] = m_corners[static_cast<std::size_t>(leaf.triangle[place])];
+  for (std::size_t lane = 0; lane < static_cast<std::size_t>(leaf.count); ++lane) {
+    const auto& [a, b, c] = m_corners[static_cast<std::size_t>(leaf.triangle[lane])];
     angle += solid_angle(point, a, b, c);
   }
   return angle / (4 * std::numbers::pi);

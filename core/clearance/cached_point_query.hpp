@@ -6,41 +6,24 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "core/bvh/triangle_bvh.hpp"
 #include "core/clearance/clearance_cache.hpp"
+#include "core/clearance/query_surface.hpp"
 #include "core/contact/collision_backend.hpp"
 #include "core/mesh/morton_order.hpp"
 
 namespace musclebench {
 
-/// Detection node by node on exact surfaces, one a bone. With clearance cache, what is known of a node from before is
-/// used: its ball, and about nodes in or near a bone the triangles that were nearest. The contacts are the same to the
-/// bit, for any number of threads.
-///
-/// A `Surface` answers for points in its bone's rest frame, from several threads at once:
-/// - `bool is_outside(point, clearance_m)`: free for certain, told cheaply; how far it may move. True for what is not
-///   finite. `fetch_clearance(point)`: what that will need begins to come from memory.
-/// - `ClosestPoint closest(point)`, `closest_from(point, triangle)` (faster the closer that triangle is): of all
-///   triangles at the smallest squared distance the one with the smallest index.
-/// - `CandidateList`: what is near a place; `empty()` where nothing is known, as after `clear()`;
-///   `list_candidates(point, bound_m, list)` fills it, where the surface is no farther than `bound_m`;
-///   `begin_candidate_search(point, list, search)` and `ClosestCandidate finish_candidate_search(point, list, enough_m,
-///   search)` use it, by way of a `CandidateSearch`.
-/// - `fetch(list)`: what `begin_candidate_search` will need begins to come from memory.
-/// - `Clearance clearance_from(point, triangle)`: faster than `closest_from`, and less.
-/// - `double distance_m(point, triangle)`.
-/// - `bool contains(point, closest)`; `Vec3 outward(point, closest)`: unit, for a point that it contains.
-/// - `double free_m(closest)`: about a point that it does not contain, how far it contains nothing.
-/// - `double touching_m()`: it contains nothing that is closer to the surface.
-/// - `double near_m()`: closer to the surface than this a list saves searches.
-template <typename Surface>
+/// Contacts of single nodes with exact surfaces, one a bone. With the clearance cache a query starts from what earlier
+/// queries of the same node and bone have left: a safe sphere, and for nodes in or near a bone a list of candidate
+/// triangles. The cache changes the time only: the contacts are the same to the bit, for any number of threads.
+/// reports/performance/clearance_cache.md describes the steps of a query and why each is exact.
+template <QuerySurface Surface>
 class CachedPointQuery {
  public:
-  /// `bones` and `surfaces` (in the same order) outlive the detection or its next `reset`. `nodes` is the number of
+  /// `bones` and `surfaces` (in the same order) outlive this object or its next `reset`. `nodes` is the number of
   /// positions that calls will have.
   void reset(std::span<const Bone> bones, std::span<const Surface> surfaces, std::size_t nodes, bool clearance_cache,
              int threads) {
@@ -48,22 +31,24 @@ class CachedPointQuery {
     m_surfaces = surfaces;
     m_uses_cache = clearance_cache;
     m_threads = threads;
-    forget(nodes);
+    clear_caches(nodes);
   }
 
+  /// Appends the contacts of `nodes` (ascending), ordered by bone, then node. `positions` in the world frame, in
+  /// metres; a position that is not finite has no contact.
   void detect(std::span<const RigidMotion> poses, std::span<const Vec3> positions, std::span<const int> nodes,
               std::vector<Contact>& contacts) {
     if (m_uses_cache && positions.size() != m_nodes) {
-      forget(positions.size());
+      clear_caches(positions.size());
     }
     if (m_uses_cache) {
-      m_clearance_cache.collect_spent(poses, positions, nodes);
-    } else if (!std::equal(nodes.begin(), nodes.end(), m_planned.begin(), m_planned.end())) {
-      plan_visits(positions, nodes);
+      m_clearance_cache.collect_expired(poses, positions, nodes);
+    } else if (!std::equal(nodes.begin(), nodes.end(), m_ordered.begin(), m_ordered.end())) {
+      order_nodes(positions, nodes);
     }
     for (int bone = 0; bone < static_cast<int>(m_surfaces.size()); ++bone) {
-      const std::span<const int> asked = m_uses_cache ? m_clearance_cache.spent(bone) : m_visited;
-      ask(bone, poses[static_cast<std::size_t>(bone)], positions, asked);
+      const std::span<const int> queried = m_uses_cache ? m_clearance_cache.expired(bone) : m_query_order;
+      query_bone(bone, poses[static_cast<std::size_t>(bone)], positions, queried);
       const auto first_of_bone = static_cast<std::ptrdiff_t>(contacts.size());
       for (std::size_t block = 0; block < m_found_count.size(); ++block) {
         const std::span<const Contact> found = std::span(m_found).subspan(block * block_size, m_found_count[block]);
@@ -81,9 +66,70 @@ class CachedPointQuery {
   }
 
  private:
-  void forget(std::size_t nodes) {
+  using CandidateSearch = typename Surface::CandidateSearch;
+
+  /// One query of a node against a bone.
+  struct NodeQuery {
+    int node = 0;
+    Vec3 point = Vec3::Zero();      ///< rest frame
+    bool outside = false;           ///< settled without a search
+    double clearance_m = 0;         ///< where `outside`; 0: unknown
+    double distance_outside_m = 0;  ///< ClearanceCache::distance_outside_m
+    bool has_candidates = false;    ///< the node's candidate list is to be searched
+  };
+
+  struct Answer {
+    ClosestPoint closest;
+    PointSide side;
+  };
+
+  /// What earlier queries of a node and a bone have left; starts at a cache line.
+  struct alignas(64) NodeCache {
+    typename Surface::CandidateList candidates;
+    int triangle = -1;        ///< a triangle that was near the node
+    bool in_contact = false;  ///< in the last query, whose contact leads to `m_exit_points`
+    // Exponential back-off: after k unused candidate lists in a row, skip building one for 2^k - 1 searches. A node
+    // that moves farther in a step than its list reaches would build each of them in vain.
+    bool list_was_used = false;
+    std::uint8_t unused_lists = 0;
+    std::uint8_t searches_to_skip = 0;
+
+    /// Drops the list before a search. `has_failed`: there was one and it did not answer. Returns whether to build
+    /// another.
+    bool drop_list(bool has_failed) {
+      constexpr std::uint8_t most_unused = 5;
+      candidates.clear();
+      if (has_failed) {
+        unused_lists = list_was_used ? 0 : std::min<std::uint8_t>(unused_lists + 1, most_unused);
+        searches_to_skip = static_cast<std::uint8_t>((1U << unused_lists) - 1);
+      }
+      list_was_used = false;
+      const bool builds_list = searches_to_skip == 0;
+      searches_to_skip -= builds_list ? 0 : 1;
+      return builds_list;
+    }
+  };
+  static_assert(sizeof(NodeCache) == 64 || sizeof(typename Surface::CandidateList) > 56);
+
+  static constexpr int no_triangle = -1;
+  static constexpr double unknown_m = std::numeric_limits<double>::infinity();
+  static constexpr std::size_t block_size = 16;
+  static constexpr std::size_t blocks_of(std::size_t nodes) { return (nodes + block_size - 1) / block_size; }
+
+  /// Scratch memory of a thread.
+  struct Block {
+    std::array<NodeQuery, block_size> queries;
+    std::array<CandidateSearch, block_size> searches;
+  };
+
+  [[nodiscard]] std::size_t index_of(int bone, int node) const {
+    return static_cast<std::size_t>(bone) * m_nodes + static_cast<std::size_t>(node);
+  }
+  NodeCache& node_cache_of(int bone, int node) { return m_node_caches[index_of(bone, node)]; }
+
+  void clear_caches(std::size_t nodes) {
     m_nodes = nodes;
-    m_planned.clear();
+    m_ordered.clear();
     m_found.reserve(nodes);
     m_found_count.reserve(blocks_of(nodes));
     if (!m_uses_cache) {
@@ -94,24 +140,23 @@ class CachedPointQuery {
     m_exit_points.assign(m_node_caches.size(), Vec3::Zero());
   }
 
-  /// Neighbours after each other, which are answered from the same part of a tree. (With clearance cache memory
-  /// decides, and balls and lists lie in the order of the nodes.)
-  void plan_visits(std::span<const Vec3> positions, std::span<const int> nodes) {
-    m_planned.assign(nodes.begin(), nodes.end());
+  /// Morton order, so that successive searches go through the same part of the tree. With the cache the order of the
+  /// nodes is better: spheres and candidate lists lie in memory in that order.
+  void order_nodes(std::span<const Vec3> positions, std::span<const int> nodes) {
+    m_ordered.assign(nodes.begin(), nodes.end());
     std::vector<Vec3> points;
     points.reserve(nodes.size());
     for (const int node : nodes) {
       points.push_back(positions[static_cast<std::size_t>(node)]);
     }
-    const std::vector<int> order = morton_order(points);
-    m_visited.clear();
-    for (const int place : order) {
-      m_visited.push_back(nodes[static_cast<std::size_t>(place)]);
+    m_query_order.clear();
+    for (const int index : morton_order(points)) {
+      m_query_order.push_back(nodes[static_cast<std::size_t>(index)]);
     }
   }
 
-  /// Every node for itself, so that the answer does not depend on how many threads share them.
-  void ask(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes) {
+  /// No query depends on another, so that the answers do not depend on the number of threads.
+  void query_bone(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes) {
     const std::size_t blocks = blocks_of(nodes.size());
     m_found.resize(nodes.size());
     m_found_count.resize(blocks);
@@ -132,36 +177,14 @@ class CachedPointQuery {
     }
   }
 
-  /// A node that is asked about.
-  struct Asked {
-    int node = 0;
-    Vec3 point = Vec3::Zero();  ///< rest frame
-    bool outside = false;       ///< known to be
-    double free_m = 0;          ///< of one that is outside
-    /// Where nothing is nearer than this, no surface is between the point and the node's ball.
-    double gap_m = 0;
-    bool listed = false;  ///< what is near is known from before
-  };
-
-  using CandidateSearch = typename Surface::CandidateSearch;
-
-  static constexpr std::size_t block_size = 16;
-  static constexpr std::size_t blocks_of(std::size_t nodes) { return (nodes + block_size - 1) / block_size; }
-
-  /// Made once for all blocks of a call.
-  struct Block {
-    std::array<Asked, block_size> asked;
-    std::array<CandidateSearch, block_size> searches;
-  };
-
-  /// What a node's answer needs lies in memory that the constraints have just driven out of the caches. So each part of
-  /// the work is done for a whole block before the next: the nodes' ways through memory overlap.
+  /// The constraints have just driven all that a query reads out of the CPU's caches. Each stage is therefore done for
+  /// a whole block before the next one and prefetches for it, so that cache misses overlap.
   void query_block(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes,
                    std::size_t block, Block& scratch) {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
     const std::size_t first = block * block_size;
     const std::size_t count = std::min(block_size, nodes.size() - first);
-    auto& [asked, searches] = scratch;
+    auto& [queries, searches] = scratch;
     if (m_uses_cache) {
       for (std::size_t next = first + count; next < std::min(first + count + block_size, nodes.size()); ++next) {
         __builtin_prefetch(&node_cache_of(bone, nodes[next]));
@@ -169,32 +192,35 @@ class CachedPointQuery {
     }
     for (std::size_t i = 0; i < count; ++i) {
       const int node = nodes[first + i];
-      Asked& ask = asked[i] = {.node = node, .point = pose.apply_inverse(positions[static_cast<std::size_t>(node)])};
+      NodeQuery& query =
+          queries[i] = {.node = node, .point = pose.apply_inverse(positions[static_cast<std::size_t>(node)])};
       if (m_uses_cache) {
-        __builtin_prefetch(&node_cache_of(bone, ask.node));
+        __builtin_prefetch(&node_cache_of(bone, query.node));
       } else {
-        ask.outside = surface.is_outside(ask.point, ask.free_m);
+        query.outside = surface.is_outside(query.point, query.clearance_m);
       }
     }
     if (m_uses_cache) {
-      for (Asked& ask : std::span(asked).first(count)) {
-        if (node_cache_of(bone, ask.node).near.empty()) {
-          surface.fetch_clearance(ask.point);
+      for (const NodeQuery& query : std::span(queries).first(count)) {
+        const auto& candidates = node_cache_of(bone, query.node).candidates;
+        if (candidates.empty()) {
+          surface.prefetch(query.point, candidates);
         }
       }
-      for (Asked& ask : std::span(asked).first(count)) {
-        look_up(bone, ask);
+      for (NodeQuery& query : std::span(queries).first(count)) {
+        look_up(bone, query);
       }
       for (std::size_t i = 0; i < count; ++i) {
-        if (asked[i].listed) {
-          surface.begin_candidate_search(asked[i].point, node_cache_of(bone, asked[i].node).near, searches[i]);
+        if (queries[i].has_candidates) {
+          surface.begin_candidate_search(queries[i].point, node_cache_of(bone, queries[i].node).candidates,
+                                         searches[i]);
         }
       }
     }
     std::size_t found = 0;
     for (std::size_t i = 0; i < count; ++i) {
       Contact& contact = m_found[first + found];
-      if (answer(bone, asked[i], searches[i], contact)) {
+      if (answer_query(bone, queries[i], searches[i], contact)) {
         contact.normal = pose.apply_to_direction(contact.normal);
         ++found;
       }
@@ -202,165 +228,131 @@ class CachedPointQuery {
     m_found_count[block] = found;
   }
 
-  void look_up(int bone, Asked& asked) {
+  /// Settles the query from the cache alone where that is possible, else prefetches its candidates.
+  void look_up(int bone, NodeQuery& query) {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
-    NodeCache& memory = node_cache_of(bone, asked.node);
-    if (memory.in_contact) {
-      memory.in_contact = false;
+    NodeCache& cache = node_cache_of(bone, query.node);
+    if (cache.in_contact) {
+      cache.in_contact = false;
       const double touching_m = surface.touching_m();
-      // By the triangle itself, whose distance a search would find, too.
-      if ((asked.point - m_exit_points[index_of(bone, asked.node)]).squaredNorm() < touching_m * touching_m &&
-          surface.distance_m(asked.point, memory.triangle) <= touching_m) {
-        asked.outside = true;
+      // A response has moved the node to the surface. One triangle within the touching distance proves that: a search
+      // would find none that is farther away.
+      if ((query.point - m_exit_points[index_of(bone, query.node)]).squaredNorm() < touching_m * touching_m &&
+          surface.distance_m(query.point, cache.triangle) <= touching_m) {
+        query.outside = true;
         return;
       }
     }
-    asked.listed = !memory.near.empty();
-    if (!asked.listed && surface.is_outside(asked.point, asked.free_m)) {
-      asked.outside = true;
+    query.has_candidates = !cache.candidates.empty();
+    if (!query.has_candidates && surface.is_outside(query.point, query.clearance_m)) {
+      query.outside = true;
       return;
     }
-    asked.gap_m = m_clearance_cache.gap_m(bone, asked.node, asked.point);
-    asked.outside = asked.gap_m < 0;  // the sweep is coarser
-    asked.listed = asked.listed && !asked.outside;
-    if (asked.listed) {
-      surface.fetch(memory.near);
+    query.distance_outside_m = m_clearance_cache.distance_outside_m(bone, query.node, query.point);
+    query.outside = query.distance_outside_m < 0;  // in double precision; the sweep's test is coarser
+    query.has_candidates = query.has_candidates && !query.outside;
+    if (query.has_candidates) {
+      surface.prefetch(query.point, cache.candidates);
     }
   }
 
-  /// Whether the node is in contact. The normal of the contact is left in the rest frame.
-  bool answer(int bone, const Asked& asked, CandidateSearch& started, Contact& contact) {
+  /// Returns whether the node is in contact; the normal of `contact` is in the rest frame.
+  bool answer_query(int bone, const NodeQuery& query, CandidateSearch& begun, Contact& contact) {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
-    double free_m = asked.free_m;
-    if (!asked.outside) {
-      const Answer answer = m_uses_cache ? query_with_cache(bone, asked, started) : search(surface, asked.point);
-      free_m = answer.free_m;
-      if (answer.inside) {
-        contact = {asked.node, bone, answer.closest.distance_m, surface.outward(asked.point, answer.closest)};
+    double clearance_m = query.clearance_m;
+    if (!query.outside) {
+      const Answer answer = m_uses_cache ? query_with_cache(bone, query, begun) : search(surface, query.point);
+      clearance_m = answer.side.clearance_m;
+      if (answer.side.inside) {
+        contact = {query.node, bone, answer.closest.distance_m, surface.outward(query.point, answer.closest)};
         if (m_uses_cache) {
-          node_cache_of(bone, asked.node).in_contact = true;
-          m_exit_points[index_of(bone, asked.node)] = asked.point + contact.depth_m * contact.normal;
+          node_cache_of(bone, query.node).in_contact = true;
+          m_exit_points[index_of(bone, query.node)] = query.point + contact.depth_m * contact.normal;
         }
         return true;
       }
     }
-    // A ball that it has left stays true, and is better than none.
-    if (m_uses_cache && free_m > 0) {
-      m_clearance_cache.grant(bone, asked.node, asked.point, free_m);
+    // Without a new sphere the old one is kept: it still holds if the node returns.
+    if (m_uses_cache && clearance_m > 0) {
+      m_clearance_cache.store(bone, query.node, query.point, clearance_m);
     }
     return false;
   }
 
-  struct Answer {
-    ClosestPoint closest;
-    bool inside = false;
-    double free_m = 0;  ///< of what is not inside
-  };
-
-  static Answer search(const Surface& surface, const Vec3& point) {
-    const ClosestPoint closest = surface.closest(point);
-    return {closest, surface.contains(point, closest)};
+  static Answer search(const Surface& surface, const Vec3& point, int triangle = no_triangle) {
+    const ClosestPoint closest = surface.closest(point, triangle);
+    return {closest, surface.side(point, closest)};
   }
 
-  /// What is remembered of a node and a bone, from the start of a cache line.
-  struct alignas(64) NodeCache {
-    typename Surface::CandidateList near;
-    int triangle = -1;        ///< one that was near at the last search
-    bool in_contact = false;  ///< when it was last searched for: a response puts it to `m_exit_points`
-    // Where a node moves farther in a step than its lists reach, they are made for nothing: after each that was, twice
-    // as many searches go without.
-    bool has_served = false;
-    std::uint8_t wasted = 0;  ///< lists in a row
-    std::uint8_t pause = 0;   ///< searches that are still to go without a list
-
-    /// Before a search; `had_one`: a list, which did not answer. Returns whether the next one is worth its making.
-    bool forget_list(bool had_one) {
-      constexpr std::uint8_t most_wasted = 5;
-      near.clear();
-      if (had_one) {
-        wasted = has_served ? 0 : std::min<std::uint8_t>(wasted + 1, most_wasted);
-        pause = static_cast<std::uint8_t>((1U << wasted) - 1);
-      }
-      has_served = false;
-      const bool is_list_worth_it = pause == 0;
-      pause -= is_list_worth_it ? 0 : 1;
-      return is_list_worth_it;
+  /// Takes the answer from a begun search among the node's candidates, if they are enough to tell.
+  static bool answer_from_candidates(const Surface& surface, const NodeQuery& query, NodeCache& cache,
+                                     CandidateSearch& begun, Answer& answer) {
+    const ClosestCandidate found = surface.finish_candidate_search(cache.candidates, query.distance_outside_m, begun);
+    if (found.clearance_m > 0) {
+      answer.side.clearance_m = found.clearance_m;
+      return true;
     }
-  };
-
-  static_assert(sizeof(NodeCache) == 64 || sizeof(typename Surface::CandidateList) > 56);
-
-  [[nodiscard]] std::size_t index_of(int bone, int node) const {
-    return static_cast<std::size_t>(bone) * m_nodes + static_cast<std::size_t>(node);
+    cache.triangle = found.closest.triangle;
+    if (found.certain) {
+      answer = {found.closest, surface.side(query.point, found.closest)};
+    }
+    return found.certain;
   }
-  NodeCache& node_cache_of(int bone, int node) { return m_node_caches[index_of(bone, node)]; }
 
-  /// From what was near when the node was last searched for, where that is enough. `started` is where it is listed.
-  Answer query_with_cache(int bone, const Asked& asked, CandidateSearch& started) {
+  /// Lists candidates about the query point, if it is near the surface for certain, and takes the answer from them.
+  static bool answer_from_new_candidates(const Surface& surface, const NodeQuery& query, NodeCache& cache,
+                                         Answer& answer) {
+    const double bound_m = cache.triangle < 0 ? unknown_m : surface.distance_m(query.point, cache.triangle);
+    if (bound_m < surface.near_m()) {
+      surface.list_candidates(query.point, bound_m, cache.candidates);
+    }
+    if (cache.candidates.empty()) {
+      return false;
+    }
+    CandidateSearch begun;
+    surface.begin_candidate_search(query.point, cache.candidates, begun);
+    return answer_from_candidates(surface, query, cache, begun, answer);
+  }
+
+  /// From the cheapest source to the dearest: candidates, clearance grid, new candidates, clearance, full search.
+  /// `begun` is the search among the candidates, if there are any.
+  Answer query_with_cache(int bone, const NodeQuery& query, CandidateSearch& begun) {
     const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
-    const Vec3& point = asked.point;
-    NodeCache& memory = node_cache_of(bone, asked.node);
+    NodeCache& cache = node_cache_of(bone, query.node);
     Answer answer;
-    const auto take_listed = [&](CandidateSearch& begun) {
-      const ClosestCandidate listed = surface.finish_candidate_search(point, memory.near, asked.gap_m, begun);
-      if (listed.clearance_m > 0) {
-        answer.free_m = listed.clearance_m;
-        return true;
-      }
-      memory.triangle = listed.closest.triangle;
-      if (listed.certain) {
-        answer = {listed.closest, surface.contains(point, listed.closest)};
-        answer.free_m = answer.inside ? 0 : surface.free_m(listed.closest);
-      }
-      return listed.certain;
-    };
-    if (asked.listed && take_listed(started)) {
-      memory.has_served = true;
+    if (query.has_candidates && answer_from_candidates(surface, query, cache, begun, answer)) {
+      cache.list_was_used = true;
       return answer;
     }
-    const bool is_list_worth_it = memory.forget_list(asked.listed);
-    if (asked.listed && surface.is_outside(point, answer.free_m)) {
+    const bool builds_list = cache.drop_list(query.has_candidates);
+    if (query.has_candidates && surface.is_outside(query.point, answer.side.clearance_m)) {
       return answer;
     }
-    const auto take_new_list = [&] {
-      const double bound_m =
-          !is_list_worth_it || memory.triangle < 0 ? unknown : surface.distance_m(point, memory.triangle);
-      if (bound_m < surface.near_m()) {
-        surface.list_candidates(point, bound_m, memory.near);
-      }
-      if (memory.near.empty()) {
-        return false;
-      }
-      CandidateSearch begun;
-      surface.begin_candidate_search(point, memory.near, begun);
-      return take_listed(begun);
-    };
-    // A list is worth its making for a node that stays near; of the others it need not be known what is closest.
-    const bool stays_near = m_clearance_cache.radius_m(bone, asked.node) < surface.near_m();
-    if (stays_near && take_new_list()) {
+    // A node that leaves a large safe sphere was far from the surface: a lower bound of the distance may do, which is
+    // cheaper than a list.
+    const bool stays_near = m_clearance_cache.radius_m(bone, query.node) < surface.near_m();
+    if (stays_near && builds_list && answer_from_new_candidates(surface, query, cache, answer)) {
       return answer;
     }
-    if (asked.gap_m < unknown) {
-      const Clearance clearance = surface.clearance_from(point, std::max(memory.triangle, 0));
+    if (query.distance_outside_m < unknown_m) {
+      const Clearance clearance = surface.clearance(query.point, std::max(cache.triangle, 0));
       if (clearance.distance_m > 0) {
-        memory.triangle = clearance.triangle;
+        cache.triangle = clearance.triangle;
       }
-      if (clearance.distance_m > asked.gap_m) {
-        answer.free_m = clearance.distance_m;
+      if (clearance.distance_m > query.distance_outside_m) {
+        answer.side.clearance_m = clearance.distance_m;
         return answer;
       }
     }
-    if (!stays_near && take_new_list()) {
+    if (!stays_near && builds_list && answer_from_new_candidates(surface, query, cache, answer)) {
       return answer;
     }
-    answer.closest = memory.triangle < 0 ? surface.closest(point) : surface.closest_from(point, memory.triangle);
-    answer.inside = surface.contains(point, answer.closest);
-    answer.free_m = answer.inside ? 0 : surface.free_m(answer.closest);
-    memory.triangle = answer.closest.triangle;
-    memory.near.clear();
-    // A node that leaves a larger ball is too far from here for a list.
-    if (is_list_worth_it && (answer.inside || answer.closest.distance_m < surface.near_m())) {
-      surface.list_candidates(point, answer.closest.distance_m, memory.near);
+    answer = search(surface, query.point, cache.triangle);
+    cache.triangle = answer.closest.triangle;
+    cache.candidates.clear();
+    // A node that leaves a larger safe sphere is too far from here for a list.
+    if (builds_list && (answer.side.inside || answer.closest.distance_m < surface.near_m())) {
+      surface.list_candidates(query.point, answer.closest.distance_m, cache.candidates);
     }
     return answer;
   }
@@ -369,18 +361,15 @@ class CachedPointQuery {
   std::span<const Surface> m_surfaces;
   bool m_uses_cache = false;
   int m_threads = 1;
-  std::size_t m_nodes = 0;  ///< that the budgets are for
+  std::size_t m_nodes = 0;  ///< number of nodes in the caches
   ClearanceCache m_clearance_cache;
   std::vector<NodeCache> m_node_caches;  ///< by bone, then node
-  /// In the same order, of those in contact: the point of the surface that was closest, in the rest frame.
-  std::vector<Vec3> m_exit_points;
-  static constexpr double unknown = std::numeric_limits<double>::infinity();
+  std::vector<Vec3> m_exit_points;       ///< in the same order: where the last contact leads, rest frame
   // Scratch memory, kept so that a frame allocates nothing.
-  std::vector<int> m_planned;  ///< the nodes that the visits are of
-  std::vector<int> m_visited;  ///< the same in the order of the visits
-  /// Of each block of the nodes that are asked about the contacts, from the place of its first node on.
-  std::vector<Contact> m_found;
-  std::vector<std::size_t> m_found_count;
+  std::vector<int> m_ordered;              ///< the nodes that m_query_order was made of
+  std::vector<int> m_query_order;          ///< without the cache
+  std::vector<Contact> m_found;            ///< of a block from the index of its first node on
+  std::vector<std::size_t> m_found_count;  ///< by block
 };
 
 }  // namespace musclebench

@@ -10,89 +10,92 @@
 
 namespace musclebench {
 
-/// What nodes may still move before they can touch a bone. A node that was found at a distance d from a bone keeps a
-/// ball of radius d about the place, in the bone's rest frame; as long as node and bone together have not moved it out
-/// of the ball, it is free and need not be asked about. So the cost of a detection falls with the motion of a step, and
-/// its answer stays the same to the bit: a ball is granted only as large as its owner vouches for, and shrunk by all
-/// rounding on the way.
+/// Safe spheres of all pairs of a bone and a node, by which most nodes are known to be free without a query.
 ///
-/// Balls are held in single precision about the middle of each bone. All bones are swept together, because bringing
-/// the positions into single precision costs as much as asking a bone's balls; for a bone and a node it is less than
-/// one bit of a voxel grid costs.
+/// A node that was found at distance d from a bone stores a sphere of radius d about that location, fixed in the bone's
+/// rest frame. While the relative motion of node and bone keeps the node inside its sphere, the node is free; when it
+/// has left the sphere, the entry is expired and the backend has to query the node again. The cost of a detection then
+/// grows with the motion of a step instead of with the number of nodes. The contacts stay the same to the bit, because
+/// every radius is shrunk by all rounding errors of the test (reports/performance/clearance_cache.md has the bounds).
+///
+/// Spheres are kept in single precision relative to the middle of each bone. All bones are swept in one pass, since
+/// converting the positions to single precision costs as much as testing them against one bone.
 class ClearanceCache {
  public:
-  /// Spends all budgets. Keeps nothing of `bones` but where they are; `nodes` is the number of positions.
+  /// Empties the cache. Of `bones` only the middles are copied; `nodes` is the number of positions.
   void reset(std::span<const Bone> bones, std::size_t nodes);
 
-  /// Finds those of `nodes` (ascending) that have left their balls, or never had one. `positions` (of all nodes) are in
-  /// the world frame, in metres, and may be anything, also not finite (then spent). `poses`: of all bones.
-  void collect_spent(std::span<const RigidMotion> poses, std::span<const Vec3> positions, std::span<const int> nodes);
+  /// Finds those of `nodes` (ascending indices) that have left their safe spheres or have none. `positions` (of all
+  /// nodes) are in the world frame, in metres; a position that is not finite counts as expired. `poses`: of all bones.
+  void collect_expired(std::span<const RigidMotion> poses, std::span<const Vec3> positions, std::span<const int> nodes);
 
-  /// The nodes that the last `collect_spent` found for `bone`, ascending. Valid until the next.
-  [[nodiscard]] std::span<const int> spent(int bone) const {
-    const Balls& balls = m_bones[static_cast<std::size_t>(bone)];
-    return std::span(balls.spent).first(balls.spent_count);
+  /// The nodes that the last `collect_expired` found for `bone`, ascending. Valid until the next call.
+  [[nodiscard]] std::span<const int> expired(int bone) const {
+    const SafeSpheres& spheres = m_bones[static_cast<std::size_t>(bone)];
+    return std::span(spheres.expired).first(spheres.expired_count);
   }
 
-  /// Promises that `node` is free of `bone` wherever it is nearer than `clearance_m` to `rest_point` (in the bone's
-  /// rest frame). May be called for different nodes by several threads at once. A clearance that is not positive leaves
-  /// it without a budget.
-  void grant(int bone, int node, const Vec3& rest_point, double clearance_m);
+  /// Stores that `node` is free of `bone` wherever it is closer than `clearance_m` (metres) to `rest_point` (in the
+  /// bone's rest frame). A clearance that is not positive removes the entry. Different nodes may be stored by several
+  /// threads at once.
+  void store(int bone, int node, const Vec3& rest_point, double clearance_m);
 
-  /// How far `rest_point` (in the bone's rest frame) is outside the node's ball; infinite without a ball. A ball about
-  /// that point that no surface reaches into and that is larger overlaps the node's: then it is as free.
-  [[nodiscard]] double gap_m(int bone, int node, const Vec3& rest_point) const;
+  /// Distance in metres of `rest_point` (in the bone's rest frame) from the node's safe sphere, rounded up; negative
+  /// inside the sphere, infinite without one. If the bone's surface is farther from `rest_point` than this, the empty
+  /// sphere about that point overlaps the safe sphere, so that the point is free, too.
+  [[nodiscard]] double distance_outside_m(int bone, int node, const Vec3& rest_point) const;
 
-  /// Of the node's ball; 0 without one.
+  /// Radius of the node's safe sphere in metres; 0 without one.
   [[nodiscard]] double radius_m(int bone, int node) const {
     return m_bones[static_cast<std::size_t>(bone)].of(node).radius_m;
   }
 
-  /// That `reset` was told of.
+  /// The number of positions given to `reset`.
   [[nodiscard]] std::size_t nodes() const { return m_nodes; }
   [[nodiscard]] std::size_t bytes() const;
 
-  /// The balls of eight nodes: a sweep goes through memory in one way, and a single ball is in two cache lines.
-  struct alignas(64) EightBalls {
+  /// The safe spheres of eight nodes as a structure of arrays: a sweep reads one stream, and the sphere of a single
+  /// node lies in two cache lines.
+  struct alignas(64) SafeSphereBlock {
     static constexpr std::size_t width = 8;
     std::array<float, width> x{}, y{}, z{}, radius_m{};
   };
 
-  /// One bone's balls, where it stands, and what a sweep finds.
-  struct SweptBone {
-    const EightBalls* balls = nullptr;
-    std::array<std::array<float, 3>, 3> rotation{};  ///< row i takes a direction of the world to the bone's axis i
-    std::array<float, 3> offset{};                   ///< from the bone's middle to the sweep's, in the bone's axes
-    float slack = 0;                                 ///< for the offset
-    int* spent = nullptr;
-    std::size_t count = 0;
+  /// Input and output of a sweep for one bone.
+  struct BoneSweep {
+    const SafeSphereBlock* spheres = nullptr;
+    std::array<std::array<float, 3>, 3> rotation{};  ///< world directions to the bone's rest frame
+    std::array<float, 3> offset{};                   ///< from the bone's middle to the sweep's origin, rest frame
+    float slack = 0;                                 ///< rounding error that the offset adds
+    int* expired = nullptr;
+    std::size_t count = 0;  ///< of expired nodes
   };
 
  private:
-  struct Ball {
+  struct SafeSphere {
     Vec3 centre_m;
     double radius_m;
   };
 
-  /// Of one bone, about its middle, in its rest frame.
-  struct Balls {
+  /// The safe spheres of all nodes for one bone, in its rest frame relative to its middle.
+  struct SafeSpheres {
     Vec3 middle_m;
-    std::vector<EightBalls> eights;
-    std::vector<int> spent;  ///< with room for a compressed vector, which is stored whole
-    std::size_t spent_count = 0;
+    std::vector<SafeSphereBlock> blocks;
+    std::vector<int> expired;  ///< one vector longer than needed: a compressed store writes whole vectors
+    std::size_t expired_count = 0;
 
-    [[nodiscard]] Ball of(int node) const;
+    [[nodiscard]] SafeSphere of(int node) const;
   };
 
   void plan_sweep(std::span<const int> nodes);
   static void collect_one_by_one(const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes,
-                                 Balls& balls);
+                                 SafeSpheres& spheres);
 
-  std::vector<Balls> m_bones;
+  std::vector<SafeSpheres> m_bones;
   std::size_t m_nodes = 0;
-  std::vector<int> m_swept;         ///< the nodes that the last sweep was about
-  std::vector<int> m_is_swept;      ///< by node: -1 or 0
-  std::vector<SweptBone> m_sweeps;  ///< scratch memory
+  std::vector<int> m_queried;       ///< the nodes of the last sweep
+  std::vector<int> m_is_queried;    ///< by node: -1 (all bits set) or 0
+  std::vector<BoneSweep> m_sweeps;  ///< scratch memory
 };
 
 /// The parameter `clearance_cache` (on, the default, or off) of the backends that can keep one.

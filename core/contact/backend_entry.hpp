@@ -29,7 +29,6 @@ struct BuiltStructure {
 
 /// How a backend's structure over one bone is written to a file that other programs read (`musclebench field`).
 struct StructureExport {
-  std::string what;  ///< for people: "distance field"
   /// Throws InputError where the parameters can't be exported or the ending of `out` does not fit them.
   std::function<void(const Parameters& parameters, const std::filesystem::path& out)> require_fit;
   std::function<BuiltStructure(const Bone& bone, const Parameters& parameters, int threads, const ShareReport& report)>

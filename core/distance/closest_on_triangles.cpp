@@ -4,7 +4,7 @@
 
 #include "core/base/prefetch.hpp"
 
-// Includes this file once for every kind of SIMD; highway.h has to come after it.
+// Highway compiles this file once for every SIMD target; highway.h has to be included after foreach_target.h.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/distance/closest_on_triangles.cpp"
@@ -12,7 +12,8 @@
 #include <hwy/highway.h>
 // clang-format on
 
-// Each line is that of closest_on_triangle, with its products and sums in the same order and none of them fused.
+// Line by line closest_on_triangle with its products and sums in the same order and none of them fused, so that the
+// results have the same bits.
 HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
 namespace {
@@ -54,9 +55,9 @@ HWY_INLINE Vec3Lanes choose(Mask mask, const Vec3Lanes& yes, const Vec3Lanes& no
   return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
 }
 
-HWY_INLINE Vec3Lanes gather(const double* first, IntVec at) {
+HWY_INLINE Vec3Lanes gather(const double* first, IntVec index) {
   const Lanes d;
-  return {hn::GatherIndex(d, first, at), hn::GatherIndex(d, first + 1, at), hn::GatherIndex(d, first + 2, at)};
+  return {hn::GatherIndex(d, first, index), hn::GatherIndex(d, first + 1, index), hn::GatherIndex(d, first + 2, index)};
 }
 
 HWY_INLINE IntVec widened(const std::int32_t* numbers) {
@@ -94,18 +95,18 @@ HWY_INLINE Closest on_edge(const Vec3Lanes& point, const Vec3Lanes& from, const 
   const IntVec corner_of_to = feature(number(corner + (edge + 1) % 3));
   result.feature = hn::IfThenElse(hn::RebindMask(IntLanes(), before), corner_of_from,
                                   hn::IfThenElse(hn::RebindMask(IntLanes(), beyond), corner_of_to, result.feature));
-  const Vec3Lanes way = point - result.point;
-  result.squared = dot(way, way);
+  const Vec3Lanes displacement = point - result.point;
+  result.squared = dot(displacement, displacement);
   return result;
 }
 
-/// Whether the triangle has an area.
-HWY_INLINE Mask is_no_segment(Vec squared_normal, const Vec3Lanes& ab, const Vec3Lanes& ac) {
+/// See has_area in triangle_distance.hpp.
+HWY_INLINE Mask has_area(Vec squared_normal, const Vec3Lanes& ab, const Vec3Lanes& ac) {
   const Lanes d;
   const Vec squared_ab = dot(ab, ab);
   const Vec squared_ac = dot(ac, ac);
   const Vec product = hn::Mul(squared_ab, squared_ac);
-  // Far from the border, as nearly all are, roots are not needed.
+  // Square roots are needed only close to the threshold.
   if (hn::AllTrue(d, hn::And(hn::Gt(squared_normal, hn::Mul(hn::Set(d, 10 * flat_sine * flat_sine), product)),
                              hn::Gt(product, hn::Set(d, 1e-200))))) {
     return hn::Eq(product, product);
@@ -125,12 +126,12 @@ HWY_INLINE Closest closest(const Vec3Lanes& point, const Vec3Lanes& a, const Vec
   const Vec v = hn::Div(dot(normal, cross(ap, ac)), squared_normal);
   const Vec w = hn::Div(dot(normal, cross(ab, ap)), squared_normal);
   const Mask within = hn::And(hn::And(hn::Ge(v, zero), hn::Ge(w, zero)), hn::Le(hn::Add(v, w), hn::Set(d, 1.0)));
-  const Mask on_face = hn::And(is_no_segment(squared_normal, ab, ac), within);
+  const Mask on_face = hn::And(has_area(squared_normal, ab, ac), within);
   Closest face;
   face.point = (a + v * ab) + w * ac;
   face.feature = feature(Feature::face);
-  const Vec3Lanes way = point - face.point;
-  face.squared = dot(way, way);
+  const Vec3Lanes displacement = point - face.point;
+  face.squared = dot(displacement, displacement);
   if (hn::AllTrue(d, on_face)) {
     return face;
   }
@@ -143,10 +144,10 @@ HWY_INLINE Closest closest(const Vec3Lanes& point, const Vec3Lanes& a, const Vec
   return best;
 }
 
-/// Pairs are as many ahead of their turn when their corners begin to come from memory.
-constexpr std::size_t fetched_ahead = 2 * ClosestOnTriangles::width;
+/// Pairs whose corners are prefetched ahead of their turn.
+constexpr std::size_t prefetch_distance = 2 * ClosestOnTriangles::width;
 
-HWY_INLINE void fetch(const std::array<Vec3, 3>* corners, std::span<const std::int32_t> triangles) {
+HWY_INLINE void prefetch_corners(const std::array<Vec3, 3>* corners, std::span<const std::int32_t> triangles) {
   for (const std::int32_t triangle : triangles) {
     prefetch(corners[triangle]);
   }
@@ -161,13 +162,14 @@ void all(const Vec3* points, const std::array<Vec3, 3>* corners, std::span<const
   const double* first_corner = corners->data()->data();
   for (std::size_t start = 0; start < point.size(); start += ClosestOnTriangles::width) {
     ClosestOnTriangles& eight = found[start / ClosestOnTriangles::width];
-    const std::size_t later = std::min(start + fetched_ahead, triangle.size());
-    fetch(corners, triangle.subspan(later, std::min(ClosestOnTriangles::width, triangle.size() - later)));
+    const std::size_t later = std::min(start + prefetch_distance, triangle.size());
+    prefetch_corners(corners, triangle.subspan(later, std::min(ClosestOnTriangles::width, triangle.size() - later)));
     for (std::size_t first = 0; first < ClosestOnTriangles::width; first += hn::Lanes(d)) {
-      const Vec3Lanes place = gather(points->data(), thrice(widened(point.data() + start + first)));
-      const IntVec at = thrice(thrice(widened(triangle.data() + start + first)));
+      const Vec3Lanes query = gather(points->data(), thrice(widened(point.data() + start + first)));
+      const IntVec first_coordinate = thrice(thrice(widened(triangle.data() + start + first)));
       const Closest best =
-          closest(place, gather(first_corner, at), gather(first_corner + 3, at), gather(first_corner + 6, at));
+          closest(query, gather(first_corner, first_coordinate), gather(first_corner + 3, first_coordinate),
+                  gather(first_corner + 6, first_coordinate));
       hn::Store(best.squared, d, eight.squared_distance_m2.data() + first);
       hn::Store(best.point.x, d, eight.x.data() + first);
       hn::Store(best.point.y, d, eight.y.data() + first);

@@ -17,7 +17,7 @@ struct EdgeUse {
   int edge = 0;  ///< 3 * triangle + edge of the triangle
 };
 
-/// The partner of every triangle edge; edges of one triangle or of more than two have none.
+/// The triangle across every triangle edge; -1 at edges of one triangle or of more than two.
 std::vector<int> neighbours(const std::vector<Triangle>& triangles) {
   std::vector<EdgeUse> uses;
   uses.reserve(3 * triangles.size());
@@ -56,7 +56,7 @@ PseudoNormals::PseudoNormals(const TriangleMesh& mesh)
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3 to_next = corner(i + 1) - corner(i);
       const Vec3 to_last = corner(i + 2) - corner(i);
-      // atan2 is exact for obtuse and for tiny angles, where an arc cosine folds or loses digits.
+      // atan2 is accurate for obtuse and tiny angles; acos and asin are not.
       const double angle = std::atan2(to_next.cross(to_last).norm(), to_next.dot(to_last));
       m_of_vertex[static_cast<std::size_t>(triangle[i])] += angle * m_of_face.back();
     }

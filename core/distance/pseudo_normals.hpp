@@ -8,18 +8,18 @@
 
 namespace musclebench {
 
-/// Angle-weighted pseudo-normals of a mesh's faces, edges and vertices (Baerentzen and Aanaes 2005, Signed distance
-/// computation using the angle weighted pseudonormal). On a closed, manifold, consistently wound surface without
-/// zero-area triangles a point is inside exactly where the pseudo-normal of its closest feature points away from it
-/// (`RepairedMesh::clean`); on other surfaces, or where two faces fold onto each other, the answer may be wrong.
+/// Angle-weighted pseudo-normals of a mesh's faces, edges and vertices (Baerentzen and Aanaes 2005, "Signed distance
+/// computation using the angle weighted pseudonormal"). On a closed, manifold, consistently wound surface without
+/// zero-area triangles (`RepairedMesh::clean`) a point is inside exactly where the pseudo-normal of its closest feature
+/// points away from it. On other surfaces, or where two faces fold onto each other, the sign may be wrong.
 class PseudoNormals {
  public:
   explicit PseudoNormals(const TriangleMesh& mesh);
 
-  /// Of a feature of a triangle; not of unit length, zero where the faces about it cancel.
+  /// The pseudo-normal of a feature of a triangle. Not normalised; zero where the faces about the feature cancel.
   [[nodiscard]] Vec3 at(int triangle, Feature feature) const;
 
-  /// Whether `point` lies on the inner side, seen from its closest point on the surface.
+  /// Whether `point` is inside, given its closest point on the surface and the feature that contains it.
   [[nodiscard]] bool is_inside(const Vec3& point, const Vec3& closest, int triangle, Feature feature) const {
     return (point - closest).dot(at(triangle, feature)) < 0;
   }
@@ -33,7 +33,7 @@ class PseudoNormals {
   std::vector<Triangle> m_triangles;
   std::vector<Vec3> m_of_face;
   std::vector<Vec3> m_of_vertex;
-  std::vector<int> m_neighbour;  ///< of edge 3 t + i: a triangle's index, or -1; the edge's normal is the sum of both
+  std::vector<int> m_neighbour;  ///< across edge 3 t + i: a triangle, or -1; the edge's normal is the sum of both
 };
 
 }  // namespace musclebench

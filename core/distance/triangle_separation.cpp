@@ -11,9 +11,10 @@ namespace musclebench {
 
 namespace {
 
-constexpr double touch_share = 1e-4;
+/// Fraction of the margin by which a triangle that touches the plane may cross it by rounding.
+constexpr double touch_fraction = 1e-4;
 
-/// Two triangles with the corners that they share first, relative to one of the corners.
+/// Two triangles, shared corners first, relative to one of the corners.
 struct Pair {
   std::array<std::array<Vec3, 3>, 2> corners;
   std::size_t shared = 0;
@@ -28,7 +29,7 @@ Pair shared_first(const IndexedTriangle& one, const IndexedTriangle& other, doub
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = pair.shared; j < 3; ++j) {
       if (one.vertices[i] == other.vertices[of_other[j]]) {
-        // What stood in the way has been compared already, or is not shared.
+        // The corners swapped out have been compared already or are not shared.
         std::swap(of_one[i], of_one[pair.shared]);
         std::swap(of_other[j], of_other[pair.shared]);
         ++pair.shared;
@@ -44,7 +45,7 @@ Pair shared_first(const IndexedTriangle& one, const IndexedTriangle& other, doub
   return pair;
 }
 
-/// Where the corners of a triangle that are not shared lie along a direction.
+/// Interval of the projections of a triangle's unshared corners on a direction.
 struct Extent {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -60,7 +61,7 @@ Extent extent_along(const Pair& pair, std::size_t which, const Vec3& direction) 
   return extent;
 }
 
-/// `direction` is across what is shared.
+/// `direction` is perpendicular to what is shared: the edge, or any direction for a vertex.
 bool apart_along(const Pair& pair, const Vec3& direction) {
   const Extent one = extent_along(pair, 0, direction);
   const Extent other = extent_along(pair, 1, direction);
@@ -71,32 +72,32 @@ bool apart_along(const Pair& pair, const Vec3& direction) {
   if (pair.shared == 0) {
     return other.low > one.high + margin || one.low > other.high + margin;
   }
-  // The plane goes through what is shared, and one triangle may touch it along an edge, to rounding.
-  const double touch = touch_share * margin;
+  // The plane goes through the shared corners; one triangle may touch it along an edge.
+  const double touch = touch_fraction * margin;
   return (one.high <= touch && other.low > margin) || (one.low >= -touch && other.high < -margin) ||
          (other.high <= touch && one.low > margin) || (other.low >= -touch && one.high < -margin);
 }
 
-/// A triangle's own plane, and those across it through one of its edges.
+/// The triangle's own plane and the planes perpendicular to it through its edges.
 bool apart_by_planes_of(const Pair& pair, std::size_t which) {
   const auto& [a, b, c] = pair.corners[which];
   const Vec3 normal = (b - a).cross(c - a);
   if (apart_along(pair, normal)) {
     return true;
   }
-  // The edges that hold all shared corners.
+  // Only edges that contain all shared corners.
   return apart_along(pair, normal.cross(b - a)) || (pair.shared < 2 && apart_along(pair, normal.cross(c - a))) ||
          (pair.shared < 1 && apart_along(pair, normal.cross(c - b)));
 }
 
-/// Two triangles at one vertex, by the plane across the way from the middle of one to that of the other: in a flat fan
-/// both may have an edge on each plane through an edge.
+/// For two triangles at one vertex: the plane through it perpendicular to the direction from one triangle to the other.
+/// In a flat fan the planes through edges fail, since both triangles may have an edge in each of them.
 bool apart_by_middles(const Pair& pair) {
-  Vec3 way = Vec3::Zero();
+  Vec3 direction = Vec3::Zero();
   for (std::size_t i = 1; i < 3; ++i) {
-    way += pair.corners[1][i].normalized() - pair.corners[0][i].normalized();
+    direction += pair.corners[1][i].normalized() - pair.corners[0][i].normalized();
   }
-  return apart_along(pair, way);
+  return apart_along(pair, direction);
 }
 
 bool apart_by_edges(const Pair& pair) {

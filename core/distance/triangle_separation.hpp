@@ -12,10 +12,10 @@ struct IndexedTriangle {
   const std::array<Vec3, 3>& corners;
 };
 
-/// Whether a plane proves that two triangles have no point in common but the vertices that they share, and not by
-/// rounding: one of them lies on one side, the other corners of the other are farther than `margin_m` on the other
-/// side. `margin_m` is positive, and far more than the rounding of a triangle's size. False proves nothing; it is the
-/// answer for triangles that share all three vertices.
+/// Separating-plane test with a margin: true proves that two triangles have no point in common except the vertices that
+/// they share. One triangle lies on one side of the plane, the unshared corners of the other are more than `margin_m`
+/// away on the other side. `margin_m` is positive and far larger than rounding errors. False proves nothing; triangles
+/// that share all three vertices give false.
 bool surely_apart(const IndexedTriangle& one, const IndexedTriangle& other, double margin_m);
 
 }  // namespace musclebench

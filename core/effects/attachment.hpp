@@ -7,7 +7,8 @@
 
 namespace musclebench {
 
-/// Bound nodes follow their bone: p = pose(rest position in the bone's frame). Their inverse mass is 0 already.
+/// Bound nodes follow their bone: p = pose(rest position in the bone's frame). Their inverse mass is 0, so that no
+/// other constraint moves them.
 std::unique_ptr<Effect> make_attachment(const EffectInput& input, const Parameters& parameters);
 std::vector<ParameterSpec> attachment_parameters();
 

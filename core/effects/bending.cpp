@@ -86,7 +86,7 @@ class Bending final : public Effect {
     const Dihedral now = dihedral(start, end, left, right);
     const double left_norm2 = now.left_normal.squaredNorm();
     const double right_norm2 = now.right_normal.squaredNorm();
-    // A triangle of almost no height has an angle of no meaning and a gradient without bound.
+    // The angle of a triangle of nearly no height is meaningless and its gradient unbounded.
     const double least_norm2 = 1e-6 * std::max(left_norm2, right_norm2);
     if (!(left_norm2 > least_norm2) || !(right_norm2 > least_norm2) || !(now.edge_length_m > 0)) {
       return;
@@ -118,7 +118,7 @@ class Bending final : public Effect {
     end += (change * inverse_masses[constraint.end]) * end_gradient;
   }
 
-  /// Angle minus rest angle through sine and cosine of the difference, so that it never jumps by 2 pi.
+  /// Angle minus rest angle from sine and cosine of the difference, so that it never jumps by 2 pi.
   static double angle_error(const Dihedral& now, const BendingConstraint& rest) {
     return std::atan2(now.sine * rest.rest_cosine - now.cosine * rest.rest_sine,
                       now.cosine * rest.rest_cosine + now.sine * rest.rest_sine);
@@ -132,7 +132,7 @@ class Bending final : public Effect {
   }
 
   std::vector<BendingConstraint> m_constraints;
-  std::vector<double> m_multipliers;  ///< of the substep, one a constraint
+  std::vector<double> m_multipliers;  ///< Lagrange multipliers (XPBD) of the substep, one a constraint
   double m_stiffness;
   double m_compliance_rad_per_n_m;
   bool m_ratio_gate;

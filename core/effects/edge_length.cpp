@@ -45,7 +45,7 @@ class EdgeLength final : public Effect {
   void project(Particles& particles, const SubstepInput& input) override {
     const double per_time_step2 = 1 / (input.time_step_s * input.time_step_s);
     m_multipliers.resize(m_constraints.size(), 0);
-    // The public code of the paper goes over the nodes and their edges, so it meets every edge twice.
+    // The paper's public code iterates over nodes and their edges and so projects every edge twice.
     for (int visit = 0; visit < m_visits; ++visit) {
       for (std::size_t i = 0; i < m_constraints.size(); ++i) {
         project(m_constraints[i], m_constraints[i].compliance_m_per_n * per_time_step2, m_multipliers[i],
@@ -76,7 +76,7 @@ class EdgeLength final : public Effect {
   }
 
   std::vector<LengthConstraint> m_constraints;
-  std::vector<double> m_multipliers;  ///< of the substep, one a constraint
+  std::vector<double> m_multipliers;  ///< Lagrange multipliers (XPBD) of the substep, one a constraint
   int m_visits;
 };
 

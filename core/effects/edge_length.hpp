@@ -7,11 +7,10 @@
 
 namespace musclebench {
 
-/// Distance constraint on every edge (Mueller et al. 2007, 3.3), C = |p_b - p_a| - L. With fibres its stiffness is
-/// scaled by (1 - |cos|)^exponent of the angle to the nearest fibre at rest, so that a muscle shortens along its
-/// fibres. With a compliance (XPBD, Macklin et al. 2016) the shape does not depend on time step and iterations, and
-/// that factor divides the compliance instead. An edge that has shrunk to no length has no direction and is left to its
-/// neighbours.
+/// Distance constraint on every edge (Mueller et al. 2007, section 3.3): C = |p_b - p_a| - L. With fibres its stiffness
+/// is scaled by (1 - |cos|)^exponent of the angle to the nearest fibre at rest, so that a muscle can shorten along its
+/// fibres. With a compliance (XPBD, Macklin et al. 2016) the shape does not depend on time step and iterations; the
+/// compliance is then divided by that factor instead. An edge of length 0 has no direction and is skipped.
 std::unique_ptr<Effect> make_edge_length(const EffectInput& input, const Parameters& parameters);
 std::vector<ParameterSpec> edge_length_parameters();
 

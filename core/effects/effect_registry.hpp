@@ -13,13 +13,13 @@
 
 namespace musclebench {
 
-/// A node that a bone carries.
+/// A node that is attached to a bone.
 struct BoundNode {
   int node = 0;
   int bone = 0;
 };
 
-/// What effects are made from: the muscle at rest, the bones' poses at that time, and what the scene says of it.
+/// What effects are constructed from: references to the muscle and the bones' poses at rest, fibres and attachments.
 struct EffectInput {
   const TriangleMesh& muscle;
   const std::vector<FibreSegment>& fibres;
@@ -27,7 +27,7 @@ struct EffectInput {
   const std::vector<RigidMotion>& rest_poses;
 };
 
-/// One row of the table of effects.
+/// An effect that scenes can name.
 struct EffectEntry {
   std::string name;
   std::string help;
@@ -38,7 +38,7 @@ struct EffectEntry {
 /// All effects, in the order in which a solver iteration applies them.
 const std::vector<EffectEntry>& effect_registry();
 
-/// The row of `name`, or nullptr.
+/// The entry of `name`, or nullptr.
 const EffectEntry* find_effect(std::string_view name);
 
 }  // namespace musclebench

@@ -61,7 +61,7 @@ std::vector<double> harmonic_function(const TriangleMesh& mesh, const std::vecto
       const Vec3 to_i = mesh.vertices[i] - mesh.vertices[triangle[(corner + 2) % 3]];
       const Vec3 to_j = mesh.vertices[j] - mesh.vertices[triangle[(corner + 2) % 3]];
       const double sine = to_i.cross(to_j).norm();
-      // Kept positive and bounded: the function then has no extremes of its own, whatever the triangles look like.
+      // Positive and bounded weights give a maximum principle (no extrema inside) on any triangulation.
       const double cotangent = sine > 0 ? std::clamp(to_i.dot(to_j) / sine, 0.01, 100.0) : 0.01;
       join(i, j, cotangent);
       join(j, i, cotangent);
@@ -80,8 +80,8 @@ std::vector<double> harmonic_function(const TriangleMesh& mesh, const std::vecto
   return values;
 }
 
-/// Direction in which a function that is linear on the triangle grows; zero where it is constant.
-Vec3 growth_direction(const std::array<Vec3, 3>& corners, const std::array<double, 3>& values) {
+/// Unit gradient of a function that is linear on the triangle; zero where it is constant.
+Vec3 gradient_direction(const std::array<Vec3, 3>& corners, const std::array<double, 3>& values) {
   const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
   Vec3 gradient = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
@@ -130,7 +130,7 @@ std::vector<FibreSegment> fibres_between(const TriangleMesh& muscle, const std::
     const std::array<Vec3, 3> corners = {muscle.vertices[triangle[0]], muscle.vertices[triangle[1]],
                                          muscle.vertices[triangle[2]]};
     const Vec3 centre = (corners[0] + corners[1] + corners[2]) / 3;
-    const Vec3 half = 0.5 * (corners[1] - corners[0]).norm() * growth_direction(corners, at);
+    const Vec3 half = 0.5 * (corners[1] - corners[0]).norm() * gradient_direction(corners, at);
     fibres.push_back({centre - half, centre + half});
   }
   const std::size_t step = (fibres.size() + static_cast<std::size_t>(most_segments) - 1) /

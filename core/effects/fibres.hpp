@@ -6,21 +6,21 @@
 
 namespace musclebench {
 
-/// A straight piece of a muscle fibre in the muscle's rest pose, m.
+/// A straight segment of a muscle fibre in the muscle's rest pose, in metres.
 struct FibreSegment {
   Vec3 start = Vec3::Zero();
   Vec3 end = Vec3::Zero();
 };
 
-/// |cos| of the angle between `direction` and the fibre segment closest to `point`; 0 without fibres, for a direction
-/// or a fibre of no length.
+/// |cos| of the angle between `direction` and the fibre segment closest to `point`; 0 without fibres and for a
+/// direction or a fibre of length 0.
 double alignment_with_nearest_fibre(const std::vector<FibreSegment>& fibres, const Vec3& point, const Vec3& direction);
 
 /// Fibres along the surface from an origin area to an insertion area: the direction field is the gradient of the
 /// harmonic function that is 0 on `origin` and 1 on `insertion` (Choi and Blemker 2013 reconstruct fascicles from such
-/// a field), here solved on the surface with cotangent weights. A segment a triangle, evenly thinned to at most
-/// `most_segments`; triangles in which the function is constant (inside the areas) have none. Empty when an area has no
-/// nodes or no path joins them.
+/// a field), here solved on the surface with cotangent weights. One segment a triangle, evenly thinned to at most
+/// `most_segments`; triangles on which the function is constant (inside the areas) have none. Empty when an area has no
+/// nodes or the surface does not connect them.
 std::vector<FibreSegment> fibres_between(const TriangleMesh& muscle, const std::vector<int>& origin,
                                          const std::vector<int>& insertion, int most_segments);
 

@@ -39,8 +39,8 @@ std::vector<SurfaceEdge> edges_in_mesh_order(const TriangleMesh& mesh) {
   return edges;
 }
 
-/// Greedy colouring: the smallest colour that no vertex of the edge has seen. 64 colours are enough for any mesh with
-/// fewer than some 20 triangles a vertex; edges beyond share the last colour, which costs speed only.
+/// Greedy colouring: the smallest colour that no vertex of the edge has yet. 64 colours are enough for up to about 20
+/// triangles a vertex; edges beyond share the last colour, which only costs speed.
 std::vector<int> colours_of(const std::vector<SurfaceEdge>& edges, std::size_t vertices) {
   constexpr int last_colour = 63;
   std::vector<std::uint64_t> seen(vertices, 0);

@@ -14,8 +14,8 @@ struct SurfaceEdge {
   int right = -1;  ///< opposite corner of the triangle that runs end -> start
 };
 
-/// Every edge of the mesh once. Edges are ordered in groups in which no two edges share a vertex (of start, end, left,
-/// right), in mesh order inside a group: Gauss-Seidel steps that follow each other then do not wait for one another's
+/// Every edge of the mesh once, ordered by graph colour and within a colour in mesh order. No two edges of a colour
+/// share a vertex (of start, end, left, right), so that successive Gauss-Seidel steps do not depend on each other's
 /// result. Of a non-manifold edge the last triangle on each side counts.
 std::vector<SurfaceEdge> surface_edges(const TriangleMesh& mesh);
 

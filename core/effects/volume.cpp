@@ -35,7 +35,7 @@ class Volume final : public Effect {
   }
 
  private:
-  /// Leaves dV/dp in m_gradients; returns V.
+  /// Stores dV/dp in m_gradients; returns V.
   double accumulate_gradients(const std::vector<Vec3>& positions) {
     std::fill(m_gradients.begin(), m_gradients.end(), Vec3::Zero());
     const Vec3& origin = positions.front();

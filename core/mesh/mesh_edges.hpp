@@ -8,7 +8,7 @@
 
 namespace musclebench {
 
-/// One side of a triangle as a use of an edge.
+/// One side of a triangle as a use of an edge (a half-edge).
 struct EdgeUse {
   int low = 0;           ///< the edge's smaller vertex index
   int high = 0;          ///< its larger one
@@ -16,8 +16,8 @@ struct EdgeUse {
   bool forward = false;  ///< it runs from `low` to `high`
 };
 
-/// All edges of a mesh with the triangles that use them, ordered by vertex indices. A side whose two ends are one
-/// vertex is no edge and left out.
+/// All edges of a mesh with the triangles that use them, ordered by vertex indices. A side with two equal ends is left
+/// out.
 class MeshEdges {
  public:
   explicit MeshEdges(const TriangleMesh& mesh);
@@ -31,10 +31,13 @@ class MeshEdges {
 
  private:
   std::vector<EdgeUse> m_uses;
-  std::vector<int> m_first;  ///< of each edge in m_uses, and the end
+  std::vector<int> m_first;  ///< by edge, index of its first use; and the number of uses
 };
 
-/// Disjoint sets of 0 .. count-1.
+/// Edge index of each side (3 * triangle + k), -1 for a side that is no edge.
+std::vector<int> edge_of_sides(const TriangleMesh& mesh, const MeshEdges& edges);
+
+/// Disjoint sets (union-find) of 0 .. count-1; the smallest element represents a set.
 class DisjointSets {
  public:
   explicit DisjointSets(int count);
@@ -45,22 +48,23 @@ class DisjointSets {
   std::vector<int> m_parent;
 };
 
-/// Of each vertex the first vertex at the same position (itself where it is the first).
+/// For each vertex the first vertex at exactly the same position, which may be itself.
 std::vector<int> first_at_position(const std::vector<Vec3>& vertices);
 
-/// Vertices around which the triangles form more than one fan (joined across shared edges).
+/// The number of vertices around which the triangles form more than one fan (joined across shared edges).
 int count_non_manifold_vertices(const TriangleMesh& mesh, const MeshEdges& edges);
 
-/// The triangles of each surface joined across manifold edges (those of two triangles), and whether a triangle is wound
-/// against the majority of its surface.
+/// Connected components across manifold edges (those of two triangles), and which triangles are wound against the
+/// majority of their component.
 struct Winding {
-  std::vector<int> surface;   ///< of each triangle, 0 .. surfaces-1
-  std::vector<char> flipped;  ///< of each triangle, 0 or 1
+  std::vector<int> surface;   ///< by triangle, 0 .. surfaces-1
+  std::vector<char> flipped;  ///< by triangle, 0 or 1
   int surfaces = 0;
 };
 Winding find_winding(const TriangleMesh& mesh, const MeshEdges& edges);
 
-/// A triangle without area: two corners are one vertex, or its height is below what doubles can tell from 0.
+/// Whether a triangle has no area: two corners are one vertex, or its height is not distinguishable from 0 in double
+/// precision.
 bool is_flat(const TriangleMesh& mesh, const Triangle& triangle);
 
 }  // namespace musclebench

@@ -11,17 +11,17 @@ namespace musclebench {
 
 namespace {
 
-constexpr int bits_an_axis = 10;
+constexpr int bits_per_axis = 10;
 
-/// The bits of three coordinates in turn.
-std::uint32_t place_on_curve(const Vec3& share) {
-  constexpr double cells = 1U << static_cast<unsigned>(bits_an_axis);
+/// Morton code of coordinates in [0, 1]: the bits of the three cell indices interleaved.
+std::uint32_t morton_code(const Vec3& relative) {
+  constexpr double cells = 1U << static_cast<unsigned>(bits_per_axis);
   std::uint32_t code = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double cell = std::min(cells * share[axis], cells - 1);
-    const std::uint32_t number = cell > 0 ? static_cast<std::uint32_t>(cell) : 0;
-    for (int bit = 0; bit < bits_an_axis; ++bit) {
-      code |= (number >> bit & 1U) << (3 * bit + axis);
+    const double cell = std::min(cells * relative[axis], cells - 1);
+    const std::uint32_t index = cell > 0 ? static_cast<std::uint32_t>(cell) : 0;
+    for (int bit = 0; bit < bits_per_axis; ++bit) {
+      code |= (index >> bit & 1U) << (3 * bit + axis);
     }
   }
   return code;
@@ -30,8 +30,8 @@ std::uint32_t place_on_curve(const Vec3& share) {
 }  // namespace
 
 std::vector<int> morton_order(std::span<const Vec3> points) {
-  std::vector<int> as_they_are(points.size());
-  std::iota(as_they_are.begin(), as_they_are.end(), 0);
+  std::vector<int> original(points.size());
+  std::iota(original.begin(), original.end(), 0);
   Eigen::AlignedBox3d box;
   for (const Vec3& point : points) {
     if (point.allFinite()) {
@@ -40,21 +40,21 @@ std::vector<int> morton_order(std::span<const Vec3> points) {
   }
   const double extent = box.isEmpty() ? 0 : box.sizes().maxCoeff();
   if (!(extent > 0 && std::isfinite(extent))) {
-    return as_they_are;
+    return original;
   }
   std::vector<std::pair<std::uint32_t, int>> by_code;
   by_code.reserve(points.size());
-  for (const int place : as_they_are) {
-    const Vec3& point = points[static_cast<std::size_t>(place)];
-    by_code.emplace_back(point.allFinite() ? place_on_curve((point - box.min()) / extent) : 0, place);
+  for (const int index : original) {
+    const Vec3& point = points[static_cast<std::size_t>(index)];
+    by_code.emplace_back(point.allFinite() ? morton_code((point - box.min()) / extent) : 0, index);
   }
   std::sort(by_code.begin(), by_code.end());
   std::vector<int> along_curve;
   along_curve.reserve(points.size());
-  for (const auto& [code, place] : by_code) {
-    along_curve.push_back(place);
+  for (const auto& [code, index] : by_code) {
+    along_curve.push_back(index);
   }
-  const auto way = [&](const std::vector<int>& order) {
+  const auto path_length = [&](const std::vector<int>& order) {
     double sum = 0;
     for (std::size_t i = 1; i < order.size(); ++i) {
       const Vec3& from = points[static_cast<std::size_t>(order[i - 1])];
@@ -63,7 +63,7 @@ std::vector<int> morton_order(std::span<const Vec3> points) {
     }
     return sum;
   };
-  return way(along_curve) < way(as_they_are) ? along_curve : as_they_are;
+  return path_length(along_curve) < path_length(original) ? along_curve : original;
 }
 
 void sort_in_morton_order(TriangleMesh& mesh) {
@@ -77,18 +77,18 @@ void sort_in_morton_order(TriangleMesh& mesh) {
   }
   std::vector<Triangle> triangles;
   triangles.reserve(mesh.triangles.size());
-  for (const int place : morton_order(middles)) {
-    triangles.push_back(mesh.triangles[static_cast<std::size_t>(place)]);
+  for (const int index : morton_order(middles)) {
+    triangles.push_back(mesh.triangles[static_cast<std::size_t>(index)]);
   }
   std::vector<Vec3> vertices;
   vertices.reserve(mesh.vertices.size());
-  std::vector<int> number(mesh.vertices.size(), -1);
+  std::vector<int> new_index(mesh.vertices.size(), -1);
   const auto take = [&](std::size_t vertex) {
-    if (number[vertex] < 0) {
-      number[vertex] = static_cast<int>(vertices.size());
+    if (new_index[vertex] < 0) {
+      new_index[vertex] = static_cast<int>(vertices.size());
       vertices.push_back(mesh.vertices[vertex]);
     }
-    return number[vertex];
+    return new_index[vertex];
   };
   for (Triangle& triangle : triangles) {
     for (int& vertex : triangle) {

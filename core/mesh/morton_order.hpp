@@ -7,12 +7,12 @@
 
 namespace musclebench {
 
-/// An order of points in which those that follow each other are close together: along a curve that fills space
-/// (Morton's), or as they are where that way is shorter. The points may be anything, also not finite.
+/// Indices of the points in Morton (Z-curve) order, in which successive points are close together; the original order
+/// where the path through it is shorter. Points that are not finite count as at the lower corner of the others.
 std::vector<int> morton_order(std::span<const Vec3> points);
 
-/// Numbers triangles and vertices so that those that are close together lie close together in memory; the surface, its
-/// windings included, is as before.
+/// Renumbers triangles (by their middles) and vertices (by first use), so that what is close together in space is close
+/// together in memory. The surface and its winding stay the same.
 void sort_in_morton_order(TriangleMesh& mesh);
 
 }  // namespace musclebench

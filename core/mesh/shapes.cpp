@@ -34,7 +34,7 @@ TriangleMesh unit_icosahedron() {
   return mesh;
 }
 
-/// Splits each triangle in four; the new vertices are pushed out to the unit sphere.
+/// Splits each triangle in four; new vertices are projected onto the unit sphere.
 void split_on_unit_sphere(TriangleMesh& mesh) {
   std::map<std::pair<int, int>, int> middles;
   const auto middle = [&](int a, int b) {
@@ -81,12 +81,12 @@ TriangleMesh make_box(const Vec3& half_extents_m, int cells_per_edge) {
   require(cells_per_edge >= 1, "make_box: cells_per_edge must be at least 1");
   TriangleMesh mesh;
   std::map<std::array<int, 3>, int> known;
-  const auto vertex_at = [&](const std::array<int, 3>& place) {
-    const auto [entry, is_new] = known.try_emplace(place, static_cast<int>(mesh.vertices.size()));
+  const auto vertex_at = [&](const std::array<int, 3>& grid_point) {
+    const auto [entry, is_new] = known.try_emplace(grid_point, static_cast<int>(mesh.vertices.size()));
     if (is_new) {
       Vec3 position;
       for (int axis = 0; axis < 3; ++axis) {
-        position[axis] = half_extents_m[axis] * (2.0 * place[axis] - cells_per_edge) / cells_per_edge;
+        position[axis] = half_extents_m[axis] * (2.0 * grid_point[axis] - cells_per_edge) / cells_per_edge;
       }
       mesh.vertices.push_back(position);
     }
@@ -94,15 +94,15 @@ TriangleMesh make_box(const Vec3& half_extents_m, int cells_per_edge) {
   };
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool is_upper : {false, true}) {
-      // The two other axes, in the order that turns the cell's corners counter-clockwise seen from outside.
+      // The two other axes, in the order that makes the cells counter-clockwise seen from outside.
       const int u = (axis + (is_upper ? 1 : 2)) % 3;
       const int v = (axis + (is_upper ? 2 : 1)) % 3;
       const auto corner = [&](int i, int j) {
-        std::array<int, 3> place{};
-        place[axis] = is_upper ? cells_per_edge : 0;
-        place[u] = i;
-        place[v] = j;
-        return vertex_at(place);
+        std::array<int, 3> grid_point{};
+        grid_point[axis] = is_upper ? cells_per_edge : 0;
+        grid_point[u] = i;
+        grid_point[v] = j;
+        return vertex_at(grid_point);
       };
       for (int i = 0; i < cells_per_edge; ++i) {
         for (int j = 0; j < cells_per_edge; ++j) {

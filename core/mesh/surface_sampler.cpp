@@ -17,7 +17,7 @@ SurfaceSampler::SurfaceSampler(const TriangleMesh& mesh) : m_mesh(mesh) {
 
 SurfaceSample SurfaceSampler::draw(RandomNumbers& random) const {
   const double area = random.share() * m_area_until.back();
-  // The first whose area reaches beyond: one without area never does.
+  // The first triangle whose cumulative area is larger, which a triangle without area never is.
   const auto found = std::upper_bound(m_area_until.begin(), m_area_until.end(), area);
   const auto triangle = static_cast<int>(std::min(found, m_area_until.end() - 1) - m_area_until.begin());
   const auto& [i, j, k] = m_mesh.triangles[triangle];

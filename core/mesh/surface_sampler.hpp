@@ -7,14 +7,14 @@
 
 namespace musclebench {
 
-/// A point of a surface and the triangle that it lies in.
+/// A point of a surface and its triangle.
 struct SurfaceSample {
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::Zero();  ///< of the triangle, unit, by its winding
   int triangle = -1;
 };
 
-/// Draws points that are spread evenly over a surface's area.
+/// Draws points uniformly distributed over a surface's area.
 class SurfaceSampler {
  public:
   /// `mesh` outlives the sampler and has an area; triangles without area are never drawn.
@@ -24,10 +24,10 @@ class SurfaceSampler {
 
  private:
   const TriangleMesh& m_mesh;
-  std::vector<double> m_area_until;  ///< of all triangles up to and with this one
+  std::vector<double> m_area_until;  ///< cumulative area up to and including a triangle
 };
 
-/// The point of the triangle a b c at two shares in [0, 1): evenly spread where they are.
+/// The point of the triangle a b c for two numbers in [0, 1): uniformly distributed if they are.
 inline Vec3 point_of_triangle(const Vec3& a, const Vec3& b, const Vec3& c, double v, double w) {
   const bool beyond = v + w > 1;
   return a + (beyond ? 1 - v : v) * (b - a) + (beyond ? 1 - w : w) * (c - a);

@@ -6,8 +6,8 @@
 
 namespace musclebench {
 
-/// Volume inside a closed surface by the divergence theorem, m3; negative when it is wound inwards. Taken about the
-/// first vertex, which keeps the digits far from the origin.
+/// Volume inside a closed surface by the divergence theorem, in m3; negative when it is wound inwards. Relative to the
+/// first vertex, so that no digits are lost far from the origin.
 inline double surface_volume_m3(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles) {
   if (positions.empty()) {
     return 0;

@@ -14,8 +14,8 @@ using Mat3 = Eigen::Matrix3d;
 /// Vertex indices of one triangle, counter-clockwise seen from outside.
 using Triangle = std::array<int, 3>;
 
-/// A triangle surface: positions in metres, triangles index into them. Nothing is promised about closedness or winding;
-/// `check_mesh` tells, `repair_mesh` makes the best of it.
+/// A triangle surface: positions in metres, triangles index into them. It need be neither closed nor consistently
+/// wound: `check_mesh` reports, `repair_mesh` mends what it can.
 struct TriangleMesh {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;

@@ -8,6 +8,7 @@
 
 namespace musclebench {
 
+/// What effects may depend on in a substep.
 struct SubstepInput {
   double time_step_s = 0;
   std::span<const RigidMotion> bone_poses;
@@ -21,13 +22,13 @@ class Effect {
   Effect& operator=(const Effect&) = delete;
   virtual ~Effect() = default;
 
-  /// As in scene files and in the columns of the profile.
+  /// The name in scene files and in the columns of the profile.
   [[nodiscard]] virtual std::string_view name() const = 0;
 
-  /// Once a substep, before the prediction: forces change velocities.
+  /// Called once a substep, before the prediction: external forces change velocities.
   virtual void apply_force(Particles& /*particles*/, const SubstepInput& /*input*/) {}
 
-  /// Once a solver iteration: constraints correct the predicted positions.
+  /// Called once a solver iteration: constraints are projected, that is, correct the predicted positions.
   virtual void project(Particles& /*particles*/, const SubstepInput& /*input*/) {}
 };
 

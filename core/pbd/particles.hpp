@@ -6,12 +6,12 @@
 
 namespace musclebench {
 
-/// The nodes of a muscle: one a vertex of its surface, all vectors of the same length, world frame.
+/// The particles (nodes) of a muscle as a structure of arrays: one a vertex of its surface, in the world frame.
 struct Particles {
   std::vector<Vec3> positions;         ///< x: at the start of the substep, m
-  std::vector<Vec3> predicted;         ///< p: what constraints and collisions correct, m
+  std::vector<Vec3> predicted;         ///< p: corrected by constraints and contacts, m
   std::vector<Vec3> velocities;        ///< m/s
-  std::vector<double> inverse_masses;  ///< 1/kg; 0 for a node that a bone carries
+  std::vector<double> inverse_masses;  ///< 1/kg; 0 for a node that is attached to a bone
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
 };

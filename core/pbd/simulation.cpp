@@ -16,9 +16,9 @@ void LastDetection::before_detection(const CollisionStep& step) {
   contacts.reserve(bone_poses.size() * positions.size());
 }
 
-void LastDetection::after_detection(const CollisionStep& step, std::span<const Contact> answered) {
+void LastDetection::after_detection(const CollisionStep& step, std::span<const Contact> detected) {
   if (step.last_of_frame) {
-    contacts.assign(answered.begin(), answered.end());
+    contacts.assign(detected.begin(), detected.end());
   }
 }
 
@@ -34,7 +34,7 @@ Simulation::Simulation(const LoopParameters& loop, Particles particles, std::vec
       m_pose_function(std::move(poses)) {
   m_pose_function(0, m_poses);
   m_previous_poses = m_poses;
-  // Now rather than when a frame brings more contacts than any before it, in the middle of what is timed.
+  // Reserved for the most contacts possible, so that no timed frame allocates memory.
   m_contacts.reserve(m_poses.size() * m_free_nodes.size());
   m_response.reserve(m_particles.size(), m_poses.size());
   m_times.effects_ns.reserve(m_effects.size());
@@ -73,10 +73,10 @@ const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer)
 }
 
 void Simulation::predict(const SubstepInput& input) {
-  const double kept = std::exp(-m_loop.damping_per_s * input.time_step_s);
+  const double damping = std::exp(-m_loop.damping_per_s * input.time_step_s);
   for (const int node : m_free_nodes) {
     Vec3& velocity = m_particles.velocities[node];
-    velocity *= kept;
+    velocity *= damping;
     m_particles.predicted[node] = m_particles.positions[node] + input.time_step_s * velocity;
   }
 }

@@ -38,16 +38,16 @@ struct StageTimes {
   Nanoseconds recording_ns = 0;  ///< taken by the observer
 };
 
-/// What one collision step of the loop works on, before the backend is told: world frame, metres.
+/// Input of one collision step of the loop: world frame, metres.
 struct CollisionStep {
   std::span<const Vec3> substep_start;               ///< x
   std::span<const RigidMotion> previous_bone_poses;  ///< the poses that x was computed with
-  std::span<const Vec3> positions;                   ///< p, which the backend is asked about
+  std::span<const Vec3> positions;                   ///< p, for which the backend detects contacts
   std::span<const RigidMotion> bone_poses;
   bool last_of_frame = false;
 };
 
-/// Looks on while the loop collides: what it takes is recording time, not the frame's.
+/// Observes the collision steps of the loop. Its time counts as recording, not as the frame's.
 class CollisionObserver {
  public:
   CollisionObserver() = default;
@@ -56,11 +56,11 @@ class CollisionObserver {
   virtual ~CollisionObserver() = default;
 
   virtual void before_detection(const CollisionStep& step) = 0;
-  /// The same step; the response has not moved anything yet.
+  /// The same step, before the response moves any node.
   virtual void after_detection(const CollisionStep& step, std::span<const Contact> contacts) = 0;
 };
 
-/// Keeps the last detection of a frame: what the Referee judges.
+/// Keeps the last detection of a frame, which the Referee judges.
 class LastDetection final : public CollisionObserver {
  public:
   std::vector<Vec3> substep_start;
@@ -70,28 +70,28 @@ class LastDetection final : public CollisionObserver {
   std::vector<Contact> contacts;
 
   void before_detection(const CollisionStep& step) override;
-  void after_detection(const CollisionStep& step, std::span<const Contact> answered) override;
+  void after_detection(const CollisionStep& step, std::span<const Contact> detected) override;
 };
 
-/// Poses of all bones at `frame_position`: 0 before the first frame, 1 at the end of the first, fractions between.
+/// Poses of all bones at a time in frames: 0 before the first frame, 1 at its end, fractions between.
 using PoseFunction = std::function<void(double frame_position, std::vector<RigidMotion>& poses)>;
 
-/// The shared position-based-dynamics loop: one muscle, rigid moving bones, any backend.
+/// The shared position-based dynamics loop (Mueller et al. 2007): one muscle, rigid moving bones, any backend.
 class Simulation {
  public:
-  /// `backend` is built and outlives the simulation. `free_nodes` are the nodes that no bone carries, ascending: only
-  /// these move by themselves and collide.
+  /// `backend` has been built and outlives the simulation. `free_nodes` (ascending) are the nodes that are not attached
+  /// to a bone; only these are predicted and collide.
   Simulation(const LoopParameters& loop, Particles particles, std::vector<int> free_nodes,
              std::vector<std::unique_ptr<Effect>> effects, CollisionBackend& backend, ResponseKind response,
              PoseFunction poses);
 
-  /// Runs frame `frame` (1-based) without allocating memory, if the backend does not. `observer`, when given, sees
-  /// every collision step. The times are those of this frame until the next one.
+  /// Runs frame `frame` (1-based); allocates no memory unless the backend does. `observer`, if given, sees every
+  /// collision step. The returned times are valid until the next frame.
   const StageTimes& step_frame(int frame, CollisionObserver* observer = nullptr);
 
   [[nodiscard]] const Particles& particles() const { return m_particles; }
   [[nodiscard]] std::span<const RigidMotion> bone_poses() const { return m_poses; }
-  /// Answered by the last detection.
+  /// The contacts of the last detection.
   [[nodiscard]] std::span<const Contact> contacts() const { return m_contacts; }
   [[nodiscard]] std::span<const int> free_nodes() const { return m_free_nodes; }
   [[nodiscard]] std::span<const std::unique_ptr<Effect>> effects() const { return m_effects; }

@@ -8,26 +8,27 @@ namespace musclebench {
 
 namespace {
 
-/// Along the longest side of the box, some 2 mm on a pelvis: coarser cubes know less about what is near, finer ones
-/// take longer to fill and gain little.
+/// Along the longest side of the box; about 2 mm on a pelvis. Larger cubes give weaker bounds near the surface, smaller
+/// ones take longer to fill and gain little.
 constexpr double most_cubes_along = 96;
-/// So that a coarse mesh does not have a fine grid: its own queries are fast.
+/// Smallest cube in mean triangle sizes: a coarse mesh, whose searches are fast, needs no fine grid.
 constexpr double triangles_along_cube = 3;
-/// Cubes of which one distance may be enough, along an axis.
+/// Largest block of cubes, along an axis, that may be filled from the distance of its middle.
 constexpr std::size_t block_size = 16;
-/// A block is not looked into where its cubes then lose no more of their distances than the rest.
-constexpr double kept_share = 0.7;
-/// In steps; above the rounding of what is computed here, of a point's place in the grid and of the way to its cube.
+/// A block is not subdivided where every cube keeps this fraction of the distance of the block's middle.
+constexpr double kept_fraction = 0.7;
+/// In steps: more than the rounding error of a stored distance, of a point's coordinates in the grid and of its
+/// distance from the cube's centre.
 constexpr double rounding = 0.01;
 
 }  // namespace
 
-/// Goes through one block after the other, each from the whole to its parts.
+/// Fills blocks of cubes recursively, as an octree.
 class ClearanceGrid::Filling {
  public:
   Filling(const SignedSurface& surface, ClearanceGrid& grid) : m_surface(surface), m_grid(grid) {}
 
-  /// `first`: the cube at the lower corner.
+  /// `first`: the cube at the block's lower corner; `size`: its cubes along an axis.
   void fill(const GridIndex::Coordinates& first, std::size_t size) {
     const Vec3 middle =
         Vec3(static_cast<double>(first[0]), static_cast<double>(first[1]), static_cast<double>(first[2])) +
@@ -38,7 +39,7 @@ class ClearanceGrid::Filling {
     const bool inside = m_surface.is_inside(point, closest);
     const double distance = closest.distance_m * m_grid.m_cubes_per_m;
     const double to_centres = 0.5 * std::sqrt(3.0) * static_cast<double>(size - 1);
-    if (size == 1 || (distance > to_centres && (inside || distance - to_centres >= kept_share * distance))) {
+    if (size == 1 || (distance > to_centres && (inside || distance - to_centres >= kept_fraction * distance))) {
       if (!inside) {
         store(first, size, middle, distance);
       }
@@ -67,7 +68,7 @@ class ClearanceGrid::Filling {
           Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)) + Vec3::Constant(0.5);
       const double kept = distance - (centre - middle).norm();
       m_grid.m_steps[m_grid.m_cubes.index(i, j, k)] =
-          static_cast<std::uint16_t>(std::clamp(steps_a_cube * kept - rounding, 0.0, most));
+          static_cast<std::uint16_t>(std::clamp(steps_per_cube * kept - rounding, 0.0, most));
     });
   }
 

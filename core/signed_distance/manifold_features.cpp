@@ -14,20 +14,24 @@ namespace musclebench {
 
 namespace {
 
-/// Triangles keep apart by these shares of their size and of the largest coordinate: far more than rounding, far less
-/// than what a surface has between its sheets.
-constexpr double apart_by_size = 1e-9;
-constexpr double apart_by_reach = 1e-12;
-/// A corner's sine below this is a sliver, whose normal rounds.
+/// Triangles closer than this, relative to their size and to the largest coordinate, count as touching: far more than
+/// rounding, far less than the distance between two sheets of a surface.
+constexpr double gap_by_size = 1e-9;
+constexpr double gap_by_coordinate = 1e-12;
+/// The normal of a triangle with a smaller sine at a corner is dominated by rounding.
 constexpr double least_sine = 1e-6;
 
 class Finder {
  public:
-  Finder(const TriangleMesh& mesh, const TriangleBvh& tree)
-      : m_mesh(mesh), m_tree(tree), m_alone(mesh.triangles.size()), m_partner(3 * mesh.triangles.size(), -1) {}
+  Finder(const TriangleMesh& mesh, const TriangleBvh& tree, const MeshEdges& edges)
+      : m_mesh(mesh),
+        m_tree(tree),
+        m_edges(edges),
+        m_is_candidate(mesh.triangles.size()),
+        m_partner(3 * mesh.triangles.size(), -1) {}
 
   [[nodiscard]] std::vector<std::uint8_t> find() {
-    find_lone_triangles();
+    find_separate_triangles();
     find_partners();
     keep_outer_patches();
     return features();
@@ -40,19 +44,19 @@ class Finder {
             m_mesh.vertices[static_cast<std::size_t>(c)]};
   }
 
-  /// A triangle with an area that touches others at shared edges and vertices only.
-  void find_lone_triangles() {
+  /// Candidates have an area and touch other triangles only at shared edges and vertices.
+  void find_separate_triangles() {
     double reach = 0;
     for (const Vec3& vertex : m_mesh.vertices) {
       reach = std::max(reach, vertex.cwiseAbs().maxCoeff());
     }
-    for (std::size_t t = 0; t < m_alone.size(); ++t) {
+    for (std::size_t t = 0; t < m_is_candidate.size(); ++t) {
       const auto [a, b, c] = corners(t);
       const std::array<double, 3> squared = {(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()};
       const double normal = (b - a).cross(c - a).norm();
-      // The smallest sine is that between the two longest sides.
+      // The smallest sine lies between the two longest sides.
       const double longest = *std::max_element(squared.begin(), squared.end());
-      m_alone[t] = static_cast<char>(normal > least_sine * longest);
+      m_is_candidate[t] = static_cast<char>(normal > least_sine * longest);
     }
     m_tree.for_each_close_pair([&](int one, int other) {
       const auto i = static_cast<std::size_t>(one);
@@ -63,18 +67,17 @@ class Finder {
           std::sqrt(std::max((of_one[1] - of_one[0]).squaredNorm() + (of_one[2] - of_one[0]).squaredNorm(),
                              (of_other[1] - of_other[0]).squaredNorm() + (of_other[2] - of_other[0]).squaredNorm()));
       if (!surely_apart({m_mesh.triangles[i], of_one}, {m_mesh.triangles[j], of_other},
-                        apart_by_size * size + apart_by_reach * reach)) {
-        m_alone[i] = 0;
-        m_alone[j] = 0;
+                        gap_by_size * size + gap_by_coordinate * reach)) {
+        m_is_candidate[i] = 0;
+        m_is_candidate[j] = 0;
       }
     });
   }
 
-  /// Of sides 3 t + k: the side of the one other triangle there, wound consistently.
+  /// m_partner: for half-edge 3 t + k the opposite half-edge, where exactly two consistently wound triangles meet.
   void find_partners() {
-    const MeshEdges edges(m_mesh);
-    for (int edge = 0; edge < edges.count(); ++edge) {
-      const auto uses = edges.uses(edge);
+    for (int edge = 0; edge < m_edges.count(); ++edge) {
+      const auto uses = m_edges.uses(edge);
       if (uses.size() == 2 && uses[0].forward != uses[1].forward) {
         m_partner[static_cast<std::size_t>(uses[0].corner)] = uses[1].corner;
         m_partner[static_cast<std::size_t>(uses[1].corner)] = uses[0].corner;
@@ -82,12 +85,12 @@ class Finder {
     }
   }
 
-  /// Along a patch of lone triangles the winding numbers of both sides do not change, so that one place tells.
+  /// The winding numbers on both sides are constant over a patch of connected candidates, so that one point decides.
   void keep_outer_patches() {
-    std::vector<char> seen(m_alone.size(), 0);
+    std::vector<char> seen(m_is_candidate.size(), 0);
     std::vector<int> patch;
-    for (std::size_t seed = 0; seed < m_alone.size(); ++seed) {
-      if (m_alone[seed] == 0 || seen[seed] != 0) {
+    for (std::size_t seed = 0; seed < m_is_candidate.size(); ++seed) {
+      if (m_is_candidate[seed] == 0 || seen[seed] != 0) {
         continue;
       }
       patch.assign(1, static_cast<int>(seed));
@@ -96,7 +99,8 @@ class Finder {
         for (int side = 3 * patch[next]; side < 3 * patch[next] + 3; ++side) {
           const int other = m_partner[static_cast<std::size_t>(side)] / 3;
           const bool joined = m_partner[static_cast<std::size_t>(side)] >= 0;
-          if (joined && m_alone[static_cast<std::size_t>(other)] != 0 && seen[static_cast<std::size_t>(other)] == 0) {
+          if (joined && m_is_candidate[static_cast<std::size_t>(other)] != 0 &&
+              seen[static_cast<std::size_t>(other)] == 0) {
             seen[static_cast<std::size_t>(other)] = 1;
             patch.push_back(other);
           }
@@ -104,12 +108,13 @@ class Finder {
       }
       if (!has_inside_on_inner_side_only(patch)) {
         for (const int triangle : patch) {
-          m_alone[static_cast<std::size_t>(triangle)] = 0;
+          m_is_candidate[static_cast<std::size_t>(triangle)] = 0;
         }
       }
     }
   }
 
+  /// Tested next to the middle of the patch's largest triangle, as far away from it as it stays the closest one.
   [[nodiscard]] bool has_inside_on_inner_side_only(const std::vector<int>& patch) const {
     const int largest = *std::max_element(patch.begin(), patch.end(), [&](int a, int b) {
       return m_tree.area_normal(a).squaredNorm() < m_tree.area_normal(b).squaredNorm();
@@ -117,8 +122,8 @@ class Finder {
     const auto [a, b, c] = corners(static_cast<std::size_t>(largest));
     const Vec3 normal = m_tree.area_normal(largest);
     const Vec3 middle = (a + b + c) / 3;
-    for (const double share : {1e-2, 1e-4, 1e-6}) {
-      const Vec3 step = share * normal / std::sqrt(normal.norm());
+    for (const double relative_step : {1e-2, 1e-4, 1e-6}) {
+      const Vec3 step = relative_step * normal / std::sqrt(normal.norm());
       if (m_tree.closest_point(middle + step)->triangle == largest &&
           m_tree.closest_point(middle - step)->triangle == largest) {
         return m_tree.winding_number(middle + step) < 0.5 && m_tree.winding_number(middle - step) > 0.5;
@@ -127,14 +132,14 @@ class Finder {
     return false;
   }
 
-  /// Whether the triangles about corner k of `triangle` are one closed fan of `count` lone ones.
+  /// Whether the triangles about corner k of `triangle` are one closed fan of `count` candidates.
   [[nodiscard]] bool is_closed_fan(int triangle, int k, int count) const {
     int side = 3 * triangle + k;
     for (int i = 0; i < count; ++i) {
-      if (m_alone[static_cast<std::size_t>(side / 3)] == 0) {
+      if (m_is_candidate[static_cast<std::size_t>(side / 3)] == 0) {
         return false;
       }
-      // The side of this triangle that ends at the vertex; its partner starts there.
+      // The half-edge of this triangle that ends at the vertex; its partner starts there.
       const int last = side / 3 * 3 + (side + 2) % 3;
       side = m_partner[static_cast<std::size_t>(last)];
       if (side < 0) {
@@ -154,34 +159,35 @@ class Finder {
         ++fan[static_cast<std::size_t>(vertex)];
       }
     }
-    std::vector<std::uint8_t> bits(m_alone.size(), 0);
+    std::vector<std::uint8_t> bits(m_is_candidate.size(), 0);
     for (std::size_t t = 0; t < bits.size(); ++t) {
-      if (m_alone[t] == 0) {
+      if (m_is_candidate[t] == 0) {
         continue;
       }
-      unsigned clean = 1U << static_cast<unsigned>(Feature::face);
+      unsigned manifold = 1U << static_cast<unsigned>(Feature::face);
       for (std::size_t k = 0; k < 3; ++k) {
         const int partner = m_partner[3 * t + k];
-        const bool edge = partner >= 0 && m_alone[static_cast<std::size_t>(partner / 3)] != 0;
+        const bool edge = partner >= 0 && m_is_candidate[static_cast<std::size_t>(partner / 3)] != 0;
         const bool corner = edge && is_closed_fan(static_cast<int>(t), static_cast<int>(k),
                                                   fan[static_cast<std::size_t>(m_mesh.triangles[t][k])]);
-        clean |= static_cast<unsigned>(edge) << (static_cast<unsigned>(Feature::edge_0) + k);
-        clean |= static_cast<unsigned>(corner) << (static_cast<unsigned>(Feature::corner_0) + k);
+        manifold |= static_cast<unsigned>(edge) << (static_cast<unsigned>(Feature::edge_0) + k);
+        manifold |= static_cast<unsigned>(corner) << (static_cast<unsigned>(Feature::corner_0) + k);
       }
-      bits[t] = static_cast<std::uint8_t>(clean);
+      bits[t] = static_cast<std::uint8_t>(manifold);
     }
     return bits;
   }
 
   const TriangleMesh& m_mesh;
   const TriangleBvh& m_tree;
-  std::vector<char> m_alone;
+  const MeshEdges& m_edges;
+  std::vector<char> m_is_candidate;
   std::vector<int> m_partner;
 };
 
 }  // namespace
 
-ManifoldFeatures::ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree)
-    : m_bits(Finder(mesh, tree).find()) {}
+ManifoldFeatures::ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree, const MeshEdges& edges)
+    : m_bits(Finder(mesh, tree, edges).find()) {}
 
 }  // namespace musclebench

@@ -5,32 +5,34 @@
 
 #include "core/bvh/triangle_bvh.hpp"
 #include "core/distance/triangle_distance.hpp"
+#include "core/mesh/mesh_edges.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 
-/// The features of a mesh next to which the angle-weighted pseudo-normal gives the sign for certain (Baerentzen and
-/// Aanaes 2005), though the mesh as a whole may have fins, edges of many faces, overlaps and other things that it can't
-/// deal with. Such a feature's triangles have an area, form one closed fan that is consistently wound, touch no other
-/// triangle, not even to rounding, and belong to a patch with the inside (winding number > 0.5) on its inner side only.
-/// The way from a point to its closest point crosses no surface, so that the sign there is the sign here.
+/// Which faces, edges and vertices of a mesh are manifold in the sense that the sign of the angle-weighted
+/// pseudo-normal is proven (Baerentzen and Aanaes 2005), even if the mesh elsewhere has fins, non-manifold edges or
+/// overlaps. The triangles about such a feature have an area, form one closed, consistently wound fan, touch no other
+/// triangle, not even to rounding, and belong to a patch that has the inside (winding number > 0.5) on its inner side
+/// only. The segment from a point to its closest point crosses no surface, so that the side at its end is the side of
+/// the point.
 class ManifoldFeatures {
  public:
-  /// `tree` is that of the mesh, whose directed edges cancel (`SignedSurface::closed`): otherwise the inside ends
-  /// somewhere without a surface.
-  ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree);
+  /// `tree` and `edges` are those of the mesh. The mesh has to be closed (`is_closed`): else the inside ends in empty space
+  /// somewhere.
+  ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree, const MeshEdges& edges);
 
   [[nodiscard]] bool holds(int triangle, Feature feature) const {
     return ((m_bits[static_cast<std::size_t>(triangle)] >> static_cast<unsigned>(feature)) & 1U) != 0;
   }
 
-  /// What `holds` will need begins to come from memory.
-  void fetch(int triangle) const { __builtin_prefetch(m_bits.data() + triangle); }
+  /// Prefetches what `holds` reads.
+  void prefetch(int triangle) const { __builtin_prefetch(m_bits.data() + triangle); }
 
   [[nodiscard]] std::size_t bytes() const { return m_bits.capacity(); }
 
  private:
-  std::vector<std::uint8_t> m_bits;  ///< of each triangle, one a feature
+  std::vector<std::uint8_t> m_bits;  ///< by triangle, one bit a feature
 };
 
 }  // namespace musclebench

@@ -11,82 +11,86 @@
 
 namespace musclebench {
 
-/// Where a point stands to a surface.
+/// A point's closest point on a surface, and its side.
 struct SignedPoint {
   ClosestPoint closest;
   bool inside = false;
 
-  /// In metres, negative inside.
+  /// Metres, negative inside.
   [[nodiscard]] double signed_distance_m() const { return inside ? -closest.distance_m : closest.distance_m; }
 };
 
-/// Whether the directed edges of all triangles cancel; vertices at equal positions count as one.
-bool is_closed(TriangleMesh mesh);
+/// Whether every edge is used as often in one direction as in the other; vertices at equal positions count as one.
+bool is_closed(const TriangleMesh& mesh);
 
-/// Exact signed distance to a surface: closest triangle by a tree; inside is where the winding number exceeds 0.5. Next
-/// to the features of the surface that are clean (`ManifoldFeatures`), nearly all of them, the pseudo-normal tells as
-/// much at no cost; elsewhere (a doubled sheet has no pseudo-normal) and on a surface that is not closed the winding
-/// number itself is asked. A point of the surface is outside. Queries are const and safe from several threads.
+/// Exact signed distance to a surface. The distance is that of the closest triangle, found by a BVH; a point is inside
+/// where the generalised winding number exceeds 0.5 (Jacobson et al. 2013). Where the closest feature is manifold
+/// (ManifoldFeatures; nearly all are) the angle-weighted pseudo-normal gives the same sign much faster (Baerentzen and
+/// Aanaes 2005). The winding number is computed only at other features, such as a doubled sheet, and for a surface that
+/// is not closed. A point on the surface is outside. Points are in the surface's frame, in metres; queries are const
+/// and safe from several threads.
 class SignedSurface {
  public:
-  explicit SignedSurface(const RepairedMesh& surface);
+  explicit SignedSurface(const RepairedMesh& surface) : SignedSurface(surface, TriangleBvh(surface.mesh)) {}
+  /// `tree` is that of the surface.
+  SignedSurface(const RepairedMesh& surface, TriangleBvh tree);
 
   [[nodiscard]] const TriangleBvh& tree() const { return m_tree; }
 
-  /// `is_closed`: then nothing outside the surface's box is inside, and the side changes at the surface only (across a
-  /// hole it changes in empty space).
+  /// `is_closed`: no point outside the surface's bounding box is inside, and the side changes only at the surface. (Of
+  /// an open surface it also changes in empty space, across a hole.)
   [[nodiscard]] bool closed() const { return m_closed; }
 
   /// Whether `point` is inside, given its closest point.
   [[nodiscard]] bool is_inside(const Vec3& point, const ClosestPoint& closest) const {
-    if (m_signs && m_signs->clean.holds(closest.triangle, closest.feature)) {
-      const Vec3 way = point - closest.point;
+    if (m_signs && m_signs->manifold.holds(closest.triangle, closest.feature)) {
+      const Vec3 displacement = point - closest.point;
       const Vec3 normal = normal_at(closest);
-      const double along = way.dot(normal);
-      // Where the normal is nearly across the way, as at a tip like a sliver's, rounding might decide.
-      if (closest.feature == Feature::face || along * along > least_share * way.squaredNorm() * normal.squaredNorm()) {
+      const double along = displacement.dot(normal);
+      // Where the normal is nearly perpendicular to the displacement, as at a very sharp tip, rounding could decide.
+      if (closest.feature == Feature::face ||
+          along * along > least_squared_cosine * displacement.squaredNorm() * normal.squaredNorm()) {
         return along < 0;
       }
     }
     return closest.distance_m > 0 && m_tree.winding_number(point) > 0.5;
   }
 
-  /// What `is_inside` will need of a point next to that triangle begins to come from memory.
-  void fetch_sign(int triangle) const {
+  /// Prefetches what `is_inside` reads for a point closest to that triangle.
+  void prefetch_sign(int triangle) const {
     if (m_signs) {
-      m_signs->clean.fetch(triangle);
+      m_signs->manifold.prefetch(triangle);
     }
   }
 
-  /// `point` is finite, the surface has triangles.
+  /// `point` has to be finite and the surface to have triangles.
   [[nodiscard]] SignedPoint locate(const Vec3& point) const;
 
-  /// What `locate` says of a point that is inside; nothing of one that is outside. Cheaper than `locate` on a surface
-  /// that is not closed: the winding number gives the sign, and needs no closest point.
+  /// The result of `locate` for a point that is inside, nothing for one that is outside. Cheaper than `locate` for an
+  /// open surface, where the winding number gives the sign without a closest point.
   [[nodiscard]] std::optional<SignedPoint> locate_inside(const Vec3& point) const;
 
-  /// Negative inside, in metres; nothing where the surface is farther than `max_distance_m`.
+  /// Signed distance in metres, negative inside; nothing where the surface is farther than `max_distance_m`.
   [[nodiscard]] std::optional<double> distance(const Vec3& point,
                                                double max_distance_m = std::numeric_limits<double>::infinity()) const;
 
-  /// The unit vector that points out of the surface, given what `locate` says of `point`: along the way to the closest
-  /// point; on the surface, where that way is only rounding, the pseudo-normal or the normal of the face; (0, 0, 1)
-  /// where neither has a direction.
-  [[nodiscard]] Vec3 outward(const Vec3& point, const SignedPoint& place) const;
+  /// Unit gradient of the signed distance at `point`, given the result of `locate`. On the surface, where the direction
+  /// to the closest point is only rounding, the pseudo-normal or the normal of the face; (0, 0, 1) where both vanish.
+  [[nodiscard]] Vec3 outward(const Vec3& point, const SignedPoint& located) const;
 
   [[nodiscard]] std::size_t bytes() const { return m_tree.bytes() + (m_signs ? m_signs->bytes() : 0); }
 
  private:
-  /// What gives the sign of a closed surface without a winding number.
+  /// The sign of a closed surface without winding numbers.
   struct Signs {
-    ManifoldFeatures clean;
+    ManifoldFeatures manifold;
     PseudoNormals normals;
-    [[nodiscard]] std::size_t bytes() const { return clean.bytes() + normals.bytes(); }
+    [[nodiscard]] std::size_t bytes() const { return manifold.bytes() + normals.bytes(); }
   };
-  /// Square of the least cosine between a way and a pseudo-normal that is believed.
-  static constexpr double least_share = 1e-12;
+  /// Below this squared cosine between displacement and pseudo-normal the sign is left to the winding number.
+  static constexpr double least_squared_cosine = 1e-12;
 
-  /// Of any length; of a face by the corners, which the closest point has just used.
+  /// Not normalised. A face's normal is computed from its corners, which the closest-point test has just loaded.
   [[nodiscard]] Vec3 normal_at(const ClosestPoint& closest) const {
     return closest.feature == Feature::face ? m_tree.area_normal(closest.triangle)
                                             : m_signs->normals.at(closest.triangle, closest.feature);
@@ -94,7 +98,7 @@ class SignedSurface {
 
   TriangleBvh m_tree;
   std::optional<Signs> m_signs;  ///< of a closed surface
-  double m_reach_m = 0;          ///< largest coordinate: what positions are rounded by
+  double m_reach_m = 0;          ///< largest coordinate, which bounds the rounding of positions
   bool m_closed = false;
 };
 

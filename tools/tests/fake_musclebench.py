@@ -11,6 +11,8 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[1])]
 
+import fake_registry  # noqa: E402  (found through the path that is set above)
+
 LAST_WORDS = {
     "crash": "musclebench: scene.toml: key 'x': no such thing",
     "full_disk": "musclebench: run/frames.csv: cannot be written; is the disk full or the folder write-protected?",
@@ -28,6 +30,7 @@ def parse_arguments():
         parser.add_argument(option)
     parser.add_argument("--repetition", type=int)
     parser.add_argument("--param", action="append", default=[])
+    parser.add_argument("--loop", action="append", default=[])
     parser.add_argument("--progress", action="store_true")
     parser.add_argument("--no-referee", action="store_true")
     return parser.parse_args()
@@ -61,6 +64,11 @@ def write_paper_run(options, status: str) -> None:
     fake_runs.write_run(Path(options.out), options.input, options.backend, int(options.frames or 314), status,
                         "frame 3" if status == "diverged" else "", bones, muscle.triangles, shots,
                         {"femur": {"axis": [-1, 0, 0], "centre_m": [0, 0, 0], "angles_rad": [0, 1.57]}})
+    if options.loop:
+        told = Path(options.out) / "run.json"
+        loop = {"substeps": int(dict(word.split("=") for word in options.loop)["substeps"])}
+        record = json.loads(told.read_text())
+        told.write_text(json.dumps(record | {"case": record["case"] | {"loop": loop}}))
 
 
 def write_study_case(options, status: str, answer: str) -> None:
@@ -72,7 +80,7 @@ def write_study_case(options, status: str, answer: str) -> None:
         (Path(structures) / "bone.field").write_text("a field")
     mode = {"run": "coupled"}.get(options.command, options.command)
     record = {
-        "status": status, "status_detail": "", "contact_hash": answer, "state_hash": answer,
+        "status": status, "status_detail": "", "contact_hash": answer, "state_hash": answer, "frames": 1,
         "structures": "built" if built else "loaded",
         "case": {"mode": mode, "backend": options.backend, "parameters": parameters},
     }
@@ -89,8 +97,10 @@ def write_recording(options) -> None:
 def main() -> int:
     options = parse_arguments()
     if options.command == "list":
-        import fake_registry
         print(fake_registry.text())
+        return 0
+    if options.command == "probe" and options.points == "1":
+        fake_registry.write_survey(Path(options.out), options.input, int(options.frames or 314))
         return 0
     name = case_name(options)
     behaviours = dict(item.rsplit("=", 1) for item in os.environ.get("FAKE_BEHAVIOUR", "").split())

@@ -6,17 +6,19 @@ import os
 import tomllib
 from pathlib import Path
 
+from musclebench.cases.scene import Scene, told
 from musclebench.program.registry import Registry, parse_registry
 
+NODES = {"adductor_brevis": 502, "gluteus_maximus": 9878, "gluteus_medius": 5313, "iliacus": 6931}
 FIXTURE = Path(__file__).resolve().parent / "registry_fixture.json"
 BACKENDS = Path(__file__).resolve().parents[2] / "backends"
 
 
-def told() -> dict:
-    listed = json.loads(FIXTURE.read_text())
-    for backend in listed["backends"]:
+def listed() -> dict:
+    found = json.loads(FIXTURE.read_text())
+    for backend in found["backends"]:
         backend["study"] = study_of(backend["name"])
-    return listed
+    return found
 
 
 def study_of(backend: str) -> dict:
@@ -25,18 +27,44 @@ def study_of(backend: str) -> dict:
 
 def with_studies(studies: dict[str, dict]) -> str:
     """The same with these studies only, by the name of the backend; the others have none and are left out."""
-    listed = told()
-    listed["backends"] = [backend | {"study": studies[backend["name"]]} for backend in listed["backends"]
-                          if backend["name"] in studies]
-    return json.dumps(listed)
+    found = listed()
+    found["backends"] = [backend | {"study": studies[backend["name"]]} for backend in found["backends"]
+                         if backend["name"] in studies]
+    return json.dumps(found)
 
 
 def text() -> str:
     """What the fake program prints."""
     path = os.environ.get("FAKE_REGISTRY")
-    return Path(path).read_text() if path else json.dumps(told())
+    return Path(path).read_text() if path else json.dumps(listed())
 
 
 def registry() -> Registry:
     """Of the whole project."""
-    return parse_registry(json.dumps(told()), "fixture")
+    return parse_registry(json.dumps(listed()), "fixture")
+
+
+def survey_record(scene: str, frames: int) -> dict:
+    """What a probe tells of a scene, as far as experiments ask: half of the motion there, half back."""
+    motion = {"axis": [-1, 0, 0], "centre_m": [0, 0, 0], "times": [0, 1], "angles_rad": [0, 1.5708],
+              "there_and_back": True}
+    return {"case": {"scene": scene, "preset": "paper", "loop": {
+        "frames": frames, "substeps": 3, "iterations": 1, "time_step_s": 1e-3}},
+            "muscle": {"vertices": NODES.get(scene.split("/")[-1], 1000), "mesh_sha256": "00aa"},
+            "bones": [{"name": "pelvis", "motion": {"angles_rad": []}}, {"name": "femur", "motion": motion}]}
+
+
+def write_survey(folder: Path, scene: str, frames: int) -> None:
+    folder.mkdir(parents=True)
+    (folder / "run.json").write_text(json.dumps(survey_record(scene, frames)))
+
+
+def scene(name: str, frames: int | None = None) -> Scene:
+    """As a survey tells it."""
+    probed_on = "" if name.endswith(".toml") else f"{name.split('/')[0]}/{min(NODES)}"
+    asked = Scene(name, frames_limit=frames, probed_on=probed_on, asks_preset=not name.endswith(".toml"))
+    return told(asked, survey_record(name, frames or 314))
+
+
+def scenes(data_set: str) -> tuple[Scene, ...]:
+    return tuple(scene(f"{data_set}/{muscle}") for muscle in NODES)

@@ -9,10 +9,10 @@ from types import MappingProxyType
 import numpy as np
 
 MUSCLES = {"adductor_brevis": 502, "gluteus_maximus": 9878, "gluteus_medius": 5313, "iliacus": 6931}
-BACKENDS = ["null", "voxel", "sdf", "fcl"]
-DETECT_NS = {"null": 0, "voxel": 1_000_000, "sdf": 3_000_000, "fcl": 200_000_000}
-STRUCTURE_BYTES = {"null": 0, "voxel": 70_000, "sdf": 15_000_000, "fcl": 90_000_000}
-FIRST_BYTES = {"null": 100_000_000, "voxel": 110_000_000, "sdf": 125_000_000, "fcl": 200_000_000}
+BACKENDS = ["null", "voxel", "sdf", "fcl"]  # of the paper
+DETECT_NS = {"null": 0, "voxel": 1_000_000, "sdf": 3_000_000, "fcl": 200_000_000, "bvh": 20_000_000}
+STRUCTURE_BYTES = {"null": 0, "voxel": 70_000, "sdf": 15_000_000, "fcl": 90_000_000, "bvh": 20_000_000}
+FIRST_BYTES = {"null": 100_000_000, "voxel": 110_000_000, "sdf": 125_000_000, "fcl": 200_000_000, "bvh": 130_000_000}
 OTHER_NS = 1_000_000
 STATIC = {"axis": [1, 0, 0], "centre_m": [0, 0, 0], "angles_rad": []}
 COLUMNS = [
@@ -103,9 +103,12 @@ def run_record(scene: str, backend: str, frames: int, status: str = "ok", detail
 
 
 def write_run(folder: Path, scene: str, backend: str, frames: int = 20, status: str = "ok", detail: str = "",
-              bones: dict[str, Body] | None = None, triangles=None, snapshots=(), motions=MappingProxyType({})) -> Path:
+              bones: dict[str, Body] | None = None, triangles=None, snapshots=(), motions=MappingProxyType({}),
+              loop=None) -> Path:
     folder.mkdir(parents=True)
     record = run_record(scene, backend, frames, status, detail)
+    if loop is not None:
+        record["case"]["loop"] = loop
     with open(folder / "frames.csv", "w", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Stands in for the program and for its kernels, with known numbers: `list` and `run` as musclebench, else as a Google
+"""Stands in for the program and for its kernels, with known numbers: `list`, `probe` and `run` as musclebench, else as a Google
 Benchmark program. FAKE_BEHAVIOUR maps words of the command line to misbehaviour, such as "bvh=crash allocations=empty";
 FAKE_LOG gets one line a call."""
 
@@ -9,9 +9,13 @@ import re
 import sys
 from pathlib import Path
 
-# Collision time a frame, ns, of each backend; budgets save most of it.
-COLLISION_NS = {"voxel": 50_000, "sdf": 60_000, "bvh": 125_000, "fcl": 5_000_000}
-SLOWER_WITHOUT_BUDGETS = 4
+sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[1])]
+
+import fake_registry  # noqa: E402  (found through the path that is set above)
+
+# Collision time a frame, ns, of each backend; the clearance cache saves most of it.
+COLLISION_NS = {"voxel": 50_000, "sdf": 60_000, "bvh": 125_000}
+SLOWER_WITHOUT_CACHE = 4
 HEAD = "frame,angle_deg,warm_up,update_ns,detect_ns,respond_ns,frame_ns,contacts,nodes_inside,max_depth_m," \
        "mean_depth_m,missed_contacts,false_contacts,resident_bytes\n"
 # (kernel, counter, value, unit of the time); a counter real_time is the time itself
@@ -42,7 +46,7 @@ def behaviour() -> str:
 def run(arguments: list[str]) -> int:
     backend = arguments[arguments.index("--backend") + 1]
     repetition = int(arguments[arguments.index("--repetition") + 1])
-    a_frame = COLLISION_NS[backend] * (SLOWER_WITHOUT_BUDGETS if "clearance_cache=off" in arguments else 1)
+    a_frame = COLLISION_NS[backend] * (SLOWER_WITHOUT_CACHE if "clearance_cache=off" in arguments else 1)
     folder = Path(arguments[arguments.index("--out") + 1])
     folder.mkdir(parents=True)
     lines = [f"{frame},{frame},{int(frame <= 2)},{0.1 * a_frame},{0.8 * a_frame},{0.1 * a_frame},9e6,5,,,,,,1000\n"
@@ -50,7 +54,7 @@ def run(arguments: list[str]) -> int:
     (folder / "frames.csv").write_text(HEAD + "".join(lines))
     case = {"mode": "coupled", "scene": arguments[1], "backend": backend, "parameters": {}, "threads": 1,
             "repetition": repetition}
-    record = {"status": "ok", "status_detail": "", "case": case, "build": {"git": "abc"}}
+    record = {"status": "ok", "status_detail": "", "case": case, "frames": 40, "build": {"git": "abc"}}
     (folder / "run.json").write_text(json.dumps(record))
     return 0
 
@@ -72,7 +76,7 @@ def time_kernels(options: dict[str, str]) -> int:
             results.append(result)
         results.append({"name": f"{kernel}_median", "run_name": kernel, "run_type": "aggregate", "real_time": -1,
                         "cpu_time": -1})
-    if re.search(options["benchmark_filter"], "sdf_bytes/"):
+    if re.search(options["benchmark_filter"], "sdf_bytes/band_10mm/float/femur"):
         results.append({"name": "sdf_bytes/band_10mm/float/femur", "run_name": "sdf_bytes/band_10mm/float/femur",
                         "run_type": "iteration", "error_occurred": True, "error_message": "sdf: no 'band_m'"})
     Path(options["benchmark_out"]).write_text(json.dumps({"context": {}, "benchmarks": results}))
@@ -81,13 +85,16 @@ def time_kernels(options: dict[str, str]) -> int:
 
 def main() -> int:
     arguments = sys.argv[1:]
+    if arguments == ["list", "--json"]:
+        print(fake_registry.text())
+        return 0
+    if arguments[0] == "probe":
+        told = dict(zip(arguments[2::2], arguments[3::2]))
+        fake_registry.write_survey(Path(told["--out"]), arguments[1], int(told.get("--frames", 314)))
+        return 0
     if "FAKE_LOG" in os.environ:
         with open(os.environ["FAKE_LOG"], "a") as log:
             print(*sorted(os.sched_getaffinity(0)), *arguments, file=log)
-    if arguments == ["list"]:
-        print("Backends:\n  voxel  bits\n    cells  64\n  sdf  field\n  bvh  tree\n  fcl  library\n\n"
-              "Effects:\n  volume")
-        return 0
     if behaviour() == "crash":
         print("musclebench: something went wrong", file=sys.stderr)
         return 2

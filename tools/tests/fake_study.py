@@ -83,6 +83,7 @@ def write_replay(folder: Path, scene: str, backend: str, truth: Truth, repetitio
         }
     times = frame_times_ns(truth, repetition)
     rows = [_replay_row(frame, times[frame - 1], truth) for frame in range(1, FRAMES + 1) if frame % stride == 0]
+    made["frames"] = len(rows)
     _write_rows(folder / "frames.csv", REPLAY_COLUMNS, rows)
     (folder / "run.json").write_text(json.dumps(made))
     return folder
@@ -258,7 +259,6 @@ def realistic_truths() -> list[tuple[str, Truth]]:
         (72, 0.02, 150, 1, {"manager": "none"}), (73, 0.02, 150, 1, {"solver": "indep"}),
         (55, 0.02, 150, 1, {"bounding_volume": "OBB", "update": "rebuild"}),
         (800, 1e-14, 0, 1, {"query": "node_distance"}),
-        (2, 1e-14, 0, 1, {"query": "node_distance", "clearance_cache": "on"}),
         (620, 1e-14, 0, 1, {"query": "node_distance", "manager": "none"}),
         (700, 1e-14, 0, 1, {"query": "node_distance", "bounding_volume": "RSS"}),
         (60, 1.9, 8100, 1, {"query": "node_collide"}), (38, 0.02, 150, 2, {}),

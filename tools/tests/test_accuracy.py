@@ -297,3 +297,20 @@ def test_bad_input_is_one_line_and_exit_code_2(arguments, words, capsys, tmp_pat
     assert accuracy.main(["--musclebench", str(PROGRAM), "--out", str(tmp_path / "out"), *arguments]) == 2
     errors = capsys.readouterr().err
     assert errors.count("\n") == 1 and words in errors and not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("file, text, words", [
+    ("frames.csv", "frame\n", "frames.csv has 0 of 1 rows"),
+    ("frames.csv", "", "frames.csv has 0 of 1 rows"),
+    ("frames.csv", "frame\n1", "frames.csv has 0 of 1 rows"),  # cut before the end of the line
+    ("run.json", "[]", "run.json is no record of a run"),
+    ("run.json", "{", "run.json is not JSON"),
+])
+def test_a_damaged_folder_is_kept_apart_and_run_again(sweep, file, text, words):
+    sweep()
+    victim = f"{ONCE[6]}-r0"
+    (sweep.out / "raw" / victim / file).write_text(text)
+    code, _, errors, called = sweep()
+    assert code == 0 and called == [victim] and words in errors and "Traceback" not in errors
+    assert (sweep.out / "damaged" / victim / file).read_text() == text
+    assert sweep()[3] == [] and sweep.record(victim)["status"] == "ok"

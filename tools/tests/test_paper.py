@@ -14,10 +14,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import fake_registry
 import paper
 from musclebench.cases.case import Places
 from musclebench.cases.experiment import Experiment
-from musclebench.cases.muscle_scene import MuscleScene
 from musclebench.cases.pool import Limits, run_cases
 from musclebench.paper.paper_cases import PaperCase, plan
 from musclebench.pictures import surface_figures, surface_pictures
@@ -26,7 +26,7 @@ from musclebench.results import run_folder
 PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
 BY_NUMBERS = ["fig_7_collision_time", "fig_8_memory", "depth_by_frame"]
 OF_SURFACES = ["fig_6_iliacus", "muscles_at_full_flexion", "attachments"]
-CAN_DRAW = shutil.which("xvfb-run") or os.environ.get("DISPLAY")
+CAN_DRAW = shutil.which("Xvfb") or os.environ.get("DISPLAY")
 
 
 def run_paper(out, *more, log=None, behaviour=""):
@@ -49,13 +49,13 @@ def in_process(tmp_path, monkeypatch, capfd):
     log = tmp_path / "log"
     monkeypatch.setattr(paper, "draw_surfaces", lambda out_dir, names: [])
     monkeypatch.setattr(paper.paper_figures, "draw_figures", lambda runs, paper, folder: [])
-    monkeypatch.setattr(paper.paper_cases, "VERTICES", {"iliacus": 6931, "gluteus_medius": 5313})
 
     def run(*more, behaviour=""):
         monkeypatch.setenv("FAKE_BEHAVIOUR", behaviour)
         monkeypatch.setenv("FAKE_LOG", str(log))
         log.write_text("")
-        always = ["--musclebench", str(PROGRAM), "--out", str(tmp_path / "out"), "--frames-limit", "12"]
+        always = ["--musclebench", str(PROGRAM), "--out", str(tmp_path / "out"), "--frames-limit", "12",
+                  "--muscle", "iliacus", "--muscle", "gluteus_medius"]
         code = paper.main([*always, *more])
         return code, *capfd.readouterr(), [line.split()[0] for line in log.read_text().splitlines()]
 
@@ -65,15 +65,15 @@ def in_process(tmp_path, monkeypatch, capfd):
 def test_every_case_runs_once_on_a_core_of_its_own(finished):
     _, log, done = finished
     calls = [line.split() for line in log.read_text().splitlines()]
-    assert sorted(call[0] for call in calls) == sorted(case.name for case in plan("synthetic"))
+    assert sorted(call[0] for call in calls) == sorted(case.name for case in plan(fake_registry.scenes("synthetic")))
     assert all(len(call) == 2 for call in calls)
 
 
-@pytest.mark.skipif(not CAN_DRAW, reason="no display and no xvfb-run: surface figures can't be drawn")
+@pytest.mark.skipif(not CAN_DRAW, reason="no display and no Xvfb: surface figures can't be drawn")
 def test_everything_is_written_named_and_printed(finished):
     out, _, done = finished
     assert done.returncode == 0, done.stderr
-    names = [f"figures/{name}{suffix}" for name in BY_NUMBERS + OF_SURFACES for suffix in (".png", ".svg", ".csv")]
+    names = [f"figures/{name}{suffix}" for name in BY_NUMBERS + OF_SURFACES for suffix in (".png", ".svg", ".pdf", ".csv")]
     names += [f"tables/table_{name}{suffix}" for name in ("1_memory", "2_times") for suffix in (".csv", ".md", ".tex")]
     for name in [*names, "runs.csv"]:
         assert (out / name).stat().st_size > 0, name
@@ -82,14 +82,14 @@ def test_everything_is_written_named_and_printed(finished):
     assert len(pd.read_csv(out / "runs.csv")) == 16
 
 
-@pytest.mark.skipif(not CAN_DRAW, reason="no display and no xvfb-run: surface figures can't be drawn")
+@pytest.mark.skipif(not CAN_DRAW, reason="no display and no Xvfb: surface figures can't be drawn")
 def test_figures_are_not_blank(finished):
     for name in BY_NUMBERS + OF_SURFACES:
         pixels = matplotlib.image.imread(finished[0] / "figures" / f"{name}.png")[:, :, :3]
         assert pixels.shape[1] > 1000 and pixels.var() > 0.003, name
 
 
-@pytest.mark.skipif(not CAN_DRAW, reason="no display and no xvfb-run: surface figures can't be drawn")
+@pytest.mark.skipif(not CAN_DRAW, reason="no display and no Xvfb: surface figures can't be drawn")
 def test_surfaces_show_muscle_bone_and_depth(finished):
     pixels = matplotlib.image.imread(finished[0] / "figures" / "fig_6_iliacus.png")[:, :-300, :3]
     red, green, blue = pixels[..., 0], pixels[..., 1], pixels[..., 2]
@@ -131,13 +131,13 @@ def test_failures_become_rows_and_the_others_go_on(in_process, tmp_path):
 
 def test_a_case_that_hangs_is_stopped_and_said_so(tmp_path, monkeypatch):
     monkeypatch.setenv("FAKE_BEHAVIOUR", "iliacus-sdf=hang")
-    case = PaperCase(MuscleScene("synthetic", "iliacus", 12), "sdf")
+    case = PaperCase(fake_registry.scene("synthetic/iliacus", 12), "sdf")
     assert run_cases([case], Experiment(PROGRAM, Places(tmp_path)), Limits([0], 1.0)) == {case: "timeout"}
     assert run_folder.read_run(tmp_path / "raw" / case.name).record["status_detail"].startswith("stopped after")
 
 
 def test_an_interrupt_ends_the_children_and_leaves_no_half_folder(tmp_path):
-    environment = {**os.environ, "FAKE_BEHAVIOUR": " ".join(f"{case.name}=hang" for case in plan("synthetic")),
+    environment = {**os.environ, "FAKE_BEHAVIOUR": " ".join(f"{case.name}=hang" for case in plan(fake_registry.scenes("synthetic"))),
                    "FAKE_LOG": str(tmp_path / "log")}
     command = [sys.executable, paper.__file__, "--musclebench", str(PROGRAM), "--out", str(tmp_path / "out")]
     process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
@@ -173,6 +173,13 @@ def test_moments_are_the_rest_the_half_and_the_full_angle():
     assert surface_figures.choose_moments([]) is None
 
 
+@pytest.mark.parametrize("angles", [(0.0, -23.0, -45.3, -90.0), (20.0, -3.0, -25.3, -70.0)])
+def test_full_flexion_is_the_largest_turn_whichever_way(angles):
+    shots = [surface_pictures.Snapshot(f, a, None, []) for f, a in zip((0, 40, 79, 157), angles)]
+    chosen = surface_figures.choose_moments(shots)
+    assert (chosen.rest.frame, chosen.half.frame, chosen.full.frame) == (0, 79, 157)
+
+
 def test_depth_colours_begin_where_nodes_are_inside():
     colours = surface_pictures.depth_colours(np.array([-1.0, 0.01, 0.05, 4.0, 40.0]), 4.0)
     assert np.array_equal(colours[0], surface_pictures.MUSCLE_COLOUR) and np.array_equal(colours[0], colours[1])
@@ -187,3 +194,27 @@ def test_the_depth_scale_leaves_out_the_control_without_collision():
     assert surface_figures.depth_scale_mm({("iliacus", "null"): moments(30), ("iliacus", "sdf"): moments(2.4)}) == 3
     assert surface_figures.depth_scale_mm({"null": moments(30), "sdf": moments(0.1)}) == 1
     assert surface_figures.depth_scale_mm({"voxel": moments(14)}) == surface_figures.DEEPEST_SHOWN_MM
+
+
+@pytest.mark.skipif(not CAN_DRAW, reason="no display and no Xvfb")
+def test_a_kill_while_surfaces_are_drawn_leaves_nobody_at_work(tmp_path):
+    out = tmp_path / "out"
+    command = [sys.executable, paper.__file__, "--musclebench", str(PROGRAM), "--out", str(out), "--frames-limit", "12",
+               "--muscle", "iliacus"]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def started_from(parent) -> set[int]:
+        lines = subprocess.run(["ps", "-eo", "pid,ppid,args"], capture_output=True, text=True).stdout.splitlines()[1:]
+        return {int(line.split()[0]) for line in lines if line.split()[1] == str(parent)
+                and ("draw_surfaces.py" in line or "Xvfb" in line)}
+
+    deadline = time.monotonic() + 60
+    while len(drawing := started_from(process.pid)) < 2:
+        assert time.monotonic() < deadline and process.poll() is None, "it never drew"
+        time.sleep(0.05)
+    process.send_signal(signal.SIGKILL)
+    process.wait(20)
+    while any(Path(f"/proc/{pid}/stat").exists() and Path(f"/proc/{pid}/stat").read_text().split()[2] != "Z"
+              for pid in drawing):
+        assert time.monotonic() < deadline, "the drawing lives on"
+        time.sleep(0.05)

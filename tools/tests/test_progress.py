@@ -1,18 +1,18 @@
 """The estimate counts work: what is measured beats what was guessed."""
 
 import io
-from dataclasses import replace
 
 import pytest
 
+import fake_registry
 from musclebench.cases.case import Places
-from musclebench.cases.muscle_scene import MuscleScene
 from musclebench.cases.progress import Estimate, ProgressBar, duration
 from musclebench.paper.paper_cases import PaperCase, plan
 
-ILIACUS = MuscleScene("lhdl", "iliacus")
+SCENES = fake_registry.scenes("synthetic")
+ILIACUS = fake_registry.scene("lhdl/iliacus")
 VOXEL, FCL = PaperCase(ILIACUS, "voxel"), PaperCase(ILIACUS, "fcl")
-SMALL_FCL = PaperCase(MuscleScene("lhdl", "adductor_brevis"), "fcl")
+SMALL_FCL = PaperCase(fake_registry.scene("lhdl/adductor_brevis"), "fcl")
 
 
 def test_nothing_measured_counts_by_guessed_seconds():
@@ -81,19 +81,19 @@ def test_durations_read_well(seconds, text):
 
 
 def test_the_plan_has_every_case_once_shuffled_with_long_ones_first():
-    cases = plan("synthetic")
+    cases = plan(SCENES)
     assert len(cases) == len(set(cases)) == 16
     assert {case.backend for case in cases[:3]} == {"fcl"}
-    assert plan("synthetic") == cases != plan("synthetic", seed=2)
+    assert plan(SCENES) == cases != plan(SCENES, seed=2)
 
 
 def test_snapshots_are_rest_half_and_full_flexion():
     assert VOXEL.snapshot_frames == [0, 79, 157]
-    assert PaperCase(replace(ILIACUS, frames_limit=20), "sdf").snapshot_frames == [0, 5, 10]
-    assert PaperCase(replace(ILIACUS, frames_limit=1), "sdf").snapshot_frames == [0]
+    assert PaperCase(fake_registry.scene("lhdl/iliacus", 20), "sdf").snapshot_frames == [0, 5, 10]
+    assert PaperCase(fake_registry.scene("lhdl/iliacus", 1), "sdf").snapshot_frames == [0, 1]
 
 
 def test_the_command_names_the_case(tmp_path):
-    words = PaperCase(replace(ILIACUS, frames_limit=20), "sdf").arguments(Places(tmp_path / "out", tmp_path))
+    words = PaperCase(fake_registry.scene("lhdl/iliacus", 20), "sdf").arguments(Places(tmp_path / "out", tmp_path))
     assert words[:4] == ["run", "lhdl/iliacus", "--backend", "sdf"]
     assert words[words.index("--data") + 1] == str(tmp_path) and words[words.index("--frames") + 1] == "20"

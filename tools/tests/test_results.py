@@ -58,7 +58,7 @@ def test_a_broken_run_json_is_named(tmp_path, text):
 
 
 def test_missing_columns_are_named(tmp_path):
-    folder = fake_runs.write_run(tmp_path / "r", "lhdl/iliacus", "sdf", frames=4)
+    folder = fake_runs.write_run(tmp_path / "r", "lhdl/iliacus", "sdf", frames=1)
     (folder / "frames.csv").write_text("frame,angle_deg\n1,2\n")
     with pytest.raises(run_folder.ResultProblem, match="detect_ns"):
         run_folder.read_run(folder)

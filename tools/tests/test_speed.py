@@ -11,17 +11,26 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+import fake_registry
 import speed
 from musclebench.cases.case import Places
 from musclebench.speed import samples, targets
 from musclebench.speed.kernel_results import read_kernels
 from musclebench.speed.speed_cases import MICRO_PROGRAM, KernelCase, RaceCase
-from musclebench.speed.speed_experiment import backends_of
-from musclebench.speed.speed_plan import SETTINGS, Request, plan
+from musclebench.speed import speed_plan
+from musclebench.speed.speed_plan import Request, settings
 
 PROGRAM = Path(__file__).resolve().parent / "fake_speed.py"
 TOOLS = PROGRAM.parent.parent
 MUSCLES = ("adductor_brevis", "iliacus")
+REGISTRY = fake_registry.registry()
+SCENES = tuple(fake_registry.scene(f"lhdl/{muscle}") for muscle in MUSCLES)
+ILIACUS = (fake_registry.scene("synthetic/iliacus"),)
+QUICK_ILIACUS = (fake_registry.scene("synthetic/iliacus", speed_plan.QUICK_FRAMES),)
+
+
+def plan(request):
+    return speed_plan.plan(request, REGISTRY)
 
 
 class Table:
@@ -59,15 +68,14 @@ def test_the_table_has_every_bar_with_its_median_spread_and_verdict(table):
     expected = {
         "collision time, bvh / voxel 64": (2.5, "no"),
         "collision time, sdf 64 / voxel 64": (1.2, "yes"),
-        "collision time, fcl node_distance / voxel 64": (100.0, "no"),
-        "the same without clearance cache: bvh": (10.0, ""),
+        "collision time, bvh no cache / voxel 64": (10.0, ""),
         "sdf value + gradient / voxel test, near points, float": (5.5, "no"),
         "sdf build per node / cold closest point of bvh near": (0.25, "yes"),
         "MB of sdf 64 float, dense, a bone": (7.6, "yes"),
         "two threads over one, detect of all nodes, bvh": (1.8, "yes"),
         "two threads over one, detect of all nodes, sdf": (1.5, "no"),
         "two threads over one, sdf build": (1.9, "yes"),
-        "power of the muscle's nodes that a step costs": (1.0, "yes"),
+        "power of the muscle's nodes that a step of bvh costs": (1.0, "yes"),
         "power of log(triangles) that a step of bvh costs": (0.0, "yes"),
         "heap allocations in a frame after the second": (3.0, "no"),
     }
@@ -100,19 +108,18 @@ def test_what_is_not_built_or_not_known_says_so(table):
     assert rows["MB of sdf 64 float, narrow band 10 mm, a bone"]["note"] == "not built: sdf: no 'band_m'"
 
 
-def test_a_backend_that_is_not_built_is_no_failure(table, tmp_path):
-    without = tmp_path / "without_fcl"
-    without.write_text(PROGRAM.read_text().replace("\\n  fcl  library", ""))
-    without.chmod(0o755)
-    code, _, _, calls = table("--musclebench", str(without))
-    row = table.rows()["collision time, fcl node_distance / voxel 64"]
-    assert code == 0 and row["measured"] is None and row["note"] == "not built: backend fcl"
-    assert backends_of(without) == {"voxel", "sdf", "bvh"} and backends_of(PROGRAM) == {"voxel", "sdf", "bvh", "fcl"}
-    assert not any("--backend fcl" in call for call in calls)
+def test_a_backend_that_is_not_built_is_no_failure(table, tmp_path, monkeypatch):
+    built = {name: fake_registry.study_of(name) for name in ("voxel", "sdf")}
+    (tmp_path / "registry.json").write_text(fake_registry.with_studies(built))
+    monkeypatch.setenv("FAKE_REGISTRY", str(tmp_path / "registry.json"))
+    code, _, _, calls = table()
+    assert code == 0 and "collision time, bvh / voxel 64" not in table.rows()
+    assert table.rows()["collision time, sdf 64 / voxel 64"]["measured"] == pytest.approx(1.2)
+    assert not any("--backend bvh" in call for call in calls)
 
 
 def test_a_failure_is_told_and_leaves_the_other_rows(table):
-    code, _, errors, _ = table(behaviour="bvh_locate=crash")
+    code, _, errors, _ = table(behaviour="voxel_test=crash")
     assert code == 1 and "kernels-queries-r0: failed" in errors
     row = table.rows()["sdf value + gradient / voxel test, near points, float"]
     assert row["measured"] is None and "something went wrong" in row["note"]
@@ -143,22 +150,22 @@ def test_the_report_alone_runs_nothing(table, tmp_path):
 
 
 def test_a_round_has_everything_once_and_muscles_stay_together():
-    cases = plan(Request("lhdl", MUSCLES, repetitions=3))
+    cases = plan(Request(SCENES, repetitions=3))
     assert len({case.name for case in cases}) == len(cases)
     assert [case.repetition for case in cases] == sorted(case.repetition for case in cases)
     orders = []
     for repetition in range(3):
         races = [case for case in cases if isinstance(case, RaceCase) and case.repetition == repetition]
-        assert len(races) == len(MUSCLES) * len(SETTINGS)
-        assert races[0].scene == races[len(SETTINGS) - 1].scene != races[-1].scene
-        orders.append([case.setting.label for case in races if case.scene.muscle == "iliacus"])
+        assert len(races) == len(MUSCLES) * len(settings(REGISTRY))
+        assert races[0].scene == races[len(settings(REGISTRY)) - 1].scene != races[-1].scene
+        orders.append([case.setting.label for case in races if case.scene.key == "iliacus"])
     assert orders[0] != orders[1] or orders[1] != orders[2]
     once = [case for case in cases if isinstance(case, KernelCase) and not case.group.varies]
     assert {case.repetition for case in once} == {0}
 
 
 def test_quick_means_less_of_everything():
-    quick, whole = (plan(Request(quick=value)) for value in (True, False))
+    quick, whole = (plan(Request(scenes, quick=value)) for scenes, value in ((QUICK_ILIACUS, True), (ILIACUS, False)))
     assert sum(case.guessed_seconds for case in quick) < sum(case.guessed_seconds for case in whole) / 3
     words = next(case for case in quick if isinstance(case, RaceCase)).arguments(Places(Path("out")))
     assert "--frames" in words and "--no-referee" in words
@@ -170,7 +177,7 @@ def test_quick_means_less_of_everything():
 ])
 def test_quick_leaves_out_the_largest_sizes(name, whole, quick):
     for wished, expected in ((False, whole), (True, quick)):
-        cases = [case for case in plan(Request(quick=wished)) if isinstance(case, KernelCase)]
+        cases = [case for case in plan(Request(ILIACUS, quick=wished)) if isinstance(case, KernelCase)]
         assert any(re.search(case.group.pattern, name) for case in cases) == expected
 
 
@@ -183,7 +190,7 @@ def test_the_dry_run_lists_the_cases(table):
     (["--repetitions", "0"], "--repetitions 0: must be 1 or more"),
     (["--micro", "/nowhere/micro"], "/nowhere/micro: no such program"),
     (["--data", "/nowhere"], "/nowhere: has no lhdl.json"),
-    (["--muscle", "biceps"], "invalid choice"),
+    (["--muscle", "biceps"], "--muscle 'biceps': not a muscle"),
 ])
 def test_bad_options_are_answered_in_one_line(table, arguments, words):
     code, _, errors, calls = table(*arguments)
@@ -246,7 +253,7 @@ def test_the_plan_asks_for_kernels_that_there_are():
         pytest.skip("MUSCLEBENCH_BINARY names no program with kernels beside it")
     listed = subprocess.run([str(program), "--benchmark_list_tests"], capture_output=True, text=True, check=True).stdout
     for quick in (False, True):
-        for case in plan(Request(quick=quick)):
+        for case in plan(Request(ILIACUS, quick=quick)):
             if isinstance(case, KernelCase) and case.group.program == MICRO_PROGRAM:
                 pattern = re.compile(case.group.pattern)
                 assert any(pattern.search(name) for name in listed.splitlines()), case.group

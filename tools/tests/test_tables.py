@@ -76,7 +76,26 @@ def test_files_agree_with_the_rows(made, tmp_path):
     assert read_back["first_mb"].tolist() == made[0].rows["first_mb"].tolist()
     markdown, latex = paths[1].read_text(), paths[2].read_text()
     assert markdown.count("\n| ") == 18 and "| iliacus | fcl | ok | 200.0 | 220.0 | 90.0 |" in markdown
-    assert latex.count("\\\\") == 17 and "gluteus maximus & fcl & ok & 200.0" in latex
+    assert "\\emph{gluteus maximus}" in latex and "fcl & 200.0 & 220.0" in latex
+
+
+def test_latex_tables_fit_a_page(made):
+    wide = pd.concat([made[1].rows] * 6, ignore_index=True)
+    for table in (*made, table_formats.Table("all", "All", made[1].columns, wide, [c.key for c in made[1].columns])):
+        shown = [column for column in table.columns if column.key in table.shown]
+        for group in table_formats.latex_column_groups(table, shown):
+            assert sum(table_formats._latex_width(table, column) for column in group) <= table_formats.LATEX_WIDTH
+        parts = table_formats.as_latex(table).split("\\begin{table*}")[1:]
+        assert all("\\toprule" in part and "\\bottomrule" in part for part in parts)
+        assert max(part.count("\\\\") for part in parts) <= table_formats.LATEX_ROWS + 40
+    assert len(table_formats.as_latex(made[0]).split("\\begin{table*}")) == 2  # the paper's table in one piece
+
+
+def test_no_column_that_a_terminal_shows_is_lost_in_latex(made):
+    for table in made:
+        shown = [column for column in table.columns if column.key in table.shown]
+        groups = table_formats.latex_column_groups(table, shown)
+        assert {column.key for group in groups for column in group} == set(table.shown)
 
 
 def test_the_ratio_is_matched_by_frame():

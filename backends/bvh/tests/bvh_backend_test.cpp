@@ -1,4 +1,4 @@
-// What the contract suite lacks: surfaces that are not clean, features, places far away, threads.
+// What the contract suite lacks: non-manifold surfaces, features, points far away, threads.
 #include "backends/bvh/bvh_backend.hpp"
 
 #include <cmath>
@@ -236,7 +236,7 @@ TEST(BvhBackend, CountsTheBytesOfItsTrees) {
     const std::vector<Bone> bones = {{"ball", repair_mesh(make_sphere(1, subdivisions), "ball")}};
     backend->build(bones, no_muscle, 1);
     bytes.push_back(backend->structure_bytes());
-    // Corners, places, clusters, boxes, pseudo-normals.
+    // Corners, leaf indices, clusters, boxes, pseudo-normals.
     EXPECT_GT(bytes.back(), bones[0].surface.mesh.triangles.size() * 9 * sizeof(double));
   }
   EXPECT_NEAR(static_cast<double>(bytes[1]) / static_cast<double>(bytes[0]), 16, 2);

@@ -83,8 +83,8 @@ template <std::size_t step>
 HWY_INLINE Vec largest_rise(const std::array<CellLanes, 64>& coefficient, std::size_t from) {
   Vec largest = hn::Zero(Lanes());
   for (std::size_t line = 0; line < 64; line += 4 * step) {
-    for (std::size_t place = line; place < line + 3 * step; ++place) {
-      const Vec rise = hn::Sub(at(coefficient[place + step], from), at(coefficient[place], from));
+    for (std::size_t index = line; index < line + 3 * step; ++index) {
+      const Vec rise = hn::Sub(at(coefficient[index + step], from), at(coefficient[index], from));
       largest = hn::Max(largest, hn::Abs(rise));
     }
   }
@@ -124,11 +124,11 @@ void bound(const CellsInLanes& cells, const std::array<double, 3>& cell_size_m, 
         if (y == 1 || y == 2) {
           sum.add(line_of(bubble[1][y - 1], from, x));
         }
-        const std::size_t place = 16 * x + 4 * y;
-        hn::Store(sum.v0, d, coefficient[place].data() + from);
-        hn::Store(hn::Add(sum.v1, at(of_z[0][y], from)), d, coefficient[place + 1].data() + from);
-        hn::Store(hn::Add(sum.v2, at(of_z[1][y], from)), d, coefficient[place + 2].data() + from);
-        hn::Store(sum.v3, d, coefficient[place + 3].data() + from);
+        const std::size_t index = 16 * x + 4 * y;
+        hn::Store(sum.v0, d, coefficient[index].data() + from);
+        hn::Store(hn::Add(sum.v1, at(of_z[0][y], from)), d, coefficient[index + 1].data() + from);
+        hn::Store(hn::Add(sum.v2, at(of_z[1][y], from)), d, coefficient[index + 2].data() + from);
+        hn::Store(sum.v3, d, coefficient[index + 3].data() + from);
       }
     }
     Vec lowest = at(coefficient[0], from);
@@ -147,7 +147,7 @@ void bound(const CellsInLanes& cells, const std::array<double, 3>& cell_size_m, 
       const Vec slope = hn::Mul(rise[axis], hn::Set(d, 3 / cell_size_m[axis]));
       squared = hn::Add(squared, hn::Mul(slope, slope));
     }
-    hn::Store(hn::Sqrt(squared), d, bounds.steepest.data() + from);
+    hn::Store(hn::Sqrt(squared), d, bounds.lipschitz_bound.data() + from);
   }
 }
 

@@ -15,8 +15,8 @@ struct CellBounds {
   // Of the Bernstein coefficients, to the bit.
   alignas(64) std::array<double, width> lowest;
   alignas(64) std::array<double, width> highest;
-  /// `CubicCell::steepest` is not more, but for rounding.
-  alignas(64) std::array<double, width> steepest;
+  /// `CubicCell::lipschitz_bound` is not more, but for rounding.
+  alignas(64) std::array<double, width> lipschitz_bound;
 };
 
 /// Bounds of up to eight cells (at least one) with edges of this size.

@@ -5,7 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "backends/sdf/build/field_marks.hpp"
+#include "backends/sdf/build/band_builder.hpp"
+#include "backends/sdf/build/cell_signs.hpp"
 #include "backends/sdf/build/node_distances.hpp"
 #include "core/base/input_error.hpp"
 #include "core/mesh/mesh_size.hpp"
@@ -73,7 +74,7 @@ CubicField build_field(const SignedSurface& surface, const GridShape& shape, con
                          : CubicField(shape, settings.precision);
   fill_distances(surface, field, threads, progress);
   keep_border_positive(field);
-  mark_cells(field, threads);
+  find_cell_signs(field, threads);
   field.facts().error = estimate_error(field, surface, error_samples);
   return field;
 }

@@ -17,7 +17,7 @@ struct GridSettings {
   double margin = 1e-3;    ///< the domain is the bone's bounding box, grown on all sides by this share of its diagonal
 };
 
-/// The grid over a bone's surface. Throws InputError (place: `cell_size_m` of the bone) where the cells are larger than
+/// The grid over a bone's surface. Throws InputError (about `cell_size_m` of the bone) where the cells are larger than
 /// the bone or absurdly small.
 GridShape grid_over(const TriangleMesh& mesh, const GridSettings& settings, const std::string& bone_name);
 
@@ -28,7 +28,7 @@ struct FieldSettings {
   std::optional<double> band_m = std::nullopt;
 };
 
-/// Throws InputError (place: `band_m` of the bone) for a band narrower than a cell's diagonal or wider than the bone.
+/// Throws InputError (about `band_m` of the bone) for a band narrower than a cell's diagonal or wider than the bone.
 void require_sensible_band(double band_m, const GridShape& shape, const TriangleMesh& mesh,
                            const std::string& bone_name);
 

@@ -11,7 +11,7 @@ namespace musclebench {
 /// from the surface's area and volume: some 20 % too much on bones.
 double bytes_to_build(const TriangleMesh& surface, const GridShape& shape, const FieldSettings& settings);
 
-/// Throws InputError (place: the parameter that chose the grid) that says how much is needed, how much is there and
+/// Throws InputError (about the parameter that chose the grid) that says how much is needed, how much is there and
 /// what fits, where the fields of these bones over `shapes`, laid out by `grid`, need more memory than there is.
 void require_room(std::span<const Bone> bones, std::span<const GridShape> shapes, const GridSettings& grid,
                   const FieldSettings& settings);

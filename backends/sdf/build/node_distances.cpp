@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/bvh/batch/packet_search.hpp"
+#include "core/bvh/batch/batched_closest_point.hpp"
 
 namespace musclebench {
 
@@ -28,7 +28,7 @@ using Index = GridIndex::Coordinates;
 
 /// Where the nodes of one record stand.
 struct Record {
-  std::size_t place = 0;
+  std::size_t begin = 0;
   std::array<std::size_t, GridShape::record_size> offset;
 };
 
@@ -60,12 +60,12 @@ bool has_cell_at_edge(const CubicField& field, const Index& vertex, std::size_t 
 }
 
 /// Three numbers of two bits each, whose bits alternate in `number`: those that follow each other are close together.
-Index place_in_block(std::size_t number) {
-  Index place{};
+Index coordinates_in_block(std::size_t number) {
+  Index at{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    place[axis] = (number >> axis & 1U) + 2 * (number >> (axis + 3) & 1U);
+    at[axis] = (number >> axis & 1U) + 2 * (number >> (axis + 3) & 1U);
   }
-  return place;
+  return at;
 }
 
 /// Fills block after block and remembers the last node: its closest triangle starts the next search, and a node that is
@@ -90,15 +90,15 @@ class NodeWalk {
   void fill_block(const Index& first) {
     m_box.setEmpty();
     for (std::size_t number = 0; number < block_size; ++number) {
-      const Index place = place_in_block(number);
+      const Index at = coordinates_in_block(number);
       m_packets[number].count = 0;
-      add_record({first[0] + place[0], first[1] + place[1], first[2] + place[2]}, number);
+      add_record({first[0] + at[0], first[1] + at[1], first[2] + at[2]}, number);
     }
     if (m_box.isEmpty()) {
       return;
     }
     const int last = std::max(m_last.closest.triangle, 0);
-    m_search.enter(m_box, m_surface.tree().closest_point_from(m_box.center(), last).triangle);
+    m_search.begin(m_box, m_surface.tree().closest_point_from(m_box.center(), last).triangle);
     m_search.closest_points(m_packets);
     for (std::size_t number = 0; number < block_size; ++number) {
       store(m_packets[number], m_records[number]);
@@ -118,13 +118,13 @@ class NodeWalk {
     if (vertex[0] > shape.count(0) || vertex[1] > shape.count(1) || vertex[2] > shape.count(2)) {
       return;
     }
-    const std::optional<std::size_t> place = m_field.record(vertex[0], vertex[1], vertex[2]);
-    if (!place) {
+    const std::optional<std::size_t> begin = m_field.record(vertex[0], vertex[1], vertex[2]);
+    if (!begin) {
       return;
     }
     PointPacket& packet = m_packets[number];
     Record& record = m_records[number];
-    record.place = *place;
+    record.begin = *begin;
     const auto at = [&](std::size_t axis, std::size_t thirds) { return m_coordinate[axis][3 * vertex[axis] + thirds]; };
     const auto add = [&](std::size_t offset) {
       const std::array<std::size_t, 3>& away = thirds_away[offset];
@@ -148,7 +148,7 @@ class NodeWalk {
     for (std::size_t n = 0; n < packet.count; ++n) {
       const ClosestPoint& closest = packet.closest[n];
       const bool inside = is_inside(packet.point[n], closest);
-      m_field.store(record.place + record.offset[n], inside ? -closest.distance_m : closest.distance_m);
+      m_field.store(record.begin + record.offset[n], inside ? -closest.distance_m : closest.distance_m);
       if (n == 0) {
         m_last = {packet.point[n], closest, inside};  // the others of the record are next to it, too
         m_knows_side = true;
@@ -165,7 +165,7 @@ class NodeWalk {
   }
 
   const SignedSurface& m_surface;
-  PacketSearch m_search;
+  BatchedClosestPoint m_search;
   CubicField& m_field;
   std::array<std::vector<double>, 3> m_coordinate;  ///< along each axis: a vertex, the two thirds that follow it
   Eigen::AlignedBox3d m_box;                        ///< of the block's nodes

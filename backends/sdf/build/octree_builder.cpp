@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
-#include "backends/sdf/build/exact_places.hpp"
 #include "backends/sdf/build/octree_cells.hpp"
 #include "backends/sdf/build/octree_memory.hpp"
-#include "backends/sdf/build/octree_reach.hpp"
+#include "backends/sdf/build/octree_sign_error.hpp"
+#include "backends/sdf/build/reference_samples.hpp"
 #include "backends/sdf/octree/octree_entry.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/percentile.hpp"
@@ -31,12 +31,12 @@ constexpr double finest_wanted = 1e-8;  // coefficients are floats
 constexpr double root_edge_near = 8;  ///< edge of a root over what counts as near
 constexpr double finest_edge = 1e-4;  ///< over the root's: a limit that bones never reach
 static_assert(finest_edge * (1 << octree_most_levels) >= 2);
-constexpr double first_threshold = 3e-4;  ///< of wrong volume in a leaf, over the volume of all near places
+constexpr double first_threshold = 3e-4;  ///< of the error indicator of a leaf, over the volume of all near points
 /// Over what counts as near. Proving 0.75 of it takes 4 % of a build and saves 2 % of a collision (femur, 0.05 mm).
 constexpr double least_reach = 1;
 /// They tell the error that 99 % are below to 2.5 % (one standard deviation on scanned bones; twice as many to 1.7 %).
-constexpr std::size_t places_measured = 10000;
-/// Cells for which memory is asked for together.
+constexpr std::size_t sample_count = 10000;
+/// Cells that are prefetched together.
 constexpr std::size_t split_together = 4;
 /// Of the wanted error. Across the faces between leaves the field jumps by up to an eighth more than it is off.
 constexpr double aim_share = 0.88;
@@ -46,14 +46,14 @@ double number(std::size_t count) { return static_cast<double>(count); }
 class OctreeBuilder {
  public:
   OctreeBuilder(const SignedSurface& surface, const TriangleMesh& mesh, const OctreeShape& shape,
-                const OctreeDemand& demand, const OctreeSettings& settings, const std::string& bone, int threads)
+                const ErrorTarget& target, const OctreeSettings& settings, const std::string& bone, int threads)
       : m_surface(surface),
         m_mesh(mesh),
         m_shape(shape),
-        m_demand(demand),
-        m_maker(surface, demand),
+        m_target(target),
+        m_maker(surface, target),
         m_max_error_m(settings.max_error_m),
-        m_memory(bone, settings.max_error_m, demand.wanted_m, settings.memory_bytes),
+        m_memory(bone, settings.max_error_m, target.wanted_m, settings.memory_bytes),
         m_threads(threads) {}
 
   OctreeField build(const BuildProgress& progress) {
@@ -64,17 +64,17 @@ class OctreeBuilder {
     };
     tell(0);
     plant_roots();
-    choose_places();
+    draw_samples();
     double first_p99_m = 0;
     double reached = 0;
     for (m_threshold_m3 = first_threshold * m_near_m3;; m_threshold_m3 *= next_step()) {
       const bool exhausted = !refine();
-      // A part of the places tells when all of them are worth a look.
+      // An eighth of the samples tells when it is worth measuring all.
       measure(8);
-      if (wrong_share() <= 0.02) {
+      if (share_beyond_target() <= 0.02) {
         measure(1);
       }
-      if (m_errors_m.size() == m_places.size() && wrong_share() <= wrong_share_allowed()) {
+      if (m_errors_m.size() == m_samples.size() && share_beyond_target() <= allowed_share_beyond_target()) {
         OctreeField field = pack();
         tell(1);
         return field;
@@ -82,13 +82,13 @@ class OctreeBuilder {
       const double p99_m = error_quantile_m(0.99);
       first_p99_m = first_p99_m > 0 ? first_p99_m : p99_m;
       m_memory.learn(m_cells.size(), p99_m, exhausted);
-      reached = std::max(reached, std::log(first_p99_m / p99_m) / std::log(first_p99_m / m_demand.wanted_m));
+      reached = std::max(reached, std::log(first_p99_m / p99_m) / std::log(first_p99_m / m_target.wanted_m));
       tell(std::clamp(reached, 0.0, 1.0));
     }
   }
 
  private:
-  /// The error at a place as it was measured last, in this cell by this polynomial.
+  /// The error at a reference sample as it was measured last, in this cell by this polynomial.
   struct Measured {
     static constexpr std::size_t nowhere = std::numeric_limits<std::size_t>::max();
     std::size_t cell = nowhere;
@@ -112,28 +112,28 @@ class OctreeBuilder {
     }
   }
 
-  void choose_places() {
-    m_places = places_about(m_surface, m_mesh, m_demand.near_m, places_measured, 1, m_threads);
-    // Only the order of magnitude counts: the roots that hold near places are about half full of them.
+  void draw_samples() {
+    m_samples = reference_samples(m_surface, m_mesh, m_target.near_m, sample_count, 1, m_threads);
+    // Only the order of magnitude counts: the roots that hold near points are about half full of them.
     const auto near_roots = std::count_if(m_cells.begin(), m_cells.end(), [&](const OctreeCell& cell) {
-      return std::abs(cell.distance_m) <= m_demand.near_m + cell.reach_m();
+      return std::abs(cell.distance_m) <= m_target.near_m + cell.reach_m();
     });
     m_near_m3 = 0.5 * static_cast<double>(near_roots) * std::pow(m_shape.root_edge_m, 3);
   }
 
   [[nodiscard]] bool can_split(const OctreeCell& cell) const {
-    return cell.leaf != nullptr && cell.half_edge_m > m_demand.finest_edge_m;
+    return cell.leaf != nullptr && cell.half_edge_m > m_target.finest_edge_m;
   }
 
-  /// Splits what is more wrong than the threshold until nothing is. False when even a lower threshold would change
-  /// nothing.
+  /// Splits the leaves whose error indicator is above the threshold until there is none. False when even a lower
+  /// threshold would change nothing.
   bool refine() {
     fit_cubics();
     std::vector<std::size_t> work;
     bool more = false;
     for (std::size_t c = 0; c < m_cells.size(); ++c) {
-      more = more || (can_split(m_cells[c]) && m_cells[c].wrong_quadratic_m3 > 0);
-      if (can_split(m_cells[c]) && m_cells[c].wrong_m3() > m_threshold_m3) {
+      more = more || (can_split(m_cells[c]) && m_cells[c].quadratic_indicator_m3 > 0);
+      if (can_split(m_cells[c]) && m_cells[c].indicator_m3() > m_threshold_m3) {
         work.push_back(c);
       }
     }
@@ -157,10 +157,11 @@ class OctreeBuilder {
   std::vector<std::size_t> split_all(const std::vector<std::size_t>& work) {
     const std::size_t needed = m_cells.size() + 16 * work.size();  // while they grow, the old ones are there
     if (!m_memory.has_room_for(needed)) {
-      m_memory.refuse(needed, m_errors_m.empty() ? m_demand.near_m : error_quantile_m(1 - wrong_share_allowed()));
+      m_memory.refuse(needed,
+                      m_errors_m.empty() ? m_target.near_m : error_quantile_m(1 - allowed_share_beyond_target()));
     }
     std::vector<std::size_t> next;
-    // Cells across a face have different colours: the second colour takes what the first one was asked.
+    // Cells across a face have different colours: the second colour takes over samples of the first.
     for (const bool odd : {false, true}) {
       std::vector<std::size_t> cells;
       std::copy_if(work.begin(), work.end(), std::back_inserter(cells),
@@ -206,7 +207,7 @@ class OctreeBuilder {
       cell.first_child = first + 8 * w;
       cell.leaf.reset();
       for (std::size_t child = cell.first_child; child < cell.first_child + 8; ++child) {
-        if (can_split(m_cells[child]) && m_cells[child].wrong_m3() > m_threshold_m3) {
+        if (can_split(m_cells[child]) && m_cells[child].indicator_m3() > m_threshold_m3) {
           next.push_back(child);
         }
       }
@@ -225,7 +226,7 @@ class OctreeBuilder {
     return children;
   }
 
-  /// The leaf that holds a place, or its ancestor with this half of an edge.
+  /// The leaf that holds a point, or its ancestor with this half edge.
   [[nodiscard]] std::size_t find(const Vec3& point, double half_edge_m = 0) const {
     std::array<std::size_t, 3> root{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -236,7 +237,7 @@ class OctreeBuilder {
     return find_below(m_shape.root_grid().index(root), point, half_edge_m);
   }
 
-  /// The same where a cell that holds the place is known.
+  /// The same where a cell that holds the point is known.
   [[nodiscard]] std::size_t find_below(std::size_t cell, const Vec3& point, double half_edge_m = 0) const {
     while (m_cells[cell].split() && m_cells[cell].half_edge_m > half_edge_m) {
       const Vec3& centre = m_cells[cell].centre_m;
@@ -247,21 +248,21 @@ class OctreeBuilder {
     return cell;
   }
 
-  /// At every `step`-th place. Most leaves stay what they were when they were measured before.
+  /// At every `step`-th reference sample. Most leaves stay what they were when they were measured before.
   void measure(std::size_t step) {
-    m_measured.resize(m_places.size());
-    m_errors_m.resize(m_places.size() / step);
+    m_measured.resize(m_samples.size());
+    m_errors_m.resize(m_samples.size() / step);
 #pragma omp parallel for schedule(static) num_threads(m_threads)
     for (std::size_t p = 0; p < m_errors_m.size(); ++p) {
-      const ExactPlace& place = m_places[p * step];
+      const ReferenceSample& sample = m_samples[p * step];
       Measured& last = m_measured[p * step];
       const bool is_first = last.cell == Measured::nowhere;
-      const std::size_t found = is_first ? find(place.point) : find_below(last.cell, place.point);
+      const std::size_t found = is_first ? find(sample.point) : find_below(last.cell, sample.point);
       const OctreeCell& cell = m_cells[found];
       const bool cubic = cell.takes_cubic(m_threshold_m3);
       if (found != last.cell || cubic != last.cubic) {
-        // Without a leaf it is as far as near places are, to rounding.
-        const double error_m = cell.leaf == nullptr ? 0 : std::abs(value_of(cell, place.point) - place.distance_m);
+        // Without a leaf the sample is as far as near points are, to rounding.
+        const double error_m = cell.leaf == nullptr ? 0 : std::abs(value_of(cell, sample.point) - sample.distance_m);
         last = {found, cubic, error_m};
       }
       m_errors_m[p] = last.error_m;
@@ -280,39 +281,40 @@ class OctreeBuilder {
     return percentile(m_errors_m, share);
   }
 
-  /// Of the places that were measured last.
-  [[nodiscard]] double wrong_share() const {
+  /// Of the samples that were measured last.
+  [[nodiscard]] double share_beyond_target() const {
     const auto wrong = std::count_if(m_errors_m.begin(), m_errors_m.end(),
-                                     [&](double error_m) { return error_m > m_demand.wanted_m; });
+                                     [&](double error_m) { return error_m > m_target.wanted_m; });
     return static_cast<double>(wrong) / number(m_errors_m.size());
   }
 
   /// One in a hundred, less two standard deviations, so that the next one who measures agrees.
-  [[nodiscard]] double wrong_share_allowed() const {
-    const double one_in_hundred = 0.01 * number(m_places.size());
-    return std::max(0.0, one_in_hundred - 2 * std::sqrt(one_in_hundred)) / number(m_places.size());
+  [[nodiscard]] double allowed_share_beyond_target() const {
+    const double one_in_hundred = 0.01 * number(m_samples.size());
+    return std::max(0.0, one_in_hundred - 2 * std::sqrt(one_in_hundred)) / number(m_samples.size());
   }
 
-  /// Of the threshold. On scanned bones the share of wrong places falls with its power 0.7 to 0.8. A little short of
-  /// that, so as not to overshoot the aim by many cells; but not so short that places are measured for nothing.
+  /// Of the threshold. On scanned bones the share of samples beyond the target falls with its power 0.7 to 0.8. A
+  /// little short of that, so as not to overshoot the aim by many cells; but not so short that samples are measured for
+  /// nothing.
   [[nodiscard]] double next_step() const {
     constexpr double power = 1.25;
     constexpr double longest = 0.1;
     constexpr double shortest = 0.9;
-    return std::clamp(std::pow(wrong_share_allowed() / wrong_share(), power), longest, shortest);
+    return std::clamp(std::pow(allowed_share_beyond_target() / share_beyond_target(), power), longest, shortest);
   }
 
   OctreeField pack() {
     m_entries.reserve(m_cells.size());
     m_entries.assign(m_shape.root_count(), 0);
     m_coefficients.reserve(coefficient_count() + cubic_terms);
-    m_quality = {m_max_error_m, m_demand.near_m};
+    m_quality = {m_max_error_m, m_target.near_m};
     m_quality.finest_edge_m = m_shape.root_edge_m;
     for (std::size_t root = 0; root < m_shape.root_count(); ++root) {
       pack(root, root);
     }
     m_coefficients.resize(m_coefficients.size() + cubic_terms);
-    m_quality.negative_reach_m = largest_reach_m();
+    m_quality.sign_error_distance_m = largest_sign_error_distance_m();
     m_quality.samples = static_cast<std::int64_t>(m_errors_m.size());
     m_quality.p99_m = error_quantile_m(0.99);
     m_quality.largest_m = error_quantile_m(1);
@@ -334,7 +336,7 @@ class OctreeBuilder {
   void pack(std::size_t from, std::size_t entry) {
     using octree_entry::Kind;
     const OctreeCell& cell = m_cells[from];
-    if (m_coefficients.size() + 2 * cubic_terms > octree_entry::most_places) {
+    if (m_coefficients.size() + 2 * cubic_terms > octree_entry::most_offsets) {
       m_memory.refuse_any_size(error_quantile_m(0.99));
     }
     if (cell.split()) {
@@ -361,15 +363,16 @@ class OctreeBuilder {
     }
   }
 
-  [[nodiscard]] double largest_reach_m() const {
-    const double least_m = least_reach * m_demand.near_m;
+  [[nodiscard]] double largest_sign_error_distance_m() const {
+    const double least_m = least_reach * m_target.near_m;
     double reach_m = least_m;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(m_threads) reduction(max : reach_m)
     for (std::size_t c = 0; c < m_cells.size(); ++c) {
       const OctreeCell& cell = m_cells[c];
       if (cell.leaf != nullptr) {
         const std::size_t terms = cell.chosen_terms(m_threshold_m3);
-        reach_m = std::max(reach_m, negative_reach_m(m_surface, cell, cell.chosen(m_threshold_m3), terms, least_m));
+        reach_m =
+            std::max(reach_m, sign_error_distance_m(m_surface, cell, cell.chosen(m_threshold_m3), terms, least_m));
       }
     }
     return reach_m;
@@ -378,16 +381,16 @@ class OctreeBuilder {
   const SignedSurface& m_surface;
   const TriangleMesh& m_mesh;
   OctreeShape m_shape;
-  OctreeDemand m_demand;
+  ErrorTarget m_target;
   OctreeCellMaker m_maker;
-  double m_max_error_m;  ///< the demand is a little less
+  double m_max_error_m;  ///< the target is a little less
   OctreeMemory m_memory;
   int m_threads;
 
   std::vector<OctreeCell> m_cells;  ///< the roots, then children, eight and eight
-  std::vector<ExactPlace> m_places;
-  std::vector<Measured> m_measured;  ///< at each place
-  std::vector<double> m_errors_m;    ///< at every n-th place
+  std::vector<ReferenceSample> m_samples;
+  std::vector<Measured> m_measured;  ///< at each reference sample
+  std::vector<double> m_errors_m;    ///< at every n-th one
   double m_near_m3 = 0;
   double m_threshold_m3 = 0;
 
@@ -417,8 +420,8 @@ OctreeField build_octree(const SignedSurface& surface, const TriangleMesh& mesh,
     shape.roots[axis] = static_cast<std::int32_t>(roots[static_cast<Eigen::Index>(axis)]);
   }
   shape.lower_m = box.center() - 0.5 * shape.root_edge_m * roots;
-  const OctreeDemand demand{aim_share * wanted_m, near_m, finest_edge * shape.root_edge_m};
-  return OctreeBuilder(surface, mesh, shape, demand, settings, bone_name, threads).build(progress);
+  const ErrorTarget target{aim_share * wanted_m, near_m, finest_edge * shape.root_edge_m};
+  return OctreeBuilder(surface, mesh, shape, target, settings, bone_name, threads).build(progress);
 }
 
 }  // namespace musclebench

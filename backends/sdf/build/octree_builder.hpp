@@ -13,7 +13,7 @@ namespace musclebench {
 
 /// What an adaptive field has to reach.
 struct OctreeSettings {
-  /// Of 100 places up to `near_m` from the surface, 99 differ by no more from the exact distance.
+  /// Of 100 points up to `near_m` from the surface, 99 differ by no more from the exact distance.
   double max_error_m = 5e-5;
   /// 0: 1/200 of the diagonal of the bone's box, 2.3 mm on a thigh bone: a contact that is deeper is resolved by many
   /// steps, and only the last ones show.
@@ -27,20 +27,21 @@ using BuildProgress = std::function<void(double share)>;
 
 /// Builds the field that reaches the wanted error with few coefficients.
 ///
-/// What the bar is: 99 of 100 places, because the distance has kinks where the surface has edges, and there the error
-/// of any polynomial falls only as fast as its cell's edge. Cells that chased the last place there would be most of the
+/// The target is 99 of 100 points, because the distance has kinks where the surface has edges, and there the error
+/// of any polynomial falls only as fast as its cell's edge. Cells that chased the last point there would be most of the
 /// field. The largest error is reported beside it. Across the faces between leaves the field jumps by somewhat more
-/// than it is off, so the aim is a little below what is wanted: then jumps, too, are within it at 99 of 100 places (on
+/// than it is off, so the aim is a little below what is wanted: then jumps, too, are within it at 99 of 100 points (on
 /// the LHDL pelvis and femur, for 0.05 and 0.2 mm, 99 % of the area of all faces near the surface by 0.88 to 1.01 of
 /// it).
 ///
-/// How it is met: every leaf knows how wrong it is: its volume, weighted at each of its 27 or 35 samples by how far the
-/// error is from what is allowed. Leaves that are more wrong than a threshold are split; where it mends a tenth of that
-/// the others get the cubic polynomial. The threshold falls until the error, measured at 10,000 random places that no
-/// fit has seen (`places_about`), is reached. So what stays wrong is what would cost most to mend. Beyond `near_m`,
-/// inside, the allowed error grows by a tenth of the way; outside the field becomes a lower bound.
+/// How it is met: every leaf has an error indicator, its volume weighted at each of its 27 or 35 samples by the error
+/// over the allowed error. Leaves above a threshold are split; where a cubic polynomial lowers the indicator by a tenth
+/// of the threshold the others get one. The threshold falls until the error, measured at 10,000 random points that
+/// no fit has seen (`reference_samples`), is reached. So the errors that stay are those that would cost most to mend.
+/// Beyond `near_m`, inside, the allowed error grows by a tenth of the distance beyond; outside the field becomes a
+/// lower bound.
 ///
-/// The same bits for any number of threads. Throws InputError (place: `max_error_mm` of the bone) where the wanted
+/// The same bits for any number of threads. Throws InputError (about `max_error_mm` of the bone) where the wanted
 /// error is out of all proportion to the bone, or needs more memory than there is, with the error that fits.
 OctreeField build_octree(const SignedSurface& surface, const TriangleMesh& mesh, const OctreeSettings& settings,
                          const std::string& bone_name, int threads, const BuildProgress& progress = {});

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/grid_index.hpp"
 #include "core/base/prefetch.hpp"
 
 namespace musclebench {
 
 namespace {
 
-/// Beyond the near places the allowed error grows by this share of the way: a response to such a depth only has to
+/// Beyond the near points the allowed error grows by this share of the distance: a response to such a depth only has to
 /// lead out.
 constexpr double relaxation = 0.1;
 
@@ -22,21 +23,21 @@ constexpr double coarsest_near = 4;
 /// distance; on scanned bones fields are built the faster the smaller this is and are smallest at 0.2.
 constexpr double worth_a_cubic = 0.1;
 
-/// Where the quadratic polynomial is off by no more than this share of what is allowed, octants need not be looked at.
+/// Where the quadratic polynomial is off by no more than this share of what is allowed, octants need not be sampled.
 constexpr float sure_share = 0.8F;
 
-/// What a place counts that is off by `error` times what is allowed. Smooth, so that leaves whose samples are all just
-/// right, and whose other places may not be, come before those that are right by far; and no more than about five
-/// places that are just right, because where the distance has a kink the last error can't be had.
-float wrongness(float error) {
+/// The indicator of a sample whose error is `error` times the allowed one. Smooth, so that leaves whose samples are all
+/// just within it, while other points may not be, come before those that are far within; capped at about five samples
+/// that are just within, because where the distance has a kink the last error can't be removed.
+float sample_indicator(float error) {
   const float square = std::min(error * error, 2.25F);
   return square * square;
 }
 
-double wrong_volume_m3(const OctreeCell& cell, const CellErrors& errors) {
+double error_indicator_m3(const OctreeCell& cell, const CellErrors& errors) {
   float wrong = 0;
   for (const float error : errors) {
-    wrong += wrongness(error);
+    wrong += sample_indicator(error);
   }
   const double edge_m = 2 * cell.half_edge_m;
   const double volume_m3 = edge_m * edge_m * edge_m / static_cast<double>(known_samples(cell.leaf->samples));
@@ -47,22 +48,22 @@ const double half_diagonal = std::sqrt(3.0) * (1 + 1e-9);
 
 /// Along one axis of the grid that the lattices of eight children share.
 constexpr std::size_t fine = 5;
-constexpr std::size_t fine_place(std::size_t i, std::size_t j, std::size_t k) { return (i * fine + j) * fine + k; }
+constexpr std::size_t fine_index(std::size_t i, std::size_t j, std::size_t k) { return (i * fine + j) * fine + k; }
 
-bool bit(std::size_t number, std::size_t place) { return (number >> place & 1U) != 0; }
+bool bit(std::size_t number, std::size_t index) { return (number >> index & 1U) != 0; }
 
 Vec3 octant_centre(const OctreeCell& cell, std::size_t octant) {
-  return cell.centre_m + cell.half_edge_m * sample_place(lattice_samples + octant);
+  return cell.centre_m + cell.half_edge_m * sample_position(lattice_samples + octant);
 }
 
-DistanceSample sample_of(const SignedSurface& surface, const Vec3& point, const SignedPoint& place) {
-  const Vec3 gradient = surface.outward(point, place);
-  return {place.signed_distance_m(),
+DistanceSample sample_of(const SignedSurface& surface, const Vec3& point, const SignedPoint& located) {
+  const Vec3 gradient = surface.outward(point, located);
+  return {located.signed_distance_m(),
           {static_cast<float>(gradient[0]), static_cast<float>(gradient[1]), static_cast<float>(gradient[2])},
-          place.closest.triangle};
+          located.closest.triangle};
 }
 
-KnownPlace known_place(const Vec3& point, const DistanceSample& sample) {
+KnownPoint known_point(const Vec3& point, const DistanceSample& sample) {
   return {point, sample.value_m, sample.triangle};
 }
 
@@ -74,20 +75,20 @@ void fetch_samples(const OctreeCell& cell) {
 
 /// Adds what is not known yet of a cell whose middle is.
 void add_samples(OctreeCell& cell, std::size_t from, std::size_t to, SampleBlock& block) {
-  const KnownPlace middle = known_place(cell.centre_m, cell.leaf->samples[lattice_samples / 2]);
+  const KnownPoint middle = known_point(cell.centre_m, cell.leaf->samples[lattice_samples / 2]);
   for (std::size_t s = from; s < to; ++s) {
     if (cell.leaf->samples[s].triangle < 0) {
-      block.add(cell.centre_m + cell.half_edge_m * sample_place(s), middle, cell.leaf->samples[s]);
+      block.add(cell.centre_m + cell.half_edge_m * sample_position(s), middle, cell.leaf->samples[s]);
     }
   }
 }
 
-/// The samples of eight sisters: on a grid that their lattices share, some of them known from the parent or from the
+/// The samples of eight siblings on a grid that their lattices share, some of them known from the parent or from the
 /// children of its neighbours.
-class SisterSamples {
+class SiblingSamples {
  public:
   /// The middles of the parent's octants are known, too.
-  SisterSamples(const OctreeCell& parent, const NeighbourChildren& neighbours) : m_parent(parent) {
+  SiblingSamples(const OctreeCell& parent, const NeighbourChildren& neighbours) : m_parent(parent) {
     const CellSamples& known = parent.leaf->samples;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       for (std::size_t i = 0; i < fine; ++i) {
@@ -96,11 +97,11 @@ class SisterSamples {
       }
     }
     for (std::size_t s = 0; s < lattice_samples; ++s) {
-      m_grid[fine_place(2 * (s / 9), 2 * (s / 3 % 3), 2 * (s % 3))] = known[s];
+      m_grid[fine_index(2 * (s / 9), 2 * (s / 3 % 3), 2 * (s % 3))] = known[s];
     }
     for (std::size_t octant = 0; octant < 8; ++octant) {
       const auto odd = [&](std::size_t axis) { return bit(octant, axis) ? std::size_t{3} : std::size_t{1}; };
-      m_grid[fine_place(odd(0), odd(1), odd(2))] = known[lattice_samples + octant];
+      m_grid[fine_index(odd(0), odd(1), odd(2))] = known[lattice_samples + octant];
     }
     for (std::size_t face = 0; face < neighbours.size(); ++face) {
       if (neighbours[face] != nullptr) {
@@ -109,8 +110,8 @@ class SisterSamples {
     }
   }
 
-  /// Asks what the wanted children, one bit each, lack of the grid, two by two by two and to and fro.
-  void ask(unsigned wanted, SampleBlock& block) {
+  /// Queries what the wanted children, one bit each, lack of the grid, in groups of eight neighbours.
+  void query(unsigned wanted, SampleBlock& block) {
     constexpr std::size_t groups = (fine + 1) / 2;
     for (std::size_t i = 0; i < groups; ++i) {
       for (std::size_t row = 0; row < groups; ++row) {
@@ -121,21 +122,21 @@ class SisterSamples {
         }
       }
     }
-    block.ask();
+    block.query();
   }
 
   void collect(std::size_t octant, CellSamples& samples) const {
     const std::array<std::size_t, 3> first{bit(octant, 0) ? std::size_t{2} : 0, bit(octant, 1) ? std::size_t{2} : 0,
                                            bit(octant, 2) ? std::size_t{2} : 0};
     for (std::size_t s = 0; s < lattice_samples; ++s) {
-      samples[s] = m_grid[fine_place(first[0] + s / 9, first[1] + s / 3 % 3, first[2] + s % 3)];
+      samples[s] = m_grid[fine_index(first[0] + s / 9, first[1] + s / 3 % 3, first[2] + s % 3)];
     }
   }
 
  private:
   using Index = GridIndex::Coordinates;
 
-  /// One bit each: those whose lattice holds this place. Those in the middle of an axis are of both halves.
+  /// One bit each: the children whose lattice holds this point. In the middle of an axis both halves do.
   static unsigned children_at(const Index& at) {
     constexpr std::array<unsigned, 3> lower_half{0x55, 0x33, 0x0F};
     unsigned children = 0xFF;
@@ -153,12 +154,12 @@ class SisterSamples {
   void take_face(const OctreeCell* neighbour_children, std::size_t axis, bool upper) {
     const std::size_t b = (axis + 1) % 3;
     const std::size_t c = (axis + 2) % 3;
-    for (std::size_t place = 0; place < fine * fine; ++place) {
+    for (std::size_t index = 0; index < fine * fine; ++index) {
       Index at;
       at[axis] = upper ? fine - 1 : 0;
-      at[b] = place / fine;
-      at[c] = place % fine;
-      DistanceSample& sample = m_grid[fine_place(at[0], at[1], at[2])];
+      at[b] = index / fine;
+      at[c] = index % fine;
+      DistanceSample& sample = m_grid[fine_index(at[0], at[1], at[2])];
       if (sample.triangle >= 0) {
         continue;
       }
@@ -172,16 +173,16 @@ class SisterSamples {
   }
 
   void add_group(const Index& first, unsigned wanted, SampleBlock& block) {
-    const DistanceSample& nearest = m_grid[fine_place(first[0], first[1], first[2])];
-    const KnownPlace known = nearest.triangle >= 0
-                                 ? known_place(point(first), nearest)
-                                 : known_place(m_parent.centre_m, m_parent.leaf->samples[lattice_samples / 2]);
+    const DistanceSample& nearest = m_grid[fine_index(first[0], first[1], first[2])];
+    const KnownPoint known = nearest.triangle >= 0
+                                 ? known_point(point(first), nearest)
+                                 : known_point(m_parent.centre_m, m_parent.leaf->samples[lattice_samples / 2]);
     for (std::size_t n = 0; n < 8; ++n) {
       const Index at{first[0] + (n & 1U), first[1] + (n >> 1 & 1U), first[2] + (n >> 2)};
       if (std::max({at[0], at[1], at[2]}) >= fine || (children_at(at) & wanted) == 0) {
         continue;
       }
-      DistanceSample& sample = m_grid[fine_place(at[0], at[1], at[2])];
+      DistanceSample& sample = m_grid[fine_index(at[0], at[1], at[2])];
       if (sample.triangle < 0) {
         block.add(point(at), known, sample);
       }
@@ -195,28 +196,28 @@ class SisterSamples {
 
 }  // namespace
 
-void SampleBlock::add(const Vec3& point, const KnownPlace& known, DistanceSample& answer) {
+void SampleBlock::add(const Vec3& point, const KnownPoint& known, DistanceSample& answer) {
   if (m_count == 0 || m_packets[m_count - 1].count == PointPacket::capacity) {
     m_packets[m_count++].count = 0;
   }
   PointPacket& packet = m_packets[m_count - 1];
-  m_asked[m_count - 1][packet.count] = {known, &answer};
+  m_queries[m_count - 1][packet.count] = {known, &answer};
   packet.add(point);
 }
 
-void SampleBlock::enter(const OctreeCell& cell) {
+void SampleBlock::begin(const OctreeCell& cell) {
   const Vec3 half = Vec3::Constant(cell.half_edge_m);
-  m_search.enter({cell.centre_m - half, cell.centre_m + half}, cell.leaf->samples[lattice_samples / 2].triangle);
+  m_search.begin({cell.centre_m - half, cell.centre_m + half}, cell.leaf->samples[lattice_samples / 2].triangle);
 }
 
-void SampleBlock::ask() {
+void SampleBlock::query() {
   if (m_count == 0) {
     return;
   }
   m_search.closest_points({m_packets.data(), m_count});
   for (std::size_t p = 0; p < m_count; ++p) {
     for (std::size_t n = 0; n < m_packets[p].count; ++n) {
-      const auto& [known, answer] = m_asked[p][n];
+      const auto& [known, answer] = m_queries[p][n];
       const Vec3& point = m_packets[p].point[n];
       const ClosestPoint& closest = m_packets[p].closest[n];
       const double step = (point - known.point).norm() * (1 + 1e-9);
@@ -228,20 +229,22 @@ void SampleBlock::ask() {
   m_count = 0;
 }
 
-double OctreeDemand::allowed_m(double distance_m) const {
+double ErrorTarget::allowed_m(double distance_m) const {
   return wanted_m + relaxation * std::max(0.0, std::abs(distance_m) - near_m);
 }
 
 double OctreeCell::reach_m() const { return half_diagonal * half_edge_m; }
 
-double OctreeCell::wrong_m3() const { return leaf == nullptr ? 0 : std::min(wrong_quadratic_m3, wrong_cubic_m3); }
+double OctreeCell::indicator_m3() const {
+  return leaf == nullptr ? 0 : std::min(quadratic_indicator_m3, cubic_indicator_m3);
+}
 
 bool OctreeCell::lacks_cubic(double threshold_m3) const {
-  return leaf != nullptr && !has_cubic && wrong_quadratic_m3 > worth_a_cubic * threshold_m3;
+  return leaf != nullptr && !has_cubic && quadratic_indicator_m3 > worth_a_cubic * threshold_m3;
 }
 
 bool OctreeCell::takes_cubic(double threshold_m3) const {
-  return wrong_quadratic_m3 - wrong_cubic_m3 > worth_a_cubic * threshold_m3;
+  return quadratic_indicator_m3 - cubic_indicator_m3 > worth_a_cubic * threshold_m3;
 }
 
 const PolynomialFit& OctreeCell::chosen(double threshold_m3) const {
@@ -249,7 +252,7 @@ const PolynomialFit& OctreeCell::chosen(double threshold_m3) const {
 }
 
 bool OctreeCellMaker::outside(const OctreeCell& cell) const {
-  return cell.distance_m - cell.reach_m() >= m_demand.near_m;
+  return cell.distance_m - cell.reach_m() >= m_target.near_m;
 }
 
 CellErrors OctreeCellMaker::fit_quadratic(OctreeCell& cell) const {
@@ -265,13 +268,13 @@ void OctreeCellMaker::fit_cubic(OctreeCell& cell) const {
   cell.leaf->cubic = m_cubic.fit(samples, cell.half_edge_m);
   CellErrors errors = m_cubic.measure(samples, cell.half_edge_m, cell.leaf->cubic);
   divide_by_allowed(samples, errors);
-  cell.wrong_cubic_m3 = wrong_volume_m3(cell, errors);
+  cell.cubic_indicator_m3 = error_indicator_m3(cell, errors);
   cell.has_cubic = true;
 }
 
 void OctreeCellMaker::divide_by_allowed(const CellSamples& samples, CellErrors& errors) const {
   for (std::size_t s = 0; s < cell_samples; ++s) {
-    errors[s] *= static_cast<float>(1 / m_demand.allowed_m(samples[s].value_m));
+    errors[s] *= static_cast<float>(1 / m_target.allowed_m(samples[s].value_m));
   }
 }
 
@@ -281,7 +284,7 @@ bool OctreeCellMaker::is_sure(const OctreeCell& cell, const CellErrors& quadrati
          std::all_of(quadratic.begin(), quadratic.end(), [](float error) { return error <= sure_share; });
 }
 
-/// Sisters, or one root.
+/// Siblings, or one root.
 void OctreeCellMaker::fit(std::span<OctreeCell> cells, SampleBlock& block) const {
   std::array<CellErrors, 8> errors;
   std::array<bool, 8> has_more{};
@@ -296,19 +299,19 @@ void OctreeCellMaker::fit(std::span<OctreeCell> cells, SampleBlock& block) const
       add_samples(cell, lattice_samples, cell_samples, block);
     }
   }
-  block.ask();
+  block.query();
   for (std::size_t c = 0; c < cells.size(); ++c) {
     if (has_more[c]) {
       errors[c] = fit_quadratic(cells[c]);
     }
     if (cells[c].leaf != nullptr) {
-      cells[c].wrong_quadratic_m3 = cells[c].wrong_cubic_m3 = wrong_volume_m3(cells[c], errors[c]);
+      cells[c].quadratic_indicator_m3 = cells[c].cubic_indicator_m3 = error_indicator_m3(cells[c], errors[c]);
     }
   }
 }
 
 bool OctreeCellMaker::is_large(const OctreeCell& cell) const {
-  return 2 * cell.half_edge_m > coarsest_near * m_demand.near_m;
+  return 2 * cell.half_edge_m > coarsest_near * m_target.near_m;
 }
 
 void fetch(const OctreeCell& parent, const NeighbourChildren& neighbours) {
@@ -327,20 +330,20 @@ OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m, Sampl
   OctreeCell cell;
   cell.centre_m = centre_m;
   cell.half_edge_m = half_edge_m;
-  const SignedPoint place = m_surface.locate(centre_m);
-  cell.distance_m = place.signed_distance_m();
+  const SignedPoint located = m_surface.locate(centre_m);
+  cell.distance_m = located.signed_distance_m();
   if (!outside(cell)) {
     cell.leaf = std::make_unique<OctreeCell::Leaf>();
-    cell.leaf->samples[lattice_samples / 2] = sample_of(m_surface, centre_m, place);
+    cell.leaf->samples[lattice_samples / 2] = sample_of(m_surface, centre_m, located);
     const bool hides_features = is_large(cell) && std::abs(cell.distance_m) <= cell.reach_m();
     if (hides_features) {  // it will be split, whatever it were
-      cell.wrong_quadratic_m3 = cell.wrong_cubic_m3 = std::numeric_limits<double>::infinity();
+      cell.quadratic_indicator_m3 = cell.cubic_indicator_m3 = std::numeric_limits<double>::infinity();
       cell.has_cubic = true;  // nor can that be fitted
       return cell;
     }
-    block.enter(cell);
+    block.begin(cell);
     add_samples(cell, 0, lattice_samples, block);
-    block.ask();
+    block.query();
     fit({&cell, 1}, block);
   }
   return cell;
@@ -349,9 +352,9 @@ OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m, Sampl
 void OctreeCellMaker::split(OctreeCell& parent, const NeighbourChildren& neighbours, double threshold_m3,
                             std::span<OctreeCell, 8> children, SampleBlock& block) const {
   unsigned wanted = 0;
-  block.enter(parent);
+  block.begin(parent);
   add_samples(parent, lattice_samples, cell_samples, block);
-  block.ask();
+  block.query();
   for (std::size_t octant = 0; octant < 8; ++octant) {
     OctreeCell& child = children[octant];
     child.centre_m = octant_centre(parent, octant);
@@ -359,8 +362,8 @@ void OctreeCellMaker::split(OctreeCell& parent, const NeighbourChildren& neighbo
     child.distance_m = parent.leaf->samples[lattice_samples + octant].value_m;
     wanted |= outside(child) ? 0U : 1U << octant;
   }
-  SisterSamples samples(parent, neighbours);
-  samples.ask(wanted, block);
+  SiblingSamples samples(parent, neighbours);
+  samples.query(wanted, block);
   for (std::size_t octant = 0; octant < 8; ++octant) {
     if (bit(wanted, octant)) {
       children[octant].leaf = std::make_unique<OctreeCell::Leaf>();

@@ -15,7 +15,7 @@ namespace {
 /// the error is about the same from 0.05 to 0.2 and grows above.
 constexpr double gradient_weight = 0.1;
 
-/// How far a place of a cell is from the nearest sample at most, in edges; rounded up.
+/// The largest distance of a point of a cell from the nearest sample, in edges; rounded up.
 constexpr double reach_of_all = 0.27951;      // sqrt(5) / 8
 constexpr double reach_of_lattice = 0.43302;  // sqrt(3) / 4
 
@@ -70,7 +70,7 @@ double PolynomialFit::spread() const {
   return result;
 }
 
-double PolynomialFit::steepest(double half_edge_m) const {
+double PolynomialFit::lipschitz_bound(double half_edge_m) const {
   // Every monomial and its derivatives over their exponents are within [-1, 1].
   double x = 0;
   double y = 0;
@@ -88,7 +88,7 @@ template <std::size_t terms>
 PolynomialFitter<terms>::PolynomialFitter() {
   for (std::size_t sample = 0; sample < cell_samples; ++sample) {
     for (std::size_t term = 0; term < terms; ++term) {
-      m_powers[term][sample] = static_cast<float>(term_at(term, sample_place(sample)));
+      m_powers[term][sample] = static_cast<float>(term_at(term, sample_position(sample)));
     }
   }
 }
@@ -97,7 +97,7 @@ template <std::size_t terms>
 auto PolynomialFitter<terms>::shares(std::size_t known) -> std::vector<Shares> {
   Eigen::MatrixXd equations(static_cast<Eigen::Index>(4 * known), static_cast<Eigen::Index>(terms));
   for (std::size_t sample = 0; sample < known; ++sample) {
-    const Vec3 at = sample_place(sample);
+    const Vec3 at = sample_position(sample);
     for (std::size_t term = 0; term < terms; ++term) {
       const auto row = static_cast<Eigen::Index>(4 * sample);
       const auto column = static_cast<Eigen::Index>(term);
@@ -171,10 +171,10 @@ CellErrors PolynomialFitter<terms>::measure(const CellSamples& samples, double h
   Eigen::Map<Eigen::Array<float, static_cast<int>(padded_samples), 1>> errors_m(error_m.data());
   errors_m = errors_m.abs();
   const float largest_m = errors_m.maxCoeff();
-  // No place of the cell is farther than this from a sample. On the way there the polynomial changes by its slope and
-  // the distance by one metre a metre.
+  // No point of the cell is farther than this from a sample. Along the path there the polynomial changes by its slope
+  // and the distance by one metre a metre.
   const double reach_m = 2 * half_edge_m * (known == cell_samples ? reach_of_all : reach_of_lattice);
-  fit.bound_m = (largest_m + reach_m * (1 + fit.steepest(half_edge_m))) * (1 + 1e-5);
+  fit.bound_m = (largest_m + reach_m * (1 + fit.lipschitz_bound(half_edge_m))) * (1 + 1e-5);
   return error_m;
 }
 

@@ -9,45 +9,46 @@
 
 namespace musclebench {
 
-/// The exact distance at one place.
+/// The exact signed distance at one point, and its gradient.
 struct DistanceSample {
   double value_m = 0;             ///< negative inside
   std::array<float, 3> gradient;  ///< of the distance: unit
   int triangle = -1;              ///< the closest one
 };
 
-/// Where a cell is sampled: at the 27 places of its corners, of the middles of its edges and faces and of its own
-/// middle, x changing slowest; then, where it may matter, at the middles of its eight octants, x changing fastest. A
-/// child's middle is the middle of its parent's octant, and 8 of its corners or middles are its parent's.
+/// A cell is sampled at 27 lattice points (corners, edge and face midpoints, centre; x changing slowest); then, where
+/// it may matter, at the centres of its eight octants, x changing fastest. A child's centre is the centre of its
+/// parent's octant, and 8 of its lattice points are its parent's.
 inline constexpr std::size_t lattice_samples = 27;
 inline constexpr std::size_t cell_samples = 35;
 using CellSamples = std::array<DistanceSample, cell_samples>;
-/// The middles of the octants are all known or none is.
+/// The octant centres are all known or none is.
 inline std::size_t known_samples(const CellSamples& samples) {
   return samples[lattice_samples].triangle >= 0 ? cell_samples : lattice_samples;
 }
 
-/// In [-1, 1]^3. A table: places that are put together are stored in parts and read whole, for which the CPU waits.
-inline constexpr std::array<std::array<double, 3>, cell_samples> sample_places = [] {
-  std::array<std::array<double, 3>, cell_samples> places{};
+/// Sample positions in [-1, 1]^3. A table avoids a store-forwarding stall: positions computed on the spot are stored in
+/// parts and read whole.
+inline constexpr std::array<std::array<double, 3>, cell_samples> sample_positions = [] {
+  std::array<std::array<double, 3>, cell_samples> positions{};
   for (std::size_t s = 0; s < lattice_samples; ++s) {
     const std::array<std::size_t, 3> index{s / 9, s / 3 % 3, s % 3};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      places[s][axis] = static_cast<double>(index[axis]) - 1;
+      positions[s][axis] = static_cast<double>(index[axis]) - 1;
     }
   }
   for (std::size_t octant = 0; octant < 8; ++octant) {
     const auto middle = [&](std::size_t bit) { return (octant >> bit & 1U) != 0 ? 0.5 : -0.5; };
-    places[lattice_samples + octant] = {middle(0), middle(1), middle(2)};
+    positions[lattice_samples + octant] = {middle(0), middle(1), middle(2)};
   }
-  return places;
+  return positions;
 }();
-inline Vec3 sample_place(std::size_t sample) { return Eigen::Map<const Vec3>(sample_places[sample].data()); }
+inline Vec3 sample_position(std::size_t sample) { return Eigen::Map<const Vec3>(sample_positions[sample].data()); }
 
 /// A cell's polynomial: the best one of its degree by least squares in values and (with less weight) gradients.
 struct PolynomialFit {
   std::array<float, cubic_terms> coefficients{};
-  double bound_m = 0;  ///< of the error, anywhere in the cell
+  double bound_m = 0;  ///< of the error, anywhere in the cell (reports/performance/field_bounds.md)
   /// At the cell's samples where the polynomial is positive it is above the exact distance by no more than this.
   double excess_m = 0;
 
@@ -55,8 +56,8 @@ struct PolynomialFit {
   /// Nowhere in the cell is the polynomial larger, or smaller.
   [[nodiscard]] double largest() const { return coefficients[0] + spread(); }
   [[nodiscard]] double smallest() const { return coefficients[0] - spread(); }
-  /// How fast the polynomial changes at most, per metre.
-  [[nodiscard]] double steepest(double half_edge_m) const;
+  /// Lipschitz bound of the polynomial, per metre.
+  [[nodiscard]] double lipschitz_bound(double half_edge_m) const;
 
  private:
   [[nodiscard]] double spread() const;

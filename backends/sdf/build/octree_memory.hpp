@@ -9,7 +9,7 @@ namespace musclebench {
 /// Refuses, with the error that fits, as early as it is certain enough.
 class OctreeMemory {
  public:
-  /// `max_error_m` is what was asked for; the builder aims at `aim_m`, which is a little less. `bytes`: that there are;
+  /// `max_error_m` is the wanted error; the builder aims at `aim_m`, which is a little less. `bytes`: that there are;
   /// 0: what this machine has.
   OctreeMemory(std::string bone, double max_error_m, double aim_m, std::size_t bytes);
 

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "backends/sdf/build/field_marks.hpp"
+#include "backends/sdf/build/cell_signs.hpp"
 #include "backends/sdf/files/sealed_file.hpp"
 #include "core/base/input_error.hpp"
 
@@ -77,7 +77,7 @@ void for_each_node_of_cell(const Index& cell, const Visit& visit) {
   }
 }
 
-std::size_t place_of(const CubicField& field, const Index& at, std::size_t axis, std::size_t third) {
+std::size_t offset_of(const CubicField& field, const Index& at, std::size_t axis, std::size_t third) {
   return field.record(at[0], at[1], at[2]).value() + (axis == 3 ? 0 : GridShape::edge_offset[axis] + third);
 }
 
@@ -117,7 +117,7 @@ void write_field(const CubicField& field, std::ostream& out) {
     CellNodes nodes{};
     for_each_node_of_cell(cell, [&](std::size_t n, const Index& at, std::size_t axis, std::size_t third) {
       const std::size_t number = number_of(numbers, at, axis, third);
-      values[number] = field.stored(place_of(field, at, axis, third));
+      values[number] = field.stored(offset_of(field, at, axis, third));
       nodes[n] = static_cast<std::uint32_t>(number);
     });
     cells.push_back(nodes);
@@ -244,14 +244,14 @@ void store_nodes(const BinaryReader& in, const std::vector<double>& values, cons
       if (!std::isfinite(value) || value == no_value) {
         in.refuse(fmt::format("has no value at a node of cell {} {} {}", cell[0], cell[1], cell[2]));
       }
-      const std::size_t place = place_of(field, at, axis, third);
+      const std::size_t offset = offset_of(field, at, axis, third);
       const std::size_t number = number_of(numbers, at, axis, third);
-      if (known[number] && field.stored(place) != value) {
+      if (known[number] && field.stored(offset) != value) {
         in.refuse(fmt::format("is damaged: cell {} {} {} and its neighbour disagree about a node that they share",
                               cell[0], cell[1], cell[2]));
       }
       known[number] = true;
-      field.store(place, value);
+      field.store(offset, value);
     });
   });
 }
@@ -282,7 +282,7 @@ CubicField read_discregrid(const std::filesystem::path& path, int threads) {
   }
   CubicField field(shape, FieldPrecision::double_precision);
   store_nodes(in, values, cells, map, field);
-  mark_cells(field, threads);
+  find_cell_signs(field, threads);
   return field;
 }
 

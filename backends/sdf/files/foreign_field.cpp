@@ -59,7 +59,7 @@ class ForeignField {
         m_bone_name(bone_name),
         m_path(path),
         m_slack_m(1e-3 * m_shape.cell_size_m.minCoeff() + 1e-6 * (m_shape.upper_m() - m_shape.lower_m).norm()) {
-    // The places of records are linear in those of the vertices of a dense field.
+    // In a dense field offsets of records are linear in the coordinates of their vertices.
     for (std::size_t n = 0; n < nodes_of_cell; ++n) {
       const auto& [corner, axis, thirds] = m_nodes[n];
       m_offset[n] = m_shape.record(corner[0], corner[1], corner[2]) +
@@ -75,7 +75,7 @@ class ForeignField {
 
   void require_cover() const {
     for (const Vec3& vertex : m_mesh.vertices) {
-      if (!m_field.place(vertex)) {
+      if (!m_field.locate(vertex)) {
         refuse(fmt::format("does not cover all of {}: was it made from this surface, in metres?", m_bone_name));
       }
     }
@@ -92,7 +92,7 @@ class ForeignField {
   }
 
   void require_distances() {
-    std::size_t asked = 0;
+    std::size_t checked = 0;
     std::size_t wrong = 0;
     std::size_t inside = 0;
     std::size_t not_negative = 0;
@@ -100,17 +100,17 @@ class ForeignField {
     for_each_sample([&](const CellIndex& cell, std::size_t node) {
       const double exact_m = m_surface.locate(position(cell, node)).signed_distance_m();
       const double difference_m = std::abs(std::abs(value(cell, node)) - std::abs(exact_m));
-      ++asked;
+      ++checked;
       wrong += difference_m > m_slack_m ? 1U : 0U;
       largest_m = std::max(largest_m, difference_m);
       inside += exact_m < -m_slack_m ? 1U : 0U;
       not_negative += exact_m < -m_slack_m && value(cell, node) > 0 ? 1U : 0U;
     });
-    if (100 * wrong > asked) {
+    if (100 * wrong > checked) {
       refuse(
           fmt::format("is off the distance to {} by more than {:.2g} mm at {} of {} nodes, by up to {:.3g} mm: it was "
                       "made from another surface, or is not in metres",
-                      m_bone_name, m_slack_m * 1e3, wrong, asked, largest_m * 1e3));
+                      m_bone_name, m_slack_m * 1e3, wrong, checked, largest_m * 1e3));
     }
     if (2 * not_negative > inside) {
       refuse(fmt::format("is not negative inside {}: its distances have no sign", m_bone_name));
@@ -151,8 +151,8 @@ class ForeignField {
       visit(cell, turn % (at_border ? corners_of_cell : nodes_of_cell));
     };
     for (std::size_t n = 0; n < samples; ++n) {
-      const CellPlace place = *m_field.place(m_mesh.vertices[n * m_mesh.vertices.size() / samples]);
-      visit_one_of({place.i, place.j, place.k}, n);
+      const CellPosition at = *m_field.locate(m_mesh.vertices[n * m_mesh.vertices.size() / samples]);
+      visit_one_of({at.i, at.j, at.k}, n);
       visit_one_of(m_shape.cell_grid().coordinates(n * m_shape.cell_count() / samples), n);
     }
   }
@@ -232,13 +232,14 @@ class ForeignField {
     if (exact.closest.feature < Feature::corner_0) {
       return true;
     }
-    const auto place = static_cast<std::size_t>(exact.closest.feature) - static_cast<std::size_t>(Feature::corner_0);
-    const int corner = m_mesh.triangles[static_cast<std::size_t>(exact.closest.triangle)][place];
-    const Vec3 way = point - exact.closest.point;
+    const auto corner_index =
+        static_cast<std::size_t>(exact.closest.feature) - static_cast<std::size_t>(Feature::corner_0);
+    const int corner = m_mesh.triangles[static_cast<std::size_t>(exact.closest.triangle)][corner_index];
+    const Vec3 outward = point - exact.closest.point;
     for (std::size_t t = 0; t < m_mesh.triangles.size(); ++t) {
       const Triangle& triangle = m_mesh.triangles[t];
       if (std::find(triangle.begin(), triangle.end(), corner) != triangle.end() &&
-          (m_surface.tree().area_normal(static_cast<int>(t)).dot(way) < 0) != exact.inside) {
+          (m_surface.tree().area_normal(static_cast<int>(t)).dot(outward) < 0) != exact.inside) {
         return false;
       }
     }
@@ -257,7 +258,7 @@ class ForeignField {
   std::array<Vec3, nodes_of_cell> m_from_cell_m;
   /// By how much the values of two nodes may differ, for a node and those before it.
   std::array<std::array<double, nodes_of_cell>, nodes_of_cell> m_most_m{};
-  std::optional<ManifoldFeatures> m_clean;  ///< once it is asked for
+  std::optional<ManifoldFeatures> m_clean;  ///< made when it is first needed
 };
 
 }  // namespace

@@ -65,7 +65,7 @@ std::string first_difference(const Header& found, const Header& wanted) {
   return "";
 }
 
-/// Whether every way through the tree ends at a leaf whose coefficients are there.
+/// Whether every path through the tree ends at a leaf whose coefficients are there.
 bool is_tree(const Header& header, std::span<const std::uint32_t> entries, std::size_t coefficients) {
   double roots = 1;
   for (const std::int32_t along : header.roots) {
@@ -78,10 +78,10 @@ bool is_tree(const Header& header, std::span<const std::uint32_t> entries, std::
     return false;
   }
   for (std::size_t index = 0; index < entries.size(); ++index) {
-    const std::size_t place = octree_entry::place_of(entries[index]);
+    const std::size_t offset = octree_entry::offset_of(entries[index]);
     const bool is_split = octree_entry::kind_of(entries[index]) == octree_entry::Kind::split;
-    // Children come after what is split into them, so that no way goes round in circles.
-    if (is_split ? place <= index || place + 8 > entries.size() : place + cubic_terms > coefficients) {
+    // Children come after their parent, so no path is a circle.
+    if (is_split ? offset <= index || offset + 8 > entries.size() : offset + cubic_terms > coefficients) {
       return false;
     }
   }
@@ -90,8 +90,8 @@ bool is_tree(const Header& header, std::span<const std::uint32_t> entries, std::
 
 bool has_sensible_numbers(const Header& header, std::span<const float> coefficients) {
   const OctreeQuality& quality = header.quality;
-  return header.root_edge_m > 0 && std::isfinite(header.root_edge_m) && quality.negative_reach_m >= 0 &&
-         std::isfinite(quality.negative_reach_m) && quality.excess_m >= 0 && std::isfinite(quality.excess_m) &&
+  return header.root_edge_m > 0 && std::isfinite(header.root_edge_m) && quality.sign_error_distance_m >= 0 &&
+         std::isfinite(quality.sign_error_distance_m) && quality.excess_m >= 0 && std::isfinite(quality.excess_m) &&
          std::all_of(header.lower_m.begin(), header.lower_m.end(), [](double x) { return std::isfinite(x); }) &&
          std::all_of(coefficients.begin(), coefficients.end(), [](float x) { return std::isfinite(x); });
 }

@@ -43,7 +43,7 @@ class BinaryReader {
     std::string cure;
   };
 
-  /// Throws InputError (place: the path), as all of this class, where the path is not a regular file or can't be read.
+  /// Throws InputError (about the path), as all of this class, where the path is not a regular file or can't be read.
   BinaryReader(const std::filesystem::path& path, Words words);
 
   [[noreturn]] void refuse(const std::string& reason) const;
@@ -79,7 +79,7 @@ class BinaryReader {
 BinaryReader::Words sealed_file_words();
 
 /// Reads a sealed file: a `Header` that begins with a FileMark and has the member `content`, then the parts that the
-/// caller asks for. Throws InputError (place: the path) with what is wrong.
+/// caller asks for. Throws InputError (about the path) with what is wrong.
 template <typename Header>
 class SealedReader {
  public:
@@ -125,7 +125,7 @@ class SealedReader {
 void write_bytes(std::ostream& out, std::span<const std::byte> bytes);
 
 /// Writes a file under a temporary name first, so that a half-written one is never found under `path`; creates the
-/// folder. Throws InputError (place: the path) when that fails; nothing is left behind.
+/// folder. Throws InputError (about the path) when that fails; nothing is left behind.
 void write_atomically(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write);
 
 /// Writes what SealedReader reads.

@@ -5,7 +5,7 @@
 
 namespace musclebench {
 
-/// Where a field sits in the world: takes a position to its place in units of the field's cells, from its lower corner.
+/// Where a field sits in the world: maps a position to units of the field's cells, from its lower corner.
 struct CellMap {
   Mat3 to_cells;
   Vec3 offset;

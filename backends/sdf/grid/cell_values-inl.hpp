@@ -22,18 +22,18 @@ namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
 
 namespace {
 
-/// Where the runs of the points' cells begin: along the edges x at (y, z), at place 2 y + z, in bytes from the field's
+/// Where the runs of the points' cells begin: along the edges x at (y, z), at index 2 y + z, in bytes from the field's
 /// first value.
 struct Runs {
   alignas(32) std::array<std::array<std::uint64_t, lane_count>, 4> begin;
 };
 
-struct Place {
+struct CellLocation {
   Vec3Lanes corner;
   Vec3Lanes at;  ///< in [0, 1]^3
 };
 
-HWY_INLINE Place place_in_cell(const FieldView& field, const FieldBlock& block, std::size_t first) {
+HWY_INLINE CellLocation locate_in_cell(const FieldView& field, const FieldBlock& block, std::size_t first) {
   const Lanes d;
   const auto corner = [&](Vec v, double cells) HWY_ATTR { return hn::Min(hn::Floor(v), set(cells - 1)); };
   const Vec x = hn::Load(d, block.x.data() + first);
@@ -162,7 +162,7 @@ struct CompactValues {
   }
 };
 
-/// What a cell reads of its runs begins to come from memory.
+/// Prefetches what a cell reads of its runs.
 template <typename Values>
 HWY_INLINE void fetch(const FieldView& field, const Runs& runs) {
   for (const auto& run : runs.begin) {

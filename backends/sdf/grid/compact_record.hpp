@@ -9,7 +9,7 @@
 namespace musclebench {
 
 /// A grid vertex's seven values (see GridShape) in 16 bytes: its own in single precision, and by how many steps those
-/// of its six edge nodes differ from it. A distance changes by no more than the way does (it is 1-Lipschitz), so that
+/// of its six edge nodes differ from it. A distance is 1-Lipschitz, so that
 /// 16 bits resolve an edge node to 1/98,000 (first third) or 1/49,000 (second) of the edge: some hundredths of a
 /// micrometre.
 struct CompactRecord {

@@ -10,7 +10,7 @@ namespace {
 
 using Edges = CubicCell::Edges;
 
-/// What an edge's four values are multiplied with to give the bubble, or a derivative of it, at one place along the
+/// What an edge's four values are multiplied with to give the bubble, or a derivative of it, at one point along the
 /// edge. The bubble interpolates 0, first - line, second - line, 0, where line is the straight line between the
 /// corners.
 struct BubbleWeights {
@@ -154,9 +154,9 @@ double CubicCell::lower_bound_on_face(std::size_t face_axis, int side) const {
   return lowest;
 }
 
-double CubicCell::steepest(const Bernstein& coefficients, const Vec3& cell_size_m) {
+double CubicCell::lipschitz_bound(const Bernstein& coefficients, const Vec3& cell_size_m) {
   // A derivative has the coefficients 3 (next - this), and one degree less along its axis; raised again to 3, all three
-  // stand at the same places.
+  // stand at the same indices.
   std::array<double, 64> squared{};
   for (Eigen::Index a = 0; a < 3; ++a) {
     const std::size_t step = a == 0 ? 16 : (a == 1 ? 4 : 1);

@@ -17,7 +17,7 @@ namespace musclebench {
 /// of a corner, N (9 (xi^2 + eta^2 + zeta^2) - 19) / 8 is N less what the three edges that start there take away. It
 /// holds every polynomial of degree 3 and is continuous across faces.
 struct CubicCell {
-  /// The four edges along one axis, side by side: place 2 p + q for the edge at p, q of {0, 1} along the two other
+  /// The four edges along one axis, side by side: index 2 p + q for the edge at p, q of {0, 1} along the two other
   /// axes, taken in ascending order.
   using Edges = Eigen::Array4d;
 
@@ -69,7 +69,7 @@ struct CubicCell {
 
   /// No gradient of the polynomial with these coefficients is longer, in a cell with these edges: the longest of the
   /// gradient's own Bernstein coefficients.
-  [[nodiscard]] static double steepest(const Bernstein& coefficients, const Vec3& cell_size_m);
+  [[nodiscard]] static double lipschitz_bound(const Bernstein& coefficients, const Vec3& cell_size_m);
 };
 
 }  // namespace musclebench

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "backends/sdf/grid/cubic_kernel.hpp"
-#include "backends/sdf/grid/field_places.hpp"
+#include "backends/sdf/grid/gather_nodes.hpp"
 
 namespace musclebench {
 
@@ -63,36 +63,36 @@ std::optional<std::size_t> CubicField::record(std::size_t i, std::size_t j, std:
   return m_band->has_record(vertex) ? std::optional(GridShape::record_size * m_band->record(vertex)) : std::nullopt;
 }
 
-CubicField::CompactPlace CubicField::compact_place(std::size_t place) const {
+CubicField::CompactLocation CubicField::compact_location(std::size_t offset) const {
   if (m_band) {
-    return {place / GridShape::record_size, place % GridShape::record_size};
+    return {offset / GridShape::record_size, offset % GridShape::record_size};
   }
-  const std::size_t row = place / m_shape.row_stride();
-  const std::size_t in_row = place % m_shape.row_stride();
+  const std::size_t row = offset / m_shape.row_stride();
+  const std::size_t in_row = offset % m_shape.row_stride();
   return {row * (m_shape.count(0) + 1) + in_row / GridShape::record_size, in_row % GridShape::record_size};
 }
 
-double CubicField::stored(std::size_t place) const {
+double CubicField::stored(std::size_t offset) const {
   if (m_precision == FieldPrecision::single_precision) {
-    return static_cast<double>(m_single[place]);
+    return static_cast<double>(m_single[offset]);
   }
   if (m_precision == FieldPrecision::double_precision) {
-    return m_double[place];
+    return m_double[offset];
   }
-  const auto [record, offset] = compact_place(place);
+  const auto [record, in_record] = compact_location(offset);
   const CompactRecord& values = m_compact[record];
-  return static_cast<double>(offset == 0 ? values.own : compact_value(values, offset - 1, m_steps));
+  return static_cast<double>(in_record == 0 ? values.own : compact_value(values, in_record - 1, m_steps));
 }
 
-void CubicField::store(std::size_t place, double value) {
+void CubicField::store(std::size_t offset, double value) {
   if (m_precision == FieldPrecision::single_precision) {
-    m_single[place] = static_cast<float>(value);
+    m_single[offset] = static_cast<float>(value);
   } else if (m_precision == FieldPrecision::double_precision) {
-    m_double[place] = value;
-  } else if (const auto [record, offset] = compact_place(place); offset == 0) {
+    m_double[offset] = value;
+  } else if (const auto [record, in_record] = compact_location(offset); in_record == 0) {
     m_compact[record].own = static_cast<float>(value);
   } else {
-    store_compact(m_compact[record], offset - 1, value, m_steps);
+    store_compact(m_compact[record], in_record - 1, value, m_steps);
   }
 }
 
@@ -130,9 +130,9 @@ CubicCell CubicField::cell(std::size_t i, std::size_t j, std::size_t k) const {
   return CubicCell::gather<double>({values[0].data(), values[1].data(), values[2].data(), values[3].data()});
 }
 
-std::optional<CellPlace> CubicField::place(const Vec3& point) const {
+std::optional<CellPosition> CubicField::locate(const Vec3& point) const {
   const Vec3 cells = CellMap(m_shape).apply(point - m_shape.lower_m);
-  return m_shape.contains(cells) ? std::optional(m_shape.place(cells)) : std::nullopt;
+  return m_shape.contains(cells) ? std::optional(m_shape.locate(cells)) : std::nullopt;
 }
 
 std::optional<double> CubicField::value(const Vec3& point) const {
@@ -158,7 +158,7 @@ std::size_t CubicField::sample(const CellMap& map, std::span<const Vec3> positio
     bits = m_negative.data();
   }
   const FieldView field = view();
-  const std::size_t next = first + place_nodes(field.cells, map, bits, positions, nodes.subspan(first), first, block);
+  const std::size_t next = first + gather_nodes(field.cells, map, bits, positions, nodes.subspan(first), first, block);
   evaluate_block(field, block);
   return next;
 }

@@ -45,19 +45,19 @@ class CubicField {
   [[nodiscard]] std::optional<double> value(const Vec3& point) const;
   [[nodiscard]] std::optional<FieldSample> sample(const Vec3& point) const;
 
-  /// Which of many points are looked up.
+  /// Which of many points are evaluated.
   enum class Wanted : std::uint8_t {
     known,         ///< those in cells that are known
     may_be_inside  ///< of those the ones that `may_be_negative` does not exclude
   };
   /// Appends to `block` the `wanted` ones of `nodes` (ascending indices into `positions`) from `first` on, where `map`
-  /// takes them, and evaluates them when the block is full or all nodes were looked at. Returns the place in `nodes` to
-  /// go on at. `asker` is the place in `nodes`. A position that is not a number is nowhere.
+  /// takes them, and evaluates them when the block is full or all nodes were visited. Returns the index in `nodes`
+  /// to go on at. `query` is the index in `nodes`. A position that is not a number is outside.
   std::size_t sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
                      Wanted wanted, FieldBlock& block) const;
 
   /// Nothing outside the domain.
-  [[nodiscard]] std::optional<CellPlace> place(const Vec3& point) const;
+  [[nodiscard]] std::optional<CellPosition> locate(const Vec3& point) const;
   [[nodiscard]] bool knows(std::size_t cell) const { return !m_band || m_band->keeps(cell); }
 
   /// Whether the field may be negative somewhere in this cell; where it says no, it is not.
@@ -73,8 +73,8 @@ class CubicField {
   [[nodiscard]] std::optional<std::size_t> record(std::size_t i, std::size_t j, std::size_t k) const;
 
   /// For those who make, save and compare fields. A compact field wants a vertex's own value before those of its edges.
-  [[nodiscard]] double stored(std::size_t place) const;
-  void store(std::size_t place, double value);
+  [[nodiscard]] double stored(std::size_t offset) const;
+  void store(std::size_t offset, double value);
   [[nodiscard]] std::vector<float>& single_values() { return m_single; }
   [[nodiscard]] std::vector<double>& double_values() { return m_double; }
   [[nodiscard]] std::vector<CompactRecord>& compact_records() { return m_compact; }
@@ -87,10 +87,10 @@ class CubicField {
  private:
   void allocate(std::size_t values, std::size_t records);
   [[nodiscard]] FieldView view() const;
-  struct CompactPlace {
+  struct CompactLocation {
     std::size_t record, offset;
   };
-  [[nodiscard]] CompactPlace compact_place(std::size_t place) const;
+  [[nodiscard]] CompactLocation compact_location(std::size_t offset) const;
 
   GridShape m_shape;
   FieldPrecision m_precision;

@@ -64,7 +64,7 @@ HWY_INLINE Part edges(const Weights& w, const Blend& first, const Blend& second)
 
 template <typename Values>
 HWY_INLINE void evaluate_lanes(const FieldView& field, const Runs& runs, FieldBlock& block, std::size_t first) {
-  const auto [corner, at] = place_in_cell(field, block, first);
+  const auto [corner, at] = locate_in_cell(field, block, first);
   const auto& [x, y, z] = at;
   const Run r00 = Values::load(field, runs, 0);
   const Run r01 = Values::load(field, runs, 1);
@@ -112,7 +112,7 @@ HWY_INLINE void evaluate_all(const FieldView& field, FieldBlock& block) {
       evaluate_lanes<Values>(field, own, block, (group - fetched_ahead) * lane_count);
     }
     if (group < groups) {
-      find_runs<Values>(field, place_in_cell(field, block, group * lane_count).corner, own);
+      find_runs<Values>(field, locate_in_cell(field, block, group * lane_count).corner, own);
       fetch<Values>(field, own);
     }
   }

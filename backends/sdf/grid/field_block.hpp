@@ -27,7 +27,7 @@ struct FieldView {
   CompactSteps steps;  ///< of a compact field
 };
 
-/// Points that are asked about together, side by side: where they are in a field, and what it says there.
+/// Query points that are evaluated together, side by side: their positions in a field, and its value and gradient.
 struct FieldBlock {
   static constexpr std::size_t capacity = 128;
   static constexpr std::size_t most_lanes = 4;
@@ -39,18 +39,18 @@ struct FieldBlock {
   Lanes<double> x, y, z;  ///< in units of the field's cells
   Lanes<double> value_m;
   Lanes<double> slope_x, slope_y, slope_z;  ///< by metres along the field's axes
-  Lanes<std::uint64_t> asker;               ///< ascending
+  Lanes<std::uint64_t> query;               ///< index of the query; ascending
 
   [[nodiscard]] Vec3 cells(std::size_t n) const { return {x[n], y[n], z[n]}; }
   [[nodiscard]] Vec3 slope(std::size_t n) const { return {slope_x[n], slope_y[n], slope_z[n]}; }
 
-  /// Whole vectors are computed: the lanes that are left over ask once more for the last point. Not empty.
+  /// Whole vectors are computed: the lanes that are left over repeat the last point. Not empty.
   void fill_last_vector() {
     for (std::size_t n = count; n < count + most_lanes; ++n) {
       x[n] = x[count - 1];
       y[n] = y[count - 1];
       z[n] = z[count - 1];
-      asker[n] = asker[count - 1];
+      query[n] = query[count - 1];
     }
   }
 };

@@ -17,10 +17,11 @@ struct FieldError {
 
 /// What is known of a field once it is built, and kept with it.
 struct FieldFacts {
-  /// |value(a) - value(b)| <= steepest |a - b| as long as the way from a to b stays where the field has coefficients.
-  double steepest = std::numeric_limits<double>::infinity();
+  /// |value(a) - value(b)| <= lipschitz_bound |a - b| as long as the path from a to b stays where the field has
+  /// coefficients.
+  double lipschitz_bound = std::numeric_limits<double>::infinity();
   /// Outside the bone and farther than this from its surface the field is not negative.
-  double negative_reach_m = std::numeric_limits<double>::infinity();
+  double sign_error_distance_m = std::numeric_limits<double>::infinity();
   FieldError error;
 };
 

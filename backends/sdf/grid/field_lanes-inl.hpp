@@ -50,24 +50,24 @@ struct Vec3Lanes {
   Vec x, y, z;
 };
 
-/// Adds those points that are asked about to a block.
-HWY_INLINE void append(const Vec3Lanes& at, hn::Vec<hn::RebindToUnsigned<Lanes>> asker, hn::Mask<Lanes> asked,
+/// Appends the wanted points to a block.
+HWY_INLINE void append(const Vec3Lanes& at, hn::Vec<hn::RebindToUnsigned<Lanes>> query, hn::Mask<Lanes> wanted,
                        FieldBlock& block) {
   const Lanes d;
   const hn::RebindToUnsigned<Lanes> integers;
   const std::size_t to = block.count;
-  if (hn::AllTrue(d, asked)) {
+  if (hn::AllTrue(d, wanted)) {
     hn::StoreU(at.x, d, block.x.data() + to);
     hn::StoreU(at.y, d, block.y.data() + to);
     hn::StoreU(at.z, d, block.z.data() + to);
-    hn::StoreU(asker, integers, block.asker.data() + to);
+    hn::StoreU(query, integers, block.query.data() + to);
     block.count += lane_count;
     return;
   }
-  hn::CompressStore(at.x, asked, d, block.x.data() + to);
-  hn::CompressStore(at.y, asked, d, block.y.data() + to);
-  hn::CompressStore(at.z, asked, d, block.z.data() + to);
-  block.count += hn::CompressStore(asker, hn::RebindMask(integers, asked), integers, block.asker.data() + to);
+  hn::CompressStore(at.x, wanted, d, block.x.data() + to);
+  hn::CompressStore(at.y, wanted, d, block.y.data() + to);
+  hn::CompressStore(at.z, wanted, d, block.z.data() + to);
+  block.count += hn::CompressStore(query, hn::RebindMask(integers, wanted), integers, block.query.data() + to);
 }
 
 HWY_INLINE Vec widen(Word values) { return hn::PromoteTo(Lanes(), values); }

@@ -10,8 +10,8 @@
 
 namespace musclebench {
 
-/// A cell of a grid and a place in it, in [0, 1]^3.
-struct CellPlace {
+/// A cell of a grid and a position in it, in [0, 1]^3.
+struct CellPosition {
   std::size_t i, j, k;
   Vec3 at;
 };
@@ -20,7 +20,7 @@ struct CellPlace {
 ///
 /// Every grid vertex owns a record of seven values: its own, and those of the two nodes on each edge that leaves it
 /// upwards along y, z and x. Records follow each other along x; the last of a row lacks its two nodes along x. So each
-/// place is computed, and a cell reads four runs of twelve values. (The nodes that would lie beyond the last y or z
+/// offset is computed, and a cell reads four runs of twelve values. (The nodes that would lie beyond the last y or z
 /// stay unused.)
 struct GridShape {
   static constexpr std::size_t record_size = 7;
@@ -59,21 +59,21 @@ struct GridShape {
   [[nodiscard]] std::size_t cell(std::size_t i, std::size_t j, std::size_t k) const {
     return cell_grid().index(i, j, k);
   }
-  /// Whether a place, in units of cells from the lower corner, is in the domain. A place that is not a number is not.
+  /// Whether a point, in units of cells from the lower corner, is in the domain. A point that is not a number is not.
   [[nodiscard]] bool contains(const Vec3& in_cells) const {
     return (in_cells.array() >= 0).all() && (in_cells.array() <= Vec3(cells[0], cells[1], cells[2]).array()).all();
   }
-  /// Where such a place is.
+  /// Such a point in the rest frame.
   [[nodiscard]] Vec3 point(const Vec3& in_cells) const { return lower_m + in_cells.cwiseProduct(cell_size_m); }
-  /// The cell of such a place in the domain.
-  [[nodiscard]] CellPlace place(const Vec3& in_cells) const {
+  /// The cell of such a point in the domain.
+  [[nodiscard]] CellPosition locate(const Vec3& in_cells) const {
     const auto index = [&](std::size_t axis) {
       return std::min(static_cast<std::size_t>(in_cells[static_cast<Eigen::Index>(axis)]), count(axis) - 1);
     };
     const std::size_t i = index(0), j = index(1), k = index(2);
     return {i, j, k, in_cells - Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k))};
   }
-  /// From such a place to the domain.
+  /// From such a point to the domain.
   [[nodiscard]] double distance_m(const Vec3& in_cells) const {
     const Vec3 upper(cells[0], cells[1], cells[2]);
     return (-in_cells).cwiseMax(in_cells - upper).cwiseMax(0.0).cwiseProduct(cell_size_m).norm();

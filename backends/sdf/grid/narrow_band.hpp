@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "backends/sdf/grid/grid_shape.hpp"
-#include "core/signed_distance/signed_surface.hpp"
+#include "core/base/grid_index.hpp"
 
 namespace musclebench {
 
@@ -54,8 +54,8 @@ class NarrowBand {
   [[nodiscard]] const std::vector<float>& far_bounds_m() const { return m_far_m; }
 
  private:
-  [[nodiscard]] static bool is_set(const std::vector<std::uint64_t>& bits, std::size_t place) {
-    return ((bits[place / 64] >> (place % 64)) & 1U) != 0;
+  [[nodiscard]] static bool is_set(const std::vector<std::uint64_t>& bits, std::size_t bit) {
+    return ((bits[bit / 64] >> (bit % 64)) & 1U) != 0;
   }
   [[nodiscard]] std::size_t block(std::size_t i, std::size_t j, std::size_t k) const {
     return m_blocks.index(i / block_edge, j / block_edge, k / block_edge);
@@ -69,9 +69,5 @@ class NarrowBand {
   std::vector<std::uint32_t> m_before;    ///< records before each word of `m_vertices`
   std::vector<float> m_far_m;             ///< a block of cells
 };
-
-/// Chooses the cells about a surface: blocks first, then the cells of those that lie across the edge of the band. The
-/// same for any number of threads.
-NarrowBand narrow_band(const SignedSurface& surface, const GridShape& shape, double width_m, int threads);
 
 }  // namespace musclebench

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "backends/sdf/grid/field_places.hpp"
+#include "backends/sdf/grid/gather_nodes.hpp"
 #include "backends/sdf/octree/octree_entry.hpp"
 
 namespace musclebench {
@@ -24,14 +24,14 @@ OctreeView OctreeField::view() const {
           {static_cast<double>(roots[0]), static_cast<double>(roots[1]), static_cast<double>(roots[2])},
           m_shape.root_edge_m,
           m_quality.excess_m,
-          m_quality.negative_reach_m};
+          m_quality.sign_error_distance_m};
 }
 
 std::size_t OctreeField::sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes,
                                 std::size_t first, FieldBlock& block, LeafBlock& leaves) const {
   const OctreeView field = view();
   const std::size_t next =
-      first + place_nodes(field.roots, map, nullptr, positions, nodes.subspan(first), first, block);
+      first + gather_nodes(field.roots, map, nullptr, positions, nodes.subspan(first), first, block);
   evaluate_block(field, block, leaves);
   return next;
 }

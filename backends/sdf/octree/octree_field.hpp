@@ -31,11 +31,11 @@ struct OctreeShape {
   [[nodiscard]] GridShape grid() const { return {lower_m, Vec3::Constant(root_edge_m), roots}; }
 };
 
-/// What was asked of an adaptive field and what was reached. Lengths in metres.
+/// The error that an adaptive field was built for, and what was reached. Lengths in metres.
 struct OctreeQuality {
-  double wanted_m = 0;  ///< for 99 of 100 places within `near_m` of the surface
+  double wanted_m = 0;  ///< for 99 of 100 points within `near_m` of the surface
   double near_m = 0;
-  double p99_m = 0;  ///< at random places up to `near_m` to both sides of the surface
+  double p99_m = 0;  ///< at random points up to `near_m` to both sides of the surface
   double largest_m = 0;
   double mean_m = 0;
   std::int64_t samples = 0;
@@ -43,7 +43,7 @@ struct OctreeQuality {
   /// samples and slopes, so mostly far above the largest error there is.
   double bound_m = 0;
   /// Outside the bone and farther than this from its surface the field is not negative: proven, too.
-  double negative_reach_m = 0;
+  double sign_error_distance_m = 0;
   /// At the corners of a leaf with a polynomial, the middles of its edges and faces and its own middle the field, where
   /// it is positive, is above the exact distance by no more than this.
   double excess_m = 0;
@@ -55,7 +55,7 @@ struct OctreeQuality {
 /// place of projection). Negative inside, in metres. Made by `build_octree`.
 ///
 /// Leaves are fitted each for itself: across a common face the field jumps by about the error of the two, at 99 of 100
-/// places by no more than the wanted error. Leaves outside that keep a distance of `near_m` from the surface hold no
+/// points by no more than the wanted error. Leaves outside that keep a distance of `near_m` from the surface hold no
 /// polynomial; the field is a lower bound of the distance there. Queries are const and safe from several threads.
 class OctreeField {
  public:
@@ -83,12 +83,12 @@ class OctreeField {
   [[nodiscard]] std::optional<double> value(const Vec3& point) const;
   [[nodiscard]] std::optional<Sample> sample(const Vec3& point) const;
 
-  /// The radius of a ball about `point` in which the field is nowhere negative, in metres; 0 when nothing is known.
+  /// The radius of a sphere around `point` in which the field is nowhere negative, in metres; 0 when nothing is known.
   [[nodiscard]] double clearance_m(const Vec3& point) const;
 
   /// Of many points: appends to `block` those of `nodes` (ascending indices into `positions`) from `first` on that are
   /// in the domain, where `map` (of `shape().grid()`) takes them, and evaluates them when the block is full or all
-  /// nodes were looked at. Returns the place in `nodes` to go on at. `asker` is the place in `nodes`. A position that
+  /// nodes were visited. Returns the index in `nodes` to go on at. `query` is the index in `nodes`. A position that
   /// is not a number is nowhere.
   std::size_t sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
                      FieldBlock& block, LeafBlock& leaves) const;

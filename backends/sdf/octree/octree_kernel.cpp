@@ -31,95 +31,95 @@ HWY_INLINE Vec3Lanes load(const FieldBlock::Lanes<double>& x, const FieldBlock::
   return {hn::Load(d, x.data() + first), hn::Load(d, y.data() + first), hn::Load(d, z.data() + first)};
 }
 
-/// Where points go at each split.
-struct Ways {
-  /// Along each axis the place in the root; y and z shifted by one and two bits, so that a level's bits make an octant.
+/// The paths of points from their roots to their leaves.
+struct Paths {
+  /// Coordinates in the root; y and z shifted by one and two bits, so that a level's bits make an octant.
   FieldBlock::Lanes<std::int32_t> x, y, z;
   FieldBlock::Lanes<std::int32_t> levels;
 };
 
 HWY_INLINE Vec root_of(Vec at, double roots) { return hn::Min(hn::Floor(at), set(roots - 1)); }
 
-HWY_INLINE void enter_roots(const OctreeView& field, const Vec3Lanes& at, std::size_t first, Ways& ways,
+HWY_INLINE void enter_roots(const OctreeView& field, const Vec3Lanes& at, std::size_t first, Paths& paths,
                             LeafBlock& leaves) {
   const Integers integers;
   const Vec3Lanes root{root_of(at.x, field.roots[0]), root_of(at.y, field.roots[1]), root_of(at.z, field.roots[2])};
   const Vec row = add_product(root.y, root.z, set(field.roots[1]));
   const Integer index = hn::DemoteTo(integers, add_product(root.x, row, set(field.roots[0])));
   hn::Store(hn::GatherIndex(Entries(), field.entries, index), Entries(), leaves.entry.data() + first);
-  const auto way = [&](Vec along, Vec along_root) HWY_ATTR {
+  const auto path = [&](Vec along, Vec along_root) HWY_ATTR {
     const Vec share = hn::Mul(hn::Sub(along, along_root), set(1 << octree_most_levels));
     return hn::DemoteTo(integers, hn::Min(share, set((1 << octree_most_levels) - 1)));
   };
-  hn::Store(way(at.x, root.x), integers, ways.x.data() + first);
-  hn::Store(hn::ShiftLeft<1>(way(at.y, root.y)), integers, ways.y.data() + first);
-  hn::Store(hn::ShiftLeft<2>(way(at.z, root.z)), integers, ways.z.data() + first);
-  hn::Store(hn::Zero(integers), integers, ways.levels.data() + first);
+  hn::Store(path(at.x, root.x), integers, paths.x.data() + first);
+  hn::Store(hn::ShiftLeft<1>(path(at.y, root.y)), integers, paths.y.data() + first);
+  hn::Store(hn::ShiftLeft<2>(path(at.z, root.z)), integers, paths.z.data() + first);
+  hn::Store(hn::Zero(integers), integers, paths.levels.data() + first);
 }
 
-/// Goes on to the children of what is split; whether anything was.
-HWY_INLINE bool go_down(const OctreeView& field, int shift, std::size_t first, Ways& ways, LeafBlock& leaves) {
+/// Descends to the children of split entries; whether any was split.
+HWY_INLINE bool descend(const OctreeView& field, int shift, std::size_t first, Paths& paths, LeafBlock& leaves) {
   const Entries entries;
   const Integers integers;
   const Entry entry = hn::Load(entries, leaves.entry.data() + first);
-  const auto is_split = hn::Lt(entry, hn::Set(entries, std::uint32_t{1} << octree_entry::place_bits));
+  const auto is_split = hn::Lt(entry, hn::Set(entries, std::uint32_t{1} << octree_entry::offset_bits));
   if (hn::AllFalse(entries, is_split)) {
     return false;
   }
-  const auto bit = [&](const FieldBlock::Lanes<std::int32_t>& way, int of) HWY_ATTR {
-    const Integer shifted = hn::ShiftRightSame(hn::Load(integers, way.data() + first), shift);
+  const auto bit = [&](const FieldBlock::Lanes<std::int32_t>& path, int of) HWY_ATTR {
+    const Integer shifted = hn::ShiftRightSame(hn::Load(integers, path.data() + first), shift);
     return hn::And(shifted, hn::Set(integers, of));
   };
-  const Integer octant = hn::Or(hn::Or(bit(ways.x, 1), bit(ways.y, 2)), bit(ways.z, 4));
+  const Integer octant = hn::Or(hn::Or(bit(paths.x, 1), bit(paths.y, 2)), bit(paths.z, 4));
   const auto split = hn::RebindMask(integers, is_split);
   const Integer child = hn::IfThenElseZero(split, hn::Add(hn::BitCast(integers, entry), octant));
   const Entry next = hn::GatherIndex(entries, field.entries, child);
   hn::Store(hn::IfThenElse(is_split, next, entry), entries, leaves.entry.data() + first);
-  const Integer levels = hn::Load(integers, ways.levels.data() + first);
-  hn::Store(hn::Sub(levels, hn::VecFromMask(integers, split)), integers, ways.levels.data() + first);
+  const Integer levels = hn::Load(integers, paths.levels.data() + first);
+  hn::Store(hn::Sub(levels, hn::VecFromMask(integers, split)), integers, paths.levels.data() + first);
   return true;
 }
 
-/// Where the points are in their leaves, whose coefficients begin to come from memory.
-HWY_INLINE void arrive(const OctreeView& field, const Vec3Lanes& at, std::size_t first, const Ways& ways,
-                       LeafBlock& leaves) {
+/// Positions in the leaves, whose coefficients are prefetched.
+HWY_INLINE void locate_in_leaves(const OctreeView& field, const Vec3Lanes& at, std::size_t first, const Paths& paths,
+                                 LeafBlock& leaves) {
   const Lanes d;
   const Integers integers;
-  const Integer levels = hn::Load(integers, ways.levels.data() + first);
+  const Integer levels = hn::Load(integers, paths.levels.data() + first);
   const Vec edges = hn::PromoteTo(d, hn::Shl(hn::Set(integers, 1), levels));
   hn::Store(edges, d, leaves.edges_per_root.data() + first);
-  const auto place = [&](Vec along, double roots) HWY_ATTR {
+  const auto position = [&](Vec along, double roots) HWY_ATTR {
     const Vec in_edges = hn::Mul(hn::Sub(along, root_of(along, roots)), edges);
     const Vec leaf = hn::Min(hn::Floor(in_edges), hn::Sub(edges, set(1)));
     const Vec share = hn::Sub(in_edges, leaf);
     return hn::Sub(hn::Add(share, share), set(1));
   };
-  hn::Store(place(at.x, field.roots[0]), d, leaves.x.data() + first);
-  hn::Store(place(at.y, field.roots[1]), d, leaves.y.data() + first);
-  hn::Store(place(at.z, field.roots[2]), d, leaves.z.data() + first);
+  hn::Store(position(at.x, field.roots[0]), d, leaves.x.data() + first);
+  hn::Store(position(at.y, field.roots[1]), d, leaves.y.data() + first);
+  hn::Store(position(at.z, field.roots[2]), d, leaves.z.data() + first);
   for (std::size_t lane = first; lane < first + lane_count; ++lane) {
-    const float* from = field.coefficients + octree_entry::place_of(leaves.entry[lane]);
+    const float* from = field.coefficients + octree_entry::offset_of(leaves.entry[lane]);
     __builtin_prefetch(from);
     __builtin_prefetch(from + cubic_terms - 1);
   }
 }
 
-/// All points one level at a time, so that their ways through memory overlap.
+/// All points one level at a time, so that their memory latencies overlap.
 void find_leaves(const OctreeView& field, const FieldBlock& block, LeafBlock& leaves) {
-  Ways ways;
+  Paths paths;
   const std::size_t end = groups_of(block) * lane_count;
   for (std::size_t first = 0; first < end; first += lane_count) {
-    enter_roots(field, load(block.x, block.y, block.z, first), first, ways, leaves);
+    enter_roots(field, load(block.x, block.y, block.z, first), first, paths, leaves);
   }
   bool more = true;
   for (int shift = octree_most_levels - 1; more && shift >= 0; --shift) {
     more = false;
     for (std::size_t first = 0; first < end; first += lane_count) {
-      more |= go_down(field, shift, first, ways, leaves);
+      more |= descend(field, shift, first, paths, leaves);
     }
   }
   for (std::size_t first = 0; first < end; first += lane_count) {
-    arrive(field, load(block.x, block.y, block.z, first), first, ways, leaves);
+    locate_in_leaves(field, load(block.x, block.y, block.z, first), first, paths, leaves);
   }
 }
 
@@ -174,14 +174,14 @@ HWY_INLINE Leaves leaves_at(const OctreeView& field, const LeafBlock& block, std
   const Lanes d;
   const Entries entries;
   const Entry entry = hn::Load(entries, block.entry.data() + first);
-  const Vec kind = hn::PromoteTo(d, hn::BitCast(Integers(), hn::ShiftRight<octree_entry::place_bits>(entry)));
+  const Vec kind = hn::PromoteTo(d, hn::BitCast(Integers(), hn::ShiftRight<octree_entry::offset_bits>(entry)));
   Leaves leaves;
   leaves.cubic = hn::Eq(kind, set(static_cast<double>(Kind::cubic)));
   leaves.outside = hn::Eq(kind, set(static_cast<double>(Kind::outside)));
   leaves.any_cubic = !hn::AllFalse(d, leaves.cubic);
   leaves.any_outside = !hn::AllFalse(d, leaves.outside);
   for (std::size_t lane = 0; lane < lane_count; ++lane) {
-    leaves.coefficients[lane] = field.coefficients + octree_entry::place_of(block.entry[first + lane]);
+    leaves.coefficients[lane] = field.coefficients + octree_entry::offset_of(block.entry[first + lane]);
   }
   return leaves;
 }
@@ -222,14 +222,14 @@ HWY_INLINE Vec length(const Vec3Lanes& v) {
   return hn::Sqrt(hn::Add(sum_of_products(v.x, v.x, v.y, v.y), hn::Mul(v.z, v.z)));
 }
 
-/// A leaf outside: the distance changes by no more than the way from its middle.
+/// A leaf outside: the distance at its centre less the distance to the centre, because it is 1-Lipschitz.
 HWY_INLINE void descend_from_middle(const Leaves& leaves, const Vec3Lanes& at, Vec half_edge_m, Vec& value_m,
                                     Vec3Lanes& slope) {
-  const Vec way = length(at);
-  value_m = hn::IfThenElse(leaves.outside, hn::Sub(value_m, hn::Mul(half_edge_m, way)), value_m);
+  const Vec from_centre = length(at);
+  value_m = hn::IfThenElse(leaves.outside, hn::Sub(value_m, hn::Mul(half_edge_m, from_centre)), value_m);
   const auto inwards = [&](Vec along) HWY_ATTR {
-    const Vec share = hn::Div(along, way);
-    return hn::Sub(set(0), hn::IfThenElseZero(hn::Gt(way, set(0)), share));
+    const Vec share = hn::Div(along, from_centre);
+    return hn::Sub(set(0), hn::IfThenElseZero(hn::Gt(from_centre, set(0)), share));
   };
   slope = {hn::IfThenElse(leaves.outside, inwards(at.x), slope.x),
            hn::IfThenElse(leaves.outside, inwards(at.y), slope.y),
@@ -267,15 +267,15 @@ HWY_INLINE Vec3Lanes farther_out(const OctreeView& field, const FieldBlock& bloc
   const Vec3Lanes slope = load(block.slope_x, block.slope_y, block.slope_z, first);
   const Vec steepness = hn::Mul(length(slope), hn::Load(Lanes(), leaves.edges_per_root.data() + first));
   const auto step = [&](Vec along, Vec slope_along, double roots) HWY_ATTR {
-    const Vec way = hn::IfThenElseZero(hn::Gt(steepness, set(0)), hn::Div(slope_along, steepness));
-    return hn::Min(hn::Max(hn::Add(along, way), set(0)), set(roots));
+    const Vec offset = hn::IfThenElseZero(hn::Gt(steepness, set(0)), hn::Div(slope_along, steepness));
+    return hn::Min(hn::Max(hn::Add(along, offset), set(0)), set(roots));
   };
   return {step(at.x, slope.x, field.roots[0]), step(at.y, slope.y, field.roots[1]),
           step(at.z, slope.z, field.roots[2])};
 }
 
-/// Not more than the exact distance at the points of a vector: between samples little is proven, but the distance of a
-/// sample farther out, less the way there, is nearly the distance here. `beyond` are places farther out.
+/// A lower bound of the exact distance at the points of a vector: between samples little is proven, but the distance of
+/// a sample farther out, less the distance to it, is nearly the distance here. `beyond` are points farther out.
 HWY_INLINE Vec distance_at_least(const OctreeView& field, const Vec3Lanes& at, const Vec3Lanes& beyond,
                                  const LeafBlock& leaves_beyond, std::size_t first) {
   const Leaves leaves = leaves_at(field, leaves_beyond, first);
@@ -284,16 +284,18 @@ HWY_INLINE Vec distance_at_least(const OctreeView& field, const Vec3Lanes& at, c
   const Vec3Lanes sampled{nearest(in_leaf.x), nearest(in_leaf.y), nearest(in_leaf.z)};
   const Vec edges = hn::Load(Lanes(), leaves_beyond.edges_per_root.data() + first);
   const Vec half_edge = hn::Div(set(0.5), edges);
-  const auto way = [&](Vec from, Vec to, Vec to_in_leaf, Vec sample)
-                       HWY_ATTR { return hn::Sub(add_product(to, half_edge, hn::Sub(sample, to_in_leaf)), from); };
-  const Vec away = length({way(at.x, beyond.x, in_leaf.x, sampled.x), way(at.y, beyond.y, in_leaf.y, sampled.y),
-                           way(at.z, beyond.z, in_leaf.z, sampled.z)});
+  const auto displacement = [&](Vec from, Vec to, Vec to_in_leaf, Vec sample) HWY_ATTR {
+    return hn::Sub(add_product(to, half_edge, hn::Sub(sample, to_in_leaf)), from);
+  };
+  const Vec away =
+      length({displacement(at.x, beyond.x, in_leaf.x, sampled.x), displacement(at.y, beyond.y, in_leaf.y, sampled.y),
+              displacement(at.z, beyond.z, in_leaf.z, sampled.z)});
   const Vec value_m = evaluate_lanes(leaves, sampled).value;
   const Vec excess_m = hn::IfThenZeroElse(leaves.outside, set(field.excess_m));
   return hn::Sub(hn::Sub(value_m, excess_m), hn::Mul(away, set(field.root_edge_m)));
 }
 
-/// How far from the points of a vector, in their leaves, these are positive.
+/// Radii around the points of a vector in which their leaves are positive.
 HWY_INLINE Vec positive_in_leaf(const OctreeView& field, const Leaves& leaves, const FieldBlock& block,
                                 const LeafBlock& block_leaves, std::size_t first) {
   const Lanes d;
@@ -323,12 +325,12 @@ HWY_INLINE Vec positive_in_leaf(const OctreeView& field, const Leaves& leaves, c
   return hn::Mul(radius, half_edge_m);
 }
 
-/// The points of a block at `places`.
-HWY_INLINE Vec3Lanes gather(const FieldBlock& block, const FieldBlock::Lanes<std::uint64_t>& places,
+/// The points of a block at `indices`.
+HWY_INLINE Vec3Lanes gather(const FieldBlock& block, const FieldBlock::Lanes<std::uint64_t>& indices,
                             std::size_t first) {
   const Lanes d;
   const hn::RebindToSigned<Lanes> integers;
-  const auto index = hn::BitCast(integers, hn::Load(hn::RebindToUnsigned<Lanes>(), places.data() + first));
+  const auto index = hn::BitCast(integers, hn::Load(hn::RebindToUnsigned<Lanes>(), indices.data() + first));
   return {hn::GatherIndex(d, block.x.data(), index), hn::GatherIndex(d, block.y.data(), index),
           hn::GatherIndex(d, block.z.data(), index)};
 }
@@ -337,9 +339,9 @@ void clear_all(const OctreeView& field, const FieldBlock& block, const LeafBlock
                FieldBlock::Lanes<double>& clearance_m) {
   const Lanes d;
   const hn::RebindToUnsigned<Lanes> integers;
-  const auto free_m = [&](Vec distance_m) HWY_ATTR { return hn::Sub(distance_m, set(field.negative_reach_m)); };
+  const auto free_m = [&](Vec distance_m) HWY_ATTR { return hn::Sub(distance_m, set(field.sign_error_distance_m)); };
   const auto shrunk = [](Vec radius_m) HWY_ATTR { return hn::Mul(radius_m, set(1 - 1e-9)); };
-  // Those for which a look farther out may tell more than their leaf.
+  // Points of which a sample farther out may tell more than their leaf.
   FieldBlock farther;
   for (std::size_t first = 0; first < block.count; first += lane_count) {
     const Leaves own = leaves_at(field, leaves, first);
@@ -347,10 +349,10 @@ void clear_all(const OctreeView& field, const FieldBlock& block, const LeafBlock
     const Vec in_leaf_m = positive_in_leaf(field, own, block, leaves, first);
     const Vec known_m = hn::Max(in_leaf_m, hn::IfThenElseZero(own.outside, here_m));
     hn::Store(shrunk(hn::IfThenElseZero(hn::Gt(known_m, set(0)), known_m)), d, clearance_m.data() + first);
-    const auto asked = hn::And(hn::AndNot(own.outside, hn::Gt(here_m, set(0))),
-                               hn::FirstN(d, HWY_MIN(lane_count, block.count - first)));
-    if (!hn::AllFalse(d, asked)) {
-      append(farther_out(field, block, leaves, first), hn::Iota(integers, first), asked, farther);
+    const auto wanted = hn::And(hn::AndNot(own.outside, hn::Gt(here_m, set(0))),
+                                hn::FirstN(d, HWY_MIN(lane_count, block.count - first)));
+    if (!hn::AllFalse(d, wanted)) {
+      append(farther_out(field, block, leaves, first), hn::Iota(integers, first), wanted, farther);
     }
   }
   if (farther.count == 0) {
@@ -360,12 +362,12 @@ void clear_all(const OctreeView& field, const FieldBlock& block, const LeafBlock
   LeafBlock leaves_beyond;
   find_leaves(field, farther, leaves_beyond);
   for (std::size_t first = 0; first < farther.count; first += lane_count) {
-    const Vec least_m = distance_at_least(field, gather(block, farther.asker, first),
+    const Vec least_m = distance_at_least(field, gather(block, farther.query, first),
                                           load(farther.x, farther.y, farther.z, first), leaves_beyond, first);
     hn::Store(shrunk(free_m(least_m)), d, farther.value_m.data() + first);
   }
   for (std::size_t n = 0; n < farther.count; ++n) {
-    double& known_m = clearance_m[farther.asker[n]];
+    double& known_m = clearance_m[farther.query[n]];
     known_m = HWY_MAX(known_m, farther.value_m[n]);
   }
 }

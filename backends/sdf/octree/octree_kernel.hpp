@@ -7,7 +7,7 @@
 
 namespace musclebench {
 
-/// Trees are not deeper: a place in a root is known to so many bits.
+/// The greatest depth of a tree: bits of a point's coordinates in its root.
 inline constexpr int octree_most_levels = 24;
 
 /// An adaptive field as its kernels read it (see OctreeField). What it points to is the field's.
@@ -17,10 +17,10 @@ struct OctreeView {
   std::array<double, 3> roots;  ///< along each axis
   double root_edge_m;
   double excess_m;
-  double negative_reach_m;
+  double sign_error_distance_m;
 };
 
-/// The leaves that points are in.
+/// The leaves that the points of a block lie in.
 struct LeafBlock {
   template <typename Scalar>
   using Lanes = FieldBlock::Lanes<Scalar>;
@@ -35,8 +35,8 @@ struct LeafBlock {
 /// on any machine, whoever else is in the block.
 void evaluate_block(const OctreeView& field, FieldBlock& block, LeafBlock& leaves);
 
-/// The radii of balls about the points of an evaluated block in which the field is nowhere negative, in metres; 0 where
-/// nothing is known.
+/// The radii of spheres around the points of an evaluated block in which the field is nowhere negative, in metres; 0
+/// where nothing is known.
 void clear_block(const OctreeView& field, const FieldBlock& block, const LeafBlock& leaves,
                  FieldBlock::Lanes<double>& clearance_m);
 

@@ -81,9 +81,9 @@ TEST(OctreeFieldSource, FindsDepthAndNormalInMovedBones) {
   }
 }
 
-TEST(OctreeFieldSource, BudgetsAndThreadsChangeNoContact) {
-  const auto made = [](const std::string& budgets, int threads) {
-    auto backend = make({{"clearance_cache", budgets}});
+TEST(OctreeFieldSource, CacheAndThreadsChangeNoContact) {
+  const auto made = [](const std::string& cache, int threads) {
+    auto backend = make({{"clearance_cache", cache}});
     backend->build(bones(), {}, threads);
     return backend;
   };

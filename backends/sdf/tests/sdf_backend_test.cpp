@@ -150,12 +150,12 @@ void expect_equal_contacts(const std::vector<Contact>& one, const std::vector<Co
   }
 }
 
-TEST(SdfBackend, BudgetsBandsAndThreadsChangeNoContact) {
+TEST(SdfBackend, CacheBandsAndThreadsChangeNoContact) {
   const std::vector<Bone> bones = two_bones();
   const std::vector<std::vector<Vec3>> path = wandering_nodes(30);
   for (const std::string precision : {"float", "compact"}) {
-    const auto made = [&](const std::string& budgets, double band_m, int threads = 1) {
-      Given given{{"cells", std::int64_t{24}}, {"precision", precision}, {"clearance_cache", budgets}};
+    const auto made = [&](const std::string& cache, double band_m, int threads = 1) {
+      Given given{{"cells", std::int64_t{24}}, {"precision", precision}, {"clearance_cache", cache}};
       if (band_m > 0) {
         given["band_m"] = band_m;
       }

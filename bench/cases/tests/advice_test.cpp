@@ -1,9 +1,13 @@
 #include "bench/cases/advice.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
+
+#include "backends/registry.hpp"
+#include "core/base/input_error.hpp"
 
 namespace musclebench {
 namespace {
@@ -38,9 +42,36 @@ std::optional<Assessment> modelled(const Configuration& configuration, std::stri
   return assessment;
 }
 
+std::vector<AdvisePlan> without(const std::string& backend) {
+  std::vector<AdvisePlan> plans = advise_plans();
+  std::erase_if(plans, [&](const AdvisePlan& plan) { return plan.backend == backend; });
+  return plans;
+}
+
 std::string chosen(double depth_m) {
-  const Advice advice = find_advice({depth_m, 1000, true}, modelled);
+  const Advice advice = find_advice({depth_m, 1000, advise_plans()}, modelled);
   return advice.chosen ? advice.measured[*advice.chosen].configuration.text() : "none";
+}
+
+TEST(Advice, TheStudiesNameWhatIsTriedAndInWhichOrder) {
+  std::vector<AdvisePlan> plans = advise_plans();
+  std::erase_if(plans, [](const AdvisePlan& plan) {
+    return plan.backend != "voxel" && plan.backend != "bvh" && plan.backend != "sdf" && plan.backend != "fcl";
+  });
+  const Advice advice = find_advice({7e-5, 1000, plans}, modelled);
+  std::vector<std::string> tried;
+  for (const Assessment& measured : advice.measured) {
+    tried.push_back(measured.configuration.text());
+  }
+  std::vector<std::string> expected{
+      "voxel cells=64", "bvh",          "voxel cells=16", "voxel cells=32", "voxel cells=128", "voxel cells=256",
+      "sdf cells=8",    "sdf cells=16", "sdf cells=32",   "sdf cells=64",   "sdf cells=128",   "sdf cells=85"};
+  if (std::any_of(backend_registry().begin(), backend_registry().end(),
+                  [](const BackendEntry& entry) { return entry.name == "fcl"; })) {
+    expected.insert(expected.end(), {"fcl", "fcl bounding_volume=OBB"});
+  }
+  EXPECT_EQ(tried, expected);
+  EXPECT_EQ(advice.unit_of_price->text(), "voxel cells=64");
 }
 
 TEST(Advice, TheCheapestThatHolds) {
@@ -73,7 +104,7 @@ std::optional<Assessment> modelled_adaptive(const Configuration& configuration, 
 }
 
 TEST(Advice, AnAdaptiveFieldIsMadeFinerUntilItsContactsHold) {
-  const Advice advice = find_advice({1e-4, 1000, true}, modelled_adaptive);
+  const Advice advice = find_advice({1e-4, 1000, advise_plans()}, modelled_adaptive);
   std::vector<std::string> adaptive;
   for (const Assessment& measured : advice.measured) {
     if (measured.configuration.parameters.contains("max_error_mm")) {
@@ -86,14 +117,14 @@ TEST(Advice, AnAdaptiveFieldIsMadeFinerUntilItsContactsHold) {
 }
 
 TEST(Advice, AnAdaptiveFieldThatWouldTakeTooLongIsLeftOut) {
-  const Advice advice = find_advice({1e-7, 1000, true}, modelled_adaptive);
+  const Advice advice = find_advice({1e-7, 1000, advise_plans()}, modelled_adaptive);
   ASSERT_FALSE(advice.omitted.empty());
   EXPECT_EQ(advice.omitted.back().configuration.text(), "sdf max_error_mm=0.0004");
   EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), "bvh");
 }
 
 TEST(Advice, NoDepthAtAllIsHeldByWhatIsExact) {
-  const Advice advice = find_advice({0, 1000, true}, modelled_adaptive);
+  const Advice advice = find_advice({0, 1000, advise_plans()}, modelled_adaptive);
   EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), "bvh");
 }
 
@@ -106,8 +137,74 @@ TEST(Advice, OfEquallyFastOnesTheSmallest) {
     }
     return assessment;
   };
-  const Advice advice = find_advice({1e-4, 1000, false}, same_speed);
+  const Advice advice = find_advice({1e-4, 1000, without("fcl")}, same_speed);
   EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), "voxel cells=16");
+}
+
+/// Two sizes of a structure that both hold; the larger one is the faster by `ratio`.
+Advice two_sizes(double ratio) {
+  AdvisePlan plan{"grid"};
+  plan.points = {{{"cells", std::int64_t{2}}}, {{"cells", std::int64_t{1}}}};
+  return find_advice({1e-4, 1000, {plan}}, [&](const Configuration& configuration, std::string& /*reason*/) {
+    const bool large = configuration.text() == "grid cells=2";
+    Assessment assessment;
+    assessment.configuration = configuration;
+    const double time_ns = large ? 1e6 : ratio * 1e6;
+    assessment.collision_ns = {time_ns, 0.999 * time_ns, 1.001 * time_ns};
+    assessment.structure_bytes = large ? 52'900'000 : 7'300'000;
+    return std::optional(assessment);
+  });
+}
+
+TEST(Advice, ASmallerOneThatIsSlowerByNoMoreThanADriftIsTakenAndItSaysWhy) {
+  const Advice advice = two_sizes(1.05);
+  EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), "grid cells=1");
+  EXPECT_EQ(advice.measured[advice.fastest.value()].configuration.text(), "grid cells=2");
+  const std::vector<std::string> lines = explain(advice, {1e-4}, {46, 314});
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_NE(lines[0].find("smaller than grid cells=2 (7.3 against 52.9 MB)"), std::string::npos) << lines[0];
+  EXPECT_NE(lines[0].find("1.05 times its time"), std::string::npos) << lines[0];
+}
+
+TEST(Advice, ASmallerOneThatIsSlowerIsNot) {
+  const Advice advice = two_sizes(1.2);
+  EXPECT_EQ(advice.chosen, advice.fastest);
+  EXPECT_NE(explain(advice, {1e-4}, {46, 314}).at(0).find("the fastest"), std::string::npos);
+}
+
+TEST(Advice, ANarrowRefusalByFewFramesIsSaid) {
+  const Advice advice = find_advice({0.9e-4, 1000, advise_plans()}, modelled);
+  const auto says = [&](const AskedFrames& frames) {
+    const std::vector<std::string> lines = explain(advice, {0.9e-4}, frames);
+    return std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
+      return line.starts_with("sdf cells=64") && line.find("by 46 of 314 frames") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(says({46, 314})) << "sdf cells=64 errs by 0.1 mm";
+  EXPECT_FALSE(says({314, 314}));
+}
+
+TEST(AdvisePlan, AStudyThatNamesWhatTheBackendHasNotIsRefusedWithItsPlace) {
+  const auto message = [](const std::string& study) -> std::string {
+    BackendEntry entry = find_backend("voxel");
+    entry.study = study;
+    try {
+      (void)read_advise_plan(entry);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message("label = \"voxel\""), "");
+  EXPECT_NE(message("[advise]\npoints = [{cels = 3}]").find("voxel/study.toml:2: points[1]: cels: is unknown"),
+            std::string::npos)
+      << message("[advise]\npoints = [{cels = 3}]");
+  EXPECT_NE(message("[advise]\nrefine = { parameter = 'size' }").find("'size' is no number"), std::string::npos);
+  EXPECT_NE(message("[advise]\nrefine = { parameter = 'cells', from = 64, to = 8, factor = 2 }").find("does not lead"),
+            std::string::npos);
+  EXPECT_NE(message("[advise]\nwanted_error = { parameter = 'cells', factor = 2, coarsest = 1, build_order = 1 }")
+                .find("no length"),
+            std::string::npos);
 }
 
 TEST(Advice, WhatNoneReachesNamesTheBest) {
@@ -118,7 +215,7 @@ TEST(Advice, WhatNoneReachesNamesTheBest) {
     }
     return assessment;
   };
-  const Advice advice = find_advice({1e-9, 1000, true}, inexact);
+  const Advice advice = find_advice({1e-9, 1000, advise_plans()}, inexact);
   EXPECT_FALSE(advice.chosen);
   EXPECT_EQ(advice.measured[advice.best.value()].configuration.text(), "bvh");
   ASSERT_FALSE(advice.omitted.empty());
@@ -127,7 +224,7 @@ TEST(Advice, WhatNoneReachesNamesTheBest) {
 }
 
 TEST(Advice, WithoutTimeNothingIsMeasured) {
-  const Advice advice = find_advice({1e-4, 0, true}, modelled);
+  const Advice advice = find_advice({1e-4, 0, advise_plans()}, modelled);
   EXPECT_TRUE(advice.measured.empty());
   EXPECT_FALSE(advice.chosen);
   EXPECT_FALSE(advice.best);

@@ -29,12 +29,11 @@ struct Choice {
 /// Allocations of each frame from the third on.
 std::vector<std::uint64_t> allocations_of_frames(const Scene& scene, const Choice& choice,
                                                  CollisionObserver* observer) {
-  BackendEntry backend = find_backend(choice.backend);
-  backend.response = choice.response;
-  const Case resolved{scene, backend, Parameters(backend.parameters, choice.parameters, backend.name), choice.threads,
-                      0};
+  const BackendEntry& backend = find_backend(choice.backend);
+  const Case resolved{scene,          backend, Parameters(backend.parameters, choice.parameters, backend.name),
+                      choice.threads, 0,       choice.response};
   const BuiltBackend built = build_backend(resolved);
-  const PreparedSimulation prepared = prepare_simulation(resolved.scene, *built.backend, resolved.backend.response);
+  const PreparedSimulation prepared = prepare_simulation(resolved.scene, *built.backend, resolved.response);
   std::vector<std::uint64_t> counts;
   std::size_t most_contacts = 0;
   std::size_t early_contacts = 0;

@@ -53,17 +53,34 @@ class ReplayOfKeptFrames : public testing::Test {
 
   std::vector<std::string> calls_of_replay(bool remembers, int stride = 1) {
     std::vector<std::string> calls;
+    replay(calls, remembers, stride, 2);
+    return calls;
+  }
+
+  /// Whether each replayed frame is marked.
+  std::vector<bool> warm_up_of_replay(int warm_up_frames, int stride = 1) {
+    std::vector<std::string> calls;
+    std::vector<bool> marked;
+    for (const ReplayRecord& record : replay(calls, false, stride, warm_up_frames).records) {
+      marked.push_back(record.warm_up);
+    }
+    return marked;
+  }
+
+ private:
+  ReplayResult replay(std::vector<std::string>& calls, bool remembers, int stride, int warm_up_frames) {
     const BackendEntry entry{"listening", "", ResponseKind::project, {}, [&](const Parameters& /*none*/) {
                                return std::make_unique<ListeningBackend>(remembers, calls);
                              }};
     ReplayCase replay{{m_scene, entry, Parameters({}, {}, entry.name)}};
     replay.judge = false;
     replay.stride = stride;
-    EXPECT_EQ(replay_case(replay, m_frames, [](int /*done*/) {}).status, "ok");
-    return calls;
+    replay.warm_up_frames = warm_up_frames;
+    const ReplayResult result = replay_case(replay, m_frames, [](int /*done*/) {});
+    EXPECT_EQ(result.status, "ok");
+    return result;
   }
 
- private:
   void observe(double x) {
     std::vector<Vec3> positions = m_muscle.vertices;
     positions[0].x() = x;
@@ -91,6 +108,13 @@ TEST_F(ReplayOfKeptFrames, ABackendThatRemembersIsAskedAboutThatStep) {
 TEST_F(ReplayOfKeptFrames, AFrameThatTheStrideLeavesOutLeadsInToo) {
   const std::vector<std::string> expected{"update 7", "detect 7", "update 8", "detect 8"};
   EXPECT_EQ(calls_of_replay(true, 2), expected);
+}
+
+TEST_F(ReplayOfKeptFrames, TheFirstOfThoseReplayedAreWarmUp) {
+  EXPECT_EQ(warm_up_of_replay(0), (std::vector<bool>{false, false}));
+  EXPECT_EQ(warm_up_of_replay(1), (std::vector<bool>{true, false}));
+  EXPECT_EQ(warm_up_of_replay(2), (std::vector<bool>{true, true}));
+  EXPECT_EQ(warm_up_of_replay(1, 2), (std::vector<bool>{true}));
 }
 
 }  // namespace

@@ -88,7 +88,8 @@ TEST(Catalogue, EachBackendHasTheKeysOfTheSchema) {
     SCOPED_TRACE(backend["name"]);
     EXPECT_EQ(keys_of(backend), (Keys{"name", "label", "help", "colour", "dash", "default_response", "exact",
                                       "parameters", "capabilities", "study"}));
-    EXPECT_EQ(keys_of(backend["capabilities"]), (Keys{"depth", "point_queries", "remembers", "has_step"}));
+    EXPECT_EQ(keys_of(backend["capabilities"]),
+              (Keys{"depth", "point_queries", "remembers", "has_step", "steady_memory"}));
     EXPECT_TRUE(responses.contains(backend["default_response"]));
     EXPECT_TRUE(backend["study"].is_null() || backend["study"].is_object());
     expect_parameters(backend["parameters"]);
@@ -100,7 +101,9 @@ TEST(Catalogue, EachBackendHasTheKeysOfTheSchema) {
 TEST(Catalogue, AStudyIsPrintedWithTheStructureOfItsFile) {
   for (const Json& backend : catalogue()["backends"]) {
     const Json& study = backend["study"];
-    ASSERT_TRUE(study.is_object()) << backend["name"];
+    if (study.is_null()) {
+      continue;  // one that has none is in no study
+    }
     EXPECT_EQ(backend["colour"], study["colour"]);
     EXPECT_EQ(backend["label"], study["label"]);
     ASSERT_TRUE(study["series"].is_array());

@@ -50,7 +50,7 @@ std::vector<Vec3> random_points(double reach, int count) {
   return points;
 }
 
-/// Random triangles, some of them degenerate: nothing that helps the tree.
+/// Random triangles, some of them degenerate: the worst input for a tree.
 TriangleMesh soup(int triangles) {
   TriangleMesh mesh;
   mesh.vertices = random_points(1, 3 * triangles);
@@ -67,9 +67,9 @@ ClosestCandidate closest_listed(const TriangleBvh& tree, const Vec3& point, cons
   return tree.finish_candidate_search(search, list, enough_m);
 }
 
-class TriangleTreeShapes : public testing::TestWithParam<TriangleMesh> {};
+class TriangleBvhShapes : public testing::TestWithParam<TriangleMesh> {};
 
-TEST_P(TriangleTreeShapes, ClosestPointIsThatOfBruteForce) {
+TEST_P(TriangleBvhShapes, ClosestPointIsThatOfBruteForce) {
   const TriangleMesh& mesh = GetParam();
   const TriangleBvh tree(mesh);
   int start = 0;
@@ -83,7 +83,7 @@ TEST_P(TriangleTreeShapes, ClosestPointIsThatOfBruteForce) {
   }
 }
 
-TEST_P(TriangleTreeShapes, TheCapOnlyDecidesWhetherThereIsAnAnswer) {
+TEST_P(TriangleBvhShapes, TheLargestDistanceOnlyDecidesWhetherThereIsAnAnswer) {
   const TriangleMesh& mesh = GetParam();
   const TriangleBvh tree(mesh);
   for (const Vec3& point : random_points(1.5, 100)) {
@@ -95,7 +95,7 @@ TEST_P(TriangleTreeShapes, TheCapOnlyDecidesWhetherThereIsAnAnswer) {
   }
 }
 
-TEST_P(TriangleTreeShapes, WindingNumberIsTheSumOfSolidAngles) {
+TEST_P(TriangleBvhShapes, WindingNumberIsTheSumOfSolidAngles) {
   const TriangleMesh& mesh = GetParam();
   const TriangleBvh tree(mesh);
   for (const Vec3& point : random_points(1.5, 200)) {
@@ -108,11 +108,11 @@ TEST_P(TriangleTreeShapes, WindingNumberIsTheSumOfSolidAngles) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, TriangleTreeShapes,
+INSTANTIATE_TEST_SUITE_P(Shapes, TriangleBvhShapes,
                          testing::Values(make_sphere(1, 4), make_box({0.5, 1, 0.25}, 1), make_box({0.5, 1, 0.25}, 9),
                                          make_capsule(0.3, 0.9, 24), soup(500), soup(3)));
 
-/// Surfaces that are hard on floats, and points that are hard on a search among them: on the surface, at equal
+/// Surfaces that are hard for single precision, with points that are hard for a search: on the surface, at equal
 /// distances from several triangles, beyond the tips of slivers, far away.
 struct HardCase {
   std::string name;
@@ -122,7 +122,7 @@ struct HardCase {
 
 void PrintTo(const HardCase& hard, std::ostream* out) { *out << hard.name; }
 
-/// Slivers of all widths between two powers of ten, so close together that they compete.
+/// Slivers of all widths between two powers of ten, so close together that several are nearly the closest.
 TriangleMesh slivers(std::mt19937& random, double thinnest, double widest) {
   std::uniform_real_distribution<double> unit(-1, 1);
   TriangleMesh mesh;
@@ -142,7 +142,7 @@ TriangleMesh slivers(std::mt19937& random, double thinnest, double widest) {
 
 /// Slivers of which closest_on_triangle misses the closest point, each next to a plain triangle that it then takes to
 /// be closer.
-TriangleMesh needles_over_triangles(std::mt19937& random) {
+TriangleMesh slivers_over_triangles(std::mt19937& random) {
   std::uniform_real_distribution<double> unit(-1, 1);
   TriangleMesh mesh;
   for (int t = 0; t < 200; ++t) {
@@ -162,7 +162,7 @@ TriangleMesh needles_over_triangles(std::mt19937& random) {
   return mesh;
 }
 
-/// A plane grid, three times at the same place with other diagonals and windings.
+/// Three coincident plane grids with different diagonals and windings.
 TriangleMesh coincident_sheets() {
   TriangleMesh mesh;
   constexpr int side = 12;
@@ -187,7 +187,7 @@ TriangleMesh coincident_sheets() {
   return mesh;
 }
 
-/// Points that are somewhere, at vertices, in the middle of triangles and of edges, close to them and above them.
+/// Random points, vertices, middles of triangles and of edges, and points close to them and above them.
 std::vector<Vec3> points_about(const TriangleMesh& mesh, std::mt19937& random, int count) {
   std::uniform_real_distribution<double> unit(-1, 1);
   std::uniform_int_distribution<std::size_t> any(0, mesh.triangles.size() - 1);
@@ -219,8 +219,8 @@ std::vector<HardCase> hard_cases() {
   add("soup", soup(400));
   add("slivers", slivers(random, -17, -1));
   // So thin that closest_on_triangle may take any point of them for the closest one.
-  add("thin_needles", slivers(random, -12, -7));
-  add("needles_over_triangles", needles_over_triangles(random));
+  add("thin_slivers", slivers(random, -12, -7));
+  add("slivers_over_triangles", slivers_over_triangles(random));
   add("sheets", coincident_sheets());
   TriangleMesh points_and_segments = soup(300);
   for (Triangle& t : points_and_segments.triangles) {
@@ -260,12 +260,12 @@ std::vector<HardCase> hard_cases() {
   return cases;
 }
 
-class TriangleTreeHardCases : public testing::TestWithParam<HardCase> {
+class TriangleBvhHardCases : public testing::TestWithParam<HardCase> {
  protected:
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };
 
-TEST_P(TriangleTreeHardCases, AnswersAreThoseOfBruteForceOnEveryKindOfVector) {
+TEST_P(TriangleBvhHardCases, AnswersAreThoseOfBruteForceOnEverySimdTarget) {
   const auto& [name, mesh, points] = GetParam();
   const TriangleBvh tree(mesh);
   std::vector<ClosestPoint> expected;
@@ -290,11 +290,11 @@ TEST_P(TriangleTreeHardCases, AnswersAreThoseOfBruteForceOnEveryKindOfVector) {
   }
 }
 
-/// About each place a list, and points that have moved away from it by next to nothing, a little and a lot.
-TEST_P(TriangleTreeHardCases, AListOfLeavesAnswersAsASearchDoesOrIsNotCertain) {
+/// A list about each point, searched from points very close to it, near it and far from it.
+TEST_P(TriangleBvhHardCases, ACandidateListAnswersAsASearchDoesOrIsNotCertain) {
   const auto& [name, mesh, points] = GetParam();
   const TriangleBvh tree(mesh);
-  const std::vector<Vec3> ways = random_points(1, static_cast<int>(points.size()));
+  const std::vector<Vec3> directions = random_points(1, static_cast<int>(points.size()));
   Vec3 lower = mesh.vertices.front();
   Vec3 upper = lower;
   for (const Vec3& vertex : mesh.vertices) {
@@ -312,7 +312,7 @@ TEST_P(TriangleTreeHardCases, AListOfLeavesAnswersAsASearchDoesOrIsNotCertain) {
         tree.list_candidate_leaves(points[i], distance + reach, list);
         for (const double share : {0.0, 1e-6, 0.01, 0.1}) {
           SCOPED_TRACE(name + " " + hwy::TargetName(target) + " point " + std::to_string(i));
-          const Vec3 point = points[i] + share * size * ways[i];
+          const Vec3 point = points[i] + share * size * directions[i];
           if (list.empty()) {
             continue;
           }
@@ -339,7 +339,7 @@ TEST_P(TriangleTreeHardCases, AListOfLeavesAnswersAsASearchDoesOrIsNotCertain) {
   EXPECT_GT(cleared, 0) << name;
 }
 
-TEST_P(TriangleTreeHardCases, AClearanceIsNeverMoreThanTheDistance) {
+TEST_P(TriangleBvhHardCases, AClearanceIsNeverMoreThanTheDistance) {
   const auto& [name, mesh, points] = GetParam();
   const TriangleBvh tree(mesh);
   const int count = static_cast<int>(mesh.triangles.size());
@@ -356,24 +356,24 @@ TEST_P(TriangleTreeHardCases, AClearanceIsNeverMoreThanTheDistance) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, TriangleTreeHardCases, testing::ValuesIn(hard_cases()),
+INSTANTIATE_TEST_SUITE_P(All, TriangleBvhHardCases, testing::ValuesIn(hard_cases()),
                          [](const auto& hard) { return hard.param.name; });
 
-TEST(TriangleBvh, AListOfLeavesIsCertainWhileThePointStaysNearItsPlace) {
+TEST(TriangleBvh, ACandidateListIsCertainWhileThePointStaysNear) {
   const TriangleMesh mesh = make_sphere(0.1, 5);
   const TriangleBvh tree(mesh);
   int certain = 0;
   int asked = 0;
-  for (const Vec3& way : random_points(1, 200)) {
-    const Vec3 place = (0.1 + 0.002 * way.x()) * way.normalized();
+  for (const Vec3& random : random_points(1, 200)) {
+    const Vec3 centre = (0.1 + 0.002 * random.x()) * random.normalized();
     CandidateLeaves list;
-    tree.list_candidate_leaves(place, tree.closest_point(place)->distance_m + 0.008, list);
+    tree.list_candidate_leaves(centre, tree.closest_point(centre)->distance_m + 0.008, list);
     ASSERT_FALSE(list.empty());
     for (const double moved : {0.0, 5e-4, 1e-3}) {
-      const Vec3 point = place + moved * Vec3(way.y(), way.z(), way.x()).normalized();
+      const Vec3 point = centre + moved * Vec3(random.y(), random.z(), random.x()).normalized();
       ++asked;
       certain += closest_listed(tree, point, list).certain ? 1 : 0;
-      EXPECT_FALSE(closest_listed(tree, place + Vec3(0, 0, 0.05), list).certain);
+      EXPECT_FALSE(closest_listed(tree, centre + Vec3(0, 0, 0.05), list).certain);
     }
   }
   EXPECT_EQ(certain, asked);
@@ -392,7 +392,7 @@ TEST(TriangleBvh, AClearanceIsNineTenthsOfTheDistanceFromAnyStart) {
   }
 }
 
-TEST(TriangleBvh, PointsThatAreNotFiniteAreNowhere) {
+TEST(TriangleBvh, PointsThatAreNotFiniteHaveNoClosestPoint) {
   const TriangleMesh mesh = make_sphere(1, 1);
   const TriangleBvh tree(mesh);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -402,7 +402,7 @@ TEST(TriangleBvh, PointsThatAreNotFiniteAreNowhere) {
   EXPECT_FALSE(tree.closest_point({0, 0, 0}, -1));
 }
 
-TEST(TriangleBvh, IsDeepEnoughForManyTrianglesAtOnePlace) {
+TEST(TriangleBvh, IsDeepEnoughForManyCoincidentTriangles) {
   TriangleMesh mesh = make_sphere(1, 0);
   const std::vector<Triangle> once = mesh.triangles;
   for (int copy = 0; copy < 500; ++copy) {

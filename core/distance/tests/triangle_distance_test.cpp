@@ -75,7 +75,7 @@ TEST(ClosestOnTriangle, TakesDegenerateTrianglesAsSegmentsAndPoints) {
   EXPECT_DOUBLE_EQ(closest_on_triangle(a, a, a, a).squared_distance_m2, 0);
 }
 
-TEST(ClosestOnTriangle, StaysExactOnNeedles) {
+TEST(ClosestOnTriangle, StaysExactOnSlivers) {
   // A sliver of aspect 1e7 seen from far away: the foot must stay on it.
   const Vec3 a(0, 0, 0), b(1, 0, 0), c(0.5, 1e-7, 0), point(0.3, 0.2e-7, 100);
   EXPECT_NEAR(std::sqrt(closest_on_triangle(point, a, b, c).squared_distance_m2), 100, 1e-12);

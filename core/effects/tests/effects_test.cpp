@@ -1,5 +1,7 @@
 #include <cmath>
 #include <limits>
+#include <set>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -75,6 +77,31 @@ TEST(Bending, RatioGateLeavesPairsThatAreFlatAtRest) {
   const auto before = p.predicted;
   f.project(*gated, p);
   EXPECT_EQ(p.predicted, before);
+}
+
+TEST(Bending, RatioGateIsOpenFromATenthToTenTimesTheRestAngle) {
+  constexpr double rest_rad = 0.2;
+  for (const auto& [ratio, is_open] : {std::pair(0.09, false), {0.11, true}, {1.0, true}, {9.9, true}, {10.1, false}}) {
+    Fixture f(hinge(rest_rad));
+    const auto gated = f.make("bending", {{"public_code_ratio_gate", true}});
+    Particles p = f.particles();
+    p.predicted = hinge(rest_rad + ratio * rest_rad).vertices;
+    const auto before = p.predicted;
+    f.project(*gated, p);
+    EXPECT_EQ(p.predicted != before, is_open) << ratio;
+  }
+}
+
+TEST(Bending, LeavesOutPairsThatAreFlatterThanTold) {
+  for (const double rest_rad : {0.19, -0.19, 0.21, -0.21, 2.5}) {
+    Fixture f(hinge(rest_rad));
+    const auto bending = f.make("bending", {{"skip_flatter_than_rad", 0.2}});
+    Particles p = f.particles();
+    p.predicted = hinge(rest_rad + 0.3).vertices;
+    const auto before = p.predicted;
+    f.project(*bending, p);
+    EXPECT_EQ(p.predicted != before, std::abs(rest_rad) > 0.2) << rest_rad;
+  }
 }
 
 TEST(Bending, DegenerateTriangleChangesNothing) {
@@ -160,6 +187,19 @@ TEST(Volume, ScaledProjectionCorrectsItsPart) {
   EXPECT_NEAR(surface_volume_m3(p.predicted, f.mesh.triangles) / rest, 1 + 0.01 / 6, 1e-5);
 }
 
+/// Heavy nodes move less, and the volume is restored all the same.
+TEST(Volume, MassesShareTheCorrection) {
+  Fixture f(make_sphere(0.05, 2));
+  const auto volume = f.make("volume", {{"pressure", 1.01}});
+  Particles p = f.particles();
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    p.inverse_masses[i] = i % 2 == 0 ? 0.1 : 3;
+  }
+  const double rest = surface_volume_m3(p.predicted, f.mesh.triangles);
+  f.project(*volume, p);
+  EXPECT_NEAR(surface_volume_m3(p.predicted, f.mesh.triangles) / rest, 1.01, 2e-4);
+}
+
 TEST(Volume, BoundNodesDoNotMove) {
   Fixture f(make_sphere(0.05, 2));
   const auto volume = f.make("volume", {{"pressure", 1.5}});
@@ -199,6 +239,51 @@ TEST(SurfaceEdges, EveryEdgeOnceAndBothSidesKnown) {
   for (const SurfaceEdge& edge : edges) {
     EXPECT_GE(edge.left, 0);
     EXPECT_GE(edge.right, 0);
+  }
+}
+
+/// Corrections that follow each other do not wait for one another: only where one group of edges ends and the next
+/// begins may two in a row share a vertex.
+TEST(SurfaceEdges, NoTwoInARowShareAVertexButBetweenGroups) {
+  const auto edges = surface_edges(make_sphere(1, 4));
+  int sharing = 0;
+  for (std::size_t i = 1; i < edges.size(); ++i) {
+    const SurfaceEdge& one = edges[i - 1];
+    const std::set<int> corners = {one.start, one.end, one.left, one.right};
+    const SurfaceEdge& other = edges[i];
+    sharing += corners.contains(other.start) || corners.contains(other.end) || corners.contains(other.left) ||
+                       corners.contains(other.right)
+                   ? 1
+                   : 0;
+  }
+  EXPECT_LT(sharing, 64);
+}
+
+/// A fibre ends at its ends: the first one's line runs through the point, but far from it.
+TEST(Fibres, TheNearestIsASegmentNotItsLine) {
+  const std::vector<FibreSegment> fibres = {{Vec3(5, 0, 0), Vec3(6, 0, 0)}, {Vec3(0, 1, 0), Vec3(0, 3, 0)}};
+  EXPECT_EQ(alignment_with_nearest_fibre(fibres, Vec3::Zero(), Vec3::UnitY()), 1);
+  EXPECT_EQ(alignment_with_nearest_fibre(fibres, Vec3::Zero(), Vec3::UnitX()), 0);
+  EXPECT_EQ(alignment_with_nearest_fibre(fibres, Vec3(5.5, 0.1, 0), Vec3::UnitX()), 1);
+}
+
+/// On a flat strip the function between its ends is linear, whatever its triangles, as long as none is obtuse: all
+/// fibres run straight along, but for the right angles at the ends, whose cotangents are kept from 0.
+TEST(Fibres, RunStraightAlongAStrip) {
+  TriangleMesh strip;
+  constexpr int columns = 6;
+  for (int i = 0; i < columns; ++i) {
+    const double bent = -0.3 * (i % 2);
+    strip.vertices.insert(strip.vertices.end(), {Vec3(i, 0, 0), Vec3(i + (i % (columns - 1) == 0 ? 0 : bent), 1, 0)});
+  }
+  for (int i = 0; i + 1 < columns; ++i) {
+    strip.triangles.push_back({2 * i, 2 * i + 2, 2 * i + 3});
+    strip.triangles.push_back({2 * i, 2 * i + 3, 2 * i + 1});
+  }
+  const auto fibres = fibres_between(strip, {0, 1}, {2 * columns - 2, 2 * columns - 1}, 1000);
+  ASSERT_EQ(fibres.size(), strip.triangles.size());
+  for (const FibreSegment& fibre : fibres) {
+    EXPECT_GT((fibre.end - fibre.start).normalized().x(), 0.9995);
   }
 }
 

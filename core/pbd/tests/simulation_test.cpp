@@ -94,5 +94,58 @@ TEST(Simulation, TheLastDetectionIsWhatTheBackendSaw) {
   EXPECT_EQ(simulation.particles().positions[0], Vec3(0, 0, 0));
 }
 
+/// Writes down what every collision step was told.
+class Listener final : public CollisionObserver {
+ public:
+  std::vector<double> previous_z, z;  ///< of bone 0
+  std::vector<bool> last_of_frame;
+
+  void before_detection(const CollisionStep& step) override {
+    previous_z.push_back(step.previous_bone_poses[0].translation_m.z());
+    z.push_back(step.bone_poses[0].translation_m.z());
+    last_of_frame.push_back(step.last_of_frame);
+  }
+  void after_detection(const CollisionStep& /*step*/, std::span<const Contact> /*contacts*/) override {}
+};
+
+/// Bone 0 rises by 1 m a frame.
+PoseFunction rising() {
+  return [](double position, std::vector<RigidMotion>& poses) {
+    poses.assign(1, RigidMotion{Mat3::Identity(), Vec3(0, 0, position)});
+  };
+}
+
+TEST(Simulation, EveryIterationCollidesAndOnlyTheLastEndsTheFrame) {
+  HalfSpace backend;
+  const std::vector<Bone> bones(1);
+  backend.build(bones, {}, 1);
+  LoopParameters loop;
+  loop.substeps = 2;
+  loop.iterations = 3;
+  loop.interpolate_poses = true;
+  Simulation simulation(loop, particles({Vec3(0, 0, 9)}), {0}, {}, backend, ResponseKind::project, rising());
+  Listener listener;
+  simulation.step_frame(1, &listener);
+  EXPECT_EQ(listener.previous_z, (std::vector<double>{0, 0, 0, 0.5, 0.5, 0.5}));
+  EXPECT_EQ(listener.z, (std::vector<double>{0.5, 0.5, 0.5, 1, 1, 1}));
+  EXPECT_EQ(listener.last_of_frame, (std::vector<bool>{false, false, false, false, false, true}));
+}
+
+TEST(Simulation, TheResponseKnowsThePosesOfTheSubstepBefore) {
+  HalfSpace backend;
+  const std::vector<Bone> bones(1);
+  backend.build(bones, {}, 1);
+  LoopParameters loop;
+  loop.substeps = 2;
+  loop.interpolate_poses = true;
+  Particles stuck = particles({Vec3(0, 0, -0.5)});
+  stuck.velocities[0].setZero();
+  Simulation simulation(loop, stuck, {0}, {}, backend, ResponseKind::backtrack, rising());
+  simulation.step_frame(1);
+  EXPECT_EQ(simulation.particles().positions[0], Vec3(0, 0, 0.5));  // it follows the bone that it is in
+  simulation.step_frame(2);
+  EXPECT_EQ(simulation.particles().positions[0], Vec3(0, 0, 1.5));
+}
+
 }  // namespace
 }  // namespace musclebench

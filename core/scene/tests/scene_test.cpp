@@ -9,6 +9,7 @@
 #include "core/mesh/shapes.hpp"
 #include "core/scene/attachment_area.hpp"
 #include "core/scene/read_scene.hpp"
+#include "core/scene/scene_warnings.hpp"
 
 namespace musclebench {
 namespace {
@@ -221,6 +222,32 @@ TEST(AttachmentArea, TheFarSideOfTheBoneDoesNotCount) {
   const AttachmentArea area{{Vec3(-0.01, -0.01, 0.02), Vec3(0.01, -0.01, 0.02), Vec3(0.0, 0.012, 0.02)}, 0.005, 0.001};
   const std::vector<Vec3> nodes = {{0, 0, 0.021}, {0, 0, -0.021}, {0.02, 0, 0.021}, {0, -0.0105, 0.024}, {0, 0, 0.03}};
   EXPECT_EQ(nodes_over_area(nodes, tree, area), (std::vector<int>{0, 3}));
+}
+
+/// A square whose rim is exact: nodes just inside and just outside of what the margin adds, at sides and corners.
+TEST(AttachmentArea, GrowsByItsMarginOnAllSides) {
+  const TriangleBvh bone(make_box(Vec3(0.03, 0.03, 0.02), 6));
+  const double margin_m = 0.004;
+  const AttachmentArea area{
+      {Vec3(-0.01, -0.01, 0.02), Vec3(0.01, -0.01, 0.02), Vec3(0.01, 0.01, 0.02), Vec3(-0.01, 0.01, 0.02)},
+      0.001,
+      margin_m};
+  std::vector<Vec3> nodes;
+  for (const double part : {0.99, 1.01}) {
+    const double beside_m = 0.01 + part * margin_m;
+    const double corner_m = 0.01 + part * margin_m / std::sqrt(2.0);
+    nodes.insert(nodes.end(), {Vec3(beside_m, 0, 0.02), Vec3(-beside_m, 0.009, 0.02), Vec3(0, -beside_m, 0.02),
+                               Vec3(corner_m, corner_m, 0.02)});
+  }
+  EXPECT_EQ(nodes_over_area(nodes, bone, area), (std::vector<int>{0, 1, 2, 3}));
+}
+
+TEST(AttachmentArea, BindsWithinItsDistanceFromTheBone) {
+  const TriangleBvh bone(make_box(Vec3(0.03, 0.03, 0.02), 6));
+  const AttachmentArea area{{Vec3(-0.01, -0.01, 0.02), Vec3(0.01, -0.01, 0.02), Vec3(0, 0.01, 0.02)}, 0.002, 0};
+  const std::vector<Vec3> nodes = {Vec3(0, 0, 0.02 + 0.00198), Vec3(0, 0, 0.02 + 0.00202), Vec3(0, 0, 0.02 - 0.00198),
+                                   Vec3(0, 0, 0.02 - 0.00202)};
+  EXPECT_EQ(nodes_over_area(nodes, bone, area), (std::vector<int>{0, 2}));
 }
 
 class MotionTableFile : public testing::Test {

@@ -54,7 +54,7 @@ void expect_true_and_useful(const TriangleMesh& mesh, std::size_t count) {
     const double clearance_m = gridded.grid.clearance_m(point);
     ASSERT_LE(clearance_m, std::max(distance_m, 0.0)) << point.transpose();
     if (gridded.box.contains(point)) {
-      // The way to a centre is lost twice, and of large distances a share.
+      // The distance to a cube's centre is lost twice; far away a fraction of the distance, too.
       ASSERT_GE(clearance_m, 0.7 * distance_m - 1.74 * coarsest_m) << point.transpose();
     }
   }
@@ -67,7 +67,7 @@ TEST(ClearanceGrid, IsBelowTheDistanceAndNotFar) {
   expect_true_and_useful(hollow_sphere(), 20000);
 }
 
-TEST(ClearanceGrid, KnowsTheCavityOfAShell) {
+TEST(ClearanceGrid, CoversTheCavityOfAShell) {
   const Gridded gridded(hollow_sphere());
   EXPECT_GT(gridded.grid.clearance_m(Vec3::Zero()), 0.4);
   EXPECT_LE(gridded.grid.clearance_m(Vec3::Zero()), 0.7);
@@ -94,7 +94,7 @@ TEST(ClearanceGrid, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(ClearanceGrid, KnowsNothingWithoutASurface) {
+TEST(ClearanceGrid, IsZeroWithoutASurface) {
   EXPECT_EQ(ClearanceGrid().clearance_m({1, 2, 3}), 0);
   EXPECT_EQ(ClearanceGrid().bytes(), 0U);
 }

@@ -57,6 +57,11 @@ class Aggregate:
         return {case.run.record[key] for case in self.ok if case.run.record.get(key)}
 
     @property
+    def is_disturbed(self) -> bool:
+        """The machine was busy while one of its repetitions ran."""
+        return any(case.disturbance for case in self.ok)
+
+    @property
     def is_shown(self) -> bool:
         """Figures and prices show complete and deterministic configurations only."""
         return self.status == "ok"

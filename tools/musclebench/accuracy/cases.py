@@ -7,6 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from ..program.registry import Registry, saved_registry
+from ..results.disturbance import disturbed
 from ..results.run_folder import REPLAY_COLUMNS, ResultProblem, Run, no_frames, read_run
 from .configurations import Configuration, configuration
 
@@ -20,6 +21,7 @@ class StudyCase:
     run: Run  # of a missing case: without frames, status `missing`
     configuration: Configuration
     probe: pd.DataFrame  # probe.csv; empty but for probes
+    disturbance: str = ""  # why the machine was too busy for its times to count; empty: it was not
 
     @property
     def mode(self) -> str:
@@ -47,6 +49,9 @@ def read_cases(out_dir: Path) -> list[StudyCase]:
     cases = [_read_case(folder, planned.get(folder.name), registry) for folder in folders]
     read = {case.name for case in cases}
     absent = [_absent(raw / name, case, registry) for name, case in planned.items() if name not in read]
+    found = disturbed({case.name: case.run.record for case in cases})
+    for case in cases:
+        case.disturbance = found.get(case.name, "")
     return sorted([*cases, *absent], key=lambda case: case.name)
 
 
@@ -83,7 +88,8 @@ def _complete(case: dict, planned: dict | None) -> None:
 
 def _case(name: str, run: Run, probe: pd.DataFrame, registry: Registry) -> StudyCase:
     told = run.record["case"]
-    chosen = configuration(registry.backend(told["backend"]), told.get("parameters") or {}, int(told.get("threads") or 1))
+    about, parameters = registry.backend(told["backend"]), told.get("parameters") or {}
+    chosen = configuration(about, parameters, int(told.get("threads") or 1))
     return StudyCase(name, run, chosen, probe)
 
 

@@ -22,7 +22,8 @@ def probe_rows(probes: list[Aggregate]) -> pd.DataFrame:
         for _, line in probe.iterrows():
             rows.append({
                 "bone": line["bone"], "mesh_sha256": digests.get(line["bone"]), "place": line["place"],
-                "backend": aggregate.backend, "series": aggregate.configuration.series, "configuration": aggregate.configuration.name,
+                "backend": aggregate.backend, "series": aggregate.configuration.series,
+                "configuration": aggregate.configuration.name,
                 "cell_edge_m": cell_edge_m(aggregate, line["bone"]), "points": line["points"],
                 **{key: line.get(key) for key in ("max_error_m", "p99_error_m", "mean_error_m", "rms_error_m",
                                                   "wrong_side")},
@@ -57,7 +58,8 @@ def cost_rows(aggregates: list[Aggregate], measured_builds: dict) -> pd.DataFram
     rows = []
     for aggregate in (e for e in aggregates if e.is_shown and e.configuration.series):
         cells = cell_count(aggregate)
-        rows.append({"bones": _bones(aggregate), "backend": aggregate.backend, "series": aggregate.configuration.series, "cells": cells,
+        rows.append({"bones": _bones(aggregate), "backend": aggregate.backend,
+                     "series": aggregate.configuration.series, "cells": cells,
                      "configuration": aggregate.configuration.name,
                      "build_s": build_seconds(aggregate, measured_builds),
                      "structure_bytes": aggregate.structure_bytes})

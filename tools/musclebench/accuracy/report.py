@@ -10,11 +10,13 @@ from ..figures.convergence import draw_costs, draw_errors
 from ..figures.pareto import draw_pareto
 from ..figures.stages import draw_stages, stage_rows
 from ..program.registry import saved_registry
+from ..results.disturbance import note
 from ..tables import table_formats
 from ..tables.choices import choices_tables, rule
 from ..tables.outcomes import outcomes_table, shape_distances
 from ..tables.prices import price_list
 from ..tables.table_formats import Table
+from . import coupled_faults
 from .aggregates import Aggregate, aggregates_of, of_mode
 from .cases import StudyCase, read_cases
 from .front import points_of
@@ -22,8 +24,8 @@ from .orders import cost_rows, probe_rows
 from .rows import accuracy_rows, build_seconds_of, study_rows
 
 FRONT_WORDS = (
-    "The grey line is the Pareto front: nothing is both faster and more accurate than what lies on it. Configurations "
-    "without a resolution that answer wrongly on replayed positions are crossed out and not on it; errors below a nanometre count "
+    "The grey line is the Pareto front: nothing is both faster and more accurate than what lies on it. Crossed-out "
+    "configurations are wrong and not on it; errors below a nanometre count "
     "as equal and are drawn in a band in which height means nothing. A marker's area grows with the bytes of the "
     "structures, a step a factor of ten. All muscles: the sum of their times, the largest of their errors, of "
     "configurations that are complete on each.")
@@ -55,8 +57,9 @@ def write_report(out_dir: Path) -> AccuracyReport:
     shapes = shape_distances(coupled)
     made = [table for table in (price_list(replays, builds), *choices_tables(replays), outcomes_table(coupled, shapes))
             if not table.rows.empty]
+    busy = note({case.name: case.disturbance for case in cases if case.disturbance}, len(cases))
     for table in made:
-        files += _write_table(table, tables)
+        files += _write_table(table, tables, busy)
     files += _draw_replay(replays, wrong, figures)
     files += _draw_coupled(coupled, wrong, shapes, figures)
     files += _draw_convergence(aggregates, builds, figures)
@@ -71,9 +74,10 @@ def _write_rows(cases: list[StudyCase], aggregates: list[Aggregate], builds: dic
     return paths
 
 
-def _write_table(table: Table, folder: Path) -> list[Path]:
+def _write_table(table: Table, folder: Path, busy: str) -> list[Path]:
+    """`busy`: of the machine, below the table."""
     text = folder / f"{table.name}.txt"
-    text.write_text(f"{table.caption}\n\n{table_formats.as_text(table)}\n{_notes(table)}")
+    text.write_text(f"{table.caption}\n\n{table_formats.as_text(table)}\n{_notes(table)}{busy}\n")
     return [*table_formats.write_table(table, folder), text]
 
 
@@ -99,6 +103,8 @@ def _draw_coupled(coupled: list[Aggregate], wrong: set, shapes: dict, folder: Pa
     def distance(aggregate: Aggregate) -> float:
         return shapes.get((aggregate.scene, aggregate.configuration), {}).get("full_rms_mm", math.nan)
 
+    faults = coupled_faults.faults_of(coupled, shapes)
+    wrong, why = wrong | set(faults), coupled_faults.told(faults)
     depths = points_of(coupled, lambda aggregate: aggregate.remaining_depth_mm, wrong)
     title = "What accuracy costs in time: every backend moves its own muscle (coupled)"
     files = draw_pareto(depths, folder / "pareto_coupled", title, "remaining depth, 99th percentile (mm)", "none left")
@@ -108,14 +114,14 @@ def _draw_coupled(coupled: list[Aggregate], wrong: set, shapes: dict, folder: Pa
         "not judged), 99th percentile over the run's frames. Little depth is not yet accuracy: a backend that keeps "
         "the muscle too far from the bones leaves none; the figure of shapes shows what that costs. "
         "Trajectories part: the table of coupled outcomes has times of whole runs.")
-    texts = [error, captions.TIME, FRONT_WORDS, _left_out(coupled, depths)]
+    texts = [error, captions.TIME, FRONT_WORDS, coupled_faults.RULE, why, _left_out(coupled, depths)]
     files = _with_caption(files, title, texts, _cases(coupled))
     distances = points_of(coupled, distance, wrong)
     title = "How far the muscle's shape at full flexion is from the exact run's (coupled)"
     stem, axis_title = folder / "pareto_coupled_shape", "distance to exact shape, RMS (mm)"
     drawn = draw_pareto(distances, stem, title, axis_title, "same shape")
     error = "The error is the root mean square over all nodes of their distance to the same nodes of the exact run."
-    texts = [error, captions.TIME, FRONT_WORDS, _left_out(coupled, distances)]
+    texts = [error, captions.TIME, FRONT_WORDS, coupled_faults.RULE, why, _left_out(coupled, distances)]
     return files + _with_caption(drawn, title, texts, _cases(coupled))
 
 

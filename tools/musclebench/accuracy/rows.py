@@ -58,7 +58,8 @@ def _case_row(case: StudyCase) -> dict:
     return {
         "case": case.name, **_identity(case.mode, case.scene, case.configuration),
         "preset": record["case"].get("preset"), "repetition": case.repetition, "status": case.run.status,
-        "status_detail": record.get("status_detail", ""), "frames": len(case.run.frames) or None,
+        "status_detail": record.get("status_detail", ""), "disturbance": case.disturbance,
+        "frames": len(case.run.frames) or None,
         "stride": recording.get("stride"), **{f"median_{key}": value for key, value in times.items()},
         "build_ns": record.get("build_ns"), "structures": record.get("structures"),
         "structure_bytes": record.get("structure_bytes"), "band_m": record.get("band_m"),
@@ -76,7 +77,7 @@ def _aggregate_row(aggregate: Aggregate, aggregates: list[Aggregate], measured: 
     stages = {stage.replace("_ns", "_ms"): aggregate.stage_ms(stage) for stage in COLLISION_STAGES}
     return {
         **_identity(aggregate.mode, aggregate.scene, aggregate.configuration), "status": aggregate.status,
-        "detail": aggregate.detail,
+        "detail": aggregate.detail, "is_disturbed": aggregate.is_disturbed,
         "repetitions": len(aggregate.cases), "ok_repetitions": len(aggregate.ok),
         "distinct_answers": len(aggregate.answers) or None,
         "frames": time.frames or None, "collision_ms": time.value, "collision_ms_low": time.low,

@@ -49,6 +49,17 @@ class Case(ABC):
         """Of the results, below the experiment's."""
         return f"raw/{self.name}"
 
+    def input_digests(self) -> dict[str, str]:
+        """Of files beside the program and the data that its result depends on, by name."""
+        return {}
+
     def output(self, folder: Path) -> list[str]:
         """Arguments that make `musclebench` write into `folder`."""
         return ["--out", str(folder), "--progress"]
+
+
+class SceneCase(Case):
+    """A case with a `scene`, which may be a file."""
+
+    def input_digests(self) -> dict[str, str]:
+        return {"scene_sha256": self.scene.digest} if self.scene.digest else {}

@@ -1,10 +1,15 @@
 """What an experiment decides about its cases: their commands, when one counts as complete, what must not be run."""
 
+import os
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..program import fingerprint
+from ..results.damage import damage
 from .case import Case, Places
+
+DAMAGED_DIR = "damaged"  # below the experiment's folder
 
 
 @dataclass(frozen=True)
@@ -35,10 +40,24 @@ class Experiment:
     def print_of(self, case: Case) -> dict:
         """What the result of a case depends on."""
         arguments = case.arguments(self.places.symbolic())
-        return fingerprint.fingerprint(arguments, self._binary_digest, self._data_digest, **self.more_inputs(case))
+        more = case.input_digests() | self.more_inputs(case)
+        return fingerprint.fingerprint(arguments, self._binary_digest, self._data_digest, **more)
 
     def is_complete(self, case: Case) -> bool:
-        return fingerprint.status_when_sealed(self.folder(case), self.print_of(case)) in self.final_statuses
+        status = fingerprint.status_when_sealed(self.folder(case), self.print_of(case))
+        return status in self.final_statuses and not damage(self.folder(case))
+
+    def quarantine(self, case: Case) -> str:
+        """Moves a folder that is not whole to where nothing reads it; one line with the place and what is wrong. Empty
+        where the folder is whole or absent."""
+        fault = damage(self.folder(case))
+        if not fault:
+            return ""
+        place = self.places.out_dir / DAMAGED_DIR / case.name
+        shutil.rmtree(place, ignore_errors=True)
+        place.parent.mkdir(exist_ok=True)
+        os.replace(self.folder(case), place)
+        return f"{self.folder(case)}: {fault}; kept as {place} and run again"
 
     def wants(self, case: Case) -> bool:
         return self._force or not self.is_complete(case)

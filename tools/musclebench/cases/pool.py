@@ -1,6 +1,7 @@
 """Runs cases side by side, one process a case."""
 
 import os
+import sys
 import time
 from dataclasses import dataclass
 
@@ -23,6 +24,8 @@ class Limits:
 
 def run_cases(cases: list[Case], experiment: Experiment, limits: Limits) -> dict[Case, str]:
     """{case: status}. An interrupt or a full disk ends the children, removes their folders and is passed on."""
+    for line in filter(None, map(experiment.quarantine, cases)):
+        print(line, file=sys.stderr)
     return _Pool(cases, experiment, limits).run()
 
 

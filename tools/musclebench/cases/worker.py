@@ -10,11 +10,12 @@ import time
 from collections import deque
 from pathlib import Path
 
+from ..program.children import ENDS_WITH_PARENT, GRACE_SECONDS, end
 from ..program.disk import DiskFull, says_disk_full
+from ..results.damage import damage
 from .case import Case
 from .experiment import Experiment, Refusal
 
-GRACE_SECONDS = 5.0
 KEPT_LINES = 20
 BAD_INPUT = 2  # exit code of musclebench
 
@@ -46,13 +47,7 @@ class Worker:
 
     def stop(self) -> None:
         """Ends the process, politely first, and removes what it has written."""
-        for ask in (self._process.terminate, self._process.kill):
-            if self.is_running():
-                ask()
-                try:
-                    self._process.wait(GRACE_SECONDS)
-                except subprocess.TimeoutExpired:
-                    continue
+        end(self._process)
         self._close()
         shutil.rmtree(self._hidden, ignore_errors=True)
 
@@ -109,8 +104,7 @@ class Worker:
 
 def limits(memory_bytes: int | None) -> list[str]:
     """A command in front of the program's: it ends with this process, however that ends, and has no more memory."""
-    words = ["setpriv", "--pdeathsig", "KILL"]
-    return words if memory_bytes is None else [*words, "prlimit", f"--as={memory_bytes}"]
+    return ENDS_WITH_PARENT + ([] if memory_bytes is None else ["prlimit", f"--as={memory_bytes}"])
 
 
 def write_refusal(case: Case, refusal: Refusal, folder: Path) -> None:
@@ -124,6 +118,10 @@ def write_refusal(case: Case, refusal: Refusal, folder: Path) -> None:
 def put_in_place(case: Case, experiment: Experiment, written: Path) -> str:
     """Seals a folder that is whole and gives it its name; its status."""
     experiment.seal(case, written)
+    fault = damage(written)
+    if fault:
+        write_refusal(case, Refusal("failed", fault), written)
+        experiment.seal(case, written)
     status = json.loads((written / "run.json").read_text()).get("status", "failed")
     final = experiment.folder(case)
     shutil.rmtree(final, ignore_errors=True)

@@ -19,8 +19,8 @@ def draw_errors(rows: pd.DataFrame, stem: Path) -> list[Path]:
         return []
     style.apply_style()
     bones = list(dict.fromkeys(shown["bone"]))
-    figure, panels = plt.subplots(len(bones), len(PLACES), figsize=(10.4, 3.9 * len(bones)), squeeze=False, sharex=True,
-                                  sharey=True)
+    figure, panels = plt.subplots(len(bones), len(PLACES), figsize=(style.PAGE_INCHES, 2.9 * len(bones)),
+                                  squeeze=False, sharex=True, sharey=True)
     for line, bone in enumerate(bones):
         for column, place in enumerate(PLACES):
             axes = panels[line, column]
@@ -31,7 +31,7 @@ def draw_errors(rows: pd.DataFrame, stem: Path) -> list[Path]:
         panels[line, 0].set_ylabel("depth error, 99th percentile (mm)")
     for axes in panels[-1]:
         axes.set_xlabel("edge of a cell (mm)")
-    figure.suptitle("Error against cell size at points about the bones", x=0.01, ha="left", fontsize=12)
+    figure.suptitle("Error against cell size at points about the bones", x=0.01, ha="left")
     figure.tight_layout(rect=(0, 0, 1, 0.98), w_pad=1.5, h_pad=1.5)
     return _save(figure, rows, stem)
 
@@ -46,7 +46,7 @@ def _draw_curves(axes, rows: pd.DataFrame) -> None:
     _draw_guides(axes, rows)
     _plain_ticks(axes)
     # Curves rise to the right, so that the lower right corner is free.
-    axes.legend(loc="lower right", fontsize=7.5, framealpha=0.85, edgecolor="none")
+    axes.legend(loc="lower right", fontsize=7, framealpha=0.85, edgecolor="none")
 
 
 def _draw_curve(axes, x, y, curve: pd.DataFrame, label: str) -> None:
@@ -54,7 +54,7 @@ def _draw_curve(axes, x, y, curve: pd.DataFrame, label: str) -> None:
     backend, series = curve["backend"].iloc[0], curve["series"].iloc[0]
     shape, dashes = looks.series_style(backend, series)
     is_first = series in looks.series_of(backend)[:1]
-    axes.plot(x, y, linestyle=dashes, marker=shape, markersize=4.5 if is_first else 7.5, label=label,
+    axes.plot(x, y, linestyle=dashes, marker=shape, markersize=3.5 if is_first else 5.5, label=label,
               markerfacecolor=None if is_first else "none", color=looks.colour(backend))
 
 
@@ -74,7 +74,7 @@ def draw_costs(rows: pd.DataFrame, stem: Path) -> list[Path]:
     if rows.empty:
         return []
     style.apply_style()
-    figure, panels = plt.subplots(1, 2, figsize=(10.4, 4.2))
+    figure, panels = plt.subplots(1, 2, figsize=(style.PAGE_INCHES, 3.1))
     for axes, key, title, unit in ((panels[0], "build_s", "build time (s)", 1.0),
                                    (panels[1], "structure_bytes", "structures (MB)", 1e-6)):
         axes.set(xscale="log", yscale="log", xlabel="cells of all bones", ylabel=title)
@@ -87,8 +87,8 @@ def draw_costs(rows: pd.DataFrame, stem: Path) -> list[Path]:
             _draw_curve(axes, curve["cells"], unit * curve[key], curve, f"{series}{known}")
         axes.yaxis.set_major_formatter(PLAIN)
         axes.yaxis.set_minor_formatter(NullFormatter())
-        axes.legend(loc="upper left", fontsize=7.5, framealpha=0.85, edgecolor="none")
-    figure.suptitle("What resolution costs before the first frame", x=0.01, ha="left", fontsize=12)
+        axes.legend(loc="upper left", fontsize=7, framealpha=0.85, edgecolor="none")
+    figure.suptitle("What resolution costs before the first frame", x=0.01, ha="left")
     figure.tight_layout(rect=(0, 0, 1, 0.98), w_pad=1.5)
     return _save(figure, rows, stem)
 

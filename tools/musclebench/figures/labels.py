@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.patheffects import withStroke
 
 DIRECTIONS = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)]
-DISTANCES_POINTS = (4, 8, 14, 21, 29, 38)
+DISTANCES_POINTS = (4, 8, 14)
 LEADER_FROM_POINTS = 10
-GAP_PIXELS = 2  # two numbers side by side must not read as one
+GAP_POINTS = 0.8  # two numbers side by side must not read as one
+LATTICE_POINTS = 2.5  # how fine the whole panel is looked through where there is no room beside a point
 
 
 @dataclass
@@ -23,62 +24,73 @@ class Label:
 
 
 def place_labels(axes, labels: list[Label], size: float = 7.0) -> None:
-    """Limits and scales of the axes must stand. The first free place around a point is taken, the nearest distance
-    first; a label that is far from its point gets a thin line to it."""
+    """Limits and scales of the axes must stand. The first free place beside a point is taken, else the nearest free one
+    of the panel; a label that is far from its point gets a thin line to it. Labels without room anywhere are left
+    out, so that none covers another one."""
     axes.figure.canvas.draw()
     renderer = axes.figure.canvas.get_renderer()
     pixels = axes.figure.dpi / 72.0
+    labels = [label for label in labels if label.text]
     centres = np.array([axes.transData.transform((label.x, label.y)) for label in labels]).reshape(-1, 2)
     radii = np.array([label.radius_points * pixels for label in labels])
     points = np.concatenate([centres - radii[:, None], centres + radii[:, None]], axis=1)
-    points = np.concatenate([points, _bars(axes, labels)])
-    frame, taken = axes.get_window_extent(renderer), []
+    points = np.concatenate([points, _bars(axes, labels, pixels)])
+    frame = np.array(axes.get_window_extent(renderer).extents)
+    taken = [np.array(text.get_window_extent(renderer).extents) for text in axes.texts]
     for place, label in enumerate(labels):
-        extent = _extent(axes, label.text, size, renderer)
-        box, distance = _free_box(centres[place], radii[place], label.prefer, extent, frame, points, taken, pixels)
-        taken.append(box)
-        _draw(axes, label, centres[place], box, size, distance > LEADER_FROM_POINTS)
+        extent = _extent(axes, label.text, size, renderer, pixels)
+        box = _free_box(centres[place], radii[place], label.prefer, extent, frame, points, np.reshape(taken, (-1, 4)),
+                        pixels)
+        if box is not None:
+            taken.append(box)
+            middle = (box[:2] + box[2:]) / 2
+            gap = np.abs(middle - centres[place]) - extent / 2 - radii[place]
+            _draw(axes, label, centres[place], box, size, gap.max() > LEADER_FROM_POINTS * pixels)
 
 
-def _extent(axes, text: str, size: float, renderer) -> np.ndarray:
+def _extent(axes, text: str, size: float, renderer, pixels: float) -> np.ndarray:
     drawn = axes.text(0.5, 0.5, text, fontsize=size, transform=axes.transAxes)
     box = drawn.get_window_extent(renderer)
     drawn.remove()
-    return np.array([box.width + 2 * GAP_PIXELS, box.height])
+    return np.array([box.width, box.height]) + 2 * GAP_POINTS * pixels
 
 
-def _bars(axes, labels: list[Label]) -> np.ndarray:
+def _bars(axes, labels: list[Label], pixels: float) -> np.ndarray:
     ends = [(axes.transData.transform((label.bar[0], label.y)), axes.transData.transform((label.bar[1], label.y)))
             for label in labels if label.bar is not None]
-    return np.array([[*left - GAP_PIXELS, *right + GAP_PIXELS] for left, right in ends]).reshape(-1, 4)
+    gap = GAP_POINTS * pixels
+    boxes = np.array([[*left - gap, *right + gap] for left, right in ends]).reshape(-1, 4)
+    return boxes[np.isfinite(boxes).all(axis=1)]  # of few frames the interval is not known
 
 
-def _free_box(centre, radius, prefer, extent, frame, points, taken, pixels):
-    """(left, bottom, right, top) in pixels and its distance in points; the least covered where none is free."""
-    others = np.array([*points, *taken])
-    best = None
-    for distance in DISTANCES_POINTS:
-        for direction in [prefer, *DIRECTIONS]:
-            middle = centre + np.array(direction) * (radius + (distance - 2) * pixels + extent / 2)
-            box = np.concatenate([middle - extent / 2, middle + extent / 2])
-            covered = _covered(box, others) + _outside(box, frame)
-            if best is None or covered < best[0]:
-                best = (covered, box, distance)
-            if covered == 0:
-                return box, distance
-    return best[1], best[2]
+def _free_box(centre, radius, prefer, extent, frame, points, taken, pixels) -> np.ndarray | None:
+    """(left, bottom, right, top) in pixels, inside of the frame. Covers no label, and no point if that can be."""
+    beside = np.array([centre + np.array(direction) * (radius + (distance - 2) * pixels + extent / 2)
+                       for distance in DISTANCES_POINTS for direction in [prefer, *DIRECTIONS]])
+    lattice = _lattice(centre, extent, frame, pixels)
+    for middles in (beside, lattice):
+        free = _boxes_free_of(middles, extent, frame, np.concatenate([points, taken]))
+        if len(free):
+            return free[0]
+    free = _boxes_free_of(lattice, extent, frame, taken)
+    return free[0] if len(free) else None
 
 
-def _covered(box, others: np.ndarray) -> float:
-    widths = np.minimum(box[2], others[:, 2]) - np.maximum(box[0], others[:, 0])
-    heights = np.minimum(box[3], others[:, 3]) - np.maximum(box[1], others[:, 1])
-    return float(np.sum(np.clip(widths, 0, None) * np.clip(heights, 0, None)))
+def _lattice(centre, extent, frame, pixels) -> np.ndarray:
+    """Middles of boxes over the whole frame, the nearest to the centre first."""
+    step = LATTICE_POINTS * pixels
+    x, y = (np.arange(frame[axis] + extent[axis] / 2, frame[axis + 2] - extent[axis] / 2, step) for axis in (0, 1))
+    middles = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    return middles[np.argsort(np.linalg.norm(middles - centre, axis=1), kind="stable")]
 
 
-def _outside(box, frame) -> float:
-    """Leaving the panel is worse than covering something."""
-    over = [frame.x0 - box[0], frame.y0 - box[1], box[2] - frame.x1, box[3] - frame.y1]
-    return 1e4 * sum(max(0.0, value) for value in over)
+def _boxes_free_of(middles: np.ndarray, extent, frame, others: np.ndarray) -> np.ndarray:
+    boxes = np.concatenate([middles - extent / 2, middles + extent / 2], axis=1)
+    inside = np.all(boxes[:, :2] >= frame[:2], axis=1) & np.all(boxes[:, 2:] <= frame[2:], axis=1)
+    boxes = boxes[inside]
+    apart = np.any(boxes[:, None, :2] >= others[None, :, 2:], axis=2) \
+        | np.any(boxes[:, None, 2:] <= others[None, :, :2], axis=2)
+    return boxes[np.all(apart, axis=1)]
 
 
 def _draw(axes, label: Label, centre, box, size: float, has_leader: bool) -> None:

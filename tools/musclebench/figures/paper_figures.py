@@ -7,13 +7,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from ..paper.published import Published
+from ..results.disturbance import waits
 from ..results.run_folder import Run
 from ..tables.paper_tables import MEGABYTE, by_case, collision_ratio
 from ..tables.table_formats import as_ratio
 from . import looks, style
 from .style import plt
 
-MUSCLE_OF_FIGURES = "iliacus"
+MUSCLE_OF_FIGURES = "iliacus"  # the paper's; of scenes without it the first
 PLAIN_NUMBERS = FuncFormatter(lambda value, _: f"{value:g}")
 
 
@@ -36,60 +37,67 @@ def draw_figures(runs: list[Run], published: Published, folder: Path) -> list[Pa
     style.apply_style()
     with_frames = [run for run in runs if not run.frames.empty]
     cases = by_case(with_frames)
-    iliacus = {backend: run for (muscle, backend), run in cases.items() if muscle == MUSCLE_OF_FIGURES}
-    files: list[Path] = []
-    if iliacus:
-        files += _draw_times(cases, iliacus, published, folder)
-        files += _draw_memory(iliacus, folder)
-    if cases:
-        files += _draw_depths(cases, folder)
-    return files
+    if not cases:
+        return []
+    chosen = muscle_of_figures(muscle for muscle, _ in cases)
+    of_muscle = {backend: run for (muscle, backend), run in cases.items() if muscle == chosen}
+    return [*_draw_times(cases, chosen, of_muscle, published, folder), *_draw_memory(chosen, of_muscle, folder),
+            *_draw_depths(cases, folder)]
 
 
-def _draw_times(cases, iliacus: dict[str, Run], published: Published, folder: Path) -> list[Path]:
-    shown = {backend: run for backend, run in iliacus.items() if not looks.backend(backend).is_control}
-    figure, axes = plt.subplots(figsize=(8.2, 4.4))
-    labels = []
+def muscle_of_figures(muscles) -> str:
+    muscles = list(muscles)
+    return MUSCLE_OF_FIGURES if MUSCLE_OF_FIGURES in muscles else muscles[0]
+
+
+def _draw_times(cases, muscle: str, runs: dict[str, Run], published: Published, folder: Path) -> list[Path]:
+    shown = {backend: run for backend, run in runs.items() if not looks.backend(backend).is_control}
+    figure, axes = _column_axes()
+    labels, waiting = [], 0
     for backend, run in shown.items():
         frames = run.timed_frames
-        milliseconds = frames["collision_ns"] / 1e6
-        _line(axes, backend, frames["frame"], milliseconds)
-        ratio = collision_ratio(cases, MUSCLE_OF_FIGURES, backend)
+        milliseconds, waited = frames["collision_ns"] / 1e6, waits(frames["collision_ns"])
+        _line(axes, backend, frames["frame"][~waited], milliseconds[~waited])
+        axes.scatter(frames["frame"][waited], milliseconds[waited], marker="x", s=9, linewidth=0.6,
+                     color=looks.colour(backend), alpha=0.5)
+        waiting += int(waited.sum())
+        ratio = collision_ratio(cases, muscle, backend)
         paper = published.time_ratio(backend)
-        note = "" if backend == "voxel" else f": {as_ratio(ratio.value)} x voxel\n(paper: {paper or 'none'})"
+        note = "" if backend == "voxel" else f"\n{as_ratio(ratio.value)} x voxel\n(paper {paper or 'none'})"
         labels.append((milliseconds.iloc[-30:].median(), f"{backend}{note}", backend))
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter(PLAIN_NUMBERS)
     axes.set(xlabel="frame", ylabel="collision time a frame (ms)")
-    axes.set_title("Fig. 7  Collision time (update + detect + respond), iliacus", loc="left")
+    figure.suptitle(f"Fig. 7  Collision time, {style.muscle_label(muscle)}", x=0.02, ha="left", y=0.99)
     _label_ends(axes, labels)
     _angle_axis(axes, next(iter(shown.values())))
-    _footnote(figure, list(shown.values()))
+    crosses = f"; crosses: {waiting} frames in which the process waited for the processor" if waiting else ""
+    _footnote(figure, list(shown.values()), crosses)
     rows = _rows(shown, ["update_ns", "detect_ns", "respond_ns", "collision_ns"])
     return _save(figure, rows, folder / "fig_7_collision_time")
 
 
-def _draw_memory(iliacus: dict[str, Run], folder: Path) -> list[Path]:
-    figure, axes = plt.subplots(figsize=(8.2, 4.4))
+def _draw_memory(muscle: str, runs: dict[str, Run], folder: Path) -> list[Path]:
+    figure, axes = _column_axes()
     labels = []
-    for backend, run in iliacus.items():
+    for backend, run in runs.items():
         megabytes = run.frames["resident_bytes"] / MEGABYTE
         _line(axes, backend, run.frames["frame"], megabytes)
         growth = megabytes.iloc[-1] - megabytes.iloc[0]
-        labels.append((megabytes.iloc[-1], f"{backend}: {megabytes.iloc[0]:.0f} MB, {growth:+.1f} MB", backend))
+        labels.append((megabytes.iloc[-1], f"{backend}\n{megabytes.iloc[0]:.0f} MB, {growth:+.1f}", backend))
     axes.set_ylim(bottom=0)
-    axes.set(xlabel="frame", ylabel="resident memory of the process (MB)")
-    axes.set_title("Fig. 8  Memory by frame, iliacus (first frame, growth to the last)", loc="left")
+    axes.set(xlabel="frame", ylabel="resident memory (MB)")
+    figure.suptitle(f"Fig. 8  Memory of the process, {style.muscle_label(muscle)}", x=0.02, ha="left", y=0.99)
     _label_ends(axes, labels)
-    _angle_axis(axes, next(iter(iliacus.values())))
-    _footnote(figure, list(iliacus.values()))
-    return _save(figure, _rows(iliacus, ["resident_bytes"]), folder / "fig_8_memory")
+    _angle_axis(axes, next(iter(runs.values())))
+    _footnote(figure, list(runs.values()))
+    return _save(figure, _rows(runs, ["resident_bytes"]), folder / "fig_8_memory")
 
 
 def _draw_depths(cases, folder: Path) -> list[Path]:
     muscles = list(dict.fromkeys(muscle for muscle, _ in cases))
     figure, panels = plt.subplots(
-        2, len(muscles), figsize=(max(3.1 * len(muscles), 6.0), 5.4), sharex=True, sharey="row", squeeze=False
+        2, len(muscles), figsize=(style.PAGE_INCHES, 3.6), sharex=True, sharey="row", squeeze=False
     )
     for place, muscle in enumerate(muscles):
         for (name, backend), run in cases.items():
@@ -98,39 +106,45 @@ def _draw_depths(cases, folder: Path) -> list[Path]:
                 _line(panels[1, place], backend, run.frames["frame"], 1e3 * run.frames["mean_depth_m"])
         panels[0, place].set_title(style.muscle_label(muscle))
         panels[1, place].set_xlabel("frame")
-    for row, text in ((0, "largest depth (mm)"), (1, "mean depth of nodes inside (mm)")):
+    for row, text in ((0, "largest\ndepth (mm)"), (1, "mean depth of\nnodes inside (mm)")):
         panels[row, 0].set_ylabel(text)
         panels[row, 0].set_yscale("symlog", linthresh=0.1)
         panels[row, 0].set_ylim(bottom=0)
         panels[row, 0].yaxis.set_major_formatter(PLAIN_NUMBERS)
-    figure.suptitle("True depth of the muscle's nodes in the bones (linear below 0.1 mm)", x=0.02, ha="left", y=1.04)
+    figure.suptitle("True depth of the muscle's nodes in the bones (linear below 0.1 mm)", x=0.01, ha="left", y=1.02)
     handles = {h.get_label(): h for panel in panels[0] for h in panel.get_lines()}
-    figure.legend(handles.values(), handles.keys(), ncols=len(handles), loc="upper left", bbox_to_anchor=(0.01, 1.0),
+    figure.legend(handles.values(), handles.keys(), ncols=len(handles), loc="upper left", bbox_to_anchor=(0.005, 0.985),
                   frameon=False)
-    figure.tight_layout(rect=(0, 0, 1, 0.99))
+    figure.tight_layout(rect=(0, 0, 1, 0.96), w_pad=0.6)
     runs = list(cases.values())
     _footnote(figure, runs)
     columns = ["nodes_inside", "max_depth_m", "p99_depth_m", "mean_depth_m"]
     return _save(figure, _rows_of_cases(cases, columns), folder / "depth_by_frame")
 
 
+def _column_axes():
+    """A panel at the width of a column, with room for the lines' names on the right."""
+    figure, axes = plt.subplots(figsize=(style.COLUMN_INCHES, 2.5))
+    figure.subplots_adjust(left=0.15, right=0.73, bottom=0.16, top=0.83)
+    return figure, axes
+
+
 def _line(axes, backend: str, x, y, label=None) -> None:
-    axes.plot(x, y, color=looks.colour(backend), linestyle=looks.dash(backend),
-              label=label, linewidth=1.4)
+    axes.plot(x, y, color=looks.colour(backend), linestyle=looks.dash(backend), label=label)
 
 
 def _label_ends(axes, labels: list[tuple[float, str, str]]) -> None:
     """Names beside the right ends of the lines, pushed apart so that none covers another."""
     axes.figure.canvas.draw()
-    to_axes = axes.transAxes.inverted()
-    height = 0.0
+    renderer, to_axes, lowest = axes.figure.canvas.get_renderer(), axes.transAxes.inverted(), 0.0
     for value, text, backend in sorted(label for label in labels if pd.notna(label[0])):
-        wanted = to_axes.transform(axes.transData.transform((0, value)))[1]
-        lines = text.count("\n") + 1
-        height = max(wanted, height + 0.03 * lines)
-        axes.text(1.015, height, text, transform=axes.transAxes, va="center", color=looks.colour(backend),
-                  fontweight="bold", fontsize=9)
-        height += 0.035 * lines
+        drawn = axes.text(1.02, 0.0, text, transform=axes.transAxes, va="bottom", fontweight="bold", linespacing=1.1,
+                          color=looks.colour(backend), fontsize=style.SMALLEST_POINTS)
+        height = drawn.get_window_extent(renderer).height / axes.get_window_extent(renderer).height
+        wanted = to_axes.transform(axes.transData.transform((0, value)))[1] - height / 2
+        lowest = max(wanted, lowest)
+        drawn.set_y(lowest)
+        lowest += height + 0.02
 
 
 def _angle_axis(axes, run: Run) -> None:
@@ -142,11 +156,11 @@ def _angle_axis(axes, run: Run) -> None:
     places = angles.index[[round(i * (len(angles) - 1) / 4) for i in range(5)]]
     top.set_xticks(places, [f"{angles[frame]:.0f}°" for frame in places])
     top.spines["top"].set_visible(False)
-    top.tick_params(length=0, colors="#666666", labelsize=9, pad=0)
+    top.tick_params(length=0, colors="#666666", labelsize=7, pad=0)
 
 
-def _footnote(figure: Figure, runs: list[Run]) -> None:
-    figure.text(0.02, -0.02, caption(runs), fontsize=7.5, color="#555555", va="top")
+def _footnote(figure: Figure, runs: list[Run], more: str = "") -> None:
+    style.add_note(figure, caption(runs) + more)
 
 
 def _rows(runs: dict[str, Run], columns: list[str]) -> pd.DataFrame:

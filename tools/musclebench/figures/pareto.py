@@ -1,6 +1,7 @@
 """The Pareto picture: collision time a frame against error, both log, one panel a muscle and one for all."""
 
 import math
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,10 +15,11 @@ from . import looks, style
 from .labels import Label, place_labels
 from .style import plt
 
-PANEL_INCHES = (6.2, 4.1)
+PANEL_HEIGHT_INCHES = 3.1
 COLUMNS = 2
 BAND_SHARE = 0.30  # of the axis' height for what is exact
 LANES = 5  # in that band, so that points of about the same time stand apart
+KEY_LETTERS = 23  # in a line of the names of numbers
 LEGEND_BYTES = (1e4, 1e6, 1e8)
 FRONT_COLOUR = "#555555"
 
@@ -39,16 +41,15 @@ class Axis:
 
 
 def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str, nothing: str) -> list[Path]:
-    """PNG, SVG and CSV; nothing without points. `nothing`: what an error below a nanometre is called."""
+    """PNG, SVG, PDF and CSV; nothing without points. `nothing`: what an error below a nanometre is called."""
     if points.empty or points["is_control"].all():
         return []
     style.apply_style()
     panels = list(dict.fromkeys(points["panel"]))
     columns = min(COLUMNS, len(panels) + 1)
     rows = math.ceil((len(panels) + 1) / columns)
-    width, height = PANEL_INCHES
-    shares = [1.0, 0.65] if len(panels) == 1 else [1.0] * columns
-    figure, cells = plt.subplots(rows, columns, figsize=(width * sum(shares), height * rows), squeeze=False,
+    shares = [1.0, 0.8] if len(panels) == 1 else [1.0] * columns
+    figure, cells = plt.subplots(rows, columns, figsize=(style.PAGE_INCHES, PANEL_HEIGHT_INCHES * rows), squeeze=False,
                                  width_ratios=shares)
     cells = list(cells.flat)
     numbers = _numbers(points)
@@ -57,8 +58,8 @@ def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str, 
         cell.set_title(panel_title(panel, panels), loc="left")
     for cell in cells[len(panels):]:
         cell.axis("off")
-    figure.suptitle(title, x=0.01, ha="left", fontsize=12)
-    figure.tight_layout(rect=(0, 0, 1, 0.985), w_pad=1.5, h_pad=1.5)
+    figure.suptitle(title, x=0.01, ha="left")
+    figure.tight_layout(rect=(0, 0, 1, 0.99), w_pad=1.0, h_pad=1.0)
     # Labels find their places in pixels: the panels must have their final size before.
     axis = error_axis(points["error_mm"])
     for cell, panel in zip(cells, panels):
@@ -102,7 +103,7 @@ def _draw_panel(axes, points: pd.DataFrame, axis: Axis, numbers: dict[str, int],
         curve = curve.sort_values("fineness")
         backend = curve["backend"].iloc[0]
         _, dashes = looks.series_style(backend, series)
-        axes.plot(curve["time_ms"], heights[curve.index], linestyle=dashes, linewidth=1.1, zorder=2,
+        axes.plot(curve["time_ms"], heights[curve.index], linestyle=dashes, linewidth=0.8, zorder=2,
                   color=looks.colour(backend))
     for place, point in points.iterrows():
         if point["is_control"]:
@@ -114,15 +115,15 @@ def _draw_panel(axes, points: pd.DataFrame, axis: Axis, numbers: dict[str, int],
         side, bar = _side(point), (point["time_ms_low"], point["time_ms_high"])
         colour = looks.colour(point["backend"])
         labels.append(Label(point["time_ms"], heights[place], text, colour, radius, side, bar))
-    place_labels(axes, labels, size=6.8)
+    place_labels(axes, labels, size=style.SMALLEST_POINTS)
 
 
 def _mark_exact(axes, axis: Axis, nothing: str) -> None:
     if axis.bottom_mm < axis.low_mm:
         axes.axhspan(axis.bottom_mm, axis.low_mm, facecolor="#eef2f5", edgecolor="none", zorder=0)
         axes.axhline(axis.low_mm, color="#888888", linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
-        axes.text(0.012, 0.012, f"{nothing} (below 1 nm)", transform=axes.transAxes, fontsize=7.5, color="#555555",
-                  va="bottom")
+        axes.text(0.012, 0.012, f"{nothing} (below 1 nm)", transform=axes.transAxes, fontsize=7,
+                  color=style.NOTE_COLOUR, va="bottom")
     # Ticks only where the axis is one: not in the band.
     decades = np.arange(round(math.log10(axis.low_mm)), math.floor(math.log10(axis.high_mm)) + 1)
     axes.set_yticks([10.0**decade for decade in decades])
@@ -139,7 +140,7 @@ def _draw_front(axes, points: pd.DataFrame, axis: Axis) -> None:
         return
     heights = [max(error, axis.low_mm) if error >= EXACT_MM else axis.low_mm for error in front["error_mm"]]
     x = [*front["time_ms"], axes.get_xlim()[1]]
-    axes.step(x, [*heights, heights[-1]], where="post", color=FRONT_COLOUR, linewidth=3.2, alpha=0.25, zorder=1.2,
+    axes.step(x, [*heights, heights[-1]], where="post", color=FRONT_COLOUR, linewidth=2.6, alpha=0.25, zorder=1.2,
               solid_joinstyle="miter")
 
 
@@ -151,9 +152,9 @@ def _draw_point(axes, point, height: float) -> None:
     wrong = point["is_wrong"]
     edge = "black" if point["on_front"] else colour if wrong else "white"
     axes.scatter([point["time_ms"]], [height], s=area, marker=shape, facecolor="none" if wrong else colour,
-                 edgecolor=edge, linewidth=1.3 if point["on_front"] else 0.6, zorder=5 if point["on_front"] else 4)
+                 edgecolor=edge, linewidth=0.9 if point["on_front"] else 0.4, zorder=5 if point["on_front"] else 4)
     if wrong:
-        axes.scatter([point["time_ms"]], [height], s=1.6 * area, marker="x", color=colour, linewidth=0.9, zorder=5)
+        axes.scatter([point["time_ms"]], [height], s=1.6 * area, marker="x", color=colour, linewidth=0.7, zorder=5)
 
 
 def _marker(point) -> str:
@@ -162,7 +163,7 @@ def _marker(point) -> str:
 
 
 def _side(point) -> tuple[int, int]:
-    """Where the label goes first: curves of every second backend have theirs on the left, since they lie side by side."""
+    """Where the label goes first: curves of every second backend have theirs on the left; they lie side by side."""
     curved = looks.curved_backends()
     is_left = point["backend"] in curved and curved.index(point["backend"]) % 2
     return (-1, 0) if is_left else (1, 0)
@@ -172,7 +173,8 @@ def _draw_control(axes, point, height: float, times: tuple[float, float]) -> Non
     colour = looks.colour(point["backend"])
     axes.axhline(height, color=colour, linestyle=looks.dash(point["backend"]), linewidth=1.0, zorder=1)
     axes.scatter([times[0]], [height], marker="<", s=50, color=colour, clip_on=False, zorder=5)
-    axes.annotate(f"{looks.backend(point['backend']).label}: no collision", (times[1], height), xytext=(-2, 3), textcoords="offset points", fontsize=7,
+    label = looks.backend(point["backend"]).label
+    axes.annotate(f"{label}: no collision", (times[1], height), xytext=(-2, 3), textcoords="offset points", fontsize=7,
                   color=colour, ha="right")
 
 
@@ -201,7 +203,7 @@ def _time_limits(points: pd.DataFrame) -> tuple[float, float]:
 def marker_area(structure_bytes: float) -> float:
     """Points squared; grows by a step a decade of bytes."""
     decades = math.log10(structure_bytes / 1e3) if structure_bytes > 1e3 else 0.0
-    return 8.0 + 10.0 * decades
+    return 5.0 + 6.0 * decades
 
 
 def _draw_key(axes, points: pd.DataFrame, numbers: dict[str, int]) -> None:
@@ -213,28 +215,27 @@ def _draw_key(axes, points: pd.DataFrame, numbers: dict[str, int]) -> None:
         shape, dashes = looks.series_style(backend_of[series], series)
         handles.append(Line2D([], [], marker=shape, linestyle=dashes, markersize=5, label=series,
                               color=looks.colour(backend_of[series])))
-    wrong = set(points.loc[points["is_wrong"], "backend"])
     for backend in looks.backends_in_order(points.loc[points["series"].isna() & ~points["is_control"], "backend"]):
-        label, colour = looks.backend(backend).label, looks.colour(backend)
-        handles.append(_dot(looks.marker(backend), colour, f"{label}{', answers right' if backend in wrong else ''}"))
-        if backend in wrong:
-            handles.append(Line2D([], [], marker="x", linestyle="", markersize=8, color=colour,
-                                  label=f"{label}, answers wrong"))
+        handles.append(_dot(looks.marker(backend), looks.colour(backend), looks.backend(backend).label))
+    if points["is_wrong"].any():
+        handles.append(Line2D([], [], marker="x", linestyle="", markersize=6, color="#333333",
+                              label="wrong (caption: why)"))
     handles.append(Line2D([], [], color=FRONT_COLOUR, linewidth=3.2, alpha=0.25, label="Pareto front"))
     handles.append(Line2D([], [], marker="o", linestyle="", markerfacecolor="white", markeredgecolor="black",
                           markeredgewidth=1.3, markersize=6, label="on the front"))
     handles.append(Line2D([], [], marker="|", linestyle="-", markersize=0, color="#333333",
-                          label="95 % interval of the median"))
+                          label="95 % interval"))
     for count in LEGEND_BYTES:
         handles.append(Line2D([], [], marker="o", linestyle="", color="#999999",
                               markersize=math.sqrt(marker_area(count)), label=f"{_bytes(count)} of structures"))
-    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(-0.06, 1.04), frameon=False, fontsize=7.6,
-                handlelength=2.4, labelspacing=0.45)
-    words = [f"{number}  {name}" for name, number in numbers.items()]
+    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(-0.12, 1.06), frameon=False, fontsize=7,
+                handlelength=2.2, labelspacing=0.3)
+    words = [textwrap.fill(f"{number}  {name}", KEY_LETTERS, subsequent_indent="     ")
+             for name, number in numbers.items()]
     if words:
         colours = {looks.colour(name) for name in points.loc[points["configuration"].isin(list(numbers)), "backend"]}
-        axes.text(0.52, 1.0, "\n".join(["numbers: configurations", *words]), transform=axes.transAxes, fontsize=7.0,
-                  va="top", color=colours.pop() if len(colours) == 1 else "black", linespacing=1.25)
+        axes.text(0.56, 1.02, "\n".join(["numbers: configurations", *words]), transform=axes.transAxes, fontsize=7.0,
+                  va="top", color=colours.pop() if len(colours) == 1 else "black", linespacing=1.15)
 
 
 def _dot(shape: str, colour: str, label: str) -> Line2D:

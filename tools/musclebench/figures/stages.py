@@ -12,10 +12,11 @@ from . import style
 from .style import plt
 
 NOT_STAGES = {*COLLISION_STAGES, "frame_ns", "recording_ns", "collision_ns"}
-# Of Okabe and Ito; the three of collision are warm, so that their share is seen at once.
-COLOURS = {"update_ns": "#F0E442", "detect_ns": "#D55E00", "respond_ns": "#CC79A7"}
-OTHER_COLOURS = ["#0072B2", "#56B4E9", "#009E73", "#4d4d4d", "#999999", "#c7c7c7"]
-LEGEND_INCHES = 0.6
+# The three of collision are warm, so that their share is seen at once; no stage has a backend's colour.
+COLOURS = {"update_ns": "#F0E442", "detect_ns": "#D55E00", "respond_ns": "#8C2D04"}
+OTHER_COLOURS = ["#23395B", "#6A8CAF", "#A9C5DE", "#4d4d4d", "#999999", "#c7c7c7"]
+LEGEND_INCHES = 0.5
+WORDS_INCHES = 0.1  # right of what stands beside the bars
 STAGE_ORDER = ["edge_length_ns", "bending_ns", "volume_ns", "attachment_ns", "gravity_ns", "predict_ns", "finish_ns"]
 
 
@@ -59,17 +60,17 @@ def draw_stages(rows: pd.DataFrame, stem: Path) -> list[Path]:
     style.apply_style()
     scenes, names = list(dict.fromkeys(rows["scene"])), list(dict.fromkeys(rows["stage"]))
     bars = max(rows[rows["scene"] == scene]["configuration"].nunique() for scene in scenes)
-    height = len(scenes) * (0.34 * bars + 0.75) + LEGEND_INCHES
-    figure, panels = plt.subplots(len(scenes), 1, figsize=(9.6, height), squeeze=False)
+    height = len(scenes) * (0.22 * bars + 0.55) + LEGEND_INCHES
+    figure, panels = plt.subplots(len(scenes), 1, figsize=(style.PAGE_INCHES, height), squeeze=False)
     colours = _colours(names)
     for axes, scene in zip(panels[:, 0], scenes):
         _draw_bars(axes, rows[rows["scene"] == scene], names, colours)
         axes.set_title(style.muscle_label(scene.split("/")[-1]), loc="left")
     panels[-1, 0].set_xlabel("share of the frame's stages (%), medians")
-    figure.tight_layout(rect=(0, 0, 1, 1 - LEGEND_INCHES / height), h_pad=1.2)
+    figure.tight_layout(rect=(0, 0, 1 - WORDS_INCHES / style.PAGE_INCHES, 1 - LEGEND_INCHES / height), h_pad=0.8)
     handles = [plt.Rectangle((0, 0), 1, 1, color=colours[name]) for name in names]
     figure.legend(handles, [_words(name) for name in names], ncols=5, loc="upper left", bbox_to_anchor=(0.0, 1.0),
-                  frameon=False, fontsize=8.5)
+                  frameon=False)
     table = stem.with_suffix(".csv")
     rows.to_csv(table, index=False)
     return [*style.save_figure(figure, stem), table]
@@ -85,7 +86,7 @@ def _draw_bars(axes, rows: pd.DataFrame, names: list[str], colours: dict) -> Non
             left += width
         collision = mine.loc[[s for s in COLLISION_STAGES if s in mine.index], "ms"].sum()
         axes.text(101, height, f"{_ms(mine['ms'].sum())} ms, collision {_ms(collision)} ms", va="center",
-                  fontsize=8.5)
+                  fontsize=7)
     axes.set_yticks(range(len(configurations)), configurations)
     axes.set(xlim=(0, 100), ylim=(len(configurations) - 0.45, -0.55))
     axes.grid(axis="y", visible=False)

@@ -4,11 +4,12 @@ import json
 import sys
 import time
 from dataclasses import asdict, dataclass
+from fnmatch import fnmatch
 from pathlib import Path
 
 from .faults import MOST_SURVIVORS, Fault
 from .scratch_tree import refresh
-from .test_build import BuildFailed, TestBuild, nearest_first
+from .scratch_build import BuildFailed, ScratchBuild, nearest_first
 
 LEAST_TIMEOUT_S = 60.0
 TIMEOUT_FACTOR = 10.0  # of a program's time without a fault: a fault that never ends is seen, too
@@ -24,10 +25,9 @@ class Verdict:
 class Campaign:
     """`folder` holds the copy of the sources, the build and the verdicts."""
 
-    def __init__(self, root: Path, folder: Path, jobs: int, keep_seen: bool = False):
+    def __init__(self, root: Path, folder: Path, build: ScratchBuild, keep_seen: bool = False, pattern: str = "*"):
         self._root, self._tree, self._verdict_file = root, folder / "tree", folder / "verdicts.json"
-        self._build = TestBuild(self._tree, folder / "build", jobs)
-        self._keep_seen = keep_seen
+        self._build, self._keep_seen, self._pattern = build, keep_seen, pattern
         self._state = ""
         self._seconds: dict[str, float] = {}  # of each program without a fault
         self.verdicts: dict[str, Verdict] = {}
@@ -39,7 +39,7 @@ class Campaign:
         self._state = refresh(self._root, self._tree)
         self._read_verdicts()
         self._build.configure()
-        programs = self._build.programs()
+        programs = self._programs()
         _tell(f"building {len(programs)} test programs without a fault ...")
         self._build.build(programs)
         for program in [program for program in programs if program not in self._seconds]:
@@ -65,6 +65,9 @@ class Campaign:
     def verdict(self, fault: Fault) -> Verdict:
         return self.verdicts[_key(fault)]
 
+    def _programs(self) -> list[str]:
+        return [program for program in self._build.programs() if fnmatch(program, self._pattern)]
+
     def _judge(self, fault: Fault) -> Verdict:
         start = time.monotonic()
         path = self._tree / fault.file
@@ -77,7 +80,7 @@ class Campaign:
         return Verdict(outcome, detail, round(time.monotonic() - start, 1))
 
     def _outcome(self, fault: Fault) -> tuple[str, str]:
-        reached = self._build.stale(self._build.programs())
+        reached = self._build.stale(self._programs())
         for program in nearest_first(reached, fault.file, self._seconds):
             try:
                 self._build.build([program])
@@ -100,8 +103,10 @@ class Campaign:
                          if is_same or (self._keep_seen and verdict["outcome"] == "seen")}
 
     def _write_verdicts(self) -> None:
+        is_final = self._pattern == "*"  # else a program that was not asked may see what survived
         whole = {"state": self._state, "seconds": self._seconds,
-                 "verdicts": {key: asdict(verdict) for key, verdict in self.verdicts.items()}}
+                 "verdicts": {key: asdict(verdict) for key, verdict in self.verdicts.items()
+                              if is_final or verdict.outcome != "survived"}}
         part = self._verdict_file.with_suffix(".part")
         part.write_text(json.dumps(whole, indent=1))
         part.replace(self._verdict_file)

@@ -4,8 +4,8 @@ import math
 import random
 from dataclasses import dataclass
 
-from ..cases.case import Case, Places
-from ..cases.muscle_scene import PRESET, VERTICES, MuscleScene
+from ..cases.case import Places, SceneCase
+from ..cases.scene import Scene
 
 # Seconds a vertex and seconds for building on a 2.5 GHz core: first guesses, which the progress bar corrects.
 GUESSED_SECONDS = {"null": (7e-4, 0.5), "voxel": (8e-4, 1.0), "sdf": (8e-4, 15.0), "fcl": (6e-3, 3.0)}
@@ -14,13 +14,13 @@ BACKENDS = list(GUESSED_SECONDS)  # in the order of its tables and figures
 
 
 @dataclass(frozen=True)
-class PaperCase(Case):
-    scene: MuscleScene
+class PaperCase(SceneCase):
+    scene: Scene
     backend: str
 
     @property
     def name(self) -> str:
-        return f"{self.scene.muscle}-{self.backend}"
+        return f"{self.scene.key}-{self.backend}"
 
     @property
     def kind(self) -> str:
@@ -32,12 +32,12 @@ class PaperCase(Case):
         return a_vertex * self.scene.nodes + building
 
     def arguments(self, places: Places) -> list[str]:
-        words = ["run", self.scene.name, "--backend", self.backend, "--preset", PRESET, "--threads", "1"]
+        words = ["run", self.scene.name, "--backend", self.backend, *self.scene.preset_arguments(), "--threads", "1"]
         words += ["--snapshots", ",".join(map(str, self.snapshot_frames))]
         return [*words, *self.scene.data_arguments(places), *self.scene.frames_arguments()]
 
     def record(self) -> dict:
-        return {"scene": self.scene.name, "preset": PRESET, "backend": self.backend, "threads": 1}
+        return {"scene": self.scene.name, "preset": self.scene.preset, "backend": self.backend, "threads": 1}
 
     @property
     def snapshot_frames(self) -> list[int]:
@@ -46,9 +46,8 @@ class PaperCase(Case):
         return sorted({0, math.ceil(full / 2), full})
 
 
-def plan(data_set: str, frames_limit: int | None = None, seed: int = 1) -> list[PaperCase]:
+def plan(scenes: list[Scene], seed: int = 1) -> list[PaperCase]:
     """Shuffled, so that no backend always runs first; then by magnitude of the time, so that no long case runs last."""
-    scenes = [MuscleScene(data_set, muscle, frames_limit) for muscle in VERTICES]
     cases = [PaperCase(scene, backend) for scene in scenes for backend in GUESSED_SECONDS]
     random.Random(seed).shuffle(cases)
     return sorted(cases, key=lambda case: -round(math.log10(case.guessed_seconds)))

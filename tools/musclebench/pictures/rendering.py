@@ -1,4 +1,4 @@
-"""Off-screen pictures of a muscle on its bones, drawn with VTK. Needs a display; xvfb-run gives one."""
+"""Off-screen pictures of a muscle on its bones, drawn with VTK. Needs a display."""
 
 from dataclasses import dataclass
 

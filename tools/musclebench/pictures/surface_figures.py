@@ -1,4 +1,4 @@
-"""Fig. 6 (shape and depth of the iliacus), the other muscles at full flexion, and the attachments."""
+"""Fig. 6 (shape and depth of the iliacus, or of the first muscle), all muscles at full flexion, and the attachments."""
 
 import math
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib import cm, colors
 
 from ..figures import looks, style
-from ..figures.paper_figures import MUSCLE_OF_FIGURES, caption
+from ..figures.paper_figures import caption, muscle_of_figures
 from ..figures.style import plt
 from ..results.run_folder import Run
 from ..tables.paper_tables import by_case
@@ -20,6 +20,7 @@ from .surface_pictures import (
 
 
 DEEPEST_SHOWN_MM = 5
+PICTURE_SHARE = 1.12  # height of a row of pictures, with its words, over their width
 
 
 @dataclass
@@ -41,22 +42,24 @@ def draw_surface_figures(runs: list[Run], folder: Path, say: Callable[[str], Non
     studios = {muscle: Studio(next(cases[case] for case in moments if case[0] == muscle)) for muscle in muscles}
     shown = [cases[case] for case in moments]
     files: list[Path] = []
-    iliacus = {backend: chosen for (muscle, backend), chosen in moments.items() if muscle == MUSCLE_OF_FIGURES}
-    if iliacus:
-        files += _draw_iliacus(studios[MUSCLE_OF_FIGURES], iliacus, shown, folder, say)
     if moments:
+        muscle = muscle_of_figures(muscles)
+        of_muscle = {backend: chosen for (name, backend), chosen in moments.items() if name == muscle}
+        files += _draw_muscle(studios[muscle], muscle, of_muscle, shown, folder, say)
         files += _draw_full_flexion(studios, moments, shown, folder, say)
         files += _draw_attachments(studios, cases, moments, shown, folder, say)
     return files
 
 
 def choose_moments(snapshots: list[Snapshot]) -> Moments | None:
-    """Rest is the first snapshot, full the one of the largest angle, half the one nearest to half of that."""
+    """Rest is the first snapshot, full the one that is turned farthest from it, whichever way, half the one nearest to
+    half of that turn."""
     if not snapshots:
         return None
-    full = max(snapshots, key=lambda s: s.angle_deg)
-    half = min(snapshots, key=lambda s: abs(s.angle_deg - full.angle_deg / 2))
-    return Moments(snapshots[0], half, full)
+    rest = snapshots[0]
+    full = max(snapshots, key=lambda s: abs(s.angle_deg - rest.angle_deg))
+    half = min(snapshots, key=lambda s: abs(s.angle_deg - (rest.angle_deg + full.angle_deg) / 2))
+    return Moments(rest, half, full)
 
 
 def depth_scale_mm(moments: dict) -> float:
@@ -70,9 +73,10 @@ def depth_scale_mm(moments: dict) -> float:
     return min(math.ceil(max([1.0, *depths])), DEEPEST_SHOWN_MM)
 
 
-def _draw_iliacus(studio: Studio, moments: dict[str, Moments], runs, folder: Path, say) -> list[Path]:
+def _draw_muscle(studio: Studio, muscle: str, moments: dict[str, Moments], runs, folder: Path, say) -> list[Path]:
     deepest_mm = depth_scale_mm(moments)
-    figure, panels = plt.subplots(len(moments), 5, figsize=(14.0, 2.65 * len(moments) + 1.25), squeeze=False)
+    size = (style.PAGE_INCHES, 1.36 * len(moments) + 0.7)
+    figure, panels = plt.subplots(len(moments), 5, figsize=size, squeeze=False)
     for row, (backend, chosen) in enumerate(moments.items()):
         say(f"Fig. 6, {backend}")
         pictures = [studio.overview(s, deepest_mm) for s in (chosen.rest, chosen.half, chosen.full)]
@@ -84,19 +88,19 @@ def _draw_iliacus(studio: Studio, moments: dict[str, Moments], runs, folder: Pat
             _note_depth(panels[row, place], snapshot)
     first = next(iter(moments.values()))
     heads = [("rest", first.rest), ("half flexion", first.half), ("full flexion", first.full),
-             ("half, through the bones", first.half), ("full, through the bones", first.full)]
+             ("half, joint", first.half), ("full, joint", first.full)]
     for place, (text, snapshot) in enumerate(heads):
-        panels[0, place].set_title(f"{text} ({snapshot.angle_deg:.0f}°)", fontsize=10)
-    title = "Fig. 6  Iliacus over the hip joint; left from in front, right the joint from behind"
+        panels[0, place].set_title(f"{text} ({snapshot.angle_deg:.0f}°)", fontsize=7)
+    title = f"Fig. 6  {style.muscle_label(muscle).capitalize()}; left the muscle, right the joint from the other side"
     _finish(figure, title, runs, deepest_mm)
-    rows = _depth_rows({(MUSCLE_OF_FIGURES, backend): chosen for backend, chosen in moments.items()})
-    return _save(figure, rows, folder / "fig_6_iliacus")
+    rows = _depth_rows({(muscle, backend): chosen for backend, chosen in moments.items()})
+    return _save(figure, rows, folder / f"fig_6_{muscle}")
 
 
 def _draw_full_flexion(studios, moments, runs, folder: Path, say) -> list[Path]:
     backends = list(dict.fromkeys(backend for _, backend in moments))
     deepest_mm = depth_scale_mm(moments)
-    size = (2.6 * len(backends) + 1.4, 2.65 * len(studios) + 1.25)
+    size = (style.PAGE_INCHES, PICTURE_SHARE * (style.PAGE_INCHES - 1.0) / len(backends) * len(studios) + 0.7)
     figure, panels = plt.subplots(len(studios), len(backends), figsize=size, squeeze=False)
     for row, (muscle, studio) in enumerate(studios.items()):
         say(f"full flexion, {style.muscle_label(muscle)}")
@@ -109,17 +113,18 @@ def _draw_full_flexion(studios, moments, runs, folder: Path, say) -> list[Path]:
             _note_depth(panels[row, place], chosen.full)
         _row_name(panels[row, 0], style.muscle_label(muscle), "black")
     for place, backend in enumerate(backends):
-        panels[0, place].set_title(backend, fontsize=11, fontweight="bold", color=looks.colour(backend))
-    angle = max(chosen.full.angle_deg for chosen in moments.values())
+        panels[0, place].set_title(backend, fontsize=8, fontweight="bold", color=looks.colour(backend))
+    angle = max((chosen.full.angle_deg for chosen in moments.values()), key=abs)
     _finish(figure, f"All muscles at full flexion ({angle:.0f}°)", runs, deepest_mm)
     return _save(figure, _depth_rows(moments), folder / "muscles_at_full_flexion")
 
 
 def _draw_attachments(studios, cases, moments, runs, folder: Path, say) -> list[Path]:
-    width, height = 3.4 * len(studios) + 0.4, 5.2
+    width = style.PAGE_INCHES
+    height = (width - 0.2) / max(len(studios), 3) + 0.9
     figure, panels = plt.subplots(1, len(studios), figsize=(width, height), squeeze=False)
-    left, bottom = 0.1 / width, 1.0 / height
-    figure.subplots_adjust(left=left, right=1 - left, top=1 - bottom, bottom=bottom, wspace=0.05)
+    left, bottom, top = 0.1 / width, 0.35 / height, 0.55 / height
+    figure.subplots_adjust(left=left, right=1 - left, top=1 - top, bottom=bottom, wspace=0.05)
     rows = []
     for panel, (muscle, studio) in zip(panels[0], studios.items()):
         say(f"attachments, {style.muscle_label(muscle)}")
@@ -131,10 +136,10 @@ def _draw_attachments(studios, cases, moments, runs, folder: Path, say) -> list[
         listed = [{"muscle": muscle, **entry} for entry in cases[case].record.get("attachments", [])]
         rows += listed
         lines = [f"{entry['name']} ({entry['bone']}): {entry['nodes']} nodes" for entry in listed]
-        panel.text(0.0, -0.03, "\n".join(lines), transform=panel.transAxes, va="top", fontsize=9)
-    figure.suptitle("Bound nodes at rest, seen through the muscle", x=left, y=1 - 0.1 / height, ha="left", va="top")
-    _bone_legend(figure, next(iter(studios.values())), (left, 1 - 0.3 / height))
-    figure.text(left, 0.15 / height, caption(runs), fontsize=7.5, color="#555555", va="top")
+        panel.text(0.0, -0.03, "\n".join(lines), transform=panel.transAxes, va="top", fontsize=7)
+    figure.suptitle("Bound nodes at rest, seen through the muscle", x=left, y=1 - 0.05 / height, ha="left", va="top")
+    _bone_legend(figure, next(iter(studios.values())), (left, 1 - 0.2 / height))
+    style.add_note(figure, caption(runs), y=0.0)
     return _save(figure, pd.DataFrame(rows), folder / "attachments")
 
 
@@ -156,27 +161,26 @@ def _show_missing(panel) -> None:
 
 
 def _row_name(panel, text: str, colour) -> None:
-    panel.text(-0.04, 0.5, text, rotation=90, ha="right", va="center", fontsize=12, fontweight="bold", color=colour,
+    panel.text(-0.04, 0.5, text, rotation=90, ha="right", va="center", fontsize=8, fontweight="bold", color=colour,
                transform=panel.transAxes)
 
 
 def _note_depth(panel, snapshot: Snapshot) -> None:
     depth = snapshot.depth_mm
     inside = int(np.count_nonzero(depth > INSIDE_FROM_MM))
-    text = f"{inside} nodes inside, {max(depth.max(), 0.0):.2f} mm" if inside else "no node inside"
-    panel.text(0.5, -0.01, text, ha="center", va="top", fontsize=8, transform=panel.transAxes)
+    text = f"{inside} inside, {max(depth.max(), 0.0):.2f} mm" if inside else "no node inside"
+    panel.text(0.5, -0.01, text, ha="center", va="top", fontsize=7, transform=panel.transAxes)
 
 
 def _finish(figure, title: str, runs, deepest_mm: float) -> None:
     width, height = figure.get_size_inches()
-    figure.subplots_adjust(wspace=0.03, hspace=0.1, left=0.5 / width, right=1 - 0.9 / width, bottom=0.5 / height,
-                           top=1 - 0.75 / height)
-    figure.suptitle(title, x=0.1 / width, y=1 - 0.1 / height, ha="left", va="top", fontsize=13)
+    figure.subplots_adjust(wspace=0.03, hspace=0.12, left=0.25 / width, right=1 - 0.75 / width, bottom=0.2 / height,
+                           top=1 - 0.4 / height)
+    figure.suptitle(title, x=0.05 / width, y=1 - 0.05 / height, ha="left", va="top")
     scale = cm.ScalarMappable(colors.Normalize(0, deepest_mm), DEPTH_COLOURS)
-    bar = figure.colorbar(scale, cax=figure.add_axes([1 - 0.75 / width, 0.3, 0.15 / width, 0.4]), extend="max")
+    bar = figure.colorbar(scale, cax=figure.add_axes([1 - 0.66 / width, 0.3, 0.1 / width, 0.4]), extend="max")
     bar.set_label(f"depth in a bone (mm)\nred: outside or less than {INSIDE_FROM_MM} mm")
-    text = f"{caption(runs)}. Bones are cut beside the muscle for sight."
-    figure.text(0.1 / width, 0.15 / height, text, fontsize=7.5, color="#555555", va="top")
+    style.add_note(figure, f"{caption(runs)}. Bones are cut beside the muscle for sight.", y=0.0)
 
 
 def _depth_rows(moments: dict) -> pd.DataFrame:

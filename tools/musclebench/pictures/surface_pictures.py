@@ -62,10 +62,12 @@ class Studio:
         for name, bone in self.bones.items():
             self._scene.set_bone(name, bone.vertices_m, bone.triangles)
         shapes = [snapshot.mesh.vertices_m for snapshot in read_snapshots(run)]
-        body = _directions(run, self.bones)
-        self._overview = views.overview(body, run.muscle, np.vstack(shapes))
-        self._close_up = views.close_up(body, run.muscle, shapes[0])
-        self._scene.cut_bones(views.cut_beside(body, shapes[0]))
+        joint = _joint(run, self.bones, shapes[0])
+        all_bones_m = np.vstack([bone.vertices_m for bone in self.bones.values()])
+        eye = views.side_of_muscle(joint, shapes[0], all_bones_m)
+        self._overview = views.overview(joint, eye, np.vstack(shapes))
+        self._close_up = views.close_up(joint, eye, shapes[0])
+        self._scene.cut_bones(views.cut_beside(joint, shapes[0], all_bones_m))
 
     def overview(self, snapshot: Snapshot, deepest_mm: float) -> np.ndarray:
         self._show(snapshot, depth_colours(snapshot.depth_mm, deepest_mm))
@@ -112,11 +114,12 @@ def bound_nodes_by_bone(snapshot: Snapshot, bones: dict[str, PlyMesh]) -> dict[s
     return {name: bound[nearest == place] for place, name in enumerate(bones)}
 
 
-def _directions(run: Run, bones: dict[str, PlyMesh]) -> views.BodyDirections:
-    """From the first bone that moves."""
+def _joint(run: Run, bones: dict[str, PlyMesh], muscle_m: np.ndarray) -> views.JointDirections:
+    """From the first bone that moves; where none does, from the first bone and the muscle's own length."""
     for entry in run.record["bones"]:
-        motion = entry.get("motion", {})
-        if motion.get("angles_rad"):
-            axis, centre_m = np.array(motion["axis"]), np.array(motion["centre_m"])
-            return views.body_directions(axis, centre_m, bones[entry["name"]].vertices_m)
-    raise ResultProblem(f"{run.folder / 'run.json'}: no bone moves, so it is unknown which way the body faces")
+        motion, moved_m = entry.get("motion", {}), bones[entry["name"]].vertices_m
+        if any(motion.get("angles_rad") or []):
+            return views.joint_directions(np.array(motion["axis"]), np.array(motion["centre_m"]), moved_m, muscle_m)
+    length, across, _ = views.principal_axes(muscle_m)
+    middle = muscle_m.mean(axis=0)
+    return views.joint_directions(across, middle, middle[None] - length, muscle_m)

@@ -1,77 +1,97 @@
-"""Where to look from: directions of the body, found from the axis of flexion, and cameras for each muscle."""
+"""Where to look from: directions of a joint, found from the axis of its motion, and cameras that each scene gets of its
+muscle's own shape."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..results.statistics import percentile
 from .rendering import CutPlane, View
 
 OVERVIEW_MARGIN = 1.15
-CLOSE_UP_HALF_HEIGHT_SHARE = 0.32  # of the muscle's rest extent along the thigh
+CLOSE_UP_HALF_HEIGHT_SHARE = 0.32  # of the muscle's rest extent along the limb
 CUT_MARGIN_M = 0.02
-
-# Eye directions as (anterior, lateral, superior): each shows the whole muscle and where it crosses the joint.
-OVERVIEW_FROM = {
-    "adductor_brevis": (1.0, -0.35, 0.0),
-    "gluteus_maximus": (-1.0, 0.7, 0.1),
-    "gluteus_medius": (-0.35, 1.0, 0.15),
-    "iliacus": (1.0, -0.8, 0.0),
-}
-# The side of the bones, for pictures with see-through bones.
-CONTACT_SIDE_FROM = {
-    "adductor_brevis": (-0.6, 1.0, 0.0),
-    "gluteus_maximus": (1.0, -0.3, 0.0),
-    "gluteus_medius": (0.5, -1.0, 0.0),
-    "iliacus": (-1.0, 1.2, 0.2),
-}
+NEAR_SHARE = 0.75  # of the muscle's longest half axis: bones so near are those that it may touch
+TILT = 0.6  # of the side view against the view from where the muscle lies
 
 
 @dataclass
-class BodyDirections:
-    """Of a right leg: unit vectors and the centre of the hip joint, in the frame of the rest pose."""
+class JointDirections:
+    """Unit vectors at rest: about which axis the limb turns, where it points from, and what is in front of both."""
 
-    hip_centre_m: np.ndarray
-    anterior: np.ndarray
-    lateral: np.ndarray
-    superior: np.ndarray
-
-    def combine(self, anterior: float, lateral: float, superior: float) -> np.ndarray:
-        vector = anterior * self.anterior + lateral * self.lateral + superior * self.superior
-        return vector / np.linalg.norm(vector)
+    centre_m: np.ndarray  # on the axis, level with the muscle
+    front: np.ndarray
+    axis: np.ndarray
+    up: np.ndarray
 
 
-def body_directions(flexion_axis: np.ndarray, hip_centre_m: np.ndarray, femur_m: np.ndarray) -> BodyDirections:
-    """The axis about which flexion turns right-handed points to the side; the femur at rest points down."""
-    axis = flexion_axis / np.linalg.norm(flexion_axis)
-    down = femur_m.mean(axis=0) - hip_centre_m
-    down -= axis * (down @ axis)
-    down /= np.linalg.norm(down)
-    return BodyDirections(hip_centre_m, np.cross(axis, down), axis, -down)
+def joint_directions(axis: np.ndarray, centre_m: np.ndarray, moved_m: np.ndarray,
+                     muscle_m: np.ndarray) -> JointDirections:
+    """The bone that moves hangs down from the axis at rest; where it lies on the axis, the muscle is upright."""
+    axis = axis / np.linalg.norm(axis)
+    down = _across(moved_m.mean(axis=0) - centre_m, axis)
+    if np.linalg.norm(down) < 1e-6:
+        down = _across(-principal_axes(muscle_m)[0], axis)
+    if np.linalg.norm(down) < 1e-6:
+        down = _across(np.eye(3)[np.abs(axis).argmin()], axis)
+    down = down / np.linalg.norm(down)
+    level = centre_m + axis * ((muscle_m.mean(axis=0) - centre_m) @ axis)
+    return JointDirections(level, np.cross(axis, down), axis, -down)
 
 
-def overview(body: BodyDirections, muscle: str, shapes_m: np.ndarray) -> View:
+def principal_axes(points_m: np.ndarray) -> np.ndarray:
+    """Unit vectors, the longest axis first."""
+    return np.linalg.svd(points_m - points_m.mean(axis=0), full_matrices=False)[2]
+
+
+def side_of_muscle(joint: JointDirections, muscle_m: np.ndarray, bones_m: np.ndarray) -> np.ndarray:
+    """The eye that sees the muscle in front of the bones it lies on, its whole length, and much of the turn: from the
+    bones near the muscle towards it, turned towards the axis."""
+    middle, length = muscle_m.mean(axis=0), principal_axes(muscle_m)[0]
+    reach = np.abs((muscle_m - middle) @ length).max()
+    near = bones_m[np.linalg.norm(bones_m - middle, axis=1) < (1 + NEAR_SHARE) * reach]
+    away = _across(middle - (near if len(near) else bones_m).mean(axis=0), length)
+    if np.linalg.norm(away) < 1e-9:
+        away = _across(joint.front, length)
+    away = away / np.linalg.norm(away)
+    side = joint.axis if away @ joint.axis >= 0 else -joint.axis
+    eye = away + TILT * side
+    return eye / np.linalg.norm(eye)
+
+
+def overview(joint: JointDirections, eye: np.ndarray, shapes_m: np.ndarray) -> View:
     """The whole muscle in all the given shapes (n, 3); what few nodes lie far away do not make it small."""
-    eye = body.combine(*OVERVIEW_FROM.get(muscle, (1.0, -0.5, 0.0)))
-    right = np.cross(body.superior, eye)
-    right /= np.linalg.norm(right)
-    up = np.cross(eye, right)
-    focus, spans = body.hip_centre_m, []
+    right, up = _picture_axes(eye, joint.up)
+    focus, spans = joint.centre_m, []
     for direction in (right, up):
-        along = np.append(np.percentile(shapes_m @ direction, [0.5, 99.5]), body.hip_centre_m @ direction)
+        along = np.append(percentile(shapes_m @ direction, [0.5, 99.5]), joint.centre_m @ direction)
         focus = focus + direction * ((along.max() + along.min()) / 2 - focus @ direction)
         spans.append(along.max() - along.min())
     return View(focus, eye, up, OVERVIEW_MARGIN * max(spans) / 2)
 
 
-def close_up(body: BodyDirections, muscle: str, rest_m: np.ndarray) -> View:
-    """The hip joint from the side of the bones."""
-    eye = body.combine(*CONTACT_SIDE_FROM.get(muscle, (-1.0, 1.0, 0.0)))
-    extent = np.ptp(rest_m @ body.superior)
-    focus = body.hip_centre_m + 0.01 * body.anterior
-    return View(focus, eye, body.superior, CLOSE_UP_HALF_HEIGHT_SHARE * extent)
+def close_up(joint: JointDirections, eye: np.ndarray, rest_m: np.ndarray) -> View:
+    """The joint from the other side: that of the bones."""
+    extent = np.ptp(rest_m @ principal_axes(rest_m)[0])
+    return View(joint.centre_m, -eye, _picture_axes(-eye, joint.up)[1], CLOSE_UP_HALF_HEIGHT_SHARE * extent)
 
 
-def cut_beside(body: BodyDirections, rest_m: np.ndarray) -> CutPlane:
-    """Hides what of the bones lies further to the other side of the body than the muscle."""
-    most_medial = rest_m[(rest_m @ body.lateral).argmin()]
-    return CutPlane(most_medial - CUT_MARGIN_M * body.lateral, body.lateral)
+def cut_beside(joint: JointDirections, rest_m: np.ndarray, bones_m: np.ndarray) -> CutPlane:
+    """Hides what of the bones lies beside the muscle along the axis, on the side that has more of them."""
+    bones, muscle = bones_m @ joint.axis, rest_m @ joint.axis
+    normal = joint.axis if muscle.min() - bones.min() >= bones.max() - muscle.max() else -joint.axis
+    outermost = rest_m[(rest_m @ normal).argmin()]
+    return CutPlane(outermost - CUT_MARGIN_M * normal, normal)
+
+
+def _across(vector: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    return vector - axis * (vector @ axis)
+
+
+def _picture_axes(eye: np.ndarray, up: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """To the right and upwards in a picture that is seen from `eye`."""
+    right = np.cross(up, eye)
+    if np.linalg.norm(right) < 1e-6:
+        right = np.cross(np.eye(3)[np.abs(eye).argmin()], eye)
+    right = right / np.linalg.norm(right)
+    return right, np.cross(eye, right)

@@ -22,6 +22,25 @@ class OneLineParser(argparse.ArgumentParser):
         raise Problem(f"{message}; --help shows the options")
 
 
+def add_scene_options(group, default: str) -> None:
+    group.add_argument("--data", type=Path, metavar="DIR",
+                       help="LHDL data folder: measure lhdl/* scenes (default: synthetic/*)")
+    group.add_argument("--scene", action="append", metavar="SCENE",
+                       help="a .toml file of your own or a scene that 'musclebench list' names; may be repeated "
+                            f"({default})")
+    group.add_argument("--muscle", action="append", metavar="NAME",
+                       help="short for the scene of that muscle in the data set")
+
+
+def data_set_of(options) -> str:
+    return "lhdl" if options.data else "synthetic"
+
+
+def out_name_of(options) -> str:
+    """What tells the default folders of results apart: the data set, or the scenes that were asked for."""
+    return "-".join(sorted({Path(scene).stem for scene in options.scene})) if options.scene else data_set_of(options)
+
+
 def check_program(program: Path, builder: str) -> None:
     if not os.access(program, os.X_OK) or not program.is_file():
         raise Problem(f"{program}: no such program; build it first ({builder} does)")

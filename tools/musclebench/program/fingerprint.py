@@ -13,6 +13,10 @@ def file_digest(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
+def text_digest(*texts: str) -> str:
+    return hashlib.sha256("\n".join(texts).encode()).hexdigest()
+
+
 def data_digest(data_dir: Path | None) -> str:
     """Of lhdl.json and the meshes; empty without a data folder."""
     if data_dir is None:
@@ -46,6 +50,6 @@ def status_when_sealed(folder: Path, print_of_case: dict) -> str | None:
     try:
         noted = json.loads((folder / FILE_NAME).read_text())
         status = json.loads((folder / "run.json").read_text())["status"]
-    except (OSError, ValueError, KeyError):
+    except (OSError, ValueError, KeyError, TypeError):
         return None
     return status if noted == print_of_case else None

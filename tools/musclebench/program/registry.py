@@ -1,4 +1,4 @@
-"""What the program knows: backends with their parameters and studies, presets and scenes, as `list --json` prints them."""
+"""What the program knows: backends with their parameters and studies, presets and scenes (`list --json`)."""
 
 import json
 import subprocess
@@ -117,7 +117,7 @@ def read_registry(program: Path) -> Registry:
     except (OSError, subprocess.TimeoutExpired) as problem:
         raise Problem(f"{program}: 'list --json' does not answer ({problem})") from None
     if done.returncode != 0:
-        raise Problem(f"{program}: 'list --json' ended with exit code {done.returncode}; is it a build of this project?")
+        raise Problem(f"{program}: 'list --json' ended with exit code {done.returncode}; is it of this project?")
     return parse_registry(done.stdout, str(program))
 
 
@@ -146,7 +146,7 @@ def parse_registry(text: str, source: str) -> Registry:
                        for one in told["scenes"])
         presets = tuple(one["name"] for one in told["presets"])
     except (ValueError, KeyError, TypeError) as problem:
-        raise Problem(f"{source}: not a list of backends as 'musclebench list --json' prints it ({problem!r})") from None
+        raise Problem(f"{source}: not what 'musclebench list --json' prints ({problem!r})") from None
     registry = Registry(backends, scenes, presets, text)
     _check_studies(registry, source)
     return registry
@@ -173,5 +173,5 @@ def _check_studies(registry: Registry, source: str) -> None:
                               "parameter can be swept, put the others into series of their own")
             unknown = [key for key in (*sweep, *series.get("fixed", {})) if key not in known]
             if unknown:
-                raise Problem(f"{source}: study of {backend.name}, series {place}: '{unknown[0]}' is not a parameter of "
-                              f"{backend.name}; there are: {', '.join(sorted(known)) or 'none'}")
+                raise Problem(f"{source}: study of {backend.name}, series {place}: '{unknown[0]}' is not a parameter; "
+                              f"there are: {', '.join(sorted(known)) or 'none'}")

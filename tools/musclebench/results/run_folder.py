@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from .damage import damage
+
 COLLISION_STAGES = ["update_ns", "detect_ns", "respond_ns"]
 FRAME_COLUMNS = [
     "frame", "angle_deg", "warm_up", *COLLISION_STAGES, "frame_ns", "contacts", "nodes_inside", "max_depth_m",
@@ -60,9 +62,9 @@ def read_run(folder: Path) -> Run:
         record = json.loads((folder / "run.json").read_text())
     except (OSError, ValueError) as problem:
         raise ResultProblem(f"{folder / 'run.json'}: can't be read ({problem}); run the case again") from None
-    for key in ("status", "case"):
-        if key not in record:
-            raise ResultProblem(f"{folder / 'run.json'}: has no '{key}'; run the case again")
+    fault = damage(folder)
+    if fault:
+        raise ResultProblem(f"{folder}: {fault}; run the case again")
     columns = COLUMNS_OF_MODE.get(record["case"].get("mode"), FRAME_COLUMNS)
     return Run(folder, record, read_frames(folder / "frames.csv", columns))
 

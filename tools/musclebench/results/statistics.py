@@ -69,10 +69,15 @@ def quotient(above: Estimate, below: Estimate) -> Estimate:
     return _combined(above.value / below.value, above.draws / below.draws, [above, below])
 
 
+def percentile(values, percents):
+    """By the nearest rank, as the program takes them: always one of the values."""
+    return np.percentile(values, percents, method="inverted_cdf")
+
+
 def _combined(value: float, draws: np.ndarray, parts: list[Estimate]) -> Estimate:
     if np.isnan(value) or not np.size(draws):
         return Estimate.unknown()
-    low, high = np.percentile(draws, PERCENTILES)
+    low, high = percentile(draws, PERCENTILES)
     return Estimate(value, float(low), float(high), min(part.frames for part in parts), draws)
 
 
@@ -98,7 +103,7 @@ def _bootstrap_median(values: np.ndarray, length: int, draws: int) -> Estimate:
     random = np.random.default_rng(zlib.crc32(np.ascontiguousarray(values).tobytes()))
     parts = [_block_draws(values, min(length, frames // 3), draws, random) for _ in range(repetitions)]
     medians = np.median(np.concatenate(parts, axis=1), axis=1)
-    low, high = np.percentile(medians, PERCENTILES)
+    low, high = percentile(medians, PERCENTILES)
     return Estimate(value, float(low), float(high), frames, medians)
 
 

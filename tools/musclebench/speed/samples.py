@@ -5,7 +5,7 @@ import zlib
 import numpy as np
 import pandas as pd
 
-from ..results.statistics import DRAWS, PERCENTILES, Estimate
+from ..results.statistics import DRAWS, PERCENTILES, Estimate, percentile
 
 FEWEST_SAMPLES = 5  # fewer don't tell how well they determine their median
 
@@ -20,7 +20,7 @@ def median(samples: pd.Series) -> Estimate:
         return Estimate(value, float("nan"), float("nan"), len(values))
     random = np.random.default_rng(zlib.crc32(values.tobytes()))
     draws = np.median(random.choice(values, size=(DRAWS, len(values))), axis=1)
-    low, high = np.percentile(draws, PERCENTILES)
+    low, high = percentile(draws, PERCENTILES)
     return Estimate(value, float(low), float(high), len(values), draws)
 
 

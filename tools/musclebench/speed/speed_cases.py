@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..cases.case import Case, Places
-from ..cases.muscle_scene import ITERATIONS_A_FRAME, PRESET, MuscleScene
+from ..cases.case import Places, SceneCase
+from ..cases.scene import Scene
 
 STRUCTURES_DIR = "structures"  # of the distance fields, below the experiment's folder: built once, loaded by all
 KERNELS_FILE = "kernels.json"
@@ -20,20 +20,23 @@ class Setting:
     backend: str
     parameters: tuple[tuple[str, object], ...] = ()
     step_ms: float = 0.1  # guessed, at the reference
-    stores: bool = False
+    storage: str = ""  # the parameter that says where structures are kept; empty: they are not
+    at_most: float | None = None  # times the unit of price
+    aim: float | None = None
+    is_unit: bool = False
 
 
 @dataclass(frozen=True)
-class RaceCase(Case):
+class RaceCase(SceneCase):
     """A coupled run that nobody judges, on one thread."""
 
-    scene: MuscleScene
+    scene: Scene
     setting: Setting
     repetition: int = 0
 
     @property
     def name(self) -> str:
-        return f"{self.scene.muscle}-{self.setting.label}-r{self.repetition}"
+        return f"{self.scene.key}-{self.setting.label}-r{self.repetition}"
 
     @property
     def kind(self) -> str:
@@ -41,20 +44,20 @@ class RaceCase(Case):
 
     @property
     def guessed_seconds(self) -> float:
-        a_frame = 1 / FRAMES_A_SECOND + ITERATIONS_A_FRAME * self.setting.step_ms * 1e-3
+        a_frame = 1 / FRAMES_A_SECOND + self.scene.iterations * self.setting.step_ms * 1e-3
         return 2.0 + self.scene.size * self.scene.frames * a_frame
 
     def arguments(self, places: Places) -> list[str]:
-        words = ["run", self.scene.name, "--backend", self.setting.backend, "--preset", PRESET,
+        words = ["run", self.scene.name, "--backend", self.setting.backend, *self.scene.preset_arguments(),
                  "--threads", "1", "--no-referee", "--repetition", str(self.repetition)]
         for key, value in self.setting.parameters:
             words += ["--param", f"{key}={value}"]
-        if self.setting.stores:
-            words += ["--param", f"structures={places.out_dir / STRUCTURES_DIR}"]
+        if self.setting.storage:
+            words += ["--param", f"{self.setting.storage}={places.out_dir / STRUCTURES_DIR}"]
         return [*words, *self.scene.data_arguments(places), *self.scene.frames_arguments()]
 
     def record(self) -> dict:
-        return {"mode": "coupled", "scene": self.scene.name, "preset": PRESET,
+        return {"mode": "coupled", "scene": self.scene.name, "preset": self.scene.preset,
                 "backend": self.setting.backend, "parameters": dict(self.setting.parameters), "threads": 1,
                 "repetition": self.repetition}
 
@@ -64,16 +67,17 @@ class KernelGroup:
     """Kernels that run in one process, their repetitions in random order among each other."""
 
     name: str
-    pattern: str  # regular expression of the kernels' names
     seconds: float  # guessed
+    pattern: str = ""  # regular expression of the kernels' names
+    quick_sizes: tuple[int, ...] = ()  # of kernels of growing size, with --quick
     threads: int = 1
     varies: bool = True  # False: bytes and counts, which are the same in every repetition
     program: str = MICRO_PROGRAM  # or one beside it, which is only built where its library is installed
 
 
 @dataclass(frozen=True)
-class KernelCase(Case):
-    scene: MuscleScene
+class KernelCase(SceneCase):
+    scene: Scene
     group: KernelGroup
     repetition: int = 0
     repetitions_inside: int = 5  # of each kernel, in the process

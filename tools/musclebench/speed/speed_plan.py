@@ -4,57 +4,70 @@ import random
 from dataclasses import dataclass, replace
 
 from ..cases.case import Case
-from ..cases.muscle_scene import MuscleScene
-
+from ..cases.scene import Scene
+from ..program.registry import Registry
 from .speed_cases import KernelCase, KernelGroup, RaceCase, Setting
 
-REFERENCE = "voxel"  # what everything is divided by
-SDF = (("cells", 64), ("precision", "float"))
-OFF = (("clearance_cache", "off"),)
-SETTINGS = (
-    Setting(REFERENCE, "voxel", (("cells", 64),), step_ms=0.05),
-    Setting("sdf", "sdf", SDF, step_ms=0.1, stores=True),
-    Setting("bvh", "bvh", (), step_ms=0.2),
-    Setting("fcl", "fcl", (("query", "node_distance"), ("clearance_cache", "on")), step_ms=1.5),
-    Setting("sdf-cold", "sdf", (*SDF, *OFF), step_ms=0.2, stores=True),
-    Setting("bvh-cold", "bvh", OFF, step_ms=4.0),
-)
-# Kernels that are divided by each other run in one process.
+# Kernels that are divided by each other run in one process. Which ones, the targets say.
 KERNEL_GROUPS = (
-    KernelGroup("queries", "^(voxel_test|sdf_value_and_gradient|bvh_locate)/", 60.0),
-    KernelGroup("embree", "^(embree|signed)/", 30.0, program="musclebench_embree"),
-    KernelGroup("build", "^(sdf_build_a_node|bvh_locate/near)/", 60.0),
-    KernelGroup("two_threads", "^(detect_threads|sdf_build_threads)/", 60.0, threads=2),
-    KernelGroup("muscle_size", "^muscle_size/", 90.0),
-    KernelGroup("bone_size", "^bone_size/", 60.0),
-    KernelGroup("adaptive", "^adaptive_over_uniform/femur", 20.0),
-    KernelGroup("bytes", "^sdf_bytes/", 60.0, varies=False),
-    KernelGroup("allocations", "^allocations/", 20.0, varies=False),
+    KernelGroup("queries", seconds=60.0),
+    KernelGroup("embree", seconds=30.0, program="musclebench_embree"),
+    KernelGroup("build", seconds=60.0),
+    KernelGroup("two_threads", seconds=60.0, threads=2),
+    KernelGroup("muscle_size", seconds=90.0, quick_sizes=(1_000, 10_000, 100_000)),
+    KernelGroup("bone_size", seconds=60.0, quick_sizes=(5_120, 20_480, 81_920, 327_680)),
+    KernelGroup("adaptive", seconds=20.0),
+    KernelGroup("bytes", seconds=60.0, varies=False),
+    KernelGroup("allocations", seconds=20.0, varies=False),
 )
-QUICK_PATTERNS = {"muscle_size": "^muscle_size/.*/(1000|10000|100000)(/|$)",
-                  "bone_size": "^bone_size/.*/(5120|20480|81920|327680)(/|$)"}
+# Of no backend: all of them.
+COMMON_TARGETS = (
+    {"what": "heap allocations in a frame after the second", "kind": "value", "group": "allocations",
+     "kernel": "allocations/{}", "counter": "allocations", "at_most": 0},
+)
 QUICK_FRAMES = 60
+QUICK_SHARE = 1 / 6  # of the seconds of a group of kernels
+MAIN_MUSCLE = "iliacus"  # which most of the published numbers are of
 
 
 @dataclass(frozen=True)
 class Request:
     """What a command line asks for."""
 
-    data_set: str = "synthetic"
-    muscles: tuple[str, ...] = ("iliacus",)
+    scenes: tuple[Scene, ...]
     repetitions: int = 3
     quick: bool = False
     seed: int = 1
 
 
-def plan(request: Request) -> list[Case]:
+def settings(registry: Registry) -> list[Setting]:
+    """What the backends' studies race."""
+    found = []
+    for backend in registry.backends:
+        unit = backend.study.get("advise", {}).get("unit_of_price")
+        for race in backend.study.get("race", []):
+            storage = backend.of_role("storage")
+            found.append(Setting(
+                race["label"], backend.name, tuple(race.get("parameters", {}).items()), race.get("step_ms", 0.1),
+                storage.name if storage and race.get("stores") else "", race.get("at_most"), race.get("aim"),
+                unit is not None and race.get("parameters", {}) == unit))
+    return found
+
+
+def targets(registry: Registry) -> list[dict]:
+    """Of kernels: what the backends' studies hold, and what is of no backend."""
+    told = [target for backend in registry.backends for target in backend.study.get("target", [])]
+    return [*told, *COMMON_TARGETS]
+
+
+def plan(request: Request, registry: Registry) -> list[Case]:
     """Round by round. Within a round the muscles and kernels come in random order, and so do the settings of a muscle,
     but next to each other: what is divided by each other meets the machine in the same state."""
     order = random.Random(request.seed)
     cases: list[Case] = []
     for repetition in range(request.repetitions):
-        groups = [_races(request, muscle, repetition) for muscle in request.muscles]
-        groups += [[case] for case in _kernels(request, repetition)]
+        groups = [[RaceCase(scene, setting, repetition) for setting in settings(registry)] for scene in request.scenes]
+        groups += [[case] for case in _kernels(request, registry, repetition)]
         order.shuffle(groups)
         for group in groups:
             order.shuffle(group)
@@ -62,20 +75,25 @@ def plan(request: Request) -> list[Case]:
     return cases
 
 
-def _races(request: Request, muscle: str, repetition: int) -> list[Case]:
-    frames = QUICK_FRAMES if request.quick else None
-    scene = MuscleScene(request.data_set, muscle, frames)
-    return [RaceCase(scene, setting, repetition) for setting in SETTINGS]
-
-
-def _kernels(request: Request, repetition: int) -> list[Case]:
-    # The muscle that most of the published numbers are of, where it is among those that are measured.
-    muscle = "iliacus" if "iliacus" in request.muscles else request.muscles[0]
-    whole = KernelCase(MuscleScene(request.data_set, muscle), KERNEL_GROUPS[0], repetition)
+def _kernels(request: Request, registry: Registry, repetition: int) -> list[Case]:
+    scene = next((scene for scene in request.scenes if scene.key == MAIN_MUSCLE), request.scenes[0])
+    # Kernels build what they measure, whatever number of frames is raced.
+    whole = KernelCase(replace(scene, frames_limit=None), KERNEL_GROUPS[0], repetition)
     case = replace(whole, repetitions_inside=3, least_seconds=0.02) if request.quick else whole
-    groups = [_quick(group) if request.quick else group for group in KERNEL_GROUPS]
-    return [replace(case, group=group) for group in groups if group.varies or repetition == 0]
+    groups = [_with_pattern(group, targets(registry), request.quick) for group in KERNEL_GROUPS]
+    return [replace(case, group=group) for group in groups if group.pattern and (group.varies or repetition == 0)]
 
 
-def _quick(group: KernelGroup) -> KernelGroup:
-    return replace(group, pattern=QUICK_PATTERNS.get(group.name, group.pattern), seconds=group.seconds / 6)
+def _with_pattern(group: KernelGroup, told: list[dict], quick: bool) -> KernelGroup:
+    """A regular expression of the kernels that the group's targets name."""
+    named = [target[key] for target in told if target["group"] == group.name for key in ("kernel", "below")
+             if key in target]
+    stems = sorted({name.partition("{}")[0].rstrip("/") for name in named})
+    if not stems:
+        return group
+    pattern = f"^({'|'.join(stems)})(/|$)"
+    if not quick:
+        return replace(group, pattern=pattern)
+    if group.quick_sizes:
+        pattern = f"^({'|'.join(stems)})/({'|'.join(map(str, group.quick_sizes))})(/|$)"
+    return replace(group, pattern=pattern, seconds=QUICK_SHARE * group.seconds)

@@ -7,6 +7,8 @@ from pathlib import Path
 import pandas as pd
 
 from ..program.fingerprint import write_whole
+from ..program.registry import saved_registry
+from ..results.disturbance import disturbed, note
 from ..results.run_folder import ResultProblem, read_runs
 from ..study.study_manifest import machine
 from ..tables.table_formats import as_ratio
@@ -17,8 +19,8 @@ from .targets import Measured, Row, rows
 CAPTION = (
     "Ratios are medians of values that were measured side by side: coupled runs on one thread frame by frame, after "
     "two frames of warm-up and in the same round; kernels sample by sample, interleaved in one process. Collision time "
-    "is update + detect + respond. Where a row has several parts (muscles, bones, backends) it shows the worst. Spread is "
-    "the 95 % bootstrap interval."
+    "is update + detect + respond. Where a row has several parts (muscles, bones, backends) it shows the worst. Spread "
+    "is the 95 % bootstrap interval."
 )
 TITLES = ("what", "target", "measured", "95 %", "held", "")
 FIELDS = ("what", "part", "target", "measured", "low", "high", "samples", "held", "note")
@@ -29,15 +31,18 @@ def measured_in(out_dir: Path) -> Measured:
     runs = read_runs(out_dir / "raw")
     groups = {run.record["case"]["group"]: run.record.get("status_detail", "") for run in runs
               if run.mode == "kernels" and run.status != "ok"}
-    return Measured(runs, read_kernels(out_dir / "raw"), groups)
+    busy = disturbed({run.folder.name: run.record for run in runs})
+    return Measured(runs, read_kernels(out_dir / "raw"), groups, busy)
 
 
 def write_report(out_dir: Path) -> tuple[list[Row], list[Path]]:
     measured = measured_in(out_dir)
     if not measured.runs:
         raise ResultProblem(f"{out_dir / 'raw'}: holds no complete case; run tools/speed first")
-    table = rows(measured)
-    files = {"speed.md": as_markdown(table), "speed.txt": as_text(table), "speed.csv": as_csv(table),
+    table = rows(measured, saved_registry(out_dir))
+    below = note(measured.disturbed, len(measured.runs))
+    below = f"\n{below}\n" if below else ""
+    files = {"speed.md": as_markdown(table) + below, "speed.txt": as_text(table) + below, "speed.csv": as_csv(table),
              "speed.json": as_json(table, measured)}
     for name, text in files.items():
         write_whole(out_dir / name, text)

@@ -4,16 +4,15 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from ..accuracy.configurations import configuration
+from ..program.registry import Registry
+from ..results.disturbance import MARK
 from ..results.run_folder import Run
 from ..results.statistics import Estimate, paired_ratio
-
 from . import samples
 from .kernel_results import Kernels
-from .speed_plan import REFERENCE
+from .speed_plan import Setting, settings, targets
 
-MEGABYTE = 1e6
-# A fit over real caches is never exactly linear or logarithmic.
-LARGEST_POWER = 1.1
 NOT_BUILT, NOT_MEASURED = "not built", "not measured"
 
 
@@ -50,11 +49,15 @@ class Measured:
     runs: list[Run]
     kernels: Kernels
     refusals: dict[str, str]  # why a group of kernels was not run
+    disturbed: dict[str, str] = field(default_factory=dict)  # why the machine was too busy, by the folder of a run
 
 
-def rows(measured: Measured) -> list[Row]:
-    return [*_races(measured), *_queries(measured), *_fields(measured), *_embree(measured), *_threads(measured),
-            *_sizes(measured), _allocations(measured)]
+def rows(measured: Measured, registry: Registry) -> list[Row]:
+    """A row for each race against the unit of price, and one for each target of the backends' studies."""
+    raced = settings(registry)
+    unit = next((setting for setting in raced if setting.is_unit), None)
+    races = [_race(measured, setting, unit, registry) for setting in raced if unit and setting != unit]
+    return [*races, *(_kernel_row(measured, told) for told in targets(registry))]
 
 
 def worst(what: str, parts: list[Row], target: str, at_most: float | None = None, at_least: float | None = None,
@@ -73,164 +76,88 @@ def worst(what: str, parts: list[Row], target: str, at_most: float | None = None
     return Row(what, target, at_most, at_least, chosen.measured, note, parts)
 
 
-def _races(measured: Measured) -> list[Row]:
-    return [
-        worst("collision time, bvh / voxel 64", _race(measured, "bvh"), "<= 2, aim 1", at_most=2),
-        worst("collision time, sdf 64 / voxel 64", _race(measured, "sdf"), "<= 1.5, aim 1", at_most=1.5),
-        worst("collision time, fcl node_distance / voxel 64", _race(measured, "fcl"), "<= 20", at_most=20),
-        worst("the same without clearance cache: bvh", _race(measured, "bvh-cold"), ""),
-        worst("the same without clearance cache: sdf 64", _race(measured, "sdf-cold"), ""),
-    ]
+def _in_words(told: dict) -> str:
+    limits = [f"<= {told['at_most']:g}" if "at_most" in told else "", f">= {told['at_least']:g}" if "at_least" in told
+              else "", f"aim {told['aim']:g}" if "aim" in told else ""]
+    return ", ".join(limit for limit in limits if limit)
 
 
-def _race(measured: Measured, label: str) -> list[Row]:
-    """A row a muscle: update + detect + respond over the reference's, frame by frame of the same round."""
+def _race(measured: Measured, setting: Setting, unit: Setting, registry: Registry) -> Row:
+    names = [configuration(registry.backend(one.backend), dict(one.parameters)).name for one in (setting, unit)]
+    told = {key: value for key, value in (("at_most", setting.at_most), ("aim", setting.aim)) if value is not None}
+    return worst(f"collision time, {' / '.join(names)}", _race_parts(measured, setting.label, unit.label),
+                 _in_words(told), at_most=setting.at_most)
+
+
+def _race_parts(measured: Measured, label: str, unit: str) -> list[Row]:
+    """A row a muscle: update + detect + respond over the unit's, frame by frame of the same round."""
     raced = [run for run in measured.runs if run.mode == "coupled"]
-    rows_of_muscles = []
+    parts = []
     for muscle in dict.fromkeys(run.muscle for run in raced):
-        of_muscle = [run for run in raced if run.muscle == muscle and label_of(run) in (label, REFERENCE)]
-        mine = [run for run in of_muscle if label_of(run) == label]
+        of_muscle = [run for run in raced if run.muscle == muscle]
         times = {name: {_round(run): run.timed_frames["collision_ns"] for run in of_muscle
-                        if label_of(run) == name and run.status == "ok"} for name in (label, REFERENCE)}
-        row = Row(f"{label} / {REFERENCE}", measured=paired_ratio(times[label], times[REFERENCE]), note=muscle)
-        failed = [run for run in mine if run.status != "ok"]
+                        if label_of(run) == name and run.status == "ok"} for name in (label, unit)}
+        row = Row(f"{label} / {unit}", measured=paired_ratio(times[label], times[unit]), note=muscle)
+        failed = [run for run in of_muscle if label_of(run) == label and run.status != "ok"]
         if not row.is_known and failed:
-            row.note = _reason(failed[0])
-        rows_of_muscles.append(row)
-    return rows_of_muscles
+            row.note = failed[0].record.get("status_detail") or failed[0].status
+        if any(run.folder.name in measured.disturbed and label_of(run) in (label, unit) for run in of_muscle):
+            row.note += MARK
+        parts.append(row)
+    return parts
 
 
 def label_of(run: Run) -> str:
-    """The setting's, which the folder's name holds: MUSCLE-LABEL-rN."""
-    return run.folder.name.removeprefix(f"{run.muscle}-").rpartition("-r")[0]
+    """The setting's, which the folder's name holds: SCENE-LABEL-rN."""
+    name = run.folder.name.rpartition("-r")[0]
+    return name.removeprefix(f"{run.scene.replace('/', '-')}-").removeprefix(f"{run.muscle}-")
 
 
 def _round(run: Run) -> int:
     return int(run.folder.name.rpartition("-r")[2])
 
 
-def _reason(run: Run) -> str:
-    return run.record.get("status_detail") or run.status
+def _kernel_row(measured: Measured, told: dict) -> Row:
+    measure = {"ratio": _ratio, "value": _value, "power": _power}[told["kind"]]
+    parts = measure(measured.kernels, told)
+    if not any(part.is_known or part.note.startswith(NOT_BUILT) for part in parts):
+        parts = [Row(told["group"], note=measured.refusals.get(told["group"], NOT_MEASURED))]
+    return worst(told["what"], parts, _in_words(told), told.get("at_most"), told.get("at_least"))
 
 
-def _queries(measured: Measured) -> list[Row]:
-    return [
-        worst("sdf value + gradient / voxel test, near points, float",
-              _ratios(measured, "queries", "sdf_value_and_gradient/float/{}", "voxel_test/{}", "ns_a_point"), "<= 5",
-              at_most=5),
-        worst("sdf build per node / cold closest point of bvh near",
-              _ratios(measured, "build", "sdf_build_a_node/{}", "bvh_locate/near/{}", "ns_a_node",
-                      "ns_a_point"), "<= 0.3", at_most=0.3),
-    ]
+def _names(kernels: Kernels, pattern: str) -> list[str]:
+    """What {} stands for in the names of the kernels that measured something."""
+    prefix, _, suffix = pattern.partition("{}")
+    return [name.removeprefix(prefix).removesuffix(suffix) for name in kernels.names(prefix) if name.endswith(suffix)]
 
 
-def _ratios(measured: Measured, group: str, above: str, below: str, counter: str, counter_below: str = "") -> list[Row]:
-    """A row for each name that both patterns hold."""
-    kernels = measured.kernels
-    prefix, _, suffix = above.partition("{}")
-    names = [name.removeprefix(prefix).removesuffix(suffix) for name in kernels.names(prefix) if name.endswith(suffix)]
-    found = []
-    for name in names:
-        measured_ratio = samples.ratio(kernels.of(above.format(name), counter, group),
-                                       kernels.of(below.format(name), counter_below or counter, group))
-        found.append(Row(f"{above.format(name)} / {below.format(name)}", measured=measured_ratio, note=name))
-    return [row for row in found if row.is_known] or _why_not(measured, group)
+def _ratio(kernels: Kernels, told: dict) -> list[Row]:
+    """Of two kernels of one process, sample by sample; a row for each name that both patterns hold."""
+    above, below, counter = told["kernel"], told["below"], told["counter"]
+    rows_of_names = []
+    for name in _names(kernels, above) if "{}" in above else [""]:
+        over, under = above.replace("{}", name), below.replace("{}", name)
+        value = samples.ratio(kernels.of(over, counter, told["group"]),
+                              kernels.of(under, told.get("below_counter", counter), told["group"]))
+        rows_of_names.append(Row(f"{over} / {under}", measured=value, note=name))
+    return rows_of_names
 
 
-def _why_not(measured: Measured, group: str) -> list[Row]:
-    return [Row(group, note=measured.refusals.get(group, NOT_MEASURED))]
-
-
-def _fields(measured: Measured) -> list[Row]:
-    return [
-        worst("MB of sdf 64 float, dense, a bone", _bytes(measured, "dense/float"), "<= 7.7", at_most=7.7),
-        worst("MB of sdf 64 float, narrow band 10 mm, a bone", _bytes(measured, "band_10mm/float"), "<= 2", at_most=2),
-        worst("the same compact instead of float: dense", _bytes(measured, "dense/compact"), ""),
-        worst("the same compact instead of float: narrow band 10 mm", _bytes(measured, "band_10mm/compact"), ""),
-        worst("adaptive sdf, p99 error 0.05 mm: bytes / uniform grid's", _adaptive(measured, "bytes_ratio"), "<= 0.25",
-              at_most=0.25),
-        worst("adaptive sdf, p99 error 0.05 mm: build time / uniform grid's", _adaptive(measured, "build_ratio"),
-              "<= 0.25", at_most=0.25),
-    ]
-
-
-def _bytes(measured: Measured, storage: str) -> list[Row]:
-    kernels, prefix = measured.kernels, f"sdf_bytes/{storage}/"
-    found = [Row(name, measured=samples.exact(kernels.of(name, "bytes").iloc[0] / MEGABYTE),
-                 note=name.removeprefix(prefix)) for name in kernels.names(prefix)]
+def _value(kernels: Kernels, told: dict) -> list[Row]:
+    pattern, found = told["kernel"], []
+    for name in _names(kernels, pattern):
+        taken = kernels.of(pattern.replace("{}", name), told["counter"])
+        value = samples.exact(taken.iloc[0]) if len(taken) == 1 else samples.median(taken)
+        found.append(Row(pattern.replace("{}", name), measured=value.scaled(told.get("scale", 1.0)), note=name))
     problems = [Row(name, note=f"{NOT_BUILT}: {text}") for name, text in kernels.problems.items()
-                if name.startswith(prefix)]
-    return found or problems or _why_not(measured, "bytes")
+                if name.startswith(pattern.partition("{}")[0])]
+    return found or problems
 
 
-def _adaptive(measured: Measured, counter: str) -> list[Row]:
-    kernels = measured.kernels
-    found = [Row(name, measured=samples.median(kernels.of(name, counter)), note=name.rpartition("/")[2])
-             for name in kernels.names("adaptive")]
-    return [row for row in found if row.is_known] or _why_not(measured, "adaptive")
-
-
-def _embree(measured: Measured) -> list[Row]:
-    # Near the surface in the order of the muscle's nodes, far from it anywhere: as the peers were measured.
-    places = {"near": "near/coherent", "far": "far/random"}
-    return [worst(f"Embree's point query / cold bvh with sign, {name}",
-                  _ratios_at(measured, place), ">= 3", at_least=3) for name, place in places.items()]
-
-
-def _ratios_at(measured: Measured, place: str) -> list[Row]:
-    kernels = measured.kernels
-    value = samples.ratio(kernels.of(f"embree/{place}", "real_ns"), kernels.of(f"signed/{place}", "real_ns"))
-    row = Row(f"embree/{place} / signed/{place}", measured=value)
-    return [row] if row.is_known else _why_not(measured, "embree")
-
-
-def _threads(measured: Measured) -> list[Row]:
-    detections = {f"detect of all nodes, {name}": f"detect_threads/{name}/{{}}" for name in ("bvh", "sdf")}
-    builds = {f"sdf build, {bone}": f"sdf_build_threads/{bone}/{{}}" for bone in _built_bones(measured.kernels)}
-    found = [worst(f"two threads over one, {what}", [_speed_up(measured, what, kernel)], ">= 1.7", at_least=1.7)
-             for what, kernel in detections.items()]
-    parts = [_speed_up(measured, what, kernel) for what, kernel in builds.items()]
-    return [*found, worst("two threads over one, sdf build", parts or _why_not(measured, "two_threads"), ">= 1.7",
-                          at_least=1.7)]
-
-
-def _built_bones(kernels: Kernels) -> list[str]:
-    return sorted({name.split("/")[1] for name in kernels.names("sdf_build_threads/")})
-
-
-def _speed_up(measured: Measured, what: str, kernel: str) -> Row:
-    one, two = (measured.kernels.of(kernel.format(count), "real_ns", "two_threads") for count in (1, 2))
-    row = Row(f"two threads, {what}", measured=samples.ratio(one, two), note=what)
-    return row if row.is_known else _why_not(measured, "two_threads")[0]
-
-
-def _sizes(measured: Measured) -> list[Row]:
-    muscles, reference = ([_power(measured, f"muscle_size/{name}", "real_ns", lambda nodes: nodes) for name in names]
-                          for names in (("bvh", "sdf"), (REFERENCE,)))
-    located = _power(measured, "bone_size/bvh_locate", "ns_a_point", math.log)
-    stepped = _power(measured, "bone_size/bvh_step", "real_ns", math.log)
-    return [
-        worst("power of the muscle's nodes that a step costs", muscles, f"<= {LARGEST_POWER}, linear",
-              at_most=LARGEST_POWER),
-        worst("the same of voxel, whose nodes come from memory, too", reference, ""),
-        worst("power of log(triangles) that a cold query of bvh costs", [located],
-              f"<= {LARGEST_POWER}, logarithmic", at_most=LARGEST_POWER),
-        worst("power of log(triangles) that a step of bvh costs", [stepped], f"<= {LARGEST_POWER}, logarithmic",
-              at_most=LARGEST_POWER),
-    ]
-
-
-def _power(measured: Measured, kernel: str, counter: str, of_size: Callable[[float], float]) -> Row:
-    kernels, group = measured.kernels, kernel.split("/")[0]
-    sizes = sorted(int(name.rpartition("/")[2]) for name in kernels.names(f"{kernel}/"))
-    times = {of_size(size): kernels.of(f"{kernel}/{size}", counter) for size in sizes}
-    row = Row(kernel, measured=samples.power(times), note=kernel.partition("/")[2])
-    return row if row.is_known else _why_not(measured, group)[0]
-
-
-def _allocations(measured: Measured) -> Row:
-    kernels, prefix = measured.kernels, "allocations/"
-    parts = [Row(name, measured=samples.exact(kernels.of(name, "allocations").iloc[0]), note=name.removeprefix(prefix))
-             for name in kernels.names(prefix)]
-    return worst("heap allocations in a frame after the second", parts or _why_not(measured, "allocations"), "0",
-                 at_most=0)
+def _power(kernels: Kernels, told: dict) -> list[Row]:
+    """Exponent of the size, or of its logarithm, that the time grows with."""
+    of_size: Callable[[float], float] = math.log if told.get("of_logarithm") else float
+    pattern = told["kernel"]
+    sizes = sorted(int(name) for name in _names(kernels, pattern))
+    times = {of_size(size): kernels.of(pattern.replace("{}", str(size)), told["counter"]) for size in sizes}
+    return [Row(pattern.removesuffix("/{}"), measured=samples.power(times))]

@@ -93,9 +93,10 @@ class AccuracyStudy(Experiment):
 
     def _run_record(self, case: StudyCase) -> dict:
         try:
-            return json.loads((self.folder(case) / "run.json").read_text())
+            told = json.loads((self.folder(case) / "run.json").read_text())
         except (OSError, ValueError):
             return {}
+        return told if isinstance(told, dict) else {}
 
     def _recording_digest(self, case: RecordCase) -> str:
         """Empty while there is no recording."""

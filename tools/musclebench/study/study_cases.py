@@ -4,8 +4,8 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..cases.case import Case, Places
-from ..cases.muscle_scene import ITERATIONS_A_FRAME, PRESET, MuscleScene
+from ..cases.case import Places, SceneCase
+from ..cases.scene import Scene
 from .sweeps import Configuration
 
 # Seconds of the parts of a case: first guesses for the reference muscle, which the progress bar corrects.
@@ -20,12 +20,12 @@ BYTES_A_RUN = 0.3e6
 
 
 @dataclass(frozen=True)
-class RecordCase(Case):
-    scene: MuscleScene
+class RecordCase(SceneCase):
+    scene: Scene
 
     @property
     def name(self) -> str:
-        return self.scene.muscle
+        return self.scene.key
 
     @property
     def kind(self) -> str:
@@ -42,7 +42,7 @@ class RecordCase(Case):
 
     @property
     def file_name(self) -> str:
-        return f"{self.scene.muscle}.recording"
+        return f"{self.scene.key}.recording"
 
     @property
     def guessed_seconds(self) -> float:
@@ -53,21 +53,21 @@ class RecordCase(Case):
         return BYTES_A_NODE_AND_STEP * self.scene.nodes * self.scene.steps
 
     def arguments(self, places: Places) -> list[str]:
-        return ["record", self.scene.name, "--preset", PRESET, "--threads", "1", *self.scene.data_arguments(places),
-                *self.scene.frames_arguments()]
+        return ["record", self.scene.name, *self.scene.preset_arguments(), "--threads", "1",
+                *self.scene.data_arguments(places), *self.scene.frames_arguments()]
 
     def output(self, folder: Path) -> list[str]:
         return ["--out", str(folder / self.file_name), "--progress"]
 
     def record(self) -> dict:
-        return {"mode": "record", "scene": self.scene.name, "preset": PRESET, "threads": 1, "repetition": 0}
+        return {"mode": "record", "scene": self.scene.name, "preset": self.scene.preset, "threads": 1, "repetition": 0}
 
 
 @dataclass(frozen=True)
-class MeasuredCase(Case):
+class MeasuredCase(SceneCase):
     """Of one configuration in one of the study's modes, with a row in its tables."""
 
-    scene: MuscleScene
+    scene: Scene
     configuration: Configuration
     repetition: int = 0  # only the first is judged: the answers are the same in all
 
@@ -77,7 +77,7 @@ class MeasuredCase(Case):
 
     @property
     def name(self) -> str:
-        return f"{self.scene.muscle}-{self.mode}-{self.configuration.label}-r{self.repetition}"
+        return f"{self.scene.key}-{self.mode}-{self.configuration.label}-r{self.repetition}"
 
     @property
     def kind(self) -> str:
@@ -99,7 +99,7 @@ class MeasuredCase(Case):
     @property
     def structures(self) -> str:
         """Folder of the structures of the configuration, below the study's."""
-        return f"structures/{self.scene.probed.muscle}/{self.configuration.label}"
+        return f"structures/{self.scene.probed.key}/{self.configuration.label}"
 
     @property
     def building_seconds(self) -> float:
@@ -111,9 +111,9 @@ class MeasuredCase(Case):
 
     def record(self) -> dict:
         configuration = self.configuration
-        return {"mode": self.mode, "scene": self.scene.name, "preset": PRESET, "backend": configuration.backend,
-                "parameters": dict(configuration.parameters), "threads": configuration.threads,
-                "repetition": self.repetition}
+        return {"mode": self.mode, "scene": self.scene.name, "preset": self.scene.preset,
+                "backend": configuration.backend, "parameters": dict(configuration.parameters),
+                "threads": configuration.threads, "repetition": self.repetition}
 
     def backend_arguments(self, places: Places) -> list[str]:
         words = ["--backend", self.configuration.backend]
@@ -152,7 +152,7 @@ class ReplayCase(MeasuredCase):
         """A judged replay goes through the steps twice, first undisturbed."""
         a_step = self.configuration.step_ms * 1e-3
         seconds = 2 * a_step + JUDGING_SECONDS_A_STEP if self.is_judged else a_step
-        return self.scene.size * self.frames * ITERATIONS_A_FRAME * seconds
+        return self.scene.size * self.frames * self.scene.iterations * seconds
 
     @property
     def frames(self) -> int:
@@ -162,7 +162,7 @@ class ReplayCase(MeasuredCase):
     @property
     def steps(self) -> int:
         """Of a judged replay, which asks twice."""
-        return ITERATIONS_A_FRAME * self.frames * (2 if self.is_judged else 1)
+        return self.scene.iterations * self.frames * (2 if self.is_judged else 1)
 
     def arguments(self, places: Places) -> list[str]:
         return ["replay", str(places.out_dir / self.recording.file), *self.backend_arguments(places),
@@ -197,7 +197,7 @@ class CoupledCase(MeasuredCase):
         return sorted({0, self.scene.full_flexion_frame, self.scene.frames})
 
     def arguments(self, places: Places) -> list[str]:
-        words = ["run", self.scene.name, *self.backend_arguments(places), "--preset", PRESET]
+        words = ["run", self.scene.name, *self.backend_arguments(places), *self.scene.preset_arguments()]
         words += [*self.scene.data_arguments(places), *self.scene.frames_arguments(), *self.repetition_arguments()]
         return words + (["--snapshots", ",".join(map(str, self.snapshot_frames))] if self.is_judged else [])
 

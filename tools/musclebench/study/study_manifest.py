@@ -16,7 +16,8 @@ FILE_NAME = "study.json"
 def write_manifest(out_dir: Path, request: Request, plan: list[StudyCase], command_line: list[str]) -> None:
     """`cases` are those of the whole study, whichever part of it runs here."""
     study = {
-        "schema_version": 1, "data_set": request.data_set, "muscles": list(request.muscles), "quick": request.quick,
+        "schema_version": 1, "data_set": request.data_set, "scenes": [scene.name for scene in request.scenes],
+        "quick": request.quick,
         "repetitions": request.repetitions, "band_m": request.band_mm * 1e-3, "seed": request.seed,
         "frames_limit": request.frames_limit, "machine": machine(), "command_line": command_line,
         "started": datetime.now(timezone.utc).isoformat(timespec="seconds"),

@@ -3,7 +3,7 @@
 import random
 from dataclasses import dataclass, replace
 
-from ..cases.muscle_scene import VERTICES, MuscleScene
+from ..cases.scene import Scene
 from .study_cases import CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
 from .sweeps import Configuration
 
@@ -17,8 +17,8 @@ FEWER_REPETITIONS = ((60.0, 1), (8.0, 2))  # of more seconds a repetition there 
 class Request:
     """What a command line asks of the study."""
 
+    scenes: tuple[Scene, ...]
     data_set: str = "synthetic"
-    muscles: tuple[str, ...] = ("iliacus",)
     repetitions: int = 3
     quick: bool = False
     frames_limit: int | None = None
@@ -32,15 +32,14 @@ StudyCase = RecordCase | MeasuredCase
 
 def plan(request: Request, configurations: list[Configuration]) -> list[StudyCase]:
     """Recordings first, then round by round; the cases of a round are shuffled."""
-    # Whichever muscles are asked for: cases that are complete stay so when others are added.
-    scenes = [MuscleScene(request.data_set, muscle, request.frames_limit, min(VERTICES)) for muscle in request.muscles]
     chosen = [c for c in configurations if c.in_quick or not request.quick]
-    firsts = [ProbeCase(scenes[0].probed, configuration) for configuration in chosen if configuration.is_probed]
-    firsts += [case for scene in scenes for configuration in chosen
+    probed = {scene.probed.name: scene.probed for scene in request.scenes}.values()
+    firsts = [ProbeCase(scene, one) for scene in probed for one in chosen if one.is_probed]
+    firsts += [case for scene in request.scenes for configuration in chosen
                for case in _modes(scene, configuration, configurations, request)]
     measured = _rounds(in_shard(firsts, *request.shard), request)
     recorded = {case.recording for case in measured if isinstance(case, ReplayCase)}
-    return [case for case in map(RecordCase, scenes) if case in recorded] + measured
+    return [case for case in map(RecordCase, request.scenes) if case in recorded] + measured
 
 
 def is_too_long(case: StudyCase) -> bool:
@@ -64,10 +63,10 @@ def in_shard(cases: list[MeasuredCase], number: int, count: int) -> list[Measure
 
 def _group(case: MeasuredCase) -> tuple[str, str]:
     scene = case.scene.probed if case.configuration.is_probed else case.scene
-    return scene.muscle, case.configuration.label
+    return scene.key, case.configuration.label
 
 
-def _modes(scene: MuscleScene, configuration: Configuration, all_of_them: list[Configuration],
+def _modes(scene: Scene, configuration: Configuration, all_of_them: list[Configuration],
            request: Request) -> list[MeasuredCase]:
     cases = []
     if configuration.replays:
@@ -79,7 +78,7 @@ def _modes(scene: MuscleScene, configuration: Configuration, all_of_them: list[C
     return cases
 
 
-def stride_of(scene: MuscleScene, configuration: Configuration, seconds: float,
+def stride_of(scene: Scene, configuration: Configuration, seconds: float,
               all_of_them: list[Configuration] = ()) -> int:
     """A power of two, so that the frames of a longer stride are among those of a shorter one. All frames with a
     clearance cache; without, the same for all configurations of a backend, so that their errors are of the same
@@ -89,7 +88,8 @@ def stride_of(scene: MuscleScene, configuration: Configuration, seconds: float,
     of_backend = [c for c in all_of_them if c.backend == configuration.backend and c.replays and not c.has_cache]
     slowest = max([*of_backend, configuration], key=lambda c: c.step_ms)
     stride = 1
-    while stride < configuration.longest_stride and ReplayCase(scene, slowest, stride=stride).guessed_step_seconds > seconds:
+    longest = configuration.longest_stride
+    while stride < longest and ReplayCase(scene, slowest, stride=stride).guessed_step_seconds > seconds:
         stride *= 2
     return stride
 

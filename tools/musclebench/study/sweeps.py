@@ -54,7 +54,9 @@ def _of_series(backend: Backend, series: dict) -> list[Configuration]:
 
 
 def _configuration(backend: Backend, series: dict, swept: str, value, place: int) -> Configuration:
-    parameters = ({swept: value} if swept else {}) | series.get("fixed", {})
+    declared = [parameter.name for parameter in backend.parameters]
+    fixed = sorted(series.get("fixed", {}).items(), key=lambda item: declared.index(item[0]))
+    parameters = ({swept: value} if swept else {}) | dict(fixed)
     quick, storage = series.get("quick", True), backend.of_role("storage")
     return Configuration(
         backend.name, tuple(parameters.items()), series.get("threads", 1), _at(series.get("step_ms", 0.1), place),

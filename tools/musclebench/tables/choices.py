@@ -9,6 +9,7 @@ from ..accuracy.aggregates import (
 )
 from ..accuracy.rows import ratio_to
 from ..program.registry import Backend
+from ..results.disturbance import MARK
 from ..figures.style import muscle_label
 from .table_formats import Column, Table, as_ratio, with_unit
 
@@ -92,7 +93,7 @@ def _row(aggregate: Aggregate, replays: list[Aggregate]) -> dict:
     default = _default(replays, aggregate.scene, aggregate.configuration.about)
     factor, ratio = ratio_to(aggregate, default), ratio_to(aggregate, unit_of_price(replays, aggregate))
     return {
-        "muscle": aggregate.muscle, "choice": aggregate.configuration.short, "status": aggregate.status,
+        "muscle": aggregate.muscle, "choice": aggregate.configuration.short + (MARK if aggregate.is_disturbed else ""), "status": aggregate.status,
         "time_ms": aggregate.collision_ms.value, "factor": factor.value, "factor_low": factor.low,
         "factor_high": factor.high, "ratio": ratio.value, "missed": aggregate.number("accuracy", "missed_contacts"),
         "missed_percent": 100 * aggregate.missed_share, "measured": aggregate.number("accuracy", "measured_contacts"),

@@ -65,7 +65,7 @@ def snapshot(aggregate: Aggregate, moment: str) -> tuple[int, PlyMesh] | None:
         if not stored:
             continue
         if moment == "full":
-            chosen = max(stored, key=lambda item: item["angle_deg"])
+            chosen = max(stored, key=lambda item: abs(item["angle_deg"]))
         else:
             chosen = max(stored, key=lambda item: item["frame"])
             if chosen["frame"] != _last_frame(case.run):

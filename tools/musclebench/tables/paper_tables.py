@@ -5,6 +5,7 @@ import pandas as pd
 from ..figures.style import in_order
 from ..paper.paper_cases import BACKENDS
 from ..paper.published import Published
+from ..results.disturbance import MARK, disturbed
 from ..results.run_folder import Run
 from ..results.statistics import Estimate, median_ratio
 from .table_formats import Column, Table
@@ -31,7 +32,7 @@ TIME_COLUMNS = [
     Column("fps", "frames/s", 1, "frames\n/s"), Column("fps_without", "frames/s without collision", 1),
     Column("missed_contacts", "missed contacts", 0, "missed"), Column("false_contacts", "false contacts", 0, "false"),
     Column("largest_depth_mm", "largest depth mm", 3, "depth\nmm"), Column("mean_depth_mm", "mean depth mm", 3),
-    Column("build_s", "build s", 2),
+    Column("build_s", "build s", 2), Column("structure_mb", "structures MB", 1),
 ]
 TIME_COLUMNS_SHOWN = [
     "backend", "status", "collision_ms", "ratio", "ratio_low", "ratio_high", "paper_ratio", "fps",
@@ -94,10 +95,11 @@ def _megabytes(count) -> float:
 
 def _time_row(cases, muscle: str, backend: str, published: Published) -> dict:
     run, frames = cases[muscle, backend], cases[muscle, backend].timed_frames
+    busy = MARK if run.folder.name in disturbed_runs(list(cases.values())) else ""
     ratio = collision_ratio(cases, muscle, backend)
     build_ns = run.record.get("build_ns")
     return {
-        "muscle": muscle, "backend": backend, "status": run.status, "frames": len(run.frames),
+        "muscle": muscle, "backend": backend, "status": f"{run.status}{busy}", "frames": len(run.frames),
         "collision_ms": frames["collision_ns"].median() / 1e6, "update_ms": frames["update_ns"].median() / 1e6,
         "detect_ms": frames["detect_ns"].median() / 1e6, "respond_ms": frames["respond_ns"].median() / 1e6,
         "ratio": ratio.value, "ratio_low": ratio.low, "ratio_high": ratio.high,
@@ -108,7 +110,13 @@ def _time_row(cases, muscle: str, backend: str, published: Published) -> dict:
         "largest_depth_mm": 1e3 * run.frames["max_depth_m"].max(),
         "mean_depth_mm": 1e3 * run.frames["mean_depth_m"].mean(),
         "build_s": float("nan") if build_ns is None else build_ns / 1e9,
+        "structure_mb": _megabytes(run.record.get("structure_bytes")),
     }
+
+
+def disturbed_runs(runs: list[Run]) -> dict[str, str]:
+    """{folder's name: why}"""
+    return disturbed({run.folder.name: run.record for run in runs})
 
 
 def collision_ratio(cases, muscle: str, backend: str) -> Estimate:

@@ -7,6 +7,7 @@ import pandas as pd
 from ..accuracy.aggregates import Aggregate, name_of_unit, unit_of_price
 from ..accuracy.front import ALL_MUSCLES, EXACT_MM
 from ..accuracy.rows import build_seconds, ratio_to
+from ..results.disturbance import MARK
 from ..results.statistics import Estimate, quotient, total
 from .table_formats import Column, Table, with_unit
 
@@ -82,7 +83,8 @@ def _offer(group: list[Aggregate], replays: list[Aggregate], measured_builds: di
     ratio = ratio_to(group[0], unit_of_price(replays, group[0])) if len(group) == 1 else _ratio_of_sums(group, replays)
     time = total([aggregate.collision_ms for aggregate in group])
     return {
-        "configuration": group[0].configuration.name, "time_ms": time.value, "time_ms_low": time.low,
+        "configuration": group[0].configuration.name + (MARK if any(one.is_disturbed for one in group) else ""),
+        "time_ms": time.value, "time_ms_low": time.low,
         "time_ms_high": time.high,
         "ratio": ratio.value, "ratio_low": ratio.low, "ratio_high": ratio.high,
         "build_s": max(build_seconds(aggregate, measured_builds) for aggregate in group),

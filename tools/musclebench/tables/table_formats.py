@@ -9,7 +9,10 @@ import pandas as pd
 from ..figures.style import muscle_label
 
 UNKNOWN = "-"
-LATEX_ESCAPES = [("%", "\\%"), ("_", "\\_"), ("&", "\\&"), (">", "$>$"), ("~", "$\\sim$")]
+LATEX_ESCAPES = [("%", "\\%"), ("_", "\\_"), ("&", "\\&"), ("#", "\\#"), (">", "$>$"), ("<", "$<$"), ("~", "$\\sim$")]
+# A page of two columns, in points; \footnotesize has figures of 4.3 points and lines of 9.5.
+LATEX_WIDTH, LATEX_LETTER, LATEX_GAP = 505.0, 4.3, 7.0
+LATEX_ROWS = 50
 
 
 @dataclass
@@ -46,20 +49,63 @@ def write_table(table: Table, folder: Path) -> list[Path]:
 
 
 def as_markdown(table: Table) -> str:
-    titles = [column.title for column in table.columns]
-    lines = [table.caption, "", "| " + " | ".join(titles) + " |"]
-    lines.append("| " + " | ".join("---" if c.digits is None else "---:" for c in table.columns) + " |")
-    lines += ["| " + " | ".join(cells) + " |" for cells in _cells(table, table.columns)]
-    return "\n".join(lines) + "\n"
+    return f"{table.caption}\n\n{markdown_rows(table.columns, table.rows)}\n"
+
+
+def markdown_rows(columns: list[Column], rows: pd.DataFrame) -> str:
+    lines = ["| " + " | ".join(column.title for column in columns) + " |"]
+    lines.append("| " + " | ".join("---" if c.digits is None else "---:" for c in columns) + " |")
+    lines += ["| " + " | ".join(cells) + " |" for cells in _cells(Table("", "", columns, rows, []), columns)]
+    return "\n".join(lines)
 
 
 def as_latex(table: Table) -> str:
-    layout = "".join("l" if column.digits is None else "r" for column in table.columns)
-    lines = ["\\begin{table}", "\\centering", f"\\caption{{{_latex(table.caption)}}}"]
-    titles = " & ".join(_latex(column.title) for column in table.columns)
-    lines += [f"\\begin{{tabular}}{{{layout}}}", "\\hline", f"{titles} \\\\", "\\hline"]
-    lines += [" & ".join(_latex(cell) for cell in cells) + " \\\\" for cells in _cells(table, table.columns)]
-    return "\n".join([*lines, "\\hline", "\\end{tabular}", "\\end{table}"]) + "\n"
+    """Tables for the package booktabs that fit the width of a page and its height: of the columns that a terminal
+    shows, in parts where there are more columns or rows than a page holds."""
+    shown = [column for column in table.columns if column.key in table.shown]
+    parts = [_latex_part(table, rows, columns) for rows in _latex_pages(table.rows)
+             for columns in latex_column_groups(table, shown)]
+    captions = [table.caption, *["Continued."] * (len(parts) - 1)]
+    return "\n".join(part.replace("CAPTION", _latex(caption), 1) for part, caption in zip(parts, captions))
+
+
+def latex_column_groups(table: Table, columns: list[Column]) -> list[list[Column]]:
+    """Columns that fit a page side by side; the first one, which names the row, leads each group."""
+    widths = {column.key: _latex_width(table, column) for column in columns}
+    name, *others = columns
+    groups, left = [[name]], LATEX_WIDTH - widths[name.key]
+    for column in others:
+        if widths[column.key] > left and len(groups[-1]) > 1:
+            groups.append([name])
+            left = LATEX_WIDTH - widths[name.key]
+        groups[-1].append(column)
+        left -= widths[column.key]
+    return groups
+
+
+def _latex_width(table: Table, column: Column) -> float:
+    cells = [cells[0] for cells in _cells(table, [column])]
+    return LATEX_LETTER * max(map(len, (*_two_lines(column.head or column.title), *cells))) + LATEX_GAP
+
+
+def _latex_pages(rows: pd.DataFrame) -> list[pd.DataFrame]:
+    return [rows.iloc[first:first + LATEX_ROWS] for first in range(0, max(len(rows), 1), LATEX_ROWS)]
+
+
+def _latex_part(table: Table, rows: pd.DataFrame, columns: list[Column]) -> str:
+    layout = "".join("l" if column.digits is None else "r" for column in columns)
+    heads = [_two_lines(column.head or column.title) for column in columns]
+    lines = ["\\begin{table*}", "\\centering", "\\footnotesize", "\\setlength{\\tabcolsep}{3pt}", "\\caption{CAPTION}",
+             f"\\begin{{tabular}}{{{layout}}}", "\\toprule"]
+    lines += [" & ".join(_latex(head[line]) for head in heads) + " \\\\" for line in (0, 1)]
+    muscle = None
+    for (_, row), cells in zip(rows.iterrows(), _cells(Table(table.name, "", table.columns, rows, []), columns)):
+        if row.get("muscle") != muscle:
+            muscle = row["muscle"]
+            heading = f"\\emph{{{_latex(muscle_label(muscle))}}}"
+            lines += ["\\midrule", f"\\multicolumn{{{len(columns)}}}{{l}}{{{heading}}} \\\\"]
+        lines.append(" & ".join(_latex(cell) for cell in cells) + " \\\\")
+    return "\n".join([*lines, "\\bottomrule", "\\end{tabular}", "\\end{table*}"]) + "\n"
 
 
 def as_text(table: Table) -> str:

@@ -37,9 +37,9 @@ TEST_F(CellBoundsWithEachTarget, AreThoseOfEachCell) {
         const CubicCell::Bernstein expected = cells[n].bernstein();
         EXPECT_EQ(bounds.lowest[n], *std::min_element(expected.begin(), expected.end()));
         EXPECT_EQ(bounds.highest[n], *std::max_element(expected.begin(), expected.end()));
-        const double steepest = CubicCell::steepest(expected, size_m);
-        EXPECT_GE(bounds.steepest[n], steepest * (1 - 1e-14));
-        EXPECT_LE(bounds.steepest[n], 3 * steepest);
+        const double lipschitz_bound = CubicCell::lipschitz_bound(expected, size_m);
+        EXPECT_GE(bounds.lipschitz_bound[n], lipschitz_bound * (1 - 1e-14));
+        EXPECT_LE(bounds.lipschitz_bound[n], 3 * lipschitz_bound);
       }
     }
   }

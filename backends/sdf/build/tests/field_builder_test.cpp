@@ -78,8 +78,8 @@ TEST(BuildField, HoldsTheExactSignedDistanceAtEveryNode) {
     shape.cells = {5, 6, 9};
     shape.cell_size_m = shape.cell_size_m.cwiseProduct(Vec3(64.0 / 5, 64.0 / 6, 64.0 / 9));
     const CubicField field = build_field(surface, shape, double_precision, 1);
-    for_each_node(shape, [&](std::size_t place, const Vec3& position) {
-      EXPECT_NEAR(field.stored(place), *surface.distance(position, 10), 1e-14);
+    for_each_node(shape, [&](std::size_t offset, const Vec3& position) {
+      EXPECT_NEAR(field.stored(offset), *surface.distance(position, 10), 1e-14);
     });
   }
 }
@@ -201,9 +201,9 @@ TEST(BuildField, NoTwoValuesDifferByMoreThanTheSteepestAllows) {
     const SignedSurface surface(bone);
     for (const FieldPrecision precision : {single_precision, FieldPrecision::compact}) {
       const CubicField field = build_field(surface, grid_over(bone.mesh, {.cells = 9}, "bone"), precision, 1);
-      const double steepest = field.facts().steepest;
-      EXPECT_GE(steepest, 1);
-      EXPECT_LT(steepest, 6);
+      const double lipschitz_bound = field.facts().lipschitz_bound;
+      EXPECT_GE(lipschitz_bound, 1);
+      EXPECT_LT(lipschitz_bound, 6);
       const std::vector<Vec3> points = points_over(field.shape(), 4000);
       double found = 0;
       for (std::size_t n = 1; n < points.size(); ++n) {
@@ -212,8 +212,8 @@ TEST(BuildField, NoTwoValuesDifferByMoreThanTheSteepestAllows) {
         const double rise = std::abs(*field.value(points[n]) - *field.value(other)) / (points[n] - other).norm();
         found = std::max(found, rise);
       }
-      EXPECT_LE(found, steepest);
-      EXPECT_GE(found, 0.5 * steepest) << "the bound is loose";
+      EXPECT_LE(found, lipschitz_bound);
+      EXPECT_GE(found, 0.5 * lipschitz_bound) << "the bound is loose";
     }
   }
 }
@@ -222,9 +222,9 @@ TEST(BuildField, IsNowhereNegativeBeyondItsNegativeReach) {
   const RepairedMesh bone = sphere_with_fin();
   const SignedSurface surface(bone);
   const CubicField field = build_field(surface, grid_over(bone.mesh, {.cells = 9}, "bone"), single_precision, 1);
-  EXPECT_LE(field.facts().negative_reach_m, 3 * field.shape().cell_size_m.norm());
+  EXPECT_LE(field.facts().sign_error_distance_m, 3 * field.shape().cell_size_m.norm());
   for (const Vec3& point : points_over(field.shape(), 20000)) {
-    if (surface.distance(point).value() > field.facts().negative_reach_m) {
+    if (surface.distance(point).value() > field.facts().sign_error_distance_m) {
       EXPECT_GE(*field.value(point), 0) << point.transpose();
     }
   }
@@ -239,19 +239,19 @@ void expect_band_of(const SignedSurface& surface, const GridShape& shape, const 
   for (const Vec3& point : points_over(shape, 20000)) {
     const double exact = surface.distance(point).value();
     const std::optional<FieldSample> found = band.sample(point);
-    const CellPlace place = band.place(point).value();
+    const CellPosition in_cell = band.locate(point).value();
     if (found) {
       ++known;
       EXPECT_EQ(found->value_m, dense.sample(point)->value_m);
       EXPECT_EQ(found->gradient, dense.sample(point)->gradient);
-      EXPECT_EQ(band.may_be_negative(shape.cell(place.i, place.j, place.k)),
-                dense.may_be_negative(shape.cell(place.i, place.j, place.k)));
+      EXPECT_EQ(band.may_be_negative(shape.cell(in_cell.i, in_cell.j, in_cell.k)),
+                dense.may_be_negative(shape.cell(in_cell.i, in_cell.j, in_cell.k)));
     } else {
-      const double bound = static_cast<double>(band.band()->far_m(place.i, place.j, place.k));
+      const double bound = static_cast<double>(band.band()->far_m(in_cell.i, in_cell.j, in_cell.k));
       EXPECT_LE(bound, exact);
       EXPECT_GT(exact, *settings.band_m);
       EXPECT_GT(bound, 0.9 * *settings.band_m);
-      EXPECT_FALSE(band.may_be_negative(shape.cell(place.i, place.j, place.k)));
+      EXPECT_FALSE(band.may_be_negative(shape.cell(in_cell.i, in_cell.j, in_cell.k)));
     }
   }
   EXPECT_GT(known, 100U);

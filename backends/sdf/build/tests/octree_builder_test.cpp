@@ -69,7 +69,7 @@ TEST(OctreeBuilder, RefusesWhatDoesNotFitIntoMemoryAndSaysWhatDoes) {
 }
 
 TEST(OctreeBuilder, LearnsHowItsMemoryGrows) {
-  // Once the edges of a box are a hundredth of the places, a smaller error costs next to nothing.
+  // Once the edges of a box are a hundredth of the points, a smaller error costs next to nothing.
   const RepairedMesh box{make_box({0.03, 0.03, 0.03}, 2), true, {}};
   const OctreeField field =
       build_octree(SignedSurface(box), box.mesh, {.max_error_m = 2e-6, .memory_bytes = 300'000'000}, "box", 2);

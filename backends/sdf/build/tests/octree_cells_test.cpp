@@ -14,8 +14,8 @@ constexpr double no_threshold_m3 = 1;
 /// A cell at the surface of a ball, and its neighbours.
 class OctreeCells : public testing::Test {
  protected:
-  [[nodiscard]] OctreeCell cell(const Vec3& way = Vec3::Zero()) {
-    return m_maker.root(Vec3(0.05, 0.001, 0.002) + way, half_edge_m, m_block);
+  [[nodiscard]] OctreeCell cell(const Vec3& offset = Vec3::Zero()) {
+    return m_maker.root(Vec3(0.05, 0.001, 0.002) + offset, half_edge_m, m_block);
   }
   [[nodiscard]] std::array<OctreeCell, 8> split(OctreeCell parent, const NeighbourChildren& neighbours = {},
                                                 double threshold_m3 = every_threshold_m3) {
@@ -49,7 +49,7 @@ TEST_F(OctreeCells, ChildrenTakeWhatThoseOfNeighboursKnowOfTheCommonFace) {
     const std::array<OctreeCell, 8> children = split(cell(), neighbours);
     for (std::size_t octant = 0; octant < 8; ++octant) {
       for (std::size_t s = 0; s < lattice_samples; ++s) {
-        const Vec3 in_parent = sample_place(lattice_samples + octant) + 0.5 * sample_place(s);
+        const Vec3 in_parent = sample_position(lattice_samples + octant) + 0.5 * sample_position(s);
         const bool parent_knows = in_parent == in_parent.array().round().matrix();
         const bool taken = in_parent[axis] == side && !parent_knows;
         EXPECT_NEAR(children[octant].leaf->samples[s].value_m,
@@ -88,8 +88,8 @@ TEST_F(OctreeCells, CubicPolynomialsAreFittedWhenAThresholdMayTakeThemAndAreTheS
     EXPECT_FALSE(late[octant].takes_cubic(no_threshold_m3));
     ASSERT_TRUE(late[octant].lacks_cubic(every_threshold_m3));
     maker().fit_cubic(late[octant]);
-    EXPECT_EQ(late[octant].wrong_cubic_m3, early[octant].wrong_cubic_m3);
-    EXPECT_LT(late[octant].wrong_cubic_m3, late[octant].wrong_quadratic_m3);
+    EXPECT_EQ(late[octant].cubic_indicator_m3, early[octant].cubic_indicator_m3);
+    EXPECT_LT(late[octant].cubic_indicator_m3, late[octant].quadratic_indicator_m3);
     EXPECT_EQ(late[octant].leaf->cubic.coefficients, early[octant].leaf->cubic.coefficients);
   }
 }

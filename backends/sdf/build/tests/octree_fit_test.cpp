@@ -32,10 +32,10 @@ TEST(OctreePolynomial, HasTheValueAndTheSlopesOfItsTerms) {
   for (int i = 0; i < 50; ++i) {
     const Vec3 at = random_point(random, Vec3::Constant(-1), Vec3::Constant(1));
     for (const std::size_t terms : {quadratic_terms, cubic_terms}) {
-      const auto expected = [&](const Vec3& place) {
+      const auto expected = [&](const Vec3& point) {
         double sum = 0;
         for (std::size_t term = 0; term < terms; ++term) {
-          sum += static_cast<double>(c[term]) * monomial(term, place);
+          sum += static_cast<double>(c[term]) * monomial(term, point);
         }
         return sum;
       };
@@ -62,7 +62,7 @@ void find_polynomial() {
   CellSamples samples;
   for (std::size_t s = 0; s < cell_samples; ++s) {
     Vec3 gradient;
-    const double value = evaluate_polynomial<true>(wanted.coefficients.data(), sample_place(s), gradient);
+    const double value = evaluate_polynomial<true>(wanted.coefficients.data(), sample_position(s), gradient);
     gradient /= half_edge_m;
     samples[s] = {
         value, {static_cast<float>(gradient[0]), static_cast<float>(gradient[1]), static_cast<float>(gradient[2])}, 0};

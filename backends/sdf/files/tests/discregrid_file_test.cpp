@@ -104,7 +104,7 @@ TEST_F(DiscregridFile, NumbersNodesAsDiscregridDoes) {
 }
 
 TEST_F(DiscregridFile, FindsNodesThroughItsIndices) {
-  // The last value moves to a new node, and whoever asks for the old one asks for the new one.
+  // The last value moves to a new node, and every reference to the old one is moved to the new one.
   const std::size_t nodes = m_field.shape().node_count();
   change([&](std::string& content) {
     const std::size_t last = header_bytes + 16 + 8 * (nodes - 1);

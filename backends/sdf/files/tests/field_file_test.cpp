@@ -54,8 +54,8 @@ TEST_F(FieldFile, ComesBackAsItWas) {
     EXPECT_EQ(loaded->mask(), field.mask());
     EXPECT_EQ(loaded->shape(), field.shape());
     EXPECT_EQ(loaded->bytes(), field.bytes());
-    EXPECT_EQ(loaded->facts().steepest, field.facts().steepest);
-    EXPECT_EQ(loaded->facts().negative_reach_m, field.facts().negative_reach_m);
+    EXPECT_EQ(loaded->facts().lipschitz_bound, field.facts().lipschitz_bound);
+    EXPECT_EQ(loaded->facts().sign_error_distance_m, field.facts().sign_error_distance_m);
     EXPECT_EQ(loaded->facts().error.p99_m, field.facts().error.p99_m);
     EXPECT_GT(loaded->facts().error.samples, 0);
     for (const double x : {0.0, 0.3, 0.7, 0.99, 1.001}) {

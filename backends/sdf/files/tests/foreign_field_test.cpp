@@ -84,7 +84,7 @@ WrongSigns get_signs_wrong(CubicField& field, const TriangleMesh& mesh, const Si
   const ManifoldFeatures clean(mesh, surface.tree());
   const std::vector<Vec3> folded = folded_normals(mesh);
   WrongSigns wrong;
-  for_each_node(field.shape(), [&](std::size_t place, const Vec3& position) {
+  for_each_node(field.shape(), [&](std::size_t offset, const Vec3& position) {
     const SignedPoint at = surface.locate(position);
     const auto& [closest, inside] = at;
     bool says_inside = inside;
@@ -98,7 +98,7 @@ WrongSigns get_signs_wrong(CubicField& field, const TriangleMesh& mesh, const Si
       wrong.by_weights += says_inside != inside ? 1 : 0;
     }
     if (says_inside != inside) {
-      field.store(place, says_inside ? -closest.distance_m : closest.distance_m);
+      field.store(offset, says_inside ? -closest.distance_m : closest.distance_m);
     }
   });
   return wrong;
@@ -120,7 +120,7 @@ TEST(ForeignField, IsAcceptedAsWeWouldBuildIt) {
     }
     const CubicField compact = field_of(bone, 16, FieldPrecision::compact);
     CubicField copy(compact.shape(), double_precision);
-    for_each_node(copy.shape(), [&](std::size_t place, const Vec3&) { copy.store(place, compact.stored(place)); });
+    for_each_node(copy.shape(), [&](std::size_t offset, const Vec3&) { copy.store(offset, compact.stored(offset)); });
     EXPECT_EQ(refusal(copy, bone), "accepted");
   }
 }
@@ -156,10 +156,10 @@ TEST(ForeignField, OfAMeshWithATurnedTriangleIsRefused) {
   const RepairedMesh bone = box_of({0.03, 0.03, 0.03});
   const SignedSurface surface(bone);
   CubicField field = field_of(bone, 16);
-  for_each_node(field.shape(), [&](std::size_t place, const Vec3& position) {
+  for_each_node(field.shape(), [&](std::size_t offset, const Vec3& position) {
     const SignedPoint at = surface.locate(position);
     if (at.closest.triangle == 60 && at.closest.feature == Feature::face) {
-      field.store(place, -field.stored(place));
+      field.store(offset, -field.stored(offset));
     }
   });
   expect_refusal("made from a mesh with turned or flat triangles", field, bone);
@@ -171,9 +171,9 @@ TEST(ForeignField, IsAcceptedWithAnotherNotionOfInsideAboutAHole) {
   bone.mesh.triangles.pop_back();
   CubicField field = field_of(bone, 16);
   int changed = 0;
-  for_each_node(field.shape(), [&](std::size_t place, const Vec3& position) {
-    if ((position - hole).norm() < 0.03 && field.stored(place) < 0) {
-      field.store(place, -field.stored(place));
+  for_each_node(field.shape(), [&](std::size_t offset, const Vec3& position) {
+    if ((position - hole).norm() < 0.03 && field.stored(offset) < 0) {
+      field.store(offset, -field.stored(offset));
       ++changed;
     }
   });
@@ -242,20 +242,20 @@ TEST(ForeignField, ThatIsDamagedInOneNodeIsRefused) {
   const RepairedMesh bone = box_of({0.03, 0.03, 0.03});
   CubicField field = field_of(bone, 9);
   const double cell_m = field.shape().cell_size_m[0];
-  std::vector<std::size_t> places;
-  for_each_node(field.shape(), [&](std::size_t place, const Vec3& /*position*/) { places.push_back(place); });
+  std::vector<std::size_t> offsets;
+  for_each_node(field.shape(), [&](std::size_t offset, const Vec3& /*position*/) { offsets.push_back(offset); });
   // A prime, so that corners and all nodes of edges come, inside, outside and on the border.
-  for (std::size_t n = 0; n < places.size(); n += 61) {
-    const std::size_t place = places[n];
-    const double sound = field.stored(place);
+  for (std::size_t n = 0; n < offsets.size(); n += 61) {
+    const std::size_t offset = offsets[n];
+    const double sound = field.stored(offset);
     for (const double damaged : {1.87e304, -5.4e306, -1e200, sound + 2 * cell_m, 2 * sound, 4 * sound, -sound}) {
       // Nearer than that to the surface it might as well be there.
       if (std::abs(damaged - sound) > 0.7 * cell_m) {
-        field.store(place, damaged);
+        field.store(offset, damaged);
         ASSERT_NE(refusal(field, bone), "accepted") << sound << " as " << damaged;
       }
     }
-    field.store(place, sound);
+    field.store(offset, sound);
   }
   const std::size_t middle = field.record(4, 4, 4).value();
   const double sound = field.stored(middle);

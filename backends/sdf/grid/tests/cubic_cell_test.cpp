@@ -161,15 +161,15 @@ TEST(CubicCell, NoGradientIsLongerThanTheSteepest) {
   for (int shape = 0; shape < 200; ++shape) {
     const Vec3 shift = random.point();
     const CubicCell cell = cell_of([&](const Vec3& p) { return node_noise(p) + 3 * node_noise(p + shift); });
-    const double steepest = CubicCell::steepest(cell.bernstein(), size);
+    const double lipschitz_bound = CubicCell::lipschitz_bound(cell.bernstein(), size);
     double found = 0;
     for (int sample = 0; sample < 9 * 9 * 9; ++sample) {
       Vec3 gradient;
       (void)cell.value_and_gradient(Vec3(sample % 9, sample / 9 % 9, sample / 81) / 8, gradient);
       found = std::max(found, gradient.cwiseQuotient(size).norm());
     }
-    EXPECT_LE(found, steepest * (1 + 1e-12));
-    EXPECT_GE(found, 0.3 * steepest);
+    EXPECT_LE(found, lipschitz_bound * (1 + 1e-12));
+    EXPECT_GE(found, 0.3 * lipschitz_bound);
   }
 }
 
@@ -195,7 +195,7 @@ TEST(CubicCell, BoundIsSharpForLinearFunctions) {
   const CubicCell cell = cell_of([](const Vec3& p) { return 2 + p.x() - 3 * p.y() + 0.5 * p.z(); });
   EXPECT_NEAR(cell.lower_bound(), -1, 1e-13);
   EXPECT_NEAR(cell.rough_lower_bound(), -1, 1e-13);
-  EXPECT_NEAR(CubicCell::steepest(cell.bernstein(), Vec3::Ones()), Vec3(1, -3, 0.5).norm(), 1e-13);
+  EXPECT_NEAR(CubicCell::lipschitz_bound(cell.bernstein(), Vec3::Ones()), Vec3(1, -3, 0.5).norm(), 1e-13);
   EXPECT_NEAR(cell.lower_bound_on_face(1, 0), 2, 1e-13);
 }
 

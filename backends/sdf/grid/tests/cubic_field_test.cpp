@@ -53,8 +53,8 @@ TEST(GridShape, EveryNodeHasAPlaceOfItsOwn) {
   shape.cells = {3, 4, 2};
   std::vector<int> uses(shape.value_count(), 0);
   std::size_t nodes = 0;
-  for_each_node(shape, [&](std::size_t place, const Vec3&) {
-    ++uses.at(place);
+  for_each_node(shape, [&](std::size_t offset, const Vec3&) {
+    ++uses.at(offset);
     ++nodes;
   });
   EXPECT_EQ(nodes, shape.node_count());
@@ -145,8 +145,8 @@ TEST(CubicField, ErrorOfABoxFallsWithItsCells) {
 TEST(CubicField, CompactRecordsRoundToAFractionOfACell) {
   const GridShape shape = cube_grid(8);
   const CubicField compact = interpolate(shape, FieldPrecision::compact, sphere);
-  for_each_node(shape, [&](std::size_t place, const Vec3& position) {
-    EXPECT_NEAR(compact.stored(place), sphere(position), shape.cell_size_m.x() / 90000);
+  for_each_node(shape, [&](std::size_t offset, const Vec3& position) {
+    EXPECT_NEAR(compact.stored(offset), sphere(position), shape.cell_size_m.x() / 90000);
   });
   EXPECT_EQ(compact.bytes(), 9U * 9 * 9 * 16 + 512 / 8);
   EXPECT_EQ(CubicField::bytes_needed(shape, FieldPrecision::compact), static_cast<double>(compact.bytes()));

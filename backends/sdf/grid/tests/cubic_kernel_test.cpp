@@ -10,9 +10,9 @@
 #include <hwy/targets.h>
 
 #include "backends/sdf/build/field_builder.hpp"
-#include "backends/sdf/grid/field_places.hpp"
-#include "backends/sdf/grid/tests/asked_positions.hpp"
+#include "backends/sdf/grid/gather_nodes.hpp"
 #include "backends/sdf/grid/tests/field_samples.hpp"
+#include "backends/sdf/grid/tests/query_positions.hpp"
 #include "core/mesh/shapes.hpp"
 
 namespace musclebench {
@@ -49,9 +49,9 @@ struct Answer {
 };
 
 /// By node.
-std::vector<std::optional<Answer>> ask(const CubicField& field, const RigidMotion& pose,
-                                       const std::vector<Vec3>& positions, std::span<const int> nodes,
-                                       Wanted wanted = Wanted::known) {
+std::vector<std::optional<Answer>> query_all(const CubicField& field, const RigidMotion& pose,
+                                             const std::vector<Vec3>& positions, std::span<const int> nodes,
+                                             Wanted wanted = Wanted::known) {
   const CellMap map(field.shape(), pose);
   std::vector<std::optional<Answer>> answers(positions.size());
   FieldBlock block;
@@ -63,8 +63,8 @@ std::vector<std::optional<Answer>> ask(const CubicField& field, const RigidMotio
     EXPECT_GT(next, first);
     EXPECT_LE(block.count, FieldBlock::capacity);
     for (std::size_t n = 0; n < block.count; ++n) {
-      EXPECT_TRUE(block.asker[n] >= first && block.asker[n] < next && (n == 0 || block.asker[n] > last));
-      last = block.asker[n];
+      EXPECT_TRUE(block.query[n] >= first && block.query[n] < next && (n == 0 || block.query[n] > last));
+      last = block.query[n];
       answers[static_cast<std::size_t>(nodes[last])] =
           Answer{block.cells(n), {block.value_m[n], {block.slope_x[n], block.slope_y[n], block.slope_z[n]}}};
     }
@@ -87,7 +87,7 @@ TEST(CubicKernel, EvaluatesWhatTheCellsSay) {
     const CubicField field = noisy_field(precision);
     const GridShape& shape = field.shape();
     const std::vector<Vec3> positions = positions_about(shape, oblique_pose(), 700);
-    const auto answers = ask(field, oblique_pose(), positions, all_of(positions));
+    const auto answers = query_all(field, oblique_pose(), positions, all_of(positions));
     std::size_t found = 0;
     for (std::size_t n = 0; n < positions.size(); ++n) {
       const Vec3 rest = oblique_pose().apply_inverse(positions[n]);
@@ -96,9 +96,9 @@ TEST(CubicKernel, EvaluatesWhatTheCellsSay) {
       if (answers[n]) {
         ++found;
         EXPECT_NEAR((answers[n]->cells - cells).norm(), 0, 1e-14);
-        const CellPlace place = shape.place(answers[n]->cells);
+        const CellPosition in_cell = shape.locate(answers[n]->cells);
         Vec3 slope;
-        const double value = field.cell(place.i, place.j, place.k).value_and_gradient(place.at, slope);
+        const double value = field.cell(in_cell.i, in_cell.j, in_cell.k).value_and_gradient(in_cell.at, slope);
         EXPECT_NEAR(answers[n]->sample.value_m, value, 1e-15);
         EXPECT_NEAR((answers[n]->sample.gradient - slope.cwiseQuotient(shape.cell_size_m)).norm(), 0, 1e-14);
       }
@@ -117,7 +117,7 @@ TEST(CubicKernel, KnowsTheBorderOfTheDomain) {
   const double beyond = std::nextafter(2.0, 3.0);
   const std::vector<Vec3> positions{{0, 0, 0},      {2, 3, 2},      {2, 0.5, 1},     {1, 1, 1},
                                     {beyond, 1, 1}, {1, 1, beyond}, {-1e-300, 1, 1}, {1, -0.0, 1}};
-  const auto answers = ask(field, {}, positions, all_of(positions));
+  const auto answers = query_all(field, {}, positions, all_of(positions));
   for (const std::size_t n : {0U, 1U, 2U, 3U, 7U}) {
     const Vec3& p = positions[n];
     ASSERT_TRUE(answers[n]) << n;
@@ -134,10 +134,10 @@ TEST(CubicKernel, AnAnswerDoesNotDependOnWhoElseAsks) {
     const CubicField field = noisy_field(precision);
     const std::vector<Vec3> positions = positions_about(field.shape(), oblique_pose(), 400);
     const std::vector<int> nodes = all_of(positions);
-    const auto together = ask(field, oblique_pose(), positions, nodes);
+    const auto together = query_all(field, oblique_pose(), positions, nodes);
     for (const std::size_t length : {0U, 1U, 2U, 3U, 5U, 7U, 8U, 9U, 15U, 16U, 17U, 127U, 128U, 129U, 300U}) {
       const std::size_t first = 11 + length / 5;
-      const auto some = ask(field, oblique_pose(), positions, std::span(nodes).subspan(first, length));
+      const auto some = query_all(field, oblique_pose(), positions, std::span(nodes).subspan(first, length));
       for (std::size_t n = 0; n < positions.size(); ++n) {
         expect_equal(some[n], n >= first && n < first + length ? together[n] : std::nullopt);
       }
@@ -146,7 +146,7 @@ TEST(CubicKernel, AnAnswerDoesNotDependOnWhoElseAsks) {
     for (int node = 0; node < static_cast<int>(positions.size()); node += 3) {
       every_third.push_back(node);
     }
-    const auto some = ask(field, oblique_pose(), positions, every_third);
+    const auto some = query_all(field, oblique_pose(), positions, every_third);
     for (std::size_t n = 0; n < positions.size(); ++n) {
       expect_equal(some[n], n % 3 == 0 ? together[n] : std::nullopt);
     }
@@ -158,8 +158,8 @@ TEST(CubicKernel, AsksOnlyWhereItIsWanted) {
     const CubicField field = band_field(precision);
     const GridShape& shape = field.shape();
     const std::vector<Vec3> positions = positions_about(shape, oblique_pose(), 3000);
-    const auto known = ask(field, oblique_pose(), positions, all_of(positions));
-    const auto inside = ask(field, oblique_pose(), positions, all_of(positions), Wanted::may_be_inside);
+    const auto known = query_all(field, oblique_pose(), positions, all_of(positions));
+    const auto inside = query_all(field, oblique_pose(), positions, all_of(positions), Wanted::may_be_inside);
     std::size_t unknown = 0, left_out = 0;
     for (std::size_t n = 0; n < positions.size(); ++n) {
       const Vec3 cells = CellMap(shape, oblique_pose()).apply(positions[n]);
@@ -167,15 +167,15 @@ TEST(CubicKernel, AsksOnlyWhereItIsWanted) {
         EXPECT_FALSE(known[n] || inside[n]);
         continue;
       }
-      const CellPlace place = shape.place(cells);
-      const std::size_t cell = shape.cell(place.i, place.j, place.k);
+      const CellPosition in_cell = shape.locate(cells);
+      const std::size_t cell = shape.cell(in_cell.i, in_cell.j, in_cell.k);
       EXPECT_EQ(known[n].has_value(), field.knows(cell));
       EXPECT_EQ(inside[n].has_value(), field.may_be_negative(cell));
       unknown += static_cast<std::size_t>(!known[n]);
       left_out += static_cast<std::size_t>(known[n] && !inside[n]);
       if (known[n]) {
         Vec3 slope;
-        const double value = field.cell(place.i, place.j, place.k).value_and_gradient(place.at, slope);
+        const double value = field.cell(in_cell.i, in_cell.j, in_cell.k).value_and_gradient(in_cell.at, slope);
         EXPECT_NEAR(known[n]->sample.value_m, value, 1e-15);
       }
       if (inside[n]) {
@@ -202,7 +202,7 @@ TEST(CubicKernel, GivesTheSameBitsOnEveryMachine) {
       std::optional<std::vector<std::optional<Answer>>> expected;
       for (const std::int64_t target : targets) {
         hwy::GetChosenTarget().Update(target);
-        const auto answers = ask(field, oblique_pose(), positions, all_of(positions));
+        const auto answers = query_all(field, oblique_pose(), positions, all_of(positions));
         hwy::GetChosenTarget().DeInit();
         if (!expected) {
           expected = answers;

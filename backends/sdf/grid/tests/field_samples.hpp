@@ -6,7 +6,7 @@
 
 namespace musclebench {
 
-/// Calls visit(place, position) for every node of the grid, where place is that of its stored value.
+/// Calls visit(offset, position) for every node of the grid, where offset is that of its stored value.
 inline void for_each_node(const GridShape& shape, const std::function<void(std::size_t, const Vec3&)>& visit) {
   // Offsets in a record, and thirds of a cell along x, y, z.
   static constexpr int nodes[7][4] = {{0, 0, 0, 0}, {1, 0, 1, 0}, {2, 0, 2, 0}, {3, 0, 0, 1},
@@ -31,7 +31,7 @@ inline void for_each_node(const GridShape& shape, const std::function<void(std::
 inline CubicField interpolate(const GridShape& shape, FieldPrecision precision,
                               const std::function<double(const Vec3&)>& function) {
   CubicField field(shape, precision);
-  for_each_node(shape, [&](std::size_t place, const Vec3& position) { field.store(place, function(position)); });
+  for_each_node(shape, [&](std::size_t offset, const Vec3& position) { field.store(offset, function(position)); });
   return field;
 }
 

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "backends/sdf/build/exact_places.hpp"
 #include "backends/sdf/build/octree_builder.hpp"
+#include "backends/sdf/build/reference_samples.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/mesh/shapes.hpp"
 
@@ -56,15 +56,15 @@ class OctreeOfBox : public testing::Test {
 TEST_F(OctreeOfBox, KeepsTheWantedErrorNearTheSurface) {
   const OctreeQuality& quality = field().quality();
   std::vector<double> errors;
-  for (const ExactPlace& place : places_about(surface(), bone().mesh, quality.near_m, 5000, 99, 1)) {
-    if (const auto value = field().value(place.point)) {
-      errors.push_back(std::abs(*value - place.distance_m));
+  for (const ReferenceSample& sample : reference_samples(surface(), bone().mesh, quality.near_m, 5000, 99, 1)) {
+    if (const auto value = field().value(sample.point)) {
+      errors.push_back(std::abs(*value - sample.distance_m));
     }
   }
   ASSERT_GT(errors.size(), 4000U);
   EXPECT_LE(quantile(errors, 0.99), wanted_m);
   EXPECT_LE(quality.p99_m, wanted_m);
-  EXPECT_GT(quality.p99_m, 0.1 * wanted_m) << "far finer than asked for";
+  EXPECT_GT(quality.p99_m, 0.1 * wanted_m) << "far finer than wanted";
   EXPECT_NEAR(quantile(errors, 0.99), quality.p99_m, 0.3 * quality.p99_m);
   EXPECT_LT(quantile(errors, 1), 2 * quality.largest_m);
 }
@@ -75,8 +75,8 @@ TEST_F(OctreeOfBox, ReportsTheErrorOfTheFieldThatWasBuilt) {
   const auto count = static_cast<std::size_t>(quality.samples);
   double mean_m = 0;
   double largest_m = 0;
-  for (const ExactPlace& place : places_about(surface(), bone().mesh, quality.near_m, count, 1, 1)) {
-    const double error_m = std::abs(field().value(place.point).value() - place.distance_m);
+  for (const ReferenceSample& sample : reference_samples(surface(), bone().mesh, quality.near_m, count, 1, 1)) {
+    const double error_m = std::abs(field().value(sample.point).value() - sample.distance_m);
     mean_m += error_m / static_cast<double>(count);
     largest_m = std::max(largest_m, error_m);
   }
@@ -90,7 +90,7 @@ TEST_F(OctreeOfBox, IsFineAtEdgesAndCoarseElsewhere) {
   EXPECT_LT(static_cast<double>(field().leaf_count()), 0.15 * uniform);
 }
 
-/// What 99 of 100 places near the surface, on planes that may be faces of the finest leaves, jump by at most. What
+/// What 99 of 100 points near the surface, on planes that may be faces of the finest leaves, jump by at most. What
 /// jumps less than `least_m` does not count: there the plane goes through a leaf.
 double p99_jump_m(const OctreeField& field, const SignedSurface& surface, double least_m = 0) {
   const Vec3 lower = field.shape().lower_m;
@@ -177,7 +177,7 @@ TEST_F(OctreeOfBox, ErrorsStayWithinTheirProvenBounds) {
     if ((exact < 0) != (value < 0)) {
       EXPECT_LE(std::abs(exact), quality.bound_m);
     }
-    EXPECT_TRUE(value >= 0 || exact <= quality.negative_reach_m) << exact;
+    EXPECT_TRUE(value >= 0 || exact <= quality.sign_error_distance_m) << exact;
   }
 }
 
@@ -191,8 +191,8 @@ TEST_F(OctreeOfBox, IsNotNegativeWithinTheClearance) {
     EXPECT_LE(radius, std::max(0.0, surface().locate(point).signed_distance_m()) + 2 * field().quality().largest_m);
     clear += radius > 0 ? 1 : 0;
     for (int j = 0; radius > 0 && j < 10; ++j) {
-      const Vec3 way = random_point(random, Vec3::Constant(-1), Vec3::Constant(1)).normalized();
-      EXPECT_GE(field().value(point + radius * way).value_or(0), 0);
+      const Vec3 direction = random_point(random, Vec3::Constant(-1), Vec3::Constant(1)).normalized();
+      EXPECT_GE(field().value(point + radius * direction).value_or(0), 0);
     }
   }
   EXPECT_GT(clear, 500);
@@ -205,7 +205,7 @@ TEST_F(OctreeOfBox, IsClearNotMuchFartherFromTheSurfaceThanItIsNegative) {
   double clear_m = 0;
   for (const Vec3& point : points(5000, 13)) {
     const double exact = surface().locate(point).signed_distance_m();
-    const double least_m = quality.negative_reach_m + quality.excess_m;
+    const double least_m = quality.sign_error_distance_m + quality.excess_m;
     if (exact > 2 * least_m) {
       free_m += exact - least_m;
       clear_m += field().clearance_m(point);
@@ -221,7 +221,7 @@ TEST_F(OctreeOfBox, IsClearToTheSurfaceOrTheFacesOfItsLeaf) {
   int clear = 0;
   for (const Vec3& point : points(20000, 14)) {
     const double value = field().value(point).value();
-    if (value > 0 && value < field().quality().negative_reach_m) {
+    if (value > 0 && value < field().quality().sign_error_distance_m) {
       ++near;
       clear += field().clearance_m(point) > 0.1 * value ? 1 : 0;
     }
@@ -235,7 +235,7 @@ TEST_F(OctreeOfBox, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one.entries(), field().entries());
   EXPECT_EQ(one.coefficients(), field().coefficients());
   EXPECT_EQ(one.quality().bound_m, field().quality().bound_m);
-  EXPECT_EQ(one.quality().negative_reach_m, field().quality().negative_reach_m);
+  EXPECT_EQ(one.quality().sign_error_distance_m, field().quality().sign_error_distance_m);
   EXPECT_EQ(one.quality().excess_m, field().quality().excess_m);
   EXPECT_EQ(one.quality().mean_m, field().quality().mean_m);
 }

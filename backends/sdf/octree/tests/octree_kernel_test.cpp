@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include "backends/sdf/grid/tests/asked_positions.hpp"
+#include "backends/sdf/grid/tests/query_positions.hpp"
 #include "backends/sdf/octree/octree_entry.hpp"
 #include "backends/sdf/octree/octree_field.hpp"
 #include "backends/sdf/octree/octree_polynomial.hpp"
@@ -22,7 +22,7 @@ using octree_entry::Kind;
 
 OctreeQuality reaching_little() {
   OctreeQuality quality;
-  quality.negative_reach_m = 0.01;
+  quality.sign_error_distance_m = 0.01;
   quality.excess_m = 0.005;
   return quality;
 }
@@ -83,8 +83,8 @@ struct Answer {
 };
 
 /// By node.
-std::vector<std::optional<Answer>> ask(const OctreeField& field, const RigidMotion& pose,
-                                       const std::vector<Vec3>& positions, std::span<const int> nodes) {
+std::vector<std::optional<Answer>> query_all(const OctreeField& field, const RigidMotion& pose,
+                                             const std::vector<Vec3>& positions, std::span<const int> nodes) {
   const CellMap map(field.shape().grid(), pose);
   std::vector<std::optional<Answer>> answers(positions.size());
   FieldBlock block;
@@ -97,8 +97,8 @@ std::vector<std::optional<Answer>> ask(const OctreeField& field, const RigidMoti
     field.clear(block, leaves, clearance_m);
     EXPECT_GT(next, first);
     for (std::size_t n = 0; n < block.count; ++n) {
-      EXPECT_TRUE(block.asker[n] >= first && block.asker[n] < next);
-      answers[static_cast<std::size_t>(nodes[block.asker[n]])] =
+      EXPECT_TRUE(block.query[n] >= first && block.query[n] < next);
+      answers[static_cast<std::size_t>(nodes[block.query[n]])] =
           Answer{block.cells(n), block.value_m[n], block.slope(n), clearance_m[n]};
     }
   }
@@ -124,7 +124,7 @@ struct PlainLeaf {
   double half_edge_m;
 };
 
-/// Of a place in edges of roots, by halving.
+/// The leaf at a point in edges of roots, by halving.
 PlainLeaf plain_leaf(const OctreeField& field, Vec3 at) {
   std::array<std::size_t, 3> root{};
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -141,7 +141,7 @@ PlainLeaf plain_leaf(const OctreeField& field, Vec3 at) {
       octant |= static_cast<std::size_t>(upper) << axis;
     }
     leaf.half_edge_m *= 0.5;
-    leaf.entry = field.entries()[octree_entry::place_of(leaf.entry) + octant];
+    leaf.entry = field.entries()[octree_entry::offset_of(leaf.entry) + octant];
   }
   leaf.at = 2 * leaf.at - Vec3::Ones();
   return leaf;
@@ -150,7 +150,7 @@ PlainLeaf plain_leaf(const OctreeField& field, Vec3 at) {
 /// Against plain code.
 void expect_leaf(const OctreeField& field, const Answer& answer) {
   const PlainLeaf leaf = plain_leaf(field, answer.roots);
-  const float* coefficients = field.coefficients().data() + octree_entry::place_of(leaf.entry);
+  const float* coefficients = field.coefficients().data() + octree_entry::offset_of(leaf.entry);
   Vec3 slope;
   double value_m = 0;
   if (octree_entry::kind_of(leaf.entry) == Kind::outside) {
@@ -167,7 +167,7 @@ void expect_leaf(const OctreeField& field, const Answer& answer) {
 
 TEST(OctreeKernel, EvaluatesWhatTheLeavesSay) {
   const std::vector<Vec3> positions = positions_about(shape().grid(), oblique_pose(), 5000);
-  const auto answers = ask(noisy_field(), oblique_pose(), positions, all_of(positions));
+  const auto answers = query_all(noisy_field(), oblique_pose(), positions, all_of(positions));
   std::size_t found = 0;
   for (std::size_t n = 0; n < positions.size(); ++n) {
     const Vec3 roots = (oblique_pose().apply_inverse(positions[n]) - shape().lower_m) / shape().root_edge_m;
@@ -190,14 +190,14 @@ TEST(OctreeKernel, KnowsTheBordersOfLeavesAndOfTheDomain) {
   std::vector<Vec3> positions;
   constexpr std::size_t finest = std::size_t{1} << NoisyTree::levels;
   const auto border = [&](std::size_t roots) {
-    const double place = static_cast<double>(random.below(roots * finest + 1)) / static_cast<double>(finest);
-    return random.below(2) == 0 ? place : std::nextafter(place, random.below(2) == 0 ? -1.0 : 9.0);
+    const double at = static_cast<double>(random.below(roots * finest + 1)) / static_cast<double>(finest);
+    return random.below(2) == 0 ? at : std::nextafter(at, random.below(2) == 0 ? -1.0 : 9.0);
   };
   for (int n = 0; n < 3000; ++n) {
     const double x = border(5), y = border(3);
     positions.emplace_back(x, y, border(4));
   }
-  const auto answers = ask(field, {}, positions, all_of(positions));
+  const auto answers = query_all(field, {}, positions, all_of(positions));
   std::size_t beyond = 0;
   for (std::size_t n = 0; n < positions.size(); ++n) {
     ASSERT_EQ(answers[n].has_value(), exact.grid().contains(positions[n])) << positions[n].transpose();
@@ -212,7 +212,7 @@ TEST(OctreeKernel, KnowsTheBordersOfLeavesAndOfTheDomain) {
 /// Of each leaf for itself: neighbours know nothing of each other here, so only their own clearance is right.
 TEST(OctreeKernel, ALeafIsPositiveWithinItsClearance) {
   OctreeQuality quality;
-  quality.negative_reach_m = 1e9;
+  quality.sign_error_distance_m = 1e9;
   const OctreeField field = NoisyTree(shape()).field(shape(), quality);
   RandomNumbers random(31);
   int clear = 0;
@@ -239,16 +239,16 @@ TEST(OctreeKernel, ALeafIsPositiveWithinItsClearance) {
 TEST(OctreeKernel, AnAnswerDoesNotDependOnWhoElseAsks) {
   const std::vector<Vec3> positions = positions_about(shape().grid(), oblique_pose(), 400);
   const std::vector<int> nodes = all_of(positions);
-  const auto together = ask(noisy_field(), oblique_pose(), positions, nodes);
+  const auto together = query_all(noisy_field(), oblique_pose(), positions, nodes);
   for (const std::size_t length : {0U, 1U, 2U, 3U, 5U, 7U, 8U, 9U, 127U, 128U, 129U, 300U}) {
     const std::size_t first = 11 + length / 5;
-    const auto some = ask(noisy_field(), oblique_pose(), positions, std::span(nodes).subspan(first, length));
+    const auto some = query_all(noisy_field(), oblique_pose(), positions, std::span(nodes).subspan(first, length));
     for (std::size_t n = 0; n < positions.size(); ++n) {
       expect_equal(some[n], n >= first && n < first + length ? together[n] : std::nullopt);
     }
   }
   for (const int node : nodes) {
-    const auto alone = ask(noisy_field(), oblique_pose(), positions, {&node, 1});
+    const auto alone = query_all(noisy_field(), oblique_pose(), positions, {&node, 1});
     expect_equal(alone[static_cast<std::size_t>(node)], together[static_cast<std::size_t>(node)]);
   }
 }
@@ -263,8 +263,8 @@ TEST(OctreeKernel, AZeroHasTheSameSignWhoeverElseAsks) {
                           coefficients);
   const std::vector<Vec3> positions{Vec3::Constant(0.75), Vec3(1.5, 0.5, 0.5)};
   const std::vector<int> nodes{0, 1};
-  const auto together = ask(field, {}, positions, nodes);
-  const auto alone = ask(field, {}, positions, std::span(nodes).first(1));
+  const auto together = query_all(field, {}, positions, nodes);
+  const auto alone = query_all(field, {}, positions, std::span(nodes).first(1));
   ASSERT_EQ(together[0]->value_m, 0);
   EXPECT_EQ(std::signbit(together[0]->value_m), std::signbit(alone[0]->value_m));
   expect_equal(together[0], alone[0]);
@@ -276,7 +276,7 @@ TEST(OctreeKernel, GivesTheSameBitsOnEveryMachine) {
   std::optional<std::vector<std::optional<Answer>>> expected;
   for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
     hwy::GetChosenTarget().Update(rest & -rest);
-    const auto answers = ask(noisy_field(), oblique_pose(), positions, all_of(positions));
+    const auto answers = query_all(noisy_field(), oblique_pose(), positions, all_of(positions));
     hwy::GetChosenTarget().DeInit();
     if (!expected) {
       expected = answers;
@@ -290,7 +290,7 @@ TEST(OctreeKernel, GivesTheSameBitsOnEveryMachine) {
 TEST(OctreeKernel, ALeafBendsDownFromWhereItIsFlat) {
   const OctreeShape one{Vec3::Zero(), 2, {1, 1, 1}};
   OctreeQuality quality;
-  quality.negative_reach_m = 1e9;
+  quality.sign_error_distance_m = 1e9;
   for (const auto& [kind, term, zero] :
        {std::tuple(Kind::quadratic, 4, std::sqrt(0.1)), std::tuple(Kind::cubic, 4, std::sqrt(0.1)),
         std::tuple(Kind::cubic, 10, std::cbrt(0.1))}) {
@@ -304,13 +304,13 @@ TEST(OctreeKernel, ALeafBendsDownFromWhereItIsFlat) {
   }
 }
 
-/// In leaves without a slope there is no way farther out.
+/// In leaves without a slope there is no direction to go farther out.
 TEST(OctreeKernel, AFlatFieldIsAsClearAsItsSamplesSay) {
   const OctreeShape one{Vec3::Zero(), 1, {1, 1, 1}};
   std::vector<float> coefficients(2 * cubic_terms, 0);
   coefficients[0] = 0.9F;
   OctreeQuality quality;
-  quality.negative_reach_m = 0.2;
+  quality.sign_error_distance_m = 0.2;
   quality.excess_m = 0.1;
   for (const Kind kind : {Kind::quadratic, Kind::cubic}) {
     const OctreeField field(one, quality, {octree_entry::entry(kind, 0)}, coefficients);

@@ -1,0 +1,101 @@
+#include "backends/sdf/grid/gather_nodes.hpp"
+
+#include <array>
+
+// Includes this file once for every kind of SIMD; highway.h has to come after it.
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "backends/sdf/grid/gather_nodes.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+#include "backends/sdf/grid/field_lanes-inl.hpp"
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
+namespace {
+
+/// The first `count` of the nodes' positions; the other lanes hold that of the first.
+HWY_INLINE Vec3Lanes load_positions(const double* positions, const int* nodes, std::size_t count) {
+  const Lanes d;
+  Vec3Lanes p{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  if (count == lane_count && nodes[lane_count - 1] - nodes[0] == static_cast<int>(lane_count - 1)) {
+    hn::LoadInterleaved3(d, positions + 3 * static_cast<std::size_t>(nodes[0]), p.x, p.y, p.z);
+    return p;
+  }
+  alignas(32) std::array<double, 3 * lane_count> row;
+  for (std::size_t lane = 0; lane < lane_count; ++lane) {
+    const double* position = positions + 3 * static_cast<std::size_t>(nodes[lane < count ? lane : 0]);
+    row[lane] = position[0];
+    row[lane_count + lane] = position[1];
+    row[2 * lane_count + lane] = position[2];
+  }
+  return {hn::Load(d, row.data()), hn::Load(d, row.data() + lane_count), hn::Load(d, row.data() + 2 * lane_count)};
+}
+
+HWY_INLINE Vec turned(const CellMap& map, Eigen::Index row, const Vec3Lanes& p) {
+  const auto entry = [&](Eigen::Index column) HWY_ATTR { return set(map.to_cells(row, column)); };
+  return hn::Add(sum_of_products(entry(0), p.x, entry(1), p.y), hn::Add(hn::Mul(entry(2), p.z), set(map.offset[row])));
+}
+
+/// Whether the bit of each point's cell is set. All points are in the field.
+HWY_INLINE hn::Mask<Lanes> is_wanted(const std::array<double, 3>& cells, const std::uint64_t* wanted,
+                                     const Vec3Lanes& at) {
+  const Lanes d;
+  const hn::RebindToUnsigned<Lanes> integers;
+  const hn::RebindToSigned<Lanes> indices;
+  const auto index = [&](Vec v, double count) HWY_ATTR { return hn::Min(hn::Floor(v), set(count - 1)); };
+  const Vec row = add_product(index(at.y, cells[1]), index(at.z, cells[2]), set(cells[1]));
+  const auto cell = whole(add_product(index(at.x, cells[0]), row, set(cells[0])));
+  const auto word = hn::GatherIndex(integers, wanted, hn::BitCast(indices, hn::ShiftRight<6>(cell)));
+  const auto bit = hn::Shl(hn::Set(integers, 1), hn::And(cell, hn::Set(integers, 63)));
+  return hn::RebindMask(d, hn::TestBit(word, bit));
+}
+
+std::size_t gather(const std::array<double, 3>& cells, const CellMap& map, const std::uint64_t* wanted,
+                   const double* positions, const int* nodes, std::size_t count, std::size_t first, FieldBlock& block) {
+  const Lanes d;
+  const hn::RebindToUnsigned<Lanes> integers;
+  const Vec zero = hn::Zero(d);
+  std::size_t i = 0;
+  for (; i < count && block.count + lane_count <= FieldBlock::capacity; i += lane_count) {
+    const std::size_t here = HWY_MIN(lane_count, count - i);
+    const Vec3Lanes p = load_positions(positions, nodes + i, here);
+    Vec3Lanes at{turned(map, 0, p), turned(map, 1, p), turned(map, 2, p)};
+    const auto inside = [&](Vec v, double most) HWY_ATTR { return hn::And(hn::Ge(v, zero), hn::Le(v, set(most))); };
+    auto wanted_lanes = hn::And(hn::And(inside(at.x, cells[0]), inside(at.y, cells[1])),
+                                hn::And(inside(at.z, cells[2]), hn::FirstN(d, here)));
+    if (hn::AllFalse(d, wanted_lanes)) {
+      continue;
+    }
+    if (wanted != nullptr) {
+      at = {hn::IfThenElseZero(wanted_lanes, at.x), hn::IfThenElseZero(wanted_lanes, at.y),
+            hn::IfThenElseZero(wanted_lanes, at.z)};
+      wanted_lanes = hn::And(wanted_lanes, is_wanted(cells, wanted, at));
+    }
+    append(at, hn::Iota(integers, first + i), wanted_lanes, block);
+  }
+  return HWY_MIN(i, count);
+}
+
+}  // namespace
+
+}  // namespace musclebench::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace musclebench {
+
+HWY_EXPORT(gather);
+
+static_assert(sizeof(Vec3) == 3 * sizeof(double), "positions are read as a row of numbers");
+
+std::size_t gather_nodes(const std::array<double, 3>& cells, const CellMap& map, const std::uint64_t* wanted,
+                         std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
+                         FieldBlock& block) {
+  return HWY_DYNAMIC_DISPATCH(gather)(cells, map, wanted, positions.data()->data(), nodes.data(), nodes.size(), first,
+                                      block);
+}
+
+}  // namespace musclebench
+#endif

@@ -1,0 +1,255 @@
+// The state hashes of two small scenes for each preset, backend and number of threads, against those that stand in
+// golden_states.txt: whoever changes what a simulation computes, down to the last bit, learns it here.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <span>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gtest/gtest.h>
+
+#include "bench/cases/run_case.hpp"
+#include "core/base/sha256.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/scene/read_scene.hpp"
+#include "datasets/embedded/embedded_files.hpp"
+
+namespace musclebench {
+namespace {
+
+constexpr std::array thread_counts = {1, 2, 7};
+constexpr const char* renew_variable = "MUSCLEBENCH_RENEW_GOLDEN_STATES";
+
+const std::map<std::string, ParameterValue> short_run = {{"frames", std::int64_t{6}}, {"substeps", std::int64_t{4}}};
+
+/// A ball that is bound to a plate while a rod presses into it.
+constexpr const char* pressed_ball = R"(
+[[bone]]
+name = "plate"
+mesh = "synthetic:plate"
+
+[[bone]]
+name = "rod"
+mesh = "synthetic:rod"
+[bone.motion]
+axis = [0, 1, 0]
+centre_m = [0.05, 0, 0]
+from_deg = 0
+to_deg = -30
+course = "there"
+
+[muscle]
+name = "ball"
+mesh = "synthetic:ball"
+
+[[attachment]]
+name = "foot"
+bone = "plate"
+outline_m = [[-0.01, -0.01, 0], [0.01, -0.01, 0], [0.01, 0.01, 0], [-0.01, 0.01, 0]]
+distance_m = 0.002
+)";
+
+/// A bar with fibres between two blocks, one of which bends it over a pulley.
+constexpr const char* bent_bar = R"(
+[[bone]]
+name = "foot"
+mesh = "synthetic:foot"
+
+[[bone]]
+name = "head"
+mesh = "synthetic:head"
+[bone.motion]
+axis = [0, 1, 0]
+centre_m = [0, 0, 0]
+from_deg = 0
+to_deg = 40
+course = "there"
+
+[[bone]]
+name = "pulley"
+mesh = "synthetic:pulley"
+
+[muscle]
+name = "bar"
+mesh = "synthetic:bar"
+fibres = "between_attachments"
+
+[[attachment]]
+name = "origin"
+bone = "foot"
+outline_m = [[-0.01, -0.01, -0.0385], [0.01, -0.01, -0.0385], [0.01, 0.01, -0.0385], [-0.01, 0.01, -0.0385]]
+distance_m = 0.003
+
+[[attachment]]
+name = "insertion"
+bone = "head"
+outline_m = [[-0.01, -0.01, 0.0385], [0.01, -0.01, 0.0385], [0.01, 0.01, 0.0385], [-0.01, 0.01, 0.0385]]
+distance_m = 0.003
+)";
+
+TriangleMesh moved(TriangleMesh mesh, const Vec3& by_m) {
+  for (Vec3& vertex : mesh.vertices) {
+    vertex += by_m;
+  }
+  return mesh;
+}
+
+TriangleMesh mesh_of(const std::string& name) {
+  const std::map<std::string, TriangleMesh> meshes = {
+      {"plate", moved(make_box(Vec3(0.04, 0.04, 0.01), 4), Vec3(0, 0, -0.01))},
+      {"rod", moved(make_capsule(0.01, 0.02, 24), Vec3(0.034, 0, 0.03))},
+      {"ball", moved(make_sphere(0.02, 2), Vec3(0, 0, 0.0205))},
+      {"foot", moved(make_box(Vec3(0.02, 0.02, 0.005), 2), Vec3(0, 0, -0.0435))},
+      {"head", moved(make_box(Vec3(0.02, 0.02, 0.005), 2), Vec3(0, 0, 0.0435))},
+      {"pulley", moved(make_sphere(0.01, 3), Vec3(0.018, 0, 0.018))},
+      {"bar", make_capsule(0.008, 0.03, 16)},
+  };
+  return meshes.at(name);
+}
+
+Scene load(const std::string& name, const std::string& preset) {
+  SceneRequest request;
+  request.name = request.file = name;
+  request.text = name == "pressed_ball" ? pressed_ball : bent_bar;
+  request.preset_override = preset;
+  request.preset_text = [](const std::string& wanted) {
+    const auto presets = embedded_presets();
+    const auto found =
+        std::find_if(presets.begin(), presets.end(), [&](const EmbeddedFile& file) { return file.name == wanted; });
+    return std::string(found->text);
+  };
+  request.synthetic_mesh = mesh_of;
+  request.loop_overrides = short_run;
+  return read_scene(request);
+}
+
+/// Coarse where a backend has a resolution: the bits are what matters.
+Parameters coarse_parameters(const BackendEntry& backend) {
+  std::map<std::string, ParameterValue> given;
+  for (const ParameterSpec& parameter : backend.parameters) {
+    if (parameter.name == "cells") {
+      given["cells"] = std::int64_t{16};
+    }
+  }
+  return {backend.parameters, given, backend.name};
+}
+
+RunResult run(const Scene& scene, const BackendEntry& backend, int threads) {
+  RunCase run{{scene, backend, coarse_parameters(backend), threads, 0}};
+  run.judge = false;
+  return run_case(run, [](int /*frames*/) {});
+}
+
+/// Of what the C library makes of 2000 arguments. Its sine, cosine and arc tangent take another path where the CPU has
+/// FMA, with other last bits: there the states are others, too, and nothing can be said.
+std::string libm_hash() {
+  std::vector<double> values;
+  for (int i = 1; i <= 2000; ++i) {
+    const double x = 0.001234567 * i;
+    values.insert(values.end(), {std::sin(x), std::cos(x), std::atan2(x, 1.1 - x), std::exp(-x), std::pow(x, 0.37)});
+  }
+  Sha256 hash;
+  hash.add(std::as_bytes(std::span(values)));
+  return hash.hex_digest().substr(0, 16);
+}
+
+/// Lines of "key value"; lines that begin with # are kept as they are.
+struct GoldenFile {
+  std::string head;
+  std::map<std::string, std::string> values;
+
+  GoldenFile() {
+    std::ifstream file(GOLDEN_STATES_FILE);
+    for (std::string line; std::getline(file, line);) {
+      const std::size_t split = line.rfind(' ');
+      if (line.starts_with('#')) {
+        head += line + '\n';
+      } else if (split != std::string::npos) {
+        values[line.substr(0, split)] = line.substr(split + 1);
+      }
+    }
+  }
+
+  void write() const {
+    std::ofstream file(GOLDEN_STATES_FILE);
+    file << head;
+    for (const auto& [key, value] : values) {
+      file << key << ' ' << value << '\n';
+    }
+  }
+};
+
+class GoldenState : public testing::TestWithParam<std::tuple<std::string, std::string>> {};
+
+TEST_P(GoldenState, IsThatOfEveryBackendForAnyNumberOfThreads) {
+  const auto& [scene_name, preset] = GetParam();
+  const bool renew = std::getenv(renew_variable) != nullptr;
+  GoldenFile golden;
+  if (renew) {
+    golden.values["libm"] = libm_hash();
+  } else if (golden.values["libm"] != libm_hash()) {
+    GTEST_SKIP() << "this CPU or C library computes sin, cos, atan2, exp or pow with other last bits (" << libm_hash()
+                 << ") than the one that the states were recorded with (" << golden.values["libm"] << ")";
+  }
+  const Scene scene = load(scene_name, preset);
+  for (const BackendEntry& backend : backend_registry()) {
+    const std::string key = fmt::format("{} {} {}", scene_name, preset, backend.name);
+    std::string of_one_thread;
+    for (const int threads : thread_counts) {
+      const RunResult result = run(scene, backend, threads);
+      EXPECT_EQ(result.status, "ok") << key;
+      of_one_thread = threads == 1 ? result.state_hash : of_one_thread;
+      EXPECT_EQ(result.state_hash, of_one_thread) << key << ": " << threads << " threads give another state than one";
+    }
+    if (renew) {
+      golden.values[key] = of_one_thread;
+    } else if (golden.values.contains(key)) {
+      EXPECT_EQ(of_one_thread, golden.values[key])
+          << key << ": the simulation ends in another state than it did. A change that is not meant to touch what is "
+          << "computed has a defect; one that is renews the states with " << renew_variable
+          << "=1 and this program, and its commit says why they change.";
+    } else {
+      std::cout << key << ": no state is recorded for this backend; " << renew_variable << "=1 does it\n";
+    }
+  }
+  if (renew) {
+    golden.write();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, GoldenState,
+                         testing::Combine(testing::Values("bent_bar", "pressed_ball"),
+                                          testing::Values("paper", "standard")),
+                         [](const auto& param_info) {
+                           return std::get<0>(param_info.param) + "_" + std::get<1>(param_info.param);
+                         });
+
+/// A scene in which nothing is touched would hold no backend to anything.
+TEST(GoldenScenes, AskForContacts) {
+  for (const char* name : {"bent_bar", "pressed_ball"}) {
+    const Scene scene = load(name, "paper");
+    std::vector<std::string> idle;
+    for (const BackendEntry& backend : backend_registry()) {
+      int contacts = 0;
+      for (const StepRecord& record : run(scene, backend, 1).records) {
+        contacts += record.contacts;
+      }
+      if (contacts < 4) {
+        idle.push_back(backend.name);
+      }
+    }
+    EXPECT_LE(idle.size(), 1U) << name << ": " << fmt::format("{}", fmt::join(idle, ", "));  // the one that finds none
+  }
+}
+
+}  // namespace
+}  // namespace musclebench

@@ -1,0 +1,19 @@
+# Run by CTest: installs BUILD into FOLDER, then configures, builds and runs PROJECT against it.
+set(prefix "${FOLDER}/prefix")
+set(outside "${FOLDER}/outside")
+file(REMOVE_RECURSE "${prefix}" "${outside}")
+
+function(call)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE failed OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(failed)
+    message(FATAL_ERROR "${ARGV}\n${output}")
+  endif()
+  message(STATUS "${output}")
+endfunction()
+
+call("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${prefix}")
+call("${CMAKE_COMMAND}" -S "${PROJECT}" -B "${outside}" -G "${GENERATOR}" "-DCMAKE_PREFIX_PATH=${prefix}"
+  "-DCMAKE_CXX_COMPILER=${COMPILER}" "-DCMAKE_BUILD_TYPE=${BUILD_TYPE}" "-DWANTED_VERSION=${VERSION}")
+call("${CMAKE_COMMAND}" --build "${outside}")
+call("${outside}/outside")
+call("${prefix}/bin/musclebench" --version)

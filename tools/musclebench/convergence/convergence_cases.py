@@ -1,0 +1,57 @@
+"""The cases of the convergence study: one scene with more and more substeps in a frame of the same time."""
+
+from dataclasses import dataclass
+
+from ..cases.case import Places, SceneCase
+from ..cases.scene import Scene
+from ..program.registry import Backend, Registry
+
+PRESET = "standard"
+SECONDS_A_SUBSTEP = 0.003  # of the reference muscle: a first guess, which the progress bar corrects
+
+
+@dataclass(frozen=True)
+class ConvergenceCase(SceneCase):
+    scene: Scene
+    backend: str
+    substeps: int
+
+    @property
+    def name(self) -> str:
+        return f"{self.scene.key}-substeps={self.substeps}"
+
+    @property
+    def kind(self) -> str:
+        return "substeps"
+
+    @property
+    def guessed_seconds(self) -> float:
+        return 2.0 + SECONDS_A_SUBSTEP * self.scene.size * self.scene.frames * self.substeps
+
+    @property
+    def snapshot_frames(self) -> list[int]:
+        return sorted({self.scene.full_flexion_frame, self.scene.frames})
+
+    def arguments(self, places: Places) -> list[str]:
+        return ["run", self.scene.name, "--backend", self.backend, *self.scene.preset_arguments(), "--threads", "1",
+                "--loop", f"substeps={self.substeps}",
+                "--loop", f"time_step_s={self.scene.frame_time_s / self.substeps!r}",
+                "--snapshots", ",".join(map(str, self.snapshot_frames)), *self.scene.data_arguments(places),
+                *self.scene.frames_arguments()]
+
+    def record(self) -> dict:
+        return {"mode": "coupled", "scene": self.scene.name, "preset": self.scene.preset, "backend": self.backend,
+                "parameters": {}, "threads": 1, "loop": {"substeps": self.substeps}}
+
+
+def plan(scenes: list[Scene], backend: str, counts: list[int]) -> list[ConvergenceCase]:
+    """The longest first, so that none runs alone at the end."""
+    cases = [ConvergenceCase(scene, backend, count) for scene in scenes for count in counts]
+    return sorted(cases, key=lambda case: -case.guessed_seconds)
+
+
+def usual_backend(registry: Registry) -> Backend:
+    """An exact one, so that substeps are all that differs; one with a clearance cache, since that is fast."""
+    exact = [backend for backend in registry.backends if backend.is_exact]
+    cached = [backend for backend in exact if backend.of_role("clearance_cache")]
+    return (cached or exact or list(registry.backends))[0]

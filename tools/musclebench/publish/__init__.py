@@ -1,0 +1,1 @@
+"""Tables, figures and quoted numbers of README and reports, written from the results of named runs."""

@@ -1,0 +1,102 @@
+"""The tables that pages show, made from measured ones. A marker names one and its study: `times paper-lhdl`."""
+
+import math
+from collections.abc import Callable
+
+import pandas as pd
+
+from ..program.cli import Problem
+from ..results.disturbance import MARK
+from ..tables import choices, outcomes, paper_tables, prices
+from ..tables.table_formats import Column, as_ratio, markdown_rows, with_unit
+from .measured import Measured
+from .selection import chosen_rows, plain
+
+TIME_KEYS = ("muscle", "backend", "collision_ms", "ratio", "paper_ratio", "fps", "missed_contacts", "false_contacts",
+             "largest_depth_mm", "structure_mb")
+SPLIT_KEYS = ("muscle", "update_ms", "detect_ms", "respond_ms", "ratio", "ratio_low", "ratio_high")
+MEMORY_KEYS = ("muscle", "backend", "first_mb", "last_mb", "first_offset_mb", "last_offset_mb", "structure_mb",
+               "paper_first_mb", "paper_last_mb", "paper_first_offset_mb", "paper_last_offset_mb")
+PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "ratio_low", "ratio_high", "build_s",
+              "structure_mb", "p99_error_mm", "max_error_mm", "missed", "measured")
+FACTOR_KEYS = ("muscle", "choice", "time_ms", "factor", "ratio", "missed", "measured", "p99_error_mm")
+OUTCOME_KEYS = ("muscle", "configuration", "node_depth_mm", "p99_surface_depth_mm", "max_volume_percent",
+                "full_rms_mm", "full_hausdorff_mm", "tunnelled", "stuck", "collision_s")
+SUBSTEP_COLUMNS = [
+    Column("scene", "scene"), Column("substeps", "substeps", 0), Column("status", "status"),
+    Column("rms_mm", "RMS mm", 2), Column("p99_mm", "p99 mm", 2), Column("largest_mm", "largest mm", 1),
+    Column("volume_error_percent", "volume error %", 5), Column("largest_depth_mm", "largest depth mm", 2),
+]
+
+
+def block(measured: Measured, specification: str) -> str:
+    """`NAME STUDY [FILTERS]`"""
+    name, _, rest = specification.strip().partition(" ")
+    study, _, filters = rest.partition(" ")
+    if name not in BLOCKS:
+        raise Problem(f"generated '{specification}': no table '{name}'; there are {', '.join(BLOCKS)}")
+    return f"{BLOCKS[name](measured, study, filters)}\n\n{measured.source(study).words()}"
+
+
+def _from(file_name: str, columns: list[Column], keys: tuple[str, ...]) -> Callable[[Measured, str, str], str]:
+    """`file_name` may hold a star: the one file that it fits."""
+    def made(measured: Measured, study: str, filters: str) -> str:
+        name = next((path.stem for path in sorted((measured.folder / study).glob(f"{file_name}.csv"))), file_name)
+        rows = chosen_rows(measured.table(f"{study}/{name}"), filters, f"{name} {study} {filters}")
+        by_key = {column.key: column for column in with_unit(columns, measured.source(study).unit)}
+        shown = [by_key[key] for key in keys if key in rows and key in by_key]
+        rows = _marked(rows.assign(**{key: rows[key].map(plain) for key in ("target_mm",) if key in rows}))
+        return markdown_rows(shown, rows)
+
+    return made
+
+
+def _marked(rows: pd.DataFrame) -> pd.DataFrame:
+    """A disturbed run's mark stands at its status, which pages don't show."""
+    if "status" not in rows or "backend" not in rows:
+        return rows
+    busy = rows["status"].astype(str).str.endswith(MARK)
+    return rows.assign(backend=rows["backend"].where(~busy, rows["backend"] + MARK))
+
+
+def _speed(measured: Measured, study: str, filters: str) -> str:
+    rows = chosen_rows(measured.table(f"{study}/speed"), filters, f"speed {study} {filters}")
+    lines = ["| what | bar | measured | 95 % | held | of |", "| --- | --- | ---: | ---: | --- | --- |"]
+    for _, row in rows[rows["part"].isna()].iterrows():
+        interval = f"{_three(row['low'])} to {_three(row['high'])}"
+        cells = [row["what"], row["target"], _three(row["measured"]), interval, row["held"], row["note"]]
+        lines.append("| " + " | ".join("-" if pd.isna(cell) or cell == "" else str(cell) for cell in cells) + " |")
+    return "\n".join(lines)
+
+
+def _coupled(measured: Measured, study: str, filters: str) -> str:
+    """Milliseconds and, in brackets, what they are over the reference; a column a muscle."""
+    rows = chosen_rows(measured.table(f"{study}/study"), filters, f"coupled {study} {filters}")
+    rows = rows[(rows["mode"] == "coupled") & rows["collision_ms"].notna()]
+    muscles = list(dict.fromkeys(rows["muscle"]))
+    unit = measured.source(study).unit
+    heads = ["configuration", *(f"{muscle.replace('_', ' ')}, ms (x {unit})" for muscle in muscles)]
+    lines = ["| " + " | ".join(heads) + " |", "| --- |" + " ---: |" * len(muscles)]
+    for name in dict.fromkeys(rows["configuration"]):
+        mine = rows[rows["configuration"] == name].set_index("muscle")
+        cells = [f"{as_ratio(mine.loc[m, 'collision_ms'])} ({as_ratio(mine.loc[m, 'times_unit'])})"
+                 if m in mine.index else "-" for m in muscles]
+        lines.append(f"| `{name}` | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def _three(value: float) -> str:
+    return "-" if value is None or math.isnan(value) else as_ratio(value) if value else "0"
+
+
+BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
+    "times": _from("table_2_times", paper_tables.TIME_COLUMNS, TIME_KEYS),
+    "split": _from("table_2_times", paper_tables.TIME_COLUMNS, SPLIT_KEYS),
+    "memory": _from("table_1_memory", paper_tables.MEMORY_COLUMNS, MEMORY_KEYS),
+    "prices": _from("price_list", prices.COLUMNS, PRICE_KEYS),
+    "factors": _from("*_factors", choices.COLUMNS, FACTOR_KEYS),
+    "outcomes": _from("coupled_outcomes", outcomes.COLUMNS, OUTCOME_KEYS),
+    "coupled": _coupled,
+    "speed": _speed,
+    "substeps": _from("substeps", SUBSTEP_COLUMNS, tuple(column.key for column in SUBSTEP_COLUMNS)),
+}

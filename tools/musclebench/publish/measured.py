@@ -1,0 +1,125 @@
+"""Results that the pages quote: tables with full precision and where they come from, in reports/measured."""
+
+import json
+import shutil
+from dataclasses import dataclass, replace
+from datetime import datetime, timezone
+from pathlib import Path
+
+import pandas as pd
+
+from ..program.cli import Problem
+from ..program.fingerprint import write_whole
+from ..results.disturbance import disturbed
+
+SOURCE = "source.json"
+TABLES = {
+    "paper": ("tables/table_1_memory.csv", "tables/table_2_times.csv"),
+    "accuracy": ("tables/price_list.csv", "tables/*_factors.csv", "tables/coupled_outcomes.csv", "study.csv"),
+    "speed": ("speed.csv",),
+    "convergence": ("tables/substeps.csv",),
+}
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where the results of a study come from."""
+
+    command: str
+    commit: str
+    machine: str
+    build: str
+    date: str
+    results_schema: int
+    disturbed: int = 0  # runs during which the machine was busy with something else
+    unit: str = ""  # the configuration by whose time others are divided
+
+    def words(self) -> str:
+        text = (f"`{self.command}`, commit {self.commit}, {self.machine}, {self.build}, {self.date}, "
+                f"results schema {self.results_schema}.")
+        busy = f" In {self.disturbed} runs the machine was busy with something else." if self.disturbed else ""
+        return f"<sub>{text}{busy}</sub>"
+
+
+class Measured:
+    """Tables by name, such as `paper-lhdl/table_2_times`."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self._tables: dict[str, pd.DataFrame] = {}
+
+    @property
+    def studies(self) -> list[str]:
+        return sorted(path.parent.name for path in self.folder.glob(f"*/{SOURCE}"))
+
+    def source(self, study: str) -> Source:
+        path = self.folder / study / SOURCE
+        try:
+            return Source(**json.loads(path.read_text()))
+        except (OSError, ValueError, TypeError) as problem:
+            raise Problem(f"{path}: not the source of a study ({problem}); tools/publish writes it") from None
+
+    def table(self, name: str) -> pd.DataFrame:
+        if name not in self._tables:
+            path = self.folder / f"{name}.csv"
+            try:
+                self._tables[name] = pd.read_csv(path)
+            except (OSError, ValueError) as problem:
+                raise Problem(f"{path}: can't be read ({problem}); tools/publish writes it") from None
+        return self._tables[name]
+
+
+def adopt(study: str, out_dir: Path, target: Path, command: str) -> Source:
+    """Takes the tables of a finished study over into `target`, with the source that its runs name."""
+    kind = study.partition("-")[0]
+    source = replace(source_of(out_dir, command), unit=_unit(out_dir / "study.csv"))
+    target.mkdir(parents=True, exist_ok=True)
+    for pattern in TABLES[kind]:
+        for path in out_dir.glob(pattern):
+            shutil.copyfile(path, target / path.name)
+    write_whole(target / SOURCE, json.dumps(vars(source), indent=1) + "\n")
+    return source
+
+
+def source_of(out_dir: Path, command: str) -> Source:
+    """Of the complete runs in the folder, which must be of one commit and machine."""
+    named = {path.parent.name: _record(path) for path in sorted((out_dir / "raw").rglob("run.json"))
+             if not any(part.startswith(".") for part in path.relative_to(out_dir).parts)}
+    named = {name: record for name, record in named.items() if record.get("build")}
+    records = list(named.values())
+    if not records:
+        raise Problem(f"{out_dir}: holds no complete run")
+    return Source(
+        command, _one(records, out_dir, "commit", "build", "git"), _one(records, out_dir, "machine", "machine", "cpu"),
+        _one(records, out_dir, "compiler", "build", "compiler"),
+        datetime.now(timezone.utc).date().isoformat(), int(_one(records, out_dir, "schema", "schema_version")),
+        len(disturbed(named)))
+
+
+def _unit(study_csv: Path) -> str:
+    """What takes exactly its own time."""
+    if not study_csv.is_file():
+        return ""
+    rows = pd.read_csv(study_csv)
+    return next(iter(rows.loc[rows["times_unit"] == 1.0, "configuration"]), "") if "times_unit" in rows else ""
+
+
+def _record(path: Path) -> dict:
+    try:
+        record = json.loads(path.read_text())
+    except ValueError:
+        return {}
+    return record if isinstance(record, dict) else {}
+
+
+def _one(records: list[dict], out_dir: Path, what: str, *keys: str) -> str:
+    values = set()
+    for record in records:
+        value = record
+        for key in keys:
+            value = value.get(key) if isinstance(value, dict) else None
+        values.add(str(value))
+    if len(values) > 1:
+        raise Problem(f"{out_dir}: its runs are of more than one {what} ({', '.join(sorted(values))}); run it anew "
+                      "with --force")
+    return values.pop()

@@ -1,0 +1,75 @@
+"""Markdown pages whose tables, pictures and numbers are written between markers:
+
+    <!-- generated: times paper-lhdl muscle=iliacus -->  a table and where it comes from       <!-- end -->
+    <!-- value: paper-lhdl/table_2_times[backend=fcl].ratio max .0f -->  a number in a sentence  <!-- end -->
+    <!-- picture: paper-synthetic fig_6_iliacus -->  a picture of a study, copied to reports/gallery  <!-- end -->
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..program.cli import Problem
+from .blocks import block
+from .measured import Measured
+from .selection import value_text
+
+MARKED = re.compile(r"<!-- (generated|value|picture): ([^>]*?) -->(.*?)<!-- end -->", re.DOTALL)
+OPENING = re.compile(r"<!-- (generated|value|picture): ")
+LINK = re.compile(r"!\[([^\]]*)\]\(([^)]*)\)")
+NOT_PAGES = {"experiments.md"}
+
+
+@dataclass(frozen=True)
+class Picture:
+    study: str
+    figure: str
+    file: Path  # in the gallery
+
+
+def pages_of(project: Path) -> list[Path]:
+    """README and all reports; what was tried is history and quotes what it measured then."""
+    reports = sorted((project / "reports").rglob("*.md"))
+    inside = [path for path in reports if "out" not in path.relative_to(project / "reports").parts]
+    return [project / "README.md", *(path for path in inside if path.name not in NOT_PAGES)]
+
+
+def written(text: str, measured: Measured, page: str) -> str:
+    """The page with everything between markers made anew."""
+    if len(OPENING.findall(text)) != len(MARKED.findall(text)):
+        raise Problem(f"{page}: a marker has no <!-- end -->")
+
+    def made(match: re.Match) -> str:
+        kind, specification, old = match.groups()
+        try:
+            inside = {"generated": _table, "value": _value, "picture": _picture}[kind](measured, specification, old)
+        except Problem as problem:
+            raise Problem(f"{page}: {problem}") from None
+        return f"<!-- {kind}: {specification} -->{inside}<!-- end -->"
+
+    return MARKED.sub(made, text)
+
+
+def pictures_in(text: str, page: Path) -> Iterator[Picture]:
+    for kind, specification, inside in MARKED.findall(text):
+        link = LINK.search(inside)
+        if kind == "picture" and link:
+            study, _, figure = specification.strip().partition(" ")
+            yield Picture(study, figure, (page.parent / link.group(2)).resolve())
+
+
+def _table(measured: Measured, specification: str, _: str) -> str:
+    return f"\n{block(measured, specification)}\n"
+
+
+def _value(measured: Measured, specification: str, _: str) -> str:
+    return value_text(measured, specification)
+
+
+def _picture(measured: Measured, specification: str, old: str) -> str:
+    """The link stays as it was written; what is under it says where the picture comes from."""
+    link = LINK.search(old)
+    if link is None:
+        raise Problem(f"picture '{specification}': there has to be a link ![...](...) between the markers")
+    return f"\n{link.group(0)}\n\n{measured.source(specification.strip().split(' ')[0]).words()}\n"

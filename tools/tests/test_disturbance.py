@@ -1,0 +1,77 @@
+"""A run that other work disturbed says so, below every table of times and in Fig. 7."""
+
+import json
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from fake_study import REPLAYED, SCENES, replays_of
+from musclebench.accuracy import report
+from musclebench.figures import paper_figures
+from musclebench.paper import published
+from musclebench.results import disturbance, run_folder
+from musclebench.tables import paper_tables
+
+QUIET = {"machine": {"cores": 2}, "wall_ns": 10e9,
+         "machine_state": {"involuntary_context_switches": 20, "load_average_1m": 1.1, "cpu_mhz": 2500.0}}
+
+
+def state(**changes) -> dict:
+    return QUIET | {"machine_state": QUIET["machine_state"] | changes}
+
+
+def note_state(folder, **changes) -> None:
+    record = json.loads((folder / "run.json").read_text())
+    told = state(**changes)
+    (folder / "run.json").write_text(json.dumps(record | {key: told[key] for key in ("machine_state", "wall_ns")}))
+
+
+@pytest.mark.parametrize("record, words", [
+    (QUIET, ""), ({}, ""), ({"machine_state": None}, ""),
+    (state(involuntary_context_switches=3000), "interrupted 300 times a second"),
+    (state(load_average_1m=4.0), "load 4.0 on 2 cores"),
+    (state(cpu_mhz=1200.0), "clock 1200 MHz, usually 2500"),
+])
+def test_a_run_is_disturbed_by_switches_load_or_a_slow_clock(record, words):
+    assert disturbance.disturbance(record, 2500.0) == words
+
+
+def test_the_usual_clock_is_that_of_most_runs():
+    runs = {"a": state(), "b": state(), "c": state(cpu_mhz=1000.0)}
+    assert disturbance.disturbed(runs) == {"c": "clock 1000 MHz, usually 2500"}
+
+
+def test_frames_in_which_the_process_waited_are_told_from_slow_ones():
+    times = pd.Series(np.linspace(1e6, 3e6, 100))
+    times[[20, 21, 70]] += 4e6  # slices of a scheduler
+    assert list(times.index[disturbance.waits(times)]) == [20, 21, 70]
+    assert not disturbance.waits(pd.Series(np.linspace(1e8, 3e8, 100))).any()
+
+
+def test_the_paper_marks_busy_runs_and_says_so(fake_raw):
+    note_state(fake_raw / "iliacus-sdf", involuntary_context_switches=5000)
+    runs = run_folder.read_runs(fake_raw)
+    rows = paper_tables.time_table(runs, published.read_published()).rows.set_index(["muscle", "backend"])
+    assert rows.loc[("iliacus", "sdf"), "status"] == "ok *" and rows.loc[("iliacus", "voxel"), "status"] == "ok"
+    line = disturbance.note(paper_tables.disturbed_runs(runs), len(runs))
+    assert "busy in 1 of 16 runs" in line and "iliacus-sdf (interrupted 500 times a second)" in line
+
+
+def test_fig_7_leaves_waiting_out_of_its_lines(fake_raw, tmp_path):
+    folder = fake_raw / "iliacus-voxel"
+    frames = pd.read_csv(folder / "frames.csv")
+    frames.loc[10, "detect_ns"] += 8_000_000
+    frames.to_csv(folder / "frames.csv", index=False)
+    files = paper_figures.draw_figures(run_folder.read_runs(fake_raw), published.read_published(), tmp_path)
+    drawing = next(path for path in files if path.name == "fig_7_collision_time.svg").read_text()
+    assert "crosses: 1 frames in which the process waited" in " ".join(re.sub("<[^>]+>", " ", drawing).split())
+
+
+def test_the_study_marks_busy_cases_and_says_so(study):
+    note_state(study / "raw" / "iliacus-sdf 64-r0", load_average_1m=7.0)
+    report.write_report(study)
+    text = (study / "tables" / "price_list.txt").read_text()
+    assert "sdf 64 *" in text and f"busy in 1 of {2 * len(SCENES) * len(REPLAYED)} runs" in text
+    assert sum(aggregate.is_disturbed for aggregate in replays_of(study)) == 1

@@ -1,0 +1,122 @@
+"""What stands in for the program says what the program says: the same keys, kinds of values and columns."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+import fake_registry
+import fake_runs
+import fake_study
+from fake_study import Truth
+from musclebench.program.registry import parse_registry
+from program import call, needs_program
+
+pytestmark = needs_program
+SCENE = "synthetic/adductor_brevis"
+
+
+@pytest.fixture(scope="module")
+def listed() -> dict:
+    done = call("list", "--json")
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.fixture(scope="module")
+def real(tmp_path_factory) -> Path:
+    """A coupled run, a recording's replay and a probe of the real program."""
+    folder = tmp_path_factory.mktemp("real")
+    grid = ("--backend", "voxel", "--param", "cells=16")
+    for done in (
+        call("run", SCENE, *grid, "--preset", "paper", "--frames", 4, "--snapshots", "0,2",
+             "--out", folder / "coupled"),
+        call("record", SCENE, "--preset", "paper", "--frames", 4, "--out", folder / "a.recording"),
+        call("replay", folder / "a.recording", *grid, "--out", folder / "replay"),
+        call("probe", SCENE, *grid, "--points", 100, "--out", folder / "probe"),
+    ):
+        assert done.returncode == 0, done.stderr
+    return folder
+
+
+@pytest.fixture
+def fake(tmp_path) -> Path:
+    truth = Truth(parameters={"cells": 16, "voxel_size_m": 0.0})
+    fake_study.write_coupled(tmp_path / "raw" / "coupled", SCENE, "voxel", truth)
+    fake_study.write_replay(tmp_path / "raw" / "replay", SCENE, "voxel", truth)
+    fake_study.write_probe(tmp_path / "raw" / "probe", SCENE, "voxel", truth)
+    return tmp_path / "raw"
+
+
+def shape(value):
+    """Kinds of values without the values; numbers are numbers, null fits everything."""
+    if isinstance(value, dict):
+        return {key: shape(part) for key, part in value.items()}
+    if isinstance(value, list):
+        return [shape(value[0])] if value else []
+    return "number" if isinstance(value, (int, float)) and not isinstance(value, bool) else type(value).__name__
+
+
+def misfits(mine, real, path: str = "") -> list[str]:
+    """What a fake says that the program does not say, or says as something else."""
+    if isinstance(mine, dict) and isinstance(real, dict):
+        return [line for key, part in mine.items() for line in (
+            misfits(part, real[key], f"{path}.{key}") if key in real else [f"{path}.{key} is not in the program's"])]
+    if isinstance(mine, list) and isinstance(real, list):
+        return misfits(mine[0], real[0], f"{path}[]") if mine and real else []
+    return [] if "NoneType" in (mine, real) or mine == real else [f"{path}: {mine}, the program's {real}"]
+
+
+def test_the_fixture_has_the_schema_of_the_programs_list(listed):
+    mine = fake_registry.listed()
+    for keys in ("backends", "effects", "loop", "presets", "scenes", "responses"):
+        for theirs in listed[keys][:1]:
+            assert misfits(shape(mine[keys][0]), shape(theirs), keys) == []
+    assert set(mine) <= set(listed) and mine["schema"] == listed["schema"]
+
+
+def test_the_fixture_has_the_programs_backends_and_parameters(listed):
+    theirs = {backend["name"]: backend for backend in listed["backends"]}
+    for backend in fake_registry.listed()["backends"]:
+        if backend["name"] not in theirs:
+            pytest.skip(f"{backend['name']} is not a backend of this build")
+        real = theirs[backend["name"]]
+        for key in ("label", "colour", "dash", "default_response", "exact"):
+            assert backend[key] == real[key], f"{backend['name']}: {key}"
+        told = [[{key: one[key] for key in ("name", "kind", "unit", "default", "role")} for one in about["parameters"]]
+                for about in (backend, real)]
+        assert told[0] == told[1], backend["name"]
+        assert backend["study"] == real["study"]
+
+
+def test_the_fixture_has_the_programs_scenes(listed):
+    told = [{scene["name"]: scene["bones"] for scene in about["scenes"]} for about in (fake_registry.listed(), listed)]
+    assert told[0] == told[1]
+
+
+def test_the_tools_read_the_programs_list(listed):
+    registry = parse_registry(json.dumps(listed), "the program")
+    assert registry.control and registry.unit_of_price and registry.names
+
+
+@pytest.mark.parametrize("mode", ["coupled", "replay", "probe"])
+def test_a_fake_run_says_nothing_that_the_program_does_not_say(real, fake, mode):
+    theirs, mine = [json.loads((folder / mode / "run.json").read_text()) for folder in (real, fake)]
+    mine["case"]["parameters"] = theirs["case"]["parameters"]
+    assert misfits(shape(mine), shape(theirs)) == []
+
+
+@pytest.mark.parametrize("mode, name, columns", [
+    ("coupled", "frames.csv", fake_runs.COLUMNS), ("replay", "frames.csv", fake_study.REPLAY_COLUMNS),
+    ("probe", "probe.csv", fake_study.PROBE_COLUMNS),
+])
+def test_fake_tables_have_the_programs_columns(real, mode, name, columns):
+    with open(real / mode / name, newline="") as file:
+        theirs = next(csv.reader(file))
+    assert set(columns) <= set(theirs)
+
+
+def test_a_survey_is_a_part_of_a_probe(real):
+    theirs = json.loads((real / "probe" / "run.json").read_text())
+    assert misfits(shape(fake_registry.survey_record(SCENE, 4)), shape(theirs)) == []

@@ -1,0 +1,172 @@
+"""Figures as they are printed: widths, sizes of text, colours, resolution; no text covers another or leaves a page."""
+
+import re
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+from matplotlib.text import Text
+from PIL import Image
+
+import fake_registry
+import fake_runs
+import fake_study
+from musclebench.accuracy import coupled_faults, report
+from musclebench.accuracy.aggregates import aggregates_of, of_mode
+from musclebench.accuracy.cases import read_cases
+from musclebench.figures import labels, looks, paper_figures, pareto, style
+from musclebench.figures.style import plt
+from musclebench.paper.published import read_published
+from musclebench.pictures import surface_figures
+from musclebench.pictures.surface_pictures import DEPTH_COLOURS
+from musclebench.results.run_folder import read_run, read_runs
+from musclebench.tables.outcomes import shape_distances
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    """{stem: (figure, its files)} of a whole study."""
+    folder, kept = tmp_path_factory.mktemp("study"), {}
+    looks.know(fake_registry.registry())
+    fake_study.write_realistic_study(folder, {"lhdl/iliacus": 1.0, "lhdl/gluteus_maximus": 1.7}, repetitions=1)
+    with pytest.MonkeyPatch.context() as patch:
+        keep_figures(patch, kept)
+        report.write_report(folder)
+    return kept
+
+
+def keep_figures(patch, kept: dict) -> None:
+    """What save_figure is given, before it closes it."""
+    save, close = style.save_figure, plt.close
+
+    def keep(figure, stem):
+        patch.setattr(plt, "close", lambda figure: None)
+        kept[stem.name] = (figure, save(figure, stem))
+        patch.setattr(plt, "close", close)
+        return kept[stem.name][1]
+
+    patch.setattr(style, "save_figure", keep)
+
+
+def texts_of(figure) -> list[Text]:
+    return [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
+
+
+def check_print(figure, paths) -> None:
+    """Widths of a column or a page, nothing smaller than 7 points, nothing beyond the sides."""
+    assert figure.get_figwidth() in (style.COLUMN_INCHES, style.PAGE_INCHES)
+    assert min(text.get_fontsize() for text in texts_of(figure)) >= style.SMALLEST_POINTS
+    drawn = figure.get_tightbbox(figure.canvas.get_renderer())
+    assert drawn.x0 >= -0.01 and drawn.x1 <= figure.get_figwidth() + 0.01
+    suffixes = {path.suffix: path for path in paths}
+    assert {".png", ".svg", ".pdf"} <= set(suffixes)
+    box = re.search(rb"/MediaBox \[([^]]*)\]", suffixes[".pdf"].read_bytes()).group(1).split()
+    assert float(box[2]) - float(box[0]) == pytest.approx(72 * figure.get_figwidth(), abs=1)
+    with Image.open(suffixes[".png"]) as picture:
+        assert picture.info["dpi"] == pytest.approx((style.DPI, style.DPI), abs=1)
+        assert picture.width == pytest.approx(style.DPI * figure.get_figwidth(), abs=3)
+
+
+def test_a_study_is_drawn_for_print(drawn):
+    assert {"pareto_replay", "pareto_coupled", "stages", "convergence"} <= set(drawn)
+    for figure, paths in drawn.values():
+        check_print(figure, paths)
+
+
+def test_the_papers_figures_are_drawn_for_print(fake_raw, tmp_path, monkeypatch):
+    kept = {}
+    keep_figures(monkeypatch, kept)
+    paper_figures.draw_figures(read_runs(fake_raw), read_published(), tmp_path)
+    assert len(kept) == 3
+    for figure, paths in kept.values():
+        check_print(figure, paths)
+
+
+def test_texts_of_the_pareto_picture_do_not_overlap(drawn):
+    """Of each panel: labels of points, the words of the band and of the line without collision."""
+    for name in ("pareto_replay", "pareto_coupled", "pareto_coupled_shape"):
+        figure = drawn[name][0]
+        renderer = figure.canvas.get_renderer()
+        for axes in figure.axes:
+            boxes = [text.get_window_extent(renderer) for text in axes.texts if text.get_text()]
+            boxes += [] if axes.get_legend() is None else [axes.get_legend().get_window_extent(renderer)]
+            assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i]), (name, axes.get_title())
+
+
+def test_every_point_of_the_pareto_picture_that_has_a_name_shows_it(drawn):
+    figure = drawn["pareto_replay"][0]
+    panel = next(axes for axes in figure.axes if axes.get_title(loc="left") == "iliacus")
+    assert {"bvh", "brute_force", "8", "256", "1", "18"} <= {text.get_text() for text in panel.texts}
+
+
+def test_labels_find_places_where_an_interval_is_not_known():
+    figure, axes = plt.subplots(figsize=(3, 3))
+    axes.set(xlim=(0, 1), ylim=(0, 1))
+    labels.place_labels(axes, [labels.Label(0.5, 0.5, "a", "black", bar=(np.nan, np.nan))])
+    centre, box = axes.transData.transform((0.5, 0.5)), axes.texts[0].get_window_extent()
+    assert not box.contains(*centre)
+    plt.close(figure)
+
+
+def colours_in(path) -> set[tuple]:
+    with Image.open(path) as picture:
+        return {tuple(colour) for colour in np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0)}
+
+
+def as_bytes(colour: str) -> tuple:
+    return tuple(round(255 * part) for part in to_rgb(colour))
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory):
+    """Two figures of surfaces whose pictures are noise of many colours, as shaded surfaces are."""
+    folder = tmp_path_factory.mktemp("pictures")
+    looks.know(fake_registry.registry())
+    run = read_run(fake_runs.write_run(folder / "run", "synthetic/iliacus", "voxel"))
+    noise = np.random.default_rng(1).integers(100, 255, (200, 200, 3), dtype=np.uint8)
+    paths = []
+    for name, size in (("rows", (4, 5)), ("columns", (4, 4))):
+        style.apply_style()
+        figure, panels = plt.subplots(*size, figsize=(style.PAGE_INCHES, 5.0), squeeze=False)
+        for panel in panels.flat:
+            surface_figures._show(panel, noise)
+        for row, backend in enumerate(("null", "voxel", "sdf", "fcl")):
+            surface_figures._row_name(panels[row, 0], backend, looks.colour(backend))
+        surface_figures._finish(figure, "Title", [run], 5)
+        paths.append(style.save_figure(figure, folder / name)[0])
+    return paths
+
+
+def test_a_backend_has_its_colour_in_every_picture(pictures):
+    for path in pictures:
+        found = np.array(sorted(colours_in(path)))
+        for backend in ("null", "voxel", "sdf", "fcl"):  # thin strokes are smoothed by a step of 255
+            assert np.abs(found - as_bytes(looks.colour(backend))).max(axis=1).min() <= 1, backend
+
+
+def test_colour_bars_are_continuous(pictures):
+    wanted = {as_bytes(DEPTH_COLOURS(step)) for step in range(256)}
+    for path in pictures:
+        assert len(wanted & colours_in(path)) > 200
+
+
+def test_no_stage_has_the_colour_of_a_backend():
+    from musclebench.figures.stages import COLOURS, OTHER_COLOURS
+    backends = {looks.colour(name).lower() for name in ("null", "voxel", "sdf", "fcl", "bvh", "brute_force")}
+    assert not backends & {colour.lower() for colour in [*COLOURS.values(), *OTHER_COLOURS]}
+
+
+def test_a_run_that_holds_nodes_is_not_on_the_front(tmp_path):
+    """256 voxel cells leave no depth, hold nodes by false contacts and end far from the exact shape."""
+    truth = fake_study.Truth(ms=0.2, remaining_mm=0.0, shift_mm=5.4, parameters={"cells": 256})
+    fake_study.write_coupled(tmp_path / "raw" / "v", "lhdl/iliacus", "voxel", truth)
+    fake_study.write_coupled(tmp_path / "raw" / "b", "lhdl/iliacus", "bvh", fake_study.Truth(ms=0.3, remaining_mm=0.0))
+    coupled = of_mode(aggregates_of(read_cases(tmp_path)), "coupled")
+    faults = coupled_faults.faults_of(coupled, shape_distances(coupled))
+    assert [chosen.name for _, chosen in faults] == ["voxel 256"]
+    assert "5.4 mm off" in coupled_faults.told(faults)
+    report.write_report(tmp_path)
+    points = pareto.pd.read_csv(tmp_path / "figures" / "pareto_coupled.csv").set_index("configuration")
+    assert points.loc["voxel 256", "is_wrong"] and not points.loc["voxel 256", "on_front"]
+    assert points.loc["bvh", "on_front"]
+    assert "voxel 256 (" in (tmp_path / "figures" / "pareto_coupled.md").read_text()

@@ -1,0 +1,150 @@
+"""The list of faults applies to the code as it is, and a campaign keeps and tells what it found."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+from musclebench.mutants.campaign import Campaign, summary
+from musclebench.mutants.faults import Fault, FaultListError, problems_of, read_faults
+from musclebench.mutants.scratch_build import BuildFailed, ProgramRun, nearest_first
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+SOURCE = "int three() { return 3; }\nint four() { return 4; }\n"
+
+
+def fault(name="three", line="return 3;", replaced_by="return 2;", file="core/numbers.cpp", may_survive=""):
+    return Fault(name, file, line, replaced_by, may_survive)
+
+
+@pytest.fixture
+def root(tmp_path):
+    """A checkout with one source file."""
+    folder = tmp_path / "checkout"
+    (folder / "core").mkdir(parents=True)
+    (folder / "core/numbers.cpp").write_text(SOURCE)
+    subprocess.run(["git", "init", "-q", str(folder)], check=True)
+    return folder
+
+
+class FakeBuild:
+    """Two programs; `near` sees a 2 for the 3, none sees anything about the 4, and a 5 does not compile."""
+
+    def __init__(self, tree):
+        self._file = tree / "core/numbers.cpp"
+        self.log = []
+
+    def configure(self):
+        self.log.append("configure")
+
+    def programs(self):
+        return ["bench/far_tests", "core/near_tests"]
+
+    def stale(self, programs):
+        return programs
+
+    def build(self, programs):
+        if "return 5" in self._file.read_text():
+            raise BuildFailed("error: no 5 today")
+
+    def run(self, program, timeout_s):
+        self.log.append(program)
+        sees = program == "core/near_tests" and "return 2" in self._file.read_text()
+        return ProgramRun(not sees, 0.1, "Numbers.Three" if sees else "")
+
+
+def judged(root, tmp_path, faults, **options):
+    folder = tmp_path / "scratch"
+    build = FakeBuild(folder / "tree")
+    campaign = Campaign(root, folder, build, **options)
+    campaign.prepare()
+    build.log.clear()
+    campaign.judge_all(faults)
+    return campaign, build
+
+
+def test_every_listed_fault_applies():
+    done = subprocess.run([str(ROOT / "tools/mutants"), "--check"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_fault_that_does_not_apply_is_told(root):
+    (root / "backends.cpp").write_text(SOURCE)
+    problems = problems_of([fault(), fault("gone", "return 9;"), fault("twice", "return "), fault("same", "int", "int"),
+                            fault("moved", file="core/no.cpp"), fault("elsewhere", file="backends.cpp")], root)
+    assert [problem.split(":")[0] for problem in problems[:5]] == ["gone", "twice", "same", "moved", "elsewhere"]
+    assert "needs 80" in problems[5]
+
+
+def test_no_more_than_two_may_survive(root):
+    excused = [fault(str(i), may_survive="can't be seen") for i in range(80)]
+    assert problems_of(excused[:2] + [fault(str(i)) for i in range(2, 80)], root) == []
+    assert "80 faults may survive" in problems_of(excused, root)[0]
+
+
+@pytest.mark.parametrize("text, word", [
+    ('[[fault]]\nname = "a"\nfile = "f"\nline = "l"\n', "given"),
+    ('[[fault]]\nname = "a"\nfile = "f"\nline = "l"\nfault = "x"\nwhy = "y"\n', "why"),
+    ('[[fault]]\nname = "a"\nfile = "f"\nline = "l"\nfault = 3\n', "text"),
+    ('[[fault]]\nname = "a"\nfile = "f"\nline = "l"\nfault = "x"\n' * 2, "name of its own"),
+    ("[[fault", "list.toml"),
+])
+def test_a_broken_list_is_told_in_one_line(tmp_path, text, word):
+    path = tmp_path / "list.toml"
+    path.write_text(text)
+    with pytest.raises(FaultListError, match=word):
+        read_faults(path)
+
+
+def test_programs_near_the_file_come_first():
+    programs = ["bench/cases/a_tests", "core/bvh/b_tests", "core/bvh/batch/c_tests", "core/pbd/d_tests"]
+    order = nearest_first(programs, "core/bvh/triangle_bvh.cpp", {"core/bvh/batch/c_tests": 1.0})
+    assert order == ["core/bvh/b_tests", "core/bvh/batch/c_tests", "core/pbd/d_tests", "bench/cases/a_tests"]
+
+
+def test_a_fault_is_seen_by_the_nearest_program_and_taken_back(root, tmp_path):
+    campaign, build = judged(root, tmp_path, [fault()])
+    assert campaign.verdict(fault()).outcome == "seen"
+    assert campaign.verdict(fault()).detail == "near_tests: Numbers.Three"
+    assert build.log == ["core/near_tests"]
+    assert (tmp_path / "scratch/tree/core/numbers.cpp").read_text() == SOURCE
+    assert summary([fault()], campaign) == (["1 faults: 1 seen, 0 survived, 0 could not be built"], True)
+
+
+def test_a_survivor_needs_a_reason(root, tmp_path):
+    survivor = fault("four", "return 4;", "return 6;")
+    lines, is_well = summary([survivor], judged(root, tmp_path, [survivor])[0])
+    assert not is_well
+    assert "a test is missing" in lines[1]
+    excused = fault("four", "return 4;", "return 6;", may_survive="nobody asks for four")
+    lines, is_well = summary([excused], judged(root, tmp_path, [excused])[0])
+    assert is_well
+    assert "nobody asks for four" in lines[1]
+
+
+def test_a_fault_that_does_not_compile_is_an_error(root, tmp_path):
+    broken = fault("five", "return 4;", "return 5;")
+    lines, is_well = summary([broken], judged(root, tmp_path, [broken])[0])
+    assert not is_well
+    assert "no 5 today" in lines[1]
+
+
+def test_a_campaign_goes_on_where_it_was(root, tmp_path):
+    survivor = fault("four", "return 4;", "return 6;")
+    judged(root, tmp_path, [fault()])
+    assert judged(root, tmp_path, [fault(), survivor])[1].log == ["core/near_tests", "bench/far_tests"]
+    assert judged(root, tmp_path, [fault(), survivor])[1].log == []
+    (root / "core/numbers.cpp").write_text(SOURCE + "// changed\n")
+    assert judged(root, tmp_path, [fault(), survivor], keep_seen=True)[1].log == ["core/near_tests", "bench/far_tests"]
+    (root / "core/numbers.cpp").write_text(SOURCE + "// changed again\n")
+    assert judged(root, tmp_path, [fault()])[1].log == ["core/near_tests"]
+
+
+def test_what_some_programs_miss_is_judged_again(root, tmp_path):
+    assert judged(root, tmp_path, [fault()], pattern="bench/*")[1].log == ["bench/far_tests"]
+    assert judged(root, tmp_path, [fault()])[1].log == ["core/near_tests"]
+
+
+def test_a_program_that_fails_without_a_fault_ends_the_campaign(root, tmp_path):
+    (root / "core/numbers.cpp").write_text(SOURCE.replace("3", "2"))
+    with pytest.raises(BuildFailed, match="core/near_tests fails without a fault"):
+        judged(root, tmp_path, [fault()])

@@ -1,0 +1,212 @@
+"""Pages quote nothing that was not measured, and say what measured tables say; publishing rehearsed from end to end."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import fake_runs
+import publish
+from musclebench.program.cli import Problem
+from musclebench.publish import measured as measured_module
+from musclebench.publish.blocks import block
+from musclebench.publish.measured import Measured, adopt
+from musclebench.publish.pages import pages_of, pictures_in, written
+from musclebench.publish.quoted import unmarked
+from musclebench.publish.selection import value_text
+
+PROJECT = Path(publish.PROJECT)
+REPORTS = Measured(PROJECT / "reports" / "measured")
+PAGES = {str(path.relative_to(PROJECT)): path for path in pages_of(PROJECT)}
+
+
+@pytest.fixture
+def small(tmp_path) -> Measured:
+    """A study of two muscles and two backends."""
+    folder = tmp_path / "measured" / "paper-lhdl"
+    folder.mkdir(parents=True)
+    rows = [("iliacus", "voxel", 1.0, 0.2), ("iliacus", "fcl", 361.2, 70.0), ("gluteus_medius", "fcl", 689.0, 48.0)]
+    pd.DataFrame(rows, columns=["muscle", "backend", "ratio", "collision_ms"]).to_csv(
+        folder / "table_2_times.csv", index=False)
+    source = {"command": "tools/paper", "commit": "abc1234", "machine": "A processor", "build": "g++",
+              "date": "2026-11-22", "results_schema": 1}
+    (folder / "source.json").write_text(json.dumps(source))
+    return Measured(tmp_path / "measured")
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_pages_quote_no_number_outside_of_markers(name):
+    assert unmarked(PAGES[name].read_text()) == [], f"{name}: CONTRIBUTING.md says how a number gets into a page"
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_pages_say_what_was_measured(name):
+    text = PAGES[name].read_text()
+    assert written(text, REPORTS, name) == text, f"{name}: tools/publish --write-only writes it anew"
+
+
+@pytest.mark.parametrize("study", REPORTS.studies)
+def test_measured_results_have_the_programs_schema(study):
+    header = next((PROJECT / "bench").rglob("manifest.hpp")).read_text()
+    schema = int(re.search(r"int schema_version = (\d+);", header).group(1))
+    assert REPORTS.source(study).results_schema == schema, "measure it anew with tools/publish"
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_links_of_pages_lead_somewhere(name):
+    page = PAGES[name]
+    for target in re.findall(r"\]\(([^)#]+?)(?:#[^)]*)?\)", re.sub(r"```.*?```", "", page.read_text(), flags=re.S)):
+        if "://" not in target:
+            assert (page.parent / target).exists(), f"{name}: {target}"
+
+
+def test_readme_is_short():
+    assert len(PAGES["README.md"].read_text().splitlines()) < 150
+
+
+@pytest.mark.parametrize("text, found", [
+    ("It takes 0.5 ms.", ["0.5 ms"]), ("about 12 MB", ["12 MB"]), ("costs 300 to 570 times", ["300 to 570 times"]),
+    ("off by 14 mm", ["14 mm"]), ("5 % slower", ["5 %"]), ("| 0.219 | 195 |", ["0.219", "195"]),
+    ("in 0.76 and", ["0.76"]),
+    ("1,169 nodes, 64 cells, 90 degrees, 2022", []), ("option `0.1 mm` and ```\nrun 5 s\n```", []), ("FCL 0.7", []),
+    ("see [x](a/1.5-2.png) and $2h \\sqrt5$", []), ("CC BY-NC-SA 2.0 BE", []), ("max(0, s)", []),
+    ("<!-- value: a/b.c -->0.96<!-- end --> ms", []), ("frames of 20 ms each", ["20 ms"]),
+])
+def test_what_counts_as_quoted(text, found):
+    assert [words for _, words in unmarked(text)] == found
+
+
+def test_a_quoted_number_is_found_with_its_line():
+    assert unmarked("a\nb\nit takes 3 ms\n") == [(3, "3 ms")]
+
+
+@pytest.mark.parametrize("specification, text", [
+    ("paper-lhdl/table_2_times[backend=fcl].ratio", "361 to 689"),
+    ("paper-lhdl/table_2_times[backend=fcl,muscle=iliacus].ratio .1f", "361.2"),
+    ("paper-lhdl/table_2_times.collision_ms max", "70.0"),
+    ("paper-lhdl/table_2_times[muscle=iliacus].backend", "voxel, fcl"),
+])
+def test_values_are_cells_or_ranges(small, specification, text):
+    assert value_text(small, specification) == text
+
+
+@pytest.mark.parametrize("specification, words", [
+    ("paper-lhdl/table_2_times[backend=none].ratio", "no row"),
+    ("paper-lhdl/table_2_times.nothing", "no column 'nothing'"),
+    ("paper-lhdl/table_9.ratio", "table_9.csv"), ("nonsense", "not like"),
+    ("paper-lhdl/table_2_times[what=1].ratio", "no column 'what'"),
+])
+def test_a_value_that_is_not_there_is_named(small, specification, words):
+    with pytest.raises(Problem, match=re.escape(words)):
+        value_text(small, specification)
+
+
+def test_tables_are_written_with_their_source_and_stay(small):
+    page = "a\n<!-- generated: times paper-lhdl muscle=iliacus -->\nold\n<!-- end -->\nb\n"
+    new = written(page, small, "page.md")
+    assert "| iliacus | fcl | 70.000 | 361 |" in new and "gluteus" not in new and "old" not in new
+    assert "commit abc1234, A processor" in new and "2026-11-22" in new
+    assert new.startswith("a\n") and new.endswith("b\n")
+    assert written(new, small, "page.md") == new
+
+
+def test_a_disturbed_run_is_marked_and_still_found(small):
+    path = small.folder / "paper-lhdl" / "table_2_times.csv"
+    rows = pd.read_csv(path).assign(status=["ok", "ok *", "ok"])
+    rows.assign(configuration=rows["backend"] + [" *", "", ""]).to_csv(path, index=False)
+    assert "| iliacus | fcl * |" in block(small, "times paper-lhdl")
+    assert value_text(small, "paper-lhdl/table_2_times[configuration=voxel].ratio") == "1.00"
+
+
+def test_a_marker_without_an_end_is_told(small):
+    with pytest.raises(Problem, match="page.md"):
+        written("<!-- value: paper-lhdl/table_2_times.ratio -->1", small, "page.md")
+    with pytest.raises(Problem, match="no table 'nothing'"):
+        block(small, "nothing paper-lhdl")
+
+
+def test_pictures_keep_their_link_and_get_a_source(small, tmp_path):
+    page = "<!-- picture: paper-lhdl fig_6 -->\n![a muscle](reports/gallery/x.png)\n<!-- end -->\n"
+    new = written(page, small, "page.md")
+    assert "![a muscle](reports/gallery/x.png)" in new and "abc1234" in new
+    picture = next(iter(pictures_in(new, tmp_path / "README.md")))
+    assert (picture.study, picture.figure) == ("paper-lhdl", "fig_6") and picture.file.name == "x.png"
+
+
+def test_results_are_taken_over_with_commit_machine_and_disturbance(tmp_path):
+    out = tmp_path / "out"
+    for name in ("voxel", "fcl"):
+        fake_runs.write_run(out / "raw" / name, "lhdl/iliacus", name)
+    path = out / "raw" / "fcl" / "run.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"machine_state": {"involuntary_context_switches": 9000}}))
+    (out / "tables").mkdir()
+    (out / "tables" / "table_2_times.csv").write_text("muscle,backend,ratio\niliacus,fcl,200\n")
+    source = adopt("paper-lhdl", out, tmp_path / "measured" / "paper-lhdl", "tools/paper")
+    assert (source.commit, source.machine, source.results_schema, source.disturbed) == ("abc1234", "A processor", 1, 1)
+    kept = Measured(tmp_path / "measured")
+    assert kept.studies == ["paper-lhdl"] and "busy" in kept.source("paper-lhdl").words()
+    assert value_text(kept, "paper-lhdl/table_2_times.ratio") == "200"
+
+
+def test_results_of_two_commits_are_refused(tmp_path):
+    for name in ("voxel", "fcl"):
+        fake_runs.write_run(tmp_path / "raw" / name, "lhdl/iliacus", name)
+    path = tmp_path / "raw" / "fcl" / "run.json"
+    record = json.loads(path.read_text())
+    path.write_text(json.dumps(record | {"build": record["build"] | {"git": "another"}}))
+    with pytest.raises(Problem, match="more than one commit"):
+        measured_module.source_of(tmp_path, "tools/paper")
+
+
+def test_the_plan_names_every_study_and_page(capsys):
+    assert publish.main(["--dry-run"]) == 0
+    text = capsys.readouterr().out
+    assert all(f"{kind}-synthetic:" in text for kind in measured_module.TABLES) and "README.md" in text
+
+
+def test_bad_input_is_one_line(capsys):
+    assert publish.main(["--musclebench", "/no/such/program"]) == 2
+    assert publish.main(["--data", "/no/such/data"]) == 2
+    assert capsys.readouterr().err.count("\n") == 2
+
+
+@pytest.fixture
+def rehearsal(tmp_path, monkeypatch):
+    """publish with studies that only leave what fake runs hold; gives (exit code, folder)."""
+    def study(command, **_):
+        out = Path(command[command.index("--out") + 1])
+        if not (out / "raw" / "a").exists():
+            fake_runs.write_run(out / "raw" / "a", "synthetic/iliacus", "voxel")
+        (out / "tables").mkdir(exist_ok=True)
+        shutil.copyfile(PROJECT / "reports" / "measured" / "paper-synthetic" / "table_2_times.csv",
+                        out / "tables" / "table_2_times.csv")
+        return subprocess.CompletedProcess(command, 3 if "speed" in command[1] else 0)
+
+    monkeypatch.setattr(publish.subprocess, "run", study)
+
+    def run(*more):
+        return publish.main(["--quick", "--musclebench", sys.executable, "--out", str(tmp_path / "out"), *more])
+
+    return run, tmp_path / "out"
+
+
+def test_a_rehearsal_leaves_the_projects_pages_alone(rehearsal, capsys):
+    run, out = rehearsal
+    before = {name: path.read_text() for name, path in PAGES.items()}
+    assert run("--only", "paper") == 0
+    assert {name: path.read_text() for name, path in PAGES.items()} == before
+    page = (out / "pages" / "README.md").read_text()
+    assert "commit abc1234, A processor" in page and "[1/1] paper-synthetic" in capsys.readouterr().out
+
+
+def test_a_study_that_fails_is_told_and_the_others_are_written(rehearsal, capsys):
+    run, out = rehearsal
+    assert run("--only", "paper", "--only", "speed") == 1
+    told = capsys.readouterr()
+    assert "speed-synthetic ended with 3" in told.err and "Not all was published." in told.out
+    assert (out / "measured" / "paper-synthetic" / "source.json").is_file()
