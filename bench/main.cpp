@@ -1,11 +1,13 @@
 #include <csignal>
 #include <filesystem>
 #include <new>
+#include <span>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/commands/commands.hpp"
+#include "bench/commands/suggestion.hpp"
 #include "bench/results/build_info.hpp"
 #include "core/base/input_error.hpp"
 
@@ -37,7 +39,9 @@ int main(int argc, char** argv) {
     if (error.get_exit_code() == 0) {
       return app.exit(error);
     }
-    fmt::print(stderr, "musclebench: {}; --help shows the options\n", InputError("command line", error.what()).what());
+    const auto nearest = suggestion(app, std::span(argv, static_cast<std::size_t>(argc)).subspan(argc > 0 ? 1 : 0));
+    fmt::print(stderr, "musclebench: {}; --help shows the options\n",
+               InputError("command line", nearest.value_or(error.what())).what());
     return exit_bad_input;
   } catch (const InputError& error) {
     fmt::print(stderr, "musclebench: {}\n", error.what());

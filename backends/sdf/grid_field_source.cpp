@@ -107,7 +107,7 @@ class GridFieldSource final : public FieldSource {
   [[nodiscard]] Made make(const Bone& bone, int threads, const std::function<void(double)>& progress) const override {
     const GridShape shape = grid_over(bone.surface.mesh, m_grid, bone.name);
     const StoredField<CubicField> stored{
-        [&] { return build_field(SignedSurface(bone.surface), shape, m_settings, threads, progress); },
+        [&] { return build_field(bone.signed_distance(), shape, m_settings, threads, progress); },
         [&](const std::filesystem::path& path, const std::string& digest) {
           return load_field(path, digest, shape, m_settings);
         },
@@ -144,7 +144,7 @@ class DiscregridFieldSource final : public FieldSource {
                           const std::function<void(double)>& /*progress*/) const override {
     const std::filesystem::path path = m_folder / (bone_file_name(bone.name) + ".cdf");
     CubicField field = read_discregrid(path, threads);
-    const SignedSurface surface(bone.surface);
+    const SignedSurface& surface = bone.signed_distance();
     require_field_of(field, bone.surface.mesh, surface, bone.name, path);
     field.facts().error = estimate_error(field, surface, samples_of_foreign);
     return {std::make_unique<GridBoneField>(std::move(field)), true};

@@ -56,7 +56,7 @@ class OctreeFieldSource final : public FieldSource {
   [[nodiscard]] Made make(const Bone& bone, int threads, const std::function<void(double)>& progress) const override {
     const StoredField<OctreeField> stored{
         [&] {
-          return build_octree(SignedSurface(bone.surface), bone.surface.mesh, m_settings, bone.name, threads, progress);
+          return build_octree(bone.signed_distance(), bone.surface.mesh, m_settings, bone.name, threads, progress);
         },
         [&](const std::filesystem::path& path, const std::string& digest) {
           return load_octree(path, digest, m_settings);

@@ -34,7 +34,7 @@ class VoxelBackend final : public CollisionBackend {
     m_grids.clear();
     for (const Bone& bone : bones()) {
       m_grids.emplace_back(
-          bone.surface.mesh, m_cells, m_voxel_size_m,
+          bone.surface.mesh, bone.tree(), m_cells, m_voxel_size_m,
           fmt::format("voxel: {} (bone '{}')", m_voxel_size_m > 0 ? "voxel_size_m" : "cells", bone.name));
     }
   }

@@ -8,7 +8,6 @@
 
 #include "core/base/input_error.hpp"
 #include "core/base/system_memory.hpp"
-#include "core/bvh/triangle_bvh.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
@@ -50,7 +49,8 @@ bool triangle_touches_box(const std::array<Vec3, 3>& triangle, const Vec3& centr
 
 }  // namespace
 
-VoxelGrid::VoxelGrid(const TriangleMesh& surface, int cells, double voxel_size_m, const std::string& name) {
+VoxelGrid::VoxelGrid(const TriangleMesh& surface, const TriangleBvh& tree, int cells, double voxel_size_m,
+                     const std::string& name) {
   size_cells(surface, cells, voxel_size_m);
   const double total = m_counts_real.prod();
   constexpr double bytes_while_building = 2 * sizeof(Cell) + 1.0 / 8;
@@ -61,7 +61,7 @@ VoxelGrid::VoxelGrid(const TriangleMesh& surface, int cells, double voxel_size_m
 
   std::vector<Cell> states(index(0, 0, m_counts[2]), Cell::unknown);
   mark_border(surface, states);
-  mark_inside(surface, states);
+  mark_inside(tree, states);
   m_bits.assign((states.size() + 63) / 64, 0);
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (states[i] == Cell::border || states[i] == Cell::inside) {
@@ -122,8 +122,7 @@ void VoxelGrid::mark_border(const TriangleMesh& surface, std::vector<Cell>& stat
 
 /// The cells that the surface does not touch form connected regions, each wholly inside or outside: one winding number
 /// decides. (A flood fill from a corner of the grid would take every enclosed cavity for inside.)
-void VoxelGrid::mark_inside(const TriangleMesh& surface, std::vector<Cell>& states) const {
-  const TriangleBvh tree(surface);
+void VoxelGrid::mark_inside(const TriangleBvh& tree, std::vector<Cell>& states) const {
   for (int z = 0; z < m_counts[2]; ++z) {
     for (int y = 0; y < m_counts[1]; ++y) {
       for (int x = 0; x < m_counts[0]; ++x) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/bvh/triangle_bvh.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
@@ -16,8 +17,12 @@ class VoxelGrid {
  public:
   /// `cells` along each axis of the surface's bounding box, so that cells are not cubes (as in the paper's public
   /// code); or, if `voxel_size_m` > 0, cubes of that size. `surface` is closed. Throws InputError, which names `name`,
-  /// when the grid needs more memory than is available.
-  VoxelGrid(const TriangleMesh& surface, int cells, double voxel_size_m, const std::string& name);
+  /// when the grid needs more memory than is available. `tree` is
+  /// that of the surface.
+  VoxelGrid(const TriangleMesh& surface, const TriangleBvh& tree, int cells, double voxel_size_m,
+            const std::string& name);
+  VoxelGrid(const TriangleMesh& surface, int cells, double voxel_size_m, const std::string& name)
+      : VoxelGrid(surface, TriangleBvh(surface), cells, voxel_size_m, name) {}
 
   /// `scaled` is a point in units of cells from `lower()`.
   [[nodiscard]] bool contains_scaled(const Vec3& scaled) const {
@@ -47,7 +52,7 @@ class VoxelGrid {
   }
   void size_cells(const TriangleMesh& surface, int cells, double voxel_size_m);
   void mark_border(const TriangleMesh& surface, std::vector<Cell>& states) const;
-  void mark_inside(const TriangleMesh& surface, std::vector<Cell>& states) const;
+  void mark_inside(const TriangleBvh& tree, std::vector<Cell>& states) const;
   void flood(const std::array<int, 3>& seed, Cell region, std::vector<Cell>& states) const;
 
   Vec3 m_lower = Vec3::Zero();

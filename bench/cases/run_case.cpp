@@ -34,13 +34,18 @@ class CaseRunner {
  public:
   explicit CaseRunner(const RunCase& run) : m_run(run), m_scene(run.scene), m_divergence(run.scene) {}
 
-  RunResult run(const std::function<void(int)>& report, const std::function<void(double)>& report_build) {
+  RunResult run(const std::function<void(int)>& report, const std::function<void(double)>& report_build,
+                const std::function<bool()>& is_stopped) {
     start(report_build);
     const Nanoseconds start_ns = monotonic_now_ns();
     keep_snapshot(0);
     for (int frame = 1; frame <= m_scene.loop.frames && m_result.status == "ok"; ++frame) {
       step(frame);
       report(frame);
+      if (m_result.status == "ok" && frame < m_scene.loop.frames && is_stopped && is_stopped()) {
+        m_result.status = "interrupted";
+        m_result.status_detail = fmt::format("after frame {} of {}", frame, m_scene.loop.frames);
+      }
     }
     m_result.wall_ns = monotonic_now_ns() - start_ns;
     m_result.memory_after_bytes = memory_needed_bytes();
@@ -136,8 +141,8 @@ class CaseRunner {
 }  // namespace
 
 RunResult run_case(const RunCase& run, const std::function<void(int)>& report,
-                   const std::function<void(double)>& report_build) {
-  return CaseRunner(run).run(report, report_build);
+                   const std::function<void(double)>& report_build, const std::function<bool()>& is_stopped) {
+  return CaseRunner(run).run(report, report_build, is_stopped);
 }
 
 }  // namespace musclebench

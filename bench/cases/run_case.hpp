@@ -26,7 +26,7 @@ struct Snapshot {
 };
 
 struct RunResult {
-  std::string status = "ok";  ///< ok or diverged
+  std::string status = "ok";  ///< ok, diverged or interrupted
   std::string status_detail;
   std::vector<std::string> effect_names;
   std::vector<StepRecord> records;
@@ -47,8 +47,10 @@ struct RunResult {
 };
 
 /// Runs the case. `report` is called after each frame, `report_build` now and then before the first. A run that blows
-/// up ends with status `diverged` at that frame. Throws InputError when the backend's parameters do not fit the scene.
+/// up ends with status `diverged` at that frame; one that `is_stopped` stops after a frame, with status `interrupted`.
+/// Throws InputError when the backend's parameters do not fit the scene.
 RunResult run_case(const RunCase& run, const std::function<void(int frames_done)>& report,
-                   const std::function<void(double share)>& report_build = {});
+                   const std::function<void(double share)>& report_build = {},
+                   const std::function<bool()>& is_stopped = {});
 
 }  // namespace musclebench

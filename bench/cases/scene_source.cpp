@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
+#include "core/base/input_file.hpp"
 #include "core/scene/read_scene.hpp"
 #include "datasets/embedded/embedded_files.hpp"
 #include "datasets/synthetic_hip.hpp"
@@ -29,12 +28,17 @@ std::vector<std::string> names_of(std::span<const EmbeddedFile> files) {
   return names;
 }
 
-std::string read_text(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::is_directory(path)) {
-    throw InputError(path.string(), "cannot be read; is the path right?");
+/// Scenes are written by hand; what is larger is something else.
+constexpr std::uintmax_t most_bytes_of_a_scene = 4 << 20;
+
+[[noreturn]] void refuse_name(const std::string& name) {
+  const std::string file = name + ".toml";
+  if (std::filesystem::exists(file)) {
+    throw InputError(name, fmt::format("is neither an embedded scene nor a .toml file; did you mean '{}'?", file));
   }
-  return {std::istreambuf_iterator<char>(file), {}};
+  throw InputError(name, fmt::format("is neither an embedded scene nor a .toml file; did you mean '{}'? "
+                                     "`musclebench list` shows all scenes",
+                                     nearest_word(name, names_of(embedded_scenes()))));
 }
 
 std::string preset_text(const std::string& name) {
@@ -81,6 +85,7 @@ Scene load_scene(const SceneChoice& choice) {
   request.synthetic_mesh = synthetic_mesh;
   request.data_folder = data_folder(choice.data);
   request.loop_overrides = choice.loop_overrides;
+  request.notes_obstacles = choice.notes_obstacles;
   if (const EmbeddedFile* file = find_file(embedded_scenes(), choice.scene)) {
     request.name = choice.scene;
     request.file = choice.scene;
@@ -89,12 +94,9 @@ Scene load_scene(const SceneChoice& choice) {
     request.name = std::filesystem::path(choice.scene).stem().string();
     request.file = choice.scene;
     request.folder = std::filesystem::path(choice.scene).parent_path();
-    request.text = read_text(choice.scene);
+    request.text = InputFile(choice.scene).text(most_bytes_of_a_scene);
   } else {
-    const std::vector<std::string> names = names_of(embedded_scenes());
-    throw InputError(choice.scene, fmt::format("is neither an embedded scene nor a .toml file; did you mean '{}'? "
-                                               "`musclebench list` shows all scenes",
-                                               nearest_word(choice.scene, names)));
+    refuse_name(choice.scene);
   }
   return read_scene(request);
 }

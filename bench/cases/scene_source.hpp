@@ -16,6 +16,7 @@ struct SceneChoice {
   std::string preset;  ///< empty: the scene's own
   std::string data;    ///< folder of the anatomical data; empty: $MUSCLEBENCH_DATA
   std::map<std::string, ParameterValue> loop_overrides;
+  bool notes_obstacles = false;  ///< see SceneRequest
 };
 
 /// Reads the scene. Throws InputError; an unknown name is answered with the list of embedded scenes.

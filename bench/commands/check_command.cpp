@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <filesystem>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -6,6 +9,7 @@
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
 #include "core/referee/referee.hpp"
+#include "core/scene/scene_warnings.hpp"
 #include "datasets/embedded/embedded_files.hpp"
 
 namespace musclebench {
@@ -44,6 +48,16 @@ void print_overlaps(const Scene& scene) {
   }
 }
 
+void print_muscle(const Scene& scene) {
+  print_report(fmt::format("muscle {} ({})", scene.muscle_name, scene.muscle.reference), scene.muscle_file.mesh);
+  for (const std::string& change : scene.muscle_file.changes) {
+    fmt::print("  cleaned for simulation: {}\n", change);
+  }
+  if (!scene.muscle_file.changes.empty()) {
+    print_report(fmt::format("  simulated: {} nodes", scene.muscle.mesh.vertices.size()), scene.muscle.mesh);
+  }
+}
+
 void check_scene(const SceneChoice& choice) {
   const Scene scene = load_scene(choice);
   fmt::print("scene {}: {} (preset {})\n", scene.name, scene.title, scene.preset.empty() ? "none" : scene.preset);
@@ -54,7 +68,7 @@ void check_scene(const SceneChoice& choice) {
       fmt::print("  repaired for collision: {}\n", change);
     }
   }
-  print_report(fmt::format("muscle {} ({})", scene.muscle_name, scene.muscle.reference), scene.muscle.mesh);
+  print_muscle(scene);
   print_overlaps(scene);
   if (scene.attach_at_first_contact) {
     fmt::print("attachments: nodes that collide before the first frame; their number depends on the backend\n");
@@ -64,17 +78,22 @@ void check_scene(const SceneChoice& choice) {
                scene.bones[attachment.bone].name);
   }
   const std::vector<std::string> warnings = scene_warnings(scene);
+  for (const std::string& obstacle : scene.obstacles) {
+    fmt::print("can't be run: {}\n", obstacle);
+  }
   for (const std::string& warning : warnings) {
     fmt::print("warning: {}\n", warning);
   }
-  if (warnings.empty()) {
+  if (warnings.empty() && scene.obstacles.empty()) {
     fmt::print("no warnings\n");
   }
 }
 
+/// A word that is no file is a scene's, wrongly written: reading scenes says which one may be meant.
 bool names_scene(const std::string& target) {
   const auto scenes = embedded_scenes();
   return target.ends_with(".toml") ||
+         (!std::filesystem::exists(target) && !std::filesystem::path(target).has_extension()) ||
          std::any_of(scenes.begin(), scenes.end(), [&](const EmbeddedFile& file) { return file.name == target; });
 }
 
@@ -87,6 +106,7 @@ void add_check_command(CLI::App& app, int& exit_code) {
       ->required();
   command->add_option("--data", choice->data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
   command->callback([choice, &exit_code] {
+    choice->notes_obstacles = true;
     if (names_scene(choice->scene)) {
       check_scene(*choice);
     } else {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
+#include "core/scene/scene_warnings.hpp"
 
 namespace musclebench {
 

@@ -8,6 +8,7 @@
 #include "bench/commands/commands.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/process/signals.hpp"
+#include "bench/results/other_case.hpp"
 #include "bench/results/probe_output.hpp"
 #include "bench/results/result_folder.hpp"
 
@@ -66,6 +67,9 @@ int run_probe(const ProbeOptions& options) {
   if (!options.force && is_complete(out, id, "probe.csv")) {
     fmt::print("{} with {}: complete already in {} (--force runs it again)\n", scene.name, backend.name, out);
     return 0;
+  }
+  if (!options.force) {
+    require_no_other_case(out, what, "probe");
   }
   {
     const HeldSignals held;

@@ -8,6 +8,7 @@
 #include "bench/process/progress.hpp"
 #include "bench/process/signals.hpp"
 #include "bench/results/manifest.hpp"
+#include "bench/results/other_case.hpp"
 #include "bench/results/replay_output.hpp"
 #include "bench/results/result_folder.hpp"
 #include "bench/results/summary.hpp"
@@ -126,6 +127,9 @@ int replay(const ReplayOptions& options) {
   if (!options.force && is_complete(out, id, "frames.csv")) {
     fmt::print("{} replayed to {}: complete already in {} (--force replays it again)\n", scene.name, backend.name, out);
     return 0;
+  }
+  if (!options.force) {
+    require_no_other_case(out, replay, "replay");
   }
   {
     const HeldSignals held;

@@ -9,6 +9,7 @@
 #include "bench/commands/commands.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/process/signals.hpp"
+#include "bench/results/other_case.hpp"
 #include "bench/results/result_folder.hpp"
 #include "bench/results/run_output.hpp"
 #include "bench/results/summary.hpp"
@@ -89,8 +90,10 @@ RunResult run_and_write(const RunCase& run, const RunOptions& options, const std
         [&](int done) {
           building.reset();
           progress.show(done);
+          until_written->stop_after_frame();
         },
-        [&](double share) { building->show(static_cast<int>(share * build_steps)); });
+        [&](double share) { building->show(static_cast<int>(share * build_steps)); },
+        [&] { return until_written->is_stopped(); });
   }
   const HeldSignals held;
   write_run(out, run, result);
@@ -114,6 +117,9 @@ int run(RunOptions options) {
     fmt::print("{} with {}: complete already in {} (--force runs it again)\n", scene.name, backend.name, out);
     return 0;
   }
+  if (!options.force) {
+    require_no_other_case(out, run_of, "coupled");
+  }
   {
     const HeldSignals held;
     require_writable(out);
@@ -128,6 +134,10 @@ int run(RunOptions options) {
   if (result.status == "diverged") {
     fmt::print(stderr, "musclebench: {}: diverged: {}\n", scene.name, result.status_detail);
     return exit_diverged;
+  }
+  if (result.status == "interrupted") {
+    fmt::print(stderr, "musclebench: {}: interrupted {}; its rows are kept\n", scene.name, result.status_detail);
+    return exit_interrupted;
   }
   return 0;
 }

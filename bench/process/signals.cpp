@@ -19,16 +19,29 @@ char temporary_file[PATH_MAX] = "";
 volatile std::sig_atomic_t held_count = 0;
 volatile std::sig_atomic_t was_signalled = 0;
 
+/// 1: the first signal stops after the frame. 2: it has come.
+volatile std::sig_atomic_t stop_state = 0;
+
+void say(const char* message, std::size_t length) {
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, message, length);
+}
+
 void end_at_once(int /*signal*/) {
   if (held_count > 0) {
     was_signalled = 1;
+    return;
+  }
+  if (stop_state == 1) {
+    stop_state = 2;
+    static constexpr char message[] = "\nmusclebench: interrupted; ends after this frame (once more: at once)\n";
+    say(message, sizeof message - 1);
     return;
   }
   if (temporary_file[0] != '\0') {
     unlink(temporary_file);
   }
   static constexpr char message[] = "\nmusclebench: interrupted; nothing was written\n";
-  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, message, sizeof message - 1);
+  say(message, sizeof message - 1);
   _exit(exit_interrupted);
 }
 
@@ -49,9 +62,14 @@ EndAtOnce::EndAtOnce() {
 
 EndAtOnce::~EndAtOnce() {
   --end_at_once_count;
+  stop_state = 0;
   choose_handler();
   temporary_file[0] = '\0';
 }
+
+void EndAtOnce::stop_after_frame() { stop_state = stop_state == 0 ? 1 : stop_state; }
+
+bool EndAtOnce::is_stopped() const { return stop_state == 2; }
 
 void EndAtOnce::remove_first(const std::filesystem::path& file) {
   const HeldSignals held;

@@ -102,7 +102,12 @@ Json json_of_inputs(const Scene& scene) {
     bone["motion"] = json_of(scene.motions[i]);
     bones.push_back(bone);
   }
-  return {{"muscle", json_of(scene.muscle_name, scene.muscle)}, {"bones", bones}};
+  Json muscle = json_of(scene.muscle_name, scene.muscle);
+  muscle["vertices"] = scene.muscle_file.mesh.vertices.size();
+  muscle["triangles"] = scene.muscle_file.mesh.triangles.size();
+  muscle["nodes"] = scene.muscle.mesh.vertices.size();
+  muscle["repairs"] = scene.muscle_file.changes;
+  return {{"muscle", muscle}, {"bones", bones}};
 }
 
 Json json_of_build() {

@@ -18,7 +18,8 @@ inline constexpr int schema_version = 1;
 /// Names that are no UTF-8 are written with replacement characters. `indent` < 0: on one line.
 std::string text_of(const Json& json, int indent = -1);
 
-/// Scene, backend, response, parameters, threads, effects and loop. `mode` is how it was measured: coupled, replay, probe.
+/// Scene, backend, response, parameters, threads, effects and loop. `mode` is how it was measured: coupled, replay,
+/// probe.
 Json json_of_case(const Case& resolved, std::string_view mode);
 
 /// Keys "muscle" and "bones": meshes with their hashes, repairs, motions.

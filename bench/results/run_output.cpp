@@ -128,19 +128,22 @@ void write_snapshot(const fs::path& path, const Snapshot& snapshot, const RunCas
   for (const BoundNode& bound : bound_nodes) {
     attached[bound.node] = 1;
   }
-  const std::vector<Triangle>& triangles = run.scene.muscle.mesh.triangles;
+  const MuscleFile& muscle = run.scene.muscle_file;  // its vertices, in its order
+  const std::vector<Triangle>& triangles = muscle.mesh.triangles;
   std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double "
       "z\n"
       "property double depth_m\nproperty uchar attached\nelement face {}\nproperty list uchar int vertex_indices\n"
       "end_header\n",
-      snapshot.positions.size(), triangles.size());
-  for (std::size_t i = 0; i < snapshot.positions.size(); ++i) {
+      muscle.mesh.vertices.size(), triangles.size());
+  for (std::size_t i = 0; i < muscle.mesh.vertices.size(); ++i) {
+    const int node = muscle.node_of_vertex[i];
+    const Vec3& position = node < 0 ? muscle.mesh.vertices[i] : snapshot.positions[node];
     for (int axis = 0; axis < 3; ++axis) {
-      put(bytes, snapshot.positions[i][axis]);
+      put(bytes, position[axis]);
     }
-    put(bytes, snapshot.depths_m[i]);
-    put(bytes, attached[i]);
+    put(bytes, node < 0 ? 0.0 : snapshot.depths_m[node]);
+    put(bytes, node < 0 ? static_cast<unsigned char>(0) : attached[node]);
   }
   for (const Triangle& triangle : triangles) {
     put(bytes, static_cast<unsigned char>(3));

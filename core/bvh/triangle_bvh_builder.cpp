@@ -70,7 +70,7 @@ void TriangleBvhBuilder::build() {
   (void)add({0, static_cast<int>(m_order.size())}, 0);
   m_tree.m_nodes.shrink_to_fit();
   m_tree.m_clusters.shrink_to_fit();
-  m_tree.m_leaves.shrink_to_fit();
+  fill_leaves();
 }
 
 void TriangleBvhBuilder::choose_frame() {
@@ -294,25 +294,33 @@ bool TriangleBvhBuilder::set_triangle(int triangle, std::size_t lane, BvhLeaf& l
 }
 
 int TriangleBvhBuilder::add_leaf(Range range) {
-  BvhLeaf leaf{};
-  leaf.count = range.count();
-  const auto index = static_cast<int>(m_tree.m_leaves.size());
-  for (std::size_t lane = 0; lane < bvh_width; ++lane) {
-    if (static_cast<int>(lane) < leaf.count) {
-      const int triangle = m_order[static_cast<std::size_t>(range.begin) + lane];
-      leaf.slivers |= static_cast<std::uint32_t>(set_triangle(triangle, lane, leaf)) << lane;
-      m_tree.m_leaf_of[static_cast<std::size_t>(triangle)] = index;
-    } else {
-      put(Vec3::Constant(bvh_far_away), lane, leaf.origin);
-      put(Vec3::UnitX(), lane, leaf.along);
-      put(Vec3::UnitY(), lane, leaf.up);
-      leaf.triangle[lane] = -1;
+  NotedLeaf& noted = m_noted.emlane_back();
+  noted.range = range;
+  noted.ancestors.fill(-1);
+  std::copy_n(m_path.rbegin(), std::min(m_path.size(), noted.ancestors.size()), noted.ancestors.begin());
+  return ~static_cast<int>(m_noted.size() - 1);
+}
+
+void TriangleBvhBuilder::fill_leaves() {
+  m_tree.m_leaves.resize(m_noted.size());
+  for (std::size_t index = 0; index < m_noted.size(); ++index) {
+    BvhLeaf& leaf = m_tree.m_leaves[index];
+    const Range range = m_noted[index].range;
+    leaf.count = range.count();
+    leaf.ancestors = m_noted[index].ancestors;
+    for (std::size_t lane = 0; lane < bvh_width; ++lane) {
+      if (static_cast<int>(lane) < leaf.count) {
+        const int triangle = m_order[static_cast<std::size_t>(range.begin) + lane];
+        leaf.slivers |= static_cast<std::uint32_t>(set_triangle(triangle, lane, leaf)) << lane;
+        m_tree.m_leaf_of[static_cast<std::size_t>(triangle)] = static_cast<int>(index);
+      } else {
+        put(Vec3::Constant(bvh_far_away), lane, leaf.origin);
+        put(Vec3::UnitX(), lane, leaf.along);
+        put(Vec3::UnitY(), lane, leaf.up);
+        leaf.triangle[lane] = -1;
+      }
     }
   }
-  leaf.ancestors.fill(-1);
-  std::copy_n(m_path.rbegin(), std::min(m_path.size(), leaf.ancestors.size()), leaf.ancestors.begin());
-  m_tree.m_leaves.push_back(leaf);
-  return ~index;
 }
 
 int TriangleBvhBuilder::add(Range range, int depth) {

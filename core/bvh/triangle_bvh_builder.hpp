@@ -45,7 +45,9 @@ class TriangleBvhBuilder {
   void choose_frame();
   /// Adds a node (or leaf) and all below it; returns its index as BvhNode::child has it.
   [[nodiscard]] int add(Range range, int depth);
+  /// Only notes the leaf: all are filled at the end, when their number is known, into memory of the right size.
   [[nodiscard]] int add_leaf(Range range);
+  void fill_leaves();
   [[nodiscard]] std::pair<Range, Range> split(Range range, int depth);
   /// Returns where the upper part begins; the range's begin or end where no split is worth its cost.
   [[nodiscard]] int split_by_area(Range range, const Box& spread);
@@ -71,6 +73,11 @@ class TriangleBvhBuilder {
   TriangleBvh& m_tree;
   std::vector<Box> m_boxes;          ///< by triangle
   std::vector<int> m_order;          ///< triangles, those of a range together
+  struct NotedLeaf {
+    Range range;
+    decltype(BvhLeaf::ancestors) ancestors;
+  };
+  std::vector<NotedLeaf> m_noted;
   std::vector<std::int32_t> m_path;  ///< from the root to the node that is being filled
 };
 

@@ -8,18 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "core/contact/bone.hpp"
 #include "core/contact/contact.hpp"
 #include "core/mesh/rigid_motion.hpp"
-#include "core/mesh_repair/repair_mesh.hpp"
 
 namespace musclebench {
-
-/// A rigid bone as a backend gets it: its repaired surface in rest pose. In a scene it is numbered coherently
-/// (`sort_in_morton_order`): what lies close together does so in memory, too.
-struct Bone {
-  std::string name;
-  RepairedMesh surface;
-};
 
 /// What a backend can do, and what the contract tests and the response may expect of it.
 struct Capabilities {

@@ -1,11 +1,9 @@
 #include "core/mesh/mesh_edges.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <numeric>
-#include <unordered_map>
 
 #include <Eigen/Geometry>
 
@@ -43,6 +41,16 @@ MeshEdges::MeshEdges(const TriangleMesh& mesh) {
   m_first.push_back(static_cast<int>(m_uses.size()));
 }
 
+std::vector<int> edge_of_sides(const TriangleMesh& mesh, const MeshEdges& edges) {
+  std::vector<int> edge_of_side(3 * mesh.triangles.size(), -1);
+  for (int edge = 0; edge < edges.count(); ++edge) {
+    for (const EdgeUse& use : edges.uses(edge)) {
+      edge_of_side[use.corner] = edge;
+    }
+  }
+  return edge_of_side;
+}
+
 DisjointSets::DisjointSets(int count) : m_parent(count) { std::iota(m_parent.begin(), m_parent.end(), 0); }
 
 int DisjointSets::find(int element) {
@@ -61,27 +69,32 @@ void DisjointSets::unite(int a, int b) {
 
 namespace {
 
-struct PositionHash {
-  std::size_t operator()(const std::array<double, 3>& position) const {
-    std::uint64_t hash = 0x9e3779b97f4a7c15ULL;
-    for (const double coordinate : position) {
-      hash = (hash ^ std::bit_cast<std::uint64_t>(coordinate)) * 0xff51afd7ed558ccdULL;
-      hash ^= hash >> 32;
-    }
-    return hash;
+std::size_t hash_of(const Vec3& position) {
+  std::uint64_t hash = 0x9e3779b97f4a7c15ULL;
+  for (const double coordinate : position) {
+    // Adding zero turns -0 into 0: equal positions must have equal bits.
+    hash = (hash ^ std::bit_cast<std::uint64_t>(coordinate + 0.0)) * 0xff51afd7ed558ccdULL;
+    hash ^= hash >> 32;
   }
-};
+  return hash;
+}
 
 }  // namespace
 
 std::vector<int> first_at_position(const std::vector<Vec3>& vertices) {
-  std::unordered_map<std::array<double, 3>, int, PositionHash> known;
-  known.reserve(vertices.size());
+  // Open addressing: a table twice as large as what it holds, which is indices only.
+  std::vector<int> table(std::bit_ceil(2 * vertices.size() + 1), -1);
+  const std::size_t mask = table.size() - 1;
   std::vector<int> first(vertices.size());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    // Adding zero turns -0 into 0: equal positions must have equal bits.
-    const std::array<double, 3> key{vertices[i].x() + 0.0, vertices[i].y() + 0.0, vertices[i].z() + 0.0};
-    first[i] = known.try_emplace(key, static_cast<int>(i)).first->second;
+    std::size_t slot = hash_of(vertices[i]) & mask;
+    while (table[slot] >= 0 && vertices[static_cast<std::size_t>(table[slot])] != vertices[i]) {
+      slot = (slot + 1) & mask;
+    }
+    if (table[slot] < 0) {
+      table[slot] = static_cast<int>(i);
+    }
+    first[i] = table[slot];
   }
   return first;
 }

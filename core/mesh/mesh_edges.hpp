@@ -34,6 +34,9 @@ class MeshEdges {
   std::vector<int> m_first;  ///< by edge, index of its first use; and the number of uses
 };
 
+/// Edge index of each side (3 * triangle + k), -1 for a side that is no edge.
+std::vector<int> edge_of_sides(const TriangleMesh& mesh, const MeshEdges& edges);
+
 /// Disjoint sets (union-find) of 0 .. count-1; the smallest element represents a set.
 class DisjointSets {
  public:

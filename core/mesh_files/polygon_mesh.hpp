@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -35,6 +36,18 @@ PolygonMesh parse_obj(std::string_view text, const std::string& place);  ///< `v
 PolygonMesh parse_off(std::string_view text, const std::string& place);  ///< OFF, COFF, NOFF, STOFF as text
 PolygonMesh parse_stl(std::string_view text, const std::string& place);  ///< ASCII and binary; one vertex a corner
 
+/// The beginning of a file that is too large to be read for nothing.
+struct FileHead {
+  std::string bytes;
+  std::uintmax_t file_bytes = 0;
+};
+
+/// Throw InputError for what the head already tells to be no file of that format. `parse_...` checks the rest.
+void require_ply_head(const FileHead& head, const std::string& place);
+void require_obj_head(const FileHead& head, const std::string& place);
+void require_off_head(const FileHead& head, const std::string& place);
+void require_stl_head(const FileHead& head, const std::string& place);
+
 /// Builds a PolygonMesh and checks what goes in.
 class PolygonMeshBuilder {
  public:
@@ -57,6 +70,11 @@ class PolygonMeshBuilder {
                                             m_faces, index));
     }
     m_mesh.corners.push_back(static_cast<int>(index));
+    if (m_mesh.corners.size() - m_begin > most_corners) {
+      throw InputError(
+          m_place, fmt::format("face {} (counted from 0) has more than {} corners; split it into triangles", m_faces,
+                               most_corners));
+    }
   }
   /// Faces of one or two corners are points and lines: they count, but bound nothing and are left out.
   void end_polygon();
@@ -65,6 +83,9 @@ class PolygonMeshBuilder {
   PolygonMesh finish();
 
  private:
+  /// Cutting a polygon takes the square of its corners.
+  static constexpr std::size_t most_corners = 1000;
+
   const std::string& m_place;
   PolygonMesh m_mesh;
   std::size_t m_begin = 0;

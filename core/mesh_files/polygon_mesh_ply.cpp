@@ -93,7 +93,7 @@ Property parse_property(const TextLines& lines) {
 /// The end of the header: where the body begins. 0 where there is none within the first bytes, as in garbage.
 std::size_t find_body(std::string_view text) {
   constexpr std::string_view last_word = "\nend_header";
-  constexpr std::size_t longest_header = 1 << 20;
+  constexpr std::size_t longest_header = 1 << 19;  // less than what a FileHead holds
   const std::size_t found = text.substr(0, longest_header).find(last_word);
   if (found == std::string_view::npos) {
     return 0;
@@ -288,6 +288,8 @@ void read_others(Body& body, const Element& element, PolygonMeshBuilder& builder
 }
 
 }  // namespace
+
+void require_ply_head(const FileHead& head, const std::string& place) { (void)parse_header(head.bytes, place); }
 
 PolygonMesh parse_ply(std::string_view text, const std::string& place) {
   const Header header = parse_header(text, place);

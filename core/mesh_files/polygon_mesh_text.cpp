@@ -4,6 +4,9 @@
 #include <cstring>
 #include <initializer_list>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "core/mesh_files/polygon_mesh.hpp"
 
 namespace musclebench {
@@ -55,14 +58,10 @@ void require_plain_off(const TextLines& lines) {
 
 /// The next line must begin with `words`.
 void expect_line(TextLines& lines, std::initializer_list<std::string_view> words) {
-  std::string expected;
-  for (const std::string_view word : words) {
-    expected += (expected.empty() ? "" : " ") + std::string(word);
-  }
   const bool is_there = lines.next_filled(false) && lines.words().size() >= words.size();
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (!is_there || lower_case(lines.words()[i]) != words.begin()[i]) {
-      lines.fail(fmt::format("is not '{}' as it should be; the file is cut off or broken", expected));
+      lines.fail(fmt::format("is not '{}' as it should be; the file is cut off or broken", fmt::join(words, " ")));
     }
   }
 }
@@ -98,12 +97,67 @@ PolygonMesh parse_ascii_stl(std::string_view text, const std::string& place) {
   return builder.finish();
 }
 
+void require_text(std::string_view text, std::string_view format, const std::string& place) {
+  if (text.find('\0') != std::string_view::npos) {
+    throw InputError(place, fmt::format("is no text, so it is no {} file; check the file's ending", format));
+  }
+}
+
+/// `solid` begins a text; its binary sibling tells its own size.
+bool begins_as_ascii_stl(std::string_view text) {
+  const std::size_t begin = std::min(text.find_first_not_of(" \t\r\n"), text.size());
+  return lower_case(text.substr(begin, 5)) == "solid" && text.find('\0') == std::string_view::npos;
+}
+
+std::uint32_t binary_stl_facets(std::string_view text) {
+  std::uint32_t facets = 0;
+  if (text.size() >= 84) {
+    std::memcpy(&facets, text.data() + 80, sizeof(facets));
+  }
+  return facets;
+}
+
+/// Binary files may begin with "solid", too: only their size tells.
+bool is_binary_stl(std::string_view text, std::uintmax_t file_bytes) {
+  return text.size() >= 84 && file_bytes == 84 + 50 * static_cast<std::uintmax_t>(binary_stl_facets(text));
+}
+
+[[noreturn]] void refuse_stl(std::string_view text, std::uintmax_t file_bytes, const std::string& place) {
+  const std::uintmax_t facets = binary_stl_facets(text);
+  throw InputError(place,
+                   fmt::format("is neither an STL text nor a binary STL file ({} bytes, where the {} facets that its "
+                               "header promises take {}); copy or export it anew",
+                               file_bytes, facets, 84 + 50 * facets));
+}
+
 }  // namespace
 
-PolygonMesh parse_obj(std::string_view text, const std::string& place) {
-  if (text.find('\0') != std::string_view::npos) {
-    throw InputError(place, "is no text, so it is no OBJ file; check the file's ending");
+void require_obj_head(const FileHead& head, const std::string& place) {
+  require_text(head.bytes, "OBJ", place);
+  const bool has_vertex = head.bytes.starts_with("v ") || head.bytes.find("\nv ") != std::string::npos ||
+                          head.bytes.find("\nv\t") != std::string::npos || head.bytes.find("\rv ") != std::string::npos;
+  if (!has_vertex) {
+    throw InputError(place, "has no vertex line ('v x y z') within its first megabyte; is it an OBJ file?");
   }
+}
+
+void require_off_head(const FileHead& head, const std::string& place) {
+  require_text(head.bytes, "OFF", place);
+  const std::string counts_only = head.bytes.substr(0, head.bytes.rfind('\n') + 1);
+  TextLines lines(counts_only, place);
+  if (lines.next_filled(true) && lines.words()[0].find("OFF") == std::string_view::npos) {
+    (void)lines.count(0);
+  }
+}
+
+void require_stl_head(const FileHead& head, const std::string& place) {
+  if (!is_binary_stl(head.bytes, head.file_bytes) && !begins_as_ascii_stl(head.bytes)) {
+    refuse_stl(head.bytes, head.file_bytes, place);
+  }
+}
+
+PolygonMesh parse_obj(std::string_view text, const std::string& place) {
+  require_text(text, "OBJ", place);
   PolygonMeshBuilder builder(place);
   TextLines lines(text, place);
   std::size_t vertices = 0;
@@ -171,22 +225,13 @@ PolygonMesh parse_off(std::string_view text, const std::string& place) {
 }
 
 PolygonMesh parse_stl(std::string_view text, const std::string& place) {
-  // Binary files may begin with "solid", too: only their size tells.
-  std::uint32_t facets = 0;
-  if (text.size() >= 84) {
-    std::memcpy(&facets, text.data() + 80, sizeof(facets));
-    if (text.size() == 84 + 50 * static_cast<std::size_t>(facets)) {
-      return parse_binary_stl(text, facets, place);
-    }
+  if (is_binary_stl(text, text.size())) {
+    return parse_binary_stl(text, binary_stl_facets(text), place);
   }
-  const std::size_t begin = std::min(text.find_first_not_of(" \t\r\n"), text.size());
-  if (lower_case(text.substr(begin, 5)) == "solid" && text.find('\0') == std::string_view::npos) {
+  if (begins_as_ascii_stl(text)) {
     return parse_ascii_stl(text, place);
   }
-  throw InputError(place,
-                   fmt::format("is neither an STL text nor a binary STL file ({} bytes, where the {} facets that its "
-                               "header promises take {}); copy or export it anew",
-                               text.size(), facets, 84 + 50 * static_cast<std::size_t>(facets)));
+  refuse_stl(text, text.size(), place);
 }
 
 }  // namespace musclebench

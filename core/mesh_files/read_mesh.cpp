@@ -4,12 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
-#include <iterator>
 
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include "core/base/input_file.hpp"
+#include "core/base/system_memory.hpp"
 #include "core/mesh/mesh_edges.hpp"
 #include "core/mesh_files/polygon_mesh.hpp"
 
@@ -17,24 +18,8 @@ namespace musclebench {
 
 namespace {
 
-std::string read_text(const std::filesystem::path& path, const std::string& place) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) {
-    throw InputError(place, "there is no such file; check the path");
-  }
-  if (!std::filesystem::is_regular_file(path, ignored)) {
-    throw InputError(place, "is no file but a folder or device; name a mesh file");
-  }
-  std::ifstream file(path, std::ios::binary);
-  std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file.is_open() || file.bad()) {
-    throw InputError(place, "can't be read; check its permissions");
-  }
-  if (text.empty()) {
-    throw InputError(place, "is empty; copy or export it anew");
-  }
-  return text;
-}
+/// Garbage is told by its beginning, before the rest of it is read.
+constexpr std::size_t head_bytes = 1 << 20;
 
 /// Adds the meshes of `node` and its children at their places.
 void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& to_parent, PolygonMeshBuilder& builder,
@@ -62,11 +47,12 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& to_pa
   }
 }
 
-PolygonMesh read_through_assimp(const std::filesystem::path& path, const std::string& place) {
+PolygonMesh read_through_assimp(const std::filesystem::path& path, std::uintmax_t bytes, const std::string& place) {
   Assimp::Importer importer;
   if (!importer.IsExtensionSupported(path.extension().string())) {
     throw InputError(place, "has an ending of no known mesh format; write it as PLY, OBJ, STL or OFF");
   }
+  require_memory(static_cast<std::size_t>(bytes), place, "name a smaller file");  // which assimp reads at once
   const aiScene* scene = importer.ReadFile(path.string(), 0);
   if (scene == nullptr || scene->mRootNode == nullptr) {
     std::string reason = importer.GetErrorString();
@@ -81,13 +67,28 @@ PolygonMesh read_through_assimp(const std::filesystem::path& path, const std::st
 }
 
 PolygonMesh read_polygons(const std::filesystem::path& path, const std::string& place) {
-  using Parser = PolygonMesh (*)(std::string_view, const std::string&);
-  constexpr std::array<std::pair<std::string_view, Parser>, 4> parsers = {
-      {{".ply", parse_ply}, {".obj", parse_obj}, {".off", parse_off}, {".stl", parse_stl}}};
+  struct Format {
+    std::string_view ending;
+    void (*require_head)(const FileHead& head, const std::string& place);
+    PolygonMesh (*parse)(std::string_view text, const std::string& place);
+  };
+  constexpr std::array<Format, 4> formats = {{{".ply", require_ply_head, parse_ply},
+                                              {".obj", require_obj_head, parse_obj},
+                                              {".off", require_off_head, parse_off},
+                                              {".stl", require_stl_head, parse_stl}}};
   const std::string ending = lower_case(path.extension().string());
-  const std::string text = read_text(path, place);
-  const auto parser = std::find_if(parsers.begin(), parsers.end(), [&](const auto& e) { return e.first == ending; });
-  return parser != parsers.end() ? parser->second(text, place) : read_through_assimp(path, place);
+  InputFile file(path);
+  if (file.bytes() == 0) {
+    throw InputError(place, "is empty; copy or export it anew");
+  }
+  const auto format = std::find_if(formats.begin(), formats.end(), [&](const auto& f) { return f.ending == ending; });
+  if (format == formats.end()) {
+    return read_through_assimp(path, file.bytes(), place);
+  }
+  if (file.bytes() > head_bytes) {
+    format->require_head({file.head(head_bytes), file.bytes()}, place);
+  }
+  return format->parse(file.text(), place);
 }
 
 }  // namespace

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 
 #include <Eigen/Geometry>
 
 #include "core/bvh/triangle_bvh.hpp"
+#include "core/distance/triangle_distance.hpp"
 
 namespace musclebench {
 
@@ -113,7 +115,7 @@ class NestingTest {
     constexpr std::size_t samples = 16;
     const std::size_t step = std::max<std::size_t>(1, inner.triangles.size() / samples);
     for (std::size_t i = 0; i < inner.triangles.size(); i += step) {
-      if (tree().winding_number(m_mesh.vertices[m_mesh.triangles[inner.triangles[i]][0]]) <= 0.5) {
+      if (winding_number(m_mesh.vertices[m_mesh.triangles[inner.triangles[i]][0]]) <= 0.5) {
         return false;
       }
     }
@@ -121,6 +123,22 @@ class NestingTest {
   }
 
  private:
+  /// Most surfaces beside others are told from nested ones by their first sample, for which a tree would be dear.
+  [[nodiscard]] double winding_number(const Vec3& point) {
+    constexpr int asked_without_tree = 4;
+    return ++m_asked > asked_without_tree ? tree().winding_number(point)
+                                          : sum_of_angles(point) / (4 * std::numbers::pi);
+  }
+
+  [[nodiscard]] double sum_of_angles(const Vec3& point) const {
+    double angle = 0;
+    for (const int t : m_outer.triangles) {
+      const auto& [a, b, c] = m_mesh.triangles[t];
+      angle += solid_angle(point, m_mesh.vertices[a], m_mesh.vertices[b], m_mesh.vertices[c]);
+    }
+    return m_outer.is_inward ? -angle : angle;
+  }
+
   [[nodiscard]] const TriangleBvh& tree() {
     if (!m_tree) {
       TriangleMesh outward;
@@ -139,6 +157,7 @@ class NestingTest {
   const TriangleMesh& m_mesh;
   const Surface& m_outer;
   std::optional<TriangleBvh> m_tree;
+  int m_asked = 0;
 };
 
 /// Larger surfaces first, so that the first one found around a surface is the outermost.
@@ -163,6 +182,7 @@ void find_outermost(const TriangleMesh& mesh, std::vector<Surface>& surfaces) {
 OrientationChange orient_surfaces(TriangleMesh& mesh, const MeshEdges& edges) {
   OrientationChange change;
   const Winding winding = find_winding(mesh, edges);
+  change.surfaces = winding.surfaces;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (winding.flipped[t] != 0) {
       turn(mesh.triangles[t]);

@@ -9,6 +9,7 @@ namespace musclebench {
 struct OrientationChange {
   int triangles_turned = 0;  ///< against the majority of their connected surface
   int surfaces_turned = 0;   ///< as a whole, because they were wound inwards
+  int surfaces = 0;          ///< connected across manifold edges
 };
 
 /// Winds each surface that is connected across manifold edges like the majority of its triangles, then outwards:

@@ -8,56 +8,14 @@
 
 #include "core/base/input_error.hpp"
 #include "core/mesh/mesh_edges.hpp"
+#include "core/mesh_repair/change_log.hpp"
+#include "core/mesh_repair/doubled_triangles.hpp"
+#include "core/mesh_repair/merge_vertices.hpp"
 #include "core/mesh_repair/orient_surfaces.hpp"
 
 namespace musclebench {
 
 namespace {
-
-/// Edge index of each side (3 * triangle + k), -1 for a side that is no edge.
-std::vector<int> edge_of_sides(const TriangleMesh& mesh, const MeshEdges& edges) {
-  std::vector<int> edge_of_side(3 * mesh.triangles.size(), -1);
-  for (int edge = 0; edge < edges.count(); ++edge) {
-    for (const EdgeUse& use : edges.uses(edge)) {
-      edge_of_side[use.corner] = edge;
-    }
-  }
-  return edge_of_side;
-}
-
-int drop_marked(TriangleMesh& mesh, const std::vector<char>& is_dropped) {
-  std::size_t kept = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (is_dropped[t] == 0) {
-      mesh.triangles[kept++] = mesh.triangles[t];
-    }
-  }
-  const int dropped = static_cast<int>(mesh.triangles.size() - kept);
-  mesh.triangles.resize(kept);
-  return dropped;
-}
-
-int merge_equal_vertices(TriangleMesh& mesh) {
-  const std::vector<int> first = first_at_position(mesh.vertices);
-  std::vector<char> is_used(mesh.vertices.size(), 0);
-  for (Triangle& triangle : mesh.triangles) {
-    for (int& vertex : triangle) {
-      is_used[vertex] = 1;
-      vertex = first[vertex];
-    }
-  }
-  int merged = 0;
-  for (std::size_t vertex = 0; vertex < first.size(); ++vertex) {
-    merged += is_used[vertex] != 0 && first[vertex] != static_cast<int>(vertex) ? 1 : 0;
-  }
-  return merged;
-}
-
-int drop_triangles_of_two_vertices(TriangleMesh& mesh) {
-  return static_cast<int>(std::erase_if(mesh.triangles, [](const Triangle& triangle) {
-    return triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
-  }));
-}
 
 /// The side of a flat triangle that the opposite corner lies on.
 int longest_side(const TriangleMesh& mesh, const Triangle& triangle) {
@@ -124,7 +82,7 @@ int drop_loose_flat_triangles(TriangleMesh& mesh) {
     }
     is_dropped[t] = static_cast<char>(loose_sides >= 2 && is_flat(mesh, mesh.triangles[t]));
   }
-  return drop_marked(mesh, is_dropped);
+  return drop_marked_triangles(mesh, is_dropped);
 }
 
 /// Returns how many flat triangles went.
@@ -139,148 +97,6 @@ int remove_flat_triangles(TriangleMesh& mesh) {
   }
   drop_loose_flat_triangles(mesh);
   return before - count_flat(mesh);
-}
-
-bool is_same_winding(const Triangle& a, const Triangle& b) {
-  const auto start = std::find(b.begin(), b.end(), a[0]) - b.begin();
-  return b[(start + 1) % 3] == a[1];
-}
-
-/// Triangles of the same three vertices, as lists of their indices in rising order.
-std::vector<std::vector<int>> coincident_triangles(const TriangleMesh& mesh) {
-  std::vector<std::pair<Triangle, int>> keyed(mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    keyed[t] = {mesh.triangles[t], static_cast<int>(t)};
-    std::sort(keyed[t].first.begin(), keyed[t].first.end());
-  }
-  std::sort(keyed.begin(), keyed.end());
-  std::vector<std::vector<int>> groups;
-  for (std::size_t i = 1; i < keyed.size(); ++i) {
-    if (keyed[i].first != keyed[i - 1].first) {
-      continue;
-    }
-    if (groups.empty() || groups.back().back() != keyed[i - 1].second) {
-      groups.push_back({keyed[i - 1].second});
-    }
-    groups.back().push_back(keyed[i].second);
-  }
-  return groups;
-}
-
-/// Drops triangles that are there twice. Two coincident triangles may also be a fin, a fold of the surface without
-/// thickness, which closes the surface and must stay. What tells them apart is the number of triangles at their edges:
-/// in a fin it is even and 2 at its rim, a triangle too many makes it odd.
-class DoubledTriangles {
- public:
-  explicit DoubledTriangles(TriangleMesh& mesh)
-      : m_mesh(mesh),
-        m_edges(mesh),
-        m_edge_of_side(edge_of_sides(mesh, m_edges)),
-        m_uses(m_edges.count()),
-        m_is_dropped(mesh.triangles.size(), 0),
-        m_partner(mesh.triangles.size(), -1) {
-    for (int edge = 0; edge < m_edges.count(); ++edge) {
-      m_uses[edge] = static_cast<int>(m_edges.uses(edge).size());
-    }
-  }
-
-  int drop() {
-    std::vector<int> waiting;
-    for (std::vector<int>& group : coincident_triangles(m_mesh)) {
-      reduce_to_one_or_two(group);
-      if (group.size() == 2) {
-        m_partner[group[0]] = group[1];
-        m_partner[group[1]] = group[0];
-        waiting.push_back(group[0]);
-      }
-    }
-    std::reverse(waiting.begin(), waiting.end());
-    // A drop makes the edges of a doubled neighbour odd: the whole of a doubled patch follows from its rim.
-    while (!waiting.empty()) {
-      const int first = waiting.back();
-      waiting.pop_back();
-      if (m_partner[first] >= 0 && is_one_too_many(first)) {
-        const int second = m_partner[first];
-        m_partner[first] = m_partner[second] = -1;
-        mark(second);
-        for (int k = 0; k < 3; ++k) {
-          for (const EdgeUse& use : m_edges.uses(m_edge_of_side[3 * second + k])) {
-            const int other = use.corner / 3;
-            if (m_partner[other] >= 0) {
-              waiting.push_back(std::min(other, m_partner[other]));
-            }
-          }
-        }
-      }
-    }
-    return drop_marked(m_mesh, m_is_dropped);
-  }
-
- private:
-  void mark(int triangle) {
-    m_is_dropped[triangle] = 1;
-    for (int k = 0; k < 3; ++k) {
-      --m_uses[m_edge_of_side[3 * triangle + k]];
-    }
-  }
-
-  /// Two at a time, which leaves odd and even as they are.
-  void reduce_to_one_or_two(std::vector<int>& group) {
-    if (group.size() > 2 && group.size() % 2 == 0) {
-      const auto opposite = std::find_if(group.begin() + 1, group.end(), [&](int triangle) {
-        return !is_same_winding(m_mesh.triangles[group[0]], m_mesh.triangles[triangle]);
-      });
-      if (opposite != group.end()) {
-        std::iter_swap(group.begin() + 1, opposite);
-      }
-    }
-    const std::size_t kept = group.size() % 2 == 0 ? 2 : 1;
-    std::for_each(group.begin() + static_cast<long>(kept), group.end(), [&](int triangle) { mark(triangle); });
-    group.resize(kept);
-  }
-
-  [[nodiscard]] bool is_one_too_many(int first) const {
-    bool any_odd = false;
-    for (int k = 0; k < 3; ++k) {
-      const int uses = m_uses[m_edge_of_side[3 * first + k]];
-      if (uses <= 2) {
-        return false;
-      }
-      any_odd = any_odd || uses % 2 == 1;
-    }
-    return any_odd || is_same_winding(m_mesh.triangles[first], m_mesh.triangles[m_partner[first]]);
-  }
-
-  TriangleMesh& m_mesh;
-  MeshEdges m_edges;
-  std::vector<int> m_edge_of_side;
-  std::vector<int> m_uses;  ///< of each edge, the triangles that are left at it
-  std::vector<char> m_is_dropped;
-  std::vector<int> m_partner;  ///< the triangle that coincides with this one, -1 for none
-};
-
-int drop_unreferenced_vertices(TriangleMesh& mesh) {
-  std::vector<int> place(mesh.vertices.size(), -1);
-  for (const Triangle& triangle : mesh.triangles) {
-    for (const int vertex : triangle) {
-      place[vertex] = 0;
-    }
-  }
-  int kept = 0;
-  for (std::size_t vertex = 0; vertex < place.size(); ++vertex) {
-    if (place[vertex] == 0) {
-      mesh.vertices[kept] = mesh.vertices[vertex];
-      place[vertex] = kept++;
-    }
-  }
-  const int dropped = static_cast<int>(mesh.vertices.size()) - kept;
-  mesh.vertices.resize(kept);
-  for (Triangle& triangle : mesh.triangles) {
-    for (int& vertex : triangle) {
-      vertex = place[vertex];
-    }
-  }
-  return dropped;
 }
 
 struct Openness {
@@ -358,42 +174,38 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh, const std::string& name) {
   RepairedMesh repaired;
   repaired.mesh = mesh;
   TriangleMesh& surface = repaired.mesh;
-  const auto note = [&](int count, const char* change, const char* singular, const char* plural,
-                        const char* rest = "") {
-    if (count > 0) {
-      repaired.changes.push_back(fmt::format("{} {} {}{}", change, count, count == 1 ? singular : plural, rest));
-    }
-  };
-  const int merged = merge_equal_vertices(surface);
-  note(merged, "merged", "vertex", "vertices", " into an earlier one at the same position");
-  int flat = drop_triangles_of_two_vertices(surface);
+  ChangeLog log(repaired.changes);
+  const int merged = merge_vertices(surface, first_at_position(surface.vertices));
+  log.note_merged(merged);
+  int flat = drop_collapsed_triangles(surface);
   flat += remove_flat_triangles(surface);
-  note(flat, "dropped", "zero-area triangle", "zero-area triangles");
-  note(DoubledTriangles(surface).drop(), "dropped", "doubled triangle", "doubled triangles");
+  log.note(flat, "dropped", "zero-area triangle", "zero-area triangles");
+  log.note_doubled(drop_doubled_triangles(surface));
   const int flat_left = count_flat(surface);
   if (flat_left == static_cast<int>(surface.triangles.size())) {
     throw InputError(name, "no triangle has an area, so there is no surface; check the mesh file");
   }
-  note(drop_unreferenced_vertices(surface) - merged, "dropped", "vertex", "vertices", " that no triangle uses");
+  const std::size_t vertices = surface.vertices.size();
+  (void)drop_unreferenced_vertices(surface);
+  log.note_unreferenced(static_cast<int>(vertices - surface.vertices.size()) - merged);
 
-  const MeshEdges edges(surface);
+  MeshEdges edges(surface);
   const Openness openness = measure_openness(surface, edges);
   refuse_wide_open(openness, edges.count(), name);
   const OrientationChange turned = orient_surfaces(surface, edges);
-  note(turned.triangles_turned, "turned", "triangle", "triangles", " wound against the rest of the surface");
-  note(turned.surfaces_turned, "turned", "surface", "surfaces", " from inwards to outwards");
-
-  const MeshEdges final_edges(surface);
-  const RemainingDefects left = count_remaining(final_edges);
-  const int pinched = count_non_manifold_vertices(surface, final_edges);
-  const int surfaces = find_winding(surface, final_edges).surfaces;
-  note(openness.boundary_edges, "left open: the surface has", "boundary edge", "boundary edges");
-  note(left.non_manifold_edges, "left", "non-manifold edge", "non-manifold edges");
-  note(left.inconsistent_edges, "left", "inconsistently wound edge", "inconsistently wound edges");
-  note(pinched, "left", "non-manifold vertex", "non-manifold vertices");
-  note(flat_left, "left", "zero-area triangle", "zero-area triangles", " that holds the surface together");
+  log.note_turned(turned);
+  if (turned.triangles_turned > 0 || turned.surfaces_turned > 0) {
+    edges = MeshEdges(surface);
+  }
+  const RemainingDefects left = count_remaining(edges);
+  const int pinched = count_non_manifold_vertices(surface, edges);
+  log.note(openness.boundary_edges, "left open: the surface has", "boundary edge", "boundary edges");
+  log.note(left.non_manifold_edges, "left", "non-manifold edge", "non-manifold edges");
+  log.note(left.inconsistent_edges, "left", "inconsistently wound edge", "inconsistently wound edges");
+  log.note(pinched, "left", "non-manifold vertex", "non-manifold vertices");
+  log.note(flat_left, "left", "zero-area triangle", "zero-area triangles", " that holds the surface together");
   repaired.clean = openness.boundary_edges == 0 && left.non_manifold_edges == 0 && left.inconsistent_edges == 0 &&
-                   pinched == 0 && flat_left == 0 && surfaces == 1;
+                   pinched == 0 && flat_left == 0 && turned.surfaces == 1;
   return repaired;
 }
 

@@ -132,6 +132,20 @@ void RecordingReader::read_header() {
   read_bytes(m_bytes, size);
   m_header = header_of(m_bytes, m_path.string());
   m_first_block = m_stream.tellg();
+  check_claim();
+}
+
+/// The first step says where every node is, in at least a byte a coordinate, so that a header that claims more nodes
+/// than there are is told before memory is taken for them.
+void RecordingReader::check_claim() {
+  read_bytes(m_block, sizeof(std::uint32_t));
+  read_bytes(m_block, number_of<std::uint32_t>(m_block));
+  const unsigned long long size = ZSTD_getFrameContentSize(m_block.data(), m_block.size());
+  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN ||
+      size < 3 * static_cast<unsigned long long>(m_header.nodes)) {
+    refuse(fmt::format("has a header that claims {} nodes, which its first frame does not hold; record it again",
+                       m_header.nodes));
+  }
 }
 
 void RecordingReader::read_bytes(std::string& bytes, std::size_t size) {

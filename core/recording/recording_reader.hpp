@@ -29,6 +29,7 @@ class RecordingReader final : public FrameSource {
   [[noreturn]] void refuse(std::string_view problem) const;
   void check_hash();
   void read_header();
+  void check_claim();
   void read_bytes(std::string& bytes, std::size_t size);
 
   std::filesystem::path m_path;

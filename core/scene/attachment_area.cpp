@@ -1,6 +1,7 @@
 #include "core/scene/attachment_area.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <Eigen/Eigenvalues>
@@ -71,24 +72,62 @@ struct MeanPlane {
   [[nodiscard]] Vec2 flat(const Vec3& point) const { return {u.dot(point - centre), v.dot(point - centre)}; }
 };
 
+/// The area in its mean plane.
+class FlatArea {
+ public:
+  explicit FlatArea(const AttachmentArea& area) : m_plane(area.outline_m) {
+    std::vector<Vec2> outline;
+    for (const Vec3& point : area.outline_m) {
+      outline.push_back(m_plane.flat(point));
+    }
+    m_hull = convex_hull(outline);
+  }
+
+  [[nodiscard]] bool is_on_its_side(const Vec3& point) const {
+    return std::abs(m_plane.normal.dot(point - m_plane.centre)) <= m_plane.extent_m;
+  }
+  [[nodiscard]] double distance_beside_m(const Vec3& point) const {
+    return distance_to_hull(m_hull, m_plane.flat(point));
+  }
+
+ private:
+  MeanPlane m_plane;
+  std::vector<Vec2> m_hull;
+};
+
 }  // namespace
 
 std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleBvh& bone, const AttachmentArea& area) {
-  const MeanPlane plane(area.outline_m);
-  std::vector<Vec2> outline;
-  for (const Vec3& point : area.outline_m) {
-    outline.push_back(plane.flat(point));
-  }
-  const std::vector<Vec2> hull = convex_hull(outline);
+  const FlatArea flat(area);
   std::vector<int> bound;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto closest = bone.closest_point(nodes[i], area.distance_m);
-    if (closest && std::abs(plane.normal.dot(closest->point - plane.centre)) <= plane.extent_m &&
-        distance_to_hull(hull, plane.flat(closest->point)) <= area.margin_m) {
+    if (closest && flat.is_on_its_side(closest->point) && flat.distance_beside_m(closest->point) <= area.margin_m) {
       bound.push_back(static_cast<int>(i));
     }
   }
   return bound;
+}
+
+std::optional<DistanceToArea> nearest_to_area(std::span<const Vec3> nodes, const TriangleBvh& bone,
+                                              const AttachmentArea& area) {
+  const FlatArea flat(area);
+  std::optional<DistanceToArea> nearest;
+  double least_lack_m = std::numeric_limits<double>::infinity();
+  for (const Vec3& node : nodes) {
+    const auto closest = bone.closest_point(node);
+    if (!closest || !flat.is_on_its_side(closest->point)) {
+      continue;
+    }
+    const DistanceToArea distance{closest->distance_m, flat.distance_beside_m(closest->point)};
+    const double lack_m = std::hypot(std::max(0.0, distance.to_bone_m - area.distance_m),
+                                     std::max(0.0, distance.beside_area_m - area.margin_m));
+    if (lack_m < least_lack_m) {
+      least_lack_m = lack_m;
+      nearest = distance;
+    }
+  }
+  return nearest;
 }
 
 }  // namespace musclebench

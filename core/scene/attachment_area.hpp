@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,5 +19,16 @@ struct AttachmentArea {
 /// one frame. Points on the far side of the bone do not count: the closest point must be nearer to the mean plane than
 /// the outline is wide.
 std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleBvh& bone, const AttachmentArea& area);
+
+/// How far a node is from being bound.
+struct DistanceToArea {
+  double to_bone_m = 0;
+  double beside_area_m = 0;  ///< from its closest point on the bone to the outlined area; 0 over it
+};
+
+/// Of the node that the least enlargement of `distance_m` and `margin_m` would bind; nothing where no node lies on the
+/// area's side of the bone.
+std::optional<DistanceToArea> nearest_to_area(std::span<const Vec3> nodes, const TriangleBvh& bone,
+                                              const AttachmentArea& area);
 
 }  // namespace musclebench

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <sstream>
 
 #include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
+#include "core/base/input_file.hpp"
 
 namespace musclebench {
 
@@ -56,10 +56,8 @@ double number_at(const std::string& word, const std::string& place) {
 }  // namespace
 
 MotionTable read_motion_table(const std::filesystem::path& path, const std::string& column) {
-  std::ifstream file(path);
-  if (!file) {
-    throw InputError(path.string(), "cannot be read; is the path right?");
-  }
+  constexpr std::uintmax_t most_bytes = 256 << 20;
+  std::istringstream file(InputFile(path).text(most_bytes));
   MotionTable table;
   std::vector<std::string> header;
   std::size_t value_column = 0;

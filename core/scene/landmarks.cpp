@@ -1,23 +1,20 @@
 #include "core/scene/landmarks.hpp"
 
-#include <fstream>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/base/input_error.hpp"
+#include "core/base/input_file.hpp"
 
 namespace musclebench {
 
 namespace {
 
 nlohmann::json read_json(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file || std::filesystem::is_directory(path)) {
-    throw InputError(path.string(), "cannot be read; is the path right?");
-  }
+  constexpr std::uintmax_t most_bytes = 64 << 20;
+  const std::string text = InputFile(path).text(most_bytes);
   try {
-    return nlohmann::json::parse(file);
+    return nlohmann::json::parse(text);
   } catch (const nlohmann::json::exception& error) {
     throw InputError(path.string(), fmt::format("is not valid JSON ({})", error.what()));
   }
@@ -34,10 +31,11 @@ std::vector<Vec3> read_landmark_outline(const std::filesystem::path& path, const
   try {
     std::vector<std::string> known;
     for (const auto& attachment : file.at("attachments")) {
-      std::string name = attachment.at("muscle").get<std::string>() + "/" + attachment.at("role").get<std::string>();
+      std::string name =
+          fmt::format("{}/{}", attachment.at("muscle").get<std::string>(), attachment.at("role").get<std::string>());
       const bool wanted_without_part = name == selector;
       if (attachment.contains("part") && attachment.at("part").is_string()) {
-        name += "/" + attachment.at("part").get<std::string>();
+        name += fmt::format("/{}", attachment.at("part").get<std::string>());
       }
       known.push_back(name);
       if (wanted_without_part || name == selector) {

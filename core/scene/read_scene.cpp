@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -10,8 +11,10 @@
 #include "core/base/sha256.hpp"
 #include "core/mesh/morton_order.hpp"
 #include "core/mesh_files/read_mesh.hpp"
+#include "core/mesh_repair/weld_mesh.hpp"
 #include "core/scene/attachment_area.hpp"
 #include "core/scene/landmarks.hpp"
+#include "core/scene/scene_warnings.hpp"
 #include "core/scene/toml_table.hpp"
 
 namespace musclebench {
@@ -49,6 +52,10 @@ Reference resolve(const SceneRequest& request, const std::string& text, const st
   return reference;
 }
 
+std::string mesh_place(const TomlTable& table, const SceneMesh& mesh) {
+  return fmt::format("{} ({})", table.place("mesh"), mesh.reference);
+}
+
 SceneMesh read_scene_mesh(const SceneRequest& request, const TomlTable& table) {
   SceneMesh result;
   result.reference = table.word("mesh");
@@ -65,15 +72,29 @@ SceneMesh read_scene_mesh(const SceneRequest& request, const TomlTable& table) {
   return result;
 }
 
+/// A unit vector; the largest component is brought to 1 first where the square would be too large or small for a
+/// double.
+Vec3 read_axis(const TomlTable& table) {
+  Vec3 axis = table.point("axis");
+  const double largest = axis.cwiseAbs().maxCoeff();
+  if (!(largest > 0)) {
+    throw InputError(table.place("axis"), "has no length; give the direction of the rotation axis");
+  }
+  if (!std::isnormal(axis.squaredNorm())) {
+    axis /= largest;
+  }
+  return axis.normalized();
+}
+
 BoneMotion read_motion(const SceneRequest& request, const TomlTable& table) {
   table.allow_only({"axis", "centre_m", "from_deg", "to_deg", "course", "table", "column", "relative_to_first_row"});
   BoneMotion motion;
-  const Vec3 axis = table.point("axis");
-  if (!(axis.norm() > 0)) {
-    throw InputError(table.place("axis"), "has no length; give the direction of the rotation axis");
-  }
-  motion.axis = axis.normalized();
+  motion.axis = read_axis(table);
   motion.centre_m = table.point("centre_m");
+  constexpr double farthest_m = 1e9;  // beyond it rounding moves the bones by more than a micrometre
+  if (!(motion.centre_m.cwiseAbs().maxCoeff() <= farthest_m)) {
+    throw InputError(table.place("centre_m"), "is so far away that nothing turns about it; give metres");
+  }
   const std::string course = table.word_or("course", "there_and_back");
   if (course != "there" && course != "there_and_back") {
     throw InputError(table.place("course"), fmt::format("'{}' is not one of there, there_and_back", course));
@@ -121,7 +142,7 @@ void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene
       }
     }
     SceneMesh mesh = read_scene_mesh(request, table);
-    Bone bone{name, repair_mesh(mesh.mesh, fmt::format("{} ({})", table.place("mesh"), mesh.reference))};
+    Bone bone{name, repair_mesh(mesh.mesh, mesh_place(table, mesh))};
     // What is near a node is then in few pages and cache lines, whatever order a file has.
     sort_in_morton_order(bone.surface.mesh);
     scene.bones.push_back(std::move(bone));
@@ -179,29 +200,49 @@ void read_attachments(const SceneRequest& request, const TomlTable& root, Scene&
     Attachment attachment;
     attachment.name = table.word("name");
     attachment.bone = bone_index(scene, table);
-    const TriangleBvh tree(scene.bones[attachment.bone].surface.mesh);
-    attachment.nodes = nodes_over_area(scene.muscle.mesh.vertices, tree, read_area(request, table));
+    attachment.area = read_area(request, table);
+    const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
+    attachment.nodes = nodes_over_area(scene.muscle.mesh.vertices, bone.tree(), attachment.area);
     scene.attachments.push_back(std::move(attachment));
   }
 }
 
-void read_muscle(const SceneRequest& request, const TomlTable& root, Scene& scene) {
+void weld_muscle(const TomlTable& table, Scene& scene) {
+  WeldedMesh welded = weld_mesh(scene.muscle.mesh, mesh_place(table, scene.muscle));
+  scene.muscle_file = {std::move(scene.muscle.mesh), std::move(welded.welded_vertex), std::move(welded.changes)};
+  scene.muscle.mesh = std::move(welded.mesh);
+}
+
+TomlTable muscle_table(const TomlTable& root) {
+  if (root.is_list("muscle")) {
+    throw InputError(root.place("muscle"), "is a list; a scene has one muscle: write [muscle], once");
+  }
   const auto table = root.table("muscle");
   if (!table) {
     throw InputError(root.place("muscle"), "is missing; add a [muscle] table with name and mesh");
   }
-  table->allow_only({"name", "mesh", "fibres"});
-  scene.muscle_name = checked_name(*table);
-  scene.muscle = read_scene_mesh(request, *table);
+  return *table;
+}
+
+void read_muscle(const SceneRequest& request, const TomlTable& root, Scene& scene) {
+  const TomlTable table = muscle_table(root);
+  table.allow_only({"name", "mesh", "fibres"});
+  scene.muscle_name = checked_name(table);
+  scene.muscle = read_scene_mesh(request, table);
+  weld_muscle(table, scene);
   read_attachments(request, root, scene);
-  const std::string fibres = table->word_or("fibres", "none");
+  const std::string fibres = table.word_or("fibres", "none");
   if (fibres == "between_attachments") {
     scene.fibres_between_attachments = true;
     if (!scene.attach_at_first_contact && scene.fibres_with(scene.bound_nodes()).empty()) {
-      throw InputError(table->place("fibres"), "'between_attachments' needs bound nodes on two bones");
+      const InputError obstacle(table.place("fibres"), describe_missing_fibres(scene));
+      if (!request.notes_obstacles) {
+        throw obstacle;
+      }
+      scene.obstacles.emplace_back(obstacle.what());
     }
   } else if (fibres != "none") {
-    const Reference reference = resolve(request, fibres, table->place("fibres"));
+    const Reference reference = resolve(request, fibres, table.place("fibres"));
     scene.fibres = read_landmark_fibres(reference.path, reference.selector);
   }
 }
@@ -220,10 +261,10 @@ std::map<std::string, ParameterValue> merged_values(const std::optional<TomlTabl
 
 Parameters checked(const std::vector<ParameterSpec>& specs, const std::optional<TomlTable>& preset,
                    const std::optional<TomlTable>& scene) {
-  // Each table is checked alone first, so that a message names the file that the key stands in.
+  // Each key is checked alone first, so that a message names the file and the line that it stands in.
   for (const auto& table : {preset, scene}) {
-    if (table) {
-      (void)Parameters(specs, table->values(), table->place());
+    for (const auto& [key, value] : table ? table->values() : std::map<std::string, ParameterValue>{}) {
+      (void)Parameters(specs, {{key, value}}, table->line_of(key));
     }
   }
   return {specs, merged_values(preset, scene), scene ? scene->place() : "preset"};

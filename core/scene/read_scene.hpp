@@ -21,6 +21,8 @@ struct SceneRequest {
   std::function<std::string(const std::string& preset)> preset_text;    ///< throws InputError for an unknown preset
   std::function<TriangleMesh(const std::string& name)> synthetic_mesh;  ///< throws InputError for an unknown name
   std::map<std::string, ParameterValue> loop_overrides;                 ///< such as `frames`, from the command line
+  /// Goes on past what only a run minds, which is noted in `Scene::obstacles`: for a look at the scene.
+  bool notes_obstacles = false;
 };
 
 /// Reads a scene with all its files. Throws InputError that names file, line and key.

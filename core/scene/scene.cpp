@@ -2,11 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-
-#include <fmt/format.h>
-
-#include "core/mesh_repair/check_mesh.hpp"
 
 namespace musclebench {
 
@@ -113,50 +108,6 @@ LoopParameters loop_from(const Parameters& parameters) {
   loop.density_kg_per_m3 = parameters.number("density_kg_per_m3");
   loop.interpolate_poses = parameters.word("bone_motion") == "interpolated";
   return loop;
-}
-
-std::vector<std::string> scene_warnings(const Scene& scene) {
-  std::vector<std::string> warnings;
-  const auto has = [&](std::string_view name) {
-    return std::any_of(scene.effects.begin(), scene.effects.end(), [&](const auto& e) { return e.name == name; });
-  };
-  for (const Attachment& attachment : scene.attachments) {
-    if (attachment.nodes.empty()) {
-      warnings.push_back(fmt::format(
-          "attachment '{}' binds no node: enlarge distance_m or margin_m, or check its outline", attachment.name));
-    }
-  }
-  const bool wants_attachment = scene.attach_at_first_contact || !scene.attachments.empty();
-  if (has("attachment") && !wants_attachment) {
-    warnings.emplace_back("effect 'attachment' can't act: the scene has no [[attachment]]");
-  }
-  if (!has("attachment") && wants_attachment) {
-    warnings.emplace_back("the scene has attachments but lacks [effects.attachment]: its bound nodes stand still");
-  }
-  for (const SceneEffect& effect : scene.effects) {
-    const bool fibres = scene.fibres_between_attachments || !scene.fibres.empty();
-    if (effect.name == "edge_length" && fibres && effect.parameters.number("anisotropy_exponent") == 0) {
-      warnings.emplace_back("the muscle has fibres, but edge_length.anisotropy_exponent = 0 ignores them");
-    }
-  }
-  const MeshReport muscle = check_mesh(scene.muscle.mesh);
-  if (has("volume") && muscle.boundary_edges > 0) {
-    warnings.push_back(fmt::format(
-        "effect 'volume' has no meaning for an open surface: the muscle has {} boundary edges", muscle.boundary_edges));
-  }
-  if (muscle.volume_m3 < 0) {
-    warnings.emplace_back("the muscle is wound inwards (negative volume): turn its triangles");
-  }
-  if (std::abs(scene.angle_rad(0)) > 1e-9) {
-    warnings.push_back(
-        fmt::format("the motion starts at {:.3g} degrees from the pose of the meshes: the bones jump there in "
-                    "the first frame",
-                    scene.angle_rad(0) * 180 / std::numbers::pi));
-  }
-  if (!has("edge_length")) {
-    warnings.emplace_back("the scene lacks [effects.edge_length]: nothing holds the surface together");
-  }
-  return warnings;
 }
 
 }  // namespace musclebench

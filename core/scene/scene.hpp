@@ -8,6 +8,7 @@
 #include "core/contact/collision_backend.hpp"
 #include "core/effects/effect_registry.hpp"
 #include "core/pbd/simulation.hpp"
+#include "core/scene/attachment_area.hpp"
 #include "core/scene/bone_motion.hpp"
 
 namespace musclebench {
@@ -16,6 +17,7 @@ namespace musclebench {
 struct Attachment {
   std::string name;
   int bone = 0;
+  AttachmentArea area;
   std::vector<int> nodes;  ///< ascending
 };
 
@@ -27,7 +29,14 @@ struct SceneEffect {
 struct SceneMesh {
   std::string reference;  ///< as the scene names it
   std::string sha256;     ///< of the coordinates and indices as read
-  TriangleMesh mesh;      ///< as shipped
+  TriangleMesh mesh;      ///< as shipped; that of the muscle welded
+};
+
+/// The muscle's file beside the nodes that are made of it (see weld_mesh).
+struct MuscleFile {
+  TriangleMesh mesh;                ///< as shipped
+  std::vector<int> node_of_vertex;  ///< -1 for a vertex that no triangle uses
+  std::vector<std::string> changes;
 };
 
 /// A complete, checked description of what is simulated: all files read, all parameters known.
@@ -39,7 +48,8 @@ struct Scene {
   std::vector<SceneMesh> bone_meshes;  ///< as shipped, one a bone
   std::vector<BoneMotion> motions;     ///< one a bone
   std::string muscle_name;
-  SceneMesh muscle;
+  SceneMesh muscle;  ///< welded: its vertices are the nodes
+  MuscleFile muscle_file;
   std::vector<FibreSegment> fibres;  ///< from a file; none where they run between the attachments
   bool fibres_between_attachments = false;
   std::vector<Attachment> attachments;
@@ -49,6 +59,8 @@ struct Scene {
   std::vector<SceneEffect> effects;  ///< only those the scene names, in the order of the registry
   LoopParameters loop;
   std::optional<ResponseKind> response;  ///< nothing: the backend's own
+  /// What keeps the scene from being run, where its reader was told to go on all the same (SceneRequest).
+  std::vector<std::string> obstacles;
 
   /// Poses at `frame_position` (0 at rest, `loop.frames` at the end).
   void poses_at(double frame_position, std::vector<RigidMotion>& poses) const;
@@ -64,9 +76,5 @@ struct Scene {
 /// The parameters of the `[loop]` table.
 std::vector<ParameterSpec> loop_parameters();
 LoopParameters loop_from(const Parameters& parameters);
-
-/// What is odd about the scene, one line each: effects that cannot act, effects that are missing, attachments without
-/// nodes. Empty when all is well.
-std::vector<std::string> scene_warnings(const Scene& scene);
 
 }  // namespace musclebench

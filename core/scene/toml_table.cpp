@@ -6,10 +6,12 @@
 #include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
+#include "core/scene/toml_depth.hpp"
 
 namespace musclebench {
 
 toml::table parse_toml(std::string_view text, const std::string& file) {
+  require_shallow_keys(text, file);
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& error) {
@@ -19,9 +21,13 @@ toml::table parse_toml(std::string_view text, const std::string& file) {
 }
 
 std::string TomlTable::place(std::string_view key) const {
+  return fmt::format("{}{}{}", line_of(key), m_prefix.empty() ? "" : ".", key);
+}
+
+std::string TomlTable::line_of(std::string_view key) const {
   const toml::node* found = m_table->get(key);
   const auto line = (found != nullptr ? found->source() : m_table->source()).begin.line;
-  return fmt::format("{}:{}: {}{}{}", m_file, line, m_prefix, m_prefix.empty() ? "" : ".", key);
+  return fmt::format("{}:{}: {}", m_file, line, m_prefix);
 }
 
 std::string TomlTable::place() const {
@@ -55,6 +61,11 @@ const toml::node& TomlTable::node(std::string_view key) const {
 bool TomlTable::is_word(std::string_view key) const {
   const toml::node* found = m_table->get(key);
   return found != nullptr && found->is_string();
+}
+
+bool TomlTable::is_list(std::string_view key) const {
+  const toml::node* found = m_table->get(key);
+  return found != nullptr && found->is_array();
 }
 
 bool TomlTable::is_false(std::string_view key) const {

@@ -38,9 +38,12 @@ class TomlTable {
   [[nodiscard]] std::vector<std::string> keys() const;
   [[nodiscard]] bool is_word(std::string_view key) const;
   [[nodiscard]] bool is_false(std::string_view key) const;
+  [[nodiscard]] bool is_list(std::string_view key) const;
 
   /// "file:line: dotted.key" of a key, or of the table where the key is missing.
   [[nodiscard]] std::string place(std::string_view key) const;
+  /// "file:line: dotted.prefix" with the line of the key.
+  [[nodiscard]] std::string line_of(std::string_view key) const;
   /// "file:line: dotted.prefix".
   [[nodiscard]] std::string place() const;
 

@@ -23,8 +23,12 @@ constexpr double least_sine = 1e-6;
 
 class Finder {
  public:
-  Finder(const TriangleMesh& mesh, const TriangleBvh& tree)
-      : m_mesh(mesh), m_tree(tree), m_is_candidate(mesh.triangles.size()), m_partner(3 * mesh.triangles.size(), -1) {}
+  Finder(const TriangleMesh& mesh, const TriangleBvh& tree, const MeshEdges& edges)
+      : m_mesh(mesh),
+        m_tree(tree),
+        m_edges(edges),
+        m_is_candidate(mesh.triangles.size()),
+        m_partner(3 * mesh.triangles.size(), -1) {}
 
   [[nodiscard]] std::vector<std::uint8_t> find() {
     find_separate_triangles();
@@ -72,9 +76,8 @@ class Finder {
 
   /// m_partner: for half-edge 3 t + k the opposite half-edge, where exactly two consistently wound triangles meet.
   void find_partners() {
-    const MeshEdges edges(m_mesh);
-    for (int edge = 0; edge < edges.count(); ++edge) {
-      const auto uses = edges.uses(edge);
+    for (int edge = 0; edge < m_edges.count(); ++edge) {
+      const auto uses = m_edges.uses(edge);
       if (uses.size() == 2 && uses[0].forward != uses[1].forward) {
         m_partner[static_cast<std::size_t>(uses[0].corner)] = uses[1].corner;
         m_partner[static_cast<std::size_t>(uses[1].corner)] = uses[0].corner;
@@ -177,13 +180,14 @@ class Finder {
 
   const TriangleMesh& m_mesh;
   const TriangleBvh& m_tree;
+  const MeshEdges& m_edges;
   std::vector<char> m_is_candidate;
   std::vector<int> m_partner;
 };
 
 }  // namespace
 
-ManifoldFeatures::ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree)
-    : m_bits(Finder(mesh, tree).find()) {}
+ManifoldFeatures::ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree, const MeshEdges& edges)
+    : m_bits(Finder(mesh, tree, edges).find()) {}
 
 }  // namespace musclebench

@@ -5,6 +5,7 @@
 
 #include "core/bvh/triangle_bvh.hpp"
 #include "core/distance/triangle_distance.hpp"
+#include "core/mesh/mesh_edges.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
@@ -17,9 +18,9 @@ namespace musclebench {
 /// the point.
 class ManifoldFeatures {
  public:
-  /// `tree` is that of the mesh. The mesh has to be closed (`is_closed`): else the inside ends in empty space
+  /// `tree` and `edges` are those of the mesh. The mesh has to be closed (`is_closed`): else the inside ends in empty space
   /// somewhere.
-  ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree);
+  ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree, const MeshEdges& edges);
 
   [[nodiscard]] bool holds(int triangle, Feature feature) const {
     return ((m_bits[static_cast<std::size_t>(triangle)] >> static_cast<unsigned>(feature)) & 1U) != 0;

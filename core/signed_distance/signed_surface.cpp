@@ -1,6 +1,7 @@
 #include "core/signed_distance/signed_surface.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "core/mesh/mesh_edges.hpp"
@@ -12,16 +13,7 @@ namespace {
 /// Bound of the rounding error of a position, relative to its largest coordinate.
 constexpr double relative_rounding = 1e-13;
 
-}  // namespace
-
-bool is_closed(TriangleMesh mesh) {
-  const std::vector<int> first = first_at_position(mesh.vertices);
-  for (Triangle& triangle : mesh.triangles) {
-    for (int& vertex : triangle) {
-      vertex = first[static_cast<std::size_t>(vertex)];
-    }
-  }
-  const MeshEdges edges(mesh);
+bool is_balanced(const MeshEdges& edges) {
   for (int edge = 0; edge < edges.count(); ++edge) {
     int balance = 0;
     for (const EdgeUse& use : edges.uses(edge)) {
@@ -34,9 +26,30 @@ bool is_closed(TriangleMesh mesh) {
   return true;
 }
 
-SignedSurface::SignedSurface(const RepairedMesh& surface) : m_tree(surface.mesh), m_closed(is_closed(surface.mesh)) {
+/// Edges that cancel still do so when vertices are merged; others may.
+bool is_closed(const TriangleMesh& mesh, const MeshEdges& edges) {
+  if (is_balanced(edges)) {
+    return true;
+  }
+  TriangleMesh merged = mesh;
+  const std::vector<int> first = first_at_position(mesh.vertices);
+  for (Triangle& triangle : merged.triangles) {
+    for (int& vertex : triangle) {
+      vertex = first[static_cast<std::size_t>(vertex)];
+    }
+  }
+  return is_balanced(MeshEdges(merged));
+}
+
+}  // namespace
+
+bool is_closed(const TriangleMesh& mesh) { return is_closed(mesh, MeshEdges(mesh)); }
+
+SignedSurface::SignedSurface(const RepairedMesh& surface, TriangleBvh tree) : m_tree(std::move(tree)) {
+  const MeshEdges edges(surface.mesh);
+  m_closed = is_closed(surface.mesh, edges);
   if (m_closed) {
-    m_signs.emplace(Signs{ManifoldFeatures(surface.mesh, m_tree), PseudoNormals(surface.mesh)});
+    m_signs.emplace(Signs{ManifoldFeatures(surface.mesh, m_tree, edges), PseudoNormals(surface.mesh)});
   }
   for (const Vec3& vertex : surface.mesh.vertices) {
     m_reach_m = std::max(m_reach_m, vertex.cwiseAbs().maxCoeff());

@@ -21,7 +21,7 @@ struct SignedPoint {
 };
 
 /// Whether every edge is used as often in one direction as in the other; vertices at equal positions count as one.
-bool is_closed(TriangleMesh mesh);
+bool is_closed(const TriangleMesh& mesh);
 
 /// Exact signed distance to a surface. The distance is that of the closest triangle, found by a BVH; a point is inside
 /// where the generalised winding number exceeds 0.5 (Jacobson et al. 2013). Where the closest feature is manifold
@@ -31,7 +31,9 @@ bool is_closed(TriangleMesh mesh);
 /// and safe from several threads.
 class SignedSurface {
  public:
-  explicit SignedSurface(const RepairedMesh& surface);
+  explicit SignedSurface(const RepairedMesh& surface) : SignedSurface(surface, TriangleBvh(surface.mesh)) {}
+  /// `tree` is that of the surface.
+  SignedSurface(const RepairedMesh& surface, TriangleBvh tree);
 
   [[nodiscard]] const TriangleBvh& tree() const { return m_tree; }
 

@@ -1,4 +1,4 @@
-"""What stands in for the program says what the program says: the same keys, the same kinds of values, the same columns."""
+"""What stands in for the program says what the program says: the same keys, kinds of values and columns."""
 
 import csv
 import json
@@ -30,7 +30,8 @@ def real(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("real")
     grid = ("--backend", "voxel", "--param", "cells=16")
     for done in (
-        call("run", SCENE, *grid, "--preset", "paper", "--frames", 4, "--snapshots", "0,2", "--out", folder / "coupled"),
+        call("run", SCENE, *grid, "--preset", "paper", "--frames", 4, "--snapshots", "0,2",
+             "--out", folder / "coupled"),
         call("record", SCENE, "--preset", "paper", "--frames", 4, "--out", folder / "a.recording"),
         call("replay", folder / "a.recording", *grid, "--out", folder / "replay"),
         call("probe", SCENE, *grid, "--points", 100, "--out", folder / "probe"),

@@ -1,6 +1,7 @@
 """The program as a user meets it: results, exit codes, and one clear line for bad input with nothing left behind."""
 
 import json
+import os
 import resource
 import signal
 import subprocess
@@ -239,15 +240,19 @@ def test_a_blow_up_keeps_its_rows(folder):
     assert "nan" not in text and "inf" not in text
 
 
-def test_ctrl_c_leaves_no_half_folder(folder):
+def test_an_interrupted_run_keeps_its_rows(folder):
     process = subprocess.Popen([PROGRAM, "run", str(folder / "scene.toml"), "--backend", "voxel", "--frames", "9999999",
-                                "--out", str(folder / "out")], stderr=subprocess.PIPE, text=True)
-    time.sleep(1.5)
+                                "--out", str(folder / "out"), "--progress"], stderr=subprocess.PIPE, text=True)
+    for line in process.stderr:
+        if line.startswith("progress 3 "):
+            break
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=5)
+    _, errors = process.communicate(timeout=20)
     assert process.returncode == 130
-    assert "nothing was written" in errors
-    assert not (folder / "out").exists()
+    assert "its rows are kept" in errors
+    manifest = json.loads((folder / "out/run.json").read_text())
+    assert manifest["status"] == "interrupted" and "of 9999999" in manifest["status_detail"]
+    assert len(pd.read_csv(folder / "out/frames.csv")) == manifest["frames"] >= 3
     assert not list(folder.glob(".out*"))
 
 
@@ -259,6 +264,101 @@ def test_ctrl_c_ends_a_long_build(folder):
     process.communicate(timeout=3)
     assert process.returncode == 130
     assert not (folder / "deep").exists()
+
+
+def test_another_runs_results_are_not_replaced_unless_forced(folder):
+    assert run(folder).returncode == 0
+    before = (folder / "out/run.json").read_text()
+    for arguments, word in ((("--param", "cells=8"), "'cells'"), (("--frames", "5"), "'frames'")):
+        done = run(folder, *arguments)
+        assert done.returncode == 2
+        assert "another case" in done.stderr and word in done.stderr and "--force" in done.stderr
+    assert run(folder, backend="null").returncode == 2
+    assert (folder / "out/run.json").read_text() == before
+    assert run(folder, "--force", backend="null").returncode == 0
+    assert (folder / "out/run.json").read_text() != before
+
+
+def stl(vertices, triangles) -> bytes:
+    corners = np.asarray(vertices)[np.asarray(triangles)].astype("<f4")
+    facets = np.zeros(len(corners), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")])
+    facets["corners"] = corners
+    return bytes(80) + np.uint32(len(corners)).tobytes() + facets.tobytes()
+
+
+def obj_with_seam(vertices, triangles) -> str:
+    """Half of the surface has vertices of its own, as where a texture has its edge."""
+    lines = [f"v {float(x)!r} {float(y)!r} {float(z)!r}" for x, y, z in [*vertices, *vertices]]
+    shift = [len(vertices) + 1 if i < len(triangles) // 2 else 1 for i in range(len(triangles))]
+    return "\n".join(lines + [f"f {a + s} {b + s} {c + s}" for (a, b, c), s in zip(triangles, shift)]) + "\n"
+
+
+def test_a_muscle_is_the_same_in_every_format(folder):
+    vertices, triangles = ball(0.02, [0.005, 0, 0.0485])
+    vertices = vertices.astype("f4").astype(float)  # what STL can hold
+    written = {"off": off(vertices, triangles).encode(), "stl": stl(vertices, triangles),
+               "obj": obj_with_seam(vertices, triangles).encode()}
+    results = {}
+    for ending, content in written.items():
+        (folder / f"ball.{ending}").write_bytes(content)
+        (folder / "scene.toml").write_text(SCENE.replace("ball.off", f"ball.{ending}"))
+        done = run(folder, "--snapshots", "0,12", "--force", backend="bvh")
+        assert done.returncode == 0, done.stderr
+        assert ("merged" in done.stderr) == (ending != "off")
+        manifest = json.loads((folder / "out/run.json").read_text())
+        last = read_ply(folder / "out/snapshots/frame_0012.ply")
+        rest = read_ply(folder / "out/snapshots/frame_0000.ply")
+        assert manifest["muscle"]["vertices"] == len(rest.vertices_m)
+        results[ending] = (manifest["muscle"]["nodes"], manifest["muscle"]["rest_volume_m3"], rest, last)
+    nodes, volume, rest, last = results["off"]
+    assert nodes == len(vertices)
+    for ending in ("stl", "obj"):
+        assert results[ending][0] == nodes
+        assert results[ending][1] == pytest.approx(volume, rel=1e-12)
+        # Snapshots have the file's vertices in the file's order; corners at one position stay at one.
+        place = {tuple(position): i for i, position in enumerate(rest.vertices_m)}
+        same = [place[tuple(position)] for position in results[ending][2].vertices_m]
+        moved = results[ending][3].vertices_m
+        for node in range(nodes):
+            assert np.ptp(moved[[i for i, n in enumerate(same) if n == node]], axis=0).max() == 0
+        assert np.abs(moved - last.vertices_m[same]).max() < 1e-3  # constraints in another order
+
+
+def test_words_that_are_nearly_right_are_suggested(folder):
+    for arguments, word in ((("rnu",), "'run'"), (("run", "x.toml", "--bakend", "sdf"), "'--backend'"),
+                            (("check", "x.toml", "--dta=x"), "'--data'"), (("run", "x", "--backend", "sfd"), "'sdf'")):
+        done = call(*arguments)
+        assert done.returncode == 2 and "did you mean " + word in done.stderr, done.stderr
+    for arguments in (("check",), ("run", "--backend", "sdf")):
+        done = call(arguments[0], "scene", *arguments[1:], cwd=folder)
+        assert done.returncode == 2 and "did you mean 'scene.toml'" in done.stderr
+
+
+def test_check_goes_on_past_an_empty_attachment(folder):
+    attachments = """
+[[attachment]]
+name = "foot"
+bone = "box"
+outline_m = [[-0.02, -0.02, 0.03], [0.02, -0.02, 0.03], [0.0, 0.02, 0.03]]
+distance_m = 0.00001
+"""
+    (folder / "scene.toml").write_text(SCENE.replace('"ball.off"', '"ball.off"\nfibres = "between_attachments"')
+                                       + attachments)
+    done = call("check", folder / "scene.toml")
+    assert done.returncode == 0, done.stderr
+    for words in ("attachment 'foot' binds no node: the nearest is", "can't be run:", "attachment foot: 0 nodes"):
+        assert words in done.stdout
+    assert_refused(run(folder), folder, "between_attachments", "attachment 'foot' binds no node")
+
+
+@pytest.mark.parametrize("device", ["pipe", "/dev/zero"])
+def test_a_scene_that_never_ends_is_refused(folder, device):
+    (folder / "scene.toml").unlink()
+    if device == "pipe":
+        os.mkfifo(folder / "scene.toml")
+    else:
+        (folder / "scene.toml").symlink_to(device)
+    assert_refused(run(folder), folder, "scene.toml", "no regular file")
 
 
 def test_check_and_list_speak(folder):

@@ -9,8 +9,8 @@ namespace musclebench {
 void keep_border_positive(CubicField& field);
 
 /// Marks the cells where the field may be negative, and finds the facts `lipschitz_bound` and `sign_error_distance_m`.
-/// The values at grid vertices are exact distances. The same bits for any number of threads. What these facts prove is in
-/// reports/performance/field_bounds.md.
+/// The values at grid vertices are exact distances. The same bits for any number of threads. What these facts prove is
+/// in reports/performance/field_bounds.md.
 void find_cell_signs(CubicField& field, int threads);
 
 }  // namespace musclebench

@@ -202,7 +202,7 @@ TEST(BacktrackResponse, ANodeWhoseStartIsInsideFollowsTheBoneFromItsPreviousPose
   const auto corrected = step.respond(ResponseKind::backtrack, backend, 1);
   EXPECT_LT((corrected[0] - step.now[0].apply(in_rest_frame)).norm(), 1e-15);
   EXPECT_GT((step.now[0].apply(in_rest_frame) - step.start[0]).norm(), 0.01);  // the bone does move
-  EXPECT_EQ(backend.asked.size(), 1U);  // at x; nothing walks
+  EXPECT_EQ(backend.asked.size(), 1U);                                         // at x; nothing walks
 }
 
 /// Whether x is inside is asked of the bones where they stand now.

@@ -2,9 +2,11 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <sys/stat.h>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "core/mesh/shapes.hpp"
@@ -62,6 +64,43 @@ TEST_F(RefuseMesh, RefusesBinaryGarbage) {
       expect_refused("garbage." + ending, garbage, "");
     }
   }
+}
+
+TEST_F(RefuseMesh, RefusesPipesAndDevices) {
+  ASSERT_EQ(mkfifo(path("pipe.ply").c_str(), 0600), 0);
+  expect_refused(path("pipe.ply"), "pipe");
+  fs::create_symlink("/dev/zero", path("endless.ply"));
+  expect_refused(path("endless.ply"), "device");
+}
+
+TEST_F(RefuseMesh, TellsAHugeFileOfGarbageByItsHead) {
+  constexpr std::uintmax_t more_than_memory = std::uintmax_t{1} << 42;
+  for (const auto& [ending, part] : std::vector<std::pair<std::string, std::string>>{
+           {"ply", "PLY header"}, {"obj", "no text"}, {"off", "no text"}, {"stl", "STL"}}) {
+    const fs::path file = write("huge." + ending, "");
+    std::error_code error;
+    fs::resize_file(file, more_than_memory, error);  // a hole, which takes no room
+    if (error) {
+      GTEST_SKIP() << "the folder of temporary files has no files with holes";
+    }
+    expect_refused(file, part);
+  }
+  const fs::path file = write("huge.ply", hand_ply);
+  fs::resize_file(file, more_than_memory);
+  expect_refused(file, "MB");
+}
+
+TEST_F(RefuseMesh, RefusesPolygonsThatTakeForeverToCut) {
+  std::string vertices;
+  std::string face = "f";
+  for (int i = 1; i <= 1001; ++i) {
+    const double angle = 0.006 * i;
+    vertices += fmt::format("v {} {} 0\n", std::cos(angle), std::sin(angle));
+    face += fmt::format(" {}", i);
+  }
+  expect_refused("large.obj", vertices + face + "\n", "face 0 (counted from 0) has more than 1000 corners");
+  const TriangleMesh cut = read_mesh(write("large.obj", vertices + face.substr(0, face.rfind(' ')) + "\n"));
+  EXPECT_EQ(cut.triangles.size(), 998U);
 }
 
 using Parser = PolygonMesh (*)(std::string_view, const std::string&);

@@ -1,10 +1,13 @@
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
+#include "core/base/sha256.hpp"
+#include "core/recording/recording_header.hpp"
 #include "core/recording/recording_reader.hpp"
 #include "core/recording/recording_writer.hpp"
 
@@ -212,6 +215,25 @@ TEST_F(Recording, AForeignFileIsNotReplaced) {
   write();
   EXPECT_NO_THROW(require_recording_writable(m_file));
   EXPECT_EQ(files(), 1);
+}
+
+TEST_F(Recording, AHeaderThatClaimsMoreNodesThanThereAreIsRefusedBeforeMemoryIsTaken) {
+  (void)write();
+  std::string bytes = content();
+  const std::string claim = "\"nodes\":1000000000";
+  const std::size_t place = bytes.find("\"nodes\":5");
+  ASSERT_NE(place, std::string::npos);
+  bytes.replace(place, 9, claim);
+  std::uint64_t size = 0;
+  const std::size_t size_place = recording_magic.size() + recording_version.size();
+  std::memcpy(&size, bytes.data() + size_place, sizeof size);
+  size += claim.size() - 9;
+  std::memcpy(bytes.data() + size_place, &size, sizeof size);
+  bytes.resize(bytes.size() - recording_hash_digits);
+  Sha256 hash;
+  hash.add(bytes.substr(0, bytes.size() - recording_hash_mark.size()));
+  replace_content(bytes + hash.hex_digest());
+  EXPECT_NE(complaint().find("claims 1000000000 nodes"), std::string::npos) << complaint();
 }
 
 TEST_F(Recording, AHeaderThatContradictsItselfIsRefused) {

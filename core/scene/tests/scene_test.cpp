@@ -9,6 +9,7 @@
 #include "core/mesh/shapes.hpp"
 #include "core/scene/attachment_area.hpp"
 #include "core/scene/read_scene.hpp"
+#include "core/scene/scene_warnings.hpp"
 
 namespace musclebench {
 namespace {

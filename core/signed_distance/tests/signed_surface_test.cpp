@@ -18,12 +18,12 @@ namespace musclebench {
 namespace {
 
 TriangleMesh joined(TriangleMesh mesh, const TriangleMesh& other, const Vec3& offset) {
-  const auto offset = static_cast<int>(mesh.vertices.size());
+  const auto first = static_cast<int>(mesh.vertices.size());
   for (const Vec3& vertex : other.vertices) {
     mesh.vertices.emplace_back(vertex + offset);
   }
   for (const Triangle& t : other.triangles) {
-    mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
   return mesh;
 }
@@ -148,7 +148,8 @@ TEST_P(SignedSurfaceShapes, FeaturesAreManifoldWhereNothingTouchesThem) {
   if (shape.name == "open") {
     return;  // There the question makes no sense.
   }
-  const double share = manifold_fraction(shape.mesh, ManifoldFeatures(shape.mesh, TriangleBvh(shape.mesh)));
+  const double share =
+      manifold_fraction(shape.mesh, ManifoldFeatures(shape.mesh, TriangleBvh(shape.mesh), MeshEdges(shape.mesh)));
   EXPECT_GE(share, shape.least_manifold);
   EXPECT_LE(share, shape.most_clean);
 }
@@ -164,7 +165,7 @@ TEST(SignedSurface, OfThePelvisWithItsFinHasNoWrongSign) {
   const RepairedMesh pelvis = repair_mesh(read_mesh(*folder / "meshes" / "pelvis.ply"), "pelvis");
   ASSERT_FALSE(pelvis.clean);
   const SignedSurface surface(pelvis);
-  const ManifoldFeatures clean(pelvis.mesh, surface.tree());
+  const ManifoldFeatures clean(pelvis.mesh, surface.tree(), MeshEdges(pelvis.mesh));
   std::vector<int> unclean;
   for (int t = 0; t < static_cast<int>(pelvis.mesh.triangles.size()); ++t) {
     if (!clean.holds(t, Feature::corner_0) || !clean.holds(t, Feature::corner_1) || !clean.holds(t, Feature::face)) {

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "core/mesh_repair/repair_mesh.hpp"
+#include "core/signed_distance/shared_surface.hpp"
+
+namespace musclebench {
+
+/// A rigid bone as a backend gets it: its repaired surface in rest pose. In a scene it is numbered coherently
+/// (`sort_in_morton_order`): what lies close together does so in memory, too.
+struct Bone {
+  std::string name;
+  RepairedMesh surface;
+  SharedSurface shared = {};  ///< of `surface`, which stays as it is from the first use on
+
+  /// Built once, in the rest frame (see SharedSurface).
+  [[nodiscard]] const TriangleBvh& tree() const { return shared.tree(surface); }
+  [[nodiscard]] const SignedSurface& signed_distance() const { return shared.signed_distance(surface); }
+};
+
+}  // namespace musclebench

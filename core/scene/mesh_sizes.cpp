@@ -1,0 +1,216 @@
+#include "core/scene/mesh_sizes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/mesh/mesh_size.hpp"
+
+namespace musclebench {
+
+namespace {
+
+/// No bone and no muscle of an animal is larger.
+constexpr double largest_m = 2;
+constexpr double smallest_m = 1e-3;
+/// What a bone or a muscle measures: of two units that fit, the one that leads nearer to it is the likely one.
+constexpr double typical_m = 0.2;
+
+struct Unit {
+  std::string_view name;
+  double metres;
+};
+constexpr Unit units[] = {{"millimetres", 1e-3}, {"centimetres", 1e-2}};
+
+struct MeasuredMesh {
+  std::string name;             ///< "bone 'femur'"
+  Eigen::AlignedBox3d box;      ///< without stray vertices
+  int stray_vertices = 0;       ///< far from all others
+  double stray_distance_m = 0;  ///< of the farthest one, from the middle of the others
+
+  [[nodiscard]] double size_m() const { return box.diagonal().norm(); }
+  [[nodiscard]] bool is_too_large() const { return size_m() > largest_m; }
+};
+
+Vec3 median_of(const std::vector<Vec3>& points) {
+  Vec3 median;
+  std::vector<double> values(points.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    std::transform(points.begin(), points.end(), values.begin(), [&](const Vec3& p) { return p[axis]; });
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    median[axis] = *middle;
+  }
+  return median;
+}
+
+/// The distance from the middle within which the mesh lies but for stray vertices: more than half of all lie within,
+/// and no other one within ten times of it.
+double radius_without_strays(std::vector<double> distances) {
+  constexpr double gap = 10;
+  const auto half = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), half, distances.end());
+  const double farthest = *std::max_element(half, distances.end());
+  if (farthest <= gap * *half) {
+    return farthest;
+  }
+  std::sort(distances.begin(), distances.end());
+  for (std::size_t i = distances.size() / 2; i + 1 < distances.size(); ++i) {
+    if (distances[i] > 0 && distances[i + 1] > gap * distances[i]) {
+      return distances[i];
+    }
+  }
+  return distances.back();
+}
+
+MeasuredMesh measure(std::string name, const std::vector<Vec3>& vertices) {
+  MeasuredMesh measured;
+  measured.name = std::move(name);
+  if (vertices.empty()) {
+    return measured;
+  }
+  const Vec3 middle = median_of(vertices);
+  std::vector<double> distances(vertices.size());
+  std::transform(vertices.begin(), vertices.end(), distances.begin(),
+                 [&](const Vec3& v) { return (v - middle).norm(); });
+  const double radius_m = radius_without_strays(distances);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (distances[i] <= radius_m) {
+      measured.box.extend(vertices[i]);
+    } else {
+      ++measured.stray_vertices;
+      measured.stray_distance_m = std::max(measured.stray_distance_m, distances[i]);
+    }
+  }
+  return measured;
+}
+
+std::vector<MeasuredMesh> measure(const Scene& scene) {
+  std::vector<MeasuredMesh> meshes;
+  for (const Bone& bone : scene.bones) {
+    meshes.push_back(measure(fmt::format("bone '{}'", bone.name), bone.surface.mesh.vertices));
+  }
+  meshes.push_back(measure(fmt::format("muscle '{}'", scene.muscle_name), scene.muscle.mesh.vertices));
+  return meshes;
+}
+
+/// The unit that makes the mesh plausible; of several the one that leads to where the others are, then to a typical
+/// size.
+std::optional<Unit> likely_unit(const MeasuredMesh& mesh, const Eigen::AlignedBox3d& others) {
+  std::optional<Unit> likely;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Unit& unit : units) {
+    const double size_m = mesh.size_m() * unit.metres;
+    if (size_m > largest_m || size_m < smallest_m) {
+      continue;
+    }
+    const Eigen::AlignedBox3d scaled(unit.metres * mesh.box.min(), unit.metres * mesh.box.max());
+    const bool is_apart = !others.isEmpty() && !scaled.intersects(others);
+    const double doubt = std::abs(std::log(size_m / typical_m)) + (is_apart ? 100 : 0);
+    if (doubt < least) {
+      least = doubt;
+      likely = unit;
+    }
+  }
+  return likely;
+}
+
+std::string unit_cure(const std::optional<Unit>& unit, std::string_view whose) {
+  return unit ? fmt::format("{} unit is likely {}; scale by {:g}, coordinates are metres", whose, unit->name,
+                            unit->metres)
+              : std::string("coordinates are metres; scale by what their unit is");
+}
+
+void warn_of_units(const std::vector<MeasuredMesh>& meshes, std::vector<std::string>& warnings) {
+  Eigen::AlignedBox3d plausible;
+  Eigen::AlignedBox3d all;
+  for (const MeasuredMesh& mesh : meshes) {
+    all.extend(mesh.box);
+    if (!mesh.is_too_large()) {
+      plausible.extend(mesh.box);
+    }
+  }
+  if (plausible.isEmpty()) {
+    std::vector<std::string> sizes;
+    for (const MeasuredMesh& mesh : meshes) {
+      sizes.push_back(fmt::format("{} {:.3g} m", mesh.name, mesh.size_m()));
+    }
+    const auto largest = std::max_element(meshes.begin(), meshes.end(),
+                                          [](const auto& a, const auto& b) { return a.size_m() < b.size_m(); });
+    warnings.push_back(fmt::format("all meshes are implausibly large ({}): {}", fmt::join(sizes, ", "),
+                                   unit_cure(likely_unit(*largest, {}), "their")));
+    return;
+  }
+  for (const MeasuredMesh& mesh : meshes) {
+    if (mesh.is_too_large()) {
+      warnings.push_back(fmt::format("{} is {:.3g} m large, out of step with the other meshes ({:.3g} m): {}",
+                                     mesh.name, mesh.size_m(), plausible.diagonal().norm(),
+                                     unit_cure(likely_unit(mesh, plausible), "its")));
+    } else if (mesh.size_m() < smallest_m) {
+      warnings.push_back(
+          fmt::format("{} is {:.3g} mm large: was it scaled to metres twice?", mesh.name, 1e3 * mesh.size_m()));
+    }
+  }
+}
+
+void warn_of_far_meshes(const std::vector<MeasuredMesh>& meshes, std::vector<std::string>& warnings) {
+  constexpr double far = 5;  // sizes
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const MeasuredMesh& mesh = meshes[i];
+    if (mesh.stray_vertices > 0) {
+      warnings.push_back(
+          fmt::format("{} has {} {} far outside the rest of it, up to {:.3g} m away: check its coordinates", mesh.name,
+                      mesh.stray_vertices, mesh.stray_vertices == 1 ? "vertex" : "vertices", mesh.stray_distance_m));
+    }
+    Eigen::AlignedBox3d others;
+    for (std::size_t j = 0; j < meshes.size(); ++j) {
+      if (j != i) {
+        others.extend(meshes[j].box);
+      }
+    }
+    const bool is_said_of_the_muscle = meshes.size() == 2 && i == 0;
+    if (mesh.box.isEmpty() || others.isEmpty() || is_said_of_the_muscle || mesh.is_too_large() ||
+        others.diagonal().norm() > largest_m) {
+      continue;  // where a unit is wrong, that is to be mended first
+    }
+    const double gap_m = mesh.box.exteriorDistance(others);
+    if (gap_m > far * std::max(mesh.size_m(), others.diagonal().norm())) {
+      warnings.push_back(
+          fmt::format("{} is {:.3g} m away from the other meshes: are they in one frame and unit?", mesh.name, gap_m));
+    }
+  }
+}
+
+void warn_of_far_centres(const Scene& scene, const std::vector<MeasuredMesh>& meshes,
+                         std::vector<std::string>& warnings) {
+  Eigen::AlignedBox3d all;
+  for (const MeasuredMesh& mesh : meshes) {
+    all.extend(mesh.box);
+  }
+  constexpr double far = 10;  // sizes
+  for (std::size_t bone = 0; bone < scene.motions.size() && !all.isEmpty(); ++bone) {
+    const BoneMotion& motion = scene.motions[bone];
+    const double distance_m = motion.angles_rad.empty() ? 0 : all.exteriorDistance(motion.centre_m);
+    if (distance_m > far * all.diagonal().norm()) {
+      warnings.push_back(fmt::format("bone '{}' turns about a point {:.3g} m away from all meshes: check centre_m",
+                                     scene.bones[bone].name, distance_m));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> size_warnings(const Scene& scene) {
+  const std::vector<MeasuredMesh> meshes = measure(scene);
+  std::vector<std::string> warnings;
+  warn_of_units(meshes, warnings);
+  warn_of_far_meshes(meshes, warnings);
+  warn_of_far_centres(scene, meshes, warnings);
+  return warnings;
+}
+
+}  // namespace musclebench

@@ -1,0 +1,209 @@
+#include "core/scene/scene_warnings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/mesh/mesh_edges.hpp"
+#include "core/mesh_repair/check_mesh.hpp"
+#include "core/scene/mesh_sizes.hpp"
+#include "core/scene/rest_overlap.hpp"
+
+namespace musclebench {
+
+namespace {
+
+using Lines = std::vector<std::string>;
+
+constexpr double degrees_per_radian = 180 / std::numbers::pi;
+
+bool has_effect(const Scene& scene, std::string_view name) {
+  return std::any_of(scene.effects.begin(), scene.effects.end(), [&](const auto& e) { return e.name == name; });
+}
+
+void warn_of_muscle_file(const Scene& scene, Lines& warnings) {
+  for (const std::string& change : scene.muscle_file.changes) {
+    warnings.push_back(fmt::format("muscle '{}': {}", scene.muscle_name, change));
+  }
+}
+
+/// How many connected pieces the muscle has, and how many of them hold no bound node.
+struct Pieces {
+  int count = 0;
+  int unbound = 0;
+};
+
+Pieces pieces_of(const Scene& scene) {
+  const TriangleMesh& mesh = scene.muscle.mesh;
+  DisjointSets joined(static_cast<int>(mesh.vertices.size()));
+  for (const Triangle& triangle : mesh.triangles) {
+    joined.unite(triangle[0], triangle[1]);
+    joined.unite(triangle[0], triangle[2]);
+  }
+  std::vector<char> is_bound(mesh.vertices.size(), 0);
+  for (const BoundNode& bound : scene.bound_nodes()) {
+    is_bound[static_cast<std::size_t>(joined.find(bound.node))] = 1;
+  }
+  Pieces pieces;
+  for (int vertex = 0; vertex < static_cast<int>(mesh.vertices.size()); ++vertex) {
+    if (joined.find(vertex) == vertex) {
+      ++pieces.count;
+      pieces.unbound += is_bound[static_cast<std::size_t>(vertex)] == 0 ? 1 : 0;
+    }
+  }
+  return pieces;
+}
+
+void warn_of_pieces(const Scene& scene, Lines& warnings) {
+  const Pieces pieces = pieces_of(scene);
+  if (pieces.count < 2) {
+    return;
+  }
+  const std::string unbound =
+      scene.attachments.empty() ? std::string() : fmt::format(", {} of them without a bound node", pieces.unbound);
+  warnings.push_back(fmt::format("muscle '{}' is in {} separate pieces{}: nothing holds them together",
+                                 scene.muscle_name, pieces.count, unbound));
+}
+
+void warn_of_muscle_surface(const Scene& scene, Lines& warnings) {
+  const MeshReport muscle = check_mesh(scene.muscle.mesh);
+  if (has_effect(scene, "volume") && muscle.boundary_edges > 0) {
+    warnings.push_back(fmt::format(
+        "effect 'volume' has no meaning for an open surface: the muscle has {} boundary edges", muscle.boundary_edges));
+  }
+  if (muscle.volume_m3 < 0) {
+    warnings.emplace_back("the muscle is wound inwards (negative volume): turn its triangles");
+  }
+}
+
+/// Nodes that collide before the first frame are bound where the scene asks for that.
+void warn_of_overlaps(const Scene& scene, Lines& warnings) {
+  if (scene.attach_at_first_contact) {
+    return;
+  }
+  const std::vector<RestOverlap> overlaps = free_overlaps_at_rest(scene);
+  for (std::size_t bone = 0; bone < overlaps.size(); ++bone) {
+    if (overlaps[bone].nodes > 0) {
+      warnings.push_back(
+          fmt::format("{} of {} nodes begin inside bone '{}' without being bound, {:.3g} mm deep: the first contact "
+                      "throws them out",
+                      overlaps[bone].nodes, scene.muscle.mesh.vertices.size(), scene.bones[bone].name,
+                      1e3 * overlaps[bone].deepest_m));
+    }
+  }
+}
+
+void warn_of_attachments(const Scene& scene, Lines& warnings) {
+  for (const Attachment& attachment : scene.attachments) {
+    if (attachment.nodes.empty()) {
+      warnings.push_back(describe_empty_attachment(scene, attachment));
+    }
+  }
+  const bool wants_attachment = scene.attach_at_first_contact || !scene.attachments.empty();
+  if (has_effect(scene, "attachment") && !wants_attachment) {
+    warnings.emplace_back("effect 'attachment' can't act: the scene has no [[attachment]]");
+  }
+  if (!has_effect(scene, "attachment") && wants_attachment) {
+    warnings.emplace_back("the scene has attachments but lacks [effects.attachment]: its bound nodes stand still");
+  }
+}
+
+void warn_of_effects(const Scene& scene, Lines& warnings) {
+  for (const SceneEffect& effect : scene.effects) {
+    const bool fibres = scene.fibres_between_attachments || !scene.fibres.empty();
+    if (effect.name == "edge_length" && fibres && effect.parameters.number("anisotropy_exponent") == 0) {
+      warnings.emplace_back("the muscle has fibres, but edge_length.anisotropy_exponent = 0 ignores them");
+    }
+  }
+  if (!has_effect(scene, "edge_length")) {
+    warnings.emplace_back("the scene lacks [effects.edge_length]: nothing holds the surface together");
+  }
+}
+
+void warn_of_motions(const Scene& scene, Lines& warnings) {
+  if (std::abs(scene.angle_rad(0)) > 1e-9) {
+    warnings.push_back(
+        fmt::format("the motion starts at {:.3g} degrees from the pose of the meshes: the bones jump there in "
+                    "the first frame",
+                    scene.angle_rad(0) * degrees_per_radian));
+  }
+  for (std::size_t bone = 0; bone < scene.motions.size(); ++bone) {
+    const std::vector<double>& angles = scene.motions[bone].angles_rad;
+    if (angles.empty()) {
+      continue;
+    }
+    const auto [least, largest] = std::minmax_element(angles.begin(), angles.end());
+    if (*largest - *least > 2 * std::numbers::pi * (1 + 1e-9)) {
+      warnings.push_back(fmt::format(
+          "bone '{}' turns by {:.4g} degrees, more than a full turn: check its angles (of a table, that its line "
+          "inDegrees tells their unit)",
+          scene.bones[bone].name, (*largest - *least) * degrees_per_radian));
+    }
+  }
+}
+
+}  // namespace
+
+std::string describe_empty_attachment(const Scene& scene, const Attachment& attachment) {
+  const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
+  const auto nearest = nearest_to_area(scene.muscle.mesh.vertices, bone.tree(), attachment.area);
+  if (!nearest) {
+    return fmt::format(
+        "attachment '{}' binds no node: the muscle is nowhere on its side of bone '{}'; check its outline",
+        attachment.name, bone.name);
+  }
+  return fmt::format(
+      "attachment '{}' binds no node: the nearest is {:.4g} mm from bone '{}' (distance_m allows {:.4g} mm) and {:.4g} "
+      "mm "
+      "beside the outlined area (margin_m allows {:.4g} mm); enlarge them or check its outline",
+      attachment.name, 1e3 * nearest->to_bone_m, bone.name, 1e3 * attachment.area.distance_m,
+      1e3 * nearest->beside_area_m, 1e3 * attachment.area.margin_m);
+}
+
+std::string describe_missing_fibres(const Scene& scene) {
+  constexpr const char* needs = "'between_attachments' needs bound nodes on two bones that the muscle joins";
+  if (scene.attachments.empty()) {
+    return fmt::format("{}, and the scene has no [[attachment]]", needs);
+  }
+  Lines counts;
+  std::vector<int> bones;
+  for (const Attachment& attachment : scene.attachments) {
+    const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
+    if (attachment.nodes.empty()) {
+      counts.push_back(describe_empty_attachment(scene, attachment));
+    } else {
+      counts.push_back(fmt::format("attachment '{}' has {} nodes on bone '{}'", attachment.name,
+                                   attachment.nodes.size(), bone.name));
+    }
+  }
+  for (const BoundNode& bound : scene.bound_nodes()) {
+    bones.push_back(bound.bone);
+  }
+  std::sort(bones.begin(), bones.end());
+  bones.erase(std::unique(bones.begin(), bones.end()), bones.end());
+  const Pieces pieces = pieces_of(scene);
+  if (bones.size() > 1 && pieces.count > 1) {
+    counts.push_back(fmt::format("the muscle is in {} separate pieces, none of which joins them", pieces.count));
+  } else if (bones.size() == 1) {
+    counts.push_back(
+        fmt::format("all bound nodes are on bone '{}'", scene.bones[static_cast<std::size_t>(bones[0])].name));
+  }
+  return fmt::format("{}: {}", needs, fmt::join(counts, "; "));
+}
+
+std::vector<std::string> scene_warnings(const Scene& scene) {
+  Lines warnings = size_warnings(scene);
+  warn_of_muscle_file(scene, warnings);
+  warn_of_pieces(scene, warnings);
+  warn_of_attachments(scene, warnings);
+  warn_of_overlaps(scene, warnings);
+  warn_of_muscle_surface(scene, warnings);
+  warn_of_motions(scene, warnings);
+  warn_of_effects(scene, warnings);
+  return warnings;
+}
+
+}  // namespace musclebench

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+
+namespace musclebench {
+
+/// What is odd about the scene, one line each: meshes that seem to be in another unit, far away or in pieces, nodes
+/// that begin inside a bone, attachments without nodes, motions of more than a turn, effects that cannot act or are
+/// missing. Empty when all is well.
+std::vector<std::string> scene_warnings(const Scene& scene);
+
+/// The sentence about an attachment without nodes: how far the nearest node is.
+std::string describe_empty_attachment(const Scene& scene, const Attachment& attachment);
+
+/// Why `between_attachments` gives no fibres: which attachment has how many nodes.
+std::string describe_missing_fibres(const Scene& scene);
+
+}  // namespace musclebench
