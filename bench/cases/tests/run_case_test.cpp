@@ -81,7 +81,7 @@ TEST(JudgingBudget, GrowsWithTheFrame) {
   scene.loop.substeps = 3;
   scene.loop.iterations = 2;
   EXPECT_EQ(judging_budget(scene), 6 * one_step);
-  scene.effects.resize(2);
+  scene.effects.assign(2, SceneEffect{"bending", Parameters({}, {}, "test")});
   EXPECT_GT(judging_budget(scene), 12 * one_step);
 }
 
