@@ -29,7 +29,7 @@ std::vector<bool> warm_up_of(int frames, std::optional<int> warm_up_frames = {})
   scene.muscle.mesh = make_sphere(0.1, 0);
   scene.loop.frames = frames;
   const BackendEntry entry{
-      "none", "", ResponseKind::project, {}, [](const Parameters& /*none*/) { return std::make_unique<NoContacts>(); }};
+      .name = "none", .help = "", .make = [](const Parameters& /*none*/) { return std::make_unique<NoContacts>(); }};
   RunCase run{{scene, entry, Parameters({}, {}, entry.name)}};
   run.judge = false;
   run.warm_up_frames = warm_up_frames.value_or(run.warm_up_frames);
