@@ -16,7 +16,7 @@ std::vector<std::string> long_options_of(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
     for (const std::string& name : option->get_lnames()) {
-      names.push_back("--" + name);
+      names.push_back(fmt::format("--{}", name));
     }
   }
   return names;

@@ -294,7 +294,7 @@ bool TriangleBvhBuilder::set_triangle(int triangle, std::size_t lane, BvhLeaf& l
 }
 
 int TriangleBvhBuilder::add_leaf(Range range) {
-  NotedLeaf& noted = m_noted.emlane_back();
+  NotedLeaf& noted = m_noted.emplace_back();
   noted.range = range;
   noted.ancestors.fill(-1);
   std::copy_n(m_path.rbegin(), std::min(m_path.size(), noted.ancestors.size()), noted.ancestors.begin());

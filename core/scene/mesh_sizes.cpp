@@ -109,8 +109,9 @@ std::optional<Unit> likely_unit(const MeasuredMesh& mesh, const Eigen::AlignedBo
       continue;
     }
     const Eigen::AlignedBox3d scaled(unit.metres * mesh.box.min(), unit.metres * mesh.box.max());
-    const bool is_apart = !others.isEmpty() && !scaled.intersects(others);
-    const double doubt = std::abs(std::log(size_m / typical_m)) + (is_apart ? 100 : 0);
+    const double gap = others.isEmpty() ? 0 : scaled.exteriorDistance(others) / others.diagonal().norm();
+    constexpr double weight_of_gap = 10;
+    const double doubt = std::abs(std::log(size_m / typical_m)) + weight_of_gap * gap;
     if (doubt < least) {
       least = doubt;
       likely = unit;

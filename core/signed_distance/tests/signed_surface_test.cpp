@@ -18,12 +18,12 @@ namespace musclebench {
 namespace {
 
 TriangleMesh joined(TriangleMesh mesh, const TriangleMesh& other, const Vec3& offset) {
-  const auto offset = static_cast<int>(mesh.vertices.size());
+  const auto first = static_cast<int>(mesh.vertices.size());
   for (const Vec3& vertex : other.vertices) {
     mesh.vertices.emplace_back(vertex + offset);
   }
   for (const Triangle& t : other.triangles) {
-    mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
   return mesh;
 }

@@ -132,7 +132,7 @@ PlainLeaf plain_leaf(const OctreeField& field, Vec3 at) {
     root[a] = static_cast<std::size_t>(std::min(std::floor(at[axis]), field.shape().roots[a] - 1.0));
     at[axis] -= static_cast<double>(root[a]);
   }
-  PlainLeaf leaf{field.entries()[field.shape().root(root[0], root[1], root[2])], at, 0.5 * field.shape().root_edge_m};
+  PlainLeaf leaf{field.entries()[field.shape().root_grid().index(root)], at, 0.5 * field.shape().root_edge_m};
   while (octree_entry::kind_of(leaf.entry) == Kind::split) {
     std::size_t octant = 0;
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
