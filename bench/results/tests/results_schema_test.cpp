@@ -88,9 +88,9 @@ std::string names_in(const Json& columns, const std::vector<std::string>& effect
   std::string names;
   for (const Json& column : columns["columns"]) {
     if (column["name"] == effect_column) {
-      for (const std::string& effect : effects) names += "," + effect + "_ns";
+      for (const std::string& effect : effects) names.append(",").append(effect).append("_ns");
     } else {
-      names += "," + column["name"].get<std::string>();
+      names.append(",").append(column["name"].get<std::string>());
     }
   }
   return names.substr(1);
