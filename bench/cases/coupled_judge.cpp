@@ -13,9 +13,10 @@ constexpr double least_movement = 1e-6;
 
 /// A frame is judged in at most this many times its own time.
 constexpr long judging_factor = 20;
-/// A unit of the Referee's work, and what a node costs the loop in a substep and iteration, alone and for every effect;
-/// the latter from below. Measured on a Xeon and an AMD Zen 5, which agree on the ratio.
-constexpr long work_unit_ns = 12;
+/// A unit of the Referee's work (up to 30 where triangles are tested against triangles), and what a node costs the loop
+/// in a substep and iteration, alone and for every effect: from below, about half of what is measured. On a Xeon that
+/// makes 15 times the frame where the budget is spent, and 1 to 6 times where it suffices.
+constexpr long work_unit_ns = 20;
 constexpr long node_ns = 20;
 constexpr long node_and_effect_ns = 20;
 

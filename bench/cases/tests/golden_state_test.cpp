@@ -206,7 +206,8 @@ TEST_P(GoldenState, IsThatOfEveryBackendForAnyNumberOfThreads) {
     std::string of_one_thread;
     for (const int threads : thread_counts) {
       const RunResult result = run(scene, backend, threads);
-      EXPECT_EQ(result.status, "ok") << key;
+      // Not whether the muscle does well, which is what `suspect` is about.
+      EXPECT_TRUE(result.status == "ok" || result.status == "suspect") << key << ": " << result.status;
       of_one_thread = threads == 1 ? result.state_hash : of_one_thread;
       EXPECT_EQ(result.state_hash, of_one_thread) << key << ": " << threads << " threads give another state than one";
     }
