@@ -121,17 +121,17 @@ def measured_folder(options) -> Path:
     return (out_dir_of(options) if options.quick else PROJECT / "reports") / "measured"
 
 
-def write_pages(options, steps: list[Step]) -> None:
-    """Pages and their pictures; prints what changed."""
+def write_pages(options, steps: list[Step]) -> list[str]:
+    """Pages and their pictures; prints what changed. A line for all that could not be written."""
     measured = Measured(measured_folder(options))
     if options.quick:  # what a rehearsal doesn't measure stays as it is in the project
         for study in Measured(PROJECT / "reports" / "measured").studies:
             if study not in measured.studies:
                 shutil.copytree(PROJECT / "reports" / "measured" / study, measured.folder / study, dirs_exist_ok=True)
-    changed, pictures = [], 0
+    changed, pictures, problems = [], 0, []
     for page in pages_of(PROJECT):
         old = page.read_text()
-        new = written(old, measured, str(page.relative_to(PROJECT)))
+        new = written(old, measured, str(page.relative_to(PROJECT)), problems)
         target = out_dir_of(options) / "pages" / page.relative_to(PROJECT) if options.quick else page
         target.parent.mkdir(parents=True, exist_ok=True)
         if new != old or options.quick:
@@ -139,11 +139,11 @@ def write_pages(options, steps: list[Step]) -> None:
         if new != old:
             changed.append(str(target))
         pictures += _copy_pictures(new, page, {step.name for step in steps}, options)
-        for line, words in unmarked(new):
-            print(f"publish: {page.relative_to(PROJECT)}:{line}: '{words}' is quoted outside of markers",
-                  file=sys.stderr)
+        problems += [f"{page.relative_to(PROJECT)}:{line}: '{words}' is quoted outside of markers"
+                     for line, words in unmarked(new)]
     print("\n".join(["Written:", *(f"  {name}" for name in changed)]) if changed else "No page changed.")
     print(f"{pictures} pictures copied.")
+    return problems
 
 
 def _copy_pictures(text: str, page: Path, fresh: set[str], options) -> int:
@@ -176,7 +176,7 @@ def publish(options) -> int:
         if not options.quick:
             check_tree()
         problems = run_steps(steps, options)
-    write_pages(options, steps)
+    problems += write_pages(options, steps)
     for problem in problems:
         print(f"publish: {problem}", file=sys.stderr)
     print("Published." if not problems else "Not all was published.")

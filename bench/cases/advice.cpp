@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/percentile.hpp"
+
 namespace musclebench {
 
 namespace {
@@ -260,16 +262,15 @@ MedianInterval median_interval(std::vector<double> values) {
   assert(!values.empty());
   std::sort(values.begin(), values.end());
   const auto count = static_cast<double>(values.size());
-  const std::size_t middle = values.size() / 2;
-  const double median = values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+  const double middle = median(values);
   if (values.size() < 6) {
-    return {median, values.front(), values.back()};
+    return {middle, values.front(), values.back()};
   }
   // The number of values below the true median is binomial; 1.96 standard deviations about its mean.
   const double half = 0.98 * std::sqrt(count);
   const auto low = static_cast<std::size_t>(std::max(0.0, std::floor(0.5 * count - half)));
   const auto high = static_cast<std::size_t>(std::min(count - 1, std::ceil(0.5 * count + half - 1)));
-  return {median, values[low], values[high]};
+  return {middle, values[low], values[high]};
 }
 
 Advice find_advice(const AdviceRequest& request, const Assess& assess) { return Search(request, assess).run(); }

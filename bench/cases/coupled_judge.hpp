@@ -6,6 +6,8 @@
 
 #include "core/effects/effect_registry.hpp"
 #include "core/measure/bone_vertex_depth.hpp"
+#include "core/measure/edge_stretch.hpp"
+#include "core/measure/outcome.hpp"
 #include "core/measure/step_record.hpp"
 #include "core/measure/surface_depth.hpp"
 #include "core/measure/tunnelling_tracker.hpp"
@@ -15,7 +17,7 @@
 namespace musclebench {
 
 /// What the truth says of a coupled run, frame by frame: how deep muscle and bones are in each other, which nodes went
-/// through a bone, which are held for nothing.
+/// through a bone, which are held for nothing, how far the muscle is stretched.
 class CoupledJudge {
  public:
   /// `simulation` has not made a frame yet.
@@ -27,13 +29,25 @@ class CoupledJudge {
   /// Of every node, m: > 0 inside a bone, its largest; 0 for free and bound nodes.
   [[nodiscard]] std::vector<double> depths(const Simulation& simulation);
 
+  /// Of the free nodes before the first frame.
+  [[nodiscard]] const DepthStatistics& depth_at_rest() const { return m_at_rest; }
+
  private:
   Referee m_referee;
   SurfaceDepthMeter m_surface;
   BoneVertexDepthMeter m_bone_vertices;
-  TunnellingTracker m_passages;
+  TunnellingTracker m_tunnelling;
+  EdgeStretchMeter m_stretch;
+  DepthStatistics m_at_rest;
   double m_floor_m;  // of a movement that counts, for stuck nodes
+  long m_budget;
   std::vector<Contact> m_truth;
 };
+
+/// Work in the unit of RefereeTree that judging a frame may take: some 20 times the time of the frame itself, which is
+/// estimated from below from the size of the scene alone, so that the same scene is judged alike on any machine. The
+/// nodes are always judged, at most one distance and one winding number a bone and detection; surface and bone vertices
+/// take what is left of the budget, at least a quarter of it each.
+long judging_budget(const Scene& scene);
 
 }  // namespace musclebench

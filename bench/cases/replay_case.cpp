@@ -54,7 +54,9 @@ class Replayer {
  private:
   void ask_twice() {
     const Nanoseconds start_ns = monotonic_now_ns();
+    m_result.machine.before = machine_load();
     m_result.contact_hash = timed_pass();
+    m_result.machine.after = machine_load();
     if (m_replay.judge && judged_pass() != m_result.contact_hash) {
       m_result.status = "nondeterministic";
       m_result.status_detail = "the two passes over the same input did not get the same contacts";
@@ -105,9 +107,13 @@ class Replayer {
       record.warm_up = static_cast<int>(m_result.records.size()) < m_replay.warm_up_frames;
       record.iterations = static_cast<int>(frame.steps.size());
       answers.resize(frame.steps.size());
+      const ContextSwitches before = context_switches();
       for (std::size_t i = 0; i < frame.steps.size(); ++i) {
         time_step(frame.steps[i], response, answers[i], record);
       }
+      const ContextSwitches switches = context_switches() - before;
+      record.involuntary_switches = switches.involuntary;
+      m_result.machine.switches += switches;
       for (const std::vector<Contact>& answer : answers) {
         record.contacts += static_cast<long>(answer.size());
         add_step(hash, answer);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench/cases/case.hpp"
+#include "core/base/machine_state.hpp"
 #include "core/measure/answer_error.hpp"
 #include "core/measure/depth_error.hpp"
 #include "core/recording/frame_source.hpp"
@@ -44,6 +45,7 @@ struct ReplayRecord {
   Nanoseconds detect_ns = 0;
   Nanoseconds respond_ns = 0;
   long contacts = 0;
+  long involuntary_switches = 0;     ///< while the frame was timed, see ContextSwitches
   std::optional<Accuracy> accuracy;  ///< nothing where the Referee did not look
 
   [[nodiscard]] Nanoseconds collision_ns() const { return update_ns + detect_ns + respond_ns; }
@@ -59,6 +61,7 @@ struct ReplayResult {
   bool structures_loaded = false;  ///< from a file; built otherwise
   Nanoseconds build_ns = 0;        ///< building or loading
   Nanoseconds wall_ns = 0;         ///< of both passes
+  MachineState machine;            ///< in the timed pass
 };
 
 /// How many frames are replayed.

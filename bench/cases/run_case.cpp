@@ -5,7 +5,7 @@
 #include <memory>
 #include <numbers>
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "bench/cases/build_backend.hpp"
 #include "bench/cases/coupled_judge.hpp"
@@ -13,6 +13,8 @@
 #include "core/base/huge_pages.hpp"
 #include "core/base/sha256.hpp"
 #include "core/base/system_memory.hpp"
+#include "core/measure/outcome_limits.hpp"
+#include "core/measure/self_intersections.hpp"
 #include "core/mesh/surface_volume.hpp"
 #include "core/scene/prepare_simulation.hpp"
 
@@ -38,6 +40,7 @@ class CaseRunner {
                 const std::function<bool()>& is_stopped) {
     start(report_build);
     const Nanoseconds start_ns = monotonic_now_ns();
+    m_result.machine.before = machine_load();
     keep_snapshot(0);
     for (int frame = 1; frame <= m_scene.loop.frames && m_result.status == "ok"; ++frame) {
       step(frame);
@@ -48,9 +51,11 @@ class CaseRunner {
       }
     }
     m_result.wall_ns = monotonic_now_ns() - start_ns;
+    m_result.machine.after = machine_load();
     m_result.memory_after_bytes = memory_needed_bytes();
     m_result.memory_peak_bytes = peak_resident_memory_bytes();
     m_result.state_hash = hash_of(m_simulation->particles());
+    conclude();
     return std::move(m_result);
   }
 
@@ -67,12 +72,13 @@ class CaseRunner {
     m_simulation = std::move(prepared.simulation);
     m_result.bound_nodes = std::move(prepared.bound_nodes);
     m_result.effect_names = std::move(prepared.effect_names);
-    m_result.rest_volume_m3 = surface_volume_m3(m_scene.muscle.mesh.vertices, m_scene.muscle.mesh.triangles);
+    m_result.rest = muscle_at_rest();
     m_result.records.reserve(static_cast<std::size_t>(std::min(m_scene.loop.frames, 100000)));
     malloc_trim(0);  // what only the building needed shall not count as the structures' memory
     if (m_run.judge) {
       const std::size_t before_bytes = resident_memory_bytes();
       m_judge = std::make_unique<CoupledJudge>(m_scene, m_result.bound_nodes, *m_simulation);
+      m_result.rest.depth = m_judge->depth_at_rest();
       malloc_trim(0);
       m_result.referee_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_bytes);
     }
@@ -93,7 +99,11 @@ class CaseRunner {
     record.frame = frame;
     record.angle_deg = m_scene.angle_rad(frame) * degrees_per_radian;
     record.warm_up = frame <= m_run.warm_up_frames;
+    const ContextSwitches before = context_switches();
     record.times = m_simulation->step_frame(frame, m_judge ? &m_last_detection : nullptr);
+    const ContextSwitches switches = context_switches() - before;
+    record.involuntary_switches = switches.involuntary;
+    m_result.machine.switches += switches;
     record.contacts = static_cast<int>(m_simulation->contacts().size());
     record.resident_bytes = memory_needed_bytes();
 
@@ -106,14 +116,47 @@ class CaseRunner {
     } else if (m_judge) {
       m_judge->judge(*m_simulation, m_last_detection, record);
     }
+    if (lost.empty() && m_run.count_self_intersections && (is_kept(frame) || frame == m_scene.loop.frames)) {
+      record.self_intersecting_triangles =
+          count_self_intersecting_triangles({particles.positions, m_scene.muscle.mesh.triangles});
+    }
     m_result.records.push_back(record);
     if (lost.empty()) {
       keep_snapshot(frame);
     }
   }
 
+  [[nodiscard]] bool is_kept(int frame) const {
+    return std::binary_search(m_run.snapshots.begin(), m_run.snapshots.end(), frame);
+  }
+
+  [[nodiscard]] MuscleAtRest muscle_at_rest() const {
+    const TriangleMesh& mesh = m_scene.muscle.mesh;
+    MuscleAtRest rest;
+    rest.volume_m3 = surface_volume_m3(mesh.vertices, mesh.triangles);
+    rest.mean_edge_length_m = EdgeStretchMeter(mesh).mean_length_m();
+    rest.free_nodes = static_cast<int>(m_simulation->free_nodes().size());
+    rest.triangles = static_cast<int>(mesh.triangles.size());
+    for (const SceneEffect& effect : m_scene.effects) {
+      if (effect.name == "volume") rest.pressure = effect.parameters.number("pressure");
+    }
+    return rest;
+  }
+
+  void conclude() {
+    m_result.outcome = outcome_of(m_result.records, m_result.rest);
+    if (m_run.count_self_intersections) {
+      m_result.outcome.self_intersecting_triangles_at_rest = count_self_intersecting_triangles(m_scene.muscle.mesh);
+    }
+    const std::vector<std::string> reasons = suspicions(m_result.outcome, m_result.rest);
+    if (m_result.status == "ok" && !reasons.empty()) {
+      m_result.status = "suspect";
+      m_result.status_detail = fmt::format("{}", fmt::join(reasons, "; "));
+    }
+  }
+
   void keep_snapshot(int frame) {
-    if (!std::binary_search(m_run.snapshots.begin(), m_run.snapshots.end(), frame)) {
+    if (!is_kept(frame)) {
       return;
     }
     const auto poses = m_simulation->bone_poses();

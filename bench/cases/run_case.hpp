@@ -5,15 +5,18 @@
 #include <vector>
 
 #include "bench/cases/case.hpp"
+#include "core/base/machine_state.hpp"
+#include "core/measure/outcome.hpp"
 #include "core/measure/step_record.hpp"
 
 namespace musclebench {
 
 /// One case and how its run is looked at.
 struct RunCase : Case {
-  int warm_up_frames = 2;           ///< recorded and marked
-  bool judge = true;                ///< whether the Referee judges every frame
-  std::vector<int> snapshots = {};  ///< frames (0: rest) whose shape is kept, ascending
+  int warm_up_frames = 2;                 ///< recorded and marked
+  bool judge = true;                      ///< whether the Referee judges every frame
+  std::vector<int> snapshots = {};        ///< frames (0: rest) whose shape is kept, ascending
+  bool count_self_intersections = false;  ///< at rest, in the frames of `snapshots` and after the last frame
 };
 
 /// The shape of the muscle at the end of a frame.
@@ -26,8 +29,11 @@ struct Snapshot {
 };
 
 struct RunResult {
-  std::string status = "ok";  ///< ok, diverged or interrupted
+  std::string status = "ok";  ///< ok, suspect (beyond an OutcomeLimit), diverged or interrupted
   std::string status_detail;
+  MuscleAtRest rest;
+  Outcome outcome;
+  MachineState machine;
   std::vector<std::string> effect_names;
   std::vector<StepRecord> records;
   std::vector<Snapshot> snapshots;
@@ -42,12 +48,12 @@ struct RunResult {
   std::size_t huge_page_bytes = 0;    ///< resident only because pages are large; in none of the others but the peak
   std::size_t memory_peak_bytes = 0;  ///< of the whole process
   std::size_t referee_bytes = 0;      ///< by which what judges raised the resident memory
-  double rest_volume_m3 = 0;
-  std::string state_hash;  ///< of all positions and velocities at the end
+  std::string state_hash;             ///< of all positions and velocities at the end
 };
 
 /// Runs the case. `report` is called after each frame, `report_build` now and then before the first. A run that blows
-/// up ends with status `diverged` at that frame; one that `is_stopped` stops after a frame, with status `interrupted`.
+/// up ends with status `diverged` at that frame; one that `is_stopped` stops after a frame, with status `interrupted`;
+/// one with an outcome beyond a limit (outcome_limits) is `suspect`.
 /// Throws InputError when the backend's parameters do not fit the scene.
 RunResult run_case(const RunCase& run, const std::function<void(int frames_done)>& report,
                    const std::function<void(double share)>& report_build = {},

@@ -11,6 +11,7 @@
 #include "bench/results/other_case.hpp"
 #include "bench/results/probe_output.hpp"
 #include "bench/results/result_folder.hpp"
+#include "bench/results/summary.hpp"
 
 namespace musclebench {
 
@@ -26,20 +27,6 @@ struct ProbeOptions {
   bool progress_lines = false;
   bool force = false;
 };
-
-void print_summary(const ProbeCase& what, const ProbeResult& result, const std::string& out) {
-  fmt::print("{} with {}: {}\n", what.scene.name, what.backend.name, result.status);
-  fmt::print("  {:<14} {:<6} {:>8} {:>12} {:>12} {:>12} {:>12} {:>11}\n", "bone", "place", "points", "largest mm",
-             "99th mm", "mean mm", "rms mm", "wrong side");
-  for (const ProbeRow& row : result.rows) {
-    const ErrorStatistics& errors = row.errors_m;
-    const double share = row.points > 0 ? static_cast<double>(row.wrong_side) / row.points : 0;
-    fmt::print("  {:<14} {:<6} {:>8} {:>12.6f} {:>12.6f} {:>12.6f} {:>12.6f} {:>9.3f} %\n", row.bone, row.place,
-               row.points, errors.max * 1e3, errors.p99 * 1e3, errors.mean * 1e3, errors.rms * 1e3, share * 100);
-  }
-  fmt::print("  structures {:.3f} MB, built in {:.2f} s\n  written to {}\n",
-             static_cast<double>(result.structure_bytes) * 1e-6, static_cast<double>(result.build_ns) * 1e-9, out);
-}
 
 ProbeResult probe_and_write(const ProbeCase& what, const ProbeOptions& options, const std::string& out) {
   std::optional<EndAtOnce> until_written(std::in_place);
@@ -80,7 +67,7 @@ int run_probe(const ProbeOptions& options) {
     fmt::print(stderr, "musclebench: {}: {}: {}\n", scene.name, result.status, result.status_detail);
     return exit_diverged;
   }
-  print_summary(what, result, out);
+  fmt::print("{}  written to {}\n", probe_summary(what, result), out);
   return 0;
 }
 

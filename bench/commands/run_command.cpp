@@ -13,7 +13,6 @@
 #include "bench/results/result_folder.hpp"
 #include "bench/results/run_output.hpp"
 #include "bench/results/summary.hpp"
-#include "core/measure/outcome.hpp"
 
 namespace musclebench {
 
@@ -30,50 +29,9 @@ struct RunOptions {
   bool progress_lines = false;
   bool unjudged = false;
   bool force = false;
+  bool self_intersections = false;
+  bool strict = false;
 };
-
-std::string median_frame_ms(const std::vector<StepRecord>& records, Nanoseconds (*figure)(const StepRecord&)) {
-  std::vector<Nanoseconds> values;
-  for (const StepRecord& record : records) {
-    if (!record.warm_up) {
-      values.push_back(figure(record));
-    }
-  }
-  return median_ms(std::move(values));
-}
-
-void print_summary(const RunCase& run, const RunResult& result, const std::string& out) {
-  const std::string collision_ms = median_frame_ms(
-      result.records, [](const StepRecord& r) { return r.times.update_ns + r.times.detect_ns + r.times.respond_ns; });
-  const std::string frame_ms = median_frame_ms(result.records, [](const StepRecord& r) { return r.times.frame_ns; });
-  const Outcome outcome = outcome_of(result.records, result.rest_volume_m3);
-  fmt::print("{} with {}: {}{}{}\n", run.scene.name, run.backend.name, result.status,
-             result.status_detail.empty() ? "" : ", ", result.status_detail);
-  for (const Attachment& attachment : run.scene.attachments) {
-    fmt::print("  attachment {:<18} {:>6} nodes on {}\n", attachment.name, attachment.nodes.size(),
-               run.scene.bones[attachment.bone].name);
-  }
-  if (run.scene.attach_at_first_contact) {
-    fmt::print("  bound at first contact        {:>6} nodes\n", result.bound_nodes.size());
-  }
-  fmt::print("  frames                        {:>6}\n", result.records.size());
-  fmt::print("  frame, median                 {}\n", frame_ms);
-  fmt::print("  of it collision               {}\n", collision_ms);
-  fmt::print("  structures                    {:>10.3f} MB, built in {:.2f} s\n",
-             static_cast<double>(result.structure_bytes) * 1e-6, static_cast<double>(result.build_ns) * 1e-9);
-  for (const StructureError& error : result.structure_errors) {
-    fmt::print("    {:<24} {:>10.3f} MB, off by {:.4f} mm (99 % of {} samples near it), at most {:.4f} mm\n",
-               error.bone, static_cast<double>(error.bytes) * 1e-6, error.p99_m * 1e3, error.samples,
-               error.largest_m * 1e3);
-  }
-  if (outcome.max_depth_m) {
-    fmt::print("  largest true depth            {:>10.3f} mm, of the surface {:.3f} mm\n", *outcome.max_depth_m * 1e3,
-               outcome.max_surface_depth_m.value_or(0) * 1e3);
-    fmt::print("  nodes tunnelled, stuck        {:>6}, at most {} at once\n", *outcome.tunnelled_nodes,
-               *outcome.stuck_nodes);
-  }
-  fmt::print("  state hash                    {}\n  written to {}\n", result.state_hash, out);
-}
 
 RunResult run_and_write(const RunCase& run, const RunOptions& options, const std::string& out) {
   std::optional<EndAtOnce> until_written(std::in_place);
@@ -110,7 +68,8 @@ int run(RunOptions options) {
   const RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, response},
                        2,
                        !options.unjudged,
-                       options.snapshots};
+                       options.snapshots,
+                       options.self_intersections};
   const std::string id = run_id(run_of);
   const std::string out = options.out.empty() ? fmt::format("reports/out/runs/raw/{}", id) : options.out;
   if (!options.force && is_complete(out, id, "frames.csv")) {
@@ -130,7 +89,7 @@ int run(RunOptions options) {
   }
 
   const RunResult result = run_and_write(run_of, options, out);
-  print_summary(run_of, result, out);
+  fmt::print("{}  written to {}\n", run_summary(run_of, result), out);
   if (result.status == "diverged") {
     fmt::print(stderr, "musclebench: {}: diverged: {}\n", scene.name, result.status_detail);
     return exit_diverged;
@@ -139,7 +98,10 @@ int run(RunOptions options) {
     fmt::print(stderr, "musclebench: {}: interrupted {}; its rows are kept\n", scene.name, result.status_detail);
     return exit_interrupted;
   }
-  return 0;
+  if (result.status == "suspect") {
+    fmt::print(stderr, "musclebench: {}: suspect: {}\n", scene.name, result.status_detail);
+  }
+  return result.status == "suspect" && options.strict ? exit_not_held : 0;
 }
 
 }  // namespace
@@ -158,6 +120,9 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0, 10000000));
   command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
   command->add_flag("--no-referee", options->unjudged, "Do not judge: depths, missed and false contacts stay empty");
+  command->add_flag("--self-intersections", options->self_intersections,
+                    "Count triangles that pass through others: at rest, in the frames of --snapshots, in the last");
+  command->add_flag("--strict", options->strict, "Exit code 1 when the run ends 'suspect': an outcome beyond a limit");
   command->add_flag("--force", options->force, "Run even when the result is complete already");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -13,6 +13,7 @@
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
 #include "core/base/huge_pages.hpp"
+#include "core/base/percentile.hpp"
 #include "core/base/scoped_timer.hpp"
 
 namespace musclebench {
@@ -32,9 +33,7 @@ double p99_error_m(const Field& field, const std::vector<ReferenceSample>& place
     const auto value = field.value(place.point);
     errors.push_back(value ? std::abs(*value - place.distance_m) : std::numeric_limits<double>::infinity());
   }
-  const auto rank = static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(errors.size()));
-  std::nth_element(errors.begin(), errors.begin() + rank, errors.end());
-  return errors[static_cast<std::size_t>(rank)];
+  return percentile(std::move(errors), 0.99);
 }
 
 void adaptive_over_uniform(benchmark::State& state, const Bone& bone) {

@@ -7,6 +7,7 @@
 
 #include "backends/registry.hpp"
 #include "bench/results/build_info.hpp"
+#include "bench/results/results_schema.hpp"
 #include "core/scene/toml_table.hpp"
 #include "datasets/embedded/embedded_files.hpp"
 
@@ -138,7 +139,8 @@ Json catalogue() {
           {"effects", effects},
           {"loop", json_of(loop_parameters())},
           {"presets", json_of_presets()},
-          {"scenes", json_of_scenes()}};
+          {"scenes", json_of_scenes()},
+          {"results", results_schema_json()}};
 }
 
 }  // namespace musclebench

@@ -119,6 +119,16 @@ Json json_of_build() {
           {"type", build.type}};
 }
 
+Json json_of(const MachineState& state) {
+  const auto figure = [](const auto& value) { return value ? Json(*value) : Json(nullptr); };
+  return {{"involuntary_context_switches", state.switches.involuntary},
+          {"voluntary_context_switches", state.switches.voluntary},
+          {"load_average_1m",
+           {{"before", figure(state.before.load_average_1m)}, {"after", figure(state.after.load_average_1m)}}},
+          {"cpu_mhz", {{"before", figure(state.before.cpu_mhz)}, {"after", figure(state.after.cpu_mhz)}}},
+          {"governor", figure(state.after.governor)}};
+}
+
 Json manifest_head(std::string_view status, std::string_view status_detail, const Json& json_of_case,
                    const Scene& scene) {
   Json json = {{"schema_version", schema_version},     {"status", status},     {"status_detail", status_detail},

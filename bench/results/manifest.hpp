@@ -6,14 +6,15 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/cases/case.hpp"
+#include "core/base/machine_state.hpp"
 
 namespace musclebench {
 
 /// Keys keep the order in which they were written.
 using Json = nlohmann::ordered_json;
 
-/// `schema_version` of every run.json.
-inline constexpr int schema_version = 1;
+/// `schema_version` of every run.json and of the columns beside it (results_schema.hpp).
+inline constexpr int schema_version = 2;
 
 /// Names that are no UTF-8 are written with replacement characters. `indent` < 0: on one line.
 std::string text_of(const Json& json, int indent = -1);
@@ -26,6 +27,8 @@ Json json_of_case(const Case& resolved, std::string_view mode);
 Json json_of_inputs(const Scene& scene);
 
 Json json_of_build();
+
+Json json_of(const MachineState& state);
 
 /// What every run.json begins with: schema version, status, run id, case, inputs, build and machine.
 Json manifest_head(std::string_view status, std::string_view status_detail, const Json& json_of_case,

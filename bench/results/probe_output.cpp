@@ -1,5 +1,7 @@
 #include "bench/results/probe_output.hpp"
 
+#include <array>
+
 #include <fmt/format.h>
 
 #include "bench/results/manifest.hpp"
@@ -46,21 +48,32 @@ Json manifest(const ProbeCase& what, const ProbeResult& result) {
   return json;
 }
 
-/// Empty where there is nothing to be said.
-std::string cells_of(const ProbeRow& row) {
-  std::string text = fmt::format("{},{},{},{}", row.bone, row.place, row.points, row.measured_points);
-  for (const double error_m : {row.errors_m.max, row.errors_m.p99, row.errors_m.mean, row.errors_m.rms}) {
-    text += row.measured_points > 0 ? fmt::format(",{}", error_m) : ",";
-  }
-  return text + (row.points > 0 ? fmt::format(",{}", static_cast<double>(row.wrong_side) / row.points) : ",");
+/// Empty where nothing was measured.
+template <double ErrorStatistics::*member>
+std::string error(const ProbeRow& row) {
+  return row.measured_points > 0 ? fmt::format("{}", row.errors_m.*member) : "";
 }
+
+constexpr auto columns = std::to_array<Column<ProbeRow>>({
+    {{"bone", "", "that was asked about"}, [](const ProbeRow& r) { return r.bone; }},
+    {{"place", "", "smooth, sharp (within a mean edge of one that turns by more than 30 degrees) or all"},
+     [](const ProbeRow& r) { return r.place; }},
+    {{"points", "", "asked"}, [](const ProbeRow& r) { return fmt::format("{}", r.points); }},
+    {{"measured_points", "", "of them inside, or reported so: what the errors are over"},
+     [](const ProbeRow& r) { return fmt::format("{}", r.measured_points); }},
+    {{"max_error_m", "m", "largest error of the depth"}, error<&ErrorStatistics::max>},
+    {{"p99_error_m", "m", "99th percentile of it"}, error<&ErrorStatistics::p99>},
+    {{"mean_error_m", "m", "mean of it"}, error<&ErrorStatistics::mean>},
+    {{"rms_error_m", "m", "root of the mean square of it"}, error<&ErrorStatistics::rms>},
+    {{"wrong_side", "", "share of the points that were told on the wrong side"},
+     [](const ProbeRow& r) {
+       return r.points > 0 ? fmt::format("{}", static_cast<double>(r.wrong_side) / r.points) : "";
+     }},
+});
 
 void write_files(const fs::path& folder, const ProbeCase& what, const ProbeResult& result) {
   OutputFile rows(folder / "probe.csv");
-  rows.stream() << "bone,place,points,measured_points,max_error_m,p99_error_m,mean_error_m,rms_error_m,wrong_side\n";
-  for (const ProbeRow& row : result.rows) {
-    rows.stream() << cells_of(row) << '\n';
-  }
+  write_table(rows.stream(), probe_columns(), std::span<const ProbeRow>(result.rows));
   rows.close();
   OutputFile json(folder / "run.json");
   json.stream() << text_of(manifest(what, result), 2) << '\n';
@@ -68,6 +81,8 @@ void write_files(const fs::path& folder, const ProbeCase& what, const ProbeResul
 }
 
 }  // namespace
+
+std::span<const Column<ProbeRow>> probe_columns() { return columns; }
 
 std::string probe_id(const ProbeCase& what) { return id_of(json_of_probe(what), what.scene); }
 

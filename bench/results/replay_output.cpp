@@ -1,5 +1,7 @@
 #include "bench/results/replay_output.hpp"
 
+#include <array>
+
 #include <fmt/format.h>
 
 #include "bench/results/manifest.hpp"
@@ -57,6 +59,7 @@ Json manifest(const ReplayCase& replay, const ReplayResult& result, const Record
                        {"backend", header.backend},
                        {"build", header.build}};
   json["band_m"] = replay.band_m;
+  json["machine_state"] = json_of(result.machine);
   json["structure_bytes"] = result.structure_bytes;
   json["structures"] = result.structures_loaded ? "loaded" : "built";
   json["build_ns"] = result.build_ns;
@@ -67,31 +70,58 @@ Json manifest(const ReplayCase& replay, const ReplayResult& result, const Record
   return json;
 }
 
-std::string cells_of(const std::optional<ErrorStatistics>& errors) {
-  return errors ? fmt::format(",{},{},{}", errors->max, errors->p99, errors->mean) : ",,,";
+using Record = ReplayRecord;
+
+template <typename Value>
+std::string text(Value value) {
+  return fmt::format("{}", value);
 }
 
-std::string cells_of(const std::optional<Accuracy>& accuracy) {
-  if (!accuracy) {
-    return std::string(10, ',');
-  }
-  return fmt::format(",{},{},{},{}", accuracy->true_contacts, accuracy->missed_contacts, accuracy->false_contacts,
-                     accuracy->measured_contacts) +
-         cells_of(accuracy->depth_error_m) + cells_of(accuracy->normal_error_deg);
+/// Empty where the Referee did not look.
+template <auto member>
+std::string figure(const Record& record) {
+  return record.accuracy ? text(*record.accuracy.*member) : "";
 }
 
-void write_frames(std::ostream& out, const std::vector<ReplayRecord>& records) {
-  out << "frame,angle_deg,warm_up,iterations,update_ns,detect_ns,respond_ns,contacts,true_contacts,missed_contacts,"
-         "false_contacts,measured_contacts,max_depth_error_m,p99_depth_error_m,mean_depth_error_m,max_normal_error_deg,"
-         "p99_normal_error_deg,mean_normal_error_deg\n";
-  for (const ReplayRecord& record : records) {
-    out << fmt::format("{},{},{},{},{},{},{},{}", record.frame, record.angle_deg, record.warm_up ? 1 : 0,
-                       record.iterations, record.update_ns, record.detect_ns, record.respond_ns, record.contacts)
-        << cells_of(record.accuracy) << '\n';
-  }
+/// Empty where nothing was measured, either.
+template <auto errors, auto member>
+std::string statistic(const Record& record) {
+  if (!record.accuracy || !((*record.accuracy).*errors)) return "";
+  return text(*((*record.accuracy).*errors).*member);
 }
+
+constexpr auto columns = std::to_array<Column<ReplayRecord>>({
+    {{"frame", "", "of the recording, 1 for the first"}, [](const Record& r) { return text(r.frame); }},
+    {{"angle_deg", "deg", "of the bone that turns most"}, [](const Record& r) { return text(r.angle_deg); }},
+    {{"warm_up", "", "1: left out of medians"}, [](const Record& r) { return text(r.warm_up ? 1 : 0); }},
+    {{"iterations", "", "collision steps of the frame"}, [](const Record& r) { return text(r.iterations); }},
+    {{"update_ns", "ns", "the backend is told poses and positions; sum over the steps"},
+     [](const Record& r) { return text(r.update_ns); }},
+    {{"detect_ns", "ns", "detection; sum over the steps"}, [](const Record& r) { return text(r.detect_ns); }},
+    {{"respond_ns", "ns", "the response; sum over the steps"}, [](const Record& r) { return text(r.respond_ns); }},
+    {{"contacts", "", "answered; sum over the steps"}, [](const Record& r) { return text(r.contacts); }},
+    {{"true_contacts", "", "by the Referee"}, figure<&Accuracy::true_contacts>},
+    {{"missed_contacts", "", "true ones that were not answered"}, figure<&Accuracy::missed_contacts>},
+    {{"false_contacts", "", "answered ones that are not true"}, figure<&Accuracy::false_contacts>},
+    {{"measured_contacts", "", "true and answered ones within --band-mm of the surface"},
+     figure<&Accuracy::measured_contacts>},
+    {{"max_depth_error_m", "m",
+      "over the measured contacts: the smallest error of signed distance that an answer admits"},
+     statistic<&Accuracy::depth_error_m, &ErrorStatistics::max>},
+    {{"p99_depth_error_m", "m", "99th percentile of it"}, statistic<&Accuracy::depth_error_m, &ErrorStatistics::p99>},
+    {{"mean_depth_error_m", "m", "mean of it"}, statistic<&Accuracy::depth_error_m, &ErrorStatistics::mean>},
+    {{"max_normal_error_deg", "deg", "angle between the answered normal and the Referee's"},
+     statistic<&Accuracy::normal_error_deg, &ErrorStatistics::max>},
+    {{"p99_normal_error_deg", "deg", "99th percentile of it"},
+     statistic<&Accuracy::normal_error_deg, &ErrorStatistics::p99>},
+    {{"mean_normal_error_deg", "deg", "mean of it"}, statistic<&Accuracy::normal_error_deg, &ErrorStatistics::mean>},
+    {{"involuntary_switches", "", "times that the scheduler gave the CPU to others while the frame was timed"},
+     [](const Record& r) { return text(r.involuntary_switches); }},
+});
 
 }  // namespace
+
+std::span<const Column<ReplayRecord>> replay_columns() { return columns; }
 
 std::string replay_id(const ReplayCase& replay) { return id_of(json_of_replay(replay), replay.scene); }
 
@@ -99,7 +129,7 @@ void write_replay(const fs::path& folder, const ReplayCase& replay, const Replay
                   const RecordingHeader& header, const fs::path& recording) {
   write_result_folder(folder, [&](const fs::path& part) {
     OutputFile frames(part / "frames.csv");
-    write_frames(frames.stream(), result.records);
+    write_table(frames.stream(), replay_columns(), std::span<const ReplayRecord>(result.records));
     frames.close();
     OutputFile json(part / "run.json");
     json.stream() << text_of(manifest(replay, result, header, recording), 2) << '\n';

@@ -103,7 +103,7 @@ void require_replaceable(const fs::path& folder) {
 bool is_complete(const fs::path& folder, const std::string& id, std::string_view rows_file) {
   const Json manifest = read_manifest(folder);
   return is_text(manifest, "run_id") && manifest["run_id"] == id && is_text(manifest, "status") &&
-         manifest["status"] == "ok" && fs::exists(folder / rows_file);
+         (manifest["status"] == "ok" || manifest["status"] == "suspect") && fs::exists(folder / rows_file);
 }
 
 void require_writable(const fs::path& folder) {

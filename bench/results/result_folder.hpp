@@ -7,7 +7,8 @@
 
 namespace musclebench {
 
-/// Whether `folder` holds a complete result with this id: its run.json says `ok` and its table `rows_file` is there.
+/// Whether `folder` holds a complete result with this id: its run.json says `ok` or `suspect` and its table `rows_file`
+/// is there.
 bool is_complete(const std::filesystem::path& folder, const std::string& id, std::string_view rows_file);
 
 /// Throws InputError when `folder` could not be made or written, or holds something else than a result. Leaves nothing

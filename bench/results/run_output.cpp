@@ -8,7 +8,7 @@
 #include "bench/results/manifest.hpp"
 #include "bench/results/result_folder.hpp"
 #include "core/base/output_file.hpp"
-#include "core/measure/outcome.hpp"
+#include "core/measure/outcome_limits.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 
 namespace musclebench {
@@ -22,6 +22,7 @@ Json json_of_run(const RunCase& run) {
   json["warm_up_frames"] = run.warm_up_frames;
   json["judged"] = run.judge;
   json["snapshots"] = run.snapshots;
+  json["self_intersections"] = run.count_self_intersections;
   return json;
 }
 
@@ -82,22 +83,42 @@ Json json_of(const std::optional<Value>& value) {
 }
 
 Json json_of_outcome(const RunResult& result) {
-  const Outcome outcome = outcome_of(result.records, result.rest_volume_m3);
+  const Outcome& outcome = result.outcome;
   return {{"max_depth_m", json_of(outcome.max_depth_m)},
           {"p99_depth_m", json_of(outcome.p99_depth_m)},
           {"max_surface_depth_m", json_of(outcome.max_surface_depth_m)},
           {"p99_surface_depth_m", json_of(outcome.p99_surface_depth_m)},
+          {"max_surface_depth_bound_m", json_of(outcome.max_surface_depth_bound_m)},
           {"max_volume_error", json_of(outcome.max_volume_error)},
           {"final_volume_error", json_of(outcome.final_volume_error)},
+          {"turned_inside_out", json_of(outcome.turned_inside_out)},
+          {"max_edge_stretch", json_of(outcome.max_edge_stretch)},
+          {"p99_edge_stretch", json_of(outcome.p99_edge_stretch)},
           {"tunnelled_nodes", json_of(outcome.tunnelled_nodes)},
           {"stuck_nodes", json_of(outcome.stuck_nodes)},
+          {"nodes_inside_at_end", json_of(outcome.nodes_inside_at_end)},
+          {"nodes_inside_at_rest", json_of(outcome.nodes_inside_at_rest)},
+          {"depth_at_rest_m", json_of(outcome.depth_at_rest_m)},
+          {"self_intersecting_triangles", json_of(outcome.self_intersecting_triangles)},
+          {"self_intersecting_triangles_at_rest", json_of(outcome.self_intersecting_triangles_at_rest)},
+          {"open_judgements", outcome.open_judgements},
           {"collision_ns", outcome.collision_ns},
           {"loop_ns", outcome.loop_ns}};
 }
 
+Json json_of_limits() {
+  Json limits = Json::object();
+  for (const OutcomeLimit& limit : outcome_limits()) limits[std::string(limit.info.name)] = limit.limit;
+  return limits;
+}
+
 Json manifest(const RunCase& run, const RunResult& result) {
   Json json = manifest_head(result.status, result.status_detail, json_of_run(run), run.scene);
-  json["muscle"]["rest_volume_m3"] = result.rest_volume_m3;
+  json["muscle"]["rest_volume_m3"] = result.rest.volume_m3;
+  json["muscle"]["pressure"] = result.rest.pressure;
+  json["muscle"]["mean_edge_length_m"] = result.rest.mean_edge_length_m;
+  json["muscle"]["free_nodes"] = result.rest.free_nodes;
+  json["machine_state"] = json_of(result.machine);
   json["attachments"] = json_of_attachments(run, result);
   json["bound_nodes"] = result.bound_nodes.size();
   json["structure_bytes"] = result.structure_bytes;
@@ -113,6 +134,7 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["wall_ns"] = result.wall_ns;
   json["frames"] = result.records.size();
   json["outcome"] = json_of_outcome(result);
+  json["limits"] = json_of_limits();
   json["snapshots"] = json_of_snapshots(result);
   return json;
 }

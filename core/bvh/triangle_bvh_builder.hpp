@@ -71,8 +71,8 @@ class TriangleBvhBuilder {
   }
 
   TriangleBvh& m_tree;
-  std::vector<Box> m_boxes;          ///< by triangle
-  std::vector<int> m_order;          ///< triangles, those of a range together
+  std::vector<Box> m_boxes;  ///< by triangle
+  std::vector<int> m_order;  ///< triangles, those of a range together
   struct NotedLeaf {
     Range range;
     decltype(BvhLeaf::ancestors) ancestors;

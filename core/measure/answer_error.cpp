@@ -13,7 +13,7 @@ namespace {
 
 constexpr double degrees_per_radian = 180 / std::numbers::pi;
 
-std::pair<int, int> place_of(const Contact& contact) { return {contact.bone, contact.node}; }
+std::pair<int, int> key_of(const Contact& contact) { return {contact.bone, contact.node}; }
 
 void add_normal_error(const Contact& contact, const Vec3& true_normal, AnswerErrors& errors) {
   if (!contact.normal.isZero(0) && !true_normal.isZero(0)) {
@@ -68,10 +68,10 @@ void measure_answer(const Referee& referee, const JudgedAnswer& answer, std::spa
   errors.true_contacts += static_cast<long>(truth.size());
   auto real = truth.begin();
   for (const Contact& contact : answer.contacts) {
-    for (; real != truth.end() && place_of(*real) < place_of(contact); ++real) {
+    for (; real != truth.end() && key_of(*real) < key_of(contact); ++real) {
       add_missed(answer, *real, band_m, errors);
     }
-    if (real != truth.end() && place_of(*real) == place_of(contact)) {
+    if (real != truth.end() && key_of(*real) == key_of(contact)) {
       add_answered(answer, contact, -real->depth_m, real->normal, band_m, errors);
       ++real;
     } else {

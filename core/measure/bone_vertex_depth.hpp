@@ -14,6 +14,7 @@ namespace musclebench {
 struct DeepestBoneVertex {
   double depth_m = 0;  ///< distance to the muscle's surface; 0: no vertex inside was found
   double bound_m = 0;  ///< no vertex is deeper: the depth, unless the budget was spent
+  [[nodiscard]] bool complete() const { return bound_m <= depth_m; }
   int bone = -1;
   int vertex = -1;
 };

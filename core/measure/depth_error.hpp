@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/percentile.hpp"
 #include "core/contact/contact.hpp"
 
 namespace musclebench {
@@ -21,7 +22,7 @@ inline double depth_error_m(double signed_distance_m, const Contact* answer, boo
 /// Statistics over a set of errors; all 0 where there is none.
 struct ErrorStatistics {
   double max = 0;
-  double p99 = 0;  ///< by nearest rank: the ceil(0.99 n)-th smallest
+  double p99 = 0;  ///< see percentile_index
   double mean = 0;
   double rms = 0;
 };
@@ -40,7 +41,7 @@ inline ErrorStatistics error_statistics(std::vector<double> errors) {
   }
   result.rms = std::sqrt(result.rms);
   result.max = errors.back();
-  result.p99 = errors[static_cast<std::size_t>(std::ceil(0.99 * count)) - 1];
+  result.p99 = errors[percentile_index(errors.size(), 0.99)];
   return result;
 }
 

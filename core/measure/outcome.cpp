@@ -4,14 +4,14 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/percentile.hpp"
+
 namespace musclebench {
 namespace {
 
-/// The 99th percentile by nearest rank.
-std::optional<double> p99_of(std::vector<double> values) {
+std::optional<double> p99_of(const std::vector<double>& values) {
   if (values.empty()) return std::nullopt;
-  std::sort(values.begin(), values.end());
-  return values[(99 * values.size() + 99) / 100 - 1];
+  return percentile(values, 0.99);
 }
 
 std::optional<double> largest_of(const std::vector<double>& values) {
@@ -19,34 +19,64 @@ std::optional<double> largest_of(const std::vector<double>& values) {
   return *std::max_element(values.begin(), values.end());
 }
 
+void raise(std::optional<double>& largest, double value) {
+  if (std::isfinite(value)) largest = std::max(largest.value_or(value), value);
+}
+
+void raise(std::optional<int>& largest, std::optional<int> value) {
+  if (value) largest = std::max(largest.value_or(*value), *value);
+}
+
+void add_volumes(std::span<const StepRecord> records, const MuscleAtRest& rest, Outcome& outcome) {
+  const double target_m3 = rest.pressure * rest.volume_m3;
+  double last_error = std::abs(1 - 1 / rest.pressure);
+  bool approaching = true;
+  for (const StepRecord& record : records) {
+    const double error = std::abs((record.volume_m3 - target_m3) / target_m3);
+    outcome.final_volume_error.reset();
+    if (!std::isfinite(error)) continue;
+    outcome.final_volume_error = error;
+    outcome.turned_inside_out = outcome.turned_inside_out.value_or(false) || record.volume_m3 / target_m3 < 0;
+    approaching = approaching && error < last_error;
+    last_error = error;
+    if (!approaching) raise(outcome.max_volume_error, error);
+  }
+  if (outcome.final_volume_error) raise(outcome.max_volume_error, *outcome.final_volume_error);
+}
+
 }  // namespace
 
-Outcome outcome_of(std::span<const StepRecord> records, double rest_volume_m3) {
+Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest) {
   Outcome outcome;
   std::vector<double> depths;
   std::vector<double> surface_depths;
-  std::vector<double> volume_errors;
   for (const StepRecord& record : records) {
     outcome.collision_ns += record.times.update_ns + record.times.detect_ns + record.times.respond_ns;
     outcome.loop_ns += record.times.frame_ns;
-    const double volume_error = std::abs((record.volume_m3 - rest_volume_m3) / rest_volume_m3);
-    outcome.final_volume_error.reset();
-    if (std::isfinite(volume_error)) {
-      volume_errors.push_back(volume_error);
-      outcome.final_volume_error = volume_error;
-    }
+    raise(outcome.max_edge_stretch, record.edge_stretch.max);
+    raise(outcome.p99_edge_stretch, record.edge_stretch.p99);
+    raise(outcome.self_intersecting_triangles, record.self_intersecting_triangles);
+    outcome.nodes_inside_at_end.reset();
     if (!record.judged) continue;
+    outcome.nodes_inside_at_end = record.depth.nodes_inside;
     depths.push_back(record.depth.max_depth_m);
     const double surface_depth = std::max(record.surface_depth_m, record.bone_vertex_depth_m);
     if (std::isfinite(surface_depth)) surface_depths.push_back(surface_depth);
-    outcome.tunnelled_nodes = std::max(outcome.tunnelled_nodes.value_or(0), record.tunnelled_nodes);
-    outcome.stuck_nodes = std::max(outcome.stuck_nodes.value_or(0), record.stuck_nodes);
+    raise(outcome.max_surface_depth_bound_m, record.surface_depth_bound_m);
+    raise(outcome.max_surface_depth_bound_m, record.bone_vertex_depth_bound_m);
+    outcome.open_judgements += record.judgement_complete ? 0 : 1;
+    raise(outcome.tunnelled_nodes, record.tunnelled_nodes);
+    raise(outcome.stuck_nodes, record.stuck_nodes);
   }
   outcome.max_depth_m = largest_of(depths);
   outcome.p99_depth_m = p99_of(depths);
   outcome.max_surface_depth_m = largest_of(surface_depths);
   outcome.p99_surface_depth_m = p99_of(surface_depths);
-  outcome.max_volume_error = largest_of(volume_errors);
+  if (rest.depth) {
+    outcome.nodes_inside_at_rest = rest.depth->nodes_inside;
+    outcome.depth_at_rest_m = rest.depth->max_depth_m;
+  }
+  add_volumes(records, rest, outcome);
   return outcome;
 }
 

@@ -7,22 +7,43 @@
 
 namespace musclebench {
 
+/// What a run's figures are compared with.
+struct MuscleAtRest {
+  double volume_m3 = 0;           ///< of either sign
+  double pressure = 1;            ///< target volume over that at rest, see the effect `volume`
+  double mean_edge_length_m = 0;  ///< 0: unknown
+  int free_nodes = 0;
+  int triangles = 0;
+  std::optional<DepthStatistics> depth;  ///< of the free nodes in the bones, before the first frame
+};
+
 /// What a backend's answers did to the muscle, over a whole run. A figure is missing where nothing was measured that it
 /// could be made from.
 struct Outcome {
-  /// Over the judged frames, of the deepest node in a frame: the largest, and the 99th percentile by nearest rank.
+  /// Over the judged frames, of the deepest node in a frame: the largest, and the 99th percentile (percentile_index).
   std::optional<double> max_depth_m, p99_depth_m;
   /// The same for the deepest point of a frame, of the muscle's surface in a bone or of a bone's vertex in the muscle.
   std::optional<double> max_surface_depth_m, p99_surface_depth_m;
-  /// |V - V0| / V0 of the muscle's volume: the largest over all frames, and after the last one.
+  /// No such point is deeper in any frame; larger than what was found where the Referee's budget was spent.
+  std::optional<double> max_surface_depth_bound_m;
+  /// |V - p V0| / |p V0| of the muscle's volume V, that at rest V0 and the pressure p: the largest over all frames,
+  /// without the first ones in which a muscle under pressure still comes closer to its target; and after the last one.
   std::optional<double> max_volume_error, final_volume_error;
-  std::optional<int> tunnelled_nodes;  ///< most at the end of one frame
-  std::optional<int> stuck_nodes;      ///< most in one frame
-  Nanoseconds collision_ns = 0;        ///< update, detect and respond, sum over the run
-  Nanoseconds loop_ns = 0;             ///< sum of the frames
+  std::optional<bool> turned_inside_out;  ///< whether the volume had the other sign than at rest after some frame
+  /// Largest over the judged frames, see EdgeStretch.
+  std::optional<double> max_edge_stretch, p99_edge_stretch;
+  std::optional<int> tunnelled_nodes;      ///< most at the end of one frame
+  std::optional<int> stuck_nodes;          ///< most in one frame
+  std::optional<int> nodes_inside_at_end;  ///< after the last frame, if that was judged
+  std::optional<int> nodes_inside_at_rest;
+  std::optional<double> depth_at_rest_m;  ///< of the deepest of them
+  /// Most in one of the frames that were looked at, and before the first one.
+  std::optional<int> self_intersecting_triangles, self_intersecting_triangles_at_rest;
+  int open_judgements = 0;       ///< frames for which the Referee's budget did not suffice
+  Nanoseconds collision_ns = 0;  ///< update, detect and respond, sum over the run
+  Nanoseconds loop_ns = 0;       ///< sum of the frames
 };
 
-/// `rest_volume_m3`: V0, of either sign.
-Outcome outcome_of(std::span<const StepRecord> records, double rest_volume_m3);
+Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest);
 
 }  // namespace musclebench

@@ -1,5 +1,6 @@
 #include "core/measure/step_record.hpp"
 
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -8,41 +9,114 @@ namespace musclebench {
 
 namespace {
 
-std::string cell(double value) { return std::isfinite(value) ? fmt::format(",{}", value) : ","; }
+std::string text(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 template <typename Integer>
-std::string cell_if(bool known, Integer value) {
-  return known ? fmt::format(",{}", value) : ",";
+std::string text_if(bool known, Integer value) {
+  return known ? fmt::format("{}", value) : "";
 }
+
+using Record = StepRecord;
+
+std::string text_if_judged(const Record& record, double value) { return record.judged ? text(value) : ""; }
+
+constexpr std::array<Column<StepRecord>, 32> columns{{
+    {{"frame", "", "1 for the first"}, [](const Record& r) { return fmt::format("{}", r.frame); }},
+    {{"angle_deg", "deg", "of the bone that turns most"}, [](const Record& r) { return text(r.angle_deg); }},
+    {{"warm_up", "", "1: left out of medians"}, [](const Record& r) { return std::string(r.warm_up ? "1" : "0"); }},
+    {{effect_column, "ns", "time of an effect of the scene, one column each, such as bending_ns"}, nullptr},
+    {{"predict_ns", "ns", "time of the prediction"},
+     [](const Record& r) { return fmt::format("{}", r.times.predict_ns); }},
+    {{"update_ns", "ns", "collision time: the backend is told poses and positions; sum over the frame's steps"},
+     [](const Record& r) { return fmt::format("{}", r.times.update_ns); }},
+    {{"detect_ns", "ns", "collision time: detection; sum over the frame's steps"},
+     [](const Record& r) { return fmt::format("{}", r.times.detect_ns); }},
+    {{"respond_ns", "ns", "collision time: the response; sum over the frame's steps"},
+     [](const Record& r) { return fmt::format("{}", r.times.respond_ns); }},
+    {{"finish_ns", "ns", "time of the velocity update"},
+     [](const Record& r) { return fmt::format("{}", r.times.finish_ns); }},
+    {{"frame_ns", "ns", "the whole loop; reading, judging, recording and writing are outside"},
+     [](const Record& r) { return fmt::format("{}", r.times.frame_ns); }},
+    {{"recording_ns", "ns", "copies for the Referee, one a frame"},
+     [](const Record& r) { return fmt::format("{}", r.times.recording_ns); }},
+    {{"contacts", "", "answered in the frame's last detection"},
+     [](const Record& r) { return fmt::format("{}", r.contacts); }},
+    {{"nodes_inside", "", "free nodes truly inside a bone at the end of the frame"},
+     [](const Record& r) { return text_if(r.judged, r.depth.nodes_inside); }},
+    {{"max_depth_m", "m", "true depth of the deepest of them"},
+     [](const Record& r) { return text_if_judged(r, r.depth.max_depth_m); }},
+    {{"p99_depth_m", "m", "99th percentile of their depths"},
+     [](const Record& r) { return text_if_judged(r, r.depth.p99_depth_m); }},
+    {{"mean_depth_m", "m", "mean of their depths"},
+     [](const Record& r) { return text_if_judged(r, r.depth.mean_depth_m); }},
+    {{"missed_contacts", "", "true contacts that the last detection lacks"},
+     [](const Record& r) { return text_if(r.judged, r.difference.missed); }},
+    {{"false_contacts", "", "contacts of the last detection that are not true"},
+     [](const Record& r) { return text_if(r.judged, r.difference.false_contacts); }},
+    {{"volume_m3", "m3", "of the muscle at the end of the frame"}, [](const Record& r) { return text(r.volume_m3); }},
+    {{"resident_bytes", "bytes", "memory of the process without the Referee"},
+     [](const Record& r) { return text_if(r.resident_bytes > 0, r.resident_bytes); }},
+    {{"surface_depth_m", "m",
+      "deepest point of a muscle triangle in a bone that was found; a ridge can cut a face whose "
+      "nodes are all outside"},
+     [](const Record& r) { return text(r.surface_depth_m); }},
+    {{"bone_vertex_depth_m", "m", "deepest bone vertex in the muscle that was found"},
+     [](const Record& r) { return text(r.bone_vertex_depth_m); }},
+    {{"tunnelled_nodes", "",
+      "nodes that went into a bone through one face and out through one that faces the other way, "
+      "and have not come back"},
+     [](const Record& r) { return text_if(r.judged, r.tunnelled_nodes); }},
+    {{"stuck_nodes", "", "nodes that a false contact held in this frame"},
+     [](const Record& r) { return text_if(r.judged, r.stuck_nodes); }},
+    {{"surface_depth_bound_m", "m",
+      "no point of a muscle triangle is deeper; exceeds surface_depth_m by more than its "
+      "tolerance where the Referee's budget was spent"},
+     [](const Record& r) { return text(r.surface_depth_bound_m); }},
+    {{"bone_vertex_depth_bound_m", "m", "no bone vertex is deeper in the muscle"},
+     [](const Record& r) { return text(r.bone_vertex_depth_bound_m); }},
+    {{"judgement_complete", "", "0: the Referee's budget did not suffice, the two bounds say what is left open"},
+     [](const Record& r) { return text_if(r.judged, r.judgement_complete ? 1 : 0); }},
+    {{"max_edge_stretch", "", "longest edge over its length at rest"},
+     [](const Record& r) { return text(r.edge_stretch.max); }},
+    {{"p99_edge_stretch", "", "99th percentile of edge length over length at rest"},
+     [](const Record& r) { return text(r.edge_stretch.p99); }},
+    {{"self_intersecting_triangles", "",
+      "muscle triangles that pass through others; with --self-intersections, in the "
+      "frames of --snapshots and the last"},
+     [](const Record& r) {
+       return text_if(r.self_intersecting_triangles.has_value(), r.self_intersecting_triangles.value_or(0));
+     }},
+    {{"involuntary_switches", "", "times that the scheduler gave the CPU to others while the frame was timed"},
+     [](const Record& r) { return fmt::format("{}", r.involuntary_switches); }},
+    {{"judging_ns", "ns", "time of the Referee, outside of the frame"},
+     [](const Record& r) { return text_if(r.judged, r.judging_ns); }},
+}};
 
 }  // namespace
 
+std::span<const Column<StepRecord>> run_columns() { return columns; }
+
 void write_frames_csv(std::ostream& out, const std::vector<std::string>& effect_names,
                       const std::vector<StepRecord>& records) {
-  out << "frame,angle_deg,warm_up";
-  for (const std::string& name : effect_names) {
-    out << ',' << name << "_ns";
+  std::string line;
+  const auto append = [&line](const std::string& cell) { line += line.empty() ? cell : "," + cell; };
+  for (const Column<StepRecord>& column : columns) {
+    if (column.cell != nullptr) {
+      append(std::string(column.info.name));
+    } else {
+      for (const std::string& name : effect_names) append(name + "_ns");
+    }
   }
-  out << ",predict_ns,update_ns,detect_ns,respond_ns,finish_ns,frame_ns,recording_ns,contacts,nodes_inside,max_depth_m,"
-         "p99_depth_m,"
-         "mean_depth_m,missed_contacts,false_contacts,volume_m3,resident_bytes,surface_depth_m,bone_vertex_depth_m,"
-         "tunnelled_nodes,stuck_nodes\n";
+  out << line << '\n';
   for (const StepRecord& record : records) {
-    const StageTimes& times = record.times;
-    std::string line = fmt::format("{}{},{}", record.frame, cell(record.angle_deg), record.warm_up ? 1 : 0);
-    for (const Nanoseconds ns : times.effects_ns) {
-      line += fmt::format(",{}", ns);
+    line.clear();
+    for (const Column<StepRecord>& column : columns) {
+      if (column.cell != nullptr) {
+        append(column.cell(record));
+      } else {
+        for (const Nanoseconds ns : record.times.effects_ns) append(fmt::format("{}", ns));
+      }
     }
-    line += fmt::format(",{},{},{},{},{},{},{},{}", times.predict_ns, times.update_ns, times.detect_ns,
-                        times.respond_ns, times.finish_ns, times.frame_ns, times.recording_ns, record.contacts);
-    line += cell_if(record.judged, record.depth.nodes_inside);
-    for (const double depth : {record.depth.max_depth_m, record.depth.p99_depth_m, record.depth.mean_depth_m}) {
-      line += record.judged ? cell(depth) : ",";
-    }
-    line += cell_if(record.judged, record.difference.missed) + cell_if(record.judged, record.difference.false_contacts);
-    line += cell(record.volume_m3) + cell_if(record.resident_bytes > 0, record.resident_bytes);
-    line += cell(record.surface_depth_m) + cell(record.bone_vertex_depth_m);
-    line += cell_if(record.judged, record.tunnelled_nodes) + cell_if(record.judged, record.stuck_nodes);
     out << line << '\n';
   }
 }

@@ -1,10 +1,14 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <ostream>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "core/base/column.hpp"
+#include "core/measure/edge_stretch.hpp"
 #include "core/pbd/simulation.hpp"
 #include "core/referee/contact_comparison.hpp"
 
@@ -20,14 +24,26 @@ struct StepRecord {
   bool judged = false;           ///< whether the Referee looked at this frame
   DepthStatistics depth;         ///< at the frame's end
   ContactDifference difference;  ///< of the last detection
-  /// At the frame's end: see SurfaceDepthMeter and BoneVertexDepthMeter. NaN: not measured.
+  /// At the frame's end: see SurfaceDepthMeter and BoneVertexDepthMeter. NaN: not measured. The bounds are larger by
+  /// more than the tolerance only where the Referee's budget did not suffice, and then the judgement is not complete.
   double surface_depth_m = std::numeric_limits<double>::quiet_NaN();
+  double surface_depth_bound_m = std::numeric_limits<double>::quiet_NaN();
   double bone_vertex_depth_m = std::numeric_limits<double>::quiet_NaN();
-  int tunnelled_nodes = 0;  ///< that went through a bone and have not come back, see TunnellingTracker
-  int stuck_nodes = 0;      ///< in this frame, see count_stuck_nodes
+  double bone_vertex_depth_bound_m = std::numeric_limits<double>::quiet_NaN();
+  bool judgement_complete = true;
+  int tunnelled_nodes = 0;   ///< that went through a bone and have not come back, see TunnellingTracker
+  int stuck_nodes = 0;       ///< in this frame, see count_stuck_nodes
+  EdgeStretch edge_stretch;  ///< at the frame's end
+  std::optional<int> self_intersecting_triangles;
   double volume_m3 = 0;
   std::size_t resident_bytes = 0;  ///< 0: unknown
+  long involuntary_switches = 0;   ///< while the frame was timed, see ContextSwitches
+  Nanoseconds judging_ns = 0;      ///< taken by the Referee, outside of the frame
 };
+
+/// The columns of a run's frames.csv. The one that is named EFFECT_ns stands for one column an effect, and has no cell.
+std::span<const Column<StepRecord>> run_columns();
+inline constexpr std::string_view effect_column = "EFFECT_ns";
 
 /// Writes the header and one line a record. `effect_names` are those of the simulation, in its order. Numbers read back
 /// to the same bits; a figure that is unknown or not finite is an empty cell.

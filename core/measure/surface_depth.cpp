@@ -10,8 +10,9 @@
 namespace musclebench {
 namespace {
 
-/// Rounding errors of a distance or a movement stay far below this share of the lengths that they come from.
-constexpr double rounding_share = 0x1p-40;
+/// Rounding errors of a distance or a movement stay far below this share of the lengths that they come from. Of a
+/// bone's diagonal it is more than `touching_distance_m`, so that no side is concluded from a node that touches.
+constexpr double rounding_share = 0x1p-39;
 
 double longest_edge(const Vec3& a, const Vec3& b, const Vec3& c) {
   return std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
@@ -64,7 +65,8 @@ DeepestSurfacePoint SurfaceDepthMeter::measure(const Referee& referee, std::span
   start_where_it_was_deepest(referee, poses, positions);
   for (const Contact& contact : truth) {
     if (contact.depth_m > m_best.depth_m) {
-      m_best = {contact.depth_m, 0, contact.bone, -1, positions[static_cast<std::size_t>(contact.node)]};
+      m_best = {contact.depth_m, 0, true, contact.bone, -1, positions[static_cast<std::size_t>(contact.node)]};
+      m_best_out_of_bone = poses[static_cast<std::size_t>(contact.bone)].rotation.transpose() * contact.normal;
     }
   }
   m_parts.clear();
@@ -85,7 +87,11 @@ DeepestSurfacePoint SurfaceDepthMeter::measure(const Referee& referee, std::span
   for (std::size_t bone = 0; bone < poses.size(); ++bone) {
     m_best.bound_m = std::max(m_best.bound_m, limit_m(referee.tree(static_cast<int>(bone))));
   }
-  for (const Part& part : m_parts) m_best.bound_m = std::max(m_best.bound_m, part.bound_m);
+  for (const Part& part : m_parts) {
+    if (part.bound_m <= limit_m(referee.tree(part.bone))) continue;
+    m_best.bound_m = std::max(m_best.bound_m, part.bound_m);
+    m_best.complete = false;
+  }
   if (m_best.triangle >= 0) {
     m_best.point_m = poses[static_cast<std::size_t>(m_best.bone)].apply(m_best_rest_m);
     const Triangle& nodes = m_triangles[static_cast<std::size_t>(m_best.triangle)];
@@ -107,8 +113,10 @@ void SurfaceDepthMeter::start_where_it_was_deepest(const Referee& referee, std::
     point += m_best_weights[static_cast<Eigen::Index>(k)] * positions[static_cast<std::size_t>(nodes[k])];
   }
   m_best_rest_m = poses[static_cast<std::size_t>(last.bone)].apply_inverse(point);
-  const double depth_m = -referee.signed_distance(last.bone, m_best_rest_m);
-  if (depth_m > 0) m_best = {depth_m, 0, last.bone, last.triangle, point};
+  const SurfaceDistance surface = referee.closest(last.bone, m_best_rest_m);
+  if (surface.signed_distance_m >= 0) return;
+  m_best = {-surface.signed_distance_m, 0, true, last.bone, last.triangle, point};
+  m_best_out_of_bone = surface.normal;
 }
 
 /// Puts the triangles that may be deeper than the deepest point so far into the heap.
@@ -206,18 +214,21 @@ void SurfaceDepthMeter::refine(const Part& part, const RefereeTree& tree) {
   const auto index = static_cast<std::size_t>(part.index);
   if (part.whole) m_memories[bone][index] = {centroid, signed_distance, nearest.slot};
 
+  const Vec3 out_of_bone =
+      distance > rounding_m ? Vec3((centroid - nearest.point_m) / signed_distance) : tree.face_normal(nearest.slot);
   if (-signed_distance > m_best.depth_m) {
     m_best.depth_m = -signed_distance;
     m_best.bone = part.bone;
     m_best.triangle = m_counting[bone][index];
     m_best_rest_m = centroid + tree.centre_m();
+    m_best_out_of_bone = out_of_bone;
   }
   const double radius = radius_about(centroid, part.a, part.b, part.c);
   if (radius - signed_distance + rounding_m <= limit_m(tree)) return;
 
-  const Vec3 out_of_bone =
-      distance > rounding_m ? Vec3((centroid - nearest.point_m) / signed_distance) : tree.face_normal(nearest.slot);
   if (clear_when_moved(tree, part, out_of_bone, limit_m(tree))) return;
+  // What is as deep as the deepest point, along a ridge or a valley, mostly leaves the bone as that does.
+  if (part.bone == m_best.bone && clear_when_moved(tree, part, m_best_out_of_bone, limit_m(tree))) return;
   const Vec3 into_muscle = (part.c - part.a).cross(part.b - part.a).stableNormalized();
   if (clear_when_moved(tree, part, into_muscle, limit_m(tree))) return;
 

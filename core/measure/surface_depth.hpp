@@ -16,6 +16,7 @@ struct DeepestSurfacePoint {
   double depth_m = 0;  ///< 0: no point inside a bone was found
   /// No point of the surface is deeper. It exceeds the depth by the tolerance alone unless the budget was spent.
   double bound_m = 0;
+  bool complete = true;  ///< whether the budget sufficed
   int bone = -1;
   int triangle = -1;            ///< of the muscle; -1 where the point is a node
   Vec3 point_m = Vec3::Zero();  ///< world
@@ -93,8 +94,9 @@ class SurfaceDepthMeter {
   std::vector<std::vector<Memory>> m_memories;  // by bone, by index in m_counting
   std::vector<int> m_carriers;
   DeepestSurfacePoint m_best;
-  Vec3 m_best_rest_m = Vec3::Zero();   // rest frame of its bone; where it is in a triangle
-  Vec3 m_best_weights = Vec3::Zero();  // its barycentric coordinates there
+  Vec3 m_best_rest_m = Vec3::Zero();       // rest frame of its bone; where it is in a triangle
+  Vec3 m_best_out_of_bone = Vec3::Zero();  // unit, rest frame: from there to the closest point of the surface
+  Vec3 m_best_weights = Vec3::Zero();      // its barycentric coordinates there
   long m_work = 0;
   // Scratch memory, kept so that a frame allocates nothing.
   std::vector<Vec3> m_rest;       // nodes, relative to the tree's centre

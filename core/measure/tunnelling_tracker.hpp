@@ -13,11 +13,11 @@ namespace musclebench {
 /// Follows nodes from frame to frame and counts those that tunnelled: entered a bone through one face and left it
 /// through one that faces the other way, within one frame or over many.
 ///
-/// A node's way is taken as straight between two frames, in the bone's rest frame. Crossings of this segment with the
+/// A node's path is taken as straight between two frames, in the bone's rest frame. Crossings of this segment with the
 /// surface are exact. Entry and exit are opposed where their outward normals n make n_in . n_out < opposed_cosine: a
-/// plate, a sphere near its middle. A node that dips in and comes out on the same side, or whose way cuts a convex
+/// plate, a sphere near its middle. A node that dips in and comes out on the same side, or whose path cuts a convex
 /// corner of a right angle or more, did not tunnel. Neither did one that was never deeper than `grazing_depth` times
-/// the bone's diagonal: it slid around a sharp edge and cut it by a little. Depth on the way is looked at where a frame
+/// the bone's diagonal: it slid around a sharp edge and cut it by a little. Depth on the path is sampled where a frame
 /// ends and in the middle between that and entry or exit, so passing a plate shows half of its thickness: plates
 /// thinner than twice the grazing depth are not seen. A node that tunnels once more through the same bone is back and
 /// no longer counts. A node inside when it is seen first entered where the surface is closest.
@@ -28,7 +28,7 @@ class TunnellingTracker {
 
   TunnellingTracker(int bones, int nodes);
 
-  /// Looks at the next frame. `truth`: what `referee.judge` answered last, for these poses, positions (world frame) and
+  /// Takes the next frame. `truth`: what `referee.judge` answered last, for these poses, positions (world frame) and
   /// `nodes` (ascending). A node at a position that is not finite stays what it was. Returns `tunnelled_nodes()`.
   int update(const Referee& referee, std::span<const RigidMotion> poses, std::span<const Vec3> positions,
              std::span<const int> nodes, std::span<const Contact> truth);
@@ -41,7 +41,7 @@ class TunnellingTracker {
 
  private:
   /// Of one node and one bone.
-  struct Way {
+  struct Passage {
     Vec3 point_m = Vec3::Zero();       ///< where it was, relative to the tree's centre
     Vec3 entry_normal = Vec3::Zero();  ///< rest frame; where it is inside
     double deepest_m = 0;              ///< since it entered
@@ -51,14 +51,14 @@ class TunnellingTracker {
 
     void enter(const Vec3& normal);
     void leave(const Vec3& normal, double grazing_m);
-    /// Looks at the depth at `inner_point`, relative to the tree's centre, which is inside.
-    void look(const RefereeTree& tree, const Vec3& inner_point);
+    /// Samples the depth at `inner_point`, relative to the tree's centre, which is inside.
+    void sample_depth(const RefereeTree& tree, const Vec3& inner_point);
   };
 
-  void follow_crossings(const RefereeTree& tree, const Vec3& point, Way& way);
+  void follow_crossings(const RefereeTree& tree, const Vec3& point, Passage& passage);
 
-  std::vector<std::vector<Way>> m_ways;      // by bone, by node
-  std::vector<SurfaceCrossing> m_crossings;  // scratch memory
+  std::vector<std::vector<Passage>> m_passages;  // by bone, by node
+  std::vector<SurfaceCrossing> m_crossings;      // scratch memory
 };
 
 }  // namespace musclebench

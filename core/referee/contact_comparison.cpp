@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/percentile.hpp"
+
 namespace musclebench {
 
 ContactDifference compare_contacts(std::span<const Contact> answered, std::span<const Contact> truth) {
@@ -41,9 +43,9 @@ DepthStatistics depth_statistics(std::span<const Contact> truth) {
     if (deepest_of_node) depths.push_back(by_node[i].second);
   }
   std::sort(depths.begin(), depths.end());
-  const std::size_t rank = (99 * depths.size() + 99) / 100;
   const double sum = std::accumulate(depths.begin(), depths.end(), 0.0);
-  return {static_cast<int>(depths.size()), depths.back(), depths[rank - 1], sum / static_cast<double>(depths.size())};
+  return {static_cast<int>(depths.size()), depths.back(), depths[percentile_index(depths.size(), 0.99)],
+          sum / static_cast<double>(depths.size())};
 }
 
 }  // namespace musclebench

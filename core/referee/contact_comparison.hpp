@@ -21,7 +21,7 @@ ContactDifference compare_contacts(std::span<const Contact> answered, std::span<
 struct DepthStatistics {
   int nodes_inside = 0;
   double max_depth_m = 0;
-  double p99_depth_m = 0;  ///< 99th percentile over the nodes inside, by nearest rank: the ceil(0.99 n)-th smallest
+  double p99_depth_m = 0;  ///< 99th percentile over the nodes inside, see percentile_index
   double mean_depth_m = 0;
 };
 

@@ -116,14 +116,14 @@ void Referee::judge_bone(int bone, const RigidMotion& pose, std::span<const Vec3
     reduction(+ : distance_queries, winding_numbers, work)
 #endif
   for (int i = 0; i < count; ++i) {
-    const auto place = static_cast<std::size_t>(i);
-    const auto node = static_cast<std::size_t>(nodes[place]);
+    const auto index = static_cast<std::size_t>(i);
+    const auto node = static_cast<std::size_t>(nodes[index]);
     const Vec3 point = pose.apply_inverse(positions[node]) - tree.centre_m();
     SurfaceDistance found;
     RefereeEffort effort;
-    m_inside[place] = examine(bone, point, memories[node], found, effort) ? 1 : 0;
-    if (m_inside[place] != 0) {
-      m_found[place] = {nodes[place], bone, -found.signed_distance_m, pose.apply_to_direction(found.normal)};
+    m_inside[index] = examine(bone, point, memories[node], found, effort) ? 1 : 0;
+    if (m_inside[index] != 0) {
+      m_found[index] = {nodes[index], bone, -found.signed_distance_m, pose.apply_to_direction(found.normal)};
     }
     distance_queries += effort.distance_queries;
     winding_numbers += effort.winding_numbers;
@@ -143,8 +143,8 @@ void Referee::judge(std::span<const RigidMotion> poses, std::span<const Vec3> po
   m_inside.resize(nodes.size());
   for (std::size_t bone = 0; bone < m_trees.size(); ++bone) {
     judge_bone(static_cast<int>(bone), poses[bone], positions, nodes);
-    for (std::size_t place = 0; place < nodes.size(); ++place) {
-      if (m_inside[place] != 0) truth.push_back(m_found[place]);
+    for (std::size_t index = 0; index < nodes.size(); ++index) {
+      if (m_inside[index] != 0) truth.push_back(m_found[index]);
     }
   }
 }

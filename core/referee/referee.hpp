@@ -14,8 +14,8 @@ namespace musclebench {
 struct SurfaceDistance {
   double signed_distance_m = 0;         ///< negative inside
   Vec3 closest_point_m = Vec3::Zero();  ///< on the surface
-  /// Unit, out of the bone: for a point inside the shortest way to the surface. On the surface the normal of the face
-  /// (zero for a face without area).
+  /// Unit, out of the bone: for a point inside the direction to the closest point. On the surface the normal of the
+  /// face (zero for a face without area).
   Vec3 normal = Vec3::Zero();
 };
 
@@ -79,7 +79,7 @@ class Referee {
     Vec3 point_m = Vec3::Zero();  ///< where the node was when it was last looked at, relative to the tree's centre
     double clearance_m = -1;      ///< lower bound of the distance to the surface there; negative: nothing is known
     double steady_m = 0;          ///< for how long `inside` holds away from the surface, see SurfaceWinding
-    int triangle = -1;            ///< closest one, place in the tree; -1: unknown
+    int triangle = -1;            ///< slot of the closest one; -1: unknown
     bool inside = false;
   };
 
@@ -90,7 +90,7 @@ class Referee {
   std::vector<RefereeTree> m_trees;
   std::vector<double> m_touching_m;             // by bone
   std::vector<std::vector<Memory>> m_memories;  // by bone, by node
-  std::vector<Contact> m_found;                 // by place in `nodes`, valid where m_inside
+  std::vector<Contact> m_found;                 // by index in `nodes`, valid where m_inside
   std::vector<unsigned char> m_inside;
   RefereeEffort m_effort;
   [[maybe_unused]] int m_threads;  // unused where the compiler has no OpenMP

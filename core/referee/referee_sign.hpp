@@ -12,7 +12,7 @@ struct AxisRay {
 
 /// How the ray from `start` passes the triangle (a, b, c): +1 leaves through its front, -1 enters through it, 0 misses
 /// it. Decided without rounding errors (floating-point filter, then exact expansions, Shewchuk 1997); a ray that meets
-/// an edge or a vertex is moved aside infinitesimally, the same way for every triangle (simulation of simplicity,
+/// an edge or a vertex is moved aside infinitesimally, alike for every triangle (simulation of simplicity,
 /// Edelsbrunner and Muecke 1990). So the sum over a closed surface is exactly its winding number around `start`, for
 /// every start that does not lie on the surface.
 int ray_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& start, AxisRay ray);

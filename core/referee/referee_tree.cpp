@@ -145,7 +145,7 @@ ClosestSurfacePoint RefereeTree::closest(const Vec3& point, int guess, long* wor
   return best;
 }
 
-/// The shortest way out of the box meets the fewest triangles.
+/// The ray that leaves the box soonest meets the fewest triangles.
 AxisRay RefereeTree::shortest_ray_out(const Vec3& point) const {
   AxisRay ray;
   (m_half_extents - point.cwiseAbs()).minCoeff(&ray.axis);

@@ -26,7 +26,7 @@ inline void add_work(long* work, long steps) {
 /// Fills a RefereeTree: splits where the surface-area heuristic (binned, Wald 2007) expects the shortest queries.
 class RefereeTreeBuilder {
  public:
-  /// Nodes on the longest way from the root to a leaf: past half of it ranges are halved by count.
+  /// Nodes on the longest path from the root to a leaf: past half of it ranges are halved by count.
   static constexpr int depth_limit = 64;
 
   RefereeTreeBuilder(const TriangleMesh& mesh, RefereeTree& tree) : m_mesh(mesh), m_tree(tree) {}

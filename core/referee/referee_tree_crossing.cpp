@@ -40,11 +40,11 @@ Interval cut(const Vec3& x, const Vec3& height) {
 }
 
 /// A triangle that many are tested against.
-struct Blade {
+struct QueryTriangle {
   Vec3 a, b, c;
   Vec3 normal;  ///< its length is twice the area
 
-  Blade(const Vec3& corner_a, const Vec3& corner_b, const Vec3& corner_c)
+  QueryTriangle(const Vec3& corner_a, const Vec3& corner_b, const Vec3& corner_c)
       : a(corner_a), b(corner_b), c(corner_c), normal((b - a).cross(c - a)) {}
 };
 
@@ -56,20 +56,20 @@ bool reaches_plane(Vec3& heights, double slack) {
 }
 
 /// Moeller 1997: two triangles that each reach the other's plane cut the common line of the planes in two intervals.
-bool triangles_meet(const Blade& blade, const Vec3& p, const Vec3& q, const Vec3& r) {
-  const double size = std::max((p - blade.a).lpNorm<Eigen::Infinity>(), (q - p).lpNorm<Eigen::Infinity>()) +
-                      std::max((r - p).lpNorm<Eigen::Infinity>(), (blade.b - blade.a).lpNorm<Eigen::Infinity>()) +
-                      (blade.c - blade.a).lpNorm<Eigen::Infinity>();
-  Vec3 heights(blade.normal.dot(p - blade.a), blade.normal.dot(q - blade.a), blade.normal.dot(r - blade.a));
+bool triangles_meet(const QueryTriangle& query, const Vec3& p, const Vec3& q, const Vec3& r) {
+  const double size = std::max((p - query.a).lpNorm<Eigen::Infinity>(), (q - p).lpNorm<Eigen::Infinity>()) +
+                      std::max((r - p).lpNorm<Eigen::Infinity>(), (query.b - query.a).lpNorm<Eigen::Infinity>()) +
+                      (query.c - query.a).lpNorm<Eigen::Infinity>();
+  Vec3 heights(query.normal.dot(p - query.a), query.normal.dot(q - query.a), query.normal.dot(r - query.a));
   if (!reaches_plane(heights, rounding_share * size * size * size)) return false;
-  const Blade other(p, q, r);
-  Vec3 heights_of_blade(other.normal.dot(blade.a - p), other.normal.dot(blade.b - p), other.normal.dot(blade.c - p));
-  if (!reaches_plane(heights_of_blade, rounding_share * size * size * size)) return false;
-  if (heights.isZero(0) || heights_of_blade.isZero(0)) return true;  // in one plane, or without area
+  const QueryTriangle other(p, q, r);
+  Vec3 heights_of_query(other.normal.dot(query.a - p), other.normal.dot(query.b - p), other.normal.dot(query.c - p));
+  if (!reaches_plane(heights_of_query, rounding_share * size * size * size)) return false;
+  if (heights.isZero(0) || heights_of_query.isZero(0)) return true;  // in one plane, or without area
   int axis = 0;
-  blade.normal.cross(other.normal).cwiseAbs().maxCoeff(&axis);
+  query.normal.cross(other.normal).cwiseAbs().maxCoeff(&axis);
   const Interval one = cut({p[axis], q[axis], r[axis]}, heights);
-  const Interval two = cut({blade.a[axis], blade.b[axis], blade.c[axis]}, heights_of_blade);
+  const Interval two = cut({query.a[axis], query.b[axis], query.c[axis]}, heights_of_query);
   const double slack = rounding_share * (size + std::abs(p[axis]));
   return one.low <= two.high + slack && two.low <= one.high + slack;
 }
@@ -116,11 +116,11 @@ void RefereeTree::visit(const Filter& may_matter, const Visit& visit_slot, long*
 }
 
 int RefereeTree::find_touched(const Vec3& a, const Vec3& b, const Vec3& c, long* work) const {
-  const Blade blade(a, b, c);
+  const QueryTriangle query(a, b, c);
   FloatBox box;
   for (const Vec3* corner : {&a, &b, &c}) box.extend(*corner);
-  const double length = blade.normal.norm();
-  const Eigen::Array3f normal = length > 0 ? Eigen::Array3f((blade.normal / length).cast<float>()) : Eigen::Array3f(0);
+  const double length = query.normal.norm();
+  const Eigen::Array3f normal = length > 0 ? Eigen::Array3f((query.normal / length).cast<float>()) : Eigen::Array3f(0);
   const float height = normal.matrix().dot(a.cast<float>());
   const auto slack = static_cast<float>(m_half_extents.sum() + a.lpNorm<1>()) * float_slack;
   const auto may_matter = [&](const Node& node) {
@@ -143,7 +143,7 @@ int RefereeTree::find_touched(const Vec3& a, const Vec3& b, const Vec3& c, long*
       may_matter,
       [&](int slot) {
         const Corners& t = m_triangles[static_cast<std::size_t>(slot)];
-        if (triangles_meet(blade, t.a, t.b, t.c)) met = slot;
+        if (triangles_meet(query, t.a, t.b, t.c)) met = slot;
         return met < 0;
       },
       work);

@@ -18,11 +18,10 @@ namespace musclebench {
 /// the point.
 class ManifoldFeatures {
  public:
-  /// `tree` and `edges` are those of the mesh. The mesh has to be closed (`is_closed`): else the inside ends in empty space
-  /// somewhere.
+  /// `tree` and `edges` are those of the mesh. The mesh has to be closed (`is_closed`): else the inside ends in empty
+  /// space somewhere.
   ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree, const MeshEdges& edges);
-  ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree)
-      : ManifoldFeatures(mesh, tree, MeshEdges(mesh)) {}
+  ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree) : ManifoldFeatures(mesh, tree, MeshEdges(mesh)) {}
 
   [[nodiscard]] bool holds(int triangle, Feature feature) const {
     return ((m_bits[static_cast<std::size_t>(triangle)] >> static_cast<unsigned>(feature)) & 1U) != 0;

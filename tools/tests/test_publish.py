@@ -88,7 +88,7 @@ def test_a_quoted_number_is_found_with_its_line():
 @pytest.mark.parametrize("specification, text", [
     ("paper-lhdl/table_2_times[backend=fcl].ratio", "361 to 689"),
     ("paper-lhdl/table_2_times[backend=fcl,muscle=iliacus].ratio .1f", "361.2"),
-    ("paper-lhdl/table_2_times.collision_ms max", "70.0"),
+    ("paper-lhdl/table_2_times.collision_ms max", "70.0"), ("paper-lhdl/table_2_times.collision_ms max /1e3", "0.0700"),
     ("paper-lhdl/table_2_times[muscle=iliacus].backend", "voxel, fcl"),
 ])
 def test_values_are_cells_or_ranges(small, specification, text):
@@ -128,6 +128,13 @@ def test_a_marker_without_an_end_is_told(small):
         written("<!-- value: paper-lhdl/table_2_times.ratio -->1", small, "page.md")
     with pytest.raises(Problem, match="no table 'nothing'"):
         block(small, "nothing paper-lhdl")
+
+
+def test_what_cannot_be_written_stays_and_is_told(small):
+    table, problems = "paper-lhdl/table_2_times", []
+    page = f"<!-- value: {table}.no -->1<!-- end --> <!-- value: {table}.ratio min -->0<!-- end -->"
+    assert written(page, small, "page.md", problems) == page.replace("0<!--", "1.00<!--")
+    assert len(problems) == 1 and "page.md" in problems[0]
 
 
 def test_pictures_keep_their_link_and_get_a_source(small, tmp_path):

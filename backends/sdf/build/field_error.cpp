@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "backends/sdf/build/field_builder.hpp"
+#include "core/base/percentile.hpp"
 
 namespace musclebench {
 
@@ -37,7 +38,7 @@ FieldError estimate_error(const CubicField& field, const SignedSurface& surface,
   std::sort(errors.begin(), errors.end());
   result.samples = static_cast<int>(errors.size());
   result.largest_m = errors.back();
-  result.p99_m = errors[static_cast<std::size_t>(0.99 * static_cast<double>(errors.size() - 1))];
+  result.p99_m = errors[percentile_index(errors.size(), 0.99)];
   result.mean_m /= static_cast<double>(errors.size());
   return result;
 }

@@ -16,6 +16,7 @@
 #include "backends/sdf/build/reference_samples.hpp"
 #include "backends/sdf/octree/octree_entry.hpp"
 #include "core/base/input_error.hpp"
+#include "core/base/percentile.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
@@ -277,10 +278,7 @@ class OctreeBuilder {
     if (m_errors_m.empty()) {
       return 0;
     }
-    std::vector<double> errors_m = m_errors_m;
-    const auto quantile = errors_m.begin() + static_cast<std::ptrdiff_t>(share * number(errors_m.size() - 1));
-    std::nth_element(errors_m.begin(), quantile, errors_m.end());
-    return *quantile;
+    return percentile(m_errors_m, share);
   }
 
   /// Of the samples that were measured last.

@@ -69,7 +69,7 @@ class ReplayOfKeptFrames : public testing::Test {
 
  private:
   ReplayResult replay(std::vector<std::string>& calls, bool remembers, int stride, int warm_up_frames) {
-    const BackendEntry entry{"listening", "", ResponseKind::project, {}, [&](const Parameters& /*none*/) {
+    const BackendEntry entry{.name = "listening", .help = "", .make = [&](const Parameters& /*none*/) {
                                return std::make_unique<ListeningBackend>(remembers, calls);
                              }};
     ReplayCase replay{{m_scene, entry, Parameters({}, {}, entry.name)}};

@@ -6,10 +6,84 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/cases/coupled_judge.hpp"
 #include "core/mesh/shapes.hpp"
+#include "core/referee/tests/test_bones.hpp"
 
 namespace musclebench {
 namespace {
+
+/// A free muscle, a ball 0.2 m from the axis, and a bone, a larger ball about the axis that turns by `turn_rad` from
+/// `start_rad` away from the muscle.
+Scene ball_against_ball(double start_rad, double turn_rad, int frames) {
+  Scene scene;
+  scene.name = "ball against ball";
+  const RigidMotion start = RigidMotion::about_axis(Vec3::UnitZ(), Vec3::Zero(), start_rad);
+  scene.bones.push_back(bone_of(moved(moved(make_sphere(0.05, 3), Vec3(0.2, 0, 0)), start)));
+  scene.bone_meshes.push_back({"bone", "", scene.bones[0].surface.mesh});
+  BoneMotion motion;
+  motion.axis = Vec3::UnitZ();
+  motion.times = {0, 1};
+  motion.angles_rad = {0, turn_rad};
+  motion.there_and_back = false;
+  scene.motions.push_back(motion);
+  scene.muscle.mesh = moved(make_sphere(0.02, 3), Vec3(0.2, 0, 0));
+  scene.loop.frames = frames;
+  return scene;
+}
+
+RunResult run_without_collision(const Scene& scene, bool judge = true) {
+  const BackendEntry& backend = find_backend("null");
+  RunCase run{{scene, backend, Parameters(backend.parameters, {}, backend.name)}};
+  run.judge = judge;
+  return run_case(run, [](int) {});
+}
+
+TEST(RunCaseStatus, IsOkWhereNothingHappens) {
+  const RunResult result = run_without_collision(ball_against_ball(1, 0, 3));
+  EXPECT_EQ(result.status, "ok") << result.status_detail;
+  EXPECT_EQ(result.outcome.max_edge_stretch, 1);
+  EXPECT_EQ(result.outcome.nodes_inside_at_end, 0);
+  EXPECT_EQ(result.outcome.max_volume_error, 0);
+  EXPECT_EQ(result.records.size(), 3U);
+}
+
+TEST(RunCaseStatus, IsSuspectWhereTheBoneSwallowsTheMuscle) {
+  const RunResult result = run_without_collision(ball_against_ball(1, -1, 4));
+  EXPECT_EQ(result.status, "suspect");
+  EXPECT_NE(result.status_detail.find("mm deep"), std::string::npos) << result.status_detail;
+  EXPECT_EQ(result.outcome.nodes_inside_at_end, static_cast<int>(result.rest.free_nodes));
+}
+
+TEST(RunCaseStatus, IsSuspectWhereTheBonePassesThroughTheMuscle) {
+  const RunResult result = run_without_collision(ball_against_ball(1, -2, 3));
+  EXPECT_EQ(result.status, "suspect");
+  EXPECT_NE(result.status_detail.find("tunnelled"), std::string::npos) << result.status_detail;
+}
+
+TEST(RunCaseStatus, IsSuspectWhereTheMuscleStartsInTheBone) {
+  const RunResult result = run_without_collision(ball_against_ball(0.22, 0.5, 2));
+  EXPECT_EQ(result.status, "suspect");
+  EXPECT_NE(result.status_detail.find("before the first frame"), std::string::npos) << result.status_detail;
+  EXPECT_GT(*result.outcome.nodes_inside_at_rest, 0);
+}
+
+TEST(RunCaseStatus, NothingIsClaimedWhereNobodyJudged) {
+  const RunResult result = run_without_collision(ball_against_ball(1, -1, 4), false);
+  EXPECT_EQ(result.status, "ok");
+  EXPECT_FALSE(result.outcome.max_depth_m || result.outcome.max_edge_stretch || result.outcome.nodes_inside_at_end);
+}
+
+TEST(JudgingBudget, GrowsWithTheFrame) {
+  Scene scene = ball_against_ball(1, 0, 1);
+  const long one_step = judging_budget(scene);
+  EXPECT_GT(one_step, 0);
+  scene.loop.substeps = 3;
+  scene.loop.iterations = 2;
+  EXPECT_EQ(judging_budget(scene), 6 * one_step);
+  scene.effects.assign(2, SceneEffect{"bending", Parameters({}, {}, "test")});
+  EXPECT_GT(judging_budget(scene), 12 * one_step);
+}
 
 class NoContacts final : public CollisionBackend {
  public:
@@ -29,7 +103,7 @@ std::vector<bool> warm_up_of(int frames, std::optional<int> warm_up_frames = {})
   scene.muscle.mesh = make_sphere(0.1, 0);
   scene.loop.frames = frames;
   const BackendEntry entry{
-      "none", "", ResponseKind::project, {}, [](const Parameters& /*none*/) { return std::make_unique<NoContacts>(); }};
+      .name = "none", .help = "", .make = [](const Parameters& /*none*/) { return std::make_unique<NoContacts>(); }};
   RunCase run{{scene, entry, Parameters({}, {}, entry.name)}};
   run.judge = false;
   run.warm_up_frames = warm_up_frames.value_or(run.warm_up_frames);

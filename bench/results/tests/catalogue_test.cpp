@@ -54,8 +54,8 @@ void expect_parameters(const Json& parameters) {
 
 TEST(Catalogue, HasTheKeysOfItsSchema) {
   const Json json = catalogue();
-  EXPECT_EQ(keys_of(json),
-            (Keys{"schema", "version", "git", "backends", "responses", "effects", "loop", "presets", "scenes"}));
+  EXPECT_EQ(keys_of(json), (Keys{"schema", "version", "git", "backends", "responses", "effects", "loop", "presets",
+                                 "scenes", "results"}));
   EXPECT_EQ(json["schema"], 1);
   for (const char* key : {"backends", "responses", "effects", "presets", "scenes"}) {
     EXPECT_FALSE(json[key].empty()) << key;

@@ -7,6 +7,13 @@
 namespace musclebench {
 namespace {
 
+MuscleAtRest at_rest(double volume_m3, double pressure = 1) {
+  MuscleAtRest rest;
+  rest.volume_m3 = volume_m3;
+  rest.pressure = pressure;
+  return rest;
+}
+
 StepRecord judged(double depth_m, double surface_m, double vertex_m, int tunnelled, int stuck) {
   StepRecord record;
   record.judged = true;
@@ -28,7 +35,7 @@ TEST(Outcome, OverTheRun) {
   records[2].times.frame_ns = 4000;
   records[0].volume_m3 = 1.5;
   records[2].volume_m3 = 2.25;
-  const Outcome outcome = outcome_of(records, 2);
+  const Outcome outcome = outcome_of(records, at_rest(2));
   EXPECT_EQ(outcome.max_depth_m, 0.2);
   EXPECT_EQ(outcome.max_surface_depth_m, 0.5);
   EXPECT_EQ(outcome.tunnelled_nodes, 3);
@@ -42,22 +49,64 @@ TEST(Outcome, OverTheRun) {
 TEST(Outcome, PercentileByNearestRank) {
   std::vector<StepRecord> records;
   for (int i = 200; i > 0; --i) records.push_back(judged(i, 2 * i, 0, 0, 0));
-  EXPECT_EQ(outcome_of(records, 2).p99_depth_m, 198);
-  EXPECT_EQ(outcome_of(records, 2).p99_surface_depth_m, 396);
+  EXPECT_EQ(outcome_of(records, at_rest(2)).p99_depth_m, 198);
+  EXPECT_EQ(outcome_of(records, at_rest(2)).p99_surface_depth_m, 396);
   records.resize(1);
-  EXPECT_EQ(outcome_of(records, 2).p99_depth_m, 200);
+  EXPECT_EQ(outcome_of(records, at_rest(2)).p99_depth_m, 200);
 }
 
 TEST(Outcome, AMuscleWoundInwardsHasTheSameVolumeError) {
   StepRecord record;
   record.volume_m3 = -1.5;
-  EXPECT_EQ(outcome_of(std::vector{record}, -2).final_volume_error, 0.25);
+  EXPECT_EQ(outcome_of(std::vector{record}, at_rest(-2)).final_volume_error, 0.25);
+  EXPECT_EQ(outcome_of(std::vector{record}, at_rest(-2)).turned_inside_out, false);
+}
+
+std::vector<StepRecord> with_volumes(std::initializer_list<double> volumes_m3) {
+  std::vector<StepRecord> records;
+  for (const double volume_m3 : volumes_m3) records.emplace_back().volume_m3 = volume_m3;
+  return records;
+}
+
+TEST(Outcome, TheVolumeErrorIsAgainstTheTarget) {
+  // On its way from 2 to 3 at the start it is no error not to be there yet; to leave again is one.
+  const Outcome outcome = outcome_of(with_volumes({2.25, 2.75, 3, 3.375, 2.875, 3}), at_rest(2, 1.5));
+  EXPECT_EQ(outcome.max_volume_error, 0.125);
+  EXPECT_EQ(outcome.final_volume_error, 0);
+  EXPECT_EQ(outcome_of(with_volumes({2.25, 2.75, 2.875}), at_rest(2, 1.5)).max_volume_error, 0.125 / 3)
+      << "that it never gets there is an error";
+  EXPECT_EQ(outcome_of(with_volumes({2.25, 2, 2}), at_rest(2)).max_volume_error, 0.125);
+}
+
+TEST(Outcome, TurnedInsideOut) {
+  const Outcome outcome = outcome_of(with_volumes({2, -2, 2}), at_rest(2));
+  EXPECT_EQ(outcome.turned_inside_out, true);
+  EXPECT_EQ(outcome.max_volume_error, 2);
+}
+
+TEST(Outcome, TheLargestStretchAndTheLastNodesInside) {
+  std::vector<StepRecord> records{judged(0.1, 0.3, 0, 0, 0), judged(0.2, 0.2, 0.5, 0, 0)};
+  records[0].edge_stretch = {3, 1.5};
+  records[1].edge_stretch = {2, 1.75};
+  records[0].depth.nodes_inside = 7;
+  records[1].depth.nodes_inside = 5;
+  records[0].surface_depth_bound_m = 0.75;
+  records[0].judgement_complete = false;
+  records[1].bone_vertex_depth_bound_m = 0.5;
+  records[1].self_intersecting_triangles = 12;
+  const Outcome outcome = outcome_of(records, at_rest(2));
+  EXPECT_EQ(outcome.max_edge_stretch, 3);
+  EXPECT_EQ(outcome.p99_edge_stretch, 1.75);
+  EXPECT_EQ(outcome.nodes_inside_at_end, 5);
+  EXPECT_EQ(outcome.max_surface_depth_bound_m, 0.75);
+  EXPECT_EQ(outcome.open_judgements, 1);
+  EXPECT_EQ(outcome.self_intersecting_triangles, 12);
 }
 
 TEST(Outcome, WhatWasNotMeasuredIsMissing) {
   StepRecord lost;  // not judged, as it blew up
   lost.volume_m3 = std::numeric_limits<double>::quiet_NaN();
-  const Outcome nothing = outcome_of(std::vector{lost}, 2);
+  const Outcome nothing = outcome_of(std::vector{lost}, at_rest(2));
   for (const auto& figure : {nothing.max_depth_m, nothing.p99_depth_m, nothing.max_surface_depth_m,
                              nothing.p99_surface_depth_m, nothing.max_volume_error, nothing.final_volume_error}) {
     EXPECT_FALSE(figure.has_value());
@@ -65,13 +114,13 @@ TEST(Outcome, WhatWasNotMeasuredIsMissing) {
   EXPECT_FALSE(nothing.tunnelled_nodes.has_value());
   EXPECT_FALSE(nothing.stuck_nodes.has_value());
 
-  const Outcome before = outcome_of(std::vector{judged(0.1, 0.2, 0, 3, 4), lost}, 2);
+  const Outcome before = outcome_of(std::vector{judged(0.1, 0.2, 0, 3, 4), lost}, at_rest(2));
   EXPECT_EQ(before.max_depth_m, 0.1);
   EXPECT_EQ(before.tunnelled_nodes, 3);
   EXPECT_EQ(before.max_volume_error, 0);
   EXPECT_FALSE(before.final_volume_error.has_value());
-  EXPECT_FALSE(outcome_of({}, 2).max_depth_m.has_value());
-  EXPECT_FALSE(outcome_of(std::vector{judged(0, 0, 0, 0, 0)}, 0).max_volume_error.has_value());
+  EXPECT_FALSE(outcome_of({}, at_rest(2)).max_depth_m.has_value());
+  EXPECT_FALSE(outcome_of(std::vector{judged(0, 0, 0, 0, 0)}, at_rest(0)).max_volume_error.has_value());
 }
 
 }  // namespace

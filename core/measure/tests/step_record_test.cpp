@@ -68,6 +68,13 @@ StepRecord record() {
   r.bone_vertex_depth_m = 0.5;
   r.tunnelled_nodes = 13;
   r.stuck_nodes = 14;
+  r.surface_depth_bound_m = 0.6;
+  r.bone_vertex_depth_bound_m = 0.7;
+  r.judgement_complete = false;
+  r.edge_stretch = {1.5, 1.25};
+  r.self_intersecting_triangles = 15;
+  r.involuntary_switches = 16;
+  r.judging_ns = 17;
   return r;
 }
 
@@ -96,7 +103,15 @@ TEST(FramesCsv, EveryFigureStandsUnderItsName) {
                                                                      {"surface_depth_m", "0.4"},
                                                                      {"bone_vertex_depth_m", "0.5"},
                                                                      {"tunnelled_nodes", "13"},
-                                                                     {"stuck_nodes", "14"}};
+                                                                     {"stuck_nodes", "14"},
+                                                                     {"surface_depth_bound_m", "0.6"},
+                                                                     {"bone_vertex_depth_bound_m", "0.7"},
+                                                                     {"judgement_complete", "0"},
+                                                                     {"max_edge_stretch", "1.5"},
+                                                                     {"p99_edge_stretch", "1.25"},
+                                                                     {"self_intersecting_triangles", "15"},
+                                                                     {"involuntary_switches", "16"},
+                                                                     {"judging_ns", "17"}};
   for (const auto& [column, value] : expected) {
     EXPECT_EQ(csv[column], value) << column;
   }
@@ -108,13 +123,17 @@ TEST(FramesCsv, UnknownIsEmptyAndNothingNonFiniteIsWritten) {
   r.judged = false;
   r.surface_depth_m = StepRecord().surface_depth_m;
   r.bone_vertex_depth_m = StepRecord().bone_vertex_depth_m;
+  r.surface_depth_bound_m = StepRecord().surface_depth_bound_m;
+  r.edge_stretch = {};
+  r.self_intersecting_triangles.reset();
   r.volume_m3 = std::numeric_limits<double>::infinity();
   r.angle_deg = std::nan("");
   r.resident_bytes = 0;
   const Csv csv(r);
   for (const char* column :
        {"nodes_inside", "max_depth_m", "missed_contacts", "volume_m3", "angle_deg", "resident_bytes", "surface_depth_m",
-        "bone_vertex_depth_m", "tunnelled_nodes", "stuck_nodes"}) {
+        "bone_vertex_depth_m", "tunnelled_nodes", "stuck_nodes", "surface_depth_bound_m", "judgement_complete",
+        "max_edge_stretch", "self_intersecting_triangles", "judging_ns"}) {
     EXPECT_EQ(csv[column], "") << column;
   }
   EXPECT_EQ(csv["contacts"], "8");

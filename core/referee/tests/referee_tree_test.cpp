@@ -167,10 +167,11 @@ TEST(RefereeTree, CrossingsSumToTheWindingNumber) {
     const double reach_from = from.lpNorm<Eigen::Infinity>();
     const double reach_to = to.lpNorm<Eigen::Infinity>();
     if (reach_from == 1 || reach_to == 1) continue;  // on the surface
-    const Vec3 way = to - from;
-    const bool along_a_face = way.cwiseAbs().minCoeff() == 0;
-    const bool through_a_vertex = std::any_of(mesh.vertices.begin(), mesh.vertices.end(),
-                                              [&](const Vec3& vertex) { return (vertex - from).cross(way).isZero(0); });
+    const Vec3 segment = to - from;
+    const bool along_a_face = segment.cwiseAbs().minCoeff() == 0;
+    const bool through_a_vertex = std::any_of(mesh.vertices.begin(), mesh.vertices.end(), [&](const Vec3& vertex) {
+      return (vertex - from).cross(segment).isZero(0);
+    });
     if (along_a_face || through_a_vertex) continue;
     tree.cross(from, to, crossings);
     int sum = 0;

@@ -15,8 +15,8 @@ inline TriangleMesh moved(TriangleMesh mesh, const RigidMotion& motion) {
   return mesh;
 }
 
-inline TriangleMesh moved(const TriangleMesh& mesh, const Vec3& way) {
-  return moved(mesh, RigidMotion{Mat3::Identity(), way});
+inline TriangleMesh moved(const TriangleMesh& mesh, const Vec3& displacement) {
+  return moved(mesh, RigidMotion{Mat3::Identity(), displacement});
 }
 
 inline TriangleMesh scaled(TriangleMesh mesh, double factor) {

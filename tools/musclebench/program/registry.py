@@ -9,6 +9,7 @@ from .cli import Problem
 from .fingerprint import write_whole
 
 SCHEMA = 1
+ANSWER_SECONDS = 300  # on a machine that is busy with something else
 FILE_NAME = "registry.json"  # beside the results of a study, whose report is made without the program
 SIZE_ROLES = ("resolution", "wanted_error")
 OFF_WORDS = ("", "0", "off", "false")
@@ -113,7 +114,8 @@ class Registry:
 def read_registry(program: Path) -> Registry:
     """Asks the program."""
     try:
-        done = subprocess.run([str(program), "list", "--json"], capture_output=True, text=True, check=False, timeout=60)
+        done = subprocess.run([str(program), "list", "--json"], capture_output=True, text=True, check=False,
+                              timeout=ANSWER_SECONDS)
     except (OSError, subprocess.TimeoutExpired) as problem:
         raise Problem(f"{program}: 'list --json' does not answer ({problem})") from None
     if done.returncode != 0:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import pandas as pd
 
+from ..convergence import convergence_report
 from ..program.cli import Problem
 from ..results.disturbance import MARK
 from ..tables import choices, outcomes, paper_tables, prices
@@ -22,11 +23,8 @@ PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "ratio
 FACTOR_KEYS = ("muscle", "choice", "time_ms", "factor", "ratio", "missed", "measured", "p99_error_mm")
 OUTCOME_KEYS = ("muscle", "configuration", "node_depth_mm", "p99_surface_depth_mm", "max_volume_percent",
                 "full_rms_mm", "full_hausdorff_mm", "tunnelled", "stuck", "collision_s")
-SUBSTEP_COLUMNS = [
-    Column("scene", "scene"), Column("substeps", "substeps", 0), Column("status", "status"),
-    Column("rms_mm", "RMS mm", 2), Column("p99_mm", "p99 mm", 2), Column("largest_mm", "largest mm", 1),
-    Column("volume_error_percent", "volume error %", 5), Column("largest_depth_mm", "largest depth mm", 2),
-]
+SUBSTEP_KEYS = ("scene", "substeps", "status", "rms_mm", "p99_mm", "largest_mm", "volume_error_percent",
+                "largest_depth_mm")
 
 
 def block(measured: Measured, specification: str) -> str:
@@ -98,5 +96,5 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "outcomes": _from("coupled_outcomes", outcomes.COLUMNS, OUTCOME_KEYS),
     "coupled": _coupled,
     "speed": _speed,
-    "substeps": _from("substeps", SUBSTEP_COLUMNS, tuple(column.key for column in SUBSTEP_COLUMNS)),
+    "substeps": _from("substeps", convergence_report.COLUMNS, SUBSTEP_KEYS),
 }

@@ -35,8 +35,9 @@ def pages_of(project: Path) -> list[Path]:
     return [project / "README.md", *(path for path in inside if path.name not in NOT_PAGES)]
 
 
-def written(text: str, measured: Measured, page: str) -> str:
-    """The page with everything between markers made anew."""
+def written(text: str, measured: Measured, page: str, problems: list[str] | None = None) -> str:
+    """The page with everything between markers made anew. What can't be made stays as it was where `problems` is given,
+    which then has a line of it."""
     if len(OPENING.findall(text)) != len(MARKED.findall(text)):
         raise Problem(f"{page}: a marker has no <!-- end -->")
 
@@ -45,7 +46,10 @@ def written(text: str, measured: Measured, page: str) -> str:
         try:
             inside = {"generated": _table, "value": _value, "picture": _picture}[kind](measured, specification, old)
         except Problem as problem:
-            raise Problem(f"{page}: {problem}") from None
+            if problems is None:
+                raise Problem(f"{page}: {problem}") from None
+            problems.append(f"{page}: {problem}")
+            return match.group(0)
         return f"<!-- {kind}: {specification} -->{inside}<!-- end -->"
 
     return MARKED.sub(made, text)

@@ -20,7 +20,8 @@ NOT_PROSE = [
     re.compile(r"```.*?```", re.DOTALL),
     re.compile(r"<!--.*?-->", re.DOTALL),
     re.compile(r"`[^`\n]*`"),
-    re.compile(r"\$[^$\n]*\$"),
+    re.compile(r"\$\$.*?\$\$", re.DOTALL),
+    re.compile(r"\$[^$]*\$"),
     re.compile(r"\]\([^)]*\)"),
     re.compile(r"https?://\S+|doi:\S+"),
 ]

@@ -11,15 +11,16 @@ from .measured import Measured
 
 FORM = re.compile(
     r"(?P<table>[\w-]+/\w+)(\[(?P<filters>[^\]]*)\])?\.(?P<column>\w+)( (?P<pick>min|max|range|sum))?"
-    r"( (?P<format>\.\d[fg]))?")
+    r"( /(?P<unit>[\d.e]+))?( (?P<format>\.\d[fg]))?")
 
 
 def value_text(measured: Measured, specification: str) -> str:
-    """Three digits unless a format such as .1f is told; of several rows the smallest and the largest."""
+    """Three digits unless a format such as .1f is told; of several rows the smallest and the largest. `/1e6`: in units
+    of that many."""
     match = FORM.fullmatch(specification.strip())
     if match is None:
         raise Problem(f"value '{specification}': not like STUDY/TABLE[COLUMN=VALUE,...].COLUMN [min|max|range|sum] "
-                      "[.2f]")
+                      "[/1e6] [.2f]")
     rows = chosen_rows(measured.table(match["table"]), match["filters"] or "", specification)
     if match["column"] not in rows:
         raise Problem(f"value '{specification}': the table has no column '{match['column']}'; it has "
@@ -27,7 +28,8 @@ def value_text(measured: Measured, specification: str) -> str:
     values = rows[match["column"]].dropna()
     if values.empty:
         raise Problem(f"value '{specification}': no row of the table has it")
-    return _text(values, match["pick"] or "range", match["format"])
+    scaled = values / float(match["unit"]) if match["unit"] else values
+    return _text(scaled, match["pick"] or "range", match["format"])
 
 
 def chosen_rows(rows: pd.DataFrame, filters: str, specification: str) -> pd.DataFrame:

@@ -1,0 +1,219 @@
+#include "bench/results/results_schema.hpp"
+
+#include <array>
+
+#include "bench/results/probe_output.hpp"
+#include "bench/results/replay_output.hpp"
+#include "core/measure/outcome_limits.hpp"
+#include "core/measure/step_record.hpp"
+
+namespace musclebench {
+namespace {
+
+constexpr ManifestKey everywhere(std::string_view name, std::string_view unit, std::string_view help) {
+  return {{name, unit, help}, true, true, true};
+}
+constexpr ManifestKey of_run(std::string_view name, std::string_view unit, std::string_view help) {
+  return {{name, unit, help}, true, false, false};
+}
+constexpr ManifestKey of_replay(std::string_view name, std::string_view unit, std::string_view help) {
+  return {{name, unit, help}, false, true, false};
+}
+constexpr ManifestKey of_probe(std::string_view name, std::string_view unit, std::string_view help) {
+  return {{name, unit, help}, false, false, true};
+}
+constexpr ManifestKey of_run_and_replay(std::string_view name, std::string_view unit, std::string_view help) {
+  return {{name, unit, help}, true, true, false};
+}
+
+constexpr auto keys = std::to_array<ManifestKey>({
+    everywhere("schema_version", "", "version of columns and keys"),
+    everywhere("status", "",
+               "ok, suspect (an outcome is beyond its limit), diverged, interrupted, nondeterministic, unsupported"),
+    everywhere("status_detail", "", "why it is not ok"),
+    everywhere("run_id", "", "hash of the resolved case, the inputs and the build"),
+    everywhere("title", "", "of the scene"),
+    everywhere("case.mode", "", "coupled, replay or probe"),
+    everywhere("case.scene", "", "name of the scene"),
+    everywhere("case.preset", "", "where loop and effects come from"),
+    everywhere("case.backend", "", "name of the backend"),
+    everywhere("case.response", "", "what moves colliding nodes"),
+    everywhere("case.parameters.*", "", "of the backend, as resolved"),
+    everywhere("case.threads", "", "asked of the backend"),
+    everywhere("case.repetition", "", "number of the repetition"),
+    everywhere("case.attachment", "", "areas or first_contact"),
+    everywhere("case.effects.*.*", "", "parameters of each effect"),
+    everywhere("case.loop.*", "", "parameters of the loop"),
+    of_run_and_replay("case.warm_up_frames", "", "frames that medians leave out"),
+    of_run_and_replay("case.judged", "", "whether the Referee looked on"),
+    of_run("case.snapshots[]", "", "frames whose shape was kept"),
+    of_run("case.self_intersections", "", "whether self-intersecting triangles were counted"),
+    of_replay("case.stride", "", "every so many-th frame is replayed"),
+    of_replay("case.band_m", "m", "errors are measured so far from the surface"),
+    of_replay("case.recording_sha256", "", "of the recording"),
+    of_probe("case.points", "", "asked about each bone"),
+    of_probe("case.seed", "", "of the points"),
+    of_probe("case.band_m", "m", "how far from the surface the points lie at most"),
+    everywhere("muscle.name", "", "of the muscle"),
+    everywhere("muscle.mesh", "", "file or embedded mesh"),
+    everywhere("muscle.vertices", "", "of the mesh as read"),
+    everywhere("muscle.triangles", "", "of the mesh as read"),
+    everywhere("muscle.mesh_sha256", "", "of its coordinates and indices"),
+    everywhere("muscle.nodes", "", "vertices after equal positions were joined and unused ones left out"),
+    everywhere("muscle.repairs[]", "", "what was mended, in words"),
+    of_run("muscle.rest_volume_m3", "m3", "volume at rest, V0"),
+    of_run("muscle.pressure", "", "target volume over that at rest, p; 1 without the effect volume"),
+    of_run("muscle.mean_edge_length_m", "m", "at rest"),
+    of_run("muscle.free_nodes", "", "that no bone carries"),
+    everywhere("bones[].name", "", "of the bone"),
+    everywhere("bones[].mesh", "", "file or embedded mesh"),
+    everywhere("bones[].vertices", "", "of the mesh as read"),
+    everywhere("bones[].triangles", "", "of the mesh as read"),
+    everywhere("bones[].mesh_sha256", "", "of its coordinates and indices"),
+    everywhere("bones[].repairs[]", "", "what was mended, in words"),
+    everywhere("bones[].motion.axis[]", "", "unit vector"),
+    everywhere("bones[].motion.centre_m[]", "m", "a point of the axis"),
+    everywhere("bones[].motion.times[]", "", "of the table of angles"),
+    everywhere("bones[].motion.angles_rad[]", "rad", "about the axis"),
+    everywhere("bones[].motion.there_and_back", "", "whether the motion returns"),
+    everywhere("build.version", "", "of the program"),
+    everywhere("build.git", "", "git describe of its source"),
+    everywhere("build.compiler", "", "name and version"),
+    everywhere("build.flags", "", "of the compiler"),
+    everywhere("build.type", "", "CMake's build type"),
+    everywhere("machine.cpu", "", "model name"),
+    everywhere("machine.cores", "", "that are online"),
+    everywhere("machine.governor", "", "of the first core's frequency"),
+    everywhere("machine.clock_resolution_ns", "ns", "of the clock that times"),
+    of_run_and_replay("machine_state.involuntary_context_switches", "",
+                      "times that the scheduler gave the CPU to others within the timed regions"),
+    of_run_and_replay("machine_state.voluntary_context_switches", "", "times that the process waited in them"),
+    of_run_and_replay("machine_state.load_average_1m.before", "", "processes that ran or wanted to, last minute"),
+    of_run_and_replay("machine_state.load_average_1m.after", "", "the same after the last frame"),
+    of_run_and_replay("machine_state.cpu_mhz.before", "MHz", "of the core before the first frame, where it is told"),
+    of_run_and_replay("machine_state.cpu_mhz.after", "MHz", "of the core after the last frame"),
+    of_run_and_replay("machine_state.governor", "", "of that core's frequency, where it is told"),
+    of_run("attachments[].name", "", "of the attachment"),
+    of_run("attachments[].bone", "", "that carries its nodes"),
+    of_run("attachments[].nodes", "", "bound"),
+    of_run("bound_nodes", "", "of all attachments, each once"),
+    everywhere("structure_bytes", "bytes", "of the backend's structures"),
+    of_run("structure_errors[].bone", "", "whose structure approximates"),
+    of_run("structure_errors[].bytes", "bytes", "of that structure"),
+    of_run("structure_errors[].samples", "", "points at which it was compared with the surface"),
+    of_run("structure_errors[].p99_m", "m", "99th percentile of the error there"),
+    of_run("structure_errors[].largest_m", "m", "largest error there"),
+    everywhere("structures", "", "built, or loaded from a file"),
+    everywhere("build_ns", "ns", "building or loading them"),
+    of_run("memory.before_first_frame_bytes", "bytes", "resident, without the Referee and huge pages"),
+    of_run("memory.after_last_frame_bytes", "bytes", "the same after the last frame"),
+    of_run("memory.peak_bytes", "bytes", "of the whole process"),
+    of_run("memory.referee_bytes", "bytes", "taken by what judges"),
+    of_run("memory.huge_page_bytes", "bytes", "resident only because pages are large"),
+    of_run("state_hash", "", "of all positions and velocities at the end"),
+    of_run_and_replay("wall_ns", "ns", "from the first frame to the last, with judging"),
+    of_run_and_replay("frames", "", "rows of frames.csv"),
+    of_run("outcome.max_depth_m", "m", "largest true depth of a node"),
+    of_run("outcome.p99_depth_m", "m", "99th percentile over the frames of their deepest node"),
+    of_run("outcome.max_surface_depth_m", "m",
+           "largest depth of the surface in a bone or of a bone's vertex in the muscle"),
+    of_run("outcome.p99_surface_depth_m", "m", "99th percentile of it over the frames"),
+    of_run("outcome.max_surface_depth_bound_m", "m", "no such point is deeper in any frame"),
+    of_run("outcome.max_volume_error", "", "largest |V - p V0| / |p V0|, without the approach to p V0 at the start"),
+    of_run("outcome.final_volume_error", "", "the same after the last frame"),
+    of_run("outcome.turned_inside_out", "", "whether the volume changed its sign"),
+    of_run("outcome.max_edge_stretch", "", "largest edge length over length at rest"),
+    of_run("outcome.p99_edge_stretch", "", "largest 99th percentile over the edges of a frame"),
+    of_run("outcome.tunnelled_nodes", "", "most on the wrong side of a bone at the end of a frame"),
+    of_run("outcome.stuck_nodes", "", "most held by false contacts in a frame"),
+    of_run("outcome.nodes_inside_at_end", "", "free nodes in bones after the last frame"),
+    of_run("outcome.nodes_inside_at_rest", "", "free nodes in bones before the first frame"),
+    of_run("outcome.depth_at_rest_m", "m", "of the deepest of them"),
+    of_run("outcome.self_intersecting_triangles", "", "most in a frame that was looked at (--self-intersections)"),
+    of_run("outcome.self_intersecting_triangles_at_rest", "", "before the first frame"),
+    of_run("outcome.open_judgements", "", "frames for which the Referee's budget did not suffice"),
+    of_run("outcome.collision_ns", "ns", "update, detect and respond, sum over the run"),
+    of_run("outcome.loop_ns", "ns", "sum of the frames"),
+    of_run("limits.*", "", "largest value with which a run is ok, see `list --json`"),
+    of_run("snapshots[].frame", "", "whose shape was kept"),
+    of_run("snapshots[].angle_deg", "deg", "of the bone that turns most"),
+    of_run("snapshots[].file", "", "the shape"),
+    of_run("snapshots[].bone_poses[].rotation[]", "", "by rows"),
+    of_run("snapshots[].bone_poses[].translation_m[]", "m", "after the rotation"),
+    of_replay("recording.file", "", "as it was named"),
+    of_replay("recording.sha256", "", "of the file"),
+    of_replay("recording.bytes", "bytes", "of the file"),
+    of_replay("recording.frames", "", "recorded"),
+    of_replay("recording.iterations", "", "collision steps recorded"),
+    of_replay("recording.stride", "", "every so many-th frame is replayed"),
+    of_replay("recording.backend", "", "that drove the recorded run"),
+    of_replay("recording.build", "", "that recorded it"),
+    of_replay("band_m", "m", "errors are measured so far from the surface"),
+    of_replay("accuracy.contacts", "", "answered"),
+    of_replay("accuracy.true_contacts", "", "by the Referee"),
+    of_replay("accuracy.missed_contacts", "", "true ones that were not answered"),
+    of_replay("accuracy.false_contacts", "", "answered ones that are not true"),
+    of_replay("accuracy.measured_contacts", "", "true and answered ones within the band"),
+    of_replay("accuracy.max_depth_error_m", "m", "over the measured contacts"),
+    of_replay("accuracy.p99_depth_error_m", "m", "over the measured contacts"),
+    of_replay("accuracy.mean_depth_error_m", "m", "over the measured contacts"),
+    of_replay("accuracy.max_normal_error_deg", "deg", "over those whose normal both sides know"),
+    of_replay("accuracy.p99_normal_error_deg", "deg", "over those whose normal both sides know"),
+    of_replay("accuracy.mean_normal_error_deg", "deg", "over those whose normal both sides know"),
+    of_replay("accuracy.max_missed_depth_m", "m", "deepest contact that was missed"),
+    of_replay("accuracy.max_false_distance_m", "m", "farthest contact that is false"),
+    of_replay("contact_hash", "", "of all contacts of all steps, in their order"),
+    of_probe("detect_ns", "ns", "of all points against all bones"),
+    of_probe("probed[].name", "", "of the bone"),
+    of_probe("probed[].cell_edge_m", "m", "smallest; null where the backend has no cells"),
+    of_probe("probed[].sharp_radius_m", "m", "points so near to a sharp edge count as sharp"),
+    of_probe("probed[].sharp_edges", "", "of the bone"),
+    of_probe("probed[].sharp_vertices", "", "of the bone"),
+});
+
+Json json_of(const ColumnInfo& info) { return {{"name", info.name}, {"unit", info.unit}, {"help", info.help}}; }
+
+template <typename Columns>
+Json json_of_columns(const Columns& columns) {
+  Json list = Json::array();
+  for (const auto& column : columns) list.push_back(json_of(column.info));
+  return {{"columns", list}};
+}
+
+}  // namespace
+
+std::string_view name_of(ResultKind kind) {
+  constexpr std::string_view names[] = {"run", "replay", "probe"};
+  return names[static_cast<int>(kind)];
+}
+
+bool ManifestKey::is_in(ResultKind kind) const {
+  if (kind == ResultKind::run) return in_run;
+  return kind == ResultKind::replay ? in_replay : in_probe;
+}
+
+std::span<const ManifestKey> manifest_keys() { return keys; }
+
+Json results_schema_json() {
+  Json of_manifests = Json::object();
+  for (const ResultKind kind : result_kinds) {
+    Json list = Json::array();
+    for (const ManifestKey& key : keys) {
+      if (key.is_in(kind)) list.push_back(json_of(key.info));
+    }
+    of_manifests[std::string(name_of(kind))] = list;
+  }
+  Json limits = Json::array();
+  for (const OutcomeLimit& limit : outcome_limits()) {
+    limits.push_back(json_of(limit.info));
+    limits.back()["limit"] = limit.limit;
+  }
+  return {{"results_schema", schema_version},
+          {"run", json_of_columns(run_columns())},
+          {"replay", json_of_columns(replay_columns())},
+          {"probe", json_of_columns(probe_columns())},
+          {"run_json", of_manifests},
+          {"limits", limits}};
+}
+
+}  // namespace musclebench

@@ -1,0 +1,157 @@
+#include "bench/results/results_schema.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "bench/cases/build_backend.hpp"
+#include "bench/cases/kept_frames.hpp"
+#include "bench/results/probe_output.hpp"
+#include "bench/results/replay_output.hpp"
+#include "bench/results/run_output.hpp"
+#include "bench/results/tests/small_run.hpp"
+#include "core/scene/prepare_simulation.hpp"
+
+namespace musclebench {
+namespace {
+
+/// What an approximating backend leaves behind has every key.
+RunCase approximate_case(const Scene& scene) { return case_of(scene, "sdf", {{"cells", std::int64_t{16}}}); }
+
+std::vector<std::string> split(const std::string& text, char at) {
+  std::vector<std::string> parts;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, at);) parts.push_back(part);
+  if (text.ends_with(at)) parts.emplace_back();
+  return parts;
+}
+
+std::string header_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  return line;
+}
+
+Json manifest_in(const std::filesystem::path& folder) {
+  std::ifstream in(folder / "run.json");
+  return Json::parse(in);
+}
+
+/// Paths of all leaves; an empty list or object is a leaf whose path ends there.
+void add_paths(const Json& json, const std::string& path, std::set<std::string>& paths) {
+  if (json.is_structured() && json.empty()) {
+    paths.insert(path + (json.is_array() ? "[]" : ".*"));
+  } else if (json.is_array()) {
+    for (const Json& element : json) add_paths(element, path + "[]", paths);
+  } else if (json.is_object()) {
+    for (const auto& [key, value] : json.items()) add_paths(value, path.empty() ? key : path + "." + key, paths);
+  } else {
+    paths.insert(path);
+  }
+}
+
+bool matches(const std::string& path, const ManifestKey& key) {
+  const std::vector<std::string> names = split(path, '.');
+  const std::vector<std::string> wanted = split(std::string(key.info.name), '.');
+  return names.size() == wanted.size() &&
+         std::equal(names.begin(), names.end(), wanted.begin(),
+                    [](const std::string& name, const std::string& want) { return want == "*" || name == want; });
+}
+
+/// Whether the key can only stand in a list that is empty there.
+bool is_below_an_empty_list(const ManifestKey& key, const std::set<std::string>& paths) {
+  return std::any_of(paths.begin(), paths.end(),
+                     [&](const std::string& path) { return path.ends_with("[]") && key.info.name.starts_with(path); });
+}
+
+void expect_schema(const Json& manifest, ResultKind kind) {
+  std::set<std::string> paths;
+  add_paths(manifest, "", paths);
+  const auto keys = manifest_keys();
+  for (const std::string& path : paths) {
+    EXPECT_TRUE(std::any_of(keys.begin(), keys.end(),
+                            [&](const ManifestKey& key) { return key.is_in(kind) && matches(path, key); }))
+        << name_of(kind) << ": the schema lacks " << path;
+  }
+  for (const ManifestKey& key : keys) {
+    if (!key.is_in(kind) || is_below_an_empty_list(key, paths)) continue;
+    EXPECT_TRUE(std::any_of(paths.begin(), paths.end(), [&](const std::string& path) { return matches(path, key); }))
+        << name_of(kind) << ": nothing writes " << key.info.name;
+  }
+}
+
+std::string names_in(const Json& columns, const std::vector<std::string>& effects = {}) {
+  std::string names;
+  for (const Json& column : columns["columns"]) {
+    if (column["name"] == effect_column) {
+      for (const std::string& effect : effects) names.append(",").append(effect).append("_ns");
+    } else {
+      names.append(",").append(column["name"].get<std::string>());
+    }
+  }
+  return names.substr(1);
+}
+
+TEST(ResultsSchema, HoldsForARun) {
+  const Scene scene = small_scene();
+  RunCase run = approximate_case(scene);
+  run.snapshots = {0, 2};
+  run.count_self_intersections = true;
+  const RunResult result = result_of(run);
+  const TemporaryFolder folder("schema_run");
+  write_run(folder.path() / "out", run, result);
+  EXPECT_EQ(header_of(folder.path() / "out" / "frames.csv"),
+            names_in(results_schema_json()["run"], result.effect_names));
+  expect_schema(manifest_in(folder.path() / "out"), ResultKind::run);
+}
+
+TEST(ResultsSchema, HoldsForAReplay) {
+  const Scene scene = small_scene();
+  const RunCase run = approximate_case(scene);
+  const BuiltBackend built = build_backend(run);
+  const PreparedSimulation prepared = prepare_simulation(scene, *built.backend, run.response);
+  KeptFrames frames(static_cast<int>(scene.muscle.mesh.vertices.size()), prepared.simulation->free_nodes());
+  for (int frame = 1; frame <= 2; ++frame) {
+    frames.begin_frame(frame, 0);
+    prepared.simulation->step_frame(frame, &frames);
+  }
+  const ReplayCase replay{static_cast<const Case&>(run)};
+  const ReplayResult result = replay_case(replay, frames, [](int) {});
+  const TemporaryFolder folder("schema_replay");
+  write_replay(folder.path() / "out", replay, result, frames.header(), "kept.recording");
+  EXPECT_EQ(header_of(folder.path() / "out" / "frames.csv"), names_in(results_schema_json()["replay"]));
+  expect_schema(manifest_in(folder.path() / "out"), ResultKind::replay);
+}
+
+TEST(ResultsSchema, HoldsForAProbe) {
+  const Scene scene = small_scene();
+  const ProbeCase what{static_cast<const Case&>(approximate_case(scene)), 100};
+  const ProbeResult result = probe(what, [](int) {});
+  const TemporaryFolder folder("schema_probe");
+  write_probe(folder.path() / "out", what, result);
+  EXPECT_EQ(header_of(folder.path() / "out" / "probe.csv"), names_in(results_schema_json()["probe"]));
+  expect_schema(manifest_in(folder.path() / "out"), ResultKind::probe);
+}
+
+TEST(ResultsSchema, EveryNameStandsOnceAndSaysWhatItMeans) {
+  const Json schema = results_schema_json();
+  EXPECT_EQ(schema["results_schema"], schema_version);
+  for (const ResultKind kind : result_kinds) {
+    for (const Json& list :
+         {schema[std::string(name_of(kind))]["columns"], schema["run_json"][std::string(name_of(kind))]}) {
+      std::set<std::string> names;
+      for (const Json& entry : list) {
+        EXPECT_TRUE(names.insert(entry["name"]).second) << entry["name"];
+        EXPECT_FALSE(entry["help"].get<std::string>().empty()) << entry["name"];
+      }
+      EXPECT_GE(names.size(), 9U);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace musclebench

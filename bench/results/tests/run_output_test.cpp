@@ -1,0 +1,53 @@
+#include "bench/results/run_output.hpp"
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/results/result_folder.hpp"
+#include "bench/results/tests/small_run.hpp"
+
+namespace musclebench {
+namespace {
+
+nlohmann::json manifest_in(const std::filesystem::path& folder) {
+  std::ifstream in(folder / "run.json");
+  return nlohmann::json::parse(in);
+}
+
+TEST(RunOutput, ASuspectRunIsComplete) {
+  const Scene scene = small_scene(1);
+  const RunCase run = case_of(scene, "null");
+  RunResult result = result_of(run);
+  const TemporaryFolder folder("run_output");
+  const std::filesystem::path out = folder.path() / "out";
+  for (const char* status : {"ok", "suspect", "diverged"}) {
+    result.status = status;
+    write_run(out, run, result);
+    EXPECT_EQ(is_complete(out, run_id(run), "frames.csv"), std::string(status) != "diverged") << status;
+  }
+}
+
+TEST(RunOutput, SaysTheLimitsAndTheMachinesState) {
+  const Scene scene = small_scene(2);
+  const RunCase run = case_of(scene, "null");
+  const TemporaryFolder folder("run_output_limits");
+  write_run(folder.path() / "out", run, result_of(run));
+  const nlohmann::json manifest = manifest_in(folder.path() / "out");
+  EXPECT_EQ(manifest["limits"]["volume_error"], 0.05);
+  EXPECT_EQ(manifest["limits"]["tunnelled_nodes"], 0);
+  EXPECT_GE(manifest["machine_state"]["involuntary_context_switches"].get<long>(), 0);
+  EXPECT_EQ(manifest["muscle"]["pressure"], 1);
+}
+
+TEST(RunOutput, LookingForSelfIntersectionsIsAnotherCase) {
+  const Scene scene = small_scene(1);
+  RunCase run = case_of(scene, "null");
+  const std::string id = run_id(run);
+  run.count_self_intersections = true;
+  EXPECT_NE(run_id(run), id);
+}
+
+}  // namespace
+}  // namespace musclebench

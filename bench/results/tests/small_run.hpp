@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <unistd.h>
+
+#include "bench/cases/run_case.hpp"
+#include "bench/cases/scene_source.hpp"
+
+namespace musclebench {
+
+/// A few frames of a small muscle.
+inline Scene small_scene(std::int64_t frames = 3) {
+  return load_scene({"synthetic/adductor_brevis", "paper", "", {{"frames", frames}}});
+}
+
+inline RunCase case_of(const Scene& scene, const std::string& backend,
+                       const std::map<std::string, ParameterValue>& parameters = {}) {
+  const BackendEntry& entry = find_backend(backend);
+  return {{scene, entry, Parameters(entry.parameters, parameters, entry.name)}};
+}
+
+inline RunResult result_of(const RunCase& run) {
+  return run_case(run, [](int) {});
+}
+
+/// A folder that goes with the test.
+class TemporaryFolder {
+ public:
+  explicit TemporaryFolder(const std::string& name)
+      : m_path(std::filesystem::temp_directory_path() / (name + "." + std::to_string(getpid()))) {
+    std::filesystem::create_directories(m_path);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() { std::filesystem::remove_all(m_path); }
+  [[nodiscard]] const std::filesystem::path& path() const { return m_path; }
+
+ private:
+  std::filesystem::path m_path;
+};
+
+}  // namespace musclebench

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <ostream>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace musclebench {
+
+/// What a table of results says about one of its columns, or a manifest about one of its keys.
+struct ColumnInfo {
+  std::string_view name;
+  std::string_view unit;  ///< empty for counts, ratios, words and flags
+  std::string_view help;
+};
+
+/// A column of a CSV file over rows of type `Row`. The file is written from the same table as its documentation, so the
+/// two can't differ. An unknown figure is an empty cell.
+template <typename Row>
+struct Column {
+  ColumnInfo info;
+  std::string (*cell)(const Row& row);
+};
+
+template <typename Row>
+void write_table(std::ostream& out, std::span<const Column<Row>> columns, std::span<const Row> rows) {
+  const char* separator = "";
+  for (const Column<Row>& column : columns) {
+    out << separator << column.info.name;
+    separator = ",";
+  }
+  out << '\n';
+  for (const Row& row : rows) {
+    separator = "";
+    for (const Column<Row>& column : columns) {
+      out << separator << column.cell(row);
+      separator = ",";
+    }
+    out << '\n';
+  }
+}
+
+}  // namespace musclebench

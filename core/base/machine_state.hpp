@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace musclebench {
+
+/// How often the process's threads left the CPU so far.
+struct ContextSwitches {
+  long voluntary = 0;    ///< to wait for something
+  long involuntary = 0;  ///< because the scheduler gave the CPU to others: a disturbed measurement
+
+  ContextSwitches operator-(const ContextSwitches& earlier) const {
+    return {voluntary - earlier.voluntary, involuntary - earlier.involuntary};
+  }
+  ContextSwitches& operator+=(const ContextSwitches& more) {
+    voluntary += more.voluntary;
+    involuntary += more.involuntary;
+    return *this;
+  }
+};
+
+ContextSwitches context_switches();
+
+/// What else the machine is doing, as far as the system tells.
+struct MachineLoad {
+  std::optional<double> load_average_1m;
+  std::optional<double> cpu_mhz;  ///< of the core that the caller runs on
+  std::optional<std::string> governor;
+};
+
+MachineLoad machine_load();
+
+/// The machine during the timed part of a measurement: what tells a disturbed one.
+struct MachineState {
+  ContextSwitches switches;  ///< within the timed regions
+  MachineLoad before, after;
+};
+
+}  // namespace musclebench

@@ -1,0 +1,29 @@
+#include "core/base/machine_state.hpp"
+
+#include <chrono>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+namespace musclebench {
+namespace {
+
+TEST(ContextSwitches, WaitingLeavesTheCpuOfItsOwnAccord) {
+  const ContextSwitches before = context_switches();
+  for (int i = 0; i < 5; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ContextSwitches waited = context_switches() - before;
+  EXPECT_GE(waited.voluntary, 5);
+  EXPECT_GE(waited.involuntary, 0);
+  waited += {1, 2};
+  EXPECT_GE(waited.voluntary, 6);
+}
+
+TEST(MachineLoad, IsPlausibleWhereItIsTold) {
+  const MachineLoad load = machine_load();
+  EXPECT_GE(load.load_average_1m.value_or(0), 0);
+  EXPECT_GT(load.cpu_mhz.value_or(1000), 10);
+  EXPECT_FALSE(load.governor.value_or("unknown").empty());
+}
+
+}  // namespace
+}  // namespace musclebench
