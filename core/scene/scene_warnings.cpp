@@ -168,7 +168,7 @@ std::string describe_missing_fibres(const Scene& scene) {
   if (scene.attachments.empty()) {
     return fmt::format("{}, and the scene has no [[attachment]]", needs);
   }
-  Lines counts;
+  Lines counts = size_warnings(scene);  // a wrong unit explains the rest
   std::vector<int> bones;
   for (const Attachment& attachment : scene.attachments) {
     const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];

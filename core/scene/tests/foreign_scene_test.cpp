@@ -285,6 +285,9 @@ TEST(ForeignScene, FibresThatCannotBeSayWhy) {
       {"attachment 'origin' has", "nodes on bone 'box'", "attachment 'end' binds no node", "the nearest is"});
   expect_mentions(complaint(attachment("origin", "box", 0.004) + attachment("end", "box", 0.003)),
                   {"all bound nodes are on bone 'box'"});
+  Meshes in_millimetres;
+  in_millimetres.ball = scaled(in_millimetres.ball, 1000);
+  expect_mentions(complaint(attachment("origin", "box", 0.004), in_millimetres), {"muscle 'ball'", "millimetres"});
   SceneRequest look = request(bones + attachment("origin", "box", 0.0005));
   look.notes_obstacles = true;
   const Scene scene = read_scene(look);
