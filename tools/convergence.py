@@ -25,6 +25,7 @@ from musclebench.program.out_folder import claimed
 from musclebench.program.registry import Registry, read_registry
 from musclebench.results.run_folder import ResultProblem
 from musclebench.tables.table_formats import as_markdown
+from musclebench.results.status import MEASURED
 
 PROJECT = Path(__file__).resolve().parent.parent
 PROGRAM = PROJECT / "build" / "release" / "bench" / "musclebench"
@@ -65,7 +66,7 @@ def check_input(options) -> None:
 
 
 class ConvergenceStudy(Experiment):
-    final_statuses = frozenset({"ok", "diverged"})  # with few substeps to diverge is an answer
+    final_statuses = MEASURED | {"diverged"}  # with few substeps to diverge is an answer
 
 
 def backend_of(options, registry: Registry) -> str:

@@ -22,6 +22,7 @@ from musclebench.program.registry import Registry, read_registry, save_registry
 from musclebench.results import run_folder
 from musclebench.results.disturbance import note
 from musclebench.tables import paper_tables, table_formats
+from musclebench.results.status import MEASURED
 
 TOOLS = Path(__file__).resolve().parent
 PROJECT = TOOLS.parent
@@ -120,7 +121,7 @@ def run_and_report(options) -> int:
     save_registry(registry, out_dir)
     runs, made, files = write_report(out_dir, names)
     problems = [f"{run.scene} with {run.backend}: {run.status}, {run.record.get('status_detail')}"
-                for run in runs if run.status != "ok"]
+                for run in runs if run.status not in MEASURED]
     try:
         files += draw_surfaces(out_dir, names)
     except Problem as problem:

@@ -9,6 +9,7 @@ import pandas as pd
 from ..results.statistics import Estimate, pooled_median
 from .cases import StudyCase
 from .configurations import Configuration
+from ..results.status import MEASURED
 
 NANOSECONDS_TO_MS = 1e-6
 ALLOWED_MISSED_SHARE = 0.01
@@ -37,17 +38,19 @@ class Aggregate:
 
     @property
     def status(self) -> str:
-        """`nondeterministic` too where repetitions gave different answers; `ok` where any repetition is."""
+        """`nondeterministic` too where repetitions gave different answers; `ok` or `suspect` where any repetition is."""
         if any(case.run.status == "nondeterministic" for case in self.cases) or len(self.answers) > 1:
             return "nondeterministic"
-        return "ok" if self.ok else self.cases[0].run.status
+        if not self.ok:
+            return self.cases[0].run.status
+        return "suspect" if any(case.run.status == "suspect" for case in self.ok) else "ok"
 
     @property
     def detail(self) -> str:
         """Of the first repetition that is not ok; of the answers where each for itself was."""
         if self.status == "ok":
             return ""
-        told = [str(case.run.record.get("status_detail") or "") for case in self.cases if not case.is_ok]
+        told = [str(case.run.record.get("status_detail") or "") for case in self.cases if case.run.status != "ok"]
         return told[0] if told else "repetitions gave different answers; were they made by one build?"
 
     @property
@@ -64,7 +67,7 @@ class Aggregate:
     @property
     def is_shown(self) -> bool:
         """Figures and prices show complete and deterministic configurations only."""
-        return self.status == "ok"
+        return self.status in MEASURED
 
     def stage_ms(self, column: str) -> float:
         """Median over the frames without warm-up of all repetitions."""

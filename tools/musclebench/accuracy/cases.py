@@ -10,6 +10,7 @@ from ..program.registry import Registry, saved_registry
 from ..results.disturbance import disturbed
 from ..results.run_folder import REPLAY_COLUMNS, ResultProblem, Run, no_frames, read_run
 from .configurations import Configuration, configuration
+from ..results.status import MEASURED
 
 PROBE_COLUMNS = ["bone", "place", "points", "max_error_m", "p99_error_m", "mean_error_m"]
 MISSING = "missing"
@@ -37,7 +38,7 @@ class StudyCase:
 
     @property
     def is_ok(self) -> bool:
-        return self.run.status == "ok"
+        return self.run.status in MEASURED
 
 
 def read_cases(out_dir: Path) -> list[StudyCase]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from ..program import fingerprint
 from ..results.damage import damage
 from .case import Case, Places
+from ..results.status import MEASURED
 
 DAMAGED_DIR = "damaged"  # below the experiment's folder
 
@@ -23,7 +24,7 @@ class Refusal:
 class Experiment:
     """The program, its data, and where the results go. Experiments with rules of their own derive from it."""
 
-    final_statuses = frozenset({"ok"})  # a case that ended so is not run again
+    final_statuses = MEASURED  # a case that ended so is not run again
 
     def __init__(self, binary: Path, places: Places, force: bool = False):
         """`force`: complete cases are run again."""

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from .status import MEASURED
 
 TABLE_OF_MODE = {"coupled": "frames.csv", "replay": "frames.csv"}
 
@@ -18,7 +19,7 @@ def damage(folder: Path) -> str:
     if not isinstance(told, dict) or not isinstance(told.get("status"), str) or not isinstance(told.get("case"), dict):
         return f"{record.name} is no record of a run"
     table = TABLE_OF_MODE.get(told["case"].get("mode", "coupled"))
-    if table is None or told["status"] != "ok" or not isinstance(told.get("frames"), int):
+    if table is None or told["status"] not in MEASURED or not isinstance(told.get("frames"), int):
         return ""
     rows = complete_rows(folder / table)
     return "" if rows == told["frames"] else f"{table} has {rows} of {told['frames']} rows"

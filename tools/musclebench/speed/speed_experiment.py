@@ -8,10 +8,11 @@ from ..cases.experiment import Experiment, Refusal
 from ..program import fingerprint
 
 from .speed_cases import KERNELS_FILE, MICRO_PROGRAM, STRUCTURES_DIR, KernelCase, RaceCase
+from ..results.status import MEASURED
 
 
 class SpeedExperiment(Experiment):
-    final_statuses = frozenset({"ok", "diverged", "unsupported"})
+    final_statuses = MEASURED | {"diverged", "unsupported"}
 
     def __init__(self, binary: Path, micro: Path, places: Places, force: bool = False):
         super().__init__(binary, places, force)

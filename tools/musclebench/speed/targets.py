@@ -12,6 +12,7 @@ from ..results.statistics import Estimate, paired_ratio
 from . import samples
 from .kernel_results import Kernels
 from .speed_plan import Setting, settings, targets
+from ..results.status import MEASURED
 
 NOT_BUILT, NOT_MEASURED = "not built", "not measured"
 
@@ -96,9 +97,9 @@ def _race_parts(measured: Measured, label: str, unit: str) -> list[Row]:
     for muscle in dict.fromkeys(run.muscle for run in raced):
         of_muscle = [run for run in raced if run.muscle == muscle]
         times = {name: {_round(run): run.timed_frames["collision_ns"] for run in of_muscle
-                        if label_of(run) == name and run.status == "ok"} for name in (label, unit)}
+                        if label_of(run) == name and run.status in MEASURED} for name in (label, unit)}
         row = Row(f"{label} / {unit}", measured=paired_ratio(times[label], times[unit]), note=muscle)
-        failed = [run for run in of_muscle if label_of(run) == label and run.status != "ok"]
+        failed = [run for run in of_muscle if label_of(run) == label and run.status not in MEASURED]
         if not row.is_known and failed:
             row.note = failed[0].record.get("status_detail") or failed[0].status
         if any(run.folder.name in measured.disturbed and label_of(run) in (label, unit) for run in of_muscle):

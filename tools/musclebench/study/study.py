@@ -10,6 +10,7 @@ from ..cases.progress import duration
 from ..program import fingerprint
 from .study_cases import MeasuredCase, ProbeCase, RecordCase, ReplayCase
 from .study_plan import LONGEST_SECONDS, StudyCase, is_too_long
+from ..results.status import MEASURED
 
 RESULT_DIRS = ("raw", "recordings")
 STRUCTURES_DIR = "structures"
@@ -18,7 +19,7 @@ HASH_OF_MODE = {"replay": "contact_hash", "coupled": "state_hash"}
 
 class AccuracyStudy(Experiment):
     # A case that failed, ran out of time or out of memory is tried again at the next start.
-    final_statuses = frozenset({"ok", "diverged", "unsupported", "nondeterministic"})
+    final_statuses = MEASURED | {"diverged", "unsupported", "nondeterministic"}
 
     def __init__(self, binary: Path, places: Places, force: bool = False):
         super().__init__(binary, places, force)
@@ -80,7 +81,7 @@ class AccuracyStudy(Experiment):
     def _mark(self, first: MeasuredCase, case: MeasuredCase) -> bool:
         key = HASH_OF_MODE.get(case.mode)
         expected, record = self._run_record(first), self._run_record(case)
-        if "ok" != expected.get("status") or record.get("status") not in ("ok", "nondeterministic"):
+        if expected.get("status") not in MEASURED or record.get("status") not in MEASURED | {"nondeterministic"}:
             return False
         if record.get(key) == expected.get(key):
             return False
