@@ -17,7 +17,7 @@ nlohmann::json manifest_in(const std::filesystem::path& folder) {
 }
 
 TEST(RunOutput, ASuspectRunIsComplete) {
-  const Scene scene = small_scene(1);
+  const Scene scene = plain_scene();
   const RunCase run = case_of(scene, "null");
   RunResult result = result_of(run);
   const TemporaryFolder folder("run_output");
@@ -30,7 +30,7 @@ TEST(RunOutput, ASuspectRunIsComplete) {
 }
 
 TEST(RunOutput, SaysTheLimitsAndTheMachinesState) {
-  const Scene scene = small_scene(2);
+  const Scene scene = plain_scene();
   const RunCase run = case_of(scene, "null");
   const TemporaryFolder folder("run_output_limits");
   write_run(folder.path() / "out", run, result_of(run));
@@ -42,7 +42,7 @@ TEST(RunOutput, SaysTheLimitsAndTheMachinesState) {
 }
 
 TEST(RunOutput, LookingForSelfIntersectionsIsAnotherCase) {
-  const Scene scene = small_scene(1);
+  const Scene scene = plain_scene();
   RunCase run = case_of(scene, "null");
   const std::string id = run_id(run);
   run.count_self_intersections = true;

@@ -6,8 +6,25 @@
 
 #include "bench/cases/run_case.hpp"
 #include "bench/cases/scene_source.hpp"
+#include "core/mesh/shapes.hpp"
 
 namespace musclebench {
+
+/// A ball beside a box, made by hand: read in no time.
+inline Scene plain_scene() {
+  Scene scene;
+  scene.name = "plain";
+  scene.muscle.mesh = make_sphere(0.02, 1);
+  Bone box;
+  box.name = "box";
+  box.surface.mesh = make_box({0.01, 0.01, 0.01}, 1);
+  for (Vec3& vertex : box.surface.mesh.vertices) vertex.x() += 0.1;
+  scene.bone_meshes.push_back({"box", "", box.surface.mesh});
+  scene.bones.push_back(box);
+  scene.motions.emplace_back();
+  scene.loop.frames = 2;
+  return scene;
+}
 
 /// A few frames of a small muscle.
 inline Scene small_scene(std::int64_t frames = 3) {

@@ -18,7 +18,7 @@ class RunSummary : public testing::Test {
  protected:
   [[nodiscard]] std::string text() const { return run_summary(m_run, m_result); }
 
-  const Scene m_scene = small_scene(1);
+  const Scene m_scene = plain_scene();
   const RunCase m_run = case_of(m_scene, "null");
   RunResult m_result;
 };
@@ -58,7 +58,7 @@ TEST_F(RunSummary, WhatIsUnknownIsNotZero) {
 }
 
 TEST(ProbeSummary, WhatNothingWasMeasuredOfIsADash) {
-  const Scene scene = small_scene(1);
+  const Scene scene = plain_scene();
   const ProbeCase what{static_cast<const Case&>(case_of(scene, "null"))};
   ProbeResult result;
   result.rows = {{"femur", "smooth", 100, 60, {3e-3, 2e-3, 1e-3, 1.5e-3}, 5}, {"femur", "sharp", 0, 0, {}, 0}};
