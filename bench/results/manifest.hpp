@@ -15,6 +15,8 @@ using Json = nlohmann::ordered_json;
 
 /// `schema_version` of every run.json and of the columns beside it (results_schema.hpp).
 inline constexpr int schema_version = 2;
+/// Results of this version and later ones mean the same; versions after it only add columns, keys and statuses.
+inline constexpr int oldest_readable_schema = 1;
 
 /// Names that are no UTF-8 are written with replacement characters. `indent` < 0: on one line.
 std::string text_of(const Json& json, int indent = -1);

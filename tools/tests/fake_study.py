@@ -45,6 +45,10 @@ class Truth:
     structures: str = "built"
 
 
+NOT_OF_A_REPLAY = ("attachments", "memory", "state_hash", "snapshots")
+NOT_OF_A_PROBE = (*NOT_OF_A_REPLAY, "wall_ns", "frames")
+
+
 def record(mode: str, scene: str, backend: str, truth: Truth, repetition: int = 0, status: str = "ok",
            detail: str = "") -> dict:
     """run.json without what only one mode has."""
@@ -53,7 +57,8 @@ def record(mode: str, scene: str, backend: str, truth: Truth, repetition: int = 
                      "repetition": repetition}
     made |= {"structure_bytes": truth.structure_bytes, "build_ns": round(1e9 * truth.build_s),
              "structures": truth.structures, "snapshots": []}
-    return made
+    foreign = NOT_OF_A_REPLAY if mode == "replay" else NOT_OF_A_PROBE if mode == "probe" else ()
+    return {key: value for key, value in made.items() if key not in foreign}
 
 
 def frame_times_ns(truth: Truth, seed: int) -> list[int]:

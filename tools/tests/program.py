@@ -16,3 +16,8 @@ def call(*arguments, **options) -> subprocess.CompletedProcess:
     """The program with these arguments."""
     return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False,
                           **options)
+
+
+def complaint(done: subprocess.CompletedProcess) -> str:
+    """What the program says beside its warnings."""
+    return "".join(line for line in done.stderr.splitlines(keepends=True) if "warning: " not in line)

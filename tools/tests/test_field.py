@@ -6,7 +6,7 @@ import struct
 
 import pytest
 
-from program import call, needs_program
+from program import call, complaint, needs_program
 
 pytestmark = needs_program
 
@@ -38,7 +38,7 @@ def test_runs_use_the_field_in_place_of_building_one(folder):
     (fields / "box.cdf").write_bytes((fields / "box.cdf").read_bytes()[:-1])
     done = call("probe", folder / "scene.toml", *point, "--param", f"discregrid={fields}")
     assert done.returncode == 2
-    assert "box.cdf" in done.stderr and "truncated" in done.stderr and done.stderr.count("\n") == 1
+    assert "box.cdf" in done.stderr and "truncated" in done.stderr and complaint(done).count("\n") == 1
     (fields / "box.cdf").unlink()
     done = call("probe", folder / "scene.toml", *point, "--param", f"discregrid={fields}")
     assert done.returncode == 2
@@ -59,7 +59,7 @@ def test_refuses_a_field_with_one_damaged_node(folder, damage, words):
     done = call("probe", folder / "scene.toml", "--backend", "sdf", "--out", folder / "probe", "--param",
                 f"discregrid={fields}")
     assert done.returncode == 2
-    assert "box.cdf" in done.stderr and words in done.stderr and done.stderr.count("\n") == 1
+    assert "box.cdf" in done.stderr and words in done.stderr and complaint(done).count("\n") == 1
 
 
 @pytest.mark.parametrize(("cells", "words"), [("cells=2000", "sdf: cells: needs"),
@@ -69,7 +69,7 @@ def test_says_what_fits_where_memory_is_short(folder, cells, words):
     done = call("field", folder / "scene.toml", "--param", cells, "--out", folder / "box.field",
                 preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (gigabyte, gigabyte)))
     assert done.returncode == 2
-    assert words in done.stderr and "fit" in done.stderr and done.stderr.count("\n") == 1
+    assert words in done.stderr and "fit" in done.stderr and complaint(done).count("\n") == 1
 
 
 def test_leaves_nothing_where_the_file_may_not_grow_so_large(folder):
@@ -77,7 +77,7 @@ def test_leaves_nothing_where_the_file_may_not_grow_so_large(folder):
     done = call("field", folder / "scene.toml", "--param", "cells=32", "--out", out,
                 preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10**5, 10**5)))
     assert done.returncode == 2
-    assert "box.field: cannot be written" in done.stderr and done.stderr.count("\n") == 1
+    assert "box.field: cannot be written" in done.stderr and complaint(done).count("\n") == 1
     assert not list(out.parent.iterdir())
 
 
@@ -105,7 +105,7 @@ def test_writes_a_field_with_a_band(folder):
 def test_reports_progress_in_lines(folder):
     done = call("field", folder / "scene.toml", "--param", "cells=48", "--out", folder / "box.field", "--progress")
     assert done.returncode == 0
-    assert all(line.split()[0] == "progress" for line in done.stderr.splitlines())
+    assert all(line.split()[0] == "progress" for line in complaint(done).splitlines())
 
 
 @pytest.mark.parametrize(("arguments", "words"), [
@@ -123,5 +123,5 @@ def test_refuses_bad_input_with_one_line_and_writes_nothing(folder, arguments, w
     arguments = [str(folder / word) if word.startswith("box.") else word for word in arguments]
     done = call("field", folder / "scene.toml", *arguments)
     assert done.returncode == 2
-    assert words in done.stderr and done.stderr.count("\n") == 1
+    assert words in done.stderr and complaint(done).count("\n") == 1
     assert not list(folder.glob("box.[!o]*")) or list(folder.glob("box.*")) == [folder / "box.off"]

@@ -96,7 +96,7 @@ def test_texts_of_the_pareto_picture_do_not_overlap(drawn):
 def test_every_point_of_the_pareto_picture_that_has_a_name_shows_it(drawn):
     figure = drawn["pareto_replay"][0]
     panel = next(axes for axes in figure.axes if axes.get_title(loc="left") == "iliacus")
-    assert {"bvh", "brute_force", "8", "256", "1", "18"} <= {text.get_text() for text in panel.texts}
+    assert {"bvh", "brute_force", "8", "256", "1", "17"} <= {text.get_text() for text in panel.texts}
 
 
 def test_labels_find_places_where_an_interval_is_not_known():

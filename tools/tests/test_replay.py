@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from ball_on_box import write_scene
-from program import PROGRAM, call, needs_program
+from program import PROGRAM, call, complaint, needs_program
 
 pytestmark = needs_program
 
@@ -46,7 +46,7 @@ def replay(recording: Path, out: Path, *arguments, backend="bvh"):
 
 def assert_refused(done, *words):
     assert done.returncode == 2, done.stderr
-    assert len(done.stderr.splitlines()) == 1, done.stderr
+    assert len(complaint(done).splitlines()) == 1, done.stderr
     for word in words:
         assert word in done.stderr
 

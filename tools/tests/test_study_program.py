@@ -13,6 +13,7 @@ from musclebench.program.registry import parse_registry, read_registry
 from musclebench.study import study_plan
 from musclebench.study.study_cases import ReplayCase
 from musclebench.study.sweeps import configurations
+from musclebench.results.status import MEASURED
 from program import PROGRAM, call, needs_program
 
 pytestmark = needs_program
@@ -55,7 +56,7 @@ def test_a_small_study_comes_out_complete(tmp_path, monkeypatch, capfd):
                  "--frames-limit", "4", "--repetitions", "2"]
     assert accuracy.main(arguments) == 0, capfd.readouterr().err
     runs = {path.parent.name: json.loads(path.read_text()) for path in (tmp_path / "out" / "raw").glob("*/run.json")}
-    assert {name: run["status"] for name, run in runs.items()} == dict.fromkeys(runs, "ok") and len(runs) == 9
+    assert {run["status"] for run in runs.values()} <= MEASURED and len(runs) == 9
     assert {run["case"]["mode"] for run in runs.values()} == {"replay", "coupled", "probe"}
     sdf = "sdf-cells=8,precision=float"
     assert runs[f"adductor_brevis-probe-{sdf}-r0"]["structures"] == "built"

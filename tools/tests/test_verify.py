@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from ball_on_box import ball, off
-from program import call, needs_program
+from program import call, complaint, needs_program
 
 pytestmark = needs_program
 
@@ -92,7 +92,7 @@ def test_what_cannot_be_asked_about_points_is_unsupported(folder):
     if "not a backend of this build" in done.stderr:
         pytest.skip("built without FCL")
     assert done.returncode == 3
-    assert len(done.stderr.splitlines()) == 1 and "unsupported" in done.stderr
+    assert len(complaint(done).splitlines()) == 1 and "unsupported" in done.stderr
     manifest = json.loads((folder / "out/run.json").read_text())
     assert manifest["status"] == "unsupported"
     assert manifest["structure_bytes"] is None
