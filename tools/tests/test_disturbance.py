@@ -15,7 +15,8 @@ from musclebench.results import disturbance, run_folder
 from musclebench.tables import paper_tables
 
 QUIET = {"machine": {"cores": 2}, "wall_ns": 10e9,
-         "machine_state": {"involuntary_context_switches": 20, "load_average_1m": 1.1, "cpu_mhz": 2500.0}}
+         "machine_state": {"involuntary_context_switches": 20, "load_average_1m": {"before": 1.1, "after": 1.0},
+                           "cpu_mhz": {"before": 2500.0, "after": 2500.0}}}
 
 
 def state(**changes) -> dict:
@@ -31,15 +32,15 @@ def note_state(folder, **changes) -> None:
 @pytest.mark.parametrize("record, words", [
     (QUIET, ""), ({}, ""), ({"machine_state": None}, ""),
     (state(involuntary_context_switches=3000), "interrupted 300 times a second"),
-    (state(load_average_1m=4.0), "load 4.0 on 2 cores"),
-    (state(cpu_mhz=1200.0), "clock 1200 MHz, usually 2500"),
+    (state(load_average_1m={"before": 0.5, "after": 4.0}), "load 4.0 on 2 cores"),
+    (state(cpu_mhz={"before": 1200.0, "after": None}), "clock 1200 MHz, usually 2500"),
 ])
 def test_a_run_is_disturbed_by_switches_load_or_a_slow_clock(record, words):
     assert disturbance.disturbance(record, 2500.0) == words
 
 
 def test_the_usual_clock_is_that_of_most_runs():
-    runs = {"a": state(), "b": state(), "c": state(cpu_mhz=1000.0)}
+    runs = {"a": state(), "b": state(), "c": state(cpu_mhz={"before": 2500.0, "after": 1000.0})}
     assert disturbance.disturbed(runs) == {"c": "clock 1000 MHz, usually 2500"}
 
 
@@ -70,7 +71,7 @@ def test_fig_7_leaves_waiting_out_of_its_lines(fake_raw, tmp_path):
 
 
 def test_the_study_marks_busy_cases_and_says_so(study):
-    note_state(study / "raw" / "iliacus-sdf 64-r0", load_average_1m=7.0)
+    note_state(study / "raw" / "iliacus-sdf 64-r0", load_average_1m={"before": 7.0, "after": 7.0})
     report.write_report(study)
     text = (study / "tables" / "price_list.txt").read_text()
     assert "sdf 64 *" in text and f"busy in 1 of {2 * len(SCENES) * len(REPLAYED)} runs" in text

@@ -12,6 +12,7 @@ import fake_study
 from fake_study import Truth
 from musclebench.program.registry import parse_registry
 from program import call, needs_program
+from musclebench.results import disturbance
 
 pytestmark = needs_program
 SCENE = "synthetic/adductor_brevis"
@@ -120,3 +121,11 @@ def test_fake_tables_have_the_programs_columns(real, mode, name, columns):
 def test_a_survey_is_a_part_of_a_probe(real):
     theirs = json.loads((real / "probe" / "run.json").read_text())
     assert misfits(shape(fake_registry.survey_record(SCENE, 4)), shape(theirs)) == []
+
+
+def test_the_machines_state_is_read_as_the_program_writes_it(real):
+    for mode in ("coupled", "replay"):
+        record = json.loads((real / mode / "run.json").read_text())
+        assert disturbance.usual_clock_mhz([record]) is None or disturbance.usual_clock_mhz([record]) > 0
+        assert "load 99.0" in disturbance.disturbance(
+            record | {"machine_state": record["machine_state"] | {"load_average_1m": {"before": 1.0, "after": 99.0}}})

@@ -1,5 +1,7 @@
 """Whether other work disturbed a run: what the run says of the machine while it ran, and frames in which it waited."""
 
+from collections.abc import Callable
+
 import pandas as pd
 
 BUSY_SWITCHES_A_SECOND = 20.0  # involuntary; a machine that is quiet has a few
@@ -14,7 +16,7 @@ def disturbance(record: dict, usual_mhz: float | None = None) -> str:
     """Why the run was disturbed, in words; empty where it was not, or where it does not tell. `usual_mhz`: the clock of
     the runs that it is compared with."""
     state = record.get("machine_state") or {}
-    switches, load, mhz = (state.get(key) for key in ("involuntary_context_switches", "load_average_1m", "cpu_mhz"))
+    switches, load, mhz = state.get("involuntary_context_switches"), _worst(state, "load_average_1m", max), _clock_mhz(state)
     seconds = (record.get("wall_ns") or 0) / 1e9
     cores = (record.get("machine") or {}).get("cores")
     words = []
@@ -28,8 +30,18 @@ def disturbance(record: dict, usual_mhz: float | None = None) -> str:
 
 
 def usual_clock_mhz(records: list[dict]) -> float | None:
-    clocks = [state["cpu_mhz"] for record in records if (state := record.get("machine_state") or {}).get("cpu_mhz")]
+    clocks = [mhz for record in records if (mhz := _clock_mhz(record.get("machine_state") or {})) is not None]
     return float(pd.Series(clocks).median()) if clocks else None
+
+
+def _clock_mhz(state: dict) -> float | None:
+    return _worst(state, "cpu_mhz", min)
+
+
+def _worst(state: dict, key: str, of: Callable) -> float | None:
+    """Of what was read before and after the run; None where it could not be read."""
+    told = [value for value in (state.get(key) or {}).values() if value is not None]
+    return of(told) if told else None
 
 
 def disturbed(named: dict[str, dict]) -> dict[str, str]:
