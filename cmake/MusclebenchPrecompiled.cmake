@@ -24,7 +24,7 @@ function(musclebench_make_precompiled_headers)
     musclebench_precompile(musclebench_pch_openmp LINKS OpenMP::OpenMP_CXX)
   endif()
   if(MUSCLEBENCH_WITH_TESTS)
-    musclebench_precompile(musclebench_pch_tests HEADERS <gtest/gtest.h> LINKS GTest::gtest_main)
+    musclebench_precompile(musclebench_pch_tests HEADERS <gtest/gtest.h> LINKS musclebench_test_settings GTest::gtest_main)
   endif()
 endfunction()
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <malloc.h>
 #include <memory>
-#include <numbers>
 
 #include <fmt/ranges.h>
 
@@ -21,8 +20,6 @@
 namespace musclebench {
 
 namespace {
-
-constexpr double degrees_per_radian = 180 / std::numbers::pi;
 
 std::string hash_of(const Particles& particles) {
   Sha256 hash;

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <memory>
 #include <new>
-#include <numbers>
 #include <optional>
 #include <thread>
 
@@ -22,8 +21,6 @@
 namespace musclebench {
 
 namespace {
-
-constexpr double degrees_per_radian = 180 / std::numbers::pi;
 /// Enough for the interval of a median, few enough that slow backends fit into the time.
 constexpr int kept_frames = 40;
 constexpr int frames_in_a_row = 5;

@@ -1,5 +1,4 @@
 #include <filesystem>
-#include <numbers>
 #include <optional>
 
 #include <CLI/CLI.hpp>
@@ -21,8 +20,6 @@ namespace musclebench {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double degrees_per_radian = 180 / std::numbers::pi;
 
 struct RecordOptions {
   SceneOptions scene;

@@ -11,11 +11,9 @@
 namespace musclebench {
 namespace {
 
-constexpr int cells = 64;
-
 void sdf_build_a_node(benchmark::State& state, const Bone& bone, int threads) {
   const SignedSurface surface(bone.surface);
-  const GridShape shape = grid_over(bone.surface.mesh, {.cells = cells}, bone.name);
+  const GridShape shape = grid_over(bone.surface.mesh, {.cells = field_cells}, bone.name);
   move_to_huge_pages();
   for (auto _ : state) {
     const CubicField field = build_field(surface, shape, FieldPrecision::single_precision, threads);
@@ -29,7 +27,7 @@ void sdf_build_a_node(benchmark::State& state, const Bone& bone, int threads) {
 /// Bytes of the field of 64 cells; with `band_m` > 0 of a narrow band.
 void sdf_bytes(benchmark::State& state, const Bone& bone, FieldPrecision precision, double band_m) {
   FieldSettings settings{precision};
-  const GridShape shape = grid_over(bone.surface.mesh, {.cells = cells}, bone.name);
+  const GridShape shape = grid_over(bone.surface.mesh, {.cells = field_cells}, bone.name);
   try {
     if (band_m > 0) {
       settings.band_m = band_m;

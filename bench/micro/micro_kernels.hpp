@@ -2,6 +2,9 @@
 
 namespace musclebench {
 
+/// Along the longest side of a bone's box, of the grids whose building and queries are timed.
+inline constexpr int field_cells = 64;
+
 // Each registers the kernels of one file. They load the scene where their names depend on it.
 
 /// `voxel_test/BONE`, `sdf_value_and_gradient/PRECISION/BONE`, `octree_value_and_gradient/BONE`,

@@ -21,7 +21,6 @@
 namespace musclebench {
 namespace {
 
-constexpr int cells = 64;
 constexpr std::size_t point_count = 40000;
 constexpr std::size_t batch_size = 256;
 
@@ -74,7 +73,7 @@ void ask(benchmark::State& state, const std::vector<Vec3>& points, const Query& 
 
 /// As the backend does it: world to cells in one affine map, then one bit.
 void voxel_test(benchmark::State& state, const Bone& bone) {
-  const VoxelGrid grid(bone.surface.mesh, cells, 0, bone.name);
+  const VoxelGrid grid(bone.surface.mesh, field_cells, 0, bone.name);
   const RigidMotion pose;
   const Vec3 per_cell = grid.cell_size_m().cwiseInverse();
   const Mat3 linear = per_cell.asDiagonal() * pose.rotation.transpose();
@@ -88,7 +87,7 @@ void sdf_value_and_gradient(benchmark::State& state, const Bone& bone, FieldPrec
                             const std::vector<Vec3>& points) {
   static std::map<FieldPrecision, std::map<const Bone*, std::unique_ptr<CubicField>>> fields;
   const CubicField& field = kept(fields[precision], bone, [&] {
-    const GridShape shape = grid_over(bone.surface.mesh, {.cells = cells}, bone.name);
+    const GridShape shape = grid_over(bone.surface.mesh, {.cells = field_cells}, bone.name);
     return build_field(surface_of(bone), shape, precision, 1);
   });
   const CellMap map(field.shape(), RigidMotion());

@@ -54,7 +54,7 @@ std::string error(const ProbeRow& row) {
   return row.measured_points > 0 ? fmt::format("{}", row.errors_m.*member) : "";
 }
 
-constexpr auto columns = std::to_array<Column<ProbeRow>>({
+constexpr auto columns_of_probe = std::to_array<Column<ProbeRow>>({
     {{"bone", "", "that was asked about"}, [](const ProbeRow& r) { return r.bone; }},
     {{"place", "", "smooth, sharp (within a mean edge of one that turns by more than 30 degrees) or all"},
      [](const ProbeRow& r) { return r.place; }},
@@ -82,7 +82,7 @@ void write_files(const fs::path& folder, const ProbeCase& what, const ProbeResul
 
 }  // namespace
 
-std::span<const Column<ProbeRow>> probe_columns() { return columns; }
+std::span<const Column<ProbeRow>> probe_columns() { return columns_of_probe; }
 
 std::string probe_id(const ProbeCase& what) { return id_of(json_of_probe(what), what.scene); }
 

@@ -90,7 +90,7 @@ std::string statistic(const Record& record) {
   return text(*((*record.accuracy).*errors).*member);
 }
 
-constexpr auto columns = std::to_array<Column<ReplayRecord>>({
+constexpr auto columns_of_replay = std::to_array<Column<ReplayRecord>>({
     {{"frame", "", "of the recording, 1 for the first"}, [](const Record& r) { return text(r.frame); }},
     {{"angle_deg", "deg", "of the bone that turns most"}, [](const Record& r) { return text(r.angle_deg); }},
     {{"warm_up", "", "1: left out of medians"}, [](const Record& r) { return text(r.warm_up ? 1 : 0); }},
@@ -121,7 +121,7 @@ constexpr auto columns = std::to_array<Column<ReplayRecord>>({
 
 }  // namespace
 
-std::span<const Column<ReplayRecord>> replay_columns() { return columns; }
+std::span<const Column<ReplayRecord>> replay_columns() { return columns_of_replay; }
 
 std::string replay_id(const ReplayCase& replay) { return id_of(json_of_replay(replay), replay.scene); }
 

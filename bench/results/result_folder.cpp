@@ -15,7 +15,7 @@ namespace musclebench {
 
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 namespace fs = std::filesystem;
 
 /// Makes the missing folders of a path, and removes those again that it made and that are still empty, unless told to
@@ -67,12 +67,12 @@ fs::path beside(const fs::path& folder, std::string_view ending) {
   return folder.parent_path() / fmt::format(".{}.{}.{}", folder.filename().string(), getpid(), ending);
 }
 
-Json read_manifest(const fs::path& folder) {
+AnyJson read_manifest(const fs::path& folder) {
   std::ifstream file(folder / "run.json");
-  return Json::parse(file, nullptr, false);
+  return AnyJson::parse(file, nullptr, false);
 }
 
-bool is_text(const Json& manifest, const char* key) {
+bool is_text(const AnyJson& manifest, const char* key) {
   return manifest.is_object() && manifest.contains(key) && manifest[key].is_string();
 }
 
@@ -101,7 +101,7 @@ void require_replaceable(const fs::path& folder) {
 }  // namespace
 
 bool is_complete(const fs::path& folder, const std::string& id, std::string_view rows_file) {
-  const Json manifest = read_manifest(folder);
+  const AnyJson manifest = read_manifest(folder);
   return is_text(manifest, "run_id") && manifest["run_id"] == id && is_text(manifest, "status") &&
          (manifest["status"] == "ok" || manifest["status"] == "suspect") && fs::exists(folder / rows_file);
 }

@@ -18,11 +18,6 @@ constexpr double distance_rounding = 1e-12;
 /// Unused slots of leaves are farther away than this.
 constexpr float widest_limit = 0.5F * bvh_far_away * bvh_far_away;
 
-float round_down(double value) {
-  const auto rounded = static_cast<float>(value);
-  return rounded > value ? std::nextafter(rounded, -std::numeric_limits<float>::infinity()) : rounded;
-}
-
 }  // namespace
 
 void TriangleBvh::Search::consider(int triangle_index) {
@@ -155,7 +150,7 @@ void TriangleBvh::list_candidate_leaves(const Vec3& point, double radius_m, Cand
   search.lower_limit(radius_m);
   const NearestLeaves near = search_leaves(search);
   list.point = search.point;
-  list.cutoff = round_down(std::max(std::sqrt(static_cast<double>(near.cutoff)) - search.slack, 0.0));
+  list.cutoff = bvh_round_down(std::max(std::sqrt(static_cast<double>(near.cutoff)) - search.slack, 0.0));
   list.leaf.fill(-1);
   for (std::size_t i = 0; i < near.count; ++i) {
     list.leaf[i] = near.leaf[i];

@@ -22,13 +22,6 @@ constexpr double segment_squared_sine = 1e-27;
 /// projection longer than the true distance.
 constexpr double axis_length = 1 - 1e-6;
 
-float round_down(double value) {
-  const auto rounded = static_cast<float>(value);
-  return rounded > value ? std::nextafter(rounded, -std::numeric_limits<float>::infinity()) : rounded;
-}
-
-float round_up(double value) { return -round_down(-value); }
-
 int leaves_for(int triangles) {
   constexpr int width = static_cast<int>(bvh_width);
   return (triangles + width - 1) / width;
@@ -244,10 +237,10 @@ void TriangleBvhBuilder::set_bounds(Range range, const Vec3& area_normal, std::s
     }
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    node.lower[axis][lane] = round_down(lower[static_cast<Eigen::Index>(axis)]);
-    node.upper[axis][lane] = round_up(upper[static_cast<Eigen::Index>(axis)]);
-    node.obb_lower[axis][lane] = round_down(obb_lower[static_cast<Eigen::Index>(axis)]);
-    node.obb_upper[axis][lane] = round_up(obb_upper[static_cast<Eigen::Index>(axis)]);
+    node.lower[axis][lane] = bvh_round_down(lower[static_cast<Eigen::Index>(axis)]);
+    node.upper[axis][lane] = bvh_round_up(upper[static_cast<Eigen::Index>(axis)]);
+    node.obb_lower[axis][lane] = bvh_round_down(obb_lower[static_cast<Eigen::Index>(axis)]);
+    node.obb_upper[axis][lane] = bvh_round_up(obb_upper[static_cast<Eigen::Index>(axis)]);
   }
 }
 

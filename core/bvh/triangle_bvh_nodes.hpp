@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace musclebench {
 
@@ -13,10 +15,23 @@ inline constexpr std::size_t bvh_width = 8;
 
 using BvhLanes = std::array<float, bvh_width>;
 
+/// Nodes that wait on the stack of a search: each level of the deepest tree that the builder makes leaves up to 7, and
+/// a compressed store writes up to 8 entries past the last one.
+inline constexpr int bvh_stack_capacity = 320;
+
 /// Coordinate of unused slots: farther away than any point that is searched for, and its square is still a float.
 inline constexpr float bvh_far_away = 1e18F;
 /// Points farther away than this, in the tree's unit of length, are searched for by brute force in double precision.
 inline constexpr float bvh_horizon = 1e12F;
+
+/// The largest float that is not above `value`.
+inline float bvh_round_down(double value) {
+  const auto rounded = static_cast<float>(value);
+  return rounded > value ? std::nextafter(rounded, -std::numeric_limits<float>::infinity()) : rounded;
+}
+
+/// The smallest float that is not below `value`.
+inline float bvh_round_up(double value) { return -bvh_round_down(-value); }
 
 /// An inner node as a structure of arrays, one child a lane, in the tree's frame (relative to the middle of the mesh,
 /// scaled to fit in [-1, 1]^3). Each child is bounded by an axis-aligned box (AABB) and by an oriented one (OBB) along

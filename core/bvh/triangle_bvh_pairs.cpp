@@ -8,8 +8,6 @@ namespace musclebench {
 
 namespace {
 
-/// Each level leaves up to 7 nodes on the stack; the builder bounds the depth.
-constexpr int stack_capacity = 320;
 /// More than the rounding error of a coordinate in the tree's frame, far less than a triangle.
 constexpr float padding = 0x1p-22F;
 
@@ -97,7 +95,7 @@ void TriangleBvh::for_each_close_pair(const std::function<void(int, int)>& visit
         });
       });
     };
-    std::array<int, stack_capacity> stack;
+    std::array<int, bvh_stack_capacity> stack;
     int top = 0;
     stack[0] = 0;
     while (top >= 0) {

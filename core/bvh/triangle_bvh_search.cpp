@@ -18,10 +18,6 @@ HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
 namespace {
 
-/// Each level of the deepest tree leaves up to 7 nodes, and a compressed store writes up to 8 entries past the last
-/// one.
-constexpr int stack_capacity = 320;
-
 /// Distance outside an interval; 0 within.
 HWY_INLINE Vec outside(Vec p, const BvhLanes& lower, const BvhLanes& upper, std::size_t first) {
   const Vec distance = hn::Max(hn::Sub(load(lower, first), p), hn::Sub(p, load(upper, first)));
@@ -126,8 +122,8 @@ HWY_INLINE void traverse(const BvhSearch& search, const Vec3Lanes& p, const floa
   const Lanes d;
   const IntLanes di;
   HWY_ALIGN float squared[bvh_width];
-  HWY_ALIGN float near[stack_capacity];
-  HWY_ALIGN std::int32_t child[stack_capacity];
+  HWY_ALIGN float near[bvh_stack_capacity];
+  HWY_ALIGN std::int32_t child[bvh_stack_capacity];
   int stacked = 0;
   std::int32_t next = 0;
   for (;;) {

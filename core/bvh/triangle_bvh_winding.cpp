@@ -9,8 +9,6 @@ namespace musclebench {
 
 namespace {
 
-/// Each level leaves up to 7 nodes on the stack; the builder bounds the depth.
-constexpr int stack_capacity = 320;
 /// A closed surface has integer winding numbers; a sum this close to 0.5 shows that the dipoles were too coarse.
 constexpr double safe_margin = 0.25;
 
@@ -27,7 +25,7 @@ double TriangleBvh::leaf_winding(const BvhLeaf& leaf, const Vec3& point) const {
 
 double TriangleBvh::winding_number(const Vec3& point, double opening) const {
   double winding = 0;
-  std::array<int, stack_capacity> stack;
+  std::array<int, bvh_stack_capacity> stack;
   int top = 0;
   stack[0] = 0;
   while (top >= 0) {

@@ -12,7 +12,7 @@ namespace {
 
 /// Rounding errors of a distance or a movement stay far below this share of the lengths that they come from. Of a
 /// bone's diagonal it is more than `touching_distance_m`, so that no side is concluded from a node that touches.
-constexpr double rounding_share = 0x1p-39;
+constexpr double depth_rounding = 0x1p-39;
 
 double longest_edge(const Vec3& a, const Vec3& b, const Vec3& c) {
   return std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
@@ -137,7 +137,7 @@ void SurfaceDepthMeter::collect_parts(int bone, const Referee& referee, const Ri
     }
   }
 
-  const double rounding_m = rounding_share * tree.diagonal_m();
+  const double rounding_m = depth_rounding * tree.diagonal_m();
   const std::vector<int>& counting = m_counting[static_cast<std::size_t>(bone)];
   for (std::size_t i = 0; i < counting.size(); ++i) {
     const Triangle& nodes = m_triangles[static_cast<std::size_t>(counting[i])];
@@ -186,7 +186,7 @@ double SurfaceDepthMeter::bound_from_nodes(const Triangle& triangle) const {
   const Vec3& a = m_rest[node(0)];
   const Vec3& b = m_rest[node(1)];
   const Vec3& c = m_rest[node(2)];
-  const double longest = longest_edge(a, b, c) * (1 + rounding_share);
+  const double longest = longest_edge(a, b, c) * (1 + depth_rounding);
   const double least = std::min({m_least_m[node(0)], m_least_m[node(1)], m_least_m[node(2)]});
   const double most = std::max({m_least_m[node(0)], m_least_m[node(1)], m_least_m[node(2)]});
   return std::min(longest * std::numbers::inv_sqrt3 - least, longest - most);
@@ -194,7 +194,7 @@ double SurfaceDepthMeter::bound_from_nodes(const Triangle& triangle) const {
 
 /// Queries the part's centroid; what cannot be settled by that is split.
 void SurfaceDepthMeter::refine(const Part& part, const RefereeTree& tree) {
-  const double rounding_m = rounding_share * tree.diagonal_m();
+  const double rounding_m = depth_rounding * tree.diagonal_m();
   const Vec3 centroid = (part.a + part.b + part.c) / 3;
   const ClosestSurfacePoint nearest = tree.closest(centroid, part.slot, &m_work);
   const double distance = std::sqrt(nearest.squared_distance_m2);
@@ -241,7 +241,7 @@ void SurfaceDepthMeter::refine(const Part& part, const RefereeTree& tree) {
 
 /// `facts`: what the parts have in common; `signed_distance_m`: of the point that it knows.
 void SurfaceDepthMeter::split(const Part& part, const RefereeTree& tree, const Part& facts, double signed_distance_m) {
-  const double rounding_m = rounding_share * tree.diagonal_m();
+  const double rounding_m = depth_rounding * tree.diagonal_m();
   const Vec3 ab = 0.5 * (part.a + part.b);
   const Vec3 bc = 0.5 * (part.b + part.c);
   const Vec3 ca = 0.5 * (part.c + part.a);

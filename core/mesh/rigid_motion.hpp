@@ -1,10 +1,14 @@
 #pragma once
 
+#include <numbers>
+
 #include <Eigen/Geometry>
 
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
+
+inline constexpr double degrees_per_radian = 180 / std::numbers::pi;
 
 /// A rigid motion x -> rotation * x + translation_m. A bone's pose maps its rest frame to the world.
 struct RigidMotion {

@@ -9,11 +9,11 @@
 namespace musclebench {
 namespace {
 
-constexpr int stack_size = 4 * RefereeTreeBuilder::depth_limit;
+constexpr int crossing_stack_size = 4 * RefereeTreeBuilder::depth_limit;
 /// Covers the rounding of 32-bit boxes and products, relative to the coordinates.
-constexpr float float_slack = 0x1p-20F;
+constexpr float crossing_slack = 0x1p-20F;
 /// Covers the rounding of a determinant, relative to its largest product.
-constexpr double rounding_share = 0x1p-46;
+constexpr double determinant_rounding = 0x1p-46;
 
 /// Part of a line, as one coordinate of its points.
 struct Interval {
@@ -61,16 +61,16 @@ bool triangles_meet(const QueryTriangle& query, const Vec3& p, const Vec3& q, co
                       std::max((r - p).lpNorm<Eigen::Infinity>(), (query.b - query.a).lpNorm<Eigen::Infinity>()) +
                       (query.c - query.a).lpNorm<Eigen::Infinity>();
   Vec3 heights(query.normal.dot(p - query.a), query.normal.dot(q - query.a), query.normal.dot(r - query.a));
-  if (!reaches_plane(heights, rounding_share * size * size * size)) return false;
+  if (!reaches_plane(heights, determinant_rounding * size * size * size)) return false;
   const QueryTriangle other(p, q, r);
   Vec3 heights_of_query(other.normal.dot(query.a - p), other.normal.dot(query.b - p), other.normal.dot(query.c - p));
-  if (!reaches_plane(heights_of_query, rounding_share * size * size * size)) return false;
+  if (!reaches_plane(heights_of_query, determinant_rounding * size * size * size)) return false;
   if (heights.isZero(0) || heights_of_query.isZero(0)) return true;  // in one plane, or without area
   int axis = 0;
   query.normal.cross(other.normal).cwiseAbs().maxCoeff(&axis);
   const Interval one = cut({p[axis], q[axis], r[axis]}, heights);
   const Interval two = cut({query.a[axis], query.b[axis], query.c[axis]}, heights_of_query);
-  const double slack = rounding_share * (size + std::abs(p[axis]));
+  const double slack = determinant_rounding * (size + std::abs(p[axis]));
   return one.low <= two.high + slack && two.low <= one.high + slack;
 }
 
@@ -90,7 +90,7 @@ struct FloatBox {
 template <typename Filter, typename Visit>
 void RefereeTree::visit(const Filter& may_matter, const Visit& visit_slot, long* work) const {
   long steps = 0;
-  std::array<int, stack_size> stack;
+  std::array<int, crossing_stack_size> stack;
   int waiting = 0;
   stack[waiting++] = 0;
   while (waiting > 0) {
@@ -122,7 +122,7 @@ int RefereeTree::find_touched(const Vec3& a, const Vec3& b, const Vec3& c, long*
   const double length = query.normal.norm();
   const Eigen::Array3f normal = length > 0 ? Eigen::Array3f((query.normal / length).cast<float>()) : Eigen::Array3f(0);
   const float height = normal.matrix().dot(a.cast<float>());
-  const auto slack = static_cast<float>(m_half_extents.sum() + a.lpNorm<1>()) * float_slack;
+  const auto slack = static_cast<float>(m_half_extents.sum() + a.lpNorm<1>()) * crossing_slack;
   const auto may_matter = [&](const Node& node) {
     Eigen::Array4f gap = (node.low[0] - box.high[0]).max(box.low[0] - node.high[0]);
     gap = gap.max(node.low[1] - box.high[1]).max(box.low[1] - node.high[1]);

@@ -18,8 +18,6 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
-constexpr double degrees_per_radian = 180 / std::numbers::pi;
-
 bool has_effect(const Scene& scene, std::string_view name) {
   return std::any_of(scene.effects.begin(), scene.effects.end(), [&](const auto& e) { return e.name == name; });
 }

@@ -18,13 +18,6 @@ namespace {
 
 using Given = std::map<std::string, ParameterValue>;
 
-Bone make_bone(const char* name, TriangleMesh mesh) {
-  Bone bone;
-  bone.name = name;
-  bone.surface = {std::move(mesh), true, {}};
-  return bone;
-}
-
 std::vector<int> all_nodes(std::size_t count) {
   std::vector<int> nodes(count);
   std::iota(nodes.begin(), nodes.end(), 0);

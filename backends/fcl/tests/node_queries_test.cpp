@@ -13,7 +13,7 @@
 namespace musclebench {
 namespace {
 
-const std::vector<RigidMotion> turned = {
+const std::vector<RigidMotion> some_poses = {
     RigidMotion::about_axis(Vec3(1, -2, 0.5).normalized(), Vec3(0.1, 0.2, 0.3), 0.8)};
 
 FclOptions by_distance() {
@@ -22,10 +22,10 @@ FclOptions by_distance() {
   return options;
 }
 
-FclOptions by_collision(double radius_m) {
+FclOptions by_collision(double node_radius_m) {
   FclOptions options;
   options.query = Query::node_collide;
-  options.node_radius_m = radius_m;
+  options.node_radius_m = node_radius_m;
   return options;
 }
 
@@ -33,10 +33,10 @@ FclOptions by_collision(double radius_m) {
 std::vector<Contact> contacts_of(const std::vector<Vec3>& points, const FclOptions& options, int threads = 1) {
   const std::vector<Bone> bones = {make_bone("box", make_box({0.01, 0.02, 0.03}, 3))};
   NodeQueries queries(options, bones, threads);
-  queries.move_bones(turned);
+  queries.move_bones(some_poses);
   std::vector<Vec3> positions;
   for (const Vec3& point : points) {
-    positions.push_back(turned[0].apply(point));
+    positions.push_back(some_poses[0].apply(point));
   }
   std::vector<int> nodes(points.size());
   std::iota(nodes.begin(), nodes.end(), 0);
@@ -54,7 +54,7 @@ TEST(NodeQueries, DistanceFindsNodesAtAnyDepth) {
   EXPECT_EQ(found[1].node, 1);
   EXPECT_NEAR(found[1].depth_m, 0.009, 1e-15);
   for (const Contact& contact : found) {
-    EXPECT_LT((contact.normal - turned[0].apply_to_direction(Vec3::UnitX())).norm(), 1e-12);
+    EXPECT_LT((contact.normal - some_poses[0].apply_to_direction(Vec3::UnitX())).norm(), 1e-12);
   }
 }
 

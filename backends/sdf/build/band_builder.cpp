@@ -12,7 +12,7 @@ namespace musclebench {
 namespace {
 
 /// Covers the rounding of centres and distances.
-constexpr double slack = 1e-9;
+constexpr double rounding_slack = 1e-9;
 
 struct CellRange {
   GridIndex::Coordinates from, to;
@@ -29,7 +29,7 @@ Sphere sphere_around(const GridShape& shape, const CellRange& range) {
   };
   const Vec3 lower = corner(range.from);
   const Vec3 upper = corner(range.to);
-  return {0.5 * (lower + upper), 0.5 * (upper - lower).norm() * (1 + slack)};
+  return {0.5 * (lower + upper), 0.5 * (upper - lower).norm() * (1 + rounding_slack)};
 }
 
 /// Whether all of the ball is outside and farther from the surface than the band reaches; `bound_m` then is its
@@ -40,7 +40,7 @@ bool is_far(const SignedSurface& surface, const Sphere& sphere, double width_m, 
     return false;
   }
   const ClosestPoint closest = *surface.tree().closest_point(sphere.centre);
-  bound_m = closest.distance_m * (1 - slack) - sphere.radius_m;
+  bound_m = closest.distance_m * (1 - rounding_slack) - sphere.radius_m;
   return bound_m > width_m && !surface.is_inside(sphere.centre, closest);
 }
 
@@ -57,7 +57,7 @@ bool is_far_cell(const SignedSurface& surface, const GridShape& shape, const Cel
   for (int piece = 0; piece < pieces; ++piece) {
     double bound_m = 0;
     const Vec3 centre = lower + half + 2 * piece * half[axis] * Vec3::Unit(axis);
-    if (!is_far(surface, {centre, half.norm() * (1 + slack)}, width_m, bound_m)) {
+    if (!is_far(surface, {centre, half.norm() * (1 + rounding_slack)}, width_m, bound_m)) {
       return false;
     }
   }

@@ -16,11 +16,12 @@ namespace musclebench {
 namespace {
 
 /// Raise when the meaning of a field's bytes changes.
-constexpr std::uint32_t format_version = 2;
-constexpr FileMark file_mark{{'M', 'B', 'F', 'I', 'E', 'L', 'D', '\0'}, FileMark{}.byte_order, format_version};
+constexpr std::uint32_t field_format_version = 2;
+constexpr FileMark field_file_mark{
+    {'M', 'B', 'F', 'I', 'E', 'L', 'D', '\0'}, FileMark{}.byte_order, field_format_version};
 
-struct Header {
-  FileMark mark = file_mark;
+struct FieldHeader {
+  FileMark mark = field_file_mark;
   std::array<double, 3> lower_m{};
   std::array<double, 3> cell_size_m{};
   std::array<std::int32_t, 3> cells{};
@@ -30,7 +31,7 @@ struct Header {
   FileDigest surface{};
   FileDigest content{};  ///< of the header with this field zero, all that follows
 };
-static_assert(sizeof(Header) == 8 + 8 + 48 + 16 + 8 + 56 + 128, "written as it stands: there must be no padding");
+static_assert(sizeof(FieldHeader) == 8 + 8 + 48 + 16 + 8 + 56 + 128, "written as it stands: there must be no padding");
 
 /// Calls visit(range) for everything of a field that stands in the file behind the header, in its order.
 template <typename Field, typename Visit>
@@ -47,8 +48,8 @@ void for_each_part_of_band(Band& band, const Visit& visit) {
   visit(band.far_bounds_m());
 }
 
-Header header_of(const GridShape& shape, const FieldSettings& settings, const std::string& digest) {
-  Header header;
+FieldHeader header_of(const GridShape& shape, const FieldSettings& settings, const std::string& digest) {
+  FieldHeader header;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     header.lower_m[axis] = shape.lower_m[static_cast<Eigen::Index>(axis)];
     header.cell_size_m[axis] = shape.cell_size_m[static_cast<Eigen::Index>(axis)];
@@ -60,7 +61,7 @@ Header header_of(const GridShape& shape, const FieldSettings& settings, const st
   return header;
 }
 
-std::string first_difference(const Header& found, const Header& wanted) {
+std::string first_difference(const FieldHeader& found, const FieldHeader& wanted) {
   if (const std::string mark = first_difference(found.mark, wanted.mark, "a field file"); !mark.empty()) {
     return mark;
   }
@@ -94,7 +95,8 @@ std::string surface_digest(const RepairedMesh& surface) {
 }
 
 void save_field(const CubicField& field, const std::string& digest, const std::filesystem::path& path) {
-  Header header = header_of(field.shape(), {field.precision(), field.band() ? field.band()->width_m() : 0.0}, digest);
+  FieldHeader header =
+      header_of(field.shape(), {field.precision(), field.band() ? field.band()->width_m() : 0.0}, digest);
   header.facts = field.facts();
   std::vector<std::span<const std::byte>> parts;
   const auto add = [&](const auto& range) { parts.push_back(std::as_bytes(std::span(range))); };
@@ -111,7 +113,7 @@ std::optional<CubicField> load_field(const std::filesystem::path& path, const st
   if (!std::filesystem::exists(path, error)) {
     return std::nullopt;
   }
-  SealedReader<Header> in(path);
+  SealedReader<FieldHeader> in(path);
   if (const std::string difference = first_difference(in.header(), header_of(shape, settings, digest));
       !difference.empty()) {
     in.refuse(difference);

@@ -18,11 +18,12 @@ namespace musclebench {
 namespace {
 
 /// Raise when the meaning of the bytes changes, or what the builder makes of the same settings.
-constexpr std::uint32_t format_version = 3;
-constexpr FileMark file_mark{{'M', 'B', 'O', 'C', 'T', 'R', 'E', 'E'}, FileMark{}.byte_order, format_version};
+constexpr std::uint32_t octree_format_version = 3;
+constexpr FileMark octree_file_mark{
+    {'M', 'B', 'O', 'C', 'T', 'R', 'E', 'E'}, FileMark{}.byte_order, octree_format_version};
 
-struct Header {
-  FileMark mark = file_mark;
+struct OctreeHeader {
+  FileMark mark = octree_file_mark;
   double wanted_m = 0;
   double wanted_near_m = 0;
   double margin = 0;
@@ -37,11 +38,11 @@ struct Header {
   FileDigest content{};  ///< of the header with this field zero, the entries and the coefficients
 };
 static_assert(sizeof(OctreeQuality) == 10 * 8);
-static_assert(sizeof(Header) == 16 + 24 + 32 + 16 + sizeof(OctreeQuality) + 16 + 128,
+static_assert(sizeof(OctreeHeader) == 16 + 24 + 32 + 16 + sizeof(OctreeQuality) + 16 + 128,
               "written as it stands: there must be no padding");
 
-Header header_of(const std::string& digest, const OctreeSettings& settings) {
-  Header header;
+OctreeHeader header_of(const std::string& digest, const OctreeSettings& settings) {
+  OctreeHeader header;
   header.wanted_m = settings.max_error_m;
   header.wanted_near_m = settings.near_m;
   header.margin = settings.margin;
@@ -49,7 +50,7 @@ Header header_of(const std::string& digest, const OctreeSettings& settings) {
   return header;
 }
 
-std::string first_difference(const Header& found, const Header& wanted) {
+std::string first_difference(const OctreeHeader& found, const OctreeHeader& wanted) {
   if (const std::string mark = first_difference(found.mark, wanted.mark, "an adaptive field's file"); !mark.empty()) {
     return mark;
   }
@@ -66,7 +67,7 @@ std::string first_difference(const Header& found, const Header& wanted) {
 }
 
 /// Whether every path through the tree ends at a leaf whose coefficients are there.
-bool is_tree(const Header& header, std::span<const std::uint32_t> entries, std::size_t coefficients) {
+bool is_tree(const OctreeHeader& header, std::span<const std::uint32_t> entries, std::size_t coefficients) {
   double roots = 1;
   for (const std::int32_t along : header.roots) {
     if (along < 1) {
@@ -88,7 +89,7 @@ bool is_tree(const Header& header, std::span<const std::uint32_t> entries, std::
   return true;
 }
 
-bool has_sensible_numbers(const Header& header, std::span<const float> coefficients) {
+bool has_sensible_numbers(const OctreeHeader& header, std::span<const float> coefficients) {
   const OctreeQuality& quality = header.quality;
   return header.root_edge_m > 0 && std::isfinite(header.root_edge_m) && quality.sign_error_distance_m >= 0 &&
          std::isfinite(quality.sign_error_distance_m) && quality.excess_m >= 0 && std::isfinite(quality.excess_m) &&
@@ -100,7 +101,7 @@ bool has_sensible_numbers(const Header& header, std::span<const float> coefficie
 
 void save_octree(const OctreeField& field, const std::string& digest, const OctreeSettings& settings,
                  const std::filesystem::path& path) {
-  Header header = header_of(digest, settings);
+  OctreeHeader header = header_of(digest, settings);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     header.lower_m[axis] = field.shape().lower_m[static_cast<Eigen::Index>(axis)];
   }
@@ -119,8 +120,8 @@ std::optional<OctreeField> load_octree(const std::filesystem::path& path, const 
   if (!std::filesystem::exists(path, error)) {
     return std::nullopt;
   }
-  SealedReader<Header> in(path);
-  const Header& found = in.header();
+  SealedReader<OctreeHeader> in(path);
+  const OctreeHeader& found = in.header();
   if (const std::string difference = first_difference(found, header_of(digest, settings)); !difference.empty()) {
     in.refuse(difference);
   }

@@ -16,7 +16,7 @@ namespace {
 
 using Given = std::map<std::string, ParameterValue>;
 
-std::unique_ptr<CollisionBackend> make(Given given = {}) {
+std::unique_ptr<CollisionBackend> make_adaptive(Given given = {}) {
   given.emplace("max_error_mm", 0.5);
   return make_sdf_backend(Parameters(sdf_parameters(), given, "test"));
 }
@@ -48,7 +48,7 @@ std::vector<Contact> contacts_of(CollisionBackend& backend, const std::vector<Ri
 }
 
 TEST(OctreeFieldSource, FindsDepthAndNormalInMovedBones) {
-  const auto backend = make();
+  const auto backend = make_adaptive();
   backend->build(bones(), {}, 2);
   RandomNumbers random(1);
   const std::vector<Vec3> positions = random_points(random, 3000);
@@ -83,7 +83,7 @@ TEST(OctreeFieldSource, FindsDepthAndNormalInMovedBones) {
 
 TEST(OctreeFieldSource, CacheAndThreadsChangeNoContact) {
   const auto made = [](const std::string& cache, int threads) {
-    auto backend = make({{"clearance_cache", cache}});
+    auto backend = make_adaptive({{"clearance_cache", cache}});
     backend->build(bones(), {}, threads);
     return backend;
   };
@@ -124,7 +124,7 @@ TEST(OctreeFieldSource, FindsItsFieldsAgain) {
   std::filesystem::remove_all(folder);
   const Given given{{"structures", folder.string()}};
   for (const bool again : {false, true}) {
-    const auto backend = make(given);
+    const auto backend = make_adaptive(given);
     backend->build(bones(), {}, 1);
     EXPECT_EQ(backend->built_from_file(), again);
     EXPECT_GT(backend->structure_bytes(), 1000U);
@@ -134,9 +134,9 @@ TEST(OctreeFieldSource, FindsItsFieldsAgain) {
 }
 
 TEST(OctreeFieldSource, RefusesCellsOfOneSizeBesideAnError) {
-  EXPECT_THROW(make({{"cell_size_m", 0.01}}), InputError);
-  EXPECT_THROW(make({{"band_m", 0.01}}), InputError);
-  EXPECT_THROW(make({{"discregrid", std::string("here")}}), InputError);
+  EXPECT_THROW(make_adaptive({{"cell_size_m", 0.01}}), InputError);
+  EXPECT_THROW(make_adaptive({{"band_m", 0.01}}), InputError);
+  EXPECT_THROW(make_adaptive({{"discregrid", std::string("here")}}), InputError);
 }
 
 }  // namespace

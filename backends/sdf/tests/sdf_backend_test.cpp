@@ -18,7 +18,7 @@ namespace {
 
 using Given = std::map<std::string, ParameterValue>;
 
-std::unique_ptr<CollisionBackend> make(const Given& given = {{"cells", std::int64_t{16}}}) {
+std::unique_ptr<CollisionBackend> make_grid(const Given& given = {{"cells", std::int64_t{16}}}) {
   return make_sdf_backend(Parameters(sdf_parameters(), given, "test"));
 }
 
@@ -48,7 +48,7 @@ std::vector<Contact> contacts_of(CollisionBackend& backend, const std::vector<Ve
 
 TEST(SdfBackend, FindsDepthAndNormalInMovedBones) {
   const std::vector<Bone> bones = two_bones();
-  const auto backend = make();
+  const auto backend = make_grid();
   backend->build(bones, {}, 1);
   const RigidMotion away = RigidMotion::about_axis(Vec3(1, 2, 2) / 3, {0.1, 0.2, 0.3}, 2.5);
   const std::vector<RigidMotion> poses{RigidMotion{Mat3::Identity(), {0.3, 0, 0}}, away};
@@ -84,7 +84,7 @@ TEST(SdfBackend, FindsDepthAndNormalInMovedBones) {
 
 TEST(SdfBackend, OrdersByBoneThenNodeAndAnswersForSubsets) {
   const std::vector<Bone> bones = two_bones();
-  const auto backend = make();
+  const auto backend = make_grid();
   backend->build(bones, {}, 1);
   const std::vector<Vec3> positions = random_points(0.12, 1000);
   const std::vector<Contact> all = contacts_of(*backend, positions);
@@ -104,7 +104,7 @@ TEST(SdfBackend, OrdersByBoneThenNodeAndAnswersForSubsets) {
 
 TEST(SdfBackend, NodesFarAwayAndNodesThatAreNoNumbersAreFree) {
   const std::vector<Bone> bones = two_bones();
-  const auto backend = make();
+  const auto backend = make_grid();
   backend->build(bones, {}, 1);
   EXPECT_TRUE(contacts_of(*backend, {{5, 5, 5}, {1e300, 0, 0}, {0, std::nan(""), 0}, {-INFINITY, 0, 0}}).empty());
 }
@@ -113,7 +113,7 @@ TEST(SdfBackend, HasANormalWhereTheGradientVanishes) {
   // With one cell the field of a sphere is flat in the middle of the sphere.
   const std::vector<Bone> bones{{"sphere", {make_sphere(0.1, 3), true, {}}}};
   for (const std::int64_t cells : {1, 2, 3}) {
-    const auto backend = make({{"cells", cells}, {"precision", std::string("double")}});
+    const auto backend = make_grid({{"cells", cells}, {"precision", std::string("double")}});
     backend->build(bones, {}, 1);
     for (const Contact& contact : contacts_of(*backend, {{0, 0, 0}, {1e-9, 0, 0}, {0, 1e-18, 0}})) {
       EXPECT_NEAR(contact.normal.norm(), 1, 1e-12);
@@ -159,7 +159,7 @@ TEST(SdfBackend, CacheBandsAndThreadsChangeNoContact) {
       if (band_m > 0) {
         given["band_m"] = band_m;
       }
-      auto backend = make(given);
+      auto backend = make_grid(given);
       backend->build(bones, {}, threads);
       return backend;
     };
@@ -193,7 +193,7 @@ TEST(SdfBackend, CacheBandsAndThreadsChangeNoContact) {
 
 TEST(SdfBackend, TellsTheErrorOfEachStructure) {
   const std::vector<Bone> bones = two_bones();
-  const auto backend = make({{"clearance_cache", std::string("off")}});
+  const auto backend = make_grid({{"clearance_cache", std::string("off")}});
   backend->build(bones, {}, 1);
   const std::vector<StructureError> errors = backend->structure_errors();
   ASSERT_EQ(errors.size(), 2U);
@@ -207,12 +207,12 @@ TEST(SdfBackend, TellsTheErrorOfEachStructure) {
 
 TEST(SdfBackend, CountsItsBytes) {
   const std::vector<Bone> bones = two_bones();
-  const auto backend = make({{"cells", std::int64_t{8}}, {"clearance_cache", std::string("off")}});
+  const auto backend = make_grid({{"cells", std::int64_t{8}}, {"clearance_cache", std::string("off")}});
   backend->build(bones, {}, 1);
   const std::size_t fields = 2 * (9 * 9 * (7 * 9 - 2) * sizeof(float) + 512 / 8);
   EXPECT_EQ(backend->structure_bytes(), fields);
   const TriangleMesh muscle = make_sphere(0.01, 2);
-  const auto with_budgets = make({{"cells", std::int64_t{8}}});
+  const auto with_budgets = make_grid({{"cells", std::int64_t{8}}});
   with_budgets->build(bones, muscle, 1);
   EXPECT_GE(with_budgets->structure_bytes(), fields + 2 * 4 * sizeof(float) * muscle.vertices.size());
   EXPECT_TRUE(backend->capabilities().depth);
@@ -220,7 +220,7 @@ TEST(SdfBackend, CountsItsBytes) {
 
 TEST(SdfBackend, StaysWithinTheBoundItDeclares) {
   const std::vector<Bone> bones = two_bones();
-  const auto backend = make();
+  const auto backend = make_grid();
   backend->build(bones, {}, 1);
   const std::vector<Vec3> positions = random_points(0.12, 3000);
   std::vector<bool> found(positions.size(), false);
@@ -242,25 +242,25 @@ TEST(SdfBackend, StaysWithinTheBoundItDeclares) {
 TEST(SdfBackend, RefusesAGridThatDoesNotFitBeforeItAllocates) {
   const std::vector<Bone> bones = two_bones();
   try {
-    make({{"cells", std::int64_t{4096}}, {"precision", std::string("double")}})->build(bones, {}, 1);
+    make_grid({{"cells", std::int64_t{4096}}, {"precision", std::string("double")}})->build(bones, {}, 1);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("MB"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find("cells fit"), std::string::npos) << error.what();
   }
   try {
-    make({{"cell_size_m", 5e-5}, {"precision", std::string("double")}})->build(bones, {}, 1);
+    make_grid({{"cell_size_m", 5e-5}, {"precision", std::string("double")}})->build(bones, {}, 1);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("sdf: cell_size_m"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find(" m fit"), std::string::npos) << error.what();
   }
-  EXPECT_THROW(make({{"band_m", 1e-4}})->build(bones, {}, 1), InputError);
-  EXPECT_THROW(make({{"band_m", 0.0}})->build(bones, {}, 1), InputError);
-  EXPECT_THROW(make({{"band_m", -0.01}}), InputError);
-  EXPECT_THROW(make({{"cell_size_m", 0.5}})->build(bones, {}, 1), InputError);
-  EXPECT_THROW(make({{"cells", std::int64_t{0}}}), InputError);
-  EXPECT_THROW(make({{"precision", std::string("half")}}), InputError);
+  EXPECT_THROW(make_grid({{"band_m", 1e-4}})->build(bones, {}, 1), InputError);
+  EXPECT_THROW(make_grid({{"band_m", 0.0}})->build(bones, {}, 1), InputError);
+  EXPECT_THROW(make_grid({{"band_m", -0.01}}), InputError);
+  EXPECT_THROW(make_grid({{"cell_size_m", 0.5}})->build(bones, {}, 1), InputError);
+  EXPECT_THROW(make_grid({{"cells", std::int64_t{0}}}), InputError);
+  EXPECT_THROW(make_grid({{"precision", std::string("half")}}), InputError);
 }
 
 TEST(SdfBackend, RefusesWhatAnotherParameterMakesMeaningless) {
@@ -275,7 +275,7 @@ TEST(SdfBackend, RefusesWhatAnotherParameterMakesMeaningless) {
   const auto is_refused = [](Given given, const Given& chosen) {
     given.insert(chosen.begin(), chosen.end());
     try {
-      (void)make(given);
+      (void)make_grid(given);
     } catch (const InputError& error) {
       return std::string(error.what()).find("leave out this or `" + chosen.begin()->first) != std::string::npos;
     }
@@ -302,7 +302,7 @@ TEST(SdfBackend, KeepsItsStructuresAndChecksThem) {
   const std::vector<Vec3> positions = random_points(0.12, 500);
   std::vector<std::vector<Contact>> answers;
   for (int run = 0; run < 2; ++run) {
-    const auto backend = make(given);
+    const auto backend = make_grid(given);
     backend->build(bones, {}, 1);
     EXPECT_EQ(backend->built_from_file(), run == 1);
     answers.push_back(contacts_of(*backend, positions));
@@ -315,7 +315,7 @@ TEST(SdfBackend, KeepsItsStructuresAndChecksThem) {
   }
   ASSERT_TRUE(std::filesystem::exists(folder / "box_of_2-8cells-float.field"));
   std::ofstream(folder / "box_of_2-8cells-float.field") << "rubbish";
-  EXPECT_THROW(make(given)->build(bones, {}, 1), InputError);
+  EXPECT_THROW(make_grid(given)->build(bones, {}, 1), InputError);
   std::filesystem::remove_all(folder);
 }
 
@@ -332,7 +332,7 @@ TEST(SdfBackend, KeepsBonesOfLikeNamesAndMarginsApart) {
         Given given = kind;
         given["margin"] = margin;
         given["structures"] = folder.string();
-        const auto backend = make(given);
+        const auto backend = make_grid(given);
         backend->build(bones, {}, 1);
         EXPECT_EQ(backend->built_from_file(), again);
       }

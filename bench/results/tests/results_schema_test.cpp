@@ -36,11 +36,6 @@ std::string header_of(const std::filesystem::path& file) {
   return line;
 }
 
-Json manifest_in(const std::filesystem::path& folder) {
-  std::ifstream in(folder / "run.json");
-  return Json::parse(in);
-}
-
 /// Paths of all leaves; an empty list or object is a leaf whose path ends there.
 void add_paths(const Json& json, const std::string& path, std::set<std::string>& paths) {
   if (json.is_structured() && json.empty()) {

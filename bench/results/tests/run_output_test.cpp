@@ -11,11 +11,6 @@
 namespace musclebench {
 namespace {
 
-nlohmann::json manifest_in(const std::filesystem::path& folder) {
-  std::ifstream in(folder / "run.json");
-  return nlohmann::json::parse(in);
-}
-
 TEST(RunOutput, ASuspectRunIsComplete) {
   const Scene scene = plain_scene();
   const RunCase run = case_of(scene, "null");
@@ -34,7 +29,7 @@ TEST(RunOutput, SaysTheLimitsAndTheMachinesState) {
   const RunCase run = case_of(scene, "null");
   const TemporaryFolder folder("run_output_limits");
   write_run(folder.path() / "out", run, result_of(run));
-  const nlohmann::json manifest = manifest_in(folder.path() / "out");
+  const nlohmann::ordered_json manifest = manifest_in(folder.path() / "out");
   EXPECT_EQ(manifest["limits"]["volume_error"], 0.05);
   EXPECT_EQ(manifest["limits"]["tunnelled_nodes"], 0);
   EXPECT_GE(manifest["machine_state"]["involuntary_context_switches"].get<long>(), 0);

@@ -1,14 +1,22 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <unistd.h>
+
+#include <nlohmann/json.hpp>
 
 #include "bench/cases/run_case.hpp"
 #include "bench/cases/scene_source.hpp"
 #include "core/mesh/shapes.hpp"
 
 namespace musclebench {
+
+inline nlohmann::ordered_json manifest_in(const std::filesystem::path& folder) {
+  std::ifstream in(folder / "run.json");
+  return nlohmann::ordered_json::parse(in);
+}
 
 /// A ball beside a box, made by hand: read in no time.
 inline Scene plain_scene() {

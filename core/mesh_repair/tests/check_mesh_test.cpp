@@ -11,13 +11,12 @@
 #include "core/mesh/shapes.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
 #include "core/mesh_files/read_mesh.hpp"
+#include "core/mesh_repair/tests/turned_triangle.hpp"
 
 namespace musclebench {
 namespace {
 
 TriangleMesh unit_box() { return make_box(Vec3(0.5, 0.5, 0.5), 2); }
-
-void turn(Triangle& triangle) { std::swap(triangle[1], triangle[2]); }
 
 /// Everything that counts a defect is 0.
 void expect_no_defect(const MeshReport& report) {

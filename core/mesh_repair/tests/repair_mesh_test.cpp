@@ -14,11 +14,10 @@
 #include "core/mesh/tests/lhdl_data.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
+#include "core/mesh_repair/tests/turned_triangle.hpp"
 
 namespace musclebench {
 namespace {
-
-void turn(Triangle& triangle) { std::swap(triangle[1], triangle[2]); }
 
 TriangleMesh inverted(TriangleMesh mesh) {
   std::for_each(mesh.triangles.begin(), mesh.triangles.end(), turn);

@@ -5,26 +5,14 @@
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/referee/tests/naive_truth.hpp"
+#include "core/referee/tests/test_bones.hpp"
 
 namespace musclebench {
 namespace {
 
-Bone bone_of(const TriangleMesh& mesh) { return {"shape", {mesh, false, {}}}; }
-
 Referee referee_of(const TriangleMesh& mesh) {
   const std::vector<Bone> bones{bone_of(mesh)};
   return Referee(bones, 0);
-}
-
-TriangleMesh moved(TriangleMesh mesh, const RigidMotion& motion) {
-  for (Vec3& vertex : mesh.vertices) vertex = motion.apply(vertex);
-  return mesh;
-}
-
-void append(TriangleMesh& mesh, const TriangleMesh& other) {
-  const int first = static_cast<int>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
-  for (const Triangle& t : other.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
 
 /// Size and sign agree with the plain sums, but for rounding: 1e-12 of the diagonal.
@@ -225,7 +213,7 @@ TEST(Referee, FinWithoutThicknessTurnsNothingInsideOut) {
 
 TEST(Referee, OverlappingAndNestedComponents) {
   TriangleMesh mesh = make_box(Vec3(1, 1, 1), 3);
-  append(mesh, moved(make_box(Vec3(1, 1, 1), 2), {Mat3::Identity(), Vec3(1.3, 0.2, 0.1)}));
+  append(mesh, moved(make_box(Vec3(1, 1, 1), 2), Vec3(1.3, 0.2, 0.1)));
   append(mesh, make_sphere(0.3, 2));
   expect_exact_everywhere(mesh, 400, 10);
   const Referee referee = referee_of(mesh);
@@ -235,7 +223,7 @@ TEST(Referee, OverlappingAndNestedComponents) {
 
 TEST(Referee, SurfacesThatTouchAlongAnEdge) {
   TriangleMesh mesh = make_box(Vec3(1, 1, 1), 1);
-  append(mesh, moved(make_box(Vec3(1, 1, 1), 1), {Mat3::Identity(), Vec3(2, 2, 0)}));
+  append(mesh, moved(make_box(Vec3(1, 1, 1), 1), Vec3(2, 2, 0)));
   expect_exact_everywhere(mesh, 400, 11);
 }
 
@@ -261,13 +249,13 @@ TEST(Referee, OpenSurfaceIsJudgedByItsWindingNumber) {
 }
 
 TEST(Referee, FarFromTheOrigin) {
-  TriangleMesh mesh = moved(make_capsule(0.02, 0.05, 16), {Mat3::Identity(), Vec3(1000, -1000, 500)});
+  TriangleMesh mesh = moved(make_capsule(0.02, 0.05, 16), Vec3(1000, -1000, 500));
   expect_exact_everywhere(mesh, 300, 14);
 }
 
 TEST(Referee, ScalingByAPowerOfTwoScalesTheAnswerBitByBit) {
   const double factor = 0x1p10;
-  const TriangleMesh mesh = moved(make_capsule(0.02, 0.05, 24), {Mat3::Identity(), Vec3(0.1, 0.2, -0.3)});
+  const TriangleMesh mesh = moved(make_capsule(0.02, 0.05, 24), Vec3(0.1, 0.2, -0.3));
   TriangleMesh large = mesh;
   for (Vec3& vertex : large.vertices) vertex *= factor;
   const Referee referee = referee_of(mesh);

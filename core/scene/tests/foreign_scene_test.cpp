@@ -14,6 +14,7 @@
 #include "core/scene/read_scene.hpp"
 #include "core/scene/rest_overlap.hpp"
 #include "core/scene/scene_warnings.hpp"
+#include "core/scene/tests/scene_errors.hpp"
 
 namespace musclebench {
 namespace {
@@ -97,21 +98,6 @@ std::string warnings_of(const Scene& scene) {
     all += warning + "\n";
   }
   return all;
-}
-
-std::string error_of(const SceneRequest& request) {
-  try {
-    (void)read_scene(request);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-void expect_mentions(const std::string& text, const std::vector<std::string>& words) {
-  for (const std::string& word : words) {
-    EXPECT_NE(text.find(word), std::string::npos) << "'" << word << "' is not in: " << text;
-  }
 }
 
 TEST(ForeignScene, NothingIsSaidOfASoundOne) { EXPECT_EQ(warnings_of(scene_of(plain_text())), ""); }

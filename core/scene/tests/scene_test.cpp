@@ -10,6 +10,7 @@
 #include "core/scene/attachment_area.hpp"
 #include "core/scene/read_scene.hpp"
 #include "core/scene/scene_warnings.hpp"
+#include "core/scene/tests/scene_errors.hpp"
 
 namespace musclebench {
 namespace {
@@ -29,7 +30,7 @@ name = "ball"
 mesh = "synthetic:ball"
 )";
 
-SceneRequest request(const std::string& text) {
+SceneRequest request_of(const std::string& text) {
   SceneRequest request;
   request.name = "test";
   request.file = "test.toml";
@@ -52,27 +53,16 @@ SceneRequest request(const std::string& text) {
   return request;
 }
 
-std::string error_of(const SceneRequest& request) {
-  try {
-    (void)read_scene(request);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
+std::string error_of(const std::string& text) { return error_of(request_of(text)); }
 
-std::string error_of(const std::string& text) { return error_of(request(text)); }
-
-void expect_mentions(const std::string& message, const std::vector<std::string>& words) {
-  for (const std::string& word : words) {
-    EXPECT_NE(message.find(word), std::string::npos) << "'" << word << "' is not in: " << message;
-  }
+void expect_one_line(const std::string& message, const std::vector<std::string>& words) {
+  expect_mentions(message, words);
   EXPECT_EQ(message.find('\n'), std::string::npos) << message;
 }
 
 TEST(ReadScene, SceneOverwritesItsPreset) {
-  const Scene scene = read_scene(request(std::string("preset = \"soft\"\n") + bones_and_muscle +
-                                         "[loop]\nframes = 7\n[effects.edge_length]\nvisits_per_edge = 2\n"));
+  const Scene scene = read_scene(request_of(std::string("preset = \"soft\"\n") + bones_and_muscle +
+                                            "[loop]\nframes = 7\n[effects.edge_length]\nvisits_per_edge = 2\n"));
   EXPECT_EQ(scene.loop.frames, 7);
   EXPECT_EQ(scene.loop.substeps, 4);
   ASSERT_EQ(scene.effects.size(), 2U);
@@ -82,7 +72,7 @@ TEST(ReadScene, SceneOverwritesItsPreset) {
 }
 
 TEST(ReadScene, BonesAreNumberedCoherentlyWhateverOrderAFileHas) {
-  SceneRequest stirred = request(std::string("preset = \"soft\"\n") + bones_and_muscle);
+  SceneRequest stirred = request_of(std::string("preset = \"soft\"\n") + bones_and_muscle);
   stirred.synthetic_mesh = [read = stirred.synthetic_mesh](const std::string& name) {
     TriangleMesh mesh = read(name);
     std::vector<Triangle> triangles;
@@ -104,13 +94,13 @@ TEST(ReadScene, BonesAreNumberedCoherentlyWhateverOrderAFileHas) {
 
 TEST(ReadScene, AnEffectThatTheSceneTakesAwayDoesNotExist) {
   const Scene scene =
-      read_scene(request(std::string("preset = \"soft\"\n") + bones_and_muscle + "[effects]\ngravity = false\n"));
+      read_scene(request_of(std::string("preset = \"soft\"\n") + bones_and_muscle + "[effects]\ngravity = false\n"));
   ASSERT_EQ(scene.effects.size(), 1U);
   EXPECT_EQ(scene.effects[0].name, "edge_length");
 }
 
 TEST(ReadScene, TheMotionGoesThereAndBack) {
-  const Scene scene = read_scene(request(std::string("preset = \"soft\"\n") + bones_and_muscle));
+  const Scene scene = read_scene(request_of(std::string("preset = \"soft\"\n") + bones_and_muscle));
   EXPECT_NEAR(scene.angle_rad(0), 0, 1e-15);
   EXPECT_NEAR(scene.angle_rad(5), std::numbers::pi / 2, 1e-15);
   EXPECT_NEAR(scene.angle_rad(2.5), std::numbers::pi / 4, 1e-15);
@@ -121,40 +111,40 @@ TEST(ReadScene, TheMotionGoesThereAndBack) {
 }
 
 TEST(ReadScene, NamesFileLineKeyAndNearestKnownKey) {
-  expect_mentions(error_of(std::string(bones_and_muscle) + "[loop]\nframse = 3\n"), {"test.toml:", "frames", "framse"});
-  expect_mentions(error_of(std::string(bones_and_muscle) + "[effects.bendin]\n"), {"test.toml:", "bendin", "bending"});
-  expect_mentions(error_of(std::string(bones_and_muscle) + "[effects.volume]\npresure = 1\n"),
+  expect_one_line(error_of(std::string(bones_and_muscle) + "[loop]\nframse = 3\n"), {"test.toml:", "frames", "framse"});
+  expect_one_line(error_of(std::string(bones_and_muscle) + "[effects.bendin]\n"), {"test.toml:", "bendin", "bending"});
+  expect_one_line(error_of(std::string(bones_and_muscle) + "[effects.volume]\npresure = 1\n"),
                   {"test.toml:", "effects.volume", "presure", "pressure"});
-  expect_mentions(error_of(std::string("titel = \"x\"\n") + bones_and_muscle), {"test.toml:1", "titel", "title"});
-  expect_mentions(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n[bone.motion]\naxes = [1, 0, 0]\n"),
+  expect_one_line(error_of(std::string("titel = \"x\"\n") + bones_and_muscle), {"test.toml:1", "titel", "title"});
+  expect_one_line(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n[bone.motion]\naxes = [1, 0, 0]\n"),
                   {"test.toml:5", "axes", "axis"});
 }
 
 TEST(ReadScene, RefusesValuesOutOfRangeAndOfTheWrongKind) {
-  expect_mentions(error_of(std::string(bones_and_muscle) + "[loop]\nframes = 0\n"), {"frames", "0", "1"});
-  expect_mentions(error_of(std::string(bones_and_muscle) + "[loop]\ntime_step_s = nan\n"), {"time_step_s", "nan"});
-  expect_mentions(error_of(std::string(bones_and_muscle) + "[loop]\nsubsteps = \"many\"\n"),
+  expect_one_line(error_of(std::string(bones_and_muscle) + "[loop]\nframes = 0\n"), {"frames", "0", "1"});
+  expect_one_line(error_of(std::string(bones_and_muscle) + "[loop]\ntime_step_s = nan\n"), {"time_step_s", "nan"});
+  expect_one_line(error_of(std::string(bones_and_muscle) + "[loop]\nsubsteps = \"many\"\n"),
                   {"substeps", "whole number"});
-  expect_mentions(error_of(std::string(bones_and_muscle) + "[loop]\nbone_motion = \"jumpy\"\n"),
+  expect_one_line(error_of(std::string(bones_and_muscle) + "[loop]\nbone_motion = \"jumpy\"\n"),
                   {"bone_motion", "jumpy", "per_frame"});
-  expect_mentions(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n[bone.motion]\naxis = [0, 0, 0]\n"
+  expect_one_line(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n[bone.motion]\naxis = [0, 0, 0]\n"
                            "centre_m = [0, 0, 0]\nfrom_deg = 0\nto_deg = 1\n"),
                   {"axis", "no length"});
-  expect_mentions(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n[bone.motion]\naxis = [0, inf, 0]\n"),
+  expect_one_line(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n[bone.motion]\naxis = [0, inf, 0]\n"),
                   {"axis", "finite"});
 }
 
 TEST(ReadScene, RefusesWhatIsMissingOrTwice) {
-  expect_mentions(error_of("title = \"empty\"\n"), {"bone", "missing"});
-  expect_mentions(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n"), {"muscle", "missing"});
-  expect_mentions(error_of("[[bone]]\nname = \"b\"\n"), {"mesh", "missing"});
-  expect_mentions(error_of("this is not TOML"), {"test.toml:1", "TOML"});
-  expect_mentions(error_of("preset = \"hard\"\n"), {"preset"});
-  expect_mentions(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n[[bone]]\nname = \"b\"\n"
+  expect_one_line(error_of("title = \"empty\"\n"), {"bone", "missing"});
+  expect_one_line(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n"), {"muscle", "missing"});
+  expect_one_line(error_of("[[bone]]\nname = \"b\"\n"), {"mesh", "missing"});
+  expect_one_line(error_of("this is not TOML"), {"test.toml:1", "TOML"});
+  expect_one_line(error_of("preset = \"hard\"\n"), {"preset"});
+  expect_one_line(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n[[bone]]\nname = \"b\"\n"
                            "mesh = \"synthetic:box\"\n"),
                   {"earlier bone"});
-  expect_mentions(error_of("[[bone]]\nname = \"b\"\nmesh = \"${data}/x.ply\"\n"), {"--data", "MUSCLEBENCH_DATA"});
-  expect_mentions(error_of("[[bone]]\nname = \"b\"\nmesh = \"no/such/file.ply\"\n"), {"test.toml:3", "file.ply"});
+  expect_one_line(error_of("[[bone]]\nname = \"b\"\nmesh = \"${data}/x.ply\"\n"), {"--data", "MUSCLEBENCH_DATA"});
+  expect_one_line(error_of("[[bone]]\nname = \"b\"\nmesh = \"no/such/file.ply\"\n"), {"test.toml:3", "file.ply"});
 }
 
 TEST(ReadScene, AttachmentsBindTheNodesOverTheirArea) {
@@ -165,7 +155,7 @@ bone = "box"
 outline_m = [[-0.02, -0.03, 0.01], [0.02, -0.03, 0.01], [0.02, 0.03, 0.01], [-0.02, 0.03, 0.01]]
 distance_m = 0.004
 )";
-  const Scene scene = read_scene(request(std::string(bones_and_muscle) + area));
+  const Scene scene = read_scene(request_of(std::string(bones_and_muscle) + area));
   const auto& vertices = scene.muscle.mesh.vertices;
   std::vector<int> expected;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -176,17 +166,17 @@ distance_m = 0.004
   EXPECT_GT(expected.size(), 5U);
   EXPECT_EQ(scene.attachments.front().nodes, expected);
   EXPECT_TRUE(scene_warnings(scene).size() >= 1);  // attachments without the effect
-  expect_mentions(error_of(std::string(bones_and_muscle) + "[[attachment]]\nname = \"a\"\nbone = \"bx\"\n"),
+  expect_one_line(error_of(std::string(bones_and_muscle) + "[[attachment]]\nname = \"a\"\nbone = \"bx\"\n"),
                   {"bx", "box"});
-  expect_mentions(error_of(std::string(bones_and_muscle) +
+  expect_one_line(error_of(std::string(bones_and_muscle) +
                            "[[attachment]]\nname = \"a\"\nbone = \"box\"\noutline_m = [[0,0,0]]\ndistance_m = 1\n"),
                   {"three points"});
 }
 
 TEST(ReadScene, FirstContactNeedsNoAreas) {
-  const Scene scene = read_scene(request("attachment = \"first_contact\"\n" + std::string(bones_and_muscle)));
+  const Scene scene = read_scene(request_of("attachment = \"first_contact\"\n" + std::string(bones_and_muscle)));
   EXPECT_TRUE(scene.attach_at_first_contact);
-  expect_mentions(error_of("attachment = \"glue\"\n" + std::string(bones_and_muscle)), {"first_contact"});
+  expect_one_line(error_of("attachment = \"glue\"\n" + std::string(bones_and_muscle)), {"first_contact"});
 }
 
 TEST(Fibres, FollowTheMuscleFromOriginToInsertion) {
@@ -286,12 +276,12 @@ TEST_F(MotionTableFile, RadiansBecomeDegrees) {
 }
 
 TEST_F(MotionTableFile, RefusesDamage) {
-  expect_mentions(error_of_table("endheader\ntime\thipp\n0 1\n1 2\n"), {":2", "hipp"});
-  expect_mentions(error_of_table("endheader\ntime\thip\n0 1\n1 nan\n"), {":4", "nan"});
-  expect_mentions(error_of_table("endheader\ntime\thip\n0 1\n0 2\n"), {":4", "ascend"});
-  expect_mentions(error_of_table("endheader\ntime\thip\n0 1\n1\n"), {":4", "values"});
-  expect_mentions(error_of_table("endheader\ntime\thip\n0 1\n"), {"two rows"});
-  expect_mentions(error_of_table(""), {"two rows"});
+  expect_one_line(error_of_table("endheader\ntime\thipp\n0 1\n1 2\n"), {":2", "hipp"});
+  expect_one_line(error_of_table("endheader\ntime\thip\n0 1\n1 nan\n"), {":4", "nan"});
+  expect_one_line(error_of_table("endheader\ntime\thip\n0 1\n0 2\n"), {":4", "ascend"});
+  expect_one_line(error_of_table("endheader\ntime\thip\n0 1\n1\n"), {":4", "values"});
+  expect_one_line(error_of_table("endheader\ntime\thip\n0 1\n"), {"two rows"});
+  expect_one_line(error_of_table(""), {"two rows"});
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ TEST(OctreePolynomial, HasTheValueAndTheSlopesOfItsTerms) {
 
 template <std::size_t terms>
 void find_polynomial() {
-  constexpr double half_edge_m = 0.004;
+  constexpr double fit_half_edge_m = 0.004;
   RandomNumbers random(terms);
   PolynomialFit wanted;
   for (std::size_t term = 0; term < terms; ++term) {
@@ -63,33 +63,33 @@ void find_polynomial() {
   for (std::size_t s = 0; s < cell_samples; ++s) {
     Vec3 gradient;
     const double value = evaluate_polynomial<true>(wanted.coefficients.data(), sample_position(s), gradient);
-    gradient /= half_edge_m;
+    gradient /= fit_half_edge_m;
     samples[s] = {
         value, {static_cast<float>(gradient[0]), static_cast<float>(gradient[1]), static_cast<float>(gradient[2])}, 0};
   }
   const PolynomialFitter<terms> fitter;
-  PolynomialFit found = fitter.fit(samples, half_edge_m);
+  PolynomialFit found = fitter.fit(samples, fit_half_edge_m);
   for (std::size_t term = 0; term < cubic_terms; ++term) {
     EXPECT_NEAR(found.coefficients[term], wanted.coefficients[term], 1e-6) << term;
   }
-  const CellErrors errors_m = fitter.measure(samples, half_edge_m, found);
+  const CellErrors errors_m = fitter.measure(samples, fit_half_edge_m, found);
   EXPECT_LT(*std::max_element(errors_m.begin(), errors_m.end()), 2e-6);
   EXPECT_NEAR(found.excess_m, 0, 5e-6);
   samples[30].value_m += 1;
-  EXPECT_NEAR(fitter.measure(samples, half_edge_m, found)[30], 1, 2e-6) << "an octant's middle counts";
+  EXPECT_NEAR(fitter.measure(samples, fit_half_edge_m, found)[30], 1, 2e-6) << "an octant's middle counts";
   EXPECT_NEAR(found.excess_m, 0, 5e-6) << "too low is no excess";
-  EXPECT_GT(fitter.fit(samples, half_edge_m).coefficients[0], found.coefficients[0] + 1e-3);
+  EXPECT_GT(fitter.fit(samples, fit_half_edge_m).coefficients[0], found.coefficients[0] + 1e-3);
   samples[30].value_m -= 2;
-  (void)fitter.measure(samples, half_edge_m, found);
+  (void)fitter.measure(samples, fit_half_edge_m, found);
   EXPECT_NEAR(found.excess_m, 1, 5e-6);
   PolynomialFit negative = found;
   negative.coefficients[0] -= 10;
-  (void)fitter.measure(samples, half_edge_m, negative);
+  (void)fitter.measure(samples, fit_half_edge_m, negative);
   EXPECT_EQ(negative.excess_m, 0) << "where it is negative";
   for (std::size_t s = lattice_samples; s < cell_samples; ++s) {
     samples[s].triangle = -1;
   }
-  const PolynomialFit by_lattice = fitter.fit(samples, half_edge_m);
+  const PolynomialFit by_lattice = fitter.fit(samples, fit_half_edge_m);
   for (std::size_t term = 0; term < cubic_terms; ++term) {
     EXPECT_NEAR(by_lattice.coefficients[term], wanted.coefficients[term], 1e-6) << "of what is not known, " << term;
   }

@@ -19,8 +19,6 @@
 namespace musclebench {
 namespace {
 
-constexpr auto double_precision = FieldPrecision::double_precision;
-
 std::string refusal(const CubicField& field, const TriangleMesh& mesh, const SignedSurface& surface) {
   try {
     require_field_of(field, mesh, surface, "femur", "fields/femur.cdf");
@@ -45,7 +43,7 @@ void expect_refusal(const std::string& words, const CubicField& field, const Rep
 
 RepairedMesh box_of(const Vec3& half_edges) { return {make_box(half_edges, 3), true, {}}; }
 
-CubicField field_of(const RepairedMesh& bone, int cells, FieldPrecision precision = double_precision) {
+CubicField field_of(const RepairedMesh& bone, int cells, FieldPrecision precision = FieldPrecision::double_precision) {
   return build_field(SignedSurface(bone), grid_over(bone.mesh, {.cells = cells}, "bone"), precision, 2);
 }
 
@@ -111,7 +109,7 @@ TEST(ForeignField, IsAcceptedAsWeWouldBuildIt) {
        {box_of({0.05, 0.03, 0.02}), box_with_fin(), RepairedMesh{make_capsule(0.02, 0.2, 24), true, {}},
         RepairedMesh{open, false, {}}}) {
     for (const int cells : {1, 2, 7, 24}) {
-      for (const FieldPrecision precision : {double_precision, FieldPrecision::single_precision}) {
+      for (const FieldPrecision precision : {FieldPrecision::double_precision, FieldPrecision::single_precision}) {
         EXPECT_EQ(refusal(field_of(bone, cells, precision), bone), "accepted") << cells;
       }
     }
@@ -119,7 +117,7 @@ TEST(ForeignField, IsAcceptedAsWeWouldBuildIt) {
       continue;  // the sign changes across a hole without a surface, by more than compact values can
     }
     const CubicField compact = field_of(bone, 16, FieldPrecision::compact);
-    CubicField copy(compact.shape(), double_precision);
+    CubicField copy(compact.shape(), FieldPrecision::double_precision);
     for_each_node(copy.shape(), [&](std::size_t offset, const Vec3&) { copy.store(offset, compact.stored(offset)); });
     EXPECT_EQ(refusal(copy, bone), "accepted");
   }
@@ -195,7 +193,7 @@ TEST(ForeignField, OfRealBonesIsTold) {
     const RepairedMesh bone = repair_mesh(as_shipped, file);
     const SignedSurface surface(bone);
     CubicField field = build_field(SignedSurface({as_shipped, false, {}}), grid_over(as_shipped, {.cells = 24}, "bone"),
-                                   double_precision, 2);
+                                   FieldPrecision::double_precision, 2);
     EXPECT_EQ(refusal(field, bone.mesh, surface), "accepted") << file;
     get_signs_wrong(field, bone.mesh, surface);
     EXPECT_EQ(refusal(field, bone.mesh, surface), "accepted") << file;
