@@ -11,6 +11,7 @@
 #include "bench/results/build_info.hpp"
 #include "core/base/input_error.hpp"
 
+// NOLINTNEXTLINE(bugprone-exception-escape): it escapes only where the complaint itself cannot be printed.
 int main(int argc, char** argv) {
   using namespace musclebench;
   // A file that outgrows the limit (ulimit -f) is a failed write with its line, not the end at once.

@@ -72,8 +72,8 @@ VoxelGrid::VoxelGrid(const TriangleMesh& surface, const TriangleBvh& tree, int c
 
 void VoxelGrid::size_cells(const TriangleMesh& surface, int cells, double voxel_size_m) {
   const Eigen::AlignedBox3d box = bounding_box(surface.vertices);
-  const Vec3 lower = box.min();
-  const Vec3 upper = box.max();
+  const Vec3& lower = box.min();
+  const Vec3& upper = box.max();
   // Padded, so that rounding puts no point of the surface outside the grid and a flat bone has cells of positive size.
   const Vec3 padding = Vec3::Constant(1e-9 * (upper - lower).norm()) +
                        4 * std::numeric_limits<double>::epsilon() * lower.cwiseAbs().cwiseMax(upper.cwiseAbs());

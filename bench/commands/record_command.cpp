@@ -79,7 +79,7 @@ std::string write_frames(Simulation& simulation, const Scene& scene, RecordingWr
   StepWriter steps(writer);
   for (int frame = 1; frame <= scene.loop.frames; ++frame) {
     simulation.step_frame(frame, &steps);
-    const std::string lost = divergence.describe(frame, simulation.particles().positions);
+    std::string lost = divergence.describe(frame, simulation.particles().positions);
     if (!lost.empty()) {
       return lost;
     }

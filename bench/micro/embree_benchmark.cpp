@@ -296,7 +296,7 @@ int register_and_run(int argc, char** argv) {
       return 1;
     }
     const auto add = [&place = name, &of = points](const std::string& what, auto function) {
-      benchmark::RegisterBenchmark((what + "/" + place).c_str(),
+      benchmark::RegisterBenchmark(std::string(what).append("/").append(place).c_str(),
                                    [function, &of](benchmark::State& state) { function(state, of); });
     };
     add("embree", embree_closest);

@@ -17,7 +17,7 @@ std::string differing_key(const Json& mine, const Json& theirs) {
     if (!theirs.contains(key) || theirs[key] == value) {
       continue;
     }
-    const std::string inner = value.is_object() && theirs[key].is_object() ? differing_key(value, theirs[key]) : key;
+    std::string inner = value.is_object() && theirs[key].is_object() ? differing_key(value, theirs[key]) : key;
     if (!inner.empty()) {
       return inner;
     }

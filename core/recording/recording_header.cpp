@@ -106,7 +106,7 @@ std::string text_of(const RecordingHeader& header) {
 
 RecordingHeader header_of(std::string_view text, std::string_view place) {
   try {
-    const RecordingHeader header = header_of(Json::parse(text));
+    RecordingHeader header = header_of(Json::parse(text));
     if (is_consistent(header)) {
       return header;
     }

@@ -62,7 +62,7 @@ FieldHeader header_of(const GridShape& shape, const FieldSettings& settings, con
 }
 
 std::string first_difference(const FieldHeader& found, const FieldHeader& wanted) {
-  if (const std::string mark = first_difference(found.mark, wanted.mark, "a field file"); !mark.empty()) {
+  if (std::string mark = first_difference(found.mark, wanted.mark, "a field file"); !mark.empty()) {
     return mark;
   }
   if (found.bytes_per_value != wanted.bytes_per_value) {

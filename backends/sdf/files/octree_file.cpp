@@ -51,7 +51,7 @@ OctreeHeader header_of(const std::string& digest, const OctreeSettings& settings
 }
 
 std::string first_difference(const OctreeHeader& found, const OctreeHeader& wanted) {
-  if (const std::string mark = first_difference(found.mark, wanted.mark, "an adaptive field's file"); !mark.empty()) {
+  if (std::string mark = first_difference(found.mark, wanted.mark, "an adaptive field's file"); !mark.empty()) {
     return mark;
   }
   if (found.surface != wanted.surface) {

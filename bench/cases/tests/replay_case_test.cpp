@@ -76,7 +76,7 @@ class ReplayOfKeptFrames : public testing::Test {
     replay.judge = false;
     replay.stride = stride;
     replay.warm_up_frames = warm_up_frames;
-    const ReplayResult result = replay_case(replay, m_frames, [](int /*done*/) {});
+    ReplayResult result = replay_case(replay, m_frames, [](int /*done*/) {});
     EXPECT_EQ(result.status, "ok");
     return result;
   }

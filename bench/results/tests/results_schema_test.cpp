@@ -43,7 +43,8 @@ void add_paths(const Json& json, const std::string& path, std::set<std::string>&
   } else if (json.is_array()) {
     for (const Json& element : json) add_paths(element, path + "[]", paths);
   } else if (json.is_object()) {
-    for (const auto& [key, value] : json.items()) add_paths(value, path.empty() ? key : path + "." + key, paths);
+    for (const auto& [key, value] : json.items())
+      add_paths(value, path.empty() ? key : std::string(path).append(".").append(key), paths);
   } else {
     paths.insert(path);
   }

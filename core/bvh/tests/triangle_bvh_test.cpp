@@ -120,6 +120,7 @@ struct HardCase {
   std::vector<Vec3> points;
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name.
 void PrintTo(const HardCase& hard, std::ostream* out) { *out << hard.name; }
 
 /// Slivers of all widths between two powers of ten, so close together that several are nearly the closest.

@@ -110,7 +110,7 @@ double sampled_depth(const TriangleMesh& bone, const std::vector<Vec3>& position
                      const std::vector<Triangle>& triangles, double spacing_m) {
   double deepest = 0;
   for (const Triangle& t : triangles) {
-    const Vec3 a = positions[static_cast<std::size_t>(t[0])];
+    const Vec3& a = positions[static_cast<std::size_t>(t[0])];
     const Vec3 ab = positions[static_cast<std::size_t>(t[1])] - a;
     const Vec3 ac = positions[static_cast<std::size_t>(t[2])] - a;
     const int n = 1 + static_cast<int>(std::max({ab.norm(), ac.norm(), (ab - ac).norm()}) / spacing_m);

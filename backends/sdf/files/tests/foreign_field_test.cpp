@@ -23,7 +23,7 @@ std::string refusal(const CubicField& field, const TriangleMesh& mesh, const Sig
   try {
     require_field_of(field, mesh, surface, "femur", "fields/femur.cdf");
   } catch (const InputError& error) {
-    const std::string line = error.what();
+    std::string line = error.what();
     EXPECT_EQ(line.find("fields/femur.cdf: "), 0U) << line;
     EXPECT_EQ(line.find('\n'), std::string::npos) << line;
     EXPECT_NE(line.find("leave out `discregrid`"), std::string::npos) << line;
