@@ -16,6 +16,11 @@ set(warnings -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-v
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict -Wno-stringop-overflow>
   $<$<BOOL:${MUSCLEBENCH_WERROR}>:-Werror>)
 target_compile_options(musclebench_settings INTERFACE "$<BUILD_INTERFACE:${warnings}>")
+option(MUSCLEBENCH_ONE_SIMD_TARGET "Compile SIMD kernels for SSE4 only, which every CPU has: for checks, not for timing" OFF)
+if(MUSCLEBENCH_ONE_SIMD_TARGET)
+  target_compile_definitions(musclebench_settings INTERFACE HWY_COMPILE_ONLY_STATIC)
+  target_compile_options(musclebench_settings INTERFACE -march=x86-64-v2 -maes -mpclmul)
+endif()
 if(MUSCLEBENCH_SANITIZE)
   target_compile_options(musclebench_settings INTERFACE
     -fsanitize=${MUSCLEBENCH_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)

@@ -38,13 +38,12 @@ def test_the_program_takes_every_configuration(tmp_path):
 
 
 @pytest.mark.parametrize("backend", fake_registry.registry().names)
-def test_what_the_program_does_by_default_needs_no_words_in_a_figure(tmp_path, backend):
-    done = call("run", "synthetic/adductor_brevis", "--backend", backend, "--frames", 2, "--no-referee",
-                "--out", tmp_path / "out")
+def test_what_the_program_does_by_default_needs_no_words_in_a_figure(folder, backend):
+    done = call("run", folder / "scene.toml", "--backend", backend, "--no-referee", "--out", folder / "out")
     if "is not a backend of this build" in done.stderr:
         pytest.skip(done.stderr)
     assert done.returncode == 0, done.stderr
-    case = json.loads((tmp_path / "out" / "run.json").read_text())["case"]
+    case = json.loads((folder / "out" / "run.json").read_text())["case"]
     assert configuration(registry().backend(backend), case["parameters"]).is_default
 
 
