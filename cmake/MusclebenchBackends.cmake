@@ -5,7 +5,11 @@
 # namespace musclebench; a study.toml in the folder says what studies sweep and what `advise` may try.
 function(musclebench_backend name)
   musclebench_library(musclebench_backend_${name} ${ARGN})
-  file(GLOB study CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/study.toml")
+  set(study "${CMAKE_CURRENT_SOURCE_DIR}/study.toml")
+  if(NOT EXISTS "${study}")
+    set(study "")
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}")
+  endif()
   set_target_properties(musclebench_backend_${name} PROPERTIES MUSCLEBENCH_STUDY "${study}")
 endfunction()
 

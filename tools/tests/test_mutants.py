@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from musclebench.mutants.campaign import Campaign, summary
 from musclebench.mutants.faults import Fault, FaultListError, problems_of, read_faults
-from musclebench.mutants.scratch_build import BuildFailed, ProgramRun, nearest_first
+from musclebench.mutants.scratch_build import BuildFailed, ProgramRun, ScratchBuild, nearest_first
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 SOURCE = "int three() { return 3; }\nint four() { return 4; }\n"
@@ -93,6 +93,44 @@ def test_a_broken_list_is_told_in_one_line(tmp_path, text, word):
     path.write_text(text)
     with pytest.raises(FaultListError, match=word):
         read_faults(path)
+
+
+CMAKE_LISTS = """
+cmake_minimum_required(VERSION 3.25)
+project(numbers LANGUAGES CXX)
+add_library(numbers STATIC core/numbers.cpp)
+add_executable(near_tests near.cpp)
+target_link_libraries(near_tests PRIVATE numbers)
+add_executable(far_tests far.cpp)
+"""
+
+
+@pytest.fixture
+def real_build(root, tmp_path):
+    """The checkout as a CMake project of two test programs, one of which links the source file."""
+    (root / "CMakeLists.txt").write_text(CMAKE_LISTS)
+    (root / "near.cpp").write_text("int three();\nint main() { return three() == 3 ? 0 : 1; }\n")
+    (root / "far.cpp").write_text("int main() { return 0; }\n")
+    return ScratchBuild(root, tmp_path / "build", jobs=2)
+
+
+def test_a_real_build_tells_what_a_change_reaches_and_who_sees_it(root, tmp_path, real_build):
+    campaign = Campaign(root, tmp_path / "scratch", ScratchBuild(tmp_path / "scratch/tree", tmp_path / "build", jobs=2))
+    campaign.prepare()
+    seen, missed = fault(), fault("four", "return 4;", "return 5;")
+    campaign.judge_all([seen, missed])
+    assert campaign.verdict(seen).outcome == "seen"
+    assert campaign.verdict(seen).detail == "near_tests: exit code 1"
+    assert (campaign.verdict(missed).outcome, campaign.verdict(missed).detail) == ("survived", "")
+
+
+def test_a_build_that_configures_anew_each_time_is_no_judge(root, real_build):
+    with (root / "CMakeLists.txt").open("a") as lists:
+        lists.write('file(GLOB found CONFIGURE_DEPENDS "core/*.cpp")\n')
+    real_build.configure()
+    real_build.build(real_build.programs())
+    with pytest.raises(BuildFailed, match="CONFIGURE_DEPENDS"):
+        real_build.stale(real_build.programs())
 
 
 def test_programs_near_the_file_come_first():

@@ -48,7 +48,10 @@ class ScratchBuild:
 
     def stale(self, programs: list[str]) -> list[str]:
         """Those that a build would link anew: what a change of a source or a header reaches."""
-        lines = self._ninja("-n", *programs).stdout.splitlines()
+        output = self._ninja("-n", *programs).stdout
+        if "Re-running CMake" in output:  # a dry run ends there and tells nothing of what follows
+            raise BuildFailed("the build wants to be configured anew each time; a glob with CONFIGURE_DEPENDS does that")
+        lines = output.splitlines()
         linked = {match[1] for line in lines if (match := LINKED.search(line))}
         return [program for program in programs if program in linked]
 
