@@ -1,6 +1,7 @@
 """Pages quote nothing that was not measured, and say what measured tables say; publishing rehearsed from end to end."""
 
 import json
+import math
 import re
 import shutil
 import subprocess
@@ -30,7 +31,8 @@ def small(tmp_path) -> Measured:
     """A study of two muscles and two backends."""
     folder = tmp_path / "measured" / "paper-lhdl"
     folder.mkdir(parents=True)
-    rows = [("iliacus", "voxel", 1.0, 0.2), ("iliacus", "fcl", 361.2, 70.0), ("gluteus_medius", "fcl", 689.0, 48.0)]
+    rows = [("iliacus", "voxel", 1.0, 0.2), ("iliacus", "fcl", 361.2, 70.0), ("gluteus_medius", "fcl", 689.0, 48.0),
+            ("gluteus_medius", "null", math.nan, 0.0)]
     pd.DataFrame(rows, columns=["muscle", "backend", "ratio", "collision_ms"]).to_csv(
         folder / "table_2_times.csv", index=False)
     source = {"command": "tools/paper", "commit": "abc1234", "machine": "A processor", "build": "g++",
@@ -116,10 +118,15 @@ def test_tables_are_written_with_their_source_and_stay(small):
     assert written(new, small, "page.md") == new
 
 
+def test_null_is_a_backend_and_no_missing_value(small):
+    new = written("<!-- generated: times paper-lhdl muscle=gluteus_medius -->\n<!-- end -->\n", small, "page.md")
+    assert "| gluteus medius | null | 0.000 | - |" in new
+
+
 def test_a_disturbed_run_is_marked_and_still_found(small):
     path = small.folder / "paper-lhdl" / "table_2_times.csv"
-    rows = pd.read_csv(path).assign(status=["ok", "ok *", "ok"])
-    rows.assign(configuration=rows["backend"] + [" *", "", ""]).to_csv(path, index=False)
+    rows = pd.read_csv(path, keep_default_na=False).assign(status=["ok", "ok *", "ok", "ok"])
+    rows.assign(configuration=rows["backend"] + [" *", "", "", ""]).to_csv(path, index=False)
     assert "| iliacus | fcl * |" in block(small, "times paper-lhdl")
     assert value_text(small, "paper-lhdl/table_2_times[configuration=voxel].ratio") == "1.00"
 

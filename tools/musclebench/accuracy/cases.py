@@ -106,7 +106,7 @@ def _read_probe(path: Path) -> pd.DataFrame:
     if not path.is_file() or path.stat().st_size == 0:
         return pd.DataFrame(columns=PROBE_COLUMNS)
     try:
-        rows = pd.read_csv(path)
+        rows = pd.read_csv(path, keep_default_na=False, na_values=[""])
     except ValueError as problem:
         raise ResultProblem(f"{path}: not a table of errors ({problem}); run the case again") from None
     missing = [column for column in PROBE_COLUMNS if column not in rows.columns]

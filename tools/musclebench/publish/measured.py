@@ -62,8 +62,8 @@ class Measured:
     def table(self, name: str) -> pd.DataFrame:
         if name not in self._tables:
             path = self.folder / f"{name}.csv"
-            try:
-                self._tables[name] = pd.read_csv(path)
+            try:  # `null` is a backend
+                self._tables[name] = pd.read_csv(path, keep_default_na=False, na_values=[""])
             except (OSError, ValueError) as problem:
                 raise Problem(f"{path}: can't be read ({problem}); tools/publish writes it") from None
         return self._tables[name]
@@ -100,7 +100,7 @@ def _unit(study_csv: Path) -> str:
     """What takes exactly its own time."""
     if not study_csv.is_file():
         return ""
-    rows = pd.read_csv(study_csv)
+    rows = pd.read_csv(study_csv, keep_default_na=False, na_values=[""])
     return next(iter(rows.loc[rows["times_unit"] == 1.0, "configuration"]), "") if "times_unit" in rows else ""
 
 
