@@ -12,7 +12,7 @@ class BvhBackend final : public CollisionBackend {
   explicit BvhBackend(bool clearance_cache) : m_uses_cache(clearance_cache) {}
 
   [[nodiscard]] Capabilities capabilities() const override {
-    return {.remembers = m_uses_cache, .steady_memory = true};
+    return {.has_cache = m_uses_cache, .steady_memory = true};
   }
   [[nodiscard]] AnswerBound answer_bound(int bone) const override {
     return {m_surfaces[static_cast<std::size_t>(bone)].touching_m(), 0};
@@ -31,7 +31,7 @@ class BvhBackend final : public CollisionBackend {
     m_surfaces.clear();
     m_surfaces.reserve(bones().size());
     for (const Bone& bone : bones()) {
-      m_surfaces.emplace_back(bone.surface, threads());
+      m_surfaces.emplace_back(bone, threads());
     }
     m_query.reset(bones(), m_surfaces, muscle().vertices.size(), m_uses_cache, threads());
   }
@@ -59,7 +59,7 @@ BackendEntry bvh_entry() {
           .parameters = {clearance_cache_parameter()},
           .make = make_bvh_backend,
           .signed_distance = [](const Bone& bone, int threads) -> SignedDistance {
-            const auto surface = std::make_shared<const ExactSurface>(bone.surface, threads);
+            const auto surface = std::make_shared<const ExactSurface>(bone, threads);
             return [surface](const Vec3& point) { return surface->signed_distance_m(point); };
           }};
 }

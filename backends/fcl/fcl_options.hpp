@@ -15,8 +15,8 @@ enum class Query { surfaces, node_distance, node_collide };
 /// built at rest, or a new tree.
 enum class TreeUpdate { refit, refit_top_down, rebuild };
 
-/// Which of FCL's two ways gives the model its new vertices: `replace` forgets the old ones, `update` keeps them and
-/// makes each volume enclose old and new (meant for continuous collision; slower, and the answers are the same).
+/// Which of FCL's two functions gives the model its new vertices: `replace` forgets the old ones, `update` keeps them
+/// and makes each volume enclose old and new (meant for continuous collision; slower, and the answers are the same).
 enum class VertexUpdate { replace, update };
 
 /// What finds the objects whose boxes overlap; `none`: every object meets every other.

@@ -49,7 +49,7 @@ struct NodeQueries::Implementation {
         structure_bytes += model_bytes(*model);
         models.push_back(std::move(model));
       });
-      structure_bytes += surfaces.emplace_back(options, bone.surface, models.back()).bytes();
+      structure_bytes += surfaces.emplace_back(options, bone, models.back()).bytes();
     }
     objects = std::make_unique<BoneObjects>(options.broad_phase, std::move(models));
     structure_bytes += objects->bytes();
@@ -61,7 +61,7 @@ struct NodeQueries::Implementation {
   std::vector<RigidMotion> poses;
   std::vector<NodeSurface> surfaces;
   std::unique_ptr<BoneObjects> objects;
-  std::vector<Answer> answers;  ///< by bone, then place in `nodes`
+  std::vector<Answer> answers;  ///< by bone, then by index into `nodes`
   std::size_t structure_bytes = 0;
 };
 

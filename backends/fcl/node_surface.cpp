@@ -37,11 +37,10 @@ fcl::Transform3d at(const Vec3& point) {
 
 }  // namespace
 
-NodeSurface::NodeSurface(const FclOptions& options, const RepairedMesh& surface,
-                         std::shared_ptr<fcl::CollisionGeometryd> model)
-    : m_sides(surface),
-      m_box(bounding_box(surface.mesh.vertices)),
-      m_touching_m(touching_distance_m(surface.mesh)),
+NodeSurface::NodeSurface(const FclOptions& options, const Bone& bone, std::shared_ptr<fcl::CollisionGeometryd> model)
+    : m_sides(bone.kept_signed_distance()),
+      m_box(bounding_box(bone.surface.mesh.vertices)),
+      m_touching_m(touching_distance_m(bone.surface.mesh)),
       m_rounding_m(m_touching_m + rounding_of(m_box)),
       m_model(std::move(model)),
       m_solver(to_fcl(options.narrow_phase)),
@@ -52,7 +51,7 @@ bool NodeSurface::is_outside_box(const Vec3& point) const {
 }
 
 bool NodeSurface::contains(const Vec3& point, const ClosestPoint& closest) const {
-  return closest.distance_m > m_touching_m && m_sides.is_inside(point, closest);
+  return closest.distance_m > m_touching_m && m_sides->is_inside(point, closest);
 }
 
 Vec3 NodeSurface::outward(const Vec3& point, const ClosestPoint& closest) {

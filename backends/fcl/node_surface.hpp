@@ -11,7 +11,7 @@
 #include <fcl/narrowphase/gjk_solver_type.h>
 
 #include "backends/fcl/fcl_options.hpp"
-#include "core/signed_distance/signed_surface.hpp"
+#include "core/contact/bone.hpp"
 
 namespace musclebench {
 
@@ -20,7 +20,7 @@ namespace musclebench {
 /// was asked of FCL to find them. FCL takes a surface for hollow: which side a point is on is SignedSurface's answer.
 class NodeSurface {
  public:
-  NodeSurface(const FclOptions& options, const RepairedMesh& surface, std::shared_ptr<fcl::CollisionGeometryd> model);
+  NodeSurface(const FclOptions& options, const Bone& bone, std::shared_ptr<fcl::CollisionGeometryd> model);
 
   /// Of the bone; then it is in no bone. So is what is not finite.
   [[nodiscard]] bool is_outside_box(const Vec3& point) const;
@@ -43,17 +43,17 @@ class NodeSurface {
   [[nodiscard]] double touching_m() const { return m_touching_m; }
 
   /// Without the model.
-  [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + m_sides.bytes(); }
+  [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + m_sides->bytes(); }
 
  private:
   [[nodiscard]] ClosestOnTriangle closest_on(const Vec3& point, int triangle) const {
-    return m_sides.tree().closest_on(point, triangle);
+    return m_sides->tree().closest_on(point, triangle);
   }
   /// The triangles that a sphere meets, in any order.
   void meet(const Vec3& point, double radius_m, std::vector<int>& triangles) const;
   [[nodiscard]] ClosestPoint closest_of(const Vec3& point, std::span<const int> triangles) const;
 
-  SignedSurface m_sides;
+  std::shared_ptr<const SignedSurface> m_sides;
   Eigen::AlignedBox3d m_box;
   double m_touching_m;
   double m_rounding_m;  ///< what distances that FCL measures and those of `closest_on` differ by

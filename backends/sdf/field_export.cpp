@@ -39,7 +39,7 @@ void require_fit(const Parameters& parameters, const fs::path& out) {
 BuiltStructure build_octree_of(const Bone& bone, const Parameters& parameters, int threads, const ShareReport& report) {
   const OctreeSettings settings = octree_settings(parameters);
   const auto field = std::make_shared<const OctreeField>(
-      build_octree(SignedSurface(bone.surface), bone.surface.mesh, settings, bone.name, threads, report));
+      build_octree(bone.signed_distance(), bone.surface.mesh, settings, bone.name, threads, report));
   const OctreeQuality& quality = field->quality();
   const std::string cells = fmt::format("{} of {:.3g} to {:.3g} mm", field->leaf_count(), quality.finest_edge_m * 1e3,
                                         field->shape().root_edge_m * 1e3);
@@ -62,7 +62,7 @@ BuiltStructure build_grid_of(const Bone& bone, const Parameters& parameters, int
   }
   require_room({&bone, 1}, {&shape, 1}, grid, settings);
   const auto field =
-      std::make_shared<const CubicField>(build_field(SignedSurface(bone.surface), shape, settings, threads, report));
+      std::make_shared<const CubicField>(build_field(bone.signed_distance(), shape, settings, threads, report));
   const FieldError& error = field->facts().error;
   const Vec3 size_mm = shape.cell_size_m * 1e3;
   const std::string cells = fmt::format("{} x {} x {} of {:.3g} x {:.3g} x {:.3g} mm", shape.cells[0], shape.cells[1],

@@ -21,7 +21,7 @@ class SdfBackend final : public CollisionBackend {
       : m_source(std::move(source)), m_wants_cache(wants_cache) {}
 
   [[nodiscard]] Capabilities capabilities() const override {
-    return {.remembers = m_wants_cache, .has_step = true, .steady_memory = true};
+    return {.has_cache = m_wants_cache, .has_step = true, .steady_memory = true};
   }
 
   [[nodiscard]] bool built_from_file() const override {

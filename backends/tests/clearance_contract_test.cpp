@@ -111,7 +111,7 @@ TEST_P(Contract, TheClearanceCacheChangesNoBitOfAMotion) {
                                        {-3e-4, 0, 6e-4});
   expect_that_the_cache_changes_no_bit(entry, {bone(ball_with_a_hole()), bone(overlapping_balls())},
                                        {0.027, -0.006, 0.004}, {-1.1e-3, 0, 0});
-  // As scans have it: far from the rest frame's origin, where a place has fewer digits than a touching distance.
+  // As scans have it: far from the rest frame's origin, where a position has fewer digits than a touching distance.
   std::vector<Bone> far = {bone(shapes[0].mesh), bone(shapes[1].mesh)};
   const Vec3 away(1e4, -2e4, 3e4);
   for (Bone& bone_there : far) {

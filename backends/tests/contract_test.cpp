@@ -134,22 +134,22 @@ TEST_P(Contract, RigidMotionOfEverythingMovesTheAnswer) {
 TEST_P(Contract, PermutedVerticesGiveTheSameSet) {
   const std::vector<Bone> bones = one_bone(analytic_bones()[0]);
   const TriangleMesh mesh = muscle();
-  std::vector<int> new_place = all_nodes(mesh);
-  std::shuffle(new_place.begin(), new_place.end(), std::mt19937(7));
+  std::vector<int> new_index = all_nodes(mesh);
+  std::shuffle(new_index.begin(), new_index.end(), std::mt19937(7));
   TriangleMesh permuted = mesh;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    permuted.vertices[new_place[i]] = mesh.vertices[i];
+    permuted.vertices[new_index[i]] = mesh.vertices[i];
   }
   for (Triangle& triangle : permuted.triangles) {
     for (int& corner : triangle) {
-      corner = new_place[corner];
+      corner = new_index[corner];
     }
   }
   const auto backend = build(GetParam(), bones, mesh);
   const auto backend_permuted = build(GetParam(), bones, permuted);
   Answer expected;
   for (const auto& [bone, node] : keys(ask(*backend, {RigidMotion{}}, mesh.vertices, all_nodes(mesh)))) {
-    expected.insert({bone, new_place[node]});
+    expected.insert({bone, new_index[node]});
   }
   EXPECT_EQ(keys(ask(*backend_permuted, {RigidMotion{}}, permuted.vertices, all_nodes(mesh))), expected);
 }

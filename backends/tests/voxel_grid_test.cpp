@@ -15,12 +15,12 @@ TEST(VoxelGrid, EveryPointInsideIsFlaggedAndFalseOnesAreWithinACell) {
   const double radius = 0.04;
   const TriangleMesh sphere = make_sphere(radius, 4);
   std::mt19937 random(3);
-  std::uniform_real_distribution<double> place(-1.2 * radius, 1.2 * radius);
+  std::uniform_real_distribution<double> coordinate(-1.2 * radius, 1.2 * radius);
   for (const int cells : {1, 2, 7, 32, 64}) {
     const VoxelGrid grid(sphere, cells, 0, "test");
     int false_ones = 0;
     for (int i = 0; i < 20000; ++i) {
-      const Vec3 x(place(random), place(random), place(random));
+      const Vec3 x(coordinate(random), coordinate(random), coordinate(random));
       const double d = x.norm() - radius;
       if (d < -1e-4 * radius - 2e-4 * radius) {
         ASSERT_TRUE(grid.contains(x)) << cells << " " << d;

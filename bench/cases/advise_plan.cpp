@@ -15,7 +15,7 @@ const ParameterSpec& named_parameter(const TomlTable& table, const BackendEntry&
   const std::string name = table.word("parameter");
   const ParameterSpec* spec = find_parameter(backend.parameters, name);
   if (spec == nullptr || !spec->has_range()) {
-    throw InputError(table.place("parameter"), fmt::format("'{}' is no number of the backend", name));
+    throw InputError(table.location("parameter"), fmt::format("'{}' is no number of the backend", name));
   }
   return *spec;
 }
@@ -30,7 +30,7 @@ Refinement read_refinement(const TomlTable& table, const BackendEntry& backend) 
                     table.number("factor", 0.1, 10),
                     table.flag_or("interpolate", false)};
   if (refine.from <= 0 || refine.factor == 1 || (refine.factor > 1) != (refine.to > refine.from)) {
-    throw InputError(table.place("factor"), "does not lead from `from` to `to`, which are above 0");
+    throw InputError(table.location("factor"), "does not lead from `from` to `to`, which are above 0");
   }
   return refine;
 }
@@ -39,7 +39,7 @@ WantedErrorSteps read_wanted_error(const TomlTable& table, const BackendEntry& b
   table.allow_only({"parameter", "factor", "coarsest", "build_order"});
   const ParameterSpec& spec = named_parameter(table, backend);
   if (spec.unit != "m" && spec.unit != "mm") {
-    throw InputError(table.place("parameter"), fmt::format("'{}' is no length in m or mm", spec.name));
+    throw InputError(table.location("parameter"), fmt::format("'{}' is no length in m or mm", spec.name));
   }
   const double per_metre = spec.unit == "mm" ? 1e3 : 1;
   return {spec.name, per_metre, table.number("factor", 1.01, 100),
@@ -48,7 +48,7 @@ WantedErrorSteps read_wanted_error(const TomlTable& table, const BackendEntry& b
 
 Settings checked(const TomlTable& table, const BackendEntry& backend) {
   Settings settings = table.values();
-  const Parameters parameters(backend.parameters, settings, table.place());
+  const Parameters parameters(backend.parameters, settings, table.location());
   (void)backend.make(parameters);  // refuses what does not go together
   return settings;
 }

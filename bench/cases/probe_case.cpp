@@ -34,36 +34,36 @@ std::vector<Vec3> points_about(const TriangleMesh& mesh, const ProbeCase& what) 
 }
 
 /// Gathers the rows of one bone.
-class PlaceErrors {
+class RegionErrors {
  public:
   void add(bool sharp, double signed_distance_m, const Contact* answer, bool has_depth) {
     const bool inside = signed_distance_m < 0;
     const bool reported = answer != nullptr;
-    for (Place* place : {&m_all, sharp ? &m_sharp : &m_smooth}) {
-      ++place->points;
-      place->wrong_side += inside != reported ? 1 : 0;
+    for (Region* region : {&m_all, sharp ? &m_sharp : &m_smooth}) {
+      ++region->points;
+      region->wrong_side += inside != reported ? 1 : 0;
       if (inside || reported) {
-        place->errors_m.push_back(depth_error_m(signed_distance_m, answer, has_depth));
+        region->errors_m.push_back(depth_error_m(signed_distance_m, answer, has_depth));
       }
     }
   }
 
   void append_rows(const std::string& bone, std::vector<ProbeRow>& rows) const {
-    for (const auto& [name, place] : {std::pair("smooth", &m_smooth), {"sharp", &m_sharp}, {"all", &m_all}}) {
-      rows.push_back({bone, name, place->points, static_cast<int>(place->errors_m.size()),
-                      error_statistics(place->errors_m), place->wrong_side});
+    for (const auto& [name, region] : {std::pair("smooth", &m_smooth), {"sharp", &m_sharp}, {"all", &m_all}}) {
+      rows.push_back({bone, name, region->points, static_cast<int>(region->errors_m.size()),
+                      error_statistics(region->errors_m), region->wrong_side});
     }
   }
 
  private:
-  struct Place {
+  struct Region {
     int points = 0;
     int wrong_side = 0;
     std::vector<double> errors_m;
   };
-  Place m_smooth;
-  Place m_sharp;
-  Place m_all;
+  Region m_smooth;
+  Region m_sharp;
+  Region m_all;
 };
 
 /// Of each point the contact with `bone`, or nullptr.
@@ -109,7 +109,7 @@ class Probe {
     const std::vector<const Contact*> answers = answers_about(bone, contacts, points.size());
     const SharpFeatures sharp(of.surface.mesh);
     const bool has_depth = m_backend->capabilities().depth;
-    PlaceErrors errors;
+    RegionErrors errors;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const SurfaceDistance truth = referee.closest(bone, points[i]);
       errors.add(sharp.near(truth.closest_point_m), truth.signed_distance_m, answers[i], has_depth);

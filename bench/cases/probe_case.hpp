@@ -18,7 +18,7 @@ struct ProbeCase : Case {
   double band_m = 2e-3;  ///< the points lie up to this far from the surface
 };
 
-/// What came out at one kind of places of one bone.
+/// What came out at one kind of region of one bone.
 struct ProbeRow {
   std::string bone;
   std::string place;        ///< smooth, sharp (`SharpFeatures`) or all

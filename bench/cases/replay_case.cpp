@@ -91,7 +91,7 @@ class Replayer {
   /// new, so that few are used up in the frame.
   void lead_in(const RecordedStep& step) {
     m_backend->update(step.bone_poses, step.positions);
-    if (m_backend->capabilities().remembers) {
+    if (m_backend->capabilities().has_cache) {
       m_backend->detect(step.positions, m_recording.header().free_nodes, m_unused);
     }
   }

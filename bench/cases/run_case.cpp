@@ -38,6 +38,7 @@ class CaseRunner {
     start(report_build);
     const Nanoseconds start_ns = monotonic_now_ns();
     m_result.machine.before = machine_load();
+    m_result.cpu_before_ns = process_cpu_ns();
     keep_snapshot(0);
     for (int frame = 1; frame <= m_scene.loop.frames && m_result.status == "ok"; ++frame) {
       step(frame);
@@ -49,6 +50,7 @@ class CaseRunner {
     }
     m_result.wall_ns = monotonic_now_ns() - start_ns;
     m_result.machine.after = machine_load();
+    m_result.cpu_after_ns = process_cpu_ns();
     m_result.memory_after_bytes = memory_needed_bytes();
     m_result.memory_peak_bytes = peak_resident_memory_bytes();
     m_result.state_hash = hash_of(m_simulation->particles());

@@ -43,6 +43,8 @@ struct RunResult {
   bool structures_loaded = false;                ///< from a file; built otherwise
   Nanoseconds build_ns = 0;                      ///< building or loading
   Nanoseconds wall_ns = 0;                       ///< from the first frame to the last, with judging
+  Nanoseconds cpu_before_ns = 0;                 ///< of all threads of the process before the first frame
+  Nanoseconds cpu_after_ns = 0;                  ///< the same after the last frame
   std::size_t memory_before_bytes = 0;           ///< resident, without what the Referee and large pages took
   std::size_t memory_after_bytes = 0;            ///< the same
   std::size_t huge_page_bytes = 0;    ///< resident only because pages are large; in none of the others but the peak

@@ -23,7 +23,7 @@ struct VerificationSettings {
 constexpr double agreed_share = 1e-12;
 constexpr double agreed_roundings = 64;
 
-/// How two ways to the same signed distance agree.
+/// How two implementations of the same signed distance agree.
 struct Agreement {
   std::string first;  ///< name of a backend, or "Referee"
   std::string second;

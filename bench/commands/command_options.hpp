@@ -49,7 +49,7 @@ Parameters backend_parameters(const BackendEntry& backend, const std::vector<std
 /// it is NaN.
 CLI::Validator positive_and_finite();
 
-/// Texts `key=value`; `option` is the place that an InputError names.
+/// Texts `key=value`; `option` is the location that an InputError names.
 std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::string>& texts,
                                                         const std::string& option);
 

@@ -91,8 +91,8 @@ Points shuffled(Points points) {
 Points in_coherent_order(const Points& points) {
   Points ordered;
   ordered.reserve(points.size());
-  for (const int place : morton_order(points)) {
-    ordered.push_back(points[static_cast<std::size_t>(place)]);
+  for (const int index : morton_order(points)) {
+    ordered.push_back(points[static_cast<std::size_t>(index)]);
   }
   return ordered;
 }
@@ -286,17 +286,17 @@ int register_and_run(int argc, char** argv) {
   if (benchmark::ReportUnrecognizedArguments(count, pointers.data())) {
     return 2;
   }
-  const std::array<std::pair<std::string, Points>, 4> places = {{{"near/coherent", near_points()},
-                                                                 {"near/random", shuffled(near_points())},
-                                                                 {"far/coherent", in_coherent_order(far_points())},
-                                                                 {"far/random", far_points()}}};
-  for (const auto& [name, points] : places) {
+  const std::array<std::pair<std::string, Points>, 4> regions = {{{"near/coherent", near_points()},
+                                                                  {"near/random", shuffled(near_points())},
+                                                                  {"far/coherent", in_coherent_order(far_points())},
+                                                                  {"far/random", far_points()}}};
+  for (const auto& [name, points] : regions) {
     if (!agree(points)) {
       fprintf(stderr, "Embree and SignedSurface disagree at points of %s\n", name.c_str());
       return 1;
     }
-    const auto add = [&place = name, &of = points](const std::string& what, auto function) {
-      benchmark::RegisterBenchmark(std::string(what).append("/").append(place).c_str(),
+    const auto add = [&region = name, &of = points](const std::string& what, auto function) {
+      benchmark::RegisterBenchmark(std::string(what).append("/").append(region).c_str(),
                                    [function, &of](benchmark::State& state) { function(state, of); });
     };
     add("embree", embree_closest);

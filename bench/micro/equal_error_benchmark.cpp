@@ -1,5 +1,5 @@
 // The adaptive distance field against the uniform one that errs as much: bytes and build time. Both are judged at the
-// same places, which neither was built from.
+// same points, which neither was built from.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -25,13 +25,13 @@ constexpr double coarsest_m = 3e-3;
 constexpr double finest_m = 0.5e-3;
 constexpr double finer = 0.95;  // each uniform grid's cell over that before it
 
-/// The error that 99 of 100 places stay below; where the field knows nothing it errs without bound.
+/// The error that 99 of 100 points stay below; where the field knows nothing it errs without bound.
 template <typename Field>
-double p99_error_m(const Field& field, const std::vector<ReferenceSample>& places) {
+double p99_error_m(const Field& field, const std::vector<ReferenceSample>& samples) {
   std::vector<double> errors;
-  for (const ReferenceSample& place : places) {
-    const auto value = field.value(place.point);
-    errors.push_back(value ? std::abs(*value - place.distance_m) : std::numeric_limits<double>::infinity());
+  for (const ReferenceSample& sample : samples) {
+    const auto value = field.value(sample.point);
+    errors.push_back(value ? std::abs(*value - sample.distance_m) : std::numeric_limits<double>::infinity());
   }
   return percentile(std::move(errors), 0.99);
 }
@@ -45,9 +45,9 @@ void adaptive_over_uniform(benchmark::State& state, const Bone& bone) {
       const ScopedTimer timer(adaptive_ns);
       return build_octree(surface, bone.surface.mesh, {.max_error_m = wanted_m}, bone.name, 1);
     }();
-    const std::vector<ReferenceSample> places =
+    const std::vector<ReferenceSample> samples =
         reference_samples(surface, bone.surface.mesh, adaptive.quality().near_m, place_count, 11, 1);
-    const double reached_m = p99_error_m(adaptive, places);
+    const double reached_m = p99_error_m(adaptive, samples);
     double cell_size_m = coarsest_m;
     double uniform_p99_m = std::numeric_limits<double>::infinity();
     double uniform_bytes = 0;
@@ -59,7 +59,7 @@ void adaptive_over_uniform(benchmark::State& state, const Bone& bone) {
         const ScopedTimer timer(uniform_ns);
         return build_field(surface, shape, FieldPrecision::single_precision, 1);
       }();
-      uniform_p99_m = p99_error_m(uniform, places);
+      uniform_p99_m = p99_error_m(uniform, samples);
       uniform_bytes = static_cast<double>(uniform.bytes());
     }
     state.counters["adaptive_p99_mm"] = reached_m * 1e3;

@@ -64,7 +64,7 @@ Json json_of_study(const BackendEntry& backend) {
 Json json_of(const Capabilities& capabilities) {
   return {{"depth", capabilities.depth},
           {"point_queries", capabilities.point_queries},
-          {"remembers", capabilities.remembers},
+          {"has_cache", capabilities.has_cache},
           {"has_step", capabilities.has_step},
           {"steady_memory", capabilities.steady_memory}};
 }

@@ -108,9 +108,9 @@ bool is_complete(const fs::path& folder, const std::string& id, std::string_view
 
 void require_writable(const fs::path& folder) {
   try {
-    const fs::path place = resolved(folder);
-    require_replaceable(place);
-    const MissingFolders probe(beside(place, "part"));
+    const fs::path target = resolved(folder);
+    require_replaceable(target);
+    const MissingFolders probe(beside(target, "part"));
   } catch (const fs::filesystem_error& failure) {
     throw InputError(folder.string(),
                      fmt::format("cannot be written ({}); choose another --out", failure.code().message()));
@@ -119,25 +119,25 @@ void require_writable(const fs::path& folder) {
 
 void write_result_folder(const fs::path& folder, const std::function<void(const fs::path&)>& write_files) {
   try {
-    const fs::path place = resolved(folder);
-    MissingFolders parents(place.parent_path());
-    const fs::path part = beside(place, "part");
+    const fs::path target = resolved(folder);
+    MissingFolders parents(target.parent_path());
+    const fs::path part = beside(target, "part");
     const PartFolder part_folder(part);
     write_files(part);
-    require_replaceable(place);
+    require_replaceable(target);
     // The old result stays until the new one is in its place.
-    const fs::path old = beside(place, "old");
-    const bool replaces = fs::exists(place);
+    const fs::path old = beside(target, "old");
+    const bool replaces = fs::exists(target);
     if (replaces) {
-      fs::rename(place, old);
+      fs::rename(target, old);
     }
     std::error_code failure;
-    fs::rename(part, place, failure);
+    fs::rename(part, target, failure);
     if (failure) {
       if (replaces) {
-        fs::rename(old, place);
+        fs::rename(old, target);
       }
-      throw fs::filesystem_error("rename", part, place, failure);
+      throw fs::filesystem_error("rename", part, target, failure);
     }
     fs::remove_all(old);
     parents.keep();

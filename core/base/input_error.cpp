@@ -31,8 +31,8 @@ std::string one_line(std::string text) {
 
 }  // namespace
 
-InputError::InputError(std::string_view place, std::string_view problem)
-    : std::runtime_error(one_line(std::string(place) + ": " + std::string(problem))) {}
+InputError::InputError(std::string_view location, std::string_view problem)
+    : std::runtime_error(one_line(std::string(location) + ": " + std::string(problem))) {}
 
 std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates) {
   const auto nearest = std::min_element(

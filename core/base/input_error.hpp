@@ -7,11 +7,11 @@
 
 namespace musclebench {
 
-/// Input that the user can mend: one line that names the place (file, key or option), what is wrong and the cure.
+/// Input that the user can mend: one line that names the location (file, key or option), what is wrong and the cure.
 /// The program prints it and exits with code 2.
 class InputError : public std::runtime_error {
  public:
-  InputError(std::string_view place, std::string_view problem);
+  InputError(std::string_view location, std::string_view problem);
 };
 
 /// The candidate with the smallest edit distance to `word`; empty when there are no candidates.

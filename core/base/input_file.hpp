@@ -7,7 +7,7 @@
 
 namespace musclebench {
 
-/// A file that the user names, read only as far as it is asked for. Throws InputError (place: the path) for what is
+/// A file that the user names, read only as far as it is asked for. Throws InputError (location: the path) for what is
 /// missing, may not be read, or is no regular file: a pipe or a device may never end.
 class InputFile {
  public:
@@ -20,7 +20,7 @@ class InputFile {
   [[nodiscard]] std::string text(std::uintmax_t most = UINTMAX_MAX);
 
  private:
-  std::string m_place;
+  std::string m_location;
   std::ifstream m_stream;
   std::uintmax_t m_bytes = 0;
 };

@@ -1,6 +1,7 @@
 #include "core/base/machine_state.hpp"
 
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <sched.h>
 #include <sys/resource.h>
@@ -38,6 +39,12 @@ ContextSwitches context_switches() {
   rusage usage{};
   if (getrusage(RUSAGE_SELF, &usage) != 0) return {};
   return {usage.ru_nvcsw, usage.ru_nivcsw};
+}
+
+Nanoseconds process_cpu_ns() {
+  timespec time{};
+  if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time) != 0) return 0;
+  return Nanoseconds{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
 }
 
 MachineLoad machine_load() {

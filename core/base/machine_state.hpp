@@ -3,6 +3,8 @@
 #include <optional>
 #include <string>
 
+#include "core/base/scoped_timer.hpp"
+
 namespace musclebench {
 
 /// How often the process's threads left the CPU so far.
@@ -21,6 +23,9 @@ struct ContextSwitches {
 };
 
 ContextSwitches context_switches();
+
+/// CPU time of all threads of the process so far, in nanoseconds.
+Nanoseconds process_cpu_ns();
 
 /// What else the machine is doing, as far as the system tells.
 struct MachineLoad {

@@ -130,12 +130,12 @@ const ParameterSpec* find_parameter(const std::vector<ParameterSpec>& specs, Par
 }
 
 Parameters::Parameters(const std::vector<ParameterSpec>& specs, const std::map<std::string, ParameterValue>& given,
-                       std::string_view place) {
+                       std::string_view location) {
   for (const ParameterSpec& spec : specs) {
     m_values[spec.name] = spec.default_value;
   }
   for (const auto& [name, value] : given) {
-    const std::string key = fmt::format("{}: {}", place, name);
+    const std::string key = fmt::format("{}: {}", location, name);
     const ParameterSpec* spec = find_parameter(specs, name);
     if (spec == nullptr) {
       std::vector<std::string> known;

@@ -41,7 +41,7 @@ struct ParameterSpec {
   [[nodiscard]] bool has_range() const { return kind == ParameterKind::integer || kind == ParameterKind::number; }
 };
 
-/// The ways to declare a parameter.
+/// Makers of parameter specifications, one a kind.
 namespace parameter {
 
 struct Flag {
@@ -106,11 +106,12 @@ const ParameterSpec* find_parameter(const std::vector<ParameterSpec>& specs, Par
 /// A complete, checked set of parameter values.
 class Parameters {
  public:
-  /// All of `specs` at their defaults, overwritten by `given`. Throws InputError that names `place` (file and table, or
+  /// All of `specs` at their defaults, overwritten by `given`. Throws InputError that names `location` (file and table,
+  /// or
   /// `--param`), the key and the cure, for an unknown key (with the nearest known one), a value of another type or out
   /// of range.
   Parameters(const std::vector<ParameterSpec>& specs, const std::map<std::string, ParameterValue>& given,
-             std::string_view place);
+             std::string_view location);
 
   [[nodiscard]] bool flag(const std::string& name) const { return std::get<bool>(m_values.at(name)); }
   [[nodiscard]] std::int64_t integer(const std::string& name) const {

@@ -14,7 +14,7 @@ std::size_t resident_memory_bytes();
 /// Largest resident memory of the process so far; 0 when the system does not tell.
 std::size_t peak_resident_memory_bytes();
 
-/// Throws InputError (place: `key`) that says how much is needed and how much is there when `bytes` do not fit.
+/// Throws InputError (location: `key`) that says how much is needed and how much is there when `bytes` do not fit.
 void require_memory(std::size_t bytes, std::string_view key, std::string_view cure);
 
 }  // namespace musclebench

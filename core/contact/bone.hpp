@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "core/mesh_repair/repair_mesh.hpp"
@@ -17,6 +18,9 @@ struct Bone {
   /// Built once, in the rest frame (see SharedSurface).
   [[nodiscard]] const TriangleBvh& tree() const { return shared.tree(surface); }
   [[nodiscard]] const SignedSurface& signed_distance() const { return shared.signed_distance(surface); }
+  [[nodiscard]] std::shared_ptr<const SignedSurface> kept_signed_distance() const {
+    return shared.kept_signed_distance(surface);
+  }
 };
 
 }  // namespace musclebench

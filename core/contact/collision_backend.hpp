@@ -21,7 +21,7 @@ struct Capabilities {
   /// `detect` can be asked about a subset of the nodes, at any positions (false: it needs the whole muscle surface).
   bool point_queries = true;
   /// A detection is cheaper after one of the step before: what that found is kept.
-  bool remembers = false;
+  bool has_cache = false;
   /// Once built, `step_m` is positive: there is a step that backtracking goes by.
   bool has_step = false;
   /// After two frames of a run a detection asks for no heap memory any more.

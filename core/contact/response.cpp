@@ -46,7 +46,7 @@ const std::string& name_of(ResponseKind kind) {
   return std::find_if(entries.begin(), entries.end(), [&](const ResponseEntry& e) { return e.kind == kind; })->name;
 }
 
-ResponseKind find_response(std::string_view name, std::string_view place) {
+ResponseKind find_response(std::string_view name, std::string_view location) {
   std::vector<std::string> known;
   for (const ResponseEntry& entry : response_registry()) {
     if (entry.name == name) {
@@ -55,7 +55,7 @@ ResponseKind find_response(std::string_view name, std::string_view place) {
     known.push_back(entry.name);
   }
   const std::string word(name);
-  throw InputError(std::string(place),
+  throw InputError(std::string(location),
                    "'" + word + "' is not a response; did you mean '" + nearest_word(word, known) + "'?");
 }
 

@@ -30,8 +30,8 @@ const std::vector<ResponseEntry>& response_registry();
 
 const std::string& name_of(ResponseKind kind);
 
-/// The response of that name. Throws InputError that names `place` for an unknown one.
-ResponseKind find_response(std::string_view name, std::string_view place);
+/// The response of that name. Throws InputError that names `location` for an unknown one.
+ResponseKind find_response(std::string_view name, std::string_view location);
 
 /// What a backend with these capabilities lacks for a response; empty: nothing.
 std::string_view lacks_for(ResponseKind kind, const Capabilities& capabilities);

@@ -20,7 +20,7 @@ PolygonMesh PolygonMeshBuilder::finish() {
   for (int polygon = 0; polygon < m_mesh.polygons(); ++polygon) {
     for (int corner = m_mesh.first_corner[polygon]; corner < m_mesh.end_corner(polygon); ++corner) {
       if (m_mesh.corners[corner] >= vertices) {
-        throw InputError(m_place,
+        throw InputError(m_location,
                          fmt::format("face {} refers to vertex {} (both counted from 0), but there are only {} "
                                      "vertices; export the mesh anew",
                                      m_face_of_polygon[polygon], m_mesh.corners[corner], vertices));
@@ -90,7 +90,7 @@ std::size_t TextLines::count(std::size_t i) const {
 }
 
 void TextLines::fail(std::string_view problem) const {
-  throw InputError(m_place, fmt::format("line {} {}", m_line, problem));
+  throw InputError(m_location, fmt::format("line {} {}", m_line, problem));
 }
 
 std::string lower_case(std::string_view word) {

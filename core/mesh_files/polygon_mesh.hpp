@@ -28,13 +28,13 @@ struct PolygonMesh {
 };
 
 /// Strict readers of the text of a file: what is cut off, out of range or not a number throws InputError that begins
-/// with `place`. assimp 5.2.5 is too lenient for measurements: it splits the vertices of OBJ, holds 32-bit floats,
+/// with `location`. assimp 5.2.5 is too lenient for measurements: it splits the vertices of OBJ, holds 32-bit floats,
 /// bends indices that are out of range to the last vertex and fills what is cut off with zeros (OFF), and never returns
 /// from some broken headers (PLY).
-PolygonMesh parse_ply(std::string_view text, const std::string& place);  ///< ASCII and binary of both byte orders
-PolygonMesh parse_obj(std::string_view text, const std::string& place);  ///< `v` and `f` lines
-PolygonMesh parse_off(std::string_view text, const std::string& place);  ///< OFF, COFF, NOFF, STOFF as text
-PolygonMesh parse_stl(std::string_view text, const std::string& place);  ///< ASCII and binary; one vertex a corner
+PolygonMesh parse_ply(std::string_view text, const std::string& location);  ///< ASCII and binary of both byte orders
+PolygonMesh parse_obj(std::string_view text, const std::string& location);  ///< `v` and `f` lines
+PolygonMesh parse_off(std::string_view text, const std::string& location);  ///< OFF, COFF, NOFF, STOFF as text
+PolygonMesh parse_stl(std::string_view text, const std::string& location);  ///< ASCII and binary; one vertex a corner
 
 /// The beginning of a file that is too large to be read for nothing.
 struct FileHead {
@@ -43,21 +43,21 @@ struct FileHead {
 };
 
 /// Throw InputError for what the head already tells to be no file of that format. `parse_...` checks the rest.
-void require_ply_head(const FileHead& head, const std::string& place);
-void require_obj_head(const FileHead& head, const std::string& place);
-void require_off_head(const FileHead& head, const std::string& place);
-void require_stl_head(const FileHead& head, const std::string& place);
+void require_ply_head(const FileHead& head, const std::string& location);
+void require_obj_head(const FileHead& head, const std::string& location);
+void require_off_head(const FileHead& head, const std::string& location);
+void require_stl_head(const FileHead& head, const std::string& location);
 
 /// Builds a PolygonMesh and checks what goes in.
 class PolygonMeshBuilder {
  public:
-  explicit PolygonMeshBuilder(const std::string& place) : m_place(place) {}
+  explicit PolygonMeshBuilder(const std::string& location) : m_location(location) {}
 
   void add_vertex(const Vec3& vertex) {
     // Beyond the range of floats squares and products overflow, so that is no coordinate either; a NaN fails, too.
     if (!(vertex.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= std::numeric_limits<float>::max())) {
-      throw InputError(m_place, fmt::format("vertex {} (counted from 0) is not finite; export the mesh anew",
-                                            m_mesh.vertices.size()));
+      throw InputError(m_location, fmt::format("vertex {} (counted from 0) is not finite; export the mesh anew",
+                                               m_mesh.vertices.size()));
     }
     m_mesh.vertices.push_back(vertex);
   }
@@ -66,14 +66,14 @@ class PolygonMeshBuilder {
   void add_corner(double index) {
     constexpr double largest_index = 2147483646.0;
     if (!(index >= 0 && index <= largest_index && index == std::floor(index))) {
-      throw InputError(m_place, fmt::format("face {} (counted from 0) has the vertex index {}; export the mesh anew",
-                                            m_faces, index));
+      throw InputError(m_location, fmt::format("face {} (counted from 0) has the vertex index {}; export the mesh anew",
+                                               m_faces, index));
     }
     m_mesh.corners.push_back(static_cast<int>(index));
     if (m_mesh.corners.size() - m_begin > most_corners) {
       throw InputError(
-          m_place, fmt::format("face {} (counted from 0) has more than {} corners; split it into triangles", m_faces,
-                               most_corners));
+          m_location, fmt::format("face {} (counted from 0) has more than {} corners; split it into triangles", m_faces,
+                                  most_corners));
     }
   }
   /// Faces of one or two corners are points and lines: they count, but bound nothing and are left out.
@@ -86,7 +86,7 @@ class PolygonMeshBuilder {
   /// Cutting a polygon takes the square of its corners.
   static constexpr std::size_t most_corners = 1000;
 
-  const std::string& m_place;
+  const std::string& m_location;
   PolygonMesh m_mesh;
   std::size_t m_begin = 0;
   std::size_t m_faces = 0;
@@ -101,8 +101,8 @@ std::vector<Triangle> split_into_triangles(const PolygonMesh& mesh);
 class TextLines {
  public:
   /// `lines_before`: how many lines of the file come before `text`, for messages.
-  TextLines(std::string_view text, const std::string& place, std::size_t lines_before = 0)
-      : m_text(text), m_place(place), m_line(lines_before) {}
+  TextLines(std::string_view text, const std::string& location, std::size_t lines_before = 0)
+      : m_text(text), m_location(location), m_line(lines_before) {}
 
   /// The next line without its end, from '#' on cut off where `has_comments`; false at the end of the text.
   bool next(bool has_comments);
@@ -121,7 +121,7 @@ class TextLines {
 
  private:
   std::string_view m_text;
-  const std::string& m_place;
+  const std::string& m_location;
   std::vector<std::string_view> m_words;
   std::size_t m_line;
 };

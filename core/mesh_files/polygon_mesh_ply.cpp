@@ -102,15 +102,15 @@ std::size_t find_body(std::string_view text) {
   return line_end == std::string_view::npos ? text.size() : line_end + 1;
 }
 
-Header parse_header(std::string_view text, const std::string& place) {
+Header parse_header(std::string_view text, const std::string& location) {
   const std::size_t body = find_body(text);
   if (text.substr(0, 3) != "ply" || body == 0) {
-    throw InputError(place,
+    throw InputError(location,
                      "has no complete PLY header ('ply' to 'end_header'); check the file's ending or export it anew");
   }
   Header header;
   header.body = text.substr(body);
-  TextLines lines(text.substr(0, body), place);
+  TextLines lines(text.substr(0, body), location);
   bool has_format = false;
   while (lines.next(false)) {
     ++header.lines;
@@ -131,7 +131,7 @@ Header parse_header(std::string_view text, const std::string& place) {
     }
   }
   if (!has_format) {
-    throw InputError(place, "has no format line in its header; export it anew");
+    throw InputError(location, "has no format line in its header; export it anew");
   }
   return header;
 }
@@ -139,8 +139,11 @@ Header parse_header(std::string_view text, const std::string& place) {
 /// Hands out the numbers of the body one by one.
 class Body {
  public:
-  Body(const Header& header, const std::string& place)
-      : m_encoding(header.encoding), m_rest(header.body), m_lines(header.body, place, header.lines), m_place(place) {}
+  Body(const Header& header, const std::string& location)
+      : m_encoding(header.encoding),
+        m_rest(header.body),
+        m_lines(header.body, location, header.lines),
+        m_location(location) {}
 
   void begin_instance(const Element& element, std::size_t index) {
     m_element = &element;
@@ -154,7 +157,7 @@ class Body {
   double next(Scalar type) {
     if (m_encoding == Encoding::ascii) {
       if (m_word >= m_lines.words().size()) {
-        throw InputError(m_place,
+        throw InputError(m_location,
                          fmt::format("{} {} (counted from 0) has too few numbers; the file is cut off or broken",
                                      m_element->name, m_index));
       }
@@ -206,9 +209,9 @@ class Body {
   }
 
   [[noreturn]] void fail_cut_off() const {
-    throw InputError(
-        m_place, fmt::format("ends after {} of {} elements '{}'; the file is cut off, copy or export it anew", m_index,
-                             m_element->count, m_element->name));
+    throw InputError(m_location,
+                     fmt::format("ends after {} of {} elements '{}'; the file is cut off, copy or export it anew",
+                                 m_index, m_element->count, m_element->name));
   }
 
   Encoding m_encoding;
@@ -217,42 +220,42 @@ class Body {
   std::size_t m_word = 0;
   const Element* m_element = nullptr;
   std::size_t m_index = 0;
-  const std::string& m_place;
+  const std::string& m_location;
 };
 
 /// Where x, y and z stand among the properties.
-std::array<std::size_t, 3> find_coordinates(const Element& element, const std::string& place) {
-  std::array<std::size_t, 3> places{};
+std::array<std::size_t, 3> find_coordinates(const Element& element, const std::string& location) {
+  std::array<std::size_t, 3> columns{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto found =
         std::find_if(element.properties.begin(), element.properties.end(), [&](const Property& property) {
           return !property.is_list && property.name == std::string_view("xyz").substr(axis, 1);
         });
     if (found == element.properties.end()) {
-      throw InputError(place, "has vertices without x, y and z; export the mesh anew");
+      throw InputError(location, "has vertices without x, y and z; export the mesh anew");
     }
-    places[axis] = static_cast<std::size_t>(found - element.properties.begin());
+    columns[axis] = static_cast<std::size_t>(found - element.properties.begin());
   }
-  return places;
+  return columns;
 }
 
-std::size_t list_length(Body& body, const Property& property, const std::string& place) {
+std::size_t list_length(Body& body, const Property& property, const std::string& location) {
   const double length = body.next(property.count_type);
   constexpr double longest_list = 2147483646.0;
   if (!(length >= 0 && length <= longest_list && length == std::floor(length))) {
-    throw InputError(place, fmt::format("has a list '{}' of {} entries; the file is broken", property.name, length));
+    throw InputError(location, fmt::format("has a list '{}' of {} entries; the file is broken", property.name, length));
   }
   return static_cast<std::size_t>(length);
 }
 
-void read_vertices(Body& body, const Element& element, PolygonMeshBuilder& builder, const std::string& place) {
-  const std::array<std::size_t, 3> coordinates = find_coordinates(element, place);
+void read_vertices(Body& body, const Element& element, PolygonMeshBuilder& builder, const std::string& location) {
+  const std::array<std::size_t, 3> coordinates = find_coordinates(element, location);
   for (std::size_t i = 0; i < element.count; ++i) {
     body.begin_instance(element, i);
     Vec3 vertex = Vec3::Zero();
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       const Property& property = element.properties[p];
-      for (std::size_t n = property.is_list ? list_length(body, property, place) : 1; n > 0; --n) {
+      for (std::size_t n = property.is_list ? list_length(body, property, location) : 1; n > 0; --n) {
         const double value = body.next(property.type);
         for (int axis = 0; axis < 3; ++axis) {
           vertex[axis] = p == coordinates[static_cast<std::size_t>(axis)] ? value : vertex[axis];
@@ -264,7 +267,7 @@ void read_vertices(Body& body, const Element& element, PolygonMeshBuilder& build
 }
 
 /// Reads the list of vertex indices of every instance; other elements have none and are passed over.
-void read_others(Body& body, const Element& element, PolygonMeshBuilder& builder, const std::string& place) {
+void read_others(Body& body, const Element& element, PolygonMeshBuilder& builder, const std::string& location) {
   const bool is_face = element.name == "face";
   for (std::size_t i = 0; i < element.count && !element.properties.empty(); ++i) {
     body.begin_instance(element, i);
@@ -274,7 +277,7 @@ void read_others(Body& body, const Element& element, PolygonMeshBuilder& builder
     for (const Property& property : element.properties) {
       const bool is_corners =
           is_face && property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index");
-      for (std::size_t n = property.is_list ? list_length(body, property, place) : 1; n > 0; --n) {
+      for (std::size_t n = property.is_list ? list_length(body, property, location) : 1; n > 0; --n) {
         const double value = body.next(property.type);
         if (is_corners) {
           builder.add_corner(value);
@@ -289,17 +292,17 @@ void read_others(Body& body, const Element& element, PolygonMeshBuilder& builder
 
 }  // namespace
 
-void require_ply_head(const FileHead& head, const std::string& place) { (void)parse_header(head.bytes, place); }
+void require_ply_head(const FileHead& head, const std::string& location) { (void)parse_header(head.bytes, location); }
 
-PolygonMesh parse_ply(std::string_view text, const std::string& place) {
-  const Header header = parse_header(text, place);
-  Body body(header, place);
-  PolygonMeshBuilder builder(place);
+PolygonMesh parse_ply(std::string_view text, const std::string& location) {
+  const Header header = parse_header(text, location);
+  Body body(header, location);
+  PolygonMeshBuilder builder(location);
   for (const Element& element : header.elements) {
     if (element.name == "vertex") {
-      read_vertices(body, element, builder, place);
+      read_vertices(body, element, builder, location);
     } else {
-      read_others(body, element, builder, place);
+      read_others(body, element, builder, location);
     }
   }
   return builder.finish();

@@ -28,8 +28,8 @@ double obj_index(const TextLines& lines, std::string_view corner, std::size_t ve
   return static_cast<double>(from_zero);
 }
 
-PolygonMesh parse_binary_stl(std::string_view text, std::size_t facets, const std::string& place) {
-  PolygonMeshBuilder builder(place);
+PolygonMesh parse_binary_stl(std::string_view text, std::size_t facets, const std::string& location) {
+  PolygonMeshBuilder builder(location);
   constexpr std::size_t header_bytes = 84;
   constexpr std::size_t facet_bytes = 50;
   for (std::size_t facet = 0; facet < facets; ++facet) {
@@ -66,9 +66,9 @@ void expect_line(TextLines& lines, std::initializer_list<std::string_view> words
   }
 }
 
-PolygonMesh parse_ascii_stl(std::string_view text, const std::string& place) {
-  PolygonMeshBuilder builder(place);
-  TextLines lines(text, place);
+PolygonMesh parse_ascii_stl(std::string_view text, const std::string& location) {
+  PolygonMeshBuilder builder(location);
+  TextLines lines(text, location);
   double corners = 0;
   bool in_solid = false;
   while (lines.next_filled(false)) {
@@ -92,14 +92,14 @@ PolygonMesh parse_ascii_stl(std::string_view text, const std::string& place) {
     expect_line(lines, {"endfacet"});
   }
   if (in_solid) {
-    throw InputError(place, "ends before its 'endsolid'; the file is cut off, copy or export it anew");
+    throw InputError(location, "ends before its 'endsolid'; the file is cut off, copy or export it anew");
   }
   return builder.finish();
 }
 
-void require_text(std::string_view text, std::string_view format, const std::string& place) {
+void require_text(std::string_view text, std::string_view format, const std::string& location) {
   if (text.find('\0') != std::string_view::npos) {
-    throw InputError(place, fmt::format("is no text, so it is no {} file; check the file's ending", format));
+    throw InputError(location, fmt::format("is no text, so it is no {} file; check the file's ending", format));
   }
 }
 
@@ -122,9 +122,9 @@ bool is_binary_stl(std::string_view text, std::uintmax_t file_bytes) {
   return text.size() >= 84 && file_bytes == 84 + 50 * static_cast<std::uintmax_t>(binary_stl_facets(text));
 }
 
-[[noreturn]] void refuse_stl(std::string_view text, std::uintmax_t file_bytes, const std::string& place) {
+[[noreturn]] void refuse_stl(std::string_view text, std::uintmax_t file_bytes, const std::string& location) {
   const std::uintmax_t facets = binary_stl_facets(text);
-  throw InputError(place,
+  throw InputError(location,
                    fmt::format("is neither an STL text nor a binary STL file ({} bytes, where the {} facets that its "
                                "header promises take {}); copy or export it anew",
                                file_bytes, facets, 84 + 50 * facets));
@@ -132,34 +132,34 @@ bool is_binary_stl(std::string_view text, std::uintmax_t file_bytes) {
 
 }  // namespace
 
-void require_obj_head(const FileHead& head, const std::string& place) {
-  require_text(head.bytes, "OBJ", place);
+void require_obj_head(const FileHead& head, const std::string& location) {
+  require_text(head.bytes, "OBJ", location);
   const bool has_vertex = head.bytes.starts_with("v ") || head.bytes.find("\nv ") != std::string::npos ||
                           head.bytes.find("\nv\t") != std::string::npos || head.bytes.find("\rv ") != std::string::npos;
   if (!has_vertex) {
-    throw InputError(place, "has no vertex line ('v x y z') within its first megabyte; is it an OBJ file?");
+    throw InputError(location, "has no vertex line ('v x y z') within its first megabyte; is it an OBJ file?");
   }
 }
 
-void require_off_head(const FileHead& head, const std::string& place) {
-  require_text(head.bytes, "OFF", place);
+void require_off_head(const FileHead& head, const std::string& location) {
+  require_text(head.bytes, "OFF", location);
   const std::string counts_only = head.bytes.substr(0, head.bytes.rfind('\n') + 1);
-  TextLines lines(counts_only, place);
+  TextLines lines(counts_only, location);
   if (lines.next_filled(true) && lines.words()[0].find("OFF") == std::string_view::npos) {
     (void)lines.count(0);
   }
 }
 
-void require_stl_head(const FileHead& head, const std::string& place) {
+void require_stl_head(const FileHead& head, const std::string& location) {
   if (!is_binary_stl(head.bytes, head.file_bytes) && !begins_as_ascii_stl(head.bytes)) {
-    refuse_stl(head.bytes, head.file_bytes, place);
+    refuse_stl(head.bytes, head.file_bytes, location);
   }
 }
 
-PolygonMesh parse_obj(std::string_view text, const std::string& place) {
-  require_text(text, "OBJ", place);
-  PolygonMeshBuilder builder(place);
-  TextLines lines(text, place);
+PolygonMesh parse_obj(std::string_view text, const std::string& location) {
+  require_text(text, "OBJ", location);
+  PolygonMeshBuilder builder(location);
+  TextLines lines(text, location);
   std::size_t vertices = 0;
   while (lines.next_filled(true)) {
     if (lines.words().back() == "\\" || lines.words().back().back() == '\\') {
@@ -186,28 +186,28 @@ PolygonMesh parse_obj(std::string_view text, const std::string& place) {
   return builder.finish();
 }
 
-PolygonMesh parse_off(std::string_view text, const std::string& place) {
-  TextLines lines(text, place);
+PolygonMesh parse_off(std::string_view text, const std::string& location) {
+  TextLines lines(text, location);
   if (!lines.next_filled(true)) {
-    throw InputError(place, "holds no text; export the mesh anew");
+    throw InputError(location, "holds no text; export the mesh anew");
   }
   std::size_t word = 0;  // where the counts begin: the header's own line may hold them, and may be left out
   if (lines.words()[0].find("OFF") != std::string_view::npos) {
     require_plain_off(lines);
     word = lines.words().size() > 1 ? 1 : 0;
     if (word == 0 && !lines.next_filled(true)) {
-      throw InputError(place, "ends within its header; the file is cut off, copy or export it anew");
+      throw InputError(location, "ends within its header; the file is cut off, copy or export it anew");
     }
   }
   const std::size_t vertices = lines.count(word);
   const std::size_t faces = lines.count(word + 1);
   const auto next_line = [&](std::string_view what, std::size_t done, std::size_t promised) {
     if (!lines.next_filled(true)) {
-      throw InputError(place, fmt::format("ends after {} of {} {}; the file is cut off, copy or export it anew", done,
-                                          promised, what));
+      throw InputError(location, fmt::format("ends after {} of {} {}; the file is cut off, copy or export it anew",
+                                             done, promised, what));
     }
   };
-  PolygonMeshBuilder builder(place);
+  PolygonMeshBuilder builder(location);
   for (std::size_t i = 0; i < vertices; ++i) {
     next_line("vertices", i, vertices);
     builder.add_vertex(lines.vector(0));
@@ -224,14 +224,14 @@ PolygonMesh parse_off(std::string_view text, const std::string& place) {
   return builder.finish();
 }
 
-PolygonMesh parse_stl(std::string_view text, const std::string& place) {
+PolygonMesh parse_stl(std::string_view text, const std::string& location) {
   if (is_binary_stl(text, text.size())) {
-    return parse_binary_stl(text, binary_stl_facets(text), place);
+    return parse_binary_stl(text, binary_stl_facets(text), location);
   }
   if (begins_as_ascii_stl(text)) {
-    return parse_ascii_stl(text, place);
+    return parse_ascii_stl(text, location);
   }
-  refuse_stl(text, text.size(), place);
+  refuse_stl(text, text.size(), location);
 }
 
 }  // namespace musclebench

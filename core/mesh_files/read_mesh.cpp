@@ -21,7 +21,7 @@ namespace {
 /// Garbage is told by its beginning, before the rest of it is read.
 constexpr std::size_t head_bytes = 1 << 20;
 
-/// Adds the meshes of `node` and its children at their places.
+/// Adds the meshes of `node` and its children where they are placed.
 void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& to_parent, PolygonMeshBuilder& builder,
               unsigned& vertices) {
   const aiMatrix4x4 to_world = to_parent * node.mTransformation;
@@ -29,8 +29,8 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& to_pa
   for (unsigned m = 0; m < node.mNumMeshes; ++m) {
     const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
     for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
-      const aiVector3D place = to_world * mesh.mVertices[v];
-      builder.add_vertex(Vec3(place.x, place.y, place.z));
+      const aiVector3D position = to_world * mesh.mVertices[v];
+      builder.add_vertex(Vec3(position.x, position.y, position.z));
     }
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace& face = mesh.mFaces[f];
@@ -47,30 +47,30 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& to_pa
   }
 }
 
-PolygonMesh read_through_assimp(const std::filesystem::path& path, std::uintmax_t bytes, const std::string& place) {
+PolygonMesh read_through_assimp(const std::filesystem::path& path, std::uintmax_t bytes, const std::string& location) {
   Assimp::Importer importer;
   if (!importer.IsExtensionSupported(path.extension().string())) {
-    throw InputError(place, "has an ending of no known mesh format; write it as PLY, OBJ, STL or OFF");
+    throw InputError(location, "has an ending of no known mesh format; write it as PLY, OBJ, STL or OFF");
   }
-  require_memory(static_cast<std::size_t>(bytes), place, "name a smaller file");  // which assimp reads at once
+  require_memory(static_cast<std::size_t>(bytes), location, "name a smaller file");  // which assimp reads at once
   const aiScene* scene = importer.ReadFile(path.string(), 0);
   if (scene == nullptr || scene->mRootNode == nullptr) {
     std::string reason = importer.GetErrorString();
     std::replace_if(
         reason.begin(), reason.end(), [](unsigned char c) { return c < ' ' || c > '~'; }, ' ');
-    throw InputError(place, fmt::format("assimp can't read it ({}); write it as PLY", reason.substr(0, 200)));
+    throw InputError(location, fmt::format("assimp can't read it ({}); write it as PLY", reason.substr(0, 200)));
   }
-  PolygonMeshBuilder builder(place);
+  PolygonMeshBuilder builder(location);
   unsigned vertices = 0;
   add_node(*scene, *scene->mRootNode, aiMatrix4x4(), builder, vertices);
   return builder.finish();
 }
 
-PolygonMesh read_polygons(const std::filesystem::path& path, const std::string& place) {
+PolygonMesh read_polygons(const std::filesystem::path& path, const std::string& location) {
   struct Format {
     std::string_view ending;
-    void (*require_head)(const FileHead& head, const std::string& place);
-    PolygonMesh (*parse)(std::string_view text, const std::string& place);
+    void (*require_head)(const FileHead& head, const std::string& location);
+    PolygonMesh (*parse)(std::string_view text, const std::string& location);
   };
   constexpr std::array<Format, 4> formats = {{{".ply", require_ply_head, parse_ply},
                                               {".obj", require_obj_head, parse_obj},
@@ -79,31 +79,31 @@ PolygonMesh read_polygons(const std::filesystem::path& path, const std::string& 
   const std::string ending = lower_case(path.extension().string());
   InputFile file(path);
   if (file.bytes() == 0) {
-    throw InputError(place, "is empty; copy or export it anew");
+    throw InputError(location, "is empty; copy or export it anew");
   }
   const auto format = std::find_if(formats.begin(), formats.end(), [&](const auto& f) { return f.ending == ending; });
   if (format == formats.end()) {
-    return read_through_assimp(path, file.bytes(), place);
+    return read_through_assimp(path, file.bytes(), location);
   }
   if (file.bytes() > head_bytes) {
-    format->require_head({file.head(head_bytes), file.bytes()}, place);
+    format->require_head({file.head(head_bytes), file.bytes()}, location);
   }
-  return format->parse(file.text(), place);
+  return format->parse(file.text(), location);
 }
 
 }  // namespace
 
 TriangleMesh read_mesh(const std::filesystem::path& path) {
-  const std::string place = path.string();
-  PolygonMesh polygons = read_polygons(path, place);
+  const std::string location = path.string();
+  PolygonMesh polygons = read_polygons(path, location);
   TriangleMesh mesh;
   mesh.triangles = split_into_triangles(polygons);
   mesh.vertices = std::move(polygons.vertices);
   if (mesh.triangles.empty()) {
-    throw InputError(place, "holds no triangles; export the surface of the mesh");
+    throw InputError(location, "holds no triangles; export the surface of the mesh");
   }
   if (std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) { return is_flat(mesh, t); })) {
-    throw InputError(place, "holds only triangles without area; export the mesh anew");
+    throw InputError(location, "holds only triangles without area; export the mesh anew");
   }
   return mesh;
 }

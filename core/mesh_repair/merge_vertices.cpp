@@ -38,26 +38,26 @@ int drop_marked_triangles(TriangleMesh& mesh, const std::vector<char>& is_droppe
 }
 
 std::vector<int> drop_unreferenced_vertices(TriangleMesh& mesh) {
-  std::vector<int> place(mesh.vertices.size(), -1);
+  std::vector<int> new_index(mesh.vertices.size(), -1);
   for (const Triangle& triangle : mesh.triangles) {
     for (const int vertex : triangle) {
-      place[vertex] = 0;
+      new_index[vertex] = 0;
     }
   }
   int kept = 0;
-  for (std::size_t vertex = 0; vertex < place.size(); ++vertex) {
-    if (place[vertex] == 0) {
+  for (std::size_t vertex = 0; vertex < new_index.size(); ++vertex) {
+    if (new_index[vertex] == 0) {
       mesh.vertices[kept] = mesh.vertices[vertex];
-      place[vertex] = kept++;
+      new_index[vertex] = kept++;
     }
   }
   mesh.vertices.resize(kept);
   for (Triangle& triangle : mesh.triangles) {
     for (int& vertex : triangle) {
-      vertex = place[vertex];
+      vertex = new_index[vertex];
     }
   }
-  return place;
+  return new_index;
 }
 
 }  // namespace musclebench

@@ -65,10 +65,10 @@ std::vector<int> join_at_non_manifold_edges(const TriangleMesh& mesh, const Mesh
 
 std::vector<Surface> list_surfaces(const TriangleMesh& mesh, const Winding& winding,
                                    const std::vector<int>& representative) {
-  std::vector<int> place(representative.size(), -1);
+  std::vector<int> new_index(representative.size(), -1);
   std::vector<Surface> surfaces;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    int& index = place[representative[winding.surface[t]]];
+    int& index = new_index[representative[winding.surface[t]]];
     if (index < 0) {
       index = static_cast<int>(surfaces.size());
       Surface& added = surfaces.emplace_back();

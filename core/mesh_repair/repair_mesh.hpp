@@ -31,8 +31,8 @@ struct RepairedMesh {
 ///   closed by a fan) are less than 1 % of its area; the winding number then still tells in from out but next to the
 ///   holes.
 /// Self-intersections are not looked for. The triangles' indices must be in range and the vertices finite, as
-/// `read_mesh` promises. Throws InputError (place: `name`) where no triangle has an area or the surface is open beyond
-/// that.
+/// `read_mesh` promises. Throws InputError (location: `name`) where no triangle has an area or the surface is open
+/// beyond that.
 RepairedMesh repair_mesh(const TriangleMesh& mesh, const std::string& name);
 
 }  // namespace musclebench

@@ -11,7 +11,7 @@ namespace musclebench {
 /// normals are more than `turn_rad` apart, edges of one or of more than two triangles (rims, fins, branches), vertices
 /// of which two triangles are more than `turn_rad` apart.
 ///
-/// A place is sharp within one mean edge length of such a feature: below that length a mesh says nothing about the
+/// A point is sharp within one mean edge length of such a feature: below that length a mesh says nothing about the
 /// shape that it stands for; but within no more than 1/100 of the surface's diagonal, so that a box of twelve triangles
 /// is flat between its edges. All of it scales with the mesh. A finer mesh of a rounded edge turns less from triangle
 /// to triangle: it is sharp where the rounding is narrower than about two of its edges.
@@ -22,9 +22,9 @@ class SharpFeatures {
   /// `mesh` has triangles and need not outlive this.
   explicit SharpFeatures(const TriangleMesh& mesh, double turn_rad = default_turn_rad);
 
-  /// Whether `place`, a point of the surface, is sharp.
-  [[nodiscard]] bool near(const Vec3& place) const {
-    return m_features && m_features->closest_point(place, m_radius_m).has_value();
+  /// Whether `point`, which lies on the surface, is sharp.
+  [[nodiscard]] bool near(const Vec3& point) const {
+    return m_features && m_features->closest_point(point, m_radius_m).has_value();
   }
 
   [[nodiscard]] double radius_m() const { return m_radius_m; }

@@ -19,7 +19,8 @@ struct WeldedMesh {
 /// Joins vertices at equal positions, drops triangles that this leaves with fewer than three corners, doubled triangles
 /// and vertices that no triangle uses, and winds surfaces as `repair_mesh` does. What stays keeps its order, and flat
 /// triangles stay: unlike a bone, a muscle needs its edges. Openness is accepted. The triangles' indices must be in
-/// range and the vertices finite, as `read_mesh` promises. Throws InputError (place: `name`) where no triangle is left.
+/// range and the vertices finite, as `read_mesh` promises. Throws InputError (location: `name`) where no triangle is
+/// left.
 WeldedMesh weld_mesh(const TriangleMesh& mesh, const std::string& name);
 
 }  // namespace musclebench

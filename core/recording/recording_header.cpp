@@ -104,16 +104,16 @@ std::string text_of(const RecordingHeader& header) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-RecordingHeader header_of(std::string_view text, std::string_view place) {
+RecordingHeader header_of(std::string_view text, std::string_view location) {
   try {
     RecordingHeader header = header_of(Json::parse(text));
     if (is_consistent(header)) {
       return header;
     }
   } catch (const Json::exception& failure) {
-    throw InputError(place, fmt::format("has a header that cannot be read ({}); record it again", failure.what()));
+    throw InputError(location, fmt::format("has a header that cannot be read ({}); record it again", failure.what()));
   }
-  throw InputError(place, "has a header that contradicts itself; record it again");
+  throw InputError(location, "has a header that contradicts itself; record it again");
 }
 
 }  // namespace musclebench

@@ -16,7 +16,7 @@ inline constexpr std::size_t recording_hash_digits = 64;
 
 std::string text_of(const RecordingHeader& header);
 
-/// Throws InputError that names `place` when the text lacks something or contradicts itself.
-RecordingHeader header_of(std::string_view text, std::string_view place);
+/// Throws InputError that names `location` when the text lacks something or contradicts itself.
+RecordingHeader header_of(std::string_view text, std::string_view location);
 
 }  // namespace musclebench

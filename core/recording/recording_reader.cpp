@@ -149,9 +149,9 @@ void RecordingReader::check_claim() {
 }
 
 void RecordingReader::read_bytes(std::string& bytes, std::size_t size) {
-  const std::streamoff place = m_stream.tellg();
-  if (place < 0 ||
-      size > m_written.bytes - std::min<std::uintmax_t>(m_written.bytes, static_cast<std::uintmax_t>(place))) {
+  const std::streamoff offset = m_stream.tellg();
+  if (offset < 0 ||
+      size > m_written.bytes - std::min<std::uintmax_t>(m_written.bytes, static_cast<std::uintmax_t>(offset))) {
     refuse("is truncated, or was changed while it was read; record or copy it again");
   }
   bytes.resize(size);

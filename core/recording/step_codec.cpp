@@ -24,8 +24,8 @@ constexpr int longest_lag = 16;
 std::uint64_t folded(std::uint64_t difference) { return (difference << 1U) ^ (0 - (difference >> 63U)); }
 std::uint64_t unfolded(std::uint64_t number) { return (number >> 1U) ^ (0 - (number & 1U)); }
 
-char byte_of(std::uint64_t number, int place) {
-  return static_cast<char>(static_cast<unsigned char>(number >> static_cast<unsigned>(bits_a_byte * place)));
+char byte_of(std::uint64_t number, int byte) {
+  return static_cast<char>(static_cast<unsigned char>(number >> static_cast<unsigned>(bits_a_byte * byte)));
 }
 
 /// Writes what `actual` differs from `predicted`: the bytes a difference, then the lowest bytes of all, then the next.
@@ -39,9 +39,9 @@ void put_differences(const Coordinates& actual, const Coordinates& predicted, st
   const std::size_t begin = bytes.size();
   bytes.resize(begin + static_cast<std::size_t>(width) * actual.size());
   char* plane = bytes.data() + begin;
-  for (int place = 0; place < width; ++place, plane += actual.size()) {
+  for (int byte = 0; byte < width; ++byte, plane += actual.size()) {
     for (std::size_t i = 0; i < actual.size(); ++i) {
-      plane[i] = byte_of(folded(actual[i] - predicted[i]), place);
+      plane[i] = byte_of(folded(actual[i] - predicted[i]), byte);
     }
   }
 }
@@ -62,8 +62,8 @@ bool take_differences(std::string_view& bytes, const Coordinates& predicted, Coo
     return false;
   }
   actual.assign(size, 0);
-  for (int place = 0; place < width; ++place) {
-    const auto shift = static_cast<unsigned>(bits_a_byte * place);
+  for (int byte = 0; byte < width; ++byte) {
+    const auto shift = static_cast<unsigned>(bits_a_byte * byte);
     const char* plane = bytes.data();
     for (std::size_t i = 0; i < size; ++i) {
       actual[i] |= std::uint64_t{static_cast<unsigned char>(plane[i])} << shift;

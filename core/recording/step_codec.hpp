@@ -64,7 +64,7 @@ class StepEncoder {
   StepPredictor::Coordinates m_predicted;
 };
 
-/// The way back.
+/// Inverse of `StepEncoder`.
 class StepDecoder {
  public:
   explicit StepDecoder(const RecordingHeader& header);

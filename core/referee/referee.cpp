@@ -11,7 +11,7 @@ namespace musclebench {
 namespace {
 
 /// Rounding errors of a distance, a movement or a direction stay far below this share of the lengths that they come
-/// from. Of a bone's diagonal it is more than `touching_distance_m`, so that no side is remembered of a point that
+/// from. Of a bone's diagonal it is more than `touching_distance_m`, so that no side is cached of a point that
 /// touches.
 constexpr double rounding_share = 0x1p-39;
 

@@ -35,11 +35,11 @@ struct RefereeEffort {
 /// face that lies inside the other component.
 ///
 /// A surface that is not closed has a winding number too, but it changes away from the surface. Such a bone is judged
-/// by the same means, where a side is remembered only for as long as the surface's boundary allows (SurfaceWinding),
+/// by the same means, where a side is cached only for as long as the surface's boundary allows (SurfaceWinding),
 /// and at a cost that grows with the number of boundary edges.
 class Referee {
  public:
-  /// Distance reuse: `judge` remembers each node's distance to each bone, and asks again only when the node has moved,
+  /// Distance reuse: `judge` caches each node's distance to each bone, and asks again only when the node has moved,
   /// in the bone's frame, so far that its sign may have changed. They change no bit of the answer.
   enum class DistanceReuse { on, off };
 
@@ -57,7 +57,7 @@ class Referee {
   /// The surface of bone number `bone`, for questions of another kind.
   [[nodiscard]] const RefereeTree& tree(int bone) const { return m_trees[static_cast<std::size_t>(bone)]; }
 
-  /// What `judge` remembers of `node`: a lower bound of the distance from `rest_point` to the surface of bone number
+  /// What `judge` caches of `node`: a lower bound of the distance from `rest_point` to the surface of bone number
   /// `bone`, at no cost; 0 or less where nothing useful is known.
   [[nodiscard]] double least_distance(int bone, int node, const Vec3& rest_point) const;
 
@@ -70,7 +70,7 @@ class Referee {
   /// Effort of the last call of `judge`.
   [[nodiscard]] RefereeEffort last_effort() const { return m_effort; }
 
-  /// Bytes of the trees and of what is remembered of the nodes.
+  /// Bytes of the trees and of the cached distances of the nodes.
   [[nodiscard]] std::size_t bytes() const;
 
  private:

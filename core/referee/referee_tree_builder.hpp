@@ -31,7 +31,7 @@ class RefereeTreeBuilder {
 
   RefereeTreeBuilder(const TriangleMesh& mesh, RefereeTree& tree) : m_mesh(mesh), m_tree(tree) {}
   void build();
-  /// Gives the vertices of `mesh` new places in a tree that was built with its triangles.
+  /// Gives the vertices of `mesh` new positions in a tree that was built with its triangles.
   static void refit(std::span<const Triangle> triangles, std::span<const Vec3> vertices, RefereeTree& tree);
 
  private:

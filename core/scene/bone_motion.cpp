@@ -39,7 +39,7 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
-double number_at(const std::string& word, const std::string& place) {
+double number_at(const std::string& word, const std::string& location) {
   std::size_t used = 0;
   double value = NAN;
   try {
@@ -48,7 +48,7 @@ double number_at(const std::string& word, const std::string& place) {
     used = 0;
   }
   if (used != word.size() || !std::isfinite(value)) {
-    throw InputError(place, fmt::format("'{}' is not a finite number", word));
+    throw InputError(location, fmt::format("'{}' is not a finite number", word));
   }
   return value;
 }
@@ -65,7 +65,7 @@ MotionTable read_motion_table(const std::filesystem::path& path, const std::stri
   bool in_rows = false;
   bool in_degrees = true;
   for (std::string line; std::getline(file, line);) {
-    const std::string place = fmt::format("{}:{}", path.string(), ++line_number);
+    const std::string location = fmt::format("{}:{}", path.string(), ++line_number);
     const std::vector<std::string> words = words_of(line);
     if (words.empty()) {
       continue;
@@ -79,20 +79,20 @@ MotionTable read_motion_table(const std::filesystem::path& path, const std::stri
       header = words;
       const auto found = std::find(header.begin(), header.end(), column);
       if (found == header.end() || header.front() != "time") {
-        throw InputError(place, fmt::format("has no column '{}' beside 'time'; did you mean '{}'?", column,
-                                            nearest_word(column, header)));
+        throw InputError(location, fmt::format("has no column '{}' beside 'time'; did you mean '{}'?", column,
+                                               nearest_word(column, header)));
       }
       value_column = static_cast<std::size_t>(found - header.begin());
       continue;
     }
     if (words.size() != header.size()) {
-      throw InputError(place,
+      throw InputError(location,
                        fmt::format("has {} values where the header has {} columns", words.size(), header.size()));
     }
-    table.times.push_back(number_at(words.front(), place));
-    table.values.push_back(number_at(words[value_column], place) * (in_degrees ? 1 : 180 / std::numbers::pi));
+    table.times.push_back(number_at(words.front(), location));
+    table.values.push_back(number_at(words[value_column], location) * (in_degrees ? 1 : 180 / std::numbers::pi));
     if (table.times.size() > 1 && !(table.times.back() > table.times[table.times.size() - 2])) {
-      throw InputError(place, "time does not ascend");
+      throw InputError(location, "time does not ascend");
     }
   }
   if (table.times.size() < 2) {

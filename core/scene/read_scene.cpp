@@ -36,14 +36,14 @@ struct Reference {
   std::string selector;
 };
 
-Reference resolve(const SceneRequest& request, const std::string& text, const std::string& place) {
+Reference resolve(const SceneRequest& request, const std::string& text, const std::string& location) {
   const std::size_t hash = text.find('#');
   Reference reference{text.substr(0, hash), hash == std::string::npos ? "" : text.substr(hash + 1)};
   static const std::string data_prefix = "${data}/";
   const std::string path = reference.path.string();
   if (path.starts_with(data_prefix)) {
     if (!request.data_folder) {
-      throw InputError(place, "needs the anatomical data: pass --data DIR or set MUSCLEBENCH_DATA (see the README)");
+      throw InputError(location, "needs the anatomical data: pass --data DIR or set MUSCLEBENCH_DATA (see the README)");
     }
     reference.path = *request.data_folder / path.substr(data_prefix.size());
   } else if (reference.path.is_relative()) {
@@ -52,8 +52,8 @@ Reference resolve(const SceneRequest& request, const std::string& text, const st
   return reference;
 }
 
-std::string mesh_place(const TomlTable& table, const SceneMesh& mesh) {
-  return fmt::format("{} ({})", table.place("mesh"), mesh.reference);
+std::string mesh_location(const TomlTable& table, const SceneMesh& mesh) {
+  return fmt::format("{} ({})", table.location("mesh"), mesh.reference);
 }
 
 SceneMesh read_scene_mesh(const SceneRequest& request, const TomlTable& table) {
@@ -63,10 +63,10 @@ SceneMesh read_scene_mesh(const SceneRequest& request, const TomlTable& table) {
   try {
     result.mesh = result.reference.starts_with(synthetic_prefix)
                       ? request.synthetic_mesh(result.reference.substr(synthetic_prefix.size()))
-                      : read_mesh(resolve(request, result.reference, table.place("mesh")).path);
+                      : read_mesh(resolve(request, result.reference, table.location("mesh")).path);
   } catch (const InputError& error) {
     const std::string message = error.what();
-    throw message.starts_with(table.place("mesh")) ? error : InputError(table.place("mesh"), message);
+    throw message.starts_with(table.location("mesh")) ? error : InputError(table.location("mesh"), message);
   }
   result.sha256 = sha256_of(result.mesh);
   return result;
@@ -78,7 +78,7 @@ Vec3 read_axis(const TomlTable& table) {
   Vec3 axis = table.point("axis");
   const double largest = axis.cwiseAbs().maxCoeff();
   if (!(largest > 0)) {
-    throw InputError(table.place("axis"), "has no length; give the direction of the rotation axis");
+    throw InputError(table.location("axis"), "has no length; give the direction of the rotation axis");
   }
   if (!std::isnormal(axis.squaredNorm())) {
     axis /= largest;
@@ -93,18 +93,18 @@ BoneMotion read_motion(const SceneRequest& request, const TomlTable& table) {
   motion.centre_m = table.point("centre_m");
   constexpr double farthest_m = 1e9;  // beyond it rounding moves the bones by more than a micrometre
   if (!(motion.centre_m.cwiseAbs().maxCoeff() <= farthest_m)) {
-    throw InputError(table.place("centre_m"), "is so far away that nothing turns about it; give metres");
+    throw InputError(table.location("centre_m"), "is so far away that nothing turns about it; give metres");
   }
   const std::string course = table.word_or("course", "there_and_back");
   if (course != "there" && course != "there_and_back") {
-    throw InputError(table.place("course"), fmt::format("'{}' is not one of there, there_and_back", course));
+    throw InputError(table.location("course"), fmt::format("'{}' is not one of there, there_and_back", course));
   }
   motion.there_and_back = course == "there_and_back";
   if (table.has("table")) {
     if (table.has("from_deg") || table.has("to_deg")) {
-      throw InputError(table.place("table"), "stands beside from_deg or to_deg; give either a table or two angles");
+      throw InputError(table.location("table"), "stands beside from_deg or to_deg; give either a table or two angles");
     }
-    const auto path = resolve(request, table.word("table"), table.place("table")).path;
+    const auto path = resolve(request, table.word("table"), table.location("table")).path;
     const MotionTable rows = read_motion_table(path, table.word("column"));
     const double zero = table.flag_or("relative_to_first_row", true) ? rows.values.front() : 0;
     motion.times = rows.times;
@@ -127,7 +127,7 @@ std::string checked_name(const TomlTable& table) {
     return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
   });
   if (!plain || name.front() == '.') {
-    throw InputError(table.place("name"), fmt::format("'{}' may hold letters, digits, '_', '-' and '.' only", name));
+    throw InputError(table.location("name"), fmt::format("'{}' may hold letters, digits, '_', '-' and '.' only", name));
   }
   return name;
 }
@@ -138,11 +138,12 @@ void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene
     const std::string name = checked_name(table);
     for (const Bone& bone : scene.bones) {
       if (bone.name == name) {
-        throw InputError(table.place("name"), fmt::format("'{}' is the name of an earlier bone; choose another", name));
+        throw InputError(table.location("name"),
+                         fmt::format("'{}' is the name of an earlier bone; choose another", name));
       }
     }
     SceneMesh mesh = read_scene_mesh(request, table);
-    Bone bone{name, repair_mesh(mesh.mesh, mesh_place(table, mesh))};
+    Bone bone{name, repair_mesh(mesh.mesh, mesh_location(table, mesh))};
     // What is near a node is then in few pages and cache lines, whatever order a file has.
     sort_in_morton_order(bone.surface.mesh);
     scene.bones.push_back(std::move(bone));
@@ -164,23 +165,23 @@ int bone_index(const Scene& scene, const TomlTable& table) {
     }
     known.push_back(scene.bones[i].name);
   }
-  throw InputError(table.place("bone"), fmt::format("'{}' is not a bone of this scene; did you mean '{}'?", name,
-                                                    nearest_word(name, known)));
+  throw InputError(table.location("bone"), fmt::format("'{}' is not a bone of this scene; did you mean '{}'?", name,
+                                                       nearest_word(name, known)));
 }
 
 AttachmentArea read_area(const SceneRequest& request, const TomlTable& table) {
   AttachmentArea area;
   if (table.has("outline") == table.has("outline_m")) {
-    throw InputError(table.place(), "needs either outline (file#selector) or outline_m (points)");
+    throw InputError(table.location(), "needs either outline (file#selector) or outline_m (points)");
   }
   if (table.has("outline")) {
-    const Reference reference = resolve(request, table.word("outline"), table.place("outline"));
+    const Reference reference = resolve(request, table.word("outline"), table.location("outline"));
     area.outline_m = read_landmark_outline(reference.path, reference.selector);
   } else {
     area.outline_m = table.points("outline_m");
   }
   if (area.outline_m.size() < 3) {
-    throw InputError(table.place(), "outlines no area; give at least three points");
+    throw InputError(table.location(), "outlines no area; give at least three points");
   }
   area.distance_m = table.number("distance_m", 0, 10);
   area.margin_m = table.has("margin_m") ? table.number("margin_m", 0, 10) : 0;
@@ -190,7 +191,7 @@ AttachmentArea read_area(const SceneRequest& request, const TomlTable& table) {
 void read_attachments(const SceneRequest& request, const TomlTable& root, Scene& scene) {
   if (root.is_word("attachment")) {
     if (root.word("attachment") != "first_contact") {
-      throw InputError(root.place("attachment"), "has to be \"first_contact\", or write [[attachment]] tables");
+      throw InputError(root.location("attachment"), "has to be \"first_contact\", or write [[attachment]] tables");
     }
     scene.attach_at_first_contact = true;
     return;
@@ -208,18 +209,18 @@ void read_attachments(const SceneRequest& request, const TomlTable& root, Scene&
 }
 
 void weld_muscle(const TomlTable& table, Scene& scene) {
-  WeldedMesh welded = weld_mesh(scene.muscle.mesh, mesh_place(table, scene.muscle));
+  WeldedMesh welded = weld_mesh(scene.muscle.mesh, mesh_location(table, scene.muscle));
   scene.muscle_file = {std::move(scene.muscle.mesh), std::move(welded.welded_vertex), std::move(welded.changes)};
   scene.muscle.mesh = std::move(welded.mesh);
 }
 
 TomlTable muscle_table(const TomlTable& root) {
   if (root.is_list("muscle")) {
-    throw InputError(root.place("muscle"), "is a list; a scene has one muscle: write [muscle], once");
+    throw InputError(root.location("muscle"), "is a list; a scene has one muscle: write [muscle], once");
   }
   const auto table = root.table("muscle");
   if (!table) {
-    throw InputError(root.place("muscle"), "is missing; add a [muscle] table with name and mesh");
+    throw InputError(root.location("muscle"), "is missing; add a [muscle] table with name and mesh");
   }
   return *table;
 }
@@ -235,14 +236,14 @@ void read_muscle(const SceneRequest& request, const TomlTable& root, Scene& scen
   if (fibres == "between_attachments") {
     scene.fibres_between_attachments = true;
     if (!scene.attach_at_first_contact && scene.fibres_with(scene.bound_nodes()).empty()) {
-      const InputError obstacle(table.place("fibres"), describe_missing_fibres(scene));
+      const InputError obstacle(table.location("fibres"), describe_missing_fibres(scene));
       if (!request.notes_obstacles) {
         throw obstacle;
       }
       scene.obstacles.emplace_back(obstacle.what());
     }
   } else if (fibres != "none") {
-    const Reference reference = resolve(request, fibres, table.place("fibres"));
+    const Reference reference = resolve(request, fibres, table.location("fibres"));
     scene.fibres = read_landmark_fibres(reference.path, reference.selector);
   }
 }
@@ -267,7 +268,7 @@ Parameters checked(const std::vector<ParameterSpec>& specs, const std::optional<
       (void)Parameters(specs, {{key, value}}, table->line_of(key));
     }
   }
-  return {specs, merged_values(preset, scene), scene ? scene->place() : "preset"};
+  return {specs, merged_values(preset, scene), scene ? scene->location() : "preset"};
 }
 
 void read_effects(const std::optional<TomlTable>& preset, const std::optional<TomlTable>& own, Scene& scene) {
@@ -297,7 +298,7 @@ void read_contact(const TomlTable& root, Scene& scene) {
   if (const auto table = root.table("contact")) {
     table->allow_only({"response"});
     if (table->has("response")) {
-      scene.response = find_response(table->word("response"), table->place("response"));
+      scene.response = find_response(table->word("response"), table->location("response"));
     }
   }
 }

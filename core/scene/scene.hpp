@@ -54,7 +54,7 @@ struct Scene {
   bool fibres_between_attachments = false;
   std::vector<Attachment> attachments;
   /// Instead of attachments: every node that the backend finds in a bone before the first frame is bound to that bone,
-  /// the paper's own way. The boundary condition then depends on the backend.
+  /// as in the paper. The boundary condition then depends on the backend.
   bool attach_at_first_contact = false;
   std::vector<SceneEffect> effects;  ///< only those the scene names, in the order of the registry
   LoopParameters loop;

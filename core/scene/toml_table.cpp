@@ -20,7 +20,7 @@ toml::table parse_toml(std::string_view text, const std::string& file) {
   }
 }
 
-std::string TomlTable::place(std::string_view key) const {
+std::string TomlTable::location(std::string_view key) const {
   return fmt::format("{}{}{}", line_of(key), m_prefix.empty() ? "" : ".", key);
 }
 
@@ -30,7 +30,7 @@ std::string TomlTable::line_of(std::string_view key) const {
   return fmt::format("{}:{}: {}", m_file, line, m_prefix);
 }
 
-std::string TomlTable::place() const {
+std::string TomlTable::location() const {
   return fmt::format("{}:{}: {}", m_file, m_table->source().begin.line, m_prefix);
 }
 
@@ -45,7 +45,7 @@ std::vector<std::string> TomlTable::keys() const {
 void TomlTable::allow_only(const std::vector<std::string>& known) const {
   for (const std::string& key : keys()) {
     if (std::find(known.begin(), known.end(), key) == known.end()) {
-      throw InputError(place(key), fmt::format("is unknown; did you mean '{}'?", nearest_word(key, known)));
+      throw InputError(location(key), fmt::format("is unknown; did you mean '{}'?", nearest_word(key, known)));
     }
   }
 }
@@ -53,7 +53,7 @@ void TomlTable::allow_only(const std::vector<std::string>& known) const {
 const toml::node& TomlTable::node(std::string_view key) const {
   const toml::node* found = m_table->get(key);
   if (found == nullptr) {
-    throw InputError(place(key), "is missing; add it");
+    throw InputError(location(key), "is missing; add it");
   }
   return *found;
 }
@@ -76,7 +76,7 @@ bool TomlTable::is_false(std::string_view key) const {
 std::string TomlTable::word(std::string_view key) const {
   const auto value = node(key).value_exact<std::string>();
   if (!value || value->empty()) {
-    throw InputError(place(key), "has to be a word in quotes");
+    throw InputError(location(key), "has to be a word in quotes");
   }
   return *value;
 }
@@ -88,7 +88,7 @@ std::string TomlTable::word_or(std::string_view key, const std::string& fallback
 double TomlTable::number(std::string_view key, double minimum, double maximum) const {
   const auto value = node(key).value<double>();
   if (!node(key).is_number() || !value || !std::isfinite(*value) || *value < minimum || *value > maximum) {
-    throw InputError(place(key), fmt::format("has to be a number from {} to {}", minimum, maximum));
+    throw InputError(location(key), fmt::format("has to be a number from {} to {}", minimum, maximum));
   }
   return *value;
 }
@@ -99,7 +99,7 @@ bool TomlTable::flag_or(std::string_view key, bool fallback) const {
   }
   const auto value = node(key).value_exact<bool>();
   if (!value) {
-    throw InputError(place(key), "has to be true or false");
+    throw InputError(location(key), "has to be true or false");
   }
   return *value;
 }
@@ -114,7 +114,7 @@ Vec3 TomlTable::point_from(const toml::node& value, std::string_view key) const 
     }
   }
   if (!point.allFinite()) {
-    throw InputError(place(key), "has to be made of three finite numbers [x, y, z]");
+    throw InputError(location(key), "has to be made of three finite numbers [x, y, z]");
   }
   return point;
 }
@@ -124,7 +124,7 @@ Vec3 TomlTable::point(std::string_view key) const { return point_from(node(key),
 std::vector<Vec3> TomlTable::points(std::string_view key) const {
   const toml::array* array = node(key).as_array();
   if (array == nullptr) {
-    throw InputError(place(key), "has to be a list of points [[x, y, z], ...]");
+    throw InputError(location(key), "has to be a list of points [[x, y, z], ...]");
   }
   std::vector<Vec3> points;
   for (const toml::node& value : *array) {
@@ -139,7 +139,7 @@ std::optional<TomlTable> TomlTable::table(std::string_view key) const {
   }
   const toml::table* child = node(key).as_table();
   if (child == nullptr) {
-    throw InputError(place(key),
+    throw InputError(location(key),
                      fmt::format("has to be a table: write [{}{}{}]", m_prefix, m_prefix.empty() ? "" : ".", key));
   }
   return TomlTable(*child, m_file, m_prefix.empty() ? std::string(key) : fmt::format("{}.{}", m_prefix, key));
@@ -152,7 +152,7 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
   }
   const toml::array* array = node(key).as_array();
   if (array == nullptr || !array->is_array_of_tables()) {
-    throw InputError(place(key), fmt::format("has to be a list of tables: write [[{}]]", key));
+    throw InputError(location(key), fmt::format("has to be a list of tables: write [[{}]]", key));
   }
   for (std::size_t i = 0; i < array->size(); ++i) {
     children.emplace_back(*array->get(i)->as_table(), m_file, fmt::format("{}[{}]", key, i + 1));
@@ -173,7 +173,7 @@ std::map<std::string, ParameterValue> TomlTable::values() const {
     } else if (value.is_string()) {
       values[name] = *value.value<std::string>();
     } else {
-      throw InputError(place(name), "has to be a number, a word, true or false");
+      throw InputError(location(name), "has to be a number, a word, true or false");
     }
   }
   return values;

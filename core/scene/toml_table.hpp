@@ -41,11 +41,11 @@ class TomlTable {
   [[nodiscard]] bool is_list(std::string_view key) const;
 
   /// "file:line: dotted.key" of a key, or of the table where the key is missing.
-  [[nodiscard]] std::string place(std::string_view key) const;
+  [[nodiscard]] std::string location(std::string_view key) const;
   /// "file:line: dotted.prefix" with the line of the key.
   [[nodiscard]] std::string line_of(std::string_view key) const;
   /// "file:line: dotted.prefix".
-  [[nodiscard]] std::string place() const;
+  [[nodiscard]] std::string location() const;
 
  private:
   [[nodiscard]] const toml::node& node(std::string_view key) const;

@@ -9,7 +9,7 @@ const TriangleBvh& SharedSurface::tree(const RepairedMesh& surface) const {
     m_tree = {};
     m_tree.is_paid = true;
     const ScopedTimer timer(m_tree.build_ns);
-    m_tree.structure = std::make_unique<TriangleBvh>(surface.mesh);
+    m_tree.structure = std::make_shared<TriangleBvh>(surface.mesh);
   }
   account(m_tree);
   return m_signed.structure ? m_signed.structure->tree() : *m_tree.structure;
@@ -21,11 +21,16 @@ const SignedSurface& SharedSurface::signed_distance(const RepairedMesh& surface)
     m_signed = {};
     m_signed.is_paid = true;
     const ScopedTimer timer(m_signed.build_ns);
-    m_signed.structure = std::make_unique<SignedSurface>(surface, std::move(*m_tree.structure));
+    m_signed.structure = std::make_shared<SignedSurface>(surface, std::move(*m_tree.structure));
     m_tree.structure.reset();
   }
   account(m_signed);
   return *m_signed.structure;
+}
+
+std::shared_ptr<const SignedSurface> SharedSurface::kept_signed_distance(const RepairedMesh& surface) const {
+  (void)signed_distance(surface);
+  return m_signed.structure;
 }
 
 void SharedSurface::release() const {

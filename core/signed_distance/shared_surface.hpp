@@ -26,7 +26,9 @@ class SharedSurface {
   /// on it, or `release`.
   [[nodiscard]] const TriangleBvh& tree(const RepairedMesh& surface) const;
   [[nodiscard]] const SignedSurface& signed_distance(const RepairedMesh& surface) const;
-  /// Gives the memory back.
+  /// The same for a caller that needs it beyond `release`.
+  [[nodiscard]] std::shared_ptr<const SignedSurface> kept_signed_distance(const RepairedMesh& surface) const;
+  /// Gives the memory back, but for what is kept elsewhere.
   void release() const;
 
   /// What building took of all that was asked for since `start_accounting`, no matter when it was built: the price of a
@@ -37,7 +39,7 @@ class SharedSurface {
  private:
   template <typename Structure>
   struct Part {
-    std::unique_ptr<Structure> structure;
+    std::shared_ptr<Structure> structure;
     Nanoseconds build_ns = 0;
     bool is_paid = false;
   };

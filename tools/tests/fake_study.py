@@ -45,7 +45,7 @@ class Truth:
     structures: str = "built"
 
 
-NOT_OF_A_REPLAY = ("attachments", "memory", "state_hash", "snapshots")
+NOT_OF_A_REPLAY = ("attachments", "cpu_ns", "memory", "state_hash", "snapshots")
 NOT_OF_A_PROBE = (*NOT_OF_A_REPLAY, "wall_ns", "frames")
 
 

@@ -211,7 +211,7 @@ TEST(BvhBackend, AnyNumberOfThreadsGivesTheSameBits) {
 
 TEST(ExactSurface, ContainsWhereItsSignedDistanceIsNegative) {
   for (const TriangleMesh& mesh : {make_box({1, 1, 1}, 3), cube_with_fin()}) {
-    const ExactSurface surface(repair_mesh(mesh, "mesh"), 1);
+    const ExactSurface surface({"mesh", repair_mesh(mesh, "mesh")}, 1);
     int inside = 0;
     for (const Vec3& point : random_points({1.5, 1.5, 2.2}, 1000, 5)) {
       const double distance_m = surface.signed_distance_m(point);

@@ -24,15 +24,15 @@ struct MovingScene {
                              make_bone("ball", make_sphere(0.04, 3))};
   TriangleMesh muscle = make_sphere(0.05, 3);
 
-  static Vec3 place() { return {0.4, -0.3, 1.1}; }
+  static Vec3 origin() { return {0.4, -0.3, 1.1}; }
 
   std::vector<RigidMotion> poses(int step) const {
     const double s = step;
     const auto box = RigidMotion::about_axis(Vec3(1, 2, -1).normalized(), Vec3(0.01, 0, 0.02), 0.31 * s + 0.2);
     const auto ball = RigidMotion::about_axis(Vec3(-2, 1, 3).normalized(), Vec3(0, 0.02, 0), -0.47 * s);
-    const RigidMotion box_place{Mat3::Identity(), place() + Vec3(0.06 - 0.004 * s, 0.003 * s, 0.01)};
-    const RigidMotion ball_place{Mat3::Identity(), place() + Vec3(-0.07, 0.002, 0.0015 * s)};
-    return {box_place * box, ball_place * ball};
+    const RigidMotion box_pose{Mat3::Identity(), origin() + Vec3(0.06 - 0.004 * s, 0.003 * s, 0.01)};
+    const RigidMotion ball_pose{Mat3::Identity(), origin() + Vec3(-0.07, 0.002, 0.0015 * s)};
+    return {box_pose * box, ball_pose * ball};
   }
 
   std::vector<Vec3> positions(int step) const {
@@ -44,7 +44,7 @@ struct MovingScene {
       const double twist = 12 * rest.z() * std::sin(0.9 * s);
       const Mat3 turn = Eigen::AngleAxisd(twist + 0.3 * s, Vec3::UnitZ()).toRotationMatrix();
       const double ripple = 0.002 * std::sin(150 * rest.x() + s) * std::cos(130 * rest.y() - s);
-      moved.push_back(place() + turn * scaled + ripple * rest.normalized() + Vec3(0, 0.001 * s * s, 0));
+      moved.push_back(origin() + turn * scaled + ripple * rest.normalized() + Vec3(0, 0.001 * s * s, 0));
     }
     return moved;
   }

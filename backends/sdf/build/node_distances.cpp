@@ -68,7 +68,7 @@ Index coordinates_in_block(std::size_t number) {
   return at;
 }
 
-/// Fills block after block and remembers the last node: its closest triangle starts the next search, and a node that is
+/// Fills block after block and keeps the last node: its closest triangle starts the next search, and a node that is
 /// farther from the surface than from a signed node lies on the same side.
 class NodeWalk {
  public:

@@ -52,8 +52,8 @@ Capsule fit_capsule(const std::vector<Vec3>& vertices, double radius_share) {
 }
 
 /// How far the capsule's signed distance is from the bone's anywhere within either: the largest difference at the
-/// points of a grid, and what lies between them. Both distances grow by no more than the way, so that is twice the way
-/// to the nearest grid point.
+/// points of a grid, and what lies between them. Both distances grow by no more than the distance moved, so that is
+/// twice the distance to the nearest grid point.
 double error_bound_m(const Capsule& capsule, const RepairedMesh& bone) {
   constexpr int cells = 24;
   Eigen::AlignedBox3d box = bounding_box(bone.mesh.vertices);

@@ -16,9 +16,9 @@ namespace {
 /// Writes down what it is told and asked: each call with the first node's x.
 class ListeningBackend final : public CollisionBackend {
  public:
-  ListeningBackend(bool remembers, std::vector<std::string>& calls) : m_remembers(remembers), m_calls(calls) {}
+  ListeningBackend(bool has_cache, std::vector<std::string>& calls) : m_has_cache(has_cache), m_calls(calls) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.remembers = m_remembers}; }
+  [[nodiscard]] Capabilities capabilities() const override { return {.has_cache = m_has_cache}; }
   [[nodiscard]] AnswerBound answer_bound(int /*bone*/) const override { return {}; }
   [[nodiscard]] std::size_t structure_bytes() const override { return 0; }
 
@@ -32,7 +32,7 @@ class ListeningBackend final : public CollisionBackend {
     m_calls.push_back(fmt::format("detect {}", positions[0].x()));
   }
 
-  bool m_remembers;
+  bool m_has_cache;
   std::vector<std::string>& m_calls;
 };
 
@@ -51,9 +51,9 @@ class ReplayOfKeptFrames : public testing::Test {
     observe(8);
   }
 
-  std::vector<std::string> calls_of_replay(bool remembers, int stride = 1) {
+  std::vector<std::string> calls_of_replay(bool has_cache, int stride = 1) {
     std::vector<std::string> calls;
-    replay(calls, remembers, stride, 2);
+    replay(calls, has_cache, stride, 2);
     return calls;
   }
 
@@ -68,9 +68,9 @@ class ReplayOfKeptFrames : public testing::Test {
   }
 
  private:
-  ReplayResult replay(std::vector<std::string>& calls, bool remembers, int stride, int warm_up_frames) {
+  ReplayResult replay(std::vector<std::string>& calls, bool has_cache, int stride, int warm_up_frames) {
     const BackendEntry entry{.name = "listening", .help = "", .make = [&](const Parameters& /*none*/) {
-                               return std::make_unique<ListeningBackend>(remembers, calls);
+                               return std::make_unique<ListeningBackend>(has_cache, calls);
                              }};
     ReplayCase replay{{m_scene, entry, Parameters({}, {}, entry.name)}};
     replay.judge = false;

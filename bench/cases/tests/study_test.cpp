@@ -26,8 +26,8 @@ class Study : public testing::TestWithParam<std::string> {
   [[nodiscard]] const BackendEntry& entry() const { return find_backend(GetParam()); }
   [[nodiscard]] TomlTable study() const { return {m_text, entry().name + "/study.toml", ""}; }
 
-  void expect_taken(const Settings& settings, const std::string& place) const {
-    EXPECT_NO_THROW((void)entry().make(Parameters(entry().parameters, settings, place)));
+  void expect_taken(const Settings& settings, const std::string& location) const {
+    EXPECT_NO_THROW((void)entry().make(Parameters(entry().parameters, settings, location)));
   }
 
  private:
@@ -69,7 +69,7 @@ TEST_P(Study, EverySeriesIsTaken) {
 TEST_P(Study, TheAdviceAndTheRacesAreTaken) {
   EXPECT_NO_THROW((void)read_advise_plan(entry()));
   for (const TomlTable& race : study().tables("race")) {
-    expect_taken(race.table("parameters")->values(), race.place());
+    expect_taken(race.table("parameters")->values(), race.location());
   }
 }
 

@@ -33,6 +33,8 @@ TEST(RunOutput, SaysTheLimitsAndTheMachinesState) {
   EXPECT_EQ(manifest["limits"]["volume_error"], 0.05);
   EXPECT_EQ(manifest["limits"]["tunnelled_nodes"], 0);
   EXPECT_GE(manifest["machine_state"]["involuntary_context_switches"].get<long>(), 0);
+  EXPECT_GT(manifest["cpu_ns"]["before_first_frame"].get<Nanoseconds>(), 0);
+  EXPECT_GT(manifest["cpu_ns"]["after_last_frame"], manifest["cpu_ns"]["before_first_frame"]);
   EXPECT_EQ(manifest["muscle"]["pressure"], 1);
 }
 

@@ -38,7 +38,7 @@ struct BoundErrors {
         fixed(0),
         reach(1.000001F *
               std::sqrt(box.half[0] * box.half[0] + box.half[1] * box.half[1] + box.half[2] * box.half[2])) {
-    // The axes of turned boxes are a little short.
+    // The axes of an OBB are a little short.
     fixed = bvh.slack * (10 * (reach + bvh.longest_side) + 20 * bvh.slack) + 5e-6F * reach * reach;
   }
 };

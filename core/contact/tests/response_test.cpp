@@ -189,7 +189,7 @@ TEST(BacktrackResponse, EveryNodeWalksAsFarAsItHasTo) {
   EXPECT_EQ(backend.asked, (std::vector<Nodes>{{0, 2, 3}, {0, 2, 3}, {2}}));
 }
 
-/// x was computed with the previous pose: a node that was in the bone then keeps its place in the bone's rest frame.
+/// x was computed with the previous pose: a node that was in the bone then keeps its position in the bone's rest frame.
 TEST(BacktrackResponse, ANodeWhoseStartIsInsideFollowsTheBoneFromItsPreviousPose) {
   ShapeBackend backend({half_space(Vec3::UnitZ())});
   Step step;

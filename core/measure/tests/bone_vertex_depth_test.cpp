@@ -86,7 +86,7 @@ TEST(BoneVertexDepth, ScalesToTheBit) {
   }
 }
 
-/// The plain way: every vertex, every triangle.
+/// Brute force: every vertex, every triangle.
 double plain_depth(const TriangleMesh& bone, const RigidMotion& pose, const TriangleMesh& muscle) {
   double deepest = 0;
   for (const Vec3& vertex : bone.vertices) {
@@ -104,7 +104,7 @@ struct FollowedMuscle {
 
 constexpr int followed_frames = 40;
 
-/// A muscle of `rest` deforms while a bone turns into it and out again; each frame as the plain way says.
+/// A muscle of `rest` deforms while a bone turns into it and out again; each frame compared with brute force.
 FollowedMuscle follow(const TriangleMesh& bone, const TriangleMesh& rest) {
   const std::vector<Bone> bones{bone_of(bone)};
   BoneVertexDepthMeter meter(bones, rest, std::vector<int>(rest.vertices.size(), -1));

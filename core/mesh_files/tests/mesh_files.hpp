@@ -100,9 +100,9 @@ inline std::string with_crlf(const std::string& text) {
 }
 
 inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t place = text.find(from);
-  EXPECT_NE(place, std::string::npos) << from;
-  return text.replace(place, from.size(), to);
+  const std::size_t offset = text.find(from);
+  EXPECT_NE(offset, std::string::npos) << from;
+  return text.replace(offset, from.size(), to);
 }
 
 template <typename T>

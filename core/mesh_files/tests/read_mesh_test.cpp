@@ -81,10 +81,10 @@ TEST_F(ReadMesh, ReadsOtherFormatsThroughAssimp) {
 TEST_F(ReadMesh, SplitsConcavePolygonsRightWhereverTheyAre) {
   // An arrowhead, of which a fan from its first corner would cover more than there is; then a triangle.
   const std::vector<Vec3> corners = {{0, 2, 0}, {0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 0.5, 0}, {1, 3, 0}};
-  struct Place {
+  struct Placement {
     double size, offset;
   };
-  for (const auto& [size, offset] : {Place{1, 0}, Place{1e-3, 0.5}, Place{1e-5, 600}}) {
+  for (const auto& [size, offset] : {Placement{1, 0}, Placement{1e-3, 0.5}, Placement{1e-5, 600}}) {
     std::string off = "OFF\n6 2 0\n";
     for (const Vec3& corner : corners) {
       off += fmt::format("{} {} {}\n", offset + size * corner.x(), offset + size * corner.y(), offset);

@@ -1,4 +1,4 @@
-// What is no mesh, or a damaged one, is refused in one line that names the file and the place.
+// What is no mesh, or a damaged one, is refused in one line that names the file and the location.
 #include <cmath>
 #include <random>
 #include <string>
@@ -129,9 +129,9 @@ TEST(ParseMesh, SurvivesAnyBentByte) {
   for (const auto& [parse, content] : files) {
     EXPECT_FALSE(is_refused(parse, content));
     int refused = 0;
-    for (std::size_t place = 0; place < content.size(); ++place) {
+    for (std::size_t offset = 0; offset < content.size(); ++offset) {
       std::string bent = content;
-      bent[place] = static_cast<char>(random() & 0xFFU);
+      bent[offset] = static_cast<char>(random() & 0xFFU);
       refused += is_refused(parse, bent) ? 1 : 0;
     }
     EXPECT_GT(refused, 0);

@@ -24,9 +24,9 @@ TriangleMesh inverted(TriangleMesh mesh) {
   return mesh;
 }
 
-TriangleMesh moved(TriangleMesh mesh, const Vec3& way) {
+TriangleMesh moved(TriangleMesh mesh, const Vec3& displacement) {
   for (Vec3& vertex : mesh.vertices) {
-    vertex += way;
+    vertex += displacement;
   }
   return mesh;
 }
@@ -289,8 +289,8 @@ TEST(RepairMesh, AcceptsFewHolesAndSaysSo) {
 
 TEST(RepairMesh, RefusesWhatIsWideOpen) {
   TriangleMesh sieve = make_sphere(1, 3);
-  std::size_t place = 0;
-  std::erase_if(sieve.triangles, [&](const Triangle&) { return place++ % 20 == 0; });
+  std::size_t index = 0;
+  std::erase_if(sieve.triangles, [&](const Triangle&) { return index++ % 20 == 0; });
   expect_refused(sieve, "boundary edges");
   // Half a fine sphere has few boundary edges, but no inside.
   TriangleMesh half = make_sphere(1, 6);

@@ -165,11 +165,11 @@ TEST_F(Recording, EveryTruncationIsRefused) {
 TEST_F(Recording, EveryChangedByteIsRefused) {
   write();
   const std::string whole = content();
-  for (std::size_t place = 0; place < whole.size(); ++place) {
+  for (std::size_t offset = 0; offset < whole.size(); ++offset) {
     std::string changed = whole;
-    changed[place] = static_cast<char>(changed[place] ^ 4);
+    changed[offset] = static_cast<char>(changed[offset] ^ 4);
     replace_content(changed);
-    ASSERT_NE(complaint(), "") << place;
+    ASSERT_NE(complaint(), "") << offset;
   }
 }
 
@@ -221,9 +221,9 @@ TEST_F(Recording, AHeaderThatClaimsMoreNodesThanThereAreIsRefusedBeforeMemoryIsT
   (void)write();
   std::string bytes = content();
   const std::string claim = "\"nodes\":1000000000";
-  const std::size_t place = bytes.find("\"nodes\":5");
-  ASSERT_NE(place, std::string::npos);
-  bytes.replace(place, 9, claim);
+  const std::size_t offset = bytes.find("\"nodes\":5");
+  ASSERT_NE(offset, std::string::npos);
+  bytes.replace(offset, 9, claim);
   std::uint64_t size = 0;
   const std::size_t size_place = recording_magic.size() + recording_version.size();
   std::memcpy(&size, bytes.data() + size_place, sizeof size);

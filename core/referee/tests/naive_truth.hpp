@@ -8,7 +8,7 @@
 
 #include "core/mesh/triangle_mesh.hpp"
 
-/// The answers that the Referee must give, found the plainest way: every triangle, long double, Voronoi regions.
+/// The answers that the Referee must give, found by brute force: every triangle, long double, Voronoi regions.
 namespace musclebench::naive {
 
 using Real = long double;
@@ -82,7 +82,7 @@ inline std::vector<Vec3> cloud(const TriangleMesh& mesh, int count, std::mt19937
   return points;
 }
 
-/// Points of the surface, moved by about `jitter_m` each way.
+/// Points of the surface, moved by about `jitter_m` along each axis.
 inline std::vector<Vec3> near_surface(const TriangleMesh& mesh, int count, double jitter_m, std::mt19937_64& random) {
   std::uniform_int_distribution<std::size_t> which(0, mesh.triangles.size() - 1);
   std::uniform_real_distribution<double> share(0, 1);

@@ -134,7 +134,7 @@ TEST(Referee, SingleNeedlesAreExactOverTheirFaces) {
 }
 
 TEST(Referee, RaysThroughVerticesAndEdgesCountOnce) {
-  // Every query lies on the box's lattice, so that its ray meets edges and vertices whichever way it goes.
+  // Every query lies on the box's lattice, so that its ray meets edges and vertices whatever its direction.
   const Vec3 half_extents(4, 4, 4);
   const Referee referee = referee_of(make_box(half_extents, 8));
   for (int x = -6; x <= 6; ++x) {
@@ -187,7 +187,7 @@ TEST(Referee, TouchingIsNoContact) {
   Referee referee(bones, 3);
   const std::vector<RigidMotion> poses(1);
   std::vector<Contact> truth;
-  for (int i = 0; i < 2; ++i) {  // the second time it remembers
+  for (int i = 0; i < 2; ++i) {  // the second time its distances are cached
     referee.judge(poses, std::vector<Vec3>{{0.1 - 1e-14, 0.01, 0.02}, {0.1 - 1e-11, 0.01, 0.02}, {0.1, 0.01, 0.02}},
                   std::vector<int>{0, 1, 2}, truth);
     ASSERT_EQ(truth.size(), 1U);

@@ -70,7 +70,7 @@ TEST(RefereeTree, ASideHoldsForAsLongAsItSays) {
       const double reach = 0.999 * std::min(distance, winding.steady_m);
       used += reach > 0.1 * distance ? 1 : 0;
       for (int i = 0; i < 10; ++i) {
-        // Half of the movement is the point's, half that of the vertices, each its own way.
+        // Half of the movement is the point's, half that of the vertices, each in a direction of its own.
         const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
         TriangleMesh deformed = mesh;
         for (Vec3& vertex : deformed.vertices) {

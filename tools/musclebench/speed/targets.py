@@ -4,6 +4,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import pandas as pd
+
 from ..accuracy.configurations import configuration
 from ..program.registry import Registry
 from ..results.disturbance import MARK
@@ -14,6 +16,7 @@ from .kernel_results import Kernels
 from .speed_plan import Setting, settings, targets
 from ..results.status import MEASURED
 
+MOST_SETUP = 0.2  # of the CPU time of a run of some hundred frames
 NOT_BUILT, NOT_MEASURED = "not built", "not measured"
 
 
@@ -54,11 +57,12 @@ class Measured:
 
 
 def rows(measured: Measured, registry: Registry) -> list[Row]:
-    """A row for each race against the unit of price, and one for each target of the backends' studies."""
+    """A row for each race against the unit of price, one for what a run costs before its first frame, and one for each
+    target of the backends' studies."""
     raced = settings(registry)
     unit = next((setting for setting in raced if setting.is_unit), None)
     races = [_race(measured, setting, unit, registry) for setting in raced if unit and setting != unit]
-    return [*races, *(_kernel_row(measured, told) for told in targets(registry))]
+    return [*races, _setup_row(measured), *(_kernel_row(measured, told) for told in targets(registry))]
 
 
 def worst(what: str, parts: list[Row], target: str, at_most: float | None = None, at_least: float | None = None,
@@ -106,6 +110,25 @@ def _race_parts(measured: Measured, label: str, unit: str) -> list[Row]:
             row.note += MARK
         parts.append(row)
     return parts
+
+
+def _setup_row(measured: Measured) -> Row:
+    """CPU time before the first frame, without the backend's structures, over that of the whole run: of the largest
+    muscle, whose loop is the longest, a part for each setting."""
+    ran = [run for run in measured.runs if run.mode == "coupled" and run.status in MEASURED and "cpu_ns" in run.record]
+    nodes = {run.muscle: run.record["muscle"]["nodes"] for run in ran}
+    largest = max(nodes, key=nodes.get, default="")
+    shares: dict[str, list[float]] = {}
+    for run in ran:
+        if run.muscle == largest:
+            cpu = run.record["cpu_ns"]
+            share = (cpu["before_first_frame"] - run.record["build_ns"]) / cpu["after_last_frame"]
+            shares.setdefault(label_of(run), []).append(share)
+    parts = [Row(f"set-up / run, {label}", measured=samples.median(pd.Series(found)),
+                 note=f"{label}, {largest}")
+             for label, found in shares.items()]
+    return worst("CPU before the first frame, without structures / of a run, largest muscle", parts,
+                 f"<= {MOST_SETUP:g}", at_most=MOST_SETUP)
 
 
 def label_of(run: Run) -> str:
