@@ -32,14 +32,14 @@ add_library(musclebench_test_settings INTERFACE)
 target_link_libraries(musclebench_test_settings INTERFACE musclebench_settings)
 target_compile_options(musclebench_test_settings INTERFACE $<$<CONFIG:Release>:-O1>)
 
-# Highway compiles such a source once for each instruction set, by including it again: it has to stand alone.
+# Highway compiles such a source once for each instruction set, by including it again, or for one alone: it stands alone.
 function(musclebench_compile_simd_alone)
   foreach(source IN LISTS ARGN)
     cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}" OUTPUT_VARIABLE path)
     if(NOT EXISTS "${path}")  # generated
       continue()
     endif()
-    file(STRINGS "${path}" dispatched REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
+    file(STRINGS "${path}" dispatched REGEX "hwy/highway.h" LIMIT_COUNT 1)
     if(dispatched)
       set_source_files_properties("${source}" PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     endif()

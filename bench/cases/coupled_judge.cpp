@@ -42,7 +42,7 @@ CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_
   LastDetection nothing;
   const auto poses = simulation.bone_poses();
   nothing.bone_poses.assign(poses.begin(), poses.end());
-  nothing.positions = simulation.particles().positions;
+  nothing.positions = simulation.positions();
   StepRecord at_rest;
   judge(simulation, nothing, at_rest);
   m_at_rest = at_rest.depth;
@@ -50,7 +50,7 @@ CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_
 
 void CoupledJudge::judge(const Simulation& simulation, const LastDetection& detection, StepRecord& record) {
   const ScopedTimer timer(record.judging_ns);
-  const std::vector<Vec3>& positions = simulation.particles().positions;
+  const std::vector<Vec3>& positions = simulation.positions();
   m_referee.judge(detection.bone_poses, detection.positions, simulation.free_nodes(), m_truth);
   long work = m_referee.last_effort().work;
   record.difference = compare_contacts(detection.contacts, m_truth);
@@ -76,8 +76,8 @@ void CoupledJudge::judge(const Simulation& simulation, const LastDetection& dete
 }
 
 std::vector<double> CoupledJudge::depths(const Simulation& simulation) {
-  std::vector<double> depths_m(simulation.particles().size(), 0.0);
-  m_referee.judge(simulation.bone_poses(), simulation.particles().positions, simulation.free_nodes(), m_truth);
+  std::vector<double> depths_m(simulation.positions().size(), 0.0);
+  m_referee.judge(simulation.bone_poses(), simulation.positions(), simulation.free_nodes(), m_truth);
   for (const Contact& contact : m_truth) {
     depths_m[contact.node] = std::max(depths_m[contact.node], contact.depth_m);
   }

@@ -21,10 +21,10 @@ namespace musclebench {
 
 namespace {
 
-std::string hash_of(const Particles& particles) {
+std::string hash_of(const Simulation& simulation) {
   Sha256 hash;
-  hash.add(std::as_bytes(std::span(particles.positions)));
-  hash.add(std::as_bytes(std::span(particles.velocities)));
+  hash.add(std::as_bytes(std::span(simulation.positions())));
+  hash.add(std::as_bytes(std::span<const Vec3>(simulation.velocities())));
   return hash.hex_digest().substr(0, 16);
 }
 
@@ -53,7 +53,7 @@ class CaseRunner {
     m_result.cpu_after_ns = process_cpu_ns();
     m_result.memory_after_bytes = memory_needed_bytes();
     m_result.memory_peak_bytes = peak_resident_memory_bytes();
-    m_result.state_hash = hash_of(m_simulation->particles());
+    m_result.state_hash = hash_of(*m_simulation);
     conclude();
     return std::move(m_result);
   }
@@ -67,7 +67,7 @@ class CaseRunner {
     m_result.structure_errors = m_backend->structure_errors();
     m_result.structures_loaded = m_backend->built_from_file();
 
-    PreparedSimulation prepared = prepare_simulation(m_run.scene, *m_backend, m_run.response);
+    PreparedSimulation prepared = prepare_simulation(m_run.scene, *m_backend, m_run.response, m_run.threads);
     m_simulation = std::move(prepared.simulation);
     m_result.bound_nodes = std::move(prepared.bound_nodes);
     m_result.effect_names = std::move(prepared.effect_names);
@@ -106,9 +106,9 @@ class CaseRunner {
     record.contacts = static_cast<int>(m_simulation->contacts().size());
     record.resident_bytes = memory_needed_bytes();
 
-    const Particles& particles = m_simulation->particles();
-    record.volume_m3 = surface_volume_m3(particles.positions, m_scene.muscle.mesh.triangles);
-    const std::string lost = m_divergence.describe(frame, particles.positions);
+    const std::vector<Vec3>& positions = m_simulation->positions();
+    record.volume_m3 = surface_volume_m3(positions, m_scene.muscle.mesh.triangles);
+    const std::string lost = m_divergence.describe(frame, positions);
     if (!lost.empty()) {
       m_result.status = "diverged";
       m_result.status_detail = lost;
@@ -117,7 +117,7 @@ class CaseRunner {
     }
     if (lost.empty() && m_run.count_self_intersections && (is_kept(frame) || frame == m_scene.loop.frames)) {
       record.self_intersecting_triangles =
-          count_self_intersecting_triangles({particles.positions, m_scene.muscle.mesh.triangles});
+          count_self_intersecting_triangles({positions, m_scene.muscle.mesh.triangles});
     }
     m_result.records.push_back(record);
     if (lost.empty()) {
@@ -161,8 +161,8 @@ class CaseRunner {
     const auto poses = m_simulation->bone_poses();
     Snapshot snapshot{frame,
                       m_scene.angle_rad(frame) * degrees_per_radian,
-                      m_simulation->particles().positions,
-                      std::vector<double>(m_simulation->particles().size(), 0.0),
+                      m_simulation->positions(),
+                      std::vector<double>(m_simulation->positions().size(), 0.0),
                       {poses.begin(), poses.end()}};
     if (m_judge) {
       snapshot.depths_m = m_judge->depths(*m_simulation);

@@ -54,7 +54,7 @@ Input run_exactly(const Scene& scene, double seconds) {
   const int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const Case exact{scene, backend, backend_parameters(backend, {}), threads, 0};
   const BuiltBackend built = build_backend(exact);
-  const PreparedSimulation prepared = prepare_simulation(exact.scene, *built.backend, exact.response);
+  const PreparedSimulation prepared = prepare_simulation(exact.scene, *built.backend, exact.response, exact.threads);
   const Divergence divergence(scene);
   Progress progress(progress_style(false), "exact run of " + scene.name, scene.loop.frames);
   const Nanoseconds start_ns = monotonic_now_ns();
@@ -70,7 +70,7 @@ Input run_exactly(const Scene& scene, double seconds) {
       input.frames->begin_lead_in();
     }
     prepared.simulation->step_frame(frame, kept || leads_in ? input.frames.get() : nullptr);
-    const std::string lost = divergence.describe(frame, prepared.simulation->particles().positions);
+    const std::string lost = divergence.describe(frame, prepared.simulation->positions());
     if (!lost.empty()) {
       throw InputError(scene.name, "the exact run diverged, so there is nothing to advise on: " + lost);
     }

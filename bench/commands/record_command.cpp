@@ -79,7 +79,7 @@ std::string write_frames(Simulation& simulation, const Scene& scene, RecordingWr
   StepWriter steps(writer);
   for (int frame = 1; frame <= scene.loop.frames; ++frame) {
     simulation.step_frame(frame, &steps);
-    std::string lost = divergence.describe(frame, simulation.particles().positions);
+    std::string lost = divergence.describe(frame, simulation.positions());
     if (!lost.empty()) {
       return lost;
     }
@@ -120,7 +120,8 @@ int record(const RecordOptions& options) {
   const Case resolved{scene, backend, parameters, options.backend.threads, 0, response};
   std::optional<EndAtOnce> until_written(std::in_place);
   const BuiltBackend built = build_backend(resolved);
-  const PreparedSimulation prepared = prepare_simulation(resolved.scene, *built.backend, resolved.response);
+  const PreparedSimulation prepared =
+      prepare_simulation(resolved.scene, *built.backend, resolved.response, resolved.threads);
   const RecordingHeader header = header_of(resolved, options.scene, prepared.simulation->free_nodes());
   std::optional<RecordingWriter> writer;
   {

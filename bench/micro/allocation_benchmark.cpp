@@ -23,7 +23,8 @@ void allocations(benchmark::State& state, const std::string& name, ResponseKind 
   const Case resolved{scene, entry, Parameters(entry.parameters, run_settings(name), name), 1, 0, response};
   for (auto _ : state) {
     const BuiltBackend built = build_backend(resolved);
-    const PreparedSimulation prepared = prepare_simulation(resolved.scene, *built.backend, resolved.response);
+    const PreparedSimulation prepared =
+        prepare_simulation(resolved.scene, *built.backend, resolved.response, resolved.threads);
     std::uint64_t most = 0;
     for (int frame = 1; frame <= frames; ++frame) {
       const std::uint64_t before = heap_allocations();

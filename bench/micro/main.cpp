@@ -18,6 +18,8 @@ int main(int argc, char** argv) {
     musclebench::register_equal_error_kernels();
     musclebench::register_detect_kernels();
     musclebench::register_size_kernels();
+    musclebench::register_constraint_kernels();
+    musclebench::register_loop_kernels();
     musclebench::register_allocation_kernels();
     benchmark::RunSpecifiedBenchmarks();
   } catch (const musclebench::InputError& error) {

@@ -21,6 +21,12 @@ void register_equal_error_kernels();
 /// `update/BACKEND`, `detect/BACKEND` and `detect_threads/BACKEND/N`: all nodes of the muscle, pushed into the bones.
 void register_detect_kernels();
 
+/// `constraints/EFFECT/lanes|scalar|published`: one pass over an effect's constraints.
+void register_constraint_kernels();
+
+/// `loop/PRESET/BACKEND/scalar|1|2`: a frame of the loop, with the number of threads, or over scalar effects.
+void register_loop_kernels();
+
 /// `muscle_size/BACKEND/NODES`, `bone_size/bvh_locate|bvh_step/TRIANGLES`.
 void register_size_kernels();
 

@@ -1,5 +1,6 @@
 #include "bench/micro/micro_scene.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <random>
 
@@ -52,6 +53,14 @@ std::vector<std::string> raced_backends() {
     }
   }
   return names;
+}
+
+std::string control_backend() {
+  const auto& backends = backend_registry();
+  const auto found = std::find_if(backends.begin(), backends.end(), [](const BackendEntry& backend) {
+    return parse_toml(backend.study, backend.name)["control"].value_or(false);
+  });
+  return found->name;
 }
 
 double guessed_step_ms(const BackendEntry& backend) {

@@ -25,6 +25,9 @@ std::vector<Vec3> points_far(const Bone& bone, std::size_t count);
 /// The backends that are raced for speed: those with a [[race]] in their study.
 std::vector<std::string> raced_backends();
 
+/// The backend that detects nothing: what it leaves is the loop itself.
+std::string control_backend();
+
 /// What a step of the backend takes, as its study guesses for the reference muscle; 0: unknown.
 double guessed_step_ms(const BackendEntry& backend);
 

@@ -1,29 +1,40 @@
 #include "core/effects/attachment.hpp"
 
+#include <algorithm>
+
 namespace musclebench {
 
 namespace {
 
 class Attachment final : public Effect {
  public:
-  explicit Attachment(const EffectInput& input) : m_bound_nodes(input.bound_nodes) {
-    for (const BoundNode& bound : m_bound_nodes) {
-      m_bone_frame_positions.push_back(input.rest_poses[bound.bone].apply_inverse(input.muscle.vertices[bound.node]));
+  explicit Attachment(const EffectInput& input) {
+    for (const auto& [node, bone] : input.bound_nodes) {
+      m_bound_rows.push_back({static_cast<std::size_t>(input.order.row_of(node)), bone,
+                              input.rest_poses[bone].apply_inverse(input.muscle.vertices[node])});
     }
+    std::ranges::sort(m_bound_rows, {}, &BoundRow::row);
   }
 
   [[nodiscard]] std::string_view name() const override { return "attachment"; }
 
-  void project(Particles& particles, const SubstepInput& input) override {
-    for (std::size_t i = 0; i < m_bound_nodes.size(); ++i) {
-      particles.predicted[m_bound_nodes[i].node] =
-          input.bone_poses[m_bound_nodes[i].bone].apply(m_bone_frame_positions[i]);
+  void project(NodeRows& rows, const SubstepInput& input, const Team& team) override {
+    const auto [first, last] =
+        team.share_by_row(m_bound_rows.size(), rows.size(), [&](std::size_t i) { return m_bound_rows[i].row; });
+    for (std::size_t i = first; i < last; ++i) {
+      const auto& [row, bone, position] = m_bound_rows[i];
+      rows[row].set_position(input.bone_poses[bone].apply(position));
     }
   }
 
  private:
-  std::vector<BoundNode> m_bound_nodes;
-  std::vector<Vec3> m_bone_frame_positions;
+  struct BoundRow {
+    std::size_t row;
+    int bone;
+    Vec3 position;  ///< rest frame of the bone
+  };
+
+  std::vector<BoundRow> m_bound_rows;
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "core/effects/fibres.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/pbd/effect.hpp"
+#include "core/pbd/node_order.hpp"
 
 namespace musclebench {
 
@@ -19,9 +20,11 @@ struct BoundNode {
   int bone = 0;
 };
 
-/// What effects are constructed from: references to the muscle and the bones' poses at rest, fibres and attachments.
+/// What effects are constructed from: references to the muscle, the order of its nodes in `NodeRows`, the bones' poses
+/// at rest, fibres and attachments.
 struct EffectInput {
   const TriangleMesh& muscle;
+  const NodeOrder& order;
   const std::vector<FibreSegment>& fibres;
   const std::vector<BoundNode>& bound_nodes;
   const std::vector<RigidMotion>& rest_poses;

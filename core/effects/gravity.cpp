@@ -10,11 +10,13 @@ class Gravity final : public Effect {
 
   [[nodiscard]] std::string_view name() const override { return "gravity"; }
 
-  void apply_force(Particles& particles, const SubstepInput& input) override {
+  void apply_force(const NodeRows& rows, std::span<NodeRow> velocities, const SubstepInput& input,
+                   const Team& team) override {
     const Vec3 change = input.time_step_s * m_acceleration_m_per_s2;
-    for (std::size_t i = 0; i < particles.size(); ++i) {
-      if (particles.inverse_masses[i] > 0) {
-        particles.velocities[i] += change;
+    const auto [first, last] = team.share(rows.size());
+    for (std::size_t row = first; row < last; ++row) {
+      if (rows[row].inverse_mass > 0) {
+        velocities[row].set_position(velocities[row].position() + change);
       }
     }
   }

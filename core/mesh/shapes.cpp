@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/portable_math.hpp"
+
 namespace musclebench {
 
 namespace {
@@ -128,19 +130,19 @@ TriangleMesh make_capsule(double radius_m, double half_length_m, int segments) {
   const auto add_ring = [&](double ring_radius_m, double z_m) {
     for (int i = 0; i < segments; ++i) {
       const double angle = 2 * pi * i / segments;
-      mesh.vertices.emplace_back(ring_radius_m * std::cos(angle), ring_radius_m * std::sin(angle), z_m);
+      mesh.vertices.emplace_back(ring_radius_m * portable::cos(angle), ring_radius_m * portable::sin(angle), z_m);
     }
   };
   for (int ring = 1; ring <= rings_per_cap; ++ring) {
     const double latitude = pi / 2 * ring / rings_per_cap;
-    add_ring(radius_m * std::sin(latitude), -half_length_m - radius_m * std::cos(latitude));
+    add_ring(radius_m * portable::sin(latitude), -half_length_m - radius_m * portable::cos(latitude));
   }
   for (int row = 1; row <= rows; ++row) {
     add_ring(radius_m, half_length_m * (2.0 * row - rows) / rows);
   }
   for (int ring = rings_per_cap - 1; ring >= 1; --ring) {
     const double latitude = pi / 2 * ring / rings_per_cap;
-    add_ring(radius_m * std::sin(latitude), half_length_m + radius_m * std::cos(latitude));
+    add_ring(radius_m * portable::sin(latitude), half_length_m + radius_m * portable::cos(latitude));
   }
   mesh.vertices.emplace_back(0, 0, half_length_m + radius_m);
 

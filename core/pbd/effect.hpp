@@ -4,7 +4,8 @@
 #include <string_view>
 
 #include "core/mesh/rigid_motion.hpp"
-#include "core/pbd/particles.hpp"
+#include "core/pbd/node_rows.hpp"
+#include "core/pbd/team.hpp"
 
 namespace musclebench {
 
@@ -25,11 +26,15 @@ class Effect {
   /// The name in scene files and in the columns of the profile.
   [[nodiscard]] virtual std::string_view name() const = 0;
 
-  /// Called once a substep, before the prediction: external forces change velocities.
-  virtual void apply_force(Particles& /*particles*/, const SubstepInput& /*input*/) {}
+  // Every thread of `team` makes these calls, and does its share. The result is the same to the bit for any team.
 
-  /// Called once a solver iteration: constraints are projected, that is, correct the predicted positions.
-  virtual void project(Particles& /*particles*/, const SubstepInput& /*input*/) {}
+  /// Called once a substep, before the prediction: external forces change `velocities`, a row each of `rows`.
+  virtual void apply_force(const NodeRows& /*rows*/, std::span<NodeRow> /*velocities*/, const SubstepInput& /*input*/,
+                           const Team& /*team*/) {}
+
+  /// Called once a solver iteration: constraints are projected, that is, correct the predicted positions. The caller
+  /// waits for the team before and afterwards.
+  virtual void project(NodeRows& /*rows*/, const SubstepInput& /*input*/, const Team& /*team*/) {}
 };
 
 }  // namespace musclebench

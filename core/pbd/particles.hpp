@@ -6,10 +6,9 @@
 
 namespace musclebench {
 
-/// The particles (nodes) of a muscle as a structure of arrays: one a vertex of its surface, in the world frame.
+/// The particles (nodes) of a muscle as a simulation begins: one a vertex of its surface, in the world frame.
 struct Particles {
-  std::vector<Vec3> positions;         ///< x: at the start of the substep, m
-  std::vector<Vec3> predicted;         ///< p: corrected by constraints and contacts, m
+  std::vector<Vec3> positions;         ///< m
   std::vector<Vec3> velocities;        ///< m/s
   std::vector<double> inverse_masses;  ///< 1/kg; 0 for a node that is attached to a bone
 

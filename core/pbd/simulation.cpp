@@ -1,9 +1,51 @@
 #include "core/pbd/simulation.hpp"
 
-#include <cmath>
+#include <algorithm>
 #include <utility>
 
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include "core/base/portable_math.hpp"
+
 namespace musclebench {
+
+namespace {
+
+/// Adds the time of a stage that a whole team goes through: from when its first thread begins until all have ended.
+class TeamTimer {
+ public:
+  TeamTimer(Nanoseconds& total_ns, const Team& team)
+      : m_total_ns(total_ns), m_team(team), m_start_ns(team.is_first() ? monotonic_now_ns() : 0) {}
+  TeamTimer(const TeamTimer&) = delete;
+  TeamTimer& operator=(const TeamTimer&) = delete;
+  ~TeamTimer() {
+    m_team.wait();
+    if (m_team.is_first()) m_total_ns += monotonic_now_ns() - m_start_ns;
+  }
+
+ private:
+  Nanoseconds& m_total_ns;
+  const Team& m_team;
+  Nanoseconds m_start_ns;
+};
+
+/// Calls `work(team)` on so many threads.
+template <typename Work>
+void run_team(int threads, [[maybe_unused]] Barrier& barrier, const Work& work) {
+#ifdef _OPENMP
+  if (threads > 1) {  // OpenMP allocates even a team of one
+    barrier.reset();
+#pragma omp parallel num_threads(threads)
+    work(Team(omp_get_thread_num(), omp_get_num_threads(), barrier));
+    return;
+  }
+#endif
+  work(Team());
+}
+
+}  // namespace
 
 void LastDetection::before_detection(const CollisionStep& step) {
   if (!step.last_of_frame) {
@@ -22,22 +64,42 @@ void LastDetection::after_detection(const CollisionStep& step, std::span<const C
   }
 }
 
-Simulation::Simulation(const LoopParameters& loop, Particles particles, std::vector<int> free_nodes,
+Simulation::Simulation(const LoopParameters& loop, const Particles& particles, NodeOrder order,
                        std::vector<std::unique_ptr<Effect>> effects, CollisionBackend& backend, ResponseKind response,
-                       PoseFunction poses)
+                       PoseFunction poses, int threads)
     : m_loop(loop),
-      m_particles(std::move(particles)),
-      m_free_nodes(std::move(free_nodes)),
+      m_order(std::move(order)),
+      m_positions(particles.positions),
+      m_predicted(particles.positions),
+      m_start(m_order, particles.positions, particles.inverse_masses),
+      m_rows(m_start),
+      m_velocities(particles.size()),
       m_effects(std::move(effects)),
       m_backend(backend),
       m_response(response),
-      m_pose_function(std::move(poses)) {
+      m_pose_function(std::move(poses)),
+      m_threads(threads),
+      m_barrier(threads) {
+  for (int node = 0; node < static_cast<int>(particles.size()); ++node) {
+    if (particles.inverse_masses[node] > 0) {
+      m_free_nodes.push_back(node);
+      m_velocities[m_order.row_of(node)].set_position(particles.velocities[node]);
+    }
+  }
   m_pose_function(0, m_poses);
   m_previous_poses = m_poses;
   // Reserved for the most contacts possible, so that no timed frame allocates memory.
   m_contacts.reserve(m_poses.size() * m_free_nodes.size());
-  m_response.reserve(m_particles.size(), m_poses.size());
+  m_response.reserve(particles.size(), m_poses.size());
   m_times.effects_ns.reserve(m_effects.size());
+}
+
+std::vector<Vec3> Simulation::velocities() const {
+  std::vector<Vec3> velocities(m_velocities.size());
+  for (std::size_t row = 0; row < m_velocities.size(); ++row) {
+    velocities[m_order.node_in(row)] = m_velocities[row].position();
+  }
+  return velocities;
 }
 
 const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer) {
@@ -50,65 +112,87 @@ const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer)
     m_pose_function(frame - 1 + part, m_poses);
     const SubstepInput input{m_loop.time_step_s, m_poses};
 
-    for (std::size_t i = 0; i < m_effects.size(); ++i) {
-      const ScopedTimer timer(m_times.effects_ns[i]);
-      m_effects[i]->apply_force(m_particles, input);
-    }
-    {
-      const ScopedTimer timer(m_times.predict_ns);
-      predict(input);
-    }
     for (int iteration = 1; iteration <= m_loop.iterations; ++iteration) {
-      for (std::size_t i = 0; i < m_effects.size(); ++i) {
-        const ScopedTimer timer(m_times.effects_ns[i]);
-        m_effects[i]->project(m_particles, input);
-      }
+      run_team(m_threads, m_barrier, [&](const Team& team) {
+        if (iteration == 1) {
+          apply_forces(input, team);
+          predict(input, team);
+        }
+        project(input, team);
+      });
       collide(substep == m_loop.substeps && iteration == m_loop.iterations, observer);
     }
-    const ScopedTimer timer(m_times.finish_ns);
-    finish_substep();
+    run_team(m_threads, m_barrier, [&](const Team& team) { finish_substep(team); });
   }
   m_times.frame_ns = monotonic_now_ns() - start_ns - m_times.recording_ns;
   return m_times;
 }
 
-void Simulation::predict(const SubstepInput& input) {
-  const double damping = std::exp(-m_loop.damping_per_s * input.time_step_s);
-  for (const int node : m_free_nodes) {
-    Vec3& velocity = m_particles.velocities[node];
-    velocity *= damping;
-    m_particles.predicted[node] = m_particles.positions[node] + input.time_step_s * velocity;
+void Simulation::apply_forces(const SubstepInput& input, const Team& team) {
+  for (std::size_t i = 0; i < m_effects.size(); ++i) {
+    const TeamTimer timer(m_times.effects_ns[i], team);
+    m_effects[i]->apply_force(m_rows, m_velocities, input, team);
+  }
+}
+
+void Simulation::predict(const SubstepInput& input, const Team& team) {
+  const TeamTimer timer(m_times.predict_ns, team);
+  const double damping = portable::exp(-m_loop.damping_per_s * input.time_step_s);
+  const auto [first, last] = team.share(m_rows.size());
+  for (std::size_t row = first; row < last; ++row) {
+    m_velocities[row] = damping * m_velocities[row];
+    m_rows[row] = m_start[row] + input.time_step_s * m_velocities[row];
+  }
+}
+
+void Simulation::project(const SubstepInput& input, const Team& team) {
+  for (std::size_t i = 0; i < m_effects.size(); ++i) {
+    const TeamTimer timer(m_times.effects_ns[i], team);
+    m_effects[i]->project(m_rows, input, team);
+  }
+  const TeamTimer timer(m_times.predict_ns, team);
+  const auto [first, last] = team.share(m_rows.size());
+  for (std::size_t row = first; row < last; ++row) {
+    m_predicted[m_order.node_in(row)] = m_rows[row].position();
   }
 }
 
 void Simulation::collide(bool last_of_frame, CollisionObserver* observer) {
-  const CollisionStep step{m_particles.positions, m_previous_poses, m_particles.predicted, m_poses, last_of_frame};
+  const CollisionStep step{m_positions, m_previous_poses, m_predicted, m_poses, last_of_frame};
   if (observer != nullptr) {
     const ScopedTimer timer(m_times.recording_ns);
     observer->before_detection(step);
   }
   {
     const ScopedTimer timer(m_times.update_ns);
-    m_backend.update(m_poses, m_particles.predicted);
+    m_backend.update(m_poses, m_predicted);
   }
   {
     const ScopedTimer timer(m_times.detect_ns);
-    m_backend.detect(m_particles.predicted, m_free_nodes, m_contacts);
+    m_backend.detect(m_predicted, m_free_nodes, m_contacts);
   }
   if (observer != nullptr) {
     const ScopedTimer timer(m_times.recording_ns);
     observer->after_detection(step, m_contacts);
   }
   const ScopedTimer timer(m_times.respond_ns);
-  m_response.resolve(m_backend, {m_particles.positions, m_previous_poses, m_poses}, m_contacts, m_particles.predicted);
+  m_response.resolve(m_backend, {m_positions, m_previous_poses, m_poses}, m_contacts, m_predicted);
+  for (const Contact& contact : m_contacts) {
+    m_rows[m_order.row_of(contact.node)].set_position(m_predicted[contact.node]);
+  }
 }
 
-void Simulation::finish_substep() {
+void Simulation::finish_substep(const Team& team) {
+  const TeamTimer timer(m_times.finish_ns, team);
   const double per_time_step = 1.0 / m_loop.time_step_s;
-  for (const int node : m_free_nodes) {
-    m_particles.velocities[node] = per_time_step * (m_particles.predicted[node] - m_particles.positions[node]);
+  const auto [first, last] = team.share(m_rows.size());
+  for (std::size_t row = first; row < last; ++row) {
+    if (m_rows[row].inverse_mass > 0) {
+      m_velocities[row] = per_time_step * (m_rows[row] - m_start[row]);
+    }
+    m_start[row] = m_rows[row];
   }
-  m_particles.positions = m_particles.predicted;
+  if (team.is_first()) m_positions.swap(m_predicted);
 }
 
 }  // namespace musclebench

@@ -10,6 +10,10 @@
 #include "core/contact/collision_backend.hpp"
 #include "core/contact/response.hpp"
 #include "core/pbd/effect.hpp"
+#include "core/pbd/node_order.hpp"
+#include "core/pbd/node_rows.hpp"
+#include "core/pbd/particles.hpp"
+#include "core/pbd/team.hpp"
 
 namespace musclebench {
 
@@ -79,17 +83,19 @@ using PoseFunction = std::function<void(double frame_position, std::vector<Rigid
 /// The shared position-based dynamics loop (Mueller et al. 2007): one muscle, rigid moving bones, any backend.
 class Simulation {
  public:
-  /// `backend` has been built and outlives the simulation. `free_nodes` (ascending) are the nodes that are not attached
-  /// to a bone; only these are predicted and collide.
-  Simulation(const LoopParameters& loop, Particles particles, std::vector<int> free_nodes,
+  /// `backend` has been built and outlives the simulation. Only free nodes, those of an inverse mass above 0, are
+  /// predicted and collide. `effects` were made for `order`. `threads` change the time, and no bit of the result.
+  Simulation(const LoopParameters& loop, const Particles& particles, NodeOrder order,
              std::vector<std::unique_ptr<Effect>> effects, CollisionBackend& backend, ResponseKind response,
-             PoseFunction poses);
+             PoseFunction poses, int threads = 1);
 
   /// Runs frame `frame` (1-based); allocates no memory unless the backend does. `observer`, if given, sees every
   /// collision step. The returned times are valid until the next frame.
   const StageTimes& step_frame(int frame, CollisionObserver* observer = nullptr);
 
-  [[nodiscard]] const Particles& particles() const { return m_particles; }
+  /// Of all nodes, at the end of the last substep, m.
+  [[nodiscard]] const std::vector<Vec3>& positions() const { return m_positions; }
+  [[nodiscard]] std::vector<Vec3> velocities() const;
   [[nodiscard]] std::span<const RigidMotion> bone_poses() const { return m_poses; }
   /// The contacts of the last detection.
   [[nodiscard]] std::span<const Contact> contacts() const { return m_contacts; }
@@ -97,13 +103,22 @@ class Simulation {
   [[nodiscard]] std::span<const std::unique_ptr<Effect>> effects() const { return m_effects; }
 
  private:
-  void predict(const SubstepInput& input);
+  void apply_forces(const SubstepInput& input, const Team& team);
+  void predict(const SubstepInput& input, const Team& team);
+  void project(const SubstepInput& input, const Team& team);
   void collide(bool last_of_frame, CollisionObserver* observer);
-  void finish_substep();
+  void finish_substep(const Team& team);
 
   LoopParameters m_loop;
-  Particles m_particles;
-  std::vector<int> m_free_nodes;
+  NodeOrder m_order;
+  std::vector<int> m_free_nodes;  ///< ascending
+  // By node, for collision.
+  std::vector<Vec3> m_positions;  ///< x: at the start of the substep
+  std::vector<Vec3> m_predicted;  ///< p: corrected by constraints, then by contacts
+  // By row, for all else.
+  NodeRows m_start;  ///< x
+  NodeRows m_rows;   ///< p
+  std::vector<NodeRow> m_velocities;
   std::vector<std::unique_ptr<Effect>> m_effects;
   CollisionBackend& m_backend;
   Response m_response;
@@ -112,6 +127,8 @@ class Simulation {
   std::vector<RigidMotion> m_previous_poses;
   std::vector<Contact> m_contacts;
   StageTimes m_times;
+  int m_threads;
+  Barrier m_barrier;
 };
 
 }  // namespace musclebench

@@ -41,47 +41,40 @@ std::vector<BoundNode> bind_nodes(const Scene& scene, CollisionBackend& backend,
 Particles particles_of(const Scene& scene, const std::vector<BoundNode>& bound) {
   Particles particles;
   particles.positions = scene.muscle.mesh.vertices;
-  particles.predicted = particles.positions;
   particles.velocities.assign(particles.size(), Vec3::Zero());
-  const double volume_m3 = std::abs(surface_volume_m3(scene.muscle.mesh.vertices, scene.muscle.mesh.triangles));
-  const double shared_mass_kg = scene.loop.density_kg_per_m3 * volume_m3 / static_cast<double>(particles.size());
-  particles.inverse_masses.assign(particles.size(),
-                                  1 / (shared_mass_kg > 0 ? shared_mass_kg : scene.loop.node_mass_kg));
+  particles.inverse_masses.assign(particles.size(), 1 / node_mass_kg(scene));
   for (const BoundNode& node : bound) {
     particles.inverse_masses[node.node] = 0;
   }
   return particles;
 }
 
-std::vector<int> free_nodes_of(const Particles& particles) {
-  std::vector<int> nodes;
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    if (particles.inverse_masses[i] > 0) {
-      nodes.push_back(static_cast<int>(i));
-    }
-  }
-  return nodes;
-}
-
 }  // namespace
 
-PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend, ResponseKind response) {
+PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend, ResponseKind response,
+                                      int threads) {
   const std::vector<RigidMotion> rest_poses(scene.bones.size());
   PreparedSimulation prepared;
   prepared.bound_nodes = bind_nodes(scene, backend, rest_poses);
   std::vector<std::unique_ptr<Effect>> effects;
   const std::vector<FibreSegment> fibres = scene.fibres_with(prepared.bound_nodes);
-  const EffectInput input{scene.muscle.mesh, fibres, prepared.bound_nodes, rest_poses};
+  NodeOrder order(scene.muscle.mesh.vertices);
+  const EffectInput input{scene.muscle.mesh, order, fibres, prepared.bound_nodes, rest_poses};
   for (const SceneEffect& effect : scene.effects) {
     effects.push_back(find_effect(effect.name)->make(input, effect.parameters));
     prepared.effect_names.push_back(effect.name);
   }
-  Particles particles = particles_of(scene, prepared.bound_nodes);
-  std::vector<int> free_nodes = free_nodes_of(particles);
   prepared.simulation = std::make_unique<Simulation>(
-      scene.loop, std::move(particles), std::move(free_nodes), std::move(effects), backend, response,
-      [&scene](double position, std::vector<RigidMotion>& poses) { scene.poses_at(position, poses); });
+      scene.loop, particles_of(scene, prepared.bound_nodes), std::move(order), std::move(effects), backend, response,
+      [&scene](double position, std::vector<RigidMotion>& poses) { scene.poses_at(position, poses); }, threads);
   return prepared;
+}
+
+double node_mass_kg(const Scene& scene) {
+  const TriangleMesh& mesh = scene.muscle.mesh;
+  const double volume_m3 = std::abs(surface_volume_m3(mesh.vertices, mesh.triangles));
+  const double shared_mass_kg = scene.loop.density_kg_per_m3 * volume_m3 / static_cast<double>(mesh.vertices.size());
+  return shared_mass_kg > 0 ? shared_mass_kg : scene.loop.node_mass_kg;
 }
 
 double scene_diagonal_m(const Scene& scene) {

@@ -19,7 +19,11 @@ struct PreparedSimulation {
 };
 
 /// `scene` and `backend`, which is built over the scene's bones, outlive the simulation.
-PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend, ResponseKind response);
+PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend, ResponseKind response,
+                                      int threads);
+
+/// Of each node of the muscle.
+double node_mass_kg(const Scene& scene);
 
 /// Of the box around muscle and bones at rest.
 double scene_diagonal_m(const Scene& scene);

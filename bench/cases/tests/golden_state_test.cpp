@@ -1,14 +1,12 @@
-// The state hashes of two small scenes for each preset, backend and number of threads, against those that stand in
+// The state hashes of two small scenes for each preset, backend, number of threads and SIMD target, against those in
 // golden_states.txt: whoever changes what a simulation computes, down to the last bit, learns it here.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <map>
-#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -16,9 +14,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
+#include <hwy/highway.h>
 
 #include "bench/cases/run_case.hpp"
-#include "core/base/sha256.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/scene/read_scene.hpp"
 #include "datasets/embedded/embedded_files.hpp"
@@ -149,19 +147,6 @@ RunResult run(const Scene& scene, const BackendEntry& backend, int threads) {
   return run_case(run, [](int /*frames*/) {});
 }
 
-/// Of what the C library makes of 2000 arguments. Its sine, cosine and arc tangent take another path where the CPU has
-/// FMA, with other last bits: there the states are others, too, and nothing can be said.
-std::string libm_hash() {
-  std::vector<double> values;
-  for (int i = 1; i <= 2000; ++i) {
-    const double x = 0.001234567 * i;
-    values.insert(values.end(), {std::sin(x), std::cos(x), std::atan2(x, 1.1 - x), std::exp(-x), std::pow(x, 0.37)});
-  }
-  Sha256 hash;
-  hash.add(std::as_bytes(std::span(values)));
-  return hash.hex_digest().substr(0, 16);
-}
-
 /// Lines of "key value"; lines that begin with # are kept as they are.
 struct GoldenFile {
   std::string head;
@@ -188,18 +173,15 @@ struct GoldenFile {
   }
 };
 
-class GoldenState : public testing::TestWithParam<std::tuple<std::string, std::string>> {};
+class GoldenState : public testing::TestWithParam<std::tuple<std::string, std::string>> {
+ protected:
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+};
 
-TEST_P(GoldenState, IsThatOfEveryBackendForAnyNumberOfThreads) {
+TEST_P(GoldenState, IsThatOfEveryBackendForAnyNumberOfThreadsAndEverySimdTarget) {
   const auto& [scene_name, preset] = GetParam();
   const bool renew = std::getenv(renew_variable) != nullptr;
   GoldenFile golden;
-  if (renew) {
-    golden.values["libm"] = libm_hash();
-  } else if (golden.values["libm"] != libm_hash()) {
-    GTEST_SKIP() << "this CPU or C library computes sin, cos, atan2, exp or pow with other last bits (" << libm_hash()
-                 << ") than the one that the states were recorded with (" << golden.values["libm"] << ")";
-  }
   const Scene scene = load(scene_name, preset);
   for (const BackendEntry& backend : backend_registry()) {
     const std::string key = fmt::format("{} {} {}", scene_name, preset, backend.name);
@@ -211,6 +193,11 @@ TEST_P(GoldenState, IsThatOfEveryBackendForAnyNumberOfThreads) {
       of_one_thread = threads == 1 ? result.state_hash : of_one_thread;
       EXPECT_EQ(result.state_hash, of_one_thread) << key << ": " << threads << " threads give another state than one";
     }
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      hwy::SetSupportedTargetsForTest(target);
+      EXPECT_EQ(run(scene, backend, 2).state_hash, of_one_thread) << key << ": on " << hwy::TargetName(target);
+    }
+    hwy::SetSupportedTargetsForTest(0);
     if (renew) {
       golden.values[key] = of_one_thread;
     } else if (golden.values.contains(key)) {

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <numeric>
 #include <vector>
 
 #include "backends/bvh/bvh_backend.hpp"
@@ -24,19 +23,16 @@ double closest_after_a_frame(const BackendEntry& entry, const std::vector<Bone>&
   backend->build(bones, ball, 1);
   Particles particles;
   particles.positions = ball.vertices;
-  particles.predicted = ball.vertices;
   particles.velocities.assign(ball.vertices.size(), Vec3::Zero());
   particles.inverse_masses.assign(ball.vertices.size(), 1);
-  std::vector<int> nodes(ball.vertices.size());
-  std::iota(nodes.begin(), nodes.end(), 0);
   LoopParameters loop;
-  Simulation simulation(loop, particles, nodes, {}, *backend, entry.default_response,
+  Simulation simulation(loop, particles, NodeOrder(ball.vertices), {}, *backend, entry.default_response,
                         [](double frame, std::vector<RigidMotion>& poses) {
                           poses.assign(1, RigidMotion{Mat3::Identity(), Vec3(frame * step_m, 0, 0)});
                         });
   simulation.step_frame(1);
   double closest_m = 1;
-  for (const Vec3& position : simulation.particles().positions) {
+  for (const Vec3& position : simulation.positions()) {
     closest_m = std::min(closest_m, (position - Vec3(step_m, 0, 0)).norm());
   }
   return closest_m;

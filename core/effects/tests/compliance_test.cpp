@@ -75,13 +75,9 @@ PublishedConstraint published_angle(double rest_angle_rad, double compliance) {
           compliance};
 }
 
-void start_substep(Effect& effect, Particles& p, const Fixture& f) { effect.apply_force(p, {time_step_s, f.poses}); }
+void start_substep(Effect& effect, Nodes& p, const Fixture& f) { f.apply_force(effect, p, time_step_s); }
 
-void iterate(Effect& effect, Particles& p, const Fixture& f, int times) {
-  for (int i = 0; i < times; ++i) {
-    effect.project(p, {time_step_s, f.poses});
-  }
-}
+void iterate(Effect& effect, Nodes& p, Fixture& f, int times) { f.project(effect, p, times, time_step_s); }
 
 void expect_close(const std::vector<Vec3>& found, const std::vector<Vec3>& expected, double tolerance_m) {
   ASSERT_EQ(found.size(), expected.size());
@@ -92,7 +88,7 @@ void expect_close(const std::vector<Vec3>& found, const std::vector<Vec3>& expec
 
 /// A sphere out of shape, whose nodes differ in mass.
 struct Bruised : Fixture {
-  Particles start;
+  Nodes start;
 
   explicit Bruised(std::vector<FibreSegment> with_fibres = {}) : Fixture(make_sphere(1, 1), std::move(with_fibres)) {
     std::mt19937 random(3);
@@ -134,7 +130,7 @@ TEST(EdgeLengthCompliance, EveryIterationIsThatOfXpbd) {
   Bruised f;
   for (int times = 1; times <= iterations; ++times) {
     const auto effect = f.make("edge_length", {{"compliance_m_per_n", edge_compliance}});
-    Particles p = f.start;
+    Nodes p = f.start;
     start_substep(*effect, p, f);
     iterate(*effect, p, f, times);
     expect_close(p.predicted, f.solved_as_published(f.published_lengths(edge_compliance), times), 1e-12);
@@ -145,7 +141,7 @@ TEST(EdgeLengthCompliance, ASecondVisitGoesOnFromTheFirst) {
   Bruised f;
   const auto effect =
       f.make("edge_length", {{"compliance_m_per_n", edge_compliance}, {"visits_per_edge", std::int64_t{2}}});
-  Particles p = f.start;
+  Nodes p = f.start;
   start_substep(*effect, p, f);
   iterate(*effect, p, f, iterations);
   expect_close(p.predicted, f.solved_as_published(f.published_lengths(edge_compliance), 2 * iterations), 1e-12);
@@ -154,7 +150,7 @@ TEST(EdgeLengthCompliance, ASecondVisitGoesOnFromTheFirst) {
 TEST(EdgeLengthCompliance, StiffnessScalesEveryStep) {
   Bruised f;
   const auto effect = f.make("edge_length", {{"compliance_m_per_n", edge_compliance}, {"stiffness", 0.5}});
-  Particles p = f.start;
+  Nodes p = f.start;
   start_substep(*effect, p, f);
   iterate(*effect, p, f, iterations);
   expect_close(p.predicted, f.solved_as_published(f.published_lengths(edge_compliance), iterations, 0.5), 1e-12);
@@ -172,7 +168,7 @@ TEST(EdgeLengthCompliance, GrowsAlongTheFibres) {
     const Vec3 edge = f.mesh.vertices[constraint.nodes[1]] - f.mesh.vertices[constraint.nodes[0]];
     constraint.compliance /= std::pow(1 - std::abs(edge.normalized().dot(fibre)), exponent);
   }
-  Particles p = f.start;
+  Nodes p = f.start;
   start_substep(*effect, p, f);
   iterate(*effect, p, f, iterations);
   expect_close(p.predicted, f.solved_as_published(published, iterations), 1e-12);
@@ -181,10 +177,10 @@ TEST(EdgeLengthCompliance, GrowsAlongTheFibres) {
 TEST(EdgeLengthCompliance, MultipliersAreThoseOfTheSubstep) {
   Bruised f;
   const auto used = f.make("edge_length", {{"compliance_m_per_n", edge_compliance}});
-  Particles before = f.start;
+  Nodes before = f.start;
   start_substep(*used, before, f);
   iterate(*used, before, f, iterations);
-  Particles p = f.start;
+  Nodes p = f.start;
   start_substep(*used, p, f);
   iterate(*used, p, f, iterations);
   expect_close(p.predicted, before.predicted, 1e-15);
@@ -194,7 +190,7 @@ constexpr double rest_angle_rad = 0.4;
 constexpr double angle_compliance = 1e-3;  // alpha~ is 10; weights and gradients sum up to 3 to 6
 
 struct Folded : Fixture {
-  Particles start;
+  Nodes start;
 
   explicit Folded(double angle_rad) : Fixture(hinge(rest_angle_rad)) {
     start = particles();
@@ -204,7 +200,7 @@ struct Folded : Fixture {
 
   std::vector<Vec3> solved(double part, int times, double compliance = angle_compliance) {
     const auto effect = make("bending", {{"stiffness", part}, {"compliance_rad_per_n_m", compliance}});
-    Particles p = start;
+    Nodes p = start;
     start_substep(*effect, p, *this);
     iterate(*effect, p, *this, times);
     return p.predicted;
@@ -243,10 +239,10 @@ TEST(BendingCompliance, WithoutComplianceItIsPbd) {
 TEST(BendingCompliance, MultipliersAreThoseOfTheSubstep) {
   Folded f(1.2);
   const auto used = f.make("bending", {{"stiffness", 1.0}, {"compliance_rad_per_n_m", angle_compliance}});
-  Particles before = f.start;
+  Nodes before = f.start;
   start_substep(*used, before, f);
   iterate(*used, before, f, iterations);
-  Particles p = f.start;
+  Nodes p = f.start;
   start_substep(*used, p, f);
   iterate(*used, p, f, iterations);
   expect_close(p.predicted, before.predicted, 1e-15);

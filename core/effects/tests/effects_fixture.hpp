@@ -11,33 +11,59 @@
 
 namespace musclebench {
 
+/// Nodes as tests look at them: in the order of the mesh.
+struct Nodes {
+  std::vector<Vec3> predicted;
+  std::vector<Vec3> velocities;
+  std::vector<double> inverse_masses;
+
+  [[nodiscard]] std::size_t size() const { return predicted.size(); }
+};
+
 /// A muscle with what effects are made from.
 struct Fixture {
   explicit Fixture(TriangleMesh of, std::vector<FibreSegment> with_fibres = {}, std::vector<BoundNode> with_bound = {})
-      : mesh(std::move(of)), fibres(std::move(with_fibres)), bound(std::move(with_bound)) {}
+      : mesh(std::move(of)), order(mesh.vertices), fibres(std::move(with_fibres)), bound(std::move(with_bound)) {}
 
   TriangleMesh mesh;
+  NodeOrder order;
   std::vector<FibreSegment> fibres;
   std::vector<BoundNode> bound;
   std::vector<RigidMotion> poses = {RigidMotion{}};
 
   std::unique_ptr<Effect> make(const std::string& name, const std::map<std::string, ParameterValue>& given = {}) {
     const EffectEntry* entry = find_effect(name);
-    return entry->make({mesh, fibres, bound, poses}, Parameters(entry->parameters, given, "test"));
+    return entry->make({mesh, order, fibres, bound, poses}, Parameters(entry->parameters, given, "test"));
   }
 
-  [[nodiscard]] Particles particles() const {
-    Particles p;
-    p.positions = mesh.vertices;
+  [[nodiscard]] Nodes particles() const {
+    Nodes p;
     p.predicted = mesh.vertices;
     p.velocities.assign(mesh.vertices.size(), Vec3::Zero());
     p.inverse_masses.assign(mesh.vertices.size(), 1.0);
     return p;
   }
 
-  void project(Effect& effect, Particles& p, int times = 1) {
+  /// As at the start of a substep.
+  void apply_force(Effect& effect, Nodes& p, double time_step_s) const {
+    const NodeRows rows(order, p.predicted, p.inverse_masses);
+    std::vector<NodeRow> velocities(p.size());
+    for (std::size_t row = 0; row < p.size(); ++row) {
+      velocities[row].set_position(p.velocities[order.node_in(row)]);
+    }
+    effect.apply_force(rows, velocities, {time_step_s, poses}, Team());
+    for (std::size_t row = 0; row < p.size(); ++row) {
+      p.velocities[order.node_in(row)] = velocities[row].position();
+    }
+  }
+
+  void project(Effect& effect, Nodes& p, int times = 1, double time_step_s = 1e-3) {
+    NodeRows rows(order, p.predicted, p.inverse_masses);
     for (int i = 0; i < times; ++i) {
-      effect.project(p, {1e-3, poses});
+      effect.project(rows, {time_step_s, poses}, Team());
+    }
+    for (std::size_t row = 0; row < p.size(); ++row) {
+      p.predicted[order.node_in(row)] = rows[row].position();
     }
   }
 };

@@ -21,7 +21,7 @@ TEST(Bending, OneFullProjectionRestoresTheAngleInBothDirections) {
     for (const double change : {1e-3, -1e-3}) {
       Fixture f(hinge(rest));
       const auto bending = f.make("bending", {{"stiffness", 1.0}});
-      Particles p = f.particles();
+      Nodes p = f.particles();
       const double wanted = hinge_angle(p.predicted);
       p.predicted = hinge(rest + change).vertices;
       const double before = std::abs(std::remainder(hinge_angle(p.predicted) - wanted, 2 * M_PI));
@@ -35,7 +35,7 @@ TEST(Bending, OneFullProjectionRestoresTheAngleInBothDirections) {
 TEST(Bending, KeepsLinearAndAngularMomentum) {
   Fixture f(hinge(0.3));
   const auto bending = f.make("bending");
-  Particles p = f.particles();
+  Nodes p = f.particles();
   p.inverse_masses = {1.0, 0.5, 2.0, 0.01};
   const std::vector<Vec3> before = hinge(0.8).vertices;
   p.predicted = before;
@@ -60,7 +60,7 @@ TEST(Bending, RatioGateActsInOneDirectionOnly) {
   const double rest = hinge_angle(f.mesh.vertices);
   int moved = 0;
   for (const double change : {0.2, -0.2}) {
-    Particles p = f.particles();
+    Nodes p = f.particles();
     p.predicted = hinge(0.4 + change).vertices;
     const double before = hinge_angle(p.predicted) - rest;
     f.project(*gated, p);
@@ -72,7 +72,7 @@ TEST(Bending, RatioGateActsInOneDirectionOnly) {
 TEST(Bending, RatioGateLeavesPairsThatAreFlatAtRest) {
   Fixture f(hinge(0));
   const auto gated = f.make("bending", {{"public_code_ratio_gate", true}});
-  Particles p = f.particles();
+  Nodes p = f.particles();
   p.predicted = hinge(0.5).vertices;
   const auto before = p.predicted;
   f.project(*gated, p);
@@ -84,7 +84,7 @@ TEST(Bending, RatioGateIsOpenFromATenthToTenTimesTheRestAngle) {
   for (const auto& [ratio, is_open] : {std::pair(0.09, false), {0.11, true}, {1.0, true}, {9.9, true}, {10.1, false}}) {
     Fixture f(hinge(rest_rad));
     const auto gated = f.make("bending", {{"public_code_ratio_gate", true}});
-    Particles p = f.particles();
+    Nodes p = f.particles();
     p.predicted = hinge(rest_rad + ratio * rest_rad).vertices;
     const auto before = p.predicted;
     f.project(*gated, p);
@@ -96,7 +96,7 @@ TEST(Bending, LeavesOutPairsThatAreFlatterThanTold) {
   for (const double rest_rad : {0.19, -0.19, 0.21, -0.21, 2.5}) {
     Fixture f(hinge(rest_rad));
     const auto bending = f.make("bending", {{"skip_flatter_than_rad", 0.2}});
-    Particles p = f.particles();
+    Nodes p = f.particles();
     p.predicted = hinge(rest_rad + 0.3).vertices;
     const auto before = p.predicted;
     f.project(*bending, p);
@@ -107,7 +107,7 @@ TEST(Bending, LeavesOutPairsThatAreFlatterThanTold) {
 TEST(Bending, DegenerateTriangleChangesNothing) {
   Fixture f(hinge(0.4));
   const auto bending = f.make("bending");
-  Particles p = f.particles();
+  Nodes p = f.particles();
   p.predicted[2] = Vec3(0.5, 0, 0);
   const auto before = p.predicted;
   f.project(*bending, p);
@@ -117,7 +117,7 @@ TEST(Bending, DegenerateTriangleChangesNothing) {
 TEST(EdgeLength, OneEdgeIsRestoredByMassRatio) {
   Fixture f(one_triangle(1));
   const auto length = f.make("edge_length");
-  Particles p = f.particles();
+  Nodes p = f.particles();
   p.inverse_masses = {0.0, 1.0, 0.0};
   p.predicted[1] = Vec3(2, 0, 0);
   p.predicted[2] = Vec3(0, 1, 0);
@@ -130,7 +130,7 @@ TEST(EdgeLength, OneEdgeIsRestoredByMassRatio) {
 TEST(EdgeLength, CollapsedEdgeStaysFinite) {
   Fixture f(make_sphere(1, 1));
   const auto length = f.make("edge_length");
-  Particles p = f.particles();
+  Nodes p = f.particles();
   for (Vec3& x : p.predicted) {
     x.setZero();
   }
@@ -143,7 +143,7 @@ TEST(EdgeLength, CollapsedEdgeStaysFinite) {
 TEST(EdgeLength, IsSoftAlongFibresOnly) {
   Fixture f(one_triangle(1), {{Vec3(-5, 0, 0), Vec3(5, 0, 0)}});
   const auto length = f.make("edge_length");
-  Particles p = f.particles();
+  Nodes p = f.particles();
   p.inverse_masses = {0.0, 1.0, 0.0};
   p.predicted[1] = Vec3(1.5, 0, 0);  // the edge 0-1 runs along the fibre: only the oblique edge 1-2 pulls
   f.project(*length, p);
@@ -154,10 +154,10 @@ TEST(EdgeLength, IsSoftAlongFibresOnly) {
 
 TEST(EdgeLength, TwoVisitsCorrectMoreThanOne) {
   Fixture f(one_triangle(9));
-  Particles once = f.particles();
+  Nodes once = f.particles();
   once.inverse_masses = {0.0, 1.0, 0.0};
   once.predicted[1] = Vec3(2, 0, 0);
-  Particles twice = once;
+  Nodes twice = once;
   f.project(*f.make("edge_length", {{"stiffness", 0.5}}), once);
   f.project(*f.make("edge_length", {{"stiffness", 0.5}, {"visits_per_edge", std::int64_t{2}}}), twice);
   EXPECT_GT(once.predicted[1].x(), twice.predicted[1].x() + 0.1);
@@ -169,7 +169,7 @@ TEST(Volume, FullProjectionRestoresTheVolume) {
     x += Vec3(1000, 0, 0);
   }
   const auto volume = f.make("volume");
-  Particles p = f.particles();
+  Nodes p = f.particles();
   const double rest = surface_volume_m3(p.predicted, f.mesh.triangles);
   for (Vec3& x : p.predicted) {
     x.z() *= 0.8;
@@ -181,7 +181,7 @@ TEST(Volume, FullProjectionRestoresTheVolume) {
 TEST(Volume, ScaledProjectionCorrectsItsPart) {
   Fixture f(make_sphere(0.05, 3));
   const auto volume = f.make("volume", {{"pressure", 1.01}, {"projection_scale", 1.0 / 6}});
-  Particles p = f.particles();
+  Nodes p = f.particles();
   const double rest = surface_volume_m3(p.predicted, f.mesh.triangles);
   f.project(*volume, p);
   EXPECT_NEAR(surface_volume_m3(p.predicted, f.mesh.triangles) / rest, 1 + 0.01 / 6, 1e-5);
@@ -191,7 +191,7 @@ TEST(Volume, ScaledProjectionCorrectsItsPart) {
 TEST(Volume, MassesShareTheCorrection) {
   Fixture f(make_sphere(0.05, 2));
   const auto volume = f.make("volume", {{"pressure", 1.01}});
-  Particles p = f.particles();
+  Nodes p = f.particles();
   for (std::size_t i = 0; i < p.size(); ++i) {
     p.inverse_masses[i] = i % 2 == 0 ? 0.1 : 3;
   }
@@ -203,7 +203,7 @@ TEST(Volume, MassesShareTheCorrection) {
 TEST(Volume, BoundNodesDoNotMove) {
   Fixture f(make_sphere(0.05, 2));
   const auto volume = f.make("volume", {{"pressure", 1.5}});
-  Particles p = f.particles();
+  Nodes p = f.particles();
   p.inverse_masses[7] = 0;
   f.project(*volume, p);
   EXPECT_EQ(p.predicted[7], f.mesh.vertices[7]);
@@ -216,7 +216,7 @@ TEST(Attachment, BoundNodesFollowTheirBone) {
   const auto attachment = f.make("attachment");
   const RigidMotion further = RigidMotion::about_axis(Vec3::UnitX(), Vec3(0, 0.02, 0), 1.0);
   f.poses[0] = further * f.poses[0];
-  Particles p = f.particles();
+  Nodes p = f.particles();
   f.project(*attachment, p);
   EXPECT_LT((p.predicted[3] - further.apply(f.mesh.vertices[3])).norm(), 1e-15);
   EXPECT_EQ(p.predicted[4], f.mesh.vertices[4]);
@@ -225,9 +225,9 @@ TEST(Attachment, BoundNodesFollowTheirBone) {
 TEST(Gravity, AcceleratesFreeNodesOnly) {
   Fixture f(make_sphere(0.05, 1));
   const auto gravity = f.make("gravity");
-  Particles p = f.particles();
+  Nodes p = f.particles();
   p.inverse_masses[2] = 0;
-  gravity->apply_force(p, {0.1, f.poses});
+  f.apply_force(*gravity, p, 0.1);
   EXPECT_NEAR(p.velocities[1].z(), -0.980665, 1e-15);
   EXPECT_EQ(p.velocities[2], Vec3(0, 0, 0));
 }

@@ -29,10 +29,11 @@ class HalfSpace final : public CollisionBackend {
   }
 };
 
+const NodeOrder one_node{std::vector<Vec3>(1, Vec3::Zero())};
+
 Particles particles(const std::vector<Vec3>& positions) {
   Particles p;
   p.positions = positions;
-  p.predicted = positions;
   p.velocities.assign(positions.size(), Vec3(1, 0, 0));
   p.inverse_masses.assign(positions.size(), 1);
   return p;
@@ -45,15 +46,15 @@ TEST(Simulation, AFreeNodeFliesAndSlowsDownAtTheGivenRate) {
   loop.substeps = 5;
   loop.time_step_s = 0.01;
   loop.damping_per_s = 3;
-  Simulation simulation(loop, particles({Vec3(0, 0, 1)}), {0}, {}, backend, ResponseKind::project,
+  Simulation simulation(loop, particles({Vec3(0, 0, 1)}), one_node, {}, backend, ResponseKind::project,
                         [](double, std::vector<RigidMotion>& poses) { poses.clear(); });
   simulation.step_frame(1);
-  EXPECT_NEAR(simulation.particles().velocities[0].x(), std::exp(-3 * 0.05), 1e-12);
+  EXPECT_NEAR(simulation.velocities()[0].x(), std::exp(-3 * 0.05), 1e-12);
   double expected = 0;
   for (int i = 1; i <= 5; ++i) {
     expected += 0.01 * std::exp(-3 * 0.01 * i);
   }
-  EXPECT_NEAR(simulation.particles().positions[0].x(), expected, 1e-12);
+  EXPECT_NEAR(simulation.positions()[0].x(), expected, 1e-12);
 }
 
 TEST(Simulation, PosesJumpOnceAFrameOrMoveInEverySubstep) {
@@ -64,7 +65,7 @@ TEST(Simulation, PosesJumpOnceAFrameOrMoveInEverySubstep) {
     loop.substeps = 4;
     loop.interpolate_poses = interpolate;
     std::vector<double> asked;
-    Simulation simulation(loop, particles({Vec3(0, 0, 1)}), {0}, {}, backend, ResponseKind::project,
+    Simulation simulation(loop, particles({Vec3(0, 0, 1)}), one_node, {}, backend, ResponseKind::project,
                           [&](double position, std::vector<RigidMotion>& poses) {
                             asked.push_back(position);
                             poses.clear();
@@ -83,7 +84,7 @@ TEST(Simulation, TheLastDetectionIsWhatTheBackendSaw) {
   loop.time_step_s = 1;
   Particles falling = particles({Vec3(0, 0, 1)});
   falling.velocities[0] = Vec3(0, 0, -3);
-  Simulation simulation(loop, falling, {0}, {}, backend, ResponseKind::project,
+  Simulation simulation(loop, falling, one_node, {}, backend, ResponseKind::project,
                         [](double, std::vector<RigidMotion>& poses) { poses.assign(1, RigidMotion{}); });
   LastDetection last;
   simulation.step_frame(1, &last);
@@ -91,7 +92,7 @@ TEST(Simulation, TheLastDetectionIsWhatTheBackendSaw) {
   EXPECT_EQ(last.positions[0], Vec3(0, 0, -2));
   ASSERT_EQ(last.contacts.size(), 1U);
   EXPECT_EQ(last.contacts[0].depth_m, 2);
-  EXPECT_EQ(simulation.particles().positions[0], Vec3(0, 0, 0));
+  EXPECT_EQ(simulation.positions()[0], Vec3(0, 0, 0));
 }
 
 /// Writes down what every collision step was told.
@@ -123,7 +124,7 @@ TEST(Simulation, EveryIterationCollidesAndOnlyTheLastEndsTheFrame) {
   loop.substeps = 2;
   loop.iterations = 3;
   loop.interpolate_poses = true;
-  Simulation simulation(loop, particles({Vec3(0, 0, 9)}), {0}, {}, backend, ResponseKind::project, rising());
+  Simulation simulation(loop, particles({Vec3(0, 0, 9)}), one_node, {}, backend, ResponseKind::project, rising());
   Listener listener;
   simulation.step_frame(1, &listener);
   EXPECT_EQ(listener.previous_z, (std::vector<double>{0, 0, 0, 0.5, 0.5, 0.5}));
@@ -140,11 +141,11 @@ TEST(Simulation, TheResponseKnowsThePosesOfTheSubstepBefore) {
   loop.interpolate_poses = true;
   Particles stuck = particles({Vec3(0, 0, -0.5)});
   stuck.velocities[0].setZero();
-  Simulation simulation(loop, stuck, {0}, {}, backend, ResponseKind::backtrack, rising());
+  Simulation simulation(loop, stuck, one_node, {}, backend, ResponseKind::backtrack, rising());
   simulation.step_frame(1);
-  EXPECT_EQ(simulation.particles().positions[0], Vec3(0, 0, 0.5));  // it follows the bone that it is in
+  EXPECT_EQ(simulation.positions()[0], Vec3(0, 0, 0.5));  // it follows the bone that it is in
   simulation.step_frame(2);
-  EXPECT_EQ(simulation.particles().positions[0], Vec3(0, 0, 1.5));
+  EXPECT_EQ(simulation.positions()[0], Vec3(0, 0, 1.5));
 }
 
 }  // namespace

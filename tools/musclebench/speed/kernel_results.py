@@ -1,6 +1,7 @@
 """What Google Benchmark wrote: samples of each kernel by the round and the repetition that they are from."""
 
 import json
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -50,7 +51,7 @@ def _add(kernels: Kernels, source: tuple, result: dict) -> None:
     if result.get("run_type", "iteration") != "iteration":
         return  # means and medians, which are taken over all rounds here
     name = result.get("run_name", result["name"]).removesuffix("/real_time").removesuffix("/manual_time")
-    name = name.removesuffix("/iterations:1")
+    name = re.sub(r"/iterations:\d+$", "", name)
     if result.get("error_occurred"):
         kernels.problems[name] = result.get("error_message", "no message")
         return

@@ -19,9 +19,22 @@ KERNEL_GROUPS = (
     KernelGroup("adaptive", seconds=20.0),
     KernelGroup("bytes", seconds=60.0, varies=False),
     KernelGroup("allocations", seconds=20.0, varies=False),
+    KernelGroup("constraints", seconds=30.0, scene_key="gluteus_maximus"),
+    KernelGroup("loop", seconds=90.0, threads=2, scene_key="gluteus_maximus"),
 )
 # Of no backend: all of them.
 COMMON_TARGETS = (
+    {"what": "edge length, ns a constraint: one by one / SIMD lanes", "kind": "ratio", "group": "constraints",
+     "kernel": "constraints/edge_length/scalar", "below": "constraints/edge_length/lanes",
+     "counter": "ns_a_constraint", "at_least": 2},
+    {"what": "edge length: PBDlib's formulas / SIMD lanes", "kind": "ratio", "group": "constraints",
+     "kernel": "constraints/edge_length/published", "below": "constraints/edge_length/lanes",
+     "counter": "ns_a_constraint"},
+    {"what": "bending, ns a constraint: one by one / SIMD lanes (without AVX-512: >= 3.5)", "kind": "ratio",
+     "group": "constraints", "kernel": "constraints/bending/scalar", "below": "constraints/bending/lanes",
+     "counter": "ns_a_constraint", "at_least": 5},
+    {"what": "bending: PBDlib's formulas / SIMD lanes", "kind": "ratio", "group": "constraints",
+     "kernel": "constraints/bending/published", "below": "constraints/bending/lanes", "counter": "ns_a_constraint"},
     {"what": "heap allocations in a frame after the second", "kind": "value", "group": "allocations",
      "kernel": "allocations/{}", "counter": "allocations", "at_most": 0},
 )
@@ -76,12 +89,16 @@ def plan(request: Request, registry: Registry) -> list[Case]:
 
 
 def _kernels(request: Request, registry: Registry, repetition: int) -> list[Case]:
-    scene = next((scene for scene in request.scenes if scene.key == MAIN_MUSCLE), request.scenes[0])
-    # Kernels build what they measure, whatever number of frames is raced.
-    whole = KernelCase(replace(scene, frames_limit=None), KERNEL_GROUPS[0], repetition)
-    case = replace(whole, repetitions_inside=3, least_seconds=0.02) if request.quick else whole
     groups = [_with_pattern(group, targets(registry), request.quick) for group in KERNEL_GROUPS]
-    return [replace(case, group=group) for group in groups if group.pattern and (group.varies or repetition == 0)]
+    cases = [KernelCase(_scene_of(group, request), group, repetition) for group in groups
+             if group.pattern and (group.varies or repetition == 0)]
+    return [replace(case, repetitions_inside=3, least_seconds=0.02) for case in cases] if request.quick else cases
+
+
+def _scene_of(group: KernelGroup, request: Request) -> Scene:
+    wanted = [scene for key in (group.scene_key, MAIN_MUSCLE) for scene in request.scenes if scene.key == key]
+    # Kernels build what they measure, whatever number of frames is raced.
+    return replace([*wanted, *request.scenes][0], frames_limit=None)
 
 
 def _with_pattern(group: KernelGroup, told: list[dict], quick: bool) -> KernelGroup:

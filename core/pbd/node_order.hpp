@@ -1,0 +1,26 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/mesh/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// In which row (`NodeRows`) each node is: along the longest side of the box around all. Neighbours are near each other
+/// in memory then, however the mesh numbers them, and parts of consecutive rows have few constraints between them.
+class NodeOrder {
+ public:
+  NodeOrder() = default;
+  explicit NodeOrder(std::span<const Vec3> positions);
+
+  [[nodiscard]] std::size_t size() const { return m_rows.size(); }
+  [[nodiscard]] int row_of(int node) const { return m_rows[static_cast<std::size_t>(node)]; }
+  [[nodiscard]] int node_in(std::size_t row) const { return m_nodes[row]; }
+
+ private:
+  std::vector<int> m_rows;   ///< by node
+  std::vector<int> m_nodes;  ///< by row
+};
+
+}  // namespace musclebench

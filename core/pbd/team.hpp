@@ -1,0 +1,91 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <ranges>
+#include <thread>
+#include <vector>
+
+namespace musclebench {
+
+/// Where the threads of a team wait for each other. Each tells in a cache line of its own how often it was here, and
+/// reads those of the others. It spins, because a wait is shorter than a system call, and gives the core away where
+/// that takes long, as with more threads than cores.
+class Barrier {
+ public:
+  explicit Barrier(int threads) : m_seats(static_cast<std::size_t>(threads)) {}
+
+  /// Before a team begins.
+  void reset() {
+    for (Seat& seat : m_seats) {
+      seat.visits.store(0, std::memory_order_relaxed);
+    }
+  }
+
+  /// `visit` counts the calls of this thread, from 1.
+  void wait(int thread, int threads, unsigned visit) {
+    m_seats[static_cast<std::size_t>(thread)].visits.store(visit, std::memory_order_release);
+    constexpr int spins = 4000;
+    for (int other = 0; other < threads; ++other) {
+      const std::atomic<unsigned>& visits = m_seats[static_cast<std::size_t>(other)].visits;
+      for (int spin = 0; visits.load(std::memory_order_acquire) < visit; ++spin) {
+        if (spin >= spins) std::this_thread::yield();
+      }
+    }
+  }
+
+ private:
+  struct alignas(64) Seat {
+    std::atomic<unsigned> visits = 0;
+  };
+  std::vector<Seat> m_seats;
+};
+
+/// One of the threads that go through the same code together, each with its share of the work.
+class Team {
+ public:
+  struct Share {
+    std::size_t first = 0;
+    std::size_t last = 0;
+  };
+
+  /// A team of one.
+  Team() = default;
+  Team(int thread, int threads, Barrier& barrier) : m_thread(thread), m_threads(threads), m_barrier(&barrier) {}
+
+  [[nodiscard]] bool is_first() const { return m_thread == 0; }
+  /// Consecutive indices of `count`; the shares of all threads make up the whole.
+  [[nodiscard]] Share share(std::size_t count) const {
+    const auto part = [&](int thread) {
+      return count * static_cast<std::size_t>(thread) / static_cast<std::size_t>(m_threads);
+    };
+    return {part(m_thread), part(m_thread + 1)};
+  }
+  /// The same of a list whose entries are sorted by row, `row_of(entry)`: the entries in this thread's share of all
+  /// rows. What all stages share so keeps a row in the cache of one core.
+  template <typename RowOf>
+  [[nodiscard]] Share share_by_row(std::size_t count, std::size_t row_count, const RowOf& row_of) const {
+    const auto first_from = [&](std::size_t row) {
+      const auto entries = std::views::iota(std::size_t{0}, count);
+      return static_cast<std::size_t>(
+          std::ranges::partition_point(
+              entries, [&](std::size_t entry) { return static_cast<std::size_t>(row_of(entry)) < row; }) -
+          entries.begin());
+    };
+    const auto [first, last] = share(row_count);
+    return {first_from(first), first_from(last)};
+  }
+  /// Returns when all threads are here; what they wrote before is seen by all.
+  void wait() const {
+    if (m_threads > 1) m_barrier->wait(m_thread, m_threads, ++m_visits);
+  }
+
+ private:
+  int m_thread = 0;
+  int m_threads = 1;
+  Barrier* m_barrier = nullptr;
+  mutable unsigned m_visits = 0;
+};
+
+}  // namespace musclebench
