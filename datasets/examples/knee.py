@@ -33,7 +33,7 @@ mesh = "femur.obj"
 axis = [-1.0, 0.0, 0.0]
 centre_m = [0.0, 0.0, 0.0]
 from_deg = 0.0
-to_deg = 60.0
+to_deg = 40.0
 
 [muscle]
 name = "popliteus"
