@@ -11,7 +11,7 @@ BuiltBackend build_backend(const Case& resolved, const std::function<void(double
   }
   {
     const ScopedTimer timer(built.build_ns);
-    built.backend->build(resolved.scene.bones, resolved.scene.muscle.mesh, resolved.threads);
+    built.backend->build(resolved.scene.bones, resolved.scene.muscle_mesh, resolved.threads);
   }
   for (const Bone& bone : resolved.scene.bones) {
     built.build_ns += bone.shared.spared_ns();

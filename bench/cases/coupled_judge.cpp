@@ -21,7 +21,7 @@ constexpr long node_ns = 20;
 constexpr long node_and_effect_ns = 20;
 
 std::vector<int> carriers_of(const Scene& scene, std::span<const BoundNode> bound_nodes) {
-  std::vector<int> carriers(scene.muscle.mesh.vertices.size(), -1);
+  std::vector<int> carriers(scene.muscle_mesh.vertices.size(), -1);
   for (const BoundNode& bound : bound_nodes) {
     carriers[bound.node] = bound.bone;
   }
@@ -31,12 +31,12 @@ std::vector<int> carriers_of(const Scene& scene, std::span<const BoundNode> boun
 }  // namespace
 
 CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_nodes, const Simulation& simulation)
-    : m_referee(scene.bones, static_cast<int>(scene.muscle.mesh.vertices.size())),
-      m_surface(scene.muscle.mesh.triangles, carriers_of(scene, bound_nodes), static_cast<int>(scene.bones.size())),
-      m_bone_vertices(scene.bones, scene.muscle.mesh, carriers_of(scene, bound_nodes)),
-      m_tunnelling(static_cast<int>(scene.bones.size()), static_cast<int>(scene.muscle.mesh.vertices.size())),
-      m_stretch(scene.muscle.mesh),
-      m_floor_m(least_movement * bounding_box(scene.muscle.mesh.vertices).diagonal().norm()),
+    : m_referee(scene.bones, static_cast<int>(scene.muscle_mesh.vertices.size())),
+      m_surface(scene.muscle_mesh.triangles, carriers_of(scene, bound_nodes), static_cast<int>(scene.bones.size())),
+      m_bone_vertices(scene.bones, scene.muscle_mesh, carriers_of(scene, bound_nodes)),
+      m_tunnelling(static_cast<int>(scene.bones.size()), static_cast<int>(scene.muscle_mesh.vertices.size())),
+      m_stretch(scene.muscle_mesh),
+      m_floor_m(least_movement * bounding_box(scene.muscle_mesh.vertices).diagonal().norm()),
       m_budget(judging_budget(scene)) {
   // The state at rest is where tunnelling starts from; all memory that judging needs is taken on the way.
   LastDetection nothing;
@@ -85,7 +85,7 @@ std::vector<double> CoupledJudge::depths(const Simulation& simulation) {
 }
 
 long judging_budget(const Scene& scene) {
-  const auto nodes = static_cast<long>(scene.muscle.mesh.vertices.size());
+  const auto nodes = static_cast<long>(scene.muscle_mesh.vertices.size());
   const auto effects = static_cast<long>(scene.effects.size());
   const long steps = static_cast<long>(scene.loop.substeps) * scene.loop.iterations;
   return judging_factor * nodes * steps * (node_ns + effects * node_and_effect_ns) / work_unit_ns;

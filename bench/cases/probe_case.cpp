@@ -90,7 +90,7 @@ class Probe {
       return m_result;
     }
     const Nanoseconds start_ns = monotonic_now_ns();
-    m_backend->build(m_what.scene.bones, m_what.scene.muscle.mesh, m_what.threads);
+    m_backend->build(m_what.scene.bones, m_what.scene.muscle_mesh, m_what.threads);
     m_result.build_ns = monotonic_now_ns() - start_ns;
     m_result.structure_bytes = m_backend->structure_bytes();
     m_result.structures_loaded = m_backend->built_from_file();

@@ -14,7 +14,6 @@
 #include "core/base/system_memory.hpp"
 #include "core/measure/outcome_limits.hpp"
 #include "core/measure/self_intersections.hpp"
-#include "core/mesh/surface_volume.hpp"
 #include "core/scene/prepare_simulation.hpp"
 
 namespace musclebench {
@@ -107,7 +106,7 @@ class CaseRunner {
     record.resident_bytes = memory_needed_bytes();
 
     const std::vector<Vec3>& positions = m_simulation->positions();
-    record.volume_m3 = surface_volume_m3(positions, m_scene.muscle.mesh.triangles);
+    record.volumes_m3 = volumes_m3(positions);
     const std::string lost = m_divergence.describe(frame, positions);
     if (!lost.empty()) {
       m_result.status = "diverged";
@@ -117,7 +116,7 @@ class CaseRunner {
     }
     if (lost.empty() && m_run.count_self_intersections && (is_kept(frame) || frame == m_scene.loop.frames)) {
       record.self_intersecting_triangles =
-          count_self_intersecting_triangles({positions, m_scene.muscle.mesh.triangles});
+          count_self_intersecting_triangles({positions, m_scene.muscle_mesh.triangles});
     }
     m_result.records.push_back(record);
     if (lost.empty()) {
@@ -129,10 +128,18 @@ class CaseRunner {
     return std::binary_search(m_run.snapshots.begin(), m_run.snapshots.end(), frame);
   }
 
+  [[nodiscard]] std::vector<double> volumes_m3(std::span<const Vec3> positions) const {
+    std::vector<double> volumes;
+    for (const Muscle& muscle : m_scene.muscles) {
+      volumes.push_back(body_volume_m3(positions, m_scene.muscle_mesh.triangles, muscle.body));
+    }
+    return volumes;
+  }
+
   [[nodiscard]] MuscleAtRest muscle_at_rest() const {
-    const TriangleMesh& mesh = m_scene.muscle.mesh;
+    const TriangleMesh& mesh = m_scene.muscle_mesh;
     MuscleAtRest rest;
-    rest.volume_m3 = surface_volume_m3(mesh.vertices, mesh.triangles);
+    rest.volumes_m3 = volumes_m3(mesh.vertices);
     rest.mean_edge_length_m = EdgeStretchMeter(mesh).mean_length_m();
     rest.free_nodes = static_cast<int>(m_simulation->free_nodes().size());
     rest.triangles = static_cast<int>(mesh.triangles.size());
@@ -145,7 +152,7 @@ class CaseRunner {
   void conclude() {
     m_result.outcome = outcome_of(m_result.records, m_result.rest);
     if (m_run.count_self_intersections) {
-      m_result.outcome.self_intersecting_triangles_at_rest = count_self_intersecting_triangles(m_scene.muscle.mesh);
+      m_result.outcome.self_intersecting_triangles_at_rest = count_self_intersecting_triangles(m_scene.muscle_mesh);
     }
     const std::vector<std::string> reasons = suspicions(m_result.outcome, m_result.rest);
     if (m_result.status == "ok" && !reasons.empty()) {

@@ -58,7 +58,7 @@ Input run_exactly(const Scene& scene, double seconds) {
   const Divergence divergence(scene);
   Progress progress(progress_style(false), "exact run of " + scene.name, scene.loop.frames);
   const Nanoseconds start_ns = monotonic_now_ns();
-  Input input{std::make_unique<KeptFrames>(static_cast<int>(scene.muscle.mesh.vertices.size()),
+  Input input{std::make_unique<KeptFrames>(static_cast<int>(scene.muscle_mesh.vertices.size()),
                                            prepared.simulation->free_nodes())};
   while (input.frames_run < scene.loop.frames && static_cast<double>(monotonic_now_ns() - start_ns) < seconds * 1e9) {
     const int frame = ++input.frames_run;

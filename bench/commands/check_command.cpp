@@ -25,15 +25,15 @@ void print_report(const std::string& title, const TriangleMesh& mesh) {
 
 /// Overlap of the muscle's nodes with each bone before anything moves.
 void print_overlaps(const Scene& scene) {
-  const auto vertices = static_cast<int>(scene.muscle.mesh.vertices.size());
+  const auto vertices = static_cast<int>(scene.muscle_mesh.vertices.size());
   Referee referee(scene.bones, vertices);
-  std::vector<int> nodes(scene.muscle.mesh.vertices.size());
+  std::vector<int> nodes(scene.muscle_mesh.vertices.size());
   for (int i = 0; i < vertices; ++i) {
     nodes[i] = i;
   }
   const std::vector<RigidMotion> rest(scene.bones.size());
   std::vector<Contact> contacts;
-  referee.judge(rest, scene.muscle.mesh.vertices, nodes, contacts);
+  referee.judge(rest, scene.muscle_mesh.vertices, nodes, contacts);
   for (std::size_t bone = 0; bone < scene.bones.size(); ++bone) {
     int inside = 0;
     double deepest_m = 0;
@@ -48,13 +48,14 @@ void print_overlaps(const Scene& scene) {
   }
 }
 
-void print_muscle(const Scene& scene) {
-  print_report(fmt::format("muscle {} ({})", scene.muscle_name, scene.muscle.reference), scene.muscle_file.mesh);
-  for (const std::string& change : scene.muscle_file.changes) {
+void print_muscle(const Scene& scene, const Muscle& muscle) {
+  print_report(fmt::format("muscle {} ({})", muscle.body.name, muscle.file.reference), muscle.file.mesh);
+  for (const std::string& change : muscle.changes) {
     fmt::print("  cleaned for simulation: {}\n", change);
   }
-  if (!scene.muscle_file.changes.empty()) {
-    print_report(fmt::format("  simulated: {} nodes", scene.muscle.mesh.vertices.size()), scene.muscle.mesh);
+  if (!muscle.changes.empty()) {
+    const TriangleMesh simulated = scene.mesh_of(muscle.body);
+    print_report(fmt::format("  simulated: {} nodes", simulated.vertices.size()), simulated);
   }
 }
 
@@ -68,7 +69,9 @@ void check_scene(const SceneChoice& choice) {
       fmt::print("  repaired for collision: {}\n", change);
     }
   }
-  print_muscle(scene);
+  for (const Muscle& muscle : scene.muscles) {
+    print_muscle(scene, muscle);
+  }
   print_overlaps(scene);
   if (scene.attach_at_first_contact) {
     fmt::print("attachments: nodes that collide before the first frame; their number depends on the backend\n");

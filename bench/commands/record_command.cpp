@@ -61,7 +61,7 @@ RecordingHeader header_of(const Case& resolved, const SceneOptions& options, std
   header.scene_sha256 = scene_hash(scene);
   header.backend = resolved.backend.name;
   header.build = build_info().git;
-  header.nodes = static_cast<int>(scene.muscle.mesh.vertices.size());
+  header.nodes = static_cast<int>(scene.muscle_mesh.vertices.size());
   header.bones = static_cast<int>(scene.bones.size());
   header.substeps = scene.loop.substeps;
   header.iterations = scene.loop.iterations;

@@ -49,7 +49,7 @@ void require_same_scene(const Scene& scene, const RecordingHeader& header, const
                                             "name the right one with --scene, or record it again",
                                             header.scene, header.scene_sha256, scene.name, hash));
   }
-  const auto nodes = static_cast<int>(scene.muscle.mesh.vertices.size());
+  const auto nodes = static_cast<int>(scene.muscle_mesh.vertices.size());
   const auto bones = static_cast<int>(scene.bones.size());
   if (nodes != header.nodes || bones != header.bones) {
     throw InputError(recording, fmt::format("has {} nodes and {} bones, the scene '{}' has {} and {}; record it again",

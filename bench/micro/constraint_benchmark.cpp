@@ -21,12 +21,13 @@ namespace {
 
 /// The muscle with every node 0.1 mm (standard deviation) beside its place, so that every constraint has an error.
 struct Deformed {
-  const TriangleMesh& mesh = micro_scene().muscle.mesh;
-  std::vector<FibreSegment> fibres;
+  const TriangleMesh& mesh = micro_scene().muscle_mesh;
+  std::vector<Body> bodies = micro_scene().bodies();
+  std::vector<std::vector<FibreSegment>> fibres = std::vector<std::vector<FibreSegment>>(bodies.size());
   std::vector<BoundNode> bound;
   std::vector<RigidMotion> poses = std::vector<RigidMotion>(micro_scene().bones.size());
-  NodeOrder order{mesh.vertices};
-  EffectInput input{mesh, order, fibres, bound, poses};
+  NodeOrder order{mesh.vertices, bodies};
+  EffectInput input{mesh, bodies, order, fibres, bound, poses};
   SubstepInput substep{1e-3, poses};
   std::vector<Vec3> predicted = mesh.vertices;
   std::vector<double> inverse_masses = std::vector<double>(mesh.vertices.size(), 1e4);
@@ -41,7 +42,7 @@ struct Deformed {
 };
 
 std::size_t constraints_of(std::string_view effect) {
-  const std::vector<SurfaceEdge> edges = surface_edges(micro_scene().muscle.mesh);
+  const std::vector<SurfaceEdge> edges = surface_edges(micro_scene().muscle_mesh);
   return static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), [&](const SurfaceEdge& edge) {
     return effect == "edge_length" || (edge.left >= 0 && edge.right >= 0);
   }));
@@ -140,7 +141,7 @@ void time_frames(benchmark::State& state, Loop& loop, int motion_frames) {
 void run_loop(benchmark::State& state, const std::string& preset, const std::string& name, int threads) {
   const Scene scene = load_scene({micro_scene().name, preset, "", {}});
   const BackendEntry& entry = find_backend(name);
-  const auto backend = built_backend(name, run_settings(name), scene.bones, scene.muscle.mesh, std::max(threads, 1));
+  const auto backend = built_backend(name, run_settings(name), scene.bones, scene.muscle_mesh, std::max(threads, 1));
   if (threads == 0) {
     ScalarLoop loop(scene, *backend, entry.default_response);
     time_frames(state, loop, scene.loop.frames);
@@ -170,10 +171,10 @@ void register_constraint_kernels() {
     benchmark::RegisterBenchmark((stem + "scalar").c_str(), [=](benchmark::State& s) { one_by_one(s, name); });
   }
   benchmark::RegisterBenchmark("constraints/edge_length/published", [](benchmark::State& s) {
-    as_published(s, "edge_length", published_lengths(micro_scene().muscle.mesh));
+    as_published(s, "edge_length", published_lengths(micro_scene().muscle_mesh));
   });
   benchmark::RegisterBenchmark("constraints/bending/published", [](benchmark::State& s) {
-    as_published(s, "bending", published_angles(micro_scene().muscle.mesh));
+    as_published(s, "bending", published_angles(micro_scene().muscle_mesh));
   });
 }
 

@@ -25,7 +25,7 @@ struct Nodes {
 const Nodes& nodes() {
   static const Nodes made = [] {
     const Scene& scene = micro_scene();
-    Nodes n{scene.muscle.mesh.vertices, std::vector<int>(scene.muscle.mesh.vertices.size()), {}};
+    Nodes n{scene.muscle_mesh.vertices, std::vector<int>(scene.muscle_mesh.vertices.size()), {}};
     std::iota(n.all.begin(), n.all.end(), 0);
     scene.poses_at(scene.loop.frames / 9.0, n.poses);
     return n;
@@ -38,7 +38,7 @@ CollisionBackend& kept_backend(const std::string& name, int threads) {
   std::unique_ptr<CollisionBackend>& backend = backends[{name, threads}];
   if (backend == nullptr) {
     const Scene& scene = micro_scene();
-    backend = built_backend(name, cold_settings(name), scene.bones, scene.muscle.mesh, threads);
+    backend = built_backend(name, cold_settings(name), scene.bones, scene.muscle_mesh, threads);
   }
   return *backend;
 }

@@ -53,7 +53,7 @@ const Points& near_points() {
   static const Points made = [] {
     std::mt19937 random(1);
     std::normal_distribution<double> jitter(0, jitter_m);
-    const std::vector<Vec3>& vertices = scene().muscle.mesh.vertices;
+    const std::vector<Vec3>& vertices = scene().muscle_mesh.vertices;
     Points points;
     for (std::size_t i = 0; i < point_count; ++i) {
       const Vec3& vertex = vertices[i * vertices.size() / point_count];

@@ -19,7 +19,7 @@ const Scene& micro_scene() {
 }
 
 std::vector<Vec3> points_near(const Bone& bone, std::size_t count) {
-  const std::vector<Vec3>& vertices = micro_scene().muscle.mesh.vertices;
+  const std::vector<Vec3>& vertices = micro_scene().muscle_mesh.vertices;
   const Eigen::AlignedBox3d box = bounding_box(bone.surface.mesh.vertices);
   std::mt19937 random(1);
   std::normal_distribution<double> jitter(0, 0.002);

@@ -35,7 +35,7 @@ void frames_csv_row(benchmark::State& state) {
   record.times.effects_ns.assign(4, 123456);
   record.judged = true;
   record.depth = {17, 1.0 / 3000, 1.0 / 3001, 1.0 / 7000};
-  record.volume_m3 = 1.0 / 9999;
+  record.volumes_m3 = {1.0 / 9999};
   for (auto _ : state) {
     std::ostringstream out;
     write_frames_csv(out, {"attachment", "edge_length", "volume", "bending"}, {record});

@@ -11,16 +11,17 @@ ScalarLoop::ScalarLoop(const Scene& scene, CollisionBackend& backend, ResponseKi
   m_predicted = m_positions;
   m_velocities = prepared.simulation->velocities();
   m_free_nodes.assign(prepared.simulation->free_nodes().begin(), prepared.simulation->free_nodes().end());
+  const std::vector<Body> bodies = scene.bodies();
   m_inverse_masses.assign(m_positions.size(), 0);
   for (const int node : m_free_nodes) {
-    m_inverse_masses[node] = 1 / node_mass_kg(scene);
+    m_inverse_masses[node] = 1 / node_mass_kg(scene, scene.muscles[body_of(bodies, node)]);
   }
   const std::vector<RigidMotion> rest_poses(scene.bones.size());
-  const std::vector<FibreSegment> fibres = scene.fibres_with(prepared.bound_nodes);
-  const NodeOrder order(scene.muscle.mesh.vertices);
+  const std::vector<std::vector<FibreSegment>> fibres = scene.fibres_with(prepared.bound_nodes);
+  const NodeOrder order(scene.muscle_mesh.vertices, bodies);
   for (const SceneEffect& effect : scene.effects) {
-    auto made = make_scalar_effect(effect.name, {scene.muscle.mesh, order, fibres, prepared.bound_nodes, rest_poses},
-                                   effect.parameters);
+    auto made = make_scalar_effect(
+        effect.name, {scene.muscle_mesh, bodies, order, fibres, prepared.bound_nodes, rest_poses}, effect.parameters);
     if (made != nullptr) m_effects.push_back(std::move(made));
   }
   scene.poses_at(0, m_poses);

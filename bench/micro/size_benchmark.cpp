@@ -29,7 +29,7 @@ constexpr std::size_t near_rows = 200;
 
 /// `count` points of the muscle's surface, neighbours close to each other as in a mesh; no triangles.
 TriangleMesh sampled_muscle(std::size_t count) {
-  const TriangleMesh& mesh = micro_scene().muscle.mesh;
+  const TriangleMesh& mesh = micro_scene().muscle_mesh;
   const SurfaceSampler sampler(mesh);
   RandomNumbers random(1);
   std::vector<SurfaceSample> samples(count);

@@ -56,6 +56,28 @@ Json json_of(const std::string& name, const SceneMesh& mesh) {
           {"mesh_sha256", mesh.sha256}};
 }
 
+Json json_of(const Muscle& muscle) {
+  Json json = json_of(muscle.body.name, muscle.file);
+  json["nodes"] = muscle.body.last_node - muscle.body.first_node;
+  json["repairs"] = muscle.changes;
+  return json;
+}
+
+/// What readers of one muscle look at, of all.
+Json sum_of_muscles(const Json& muscles) {
+  Json sum = muscles.front();
+  for (std::size_t i = 1; i < muscles.size(); ++i) {
+    for (const char* text : {"name", "mesh", "mesh_sha256"}) {
+      sum[text] = fmt::format("{} + {}", sum[text].get<std::string>(), muscles[i][text].get<std::string>());
+    }
+    for (const char* count : {"vertices", "triangles", "nodes"}) {
+      sum[count] = sum[count].get<int>() + muscles[i][count].get<int>();
+    }
+    sum["repairs"].insert(sum["repairs"].end(), muscles[i]["repairs"].begin(), muscles[i]["repairs"].end());
+  }
+  return sum;
+}
+
 Json json_of_machine() {
   const MachineInfo machine = machine_info();
   return {{"cpu", machine.cpu},
@@ -70,8 +92,10 @@ void add_nodes_and_fibres(Sha256& hash, const Scene& scene) {
     hash.add(fmt::format("{} {} ", attachment.name, attachment.bone));
     hash.add(std::as_bytes(std::span(attachment.nodes)));
   }
-  hash.add(scene.fibres_between_attachments ? "fibres between attachments" : "fibres of a file");
-  hash.add(std::as_bytes(std::span(scene.fibres)));
+  for (const Muscle& muscle : scene.muscles) {
+    hash.add(muscle.fibres_between_attachments ? "fibres between attachments" : "fibres of a file");
+    hash.add(std::as_bytes(std::span(muscle.fibres)));
+  }
 }
 
 }  // namespace
@@ -102,12 +126,13 @@ Json json_of_inputs(const Scene& scene) {
     bone["motion"] = json_of(scene.motions[i]);
     bones.push_back(bone);
   }
-  Json muscle = json_of(scene.muscle_name, scene.muscle);
-  muscle["vertices"] = scene.muscle_file.mesh.vertices.size();
-  muscle["triangles"] = scene.muscle_file.mesh.triangles.size();
-  muscle["nodes"] = scene.muscle.mesh.vertices.size();
-  muscle["repairs"] = scene.muscle_file.changes;
-  return {{"muscle", muscle}, {"bones", bones}};
+  Json muscles = Json::array();
+  for (const Muscle& muscle : scene.muscles) {
+    muscles.push_back(json_of(muscle));
+  }
+  Json inputs = {{"muscle", sum_of_muscles(muscles)}, {"bones", bones}};
+  if (muscles.size() > 1) inputs["muscles"] = muscles;
+  return inputs;
 }
 
 Json json_of_build() {
@@ -150,7 +175,9 @@ std::string id_of(const Json& json_of_case, const Scene& scene) {
 
 std::string scene_hash(const Scene& scene) {
   Sha256 hash;
-  hash.add(scene.muscle.sha256);
+  for (const Muscle& muscle : scene.muscles) {
+    hash.add(muscle.file.sha256);
+  }
   for (std::size_t i = 0; i < scene.bones.size(); ++i) {
     hash.add(scene.bone_meshes[i].sha256);
     hash.add(text_of(Json(scene.bones[i].surface.changes)));

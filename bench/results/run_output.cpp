@@ -114,7 +114,7 @@ Json json_of_limits() {
 
 Json manifest(const RunCase& run, const RunResult& result) {
   Json json = manifest_head(result.status, result.status_detail, json_of_run(run), run.scene);
-  json["muscle"]["rest_volume_m3"] = result.rest.volume_m3;
+  json["muscle"]["rest_volume_m3"] = sum_of(result.rest.volumes_m3);
   json["muscle"]["pressure"] = result.rest.pressure;
   json["muscle"]["mean_edge_length_m"] = result.rest.mean_edge_length_m;
   json["muscle"]["free_nodes"] = result.rest.free_nodes;
@@ -145,30 +145,49 @@ void put(std::string& bytes, Value value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
+/// What the muscles' files hold, one after the other: their vertices, in their order.
+struct MuscleFiles {
+  TriangleMesh mesh;
+  std::vector<int> node_of_vertex;
+};
+
+MuscleFiles files_of(const Scene& scene) {
+  MuscleFiles files;
+  for (const Muscle& muscle : scene.muscles) {
+    const auto first = static_cast<int>(files.mesh.vertices.size());
+    const TriangleMesh& mesh = muscle.file.mesh;
+    files.mesh.vertices.insert(files.mesh.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+    files.node_of_vertex.insert(files.node_of_vertex.end(), muscle.node_of_vertex.begin(), muscle.node_of_vertex.end());
+    for (const auto& [a, b, c] : mesh.triangles) {
+      files.mesh.triangles.push_back({first + a, first + b, first + c});
+    }
+  }
+  return files;
+}
+
 void write_snapshot(const fs::path& path, const Snapshot& snapshot, const RunCase& run,
                     const std::vector<BoundNode>& bound_nodes) {
   std::vector<unsigned char> attached(snapshot.positions.size(), 0);
   for (const BoundNode& bound : bound_nodes) {
     attached[bound.node] = 1;
   }
-  const MuscleFile& muscle = run.scene.muscle_file;  // its vertices, in its order
-  const std::vector<Triangle>& triangles = muscle.mesh.triangles;
+  const MuscleFiles files = files_of(run.scene);
   std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double "
       "z\n"
       "property double depth_m\nproperty uchar attached\nelement face {}\nproperty list uchar int vertex_indices\n"
       "end_header\n",
-      muscle.mesh.vertices.size(), triangles.size());
-  for (std::size_t i = 0; i < muscle.mesh.vertices.size(); ++i) {
-    const int node = muscle.node_of_vertex[i];
-    const Vec3& position = node < 0 ? muscle.mesh.vertices[i] : snapshot.positions[node];
+      files.mesh.vertices.size(), files.mesh.triangles.size());
+  for (std::size_t i = 0; i < files.mesh.vertices.size(); ++i) {
+    const int node = files.node_of_vertex[i];
+    const Vec3& position = node < 0 ? files.mesh.vertices[i] : snapshot.positions[node];
     for (int axis = 0; axis < 3; ++axis) {
       put(bytes, position[axis]);
     }
     put(bytes, node < 0 ? 0.0 : snapshot.depths_m[node]);
     put(bytes, node < 0 ? static_cast<unsigned char>(0) : attached[node]);
   }
-  for (const Triangle& triangle : triangles) {
+  for (const Triangle& triangle : files.mesh.triangles) {
     put(bytes, static_cast<unsigned char>(3));
     for (const int corner : triangle) {
       put(bytes, corner);

@@ -11,7 +11,7 @@ class Attachment final : public Effect {
   explicit Attachment(const EffectInput& input) {
     for (const auto& [node, bone] : input.bound_nodes) {
       m_bound_rows.push_back({static_cast<std::size_t>(input.order.row_of(node)), bone,
-                              input.rest_poses[bone].apply_inverse(input.muscle.vertices[node])});
+                              input.rest_poses[bone].apply_inverse(input.mesh.vertices[node])});
     }
     std::ranges::sort(m_bound_rows, {}, &BoundRow::row);
   }

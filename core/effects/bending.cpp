@@ -217,9 +217,9 @@ std::unique_ptr<Effect> make_bending(const EffectInput& input, const Parameters&
   const double skipped_rad = parameters.number("skip_flatter_than_rad");
   std::vector<std::array<int, 4>> corners;
   std::vector<RestAngle> rest;
-  for (const SurfaceEdge& edge : surface_edges(input.muscle)) {
+  for (const SurfaceEdge& edge : surface_edges(input.mesh)) {
     if (edge.left < 0 || edge.right < 0) continue;
-    const std::optional<RestAngle> angle = rest_angle(input.muscle.vertices, edge);
+    const std::optional<RestAngle> angle = rest_angle(input.mesh.vertices, edge);
     if (!angle || (skipped_rad > 0 && angle->cosine > portable::cos(skipped_rad))) continue;
     corners.push_back({edge.start, edge.end, edge.left, edge.right});
     rest.push_back(*angle);

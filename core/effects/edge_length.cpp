@@ -133,11 +133,12 @@ std::unique_ptr<Effect> make_edge_length(const EffectInput& input, const Paramet
   const double exponent = parameters.number("anisotropy_exponent");
   std::vector<std::array<int, 2>> ends;
   std::vector<LengthConstraint> constraints;
-  for (const SurfaceEdge& edge : surface_edges(input.muscle)) {
-    const Vec3& start = input.muscle.vertices[edge.start];
-    const Vec3& end = input.muscle.vertices[edge.end];
-    const double alignment = alignment_with_nearest_fibre(input.fibres, 0.5 * (start + end), end - start);
-    const double across = input.fibres.empty() ? 1 : portable::pow(1 - alignment, exponent);
+  for (const SurfaceEdge& edge : surface_edges(input.mesh)) {
+    const Vec3& start = input.mesh.vertices[edge.start];
+    const Vec3& end = input.mesh.vertices[edge.end];
+    const std::vector<FibreSegment>& fibres = input.fibres[body_of(input.bodies, edge.start)];
+    const double alignment = alignment_with_nearest_fibre(fibres, 0.5 * (start + end), end - start);
+    const double across = fibres.empty() ? 1 : portable::pow(1 - alignment, exponent);
     if (stiffness * across > 0) {
       ends.push_back({edge.start, edge.end});
       // A compliant edge is softened by its compliance alone, else it would be softened twice.

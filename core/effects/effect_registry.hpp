@@ -9,6 +9,7 @@
 #include "core/base/parameters.hpp"
 #include "core/effects/fibres.hpp"
 #include "core/mesh/triangle_mesh.hpp"
+#include "core/pbd/body.hpp"
 #include "core/pbd/effect.hpp"
 #include "core/pbd/node_order.hpp"
 
@@ -20,12 +21,12 @@ struct BoundNode {
   int bone = 0;
 };
 
-/// What effects are constructed from: references to the muscle, the order of its nodes in `NodeRows`, the bones' poses
-/// at rest, fibres and attachments.
+/// What effects are constructed from, by reference.
 struct EffectInput {
-  const TriangleMesh& muscle;
-  const NodeOrder& order;
-  const std::vector<FibreSegment>& fibres;
+  const TriangleMesh& mesh;  ///< of all muscles, at rest; its vertices are the nodes
+  const std::vector<Body>& bodies;
+  const NodeOrder& order;                                ///< of the nodes in `NodeRows`
+  const std::vector<std::vector<FibreSegment>>& fibres;  ///< by body
   const std::vector<BoundNode>& bound_nodes;
   const std::vector<RigidMotion>& rest_poses;
 };

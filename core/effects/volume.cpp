@@ -96,135 +96,182 @@ HWY_EXPORT(move_along_gradients);
 
 namespace {
 
-/// Triangles or rows whose sums are made by one thread. A multiple of the lanes.
+/// Consecutive triangles or rows of one body whose sums are made by one thread.
+struct Chunk {
+  std::size_t first;
+  std::size_t last;
+  std::size_t body;
+};
+
 constexpr std::size_t chunk_size = 64;
 
-std::size_t chunks_of(std::size_t count) { return (count + chunk_size - 1) / chunk_size; }
+/// `first` to `last` in chunks; the last one may be smaller.
+void add_chunks(std::size_t first, std::size_t last, std::size_t body, std::vector<Chunk>& chunks) {
+  for (; first < last; first += chunk_size) {
+    chunks.push_back({first, std::min(first + chunk_size, last), body});
+  }
+}
 
-double total(std::span<const LaneSums> chunks) {
+/// Of the chunks of one body.
+double total(std::span<const Chunk> chunks, std::span<const LaneSums> sums_of_chunks, std::size_t body) {
   LaneSums sums{};
-  for (const LaneSums& chunk : chunks) {
+  for (std::size_t chunk = 0; chunk < chunks.size(); ++chunk) {
+    if (chunks[chunk].body != body) continue;
     for (std::size_t lane = 0; lane < constraint_lanes; ++lane) {
-      sums[lane] += chunk[lane];
+      sums[lane] += sums_of_chunks[chunk][lane];
     }
   }
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-/// As rows: the triangles of the mesh and, where its boundary edges are, cones from the padding row, which `project`
-/// puts at the origin of the volume: then all area vectors about a row add up to its gradient.
-std::vector<Triangle> closed_triangles(const TriangleMesh& mesh, const NodeOrder& order) {
-  std::vector<Triangle> triangles;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    triangles.push_back({order.row_of(a), order.row_of(b), order.row_of(c)});
+struct VolumeTriangle {
+  Triangle rows;
+  bool is_cone = false;  ///< of a boundary edge and the origin, which is the first corner
+};
+
+/// The triangles of the body and, along its boundary edges, cones to the origin of its volume: then all area vectors
+/// about a row add up to its gradient.
+std::vector<VolumeTriangle> closed_triangles(const EffectInput& input, const Body& body) {
+  const auto row = [&](int node) { return input.order.row_of(node); };
+  TriangleMesh surface;
+  surface.vertices = input.mesh.vertices;
+  surface.triangles.assign(input.mesh.triangles.begin() + static_cast<std::ptrdiff_t>(body.first_triangle),
+                           input.mesh.triangles.begin() + static_cast<std::ptrdiff_t>(body.last_triangle));
+  std::vector<VolumeTriangle> triangles;
+  for (const auto& [a, b, c] : surface.triangles) {
+    triangles.push_back({{row(a), row(b), row(c)}});
   }
-  const int origin = static_cast<int>(order.size());
-  const MeshEdges edges(mesh);
+  const int origin = row(body.first_node);
+  const MeshEdges edges(surface);
   for (int edge = 0; edge < edges.count(); ++edge) {
     int balance = 0;
     for (const EdgeUse& use : edges.uses(edge)) {
       balance += use.forward ? 1 : -1;
     }
     const auto [low, high, corner, forward] = edges.uses(edge).front();
-    for (; balance > 0; --balance) triangles.push_back({origin, order.row_of(high), order.row_of(low)});
-    for (; balance < 0; ++balance) triangles.push_back({origin, order.row_of(low), order.row_of(high)});
+    for (; balance > 0; --balance) triangles.push_back({{origin, row(high), row(low)}, true});
+    for (; balance < 0; ++balance) triangles.push_back({{origin, row(low), row(high)}, true});
   }
   // So that a thread has the triangles about its rows.
-  std::ranges::stable_sort(triangles, {}, [](const Triangle& triangle) { return std::ranges::min(triangle); });
+  std::ranges::stable_sort(triangles, {}, [](const VolumeTriangle& t) { return std::ranges::min(t.rows); });
   return triangles;
 }
 
 class Volume final : public Effect {
  public:
-  Volume(const TriangleMesh& mesh, const NodeOrder& order, double target_m3, double projection_scale)
-      : m_origin_row(static_cast<std::size_t>(order.row_of(0))),
-        m_target_m3(target_m3),
-        m_projection_scale(projection_scale) {
-    const std::vector<Triangle> triangles = closed_triangles(mesh, order);
-    const int padding = static_cast<int>(order.size());
-    const std::size_t padded = (triangles.size() + constraint_lanes - 1) / constraint_lanes * constraint_lanes;
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      m_corners[corner].assign(padded, row_offset(padding));
-      for (std::size_t t = 0; t < triangles.size(); ++t) {
-        m_corners[corner][t] = row_offset(triangles[t][corner]);
-      }
+  Volume(const EffectInput& input, double pressure, double projection_scale) : m_projection_scale(projection_scale) {
+    for (std::size_t b = 0; b < input.bodies.size(); ++b) {
+      const Body& body = input.bodies[b];
+      m_bodies.push_back({static_cast<std::size_t>(body.first_node), static_cast<std::size_t>(body.last_node),
+                          static_cast<std::size_t>(input.order.row_of(body.first_node)),
+                          pressure * body_volume_m3(input.mesh.vertices, input.mesh.triangles, body)});
+      add_triangles(closed_triangles(input, body), b, static_cast<int>(input.order.size()));
     }
-    m_area_vectors.resize(padded);
-    m_six_volumes.resize(chunks_of(padded));
-    find_triangles_of_rows(triangles, order.size());
-    m_gradients.resize(order.size());
-    m_weighted.resize(chunks_of(order.size()));
+    m_area_vectors.resize(m_corners[0].size());
+    m_six_volumes.resize(m_triangle_chunks.size());
+    m_gradients.resize(input.order.size());
+    m_weighted.resize(m_row_chunks.size());
+    m_first_triangle.push_back(m_triangles_of_rows.size());
   }
 
   [[nodiscard]] std::string_view name() const override { return "volume"; }
 
   void project(NodeRows& rows, const SubstepInput& /*input*/, const Team& team) override {
-    const Vec3 origin = rows[m_origin_row].position();
-    if (team.is_first()) rows.padding().set_position(origin);
-    team.wait();
-    const Team::Share chunks = team.share(m_six_volumes.size());
+    const Team::Share chunks = team.share(m_triangle_chunks.size());
     for (std::size_t chunk = chunks.first; chunk < chunks.last; ++chunk) {
-      find_area_vectors_of(chunk, origin, rows);
+      find_area_vectors_of(chunk, rows);
     }
     team.wait();
-    const Team::Share row_chunks = team.share(m_weighted.size());
+    const Team::Share row_chunks = team.share(m_row_chunks.size());
     for (std::size_t chunk = row_chunks.first; chunk < row_chunks.last; ++chunk) {
       find_gradients_of(chunk, rows);
     }
     team.wait();
-    const double weighted = total(m_weighted) / 36;
-    if (!(weighted > 0)) return;
-    const double multiplier = m_projection_scale * (total(m_six_volumes) / 6 - m_target_m3) / weighted / 6;
     const Team::Share moved = team.share(m_gradients.size());
-    HWY_DYNAMIC_DISPATCH(move_along_gradients)
-    (m_gradients.data(), moved.first, moved.last, multiplier, rows.data());
+    for (std::size_t b = 0; b < m_bodies.size(); ++b) {
+      const std::size_t first = std::max(moved.first, m_bodies[b].first_row);
+      const std::size_t last = std::min(moved.last, m_bodies[b].last_row);
+      if (first >= last) continue;
+      const double weighted = total(m_row_chunks, m_weighted, b) / 36;
+      if (!(weighted > 0)) continue;
+      const double volume_m3 = total(m_triangle_chunks, m_six_volumes, b) / 6;
+      const double multiplier = m_projection_scale * (volume_m3 - m_bodies[b].target_m3) / weighted / 6;
+      HWY_DYNAMIC_DISPATCH(move_along_gradients)(m_gradients.data(), first, last, multiplier, rows.data());
+    }
   }
 
  private:
-  void find_triangles_of_rows(std::span<const Triangle> triangles, std::size_t row_count) {
-    std::vector<std::vector<std::int32_t>> about(row_count + 1);  // the last: the padding row
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-      for (const int row : triangles[t]) {
-        about[static_cast<std::size_t>(row)].push_back(static_cast<std::int32_t>(t));
+  struct BodyVolume {
+    std::size_t first_row;
+    std::size_t last_row;
+    std::size_t origin_row;  ///< that of its first node; where a surface is open, its volume depends on the origin
+    double target_m3;
+  };
+
+  /// The next body's, filled up to whole blocks.
+  void add_triangles(std::span<const VolumeTriangle> triangles, std::size_t body, int padding) {
+    const std::size_t first = m_corners[0].size();
+    const BodyVolume& rows = m_bodies[body];
+    std::vector<std::vector<std::int32_t>> about(rows.last_row - rows.first_row);
+    for (const VolumeTriangle& triangle : triangles) {
+      const auto index = static_cast<std::int32_t>(m_corners[0].size());
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        m_corners[corner].push_back(row_offset(triangle.rows[corner]));
+        const bool is_origin = triangle.is_cone && corner == 0;
+        if (!is_origin) about[static_cast<std::size_t>(triangle.rows[corner]) - rows.first_row].push_back(index);
       }
     }
-    m_rows.resize(row_count);
-    std::iota(m_rows.begin(), m_rows.end(), 0);
-    // Rows of a chunk by the number of triangles: a loop of a steady length is predicted.
-    for (std::size_t first = 0; first < row_count; first += chunk_size) {
-      const auto chunk = std::span(m_rows).subspan(first, std::min(chunk_size, row_count - first));
-      std::ranges::stable_sort(chunk, {},
-                               [&](std::int32_t row) { return about[static_cast<std::size_t>(row)].size(); });
+    while (m_corners[0].size() % constraint_lanes != 0) {
+      for (auto& corners : m_corners) {
+        corners.push_back(row_offset(padding));
+      }
     }
-    for (const std::int32_t row : m_rows) {
-      m_first_triangle.push_back(m_triangles_of_rows.size());
-      const std::vector<std::int32_t>& of_row = about[static_cast<std::size_t>(row)];
-      m_triangles_of_rows.insert(m_triangles_of_rows.end(), of_row.begin(), of_row.end());
+    add_chunks(first, m_corners[0].size(), body, m_triangle_chunks);
+    const std::size_t first_chunk = m_row_chunks.size();
+    add_chunks(rows.first_row, rows.last_row, body, m_row_chunks);
+    for (std::size_t chunk = first_chunk; chunk < m_row_chunks.size(); ++chunk) {
+      add_rows(m_row_chunks[chunk], rows.first_row, about);
     }
-    m_first_triangle.push_back(m_triangles_of_rows.size());
   }
 
-  void find_area_vectors_of(std::size_t chunk, const Vec3& origin, NodeRows& rows) {
+  void add_rows(const Chunk& chunk, std::size_t first_row, std::span<const std::vector<std::int32_t>> about) {
+    std::vector<std::int32_t> rows(chunk.last - chunk.first);
+    std::iota(rows.begin(), rows.end(), static_cast<std::int32_t>(chunk.first));
+    const auto triangles_about = [&](std::int32_t row) -> const std::vector<std::int32_t>& {
+      return about[static_cast<std::size_t>(row) - first_row];
+    };
+    // By the number of triangles: a loop of a steady length is predicted.
+    std::ranges::stable_sort(rows, {}, [&](std::int32_t row) { return triangles_about(row).size(); });
+    for (const std::int32_t row : rows) {
+      m_rows.push_back(row);
+      m_first_triangle.push_back(m_triangles_of_rows.size());
+      m_triangles_of_rows.insert(m_triangles_of_rows.end(), triangles_about(row).begin(), triangles_about(row).end());
+    }
+  }
+
+  void find_area_vectors_of(std::size_t chunk, NodeRows& rows) {
+    const auto& [first, last, body] = m_triangle_chunks[chunk];
     m_six_volumes[chunk] = {};
-    const std::size_t last = std::min((chunk + 1) * chunk_size, m_area_vectors.size());
     HWY_DYNAMIC_DISPATCH(find_area_vectors)
-    ({m_corners[0].data(), m_corners[1].data(), m_corners[2].data()}, chunk * chunk_size, last, origin, rows.data(),
-     m_area_vectors.data(), m_six_volumes[chunk]);
+    ({m_corners[0].data(), m_corners[1].data(), m_corners[2].data()}, first, last,
+     rows[m_bodies[body].origin_row].position(), rows.data(), m_area_vectors.data(), m_six_volumes[chunk]);
   }
 
   void find_gradients_of(std::size_t chunk, const NodeRows& rows) {
-    const std::size_t first = chunk * chunk_size;
-    const std::size_t last = std::min(first + chunk_size, m_gradients.size());
+    const auto& [first, last, body] = m_row_chunks[chunk];
     HWY_DYNAMIC_DISPATCH(find_gradients)
     ({m_rows.data(), m_first_triangle.data(), m_triangles_of_rows.data()}, first, last, m_area_vectors.data(),
      m_gradients.data());
     LaneSums weighted{};
-    for (std::size_t i = first; i < last; ++i) {
-      weighted[i % constraint_lanes] += rows[i].inverse_mass * m_gradients[i].position().squaredNorm();
+    for (std::size_t row = first; row < last; ++row) {
+      weighted[(row - first) % constraint_lanes] += rows[row].inverse_mass * m_gradients[row].position().squaredNorm();
     }
     m_weighted[chunk] = weighted;
   }
 
+  std::vector<BodyVolume> m_bodies;
+  std::vector<Chunk> m_triangle_chunks;
+  std::vector<Chunk> m_row_chunks;
   std::array<std::vector<std::int32_t>, 3> m_corners;  ///< by triangle: `row_offset`
   std::vector<NodeRow> m_area_vectors;                 ///< by triangle
   std::vector<LaneSums> m_six_volumes;                 ///< by chunk of triangles
@@ -233,17 +280,13 @@ class Volume final : public Effect {
   std::vector<std::int32_t> m_triangles_of_rows;
   std::vector<NodeRow> m_gradients;  ///< by row
   std::vector<LaneSums> m_weighted;  ///< by chunk of rows: inverse mass times squared gradient
-  std::size_t m_origin_row;          ///< that of node 0; where a surface is open, its volume depends on the origin
-  double m_target_m3;
   double m_projection_scale;
 };
 
 }  // namespace
 
 std::unique_ptr<Effect> make_volume(const EffectInput& input, const Parameters& parameters) {
-  const double volume_m3 = surface_volume_m3(input.muscle.vertices, input.muscle.triangles);
-  return std::make_unique<Volume>(input.muscle, input.order, parameters.number("pressure") * volume_m3,
-                                  parameters.number("projection_scale"));
+  return std::make_unique<Volume>(input, parameters.number("pressure"), parameters.number("projection_scale"));
 }
 
 std::vector<ParameterSpec> volume_parameters() {

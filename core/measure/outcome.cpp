@@ -27,21 +27,27 @@ void raise(std::optional<int>& largest, std::optional<int> value) {
   if (value) largest = std::max(largest.value_or(*value), *value);
 }
 
-void add_volumes(std::span<const StepRecord> records, const MuscleAtRest& rest, Outcome& outcome) {
-  const double target_m3 = rest.pressure * rest.volume_m3;
+/// Of the muscle `index`; an error of another that is larger stays.
+void add_volumes(std::span<const StepRecord> records, const MuscleAtRest& rest, std::size_t index, Outcome& outcome) {
+  const double target_m3 = rest.pressure * rest.volumes_m3[index];
   double last_error = std::abs(1 - 1 / rest.pressure);
   bool approaching = true;
+  std::optional<double> final_error;
   for (const StepRecord& record : records) {
-    const double error = std::abs((record.volume_m3 - target_m3) / target_m3);
-    outcome.final_volume_error.reset();
+    const double volume_m3 = record.volumes_m3[index];
+    const double error = std::abs((volume_m3 - target_m3) / target_m3);
+    final_error.reset();
     if (!std::isfinite(error)) continue;
-    outcome.final_volume_error = error;
-    outcome.turned_inside_out = outcome.turned_inside_out.value_or(false) || record.volume_m3 / target_m3 < 0;
+    final_error = error;
+    outcome.turned_inside_out = outcome.turned_inside_out.value_or(false) || volume_m3 / target_m3 < 0;
     approaching = approaching && error < last_error;
     last_error = error;
     if (!approaching) raise(outcome.max_volume_error, error);
   }
-  if (outcome.final_volume_error) raise(outcome.max_volume_error, *outcome.final_volume_error);
+  if (final_error) {
+    raise(outcome.final_volume_error, *final_error);
+    raise(outcome.max_volume_error, *final_error);
+  }
 }
 
 }  // namespace
@@ -76,7 +82,9 @@ Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest
     outcome.nodes_inside_at_rest = rest.depth->nodes_inside;
     outcome.depth_at_rest_m = rest.depth->max_depth_m;
   }
-  add_volumes(records, rest, outcome);
+  for (std::size_t muscle = 0; muscle < rest.volumes_m3.size(); ++muscle) {
+    add_volumes(records, rest, muscle, outcome);
+  }
   return outcome;
 }
 

@@ -9,9 +9,9 @@ namespace musclebench {
 
 /// What a run's figures are compared with.
 struct MuscleAtRest {
-  double volume_m3 = 0;           ///< of either sign
-  double pressure = 1;            ///< target volume over that at rest, see the effect `volume`
-  double mean_edge_length_m = 0;  ///< 0: unknown
+  std::vector<double> volumes_m3;  ///< of each muscle, of either sign
+  double pressure = 1;             ///< target volume over that at rest, see the effect `volume`
+  double mean_edge_length_m = 0;   ///< 0: unknown
   int free_nodes = 0;
   int triangles = 0;
   std::optional<DepthStatistics> depth;  ///< of the free nodes in the bones, before the first frame

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <ostream>
 #include <span>
@@ -15,6 +16,9 @@
 namespace musclebench {
 
 /// One row of frames.csv. Figures that are not known stay empty in the file.
+/// In order.
+inline double sum_of(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+
 struct StepRecord {
   int frame = 0;         ///< 1-based
   double angle_deg = 0;  ///< of the bone that turns most
@@ -35,7 +39,7 @@ struct StepRecord {
   int stuck_nodes = 0;       ///< in this frame, see count_stuck_nodes
   EdgeStretch edge_stretch;  ///< at the frame's end
   std::optional<int> self_intersecting_triangles;
-  double volume_m3 = 0;
+  std::vector<double> volumes_m3;  ///< of each muscle
   std::size_t resident_bytes = 0;  ///< 0: unknown
   long involuntary_switches = 0;   ///< while the frame was timed, see ContextSwitches
   Nanoseconds judging_ns = 0;      ///< taken by the Referee, outside of the frame

@@ -4,15 +4,18 @@
 #include <vector>
 
 #include "core/mesh/triangle_mesh.hpp"
+#include "core/pbd/body.hpp"
 
 namespace musclebench {
 
-/// In which row (`NodeRows`) each node is: along the longest side of the box around all. Neighbours are near each other
-/// in memory then, however the mesh numbers them, and parts of consecutive rows have few constraints between them.
+/// In which row (`NodeRows`) each node is: body by body, along the longest side of the box around it. Neighbours are
+/// near each other in memory then, however the mesh numbers them, and parts of consecutive rows have few constraints
+/// between them.
 class NodeOrder {
  public:
   NodeOrder() = default;
-  explicit NodeOrder(std::span<const Vec3> positions);
+  /// `bodies` are in the order of their nodes and have all of them.
+  NodeOrder(std::span<const Vec3> positions, std::span<const Body> bodies);
 
   [[nodiscard]] std::size_t size() const { return m_rows.size(); }
   [[nodiscard]] int row_of(int node) const { return m_rows[static_cast<std::size_t>(node)]; }

@@ -94,7 +94,9 @@ std::vector<MeasuredMesh> measure(const Scene& scene) {
   for (const Bone& bone : scene.bones) {
     meshes.push_back(measure(fmt::format("bone '{}'", bone.name), bone.surface.mesh.vertices));
   }
-  meshes.push_back(measure(fmt::format("muscle '{}'", scene.muscle_name), scene.muscle.mesh.vertices));
+  for (const Muscle& muscle : scene.muscles) {
+    meshes.push_back(measure(fmt::format("muscle '{}'", muscle.body.name), scene.vertices_of(muscle.body)));
+  }
   return meshes;
 }
 

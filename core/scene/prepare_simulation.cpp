@@ -4,14 +4,13 @@
 #include <cmath>
 
 #include "core/mesh/mesh_size.hpp"
-#include "core/mesh/surface_volume.hpp"
 
 namespace musclebench {
 
 namespace {
 
 std::vector<int> all_nodes(const Scene& scene) {
-  std::vector<int> nodes(scene.muscle.mesh.vertices.size());
+  std::vector<int> nodes(scene.muscle_mesh.vertices.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     nodes[i] = static_cast<int>(i);
   }
@@ -24,8 +23,8 @@ std::vector<BoundNode> bind_nodes(const Scene& scene, CollisionBackend& backend,
     return scene.bound_nodes();
   }
   std::vector<Contact> contacts;
-  backend.update(rest_poses, scene.muscle.mesh.vertices);
-  backend.detect(scene.muscle.mesh.vertices, all_nodes(scene), contacts);
+  backend.update(rest_poses, scene.muscle_mesh.vertices);
+  backend.detect(scene.muscle_mesh.vertices, all_nodes(scene), contacts);
   std::vector<BoundNode> bound;
   bound.reserve(contacts.size());
   for (const Contact& contact : contacts) {
@@ -40,9 +39,11 @@ std::vector<BoundNode> bind_nodes(const Scene& scene, CollisionBackend& backend,
 
 Particles particles_of(const Scene& scene, const std::vector<BoundNode>& bound) {
   Particles particles;
-  particles.positions = scene.muscle.mesh.vertices;
+  particles.positions = scene.muscle_mesh.vertices;
   particles.velocities.assign(particles.size(), Vec3::Zero());
-  particles.inverse_masses.assign(particles.size(), 1 / node_mass_kg(scene));
+  for (const Muscle& muscle : scene.muscles) {
+    particles.inverse_masses.resize(static_cast<std::size_t>(muscle.body.last_node), 1 / node_mass_kg(scene, muscle));
+  }
   for (const BoundNode& node : bound) {
     particles.inverse_masses[node.node] = 0;
   }
@@ -57,9 +58,10 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
   PreparedSimulation prepared;
   prepared.bound_nodes = bind_nodes(scene, backend, rest_poses);
   std::vector<std::unique_ptr<Effect>> effects;
-  const std::vector<FibreSegment> fibres = scene.fibres_with(prepared.bound_nodes);
-  NodeOrder order(scene.muscle.mesh.vertices);
-  const EffectInput input{scene.muscle.mesh, order, fibres, prepared.bound_nodes, rest_poses};
+  const std::vector<Body> bodies = scene.bodies();
+  const std::vector<std::vector<FibreSegment>> fibres = scene.fibres_with(prepared.bound_nodes);
+  NodeOrder order(scene.muscle_mesh.vertices, bodies);
+  const EffectInput input{scene.muscle_mesh, bodies, order, fibres, prepared.bound_nodes, rest_poses};
   for (const SceneEffect& effect : scene.effects) {
     effects.push_back(find_effect(effect.name)->make(input, effect.parameters));
     prepared.effect_names.push_back(effect.name);
@@ -70,15 +72,16 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
   return prepared;
 }
 
-double node_mass_kg(const Scene& scene) {
-  const TriangleMesh& mesh = scene.muscle.mesh;
-  const double volume_m3 = std::abs(surface_volume_m3(mesh.vertices, mesh.triangles));
-  const double shared_mass_kg = scene.loop.density_kg_per_m3 * volume_m3 / static_cast<double>(mesh.vertices.size());
+double node_mass_kg(const Scene& scene, const Muscle& muscle) {
+  const double volume_m3 =
+      std::abs(body_volume_m3(scene.muscle_mesh.vertices, scene.muscle_mesh.triangles, muscle.body));
+  const double nodes = muscle.body.last_node - muscle.body.first_node;
+  const double shared_mass_kg = scene.loop.density_kg_per_m3 * volume_m3 / nodes;
   return shared_mass_kg > 0 ? shared_mass_kg : scene.loop.node_mass_kg;
 }
 
 double scene_diagonal_m(const Scene& scene) {
-  Eigen::AlignedBox3d box = bounding_box(scene.muscle.mesh.vertices);
+  Eigen::AlignedBox3d box = bounding_box(scene.muscle_mesh.vertices);
   for (const Bone& bone : scene.bones) {
     box.extend(bounding_box(bone.surface.mesh.vertices));
   }

@@ -22,8 +22,8 @@ struct PreparedSimulation {
 PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend, ResponseKind response,
                                       int threads);
 
-/// Of each node of the muscle.
-double node_mass_kg(const Scene& scene);
+/// Of each of its nodes.
+double node_mass_kg(const Scene& scene, const Muscle& muscle);
 
 /// Of the box around muscle and bones at rest.
 double scene_diagonal_m(const Scene& scene);

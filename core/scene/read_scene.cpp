@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/base/input_error.hpp"
 #include "core/base/sha256.hpp"
@@ -188,6 +189,29 @@ AttachmentArea read_area(const SceneRequest& request, const TomlTable& table) {
   return area;
 }
 
+/// The muscle that the attachment names; in a scene of one muscle it may leave it out.
+std::size_t muscle_index(const Scene& scene, const TomlTable& table) {
+  if (scene.muscles.size() == 1 && !table.has("muscle")) {
+    return 0;
+  }
+  std::vector<std::string> known;
+  for (const Muscle& muscle : scene.muscles) {
+    known.push_back(muscle.body.name);
+  }
+  if (!table.has("muscle")) {
+    throw InputError(table.location("muscle"), fmt::format("is missing: in a scene of several muscles an attachment "
+                                                           "names its own, {}",
+                                                           fmt::join(known, " or ")));
+  }
+  const std::string name = table.word("muscle");
+  const auto found = std::ranges::find(known, name);
+  if (found == known.end()) {
+    throw InputError(table.location("muscle"), fmt::format("'{}' is not a muscle of this scene; did you mean '{}'?",
+                                                           name, nearest_word(name, known)));
+  }
+  return static_cast<std::size_t>(found - known.begin());
+}
+
 void read_attachments(const SceneRequest& request, const TomlTable& root, Scene& scene) {
   if (root.is_word("attachment")) {
     if (root.word("attachment") != "first_contact") {
@@ -197,46 +221,41 @@ void read_attachments(const SceneRequest& request, const TomlTable& root, Scene&
     return;
   }
   for (const TomlTable& table : root.tables("attachment")) {
-    table.allow_only({"name", "bone", "outline", "outline_m", "distance_m", "margin_m"});
+    table.allow_only({"name", "bone", "muscle", "outline", "outline_m", "distance_m", "margin_m"});
     Attachment attachment;
     attachment.name = table.word("name");
     attachment.bone = bone_index(scene, table);
+    attachment.muscle = muscle_index(scene, table);
     attachment.area = read_area(request, table);
     const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
-    attachment.nodes = nodes_over_area(scene.muscle.mesh.vertices, bone.tree(), attachment.area);
+    const Body& body = scene.muscles[attachment.muscle].body;
+    attachment.nodes = nodes_over_area(scene.vertices_of(body), bone.tree(), attachment.area);
+    for (int& node : attachment.nodes) {
+      node += body.first_node;
+    }
     scene.attachments.push_back(std::move(attachment));
   }
 }
 
-void weld_muscle(const TomlTable& table, Scene& scene) {
-  WeldedMesh welded = weld_mesh(scene.muscle.mesh, mesh_location(table, scene.muscle));
-  scene.muscle_file = {std::move(scene.muscle.mesh), std::move(welded.welded_vertex), std::move(welded.changes)};
-  scene.muscle.mesh = std::move(welded.mesh);
-}
-
-TomlTable muscle_table(const TomlTable& root) {
+/// [muscle], or several [[muscle]].
+std::vector<TomlTable> muscle_tables(const TomlTable& root) {
   if (root.is_list("muscle")) {
-    throw InputError(root.location("muscle"), "is a list; a scene has one muscle: write [muscle], once");
+    return root.tables("muscle");
   }
   const auto table = root.table("muscle");
   if (!table) {
     throw InputError(root.location("muscle"), "is missing; add a [muscle] table with name and mesh");
   }
-  return *table;
+  return {*table};
 }
 
-void read_muscle(const SceneRequest& request, const TomlTable& root, Scene& scene) {
-  const TomlTable table = muscle_table(root);
-  table.allow_only({"name", "mesh", "fibres"});
-  scene.muscle_name = checked_name(table);
-  scene.muscle = read_scene_mesh(request, table);
-  weld_muscle(table, scene);
-  read_attachments(request, root, scene);
+void read_fibres(const SceneRequest& request, const TomlTable& table, std::size_t index, Scene& scene) {
+  Muscle& muscle = scene.muscles[index];
   const std::string fibres = table.word_or("fibres", "none");
   if (fibres == "between_attachments") {
-    scene.fibres_between_attachments = true;
-    if (!scene.attach_at_first_contact && scene.fibres_with(scene.bound_nodes()).empty()) {
-      const InputError obstacle(table.location("fibres"), describe_missing_fibres(scene));
+    muscle.fibres_between_attachments = true;
+    if (!scene.attach_at_first_contact && scene.fibres_with(scene.bound_nodes())[index].empty()) {
+      const InputError obstacle(table.location("fibres"), describe_missing_fibres(scene, index));
       if (!request.notes_obstacles) {
         throw obstacle;
       }
@@ -244,7 +263,32 @@ void read_muscle(const SceneRequest& request, const TomlTable& root, Scene& scen
     }
   } else if (fibres != "none") {
     const Reference reference = resolve(request, fibres, table.location("fibres"));
-    scene.fibres = read_landmark_fibres(reference.path, reference.selector);
+    muscle.fibres = read_landmark_fibres(reference.path, reference.selector);
+  }
+}
+
+void read_muscles(const SceneRequest& request, const TomlTable& root, Scene& scene) {
+  const std::vector<TomlTable> tables = muscle_tables(root);
+  for (const TomlTable& table : tables) {
+    table.allow_only({"name", "mesh", "fibres"});
+    const std::string name = checked_name(table);
+    if (std::ranges::any_of(scene.muscles, [&](const Muscle& other) { return other.body.name == name; })) {
+      throw InputError(table.location("name"),
+                       fmt::format("'{}' is the name of an earlier muscle; choose another", name));
+    }
+    SceneMesh file = read_scene_mesh(request, table);
+    WeldedMesh welded = weld_mesh(file.mesh, mesh_location(table, file));
+    Muscle& muscle = scene.add_muscle(name, welded.mesh);
+    muscle.file = std::move(file);
+    muscle.changes = std::move(welded.changes);
+    muscle.node_of_vertex = std::move(welded.welded_vertex);
+    for (int& node : muscle.node_of_vertex) {
+      node += node < 0 ? 0 : muscle.body.first_node;
+    }
+  }
+  read_attachments(request, root, scene);
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    read_fibres(request, tables[i], i, scene);
   }
 }
 
@@ -330,7 +374,7 @@ Scene read_scene(const SceneRequest& request) {
   read_contact(root, scene);
   read_effects(preset.table("effects"), root.table("effects"), scene);
   read_bones(request, root, scene);
-  read_muscle(request, root, scene);
+  read_muscles(request, root, scene);
   return scene;
 }
 

@@ -7,7 +7,7 @@
 namespace musclebench {
 
 std::vector<RestOverlap> free_overlaps_at_rest(const Scene& scene) {
-  const std::vector<Vec3>& nodes = scene.muscle.mesh.vertices;
+  const std::vector<Vec3>& nodes = scene.muscle_mesh.vertices;
   std::vector<char> is_free(nodes.size(), 1);
   for (const BoundNode& bound : scene.bound_nodes()) {
     is_free[static_cast<std::size_t>(bound.node)] = 0;

@@ -35,18 +35,69 @@ std::vector<BoundNode> Scene::bound_nodes() const {
   return bound;
 }
 
-std::vector<FibreSegment> Scene::fibres_with(const std::vector<BoundNode>& bound) const {
-  if (!fibres_between_attachments) {
-    return fibres;
+Muscle& Scene::add_muscle(const std::string& name_of_muscle, const TriangleMesh& mesh) {
+  const auto first_node = static_cast<int>(muscle_mesh.vertices.size());
+  const std::size_t first_triangle = muscle_mesh.triangles.size();
+  muscle_mesh.vertices.insert(muscle_mesh.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    muscle_mesh.triangles.push_back({first_node + a, first_node + b, first_node + c});
   }
+  Muscle& muscle = muscles.emplace_back();
+  muscle.body = {name_of_muscle, first_node, static_cast<int>(muscle_mesh.vertices.size()), first_triangle,
+                 muscle_mesh.triangles.size()};
+  return muscle;
+}
+
+std::vector<Body> Scene::bodies() const {
+  std::vector<Body> bodies;
+  for (const Muscle& muscle : muscles) {
+    bodies.push_back(muscle.body);
+  }
+  return bodies;
+}
+
+std::vector<Vec3> Scene::vertices_of(const Body& body) const {
+  return {muscle_mesh.vertices.begin() + body.first_node, muscle_mesh.vertices.begin() + body.last_node};
+}
+
+TriangleMesh Scene::mesh_of(const Body& body) const {
+  TriangleMesh mesh{vertices_of(body), {}};
+  for (std::size_t t = body.first_triangle; t < body.last_triangle; ++t) {
+    const auto& [a, b, c] = muscle_mesh.triangles[t];
+    mesh.triangles.push_back({a - body.first_node, b - body.first_node, c - body.first_node});
+  }
+  return mesh;
+}
+
+std::string Scene::muscle_names() const {
+  std::string names;
+  for (const Muscle& muscle : muscles) {
+    names += (names.empty() ? "" : " + ") + muscle.body.name;
+  }
+  return names;
+}
+
+std::vector<std::vector<FibreSegment>> Scene::fibres_with(const std::vector<BoundNode>& bound) const {
   constexpr int most_segments = 1000;
-  const int origin_bone = attachments.empty() ? 0 : attachments.front().bone;
-  std::vector<int> origin;
-  std::vector<int> insertion;
-  for (const BoundNode& node : bound) {
-    (node.bone == origin_bone ? origin : insertion).push_back(node.node);
+  std::vector<std::vector<FibreSegment>> fibres;
+  for (std::size_t i = 0; i < muscles.size(); ++i) {
+    const Muscle& muscle = muscles[i];
+    if (!muscle.fibres_between_attachments) {
+      fibres.push_back(muscle.fibres);
+      continue;
+    }
+    const auto first = std::ranges::find(attachments, i, &Attachment::muscle);
+    const int origin_bone = first == attachments.end() ? 0 : first->bone;
+    std::vector<int> origin;
+    std::vector<int> insertion;
+    for (const BoundNode& node : bound) {
+      if (node.node >= muscle.body.first_node && node.node < muscle.body.last_node) {
+        (node.bone == origin_bone ? origin : insertion).push_back(node.node);
+      }
+    }
+    fibres.push_back(fibres_between(muscle_mesh, origin, insertion, most_segments));
   }
-  return fibres_between(muscle.mesh, origin, insertion, most_segments);
+  return fibres;
 }
 
 std::vector<ParameterSpec> loop_parameters() {

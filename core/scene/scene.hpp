@@ -13,10 +13,11 @@
 
 namespace musclebench {
 
-/// The nodes that one bone carries because the scene says so.
+/// The nodes of one muscle that one bone carries because the scene says so.
 struct Attachment {
   std::string name;
   int bone = 0;
+  std::size_t muscle = 0;
   AttachmentArea area;
   std::vector<int> nodes;  ///< ascending
 };
@@ -29,14 +30,17 @@ struct SceneEffect {
 struct SceneMesh {
   std::string reference;  ///< as the scene names it
   std::string sha256;     ///< of the coordinates and indices as read
-  TriangleMesh mesh;      ///< as shipped; that of the muscle welded
+  TriangleMesh mesh;      ///< as shipped
 };
 
-/// The muscle's file beside the nodes that are made of it (see weld_mesh).
-struct MuscleFile {
-  TriangleMesh mesh;                ///< as shipped
-  std::vector<int> node_of_vertex;  ///< -1 for a vertex that no triangle uses
-  std::vector<std::string> changes;
+/// A muscle: what its file holds, and which of the scene's nodes and triangles are made of it (see weld_mesh).
+struct Muscle {
+  Body body;  ///< its name, nodes and triangles in `Scene::muscle_mesh`
+  SceneMesh file;
+  std::vector<int> node_of_vertex;   ///< of each vertex of the file; -1 for one that no triangle uses
+  std::vector<std::string> changes;  ///< what welding did
+  std::vector<FibreSegment> fibres;  ///< from a file; none where they run between the attachments
+  bool fibres_between_attachments = false;
 };
 
 /// A complete, checked description of what is simulated: all files read, all parameters known.
@@ -47,11 +51,8 @@ struct Scene {
   std::vector<Bone> bones;             ///< repaired, numbered coherently, rest pose
   std::vector<SceneMesh> bone_meshes;  ///< as shipped, one a bone
   std::vector<BoneMotion> motions;     ///< one a bone
-  std::string muscle_name;
-  SceneMesh muscle;  ///< welded: its vertices are the nodes
-  MuscleFile muscle_file;
-  std::vector<FibreSegment> fibres;  ///< from a file; none where they run between the attachments
-  bool fibres_between_attachments = false;
+  std::vector<Muscle> muscles;
+  TriangleMesh muscle_mesh;  ///< the welded surfaces of all muscles, one after the other: its vertices are the nodes
   std::vector<Attachment> attachments;
   /// Instead of attachments: every node that the backend finds in a bone before the first frame is bound to that bone,
   /// as in the paper. The boundary condition then depends on the backend.
@@ -68,9 +69,17 @@ struct Scene {
   [[nodiscard]] double angle_rad(double frame_position) const;
   /// Bound nodes of all attachments; a node that two areas claim belongs to the first.
   [[nodiscard]] std::vector<BoundNode> bound_nodes() const;
-  /// The fibres of the scene, given the nodes that are bound: they run from the bone of the first attachment to the
-  /// others.
-  [[nodiscard]] std::vector<FibreSegment> fibres_with(const std::vector<BoundNode>& bound) const;
+  /// Appends a muscle whose nodes are the vertices of `mesh`, in their order.
+  Muscle& add_muscle(const std::string& name_of_muscle, const TriangleMesh& mesh);
+  [[nodiscard]] std::vector<Body> bodies() const;
+  /// By muscle: its fibres, given the nodes that are bound. Those between attachments run from the bone of the muscle's
+  /// first attachment to the others.
+  [[nodiscard]] std::vector<std::vector<FibreSegment>> fibres_with(const std::vector<BoundNode>& bound) const;
+  [[nodiscard]] std::vector<Vec3> vertices_of(const Body& body) const;
+  /// The surface of one muscle, its nodes numbered from 0.
+  [[nodiscard]] TriangleMesh mesh_of(const Body& body) const;
+  /// The names of all muscles.
+  [[nodiscard]] std::string muscle_names() const;
 };
 
 /// The parameters of the `[loop]` table.

@@ -22,20 +22,22 @@ bool has_effect(const Scene& scene, std::string_view name) {
   return std::any_of(scene.effects.begin(), scene.effects.end(), [&](const auto& e) { return e.name == name; });
 }
 
-void warn_of_muscle_file(const Scene& scene, Lines& warnings) {
-  for (const std::string& change : scene.muscle_file.changes) {
-    warnings.push_back(fmt::format("muscle '{}': {}", scene.muscle_name, change));
+void warn_of_muscle_files(const Scene& scene, Lines& warnings) {
+  for (const Muscle& muscle : scene.muscles) {
+    for (const std::string& change : muscle.changes) {
+      warnings.push_back(fmt::format("muscle '{}': {}", muscle.body.name, change));
+    }
   }
 }
 
-/// How many connected pieces the muscle has, and how many of them hold no bound node.
+/// How many connected pieces a muscle has, and how many of them hold no bound node.
 struct Pieces {
   int count = 0;
   int unbound = 0;
 };
 
-Pieces pieces_of(const Scene& scene) {
-  const TriangleMesh& mesh = scene.muscle.mesh;
+Pieces pieces_of(const Scene& scene, const Body& body) {
+  const TriangleMesh& mesh = scene.muscle_mesh;
   DisjointSets joined(static_cast<int>(mesh.vertices.size()));
   for (const Triangle& triangle : mesh.triangles) {
     joined.unite(triangle[0], triangle[1]);
@@ -46,7 +48,7 @@ Pieces pieces_of(const Scene& scene) {
     is_bound[static_cast<std::size_t>(joined.find(bound.node))] = 1;
   }
   Pieces pieces;
-  for (int vertex = 0; vertex < static_cast<int>(mesh.vertices.size()); ++vertex) {
+  for (int vertex = body.first_node; vertex < body.last_node; ++vertex) {
     if (joined.find(vertex) == vertex) {
       ++pieces.count;
       pieces.unbound += is_bound[static_cast<std::size_t>(vertex)] == 0 ? 1 : 0;
@@ -56,24 +58,30 @@ Pieces pieces_of(const Scene& scene) {
 }
 
 void warn_of_pieces(const Scene& scene, Lines& warnings) {
-  const Pieces pieces = pieces_of(scene);
-  if (pieces.count < 2) {
-    return;
+  for (const Muscle& muscle : scene.muscles) {
+    const Pieces pieces = pieces_of(scene, muscle.body);
+    if (pieces.count < 2) {
+      continue;
+    }
+    const std::string unbound =
+        scene.attachments.empty() ? std::string() : fmt::format(", {} of them without a bound node", pieces.unbound);
+    warnings.push_back(fmt::format("muscle '{}' is in {} separate pieces{}: nothing holds them together",
+                                   muscle.body.name, pieces.count, unbound));
   }
-  const std::string unbound =
-      scene.attachments.empty() ? std::string() : fmt::format(", {} of them without a bound node", pieces.unbound);
-  warnings.push_back(fmt::format("muscle '{}' is in {} separate pieces{}: nothing holds them together",
-                                 scene.muscle_name, pieces.count, unbound));
 }
 
-void warn_of_muscle_surface(const Scene& scene, Lines& warnings) {
-  const MeshReport muscle = check_mesh(scene.muscle.mesh);
-  if (has_effect(scene, "volume") && muscle.boundary_edges > 0) {
-    warnings.push_back(fmt::format(
-        "effect 'volume' has no meaning for an open surface: the muscle has {} boundary edges", muscle.boundary_edges));
-  }
-  if (muscle.volume_m3 < 0) {
-    warnings.emplace_back("the muscle is wound inwards (negative volume): turn its triangles");
+void warn_of_muscle_surfaces(const Scene& scene, Lines& warnings) {
+  for (const Muscle& muscle : scene.muscles) {
+    const std::string which = scene.muscles.size() == 1 ? "" : fmt::format(" '{}'", muscle.body.name);
+    const MeshReport report = check_mesh(scene.mesh_of(muscle.body));
+    if (has_effect(scene, "volume") && report.boundary_edges > 0) {
+      warnings.push_back(
+          fmt::format("effect 'volume' has no meaning for an open surface: the muscle{} has {} boundary edges", which,
+                      report.boundary_edges));
+    }
+    if (report.volume_m3 < 0) {
+      warnings.push_back(fmt::format("the muscle{} is wound inwards (negative volume): turn its triangles", which));
+    }
   }
 }
 
@@ -88,7 +96,7 @@ void warn_of_overlaps(const Scene& scene, Lines& warnings) {
       warnings.push_back(
           fmt::format("{} of {} nodes begin inside bone '{}' without being bound, {:.3g} mm deep: the first contact "
                       "throws them out",
-                      overlaps[bone].nodes, scene.muscle.mesh.vertices.size(), scene.bones[bone].name,
+                      overlaps[bone].nodes, scene.muscle_mesh.vertices.size(), scene.bones[bone].name,
                       1e3 * overlaps[bone].deepest_m));
     }
   }
@@ -111,7 +119,9 @@ void warn_of_attachments(const Scene& scene, Lines& warnings) {
 
 void warn_of_effects(const Scene& scene, Lines& warnings) {
   for (const SceneEffect& effect : scene.effects) {
-    const bool fibres = scene.fibres_between_attachments || !scene.fibres.empty();
+    const bool fibres = std::ranges::any_of(scene.muscles, [](const Muscle& muscle) {
+      return muscle.fibres_between_attachments || !muscle.fibres.empty();
+    });
     if (effect.name == "edge_length" && fibres && effect.parameters.number("anisotropy_exponent") == 0) {
       warnings.emplace_back("the muscle has fibres, but edge_length.anisotropy_exponent = 0 ignores them");
     }
@@ -147,7 +157,8 @@ void warn_of_motions(const Scene& scene, Lines& warnings) {
 
 std::string describe_empty_attachment(const Scene& scene, const Attachment& attachment) {
   const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
-  const auto nearest = nearest_to_area(scene.muscle.mesh.vertices, bone.tree(), attachment.area);
+  const auto nearest =
+      nearest_to_area(scene.vertices_of(scene.muscles[attachment.muscle].body), bone.tree(), attachment.area);
   if (!nearest) {
     return fmt::format(
         "attachment '{}' binds no node: the muscle is nowhere on its side of bone '{}'; check its outline",
@@ -161,14 +172,17 @@ std::string describe_empty_attachment(const Scene& scene, const Attachment& atta
       1e3 * nearest->beside_area_m, 1e3 * attachment.area.margin_m);
 }
 
-std::string describe_missing_fibres(const Scene& scene) {
+std::string describe_missing_fibres(const Scene& scene, std::size_t muscle) {
+  const Body& body = scene.muscles[muscle].body;
   constexpr const char* needs = "'between_attachments' needs bound nodes on two bones that the muscle joins";
-  if (scene.attachments.empty()) {
-    return fmt::format("{}, and the scene has no [[attachment]]", needs);
+  if (std::ranges::find(scene.attachments, muscle, &Attachment::muscle) == scene.attachments.end()) {
+    return fmt::format("{}, and the scene has no [[attachment]]{}", needs,
+                       scene.muscles.size() == 1 ? "" : fmt::format(" of muscle '{}'", body.name));
   }
   Lines counts = size_warnings(scene);  // a wrong unit explains the rest
   std::vector<int> bones;
   for (const Attachment& attachment : scene.attachments) {
+    if (attachment.muscle != muscle) continue;
     const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
     if (attachment.nodes.empty()) {
       counts.push_back(describe_empty_attachment(scene, attachment));
@@ -178,11 +192,11 @@ std::string describe_missing_fibres(const Scene& scene) {
     }
   }
   for (const BoundNode& bound : scene.bound_nodes()) {
-    bones.push_back(bound.bone);
+    if (bound.node >= body.first_node && bound.node < body.last_node) bones.push_back(bound.bone);
   }
   std::sort(bones.begin(), bones.end());
   bones.erase(std::unique(bones.begin(), bones.end()), bones.end());
-  const Pieces pieces = pieces_of(scene);
+  const Pieces pieces = pieces_of(scene, body);
   if (bones.size() > 1 && pieces.count > 1) {
     counts.push_back(fmt::format("the muscle is in {} separate pieces, none of which joins them", pieces.count));
   } else if (bones.size() == 1) {
@@ -194,11 +208,11 @@ std::string describe_missing_fibres(const Scene& scene) {
 
 std::vector<std::string> scene_warnings(const Scene& scene) {
   Lines warnings = size_warnings(scene);
-  warn_of_muscle_file(scene, warnings);
+  warn_of_muscle_files(scene, warnings);
   warn_of_pieces(scene, warnings);
   warn_of_attachments(scene, warnings);
   warn_of_overlaps(scene, warnings);
-  warn_of_muscle_surface(scene, warnings);
+  warn_of_muscle_surfaces(scene, warnings);
   warn_of_motions(scene, warnings);
   warn_of_effects(scene, warnings);
   return warnings;

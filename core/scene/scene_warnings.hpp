@@ -16,6 +16,6 @@ std::vector<std::string> scene_warnings(const Scene& scene);
 std::string describe_empty_attachment(const Scene& scene, const Attachment& attachment);
 
 /// Why `between_attachments` gives no fibres: which attachment has how many nodes.
-std::string describe_missing_fibres(const Scene& scene);
+std::string describe_missing_fibres(const Scene& scene, std::size_t muscle);
 
 }  // namespace musclebench

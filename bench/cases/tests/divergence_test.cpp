@@ -11,10 +11,10 @@ namespace {
 
 TEST(Divergence, ANodeFarFromWhereItStartedIsLost) {
   Scene scene;
-  scene.muscle.mesh = make_box({1, 1, 1}, 1);
+  scene.add_muscle("muscle", make_box({1, 1, 1}, 1));
   const double diagonal_m = 2 * std::sqrt(3.0);
   const Divergence divergence(scene);
-  std::vector<Vec3> positions = scene.muscle.mesh.vertices;
+  std::vector<Vec3> positions = scene.muscle_mesh.vertices;
   EXPECT_EQ(divergence.describe(1, positions), "");
   positions[3].x() += 9.9 * diagonal_m;
   EXPECT_EQ(divergence.describe(1, positions), "");

@@ -41,7 +41,7 @@ class ReplayOfKeptFrames : public testing::Test {
  protected:
   ReplayOfKeptFrames() : m_frames(static_cast<int>(m_muscle.vertices.size()), m_nodes) {
     m_scene.bones.push_back({"ball", {m_muscle, true, {}}});
-    m_scene.muscle.mesh = m_muscle;
+    m_scene.add_muscle("muscle", m_muscle);
     m_frames.begin_lead_in();
     observe(5);
     observe(6);

@@ -27,7 +27,7 @@ Scene ball_against_ball(double start_rad, double turn_rad, int frames) {
   motion.angles_rad = {0, turn_rad};
   motion.there_and_back = false;
   scene.motions.push_back(motion);
-  scene.muscle.mesh = moved(make_sphere(0.02, 3), Vec3(0.2, 0, 0));
+  scene.add_muscle("muscle", moved(make_sphere(0.02, 3), Vec3(0.2, 0, 0)));
   scene.loop.frames = frames;
   return scene;
 }
@@ -100,7 +100,7 @@ class NoContacts final : public CollisionBackend {
 /// Whether each frame is marked; as many of them as by default, unless told.
 std::vector<bool> warm_up_of(int frames, std::optional<int> warm_up_frames = {}) {
   Scene scene;
-  scene.muscle.mesh = make_sphere(0.1, 0);
+  scene.add_muscle("muscle", make_sphere(0.1, 0));
   scene.loop.frames = frames;
   const BackendEntry entry{
       .name = "none", .help = "", .make = [](const Parameters& /*none*/) { return std::make_unique<NoContacts>(); }};

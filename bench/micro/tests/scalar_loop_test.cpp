@@ -21,7 +21,7 @@ TEST_P(ScalarLoopTest, AgreesWithTheSimulation) {
   const BackendEntry& entry = find_backend(backend_name);
   const auto built = [&] {
     auto backend = entry.make(Parameters(entry.parameters, {}, "test"));
-    backend->build(scene.bones, scene.muscle.mesh, 1);
+    backend->build(scene.bones, scene.muscle_mesh, 1);
     return backend;
   };
   const auto of_lanes = built();
@@ -37,7 +37,7 @@ TEST_P(ScalarLoopTest, AgreesWithTheSimulation) {
     for (std::size_t node = 0; node < loop.positions().size(); ++node) {
       const Vec3& expected = loop.positions()[node];
       ASSERT_LT((prepared.simulation->positions()[node] - expected).norm(), 1e-10) << "frame " << frame;
-      moved_m = std::max(moved_m, (expected - scene.muscle.mesh.vertices[node]).norm());
+      moved_m = std::max(moved_m, (expected - scene.muscle_mesh.vertices[node]).norm());
     }
   }
   EXPECT_GT(moved_m, 1e-3);

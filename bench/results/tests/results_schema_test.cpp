@@ -110,7 +110,7 @@ TEST(ResultsSchema, HoldsForAReplay) {
   const RunCase run = approximate_case(scene);
   const BuiltBackend built = build_backend(run);
   const PreparedSimulation prepared = prepare_simulation(scene, *built.backend, run.response, run.threads);
-  KeptFrames frames(static_cast<int>(scene.muscle.mesh.vertices.size()), prepared.simulation->free_nodes());
+  KeptFrames frames(static_cast<int>(scene.muscle_mesh.vertices.size()), prepared.simulation->free_nodes());
   for (int frame = 1; frame <= 2; ++frame) {
     frames.begin_frame(frame, 0);
     prepared.simulation->step_frame(frame, &frames);

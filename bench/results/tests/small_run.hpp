@@ -22,7 +22,7 @@ inline nlohmann::ordered_json manifest_in(const std::filesystem::path& folder) {
 inline Scene plain_scene() {
   Scene scene;
   scene.name = "plain";
-  scene.muscle.mesh = make_sphere(0.02, 1);
+  scene.add_muscle("muscle", make_sphere(0.02, 1));
   Bone box;
   box.name = "box";
   box.surface.mesh = make_box({0.01, 0.01, 0.01}, 1);

@@ -25,8 +25,9 @@ double closest_after_a_frame(const BackendEntry& entry, const std::vector<Bone>&
   particles.positions = ball.vertices;
   particles.velocities.assign(ball.vertices.size(), Vec3::Zero());
   particles.inverse_masses.assign(ball.vertices.size(), 1);
+  const std::vector<Body> body = {{"ball", 0, static_cast<int>(ball.vertices.size()), 0, ball.triangles.size()}};
   LoopParameters loop;
-  Simulation simulation(loop, particles, NodeOrder(ball.vertices), {}, *backend, entry.default_response,
+  Simulation simulation(loop, particles, NodeOrder(ball.vertices, body), {}, *backend, entry.default_response,
                         [](double frame, std::vector<RigidMotion>& poses) {
                           poses.assign(1, RigidMotion{Mat3::Identity(), Vec3(frame * step_m, 0, 0)});
                         });

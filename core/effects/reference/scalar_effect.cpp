@@ -5,7 +5,6 @@
 
 #include "core/base/portable_math.hpp"
 #include "core/effects/surface_edges.hpp"
-#include "core/mesh/surface_volume.hpp"
 
 namespace musclebench {
 
@@ -15,7 +14,7 @@ class ScalarAttachment final : public ScalarEffect {
  public:
   explicit ScalarAttachment(const EffectInput& input) : m_bound_nodes(input.bound_nodes) {
     for (const BoundNode& bound : m_bound_nodes) {
-      m_bone_frame_positions.push_back(input.rest_poses[bound.bone].apply_inverse(input.muscle.vertices[bound.node]));
+      m_bone_frame_positions.push_back(input.rest_poses[bound.bone].apply_inverse(input.mesh.vertices[bound.node]));
     }
   }
 
@@ -38,11 +37,12 @@ class ScalarEdgeLength final : public ScalarEffect {
     const double stiffness = parameters.number("stiffness");
     const double compliance = parameters.number("compliance_m_per_n");
     const double exponent = parameters.number("anisotropy_exponent");
-    for (const SurfaceEdge& edge : surface_edges(input.muscle)) {
-      const Vec3& start = input.muscle.vertices[edge.start];
-      const Vec3& end = input.muscle.vertices[edge.end];
-      const double alignment = alignment_with_nearest_fibre(input.fibres, 0.5 * (start + end), end - start);
-      const double across = input.fibres.empty() ? 1 : portable::pow(1 - alignment, exponent);
+    for (const SurfaceEdge& edge : surface_edges(input.mesh)) {
+      const Vec3& start = input.mesh.vertices[edge.start];
+      const Vec3& end = input.mesh.vertices[edge.end];
+      const std::vector<FibreSegment>& fibres = input.fibres[body_of(input.bodies, edge.start)];
+      const double alignment = alignment_with_nearest_fibre(fibres, 0.5 * (start + end), end - start);
+      const double across = fibres.empty() ? 1 : portable::pow(1 - alignment, exponent);
       if (stiffness * across > 0) {
         m_constraints.push_back({edge.start, edge.end, (end - start).norm(),
                                  compliance > 0 ? stiffness : stiffness * across, compliance / across});
@@ -127,8 +127,8 @@ class ScalarBending final : public ScalarEffect {
         m_ratio_gate(parameters.flag("public_code_ratio_gate")) {
     const double flat_cosine = std::cos(parameters.number("skip_flatter_than_rad"));
     const bool skip_flat = parameters.number("skip_flatter_than_rad") > 0;
-    const auto& x = input.muscle.vertices;
-    for (const SurfaceEdge& edge : surface_edges(input.muscle)) {
+    const auto& x = input.mesh.vertices;
+    for (const SurfaceEdge& edge : surface_edges(input.mesh)) {
       if (edge.left < 0 || edge.right < 0) {
         continue;
       }
@@ -224,34 +224,46 @@ class ScalarBending final : public ScalarEffect {
 class ScalarVolume final : public ScalarEffect {
  public:
   ScalarVolume(const EffectInput& input, const Parameters& parameters)
-      : m_triangles(input.muscle.triangles),
-        m_gradients(input.muscle.vertices.size()),
-        m_target_m3(parameters.number("pressure") * surface_volume_m3(input.muscle.vertices, input.muscle.triangles)),
-        m_projection_scale(parameters.number("projection_scale")) {}
+      : m_bodies(input.bodies),
+        m_triangles(input.mesh.triangles),
+        m_gradients(input.mesh.vertices.size()),
+        m_projection_scale(parameters.number("projection_scale")) {
+    for (const Body& body : m_bodies) {
+      m_targets_m3.push_back(parameters.number("pressure") * body_volume_m3(input.mesh.vertices, m_triangles, body));
+    }
+  }
 
   void project(std::vector<Vec3>& predicted, const std::vector<double>& inverse_masses,
                const SubstepInput& /*input*/) override {
-    const double volume_m3 = accumulate_gradients(predicted);
+    for (std::size_t i = 0; i < m_bodies.size(); ++i) {
+      project(m_bodies[i], m_targets_m3[i], predicted, inverse_masses);
+    }
+  }
+
+ private:
+  void project(const Body& body, double target_m3, std::vector<Vec3>& predicted,
+               const std::vector<double>& inverse_masses) {
+    const double volume_m3 = accumulate_gradients(body, predicted);
     double weighted = 0;
-    for (std::size_t i = 0; i < predicted.size(); ++i) {
+    for (int i = body.first_node; i < body.last_node; ++i) {
       weighted += inverse_masses[i] * m_gradients[i].squaredNorm();
     }
     if (!(weighted > 0)) {
       return;
     }
-    const double multiplier = m_projection_scale * (volume_m3 - m_target_m3) / weighted;
-    for (std::size_t i = 0; i < predicted.size(); ++i) {
+    const double multiplier = m_projection_scale * (volume_m3 - target_m3) / weighted;
+    for (int i = body.first_node; i < body.last_node; ++i) {
       predicted[i] -= (multiplier * inverse_masses[i]) * m_gradients[i];
     }
   }
 
- private:
   /// Stores dV/dp in m_gradients; returns V.
-  double accumulate_gradients(const std::vector<Vec3>& positions) {
-    std::fill(m_gradients.begin(), m_gradients.end(), Vec3::Zero());
-    const Vec3& origin = positions.front();
+  double accumulate_gradients(const Body& body, const std::vector<Vec3>& positions) {
+    for (int i = body.first_node; i < body.last_node; ++i) m_gradients[i].setZero();
+    const Vec3& origin = positions[body.first_node];
     double six_volumes = 0;
-    for (const Triangle& triangle : m_triangles) {
+    for (std::size_t t = body.first_triangle; t < body.last_triangle; ++t) {
+      const Triangle& triangle = m_triangles[t];
       const Vec3 a = positions[triangle[0]] - origin;
       const Vec3 b = positions[triangle[1]] - origin;
       const Vec3 c = positions[triangle[2]] - origin;
@@ -264,9 +276,10 @@ class ScalarVolume final : public ScalarEffect {
     return six_volumes / 6;
   }
 
+  std::vector<Body> m_bodies;
   std::vector<Triangle> m_triangles;
   std::vector<Vec3> m_gradients;
-  double m_target_m3;
+  std::vector<double> m_targets_m3;
   double m_projection_scale;
 };
 

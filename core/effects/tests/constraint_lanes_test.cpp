@@ -51,6 +51,10 @@ std::vector<std::array<int, 2>> edges_of(const TriangleMesh& mesh) {
   return edges;
 }
 
+NodeOrder order_of(const TriangleMesh& mesh) {
+  return {mesh.vertices, std::vector<Body>{{"muscle", 0, static_cast<int>(mesh.vertices.size())}}};
+}
+
 int row_at(const ConstraintOrder<2>& order, std::size_t end, std::size_t slot) {
   return order.row_offsets(end)[slot] / row_offset(1);
 }
@@ -77,7 +81,7 @@ std::vector<std::vector<SlotRange>> ranges_of_team(const ConstraintOrder<N>& ord
 TEST(ConstraintOrder, KeepsTheGivenOrderAtEachNodeAndNoBlockHasANodeTwice) {
   for (const TriangleMesh& mesh : {fan(100), torn_sphere(), make_sphere(1, 3)}) {
     const std::vector<std::array<int, 2>> edges = edges_of(mesh);
-    const NodeOrder nodes_of_rows(mesh.vertices);
+    const NodeOrder nodes_of_rows = order_of(mesh);
     const ConstraintOrder<2> order(edges, nodes_of_rows);
     ASSERT_EQ(order.size() % constraint_lanes, 0U);
     std::vector<int> last_of_node(mesh.vertices.size(), -1);
@@ -114,7 +118,7 @@ TEST(ConstraintOrder, KeepsTheGivenOrderAtEachNodeAndNoBlockHasANodeTwice) {
 TEST(ConstraintOrder, WhatThreadsShareHasNoNodeInCommon) {
   const TriangleMesh mesh = make_sphere(1, 4);
   const std::vector<std::array<int, 2>> edges = edges_of(mesh);
-  const NodeOrder nodes_of_rows(mesh.vertices);
+  const NodeOrder nodes_of_rows = order_of(mesh);
   const ConstraintOrder<2> order(edges, nodes_of_rows);
   const std::vector<SlotRange> stages = ranges_of_team(order, 1).front();
   for (const std::size_t threads : {2U, 3U, 8U}) {
@@ -215,9 +219,9 @@ std::vector<Vec3> by_lanes(Deformed& muscle, const EffectCase& of, int threads) 
 
 std::vector<Vec3> one_by_one(Deformed& muscle, const EffectCase& of) {
   const EffectEntry* entry = find_effect(of.effect);
-  const auto effect =
-      make_scalar_effect(of.effect, {muscle.mesh, muscle.order, muscle.fibres, muscle.bound, muscle.poses},
-                         Parameters(entry->parameters, of.parameters, "test"));
+  const auto effect = make_scalar_effect(
+      of.effect, {muscle.mesh, muscle.bodies, muscle.order, muscle.fibres, muscle.bound, muscle.poses},
+      Parameters(entry->parameters, of.parameters, "test"));
   Nodes p = muscle.start;
   for (int substep = 0; substep < 2; ++substep) {
     effect->begin_substep();

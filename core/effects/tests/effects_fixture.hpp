@@ -23,17 +23,22 @@ struct Nodes {
 /// A muscle with what effects are made from.
 struct Fixture {
   explicit Fixture(TriangleMesh of, std::vector<FibreSegment> with_fibres = {}, std::vector<BoundNode> with_bound = {})
-      : mesh(std::move(of)), order(mesh.vertices), fibres(std::move(with_fibres)), bound(std::move(with_bound)) {}
+      : mesh(std::move(of)),
+        bodies({{"muscle", 0, static_cast<int>(mesh.vertices.size()), 0, mesh.triangles.size()}}),
+        order(mesh.vertices, bodies),
+        fibres({std::move(with_fibres)}),
+        bound(std::move(with_bound)) {}
 
   TriangleMesh mesh;
+  std::vector<Body> bodies;
   NodeOrder order;
-  std::vector<FibreSegment> fibres;
+  std::vector<std::vector<FibreSegment>> fibres;
   std::vector<BoundNode> bound;
   std::vector<RigidMotion> poses = {RigidMotion{}};
 
   std::unique_ptr<Effect> make(const std::string& name, const std::map<std::string, ParameterValue>& given = {}) {
     const EffectEntry* entry = find_effect(name);
-    return entry->make({mesh, order, fibres, bound, poses}, Parameters(entry->parameters, given, "test"));
+    return entry->make({mesh, bodies, order, fibres, bound, poses}, Parameters(entry->parameters, given, "test"));
   }
 
   [[nodiscard]] Nodes particles() const {

@@ -10,7 +10,7 @@ namespace {
 
 MuscleAtRest muscle() {
   MuscleAtRest rest;
-  rest.volume_m3 = 2;
+  rest.volumes_m3 = {2};
   rest.mean_edge_length_m = 0.001;
   rest.free_nodes = 1000;
   rest.triangles = 2000;

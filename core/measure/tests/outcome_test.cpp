@@ -9,7 +9,7 @@ namespace {
 
 MuscleAtRest at_rest(double volume_m3, double pressure = 1) {
   MuscleAtRest rest;
-  rest.volume_m3 = volume_m3;
+  rest.volumes_m3 = {volume_m3};
   rest.pressure = pressure;
   return rest;
 }
@@ -22,7 +22,7 @@ StepRecord judged(double depth_m, double surface_m, double vertex_m, int tunnell
   record.bone_vertex_depth_m = vertex_m;
   record.tunnelled_nodes = tunnelled;
   record.stuck_nodes = stuck;
-  record.volume_m3 = 2;
+  record.volumes_m3 = {2};
   return record;
 }
 
@@ -33,8 +33,8 @@ TEST(Outcome, OverTheRun) {
   records[2].times.respond_ns = 300;
   records[0].times.frame_ns = 1000;
   records[2].times.frame_ns = 4000;
-  records[0].volume_m3 = 1.5;
-  records[2].volume_m3 = 2.25;
+  records[0].volumes_m3 = {1.5};
+  records[2].volumes_m3 = {2.25};
   const Outcome outcome = outcome_of(records, at_rest(2));
   EXPECT_EQ(outcome.max_depth_m, 0.2);
   EXPECT_EQ(outcome.max_surface_depth_m, 0.5);
@@ -57,14 +57,14 @@ TEST(Outcome, PercentileByNearestRank) {
 
 TEST(Outcome, AMuscleWoundInwardsHasTheSameVolumeError) {
   StepRecord record;
-  record.volume_m3 = -1.5;
+  record.volumes_m3 = {-1.5};
   EXPECT_EQ(outcome_of(std::vector{record}, at_rest(-2)).final_volume_error, 0.25);
   EXPECT_EQ(outcome_of(std::vector{record}, at_rest(-2)).turned_inside_out, false);
 }
 
 std::vector<StepRecord> with_volumes(std::initializer_list<double> volumes_m3) {
   std::vector<StepRecord> records;
-  for (const double volume_m3 : volumes_m3) records.emplace_back().volume_m3 = volume_m3;
+  for (const double volume_m3 : volumes_m3) records.emplace_back().volumes_m3 = {volume_m3};
   return records;
 }
 
@@ -105,7 +105,7 @@ TEST(Outcome, TheLargestStretchAndTheLastNodesInside) {
 
 TEST(Outcome, WhatWasNotMeasuredIsMissing) {
   StepRecord lost;  // not judged, as it blew up
-  lost.volume_m3 = std::numeric_limits<double>::quiet_NaN();
+  lost.volumes_m3 = {std::numeric_limits<double>::quiet_NaN()};
   const Outcome nothing = outcome_of(std::vector{lost}, at_rest(2));
   for (const auto& figure : {nothing.max_depth_m, nothing.p99_depth_m, nothing.max_surface_depth_m,
                              nothing.p99_surface_depth_m, nothing.max_volume_error, nothing.final_volume_error}) {

@@ -62,7 +62,7 @@ StepRecord record() {
   r.judged = true;
   r.depth = {9, 0.1, 0.2, 0.3};
   r.difference = {10, 11};
-  r.volume_m3 = 1e-5;
+  r.volumes_m3 = {1e-5};
   r.resident_bytes = 12;
   r.surface_depth_m = 0.4;
   r.bone_vertex_depth_m = 0.5;
@@ -126,7 +126,7 @@ TEST(FramesCsv, UnknownIsEmptyAndNothingNonFiniteIsWritten) {
   r.surface_depth_bound_m = StepRecord().surface_depth_bound_m;
   r.edge_stretch = {};
   r.self_intersecting_triangles.reset();
-  r.volume_m3 = std::numeric_limits<double>::infinity();
+  r.volumes_m3 = {std::numeric_limits<double>::infinity()};
   r.angle_deg = std::nan("");
   r.resident_bytes = 0;
   const Csv csv(r);

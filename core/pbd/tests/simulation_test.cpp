@@ -29,7 +29,7 @@ class HalfSpace final : public CollisionBackend {
   }
 };
 
-const NodeOrder one_node{std::vector<Vec3>(1, Vec3::Zero())};
+const NodeOrder one_node{std::vector<Vec3>(1, Vec3::Zero()), std::vector<Body>{{"a", 0, 1}}};
 
 Particles particles(const std::vector<Vec3>& positions) {
   Particles p;

@@ -70,13 +70,20 @@ TEST(NodeOrder, RunsAlongTheLongestSide) {
   for (int i = 0; i < 500; ++i) {
     positions.emplace_back(unit(random), 3 * unit(random), 2 * unit(random));
   }
-  const NodeOrder order(positions);
+  const std::vector<Body> bodies = {{"a", 0, 500}};
+  const NodeOrder order(positions, bodies);
   ASSERT_EQ(order.size(), positions.size());
   for (std::size_t row = 0; row < order.size(); ++row) {
     EXPECT_EQ(order.row_of(order.node_in(row)), static_cast<int>(row));
     EXPECT_LE(positions[order.node_in(row == 0 ? 0 : row - 1)].y(), positions[order.node_in(row)].y());
   }
-  EXPECT_EQ(NodeOrder(std::vector<Vec3>()).size(), 0U);
+  EXPECT_EQ(NodeOrder(std::vector<Vec3>(), {}).size(), 0U);
+  const std::vector<Body> two = {{"a", 0, 200}, {"b", 200, 500}};
+  const NodeOrder order_of_two(positions, two);
+  for (int node = 0; node < 500; ++node) {
+    EXPECT_EQ(order_of_two.row_of(node) < 200, node < 200) << node;
+    EXPECT_EQ(body_of(two, node), node < 200 ? 0U : 1U) << node;
+  }
 }
 
 }  // namespace

@@ -140,21 +140,21 @@ TEST(ForeignScene, AMuscleIsTheSameWhateverItsFormat) {
     const auto less = [](const Vec3& a, const Vec3& b) {
       return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
     };
-    std::vector<Vec3> expected = plain.muscle.mesh.vertices;
-    std::vector<Vec3> nodes = scene.muscle.mesh.vertices;
+    std::vector<Vec3> expected = plain.muscle_mesh.vertices;
+    std::vector<Vec3> nodes = scene.muscle_mesh.vertices;
     std::sort(expected.begin(), expected.end(), less);
     std::sort(nodes.begin(), nodes.end(), less);
     EXPECT_EQ(nodes, expected);
-    EXPECT_EQ(MeshEdges(scene.muscle.mesh).count(), MeshEdges(plain.muscle.mesh).count());
-    EXPECT_NEAR(surface_volume_m3(scene.muscle.mesh.vertices, scene.muscle.mesh.triangles),
-                surface_volume_m3(plain.muscle.mesh.vertices, plain.muscle.mesh.triangles), 1e-18);
+    EXPECT_EQ(MeshEdges(scene.muscle_mesh).count(), MeshEdges(plain.muscle_mesh).count());
+    EXPECT_NEAR(surface_volume_m3(scene.muscle_mesh.vertices, scene.muscle_mesh.triangles),
+                surface_volume_m3(plain.muscle_mesh.vertices, plain.muscle_mesh.triangles), 1e-18);
     EXPECT_EQ(scene.attachments[0].nodes.size(), plain.attachments[0].nodes.size());
     const std::vector<RestOverlap> found = free_overlaps_at_rest(scene_of(plain_text(), foreign));
     EXPECT_EQ(found[0].nodes, overlaps[0].nodes);
     EXPECT_EQ(found[0].deepest_m, overlaps[0].deepest_m);
     expect_mentions(warnings_of(scene), {"muscle 'ball': merged"});
-    EXPECT_EQ(scene.muscle_file.mesh.vertices, shipped.vertices);
-    EXPECT_EQ(scene.muscle_file.node_of_vertex.size(), shipped.vertices.size());
+    EXPECT_EQ(scene.muscles[0].file.mesh.vertices, shipped.vertices);
+    EXPECT_EQ(scene.muscles[0].node_of_vertex.size(), shipped.vertices.size());
   }
 }
 
@@ -165,7 +165,7 @@ TEST(ForeignScene, VerticesThatNoTriangleUsesAreNoNodes) {
     std::for_each(triangle.begin(), triangle.end(), [](int& vertex) { ++vertex; });
   }
   const Scene scene = scene_of(plain_text(), meshes);
-  EXPECT_EQ(scene.muscle.mesh.vertices, Meshes().ball.vertices);
+  EXPECT_EQ(scene.muscle_mesh.vertices, Meshes().ball.vertices);
   EXPECT_EQ(free_overlaps_at_rest(scene)[0].nodes, 0);
   expect_mentions(warnings_of(scene), {"dropped 1 vertex that no triangle uses"});
 }
@@ -246,7 +246,7 @@ TEST(ForeignScene, MoreThanATurnIsNamed) {
 TEST(ForeignScene, AnEmptyAttachmentSaysHowFarTheNearestNodeIs) {
   const Scene scene = scene_of(plain_text() + attachment("foot", "box", 0.0005));
   double lowest_m = 1;
-  for (const Vec3& node : scene.muscle.mesh.vertices) {
+  for (const Vec3& node : scene.muscle_mesh.vertices) {
     lowest_m = std::min(lowest_m, node.z());
   }
   expect_mentions(warnings_of(scene), {"attachment 'foot' binds no node",
@@ -280,11 +280,6 @@ TEST(ForeignScene, FibresThatCannotBeSayWhy) {
   ASSERT_EQ(scene.obstacles.size(), 1U);
   expect_mentions(scene.obstacles[0], {"between_attachments", "origin"});
   expect_mentions(warnings_of(scene), {"attachment 'origin' binds no node"});
-}
-
-TEST(ForeignScene, TwoMusclesAreToldToBeTooMany) {
-  expect_mentions(error_of(request(std::string(bone_text) + "[[muscle]]\nname = \"a\"\n[[muscle]]\nname = \"b\"\n")),
-                  {"test.toml:5", "muscle", "a scene has one muscle"});
 }
 
 TEST(ForeignScene, AWrongParameterNamesItsOwnLine) {

@@ -1,0 +1,155 @@
+// Scenes of several muscles: how they are read, and that muscles which do not touch each other move as if alone.
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "backends/registry.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/scene/prepare_simulation.hpp"
+#include "core/scene/read_scene.hpp"
+#include "core/scene/tests/scene_errors.hpp"
+
+namespace musclebench {
+namespace {
+
+constexpr const char* bones = R"(
+[loop]
+frames = 6
+substeps = 4
+density_kg_per_m3 = 1000.0
+bone_motion = "interpolated"
+[effects.attachment]
+[effects.edge_length]
+compliance_m_per_n = 0.01
+[effects.volume]
+[effects.bending]
+[[bone]]
+name = "plate"
+mesh = "synthetic:plate"
+[bone.motion]
+axis = [0, 1, 0]
+centre_m = [0, 0, 0]
+from_deg = 0
+to_deg = 25
+course = "there"
+[[bone]]
+name = "lid"
+mesh = "synthetic:lid"
+)";
+
+constexpr const char* bar = R"(
+name = "bar"
+mesh = "synthetic:bar"
+fibres = "between_attachments"
+)";
+constexpr const char* ball = R"(
+name = "ball"
+mesh = "synthetic:ball"
+)";
+
+std::string attachment(const std::string& muscle, double x_m, const std::string& bone = "plate",
+                       const std::string& z_m = "0.005") {
+  const std::string left = std::to_string(x_m - 0.01);
+  const std::string right = std::to_string(x_m + 0.01);
+  return "\n[[attachment]]\nname = \"of_" + muscle + "\"\nbone = \"" + bone + "\"\nmuscle = \"" + muscle +
+         "\"\noutline_m = [[" + left + ", -0.01, " + z_m + "], [" + right + ", -0.01, " + z_m + "], [" + right +
+         ", 0.01, " + z_m + "], [" + left + ", 0.01, " + z_m + "]]\ndistance_m = 0.004\n";
+}
+
+std::string attachments_of_bar() { return attachment("bar", -0.05) + attachment("bar", -0.05, "lid", "0.0416"); }
+
+TriangleMesh shifted(TriangleMesh mesh, const Vec3& by_m) {
+  for (Vec3& vertex : mesh.vertices) {
+    vertex += by_m;
+  }
+  return mesh;
+}
+
+TriangleMesh mesh_of(const std::string& name) {
+  if (name == "lid") return shifted(make_box(Vec3(0.02, 0.02, 0.005), 4), Vec3(-0.05, 0, 0.0466));
+  if (name == "plate") return make_box(Vec3(0.1, 0.02, 0.005), 4);
+  return name == "bar" ? shifted(make_capsule(0.008, 0.01, 12), Vec3(-0.05, 0, 0.0232))
+                       : shifted(make_sphere(0.012, 2), Vec3(0.05, 0, 0.0172));
+}
+
+SceneRequest request(const std::string& text) {
+  SceneRequest made;
+  made.name = made.file = "test.toml";
+  made.text = text;
+  made.synthetic_mesh = mesh_of;
+  return made;
+}
+
+std::string both() {
+  return std::string(bones) + "[[muscle]]" + bar + "[[muscle]]" + ball + attachments_of_bar() +
+         attachment("ball", 0.05);
+}
+
+TEST(ManyMuscles, AreRangesOfNodesAndTriangles) {
+  const Scene scene = read_scene(request(both()));
+  ASSERT_EQ(scene.muscles.size(), 2U);
+  EXPECT_EQ(scene.muscle_names(), "bar + ball");
+  const TriangleMesh bar_mesh = mesh_of("bar");
+  const TriangleMesh ball_mesh = mesh_of("ball");
+  const Body& first = scene.muscles[0].body;
+  const Body& second = scene.muscles[1].body;
+  EXPECT_EQ(scene.vertices_of(first), bar_mesh.vertices);
+  EXPECT_EQ(scene.vertices_of(second), ball_mesh.vertices);
+  EXPECT_EQ(scene.mesh_of(second).triangles, ball_mesh.triangles);
+  EXPECT_EQ(second.first_node, first.last_node);
+  EXPECT_EQ(second.first_triangle, first.last_triangle);
+  ASSERT_EQ(scene.attachments.size(), 3U);
+  for (const Attachment& attachment : scene.attachments) {
+    ASSERT_FALSE(attachment.nodes.empty());
+    for (const int node : attachment.nodes) {
+      EXPECT_EQ(body_of(scene.bodies(), node), attachment.muscle);
+    }
+  }
+}
+
+/// Positions after some frames, by muscle.
+std::vector<std::vector<Vec3>> simulated(const std::string& text, int threads) {
+  const Scene scene = read_scene(request(text));
+  const BackendEntry& entry = find_backend("bvh");
+  const auto backend = entry.make(Parameters(entry.parameters, {}, "test"));
+  backend->build(scene.bones, scene.muscle_mesh, threads);
+  const PreparedSimulation prepared = prepare_simulation(scene, *backend, entry.default_response, threads);
+  for (int frame = 1; frame <= scene.loop.frames; ++frame) {
+    prepared.simulation->step_frame(frame);
+  }
+  std::vector<std::vector<Vec3>> positions;
+  for (const Muscle& muscle : scene.muscles) {
+    const std::vector<Vec3>& all = prepared.simulation->positions();
+    positions.emplace_back(all.begin() + muscle.body.first_node, all.begin() + muscle.body.last_node);
+  }
+  return positions;
+}
+
+TEST(ManyMuscles, MoveToTheBitAsIfEachWereAlone) {
+  const auto of_bar = simulated(std::string(bones) + "[muscle]" + bar + attachments_of_bar(), 1);
+  const auto of_ball = simulated(std::string(bones) + "[muscle]" + ball + attachment("ball", 0.05), 1);
+  for (const int threads : {1, 2, 3}) {
+    const auto together = simulated(both(), threads);
+    ASSERT_EQ(together.size(), 2U);
+    EXPECT_EQ(together[0], of_bar[0]) << threads;
+    EXPECT_EQ(together[1], of_ball[0]) << threads;
+  }
+  EXPECT_GT((of_bar[0][5] - mesh_of("bar").vertices[5]).norm(), 1e-3);
+  EXPECT_GT((of_ball[0][5] - mesh_of("ball").vertices[5]).norm(), 1e-3);
+}
+
+TEST(ManyMuscles, WhatIsWrongWithThemNamesItsKey) {
+  const std::string two = std::string(bones) + "[[muscle]]" + bar + "[[muscle]]";
+  expect_mentions(error_of(request(two + bar)), {"test.toml", "muscle[2].name", "'bar'", "earlier muscle"});
+  std::string nameless = both();
+  nameless.erase(nameless.find("muscle = \"ball\"\n"), std::string("muscle = \"ball\"\n").size());
+  expect_mentions(error_of(request(nameless)), {"attachment[3].muscle", "is missing", "bar or ball"});
+  std::string wrong = both();
+  wrong.replace(wrong.find("muscle = \"ball\""), std::string("muscle = \"ball\"").size(), "muscle = \"balll\"");
+  expect_mentions(error_of(request(wrong)), {"attachment[3].muscle", "'balll'", "did you mean 'ball'"});
+  expect_mentions(error_of(request("muscle = []\n" + std::string(bones))), {"muscle", "[[muscle]]"});
+}
+
+}  // namespace
+}  // namespace musclebench

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "core/mesh/surface_volume.hpp"
+
+namespace musclebench {
+
+/// One of several muscles in one loop: consecutive nodes, and consecutive triangles of the mesh of all.
+struct Body {
+  std::string name;
+  int first_node = 0;
+  int last_node = 0;  ///< one past the last
+  std::size_t first_triangle = 0;
+  std::size_t last_triangle = 0;  ///< one past the last
+};
+
+/// The index of the body that has the node. `bodies` are in the order of their nodes and have all of them.
+inline std::size_t body_of(std::span<const Body> bodies, int node) {
+  return static_cast<std::size_t>(std::ranges::upper_bound(bodies, node, {}, &Body::last_node) - bodies.begin());
+}
+
+/// Relative to the body's first node; negative when it is wound inwards.
+inline double body_volume_m3(std::span<const Vec3> positions, std::span<const Triangle> triangles, const Body& body) {
+  return surface_volume_m3(positions, triangles.subspan(body.first_triangle, body.last_triangle - body.first_triangle),
+                           positions[static_cast<std::size_t>(body.first_node)]);
+}
+
+}  // namespace musclebench
