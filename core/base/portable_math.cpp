@@ -3,6 +3,7 @@
 #include <cmath>
 
 // One lane of the same operations everywhere, and no fused multiply-add (-ffp-contract=off).
+#undef HWY_COMPILE_ONLY_STATIC
 #define HWY_COMPILE_ONLY_SCALAR
 #include <hwy/highway.h>
 // After highway.h.
