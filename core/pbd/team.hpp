@@ -1,9 +1,7 @@
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <cstddef>
-#include <ranges>
 #include <thread>
 #include <vector>
 
@@ -80,11 +78,17 @@ class Team {
   template <typename RowOf>
   [[nodiscard]] Share share_by_row(std::size_t count, std::size_t row_count, const RowOf& row_of) const {
     const auto first_from = [&](std::size_t row) {
-      const auto entries = std::views::iota(std::size_t{0}, count);
-      return static_cast<std::size_t>(
-          std::ranges::partition_point(
-              entries, [&](std::size_t entry) { return static_cast<std::size_t>(row_of(entry)) < row; }) -
-          entries.begin());
+      std::size_t low = 0;
+      std::size_t high = count;
+      while (low < high) {
+        const std::size_t middle = low + (high - low) / 2;
+        if (static_cast<std::size_t>(row_of(middle)) < row) {
+          low = middle + 1;
+        } else {
+          high = middle;
+        }
+      }
+      return low;
     };
     const auto [first, last] = share(row_count);
     return {first_from(first), first_from(last)};
