@@ -33,7 +33,7 @@ class TeamTimer {
 
 /// Calls `work(team)` on so many threads.
 template <typename Work>
-void run_team(int threads, [[maybe_unused]] Barrier& barrier, const Work& work) {
+void run_team([[maybe_unused]] int threads, [[maybe_unused]] Barrier& barrier, const Work& work) {
 #ifdef _OPENMP
   if (threads > 1) {  // OpenMP allocates even a team of one
     barrier.reset();
