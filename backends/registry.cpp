@@ -23,7 +23,7 @@ const std::vector<BackendEntry>& backend_registry() {
   return entries;
 }
 
-const BackendEntry& find_backend(std::string_view name) {
+const BackendEntry& find_backend(std::string_view name, const std::string& location) {
   std::vector<std::string> known;
   for (const BackendEntry& entry : backend_registry()) {
     if (entry.name == name) {
@@ -31,8 +31,8 @@ const BackendEntry& find_backend(std::string_view name) {
     }
     known.push_back(entry.name);
   }
-  throw InputError("--backend", fmt::format("'{}' is not a backend of this build; did you mean '{}'? There are: {}",
-                                            name, nearest_word(std::string(name), known), fmt::join(known, ", ")));
+  throw InputError(location, fmt::format("'{}' is not a backend of this build; did you mean '{}'? There are: {}", name,
+                                         nearest_word(std::string(name), known), fmt::join(known, ", ")));
 }
 
 const BackendEntry& exact_backend() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -22,8 +23,8 @@ std::span<const BackendSource> backend_table();
 /// All backends of this build.
 const std::vector<BackendEntry>& backend_registry();
 
-/// The row of `name`. Throws InputError that prints the list for an unknown name.
-const BackendEntry& find_backend(std::string_view name);
+/// The row of `name`. Throws InputError that names `location` and prints the list for an unknown name.
+const BackendEntry& find_backend(std::string_view name, const std::string& location = "--backend");
 
 /// The first exact row: what drives recordings and judges advice. Throws InputError where there is none.
 const BackendEntry& exact_backend();

@@ -21,7 +21,7 @@ from musclebench.program.out_folder import claimed
 from musclebench.program.registry import Registry, read_registry, save_registry
 from musclebench.results import run_folder
 from musclebench.results.disturbance import note
-from musclebench.tables import paper_tables, table_formats
+from musclebench.tables import muscle_tables, paper_tables, table_formats
 from musclebench.results.status import MEASURED
 
 TOOLS = Path(__file__).resolve().parent
@@ -74,6 +74,9 @@ def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run],
     runs_file = out_dir / "runs.csv"
     run_folder.runs_table(runs).to_csv(runs_file, index=False)
     made = [paper_tables.memory_table(runs, paper), paper_tables.time_table(runs, paper)]
+    several = muscle_tables.of_several_muscles(runs)
+    if several:
+        made += [muscle_tables.frame_time_table(several), muscle_tables.depth_table(several)]
     files = [runs_file]
     for table in made:
         files += table_formats.write_table(table, out_dir / "tables")

@@ -1,6 +1,7 @@
 #include "backends/brute_force/brute_force_backend.hpp"
 
 #include "backends/brute_force/brute_force_surface.hpp"
+#include "backends/brute_force/muscle_detector.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
@@ -63,7 +64,8 @@ BackendEntry brute_force_entry() {
               const SurfacePoint found = locate_by_brute_force(mesh, point);
               return found.inside ? -found.distance_m : found.distance_m;
             };
-          }};
+          },
+          .make_muscle_detector = make_brute_force_muscle_detector};
 }
 
 }  // namespace musclebench

@@ -1,6 +1,7 @@
 #include "backends/bvh/bvh_backend.hpp"
 
 #include "backends/bvh/exact_surface.hpp"
+#include "backends/bvh/muscle_detector.hpp"
 #include "core/clearance/cached_point_query.hpp"
 
 namespace musclebench {
@@ -61,7 +62,8 @@ BackendEntry bvh_entry() {
           .signed_distance = [](const Bone& bone, int threads) -> SignedDistance {
             const auto surface = std::make_shared<const ExactSurface>(bone, threads);
             return [surface](const Vec3& point) { return surface->signed_distance_m(point); };
-          }};
+          },
+          .make_muscle_detector = make_bvh_muscle_detector};
 }
 
 }  // namespace musclebench

@@ -1,5 +1,6 @@
 #include "backends/fcl/fcl_backend.hpp"
 
+#include "backends/fcl/muscle_detector.hpp"
 #include "backends/fcl/node_backend.hpp"
 #include "backends/fcl/surface_backend.hpp"
 
@@ -15,7 +16,8 @@ BackendEntry fcl_entry() {
           .help = "FCL: muscle and bones as BVH models in dynamic AABB trees (the paper's way)",
           .default_response = ResponseKind::project,
           .parameters = fcl_parameters(),
-          .make = make_fcl_backend};
+          .make = make_fcl_backend,
+          .make_muscle_detector = make_fcl_muscle_detector};
 }
 
 }  // namespace musclebench

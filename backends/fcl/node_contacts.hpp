@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
+#include "backends/fcl/met_triangles.hpp"
 #include "backends/fcl/surface_collider.hpp"
 #include "core/distance/pseudo_normals.hpp"
 
@@ -27,26 +27,13 @@ class NodeContacts {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  /// The closest bone triangle met so far by a node's muscle triangles.
-  struct Closest {
-    Vec3 rest_position;
-    Vec3 point;
-    double squared_distance_m2;
-    int triangle;
-    Feature feature;
-  };
-
-  void start_round();
   void measure_pairs(const TriangleMesh& bone, const RigidMotion& pose, std::span<const TrianglePair> pairs,
                      std::span<const Vec3> positions);
-  void measure(const TriangleMesh& bone, int triangle, Closest& closest) const;
 
   std::span<const Bone> m_bones;
   std::vector<Triangle> m_triangles;
   std::vector<PseudoNormals> m_normals;  ///< one a bone
-  std::vector<std::uint32_t> m_rounds;   ///< by node: the last call of `append` that met it
-  std::vector<Closest> m_closest;        ///< by node, valid where its round is the current one
-  std::uint32_t m_round = 0;
+  MetTriangles m_met;
 };
 
 }  // namespace musclebench

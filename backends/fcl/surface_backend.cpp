@@ -7,27 +7,11 @@
 
 #include "backends/fcl/node_contacts.hpp"
 #include "backends/fcl/surface_collider.hpp"
-#include "core/base/input_error.hpp"
+#include "backends/fcl/triangles_with_area.hpp"
 
 namespace musclebench {
 
 namespace {
-
-/// The triangles that have an area: the others are no surface, and some of FCL's volumes around them are not numbers.
-/// Their edges belong to their neighbours too, so no contact is lost.
-std::vector<Triangle> triangles_with_area(const TriangleMesh& mesh) {
-  std::vector<Triangle> kept;
-  kept.reserve(mesh.triangles.size());
-  for (const Triangle& triangle : mesh.triangles) {
-    const Vec3& a = mesh.vertices[static_cast<std::size_t>(triangle[0])];
-    const Vec3 ab = mesh.vertices[static_cast<std::size_t>(triangle[1])] - a;
-    const Vec3 ac = mesh.vertices[static_cast<std::size_t>(triangle[2])] - a;
-    if (ab.cross(ac).squaredNorm() > 0) {
-      kept.push_back(triangle);
-    }
-  }
-  return kept;
-}
 
 double longest_edge_m(const TriangleMesh& mesh) {
   double squared = 0;
@@ -59,9 +43,9 @@ class SurfaceBackend final : public CollisionBackend {
 
  private:
   void do_build() override {
-    std::vector<Triangle> triangles = triangles_with_area(muscle());
-    if (triangles.empty()) {
-      throw InputError("fcl: muscle", "none of its triangles has an area; give a surface");
+    std::vector<Triangle> triangles;
+    for (const int kept : triangles_with_area(muscle(), 0, muscle().triangles.size(), "fcl: muscle")) {
+      triangles.push_back(muscle().triangles[static_cast<std::size_t>(kept)]);
     }
     m_collider = make_surface_collider(m_options, bones(), muscle().vertices, triangles, threads());
     m_contacts = std::make_unique<NodeContacts>(bones(), std::move(triangles), muscle().vertices.size());

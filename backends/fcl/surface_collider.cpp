@@ -1,12 +1,11 @@
 #include "backends/fcl/surface_collider.hpp"
 
-#include <cmath>
 #include <limits>
 
 #include <fcl/narrowphase/collision.h>
 
 #include "backends/fcl/bone_objects.hpp"
-#include "backends/fcl/fcl_model.hpp"
+#include "backends/fcl/deforming_model.hpp"
 
 namespace musclebench {
 
@@ -15,18 +14,13 @@ namespace {
 template <typename BoundingVolume>
 class FclSurfaceCollider final : public SurfaceCollider {
  public:
-  using Model = FclModel<BoundingVolume>;
-
   FclSurfaceCollider(const FclOptions& options, std::span<const Bone> bones, std::span<const Vec3> rest_positions,
                      std::span<const Triangle> muscle_triangles, int threads)
-      : m_options(options),
-        m_threads(threads),
+      : m_threads(threads),
         m_request(std::numeric_limits<std::size_t>::max()),
         m_results(bones.size()),
-        m_muscle_model(make_fcl_model<BoundingVolume>(rest_positions, muscle_triangles)),
-        m_muscle(m_muscle_model) {
+        m_muscle(options, rest_positions, muscle_triangles) {
     m_request.gjk_solver_type = to_fcl(options.narrow_phase);
-    m_muscle.setUserData(nullptr);
     std::vector<std::shared_ptr<fcl::CollisionGeometryd>> models;
     for (const Bone& bone : bones) {
       auto model = make_fcl_model<BoundingVolume>(bone.surface.mesh.vertices, bone.surface.mesh.triangles);
@@ -38,17 +32,7 @@ class FclSurfaceCollider final : public SurfaceCollider {
 
   void update(std::span<const RigidMotion> bone_poses, std::span<const Vec3> positions) override {
     m_bones->move(bone_poses);
-    double sum = 0;
-    for (const Vec3& position : positions) {
-      sum += position.squaredNorm();
-    }
-    // FCL never prunes volumes that are not numbers: it would test every triangle against every triangle.
-    m_finite = std::isfinite(sum);
-    if (m_finite) {
-      deform_muscle(positions);
-      m_muscle_model->computeLocalAABB();
-      m_muscle.computeAABB();
-    }
+    m_muscle.update(positions);
   }
 
   void collide(std::vector<std::vector<TrianglePair>>& pairs_by_bone) override {
@@ -56,10 +40,10 @@ class FclSurfaceCollider final : public SurfaceCollider {
     for (auto& pairs : pairs_by_bone) {
       pairs.clear();
     }
-    if (!m_finite) {
+    if (!m_muscle.finite()) {
       return;
     }
-    m_bones->overlapping(m_muscle, m_overlapping);
+    m_bones->overlapping(m_muscle.object(), m_overlapping);
     const auto count = static_cast<std::ptrdiff_t>(m_overlapping.size());
 #pragma omp parallel for num_threads(m_threads) schedule(dynamic, 1)
     for (std::ptrdiff_t i = 0; i < count; ++i) {
@@ -68,40 +52,14 @@ class FclSurfaceCollider final : public SurfaceCollider {
     }
   }
 
-  [[nodiscard]] std::size_t bytes() const override {
-    std::size_t sum =
-        model_bytes(*m_muscle_model) + sizeof(fcl::CollisionObjectd) + m_bones->bytes() + m_bone_model_bytes;
-    if (m_options.vertex_update == VertexUpdate::update) {
-      sum += static_cast<std::size_t>(m_muscle_model->num_vertices) * sizeof(Vec3);
-    }
-    return sum;
-  }
+  [[nodiscard]] std::size_t bytes() const override { return m_muscle.bytes() + m_bones->bytes() + m_bone_model_bytes; }
 
  private:
-  void deform_muscle(std::span<const Vec3> positions) {
-    const bool refit = m_options.tree_update != TreeUpdate::rebuild;
-    const bool bottom_up = m_options.tree_update == TreeUpdate::refit;
-    Model& model = *m_muscle_model;
-    if (m_options.vertex_update == VertexUpdate::replace) {
-      model.beginReplaceModel();
-      for (const Vec3& position : positions) {
-        model.replaceVertex(position);
-      }
-      model.endReplaceModel(refit, bottom_up);
-    } else {
-      model.beginUpdateModel();
-      for (const Vec3& position : positions) {
-        model.updateVertex(position);
-      }
-      model.endUpdateModel(refit, bottom_up);
-    }
-  }
-
   /// Reads the models, and writes only what belongs to the bone: several threads may be in here, each with its bone.
   void collide_bone(std::size_t bone, std::vector<TrianglePair>& pairs) {
     fcl::CollisionResultd& result = m_results[bone];
     result.clear();
-    fcl::collide(&m_muscle, &m_bones->object(bone), m_request, result);
+    fcl::collide(&m_muscle.object(), &m_bones->object(bone), m_request, result);
     for (std::size_t i = 0; i < result.numContacts(); ++i) {
       // Only the indices: with boxes that are not oriented, o1 and o2 point to copies that FCL has deleted by now.
       const fcl::Contactd& contact = result.getContact(i);
@@ -109,16 +67,13 @@ class FclSurfaceCollider final : public SurfaceCollider {
     }
   }
 
-  FclOptions m_options;
   int m_threads;
   fcl::CollisionRequestd m_request;
   std::vector<fcl::CollisionResultd> m_results;  ///< by bone
-  std::shared_ptr<Model> m_muscle_model;
-  fcl::CollisionObjectd m_muscle;
+  DeformingModel<BoundingVolume> m_muscle;
   std::unique_ptr<BoneObjects> m_bones;
   std::vector<std::size_t> m_overlapping;
   std::size_t m_bone_model_bytes = 0;
-  bool m_finite = true;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "bench/cases/coupled_judge.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "core/measure/stuck_nodes.hpp"
 #include "core/mesh/mesh_size.hpp"
@@ -28,6 +29,16 @@ std::vector<int> carriers_of(const Scene& scene, std::span<const BoundNode> boun
   return carriers;
 }
 
+JudgedMuscles judged_muscles_of(const Scene& scene) {
+  JudgedMuscles judged{scene.bodies(), {}};
+  std::vector<MusclePair> pairs;
+  for (const SceneMusclePair& pair : scene.muscle_pairs) pairs.push_back(pair.muscles);
+  for (int muscle = 0; muscle < static_cast<int>(scene.muscles.size()); ++muscle) {
+    judged.beside.push_back(muscles_beside(pairs, muscle));
+  }
+  return judged;
+}
+
 }  // namespace
 
 CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_nodes, const Simulation& simulation)
@@ -38,6 +49,13 @@ CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_
       m_stretch(scene.muscle_mesh),
       m_floor_m(least_movement * bounding_box(scene.muscle_mesh.vertices).diagonal().norm()),
       m_budget(judging_budget(scene)) {
+  if (scene.muscles.size() > 1) {
+    m_bodies = scene.bodies();
+    for (const Body& body : m_bodies) m_stretch_of_bodies.emplace_back(scene.mesh_of(body));
+  }
+  if (!scene.muscle_pairs.empty()) {
+    m_muscle_referee.emplace(scene.muscle_mesh, judged_muscles_of(scene));
+  }
   // The state at rest is where tunnelling starts from; all memory that judging needs is taken on the way.
   LastDetection nothing;
   const auto poses = simulation.bone_poses();
@@ -46,6 +64,7 @@ CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_
   StepRecord at_rest;
   judge(simulation, nothing, at_rest);
   m_at_rest = at_rest.depth;
+  m_in_muscles_at_rest = at_rest.in_muscles;
 }
 
 void CoupledJudge::judge(const Simulation& simulation, const LastDetection& detection, StepRecord& record) {
@@ -62,6 +81,15 @@ void CoupledJudge::judge(const Simulation& simulation, const LastDetection& dete
   record.depth = depth_statistics(m_truth);
   record.tunnelled_nodes = m_tunnelling.update(m_referee, poses, positions, simulation.free_nodes(), m_truth);
 
+  std::vector<Contact> in_muscles;
+  if (m_muscle_referee) {
+    m_muscle_referee->judge(positions, in_muscles);
+    work += m_muscle_referee->last_work();
+    record.in_muscles = depth_statistics(in_muscles);
+  }
+
+  judge_bodies(simulation, m_truth, in_muscles, record);
+
   const auto budget_left = [&] { return std::max(m_budget - work, m_budget / 4); };
   const DeepestSurfacePoint surface = m_surface.measure(m_referee, poses, positions, m_truth, budget_left());
   record.surface_depth_m = surface.depth_m;
@@ -73,6 +101,27 @@ void CoupledJudge::judge(const Simulation& simulation, const LastDetection& dete
   record.judgement_complete = surface.complete && vertex.complete();
   record.edge_stretch = m_stretch.measure(positions);
   record.judged = true;
+}
+
+void CoupledJudge::judge_bodies(const Simulation& simulation, std::span<const Contact> in_bones,
+                                std::span<const Contact> in_muscles, StepRecord& record) {
+  const auto depths_of = [](const Body& body, std::span<const Contact> truth) {
+    std::vector<Contact> own;
+    std::copy_if(truth.begin(), truth.end(), std::back_inserter(own),
+                 [&](const Contact& contact) { return body.has_node(contact.node); });
+    return depth_statistics(own);
+  };
+  record.muscles.resize(m_bodies.size());
+  for (std::size_t i = 0; i < m_bodies.size(); ++i) {
+    const Body& body = m_bodies[i];
+    MuscleRecord& muscle = record.muscles[i];
+    muscle.in_bones = depths_of(body, in_bones);
+    muscle.in_muscles = depths_of(body, in_muscles);
+    muscle.edge_stretch =
+        m_stretch_of_bodies[i].measure(std::span(simulation.positions())
+                                           .subspan(static_cast<std::size_t>(body.first_node),
+                                                    static_cast<std::size_t>(body.last_node - body.first_node)));
+  }
 }
 
 std::vector<double> CoupledJudge::depths(const Simulation& simulation) {

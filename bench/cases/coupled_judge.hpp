@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,13 +12,14 @@
 #include "core/measure/step_record.hpp"
 #include "core/measure/surface_depth.hpp"
 #include "core/measure/tunnelling_tracker.hpp"
+#include "core/referee/muscle_referee.hpp"
 #include "core/referee/referee.hpp"
 #include "core/scene/scene.hpp"
 
 namespace musclebench {
 
-/// What the truth says of a coupled run, frame by frame: how deep muscle and bones are in each other, which nodes went
-/// through a bone, which are held for nothing, how far the muscle is stretched.
+/// What the truth says of a coupled run, frame by frame: how deep muscles and bones are in each other, and muscles that
+/// touch in one another, which nodes went through a bone, which are held for nothing, how far a muscle is stretched.
 class CoupledJudge {
  public:
   /// `simulation` has not made a frame yet.
@@ -31,14 +33,23 @@ class CoupledJudge {
 
   /// Of the free nodes before the first frame.
   [[nodiscard]] const DepthStatistics& depth_at_rest() const { return m_at_rest; }
+  /// Of nodes in other muscles before the first frame; nothing where no muscles touch.
+  [[nodiscard]] const std::optional<DepthStatistics>& muscle_depth_at_rest() const { return m_in_muscles_at_rest; }
 
  private:
+  void judge_bodies(const Simulation& simulation, std::span<const Contact> in_bones,
+                    std::span<const Contact> in_muscles, StepRecord& record);
+
   Referee m_referee;
+  std::optional<MuscleReferee> m_muscle_referee;  // where muscles touch
   SurfaceDepthMeter m_surface;
   BoneVertexDepthMeter m_bone_vertices;
   TunnellingTracker m_tunnelling;
   EdgeStretchMeter m_stretch;
+  std::vector<Body> m_bodies;  // where there are several
+  std::vector<EdgeStretchMeter> m_stretch_of_bodies;
   DepthStatistics m_at_rest;
+  std::optional<DepthStatistics> m_in_muscles_at_rest;
   double m_floor_m;  // of a movement that counts, for stuck nodes
   long m_budget;
   std::vector<Contact> m_truth;

@@ -14,6 +14,7 @@
 #include "core/base/system_memory.hpp"
 #include "core/measure/outcome_limits.hpp"
 #include "core/measure/self_intersections.hpp"
+#include "core/pbd/muscle_contact_stage.hpp"
 #include "core/scene/prepare_simulation.hpp"
 
 namespace musclebench {
@@ -65,11 +66,17 @@ class CaseRunner {
     m_result.structure_bytes = m_backend->structure_bytes();
     m_result.structure_errors = m_backend->structure_errors();
     m_result.structures_loaded = m_backend->built_from_file();
+    auto muscle_detectors = make_muscle_detectors(m_scene, m_run.colliders, m_run.threads);
+    for (const auto& detector : muscle_detectors) {
+      m_result.muscle_structure_bytes += detector->structure_bytes();
+    }
 
-    PreparedSimulation prepared = prepare_simulation(m_run.scene, *m_backend, m_run.response, m_run.threads);
+    PreparedSimulation prepared =
+        prepare_simulation(m_run.scene, *m_backend, m_run.response, m_run.threads, std::move(muscle_detectors));
     m_simulation = std::move(prepared.simulation);
     m_result.bound_nodes = std::move(prepared.bound_nodes);
     m_result.effect_names = std::move(prepared.effect_names);
+    m_result.stage_names = std::move(prepared.stage_names);
     m_result.rest = muscle_at_rest();
     m_result.records.reserve(static_cast<std::size_t>(std::min(m_scene.loop.frames, 100000)));
     malloc_trim(0);  // what only the building needed shall not count as the structures' memory
@@ -77,6 +84,7 @@ class CaseRunner {
       const std::size_t before_bytes = resident_memory_bytes();
       m_judge = std::make_unique<CoupledJudge>(m_scene, m_result.bound_nodes, *m_simulation);
       m_result.rest.depth = m_judge->depth_at_rest();
+      m_result.rest.in_muscles = m_judge->muscle_depth_at_rest();
       malloc_trim(0);
       m_result.referee_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_bytes);
     }
@@ -103,10 +111,12 @@ class CaseRunner {
     record.involuntary_switches = switches.involuntary;
     m_result.machine.switches += switches;
     record.contacts = static_cast<int>(m_simulation->contacts().size());
+    record.muscle_contacts = muscle_contacts();
     record.resident_bytes = memory_needed_bytes();
 
     const std::vector<Vec3>& positions = m_simulation->positions();
     record.volumes_m3 = volumes_m3(positions);
+    record.muscles = muscles_of(record.volumes_m3);
     const std::string lost = m_divergence.describe(frame, positions);
     if (!lost.empty()) {
       m_result.status = "diverged";
@@ -122,6 +132,25 @@ class CaseRunner {
     if (lost.empty()) {
       keep_snapshot(frame);
     }
+  }
+
+  /// What is known of each of several muscles without a judge.
+  [[nodiscard]] std::vector<MuscleRecord> muscles_of(std::span<const double> volumes) const {
+    std::vector<MuscleRecord> muscles(volumes.size() > 1 ? volumes.size() : 0);
+    for (std::size_t i = 0; i < muscles.size(); ++i) {
+      const Body& body = m_scene.muscles[i].body;
+      muscles[i].volume_m3 = volumes[i];
+      muscles[i].contacts = static_cast<int>(std::ranges::count_if(
+          m_simulation->contacts(), [&](const Contact& contact) { return body.has_node(contact.node); }));
+    }
+    return muscles;
+  }
+
+  [[nodiscard]] std::optional<int> muscle_contacts() const {
+    for (const auto& stage : m_simulation->stages()) {
+      if (stage->name() == MuscleContactStage::stage_name) return stage->contact_count();
+    }
+    return std::nullopt;
   }
 
   [[nodiscard]] bool is_kept(int frame) const {

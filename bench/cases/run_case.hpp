@@ -35,10 +35,12 @@ struct RunResult {
   Outcome outcome;
   MachineState machine;
   std::vector<std::string> effect_names;
+  std::vector<std::string> stage_names;
   std::vector<StepRecord> records;
   std::vector<Snapshot> snapshots;
   std::vector<BoundNode> bound_nodes;
   std::size_t structure_bytes = 0;
+  std::size_t muscle_structure_bytes = 0;        ///< of what detects contacts between muscles
   std::vector<StructureError> structure_errors;  ///< of backends that approximate
   bool structures_loaded = false;                ///< from a file; built otherwise
   Nanoseconds build_ns = 0;                      ///< building or loading

@@ -54,7 +54,9 @@ Input run_exactly(const Scene& scene, double seconds) {
   const int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const Case exact{scene, backend, backend_parameters(backend, {}), threads, 0};
   const BuiltBackend built = build_backend(exact);
-  const PreparedSimulation prepared = prepare_simulation(exact.scene, *built.backend, exact.response, exact.threads);
+  const PreparedSimulation prepared =
+      prepare_simulation(exact.scene, *built.backend, exact.response, exact.threads,
+                         make_muscle_detectors(scene, choose_collider_backends({}, scene, backend), threads));
   const Divergence divergence(scene);
   Progress progress(progress_style(false), "exact run of " + scene.name, scene.loop.frames);
   const Nanoseconds start_ns = monotonic_now_ns();

@@ -1,6 +1,8 @@
 #include "bench/commands/command_options.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <thread>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -24,7 +26,7 @@ std::map<std::string, ParameterValue> loop_overrides(const SceneOptions& options
   if (options.frames > 0) {
     overrides["frames"] = std::int64_t{options.frames};
   }
-  for (const auto& [key, value] : parse_assignments(options.loop, "--loop")) {
+  for (const auto& [key, value] : parse_assignments(options.loop, "--loop", loop_parameters())) {
     overrides[key] = value;
   }
   return overrides;
@@ -55,19 +57,38 @@ void add_response_option(CLI::App& command, BackendOptions& options) {
                      "How nodes get out of bones: backtrack or project (default: the scene's, or the backend's own)");
 }
 
+void add_collider_option(CLI::App& command, BackendOptions& options) {
+  command.add_option("--for", options.colliders,
+                     "COLLIDER=BACKEND: another backend for one bone, such as femur=bvh, or for `muscles` that touch; "
+                     "may be repeated");
+}
+
 void add_threads_option(CLI::App& command, int& threads) {
-  command.add_option("--threads", threads, "Threads of the backend (default: 1)")->check(CLI::Range(1, 4096));
+  command.add_option("--threads", threads, "Threads of loop and backend (default: 1)")
+      ->check(CLI::Range(1, 4096))
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+            unsigned value = 0;
+            // Threads that wait for each other at every step and share a core are slower than one by far.
+            return !CLI::detail::lexical_cast(text, value) || value <= cores
+                       ? std::string()
+                       : fmt::format("{} threads are more than the {} cores of this machine; take at most {}", text,
+                                     cores, cores);
+          },
+          ""));
 }
 
 Parameters backend_parameters(const BackendEntry& backend, const std::vector<std::string>& assignments) {
-  Parameters parameters(backend.parameters, parse_assignments(assignments, "--param"),
+  Parameters parameters(backend.parameters, parse_assignments(assignments, "--param", backend.parameters),
                         fmt::format("--param ({})", backend.name));
   (void)backend.make(parameters);  // refuses what does not go together, before anything is read
   return parameters;
 }
 
 std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::string>& texts,
-                                                        const std::string& option) {
+                                                        const std::string& option,
+                                                        const std::vector<ParameterSpec>& specs) {
   std::map<std::string, ParameterValue> values;
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
@@ -75,7 +96,10 @@ std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::s
       throw InputError(fmt::format("{} {}", option, text), "has to read key=value");
     }
     const std::string key = text.substr(0, equals);
-    if (!values.emplace(key, parse_parameter_value(std::string_view(text).substr(equals + 1))).second) {
+    const std::string_view value = std::string_view(text).substr(equals + 1);
+    const ParameterSpec* spec = find_parameter(specs, key);
+    const bool is_word = spec != nullptr && std::holds_alternative<std::string>(spec->default_value);
+    if (!values.emplace(key, is_word ? ParameterValue(std::string(value)) : parse_parameter_value(value)).second) {
       throw InputError(fmt::format("{} {}", option, text), fmt::format("gives {} twice; leave one out", key));
     }
   }

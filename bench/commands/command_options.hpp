@@ -34,11 +34,14 @@ struct BackendOptions {
   std::string backend;
   std::string response;  ///< empty: the scene's, or the backend's own
   std::vector<std::string> parameters;
+  std::vector<std::string> colliders;  ///< COLLIDER=BACKEND, see choose_collider_backends
   int threads = 1;
 };
 
 void add_backend_options(CLI::App& command, BackendOptions& options);
 /// Of commands where nodes get out of bones.
+/// Of commands that run the loop.
+void add_collider_option(CLI::App& command, BackendOptions& options);
 void add_response_option(CLI::App& command, BackendOptions& options);
 void add_threads_option(CLI::App& command, int& threads);
 
@@ -49,8 +52,10 @@ Parameters backend_parameters(const BackendEntry& backend, const std::vector<std
 /// it is NaN.
 CLI::Validator positive_and_finite();
 
-/// Texts `key=value`; `option` is the location that an InputError names.
+/// Texts `key=value`; `option` is the location that an InputError names. What `specs` say is a word stays one, though
+/// it may look like a number: `structures=2024` is a folder.
 std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::string>& texts,
-                                                        const std::string& option);
+                                                        const std::string& option,
+                                                        const std::vector<ParameterSpec>& specs);
 
 }  // namespace musclebench

@@ -109,7 +109,8 @@ int record(const RecordOptions& options) {
       options.backend.backend.empty() ? exact_backend() : find_backend(options.backend.backend);
   const Parameters parameters = backend_parameters(backend, options.backend.parameters);
   const Scene scene = load_scene(options.scene);
-  const ResponseKind response = choose_response(options.backend.response, scene, backend, parameters);
+  const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
+  const ResponseKind response = choose_response(options.backend.response, scene, backend, parameters, colliders);
   const fs::path out = options.out;
   {
     const HeldSignals held;
@@ -117,11 +118,12 @@ int record(const RecordOptions& options) {
   }
 
   const Nanoseconds start_ns = monotonic_now_ns();
-  const Case resolved{scene, backend, parameters, options.backend.threads, 0, response};
+  const Case resolved{scene, backend, parameters, options.backend.threads, 0, response, colliders};
   std::optional<EndAtOnce> until_written(std::in_place);
   const BuiltBackend built = build_backend(resolved);
   const PreparedSimulation prepared =
-      prepare_simulation(resolved.scene, *built.backend, resolved.response, resolved.threads);
+      prepare_simulation(resolved.scene, *built.backend, resolved.response, resolved.threads,
+                         make_muscle_detectors(scene, resolved.colliders, resolved.threads));
   const RecordingHeader header = header_of(resolved, options.scene, prepared.simulation->free_nodes());
   std::optional<RecordingWriter> writer;
   {
@@ -156,6 +158,7 @@ void add_record_command(CLI::App& app, int& exit_code) {
   add_scene_options(*command, options->scene);
   add_backend_options(*command, options->backend);
   add_response_option(*command, options->backend);
+  add_collider_option(*command, options->backend);
   command->get_option("--backend")
       ->required(false)
       ->description("Backend that drives the run (default: the exact one)");

@@ -64,8 +64,9 @@ int run(RunOptions options) {
   const Parameters parameters = backend_parameters(backend, options.backend.parameters);
   const Scene scene = load_scene(options.scene);
   std::sort(options.snapshots.begin(), options.snapshots.end());
-  const ResponseKind response = choose_response(options.backend.response, scene, backend, parameters);
-  const RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, response},
+  const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
+  const ResponseKind response = choose_response(options.backend.response, scene, backend, parameters, colliders);
+  const RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, response, colliders},
                        2,
                        !options.unjudged,
                        options.snapshots,
@@ -112,6 +113,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   add_scene_options(*command, options->scene);
   add_backend_options(*command, options->backend);
   add_response_option(*command, options->backend);
+  add_collider_option(*command, options->backend);
   command->add_option("--out", options->out, "Result folder (default: reports/out/runs/raw/<run id>)");
   command->add_option("--repetition", options->repetition, "Number of the repetition, a part of the run's identity")
       ->check(CLI::Range(0, 1000000));

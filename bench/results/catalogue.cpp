@@ -82,6 +82,7 @@ Json json_of(const BackendEntry& backend) {
           {"dash", of_study("dash", nullptr)},
           {"default_response", name_of(backend.default_response)},
           {"exact", backend.exact},
+          {"muscle_contact", backend.make_muscle_detector != nullptr},
           {"parameters", json_of(backend.parameters)},
           {"capabilities", json_of(made->capabilities())},
           {"study", study}};
@@ -107,10 +108,11 @@ Json json_of_scenes() {
     for (const TomlTable& bone : scene.tables("bone")) {
       bones.push_back(bone.word("name"));
     }
-    scenes.push_back({{"name", name},
-                      {"title", scene.word_or("title", name)},
-                      {"muscle", scene.table("muscle")->word("name")},
-                      {"bones", bones}});
+    Json muscles = Json::array();
+    for (const TomlTable& muscle : scene.table_or_tables("muscle")) {
+      muscles.push_back(muscle.word("name"));
+    }
+    scenes.push_back({{"name", name}, {"title", scene.word_or("title", name)}, {"muscles", muscles}, {"bones", bones}});
   }
   return scenes;
 }

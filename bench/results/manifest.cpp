@@ -105,17 +105,32 @@ std::string text_of(const Json& json, int indent) {
 }
 
 Json json_of_case(const Case& resolved, std::string_view mode) {
-  return {{"mode", mode},
-          {"scene", resolved.scene.name},
-          {"preset", resolved.scene.preset},
-          {"backend", resolved.backend.name},
-          {"response", name_of(resolved.response)},
-          {"parameters", json_of(resolved.parameters)},
-          {"threads", resolved.threads},
-          {"repetition", resolved.repetition},
-          {"attachment", attachment_mode(resolved.scene)},
-          {"effects", json_of_effects(resolved.scene)},
-          {"loop", json_of_loop(resolved.scene.loop)}};
+  Json json = {{"mode", mode},
+               {"scene", resolved.scene.name},
+               {"preset", resolved.scene.preset},
+               {"backend", resolved.backend.name},
+               {"response", name_of(resolved.response)},
+               {"response_steps", resolved.scene.loop.projection_steps},
+               {"parameters", json_of(resolved.parameters)},
+               {"threads", resolved.threads},
+               {"repetition", resolved.repetition},
+               {"attachment", attachment_mode(resolved.scene)},
+               {"effects", json_of_effects(resolved.scene)},
+               {"loop", json_of_loop(resolved.scene.loop)}};
+  for (std::size_t bone = 0; bone < resolved.colliders.of_bones.size(); ++bone) {
+    if (const BackendEntry* own = resolved.colliders.of_bones[bone]) {
+      json["bone_backends"][resolved.scene.bones[bone].name] = own->name;
+    }
+  }
+  for (std::size_t pair = 0; pair < resolved.colliders.of_pairs.size(); ++pair) {
+    const auto& [first, second] = resolved.scene.muscle_pairs[pair].muscles;
+    const auto name_of_muscle = [&](int index) {
+      return resolved.scene.muscles[static_cast<std::size_t>(index)].body.name;
+    };
+    json["muscle_contact"].push_back({{"muscles", {name_of_muscle(first), name_of_muscle(second)}},
+                                      {"backend", resolved.colliders.of_pairs[pair]->name}});
+  }
+  return json;
 }
 
 Json json_of_inputs(const Scene& scene) {
@@ -186,6 +201,13 @@ std::string scene_hash(const Scene& scene) {
   hash.add(attachment_mode(scene));
   hash.add(text_of(json_of_effects(scene)));
   hash.add(text_of(json_of_loop(scene.loop)));
+  // Not what is as it was before a scene could say it: recordings stay those of their scenes.
+  if (scene.loop.projection_steps != default_projection_steps) {
+    hash.add(fmt::format("{} steps of a response", scene.loop.projection_steps));
+  }
+  for (const SceneMusclePair& pair : scene.muscle_pairs) {
+    hash.add(fmt::format("{} touches {}", pair.muscles.first, pair.muscles.second));
+  }
   add_nodes_and_fibres(hash, scene);
   return hash.hex_digest();
 }

@@ -4,6 +4,7 @@
 
 #include "bench/results/probe_output.hpp"
 #include "bench/results/replay_output.hpp"
+#include "core/measure/muscle_record.hpp"
 #include "core/measure/outcome_limits.hpp"
 #include "core/measure/step_record.hpp"
 
@@ -38,12 +39,16 @@ constexpr auto keys = std::to_array<ManifestKey>({
     everywhere("case.preset", "", "where loop and effects come from"),
     everywhere("case.backend", "", "name of the backend"),
     everywhere("case.response", "", "what moves colliding nodes"),
+    everywhere("case.response_steps", "", "detections of projecting, and corrections between muscles, at most"),
     everywhere("case.parameters.*", "", "of the backend, as resolved"),
     everywhere("case.threads", "", "asked of the backend"),
     everywhere("case.repetition", "", "number of the repetition"),
     everywhere("case.attachment", "", "areas or first_contact"),
     everywhere("case.effects.*.*", "", "parameters of each effect"),
     everywhere("case.loop.*", "", "parameters of the loop"),
+    everywhere("case.muscle_contact[].muscles[]", "", "two that touch each other"),
+    everywhere("case.muscle_contact[].backend", "", "that detects it"),
+    everywhere("case.bone_backends.*", "", "of each bone that has one of its own"),
     of_run_and_replay("case.warm_up_frames", "", "frames that medians leave out"),
     of_run_and_replay("case.judged", "", "whether the Referee looked on"),
     of_run("case.snapshots[]", "", "frames whose shape was kept"),
@@ -65,6 +70,13 @@ constexpr auto keys = std::to_array<ManifestKey>({
     of_run("muscle.pressure", "", "target volume over that at rest, p; 1 without the effect volume"),
     of_run("muscle.mean_edge_length_m", "m", "at rest"),
     of_run("muscle.free_nodes", "", "that no bone carries"),
+    everywhere("muscles[].name", "", "of each of several muscles; `muscle` has their sums"),
+    everywhere("muscles[].mesh", "", "file or embedded mesh"),
+    everywhere("muscles[].vertices", "", "of the mesh as read"),
+    everywhere("muscles[].triangles", "", "of the mesh as read"),
+    everywhere("muscles[].mesh_sha256", "", "of its coordinates and indices"),
+    everywhere("muscles[].nodes", "", "after equal positions were joined and unused vertices left out"),
+    everywhere("muscles[].repairs[]", "", "what was mended, in words"),
     everywhere("bones[].name", "", "of the bone"),
     everywhere("bones[].mesh", "", "file or embedded mesh"),
     everywhere("bones[].vertices", "", "of the mesh as read"),
@@ -98,6 +110,7 @@ constexpr auto keys = std::to_array<ManifestKey>({
     of_run("attachments[].nodes", "", "bound"),
     of_run("bound_nodes", "", "of all attachments, each once"),
     everywhere("structure_bytes", "bytes", "of the backend's structures"),
+    of_run("muscle_structure_bytes", "bytes", "of what detects contacts between muscles"),
     of_run("structure_errors[].bone", "", "whose structure approximates"),
     of_run("structure_errors[].bytes", "bytes", "of that structure"),
     of_run("structure_errors[].samples", "", "points at which it was compared with the surface"),
@@ -131,10 +144,13 @@ constexpr auto keys = std::to_array<ManifestKey>({
     of_run("outcome.nodes_inside_at_end", "", "free nodes in bones after the last frame"),
     of_run("outcome.nodes_inside_at_rest", "", "free nodes in bones before the first frame"),
     of_run("outcome.depth_at_rest_m", "m", "of the deepest of them"),
+    of_run("outcome.max_muscle_depth_m", "m", "largest true depth of a node in another muscle, where muscles touch"),
+    of_run("outcome.muscle_depth_at_rest_m", "m", "the same before the first frame"),
+    of_run("outcome.nodes_inside_muscles", "", "most nodes in other muscles after a frame"),
     of_run("outcome.self_intersecting_triangles", "", "most in a frame that was looked at (--self-intersections)"),
     of_run("outcome.self_intersecting_triangles_at_rest", "", "before the first frame"),
     of_run("outcome.open_judgements", "", "frames for which the Referee's budget did not suffice"),
-    of_run("outcome.collision_ns", "ns", "update, detect and respond, sum over the run"),
+    of_run("outcome.collision_ns", "ns", "of the backend with bones: update, detect and respond, sum over the run"),
     of_run("outcome.loop_ns", "ns", "sum of the frames"),
     of_run("limits.*", "", "largest value with which a run is ok, see `list --json`"),
     of_run("snapshots[].frame", "", "whose shape was kept"),
@@ -212,6 +228,7 @@ Json results_schema_json() {
   }
   return {{"results_schema", schema_version},
           {"run", json_of_columns(run_columns())},
+          {"muscles", json_of_columns(muscle_columns())},
           {"replay", json_of_columns(replay_columns())},
           {"probe", json_of_columns(probe_columns())},
           {"run_json", of_manifests},

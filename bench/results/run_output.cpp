@@ -8,6 +8,7 @@
 #include "bench/results/manifest.hpp"
 #include "bench/results/result_folder.hpp"
 #include "core/base/output_file.hpp"
+#include "core/measure/muscle_record.hpp"
 #include "core/measure/outcome_limits.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 
@@ -99,6 +100,9 @@ Json json_of_outcome(const RunResult& result) {
           {"nodes_inside_at_end", json_of(outcome.nodes_inside_at_end)},
           {"nodes_inside_at_rest", json_of(outcome.nodes_inside_at_rest)},
           {"depth_at_rest_m", json_of(outcome.depth_at_rest_m)},
+          {"max_muscle_depth_m", json_of(outcome.max_muscle_depth_m)},
+          {"muscle_depth_at_rest_m", json_of(outcome.muscle_depth_at_rest_m)},
+          {"nodes_inside_muscles", json_of(outcome.nodes_inside_muscles)},
           {"self_intersecting_triangles", json_of(outcome.self_intersecting_triangles)},
           {"self_intersecting_triangles_at_rest", json_of(outcome.self_intersecting_triangles_at_rest)},
           {"open_judgements", outcome.open_judgements},
@@ -122,6 +126,7 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["attachments"] = json_of_attachments(run, result);
   json["bound_nodes"] = result.bound_nodes.size();
   json["structure_bytes"] = result.structure_bytes;
+  json["muscle_structure_bytes"] = result.muscle_structure_bytes;
   json["structure_errors"] = json_of_structure_errors(result);
   json["structures"] = result.structures_loaded ? "loaded" : "built";
   json["build_ns"] = result.build_ns;
@@ -200,8 +205,15 @@ void write_snapshot(const fs::path& path, const Snapshot& snapshot, const RunCas
 
 void write_files(const fs::path& folder, const RunCase& run, const RunResult& result) {
   OutputFile frames(folder / "frames.csv");
-  write_frames_csv(frames.stream(), result.effect_names, result.records);
+  write_frames_csv(frames.stream(), result.effect_names, result.stage_names, result.records);
   frames.close();
+  if (run.scene.muscles.size() > 1) {
+    std::vector<std::string> names;
+    for (const Body& body : run.scene.bodies()) names.push_back(body.name);
+    OutputFile muscles(folder / "muscles.csv");
+    write_muscles_csv(muscles.stream(), names, result.records);
+    muscles.close();
+  }
   if (!result.snapshots.empty()) {
     fs::create_directory(folder / "snapshots");
     fs::create_directory(folder / "meshes");

@@ -45,6 +45,13 @@ std::string times_of(const RunResult& result) {
     text += fmt::format("  disturbed                     {:>6} times by other processes\n",
                         result.machine.switches.involuntary);
   }
+  for (std::size_t i = 0; i < result.stage_names.size(); ++i) {
+    std::vector<Nanoseconds> times;
+    for (const StepRecord& record : result.records) {
+      if (!record.warm_up) times.push_back(record.times.stages_ns[i]);
+    }
+    text += fmt::format("  of it {:<24}{}\n", result.stage_names[i], median_ms(std::move(times)));
+  }
   return text;
 }
 
@@ -74,8 +81,17 @@ std::string depths_of(const Outcome& outcome) {
   return text;
 }
 
+std::string between_muscles(const Outcome& outcome) {
+  if (!outcome.max_muscle_depth_m) {
+    return "";
+  }
+  return fmt::format("  deepest in another muscle     {:>10.3f} mm, {:.3f} mm at rest; {} nodes at most\n",
+                     *outcome.max_muscle_depth_m * 1e3, outcome.muscle_depth_at_rest_m.value_or(0) * 1e3,
+                     outcome.nodes_inside_muscles.value_or(0));
+}
+
 std::string shape_of(const Outcome& outcome) {
-  std::string text;
+  std::string text = between_muscles(outcome);
   if (outcome.max_volume_error) {
     text += fmt::format("  volume off its target         {:>10.3f} %{}\n", *outcome.max_volume_error * 100,
                         outcome.turned_inside_out.value_or(false) ? ", turned inside out" : "");

@@ -122,6 +122,7 @@ class TriangleBvh {
  private:
   friend class TriangleBvhBuilder;
   friend class BatchedClosestPoint;
+  friend class MovingSurfaceTree;
 
   /// BvhSearch::slack for points with coordinates up to `reach` in the tree's frame and up to `coordinate` in the
   /// mesh's, both in the tree's unit of length.

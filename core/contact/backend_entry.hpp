@@ -10,6 +10,7 @@
 
 #include "core/base/parameters.hpp"
 #include "core/contact/collision_backend.hpp"
+#include "core/contact/muscle_contact.hpp"
 #include "core/contact/response.hpp"
 
 namespace musclebench {
@@ -53,6 +54,8 @@ struct BackendEntry {
   std::function<std::unique_ptr<CollisionBackend>(const Parameters&)> make = nullptr;
   /// Of an exact one, over one bone, which outlives the answer: what `verify` compares.
   std::function<SignedDistance(const Bone& bone, int threads)> signed_distance = nullptr;
+  /// Empty for a backend that can't follow a surface that deforms.
+  MakeMuscleContactDetector make_muscle_detector = nullptr;
   StructureExport structure_export = {};
   std::string study = {};  ///< the text of its study.toml; empty: none
 };

@@ -10,8 +10,6 @@ namespace musclebench {
 
 namespace {
 
-constexpr int projection_steps = 3;
-
 void collect_nodes(std::span<const Contact> contacts, std::vector<int>& nodes) {
   nodes.clear();
   for (const Contact& contact : contacts) {
@@ -36,7 +34,8 @@ const std::vector<ResponseEntry>& response_registry() {
   static const std::vector<ResponseEntry> entries = {
       {ResponseKind::backtrack, "backtrack",
        "back to where the substep began, a cell at a time, until free; who began in the bone follows it"},
-      {ResponseKind::project, "project", "along the contact's normal by its depth, at most three times"},
+      {ResponseKind::project, "project",
+       "along the contact's normal by its depth, at most three times or `[contact] steps`"},
   };
   return entries;
 }
@@ -96,7 +95,7 @@ void Response::project(CollisionBackend& backend, std::span<const Contact> conta
     return;
   }
   collect_nodes(contacts, m_nodes);
-  for (int step = 1; step < projection_steps; ++step) {
+  for (int step = 1; step < m_projection_steps; ++step) {
     backend.detect(predicted, m_nodes, m_contacts);
     if (m_contacts.empty()) {
       return;

@@ -15,9 +15,12 @@ enum class ResponseKind {
   /// Back from p towards x, step by step, until free; a node whose x is inside too follows the bone (paper, II-A and
   /// III-B).
   backtrack,
-  /// Along the contact normal by the depth, until the depth is gone or three steps are done (paper, IV-A).
+  /// Along the contact normal by the depth, until the depth is gone or so many steps are done (paper, IV-A: three).
   project,
 };
+
+/// Detections, and corrections by them, of the response `project`.
+inline constexpr int default_projection_steps = 3;
 
 /// One row of the table of responses.
 struct ResponseEntry {
@@ -46,7 +49,9 @@ struct ResponseInput {
 /// Corrects `predicted` (p) so that it leaves the bones. Corrections by several bones are added (paper, IV-C).
 class Response {
  public:
-  explicit Response(ResponseKind kind) : m_kind(kind) {}
+  /// `projection_steps` >= 1: of the response `project`.
+  explicit Response(ResponseKind kind, int projection_steps = default_projection_steps)
+      : m_kind(kind), m_projection_steps(projection_steps) {}
 
   /// Makes room for all that `nodes` nodes and `bones` bones can need: `resolve` then allocates nothing.
   void reserve(std::size_t nodes, std::size_t bones);
@@ -64,6 +69,7 @@ class Response {
   void keep_nodes_in_contact_with(int bone);
 
   ResponseKind m_kind;
+  int m_projection_steps;
   // Scratch memory, kept so that a frame allocates nothing.
   std::vector<Contact> m_contacts;
   std::vector<int> m_nodes;

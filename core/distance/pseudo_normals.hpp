@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "core/distance/triangle_distance.hpp"
@@ -34,6 +35,27 @@ class PseudoNormals {
   std::vector<Vec3> m_of_face;
   std::vector<Vec3> m_of_vertex;
   std::vector<int> m_neighbour;  ///< across edge 3 t + i: a triangle, or -1; the edge's normal is the sum of both
+};
+
+/// The same of a surface whose vertices move, computed where it is asked for: contacts need few of them a step.
+class MovingPseudoNormals {
+ public:
+  /// Of the mesh only the triangles are kept.
+  explicit MovingPseudoNormals(const TriangleMesh& mesh);
+
+  /// To the bit what `PseudoNormals` of a mesh with these `vertices` and the same triangles answers.
+  [[nodiscard]] Vec3 at(std::span<const Vec3> vertices, int triangle, Feature feature) const;
+
+  [[nodiscard]] std::size_t bytes() const {
+    return m_triangles.capacity() * sizeof(Triangle) +
+           (m_neighbour.capacity() + m_first_side.capacity() + m_sides.capacity()) * sizeof(int);
+  }
+
+ private:
+  std::vector<Triangle> m_triangles;
+  std::vector<int> m_neighbour;   ///< as in PseudoNormals
+  std::vector<int> m_first_side;  ///< by vertex: of its part of m_sides; and the number of all
+  std::vector<int> m_sides;       ///< 3 t + i for a triangle whose corner i the vertex is, ascending
 };
 
 }  // namespace musclebench

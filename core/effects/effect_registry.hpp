@@ -8,8 +8,8 @@
 
 #include "core/base/parameters.hpp"
 #include "core/effects/fibres.hpp"
+#include "core/mesh/body.hpp"
 #include "core/mesh/triangle_mesh.hpp"
-#include "core/pbd/body.hpp"
 #include "core/pbd/effect.hpp"
 #include "core/pbd/node_order.hpp"
 

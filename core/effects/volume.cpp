@@ -105,20 +105,26 @@ struct Chunk {
 
 constexpr std::size_t chunk_size = 64;
 
+/// Indices of chunks: those of one body are consecutive.
+struct ChunkRange {
+  std::size_t first = 0;
+  std::size_t last = 0;
+};
+
 /// `first` to `last` in chunks; the last one may be smaller.
-void add_chunks(std::size_t first, std::size_t last, std::size_t body, std::vector<Chunk>& chunks) {
+ChunkRange add_chunks(std::size_t first, std::size_t last, std::size_t body, std::vector<Chunk>& chunks) {
+  const std::size_t before = chunks.size();
   for (; first < last; first += chunk_size) {
     chunks.push_back({first, std::min(first + chunk_size, last), body});
   }
+  return {before, chunks.size()};
 }
 
-/// Of the chunks of one body.
-double total(std::span<const Chunk> chunks, std::span<const LaneSums> sums_of_chunks, std::size_t body) {
+double total(std::span<const LaneSums> chunks, const ChunkRange& range) {
   LaneSums sums{};
-  for (std::size_t chunk = 0; chunk < chunks.size(); ++chunk) {
-    if (chunks[chunk].body != body) continue;
+  for (const LaneSums& chunk : chunks.subspan(range.first, range.last - range.first)) {
     for (std::size_t lane = 0; lane < constraint_lanes; ++lane) {
-      sums[lane] += sums_of_chunks[chunk][lane];
+      sums[lane] += chunk[lane];
     }
   }
   return std::accumulate(sums.begin(), sums.end(), 0.0);
@@ -162,9 +168,12 @@ class Volume final : public Effect {
   Volume(const EffectInput& input, double pressure, double projection_scale) : m_projection_scale(projection_scale) {
     for (std::size_t b = 0; b < input.bodies.size(); ++b) {
       const Body& body = input.bodies[b];
-      m_bodies.push_back({static_cast<std::size_t>(body.first_node), static_cast<std::size_t>(body.last_node),
+      m_bodies.push_back({static_cast<std::size_t>(body.first_node),
+                          static_cast<std::size_t>(body.last_node),
                           static_cast<std::size_t>(input.order.row_of(body.first_node)),
-                          pressure * body_volume_m3(input.mesh.vertices, input.mesh.triangles, body)});
+                          pressure * body_volume_m3(input.mesh.vertices, input.mesh.triangles, body),
+                          {},
+                          {}});
       add_triangles(closed_triangles(input, body), b, static_cast<int>(input.order.size()));
     }
     m_area_vectors.resize(m_corners[0].size());
@@ -188,14 +197,14 @@ class Volume final : public Effect {
     }
     team.wait();
     const Team::Share moved = team.share(m_gradients.size());
-    for (std::size_t b = 0; b < m_bodies.size(); ++b) {
-      const std::size_t first = std::max(moved.first, m_bodies[b].first_row);
-      const std::size_t last = std::min(moved.last, m_bodies[b].last_row);
+    for (const BodyVolume& body : m_bodies) {
+      const std::size_t first = std::max(moved.first, body.first_row);
+      const std::size_t last = std::min(moved.last, body.last_row);
       if (first >= last) continue;
-      const double weighted = total(m_row_chunks, m_weighted, b) / 36;
+      const double weighted = total(m_weighted, body.row_chunks) / 36;
       if (!(weighted > 0)) continue;
-      const double volume_m3 = total(m_triangle_chunks, m_six_volumes, b) / 6;
-      const double multiplier = m_projection_scale * (volume_m3 - m_bodies[b].target_m3) / weighted / 6;
+      const double volume_m3 = total(m_six_volumes, body.triangle_chunks) / 6;
+      const double multiplier = m_projection_scale * (volume_m3 - body.target_m3) / weighted / 6;
       HWY_DYNAMIC_DISPATCH(move_along_gradients)(m_gradients.data(), first, last, multiplier, rows.data());
     }
   }
@@ -206,12 +215,14 @@ class Volume final : public Effect {
     std::size_t last_row;
     std::size_t origin_row;  ///< that of its first node; where a surface is open, its volume depends on the origin
     double target_m3;
+    ChunkRange triangle_chunks;
+    ChunkRange row_chunks;
   };
 
   /// The next body's, filled up to whole blocks.
   void add_triangles(std::span<const VolumeTriangle> triangles, std::size_t body, int padding) {
     const std::size_t first = m_corners[0].size();
-    const BodyVolume& rows = m_bodies[body];
+    BodyVolume& rows = m_bodies[body];
     std::vector<std::vector<std::int32_t>> about(rows.last_row - rows.first_row);
     for (const VolumeTriangle& triangle : triangles) {
       const auto index = static_cast<std::int32_t>(m_corners[0].size());
@@ -226,10 +237,9 @@ class Volume final : public Effect {
         corners.push_back(row_offset(padding));
       }
     }
-    add_chunks(first, m_corners[0].size(), body, m_triangle_chunks);
-    const std::size_t first_chunk = m_row_chunks.size();
-    add_chunks(rows.first_row, rows.last_row, body, m_row_chunks);
-    for (std::size_t chunk = first_chunk; chunk < m_row_chunks.size(); ++chunk) {
+    rows.triangle_chunks = add_chunks(first, m_corners[0].size(), body, m_triangle_chunks);
+    rows.row_chunks = add_chunks(rows.first_row, rows.last_row, body, m_row_chunks);
+    for (std::size_t chunk = rows.row_chunks.first; chunk < rows.row_chunks.last; ++chunk) {
       add_rows(m_row_chunks[chunk], rows.first_row, about);
     }
   }

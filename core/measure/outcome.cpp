@@ -71,6 +71,10 @@ Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest
     raise(outcome.max_surface_depth_bound_m, record.surface_depth_bound_m);
     raise(outcome.max_surface_depth_bound_m, record.bone_vertex_depth_bound_m);
     outcome.open_judgements += record.judgement_complete ? 0 : 1;
+    if (record.in_muscles) {
+      raise(outcome.max_muscle_depth_m, record.in_muscles->max_depth_m);
+      raise(outcome.nodes_inside_muscles, record.in_muscles->nodes_inside);
+    }
     raise(outcome.tunnelled_nodes, record.tunnelled_nodes);
     raise(outcome.stuck_nodes, record.stuck_nodes);
   }
@@ -81,6 +85,9 @@ Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest
   if (rest.depth) {
     outcome.nodes_inside_at_rest = rest.depth->nodes_inside;
     outcome.depth_at_rest_m = rest.depth->max_depth_m;
+  }
+  if (rest.in_muscles) {
+    outcome.muscle_depth_at_rest_m = rest.in_muscles->max_depth_m;
   }
   for (std::size_t muscle = 0; muscle < rest.volumes_m3.size(); ++muscle) {
     add_volumes(records, rest, muscle, outcome);

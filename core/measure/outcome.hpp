@@ -14,7 +14,8 @@ struct MuscleAtRest {
   double mean_edge_length_m = 0;   ///< 0: unknown
   int free_nodes = 0;
   int triangles = 0;
-  std::optional<DepthStatistics> depth;  ///< of the free nodes in the bones, before the first frame
+  std::optional<DepthStatistics> depth;       ///< of the free nodes in the bones, before the first frame
+  std::optional<DepthStatistics> in_muscles;  ///< of nodes in other muscles; nothing where no muscles touch
 };
 
 /// What a backend's answers did to the muscle, over a whole run. A figure is missing where nothing was measured that it
@@ -37,10 +38,13 @@ struct Outcome {
   std::optional<int> nodes_inside_at_end;  ///< after the last frame, if that was judged
   std::optional<int> nodes_inside_at_rest;
   std::optional<double> depth_at_rest_m;  ///< of the deepest of them
+  /// Of the deepest node in another muscle: the largest over the frames, and before the first; most nodes in one frame.
+  std::optional<double> max_muscle_depth_m, muscle_depth_at_rest_m;
+  std::optional<int> nodes_inside_muscles;
   /// Most in one of the frames that were looked at, and before the first one.
   std::optional<int> self_intersecting_triangles, self_intersecting_triangles_at_rest;
   int open_judgements = 0;       ///< frames for which the Referee's budget did not suffice
-  Nanoseconds collision_ns = 0;  ///< update, detect and respond, sum over the run
+  Nanoseconds collision_ns = 0;  ///< of the backend with bones: update, detect and respond, sum over the run
   Nanoseconds loop_ns = 0;       ///< sum of the frames
 };
 

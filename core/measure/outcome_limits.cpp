@@ -10,7 +10,7 @@ namespace {
 // Measured on four muscles of the LHDL hip with exact contacts and both presets: the volume is off by 1.4 % at most,
 // and 6.6 % for one muscle in `paper`, whose projection is a sixth; the longest edge is 3.7 times as long as at rest;
 // the surface is at most some 1.2 mean edges deep, and at most 4 % of the triangles pass through others.
-constexpr std::array<OutcomeLimit, 8> limits{{
+constexpr std::array<OutcomeLimit, 10> limits{{
     {{"volume_error", "", "largest departure of the volume from its target, over the target"}, 0.05},
     {{"turned_inside_out", "", "whether the volume may have the other sign than at rest"}, 0},
     {{"tunnelled_nodes", "", "nodes on the wrong side of a bone"}, 0},
@@ -24,6 +24,10 @@ constexpr std::array<OutcomeLimit, 8> limits{{
       "deepest free node in a bone before the first frame: the first frame "
       "throws it out, perhaps on the far side"},
      1},
+    {{"muscle_depth_edges", "mean edges at rest", "deepest node of a muscle in another that it touches"}, 2},
+    {{"muscle_depth_at_rest_edges", "mean edges at rest",
+      "the same before the first frame: muscles that overlap as shipped are laid apart first"},
+     2},
     {{"self_intersecting_share", "",
       "triangles that pass through others, beyond those at rest, over all; where asked "
       "for"},
@@ -96,6 +100,17 @@ void check_contacts(const Outcome& outcome, const MuscleAtRest& rest, Suspicions
         "(limit {:g})",
         *outcome.nodes_inside_at_rest, *outcome.depth_at_rest_m * 1e3, edges, limit);
   });
+  all.check("muscle_depth_edges", in_edges(outcome.max_muscle_depth_m, rest), [&](double edges, double limit) {
+    return fmt::format("a muscle is {:.3f} mm deep in another, {:.3g} mean edges (limit {:g})",
+                       *outcome.max_muscle_depth_m * 1e3, edges, limit);
+  });
+  all.check("muscle_depth_at_rest_edges", in_edges(outcome.muscle_depth_at_rest_m, rest),
+            [&](double edges, double limit) {
+              return fmt::format(
+                  "muscles were {:.3f} mm deep in each other before the first frame, {:.3g} mean edges "
+                  "(limit {:g})",
+                  *outcome.muscle_depth_at_rest_m * 1e3, edges, limit);
+            });
 }
 
 }  // namespace

@@ -20,12 +20,12 @@ using Record = StepRecord;
 
 std::string text_if_judged(const Record& record, double value) { return record.judged ? text(value) : ""; }
 
-constexpr std::array<Column<StepRecord>, 32> columns{{
+constexpr std::array<Column<StepRecord>, 36> columns{{
     {{"frame", "", "1 for the first"}, [](const Record& r) { return fmt::format("{}", r.frame); }},
     {{"angle_deg", "deg", "of the bone that turns most"}, [](const Record& r) { return text(r.angle_deg); }},
     {{"warm_up", "", "1: left out of medians"}, [](const Record& r) { return std::string(r.warm_up ? "1" : "0"); }},
     {{effect_column, "ns", "time of an effect of the scene, one column each, such as bending_ns"}, nullptr},
-    {{"predict_ns", "ns", "time of the prediction"},
+    {{"predict_ns", "ns", "time of the prediction, and of handing the positions to the backend"},
      [](const Record& r) { return fmt::format("{}", r.times.predict_ns); }},
     {{"update_ns", "ns", "collision time: the backend is told poses and positions; sum over the frame's steps"},
      [](const Record& r) { return fmt::format("{}", r.times.update_ns); }},
@@ -33,6 +33,7 @@ constexpr std::array<Column<StepRecord>, 32> columns{{
      [](const Record& r) { return fmt::format("{}", r.times.detect_ns); }},
     {{"respond_ns", "ns", "collision time: the response; sum over the frame's steps"},
      [](const Record& r) { return fmt::format("{}", r.times.respond_ns); }},
+    {{stage_column, "ns", "time of a contact stage of the scene, one column each: muscle_contact_ns"}, nullptr},
     {{"finish_ns", "ns", "time of the velocity update"},
      [](const Record& r) { return fmt::format("{}", r.times.finish_ns); }},
     {{"frame_ns", "ns", "the whole loop; reading, judging, recording and writing are outside"},
@@ -89,6 +90,12 @@ constexpr std::array<Column<StepRecord>, 32> columns{{
      }},
     {{"involuntary_switches", "", "times that the scheduler gave the CPU to others while the frame was timed"},
      [](const Record& r) { return fmt::format("{}", r.involuntary_switches); }},
+    {{"muscle_contacts", "", "nodes that the last detection between muscles found in other muscles"},
+     [](const Record& r) { return text_if(r.muscle_contacts.has_value(), r.muscle_contacts.value_or(0)); }},
+    {{"nodes_inside_muscles", "", "nodes truly inside another muscle that theirs touches, at the end of the frame"},
+     [](const Record& r) { return text_if(r.in_muscles.has_value(), r.in_muscles ? r.in_muscles->nodes_inside : 0); }},
+    {{"max_muscle_depth_m", "m", "true depth of the deepest of them"},
+     [](const Record& r) { return r.in_muscles ? text(r.in_muscles->max_depth_m) : std::string(); }},
     {{"judging_ns", "ns", "time of the Referee, outside of the frame"},
      [](const Record& r) { return text_if(r.judged, r.judging_ns); }},
 }};
@@ -98,14 +105,16 @@ constexpr std::array<Column<StepRecord>, 32> columns{{
 std::span<const Column<StepRecord>> run_columns() { return columns; }
 
 void write_frames_csv(std::ostream& out, const std::vector<std::string>& effect_names,
-                      const std::vector<StepRecord>& records) {
+                      const std::vector<std::string>& stage_names, const std::vector<StepRecord>& records) {
   std::string line;
   const auto append = [&line](const std::string& cell) { line += line.empty() ? cell : "," + cell; };
   for (const Column<StepRecord>& column : columns) {
     if (column.cell != nullptr) {
       append(std::string(column.info.name));
     } else {
-      for (const std::string& name : effect_names) append(name + "_ns");
+      for (const std::string& name : column.info.name == effect_column ? effect_names : stage_names) {
+        append(name + "_ns");
+      }
     }
   }
   out << line << '\n';
@@ -115,7 +124,10 @@ void write_frames_csv(std::ostream& out, const std::vector<std::string>& effect_
       if (column.cell != nullptr) {
         append(column.cell(record));
       } else {
-        for (const Nanoseconds ns : record.times.effects_ns) append(fmt::format("{}", ns));
+        const bool of_effects = column.info.name == effect_column;
+        for (const Nanoseconds ns : of_effects ? record.times.effects_ns : record.times.stages_ns) {
+          append(fmt::format("{}", ns));
+        }
       }
     }
     out << line << '\n';

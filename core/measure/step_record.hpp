@@ -15,19 +15,30 @@
 
 namespace musclebench {
 
-/// One row of frames.csv. Figures that are not known stay empty in the file.
 /// In order.
 inline double sum_of(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
+/// What a frame left of one muscle of several.
+struct MuscleRecord {
+  int contacts = 0;            ///< with bones, answered by the last detection
+  DepthStatistics in_bones;    ///< judged
+  DepthStatistics in_muscles;  ///< judged, where muscles touch
+  double volume_m3 = 0;
+  EdgeStretch edge_stretch;  ///< judged
+};
+
+/// One row of frames.csv. Figures that are not known stay empty in the file.
 struct StepRecord {
   int frame = 0;         ///< 1-based
   double angle_deg = 0;  ///< of the bone that turns most
   bool warm_up = false;
   StageTimes times;
-  int contacts = 0;              ///< answered by the last detection of the frame
-  bool judged = false;           ///< whether the Referee looked at this frame
-  DepthStatistics depth;         ///< at the frame's end
-  ContactDifference difference;  ///< of the last detection
+  int contacts = 0;                           ///< answered by the last detection of the frame
+  std::optional<int> muscle_contacts;         ///< of the last detection between muscles; nothing where none touch
+  std::optional<DepthStatistics> in_muscles;  ///< true depths of nodes in other muscles, at the frame's end
+  bool judged = false;                        ///< whether the Referee looked at this frame
+  DepthStatistics depth;                      ///< at the frame's end
+  ContactDifference difference;               ///< of the last detection
   /// At the frame's end: see SurfaceDepthMeter and BoneVertexDepthMeter. NaN: not measured. The bounds are larger by
   /// more than the tolerance only where the Referee's budget did not suffice, and then the judgement is not complete.
   double surface_depth_m = std::numeric_limits<double>::quiet_NaN();
@@ -39,19 +50,22 @@ struct StepRecord {
   int stuck_nodes = 0;       ///< in this frame, see count_stuck_nodes
   EdgeStretch edge_stretch;  ///< at the frame's end
   std::optional<int> self_intersecting_triangles;
-  std::vector<double> volumes_m3;  ///< of each muscle
-  std::size_t resident_bytes = 0;  ///< 0: unknown
-  long involuntary_switches = 0;   ///< while the frame was timed, see ContextSwitches
-  Nanoseconds judging_ns = 0;      ///< taken by the Referee, outside of the frame
+  std::vector<double> volumes_m3;     ///< of each muscle
+  std::vector<MuscleRecord> muscles;  ///< of each of several; none for one
+  std::size_t resident_bytes = 0;     ///< 0: unknown
+  long involuntary_switches = 0;      ///< while the frame was timed, see ContextSwitches
+  Nanoseconds judging_ns = 0;         ///< taken by the Referee, outside of the frame
 };
 
-/// The columns of a run's frames.csv. The one that is named EFFECT_ns stands for one column an effect, and has no cell.
+/// The columns of a run's frames.csv. Those that are named EFFECT_ns and STAGE_ns stand for one column an effect and a
+/// contact stage, and have no cell.
 std::span<const Column<StepRecord>> run_columns();
 inline constexpr std::string_view effect_column = "EFFECT_ns";
+inline constexpr std::string_view stage_column = "STAGE_ns";
 
-/// Writes the header and one line a record. `effect_names` are those of the simulation, in its order. Numbers read back
+/// Writes the header and one line a record. The names are those of the simulation, in its order. Numbers read back
 /// to the same bits; a figure that is unknown or not finite is an empty cell.
 void write_frames_csv(std::ostream& out, const std::vector<std::string>& effect_names,
-                      const std::vector<StepRecord>& records);
+                      const std::vector<std::string>& stage_names, const std::vector<StepRecord>& records);
 
 }  // namespace musclebench

@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
+#include "core/mesh/body.hpp"
 #include "core/mesh/triangle_mesh.hpp"
-#include "core/pbd/body.hpp"
 
 namespace musclebench {
 

@@ -51,7 +51,6 @@ class NodeRows {
   NodeRow& operator[](std::size_t row) { return m_rows[row]; }
   const NodeRow& operator[](std::size_t row) const { return m_rows[row]; }
   [[nodiscard]] NodeRow* data() { return m_rows.data(); }
-  [[nodiscard]] NodeRow& padding() { return m_rows.back(); }
 
  private:
   std::vector<NodeRow> m_rows = std::vector<NodeRow>(1);

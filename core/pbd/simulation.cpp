@@ -76,7 +76,7 @@ Simulation::Simulation(const LoopParameters& loop, const Particles& particles, N
       m_velocities(particles.size()),
       m_effects(std::move(effects)),
       m_backend(backend),
-      m_response(response),
+      m_response(response, loop.projection_steps),
       m_pose_function(std::move(poses)),
       m_threads(threads),
       m_barrier(threads) {
@@ -103,8 +103,9 @@ std::vector<Vec3> Simulation::velocities() const {
 }
 
 const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer) {
-  m_times = StageTimes{.effects_ns = std::move(m_times.effects_ns)};
+  m_times = StageTimes{.effects_ns = std::move(m_times.effects_ns), .stages_ns = std::move(m_times.stages_ns)};
   m_times.effects_ns.assign(m_effects.size(), 0);
+  m_times.stages_ns.assign(m_stages.size(), 0);
   const Nanoseconds start_ns = monotonic_now_ns();
   for (int substep = 1; substep <= m_loop.substeps; ++substep) {
     m_previous_poses.swap(m_poses);
@@ -120,6 +121,7 @@ const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer)
         }
         project(input, team);
       });
+      run_stages();
       collide(substep == m_loop.substeps && iteration == m_loop.iterations, observer);
     }
     run_team(m_threads, m_barrier, [&](const Team& team) { finish_substep(team); });
@@ -154,6 +156,17 @@ void Simulation::project(const SubstepInput& input, const Team& team) {
   const auto [first, last] = team.share(m_rows.size());
   for (std::size_t row = first; row < last; ++row) {
     m_predicted[m_order.node_in(row)] = m_rows[row].position();
+  }
+}
+
+void Simulation::run_stages() {
+  for (std::size_t i = 0; i < m_stages.size(); ++i) {
+    const ScopedTimer timer(m_times.stages_ns[i]);
+    for (const int node : m_stages[i]->collide({m_positions, m_predicted})) {
+      const auto row = m_order.row_of(node);
+      m_rows[row].set_position(m_predicted[static_cast<std::size_t>(node)]);
+      m_start[row].set_position(m_positions[static_cast<std::size_t>(node)]);
+    }
   }
 }
 

@@ -4,11 +4,13 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/scoped_timer.hpp"
 #include "core/contact/collision_backend.hpp"
 #include "core/contact/response.hpp"
+#include "core/pbd/contact_stage.hpp"
 #include "core/pbd/effect.hpp"
 #include "core/pbd/node_order.hpp"
 #include "core/pbd/node_rows.hpp"
@@ -23,16 +25,18 @@ struct LoopParameters {
   int frames = 1;
   int substeps = 1;
   int iterations = 1;
-  double time_step_s = 1e-3;       ///< of one substep
-  double damping_per_s = 0;        ///< velocities decay as exp(-damping t)
-  double node_mass_kg = 1;         ///< of every node, unless a density is given
-  double density_kg_per_m3 = 0;    ///< of the muscle, whose mass its nodes share evenly; 0: use node_mass_kg
+  double time_step_s = 1e-3;     ///< of one substep
+  double damping_per_s = 0;      ///< velocities decay as exp(-damping t)
+  double node_mass_kg = 1;       ///< of every node, unless a density is given
+  double density_kg_per_m3 = 0;  ///< of the muscle, whose mass its nodes share evenly; 0: use node_mass_kg
+  int projection_steps = default_projection_steps;  ///< of the response `project`, and between muscles
   bool interpolate_poses = false;  ///< false: bones jump to the frame's pose in its first substep, as in the paper
 };
 
 /// The time of each stage of one frame.
 struct StageTimes {
   std::vector<Nanoseconds> effects_ns;  ///< in the order of the simulation's effects
+  std::vector<Nanoseconds> stages_ns;   ///< in the order of its contact stages
   Nanoseconds predict_ns = 0;
   Nanoseconds update_ns = 0;
   Nanoseconds detect_ns = 0;
@@ -80,7 +84,8 @@ class LastDetection final : public CollisionObserver {
 /// Poses of all bones at a time in frames: 0 before the first frame, 1 at its end, fractions between.
 using PoseFunction = std::function<void(double frame_position, std::vector<RigidMotion>& poses)>;
 
-/// The shared position-based dynamics loop (Mueller et al. 2007): one muscle, rigid moving bones, any backend.
+/// The shared position-based dynamics loop (Mueller et al. 2007): muscles, rigid moving bones, any backend. Muscles
+/// collide with bones; with each other where a contact stage sees to it.
 class Simulation {
  public:
   /// `backend` has been built and outlives the simulation. Only free nodes, those of an inverse mass above 0, are
@@ -88,6 +93,9 @@ class Simulation {
   Simulation(const LoopParameters& loop, const Particles& particles, NodeOrder order,
              std::vector<std::unique_ptr<Effect>> effects, CollisionBackend& backend, ResponseKind response,
              PoseFunction poses, int threads = 1);
+
+  /// Before the first frame. Stages run in the order that they are added in.
+  void add_stage(std::unique_ptr<ContactStage> stage) { m_stages.push_back(std::move(stage)); }
 
   /// Runs frame `frame` (1-based); allocates no memory unless the backend does. `observer`, if given, sees every
   /// collision step. The returned times are valid until the next frame.
@@ -101,11 +109,13 @@ class Simulation {
   [[nodiscard]] std::span<const Contact> contacts() const { return m_contacts; }
   [[nodiscard]] std::span<const int> free_nodes() const { return m_free_nodes; }
   [[nodiscard]] std::span<const std::unique_ptr<Effect>> effects() const { return m_effects; }
+  [[nodiscard]] std::span<const std::unique_ptr<ContactStage>> stages() const { return m_stages; }
 
  private:
   void apply_forces(const SubstepInput& input, const Team& team);
   void predict(const SubstepInput& input, const Team& team);
   void project(const SubstepInput& input, const Team& team);
+  void run_stages();
   void collide(bool last_of_frame, CollisionObserver* observer);
   void finish_substep(const Team& team);
 
@@ -120,6 +130,7 @@ class Simulation {
   NodeRows m_rows;   ///< p
   std::vector<NodeRow> m_velocities;
   std::vector<std::unique_ptr<Effect>> m_effects;
+  std::vector<std::unique_ptr<ContactStage>> m_stages;
   CollisionBackend& m_backend;
   Response m_response;
   PoseFunction m_pose_function;

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <utility>
 
 #include "core/mesh/mesh_size.hpp"
+#include "core/pbd/muscle_contact_stage.hpp"
 
 namespace musclebench {
 
@@ -52,8 +55,11 @@ Particles particles_of(const Scene& scene, const std::vector<BoundNode>& bound) 
 
 }  // namespace
 
-PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend, ResponseKind response,
-                                      int threads) {
+PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend, ResponseKind response, int threads,
+                                      MuscleContactDetectors muscle_detectors) {
+  if (!scene.muscle_pairs.empty() && muscle_detectors.empty()) {
+    throw std::invalid_argument("prepare_simulation: the scene's muscles touch, and there is no detector for that");
+  }
   const std::vector<RigidMotion> rest_poses(scene.bones.size());
   PreparedSimulation prepared;
   prepared.bound_nodes = bind_nodes(scene, backend, rest_poses);
@@ -66,9 +72,18 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
     effects.push_back(find_effect(effect.name)->make(input, effect.parameters));
     prepared.effect_names.push_back(effect.name);
   }
+  const Particles particles = particles_of(scene, prepared.bound_nodes);
   prepared.simulation = std::make_unique<Simulation>(
-      scene.loop, particles_of(scene, prepared.bound_nodes), std::move(order), std::move(effects), backend, response,
+      scene.loop, particles, std::move(order), std::move(effects), backend, response,
       [&scene](double position, std::vector<RigidMotion>& poses) { scene.poses_at(position, poses); }, threads);
+  if (!muscle_detectors.empty()) {
+    prepared.simulation->add_stage(std::make_unique<MuscleContactStage>(
+        std::move(muscle_detectors),
+        MuscleContactResponse(scene.muscle_mesh.triangles, particles.inverse_masses, scene.loop.projection_steps)));
+  }
+  for (const auto& stage : prepared.simulation->stages()) {
+    prepared.stage_names.emplace_back(stage->name());
+  }
   return prepared;
 }
 

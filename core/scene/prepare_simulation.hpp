@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/contact/collision_backend.hpp"
+#include "core/contact/muscle_contact.hpp"
 #include "core/contact/response.hpp"
 #include "core/pbd/simulation.hpp"
 #include "core/scene/scene.hpp"
@@ -15,12 +16,17 @@ namespace musclebench {
 struct PreparedSimulation {
   std::vector<BoundNode> bound_nodes;
   std::vector<std::string> effect_names;  ///< in the order of the simulation's
+  std::vector<std::string> stage_names;   ///< the same of its contact stages
   std::unique_ptr<Simulation> simulation;
 };
 
-/// `scene` and `backend`, which is built over the scene's bones, outlive the simulation.
-PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend, ResponseKind response,
-                                      int threads);
+using MuscleContactDetectors = std::vector<std::unique_ptr<MuscleContactDetector>>;
+
+/// `scene` and `backend`, which is built over the scene's bones, outlive the simulation. `muscle_detectors` see to all
+/// `muscle_pairs` of the scene. Throws std::invalid_argument where there are some and no detector: muscles would pass
+/// through each other in silence.
+PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend, ResponseKind response, int threads,
+                                      MuscleContactDetectors muscle_detectors = {});
 
 /// Of each of its nodes.
 double node_mass_kg(const Scene& scene, const Muscle& muscle);

@@ -17,6 +17,7 @@
 #include "core/scene/landmarks.hpp"
 #include "core/scene/scene_warnings.hpp"
 #include "core/scene/toml_table.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 
@@ -135,7 +136,7 @@ std::string checked_name(const TomlTable& table) {
 
 void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene) {
   for (const TomlTable& table : root.tables("bone")) {
-    table.allow_only({"name", "mesh", "motion"});
+    table.allow_only({"name", "mesh", "motion", "backend"});
     const std::string name = checked_name(table);
     for (const Bone& bone : scene.bones) {
       if (bone.name == name) {
@@ -149,6 +150,7 @@ void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene
     sort_in_morton_order(bone.surface.mesh);
     scene.bones.push_back(std::move(bone));
     scene.bone_meshes.push_back(std::move(mesh));
+    scene.bone_backends.push_back(table.word_or("backend", ""));
     const auto motion = table.table("motion");
     scene.motions.push_back(motion ? read_motion(request, *motion) : BoneMotion{});
   }
@@ -189,27 +191,34 @@ AttachmentArea read_area(const SceneRequest& request, const TomlTable& table) {
   return area;
 }
 
-/// The muscle that the attachment names; in a scene of one muscle it may leave it out.
-std::size_t muscle_index(const Scene& scene, const TomlTable& table) {
-  if (scene.muscles.size() == 1 && !table.has("muscle")) {
-    return 0;
-  }
+std::size_t find_muscle(const Scene& scene, const std::string& name, const std::string& location) {
   std::vector<std::string> known;
   for (const Muscle& muscle : scene.muscles) {
     known.push_back(muscle.body.name);
   }
-  if (!table.has("muscle")) {
+  const auto found = std::ranges::find(known, name);
+  if (found == known.end()) {
+    throw InputError(location, fmt::format("'{}' is not a muscle of this scene; did you mean '{}'?", name,
+                                           nearest_word(name, known)));
+  }
+  return static_cast<std::size_t>(found - known.begin());
+}
+
+/// The muscle that the attachment names; in a scene of one muscle it may leave it out.
+std::size_t muscle_index(const Scene& scene, const TomlTable& table) {
+  if (table.has("muscle")) {
+    return find_muscle(scene, table.word("muscle"), table.location("muscle"));
+  }
+  if (scene.muscles.size() > 1) {
+    std::vector<std::string> known;
+    for (const Muscle& muscle : scene.muscles) {
+      known.push_back(muscle.body.name);
+    }
     throw InputError(table.location("muscle"), fmt::format("is missing: in a scene of several muscles an attachment "
                                                            "names its own, {}",
                                                            fmt::join(known, " or ")));
   }
-  const std::string name = table.word("muscle");
-  const auto found = std::ranges::find(known, name);
-  if (found == known.end()) {
-    throw InputError(table.location("muscle"), fmt::format("'{}' is not a muscle of this scene; did you mean '{}'?",
-                                                           name, nearest_word(name, known)));
-  }
-  return static_cast<std::size_t>(found - known.begin());
+  return 0;
 }
 
 void read_attachments(const SceneRequest& request, const TomlTable& root, Scene& scene) {
@@ -237,18 +246,6 @@ void read_attachments(const SceneRequest& request, const TomlTable& root, Scene&
   }
 }
 
-/// [muscle], or several [[muscle]].
-std::vector<TomlTable> muscle_tables(const TomlTable& root) {
-  if (root.is_list("muscle")) {
-    return root.tables("muscle");
-  }
-  const auto table = root.table("muscle");
-  if (!table) {
-    throw InputError(root.location("muscle"), "is missing; add a [muscle] table with name and mesh");
-  }
-  return {*table};
-}
-
 void read_fibres(const SceneRequest& request, const TomlTable& table, std::size_t index, Scene& scene) {
   Muscle& muscle = scene.muscles[index];
   const std::string fibres = table.word_or("fibres", "none");
@@ -268,7 +265,7 @@ void read_fibres(const SceneRequest& request, const TomlTable& table, std::size_
 }
 
 void read_muscles(const SceneRequest& request, const TomlTable& root, Scene& scene) {
-  const std::vector<TomlTable> tables = muscle_tables(root);
+  const std::vector<TomlTable> tables = root.table_or_tables("muscle");
   for (const TomlTable& table : tables) {
     table.allow_only({"name", "mesh", "fibres"});
     const std::string name = checked_name(table);
@@ -338,11 +335,90 @@ void read_effects(const std::optional<TomlTable>& preset, const std::optional<To
   }
 }
 
-void read_contact(const TomlTable& root, Scene& scene) {
-  if (const auto table = root.table("contact")) {
-    table->allow_only({"response"});
-    if (table->has("response")) {
-      scene.response = find_response(table->word("response"), table->location("response"));
+void read_response(const std::optional<TomlTable>& contact, Scene& scene) {
+  if (!contact) {
+    return;
+  }
+  contact->allow_only({"response", "steps", "muscle_contact", "muscle_backend"});
+  if (contact->has("response")) {
+    scene.response = find_response(contact->word("response"), contact->location("response"));
+  }
+  if (contact->has("steps")) {
+    constexpr double most_steps = 1000;
+    const double steps = contact->number("steps", 1, most_steps);
+    if (steps != std::floor(steps)) {
+      throw InputError(contact->location("steps"), "has to be a whole number");
+    }
+    scene.loop.projection_steps = static_cast<int>(steps);
+  }
+}
+
+void require_closed(const Scene& scene, int muscle, const std::string& location) {
+  const Body& body = scene.muscles[static_cast<std::size_t>(muscle)].body;
+  if (!is_closed(scene.mesh_of(body))) {
+    throw InputError(location,
+                     fmt::format("muscle '{}' is open: what is inside it can't be told; close its surface, or "
+                                 "let it touch no muscle (`musclebench check` counts its boundary edges)",
+                                 body.name));
+  }
+}
+
+/// `[[pair]]`: two muscles that touch, and who detects that.
+SceneMusclePair read_pair(const TomlTable& table, const Scene& scene) {
+  table.allow_only({"muscles", "backend"});
+  const std::vector<std::string> names = table.words("muscles");
+  const std::string location = table.location("muscles");
+  if (names.size() != 2) {
+    throw InputError(location, "has to name two muscles [\"a\", \"b\"]");
+  }
+  const auto first = static_cast<int>(find_muscle(scene, names[0], location));
+  const auto second = static_cast<int>(find_muscle(scene, names[1], location));
+  if (first == second) {
+    throw InputError(location, fmt::format("'{}' stands there twice; a pair is of two muscles", names[0]));
+  }
+  return {{std::min(first, second), std::max(first, second)}, table.word_or("backend", "")};
+}
+
+void read_muscle_pairs(const TomlTable& root, const std::optional<TomlTable>& contact, Scene& scene) {
+  const auto count = static_cast<int>(scene.muscles.size());
+  const std::string backend = contact ? contact->word_or("muscle_backend", "") : "";
+  if (contact && contact->flag_or("muscle_contact", false)) {
+    if (count < 2) {
+      throw InputError(contact->location("muscle_contact"), "needs two muscles, and the scene has one");
+    }
+    for (int first = 0; first < count; ++first) {
+      for (int second = first + 1; second < count; ++second) {
+        scene.muscle_pairs.push_back({{first, second}, backend});
+      }
+    }
+  }
+  std::vector<MusclePair> named;
+  for (const TomlTable& table : root.tables("pair")) {
+    SceneMusclePair pair = read_pair(table, scene);
+    if (std::ranges::find(named, pair.muscles) != named.end()) {
+      throw InputError(table.location("muscles"),
+                       "names a pair that stands in an earlier [[pair]], too; leave one out");
+    }
+    named.push_back(pair.muscles);
+    if (pair.backend.empty()) pair.backend = backend;
+    const auto same = std::ranges::find(scene.muscle_pairs, pair.muscles, &SceneMusclePair::muscles);
+    if (same == scene.muscle_pairs.end()) {
+      scene.muscle_pairs.push_back(pair);
+    } else {
+      *same = pair;
+    }
+  }
+  if (!backend.empty() && scene.muscle_pairs.empty()) {
+    throw InputError(contact->location("muscle_backend"),
+                     "detects nothing: no muscles touch; add muscle_contact = true or a [[pair]]");
+  }
+  std::ranges::sort(scene.muscle_pairs, {}, &SceneMusclePair::muscles);
+  const std::string location = named.empty() && contact ? contact->location("muscle_contact") : root.location("pair");
+  for (int muscle = 0; muscle < count; ++muscle) {
+    if (std::ranges::any_of(scene.muscle_pairs, [&](const SceneMusclePair& pair) {
+          return pair.muscles.first == muscle || pair.muscles.second == muscle;
+        })) {
+      require_closed(scene, muscle, location);
     }
   }
 }
@@ -352,7 +428,7 @@ void read_contact(const TomlTable& root, Scene& scene) {
 Scene read_scene(const SceneRequest& request) {
   const toml::table text = parse_toml(request.text, request.file);
   const TomlTable root(text, request.file, "");
-  root.allow_only({"title", "preset", "bone", "muscle", "attachment", "contact", "effects", "loop"});
+  root.allow_only({"title", "preset", "bone", "muscle", "pair", "attachment", "contact", "effects", "loop"});
 
   Scene scene;
   scene.name = request.name;
@@ -371,10 +447,12 @@ Scene read_scene(const SceneRequest& request) {
     loop_values[key] = value;
   }
   scene.loop = loop_from(Parameters(loop_parameters(), loop_values, "--loop"));
-  read_contact(root, scene);
+  const auto contact = root.table("contact");
+  read_response(contact, scene);
   read_effects(preset.table("effects"), root.table("effects"), scene);
   read_bones(request, root, scene);
   read_muscles(request, root, scene);
+  read_muscle_pairs(root, contact, scene);
   return scene;
 }
 

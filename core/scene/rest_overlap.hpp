@@ -6,7 +6,7 @@
 
 namespace musclebench {
 
-/// The nodes of the muscle that lie inside one bone before anything moves.
+/// Nodes that lie inside a surface before anything moves.
 struct RestOverlap {
   int nodes = 0;
   double deepest_m = 0;
@@ -14,5 +14,8 @@ struct RestOverlap {
 
 /// Of each bone the overlap with the nodes that no attachment binds.
 std::vector<RestOverlap> free_overlaps_at_rest(const Scene& scene);
+
+/// Of each of the scene's muscle pairs, the nodes of either in the other.
+std::vector<RestOverlap> muscle_overlaps_at_rest(const Scene& scene);
 
 }  // namespace musclebench

@@ -91,11 +91,11 @@ std::vector<std::vector<FibreSegment>> Scene::fibres_with(const std::vector<Boun
     std::vector<int> origin;
     std::vector<int> insertion;
     for (const BoundNode& node : bound) {
-      if (node.node >= muscle.body.first_node && node.node < muscle.body.last_node) {
-        (node.bone == origin_bone ? origin : insertion).push_back(node.node);
+      if (muscle.body.has_node(node.node)) {
+        (node.bone == origin_bone ? origin : insertion).push_back(node.node - muscle.body.first_node);
       }
     }
-    fibres.push_back(fibres_between(muscle_mesh, origin, insertion, most_segments));
+    fibres.push_back(fibres_between(mesh_of(muscle.body), origin, insertion, most_segments));
   }
   return fibres;
 }

@@ -6,6 +6,7 @@
 
 #include "core/base/parameters.hpp"
 #include "core/contact/collision_backend.hpp"
+#include "core/contact/muscle_contact.hpp"
 #include "core/effects/effect_registry.hpp"
 #include "core/pbd/simulation.hpp"
 #include "core/scene/attachment_area.hpp"
@@ -43,6 +44,12 @@ struct Muscle {
   bool fibres_between_attachments = false;
 };
 
+/// Two muscles that touch each other.
+struct SceneMusclePair {
+  MusclePair muscles;
+  std::string backend;  ///< that the scene names for them; empty: it leaves the choice open
+};
+
 /// A complete, checked description of what is simulated: all files read, all parameters known.
 struct Scene {
   std::string name;
@@ -59,7 +66,9 @@ struct Scene {
   bool attach_at_first_contact = false;
   std::vector<SceneEffect> effects;  ///< only those the scene names, in the order of the registry
   LoopParameters loop;
-  std::optional<ResponseKind> response;  ///< nothing: the backend's own
+  std::optional<ResponseKind> response;       ///< nothing: the backend's own
+  std::vector<SceneMusclePair> muscle_pairs;  ///< ascending; none: muscles pass through each other
+  std::vector<std::string> bone_backends;     ///< one a bone, as the scene names it; empty: left open
   /// What keeps the scene from being run, where its reader was told to go on all the same (SceneRequest).
   std::vector<std::string> obstacles;
 

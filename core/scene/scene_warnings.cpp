@@ -37,7 +37,7 @@ struct Pieces {
 };
 
 Pieces pieces_of(const Scene& scene, const Body& body) {
-  const TriangleMesh& mesh = scene.muscle_mesh;
+  const TriangleMesh mesh = scene.mesh_of(body);
   DisjointSets joined(static_cast<int>(mesh.vertices.size()));
   for (const Triangle& triangle : mesh.triangles) {
     joined.unite(triangle[0], triangle[1]);
@@ -45,10 +45,12 @@ Pieces pieces_of(const Scene& scene, const Body& body) {
   }
   std::vector<char> is_bound(mesh.vertices.size(), 0);
   for (const BoundNode& bound : scene.bound_nodes()) {
-    is_bound[static_cast<std::size_t>(joined.find(bound.node))] = 1;
+    if (body.has_node(bound.node)) {
+      is_bound[static_cast<std::size_t>(joined.find(bound.node - body.first_node))] = 1;
+    }
   }
   Pieces pieces;
-  for (int vertex = body.first_node; vertex < body.last_node; ++vertex) {
+  for (int vertex = 0; vertex < static_cast<int>(mesh.vertices.size()); ++vertex) {
     if (joined.find(vertex) == vertex) {
       ++pieces.count;
       pieces.unbound += is_bound[static_cast<std::size_t>(vertex)] == 0 ? 1 : 0;
@@ -98,6 +100,30 @@ void warn_of_overlaps(const Scene& scene, Lines& warnings) {
                       "throws them out",
                       overlaps[bone].nodes, scene.muscle_mesh.vertices.size(), scene.bones[bone].name,
                       1e3 * overlaps[bone].deepest_m));
+    }
+  }
+}
+
+/// Of a pair of the scene's muscles.
+std::string pair_names(const Scene& scene, const MusclePair& pair) {
+  return fmt::format("'{}' and '{}'", scene.muscles[static_cast<std::size_t>(pair.first)].body.name,
+                     scene.muscles[static_cast<std::size_t>(pair.second)].body.name);
+}
+
+void warn_of_muscle_pairs(const Scene& scene, Lines& warnings) {
+  if (scene.muscles.size() > 1 && scene.muscle_pairs.empty()) {
+    warnings.push_back(
+        fmt::format("{} muscles, none of which touches another: they pass through each other; let them "
+                    "collide with [contact] muscle_contact = true, or name two in a [[pair]]",
+                    scene.muscles.size()));
+  }
+  const std::vector<RestOverlap> overlaps = muscle_overlaps_at_rest(scene);
+  for (std::size_t i = 0; i < overlaps.size(); ++i) {
+    if (overlaps[i].nodes > 0) {
+      warnings.push_back(fmt::format(
+          "muscles {} overlap at rest: {} nodes, {:.3g} mm deep; the first steps lay them "
+          "apart",
+          pair_names(scene, scene.muscle_pairs[i].muscles), overlaps[i].nodes, 1e3 * overlaps[i].deepest_m));
     }
   }
 }
@@ -192,7 +218,7 @@ std::string describe_missing_fibres(const Scene& scene, std::size_t muscle) {
     }
   }
   for (const BoundNode& bound : scene.bound_nodes()) {
-    if (bound.node >= body.first_node && bound.node < body.last_node) bones.push_back(bound.bone);
+    if (body.has_node(bound.node)) bones.push_back(bound.bone);
   }
   std::sort(bones.begin(), bones.end());
   bones.erase(std::unique(bones.begin(), bones.end()), bones.end());
@@ -212,6 +238,7 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
   warn_of_pieces(scene, warnings);
   warn_of_attachments(scene, warnings);
   warn_of_overlaps(scene, warnings);
+  warn_of_muscle_pairs(scene, warnings);
   warn_of_muscle_surfaces(scene, warnings);
   warn_of_motions(scene, warnings);
   warn_of_effects(scene, warnings);

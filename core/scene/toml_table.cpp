@@ -85,6 +85,18 @@ std::string TomlTable::word_or(std::string_view key, const std::string& fallback
   return has(key) ? word(key) : fallback;
 }
 
+std::vector<std::string> TomlTable::words(std::string_view key) const {
+  const toml::array* array = node(key).as_array();
+  std::vector<std::string> words;
+  for (std::size_t i = 0; array != nullptr && i < array->size(); ++i) {
+    words.push_back(array->get(i)->value_exact<std::string>().value_or(""));
+  }
+  if (words.empty() || std::find(words.begin(), words.end(), "") != words.end()) {
+    throw InputError(location(key), "has to be a list of words in quotes [\"a\", \"b\"]");
+  }
+  return words;
+}
+
 double TomlTable::number(std::string_view key, double minimum, double maximum) const {
   const auto value = node(key).value<double>();
   if (!node(key).is_number() || !value || !std::isfinite(*value) || *value < minimum || *value > maximum) {
@@ -158,6 +170,17 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
     children.emplace_back(*array->get(i)->as_table(), m_file, fmt::format("{}[{}]", key, i + 1));
   }
   return children;
+}
+
+std::vector<TomlTable> TomlTable::table_or_tables(std::string_view key) const {
+  if (is_list(key)) {
+    return tables(key);
+  }
+  const auto one = table(key);
+  if (!one) {
+    throw InputError(location(key), fmt::format("is missing; add a [{}] table with name and mesh", key));
+  }
+  return {*one};
 }
 
 std::map<std::string, ParameterValue> TomlTable::values() const {

@@ -25,6 +25,8 @@ class TomlTable {
 
   [[nodiscard]] bool has(std::string_view key) const { return m_table->contains(key); }
   [[nodiscard]] std::string word(std::string_view key) const;
+  /// A list of words.
+  [[nodiscard]] std::vector<std::string> words(std::string_view key) const;
   [[nodiscard]] std::string word_or(std::string_view key, const std::string& fallback) const;
   /// A finite number in [minimum, maximum].
   [[nodiscard]] double number(std::string_view key, double minimum, double maximum) const;
@@ -33,6 +35,8 @@ class TomlTable {
   [[nodiscard]] std::vector<Vec3> points(std::string_view key) const;
   [[nodiscard]] std::optional<TomlTable> table(std::string_view key) const;
   [[nodiscard]] std::vector<TomlTable> tables(std::string_view key) const;
+  /// One `[key]`, or several `[[key]]`; at least one.
+  [[nodiscard]] std::vector<TomlTable> table_or_tables(std::string_view key) const;
   /// All values of a flat table.
   [[nodiscard]] std::map<std::string, ParameterValue> values() const;
   [[nodiscard]] std::vector<std::string> keys() const;

@@ -1,13 +1,18 @@
 // Scenes of several muscles: how they are read, and that muscles which do not touch each other move as if alone.
+#include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "backends/registry.hpp"
+#include "bench/cases/collider_backends.hpp"
+#include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/scene/prepare_simulation.hpp"
 #include "core/scene/read_scene.hpp"
+#include "core/scene/scene_warnings.hpp"
 #include "core/scene/tests/scene_errors.hpp"
 
 namespace musclebench {
@@ -58,6 +63,12 @@ std::string attachment(const std::string& muscle, double x_m, const std::string&
 }
 
 std::string attachments_of_bar() { return attachment("bar", -0.05) + attachment("bar", -0.05, "lid", "0.0416"); }
+
+const std::string all_touch = "[contact]\nmuscle_contact = true\n";
+
+std::string pair(const std::string& one, const std::string& other, const std::string& more = "") {
+  return "\n[[pair]]\nmuscles = [\"" + one + "\", \"" + other + "\"]\n" + more + "\n";
+}
 
 TriangleMesh shifted(TriangleMesh mesh, const Vec3& by_m) {
   for (Vec3& vertex : mesh.vertices) {
@@ -137,6 +148,100 @@ TEST(ManyMuscles, MoveToTheBitAsIfEachWereAlone) {
   }
   EXPECT_GT((of_bar[0][5] - mesh_of("bar").vertices[5]).norm(), 1e-3);
   EXPECT_GT((of_ball[0][5] - mesh_of("ball").vertices[5]).norm(), 1e-3);
+}
+
+/// The muscle with fibres comes second: its nodes are numbered from another one on.
+TEST(ManyMuscles, MoveToTheBitAsIfEachWereAloneInAnyOrder) {
+  const auto of_bar = simulated(std::string(bones) + "[muscle]" + bar + attachments_of_bar(), 1);
+  const auto together = simulated(
+      std::string(bones) + "[[muscle]]" + ball + "[[muscle]]" + bar + attachment("ball", 0.05) + attachments_of_bar(),
+      2);
+  ASSERT_EQ(together.size(), 2U);
+  EXPECT_EQ(together[1], of_bar[0]);
+}
+
+TEST(ManyMuscles, ThatPassThroughEachOtherAreWarnedOf) {
+  const auto mentions = [](const std::string& text, const std::string& what) {
+    return std::ranges::any_of(scene_warnings(read_scene(request(text))),
+                               [&](const std::string& line) { return line.find(what) != std::string::npos; });
+  };
+  EXPECT_TRUE(mentions(both(), "pass through each other"));
+  EXPECT_FALSE(mentions(all_touch + both(), "pass through each other"));
+  EXPECT_FALSE(mentions(std::string(bones) + "[muscle]" + bar + attachments_of_bar(), "pass through each other"));
+}
+
+TEST(ManyMuscles, PairsAreAllOrThoseThatAreNamed) {
+  const Scene all = read_scene(request(all_touch + both()));
+  ASSERT_EQ(all.muscle_pairs.size(), 1U);
+  EXPECT_EQ(all.muscle_pairs[0].muscles, (MusclePair{0, 1}));
+  EXPECT_EQ(all.muscle_pairs[0].backend, "");
+  const Scene named = read_scene(request(both() + pair("ball", "bar", "backend = \"fcl\"")));
+  ASSERT_EQ(named.muscle_pairs.size(), 1U);
+  EXPECT_EQ(named.muscle_pairs[0].muscles, (MusclePair{0, 1}));
+  EXPECT_EQ(named.muscle_pairs[0].backend, "fcl");
+  EXPECT_TRUE(read_scene(request(both())).muscle_pairs.empty());
+  EXPECT_EQ(read_scene(request("[contact]\nsteps = 7\n" + both())).loop.projection_steps, 7);
+}
+
+TEST(ManyMuscles, WhatIsWrongWithPairsNamesItsKey) {
+  const std::string one = std::string(bones) + "[muscle]" + bar + attachments_of_bar();
+  expect_mentions(error_of(request(all_touch + one)), {"contact.muscle_contact", "two muscles", "has one"});
+  expect_mentions(error_of(request(both() + pair("ball", "bra"))), {"pair[1].muscles", "'bra'", "did you mean 'bar'"});
+  expect_mentions(error_of(request(both() + pair("ball", "ball"))), {"pair[1].muscles", "'ball' stands there twice"});
+  expect_mentions(error_of(request(both() + pair("ball", "bar") + pair("bar", "ball"))),
+                  {"pair[2].muscles", "earlier [[pair]]"});
+  expect_mentions(error_of(request(both() + "[[pair]]\nmuscles = [\"ball\"]\n")), {"pair[1].muscles", "two muscles"});
+  expect_mentions(error_of(request("[contact]\nmuscle_backend = \"bvh\"\n" + both())),
+                  {"contact.muscle_backend", "no muscles touch"});
+  for (const char* steps : {"0", "2.5", "1e9"}) {
+    expect_mentions(error_of(request("[contact]\nsteps = " + std::string(steps) + "\n" + both())), {"contact.steps"});
+  }
+  SceneRequest open = request(all_touch + both());
+  open.synthetic_mesh = [](const std::string& name) {
+    TriangleMesh mesh = mesh_of(name);
+    if (name == "ball") mesh.triangles.erase(mesh.triangles.begin());
+    return mesh;
+  };
+  expect_mentions(error_of(open), {"contact.muscle_contact", "muscle 'ball' is open"});
+}
+
+TEST(ColliderBackends, AreThoseOfTheOptionsBeforeTheSceneBeforeTheCase) {
+  std::string text = all_touch + both();
+  const Scene plain = read_scene(request(text));
+  const BackendEntry& sdf = find_backend("sdf");
+  const ColliderBackends by_default = choose_collider_backends({}, plain, sdf);
+  EXPECT_TRUE(by_default.of_bones.empty());
+  ASSERT_EQ(by_default.of_pairs.size(), 1U);
+  EXPECT_EQ(by_default.of_pairs[0]->name, "bvh");
+  const ColliderBackends by_option = choose_collider_backends({"lid=voxel", "muscles=brute_force"}, plain, sdf);
+  ASSERT_EQ(by_option.of_bones.size(), 2U);
+  EXPECT_EQ(by_option.of_bones[0], nullptr);
+  EXPECT_EQ(by_option.of_bones[1]->name, "voxel");
+  EXPECT_EQ(by_option.of_pairs[0]->name, "brute_force");
+  text.replace(text.find("mesh = \"synthetic:lid\""), 0, "backend = \"bvh\"\n");
+  const Scene own = read_scene(request(text));
+  EXPECT_EQ(choose_collider_backends({}, own, sdf).of_bones[1]->name, "bvh");
+  EXPECT_EQ(choose_collider_backends({"lid=voxel"}, own, sdf).of_bones[1]->name, "voxel");
+  EXPECT_TRUE(choose_collider_backends({"lid=sdf"}, own, sdf).of_bones.empty());
+}
+
+TEST(ColliderBackends, WhatCannotBeIsRefused) {
+  const Scene scene = read_scene(request(all_touch + both()));
+  const Scene apart = read_scene(request(both()));
+  const BackendEntry& sdf = find_backend("sdf");
+  const auto refusal = [&](const Scene& of, const std::string& option) -> std::string {
+    try {
+      (void)choose_collider_backends({option}, of, sdf);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  expect_mentions(refusal(scene, "muscles=sdf"), {"--for muscles=sdf", "can't follow a surface that deforms", "bvh"});
+  expect_mentions(refusal(scene, "lidd=sdf"), {"--for lidd=sdf", "'lidd' is not a bone", "did you mean 'lid'"});
+  expect_mentions(refusal(scene, "lid=sfd"), {"--for lid=sfd", "did you mean 'sdf'"});
+  expect_mentions(refusal(scene, "lid"), {"--for lid", "COLLIDER=BACKEND"});
+  expect_mentions(refusal(apart, "muscles=bvh"), {"--for muscles=bvh", "no muscles of this scene touch"});
 }
 
 TEST(ManyMuscles, WhatIsWrongWithThemNamesItsKey) {

@@ -72,7 +72,7 @@ TEST(Catalogue, HasTheKeysOfItsSchema) {
     EXPECT_EQ(keys_of(preset), (Keys{"name", "title"}));
   }
   for (const Json& scene : json["scenes"]) {
-    EXPECT_EQ(keys_of(scene), (Keys{"name", "title", "muscle", "bones"}));
+    EXPECT_EQ(keys_of(scene), (Keys{"name", "title", "muscles", "bones"}));
     EXPECT_FALSE(scene["bones"].empty());
   }
 }
@@ -87,7 +87,7 @@ TEST(Catalogue, EachBackendHasTheKeysOfTheSchema) {
   for (const Json& backend : json["backends"]) {
     SCOPED_TRACE(backend["name"]);
     EXPECT_EQ(keys_of(backend), (Keys{"name", "label", "help", "colour", "dash", "default_response", "exact",
-                                      "parameters", "capabilities", "study"}));
+                                      "muscle_contact", "parameters", "capabilities", "study"}));
     EXPECT_EQ(keys_of(backend["capabilities"]),
               (Keys{"depth", "point_queries", "has_cache", "has_step", "steady_memory"}));
     EXPECT_TRUE(responses.contains(backend["default_response"]));

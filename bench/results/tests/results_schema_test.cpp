@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <numeric>
 #include <set>
 #include <sstream>
 
@@ -18,8 +19,24 @@
 namespace musclebench {
 namespace {
 
+/// Two muscles that touch.
+Scene scene_of_two() {
+  Scene scene = small_scene();
+  Muscle& ball = scene.add_muscle("ball", make_sphere(0.005, 1));
+  ball.file = {"ball", "", make_sphere(0.005, 1)};
+  ball.node_of_vertex.resize(ball.file.mesh.vertices.size());
+  std::iota(ball.node_of_vertex.begin(), ball.node_of_vertex.end(), ball.body.first_node);
+  ball.changes = {"made by hand"};
+  scene.muscle_pairs = {{{0, 1}, ""}};
+  return scene;
+}
+
 /// What an approximating backend leaves behind has every key.
-RunCase approximate_case(const Scene& scene) { return case_of(scene, "sdf", {{"cells", std::int64_t{16}}}); }
+RunCase approximate_case(const Scene& scene) {
+  RunCase run = case_of(scene, "sdf", {{"cells", std::int64_t{16}}});
+  run.colliders = choose_collider_backends({"femur=bvh"}, scene, run.backend);
+  return run;
+}
 
 std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> parts;
@@ -80,11 +97,14 @@ void expect_schema(const Json& manifest, ResultKind kind) {
   }
 }
 
-std::string names_in(const Json& columns, const std::vector<std::string>& effects = {}) {
+std::string names_in(const Json& columns, const std::vector<std::string>& effects = {},
+                     const std::vector<std::string>& stages = {}) {
   std::string names;
   for (const Json& column : columns["columns"]) {
     if (column["name"] == effect_column) {
       for (const std::string& effect : effects) names.append(",").append(effect).append("_ns");
+    } else if (column["name"] == stage_column) {
+      for (const std::string& stage : stages) names.append(",").append(stage).append("_ns");
     } else {
       names.append(",").append(column["name"].get<std::string>());
     }
@@ -93,7 +113,7 @@ std::string names_in(const Json& columns, const std::vector<std::string>& effect
 }
 
 TEST(ResultsSchema, HoldsForARun) {
-  const Scene scene = small_scene();
+  const Scene scene = scene_of_two();
   RunCase run = approximate_case(scene);
   run.snapshots = {0, 2};
   run.count_self_intersections = true;
@@ -101,15 +121,16 @@ TEST(ResultsSchema, HoldsForARun) {
   const TemporaryFolder folder("schema_run");
   write_run(folder.path() / "out", run, result);
   EXPECT_EQ(header_of(folder.path() / "out" / "frames.csv"),
-            names_in(results_schema_json()["run"], result.effect_names));
+            names_in(results_schema_json()["run"], result.effect_names, result.stage_names));
   expect_schema(manifest_in(folder.path() / "out"), ResultKind::run);
 }
 
 TEST(ResultsSchema, HoldsForAReplay) {
-  const Scene scene = small_scene();
+  const Scene scene = scene_of_two();
   const RunCase run = approximate_case(scene);
   const BuiltBackend built = build_backend(run);
-  const PreparedSimulation prepared = prepare_simulation(scene, *built.backend, run.response, run.threads);
+  const PreparedSimulation prepared = prepare_simulation(scene, *built.backend, run.response, run.threads,
+                                                         make_muscle_detectors(scene, run.colliders, run.threads));
   KeptFrames frames(static_cast<int>(scene.muscle_mesh.vertices.size()), prepared.simulation->free_nodes());
   for (int frame = 1; frame <= 2; ++frame) {
     frames.begin_frame(frame, 0);
@@ -124,7 +145,7 @@ TEST(ResultsSchema, HoldsForAReplay) {
 }
 
 TEST(ResultsSchema, HoldsForAProbe) {
-  const Scene scene = small_scene();
+  const Scene scene = scene_of_two();
   const ProbeCase what{static_cast<const Case&>(approximate_case(scene)), 100};
   const ProbeResult result = probe(what, [](int) {});
   const TemporaryFolder folder("schema_probe");

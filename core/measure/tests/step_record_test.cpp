@@ -27,7 +27,7 @@ struct Csv {
 
   explicit Csv(const StepRecord& record) {
     std::ostringstream out;
-    write_frames_csv(out, {"volume"}, {record});
+    write_frames_csv(out, {"volume"}, {"muscle_contact"}, {record});
     std::istringstream in(out.str());
     std::string line;
     std::getline(in, line);
@@ -51,6 +51,7 @@ StepRecord record() {
   r.frame = 3;
   r.angle_deg = 1.0 / 3;
   r.times.effects_ns = {17};
+  r.times.stages_ns = {18};
   r.times.predict_ns = 1;
   r.times.update_ns = 2;
   r.times.detect_ns = 3;
@@ -75,6 +76,8 @@ StepRecord record() {
   r.self_intersecting_triangles = 15;
   r.involuntary_switches = 16;
   r.judging_ns = 17;
+  r.muscle_contacts = 19;
+  r.in_muscles = DepthStatistics{20, 0.8, 0.9, 1.0};
   return r;
 }
 
@@ -88,6 +91,10 @@ TEST(FramesCsv, EveryFigureStandsUnderItsName) {
                                                                      {"update_ns", "2"},
                                                                      {"detect_ns", "3"},
                                                                      {"respond_ns", "4"},
+                                                                     {"muscle_contact_ns", "18"},
+                                                                     {"muscle_contacts", "19"},
+                                                                     {"nodes_inside_muscles", "20"},
+                                                                     {"max_muscle_depth_m", "0.8"},
                                                                      {"finish_ns", "5"},
                                                                      {"frame_ns", "6"},
                                                                      {"recording_ns", "7"},

@@ -15,7 +15,7 @@ from ..program.registry import Registry
 from .case import Places
 
 REFERENCE_NODES = 6931  # of the muscle that guessed times are of
-PRESET = "paper"  # of scenes that come with the program; a scene file names its own
+PRESET = "paper"  # of the program's own scenes of one muscle; others name theirs
 SURVEY_SECONDS = 300
 SAME_ANGLE_RAD = 1e-9
 
@@ -73,10 +73,11 @@ class Scene:
 
 def chosen_names(scenes: list[str] | None, muscles: list[str] | None, data_set: str, registry: Registry,
                  quick_muscle: str | None = None) -> list[str]:
-    """Of --scene and --muscle, which together may name no scene twice; without either all of the data set, or the one
-    that is quick."""
+    """Of --scene and --muscle, which together may name no scene twice; without either all of the data set that have one
+    muscle, or the one that is quick."""
     known = [scene.name for scene in registry.scenes]
-    of_set = [name for name in known if name.startswith(f"{data_set}/")]
+    of_set = [scene.name for scene in registry.scenes
+              if scene.name.startswith(f"{data_set}/") and len(scene.muscles) == 1]
     names = [_named(scene, known) for scene in scenes or []]
     for muscle in muscles or []:
         if f"{data_set}/{muscle}" not in known:
@@ -109,7 +110,8 @@ def survey(names: list[str], program: Path, registry: Registry, places: Places, 
            preset: str | None = None) -> list[Scene]:
     """Asks the program how large each scene is and how it moves. `preset`: of all; else scene files have their own."""
     short = [Scene(name).key for name in names]
-    scenes = [Scene(name, preset=preset or PRESET, asks_preset=bool(preset) or not Scene(name).is_file,
+    of_one_muscle = {scene.name for scene in registry.scenes if len(scene.muscles) == 1}
+    scenes = [Scene(name, preset=preset or PRESET, asks_preset=bool(preset) or name in of_one_muscle,
                     frames_limit=frames_limit, probed_on=_probed_on(name, registry), has_long_key=short.count(key) > 1)
               for name, key in zip(names, short)]
     return [_asked(scene, program, registry, places) for scene in scenes]

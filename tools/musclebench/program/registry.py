@@ -74,7 +74,7 @@ class Backend:
 class SceneEntry:
     name: str
     title: str = ""
-    muscle: str = ""
+    muscles: tuple[str, ...] = ()
     bones: tuple[str, ...] = ()
 
 
@@ -144,7 +144,8 @@ def parse_registry(text: str, source: str) -> Registry:
             raise Problem(f"{source}: lists its backends by schema {told['schema']}, these tools read {SCHEMA}; "
                           "use the tools and the program of one commit")
         backends = tuple(_backend(one, place) for place, one in enumerate(told["backends"]))
-        scenes = tuple(SceneEntry(one["name"], one.get("title", ""), one.get("muscle", ""), tuple(one.get("bones", [])))
+        scenes = tuple(SceneEntry(one["name"], one.get("title", ""), tuple(one.get("muscles", [])),
+                                  tuple(one.get("bones", [])))
                        for one in told["scenes"])
         presets = tuple(one["name"] for one in told["presets"])
     except (ValueError, KeyError, TypeError) as problem:

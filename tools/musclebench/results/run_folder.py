@@ -1,7 +1,7 @@
-"""Finished runs: run.json and frames.csv of each case, and runs.csv with one row a run."""
+"""Finished runs: run.json, frames.csv and muscles.csv of each case, and runs.csv with one row a run."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
@@ -29,6 +29,7 @@ class Run:
     folder: Path
     record: dict  # run.json
     frames: pd.DataFrame  # frames.csv and collision_ns; empty where the run left none
+    muscles: pd.DataFrame = field(default_factory=pd.DataFrame)  # muscles.csv; empty for a scene of one muscle
 
     @property
     def mode(self) -> str:
@@ -66,7 +67,9 @@ def read_run(folder: Path) -> Run:
     if fault:
         raise ResultProblem(f"{folder}: {fault}; run the case again")
     columns = COLUMNS_OF_MODE.get(record["case"].get("mode"), FRAME_COLUMNS)
-    return Run(folder, record, read_frames(folder / "frames.csv", columns))
+    of_muscles = folder / "muscles.csv"
+    return Run(folder, record, read_frames(folder / "frames.csv", columns),
+               pd.read_csv(of_muscles) if of_muscles.is_file() else pd.DataFrame())
 
 
 def read_frames(path: Path, columns: list[str]) -> pd.DataFrame:

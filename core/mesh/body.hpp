@@ -9,13 +9,15 @@
 
 namespace musclebench {
 
-/// One of several muscles in one loop: consecutive nodes, and consecutive triangles of the mesh of all.
+/// One of several muscles: consecutive nodes, and consecutive triangles of the mesh of all.
 struct Body {
   std::string name;
   int first_node = 0;
   int last_node = 0;  ///< one past the last
   std::size_t first_triangle = 0;
   std::size_t last_triangle = 0;  ///< one past the last
+
+  [[nodiscard]] bool has_node(int node) const { return node >= first_node && node < last_node; }
 };
 
 /// The index of the body that has the node. `bodies` are in the order of their nodes and have all of them.

@@ -1,0 +1,142 @@
+#include "backends/bvh/muscle_detector.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "core/bvh/moving_surface_tree.hpp"
+#include "core/clearance/clearance_cache.hpp"
+#include "core/clearance/moving_clearances.hpp"
+#include "core/mesh/mesh_size.hpp"
+
+namespace musclebench {
+
+namespace {
+
+/// More than the relative rounding errors of the lengths that a clearance is made of.
+constexpr double rounding = 1e-9;
+/// A point closer to a surface than this, relative to the diagonal of all muscles, is on it.
+constexpr double touching = 1e-12;
+constexpr double unknown_m = std::numeric_limits<double>::infinity();
+
+/// With the clearance cache only nodes that have used up their clearance are asked for (MovingClearances). The cache
+/// changes the time only.
+class BvhMuscleDetector final : public MuscleContactDetector {
+ public:
+  BvhMuscleDetector(const TouchingMuscles& muscles, bool with_cache, int threads)
+      : m_mesh(muscles.mesh),
+        m_bodies(muscles.bodies),
+        m_threads(threads),
+        m_touching_m(touching * bounding_box(muscles.mesh.vertices).diagonal().norm()) {
+    if (with_cache) m_clearances.emplace(muscles);
+    for (int muscle = 0; muscle < static_cast<int>(m_bodies.size()); ++muscle) {
+      const Body& body = m_bodies[static_cast<std::size_t>(muscle)];
+      m_beside.push_back(muscles_beside(muscles.pairs, muscle));
+      m_trees.emplace_back(muscles.mesh, body);
+      m_most_beside = std::max(m_most_beside, m_beside.back().size());
+      for (int node = body.first_node; node < body.last_node && !m_beside.back().empty(); ++node) {
+        m_nodes.push_back(node);
+      }
+    }
+    m_guesses.assign(muscles.mesh.vertices.size() * m_most_beside, -1);
+  }
+
+  void detect(std::span<const Vec3> positions, std::vector<MuscleContact>& contacts) override {
+    contacts.clear();
+    m_positions = positions;
+    for (MovingSurfaceTree& tree : m_trees) tree.update(positions, m_threads);
+    if (m_clearances) m_clearances->update(positions, m_threads);
+    m_queried = m_clearances ? m_clearances->expired() : std::span<const int>(m_nodes);
+    const std::size_t chunks = (m_queried.size() + chunk_size - 1) / chunk_size;
+    if (m_found.size() < chunks) m_found.resize(chunks);
+    if (m_threads > 1 && chunks > 1) {  // OpenMP allocates even a team of one
+#pragma omp parallel for schedule(dynamic, 1) num_threads(m_threads)
+      for (std::size_t chunk = 0; chunk < chunks; ++chunk) query_chunk(chunk);
+    } else {
+      for (std::size_t chunk = 0; chunk < chunks; ++chunk) query_chunk(chunk);
+    }
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+      contacts.insert(contacts.end(), m_found[chunk].begin(), m_found[chunk].end());
+    }
+    std::ranges::sort(contacts, {},
+                      [](const MuscleContact& contact) { return std::pair(contact.node, contact.muscle); });
+  }
+
+  [[nodiscard]] std::size_t structure_bytes() const override {
+    std::size_t bytes = (m_nodes.capacity() + m_guesses.capacity()) * sizeof(int);
+    if (m_clearances) bytes += m_clearances->bytes();
+    for (const MovingSurfaceTree& tree : m_trees) bytes += tree.bytes();
+    return bytes;
+  }
+
+ private:
+  static constexpr std::size_t chunk_size = 32;
+
+  void query_chunk(std::size_t chunk) {
+    std::vector<MuscleContact>& found = m_found[chunk];
+    found.clear();
+    const std::size_t last = std::min((chunk + 1) * chunk_size, m_queried.size());
+    for (std::size_t i = chunk * chunk_size; i < last; ++i) query(m_queried[i], found);
+  }
+
+  void query(int node, std::vector<MuscleContact>& found) {
+    const double beyond_m = m_clearances ? m_clearances->beyond_m(node) : unknown_m;
+    double clearance_m = unknown_m;
+    std::size_t guess = static_cast<std::size_t>(node) * m_most_beside;
+    for (const int muscle : m_beside[body_of(m_bodies, node)]) {
+      clearance_m = std::min(clearance_m, query_muscle(node, muscle, beyond_m, m_guesses[guess++], found));
+    }
+    if (m_clearances) m_clearances->store(node, clearance_m);
+  }
+
+  /// Returns how far the node is free of the muscle; 0 where it is inside.
+  double query_muscle(int node, int muscle, double beyond_m, int& guess, std::vector<MuscleContact>& found) const {
+    const Vec3& point = m_positions[static_cast<std::size_t>(node)];
+    const MovingSurfaceTree& tree = m_trees[static_cast<std::size_t>(muscle)];
+    if (const double box_m = tree.box_distance_m(point); box_m > 0) {
+      return box_m;
+    }
+    const ClosestPoint closest = tree.closest_point(point, guess);
+    if (closest.triangle < 0) {  // of a point that is not finite
+      return 0;
+    }
+    guess = closest.triangle;
+    const bool is_free = closest.distance_m <= m_touching_m || closest.distance_m * (1 - rounding) > beyond_m ||
+                         tree.winding_number(point) <= 0;
+    if (is_free) {
+      return closest.distance_m;
+    }
+    const auto& [a, b, c] = m_mesh.triangles[static_cast<std::size_t>(closest.triangle)];
+    const std::array<Vec3, 3> corners = {m_positions[static_cast<std::size_t>(a)],
+                                         m_positions[static_cast<std::size_t>(b)],
+                                         m_positions[static_cast<std::size_t>(c)]};
+    found.push_back(muscle_contact_at(node, muscle, point, closest.triangle, corners,
+                                      {closest.point, closest.distance_m * closest.distance_m, closest.feature}));
+    return 0;
+  }
+
+  const TriangleMesh& m_mesh;
+  std::vector<Body> m_bodies;
+  int m_threads;
+  double m_touching_m;
+  std::vector<std::vector<int>> m_beside;  ///< by muscle: those that it touches, ascending
+  std::size_t m_most_beside = 0;
+  std::vector<MovingSurfaceTree> m_trees;  ///< by muscle
+  std::vector<int> m_nodes;                ///< of muscles that touch others
+  std::optional<MovingClearances> m_clearances;
+  std::vector<int> m_guesses;  ///< by node, then muscle beside: the triangle that was closest last
+  std::span<const Vec3> m_positions;
+  std::span<const int> m_queried;
+  std::vector<std::vector<MuscleContact>> m_found;
+};
+
+}  // namespace
+
+std::unique_ptr<MuscleContactDetector> make_bvh_muscle_detector(const Parameters& parameters,
+                                                                const TouchingMuscles& muscles, int threads) {
+  return std::make_unique<BvhMuscleDetector>(muscles, uses_clearance_cache(parameters), threads);
+}
+
+}  // namespace musclebench

@@ -1,0 +1,146 @@
+#include "backends/fcl/muscle_detector.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "backends/fcl/fcl_options.hpp"
+#include "backends/fcl/met_triangles.hpp"
+#include "backends/fcl/muscle_collider.hpp"
+#include "backends/fcl/triangles_with_area.hpp"
+#include "core/base/input_error.hpp"
+#include "core/distance/pseudo_normals.hpp"
+
+namespace musclebench {
+
+namespace {
+
+class FclMuscleDetector final : public MuscleContactDetector {
+ public:
+  FclMuscleDetector(const FclOptions& options, const TouchingMuscles& muscles, int threads)
+      : m_muscles(muscles), m_threads(threads), m_normals(muscles.mesh), m_found(muscles.pairs.size()) {
+    for (const Body& body : muscles.bodies) {
+      MuscleSurface& surface = m_surfaces.emplace_back();
+      surface.triangles =
+          triangles_with_area(muscles.mesh, body.first_triangle, body.last_triangle, "fcl: contact between muscles");
+      for (const int kept : surface.triangles) {
+        const auto& [a, b, c] = muscles.mesh.triangles[static_cast<std::size_t>(kept)];
+        surface.local_triangles.push_back({a - body.first_node, b - body.first_node, c - body.first_node});
+      }
+      surface.rest_positions.assign(muscles.mesh.vertices.begin() + body.first_node,
+                                    muscles.mesh.vertices.begin() + body.last_node);
+    }
+    for (std::size_t pair = 0; pair < muscles.pairs.size(); ++pair) {
+      m_met.push_back(
+          {MetTriangles(nodes_of(muscles.pairs[pair].first)), MetTriangles(nodes_of(muscles.pairs[pair].second))});
+    }
+    m_collider = make_muscle_collider(options, m_surfaces);
+  }
+
+  void detect(std::span<const Vec3> positions, std::vector<MuscleContact>& contacts) override {
+    contacts.clear();
+    const auto bodies = static_cast<std::ptrdiff_t>(m_muscles.bodies.size());
+#pragma omp parallel for num_threads(m_threads) schedule(dynamic, 1)
+    for (std::ptrdiff_t i = 0; i < bodies; ++i) {
+      const Body& body = m_muscles.bodies[static_cast<std::size_t>(i)];
+      m_collider->update(static_cast<std::size_t>(i),
+                         positions.subspan(static_cast<std::size_t>(body.first_node),
+                                           static_cast<std::size_t>(body.last_node - body.first_node)));
+    }
+    const auto pairs = static_cast<std::ptrdiff_t>(m_muscles.pairs.size());
+#pragma omp parallel for num_threads(m_threads) schedule(dynamic, 1)
+    for (std::ptrdiff_t i = 0; i < pairs; ++i) {
+      collide_pair(static_cast<std::size_t>(i), positions);
+    }
+    for (const std::vector<MuscleContact>& found : m_found) {
+      contacts.insert(contacts.end(), found.begin(), found.end());
+    }
+    std::sort(contacts.begin(), contacts.end(), [](const MuscleContact& a, const MuscleContact& b) {
+      return std::pair(a.node, a.muscle) < std::pair(b.node, b.muscle);
+    });
+  }
+
+  [[nodiscard]] std::size_t structure_bytes() const override {
+    std::size_t sum = m_collider->bytes() + m_normals.bytes();
+    for (const auto& [first, second] : m_met) sum += first.bytes() + second.bytes();
+    return sum;
+  }
+
+ private:
+  [[nodiscard]] const Body& body(int muscle) const { return m_muscles.bodies[static_cast<std::size_t>(muscle)]; }
+  [[nodiscard]] std::size_t nodes_of(int muscle) const {
+    return static_cast<std::size_t>(body(muscle).last_node - body(muscle).first_node);
+  }
+
+  void collide_pair(std::size_t index, std::span<const Vec3> positions) {
+    const MusclePair& pair = m_muscles.pairs[index];
+    std::vector<IntersectingTriangles> met;
+    m_collider->collide(static_cast<std::size_t>(pair.first), static_cast<std::size_t>(pair.second), met);
+    const MuscleSurface& first = m_surfaces[static_cast<std::size_t>(pair.first)];
+    const MuscleSurface& second = m_surfaces[static_cast<std::size_t>(pair.second)];
+    auto& [met_by_first, met_by_second] = m_met[index];
+    met_by_first.start_round();
+    met_by_second.start_round();
+    for (const IntersectingTriangles& triangles : met) {
+      const int of_first = first.triangles[static_cast<std::size_t>(triangles.of_first)];
+      const int of_second = second.triangles[static_cast<std::size_t>(triangles.of_second)];
+      meet(pair.first, of_first, of_second, positions, met_by_first);
+      meet(pair.second, of_second, of_first, positions, met_by_second);
+    }
+    m_found[index].clear();
+    append(pair.first, pair.second, positions, met_by_first, m_found[index]);
+    append(pair.second, pair.first, positions, met_by_second, m_found[index]);
+  }
+
+  /// The nodes of `triangle`, which is one of `muscle`, meet `other`.
+  void meet(int muscle, int triangle, int other, std::span<const Vec3> positions, MetTriangles& met) const {
+    const auto [a, b, c] = corners_of(other, positions);
+    for (const int node : m_muscles.mesh.triangles[static_cast<std::size_t>(triangle)]) {
+      met.meet(
+          node - body(muscle).first_node, [&] { return positions[static_cast<std::size_t>(node)]; }, other, a, b, c);
+    }
+  }
+
+  [[nodiscard]] std::array<Vec3, 3> corners_of(int triangle, std::span<const Vec3> positions) const {
+    const auto& [a, b, c] = m_muscles.mesh.triangles[static_cast<std::size_t>(triangle)];
+    return {positions[static_cast<std::size_t>(a)], positions[static_cast<std::size_t>(b)],
+            positions[static_cast<std::size_t>(c)]};
+  }
+
+  void append(int muscle, int other, std::span<const Vec3> positions, const MetTriangles& met,
+              std::vector<MuscleContact>& found) const {
+    for (int node = body(muscle).first_node; node < body(muscle).last_node; ++node) {
+      const MetTriangles::Closest* closest = met.find(node - body(muscle).first_node);
+      if (closest == nullptr || !(closest->found.squared_distance_m2 > 0)) {
+        continue;
+      }
+      const Vec3 outwards = m_normals.at(positions, closest->triangle, closest->found.feature);
+      if (outwards.dot(closest->point - closest->found.point) < 0) {
+        found.push_back(muscle_contact_at(node, other, closest->point, closest->triangle,
+                                          corners_of(closest->triangle, positions), closest->found));
+      }
+    }
+  }
+
+  TouchingMuscles m_muscles;
+  [[maybe_unused]] int m_threads;
+  MovingPseudoNormals m_normals;
+  std::vector<MuscleSurface> m_surfaces;  ///< by muscle
+  std::unique_ptr<MuscleCollider> m_collider;
+  std::vector<std::pair<MetTriangles, MetTriangles>> m_met;  ///< by pair, of its first and its second muscle
+  std::vector<std::vector<MuscleContact>> m_found;           ///< by pair
+};
+
+}  // namespace
+
+std::unique_ptr<MuscleContactDetector> make_fcl_muscle_detector(const Parameters& parameters,
+                                                                const TouchingMuscles& muscles, int threads) {
+  const FclOptions options = fcl_options(parameters);
+  if (options.query != Query::surfaces) {
+    throw InputError("fcl: query",
+                     "asks single nodes about a tree that never deforms; contact between muscles needs "
+                     "query = surfaces");
+  }
+  return std::make_unique<FclMuscleDetector>(options, muscles, threads);
+}
+
+}  // namespace musclebench

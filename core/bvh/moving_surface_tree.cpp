@@ -1,0 +1,315 @@
+#include "core/bvh/moving_surface_tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/mesh/mesh_size.hpp"
+
+namespace musclebench {
+
+namespace {
+
+/// More than the relative rounding errors of distances that are compared.
+constexpr double rounding = 1e-9;
+/// Of the mean size of a triangle. A refit costs about as much as the queries of a hundred steps in which most nodes
+/// are known to be free; a longer way makes each of them look at more boxes.
+constexpr double farthest_travel = 0.25;
+
+/// Of all lanes of a node or a leaf, along one axis.
+template <typename Lanes>
+std::pair<double, double> bounds_of(const Lanes& boxes, std::size_t axis) {
+  return {*std::min_element(boxes.lower[axis].begin(), boxes.lower[axis].end()),
+          *std::max_element(boxes.upper[axis].begin(), boxes.upper[axis].end())};
+}
+
+/// Squared distances from a point to the boxes, a lane each; infinite for unused ones.
+template <typename Boxes>
+std::array<double, bvh_width> squared_distances(const Boxes& boxes, const Vec3& point) {
+  std::array<double, bvh_width> squared_m2{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double x = point[static_cast<Eigen::Index>(axis)];
+    for (std::size_t lane = 0; lane < bvh_width; ++lane) {
+      const double beyond = std::max(std::max(boxes.lower[axis][lane] - x, x - boxes.upper[axis][lane]), 0.0);
+      squared_m2[lane] += beyond * beyond;
+    }
+  }
+  return squared_m2;
+}
+
+}  // namespace
+
+/// The closest triangle so far, and the square of the distance beyond which no box is looked into.
+struct MovingSurfaceTree::Best {
+  ClosestOnTriangle found;
+  int triangle = -1;
+  double travel_m;
+  double squared_limit_m2;
+
+  Best(double max_distance_m, double travel) : travel_m(travel) {
+    found.squared_distance_m2 = std::min(max_distance_m * max_distance_m, std::numeric_limits<double>::max());
+    set_limit();
+  }
+  void set_limit() {
+    const double limit_m = (std::sqrt(found.squared_distance_m2) + travel_m) * (1 + rounding);
+    squared_limit_m2 = limit_m * limit_m;
+  }
+};
+
+MovingSurfaceTree::MovingSurfaceTree(const TriangleMesh& mesh, const Body& body)
+    : m_triangles(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(body.first_triangle),
+                  mesh.triangles.begin() + static_cast<std::ptrdiff_t>(body.last_triangle)),
+      m_first_triangle(body.first_triangle),
+      m_first_node(static_cast<std::size_t>(body.first_node)),
+      m_fitted(mesh.vertices.begin() + body.first_node, mesh.vertices.begin() + body.last_node) {
+  TriangleMesh own{m_fitted, m_triangles};
+  for (Triangle& triangle : own.triangles) {
+    for (int& corner : triangle) corner -= body.first_node;
+  }
+  m_farthest_m = farthest_travel * mean_triangle_size_m(own);
+  // The exact tree's way of splitting, whose boxes then go their own way.
+  const TriangleBvh rest(own);
+  m_nodes.resize(rest.m_nodes.size());
+  for (std::size_t i = 0; i < m_nodes.size(); ++i) {
+    m_nodes[i].child = rest.m_nodes[i].child;
+    for (std::size_t lane = 0; lane < width; ++lane) {
+      // No child is the root.
+      const bool is_used = m_nodes[i].child[lane] != 0;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        m_nodes[i].lower[axis][lane] = is_used ? 0 : std::numeric_limits<double>::infinity();
+        m_nodes[i].upper[axis][lane] = is_used ? 0 : -std::numeric_limits<double>::infinity();
+      }
+    }
+  }
+  m_leaves.resize(rest.m_leaves.size());
+  for (std::size_t i = 0; i < m_leaves.size(); ++i) {
+    m_leaves[i].count = rest.m_leaves[i].count;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      m_leaves[i].lower[axis].fill(std::numeric_limits<double>::infinity());
+      m_leaves[i].upper[axis].fill(-std::numeric_limits<double>::infinity());
+    }
+    for (std::size_t lane = 0; lane < static_cast<std::size_t>(m_leaves[i].count); ++lane) {
+      m_leaves[i].triangle[lane] = rest.m_leaves[i].triangle[lane] + static_cast<int>(m_first_triangle);
+    }
+  }
+  m_vertices = mesh.vertices;
+  refit(1);
+}
+
+void MovingSurfaceTree::update(std::span<const Vec3> vertices, int threads) {
+  m_vertices = vertices;
+  double squared_m2 = 0;
+  bool all_finite = true;
+  for (std::size_t i = 0; i < m_fitted.size(); ++i) {
+    const double moved_m2 = (vertices[m_first_node + i] - m_fitted[i]).squaredNorm();
+    all_finite = all_finite && std::isfinite(moved_m2);
+    squared_m2 = std::max(squared_m2, moved_m2);
+  }
+  m_travel_m = std::sqrt(squared_m2) * (1 + rounding);
+  // Without finite vertices there is no box; the run ends as diverged after this frame.
+  if (all_finite && m_travel_m > m_farthest_m) {
+    refit(threads);
+  }
+}
+
+void MovingSurfaceTree::refit([[maybe_unused]] int threads) {
+  ++m_refits;
+  m_travel_m = 0;
+  std::copy_n(m_vertices.begin() + static_cast<std::ptrdiff_t>(m_first_node), m_fitted.size(), m_fitted.begin());
+  m_box = bounding_box(m_fitted);
+  if (threads > 1) {  // OpenMP allocates even a team of one
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (std::size_t i = 0; i < m_leaves.size(); ++i) fit_leaf(i);
+  } else {
+    for (std::size_t i = 0; i < m_leaves.size(); ++i) fit_leaf(i);
+  }
+  // From the last node to the root: children come after their parent.
+  for (std::size_t i = m_nodes.size(); i-- > 0;) {
+    Node& node = m_nodes[i];
+    for (std::size_t lane = 0; lane < width; ++lane) {
+      const std::int32_t child = node.child[lane];
+      if (child == 0) {
+        continue;
+      }
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto& [lower, upper] = child < 0 ? bounds_of(m_leaves[static_cast<std::size_t>(~child)], axis)
+                                               : bounds_of(m_nodes[static_cast<std::size_t>(child)], axis);
+        node.lower[axis][lane] = lower;
+        node.upper[axis][lane] = upper;
+      }
+    }
+  }
+}
+
+void MovingSurfaceTree::fit_leaf(std::size_t index) {
+  Leaf& leaf = m_leaves[index];
+  for (std::size_t lane = 0; lane < static_cast<std::size_t>(leaf.count); ++lane) {
+    const auto& [a, b, c] = m_triangles[static_cast<std::size_t>(leaf.triangle[lane]) - m_first_triangle];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto [low, high] = std::minmax({m_vertices[static_cast<std::size_t>(a)][static_cast<Eigen::Index>(axis)],
+                                            m_vertices[static_cast<std::size_t>(b)][static_cast<Eigen::Index>(axis)],
+                                            m_vertices[static_cast<std::size_t>(c)][static_cast<Eigen::Index>(axis)]});
+      leaf.lower[axis][lane] = low;
+      leaf.upper[axis][lane] = high;
+    }
+  }
+}
+
+void MovingSurfaceTree::consider(const Vec3& point, int triangle, Best& best) const {
+  const auto& [a, b, c] = m_triangles[static_cast<std::size_t>(triangle) - m_first_triangle];
+  const ClosestOnTriangle found =
+      closest_on_triangle(point, m_vertices[static_cast<std::size_t>(a)], m_vertices[static_cast<std::size_t>(b)],
+                          m_vertices[static_cast<std::size_t>(c)]);
+  if (found.squared_distance_m2 < best.found.squared_distance_m2 ||
+      (found.squared_distance_m2 == best.found.squared_distance_m2 && triangle < best.triangle)) {
+    best.found = found;
+    best.triangle = triangle;
+    best.set_limit();
+  }
+}
+
+ClosestPoint MovingSurfaceTree::closest_point(const Vec3& point, int guess, double max_distance_m) const {
+  Best best(max_distance_m, m_travel_m);
+  if (guess >= 0) {
+    consider(point, guess, best);
+  }
+  struct Waiting {
+    std::int32_t child;
+    double squared_m2;
+  };
+  std::array<Waiting, bvh_stack_capacity> stack;
+  std::size_t waiting = 0;
+  stack[waiting++] = {0, 0};
+  while (waiting > 0) {
+    const auto [child, nearest_m2] = stack[--waiting];
+    if (!(nearest_m2 <= best.squared_limit_m2)) {
+      continue;
+    }
+    if (child < 0) {
+      const Leaf& leaf = m_leaves[static_cast<std::size_t>(~child)];
+      const Lanes squared_m2 = squared_distances(leaf, point);
+      for (std::size_t lane = 0; lane < static_cast<std::size_t>(leaf.count); ++lane) {
+        if (squared_m2[lane] <= best.squared_limit_m2 && leaf.triangle[lane] != guess) {
+          consider(point, leaf.triangle[lane], best);
+        }
+      }
+      continue;
+    }
+    const Node& node = m_nodes[static_cast<std::size_t>(child)];
+    const Lanes squared_m2 = squared_distances(node, point);
+    // The nearest one on top.
+    const std::size_t first = waiting;
+    for (std::size_t lane = 0; lane < width; ++lane) {
+      if (!(squared_m2[lane] <= best.squared_limit_m2) || node.child[lane] == 0) {
+        continue;
+      }
+      std::size_t at = waiting++;
+      for (; at > first && stack[at - 1].squared_m2 < squared_m2[lane]; --at) {
+        stack[at] = stack[at - 1];
+      }
+      stack[at] = {node.child[lane], squared_m2[lane]};
+    }
+  }
+  if (best.triangle < 0) {
+    return {};
+  }
+  return {best.found.point, std::sqrt(best.found.squared_distance_m2), best.triangle, best.found.feature};
+}
+
+/// Along the axis `along`, upwards or downwards; `right` and `up` are the other two, so that the three are right-handed
+/// for a ray upwards.
+struct MovingSurfaceTree::Ray {
+  const Vec3& start;
+  Eigen::Index along, right, up;
+  bool upwards;
+};
+
+MovingSurfaceTree::Ray MovingSurfaceTree::shortest_ray_out(const Vec3& point) const {
+  const Vec3 to_upper = m_box.max() - point;
+  const Vec3 to_lower = point - m_box.min();
+  Eigen::Index upper_axis = 0;
+  Eigen::Index lower_axis = 0;
+  const double upper_m = to_upper.minCoeff(&upper_axis);
+  const double lower_m = to_lower.minCoeff(&lower_axis);
+  const Eigen::Index axis = upper_m < lower_m ? upper_axis : lower_axis;
+  return {point, axis, (axis + 1) % 3, (axis + 2) % 3, upper_m < lower_m};
+}
+
+/// +1 where the ray leaves through the triangle, -1 where it enters, 0 where it misses it. Whether the ray's line
+/// passes is decided edge by edge, seen along the ray: an edge counts where it passes the level of the start (half
+/// open, so that a corner counts once) on the right of it, in arithmetic that does not depend on which of its two
+/// triangles asks. So the triangles about the line neither overlap nor leave a gap, whatever is rounded.
+int MovingSurfaceTree::crossing(const Ray& ray, int triangle) const {
+  const Triangle& corners = m_triangles[static_cast<std::size_t>(triangle) - m_first_triangle];
+  std::array<Vec3, 3> arms;  // seen from the start
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 arm = m_vertices[static_cast<std::size_t>(corners[i])] - ray.start;
+    arms[i] = Vec3(arm[ray.along], arm[ray.right], arm[ray.up]);
+  }
+  bool is_passed = false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3* low = &arms[i];
+    const Vec3* high = &arms[(i + 1) % 3];
+    if ((low->z() > 0) == (high->z() > 0)) {
+      continue;
+    }
+    if (low->z() > high->z()) std::swap(low, high);
+    is_passed ^= low->y() * high->z() - high->y() * low->z() > 0;
+  }
+  if (!is_passed) {
+    return 0;
+  }
+  const Vec3 normal = (arms[1] - arms[0]).cross(arms[2] - arms[0]);
+  const double ahead = normal.dot(arms[0]) * (normal.x() > 0 ? 1 : -1);  // of the sign of the way to the plane
+  if (ray.upwards ? !(ahead > 0) : !(ahead < 0)) {
+    return 0;
+  }
+  return (normal.x() > 0) == ray.upwards ? 1 : -1;
+}
+
+int MovingSurfaceTree::winding_number(const Vec3& point) const {
+  if (!point.allFinite() || box_distance_m(point) > 0) {
+    return 0;
+  }
+  const Ray ray = shortest_ray_out(point);
+  const auto right = static_cast<std::size_t>(ray.right);
+  const auto up = static_cast<std::size_t>(ray.up);
+  const auto along = static_cast<std::size_t>(ray.along);
+  const double margin_m = m_travel_m + rounding * m_box.diagonal().norm();
+  int number = 0;
+  std::array<std::int32_t, bvh_stack_capacity> stack;
+  std::size_t waiting = 0;
+  stack[waiting++] = 0;
+  while (waiting > 0) {
+    const std::int32_t child = stack[--waiting];
+    if (child < 0) {
+      const Leaf& leaf = m_leaves[static_cast<std::size_t>(~child)];
+      for (std::size_t lane = 0; lane < static_cast<std::size_t>(leaf.count); ++lane) {
+        number += crossing(ray, leaf.triangle[lane]);
+      }
+      continue;
+    }
+    const Node& node = m_nodes[static_cast<std::size_t>(child)];
+    for (std::size_t lane = 0; lane < width; ++lane) {
+      const bool is_ahead = ray.upwards ? node.upper[along][lane] + margin_m >= point[ray.along]
+                                        : node.lower[along][lane] - margin_m <= point[ray.along];
+      if (node.child[lane] != 0 && is_ahead && node.lower[right][lane] - margin_m <= point[ray.right] &&
+          node.upper[right][lane] + margin_m >= point[ray.right] && node.lower[up][lane] - margin_m <= point[ray.up] &&
+          node.upper[up][lane] + margin_m >= point[ray.up]) {
+        stack[waiting++] = node.child[lane];
+      }
+    }
+  }
+  return number;
+}
+
+double MovingSurfaceTree::box_distance_m(const Vec3& point) const {
+  return std::max(m_box.exteriorDistance(point) * (1 - rounding) - m_travel_m, 0.0);
+}
+
+std::size_t MovingSurfaceTree::bytes() const {
+  return m_nodes.capacity() * sizeof(Node) + m_leaves.capacity() * sizeof(Leaf) +
+         m_triangles.capacity() * sizeof(Triangle) + m_fitted.capacity() * sizeof(Vec3);
+}
+
+}  // namespace musclebench

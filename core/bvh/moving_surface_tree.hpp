@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "core/bvh/triangle_bvh.hpp"
+#include "core/mesh/body.hpp"
+#include "core/mesh/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// An 8-wide tree of axis-aligned boxes (AABBs) over the surface of a body whose vertices move: built once, at rest,
+/// and refitted, which keeps the tree's shape and gives its boxes new bounds.
+///
+/// Boxes are refitted only when some vertex has travelled far since the last time. In between a box is off by at most
+/// the longest way that a vertex has travelled, and a search allows for that; distances are those of the vertices as
+/// they are. So every answer is that of brute force to the bit, whenever the boxes were refitted: of all triangles the
+/// one with the smallest squared distance by `closest_on_triangle`, of several the one with the smallest index.
+///
+/// Points and vertices are in the world frame, in metres. Queries are const and safe from several threads.
+class MovingSurfaceTree {
+ public:
+  /// `mesh` is that of all bodies; the body has triangles. Only indices are kept of it.
+  MovingSurfaceTree(const TriangleMesh& mesh, const Body& body);
+
+  /// Tells where the vertices of all bodies are, before the queries about them. They are read by these, and have to
+  /// stay as they are. `threads`: of a refit.
+  void update(std::span<const Vec3> vertices, int threads);
+
+  /// Of the whole mesh's triangles the closest one of this body; its `triangle` is -1 where none is closer than
+  /// `max_distance_m`, and for a point that is not finite. `guess` is a triangle that may be near, or -1: it only makes
+  /// the search shorter.
+  [[nodiscard]] ClosestPoint closest_point(const Vec3& point, int guess = -1,
+                                           double max_distance_m = std::numeric_limits<double>::infinity()) const;
+
+  /// The winding number of the surface, which is closed, about a point that is not on it: how often more a ray leaves
+  /// through it than it enters. 1 inside, and right where the surface passes through itself, too, which the normal at
+  /// the closest point is not. 0 for a point that is not finite.
+  [[nodiscard]] int winding_number(const Vec3& point) const;
+
+  /// A lower bound of the distance to the surface, by its box alone; 0 inside the box.
+  [[nodiscard]] double box_distance_m(const Vec3& point) const;
+
+  /// How often `update` has refitted the boxes.
+  [[nodiscard]] int refits() const { return m_refits; }
+
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  static constexpr std::size_t width = bvh_width;
+  using Lanes = std::array<double, width>;
+
+  struct alignas(64) Node {
+    std::array<Lanes, 3> lower;
+    std::array<Lanes, 3> upper;
+    std::array<std::int32_t, width> child;  ///< index of a node, or ~index of a leaf; unused ones have inverted bounds
+  };
+  /// A triangle a lane, in a box of its own: most are left out by it.
+  struct alignas(64) Leaf {
+    std::array<Lanes, 3> lower;
+    std::array<Lanes, 3> upper;
+    std::array<std::int32_t, width> triangle;
+    std::int32_t count = 0;
+  };
+  struct Best;
+  struct Ray;
+
+  void refit(int threads);
+  void fit_leaf(std::size_t index);
+  void consider(const Vec3& point, int triangle, Best& best) const;
+  [[nodiscard]] Ray shortest_ray_out(const Vec3& point) const;
+  [[nodiscard]] int crossing(const Ray& ray, int triangle) const;
+
+  std::vector<Node> m_nodes;  ///< a parent before its children
+  std::vector<Leaf> m_leaves;
+  std::vector<Triangle> m_triangles;  ///< of this body, from `m_first_triangle` on
+  std::size_t m_first_triangle;
+  std::size_t m_first_node;
+  std::vector<Vec3> m_fitted;  ///< where the body's vertices were when the boxes were refitted
+  Eigen::AlignedBox3d m_box;   ///< of m_fitted
+  double m_farthest_m;         ///< a vertex that has travelled so far calls for a refit
+  double m_travel_m = 0;       ///< upper bound of the way that a vertex has travelled since the last refit
+  int m_refits = 0;
+  std::span<const Vec3> m_vertices;
+};
+
+}  // namespace musclebench

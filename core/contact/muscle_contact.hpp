@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/parameters.hpp"
+#include "core/distance/triangle_distance.hpp"
+#include "core/mesh/body.hpp"
+#include "core/mesh/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// One node of a muscle found inside another muscle. There is at most one contact a node and other muscle. Both sides
+/// move: what takes the node out takes the closest triangle the other way (MuscleContactResponse).
+struct MuscleContact {
+  int node = 0;
+  int muscle = 0;               ///< the other one, an index of the scene's bodies
+  int triangle = 0;             ///< its closest one, of the mesh of all muscles
+  Vec3 weights = Vec3::Zero();  ///< barycentric coordinates of the closest point in it: positive or 0, the sum is 1
+  double depth_m = 0;           ///< distance to the closest point, > 0
+  Vec3 normal = Vec3::UnitZ();  ///< unit, world frame, from the node to the closest point: out of the other muscle
+};
+
+/// Two muscles that touch each other: indices of the scene's bodies, the smaller one first.
+struct MusclePair {
+  int first = 0;
+  int second = 0;
+
+  friend auto operator<=>(const MusclePair&, const MusclePair&) = default;
+};
+
+/// What a detector of contacts between muscles is made for.
+struct TouchingMuscles {
+  const TriangleMesh& mesh;  ///< of all muscles, at rest; outlives the detector
+  std::vector<Body> bodies;
+  std::vector<MusclePair> pairs;  ///< ascending, no pair twice
+};
+
+/// Finds the nodes of muscles that lie inside other muscles, while all of them deform. Surfaces are closed
+/// (a scene's reader sees to it). May use several threads, with the same result for any number.
+class MuscleContactDetector {
+ public:
+  MuscleContactDetector() = default;
+  MuscleContactDetector(const MuscleContactDetector&) = delete;
+  MuscleContactDetector& operator=(const MuscleContactDetector&) = delete;
+  virtual ~MuscleContactDetector() = default;
+
+  /// Finds the contacts of the pairs at `positions` (of all nodes, world frame, m), into `contacts`, which is
+  /// overwritten: ordered by node, then by the other muscle.
+  virtual void detect(std::span<const Vec3> positions, std::vector<MuscleContact>& contacts) = 0;
+
+  /// Of its structures, counted from their sizes, without the input meshes.
+  [[nodiscard]] virtual std::size_t structure_bytes() const = 0;
+};
+
+/// How a backend makes one; empty for a backend that can't follow a surface that deforms.
+using MakeMuscleContactDetector = std::function<std::unique_ptr<MuscleContactDetector>(
+    const Parameters& parameters, const TouchingMuscles& muscles, int threads)>;
+
+/// The contact of a node at `point` whose closest point on the other muscle is known.
+MuscleContact muscle_contact_at(int node, int muscle, const Vec3& point, int triangle,
+                                const std::array<Vec3, 3>& corners, const ClosestOnTriangle& closest);
+
+/// All muscles that touch the one at `index`, ascending.
+std::vector<int> muscles_beside(std::span<const MusclePair> pairs, int index);
+
+}  // namespace musclebench

@@ -1,0 +1,159 @@
+// How contacts between muscles are corrected, by hand.
+#include "core/contact/muscle_contact_response.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace musclebench {
+namespace {
+
+/// Nodes 0 to 2 are a triangle in the plane z = 0 that looks up; node 3 and on are of the other muscle.
+const std::vector<Triangle> triangles = {{0, 1, 2}};
+
+std::vector<Vec3> corners() { return {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}; }
+
+MuscleContact contact(int node, const Vec3& weights, double depth_m) {
+  return {node, 0, 0, weights, depth_m, Vec3::UnitZ()};
+}
+
+/// Of the plane through the corners at the contact's weights.
+double gap_m(const MuscleContact& contact, const std::vector<Vec3>& positions) {
+  const Vec3 on_triangle =
+      contact.weights.x() * positions[0] + contact.weights.y() * positions[1] + contact.weights.z() * positions[2];
+  return contact.normal.dot(positions[static_cast<std::size_t>(contact.node)] - on_triangle);
+}
+
+TEST(MuscleContactResponse, TakesOneNodeOutByInverseMass) {
+  for (const double mass_ratio : {1.0, 3.0}) {
+    MuscleContactResponse response(triangles, {2, 2, 2, 2 / mass_ratio}, 1);
+    std::vector<Vec3> predicted = corners();
+    predicted.emplace_back(0.2, 0.3, -0.1);
+    std::vector<Vec3> start = predicted;
+    start[3].z() = 0.5;  // it was free where the substep began
+    const std::vector<Vec3> before = start;
+    const MuscleContact one = contact(3, Vec3(0.5, 0.2, 0.3), 0.1);
+    const std::vector<Vec3> old = predicted;
+    response.resolve({&one, 1}, start, predicted);
+    EXPECT_NEAR(gap_m(one, predicted), 0, 1e-15);
+    EXPECT_EQ(start, before);
+    Vec3 momentum = mass_ratio * (predicted[3] - old[3]);
+    for (std::size_t i = 0; i < 3; ++i) momentum += predicted[i] - old[i];
+    EXPECT_LT(momentum.norm(), 1e-16);
+    // The corners move by their weights.
+    EXPECT_NEAR((predicted[0].z() - old[0].z()) / (predicted[1].z() - old[1].z()), 0.5 / 0.2, 1e-12);
+    EXPECT_EQ(std::vector<int>(response.moved_nodes().begin(), response.moved_nodes().end()),
+              (std::vector<int>{0, 1, 2, 3}));
+  }
+}
+
+TEST(MuscleContactResponse, WhatBoneHoldsStaysAndTheOtherSideGivesWay) {
+  const MuscleContact one = contact(3, Vec3(0.5, 0.2, 0.3), 0.1);
+  for (const bool node_is_bound : {false, true}) {
+    MuscleContactResponse response(
+        triangles, node_is_bound ? std::vector<double>{1, 1, 1, 0} : std::vector<double>{0, 0, 0, 1}, 1);
+    std::vector<Vec3> predicted = corners();
+    predicted.emplace_back(0.2, 0.3, -0.1);
+    const std::vector<Vec3> old = predicted;
+    std::vector<Vec3> start(4, Vec3(0, 0, 1));
+    response.resolve({&one, 1}, start, predicted);
+    EXPECT_NEAR(gap_m(one, predicted), 0, 1e-15);
+    for (std::size_t i = node_is_bound ? 3 : 0; i < (node_is_bound ? 4U : 3U); ++i) EXPECT_EQ(predicted[i], old[i]);
+  }
+  // Both are held: nothing moves, and nothing is divided by 0.
+  MuscleContactResponse response(triangles, {0, 0, 0, 0}, 3);
+  std::vector<Vec3> predicted = corners();
+  predicted.emplace_back(0.2, 0.3, -0.1);
+  const std::vector<Vec3> old = predicted;
+  std::vector<Vec3> start = predicted;
+  response.resolve({&one, 1}, start, predicted);
+  EXPECT_EQ(predicted, old);
+}
+
+TEST(MuscleContactResponse, WhatWasInsideAtTheStartGetsNoVelocity) {
+  MuscleContactResponse response(triangles, {1, 1, 1, 1}, 1);
+  std::vector<Vec3> predicted = corners();
+  predicted.emplace_back(0.2, 0.3, -0.1);
+  std::vector<Vec3> start = corners();
+  start.emplace_back(0.2, 0.3, -0.04);  // 40 % of the depth were there before the substep
+  const std::vector<Vec3> old_predicted = predicted;
+  const std::vector<Vec3> old_start = start;
+  const MuscleContact one = contact(3, Vec3(0.5, 0.2, 0.3), 0.1);
+  response.resolve({&one, 1}, start, predicted);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(start[i].z() - old_start[i].z(), 0.4 * (predicted[i].z() - old_predicted[i].z()), 1e-16);
+  }
+}
+
+/// Many nodes over one triangle: each corner is asked for by all of them.
+class ManyContacts : public testing::Test {
+ protected:
+  static constexpr int count = 40;
+
+  ManyContacts() : m_inverse_masses(3 + count, 1) {
+    std::mt19937 generator(4);
+    std::uniform_real_distribution<double> share(0, 1);
+    for (int i = 0; i < count; ++i) {
+      double v = share(generator);
+      double w = share(generator);
+      if (v + w > 1) {
+        v = 1 - v;
+        w = 1 - w;
+      }
+      m_contacts.push_back(contact(3 + i, Vec3(1 - v - w, v, w), 0.01));
+    }
+  }
+
+  [[nodiscard]] std::vector<Vec3> positions(double (*depth_m)(int i)) const {
+    std::vector<Vec3> made = corners();
+    for (int i = 0; i < count; ++i) {
+      const Vec3& weights = m_contacts[static_cast<std::size_t>(i)].weights;
+      made.emplace_back(weights.y(), weights.z(), -depth_m(i));
+    }
+    return made;
+  }
+
+  std::vector<double> m_inverse_masses;
+  std::vector<MuscleContact> m_contacts;
+};
+
+TEST_F(ManyContacts, OfOneDepthAreSolvedAtOnceAndNeverOvershoot) {
+  MuscleContactResponse response(triangles, m_inverse_masses, 1);
+  std::vector<Vec3> predicted = positions([](int) { return 0.01; });
+  std::vector<Vec3> start = predicted;
+  response.resolve(m_contacts, start, predicted);
+  double least_m = 1;
+  double largest_m = -1;
+  for (const MuscleContact& one : m_contacts) {
+    least_m = std::min(least_m, gap_m(one, predicted));
+    largest_m = std::max(largest_m, gap_m(one, predicted));
+  }
+  EXPECT_LT(largest_m, 0.002) << "moved beyond free";
+  EXPECT_GT(least_m, -0.002) << "hardly moved";
+}
+
+TEST_F(ManyContacts, OfAnyDepthConvergeKeepMomentumAndHaveNoOrder) {
+  const auto depth_m = [](int i) { return i % 3 == 0 ? 0.012 : 0.001 * (i % 5); };
+  std::vector<Vec3> predicted = positions(depth_m);
+  std::vector<Vec3> start = predicted;
+  Vec3 before = Vec3::Zero();
+  for (const Vec3& position : predicted) before += position;
+  std::vector<Vec3> shuffled_predicted = predicted;
+  std::vector<Vec3> shuffled_start = predicted;
+
+  MuscleContactResponse(triangles, m_inverse_masses, 200).resolve(m_contacts, start, predicted);
+  Vec3 after = Vec3::Zero();
+  for (const Vec3& position : predicted) after += position;
+  EXPECT_LT((after - before).norm(), 1e-14);
+  for (const MuscleContact& one : m_contacts) EXPECT_GT(gap_m(one, predicted), -1e-6);
+
+  std::shuffle(m_contacts.begin(), m_contacts.end(), std::mt19937(9));
+  MuscleContactResponse(triangles, m_inverse_masses, 200).resolve(m_contacts, shuffled_start, shuffled_predicted);
+  for (std::size_t i = 0; i < predicted.size(); ++i) {
+    EXPECT_LT((predicted[i] - shuffled_predicted[i]).norm(), 1e-14);
+  }
+}
+
+}  // namespace
+}  // namespace musclebench

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/contact/contact.hpp"
+#include "core/mesh/body.hpp"
+#include "core/referee/referee_tree.hpp"
+
+namespace musclebench {
+
+/// Muscles of which each is judged against others.
+struct JudgedMuscles {
+  std::vector<Body> bodies;
+  std::vector<std::vector<int>> beside;  ///< by body: those that its nodes are looked for in, ascending
+};
+
+/// The harness's truth between muscles: which nodes of one lie inside another, and how deep, by the Referee's own trees
+/// (RefereeTree), refitted to the muscles as they are, and by exact winding numbers. It shares no code with the
+/// detectors.
+class MuscleReferee {
+ public:
+  /// `mesh` of all muscles, closed, at rest. Throws InputError that names a muscle without triangles.
+  MuscleReferee(const TriangleMesh& mesh, JudgedMuscles muscles);
+
+  /// Finds all nodes that lie inside a muscle beside theirs at `positions` (of all nodes, world frame, m) and not
+  /// closer to its surface than `touching_distance_m`, into `truth`, which is overwritten: ordered by node, then by the
+  /// other muscle, whose index stands in `Contact::bone`.
+  void judge(std::span<const Vec3> positions, std::vector<Contact>& truth);
+
+  /// Of the last call, in the unit of RefereeTree.
+  [[nodiscard]] long last_work() const { return m_work; }
+
+ private:
+  struct Surface {
+    std::vector<Triangle> triangles;  ///< nodes counted from the body's first
+    RefereeTree tree;
+    double touching_m;
+  };
+
+  JudgedMuscles m_muscles;
+  std::vector<Surface> m_surfaces;  ///< by body
+  long m_work = 0;
+};
+
+}  // namespace musclebench
