@@ -86,21 +86,24 @@ class BvhMuscleDetector final : public MuscleContactDetector {
     double clearance_m = unknown_m;
     std::size_t guess = static_cast<std::size_t>(node) * m_most_beside;
     for (const int muscle : m_beside[body_of(m_bodies, node)]) {
-      clearance_m = std::min(clearance_m, query_muscle(node, muscle, beyond_m, m_guesses[guess++], found));
+      // Of a muscle that is no nearer nothing has to be known, where that tells its side, too.
+      const double enough_m = clearance_m > beyond_m ? clearance_m : unknown_m;
+      clearance_m = std::min(clearance_m, query_muscle(node, muscle, beyond_m, enough_m, m_guesses[guess++], found));
     }
     if (m_clearances) m_clearances->store(node, clearance_m);
   }
 
-  /// Returns how far the node is free of the muscle; 0 where it is inside.
-  double query_muscle(int node, int muscle, double beyond_m, int& guess, std::vector<MuscleContact>& found) const {
+  /// Returns how far the node is free of the muscle, or `enough_m`; 0 where it is inside.
+  double query_muscle(int node, int muscle, double beyond_m, double enough_m, int& guess,
+                      std::vector<MuscleContact>& found) const {
     const Vec3& point = m_positions[static_cast<std::size_t>(node)];
     const MovingSurfaceTree& tree = m_trees[static_cast<std::size_t>(muscle)];
     if (const double box_m = tree.box_distance_m(point); box_m > 0) {
       return box_m;
     }
-    const ClosestPoint closest = tree.closest_point(point, guess);
-    if (closest.triangle < 0) {  // of a point that is not finite
-      return 0;
+    const ClosestPoint closest = tree.closest_point(point, guess, enough_m);
+    if (closest.triangle < 0) {
+      return point.allFinite() ? enough_m : 0;
     }
     guess = closest.triangle;
     const bool is_free = closest.distance_m <= m_touching_m || closest.distance_m * (1 - rounding) > beyond_m ||

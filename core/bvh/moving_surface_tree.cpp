@@ -1,6 +1,7 @@
 #include "core/bvh/moving_surface_tree.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -16,25 +17,20 @@ constexpr double rounding = 1e-9;
 /// are known to be free; a longer way makes each of them look at more boxes.
 constexpr double farthest_travel = 0.25;
 
-/// Of all lanes of a node or a leaf, along one axis.
-template <typename Lanes>
-std::pair<double, double> bounds_of(const Lanes& boxes, std::size_t axis) {
-  return {*std::min_element(boxes.lower[axis].begin(), boxes.lower[axis].end()),
-          *std::max_element(boxes.upper[axis].begin(), boxes.upper[axis].end())};
+/// What single precision may move a bound, a point or a distance by, over the lengths that these are made of.
+constexpr double float_slack = 0x1p-21;
+
+void make_unused(MovingBoxes& boxes) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    boxes.lower[axis].fill(std::numeric_limits<float>::infinity());
+    boxes.upper[axis].fill(-std::numeric_limits<float>::infinity());
+  }
 }
 
-/// Squared distances from a point to the boxes, a lane each; infinite for unused ones.
-template <typename Boxes>
-std::array<double, bvh_width> squared_distances(const Boxes& boxes, const Vec3& point) {
-  std::array<double, bvh_width> squared_m2{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double x = point[static_cast<Eigen::Index>(axis)];
-    for (std::size_t lane = 0; lane < bvh_width; ++lane) {
-      const double beyond = std::max(std::max(boxes.lower[axis][lane] - x, x - boxes.upper[axis][lane]), 0.0);
-      squared_m2[lane] += beyond * beyond;
-    }
-  }
-  return squared_m2;
+/// Calls `visit(lane)` for each bit that is set.
+template <typename Visit>
+void for_each_lane(unsigned lanes, const Visit& visit) {
+  for (; lanes != 0; lanes &= lanes - 1) visit(static_cast<std::size_t>(std::countr_zero(lanes)));
 }
 
 }  // namespace
@@ -43,16 +39,16 @@ std::array<double, bvh_width> squared_distances(const Boxes& boxes, const Vec3& 
 struct MovingSurfaceTree::Best {
   ClosestOnTriangle found;
   int triangle = -1;
-  double travel_m;
-  double squared_limit_m2;
+  double margin_m;
+  float squared_limit_m2;
 
-  Best(double max_distance_m, double travel) : travel_m(travel) {
+  Best(double max_distance_m, double margin) : margin_m(margin) {
     found.squared_distance_m2 = std::min(max_distance_m * max_distance_m, std::numeric_limits<double>::max());
     set_limit();
   }
   void set_limit() {
-    const double limit_m = (std::sqrt(found.squared_distance_m2) + travel_m) * (1 + rounding);
-    squared_limit_m2 = limit_m * limit_m;
+    const double limit_m = (std::sqrt(found.squared_distance_m2) + margin_m) * (1 + float_slack);
+    squared_limit_m2 = static_cast<float>(std::min<double>(limit_m * limit_m, std::numeric_limits<float>::max()));
   }
 };
 
@@ -71,23 +67,13 @@ MovingSurfaceTree::MovingSurfaceTree(const TriangleMesh& mesh, const Body& body)
   const TriangleBvh rest(own);
   m_nodes.resize(rest.m_nodes.size());
   for (std::size_t i = 0; i < m_nodes.size(); ++i) {
-    m_nodes[i].child = rest.m_nodes[i].child;
-    for (std::size_t lane = 0; lane < width; ++lane) {
-      // No child is the root.
-      const bool is_used = m_nodes[i].child[lane] != 0;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        m_nodes[i].lower[axis][lane] = is_used ? 0 : std::numeric_limits<double>::infinity();
-        m_nodes[i].upper[axis][lane] = is_used ? 0 : -std::numeric_limits<double>::infinity();
-      }
-    }
+    m_nodes[i].child = rest.m_nodes[i].child;  // no child is the root: 0 is an unused lane
+    make_unused(m_nodes[i].boxes);
   }
   m_leaves.resize(rest.m_leaves.size());
   for (std::size_t i = 0; i < m_leaves.size(); ++i) {
     m_leaves[i].count = rest.m_leaves[i].count;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      m_leaves[i].lower[axis].fill(std::numeric_limits<double>::infinity());
-      m_leaves[i].upper[axis].fill(-std::numeric_limits<double>::infinity());
-    }
+    make_unused(m_leaves[i].boxes);
     for (std::size_t lane = 0; lane < static_cast<std::size_t>(m_leaves[i].count); ++lane) {
       m_leaves[i].triangle[lane] = rest.m_leaves[i].triangle[lane] + static_cast<int>(m_first_triangle);
     }
@@ -117,6 +103,9 @@ void MovingSurfaceTree::refit([[maybe_unused]] int threads) {
   m_travel_m = 0;
   std::copy_n(m_vertices.begin() + static_cast<std::ptrdiff_t>(m_first_node), m_fitted.size(), m_fitted.begin());
   m_box = bounding_box(m_fitted);
+  m_origin = m_box.center();
+  m_fitted_local.resize(m_fitted.size());
+  for (std::size_t i = 0; i < m_fitted.size(); ++i) m_fitted_local[i] = to_boxes(m_fitted[i]);
   if (threads > 1) {  // OpenMP allocates even a team of one
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (std::size_t i = 0; i < m_leaves.size(); ++i) fit_leaf(i);
@@ -124,18 +113,24 @@ void MovingSurfaceTree::refit([[maybe_unused]] int threads) {
     for (std::size_t i = 0; i < m_leaves.size(); ++i) fit_leaf(i);
   }
   // From the last node to the root: children come after their parent.
-  for (std::size_t i = m_nodes.size(); i-- > 0;) {
-    Node& node = m_nodes[i];
+  for (std::size_t n = m_nodes.size(); n-- > 0;) {
+    Node& node = m_nodes[n];
     for (std::size_t lane = 0; lane < width; ++lane) {
       const std::int32_t child = node.child[lane];
       if (child == 0) {
         continue;
       }
+      const MovingBoxes& below =
+          child < 0 ? m_leaves[static_cast<std::size_t>(~child)].boxes : m_nodes[static_cast<std::size_t>(child)].boxes;
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto& [lower, upper] = child < 0 ? bounds_of(m_leaves[static_cast<std::size_t>(~child)], axis)
-                                               : bounds_of(m_nodes[static_cast<std::size_t>(child)], axis);
-        node.lower[axis][lane] = lower;
-        node.upper[axis][lane] = upper;
+        float lower = below.lower[axis][0];
+        float upper = below.upper[axis][0];
+        for (std::size_t i = 1; i < width; ++i) {
+          lower = std::min(lower, below.lower[axis][i]);
+          upper = std::max(upper, below.upper[axis][i]);
+        }
+        node.boxes.lower[axis][lane] = lower;
+        node.boxes.upper[axis][lane] = upper;
       }
     }
   }
@@ -145,14 +140,23 @@ void MovingSurfaceTree::fit_leaf(std::size_t index) {
   Leaf& leaf = m_leaves[index];
   for (std::size_t lane = 0; lane < static_cast<std::size_t>(leaf.count); ++lane) {
     const auto& [a, b, c] = m_triangles[static_cast<std::size_t>(leaf.triangle[lane]) - m_first_triangle];
+    const std::array<float, 3>& p = m_fitted_local[static_cast<std::size_t>(a) - m_first_node];
+    const std::array<float, 3>& q = m_fitted_local[static_cast<std::size_t>(b) - m_first_node];
+    const std::array<float, 3>& r = m_fitted_local[static_cast<std::size_t>(c) - m_first_node];
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto [low, high] = std::minmax({m_vertices[static_cast<std::size_t>(a)][static_cast<Eigen::Index>(axis)],
-                                            m_vertices[static_cast<std::size_t>(b)][static_cast<Eigen::Index>(axis)],
-                                            m_vertices[static_cast<std::size_t>(c)][static_cast<Eigen::Index>(axis)]});
-      leaf.lower[axis][lane] = low;
-      leaf.upper[axis][lane] = high;
+      leaf.boxes.lower[axis][lane] = std::min(std::min(p[axis], q[axis]), r[axis]);
+      leaf.boxes.upper[axis][lane] = std::max(std::max(p[axis], q[axis]), r[axis]);
     }
   }
+}
+
+std::array<float, 3> MovingSurfaceTree::to_boxes(const Vec3& point) const {
+  const Vec3 local = point - m_origin;
+  return {static_cast<float>(local.x()), static_cast<float>(local.y()), static_cast<float>(local.z())};
+}
+
+double MovingSurfaceTree::margin_m(const Vec3& point) const {
+  return m_travel_m + float_slack * (m_box.diagonal().norm() + (point - m_origin).norm());
 }
 
 void MovingSurfaceTree::consider(const Vec3& point, int triangle, Best& best) const {
@@ -169,17 +173,19 @@ void MovingSurfaceTree::consider(const Vec3& point, int triangle, Best& best) co
 }
 
 ClosestPoint MovingSurfaceTree::closest_point(const Vec3& point, int guess, double max_distance_m) const {
-  Best best(max_distance_m, m_travel_m);
+  Best best(max_distance_m, margin_m(point));
   if (guess >= 0) {
     consider(point, guess, best);
   }
+  const std::array<float, 3> local = to_boxes(point);
   struct Waiting {
     std::int32_t child;
-    double squared_m2;
+    float squared_m2;
   };
   std::array<Waiting, bvh_stack_capacity> stack;
   std::size_t waiting = 0;
   stack[waiting++] = {0, 0};
+  BvhLanes squared_m2;
   while (waiting > 0) {
     const auto [child, nearest_m2] = stack[--waiting];
     if (!(nearest_m2 <= best.squared_limit_m2)) {
@@ -187,28 +193,22 @@ ClosestPoint MovingSurfaceTree::closest_point(const Vec3& point, int guess, doub
     }
     if (child < 0) {
       const Leaf& leaf = m_leaves[static_cast<std::size_t>(~child)];
-      const Lanes squared_m2 = squared_distances(leaf, point);
-      for (std::size_t lane = 0; lane < static_cast<std::size_t>(leaf.count); ++lane) {
+      for_each_lane(find_near_boxes(leaf.boxes, local, best.squared_limit_m2, squared_m2), [&](std::size_t lane) {
         if (squared_m2[lane] <= best.squared_limit_m2 && leaf.triangle[lane] != guess) {
           consider(point, leaf.triangle[lane], best);
         }
-      }
+      });
       continue;
     }
     const Node& node = m_nodes[static_cast<std::size_t>(child)];
-    const Lanes squared_m2 = squared_distances(node, point);
-    // The nearest one on top.
-    const std::size_t first = waiting;
-    for (std::size_t lane = 0; lane < width; ++lane) {
-      if (!(squared_m2[lane] <= best.squared_limit_m2) || node.child[lane] == 0) {
-        continue;
-      }
+    const std::size_t first = waiting;  // the nearest one on top
+    for_each_lane(find_near_boxes(node.boxes, local, best.squared_limit_m2, squared_m2), [&](std::size_t lane) {
       std::size_t at = waiting++;
       for (; at > first && stack[at - 1].squared_m2 < squared_m2[lane]; --at) {
         stack[at] = stack[at - 1];
       }
       stack[at] = {node.child[lane], squared_m2[lane]};
-    }
+    });
   }
   if (best.triangle < 0) {
     return {};
@@ -272,10 +272,9 @@ int MovingSurfaceTree::winding_number(const Vec3& point) const {
     return 0;
   }
   const Ray ray = shortest_ray_out(point);
-  const auto right = static_cast<std::size_t>(ray.right);
-  const auto up = static_cast<std::size_t>(ray.up);
-  const auto along = static_cast<std::size_t>(ray.along);
-  const double margin_m = m_travel_m + rounding * m_box.diagonal().norm();
+  const std::array<float, 3> local = to_boxes(point);
+  const auto margin = static_cast<float>(margin_m(point) * (1 + float_slack));
+  const auto axis = static_cast<int>(ray.along);
   int number = 0;
   std::array<std::int32_t, bvh_stack_capacity> stack;
   std::size_t waiting = 0;
@@ -284,20 +283,12 @@ int MovingSurfaceTree::winding_number(const Vec3& point) const {
     const std::int32_t child = stack[--waiting];
     if (child < 0) {
       const Leaf& leaf = m_leaves[static_cast<std::size_t>(~child)];
-      for (std::size_t lane = 0; lane < static_cast<std::size_t>(leaf.count); ++lane) {
-        number += crossing(ray, leaf.triangle[lane]);
-      }
-      continue;
-    }
-    const Node& node = m_nodes[static_cast<std::size_t>(child)];
-    for (std::size_t lane = 0; lane < width; ++lane) {
-      const bool is_ahead = ray.upwards ? node.upper[along][lane] + margin_m >= point[ray.along]
-                                        : node.lower[along][lane] - margin_m <= point[ray.along];
-      if (node.child[lane] != 0 && is_ahead && node.lower[right][lane] - margin_m <= point[ray.right] &&
-          node.upper[right][lane] + margin_m >= point[ray.right] && node.lower[up][lane] - margin_m <= point[ray.up] &&
-          node.upper[up][lane] + margin_m >= point[ray.up]) {
-        stack[waiting++] = node.child[lane];
-      }
+      for_each_lane(find_boxes_on_ray(leaf.boxes, local, axis, ray.upwards, margin),
+                    [&](std::size_t lane) { number += crossing(ray, leaf.triangle[lane]); });
+    } else {
+      const Node& node = m_nodes[static_cast<std::size_t>(child)];
+      for_each_lane(find_boxes_on_ray(node.boxes, local, axis, ray.upwards, margin),
+                    [&](std::size_t lane) { stack[waiting++] = node.child[lane]; });
     }
   }
   return number;
@@ -309,7 +300,7 @@ double MovingSurfaceTree::box_distance_m(const Vec3& point) const {
 
 std::size_t MovingSurfaceTree::bytes() const {
   return m_nodes.capacity() * sizeof(Node) + m_leaves.capacity() * sizeof(Leaf) +
-         m_triangles.capacity() * sizeof(Triangle) + m_fitted.capacity() * sizeof(Vec3);
+         m_triangles.capacity() * sizeof(Triangle) + m_fitted.capacity() * (sizeof(Vec3) + sizeof(m_fitted_local[0]));
 }
 
 }  // namespace musclebench

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/bvh/moving_surface_boxes.hpp"
 #include "core/bvh/triangle_bvh.hpp"
 #include "core/mesh/body.hpp"
 #include "core/mesh/triangle_mesh.hpp"
@@ -52,17 +53,14 @@ class MovingSurfaceTree {
 
  private:
   static constexpr std::size_t width = bvh_width;
-  using Lanes = std::array<double, width>;
 
-  struct alignas(64) Node {
-    std::array<Lanes, 3> lower;
-    std::array<Lanes, 3> upper;
-    std::array<std::int32_t, width> child;  ///< index of a node, or ~index of a leaf; unused ones have inverted bounds
+  struct Node {
+    MovingBoxes boxes;
+    std::array<std::int32_t, width> child;  ///< index of a node, or ~index of a leaf; 0 for none
   };
   /// A triangle a lane, in a box of its own: most are left out by it.
-  struct alignas(64) Leaf {
-    std::array<Lanes, 3> lower;
-    std::array<Lanes, 3> upper;
+  struct Leaf {
+    MovingBoxes boxes;
     std::array<std::int32_t, width> triangle;
     std::int32_t count = 0;
   };
@@ -74,16 +72,21 @@ class MovingSurfaceTree {
   void consider(const Vec3& point, int triangle, Best& best) const;
   [[nodiscard]] Ray shortest_ray_out(const Vec3& point) const;
   [[nodiscard]] int crossing(const Ray& ray, int triangle) const;
+  /// Of a point, relative to m_origin; and what boxes may be off by for it, with the travel.
+  [[nodiscard]] std::array<float, 3> to_boxes(const Vec3& point) const;
+  [[nodiscard]] double margin_m(const Vec3& point) const;
 
   std::vector<Node> m_nodes;  ///< a parent before its children
   std::vector<Leaf> m_leaves;
   std::vector<Triangle> m_triangles;  ///< of this body, from `m_first_triangle` on
   std::size_t m_first_triangle;
   std::size_t m_first_node;
-  std::vector<Vec3> m_fitted;  ///< where the body's vertices were when the boxes were refitted
-  Eigen::AlignedBox3d m_box;   ///< of m_fitted
-  double m_farthest_m;         ///< a vertex that has travelled so far calls for a refit
-  double m_travel_m = 0;       ///< upper bound of the way that a vertex has travelled since the last refit
+  std::vector<Vec3> m_fitted;                        ///< where the body's vertices were when the boxes were refitted
+  std::vector<std::array<float, 3>> m_fitted_local;  ///< the same, relative to m_origin
+  Eigen::AlignedBox3d m_box;                         ///< of m_fitted
+  Vec3 m_origin = Vec3::Zero();                      ///< of the boxes: the middle of m_box
+  double m_farthest_m;                               ///< a vertex that has travelled so far calls for a refit
+  double m_travel_m = 0;  ///< upper bound of the way that a vertex has travelled since the last refit
   int m_refits = 0;
   std::span<const Vec3> m_vertices;
 };

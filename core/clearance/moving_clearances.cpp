@@ -17,7 +17,9 @@ constexpr double rounding = 1e-9;
 constexpr std::size_t cluster_size = 32;
 /// Neighbours are looked for within this many mean diameters of a cluster. Fewer: they are looked for more often. More:
 /// they are more, and the farthest of them moves most.
-constexpr double neighbourhood = 1;
+constexpr double neighbourhood = 0.25;
+/// The reach of a node without a clearance.
+constexpr double unknown_m = -std::numeric_limits<double>::infinity();
 
 /// Calls `work(i)` for all i below `count`.
 template <typename Work>
@@ -30,15 +32,14 @@ void for_each_index(std::size_t count, [[maybe_unused]] int threads, const Work&
   }
 }
 
-double gap_m(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
-  return (a.min() - b.max()).cwiseMax(b.min() - a.max()).cwiseMax(0).norm();
+double squared_gap_m2(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
+  return (a.min() - b.max()).cwiseMax(b.min() - a.max()).cwiseMax(0).squaredNorm();
 }
 
 }  // namespace
 
-MovingClearances::MovingClearances(const TouchingMuscles& muscles)
-    : m_nodes(muscles.mesh.vertices.size()), m_last(muscles.mesh.vertices) {
-  std::vector<std::vector<int>> around(m_nodes.size());  // nodes that share a triangle
+MovingClearances::MovingClearances(const TouchingMuscles& muscles) : m_places(muscles.mesh.vertices.size()) {
+  std::vector<std::vector<int>> around(m_places.size());  // nodes that share a triangle
   for (const Triangle& triangle : muscles.mesh.triangles) {
     for (const int node : triangle) {
       auto& own = around[static_cast<std::size_t>(node)];
@@ -62,7 +63,7 @@ MovingClearances::MovingClearances(const TouchingMuscles& muscles)
       cluster.first = m_members.size();
       for (std::size_t i = first; i < std::min(first + cluster_size, order.size()); ++i) {
         const int node = body.first_node + order[i];
-        m_nodes[static_cast<std::size_t>(node)].cluster = m_clusters.size();
+        m_places[static_cast<std::size_t>(node)] = {m_clusters.size(), m_members.size()};
         m_members.push_back(node);
       }
       cluster.last_own = m_members.size();
@@ -74,7 +75,7 @@ MovingClearances::MovingClearances(const TouchingMuscles& muscles)
       std::ranges::sort(others);
       others.erase(std::unique(others.begin(), others.end()), others.end());
       std::erase_if(others,
-                    [&](int node) { return m_nodes[static_cast<std::size_t>(node)].cluster == m_clusters.size(); });
+                    [&](int node) { return m_places[static_cast<std::size_t>(node)].cluster == m_clusters.size(); });
       m_members.insert(m_members.end(), others.begin(), others.end());
       cluster.last = m_members.size();
       for (std::size_t i = cluster.first; i < cluster.last; ++i) {
@@ -85,58 +86,57 @@ MovingClearances::MovingClearances(const TouchingMuscles& muscles)
     }
   }
   m_first_cluster.push_back(m_clusters.size());
+  m_motions.resize(m_clusters.size());
+  m_reach_m.assign(m_members.size(), unknown_m);
+  for (const int node : m_members) m_last.push_back(muscles.mesh.vertices[static_cast<std::size_t>(node)]);
   m_near_m = m_clusters.empty() ? 0 : neighbourhood * diameters_m / static_cast<double>(m_clusters.size());
 }
 
-void MovingClearances::measure(Cluster& cluster) {
-  Vec3 sum = Vec3::Zero();
-  double squared_m2 = 0;
+MovingClearances::Motion MovingClearances::measure(const Cluster& cluster) {
+  Eigen::AlignedBox3d ways;
   for (std::size_t i = cluster.first; i < cluster.last; ++i) {
-    const auto node = static_cast<std::size_t>(m_members[i]);
-    const Vec3 moved = m_positions[node] - m_last[node];
-    sum += moved;
-    squared_m2 = std::max(squared_m2, moved.squaredNorm());
+    const Vec3& position = m_positions[static_cast<std::size_t>(m_members[i])];
+    ways.extend(position - m_last[i]);
+    m_last[i] = position;
   }
-  cluster.mean_m = sum / static_cast<double>(cluster.last - cluster.first);
-  cluster.moved_m = std::sqrt(squared_m2);
-  double spread_m2 = 0;
-  for (std::size_t i = cluster.first; i < cluster.last; ++i) {
-    const auto node = static_cast<std::size_t>(m_members[i]);
-    spread_m2 = std::max(spread_m2, (m_positions[node] - m_last[node] - cluster.mean_m).squaredNorm());
+  return {ways.center(), 0.5 * ways.diagonal().norm()};
+}
+
+/// The largest to a cluster near it.
+double MovingClearances::relative_motion_m(std::size_t cluster) const {
+  const Motion& own = m_motions[cluster];
+  double largest_m = -own.spread_m;
+  for (const std::size_t other : m_clusters[cluster].near) {
+    const Motion& motion = m_motions[other];
+    const double squared_m2 = (own.middle_m - motion.middle_m).squaredNorm();
+    const double missing_m = largest_m - motion.spread_m;
+    if (!(missing_m > 0 && squared_m2 <= missing_m * missing_m)) {
+      largest_m = std::max(largest_m, std::sqrt(squared_m2) + motion.spread_m);
+    }
   }
-  cluster.spread_m = std::sqrt(spread_m2);
+  return largest_m + own.spread_m;
 }
 
 void MovingClearances::update(std::span<const Vec3> positions, int threads) {
   m_positions = positions;
-  for_each_index(m_clusters.size(), threads, [&](std::size_t i) { measure(m_clusters[i]); });
+  for_each_index(m_clusters.size(), threads, [&](std::size_t i) { m_motions[i] = measure(m_clusters[i]); });
   double moved_m = 0;
-  for (const Cluster& cluster : m_clusters) moved_m = std::max(moved_m, cluster.moved_m);
+  for (const Motion& motion : m_motions) moved_m = std::max(moved_m, motion.middle_m.norm() + motion.spread_m);
   m_moved_apart_m += 2 * moved_m * (1 + rounding);
+  for_each_index(m_clusters.size(), threads,
+                 [&](std::size_t i) { m_clusters[i].travel_m += relative_motion_m(i) * (1 + rounding); });
   if (!(m_moved_apart_m < m_near_m * (1 - rounding))) {  // a leap: clusters that were not near may have met
-    for (NodeState& state : m_nodes) state.reach_m = -std::numeric_limits<double>::infinity();
+    std::ranges::fill(m_reach_m, unknown_m);
   }
   // At half of the distance, so that a cluster that becomes a neighbour is still as far away as the other half.
-  const bool looks_for_neighbours = !m_has_neighbours || !(m_moved_apart_m < 0.5 * m_near_m);
-  for_each_index(m_clusters.size(), threads, [&](std::size_t i) {
-    Cluster& cluster = m_clusters[i];
-    double relative_m = 0;
-    for (const std::size_t other : cluster.near) {
-      const Cluster& b = m_clusters[other];
-      relative_m = std::max(relative_m, (cluster.mean_m - b.mean_m).norm() + b.spread_m);
-    }
-    if (!cluster.near.empty()) cluster.travel_m += (relative_m + cluster.spread_m) * (1 + rounding);
-  });
-  if (looks_for_neighbours) {
+  if (!m_has_neighbours || !(m_moved_apart_m < 0.5 * m_near_m)) {
     find_neighbours(threads);
   }
-  std::copy(positions.begin(), positions.end(), m_last.begin());
   m_expired.clear();
   for (const Cluster& cluster : m_clusters) {
     for (std::size_t i = cluster.first; i < cluster.last_own; ++i) {
-      const int node = m_members[i];
       // Not `>=`: what is not a number has expired.
-      if (!(cluster.travel_m < m_nodes[static_cast<std::size_t>(node)].reach_m)) m_expired.push_back(node);
+      if (!(cluster.travel_m < m_reach_m[i])) m_expired.push_back(m_members[i]);
     }
   }
 }
@@ -149,6 +149,8 @@ void MovingClearances::find_neighbours(int threads) {
       cluster.box.extend(m_positions[static_cast<std::size_t>(m_members[k])]);
     }
   });
+  m_boxes.assign(m_beside.size(), Eigen::AlignedBox3d());
+  for (const Cluster& cluster : m_clusters) m_boxes[static_cast<std::size_t>(cluster.muscle)].extend(cluster.box);
   for_each_index(m_clusters.size(), threads, [&](std::size_t i) { find_neighbours_of(m_clusters[i]); });
   m_moved_apart_m = 0;
   m_has_neighbours = true;
@@ -159,33 +161,38 @@ void MovingClearances::find_neighbours_of(Cluster& cluster) {
   double least_new_gap_m = std::numeric_limits<double>::infinity();
   for (const int muscle : m_beside[static_cast<std::size_t>(cluster.muscle)]) {
     const auto beside = static_cast<std::size_t>(muscle);
+    if (!(squared_gap_m2(cluster.box, m_boxes[beside]) < m_near_m * m_near_m)) {
+      continue;
+    }
     for (std::size_t other = m_first_cluster[beside]; other < m_first_cluster[beside + 1]; ++other) {
-      const double gap = gap_m(cluster.box, m_clusters[other].box);
-      if (!(gap < m_near_m)) {
+      const double squared_m2 = squared_gap_m2(cluster.box, m_clusters[other].box);
+      if (!(squared_m2 < m_near_m * m_near_m)) {
         continue;
       }
       near.push_back(other);
-      if (!std::ranges::binary_search(cluster.near, other)) least_new_gap_m = std::min(least_new_gap_m, gap);
+      if (!std::ranges::binary_search(cluster.near, other)) {
+        least_new_gap_m = std::min(least_new_gap_m, std::sqrt(squared_m2));
+      }
     }
   }
   // How a new neighbour came nearer was not added to the travel: no node of this cluster is farther from it than that.
   const double reach_m = cluster.travel_m + least_new_gap_m * (1 - rounding);
   for (std::size_t i = cluster.first; i < cluster.last_own; ++i) {
-    NodeState& state = m_nodes[static_cast<std::size_t>(m_members[i])];
-    state.reach_m = std::min(state.reach_m, reach_m);
+    m_reach_m[i] = std::min(m_reach_m[i], reach_m);
   }
   cluster.near = std::move(near);
 }
 
 void MovingClearances::store(int node, double clearance_m) {
-  NodeState& state = m_nodes[static_cast<std::size_t>(node)];
-  state.reach_m = clearance_m > 0 ? m_clusters[state.cluster].travel_m + clearance_m * (1 - rounding)
-                                  : -std::numeric_limits<double>::infinity();
+  const Place& place = m_places[static_cast<std::size_t>(node)];
+  m_reach_m[place.member] =
+      clearance_m > 0 ? m_clusters[place.cluster].travel_m + clearance_m * (1 - rounding) : unknown_m;
 }
 
 std::size_t MovingClearances::bytes() const {
   std::size_t sum = m_clusters.capacity() * sizeof(Cluster) + m_members.capacity() * sizeof(int) +
-                    m_nodes.capacity() * sizeof(NodeState) + m_last.capacity() * sizeof(Vec3);
+                    m_places.capacity() * sizeof(Place) + m_reach_m.capacity() * sizeof(double) +
+                    m_last.capacity() * sizeof(Vec3) + m_motions.capacity() * sizeof(Motion);
   for (const Cluster& cluster : m_clusters) sum += cluster.near.capacity() * sizeof(std::size_t);
   return sum;
 }

@@ -35,6 +35,7 @@ class Scene:
     frames_limit: int | None = None  # None: as many as scene and preset have
     probed_on: str = ""  # the scene whose bones are probed for this one, too; empty: this one
     digest: str = ""  # of a scene file and what it names; the program's own scenes change with the program
+    muscles: int = 1
     has_long_key: bool = False  # where two scenes would share a short one
 
     @property
@@ -139,6 +140,7 @@ def told(scene: Scene, record: dict) -> Scene:
     return replace(
         scene, nodes=record["muscle"]["vertices"], frames=loop["frames"],
         iterations=loop["substeps"] * loop["iterations"],
+        muscles=len(record.get("muscles", [])) or 1,
         full_flexion_frame=full_flexion_frame([bone.get("motion") or {} for bone in bones], loop["frames"]),
         preset=record["case"].get("preset") or "", digest=digest, frame_time_s=loop["substeps"] * loop["time_step_s"])
 

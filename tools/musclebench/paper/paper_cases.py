@@ -41,9 +41,10 @@ class PaperCase(SceneCase):
 
     @property
     def snapshot_frames(self) -> list[int]:
-        """Rest, half and full flexion."""
+        """Rest, half and full flexion; of several muscles also where the motion ends."""
         full = self.scene.full_flexion_frame
-        return sorted({0, math.ceil(full / 2), full})
+        last = {self.scene.frames} if self.scene.muscles > 1 else set()
+        return sorted({0, math.ceil(full / 2), full} | last)
 
 
 def plan(scenes: list[Scene], seed: int = 1) -> list[PaperCase]:

@@ -20,6 +20,9 @@ class View:
     up: np.ndarray
     half_height_m: float
 
+    def from_behind(self) -> "View":
+        return View(self.focus_m, -self.towards_eye, self.up, self.half_height_m)
+
 
 @dataclass
 class CutPlane:

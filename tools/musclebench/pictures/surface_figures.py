@@ -15,7 +15,7 @@ from ..figures.style import plt
 from ..results.run_folder import Run
 from ..tables.paper_tables import by_case
 from .surface_pictures import (
-    ATTACHMENT_COLOURS, DEPTH_COLOURS, INSIDE_FROM_MM, Snapshot, Studio, bound_nodes_by_bone, read_snapshots,
+    ATTACHMENT_COLOURS, DEPTH_COLOURS, INSIDE_FROM_MM, MUSCLE_COLOURS, Snapshot, Studio, bound_nodes_by_bone, read_snapshots,
 )
 
 
@@ -47,6 +47,10 @@ def draw_surface_figures(runs: list[Run], folder: Path, say: Callable[[str], Non
         of_muscle = {backend: chosen for (name, backend), chosen in moments.items() if name == muscle}
         files += _draw_muscle(studios[muscle], muscle, of_muscle, shown, folder, say)
         files += _draw_full_flexion(studios, moments, shown, folder, say)
+        for name in muscles:
+            run = next(cases[case] for case in moments if case[0] == name)
+            if len(run.record.get("muscles", [])) > 1:
+                files += _draw_several(studios[name], name, run, folder, say)
         files += _draw_attachments(studios, cases, moments, shown, folder, say)
     return files
 
@@ -117,6 +121,30 @@ def _draw_full_flexion(studios, moments, runs, folder: Path, say) -> list[Path]:
     angle = max((chosen.full.angle_deg for chosen in moments.values()), key=abs)
     _finish(figure, f"All muscles at full flexion ({angle:.0f}°)", runs, deepest_mm)
     return _save(figure, _depth_rows(moments), folder / "muscles_at_full_flexion")
+
+
+def _draw_several(studio: Studio, scene: str, run: Run, folder: Path, say) -> list[Path]:
+    """Each muscle in its colour, from both sides, in all snapshots of one run."""
+    snapshots = read_snapshots(run)
+    muscles = run.record["muscles"]
+    counts = [muscle["vertices"] for muscle in muscles]
+    figure, panels = plt.subplots(2, len(snapshots), squeeze=False,
+                                  figsize=(style.PAGE_INCHES, 2 * style.PAGE_INCHES / max(len(snapshots), 3) + 0.6))
+    for place, snapshot in enumerate(snapshots):
+        say(f"{style.muscle_label(scene)}, {snapshot.angle_deg:.0f}°")
+        for row in range(2):
+            _show(panels[row, place], studio.muscles(snapshot, counts, from_behind=row == 1))
+        panels[0, place].set_title(f"frame {snapshot.frame}, {snapshot.angle_deg:.0f}°", fontsize=7)
+    for row, text in enumerate(("muscle's side", "other side")):
+        _row_name(panels[row, 0], text, "black")
+    marks = [plt.Line2D([], [], marker="o", linestyle="", color=MUSCLE_COLOURS[i % len(MUSCLE_COLOURS)] / 255)
+             for i in range(len(muscles))]
+    figure.legend(marks, [style.muscle_label(muscle["name"]) for muscle in muscles], ncols=len(muscles), fontsize=7,
+                  loc="lower center", bbox_to_anchor=(0.5, 0.03), frameon=False)
+    figure.suptitle(f"{style.muscle_label(scene).capitalize()} with {run.backend}", x=0.02, ha="left", y=0.99, va="top")
+    style.add_note(figure, caption([run]), y=0.0)
+    rows = pd.DataFrame([{"frame": s.frame, "angle_deg": s.angle_deg} for s in snapshots])
+    return _save(figure, rows, folder / f"muscles_of_{scene}")
 
 
 def _draw_attachments(studios, cases, moments, runs, folder: Path, say) -> list[Path]:

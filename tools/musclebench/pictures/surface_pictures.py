@@ -18,6 +18,7 @@ INSIDE_FROM_MM = 0.02  # shallower than this counts as touching
 SEE_THROUGH_BONE = 0.2
 SEE_THROUGH_MUSCLE = 0.35
 BALL_SHARE = 0.011  # radius of a marked node, of half the picture's height
+MUSCLE_COLOURS = np.array([[178, 88, 80], [214, 157, 76], [110, 150, 105], [120, 110, 170], [90, 150, 170]])
 ATTACHMENT_COLOURS = [(0.0, 0.45, 0.70), (0.90, 0.62, 0.0), (0.80, 0.47, 0.65), (0.0, 0.62, 0.45)]
 
 
@@ -67,7 +68,8 @@ class Studio:
         eye = views.side_of_muscle(joint, shapes[0], all_bones_m)
         self._overview = views.overview(joint, eye, np.vstack(shapes))
         self._close_up = views.close_up(joint, eye, shapes[0])
-        self._scene.cut_bones(views.cut_beside(joint, shapes[0], all_bones_m))
+        self._cut = views.cut_beside(joint, shapes[0], all_bones_m)
+        self._scene.cut_bones(self._cut)
 
     def overview(self, snapshot: Snapshot, deepest_mm: float) -> np.ndarray:
         self._show(snapshot, depth_colours(snapshot.depth_mm, deepest_mm))
@@ -79,6 +81,17 @@ class Studio:
         self._show(snapshot, depth_colours(snapshot.depth_mm, deepest_mm))
         self._scene.set_bone_opacity(SEE_THROUGH_BONE)
         return self._scene.picture(self._close_up)
+
+    def muscles(self, snapshot: Snapshot, vertices_of_muscles: list[int], from_behind: bool) -> np.ndarray:
+        """Each muscle in a colour of its own; `vertices_of_muscles` are the numbers of their vertices."""
+        colours = np.vstack([np.tile(MUSCLE_COLOURS[i % len(MUSCLE_COLOURS)], (count, 1))
+                             for i, count in enumerate(vertices_of_muscles)])
+        self._show(snapshot, colours)
+        self._scene.set_bone_opacity(1.0)
+        self._scene.cut_bones(None)
+        picture = self._scene.picture(self._overview.from_behind() if from_behind else self._overview)
+        self._scene.cut_bones(self._cut)
+        return picture
 
     def attachments(self, snapshot: Snapshot, groups: list[np.ndarray]) -> np.ndarray:
         """Bound nodes, one colour a group of vertex indices, seen through the muscle."""
