@@ -48,7 +48,7 @@ def draw_surface_figures(runs: list[Run], folder: Path, say: Callable[[str], Non
         files += _draw_muscle(studios[muscle], muscle, of_muscle, shown, folder, say)
         files += _draw_full_flexion(studios, moments, shown, folder, say)
         for name in muscles:
-            run = next(cases[case] for case in moments if case[0] == name)
+            run = _best_shaped([cases[case] for case in moments if case[0] == name])
             if len(run.record.get("muscles", [])) > 1:
                 files += _draw_several(studios[name], name, run, folder, say)
         files += _draw_attachments(studios, cases, moments, shown, folder, say)
@@ -123,6 +123,12 @@ def _draw_full_flexion(studios, moments, runs, folder: Path, say) -> list[Path]:
     return _save(figure, _depth_rows(moments), folder / "muscles_at_full_flexion")
 
 
+def _best_shaped(runs: list[Run]) -> Run:
+    """With collisions, if there is one: the run that stretched its edges least."""
+    colliding = [run for run in runs if not looks.backend(run.backend).is_control]
+    return min(colliding or runs, key=lambda run: run.record.get("outcome", {}).get("max_edge_stretch") or math.inf)
+
+
 def _draw_several(studio: Studio, scene: str, run: Run, folder: Path, say) -> list[Path]:
     """Each muscle in its colour, from both sides, in all snapshots of one run."""
     snapshots = read_snapshots(run)
@@ -130,6 +136,7 @@ def _draw_several(studio: Studio, scene: str, run: Run, folder: Path, say) -> li
     counts = [muscle["vertices"] for muscle in muscles]
     figure, panels = plt.subplots(2, len(snapshots), squeeze=False,
                                   figsize=(style.PAGE_INCHES, 2 * style.PAGE_INCHES / max(len(snapshots), 3) + 0.6))
+    figure.subplots_adjust(left=0.05, right=0.99, top=0.88, bottom=0.11, wspace=0.02, hspace=0.02)
     for place, snapshot in enumerate(snapshots):
         say(f"{style.muscle_label(scene)}, {snapshot.angle_deg:.0f}°")
         for row in range(2):

@@ -8,7 +8,7 @@ from .table_formats import Column, Table
 TOTALS = ("frame_ns",)
 NOT_OF_THE_LOOP = ("recording_ns", "judging_ns", "collision_ns")
 DEPTH_COLUMNS = [
-    Column("scene", "scene"), Column("backend", "backend"), Column("muscle", "muscle"),
+    Column("muscle", "muscle"), Column("scene", "scene"), Column("backend", "backend"),
     Column("bone_depth_mm", "deepest in a bone mm", 3, "in bone\nmm"),
     Column("bone_nodes", "most nodes in bones", 0, "nodes\nin bones"),
     Column("muscle_depth_mm", "deepest in a muscle mm", 3, "in muscle\nmm"),
@@ -26,30 +26,31 @@ def frame_time_table(runs: list[Run]) -> Table:
     """Medians over the frames, by effect and contact stage."""
     stages = list(dict.fromkeys(name for run in runs for name in run.frames.columns
                                 if name.endswith("_ns") and name not in (*NOT_OF_THE_LOOP, *TOTALS)))
-    columns = [Column("scene", "scene"), Column("backend", "backend")]
+    columns = [Column("muscle", "scene"), Column("backend", "backend")]
     columns += [Column(name, f"{name.removesuffix('_ns')} ms", 3, name.removesuffix("_ns").replace("_", "\n"))
                 for name in [*stages, *TOTALS]]
-    rows = pd.DataFrame([{"scene": run.muscle, "backend": run.backend,
+    rows = pd.DataFrame([{"muscle": run.muscle, "backend": run.backend,
                           **{name: run.timed_frames[name].median() / 1e6 if name in run.frames else float("nan")
                              for name in [*stages, *TOTALS]}} for run in runs],
                         columns=[column.key for column in columns])
     caption = ("Table 3. Where a frame's time goes: medians over the frames in ms, by effect and stage of the collision; update, "
                "detect and respond are those of the backend with all bones, muscle_contact is that of all pairs of muscles.")
-    return Table("table_3_frame_times", caption, columns, rows, list(rows.columns))
+    return Table("table_3_frame_times", caption, columns, rows, [column.key for column in columns[1:]])
 
 
 def depth_table(runs: list[Run]) -> Table:
-    rows = pd.DataFrame([_depth_row(run, name, rows) for run in runs for name, rows in run.muscles.groupby("muscle", sort=False)],
+    rows = pd.DataFrame([_depth_row(run, name, rows) for run in runs for name, rows in run.muscles.groupby("muscle")],
                         columns=[column.key for column in DEPTH_COLUMNS])
+    rows = rows.sort_values(["muscle", "scene"], kind="stable", ignore_index=True)
     caption = ("Table 4. How deep muscles are in bones and in each other over the whole motion (true depths of nodes), and what "
                "became of their shape. The change of volume is against the first frame.")
-    return Table("table_4_depths", caption, DEPTH_COLUMNS, rows, list(rows.columns))
+    return Table("table_4_depths", caption, DEPTH_COLUMNS, rows, [column.key for column in DEPTH_COLUMNS[1:]])
 
 
 def _depth_row(run: Run, muscle: str, rows: pd.DataFrame) -> dict:
     volumes = rows["volume_m3"]
     return {
-        "scene": run.muscle, "backend": run.backend, "muscle": muscle, "bone_depth_mm": 1e3 * rows["max_depth_m"].max(),
+        "muscle": muscle, "scene": run.muscle, "backend": run.backend, "bone_depth_mm": 1e3 * rows["max_depth_m"].max(),
         "bone_nodes": rows["nodes_inside"].max(), "muscle_depth_mm": 1e3 * rows["max_muscle_depth_m"].max(),
         "muscle_nodes": rows["nodes_inside_muscles"].max(),
         "volume_change_percent": 100 * (volumes / volumes.iloc[0] - 1).abs().max(),
