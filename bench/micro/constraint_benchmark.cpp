@@ -7,6 +7,7 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include "bench/cases/collider_backends.hpp"
 #include "bench/cases/scene_source.hpp"
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
@@ -162,6 +163,21 @@ void register_loops(const std::string& backend, const std::string& preset, int t
   }
 }
 
+/// Frames of a scene whose muscles touch each other, with its own preset.
+void run_muscles(benchmark::State& state, const std::string& name, int threads) {
+  const Scene scene = load_scene({micro_scene().name, "", "", {}});
+  if (scene.muscle_pairs.empty()) {
+    state.SkipWithError("needs a scene whose muscles touch each other");
+    return;
+  }
+  const BackendEntry& entry = find_backend(name);
+  const auto backend = built_backend(name, run_settings(name), scene.bones, scene.muscle_mesh, threads);
+  const PreparedSimulation prepared =
+      prepare_simulation(scene, *backend, entry.default_response, threads,
+                         make_muscle_detectors(scene, choose_collider_backends({}, scene, entry), threads));
+  time_frames(state, *prepared.simulation, scene.loop.frames);
+}
+
 }  // namespace
 
 void register_constraint_kernels() {
@@ -186,6 +202,13 @@ void register_loop_kernels() {
     constexpr int standard_frames = 10;
     register_loops(backend, "paper", paper_frames);
     register_loops(backend, "standard", standard_frames);
+    for (const int threads : {1, 2}) {
+      benchmark::RegisterBenchmark(fmt::format("muscles/{}/{}", backend, threads).c_str(),
+                                   [=](benchmark::State& s) { run_muscles(s, backend, threads); })
+          ->Iterations(standard_frames)
+          ->UseRealTime()
+          ->Unit(benchmark::kMillisecond);
+    }
   }
 }
 

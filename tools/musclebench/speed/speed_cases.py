@@ -72,6 +72,7 @@ class KernelGroup:
     quick_sizes: tuple[int, ...] = ()  # of kernels of growing size, with --quick
     threads: int = 1
     scene_key: str = ""  # of the scene that the kernels measure, where it is among those asked for
+    other_scene: str = ""  # or one of the same data set that is not raced
     varies: bool = True  # False: bytes and counts, which are the same in every repetition
     program: str = MICRO_PROGRAM  # or one beside it, which is only built where its library is installed
 

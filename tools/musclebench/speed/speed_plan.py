@@ -21,6 +21,7 @@ KERNEL_GROUPS = (
     KernelGroup("allocations", seconds=20.0, varies=False),
     KernelGroup("constraints", seconds=30.0, scene_key="gluteus_maximus"),
     KernelGroup("loop", seconds=90.0, threads=2, scene_key="gluteus_maximus"),
+    KernelGroup("muscles", seconds=60.0, threads=2, other_scene="hip"),
 )
 # Of no backend: all of them.
 COMMON_TARGETS = (
@@ -90,12 +91,18 @@ def plan(request: Request, registry: Registry) -> list[Case]:
 
 def _kernels(request: Request, registry: Registry, repetition: int) -> list[Case]:
     groups = [_with_pattern(group, targets(registry), request.quick) for group in KERNEL_GROUPS]
-    cases = [KernelCase(_scene_of(group, request), group, repetition) for group in groups
-             if group.pattern and (group.varies or repetition == 0)]
+    chosen = [(_scene_of(group, request, registry), group) for group in groups
+              if group.pattern and (group.varies or repetition == 0)]
+    cases = [KernelCase(scene, group, repetition) for scene, group in chosen if scene is not None]
     return [replace(case, repetitions_inside=3, least_seconds=0.02) for case in cases] if request.quick else cases
 
 
-def _scene_of(group: KernelGroup, request: Request) -> Scene:
+def _scene_of(group: KernelGroup, request: Request, registry: Registry) -> Scene | None:
+    """None where the data set of the scenes has not the one that the group needs."""
+    if group.other_scene:
+        name = f"{request.scenes[0].name.split('/')[0]}/{group.other_scene}"
+        known = any(scene.name == name for scene in registry.scenes)
+        return replace(request.scenes[0], name=name, frames_limit=None) if known else None
     wanted = [scene for key in (group.scene_key, MAIN_MUSCLE) for scene in request.scenes if scene.key == key]
     # Kernels build what they measure, whatever number of frames is raced.
     return replace([*wanted, *request.scenes][0], frames_limit=None)
