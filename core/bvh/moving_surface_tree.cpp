@@ -246,25 +246,26 @@ int MovingSurfaceTree::crossing(const Ray& ray, int triangle) const {
     const Vec3 arm = m_vertices[static_cast<std::size_t>(corners[i])] - ray.start;
     arms[i] = Vec3(arm[ray.along], arm[ray.right], arm[ray.up]);
   }
-  bool is_passed = false;
+  int turns = 0;  // of the projected triangle about the line: edges on the right of it upwards, less those downwards
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3* low = &arms[i];
     const Vec3* high = &arms[(i + 1) % 3];
     if ((low->z() > 0) == (high->z() > 0)) {
       continue;
     }
-    if (low->z() > high->z()) std::swap(low, high);
-    is_passed ^= low->y() * high->z() - high->y() * low->z() > 0;
+    const int up_or_down = low->z() > high->z() ? -1 : 1;
+    if (up_or_down < 0) std::swap(low, high);
+    if (low->y() * high->z() - high->y() * low->z() > 0) turns += up_or_down;
   }
-  if (!is_passed) {
+  if (turns == 0) {
     return 0;
   }
   const Vec3 normal = (arms[1] - arms[0]).cross(arms[2] - arms[0]);
-  const double ahead = normal.dot(arms[0]) * (normal.x() > 0 ? 1 : -1);  // of the sign of the way to the plane
+  const double ahead = normal.dot(arms[0]) * turns;  // of the sign of the way to the plane
   if (ray.upwards ? !(ahead > 0) : !(ahead < 0)) {
     return 0;
   }
-  return (normal.x() > 0) == ray.upwards ? 1 : -1;
+  return ray.upwards ? turns : -turns;
 }
 
 int MovingSurfaceTree::winding_number(const Vec3& point) const {
