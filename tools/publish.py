@@ -34,6 +34,7 @@ class Step:
     kind: str
     data_set: str
     arguments: tuple[str, ...]
+    data_dir: Path | None = None
 
     @property
     def name(self) -> str:
@@ -42,11 +43,12 @@ class Step:
     @property
     def shown(self) -> str:
         """The command as a page names it, without the paths of this machine."""
-        return f"tools/{self.kind}{' --data DIR' if self.data_set == 'lhdl' else ''}"
+        words = (f"tools/{self.kind}", *(("--data", "DIR") if self.data_set == "lhdl" else ()), *self.arguments)
+        return " ".join(words)
 
     def command(self, program: Path, out_dir: Path) -> list[str]:
         return [sys.executable, str(TOOLS / f"{self.kind}.py"), "--musclebench", str(program), "--out", str(out_dir),
-                *self.arguments]
+                *(("--data", str(self.data_dir.resolve())) if self.data_dir else ()), *self.arguments]
 
 
 def parse_arguments(arguments):
@@ -70,21 +72,21 @@ def parse_arguments(arguments):
 def steps_of(options) -> list[Step]:
     data_sets = ["synthetic", *(["lhdl"] if options.data else [])]
     wanted = options.only or list(TABLES)
-    steps = [Step(kind, name, _arguments(kind, name, options)) for kind in TABLES for name in data_sets
-             if kind in wanted]
+    steps = [Step(kind, name, _arguments(kind, name, options), options.data if name == "lhdl" else None)
+             for kind in TABLES for name in data_sets if kind in wanted]
     # Speed is about the muscle's own data where they are there: its targets were set on them.
     return [step for step in steps if step.kind != "speed" or step.data_set == data_sets[-1]]
 
 
 def _arguments(kind: str, data_set: str, options) -> tuple[str, ...]:
-    data = ("--data", str(options.data.resolve())) if data_set == "lhdl" else ()
     quick = {"paper": ("--frames-limit", "20"), "convergence": ("--substeps", "5,10")}.get(kind, ("--quick",))
+    # Once each: the intervals come from blocks of frames, and three times would take a working day, not an hour.
     own = {"paper": ("--jobs", "1"),
-           "accuracy": () if data_set == "lhdl" else ("--muscle", "iliacus")}.get(kind, ())
+           "accuracy": ("--repetitions", "1", *(() if data_set == "lhdl" else ("--muscle", "iliacus")))}.get(kind, ())
     if kind == "convergence":
         names = SMOOTH_SCENES[:1] if options.quick else SMOOTH_SCENES
         own = tuple(word for name in names for word in ("--muscle", name))
-    return (*own, *data, *(quick if options.quick else ()))
+    return (*own, *(quick if options.quick else ()))
 
 
 def out_dir_of(options) -> Path:
