@@ -3,53 +3,16 @@
 #include "backends/bvh/exact_surface.hpp"
 #include "backends/bvh/muscle_detector.hpp"
 #include "core/clearance/cached_point_query.hpp"
+#include "core/clearance/point_backend.hpp"
 
 namespace musclebench {
 
-namespace {
-
-class BvhBackend final : public CollisionBackend {
- public:
-  explicit BvhBackend(bool clearance_cache) : m_uses_cache(clearance_cache) {}
-
-  [[nodiscard]] Capabilities capabilities() const override {
-    return {.has_cache = m_uses_cache, .steady_memory = true};
-  }
-  [[nodiscard]] AnswerBound answer_bound(int bone) const override {
-    return {m_surfaces[static_cast<std::size_t>(bone)].touching_m(), 0};
-  }
-
-  [[nodiscard]] std::size_t structure_bytes() const override {
-    std::size_t bytes = m_query.bytes();
-    for (const ExactSurface& surface : m_surfaces) {
-      bytes += surface.bytes();
-    }
-    return bytes;
-  }
-
- private:
-  void do_build() override {
-    m_surfaces.clear();
-    m_surfaces.reserve(bones().size());
-    for (const Bone& bone : bones()) {
-      m_surfaces.emplace_back(bone, threads());
-    }
-    m_query.reset(bones(), m_surfaces, muscle().vertices.size(), m_uses_cache, threads());
-  }
-
-  void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
-    m_query.detect(poses(), positions, nodes, contacts);
-  }
-
-  bool m_uses_cache;
-  std::vector<ExactSurface> m_surfaces;  ///< one a bone
-  CachedPointQuery<ExactSurface> m_query;
-};
-
-}  // namespace
-
 std::unique_ptr<CollisionBackend> make_bvh_backend(const Parameters& parameters) {
-  return std::make_unique<BvhBackend>(uses_clearance_cache(parameters));
+  return make_point_backend({.capabilities = {.has_cache = uses_clearance_cache(parameters), .steady_memory = true},
+                             .nodes_a_batch = 64,
+                             .build = [](const Bone& bone, int threads, const ShareReport& /*report*/) {
+                               return std::make_unique<CachedPointQuery<ExactSurface>>(ExactSurface(bone, threads));
+                             }});
 }
 
 BackendEntry bvh_entry() {

@@ -9,12 +9,14 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "backends/sdf/files/field_file.hpp"
 #include "backends/sdf/grid/cell_map.hpp"
 #include "backends/sdf/grid/field_block.hpp"
 #include "backends/sdf/octree/octree_kernel.hpp"
-#include "core/contact/collision_backend.hpp"
+#include "core/clearance/bone_structure.hpp"
+#include "core/contact/backend_entry.hpp"
 
 namespace musclebench {
 
@@ -26,21 +28,16 @@ struct FieldAnswers {
 
 /// The distance field of one bone as the `sdf` backend queries it, in batches. Queries are const and safe from several
 /// threads.
-class BoneField {
+class BoneField : public BoneStructure {
  public:
   /// Which points are evaluated: those that may be inside the bone, or all that the field knows.
   enum class Wanted : std::uint8_t { contacts, clearances };
 
-  BoneField() = default;
-  BoneField(const BoneField&) = delete;
-  BoneField& operator=(const BoneField&) = delete;
-  virtual ~BoneField() = default;
+  explicit BoneField(bool from_file) : m_is_from_file(from_file) {}
 
-  /// Without the bone's name.
-  [[nodiscard]] virtual StructureError error() const = 0;
-  [[nodiscard]] virtual AnswerBound answer_bound() const = 0;
-  /// The smallest edge of a cell.
-  [[nodiscard]] virtual double step_m() const = 0;
+  [[nodiscard]] bool is_from_file() const final { return m_is_from_file; }
+  void detect(const NodeBatch& batch, std::vector<Contact>& contacts) final;
+
   /// The frame that a CellMap of this field maps into.
   [[nodiscard]] virtual const GridShape& grid() const = 0;
 
@@ -55,16 +52,18 @@ class BoneField {
   /// The same for a point that `sample` leaves out, clearances wanted: outside the domain, or in a cell that the field
   /// does not know. `cells` is where the CellMap takes it.
   [[nodiscard]] virtual double clearance_m(const Vec3& cells) const { return grid().distance_m(cells); }
+
+ private:
+  void store_sampled(const NodeBatch& batch, const FieldAnswers& answers) const;
+  void store_left_out(const NodeBatch& batch, std::size_t first, std::size_t end, const CellMap& map,
+                      const FieldBlock& block) const;
+
+  bool m_is_from_file;
 };
 
 /// Where the fields of a configured `sdf` backend come from.
 class FieldSource {
  public:
-  struct Made {
-    std::unique_ptr<BoneField> field;
-    bool from_file = false;
-  };
-
   FieldSource() = default;
   FieldSource(const FieldSource&) = delete;
   FieldSource& operator=(const FieldSource&) = delete;
@@ -75,7 +74,8 @@ class FieldSource {
   /// Throws InputError where the parameters do not fit the bones, before anything is built.
   virtual void require_fit(std::span<const Bone> /*bones*/) const {}
   /// `progress`, where not empty, is told the share that is done.
-  [[nodiscard]] virtual Made make(const Bone& bone, int threads, const std::function<void(double)>& progress) const = 0;
+  [[nodiscard]] virtual std::unique_ptr<BoneField> make(const Bone& bone, int threads,
+                                                        const ShareReport& progress) const = 0;
 };
 
 /// Loads a field from `folder` / `file_name`, or builds it and saves it there; only builds it without a folder.

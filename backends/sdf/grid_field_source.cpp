@@ -24,11 +24,12 @@ constexpr int samples_of_foreign = 2000;
 
 class GridBoneField final : public BoneField {
  public:
-  explicit GridBoneField(CubicField field) : m_field(std::move(field)) {}
+  GridBoneField(CubicField field, bool from_file) : BoneField(from_file), m_field(std::move(field)) {}
 
-  [[nodiscard]] StructureError error() const override {
+  [[nodiscard]] std::size_t bytes() const override { return m_field.bytes(); }
+  [[nodiscard]] std::optional<StructureError> error() const override {
     const FieldError& error = m_field.facts().error;
-    return {"", m_field.bytes(), error.samples, error.largest_m, error.p99_m};
+    return StructureError{"", m_field.bytes(), error.samples, error.largest_m, error.p99_m};
   }
   /// Half a cell: what a cubic field errs by at kinks, where it is of first order. Sheets thinner than a cell lie
   /// outside it.
@@ -104,7 +105,8 @@ class GridFieldSource final : public FieldSource {
     require_room(bones, shapes, m_grid, m_settings);
   }
 
-  [[nodiscard]] Made make(const Bone& bone, int threads, const std::function<void(double)>& progress) const override {
+  [[nodiscard]] std::unique_ptr<BoneField> make(const Bone& bone, int threads,
+                                                const ShareReport& progress) const override {
     const GridShape shape = grid_over(bone.surface.mesh, m_grid, bone.name);
     const StoredField<CubicField> stored{
         [&] { return build_field(bone.signed_distance(), shape, m_settings, threads, progress); },
@@ -116,7 +118,7 @@ class GridFieldSource final : public FieldSource {
         }};
     bool from_file = false;
     CubicField field = stored.load_or_build(m_folder, file_name(bone), bone, from_file);
-    return {std::make_unique<GridBoneField>(std::move(field)), from_file};
+    return std::make_unique<GridBoneField>(std::move(field), from_file);
   }
 
  private:
@@ -140,14 +142,14 @@ class DiscregridFieldSource final : public FieldSource {
 
   [[nodiscard]] bool needs_closed_surfaces() const override { return false; }
 
-  [[nodiscard]] Made make(const Bone& bone, int threads,
-                          const std::function<void(double)>& /*progress*/) const override {
+  [[nodiscard]] std::unique_ptr<BoneField> make(const Bone& bone, int threads,
+                                                const ShareReport& /*progress*/) const override {
     const std::filesystem::path path = m_folder / (bone_file_name(bone.name) + ".cdf");
     CubicField field = read_discregrid(path, threads);
     const SignedSurface& surface = bone.signed_distance();
     require_field_of(field, bone.surface.mesh, surface, bone.name, path);
     field.facts().error = estimate_error(field, surface, samples_of_foreign);
-    return {std::make_unique<GridBoneField>(std::move(field)), true};
+    return std::make_unique<GridBoneField>(std::move(field), true);
   }
 
  private:

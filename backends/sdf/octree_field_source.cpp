@@ -16,11 +16,13 @@ namespace {
 
 class OctreeBoneField final : public BoneField {
  public:
-  explicit OctreeBoneField(OctreeField field) : m_field(std::move(field)), m_grid(m_field.shape().grid()) {}
+  OctreeBoneField(OctreeField field, bool from_file)
+      : BoneField(from_file), m_field(std::move(field)), m_grid(m_field.shape().grid()) {}
 
-  [[nodiscard]] StructureError error() const override {
+  [[nodiscard]] std::size_t bytes() const override { return m_field.bytes(); }
+  [[nodiscard]] std::optional<StructureError> error() const override {
     const OctreeQuality& quality = m_field.quality();
-    return {"", m_field.bytes(), static_cast<int>(quality.samples), quality.largest_m, quality.p99_m};
+    return StructureError{"", m_field.bytes(), static_cast<int>(quality.samples), quality.largest_m, quality.p99_m};
   }
   /// Proven, sheets of any thickness included; what is reached is some hundred times less.
   [[nodiscard]] AnswerBound answer_bound() const override {
@@ -53,7 +55,8 @@ class OctreeFieldSource final : public FieldSource {
   /// What lies between the fine cells is known by the distance alone.
   [[nodiscard]] bool needs_closed_surfaces() const override { return true; }
 
-  [[nodiscard]] Made make(const Bone& bone, int threads, const std::function<void(double)>& progress) const override {
+  [[nodiscard]] std::unique_ptr<BoneField> make(const Bone& bone, int threads,
+                                                const ShareReport& progress) const override {
     const StoredField<OctreeField> stored{
         [&] {
           return build_octree(bone.signed_distance(), bone.surface.mesh, m_settings, bone.name, threads, progress);
@@ -68,7 +71,7 @@ class OctreeFieldSource final : public FieldSource {
         fmt::format("{}-{}mm{}.octree", bone_file_name(bone.name), m_error_name, margin_file_name(m_settings.margin));
     bool from_file = false;
     OctreeField field = stored.load_or_build(m_folder, file_name, bone, from_file);
-    return {std::make_unique<OctreeBoneField>(std::move(field)), from_file};
+    return std::make_unique<OctreeBoneField>(std::move(field), from_file);
   }
 
  private:

@@ -1,63 +1,39 @@
 #include "backends/voxel/voxel_backend.hpp"
 
+#include <string>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "backends/voxel/voxel_grid.hpp"
+#include "core/clearance/point_backend.hpp"
 
 namespace musclebench {
 
 namespace {
 
-class VoxelBackend final : public CollisionBackend {
+class VoxelStructure final : public BoneStructure {
  public:
-  explicit VoxelBackend(const Parameters& parameters)
-      : m_cells(static_cast<int>(parameters.integer("cells"))), m_voxel_size_m(parameters.number("voxel_size_m")) {}
+  explicit VoxelStructure(VoxelGrid grid) : m_grid(std::move(grid)) {}
 
-  [[nodiscard]] Capabilities capabilities() const override {
-    return {.depth = false, .has_step = true, .steady_memory = true};
-  }
+  [[nodiscard]] AnswerBound answer_bound() const override { return {0, m_grid.cell_size_m().norm()}; }
+  [[nodiscard]] std::size_t bytes() const override { return m_grid.bytes(); }
+  [[nodiscard]] double step_m() const override { return m_grid.cell_size_m().minCoeff(); }
 
-  [[nodiscard]] AnswerBound answer_bound(int bone) const override { return {0, m_grids[bone].cell_size_m().norm()}; }
-
-  [[nodiscard]] std::size_t structure_bytes() const override {
-    std::size_t bytes = 0;
-    for (const VoxelGrid& grid : m_grids) {
-      bytes += grid.bytes();
-    }
-    return bytes;
-  }
-
-  [[nodiscard]] double step_m(int bone) const override { return m_grids[bone].cell_size_m().minCoeff(); }
-
- private:
-  void do_build() override {
-    m_grids.clear();
-    for (const Bone& bone : bones()) {
-      m_grids.emplace_back(
-          bone.surface.mesh, bone.tree(), m_cells, m_voxel_size_m,
-          fmt::format("voxel: {} (bone '{}')", m_voxel_size_m > 0 ? "voxel_size_m" : "cells", bone.name));
-    }
-  }
-
-  void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
-    for (std::size_t bone = 0; bone < m_grids.size(); ++bone) {
-      const VoxelGrid& grid = m_grids[bone];
-      const RigidMotion& pose = poses()[bone];
-      // World to cells in one affine map: a node then costs one matrix product and one bit.
-      const Vec3 per_cell = grid.cell_size_m().cwiseInverse();
-      const Mat3 linear = per_cell.asDiagonal() * pose.rotation.transpose();
-      const Vec3 offset = -(linear * pose.translation_m) - per_cell.cwiseProduct(grid.lower());
-      for (const int node : nodes) {
-        if (grid.contains_scaled(linear * positions[node] + offset)) {
-          contacts.push_back({node, static_cast<int>(bone), 0, Vec3::Zero()});
-        }
+  void detect(const NodeBatch& batch, std::vector<Contact>& contacts) override {
+    // World to cells in one affine map: a node then costs one matrix product and one bit.
+    const Vec3 per_cell = m_grid.cell_size_m().cwiseInverse();
+    const Mat3 linear = per_cell.asDiagonal() * batch.pose.rotation.transpose();
+    const Vec3 offset = -(linear * batch.pose.translation_m) - per_cell.cwiseProduct(m_grid.lower());
+    for (const int node : batch.nodes) {
+      if (m_grid.contains_scaled(linear * batch.positions[static_cast<std::size_t>(node)] + offset)) {
+        contacts.push_back({node, batch.bone, 0, Vec3::Zero()});
       }
     }
   }
 
-  int m_cells;
-  double m_voxel_size_m;
-  std::vector<VoxelGrid> m_grids;
+ private:
+  VoxelGrid m_grid;
 };
 
 std::vector<ParameterSpec> voxel_parameters() {
@@ -79,7 +55,14 @@ std::vector<ParameterSpec> voxel_parameters() {
 }  // namespace
 
 std::unique_ptr<CollisionBackend> make_voxel_backend(const Parameters& parameters) {
-  return std::make_unique<VoxelBackend>(parameters);
+  return make_point_backend(
+      {.capabilities = {.depth = false, .has_step = true, .steady_memory = true},
+       .build = [cells = static_cast<int>(parameters.integer("cells")), size_m = parameters.number("voxel_size_m")](
+                    const Bone& bone, int /*threads*/, const ShareReport& /*report*/) {
+         const std::string name =
+             fmt::format("voxel: {} (bone '{}')", size_m > 0 ? "voxel_size_m" : "cells", bone.name);
+         return std::make_unique<VoxelStructure>(VoxelGrid(bone.surface.mesh, bone.tree(), cells, size_m, name));
+       }});
 }
 
 BackendEntry voxel_entry() {

@@ -7,62 +7,38 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "core/clearance/clearance_cache.hpp"
+#include "core/clearance/bone_structure.hpp"
 #include "core/clearance/query_surface.hpp"
-#include "core/contact/collision_backend.hpp"
-#include "core/mesh/morton_order.hpp"
 
 namespace musclebench {
 
-/// Contacts of single nodes with exact surfaces, one a bone. With the clearance cache a query starts from what earlier
-/// queries of the same node and bone have left: a safe sphere, and for nodes in or near a bone a list of candidate
-/// triangles. The cache changes the time only: the contacts are the same to the bit, for any number of threads.
+/// Contacts of single nodes with the exact surface of one bone. With the clearance cache a query starts from what
+/// earlier queries of the same node have left: a safe sphere, and for nodes in or near the bone a list of candidate
+/// triangles. The cache changes the time only: the contacts are the same to the bit.
 /// reports/performance/clearance_cache.md describes the steps of a query and why each is exact.
 template <QuerySurface Surface>
-class CachedPointQuery {
+class CachedPointQuery final : public BoneStructure {
  public:
-  /// `bones` and `surfaces` (in the same order) outlive this object or its next `reset`. `nodes` is the number of
-  /// positions that calls will have.
-  void reset(std::span<const Bone> bones, std::span<const Surface> surfaces, std::size_t nodes, bool clearance_cache,
-             int threads) {
-    m_bones = bones;
-    m_surfaces = surfaces;
-    m_uses_cache = clearance_cache;
-    m_threads = threads;
-    clear_caches(nodes);
+  explicit CachedPointQuery(Surface surface) : m_surface(std::move(surface)) {}
+
+  [[nodiscard]] AnswerBound answer_bound() const override { return {m_surface.touching_m(), 0}; }
+  [[nodiscard]] std::size_t bytes() const override {
+    return m_surface.bytes() + m_node_caches.size() * sizeof(NodeCache) + m_exit_points.size() * sizeof(Vec3);
   }
 
-  /// Appends the contacts of `nodes` (ascending), ordered by bone, then node. `positions` in the world frame, in
-  /// metres; a position that is not finite has no contact.
-  void detect(std::span<const RigidMotion> poses, std::span<const Vec3> positions, std::span<const int> nodes,
-              std::vector<Contact>& contacts) {
-    if (m_uses_cache && positions.size() != m_nodes) {
-      clear_caches(positions.size());
-    }
-    if (m_uses_cache) {
-      m_clearance_cache.collect_expired(poses, positions, nodes);
-    } else if (!std::equal(nodes.begin(), nodes.end(), m_ordered.begin(), m_ordered.end())) {
-      order_nodes(positions, nodes);
-    }
-    for (int bone = 0; bone < static_cast<int>(m_surfaces.size()); ++bone) {
-      const std::span<const int> queried = m_uses_cache ? m_clearance_cache.expired(bone) : m_query_order;
-      query_bone(bone, poses[static_cast<std::size_t>(bone)], positions, queried);
-      const auto first_of_bone = static_cast<std::ptrdiff_t>(contacts.size());
-      for (std::size_t block = 0; block < m_found_count.size(); ++block) {
-        const std::span<const Contact> found = std::span(m_found).subspan(block * block_size, m_found_count[block]);
-        contacts.insert(contacts.end(), found.begin(), found.end());
-      }
-      if (!m_uses_cache) {
-        std::sort(contacts.begin() + first_of_bone, contacts.end(),
-                  [](const Contact& a, const Contact& b) { return a.node < b.node; });
-      }
-    }
+  void reset_nodes(std::size_t nodes) override {
+    m_node_caches.assign(nodes, {});
+    m_exit_points.assign(nodes, Vec3::Zero());
   }
 
-  [[nodiscard]] std::size_t bytes() const {
-    return m_clearance_cache.bytes() + m_node_caches.size() * sizeof(NodeCache) + m_exit_points.size() * sizeof(Vec3);
+  void detect(const NodeBatch& batch, std::vector<Contact>& contacts) override {
+    Scratch scratch;
+    for (std::size_t first = 0; first < batch.nodes.size(); first += block_size) {
+      query_block(batch, first, scratch, contacts);
+    }
   }
 
  private:
@@ -114,228 +90,161 @@ class CachedPointQuery {
   static constexpr int no_triangle = -1;
   static constexpr double unknown_m = std::numeric_limits<double>::infinity();
   static constexpr std::size_t block_size = 16;
-  static constexpr std::size_t blocks_of(std::size_t nodes) { return (nodes + block_size - 1) / block_size; }
 
-  /// Scratch memory of a thread.
-  struct Block {
+  struct Scratch {
     std::array<NodeQuery, block_size> queries;
     std::array<CandidateSearch, block_size> searches;
   };
 
-  [[nodiscard]] std::size_t index_of(int bone, int node) const {
-    return static_cast<std::size_t>(bone) * m_nodes + static_cast<std::size_t>(node);
-  }
-  NodeCache& node_cache_of(int bone, int node) { return m_node_caches[index_of(bone, node)]; }
-
-  void clear_caches(std::size_t nodes) {
-    m_nodes = nodes;
-    m_ordered.clear();
-    m_found.reserve(nodes);
-    m_found_count.reserve(blocks_of(nodes));
-    if (!m_uses_cache) {
-      return;
-    }
-    m_clearance_cache.reset(m_bones, nodes);
-    m_node_caches.assign(m_surfaces.size() * nodes, {});
-    m_exit_points.assign(m_node_caches.size(), Vec3::Zero());
-  }
-
-  /// Morton order, so that successive searches go through the same part of the tree. With the cache the order of the
-  /// nodes is better: spheres and candidate lists lie in memory in that order.
-  void order_nodes(std::span<const Vec3> positions, std::span<const int> nodes) {
-    m_ordered.assign(nodes.begin(), nodes.end());
-    std::vector<Vec3> points;
-    points.reserve(nodes.size());
-    for (const int node : nodes) {
-      points.push_back(positions[static_cast<std::size_t>(node)]);
-    }
-    m_query_order.clear();
-    for (const int index : morton_order(points)) {
-      m_query_order.push_back(nodes[static_cast<std::size_t>(index)]);
-    }
-  }
-
-  /// No query depends on another, so that the answers do not depend on the number of threads.
-  void query_bone(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes) {
-    const std::size_t blocks = blocks_of(nodes.size());
-    m_found.resize(nodes.size());
-    m_found_count.resize(blocks);
-    if (m_threads == 1 || blocks < 2) {  // without OpenMP, which allocates even a team of one
-      Block scratch;
-      for (std::size_t block = 0; block < blocks; ++block) {
-        query_block(bone, pose, positions, nodes, block, scratch);
-      }
-      return;
-    }
-#pragma omp parallel num_threads(m_threads)
-    {
-      Block scratch;
-#pragma omp for schedule(dynamic, 2)
-      for (std::ptrdiff_t block = 0; block < static_cast<std::ptrdiff_t>(blocks); ++block) {
-        query_block(bone, pose, positions, nodes, static_cast<std::size_t>(block), scratch);
-      }
-    }
-  }
+  NodeCache& cache_of(int node) { return m_node_caches[static_cast<std::size_t>(node)]; }
+  Vec3& exit_point_of(int node) { return m_exit_points[static_cast<std::size_t>(node)]; }
 
   /// The constraints have just driven all that a query reads out of the CPU's caches. Each stage is therefore done for
   /// a whole block before the next one and prefetches for it, so that cache misses overlap.
-  void query_block(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes,
-                   std::size_t block, Block& scratch) {
-    const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
-    const std::size_t first = block * block_size;
-    const std::size_t count = std::min(block_size, nodes.size() - first);
-    auto& [queries, searches] = scratch;
-    if (m_uses_cache) {
-      for (std::size_t next = first + count; next < std::min(first + count + block_size, nodes.size()); ++next) {
-        __builtin_prefetch(&node_cache_of(bone, nodes[next]));
+  void query_block(const NodeBatch& batch, std::size_t first, Scratch& scratch, std::vector<Contact>& contacts) {
+    const std::span<const int> nodes = batch.nodes.subspan(first, std::min(block_size, batch.nodes.size() - first));
+    const std::span<NodeQuery> queries = std::span(scratch.queries).first(nodes.size());
+    if (batch.clearances != nullptr) {
+      const std::span<const int> after = batch.nodes.subspan(first + nodes.size());
+      for (const int node : after.first(std::min(block_size, after.size()))) {
+        __builtin_prefetch(&cache_of(node));
       }
     }
-    for (std::size_t i = 0; i < count; ++i) {
-      const int node = nodes[first + i];
-      NodeQuery& query =
-          queries[i] = {.node = node, .point = pose.apply_inverse(positions[static_cast<std::size_t>(node)])};
-      if (m_uses_cache) {
-        __builtin_prefetch(&node_cache_of(bone, query.node));
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      NodeQuery& query = queries[i] = {
+          .node = nodes[i], .point = batch.pose.apply_inverse(batch.positions[static_cast<std::size_t>(nodes[i])])};
+      if (batch.clearances != nullptr) {
+        __builtin_prefetch(&cache_of(query.node));
       } else {
-        query.outside = surface.is_outside(query.point, query.clearance_m);
+        query.outside = m_surface.is_outside(query.point, query.clearance_m);
       }
     }
-    if (m_uses_cache) {
-      for (const NodeQuery& query : std::span(queries).first(count)) {
-        const auto& candidates = node_cache_of(bone, query.node).candidates;
+    if (batch.clearances != nullptr) {
+      for (const NodeQuery& query : queries) {
+        const auto& candidates = cache_of(query.node).candidates;
         if (candidates.empty()) {
-          surface.prefetch(query.point, candidates);
+          m_surface.prefetch(query.point, candidates);
         }
       }
-      for (NodeQuery& query : std::span(queries).first(count)) {
-        look_up(bone, query);
+      for (NodeQuery& query : queries) {
+        look_up(batch, query);
       }
-      for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t i = 0; i < queries.size(); ++i) {
         if (queries[i].has_candidates) {
-          surface.begin_candidate_search(queries[i].point, node_cache_of(bone, queries[i].node).candidates,
-                                         searches[i]);
+          m_surface.begin_candidate_search(queries[i].point, cache_of(queries[i].node).candidates, scratch.searches[i]);
         }
       }
     }
-    std::size_t found = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      Contact& contact = m_found[first + found];
-      if (answer_query(bone, queries[i], searches[i], contact)) {
-        contact.normal = pose.apply_to_direction(contact.normal);
-        ++found;
-      }
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      answer_query(batch, queries[i], scratch.searches[i], contacts);
     }
-    m_found_count[block] = found;
   }
 
   /// Settles the query from the cache alone where that is possible, else prefetches its candidates.
-  void look_up(int bone, NodeQuery& query) {
-    const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
-    NodeCache& cache = node_cache_of(bone, query.node);
+  void look_up(const NodeBatch& batch, NodeQuery& query) {
+    NodeCache& cache = cache_of(query.node);
     if (cache.in_contact) {
       cache.in_contact = false;
-      const double touching_m = surface.touching_m();
+      const double touching_m = m_surface.touching_m();
       // A response has moved the node to the surface. One triangle within the touching distance proves that: a search
       // would find none that is farther away.
-      if ((query.point - m_exit_points[index_of(bone, query.node)]).squaredNorm() < touching_m * touching_m &&
-          surface.distance_m(query.point, cache.triangle) <= touching_m) {
+      if ((query.point - exit_point_of(query.node)).squaredNorm() < touching_m * touching_m &&
+          m_surface.distance_m(query.point, cache.triangle) <= touching_m) {
         query.outside = true;
         return;
       }
     }
     query.has_candidates = !cache.candidates.empty();
-    if (!query.has_candidates && surface.is_outside(query.point, query.clearance_m)) {
+    if (!query.has_candidates && m_surface.is_outside(query.point, query.clearance_m)) {
       query.outside = true;
       return;
     }
-    query.distance_outside_m = m_clearance_cache.distance_outside_m(bone, query.node, query.point);
+    query.distance_outside_m = batch.clearances->distance_outside_m(batch.bone, query.node, query.point);
     query.outside = query.distance_outside_m < 0;  // in double precision; the sweep's test is coarser
     query.has_candidates = query.has_candidates && !query.outside;
     if (query.has_candidates) {
-      surface.prefetch(query.point, cache.candidates);
+      m_surface.prefetch(query.point, cache.candidates);
     }
   }
 
-  /// Returns whether the node is in contact; the normal of `contact` is in the rest frame.
-  bool answer_query(int bone, const NodeQuery& query, CandidateSearch& begun, Contact& contact) {
-    const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
+  void answer_query(const NodeBatch& batch, const NodeQuery& query, CandidateSearch& begun,
+                    std::vector<Contact>& contacts) {
+    const bool uses_cache = batch.clearances != nullptr;
     double clearance_m = query.clearance_m;
     if (!query.outside) {
-      const Answer answer = m_uses_cache ? query_with_cache(bone, query, begun) : search(surface, query.point);
+      const Answer answer = uses_cache ? query_with_cache(batch, query, begun) : search(query.point);
       clearance_m = answer.side.clearance_m;
       if (answer.side.inside) {
-        contact = {query.node, bone, answer.closest.distance_m, surface.outward(query.point, answer.closest)};
-        if (m_uses_cache) {
-          node_cache_of(bone, query.node).in_contact = true;
-          m_exit_points[index_of(bone, query.node)] = query.point + contact.depth_m * contact.normal;
+        const double depth_m = answer.closest.distance_m;
+        const Vec3 normal = m_surface.outward(query.point, answer.closest);
+        if (uses_cache) {
+          cache_of(query.node).in_contact = true;
+          exit_point_of(query.node) = query.point + depth_m * normal;
         }
-        return true;
+        contacts.push_back({query.node, batch.bone, depth_m, batch.pose.apply_to_direction(normal)});
+        return;
       }
     }
     // Without a new sphere the old one is kept: it still holds if the node returns.
-    if (m_uses_cache && clearance_m > 0) {
-      m_clearance_cache.store(bone, query.node, query.point, clearance_m);
+    if (uses_cache && clearance_m > 0) {
+      batch.clearances->store(batch.bone, query.node, query.point, clearance_m);
     }
-    return false;
   }
 
-  static Answer search(const Surface& surface, const Vec3& point, int triangle = no_triangle) {
-    const ClosestPoint closest = surface.closest(point, triangle);
-    return {closest, surface.side(point, closest)};
+  [[nodiscard]] Answer search(const Vec3& point, int triangle = no_triangle) const {
+    const ClosestPoint closest = m_surface.closest(point, triangle);
+    return {closest, m_surface.side(point, closest)};
   }
 
   /// Takes the answer from a begun search among the node's candidates, if they are enough to tell.
-  static bool answer_from_candidates(const Surface& surface, const NodeQuery& query, NodeCache& cache,
-                                     CandidateSearch& begun, Answer& answer) {
-    const ClosestCandidate found = surface.finish_candidate_search(cache.candidates, query.distance_outside_m, begun);
+  bool answer_from_candidates(const NodeQuery& query, NodeCache& cache, CandidateSearch& begun, Answer& answer) const {
+    const ClosestCandidate found = m_surface.finish_candidate_search(cache.candidates, query.distance_outside_m, begun);
     if (found.clearance_m > 0) {
       answer.side.clearance_m = found.clearance_m;
       return true;
     }
     cache.triangle = found.closest.triangle;
     if (found.certain) {
-      answer = {found.closest, surface.side(query.point, found.closest)};
+      answer = {found.closest, m_surface.side(query.point, found.closest)};
     }
     return found.certain;
   }
 
   /// Lists candidates about the query point, if it is near the surface for certain, and takes the answer from them.
-  static bool answer_from_new_candidates(const Surface& surface, const NodeQuery& query, NodeCache& cache,
-                                         Answer& answer) {
-    const double bound_m = cache.triangle < 0 ? unknown_m : surface.distance_m(query.point, cache.triangle);
-    if (bound_m < surface.near_m()) {
-      surface.list_candidates(query.point, bound_m, cache.candidates);
+  bool answer_from_new_candidates(const NodeQuery& query, NodeCache& cache, Answer& answer) const {
+    const double bound_m = cache.triangle < 0 ? unknown_m : m_surface.distance_m(query.point, cache.triangle);
+    if (bound_m < m_surface.near_m()) {
+      m_surface.list_candidates(query.point, bound_m, cache.candidates);
     }
     if (cache.candidates.empty()) {
       return false;
     }
     CandidateSearch begun;
-    surface.begin_candidate_search(query.point, cache.candidates, begun);
-    return answer_from_candidates(surface, query, cache, begun, answer);
+    m_surface.begin_candidate_search(query.point, cache.candidates, begun);
+    return answer_from_candidates(query, cache, begun, answer);
   }
 
   /// From the cheapest source to the dearest: candidates, clearance grid, new candidates, clearance, full search.
   /// `begun` is the search among the candidates, if there are any.
-  Answer query_with_cache(int bone, const NodeQuery& query, CandidateSearch& begun) {
-    const Surface& surface = m_surfaces[static_cast<std::size_t>(bone)];
-    NodeCache& cache = node_cache_of(bone, query.node);
+  Answer query_with_cache(const NodeBatch& batch, const NodeQuery& query, CandidateSearch& begun) {
+    NodeCache& cache = cache_of(query.node);
     Answer answer;
-    if (query.has_candidates && answer_from_candidates(surface, query, cache, begun, answer)) {
+    if (query.has_candidates && answer_from_candidates(query, cache, begun, answer)) {
       cache.list_was_used = true;
       return answer;
     }
     const bool builds_list = cache.drop_list(query.has_candidates);
-    if (query.has_candidates && surface.is_outside(query.point, answer.side.clearance_m)) {
+    if (query.has_candidates && m_surface.is_outside(query.point, answer.side.clearance_m)) {
       return answer;
     }
     // A node that leaves a large safe sphere was far from the surface: a lower bound of the distance may do, which is
     // cheaper than a list.
-    const bool stays_near = m_clearance_cache.radius_m(bone, query.node) < surface.near_m();
-    if (stays_near && builds_list && answer_from_new_candidates(surface, query, cache, answer)) {
+    const bool stays_near = batch.clearances->radius_m(batch.bone, query.node) < m_surface.near_m();
+    if (stays_near && builds_list && answer_from_new_candidates(query, cache, answer)) {
       return answer;
     }
     if (query.distance_outside_m < unknown_m) {
-      const Clearance clearance = surface.clearance(query.point, std::max(cache.triangle, 0));
+      const Clearance clearance = m_surface.clearance(query.point, std::max(cache.triangle, 0));
       if (clearance.distance_m > 0) {
         cache.triangle = clearance.triangle;
       }
@@ -344,32 +253,22 @@ class CachedPointQuery {
         return answer;
       }
     }
-    if (!stays_near && builds_list && answer_from_new_candidates(surface, query, cache, answer)) {
+    if (!stays_near && builds_list && answer_from_new_candidates(query, cache, answer)) {
       return answer;
     }
-    answer = search(surface, query.point, cache.triangle);
+    answer = search(query.point, cache.triangle);
     cache.triangle = answer.closest.triangle;
     cache.candidates.clear();
     // A node that leaves a larger safe sphere is too far from here for a list.
-    if (builds_list && (answer.side.inside || answer.closest.distance_m < surface.near_m())) {
-      surface.list_candidates(query.point, answer.closest.distance_m, cache.candidates);
+    if (builds_list && (answer.side.inside || answer.closest.distance_m < m_surface.near_m())) {
+      m_surface.list_candidates(query.point, answer.closest.distance_m, cache.candidates);
     }
     return answer;
   }
 
-  std::span<const Bone> m_bones;
-  std::span<const Surface> m_surfaces;
-  bool m_uses_cache = false;
-  int m_threads = 1;
-  std::size_t m_nodes = 0;  ///< number of nodes in the caches
-  ClearanceCache m_clearance_cache;
-  std::vector<NodeCache> m_node_caches;  ///< by bone, then node
-  std::vector<Vec3> m_exit_points;       ///< in the same order: where the last contact leads, rest frame
-  // Scratch memory, kept so that a frame allocates nothing.
-  std::vector<int> m_ordered;              ///< the nodes that m_query_order was made of
-  std::vector<int> m_query_order;          ///< without the cache
-  std::vector<Contact> m_found;            ///< of a block from the index of its first node on
-  std::vector<std::size_t> m_found_count;  ///< by block
+  Surface m_surface;
+  std::vector<NodeCache> m_node_caches;  ///< by node
+  std::vector<Vec3> m_exit_points;       ///< by node: where the last contact leads, rest frame
 };
 
 }  // namespace musclebench

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
 
 #include "core/bvh/triangle_bvh.hpp"
 
@@ -26,6 +27,7 @@ struct PointSide {
 /// - `side(point, closest)`: the side of a point, given its closest point.
 /// - `outward(point, closest)`: unit normal out of the surface at the closest point of a point inside.
 /// - `touching_m()`: no point closer to the surface than this counts as inside.
+/// - `bytes()`: of what it holds.
 /// - `near_m()`: candidate lists pay off for points closer to the surface than this.
 ///
 /// A `CandidateList` holds the triangles near one location (a Verlet list): `empty()` after `clear()`.
@@ -48,6 +50,7 @@ concept QuerySurface = requires(const Surface& surface, const Vec3& point, const
   { surface.outward(point, closest) } -> std::convertible_to<Vec3>;
   { surface.touching_m() } -> std::same_as<double>;
   { surface.near_m() } -> std::same_as<double>;
+  { surface.bytes() } -> std::same_as<std::size_t>;
   { list.empty() } -> std::same_as<bool>;
   list.clear();
   surface.list_candidates(point, length_m, list);

@@ -5,7 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "core/contact/backend_entry.hpp"
+#include "core/clearance/point_backend.hpp"
 #include "core/mesh/mesh_size.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
@@ -73,47 +73,38 @@ double error_bound_m(const Capsule& capsule, const RepairedMesh& bone) {
   return largest_m + step.norm();
 }
 
-class CapsuleBackend final : public CollisionBackend {
+class CapsuleStructure final : public BoneStructure {
  public:
-  explicit CapsuleBackend(const Parameters& parameters) : m_radius_share(parameters.number("radius_share")) {}
+  CapsuleStructure(const Bone& bone, double radius_share)
+      : m_capsule(fit_capsule(bone.surface.mesh.vertices, radius_share)),
+        m_bound_m(error_bound_m(m_capsule, bone.surface)) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.steady_memory = true}; }
-  [[nodiscard]] AnswerBound answer_bound(int bone) const override {
-    const double bound_m = m_bounds_m[static_cast<std::size_t>(bone)];
-    return {bound_m, bound_m};
-  }
-  [[nodiscard]] std::size_t structure_bytes() const override { return m_capsules.size() * sizeof(Capsule); }
+  [[nodiscard]] AnswerBound answer_bound() const override { return {m_bound_m, m_bound_m}; }
+  [[nodiscard]] std::size_t bytes() const override { return sizeof(Capsule); }
 
- private:
-  void do_build() override {
-    m_capsules.clear();
-    m_bounds_m.clear();
-    for (const Bone& bone : bones()) {
-      m_capsules.push_back(fit_capsule(bone.surface.mesh.vertices, m_radius_share));
-      m_bounds_m.push_back(error_bound_m(m_capsules.back(), bone.surface));
-    }
-  }
-
-  void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
-    for (std::size_t bone = 0; bone < m_capsules.size(); ++bone) {
-      const Capsule& capsule = m_capsules[bone];
-      const RigidMotion& pose = poses()[bone];
-      for (const int node : nodes) {
-        const Vec3 point = pose.apply_inverse(positions[static_cast<std::size_t>(node)]);
-        const Vec3 out = point - capsule.closest_on_segment(point);
-        const double distance_m = out.norm();
-        if (distance_m > 0 && distance_m < capsule.radius_m) {
-          contacts.push_back(
-              {node, static_cast<int>(bone), capsule.radius_m - distance_m, pose.apply_to_direction(out / distance_m)});
-        }
+  void detect(const NodeBatch& batch, std::vector<Contact>& contacts) override {
+    for (const int node : batch.nodes) {
+      const Vec3 point = batch.pose.apply_inverse(batch.positions[static_cast<std::size_t>(node)]);
+      const Vec3 out = point - m_capsule.closest_on_segment(point);
+      const double distance_m = out.norm();
+      if (distance_m > 0 && distance_m < m_capsule.radius_m) {
+        contacts.push_back(
+            {node, batch.bone, m_capsule.radius_m - distance_m, batch.pose.apply_to_direction(out / distance_m)});
       }
     }
   }
 
-  double m_radius_share;
-  std::vector<Capsule> m_capsules;  ///< one a bone
-  std::vector<double> m_bounds_m;
+ private:
+  Capsule m_capsule;
+  double m_bound_m;
 };
+
+std::unique_ptr<CollisionBackend> make_capsule_backend(const Parameters& parameters) {
+  return make_point_backend({.build = [radius_share = parameters.number("radius_share")](
+                                          const Bone& bone, int /*threads*/, const ShareReport& /*report*/) {
+    return std::make_unique<CapsuleStructure>(bone, radius_share);
+  }});
+}
 
 }  // namespace
 
@@ -128,7 +119,7 @@ BackendEntry capsule_entry() {
                                         .maximum = 2,
                                         .role = ParameterRole::resolution,
                                         .help = "radius over the mean distance of the bone's vertices from its axis"})},
-      .make = [](const Parameters& parameters) { return std::make_unique<CapsuleBackend>(parameters); }};
+      .make = make_capsule_backend};
 }
 
 }  // namespace musclebench

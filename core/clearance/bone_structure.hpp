@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/clearance/clearance_cache.hpp"
+#include "core/contact/collision_backend.hpp"
+
+namespace musclebench {
+
+/// Nodes that one thread asks one bone about.
+struct NodeBatch {
+  int bone;
+  const RigidMotion& pose;          ///< of the bone
+  std::span<const Vec3> positions;  ///< of all nodes: world frame, metres
+  std::span<const int> nodes;       ///< indices into `positions`
+  /// Where not null: each of `nodes` has left its safe sphere of this bone or has none, and may be given a new one.
+  ClearanceCache* clearances;
+};
+
+/// What a backend has built over one bone in rest pose, and how it is asked about single nodes: all that a backend
+/// which answers node by node has of its own (see `make_point_backend`).
+class BoneStructure {
+ public:
+  BoneStructure() = default;
+  BoneStructure(const BoneStructure&) = delete;
+  BoneStructure& operator=(const BoneStructure&) = delete;
+  virtual ~BoneStructure() = default;
+
+  [[nodiscard]] virtual AnswerBound answer_bound() const = 0;
+  /// Counted from sizes (deterministic), with what is kept of each node.
+  [[nodiscard]] virtual std::size_t bytes() const = 0;
+  /// The smallest edge of a cell, in metres; 0 without cells.
+  [[nodiscard]] virtual double step_m() const { return 0; }
+  /// Of a structure that approximates; without the bone's name.
+  [[nodiscard]] virtual std::optional<StructureError> error() const { return std::nullopt; }
+  [[nodiscard]] virtual bool is_from_file() const { return false; }
+
+  /// Empties what is kept of each node between detections, and makes room for this many. Called with a clearance cache
+  /// only.
+  virtual void reset_nodes(std::size_t /*nodes*/) {}
+
+  /// Appends the contacts of the batch in the order of its nodes; a position that is not finite has none. Several
+  /// threads call at once, with different nodes.
+  virtual void detect(const NodeBatch& batch, std::vector<Contact>& contacts) = 0;
+};
+
+}  // namespace musclebench

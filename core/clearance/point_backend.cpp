@@ -1,0 +1,143 @@
+#include "core/clearance/point_backend.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "core/signed_distance/signed_surface.hpp"
+
+namespace musclebench {
+
+namespace {
+
+class PointBackend final : public CollisionBackend {
+ public:
+  explicit PointBackend(PointMethod method) : m_method(std::move(method)) {}
+
+  [[nodiscard]] Capabilities capabilities() const override { return m_method.capabilities; }
+  [[nodiscard]] AnswerBound answer_bound(int bone) const override { return structure(bone).answer_bound(); }
+  [[nodiscard]] double step_m(int bone) const override { return structure(bone).step_m(); }
+
+  [[nodiscard]] std::size_t structure_bytes() const override {
+    std::size_t bytes = m_keeps_clearances ? m_clearances.bytes() : 0;
+    for (const auto& each : m_structures) {
+      bytes += each->bytes();
+    }
+    return bytes;
+  }
+
+  [[nodiscard]] bool built_from_file() const override {
+    return !m_structures.empty() &&
+           std::ranges::all_of(
+               m_structures, &BoneStructure::is_from_file, [](const auto& each) -> const auto& { return *each; });
+  }
+
+  [[nodiscard]] std::vector<StructureError> structure_errors() const override {
+    std::vector<StructureError> errors;
+    for (std::size_t bone = 0; bone < m_structures.size(); ++bone) {
+      if (std::optional<StructureError> error = m_structures[bone]->error()) {
+        error->bone = bones()[bone].name;
+        errors.push_back(*std::move(error));
+      }
+    }
+    return errors;
+  }
+
+ private:
+  [[nodiscard]] const BoneStructure& structure(int bone) const { return *m_structures[static_cast<std::size_t>(bone)]; }
+
+  void do_build() override {
+    m_structures.clear();
+    m_keeps_clearances = m_method.capabilities.has_cache &&
+                         (!m_method.cache_needs_closed_bones ||
+                          std::ranges::all_of(bones(), [](const Bone& bone) { return is_closed(bone.surface.mesh); }));
+    if (m_method.require_fit) {
+      m_method.require_fit(bones());
+    }
+    for (const Bone& bone : bones()) {
+      const auto done = static_cast<double>(m_structures.size());
+      const auto report = [&](double share) { build_report()((done + share) / static_cast<double>(bones().size())); };
+      m_structures.push_back(m_method.build(bone, threads(), build_report() ? ShareReport(report) : nullptr));
+    }
+    reset_nodes(muscle().vertices.size());
+  }
+
+  void reset_nodes(std::size_t nodes) {
+    if (!m_keeps_clearances) {
+      return;
+    }
+    m_clearances.reset(bones(), nodes);
+    for (const auto& each : m_structures) {
+      each->reset_nodes(nodes);
+    }
+  }
+
+  void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
+    if (m_keeps_clearances) {
+      if (positions.size() != m_clearances.nodes()) {
+        reset_nodes(positions.size());
+      }
+      m_clearances.collect_expired(poses(), positions, nodes);
+    }
+    deal_out(positions, nodes);
+    detect_batches(contacts);
+  }
+
+  /// In the order of the contacts: a batch a bone, or several where a thread more pays.
+  void deal_out(std::span<const Vec3> positions, std::span<const int> nodes) {
+    m_batches.clear();
+    for (int bone = 0; bone < static_cast<int>(m_structures.size()); ++bone) {
+      NodeBatch batch{bone, poses()[static_cast<std::size_t>(bone)], positions, {}, nullptr};
+      std::span<const int> queried = nodes;
+      if (m_keeps_clearances) {
+        batch.clearances = &m_clearances;
+        queried = m_clearances.expired(bone);
+      }
+      for (; threads() > 1 && queried.size() > m_method.nodes_a_batch;
+           queried = queried.subspan(m_method.nodes_a_batch)) {
+        batch.nodes = queried.first(m_method.nodes_a_batch);
+        m_batches.push_back(batch);
+      }
+      batch.nodes = queried;
+      m_batches.push_back(batch);
+    }
+  }
+
+  void detect_batches(std::vector<Contact>& contacts) {
+    // Without OpenMP where a batch a bone is all there is: it allocates even a team of one.
+    if (m_batches.size() == m_structures.size()) {
+      for (const NodeBatch& batch : m_batches) {
+        m_structures[static_cast<std::size_t>(batch.bone)]->detect(batch, contacts);
+      }
+      return;
+    }
+    while (m_found.size() < m_batches.size()) {
+      m_found.emplace_back().reserve(m_method.nodes_a_batch);
+    }
+    // Without a cache a thread gets the same batches in every step, so that what they read is near it.
+#pragma omp parallel for schedule(static, 1) num_threads(threads())
+    for (std::size_t n = 0; n < m_batches.size(); ++n) {
+      m_found[n].clear();
+      m_structures[static_cast<std::size_t>(m_batches[n].bone)]->detect(m_batches[n], m_found[n]);
+    }
+    for (std::size_t n = 0; n < m_batches.size(); ++n) {
+      contacts.insert(contacts.end(), m_found[n].begin(), m_found[n].end());
+    }
+  }
+
+  PointMethod m_method;
+  bool m_keeps_clearances = false;
+  std::vector<std::unique_ptr<BoneStructure>> m_structures;  ///< one a bone
+  ClearanceCache m_clearances;
+  // Scratch memory, kept so that a frame allocates nothing.
+  std::vector<NodeBatch> m_batches;
+  std::vector<std::vector<Contact>> m_found;  ///< by batch
+};
+
+}  // namespace
+
+std::unique_ptr<CollisionBackend> make_point_backend(PointMethod method) {
+  return std::make_unique<PointBackend>(std::move(method));
+}
+
+}  // namespace musclebench
