@@ -1,35 +1,50 @@
 #include "bench/cases/case.hpp"
 
+#include <algorithm>
+#include <optional>
+
 #include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
 
 namespace musclebench {
 
-ResponseKind choose_response(const std::string& option, const Scene& scene, const BackendEntry& backend,
-                             const Parameters& parameters, const ColliderBackends& colliders) {
-  const bool by_option = !option.empty();
-  if (!by_option && !scene.response && colliders.of_bones.empty()) {
-    return backend.default_response;
+std::vector<ResponseKind> choose_responses(const std::string& option, const Scene& scene, const BackendEntry& backend,
+                                           const Parameters& parameters, const ColliderBackends& colliders) {
+  std::optional<ResponseKind> for_all = scene.response;
+  if (!option.empty()) {
+    for_all = find_response(option, "--response");
   }
-  const ResponseKind chosen = by_option        ? find_response(option, "--response")
-                              : scene.response ? *scene.response
-                                               : backend.default_response;
-  if (!colliders.of_bones.empty()) {
-    const std::string_view lacking = lacks_for(chosen, make_backend(backend, parameters, colliders)->capabilities());
-    if (lacking.empty()) return chosen;
-    throw InputError(by_option ? "--response " + option : fmt::format("{}: response", scene.name),
-                     fmt::format("the backends of the bones together have no {}; take another response, or backends "
-                                 "that can do '{}'",
-                                 lacking, name_of(chosen)));
+  std::vector<ResponseKind> kinds;
+  std::vector<Capabilities> can;
+  for (std::size_t bone = 0; bone < std::max<std::size_t>(scene.bones.size(), 1); ++bone) {
+    const BackendEntry* of_bone = bone < colliders.of_bones.size() ? colliders.of_bones[bone] : nullptr;
+    const BackendEntry& entry = of_bone != nullptr ? *of_bone : backend;
+    const std::optional<ResponseKind> own =
+        bone < scene.bone_contacts.size() ? scene.bone_contacts[bone].response : std::nullopt;
+    kinds.push_back(own ? *own : for_all.value_or(entry.default_response));
+    can.push_back((of_bone != nullptr ? make_default(*of_bone) : backend.make(parameters))->capabilities());
+    const std::string_view lacking = lacks_for(kinds.back(), can.back());
+    if (!lacking.empty()) {
+      const std::string location = own               ? fmt::format("{}: bone[{}].response", scene.name, bone + 1)
+                                   : !option.empty() ? "--response " + option
+                                                     : fmt::format("{}: contact.response", scene.name);
+      throw InputError(location, fmt::format("'{}' has no {}; take '{}', or another backend", entry.name, lacking,
+                                             name_of(entry.default_response)));
+    }
   }
-  const std::string_view lacking = lacks_for(chosen, backend.make(parameters)->capabilities());
-  if (!lacking.empty()) {
-    throw InputError(by_option ? "--response " + option : fmt::format("{}: contact.response", scene.name),
-                     fmt::format("'{}' has no {}; take '{}', or another backend", backend.name, lacking,
-                                 name_of(backend.default_response)));
+  // Who walks back asks all backends on the way, about single nodes.
+  const auto mute = std::ranges::find(can, false, &Capabilities::point_queries);
+  if (mute != can.end() && std::ranges::find(kinds, ResponseKind::backtrack) != kinds.end()) {
+    throw InputError(
+        fmt::format("{}: bone '{}'", scene.name, scene.bones[static_cast<std::size_t>(mute - can.begin())].name),
+        "its backend can't answer about single nodes, which backtracking out of another bone asks of all; "
+        "take 'project' there, or another backend here");
   }
-  return chosen;
+  if (std::ranges::count(kinds, kinds.front()) == std::ssize(kinds)) {
+    kinds.resize(1);
+  }
+  return kinds;
 }
 
 }  // namespace musclebench

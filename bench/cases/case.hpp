@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "bench/cases/collider_backends.hpp"
 #include "core/scene/scene.hpp"
@@ -14,13 +15,14 @@ struct Case {
   Parameters parameters;  ///< of the backend
   int threads = 1;
   int repetition = 0;
-  ResponseKind response = backend.default_response;
+  std::vector<ResponseKind> responses = {backend.default_response};  ///< one for all bones, or one a bone
   ColliderBackends colliders = {};
 };
 
-/// The response of a case: what the command line says (`--response`; empty: nothing), else the scene, else the
-/// backend's own. Throws InputError where the backend can't serve what was chosen.
-ResponseKind choose_response(const std::string& option, const Scene& scene, const BackendEntry& backend,
-                             const Parameters& parameters, const ColliderBackends& colliders = {});
+/// The responses of a case, one for all bones or one a bone: what the scene says of the bone, else the command line
+/// (`--response`; empty: nothing), else the scene for all, else the own one of the bone's backend. Throws InputError
+/// where a backend can't serve what was chosen.
+std::vector<ResponseKind> choose_responses(const std::string& option, const Scene& scene, const BackendEntry& backend,
+                                           const Parameters& parameters, const ColliderBackends& colliders = {});
 
 }  // namespace musclebench

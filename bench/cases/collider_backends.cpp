@@ -15,8 +15,6 @@ namespace {
 
 constexpr const char* all_muscles = "muscles";
 
-Parameters defaults_of(const BackendEntry& entry) { return {entry.parameters, {}, entry.name}; }
-
 const BackendEntry& muscle_backend(std::string_view name, const std::string& location) {
   const BackendEntry& entry = find_backend(name, location);
   if (!entry.make_muscle_detector) {
@@ -77,7 +75,7 @@ ColliderBackends choose_collider_backends(const std::vector<std::string>& option
   for (std::size_t i = 0; i < scene.bones.size(); ++i) {
     const std::string& bone = scene.bones[i].name;
     const auto by_option = chosen.find(bone);
-    const std::string by_scene = i < scene.bone_backends.size() ? scene.bone_backends[i] : "";
+    const std::string by_scene = i < scene.bone_contacts.size() ? scene.bone_contacts[i].backend : "";
     const BackendEntry* entry = nullptr;
     if (by_option != chosen.end()) {
       entry = &find_backend(by_option->second, "--for " + bone + "=" + by_option->second);
@@ -102,6 +100,10 @@ ColliderBackends choose_collider_backends(const std::vector<std::string>& option
   return result;
 }
 
+std::unique_ptr<CollisionBackend> make_default(const BackendEntry& entry) {
+  return entry.make(Parameters(entry.parameters, {}, entry.name));
+}
+
 std::unique_ptr<CollisionBackend> make_backend(const BackendEntry& backend, const Parameters& parameters,
                                                const ColliderBackends& colliders) {
   if (colliders.of_bones.empty()) {
@@ -112,7 +114,7 @@ std::unique_ptr<CollisionBackend> make_backend(const BackendEntry& backend, cons
   for (const BackendEntry* own : colliders.of_bones) {
     const BackendEntry* entry = own == nullptr ? &backend : own;
     if (parts.empty() || entry != last) {
-      parts.push_back({own == nullptr ? backend.make(parameters) : own->make(defaults_of(*own)), 0});
+      parts.push_back({own == nullptr ? backend.make(parameters) : make_default(*own), 0});
     }
     ++parts.back().bones;
     last = entry;
@@ -134,7 +136,7 @@ std::vector<std::unique_ptr<MuscleContactDetector>> make_muscle_detectors(const 
     for (std::size_t i = 0; i < colliders.of_pairs.size(); ++i) {
       if (colliders.of_pairs[i] == entry) muscles.pairs.push_back(scene.muscle_pairs[i].muscles);
     }
-    detectors.push_back(entry->make_muscle_detector(defaults_of(*entry), muscles, threads));
+    detectors.push_back(entry->make_muscle_detector(Parameters(entry->parameters, {}, entry->name), muscles, threads));
   }
   return detectors;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct ColliderBackends {
 /// deforms. Throws InputError for a name that is none, and for a backend that can't do it.
 ColliderBackends choose_collider_backends(const std::vector<std::string>& options, const Scene& scene,
                                           const BackendEntry& backend);
+
+/// An unbuilt backend with its default parameters.
+std::unique_ptr<CollisionBackend> make_default(const BackendEntry& entry);
 
 /// The unbuilt backend of a case: one for all bones, or several of which each answers for some.
 std::unique_ptr<CollisionBackend> make_backend(const BackendEntry& backend, const Parameters& parameters,

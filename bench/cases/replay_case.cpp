@@ -98,7 +98,7 @@ class Replayer {
 
   std::string timed_pass() {
     Sha256 hash;
-    Response response(m_replay.response, m_replay.scene.loop.projection_steps);
+    Response response(m_replay.scene.responses(m_replay.responses));
     std::vector<std::vector<Contact>> answers;
     for_each_frame([&](const RecordedFrame& frame) {
       ReplayRecord record;

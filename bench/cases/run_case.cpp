@@ -72,7 +72,7 @@ class CaseRunner {
     }
 
     PreparedSimulation prepared =
-        prepare_simulation(m_run.scene, *m_backend, m_run.response, m_run.threads, std::move(muscle_detectors));
+        prepare_simulation(m_run.scene, *m_backend, m_run.responses, m_run.threads, std::move(muscle_detectors));
     m_simulation = std::move(prepared.simulation);
     m_result.bound_nodes = std::move(prepared.bound_nodes);
     m_result.effect_names = std::move(prepared.effect_names);

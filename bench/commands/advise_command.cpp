@@ -55,7 +55,7 @@ Input run_exactly(const Scene& scene, double seconds) {
   const Case exact{scene, backend, backend_parameters(backend, {}), threads, 0};
   const BuiltBackend built = build_backend(exact);
   const PreparedSimulation prepared =
-      prepare_simulation(exact.scene, *built.backend, exact.response, exact.threads,
+      prepare_simulation(exact.scene, *built.backend, exact.responses, exact.threads,
                          make_muscle_detectors(scene, choose_collider_backends({}, scene, backend), threads));
   const Divergence divergence(scene);
   Progress progress(progress_style(false), "exact run of " + scene.name, scene.loop.frames);
@@ -86,8 +86,8 @@ std::optional<Assessment> assess(const Scene& scene, const Configuration& config
                                  KeptFrames& frames, std::string& reason) {
   const BackendEntry& backend = find_backend(configuration.backend);
   const Parameters parameters(backend.parameters, configuration.parameters, configuration.text());
-  const ResponseKind response = choose_response("", scene, backend, parameters);
-  ReplayCase replay{{scene, backend, parameters, options.threads, 0, response}};
+  const std::vector<ResponseKind> responses = choose_responses("", scene, backend, parameters);
+  ReplayCase replay{{scene, backend, parameters, options.threads, 0, responses}};
   replay.band_m = options.band_mm * 1e-3;
   Progress progress(progress_style(false), "trying " + configuration.text(),
                     2 * replayed_frames(replay, frames.header()));

@@ -110,7 +110,8 @@ int record(const RecordOptions& options) {
   const Parameters parameters = backend_parameters(backend, options.backend.parameters);
   const Scene scene = load_scene(options.scene);
   const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
-  const ResponseKind response = choose_response(options.backend.response, scene, backend, parameters, colliders);
+  const std::vector<ResponseKind> responses =
+      choose_responses(options.backend.response, scene, backend, parameters, colliders);
   const fs::path out = options.out;
   {
     const HeldSignals held;
@@ -118,11 +119,11 @@ int record(const RecordOptions& options) {
   }
 
   const Nanoseconds start_ns = monotonic_now_ns();
-  const Case resolved{scene, backend, parameters, options.backend.threads, 0, response, colliders};
+  const Case resolved{scene, backend, parameters, options.backend.threads, 0, responses, colliders};
   std::optional<EndAtOnce> until_written(std::in_place);
   const BuiltBackend built = build_backend(resolved);
   const PreparedSimulation prepared =
-      prepare_simulation(resolved.scene, *built.backend, resolved.response, resolved.threads,
+      prepare_simulation(resolved.scene, *built.backend, resolved.responses, resolved.threads,
                          make_muscle_detectors(scene, resolved.colliders, resolved.threads));
   const RecordingHeader header = header_of(resolved, options.scene, prepared.simulation->free_nodes());
   std::optional<RecordingWriter> writer;

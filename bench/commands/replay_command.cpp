@@ -116,8 +116,8 @@ int replay(const ReplayOptions& options) {
   const Scene scene = scene_of(recording.header(), options);
   require_same_scene(scene, recording.header(), options.recording);
 
-  const ResponseKind response = choose_response(options.backend.response, scene, backend, parameters);
-  ReplayCase replay{{scene, backend, parameters, options.backend.threads, options.repetition, response},
+  const std::vector<ResponseKind> responses = choose_responses(options.backend.response, scene, backend, parameters);
+  ReplayCase replay{{scene, backend, parameters, options.backend.threads, options.repetition, responses},
                     recording.file()};
   replay.stride = options.stride;
   replay.band_m = options.band_mm * 1e-3;

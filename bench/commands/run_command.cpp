@@ -65,8 +65,9 @@ int run(RunOptions options) {
   const Scene scene = load_scene(options.scene);
   std::sort(options.snapshots.begin(), options.snapshots.end());
   const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
-  const ResponseKind response = choose_response(options.backend.response, scene, backend, parameters, colliders);
-  const RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, response, colliders},
+  const std::vector<ResponseKind> responses =
+      choose_responses(options.backend.response, scene, backend, parameters, colliders);
+  const RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, responses, colliders},
                        2,
                        !options.unjudged,
                        options.snapshots,

@@ -20,11 +20,11 @@ void allocations(benchmark::State& state, const std::string& name, ResponseKind 
   Scene scene = micro_scene();
   scene.loop.frames = frames;
   const BackendEntry& entry = find_backend(name);
-  const Case resolved{scene, entry, Parameters(entry.parameters, run_settings(name), name), 1, 0, response};
+  const Case resolved{scene, entry, Parameters(entry.parameters, run_settings(name), name), 1, 0, {response}};
   for (auto _ : state) {
     const BuiltBackend built = build_backend(resolved);
     const PreparedSimulation prepared =
-        prepare_simulation(resolved.scene, *built.backend, resolved.response, resolved.threads);
+        prepare_simulation(resolved.scene, *built.backend, resolved.responses, resolved.threads);
     std::uint64_t most = 0;
     for (int frame = 1; frame <= frames; ++frame) {
       const std::uint64_t before = heap_allocations();

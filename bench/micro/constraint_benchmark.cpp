@@ -147,7 +147,7 @@ void run_loop(benchmark::State& state, const std::string& preset, const std::str
     ScalarLoop loop(scene, *backend, entry.default_response);
     time_frames(state, loop, scene.loop.frames);
   } else {
-    const PreparedSimulation prepared = prepare_simulation(scene, *backend, entry.default_response, threads);
+    const PreparedSimulation prepared = prepare_simulation(scene, *backend, {entry.default_response}, threads);
     time_frames(state, *prepared.simulation, scene.loop.frames);
   }
 }
@@ -173,7 +173,7 @@ void run_muscles(benchmark::State& state, const std::string& name, int threads) 
   const BackendEntry& entry = find_backend(name);
   const auto backend = built_backend(name, run_settings(name), scene.bones, scene.muscle_mesh, threads);
   const PreparedSimulation prepared =
-      prepare_simulation(scene, *backend, entry.default_response, threads,
+      prepare_simulation(scene, *backend, {entry.default_response}, threads,
                          make_muscle_detectors(scene, choose_collider_backends({}, scene, entry), threads));
   time_frames(state, *prepared.simulation, scene.loop.frames);
 }

@@ -6,7 +6,7 @@ namespace musclebench {
 
 ScalarLoop::ScalarLoop(const Scene& scene, CollisionBackend& backend, ResponseKind response)
     : m_scene(scene), m_backend(backend), m_response(response) {
-  const PreparedSimulation prepared = prepare_simulation(scene, backend, response, 1);
+  const PreparedSimulation prepared = prepare_simulation(scene, backend, {response}, 1);
   m_positions = prepared.simulation->positions();
   m_predicted = m_positions;
   m_velocities = prepared.simulation->velocities();

@@ -109,8 +109,8 @@ Json json_of_case(const Case& resolved, std::string_view mode) {
                {"scene", resolved.scene.name},
                {"preset", resolved.scene.preset},
                {"backend", resolved.backend.name},
-               {"response", name_of(resolved.response)},
-               {"response_steps", resolved.scene.loop.projection_steps},
+               {"response", resolved.responses.size() == 1 ? name_of(resolved.responses.front()) : "by_bone"},
+               {"response_steps", resolved.scene.response_steps},
                {"parameters", json_of(resolved.parameters)},
                {"threads", resolved.threads},
                {"repetition", resolved.repetition},
@@ -120,6 +120,13 @@ Json json_of_case(const Case& resolved, std::string_view mode) {
   for (std::size_t bone = 0; bone < resolved.colliders.of_bones.size(); ++bone) {
     if (const BackendEntry* own = resolved.colliders.of_bones[bone]) {
       json["bone_backends"][resolved.scene.bones[bone].name] = own->name;
+    }
+  }
+  const std::vector<BoneResponse> responses = resolved.scene.responses(resolved.responses);
+  for (std::size_t bone = 0; bone < resolved.scene.bones.size(); ++bone) {
+    const auto& [kind, steps] = responses[bone];
+    if (resolved.responses.size() > 1 || steps != resolved.scene.response_steps) {
+      json["bone_responses"][resolved.scene.bones[bone].name] = {{"response", name_of(kind)}, {"steps", steps}};
     }
   }
   for (std::size_t pair = 0; pair < resolved.colliders.of_pairs.size(); ++pair) {
@@ -202,8 +209,13 @@ std::string scene_hash(const Scene& scene) {
   hash.add(text_of(json_of_effects(scene)));
   hash.add(text_of(json_of_loop(scene.loop)));
   // Not what is as it was before a scene could say it: recordings stay those of their scenes.
-  if (scene.loop.projection_steps != default_projection_steps) {
-    hash.add(fmt::format("{} steps of a response", scene.loop.projection_steps));
+  if (scene.response_steps != default_projection_steps) {
+    hash.add(fmt::format("{} steps of a response", scene.response_steps));
+  }
+  for (std::size_t bone = 0; bone < scene.bone_contacts.size(); ++bone) {
+    if (const auto steps = scene.bone_contacts[bone].response_steps) {
+      hash.add(fmt::format("bone {} in {} steps", bone, *steps));
+    }
   }
   for (const SceneMusclePair& pair : scene.muscle_pairs) {
     hash.add(fmt::format("{} touches {}", pair.muscles.first, pair.muscles.second));

@@ -27,9 +27,8 @@ class PointBackend final : public CollisionBackend {
   }
 
   [[nodiscard]] bool built_from_file() const override {
-    return !m_structures.empty() &&
-           std::ranges::all_of(
-               m_structures, &BoneStructure::is_from_file, [](const auto& each) -> const auto& { return *each; });
+    const auto is_from_file = [](const auto& each) { return each->is_from_file(); };
+    return !m_structures.empty() && std::ranges::all_of(m_structures, is_from_file);
   }
 
   [[nodiscard]] std::vector<StructureError> structure_errors() const override {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "core/base/input_error.hpp"
 
@@ -68,10 +69,24 @@ std::string_view lacks_for(ResponseKind kind, const Capabilities& capabilities) 
   return capabilities.has_step ? "" : "cells whose size is the step back";
 }
 
+Response::Response(std::vector<BoneResponse> of_bones) : m_of_bones(std::move(of_bones)) {
+  assert(!m_of_bones.empty());
+  if (std::ranges::all_of(m_of_bones, [&](const BoneResponse& each) { return each == m_of_bones.front(); })) {
+    m_of_bones.resize(1);
+  }
+  for (const BoneResponse& each : m_of_bones) {
+    m_most_steps = std::max(m_most_steps, each.steps);
+  }
+}
+
 void Response::reserve(std::size_t nodes, std::size_t bones) {
   m_contacts.reserve(nodes * bones);
   m_nodes.reserve(nodes * bones);  // before those in contact with several bones become one
-  if (m_kind == ResponseKind::backtrack) {
+  if (m_of_bones.size() > 1) {
+    m_backtracked.reserve(nodes * bones);
+    m_projected.reserve(nodes * bones);
+  }
+  if (std::ranges::any_of(m_of_bones, [](const BoneResponse& each) { return each.kind == ResponseKind::backtrack; })) {
     m_trial.reserve(nodes);
     m_corrections.reserve(nodes * bones);
   }
@@ -79,13 +94,25 @@ void Response::reserve(std::size_t nodes, std::size_t bones) {
 
 void Response::resolve(CollisionBackend& backend, const ResponseInput& input, std::span<const Contact> contacts,
                        std::span<Vec3> predicted) {
-  if (contacts.empty()) {
-    return;
+  std::span<const Contact> projected = contacts;
+  std::span<const Contact> backtracked;
+  if (m_of_bones.size() > 1) {
+    m_projected.clear();
+    m_backtracked.clear();
+    for (const Contact& contact : contacts) {
+      (of(contact.bone).kind == ResponseKind::project ? m_projected : m_backtracked).push_back(contact);
+    }
+    projected = m_projected;
+    backtracked = m_backtracked;
+  } else if (m_of_bones.front().kind == ResponseKind::backtrack) {
+    std::swap(projected, backtracked);
   }
-  if (m_kind == ResponseKind::project) {
-    project(backend, contacts, predicted);
-  } else {
-    backtrack(backend, input, contacts, predicted);
+  // In this order both start from p: what is projected was detected there.
+  if (!backtracked.empty()) {
+    backtrack(backend, input, backtracked, predicted);
+  }
+  if (!projected.empty()) {
+    project(backend, projected, predicted);
   }
 }
 
@@ -95,8 +122,14 @@ void Response::project(CollisionBackend& backend, std::span<const Contact> conta
     return;
   }
   collect_nodes(contacts, m_nodes);
-  for (int step = 1; step < m_projection_steps; ++step) {
+  for (int step = 1; step < m_most_steps; ++step) {
     backend.detect(predicted, m_nodes, m_contacts);
+    if (m_of_bones.size() > 1) {
+      std::erase_if(m_contacts, [&](const Contact& contact) {
+        const BoneResponse& own = of(contact.bone);
+        return own.kind != ResponseKind::project || own.steps <= step;
+      });
+    }
     if (m_contacts.empty()) {
       return;
     }

@@ -22,6 +22,14 @@ enum class ResponseKind {
 /// Detections, and corrections by them, of the response `project`.
 inline constexpr int default_projection_steps = 3;
 
+/// How nodes get out of one bone.
+struct BoneResponse {
+  ResponseKind kind = ResponseKind::project;
+  int steps = default_projection_steps;  ///< of projecting, at most; >= 1
+
+  friend bool operator==(const BoneResponse&, const BoneResponse&) = default;
+};
+
 /// One row of the table of responses.
 struct ResponseEntry {
   ResponseKind kind;
@@ -46,12 +54,15 @@ struct ResponseInput {
   std::span<const RigidMotion> bone_poses;           ///< the poses that contacts were found with
 };
 
-/// Corrects `predicted` (p) so that it leaves the bones. Corrections by several bones are added (paper, IV-C).
+/// Corrects `predicted` (p) so that it leaves the bones. Corrections by several bones are added (paper, IV-C); those of
+/// all bones start from the same p, whatever their kinds.
 class Response {
  public:
-  /// `projection_steps` >= 1: of the response `project`.
-  explicit Response(ResponseKind kind, int projection_steps = default_projection_steps)
-      : m_kind(kind), m_projection_steps(projection_steps) {}
+  /// The same for all bones.
+  Response(ResponseKind kind, int steps = default_projection_steps)  // NOLINT(google-explicit-constructor)
+      : Response(std::vector{BoneResponse{kind, steps}}) {}
+  /// One a bone, or one for all.
+  explicit Response(std::vector<BoneResponse> of_bones);
 
   /// Makes room for all that `nodes` nodes and `bones` bones can need: `resolve` then allocates nothing.
   void reserve(std::size_t nodes, std::size_t bones);
@@ -61,6 +72,9 @@ class Response {
                std::span<Vec3> predicted);
 
  private:
+  [[nodiscard]] const BoneResponse& of(int bone) const {
+    return m_of_bones.size() == 1 ? m_of_bones.front() : m_of_bones[static_cast<std::size_t>(bone)];
+  }
   void project(CollisionBackend& backend, std::span<const Contact> contacts, std::span<Vec3> predicted);
   void backtrack(CollisionBackend& backend, const ResponseInput& input, std::span<const Contact> contacts,
                  std::span<Vec3> predicted);
@@ -68,9 +82,11 @@ class Response {
                            std::span<const Vec3> predicted);
   void keep_nodes_in_contact_with(int bone);
 
-  ResponseKind m_kind;
-  int m_projection_steps;
+  std::vector<BoneResponse> m_of_bones;
+  int m_most_steps = 0;
   // Scratch memory, kept so that a frame allocates nothing.
+  std::vector<Contact> m_backtracked;  ///< contacts of bones of this kind, where bones differ
+  std::vector<Contact> m_projected;
   std::vector<Contact> m_contacts;
   std::vector<int> m_nodes;
   std::vector<Vec3> m_trial;

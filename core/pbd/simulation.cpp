@@ -65,7 +65,7 @@ void LastDetection::after_detection(const CollisionStep& step, std::span<const C
 }
 
 Simulation::Simulation(const LoopParameters& loop, const Particles& particles, NodeOrder order,
-                       std::vector<std::unique_ptr<Effect>> effects, CollisionBackend& backend, ResponseKind response,
+                       std::vector<std::unique_ptr<Effect>> effects, CollisionBackend& backend, Response response,
                        PoseFunction poses, int threads)
     : m_loop(loop),
       m_order(std::move(order)),
@@ -76,7 +76,7 @@ Simulation::Simulation(const LoopParameters& loop, const Particles& particles, N
       m_velocities(particles.size()),
       m_effects(std::move(effects)),
       m_backend(backend),
-      m_response(response, loop.projection_steps),
+      m_response(std::move(response)),
       m_pose_function(std::move(poses)),
       m_threads(threads),
       m_barrier(threads) {

@@ -25,11 +25,10 @@ struct LoopParameters {
   int frames = 1;
   int substeps = 1;
   int iterations = 1;
-  double time_step_s = 1e-3;     ///< of one substep
-  double damping_per_s = 0;      ///< velocities decay as exp(-damping t)
-  double node_mass_kg = 1;       ///< of every node, unless a density is given
-  double density_kg_per_m3 = 0;  ///< of the muscle, whose mass its nodes share evenly; 0: use node_mass_kg
-  int projection_steps = default_projection_steps;  ///< of the response `project`, and between muscles
+  double time_step_s = 1e-3;       ///< of one substep
+  double damping_per_s = 0;        ///< velocities decay as exp(-damping t)
+  double node_mass_kg = 1;         ///< of every node, unless a density is given
+  double density_kg_per_m3 = 0;    ///< of the muscle, whose mass its nodes share evenly; 0: use node_mass_kg
   bool interpolate_poses = false;  ///< false: bones jump to the frame's pose in its first substep, as in the paper
 };
 
@@ -91,7 +90,7 @@ class Simulation {
   /// `backend` has been built and outlives the simulation. Only free nodes, those of an inverse mass above 0, are
   /// predicted and collide. `effects` were made for `order`. `threads` change the time, and no bit of the result.
   Simulation(const LoopParameters& loop, const Particles& particles, NodeOrder order,
-             std::vector<std::unique_ptr<Effect>> effects, CollisionBackend& backend, ResponseKind response,
+             std::vector<std::unique_ptr<Effect>> effects, CollisionBackend& backend, Response response,
              PoseFunction poses, int threads = 1);
 
   /// Before the first frame. Stages run in the order that they are added in.

@@ -55,7 +55,8 @@ Particles particles_of(const Scene& scene, const std::vector<BoundNode>& bound) 
 
 }  // namespace
 
-PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend, ResponseKind response, int threads,
+PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend,
+                                      const std::vector<ResponseKind>& responses, int threads,
                                       MuscleContactDetectors muscle_detectors) {
   if (!scene.muscle_pairs.empty() && muscle_detectors.empty()) {
     throw std::invalid_argument("prepare_simulation: the scene's muscles touch, and there is no detector for that");
@@ -74,12 +75,12 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
   }
   const Particles particles = particles_of(scene, prepared.bound_nodes);
   prepared.simulation = std::make_unique<Simulation>(
-      scene.loop, particles, std::move(order), std::move(effects), backend, response,
+      scene.loop, particles, std::move(order), std::move(effects), backend, Response(scene.responses(responses)),
       [&scene](double position, std::vector<RigidMotion>& poses) { scene.poses_at(position, poses); }, threads);
   if (!muscle_detectors.empty()) {
     prepared.simulation->add_stage(std::make_unique<MuscleContactStage>(
         std::move(muscle_detectors),
-        MuscleContactResponse(scene.muscle_mesh.triangles, particles.inverse_masses, scene.loop.projection_steps)));
+        MuscleContactResponse(scene.muscle_mesh.triangles, particles.inverse_masses, scene.response_steps)));
   }
   for (const auto& stage : prepared.simulation->stages()) {
     prepared.stage_names.emplace_back(stage->name());

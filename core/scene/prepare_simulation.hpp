@@ -22,10 +22,11 @@ struct PreparedSimulation {
 
 using MuscleContactDetectors = std::vector<std::unique_ptr<MuscleContactDetector>>;
 
-/// `scene` and `backend`, which is built over the scene's bones, outlive the simulation. `muscle_detectors` see to all
-/// `muscle_pairs` of the scene. Throws std::invalid_argument where there are some and no detector: muscles would pass
-/// through each other in silence.
-PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend, ResponseKind response, int threads,
+/// `scene` and `backend`, which is built over the scene's bones, outlive the simulation. `responses`: one for all
+/// bones, or one a bone. `muscle_detectors` see to all `muscle_pairs` of the scene. Throws std::invalid_argument where
+/// there are some and no detector: muscles would pass through each other in silence.
+PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend,
+                                      const std::vector<ResponseKind>& responses, int threads,
                                       MuscleContactDetectors muscle_detectors = {});
 
 /// Of each of its nodes.

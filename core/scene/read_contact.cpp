@@ -22,6 +22,25 @@ void require_closed(const Scene& scene, int muscle, const std::string& location)
   }
 }
 
+std::optional<ResponseKind> response_in(const TomlTable& table) {
+  if (!table.has("response")) {
+    return std::nullopt;
+  }
+  return find_response(table.word("response"), table.location("response"));
+}
+
+std::optional<int> steps_in(const TomlTable& table) {
+  if (!table.has("steps")) {
+    return std::nullopt;
+  }
+  constexpr double most_steps = 1000;
+  const double steps = table.number("steps", 1, most_steps);
+  if (steps != std::floor(steps)) {
+    throw InputError(table.location("steps"), "has to be a whole number");
+  }
+  return static_cast<int>(steps);
+}
+
 /// `[[pair]]`: two muscles that touch, and who detects that.
 SceneMusclePair read_pair(const TomlTable& table, const Scene& scene) {
   table.allow_only({"muscles", "backend"});
@@ -58,17 +77,12 @@ void read_response(const std::optional<TomlTable>& contact, Scene& scene) {
     return;
   }
   contact->allow_only({"response", "steps", "muscle_contact", "muscle_backend"});
-  if (contact->has("response")) {
-    scene.response = find_response(contact->word("response"), contact->location("response"));
-  }
-  if (contact->has("steps")) {
-    constexpr double most_steps = 1000;
-    const double steps = contact->number("steps", 1, most_steps);
-    if (steps != std::floor(steps)) {
-      throw InputError(contact->location("steps"), "has to be a whole number");
-    }
-    scene.loop.projection_steps = static_cast<int>(steps);
-  }
+  scene.response = response_in(*contact);
+  scene.response_steps = steps_in(*contact).value_or(default_projection_steps);
+}
+
+SceneBoneContact read_bone_contact(const TomlTable& bone) {
+  return {bone.word_or("backend", ""), response_in(bone), steps_in(bone)};
 }
 
 void read_muscle_pairs(const TomlTable& root, const std::optional<TomlTable>& contact, Scene& scene) {

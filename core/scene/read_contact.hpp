@@ -16,6 +16,9 @@ std::size_t find_muscle(const Scene& scene, const std::string& name, const std::
 /// that is not whole or out of range.
 void read_response(const std::optional<TomlTable>& contact, Scene& scene);
 
+/// What `[[bone]]` says of contact with it. Throws InputError for an unknown response and such a number of steps.
+SceneBoneContact read_bone_contact(const TomlTable& bone);
+
 /// Which muscles touch each other: all by `[contact] muscle_contact`, or those of each `[[pair]]`. The muscles have
 /// been read. Throws InputError for a pair that is none or stands twice, and for an open muscle.
 void read_muscle_pairs(const TomlTable& root, const std::optional<TomlTable>& contact, Scene& scene);

@@ -136,7 +136,7 @@ std::string checked_name(const TomlTable& table) {
 
 void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene) {
   for (const TomlTable& table : root.tables("bone")) {
-    table.allow_only({"name", "mesh", "motion", "backend"});
+    table.allow_only({"name", "mesh", "motion", "backend", "response", "steps"});
     const std::string name = checked_name(table);
     for (const Bone& bone : scene.bones) {
       if (bone.name == name) {
@@ -150,7 +150,7 @@ void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene
     sort_in_morton_order(bone.surface.mesh);
     scene.bones.push_back(std::move(bone));
     scene.bone_meshes.push_back(std::move(mesh));
-    scene.bone_backends.push_back(table.word_or("backend", ""));
+    scene.bone_contacts.push_back(read_bone_contact(table));
     const auto motion = table.table("motion");
     scene.motions.push_back(motion ? read_motion(request, *motion) : BoneMotion{});
   }

@@ -35,6 +35,17 @@ std::vector<BoundNode> Scene::bound_nodes() const {
   return bound;
 }
 
+std::vector<BoneResponse> Scene::responses(const std::vector<ResponseKind>& kinds) const {
+  std::vector<BoneResponse> responses(std::max<std::size_t>(bones.size(), 1), {kinds.front(), response_steps});
+  for (std::size_t bone = 0; bone < bone_contacts.size(); ++bone) {
+    responses[bone].steps = bone_contacts[bone].response_steps.value_or(response_steps);
+  }
+  for (std::size_t bone = 0; bone < kinds.size(); ++bone) {
+    if (kinds.size() > 1) responses[bone].kind = kinds[bone];
+  }
+  return responses;
+}
+
 Muscle& Scene::add_muscle(const std::string& name_of_muscle, const TriangleMesh& mesh) {
   const auto first_node = static_cast<int>(muscle_mesh.vertices.size());
   const std::size_t first_triangle = muscle_mesh.triangles.size();

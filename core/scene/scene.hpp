@@ -7,6 +7,7 @@
 #include "core/base/parameters.hpp"
 #include "core/contact/collision_backend.hpp"
 #include "core/contact/muscle_contact.hpp"
+#include "core/contact/response.hpp"
 #include "core/effects/effect_registry.hpp"
 #include "core/pbd/simulation.hpp"
 #include "core/scene/attachment_area.hpp"
@@ -50,6 +51,13 @@ struct SceneMusclePair {
   std::string backend;  ///< that the scene names for them; empty: it leaves the choice open
 };
 
+/// What a scene says of contact with one bone; empty: left open.
+struct SceneBoneContact {
+  std::string backend;
+  std::optional<ResponseKind> response;
+  std::optional<int> response_steps;
+};
+
 /// A complete, checked description of what is simulated: all files read, all parameters known.
 struct Scene {
   std::string name;
@@ -66,9 +74,10 @@ struct Scene {
   bool attach_at_first_contact = false;
   std::vector<SceneEffect> effects;  ///< only those the scene names, in the order of the registry
   LoopParameters loop;
-  std::optional<ResponseKind> response;       ///< nothing: the backend's own
-  std::vector<SceneMusclePair> muscle_pairs;  ///< ascending; none: muscles pass through each other
-  std::vector<std::string> bone_backends;     ///< one a bone, as the scene names it; empty: left open
+  std::optional<ResponseKind> response;           ///< nothing: the backend's own
+  int response_steps = default_projection_steps;  ///< of projecting, and of the corrections between muscles
+  std::vector<SceneMusclePair> muscle_pairs;      ///< ascending; none: muscles pass through each other
+  std::vector<SceneBoneContact> bone_contacts;    ///< one a bone
   /// What keeps the scene from being run, where its reader was told to go on all the same (SceneRequest).
   std::vector<std::string> obstacles;
 
@@ -78,6 +87,8 @@ struct Scene {
   [[nodiscard]] double angle_rad(double frame_position) const;
   /// Bound nodes of all attachments; a node that two areas claim belongs to the first.
   [[nodiscard]] std::vector<BoundNode> bound_nodes() const;
+  /// The response of each bone, given its kind: one for all bones, or one a bone.
+  [[nodiscard]] std::vector<BoneResponse> responses(const std::vector<ResponseKind>& kinds) const;
   /// Appends a muscle whose nodes are the vertices of `mesh`, in their order.
   Muscle& add_muscle(const std::string& name_of_muscle, const TriangleMesh& mesh);
   [[nodiscard]] std::vector<Body> bodies() const;

@@ -31,10 +31,10 @@ std::vector<std::uint64_t> allocations_of_frames(const Scene& scene, const Choic
                                                  CollisionObserver* observer) {
   const BackendEntry& backend = find_backend(choice.backend);
   const Case resolved{scene,          backend, Parameters(backend.parameters, choice.parameters, backend.name),
-                      choice.threads, 0,       choice.response};
+                      choice.threads, 0,       {choice.response}};
   const BuiltBackend built = build_backend(resolved);
   const PreparedSimulation prepared =
-      prepare_simulation(resolved.scene, *built.backend, resolved.response, resolved.threads);
+      prepare_simulation(resolved.scene, *built.backend, resolved.responses, resolved.threads);
   std::vector<std::uint64_t> counts;
   std::size_t most_contacts = 0;
   std::size_t early_contacts = 0;

@@ -13,7 +13,7 @@ ResponseKind chosen(const std::string& backend, const std::string& option, std::
   scene.name = "knee";
   scene.response = of_scene;
   const BackendEntry& entry = find_backend(backend);
-  return choose_response(option, scene, entry, Parameters(entry.parameters, {}, "test"));
+  return choose_responses(option, scene, entry, Parameters(entry.parameters, {}, "test")).front();
 }
 
 std::string refusal(const std::string& backend, const std::string& option, std::optional<ResponseKind> of_scene = {}) {
@@ -39,6 +39,52 @@ TEST(ChooseResponse, WhatABackendCannotServeIsRefusedWithTheReason) {
   EXPECT_NE(refusal("bvh", "backtrack").find("no cells whose size is the step back"), std::string::npos);
   EXPECT_NE(refusal("bvh", "", ResponseKind::backtrack).find("knee: contact.response: 'bvh'"), std::string::npos);
   EXPECT_NE(refusal("sdf", "projekt").find("did you mean 'project'"), std::string::npos);
+}
+
+/// Two bones: what is chosen for each, and what is said where that can't be.
+struct TwoBones {
+  Scene scene;
+  ColliderBackends colliders = {};
+
+  TwoBones() {
+    scene.name = "knee";
+    scene.bones.resize(2);
+    scene.bones[1].name = "tibia";
+    scene.bone_contacts.resize(2);
+  }
+  [[nodiscard]] std::vector<ResponseKind> chosen(const std::string& backend, const std::string& option = "") const {
+    const BackendEntry& entry = find_backend(backend);
+    return choose_responses(option, scene, entry, Parameters(entry.parameters, {}, "test"), colliders);
+  }
+  [[nodiscard]] std::string refusal(const std::string& backend, const std::string& option = "") const {
+    try {
+      (void)chosen(backend, option);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+};
+
+using Kinds = std::vector<ResponseKind>;
+
+TEST(ChooseResponse, ABonesOwnComesFirst) {
+  TwoBones two;
+  EXPECT_EQ(two.chosen("sdf"), Kinds{ResponseKind::project});
+  two.scene.bone_contacts[1].response = ResponseKind::backtrack;
+  EXPECT_EQ(two.chosen("sdf"), (Kinds{ResponseKind::project, ResponseKind::backtrack}));
+  EXPECT_EQ(two.chosen("sdf", "backtrack"), Kinds{ResponseKind::backtrack});
+  EXPECT_NE(two.refusal("bvh").find("knee: bone[2].response: 'bvh' has no cells"), std::string::npos);
+}
+
+TEST(ChooseResponse, ABoneWithABackendOfItsOwnHasTheResponseOfThat) {
+  TwoBones two;
+  two.colliders.of_bones = {nullptr, &find_backend("voxel")};
+  EXPECT_EQ(two.chosen("bvh"), (Kinds{ResponseKind::project, ResponseKind::backtrack}));
+  EXPECT_EQ(two.chosen("voxel"), Kinds{ResponseKind::backtrack});
+  EXPECT_NE(two.refusal("bvh", "backtrack").find("'bvh' has no cells"), std::string::npos);
+  two.scene.response = ResponseKind::project;
+  EXPECT_NE(two.refusal("bvh").find("'voxel' has no depth"), std::string::npos);
 }
 
 /// Every row can be paired with the response that is its own.

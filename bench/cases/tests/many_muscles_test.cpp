@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "backends/registry.hpp"
+#include "bench/cases/case.hpp"
 #include "bench/cases/collider_backends.hpp"
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
@@ -125,7 +126,7 @@ std::vector<std::vector<Vec3>> simulated(const std::string& text, int threads) {
   const BackendEntry& entry = find_backend("bvh");
   const auto backend = entry.make(Parameters(entry.parameters, {}, "test"));
   backend->build(scene.bones, scene.muscle_mesh, threads);
-  const PreparedSimulation prepared = prepare_simulation(scene, *backend, entry.default_response, threads);
+  const PreparedSimulation prepared = prepare_simulation(scene, *backend, {entry.default_response}, threads);
   for (int frame = 1; frame <= scene.loop.frames; ++frame) {
     prepared.simulation->step_frame(frame);
   }
@@ -180,7 +181,23 @@ TEST(ManyMuscles, PairsAreAllOrThoseThatAreNamed) {
   EXPECT_EQ(named.muscle_pairs[0].muscles, (MusclePair{0, 1}));
   EXPECT_EQ(named.muscle_pairs[0].backend, "fcl");
   EXPECT_TRUE(read_scene(request(both())).muscle_pairs.empty());
-  EXPECT_EQ(read_scene(request("[contact]\nsteps = 7\n" + both())).loop.projection_steps, 7);
+  EXPECT_EQ(read_scene(request("[contact]\nsteps = 7\n" + both())).response_steps, 7);
+}
+
+TEST(ManyMuscles, ABoneMayHaveAResponseAndStepsOfItsOwn) {
+  const auto with = [](const std::string& more) {
+    std::string text = both();
+    return request(text.replace(text.find("mesh = \"synthetic:lid\""), 0, more));
+  };
+  const Scene scene = read_scene(with("response = \"backtrack\"\nsteps = 5\n"));
+  EXPECT_FALSE(scene.bone_contacts[0].response);
+  EXPECT_EQ(scene.bone_contacts[1].response, ResponseKind::backtrack);
+  const BoneResponse plate{ResponseKind::project, 3};
+  EXPECT_EQ(scene.responses({ResponseKind::project}), (std::vector{plate, {ResponseKind::project, 5}}));
+  EXPECT_EQ(scene.responses({ResponseKind::project, ResponseKind::backtrack}),
+            (std::vector{plate, {ResponseKind::backtrack, 5}}));
+  expect_mentions(error_of(with("response = \"bactrack\"\n")), {"bone[2].response", "did you mean 'backtrack'"});
+  expect_mentions(error_of(with("steps = 0\n")), {"bone[2].steps"});
 }
 
 TEST(ManyMuscles, WhatIsWrongWithPairsNamesItsKey) {
@@ -223,6 +240,26 @@ TEST(ColliderBackends, AreThoseOfTheOptionsBeforeTheSceneBeforeTheCase) {
   EXPECT_EQ(choose_collider_backends({}, own, sdf).of_bones[1]->name, "bvh");
   EXPECT_EQ(choose_collider_backends({"lid=voxel"}, own, sdf).of_bones[1]->name, "voxel");
   EXPECT_TRUE(choose_collider_backends({"lid=sdf"}, own, sdf).of_bones.empty());
+}
+
+/// Without depths the lid can't project, without cells the plate can't backtrack: each does what it can.
+TEST(ColliderBackends, OfDifferentResponsesRunTogether) {
+  const Scene scene = read_scene(request(both()));
+  const BackendEntry& bvh = find_backend("bvh");
+  const Parameters parameters(bvh.parameters, {}, "test");
+  const ColliderBackends colliders = choose_collider_backends({"lid=voxel"}, scene, bvh);
+  const std::vector<ResponseKind> responses = choose_responses("", scene, bvh, parameters, colliders);
+  EXPECT_EQ(responses, (std::vector{ResponseKind::project, ResponseKind::backtrack}));
+  const auto backend = make_backend(bvh, parameters, colliders);
+  backend->build(scene.bones, scene.muscle_mesh, 1);
+  const PreparedSimulation prepared = prepare_simulation(scene, *backend, responses, 1);
+  std::vector<bool> met(scene.bones.size(), false);
+  for (int frame = 1; frame <= scene.loop.frames; ++frame) {
+    prepared.simulation->step_frame(frame);
+    for (const Contact& contact : prepared.simulation->contacts()) met[static_cast<std::size_t>(contact.bone)] = true;
+  }
+  EXPECT_TRUE(met[0] || met[1]);
+  for (const Vec3& position : prepared.simulation->positions()) ASSERT_TRUE(position.allFinite());
 }
 
 TEST(ColliderBackends, WhatCannotBeIsRefused) {

@@ -26,7 +26,7 @@ TEST_P(ScalarLoopTest, AgreesWithTheSimulation) {
   };
   const auto of_lanes = built();
   const auto of_scalars = built();
-  const PreparedSimulation prepared = prepare_simulation(scene, *of_lanes, entry.default_response, 2);
+  const PreparedSimulation prepared = prepare_simulation(scene, *of_lanes, {entry.default_response}, 2);
   ScalarLoop loop(scene, *of_scalars, entry.default_response);
   double moved_m = 0;
   std::size_t contacts = 0;

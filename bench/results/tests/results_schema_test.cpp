@@ -28,6 +28,8 @@ Scene scene_of_two() {
   std::iota(ball.node_of_vertex.begin(), ball.node_of_vertex.end(), ball.body.first_node);
   ball.changes = {"made by hand"};
   scene.muscle_pairs = {{{0, 1}, ""}};
+  scene.bone_contacts.resize(scene.bones.size());
+  scene.bone_contacts.front().response_steps = 5;
   return scene;
 }
 
@@ -129,7 +131,7 @@ TEST(ResultsSchema, HoldsForAReplay) {
   const Scene scene = scene_of_two();
   const RunCase run = approximate_case(scene);
   const BuiltBackend built = build_backend(run);
-  const PreparedSimulation prepared = prepare_simulation(scene, *built.backend, run.response, run.threads,
+  const PreparedSimulation prepared = prepare_simulation(scene, *built.backend, run.responses, run.threads,
                                                          make_muscle_detectors(scene, run.colliders, run.threads));
   KeptFrames frames(static_cast<int>(scene.muscle_mesh.vertices.size()), prepared.simulation->free_nodes());
   for (int frame = 1; frame <= 2; ++frame) {

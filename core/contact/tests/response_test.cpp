@@ -20,7 +20,7 @@ struct Step {
   std::vector<RigidMotion> previous;
   std::vector<RigidMotion> now;
 
-  std::vector<Vec3> respond(ResponseKind kind, ShapeBackend& backend, std::size_t bones) {
+  std::vector<Vec3> respond(Response response, ShapeBackend& backend, std::size_t bones) {
     previous.resize(bones);
     now.resize(bones);
     Nodes nodes(predicted.size());
@@ -33,7 +33,6 @@ struct Step {
     backend.asked.clear();
     backend.asked_at.clear();
     std::vector<Vec3> corrected = predicted;
-    Response response(kind);
     response.reserve(predicted.size(), bones);
     response.resolve(backend, {start, previous, now}, contacts, corrected);
     return corrected;
@@ -311,6 +310,65 @@ TEST(BacktrackResponse, AResponseCanBeUsedAgain) {
   run(std::vector<Vec3>(3, Vec3(0, 0, 1)), std::vector<Vec3>(3, Vec3(0, 0, -0.625)));
   EXPECT_EQ(run({Vec3(0, 0, 1.875), Vec3(0, 0, 2)}, {Vec3(0, 0, -0.125), Vec3(0, 0, 1)}),
             (std::vector<Vec3>{Vec3(0, 0, 0.125), Vec3(0, 0, 1)}));
+}
+
+/// A node in both bones gets the sum of what each alone would do to it, in whichever order the bones are.
+TEST(ResponsesByBone, EachBoneCorrectsItsOwnWayFromTheSamePosition) {
+  const Vec3 start(1, 0, 1);
+  const Vec3 predicted(-0.5, 0, -0.25);
+  Shape floor = half_space(Vec3::UnitZ());
+  floor.step_m = 0.125;
+  const Shape wall = half_space(Vec3::UnitX());
+  ShapeBackend only_floor({floor});
+  const Vec3 backtracked = backtrack(only_floor, 1, {start}, {predicted})[0] - predicted;
+  ASSERT_GT(backtracked.z(), 0.25 - 1e-12);
+  const Vec3 expected = predicted + backtracked + Vec3(0.5, 0, 0);
+
+  Step step{{start}, {predicted}, {}, {}};
+  ShapeBackend backend({floor, wall});
+  const BoneResponse back{ResponseKind::backtrack};
+  const BoneResponse out{ResponseKind::project};
+  EXPECT_LT((step.respond(Response(std::vector{back, out}), backend, 2)[0] - expected).norm(), 1e-15);
+  ShapeBackend swapped({wall, floor});
+  EXPECT_LT((step.respond(Response(std::vector{out, back}), swapped, 2)[0] - expected).norm(), 1e-15);
+}
+
+/// Half of the depth a step: after one, three and five steps a half, an eighth and a 32nd of it is left.
+TEST(ResponsesByBone, EachBoneHasItsOwnNumberOfSteps) {
+  Shape floor = half_space(Vec3::UnitZ());
+  floor.reported_depth = 0.5;
+  Shape wall = half_space(Vec3::UnitX());
+  wall.reported_depth = 0.5;
+  ShapeBackend backend({floor, wall});
+  Step step{{Vec3(1, 0, 1)}, {Vec3(-1, 0, -1)}, {}, {}};
+  const auto left = [&](int of_floor, int of_wall) {
+    return step.respond(Response(std::vector{BoneResponse{ResponseKind::project, of_floor},
+                                             BoneResponse{ResponseKind::project, of_wall}}),
+                        backend, 2)[0];
+  };
+  EXPECT_EQ(left(1, 3), Vec3(-0.125, 0, -0.5));
+  EXPECT_EQ(left(5, 1), Vec3(-0.5, 0, -1.0 / 32));
+}
+
+/// A later step that projects leaves the bone alone that is walked out of: it is in the detection, too.
+TEST(ResponsesByBone, ProjectingDoesNotTouchTheBonesThatAreWalkedOutOf) {
+  Shape floor = half_space(Vec3::UnitZ());
+  floor.reported_depth = 0.5;
+  const Shape wall = half_space(Vec3::UnitX());
+  ShapeBackend backend({floor, wall});
+  // In the floor alone; the wall is met by nothing.
+  Step step{{Vec3(1, 0, 1)}, {Vec3(1, 0, -1)}, {}, {}};
+  const std::vector<BoneResponse> of_bones{{ResponseKind::project}, {ResponseKind::backtrack}};
+  EXPECT_EQ(step.respond(Response(of_bones), backend, 2)[0], Vec3(1, 0, -0.125));
+  // Pushed out of the floor along a slope, into the wall: only the floor pushes.
+  const Vec3 slope = Vec3(-1, 0, 1).normalized();
+  Shape slanted = half_space(slope);
+  slanted.reported_depth = 1;
+  ShapeBackend into_wall({slanted, wall});
+  Step sliding{{Vec3(0.1, 0, 1)}, {Vec3(0.1, 0, -1)}, {}, {}};
+  const Vec3 out = Vec3(0.1, 0, -1) - slope.dot(Vec3(0.1, 0, -1)) * slope;
+  ASSERT_LT(out.x(), 0);
+  EXPECT_LT((sliding.respond(Response(of_bones), into_wall, 2)[0] - out).norm(), 1e-15);
 }
 
 }  // namespace

@@ -136,5 +136,14 @@ TEST_F(TriangleSeparation, NeighboursInAFanAreApart) {
   }
 }
 
+/// They cross along the x axis, and all of the one lies below a plane through the shared corner, its own or the other's
+/// far side, by thousands of margins: how far a triangle may cross a plane by rounding goes with the margin.
+TEST_F(TriangleSeparation, SmallTrianglesThatCrossAtACornerAreNotApart) {
+  constexpr double size_m = 1e-4;
+  const Corners one = {Vec3::Zero(), size_m * Vec3(1, 0, 0.2), size_m * Vec3(1, 0, -0.2)};
+  const Corners other = {Vec3::Zero(), size_m * Vec3(2, 0.5, 0), size_m * Vec3(2, -0.5, 0)};
+  EXPECT_FALSE(apart_in_any_order({0, 1, 2}, one, {0, 3, 4}, other));
+}
+
 }  // namespace
 }  // namespace musclebench

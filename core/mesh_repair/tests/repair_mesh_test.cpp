@@ -246,6 +246,17 @@ TEST(RepairMesh, OrientsSeparateSurfacesOneByOne) {
   EXPECT_NEAR(volume_m3(repair_mesh(overlapping, "bones").mesh), 1.125 * volume_m3(ball), 1e-12);
 }
 
+/// A tetrahedron within the ball's bounding box, one corner of which is in the ball: the first that is asked about.
+TEST(RepairMesh, ASurfaceWithOneCornerInAnotherIsNotNested) {
+  const TriangleMesh ball = make_sphere(1, 3);
+  TriangleMesh tetrahedron;
+  tetrahedron.vertices = {{0.5, 0.5, 0.5}, {0.95, 0.6, 0.6}, {0.6, 0.95, 0.6}, {0.6, 0.6, 0.95}};
+  tetrahedron.triangles = {{0, 1, 2}, {3, 1, 0}, {1, 3, 2}, {2, 3, 0}};
+  ASSERT_LT(volume_m3(tetrahedron), 0);
+  const RepairedMesh repaired = repair_mesh(joined(ball, tetrahedron), "bones");
+  EXPECT_NEAR(volume_m3(repaired.mesh), volume_m3(ball) - volume_m3(tetrahedron), 1e-12);
+}
+
 TEST(RepairMesh, KeepsACavityAndTurnsItWithItsBone) {
   const TriangleMesh ball = make_sphere(1, 3);
   const TriangleMesh cavity = inverted(make_sphere(0.5, 2));

@@ -63,6 +63,18 @@ TriangleMesh spike(double radius, int sides) {
   return mesh;
 }
 
+/// A solid that ends in a blade: its two faces meet in an edge along y through the origin at an angle of 2 `slope`, and
+/// its body, behind x = -1, is thick. Every face touches others at common corners only.
+TriangleMesh blade(double slope) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, -0.5, 0},     {0, 0.5, 0},     {-1, 0, slope},     {-1.2, -0.7, 0.6},
+                   {-1.2, 0.7, 0.6}, {-1, 0, -slope}, {-1.2, -0.7, -0.6}, {-1.2, 0.7, -0.6}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 4, 2}, {2, 4, 3},   // above
+                    {1, 0, 5}, {0, 6, 5}, {1, 5, 7}, {5, 6, 7},   // below
+                    {0, 3, 6}, {1, 7, 4}, {3, 4, 7}, {3, 7, 6}};  // sides and back
+  return mesh;
+}
+
 struct Shape {
   std::string name;
   TriangleMesh mesh;
@@ -185,6 +197,36 @@ TEST(SignedSurface, OfThePelvisWithItsFinHasNoWrongSign) {
   }
   EXPECT_EQ(wrong, 0);
   EXPECT_GT(by_normal, 2000);
+}
+
+/// Beside a blade the pseudo-normal of its edge is perpendicular to the displacement but for the blade's angle, and of
+/// the normal's own size, which is that angle, rounding is a far larger share.
+TEST(SignedSurface, BesideABladeRoundingDoesNotTellTheSide) {
+  constexpr double slope = 4e-9;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> any(-1, 1);
+  int at_the_edge = 0;
+  int inside = 0;
+  for (int turn = 0; turn < 200; ++turn) {
+    const double x = any(random);
+    const double y = any(random);
+    const double z = any(random);
+    const Mat3 rotation = Eigen::Quaterniond(any(random), x, y, z).normalized().toRotationMatrix();
+    TriangleMesh mesh = blade(slope);
+    for (Vec3& vertex : mesh.vertices) vertex = rotation * vertex;
+    const SignedSurface surface({mesh, true, {}});
+    const ManifoldFeatures manifold(mesh, surface.tree(), MeshEdges(mesh));
+    for (const double side : {-1.0, 1.0}) {
+      for (const double over : {2.0, 5.0, 20.0}) {
+        const SignedPoint found = surface.locate(rotation * Vec3(over * slope, 0.1, side));
+        at_the_edge +=
+            found.closest.feature != Feature::face && manifold.holds(found.closest.triangle, found.closest.feature);
+        inside += found.inside;
+      }
+    }
+  }
+  EXPECT_GT(at_the_edge, 600);
+  EXPECT_EQ(inside, 0);
 }
 
 }  // namespace
