@@ -1,147 +1,19 @@
 #include "core/effects/bending.hpp"
 
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "core/base/portable_math.hpp"
-#include "core/effects/arc_tangent.hpp"
-#include "core/effects/constraint_lanes.hpp"
+#include "core/constraints/angle_constraints.hpp"
+#include "core/effects/constraint_effect.hpp"
 #include "core/effects/surface_edges.hpp"
 
-// Highway compiles this file once for every SIMD target; highway.h has to be included after foreach_target.h.
-// clang-format off
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/effects/bending.cpp"
-#include <hwy/foreach_target.h>
-#include <hwy/highway.h>
-// clang-format on
-
-#include "core/effects/arc_tangent-inl.hpp"
-#include "core/effects/node_lanes-inl.hpp"
-
-#ifndef MUSCLEBENCH_BENDING_ONCE
-#define MUSCLEBENCH_BENDING_ONCE
 namespace musclebench {
-
-/// Angle constraints, a slot of `ConstraintOrder<4>` each. An error (angle less rest angle) times the rest angle,
-/// `gate`, that is not from `least_gate` to `most_gate` is left as it is; without gates these are null.
-struct AngleConstraints {
-  const std::int32_t* start;
-  const std::int32_t* end;
-  const std::int32_t* left;
-  const std::int32_t* right;
-  const double* rest_sine;
-  const double* rest_cosine;
-  const double* gate;
-  const double* least_gate;
-  const double* most_gate;
-  double* multiplier;
-  bool has_multipliers;  ///< false in the first projection of a substep: they are 0, whatever is stored
-  double stiffness;
-  double compliance;  ///< over the squared time step
-};
-
-}  // namespace musclebench
-#endif
-
-HWY_BEFORE_NAMESPACE();
-namespace musclebench::HWY_NAMESPACE {
-
-void project_angles(AngleConstraints constraints, std::size_t first, std::size_t last, NodeRow* rows) {
-  const Lanes d;
-  const Lane one = hn::Set(d, 1);
-  const Lane compliance = hn::Set(d, constraints.compliance);
-  for (std::size_t i = first; i < last; i += lane_count) {
-    NodeLanes start = load_nodes(rows, constraints.start + i);
-    NodeLanes end = load_nodes(rows, constraints.end + i);
-    NodeLanes left = load_nodes(rows, constraints.left + i);
-    NodeLanes right = load_nodes(rows, constraints.right + i);
-
-    const VecLanes edge = end.at - start.at;
-    const VecLanes to_left = left.at - start.at;
-    const VecLanes to_right = right.at - start.at;
-    const VecLanes left_normal = cross(edge, to_left);
-    const VecLanes right_normal = cross(to_right, edge);
-    const Lane edge_norm2 = dot(edge, edge);
-    const Lane edge_m = hn::Sqrt(edge_norm2);
-    const Lane left_norm2 = dot(left_normal, left_normal);
-    const Lane right_norm2 = dot(right_normal, right_normal);
-    // The angle of a triangle of nearly no height is meaningless and its gradient unbounded.
-    const Lane least_norm2 = hn::Mul(hn::Set(d, 1e-6), hn::Max(left_norm2, right_norm2));
-    const Lane norms2 = hn::Mul(left_norm2, right_norm2);
-    const Lane all_norms2 = hn::Mul(norms2, edge_norm2);
-    LaneMask acts = hn::And(hn::And(hn::Gt(left_norm2, least_norm2), hn::Gt(right_norm2, least_norm2)),
-                            hn::Gt(all_norms2, hn::Zero(d)));
-    // One division for the three reciprocals; 0 makes all gradients 0.
-    const Lane reciprocal = hn::IfThenElseZero(acts, hn::Div(one, all_norms2));
-
-    // Angle less rest angle, from sine and cosine of the difference, so that it never jumps by 2 pi.
-    // Both are a length too small: cross(right_normal, left_normal) is dot(to_right, left_normal) times the edge.
-    const Lane sine = hn::Mul(edge_m, dot(to_right, left_normal));
-    const Lane cosine = dot(left_normal, right_normal);
-    const Lane rest_sine = hn::LoadU(d, constraints.rest_sine + i);
-    const Lane rest_cosine = hn::LoadU(d, constraints.rest_cosine + i);
-    const Lane error_rad = arc_tangent2(d, hn::Sub(hn::Mul(sine, rest_cosine), hn::Mul(cosine, rest_sine)),
-                                        hn::Add(hn::Mul(cosine, rest_cosine), hn::Mul(sine, rest_sine)));
-    if (constraints.gate != nullptr) {
-      const Lane gated = hn::Mul(error_rad, hn::LoadU(d, constraints.gate + i));
-      acts = hn::And(acts, hn::And(hn::Ge(gated, hn::LoadU(d, constraints.least_gate + i)),
-                                   hn::Le(gated, hn::LoadU(d, constraints.most_gate + i))));
-    }
-
-    const Lane per_edge_norm2 = hn::Mul(reciprocal, norms2);
-    const Lane per_norms2 = hn::Mul(reciprocal, edge_norm2);
-    const Lane left_factor = hn::Mul(hn::Mul(edge_m, per_norms2), right_norm2);
-    const Lane right_factor = hn::Mul(hn::Mul(edge_m, per_norms2), left_norm2);
-    const VecLanes left_per_height = left_factor * left_normal;
-    const VecLanes right_per_height = right_factor * right_normal;
-    const Lane left_part = hn::Mul(dot(to_left, edge), per_edge_norm2);
-    const Lane right_part = hn::Mul(dot(to_right, edge), per_edge_norm2);
-    const VecLanes end_gradient = left_part * left_per_height + right_part * right_per_height;
-    const VecLanes start_gradient = (left_per_height + right_per_height) - end_gradient;
-    const Lane left_per_height2 = hn::Mul(edge_norm2, hn::Mul(per_norms2, right_norm2));
-    const Lane right_per_height2 = hn::Mul(edge_norm2, hn::Mul(per_norms2, left_norm2));
-    const Lane sum = hn::Add(
-        hn::Add(hn::Add(hn::Mul(left.inverse_mass, left_per_height2), hn::Mul(right.inverse_mass, right_per_height2)),
-                hn::Mul(start.inverse_mass, dot(start_gradient, start_gradient))),
-        hn::Mul(end.inverse_mass, dot(end_gradient, end_gradient)));
-    acts = hn::And(acts, hn::Gt(sum, hn::Zero(d)));
-    if (hn::AllFalse(d, acts)) continue;
-
-    const Lane multiplier = constraints.has_multipliers ? hn::LoadU(d, constraints.multiplier + i) : hn::Zero(d);
-    const Lane error = hn::Sub(error_rad, hn::Mul(compliance, multiplier));
-    const Lane change =
-        hn::IfThenElseZero(acts, hn::Div(hn::Mul(hn::Set(d, constraints.stiffness), error), hn::Add(sum, compliance)));
-    hn::StoreU(hn::Add(multiplier, change), d, constraints.multiplier + i);
-    left.at = left.at - hn::Mul(change, left.inverse_mass) * left_per_height;
-    right.at = right.at - hn::Mul(change, right.inverse_mass) * right_per_height;
-    start.at = start.at + hn::Mul(change, start.inverse_mass) * start_gradient;
-    end.at = end.at + hn::Mul(change, end.inverse_mass) * end_gradient;
-    store_nodes(start, rows, constraints.start + i);
-    store_nodes(end, rows, constraints.end + i);
-    store_nodes(left, rows, constraints.left + i);
-    store_nodes(right, rows, constraints.right + i);
-  }
-}
-
-}  // namespace musclebench::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
-namespace musclebench {
-
-HWY_EXPORT(project_angles);
 
 namespace {
 
-/// sin and cos of the signed dihedral angle at rest, 0 when flat.
-struct RestAngle {
-  double sine;
-  double cosine;
-};
-
-std::optional<RestAngle> rest_angle(const std::vector<Vec3>& x, const SurfaceEdge& edge) {
+/// Nothing where the triangles have no area.
+std::optional<AngleConstraint> angle_at_rest(const std::vector<Vec3>& x, const SurfaceEdge& edge) {
   const Vec3 along = x[edge.end] - x[edge.start];
   const Vec3 left_normal = along.cross(x[edge.left] - x[edge.start]);
   const Vec3 right_normal = (x[edge.right] - x[edge.start]).cross(along);
@@ -149,82 +21,25 @@ std::optional<RestAngle> rest_angle(const std::vector<Vec3>& x, const SurfaceEdg
   const double cosine = along.norm() * left_normal.dot(right_normal);
   const double scale = std::sqrt(sine * sine + cosine * cosine);
   if (!(scale > 0)) return std::nullopt;
-  return RestAngle{sine / scale, cosine / scale};
+  return AngleConstraint{{edge.start, edge.end, edge.left, edge.right}, sine / scale, cosine / scale};
 }
-
-class Bending final : public Effect {
- public:
-  Bending(std::span<const std::array<int, 4>> corners, std::span<const RestAngle> rest, const NodeOrder& order,
-          const Parameters& parameters)
-      : m_order(corners, order),
-        m_rest_sine(by_slot(m_order, 0, [&](std::size_t i) { return rest[i].sine; })),
-        m_rest_cosine(by_slot(m_order, 1, [&](std::size_t i) { return rest[i].cosine; })),
-        m_multipliers(m_order.size(), 0),
-        m_stiffness(parameters.number("stiffness")),
-        m_compliance_rad_per_n_m(parameters.number("compliance_rad_per_n_m")) {
-    if (!parameters.flag("public_code_ratio_gate")) return;
-    for (std::size_t slot = 0; slot < m_order.size(); ++slot) {
-      const double angle_rad = arc_tangent2(m_rest_sine[slot], m_rest_cosine[slot]);
-      m_gate.push_back(angle_rad);
-      // Flat at rest: the ratio is infinite.
-      constexpr double infinity = std::numeric_limits<double>::infinity();
-      m_least_gate.push_back(angle_rad == 0 ? infinity : 0.1 * angle_rad * angle_rad);
-      m_most_gate.push_back(10 * angle_rad * angle_rad);
-    }
-  }
-
-  [[nodiscard]] std::string_view name() const override { return "bending"; }
-
-  void apply_force(const NodeRows& /*rows*/, std::span<NodeRow> /*velocities*/, const SubstepInput& /*input*/,
-                   const Team& team) override {
-    if (team.is_first()) m_has_multipliers = false;
-  }
-
-  void project(NodeRows& rows, const SubstepInput& input, const Team& team) override {
-    const AngleConstraints constraints{
-        .start = m_order.row_offsets(0),
-        .end = m_order.row_offsets(1),
-        .left = m_order.row_offsets(2),
-        .right = m_order.row_offsets(3),
-        .rest_sine = m_rest_sine.data(),
-        .rest_cosine = m_rest_cosine.data(),
-        .gate = m_gate.data(),
-        .least_gate = m_least_gate.data(),
-        .most_gate = m_most_gate.data(),
-        .multiplier = m_multipliers.data(),
-        .has_multipliers = m_has_multipliers,
-        .stiffness = m_stiffness,
-        .compliance = m_compliance_rad_per_n_m / (input.time_step_s * input.time_step_s)};
-    m_order.for_each(team, [&](std::size_t first, std::size_t last) {
-      HWY_DYNAMIC_DISPATCH(project_angles)(constraints, first, last, rows.data());
-    });
-    if (team.is_first()) m_has_multipliers = true;
-  }
-
- private:
-  ConstraintOrder<4> m_order;
-  std::vector<double> m_rest_sine, m_rest_cosine;
-  std::vector<double> m_gate, m_least_gate, m_most_gate;
-  std::vector<double> m_multipliers;  ///< Lagrange multipliers (XPBD) of the substep
-  bool m_has_multipliers = false;
-  double m_stiffness;
-  double m_compliance_rad_per_n_m;
-};
 
 }  // namespace
 
 std::unique_ptr<Effect> make_bending(const EffectInput& input, const Parameters& parameters) {
   const double skipped_rad = parameters.number("skip_flatter_than_rad");
-  std::vector<std::array<int, 4>> corners;
-  std::vector<RestAngle> rest;
+  std::vector<AngleConstraint> constraints;
   for (const SurfaceEdge& edge : surface_edges(input.mesh)) {
     if (edge.left < 0 || edge.right < 0) continue;
-    const std::optional<RestAngle> angle = rest_angle(input.mesh.vertices, edge);
-    if (!angle || (skipped_rad > 0 && angle->cosine > portable::cos(skipped_rad))) continue;
-    corners.push_back({edge.start, edge.end, edge.left, edge.right});
-    rest.push_back(*angle);
+    const std::optional<AngleConstraint> angle = angle_at_rest(input.mesh.vertices, edge);
+    if (!angle || (skipped_rad > 0 && angle->rest_cosine > portable::cos(skipped_rad))) continue;
+    constraints.push_back(*angle);
   }
-  return std::make_unique<Bending>(corners, rest, input.order, parameters);
+  return make_constraint_effect("bending",
+                                AngleConstraints(constraints, input.order,
+                                                 {.stiffness = parameters.number("stiffness"),
+                                                  .compliance_rad_per_n_m = parameters.number("compliance_rad_per_n_m"),
+                                                  .has_ratio_gate = parameters.flag("public_code_ratio_gate")}));
 }
 
 std::vector<ParameterSpec> bending_parameters() {
@@ -255,4 +70,3 @@ std::vector<ParameterSpec> bending_parameters() {
 }
 
 }  // namespace musclebench
-#endif  // HWY_ONCE

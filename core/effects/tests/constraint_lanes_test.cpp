@@ -1,4 +1,4 @@
-#include "core/effects/constraint_lanes.hpp"
+#include "core/constraints/constraint_lanes.hpp"
 
 #include <cmath>
 #include <limits>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 
-#include "core/effects/arc_tangent.hpp"
+#include "core/constraints/arc_tangent.hpp"
 #include "core/effects/reference/scalar_effect.hpp"
 #include "core/effects/surface_edges.hpp"
 #include "core/effects/tests/effects_fixture.hpp"

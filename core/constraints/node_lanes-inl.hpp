@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/effects/constraint_lanes.hpp"
+#include "core/constraints/constraint_lanes.hpp"
 #include "core/pbd/node_rows.hpp"
 
 #if defined(MUSCLEBENCH_NODE_LANES_INL) == defined(HWY_TARGET_TOGGLE)

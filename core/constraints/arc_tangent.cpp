@@ -1,8 +1,8 @@
-#include "core/effects/arc_tangent.hpp"
+#include "core/constraints/arc_tangent.hpp"
 
 #include <hwy/highway.h>
 
-#include "core/effects/arc_tangent-inl.hpp"
+#include "core/constraints/arc_tangent-inl.hpp"
 
 namespace musclebench {
 

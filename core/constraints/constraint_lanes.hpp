@@ -123,6 +123,17 @@ class ConstraintOrder {
   std::vector<Stage> m_stages;
 };
 
+/// The nodes of each of `constraints`.
+template <std::size_t Nodes, typename Constraint>
+std::vector<std::array<int, Nodes>> nodes_of(std::span<const Constraint> constraints) {
+  std::vector<std::array<int, Nodes>> nodes;
+  nodes.reserve(constraints.size());
+  for (const Constraint& constraint : constraints) {
+    nodes.push_back(constraint.nodes);
+  }
+  return nodes;
+}
+
 /// One number a slot: that of its constraint, or `padding`.
 template <std::size_t Nodes, typename Value>
 std::vector<double> by_slot(const ConstraintOrder<Nodes>& order, double padding, const Value& value) {

@@ -1,0 +1,98 @@
+#include "core/constraints/length_constraints.hpp"
+
+// Highway compiles this file once for every SIMD target; highway.h has to be included after foreach_target.h.
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/constraints/length_constraints.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+// clang-format on
+
+#include "core/constraints/node_lanes-inl.hpp"
+
+#ifndef MUSCLEBENCH_LENGTH_CONSTRAINTS_ONCE
+#define MUSCLEBENCH_LENGTH_CONSTRAINTS_ONCE
+namespace musclebench {
+
+/// By slot of the constraints' order.
+struct LengthSlots {
+  const std::int32_t* start;
+  const std::int32_t* end;
+  const double* rest_length_m;
+  const double* stiffness;
+  const double* compliance_m_per_n;
+  double* multiplier;
+  bool has_multipliers;  ///< false in the first projection of a substep: they are 0, whatever is stored
+};
+
+}  // namespace musclebench
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace musclebench::HWY_NAMESPACE {
+
+void project_lengths(LengthSlots slots, std::size_t first, std::size_t last, double per_time_step2, NodeRow* rows) {
+  const Lanes d;
+  for (std::size_t i = first; i < last; i += lane_count) {
+    NodeLanes start = load_nodes(rows, slots.start + i);
+    NodeLanes end = load_nodes(rows, slots.end + i);
+    const VecLanes along = end.at - start.at;
+    const Lane length_m = hn::Sqrt(dot(along, along));
+    const Lane weights = hn::Add(start.inverse_mass, end.inverse_mass);
+    const LaneMask acts = hn::Gt(hn::Mul(length_m, weights), hn::Zero(d));
+    const Lane compliance = hn::Mul(hn::LoadU(d, slots.compliance_m_per_n + i), hn::Set(d, per_time_step2));
+    const Lane multiplier = slots.has_multipliers ? hn::LoadU(d, slots.multiplier + i) : hn::Zero(d);
+    const Lane error_m =
+        hn::Sub(hn::Sub(length_m, hn::LoadU(d, slots.rest_length_m + i)), hn::Mul(compliance, multiplier));
+    // Over the length, which spares a division.
+    const Lane change_per_m = hn::IfThenElseZero(acts, hn::Div(hn::Mul(hn::LoadU(d, slots.stiffness + i), error_m),
+                                                               hn::Mul(hn::Add(weights, compliance), length_m)));
+    hn::StoreU(hn::Add(multiplier, hn::Mul(change_per_m, length_m)), d, slots.multiplier + i);
+    const VecLanes correction = change_per_m * along;
+    start.at = start.at + start.inverse_mass * correction;
+    end.at = end.at - end.inverse_mass * correction;
+    store_nodes(start, rows, slots.start + i);
+    store_nodes(end, rows, slots.end + i);
+  }
+}
+
+}  // namespace musclebench::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace musclebench {
+
+HWY_EXPORT(project_lengths);
+
+LengthConstraints::LengthConstraints(std::span<const LengthConstraint> constraints, const NodeOrder& order, int visits)
+    : m_order(nodes_of<2>(constraints), order),
+      m_rest_length_m(by_slot(m_order, 0, [&](std::size_t i) { return constraints[i].rest_length_m; })),
+      m_stiffness(by_slot(m_order, 0, [&](std::size_t i) { return constraints[i].stiffness; })),
+      m_compliance_m_per_n(by_slot(m_order, 0, [&](std::size_t i) { return constraints[i].compliance_m_per_n; })),
+      m_multipliers(m_order.size(), 0),
+      m_visits(visits) {}
+
+void LengthConstraints::begin_substep(const Team& team) {
+  if (team.is_first()) m_has_multipliers = false;
+}
+
+void LengthConstraints::project(NodeRows& rows, double time_step_s, const Team& team) {
+  LengthSlots slots{.start = m_order.row_offsets(0),
+                    .end = m_order.row_offsets(1),
+                    .rest_length_m = m_rest_length_m.data(),
+                    .stiffness = m_stiffness.data(),
+                    .compliance_m_per_n = m_compliance_m_per_n.data(),
+                    .multiplier = m_multipliers.data(),
+                    .has_multipliers = m_has_multipliers};
+  const double per_time_step2 = 1 / (time_step_s * time_step_s);
+  for (int visit = 0; visit < m_visits; ++visit) {
+    m_order.for_each(team, [&](std::size_t first, std::size_t last) {
+      HWY_DYNAMIC_DISPATCH(project_lengths)(slots, first, last, per_time_step2, rows.data());
+    });
+    slots.has_multipliers = true;
+  }
+  if (team.is_first()) m_has_multipliers = true;
+}
+
+}  // namespace musclebench
+#endif  // HWY_ONCE

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "core/constraints/constraint_lanes.hpp"
+
+namespace musclebench {
+
+/// C = length - rest length, of the way from one node to another.
+struct LengthConstraint {
+  std::array<int, 2> nodes;
+  double rest_length_m;
+  double stiffness;           ///< part of the error that a projection corrects
+  double compliance_m_per_n;  ///< XPBD (Macklin et al. 2016); 0: none
+};
+
+/// Distances between nodes (Mueller et al. 2007), projected in SIMD lanes. Nodes at one place have no direction to be
+/// moved in and stay.
+class LengthConstraints {
+ public:
+  /// In each projection the constraints are gone through `visits` times.
+  LengthConstraints(std::span<const LengthConstraint> constraints, const NodeOrder& order, int visits = 1);
+
+  // Every thread of the team makes these calls, and waits for the others between them.
+  void begin_substep(const Team& team);
+  void project(NodeRows& rows, double time_step_s, const Team& team);
+
+ private:
+  ConstraintOrder<2> m_order;
+  std::vector<double> m_rest_length_m, m_stiffness, m_compliance_m_per_n;
+  std::vector<double> m_multipliers;  ///< Lagrange multipliers (XPBD) of the substep
+  bool m_has_multipliers = false;
+  int m_visits;
+};
+
+}  // namespace musclebench
