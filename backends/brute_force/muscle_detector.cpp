@@ -18,15 +18,16 @@ class BruteForceMuscleDetector final : public MuscleContactDetector {
   BruteForceMuscleDetector(const TouchingMuscles& muscles, int threads)
       : m_muscles(muscles),
         m_threads(threads),
-        m_touching_m(touching * bounding_box(muscles.mesh.vertices).diagonal().norm()) {
+        m_touching_m(touching * bounding_box(muscles.mesh.vertices).diagonal().norm()),
+        m_pair_times(no_times(muscles.pairs)) {
     for (int muscle = 0; muscle < static_cast<int>(muscles.bodies.size()); ++muscle) {
       const Body& body = muscles.bodies[static_cast<std::size_t>(muscle)];
       const std::vector<int> beside = muscles_beside(muscles.pairs, muscle);
       for (int node = body.first_node; node < body.last_node; ++node) {
-        for (const int other : beside) m_queries.push_back({node, other});
+        for (const int other : beside) m_queries.push_back({node, other, pair_index(muscles.pairs, muscle, other)});
       }
     }
-    m_found.resize(m_queries.size());
+    m_answers.resize(m_queries.size());
   }
 
   void detect(std::span<const Vec3> positions, std::vector<MuscleContact>& contacts) override {
@@ -39,19 +40,30 @@ class BruteForceMuscleDetector final : public MuscleContactDetector {
     const auto count = static_cast<std::ptrdiff_t>(m_queries.size());
 #pragma omp parallel for num_threads(m_threads) schedule(dynamic, 16)
     for (std::ptrdiff_t i = 0; i < count; ++i) {
-      m_found[static_cast<std::size_t>(i)] = query(m_queries[static_cast<std::size_t>(i)], positions);
+      Answer& answer = m_answers[static_cast<std::size_t>(i)];
+      answer.took_ns = 0;
+      const ScopedTimer timer(answer.took_ns);
+      answer.contact = query(m_queries[static_cast<std::size_t>(i)], positions);
     }
-    for (const std::optional<MuscleContact>& found : m_found) {
-      if (found) contacts.push_back(*found);
+    for (PairTime& time : m_pair_times) time.detect_ns = 0;
+    for (std::size_t i = 0; i < m_queries.size(); ++i) {
+      m_pair_times[m_queries[i].pair].detect_ns += m_answers[i].took_ns;
+      if (m_answers[i].contact) contacts.push_back(*m_answers[i].contact);
     }
   }
 
+  [[nodiscard]] std::span<const PairTime> pair_times() const override { return m_pair_times; }
   [[nodiscard]] std::size_t structure_bytes() const override { return 0; }
 
  private:
   struct Query {
     int node;
     int muscle;
+    std::size_t pair;
+  };
+  struct Answer {
+    std::optional<MuscleContact> contact;
+    Nanoseconds took_ns = 0;
   };
 
   [[nodiscard]] std::optional<MuscleContact> query(const Query& query, std::span<const Vec3> positions) const {
@@ -90,7 +102,8 @@ class BruteForceMuscleDetector final : public MuscleContactDetector {
   double m_touching_m;
   std::vector<Query> m_queries;              ///< by node, then by the other muscle
   std::vector<Eigen::AlignedBox3d> m_boxes;  ///< by muscle; beyond it nothing is inside
-  std::vector<std::optional<MuscleContact>> m_found;
+  std::vector<Answer> m_answers;             ///< by query
+  std::vector<PairTime> m_pair_times;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "backends/bvh/muscle_detector.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -28,8 +29,10 @@ class BvhMuscleDetector final : public MuscleContactDetector {
   BvhMuscleDetector(const TouchingMuscles& muscles, bool with_cache, int threads)
       : m_mesh(muscles.mesh),
         m_bodies(muscles.bodies),
+        m_pairs(muscles.pairs),
         m_threads(threads),
-        m_touching_m(touching * bounding_box(muscles.mesh.vertices).diagonal().norm()) {
+        m_touching_m(touching * bounding_box(muscles.mesh.vertices).diagonal().norm()),
+        m_pair_times(no_times(muscles.pairs)) {
     if (with_cache) m_clearances.emplace(muscles);
     for (int muscle = 0; muscle < static_cast<int>(m_bodies.size()); ++muscle) {
       const Body& body = m_bodies[static_cast<std::size_t>(muscle)];
@@ -50,19 +53,25 @@ class BvhMuscleDetector final : public MuscleContactDetector {
     if (m_clearances) m_clearances->update(positions, m_threads);
     m_queried = m_clearances ? m_clearances->expired() : std::span<const int>(m_nodes);
     const std::size_t chunks = (m_queried.size() + chunk_size - 1) / chunk_size;
-    if (m_found.size() < chunks) m_found.resize(chunks);
+    if (m_chunks.size() < chunks) m_chunks.resize(chunks);
     if (m_threads > 1 && chunks > 1) {  // OpenMP allocates even a team of one
 #pragma omp parallel for schedule(dynamic, 1) num_threads(m_threads)
       for (std::size_t chunk = 0; chunk < chunks; ++chunk) query_chunk(chunk);
     } else {
       for (std::size_t chunk = 0; chunk < chunks; ++chunk) query_chunk(chunk);
     }
-    for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-      contacts.insert(contacts.end(), m_found[chunk].begin(), m_found[chunk].end());
+    for (PairTime& time : m_pair_times) time.detect_ns = 0;
+    for (const Chunk& chunk : std::span(m_chunks).first(chunks)) {
+      contacts.insert(contacts.end(), chunk.found.begin(), chunk.found.end());
+      for (std::size_t pair = 0; pair < m_pair_times.size(); ++pair) {
+        m_pair_times[pair].detect_ns += chunk.pair_ns[pair];
+      }
     }
     std::ranges::sort(contacts, {},
                       [](const MuscleContact& contact) { return std::pair(contact.node, contact.muscle); });
   }
+
+  [[nodiscard]] std::span<const PairTime> pair_times() const override { return m_pair_times; }
 
   [[nodiscard]] std::size_t structure_bytes() const override {
     std::size_t bytes = (m_nodes.capacity() + m_guesses.capacity()) * sizeof(int);
@@ -74,23 +83,46 @@ class BvhMuscleDetector final : public MuscleContactDetector {
  private:
   static constexpr std::size_t chunk_size = 32;
 
-  void query_chunk(std::size_t chunk) {
-    std::vector<MuscleContact>& found = m_found[chunk];
-    found.clear();
-    const std::size_t last = std::min((chunk + 1) * chunk_size, m_queried.size());
-    for (std::size_t i = chunk * chunk_size; i < last; ++i) query(m_queried[i], found);
+  /// Nodes that one thread asks about, and what it finds.
+  struct Chunk {
+    std::vector<MuscleContact> found;
+    std::vector<Nanoseconds> pair_ns;
+  };
+
+  void query_chunk(std::size_t index) {
+    Chunk& chunk = m_chunks[index];
+    chunk.found.clear();
+    chunk.pair_ns.assign(m_pair_times.size(), 0);
+    std::span<const int> rest = m_queried.subspan(index * chunk_size);
+    rest = rest.first(std::min(rest.size(), chunk_size));
+    while (!rest.empty()) {
+      const std::size_t muscle = body_of(m_bodies, rest.front());
+      const auto end = std::ranges::find_if_not(rest, [&](int node) { return m_bodies[muscle].has_node(node); });
+      const auto count = static_cast<std::size_t>(end - rest.begin());
+      query_nodes(muscle, rest.first(count), chunk);
+      rest = rest.subspan(count);
+    }
   }
 
-  void query(int node, std::vector<MuscleContact>& found) {
-    const double beyond_m = m_clearances ? m_clearances->beyond_m(node) : unknown_m;
-    double clearance_m = unknown_m;
-    std::size_t guess = static_cast<std::size_t>(node) * m_most_beside;
-    for (const int muscle : m_beside[body_of(m_bodies, node)]) {
-      // Of a muscle that is no nearer nothing has to be known, where that tells its side, too.
-      const double enough_m = clearance_m > beyond_m ? clearance_m : unknown_m;
-      clearance_m = std::min(clearance_m, query_muscle(node, muscle, beyond_m, enough_m, m_guesses[guess++], found));
+  void query_nodes(std::size_t muscle, std::span<const int> nodes, Chunk& chunk) {
+    std::array<double, chunk_size> clearance_m;
+    clearance_m.fill(unknown_m);
+    Nanoseconds before_ns = monotonic_now_ns();
+    for (std::size_t beside = 0; beside < m_beside[muscle].size(); ++beside) {
+      const int other = m_beside[muscle][beside];
+      for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const double beyond_m = m_clearances ? m_clearances->beyond_m(nodes[i]) : unknown_m;
+        // Of a muscle that is no nearer nothing has to be known, where that tells its side, too.
+        const double enough_m = clearance_m[i] > beyond_m ? clearance_m[i] : unknown_m;
+        int& guess = m_guesses[static_cast<std::size_t>(nodes[i]) * m_most_beside + beside];
+        clearance_m[i] =
+            std::min(clearance_m[i], query_muscle(nodes[i], other, beyond_m, enough_m, guess, chunk.found));
+      }
+      const Nanoseconds now_ns = monotonic_now_ns();
+      chunk.pair_ns[pair_index(m_pairs, static_cast<int>(muscle), other)] += now_ns - before_ns;
+      before_ns = now_ns;
     }
-    if (m_clearances) m_clearances->store(node, clearance_m);
+    for (std::size_t i = 0; i < nodes.size() && m_clearances; ++i) m_clearances->store(nodes[i], clearance_m[i]);
   }
 
   /// Returns how far the node is free of the muscle, or `enough_m`; 0 where it is inside.
@@ -122,8 +154,10 @@ class BvhMuscleDetector final : public MuscleContactDetector {
 
   const TriangleMesh& m_mesh;
   std::vector<Body> m_bodies;
+  std::vector<MusclePair> m_pairs;
   int m_threads;
   double m_touching_m;
+  std::vector<PairTime> m_pair_times;
   std::vector<std::vector<int>> m_beside;  ///< by muscle: those that it touches, ascending
   std::size_t m_most_beside = 0;
   std::vector<MovingSurfaceTree> m_trees;  ///< by muscle
@@ -132,7 +166,7 @@ class BvhMuscleDetector final : public MuscleContactDetector {
   std::vector<int> m_guesses;  ///< by node, then muscle beside: the triangle that was closest last
   std::span<const Vec3> m_positions;
   std::span<const int> m_queried;
-  std::vector<std::vector<MuscleContact>> m_found;
+  std::vector<Chunk> m_chunks;
 };
 
 }  // namespace

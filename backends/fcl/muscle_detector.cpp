@@ -17,7 +17,11 @@ namespace {
 class FclMuscleDetector final : public MuscleContactDetector {
  public:
   FclMuscleDetector(const FclOptions& options, const TouchingMuscles& muscles, int threads)
-      : m_muscles(muscles), m_threads(threads), m_normals(muscles.mesh), m_found(muscles.pairs.size()) {
+      : m_muscles(muscles),
+        m_threads(threads),
+        m_normals(muscles.mesh),
+        m_found(muscles.pairs.size()),
+        m_pair_times(no_times(muscles.pairs)) {
     for (const Body& body : muscles.bodies) {
       MuscleSurface& surface = m_surfaces.emplace_back();
       surface.triangles =
@@ -59,6 +63,8 @@ class FclMuscleDetector final : public MuscleContactDetector {
     });
   }
 
+  [[nodiscard]] std::span<const PairTime> pair_times() const override { return m_pair_times; }
+
   [[nodiscard]] std::size_t structure_bytes() const override {
     std::size_t sum = m_collider->bytes() + m_normals.bytes();
     for (const auto& [first, second] : m_met) sum += first.bytes() + second.bytes();
@@ -72,6 +78,8 @@ class FclMuscleDetector final : public MuscleContactDetector {
   }
 
   void collide_pair(std::size_t index, std::span<const Vec3> positions) {
+    m_pair_times[index].detect_ns = 0;
+    const ScopedTimer timer(m_pair_times[index].detect_ns);
     const MusclePair& pair = m_muscles.pairs[index];
     std::vector<IntersectingTriangles> met;
     m_collider->collide(static_cast<std::size_t>(pair.first), static_cast<std::size_t>(pair.second), met);
@@ -128,6 +136,7 @@ class FclMuscleDetector final : public MuscleContactDetector {
   std::unique_ptr<MuscleCollider> m_collider;
   std::vector<std::pair<MetTriangles, MetTriangles>> m_met;  ///< by pair, of its first and its second muscle
   std::vector<std::vector<MuscleContact>> m_found;           ///< by pair
+  std::vector<PairTime> m_pair_times;
 };
 
 }  // namespace

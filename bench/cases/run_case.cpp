@@ -74,6 +74,9 @@ class CaseRunner {
     PreparedSimulation prepared =
         prepare_simulation(m_run.scene, *m_backend, m_run.responses, m_run.threads, std::move(muscle_detectors));
     m_simulation = std::move(prepared.simulation);
+    for (const auto& stage : m_simulation->stages()) {
+      if (auto* found = dynamic_cast<MuscleContactStage*>(stage.get())) m_muscle_contact = found;
+    }
     m_result.bound_nodes = std::move(prepared.bound_nodes);
     m_result.effect_names = std::move(prepared.effect_names);
     m_result.stage_names = std::move(prepared.stage_names);
@@ -111,7 +114,10 @@ class CaseRunner {
     record.involuntary_switches = switches.involuntary;
     m_result.machine.switches += switches;
     record.contacts = static_cast<int>(m_simulation->contacts().size());
-    record.muscle_contacts = muscle_contacts();
+    if (m_muscle_contact != nullptr) {
+      record.muscle_contacts = m_muscle_contact->contact_count();
+      record.pairs = pairs_in_contact();
+    }
     record.resident_bytes = memory_needed_bytes();
 
     const std::vector<Vec3>& positions = m_simulation->positions();
@@ -146,11 +152,16 @@ class CaseRunner {
     return muscles;
   }
 
-  [[nodiscard]] std::optional<int> muscle_contacts() const {
-    for (const auto& stage : m_simulation->stages()) {
-      if (stage->name() == MuscleContactStage::stage_name) return stage->contact_count();
+  [[nodiscard]] std::vector<PairRecord> pairs_in_contact() const {
+    std::vector<PairRecord> pairs;
+    for (const PairTime& time : m_muscle_contact->take_pair_times()) pairs.push_back({time});
+    const std::vector<Body> bodies = m_scene.bodies();
+    for (const MuscleContact& contact : m_muscle_contact->contacts()) {
+      const auto own = static_cast<int>(body_of(bodies, contact.node));
+      const MusclePair pair{std::min(own, contact.muscle), std::max(own, contact.muscle)};
+      ++std::ranges::find(pairs, pair, [](const PairRecord& each) { return each.time.muscles; })->contacts;
     }
-    return std::nullopt;
+    return pairs;
   }
 
   [[nodiscard]] bool is_kept(int frame) const {
@@ -211,6 +222,7 @@ class CaseRunner {
   RunResult m_result;
   std::unique_ptr<CollisionBackend> m_backend;
   std::unique_ptr<Simulation> m_simulation;
+  MuscleContactStage* m_muscle_contact = nullptr;  ///< of the simulation, where muscles touch
   std::unique_ptr<CoupledJudge> m_judge;
   LastDetection m_last_detection;
   Divergence m_divergence;

@@ -6,6 +6,7 @@
 #include "bench/results/replay_output.hpp"
 #include "core/measure/muscle_record.hpp"
 #include "core/measure/outcome_limits.hpp"
+#include "core/measure/pair_record.hpp"
 #include "core/measure/step_record.hpp"
 
 namespace musclebench {
@@ -231,6 +232,7 @@ Json results_schema_json() {
   return {{"results_schema", schema_version},
           {"run", json_of_columns(run_columns())},
           {"muscles", json_of_columns(muscle_columns())},
+          {"pairs", json_of_columns(pair_columns())},
           {"replay", json_of_columns(replay_columns())},
           {"probe", json_of_columns(probe_columns())},
           {"run_json", of_manifests},

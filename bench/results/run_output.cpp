@@ -10,6 +10,7 @@
 #include "core/base/output_file.hpp"
 #include "core/measure/muscle_record.hpp"
 #include "core/measure/outcome_limits.hpp"
+#include "core/measure/pair_record.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 
 namespace musclebench {
@@ -213,6 +214,11 @@ void write_files(const fs::path& folder, const RunCase& run, const RunResult& re
     OutputFile muscles(folder / "muscles.csv");
     write_muscles_csv(muscles.stream(), names, result.records);
     muscles.close();
+    if (!run.scene.muscle_pairs.empty()) {
+      OutputFile pairs(folder / "pairs.csv");
+      write_pairs_csv(pairs.stream(), names, result.records);
+      pairs.close();
+    }
   }
   if (!result.snapshots.empty()) {
     fs::create_directory(folder / "snapshots");

@@ -54,4 +54,15 @@ std::vector<int> muscles_beside(std::span<const MusclePair> pairs, int index) {
   return found;
 }
 
+std::size_t pair_index(std::span<const MusclePair> pairs, int one, int other) {
+  const auto found = std::ranges::find(pairs, MusclePair{std::min(one, other), std::max(one, other)});
+  return static_cast<std::size_t>(found - pairs.begin());
+}
+
+std::vector<PairTime> no_times(std::span<const MusclePair> pairs) {
+  std::vector<PairTime> times;
+  for (const MusclePair& pair : pairs) times.push_back({pair});
+  return times;
+}
+
 }  // namespace musclebench

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/parameters.hpp"
+#include "core/base/scoped_timer.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/mesh/body.hpp"
 #include "core/mesh/triangle_mesh.hpp"
@@ -34,6 +35,13 @@ struct MusclePair {
   friend auto operator<=>(const MusclePair&, const MusclePair&) = default;
 };
 
+/// What a detector spent on one pair in its last detection: asking the nodes of either muscle about the other, summed
+/// over threads. Refitting and clearances serve all pairs and are in none.
+struct PairTime {
+  MusclePair muscles;
+  Nanoseconds detect_ns = 0;
+};
+
 /// What a detector of contacts between muscles is made for.
 struct TouchingMuscles {
   const TriangleMesh& mesh;  ///< of all muscles, at rest; outlives the detector
@@ -54,6 +62,9 @@ class MuscleContactDetector {
   /// overwritten: ordered by node, then by the other muscle.
   virtual void detect(std::span<const Vec3> positions, std::vector<MuscleContact>& contacts) = 0;
 
+  /// In the order of `TouchingMuscles::pairs`.
+  [[nodiscard]] virtual std::span<const PairTime> pair_times() const = 0;
+
   /// Of its structures, counted from their sizes, without the input meshes.
   [[nodiscard]] virtual std::size_t structure_bytes() const = 0;
 };
@@ -68,5 +79,11 @@ MuscleContact muscle_contact_at(int node, int muscle, const Vec3& point, int tri
 
 /// All muscles that touch the one at `index`, ascending.
 std::vector<int> muscles_beside(std::span<const MusclePair> pairs, int index);
+
+/// Which of `pairs` two muscles that touch are, in whatever order they are named.
+std::size_t pair_index(std::span<const MusclePair> pairs, int one, int other);
+
+/// No time for any of them.
+std::vector<PairTime> no_times(std::span<const MusclePair> pairs);
 
 }  // namespace musclebench

@@ -18,7 +18,12 @@ class MuscleContactStage final : public ContactStage {
   static constexpr std::string_view stage_name = "muscle_contact";
 
   MuscleContactStage(std::vector<std::unique_ptr<MuscleContactDetector>> detectors, MuscleContactResponse response)
-      : m_detectors(std::move(detectors)), m_response(std::move(response)) {}
+      : m_detectors(std::move(detectors)), m_response(std::move(response)) {
+    for (const auto& detector : m_detectors) {
+      const auto times = detector->pair_times();
+      m_pair_times.insert(m_pair_times.end(), times.begin(), times.end());
+    }
+  }
 
   [[nodiscard]] std::string_view name() const override { return stage_name; }
 
@@ -28,6 +33,7 @@ class MuscleContactStage final : public ContactStage {
       detector->detect(input.predicted, m_found);
       m_contacts.insert(m_contacts.end(), m_found.begin(), m_found.end());
     }
+    add_times();
     m_response.resolve(m_contacts, input.start, input.predicted);
     return m_response.moved_nodes();
   }
@@ -37,11 +43,26 @@ class MuscleContactStage final : public ContactStage {
   /// Of the last step: a detector after the other.
   [[nodiscard]] std::span<const MuscleContact> contacts() const { return m_contacts; }
 
+  /// Of each pair, a detector after the other: the sum since the last call.
+  [[nodiscard]] std::vector<PairTime> take_pair_times() {
+    std::vector<PairTime> taken = m_pair_times;
+    for (PairTime& time : m_pair_times) time.detect_ns = 0;
+    return taken;
+  }
+
  private:
+  void add_times() {
+    auto sum = m_pair_times.begin();
+    for (const auto& detector : m_detectors) {
+      for (const PairTime& time : detector->pair_times()) (sum++)->detect_ns += time.detect_ns;
+    }
+  }
+
   std::vector<std::unique_ptr<MuscleContactDetector>> m_detectors;
   MuscleContactResponse m_response;
   std::vector<MuscleContact> m_contacts;
   std::vector<MuscleContact> m_found;
+  std::vector<PairTime> m_pair_times;
 };
 
 }  // namespace musclebench

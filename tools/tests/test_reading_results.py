@@ -32,14 +32,14 @@ def test_the_table_names_columns_of_a_run_only(results):
     assert named_in_tables(PAGE.read_text()) - columns_of(results, "run") == set()
 
 
-@pytest.mark.parametrize("kind", ["run", "muscles"])
+@pytest.mark.parametrize("kind", ["run", "muscles", "pairs"])
 def test_no_column_is_left_out(results, kind):
     words = set(re.findall(r"`([^`]+)`", PAGE.read_text()))
     assert columns_of(results, kind) - words - {"frame", "muscle"} == set()
 
 
 def test_readme_names_columns_that_are_there(results):
-    every = set().union(*(columns_of(results, kind) for kind in ("run", "replay", "probe", "muscles")))
+    every = set().union(*(columns_of(results, kind) for kind in ("run", "replay", "probe", "muscles", "pairs")))
     units = ("_ns", "_m", "_m3", "_deg", "_bytes")
     named = {word for word in re.findall(r"`([a-z0-9_]+)`", (PROJECT / "README.md").read_text()) if word.endswith(units)}
     keys = {key["name"].split(".")[-1] for keys in results["run_json"].values() for key in keys}

@@ -8,7 +8,7 @@ import fake_runs
 from musclebench.paper import published
 from musclebench.results import run_folder
 from musclebench.results.statistics import median_ratio
-from musclebench.tables import paper_tables, table_formats
+from musclebench.tables import muscle_tables, paper_tables, table_formats
 
 
 @pytest.fixture
@@ -129,3 +129,17 @@ def test_no_common_frames_give_no_ratio():
 )
 def test_ratios_have_three_digits_and_no_exponent(value, text):
     assert table_formats.as_ratio(value) == text
+
+
+def test_a_pair_has_its_median_time_without_warm_up_and_its_most_contacts(fake_raw):
+    run = run_folder.read_runs(fake_raw)[0]
+    timed = set(run.timed_frames["frame"])
+    assert len(timed) < len(run.frames)
+    run.pairs = pd.DataFrame([
+        {"frame": frame, "angle_deg": 0.0, "muscle": "a", "other": other, "contacts": contacts if frame in timed else 9,
+         "detect_ns": 1e6 * (time_ms if frame in timed else 100)}
+        for frame in run.frames["frame"] for other, contacts, time_ms in (("b", 3, 2.0), ("c", 0, 0.5))])
+    assert muscle_tables.of_touching_muscles([run]) == [run]
+    rows = muscle_tables.pair_table([run]).rows
+    assert list(rows["pair"]) == ["a, b", "a, c"]
+    assert list(rows["detect_ms"]) == [2.0, 0.5] and list(rows["contacts"]) == [9, 9]

@@ -141,6 +141,25 @@ TEST(MuscleContact, EveryBackendFindsNoNodeThatIsFreeAndNoDepthBelowTheTruth) {
   }
 }
 
+TEST(MuscleContact, EveryBackendTellsTheTimeOfEachPair) {
+  const Muscles muscles = three_muscles();
+  for (const BackendEntry* entry : followers()) {
+    const auto detector = muscles.detector(*entry, all_pairs, 2);
+    std::vector<MuscleContact> found;
+    for (const double time : {0.0, 0.9}) {
+      detector->detect(moved(muscles, time), found);
+      ASSERT_EQ(detector->pair_times().size(), all_pairs.size()) << entry->name;
+      Nanoseconds sum_ns = 0;
+      for (std::size_t pair = 0; pair < all_pairs.size(); ++pair) {
+        EXPECT_EQ(detector->pair_times()[pair].muscles, all_pairs[pair]) << entry->name;
+        EXPECT_GE(detector->pair_times()[pair].detect_ns, 0) << entry->name;
+        sum_ns += detector->pair_times()[pair].detect_ns;
+      }
+      EXPECT_GT(sum_ns, 0) << entry->name;
+    }
+  }
+}
+
 TEST(MuscleContact, OnlyNamedPairsCollide) {
   const Muscles muscles = three_muscles();
   for (const BackendEntry* entry : followers()) {

@@ -120,10 +120,19 @@ TEST(ResultsSchema, HoldsForARun) {
   run.snapshots = {0, 2};
   run.count_self_intersections = true;
   const RunResult result = result_of(run);
+  for (const StepRecord& record : result.records) {
+    ASSERT_EQ(record.pairs.size(), 1U);
+    EXPECT_EQ(record.pairs[0].time.muscles, (MusclePair{0, 1}));
+    EXPECT_LT(record.pairs[0].time.detect_ns, record.times.frame_ns);
+    EXPECT_EQ(record.pairs[0].contacts, record.muscle_contacts);
+  }
+  EXPECT_GT(result.records.front().pairs.front().time.detect_ns, 0);
   const TemporaryFolder folder("schema_run");
   write_run(folder.path() / "out", run, result);
   EXPECT_EQ(header_of(folder.path() / "out" / "frames.csv"),
             names_in(results_schema_json()["run"], result.effect_names, result.stage_names));
+  EXPECT_EQ(header_of(folder.path() / "out" / "muscles.csv"), names_in(results_schema_json()["muscles"]));
+  EXPECT_EQ(header_of(folder.path() / "out" / "pairs.csv"), names_in(results_schema_json()["pairs"]));
   expect_schema(manifest_in(folder.path() / "out"), ResultKind::run);
 }
 

@@ -1,4 +1,4 @@
-"""Finished runs: run.json, frames.csv and muscles.csv of each case, and runs.csv with one row a run."""
+"""Finished runs: run.json, frames.csv, muscles.csv and pairs.csv of each case, and runs.csv with one row a run."""
 
 import json
 from dataclasses import dataclass, field
@@ -30,6 +30,7 @@ class Run:
     record: dict  # run.json
     frames: pd.DataFrame  # frames.csv and collision_ns; empty where the run left none
     muscles: pd.DataFrame = field(default_factory=pd.DataFrame)  # muscles.csv; empty for a scene of one muscle
+    pairs: pd.DataFrame = field(default_factory=pd.DataFrame)  # pairs.csv; empty where no muscles touch
 
     @property
     def mode(self) -> str:
@@ -67,9 +68,9 @@ def read_run(folder: Path) -> Run:
     if fault:
         raise ResultProblem(f"{folder}: {fault}; run the case again")
     columns = COLUMNS_OF_MODE.get(record["case"].get("mode"), FRAME_COLUMNS)
-    of_muscles = folder / "muscles.csv"
-    return Run(folder, record, read_frames(folder / "frames.csv", columns),
-               pd.read_csv(of_muscles) if of_muscles.is_file() else pd.DataFrame())
+    muscles, pairs = (pd.read_csv(path) if path.is_file() else pd.DataFrame()
+                      for path in (folder / "muscles.csv", folder / "pairs.csv"))
+    return Run(folder, record, read_frames(folder / "frames.csv", columns), muscles, pairs)
 
 
 def read_frames(path: Path, columns: list[str]) -> pd.DataFrame:

@@ -16,10 +16,18 @@ DEPTH_COLUMNS = [
     Column("volume_change_percent", "largest change of the volume %", 2, "volume\n%"),
     Column("edge_stretch", "longest edge over rest", 2, "edge"),
 ]
+PAIR_COLUMNS = [
+    Column("pair", "muscles"), Column("scene", "scene"), Column("backend", "backend"),
+    Column("detect_ms", "asking a frame ms", 3, "asking\nms"), Column("contacts", "most contacts", 0, "contacts"),
+]
 
 
 def of_several_muscles(runs: list[Run]) -> list[Run]:
     return [run for run in runs if not run.muscles.empty]
+
+
+def of_touching_muscles(runs: list[Run]) -> list[Run]:
+    return [run for run in runs if not run.pairs.empty]
 
 
 def frame_time_table(runs: list[Run]) -> Table:
@@ -45,6 +53,22 @@ def depth_table(runs: list[Run]) -> Table:
     caption = ("Table 4. How deep muscles are in bones and in each other over the whole motion (true depths of nodes), and what "
                "became of their shape. The change of volume is against the first frame.")
     return Table("table_4_depths", caption, DEPTH_COLUMNS, rows, [column.key for column in DEPTH_COLUMNS[1:]])
+
+
+def pair_table(runs: list[Run]) -> Table:
+    """Of muscles that touch: medians over the frames, and the most contacts of a frame."""
+    rows = pd.DataFrame([_pair_row(run, f"{muscle}, {other}", rows) for run in runs
+                         for (muscle, other), rows in run.pairs.groupby(["muscle", "other"])],
+                        columns=[column.key for column in PAIR_COLUMNS])
+    caption = ("Table 5. Contact between muscles by pair: the time of asking the nodes of either about the other, medians over the "
+               "frames, summed over threads. Refitting and clearances serve all pairs and are in none.")
+    return Table("table_5_pairs", caption, PAIR_COLUMNS, rows, [column.key for column in PAIR_COLUMNS[1:]])
+
+
+def _pair_row(run: Run, pair: str, rows: pd.DataFrame) -> dict:
+    timed = rows[rows["frame"].isin(run.timed_frames["frame"])]
+    return {"pair": pair, "scene": run.muscle, "backend": run.backend, "detect_ms": timed["detect_ns"].median() / 1e6,
+            "contacts": rows["contacts"].max()}
 
 
 def _depth_row(run: Run, muscle: str, rows: pd.DataFrame) -> dict:
