@@ -17,7 +17,7 @@ DEPTH_COLUMNS = [
     Column("edge_stretch", "longest edge over rest", 2, "edge"),
 ]
 PAIR_COLUMNS = [
-    Column("pair", "muscles"), Column("scene", "scene"), Column("backend", "backend"),
+    Column("muscle", "muscles"), Column("scene", "scene"), Column("backend", "backend"),
     Column("detect_ms", "asking a frame ms", 3, "asking\nms"), Column("contacts", "most contacts", 0, "contacts"),
 ]
 
@@ -60,6 +60,7 @@ def pair_table(runs: list[Run]) -> Table:
     rows = pd.DataFrame([_pair_row(run, f"{muscle}, {other}", rows) for run in runs
                          for (muscle, other), rows in run.pairs.groupby(["muscle", "other"])],
                         columns=[column.key for column in PAIR_COLUMNS])
+    rows = rows.sort_values("muscle", kind="stable", ignore_index=True)
     caption = ("Table 5. Contact between muscles by pair: the time of asking the nodes of either about the other, medians over the "
                "frames, summed over threads. Refitting and clearances serve all pairs and are in none.")
     return Table("table_5_pairs", caption, PAIR_COLUMNS, rows, [column.key for column in PAIR_COLUMNS[1:]])
@@ -67,7 +68,7 @@ def pair_table(runs: list[Run]) -> Table:
 
 def _pair_row(run: Run, pair: str, rows: pd.DataFrame) -> dict:
     timed = rows[rows["frame"].isin(run.timed_frames["frame"])]
-    return {"pair": pair, "scene": run.muscle, "backend": run.backend, "detect_ms": timed["detect_ns"].median() / 1e6,
+    return {"muscle": pair, "scene": run.muscle, "backend": run.backend, "detect_ms": timed["detect_ns"].median() / 1e6,
             "contacts": rows["contacts"].max()}
 
 
