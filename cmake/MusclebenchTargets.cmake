@@ -8,8 +8,18 @@ target_include_directories(musclebench_settings INTERFACE
 # Eigen would align them wider here than there: another layout of the same classes.
 target_compile_definitions(musclebench_settings INTERFACE EIGEN_MAX_ALIGN_BYTES=16)
 # Contraction would let the compiler fuse a*b+c where it likes: results would then differ between compilers and flags.
-target_compile_options(musclebench_settings INTERFACE -ffp-contract=off -fno-math-errno
-  $<$<BOOL:${MUSCLEBENCH_NATIVE}>:-march=native>)
+target_compile_options(musclebench_settings INTERFACE -ffp-contract=off -fno-math-errno)
+# Eigen's own products are fused where FMA is there, and AVX-512 brings it: without them a state has the same bits as in
+# any other build. Kernels that use such vectors are chosen when the program runs.
+if(MUSCLEBENCH_NATIVE)
+  include(CheckCXXCompilerFlag)
+  check_cxx_compiler_flag(-mno-avx512f MUSCLEBENCH_IS_X86)
+  set(MUSCLEBENCH_NATIVE_FLAGS -march=native)
+  if(MUSCLEBENCH_IS_X86)
+    list(APPEND MUSCLEBENCH_NATIVE_FLAGS -mno-fma -mno-fma4 -mno-avx512f)
+  endif()
+  target_compile_options(musclebench_settings INTERFACE ${MUSCLEBENCH_NATIVE_FLAGS})
+endif()
 # Of no concern to those who use an installed library.
 set(warnings -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
   # GCC 12 sees overlaps and overflows in std::string that are not there (its bug 105651 and what is like it).
