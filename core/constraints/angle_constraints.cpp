@@ -31,7 +31,7 @@ struct AngleSlots {
   const double* gate;
   const double* least_gate;
   const double* most_gate;
-  double* multiplier;
+  double* multiplier;    ///< null where the constraints are not compliant
   bool has_multipliers;  ///< false in the first projection of a substep: they are 0, whatever is stored
   double stiffness;
   double compliance;  ///< over the squared time step
@@ -47,6 +47,7 @@ void project_angles(AngleSlots slots, std::size_t first, std::size_t last, NodeR
   const Lanes d;
   const Lane one = hn::Set(d, 1);
   const Lane compliance = hn::Set(d, slots.compliance);
+  const bool is_compliant = slots.multiplier != nullptr;
   for (std::size_t i = first; i < last; i += lane_count) {
     NodeLanes start = load_nodes(rows, slots.start + i);
     NodeLanes end = load_nodes(rows, slots.end + i);
@@ -102,13 +103,15 @@ void project_angles(AngleSlots slots, std::size_t first, std::size_t last, NodeR
                 hn::Mul(start.inverse_mass, dot(start_gradient, start_gradient))),
         hn::Mul(end.inverse_mass, dot(end_gradient, end_gradient)));
     acts = hn::And(acts, hn::Gt(sum, hn::Zero(d)));
-    if (hn::AllFalse(d, acts)) continue;
-
     const Lane multiplier = slots.has_multipliers ? hn::LoadU(d, slots.multiplier + i) : hn::Zero(d);
+    if (hn::AllFalse(d, acts)) {
+      if (is_compliant) hn::StoreU(multiplier, d, slots.multiplier + i);
+      continue;
+    }
     const Lane error = hn::Sub(error_rad, hn::Mul(compliance, multiplier));
     const Lane change =
         hn::IfThenElseZero(acts, hn::Div(hn::Mul(hn::Set(d, slots.stiffness), error), hn::Add(sum, compliance)));
-    hn::StoreU(hn::Add(multiplier, change), d, slots.multiplier + i);
+    if (is_compliant) hn::StoreU(hn::Add(multiplier, change), d, slots.multiplier + i);
     left.at = left.at - hn::Mul(change, left.inverse_mass) * left_per_height;
     right.at = right.at - hn::Mul(change, right.inverse_mass) * right_per_height;
     start.at = start.at + hn::Mul(change, start.inverse_mass) * start_gradient;
@@ -133,7 +136,7 @@ AngleConstraints::AngleConstraints(std::span<const AngleConstraint> constraints,
     : m_order(nodes_of<4>(constraints), order),
       m_rest_sine(by_slot(m_order, 0, [&](std::size_t i) { return constraints[i].rest_sine; })),
       m_rest_cosine(by_slot(m_order, 1, [&](std::size_t i) { return constraints[i].rest_cosine; })),
-      m_multipliers(m_order.size(), 0),
+      m_multipliers(settings.compliance_rad_per_n_m > 0 ? m_order.size() : 0),
       m_settings(settings) {
   if (!settings.has_ratio_gate) return;
   for (std::size_t slot = 0; slot < m_order.size(); ++slot) {
@@ -151,6 +154,7 @@ void AngleConstraints::begin_substep(const Team& team) {
 }
 
 void AngleConstraints::project(NodeRows& rows, double time_step_s, const Team& team) {
+  const bool is_compliant = !m_multipliers.empty();
   const AngleSlots slots{.start = m_order.row_offsets(0),
                          .end = m_order.row_offsets(1),
                          .left = m_order.row_offsets(2),
@@ -160,8 +164,8 @@ void AngleConstraints::project(NodeRows& rows, double time_step_s, const Team& t
                          .gate = m_gate.data(),
                          .least_gate = m_least_gate.data(),
                          .most_gate = m_most_gate.data(),
-                         .multiplier = m_multipliers.data(),
-                         .has_multipliers = m_has_multipliers,
+                         .multiplier = is_compliant ? m_multipliers.data() : nullptr,
+                         .has_multipliers = is_compliant && m_has_multipliers,
                          .stiffness = m_settings.stiffness,
                          .compliance = m_settings.compliance_rad_per_n_m / (time_step_s * time_step_s)};
   m_order.for_each(team, [&](std::size_t first, std::size_t last) {

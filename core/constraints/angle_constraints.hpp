@@ -36,7 +36,7 @@ class AngleConstraints {
   ConstraintOrder<4> m_order;
   std::vector<double> m_rest_sine, m_rest_cosine;
   std::vector<double> m_gate, m_least_gate, m_most_gate;
-  std::vector<double> m_multipliers;  ///< Lagrange multipliers (XPBD) of the substep
+  std::vector<double> m_multipliers;  ///< Lagrange multipliers (XPBD) of the substep; empty without a compliance
   bool m_has_multipliers = false;
   AngleSettings m_settings;
 };

@@ -54,26 +54,29 @@ class ConstraintOrder {
   /// By slot: `row_offset` of the nodes at one end of the constraints.
   [[nodiscard]] const std::int32_t* row_offsets(std::size_t end) const { return m_row_offsets[end].data(); }
 
-  /// Calls `project(first, last)` for all slots in an order that keeps the result; `team` shares long runs.
+  /// Calls `project(first, last)` for all slots in an order that keeps the result; `team` shares long runs. No two
+  /// slots of one call share a node.
   template <typename Project>
   void for_each(const Team& team, const Project& project) const {
-    for (const Stage& stage : m_stages) {
-      if (stage.is_shared) {
-        const std::size_t first_block = stage.first / constraint_lanes;
+    for (std::size_t i = 0; i < m_runs.size(); ++i) {
+      const Run& run = m_runs[i];
+      if (run.is_shared) {
+        const std::size_t first_block = run.first / constraint_lanes;
         const Team::Share blocks =
-            team.share_by_row(stage.last / constraint_lanes - first_block, static_cast<std::size_t>(m_padding),
+            team.share_by_row(run.last / constraint_lanes - first_block, static_cast<std::size_t>(m_padding),
                               [&](std::size_t block) { return m_lowest_rows[first_block + block]; });
-        project(stage.first + blocks.first * constraint_lanes, stage.first + blocks.last * constraint_lanes);
+        project(run.first + blocks.first * constraint_lanes, run.first + blocks.last * constraint_lanes);
       } else if (team.is_first()) {
-        project(stage.first, stage.last);
+        project(run.first, run.last);
       }
-      team.wait();
+      const bool goes_on_alone = !run.is_shared && i + 1 < m_runs.size() && !m_runs[i + 1].is_shared;
+      if (!goes_on_alone) team.wait();
     }
   }
 
  private:
-  /// A run of slots that threads may share, or several short ones that one thread goes through.
-  struct Stage {
+  /// Slots that share no node. One thread goes through short ones.
+  struct Run {
     std::size_t first;
     std::size_t last;
     bool is_shared;
@@ -108,19 +111,14 @@ class ConstraintOrder {
         offsets.push_back(row_offset(m_padding));
       }
     }
-    const bool is_shared = m_slots.size() - first >= least_shared_blocks * constraint_lanes;
-    if (!is_shared && !m_stages.empty() && !m_stages.back().is_shared) {
-      m_stages.back().last = m_slots.size();
-    } else {
-      m_stages.push_back({first, m_slots.size(), is_shared});
-    }
+    m_runs.push_back({first, m_slots.size(), m_slots.size() - first >= least_shared_blocks * constraint_lanes});
   }
 
   int m_padding;
   std::vector<int> m_slots;
   std::array<std::vector<std::int32_t>, Nodes> m_row_offsets;
   std::vector<int> m_lowest_rows;  ///< by block
-  std::vector<Stage> m_stages;
+  std::vector<Run> m_runs;
 };
 
 /// The nodes of each of `constraints`.

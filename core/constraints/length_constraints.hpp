@@ -29,8 +29,9 @@ class LengthConstraints {
 
  private:
   ConstraintOrder<2> m_order;
-  std::vector<double> m_rest_length_m, m_stiffness, m_compliance_m_per_n;
-  std::vector<double> m_multipliers;  ///< Lagrange multipliers (XPBD) of the substep
+  std::vector<double> m_rest_length_m, m_stiffness;
+  std::vector<double> m_compliance_m_per_n;  ///< empty, as `m_multipliers`, where no constraint is compliant
+  std::vector<double> m_multipliers;         ///< Lagrange multipliers (XPBD) of the substep
   bool m_has_multipliers = false;
   int m_visits;
 };

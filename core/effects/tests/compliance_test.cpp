@@ -261,5 +261,28 @@ TEST(Compliance, TheseTestsKnowAllThereAre) {
   EXPECT_EQ(compliant, (std::set<std::string>{"bending", "edge_length"}));
 }
 
+/// What was stored in the substep before is no multiplier of this one, even where the first projection had nothing to
+/// do.
+TEST(BendingCompliance, AHingeThatActsLateInASubstepStartsFromZero) {
+  Folded f(1.0);
+  const auto used = f.make("bending", {{"compliance_rad_per_n_m", angle_compliance}});
+  Nodes before = f.start;
+  start_substep(*used, before, f);
+  iterate(*used, before, f, iterations);
+  Nodes folded_up = f.start;  // the left triangle has no height
+  folded_up.predicted[2] = 0.3 * folded_up.predicted[0] + 0.7 * folded_up.predicted[1];
+  const std::vector<Vec3> unmoved = folded_up.predicted;
+  start_substep(*used, folded_up, f);
+  iterate(*used, folded_up, f, 1);
+  EXPECT_EQ(folded_up.predicted, unmoved);
+  Nodes p = f.start;
+  iterate(*used, p, f, 1);
+  const auto fresh = f.make("bending", {{"compliance_rad_per_n_m", angle_compliance}});
+  Nodes expected = f.start;
+  start_substep(*fresh, expected, f);
+  iterate(*fresh, expected, f, 1);
+  expect_close(p.predicted, expected.predicted, 1e-15);
+}
+
 }  // namespace
 }  // namespace musclebench
