@@ -104,7 +104,8 @@ TEST(ConstraintOrder, KeepsTheGivenOrderAtEachNodeAndNoCallHasANodeTwice) {
     }
     EXPECT_EQ(constraints, edges.size());
     std::size_t next = 0;
-    for (const auto& [first, last] : ranges_of_team(order, 1).front()) {
+    const std::vector<SlotRange> calls = ranges_of_team(order, 1).front();
+    for (const auto& [first, last] : calls) {
       EXPECT_EQ(first, next);
       EXPECT_EQ(first % constraint_lanes, 0U);
       std::multiset<int> nodes;
