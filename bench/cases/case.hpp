@@ -25,4 +25,8 @@ struct Case {
 std::vector<ResponseKind> choose_responses(const std::string& option, const Scene& scene, const BackendEntry& backend,
                                            const Parameters& parameters, const ColliderBackends& colliders = {});
 
+/// Throws InputError where an effect of the scene works along the normals of contacts and the backend of a bone tells
+/// none.
+void require_normals(const Scene& scene, const BackendEntry& backend, const ColliderBackends& colliders = {});
+
 }  // namespace musclebench

@@ -20,6 +20,7 @@ ScalarLoop::ScalarLoop(const Scene& scene, CollisionBackend& backend, ResponseKi
   const std::vector<std::vector<FibreSegment>> fibres = scene.fibres_with(prepared.bound_nodes);
   const NodeOrder order(scene.muscle_mesh.vertices, bodies);
   for (const SceneEffect& effect : scene.effects) {
+    if (effect.name == "damping") m_damping_per_s = effect.parameters.number("rate_per_s");
     auto made = make_scalar_effect(
         effect.name, {scene.muscle_mesh, bodies, order, fibres, prepared.bound_nodes, rest_poses}, effect.parameters);
     if (made != nullptr) m_effects.push_back(std::move(made));
@@ -34,7 +35,7 @@ void ScalarLoop::step_frame(int frame) {
     m_previous_poses.swap(m_poses);
     const double part = loop.interpolate_poses ? static_cast<double>(substep) / loop.substeps : 1.0;
     m_scene.poses_at(frame - 1 + part, m_poses);
-    const double damping = std::exp(-loop.damping_per_s * loop.time_step_s);
+    const double damping = std::exp(-m_damping_per_s * loop.time_step_s);
     for (const int node : m_free_nodes) {
       m_velocities[node] *= damping;
       m_predicted[node] = m_positions[node] + loop.time_step_s * m_velocities[node];

@@ -27,6 +27,7 @@ class ScalarLoop {
   std::vector<Vec3> m_velocities;
   std::vector<double> m_inverse_masses;
   std::vector<int> m_free_nodes;
+  double m_damping_per_s = 0;
   std::vector<std::unique_ptr<ScalarEffect>> m_effects;
   std::vector<RigidMotion> m_poses;
   std::vector<RigidMotion> m_previous_poses;

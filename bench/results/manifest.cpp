@@ -30,7 +30,6 @@ Json json_of_loop(const LoopParameters& loop) {
           {"substeps", loop.substeps},
           {"iterations", loop.iterations},
           {"time_step_s", loop.time_step_s},
-          {"damping_per_s", loop.damping_per_s},
           {"node_mass_kg", loop.node_mass_kg},
           {"density_kg_per_m3", loop.density_kg_per_m3},
           {"bone_motion", loop.interpolate_poses ? "interpolated" : "per_frame"}};

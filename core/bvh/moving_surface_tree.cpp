@@ -1,10 +1,11 @@
 #include "core/bvh/moving_surface_tree.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <utility>
 
+#include "core/bvh/bvh_lanes.hpp"
+#include "core/distance/line_crossing.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
@@ -25,12 +26,6 @@ void make_unused(MovingBoxes& boxes) {
     boxes.lower[axis].fill(std::numeric_limits<float>::infinity());
     boxes.upper[axis].fill(-std::numeric_limits<float>::infinity());
   }
-}
-
-/// Calls `visit(lane)` for each bit that is set.
-template <typename Visit>
-void for_each_lane(unsigned lanes, const Visit& visit) {
-  for (; lanes != 0; lanes &= lanes - 1) visit(static_cast<std::size_t>(std::countr_zero(lanes)));
 }
 
 }  // namespace
@@ -235,10 +230,7 @@ MovingSurfaceTree::Ray MovingSurfaceTree::shortest_ray_out(const Vec3& point) co
   return {point, axis, (axis + 1) % 3, (axis + 2) % 3, upper_m < lower_m};
 }
 
-/// +1 where the ray leaves through the triangle, -1 where it enters, 0 where it misses it. Whether the ray's line
-/// passes is decided edge by edge, seen along the ray: an edge counts where it passes the level of the start (half
-/// open, so that a corner counts once) on the right of it, in arithmetic that does not depend on which of its two
-/// triangles asks. So the triangles about the line neither overlap nor leave a gap, whatever is rounded.
+/// +1 where the ray leaves through the triangle, -1 where it enters, 0 where it misses it.
 int MovingSurfaceTree::crossing(const Ray& ray, int triangle) const {
   const Triangle& corners = m_triangles[static_cast<std::size_t>(triangle) - m_first_triangle];
   std::array<Vec3, 3> arms;  // seen from the start
@@ -246,17 +238,7 @@ int MovingSurfaceTree::crossing(const Ray& ray, int triangle) const {
     const Vec3 arm = m_vertices[static_cast<std::size_t>(corners[i])] - ray.start;
     arms[i] = Vec3(arm[ray.along], arm[ray.right], arm[ray.up]);
   }
-  int turns = 0;  // of the projected triangle about the line: edges on the right of it upwards, less those downwards
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3* low = &arms[i];
-    const Vec3* high = &arms[(i + 1) % 3];
-    if ((low->z() > 0) == (high->z() > 0)) {
-      continue;
-    }
-    const int up_or_down = low->z() > high->z() ? -1 : 1;
-    if (up_or_down < 0) std::swap(low, high);
-    if (low->y() * high->z() - high->y() * low->z() > 0) turns += up_or_down;
-  }
+  const int turns = turns_about_line(arms);
   if (turns == 0) {
     return 0;
   }

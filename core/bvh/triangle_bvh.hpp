@@ -45,6 +45,13 @@ struct BvhCluster {
   double radius = 0;                ///< of a sphere about `centre` that contains the triangles
 };
 
+/// Where a straight path passes through the surface.
+struct PathCrossing {
+  double share = 0;  ///< of the path, from 0 to 1
+  int triangle = -1;
+  bool entering = false;  ///< against the triangle's normal by its winding
+};
+
 /// An 8-wide bounding volume hierarchy (BVH) over the triangles of a mesh, for closest points and winding numbers.
 /// Boxes and triangles are tested in single precision, eight at a time, only to prune: the tests allow for their
 /// rounding error (reports/performance/bvh_error_bounds.md), and `closest_on_triangle` decides in double precision. So
@@ -100,6 +107,11 @@ class TriangleBvh {
   /// inside a closed surface wound outwards, 0 outside; a point is inside where it exceeds 0.5. A result within 0.25 of
   /// 0.5 is computed again with finer clusters, in the end exactly.
   [[nodiscard]] double winding_number(const Vec3& point) const;
+
+  /// Finds where the path from `from` to `to` passes through triangles, in its order, into `crossings`, which is
+  /// overwritten. A path through an edge or a corner of a closed surface passes through one triangle there, not through
+  /// none or two. Nothing for a path that is not finite.
+  void find_crossings(const Vec3& from, const Vec3& to, std::vector<PathCrossing>& crossings) const;
 
   /// Calls `visit` with the indices of each pair of triangles whose AABBs overlap or nearly do, once a pair.
   void for_each_close_pair(const std::function<void(int, int)>& visit) const;

@@ -2,54 +2,20 @@
 #include <array>
 #include <cstddef>
 
+#include "core/bvh/bvh_lanes.hpp"
 #include "core/bvh/triangle_bvh.hpp"
 
 namespace musclebench {
 
 namespace {
 
-/// More than the rounding error of a coordinate in the tree's frame, far less than a triangle.
-constexpr float padding = 0x1p-22F;
-
 struct LaneBoxes {
   std::array<BvhLanes, 3> lower;
   std::array<BvhLanes, 3> upper;
 };
 
-struct FloatBox {
-  std::array<float, 3> lower;
-  std::array<float, 3> upper;
-};
-
-/// One bit a lane: its box overlaps `box`.
-template <typename Lanes>
-unsigned overlapping(const FloatBox& box, const Lanes& lanes) {
-  std::array<unsigned char, bvh_width> overlaps;
-  overlaps.fill(1);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t lane = 0; lane < bvh_width; ++lane) {
-      overlaps[lane] = static_cast<unsigned char>(overlaps[lane] & (lanes.lower[axis][lane] <= box.upper[axis]) &
-                                                  (lanes.upper[axis][lane] >= box.lower[axis]));
-    }
-  }
-  unsigned bits = 0;
-  for (std::size_t lane = 0; lane < bvh_width; ++lane) {
-    bits |= static_cast<unsigned>(overlaps[lane]) << lane;
-  }
-  return bits;
-}
-
-template <typename Visit>
-void for_each_bit(unsigned bits, Visit&& visit) {
-  for (std::size_t lane = 0; bits != 0; ++lane, bits >>= 1U) {
-    if ((bits & 1U) != 0) {
-      visit(lane);
-    }
-  }
-}
-
-FloatBox box_at(const LaneBoxes& boxes, std::size_t lane) {
-  FloatBox box;
+BvhBox box_at(const LaneBoxes& boxes, std::size_t lane) {
+  BvhBox box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     box.lower[axis] = boxes.lower[axis][lane];
     box.upper[axis] = boxes.upper[axis][lane];
@@ -57,8 +23,8 @@ FloatBox box_at(const LaneBoxes& boxes, std::size_t lane) {
   return box;
 }
 
-FloatBox bounds_of(const LaneBoxes& boxes) {
-  FloatBox box;
+BvhBox bounds_of(const LaneBoxes& boxes) {
+  BvhBox box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     box.lower[axis] = *std::min_element(boxes.lower[axis].begin(), boxes.lower[axis].end());
     box.upper[axis] = *std::max_element(boxes.upper[axis].begin(), boxes.upper[axis].end());
@@ -79,18 +45,18 @@ void TriangleBvh::for_each_close_pair(const std::function<void(int, int)>& visit
           const auto i = static_cast<Eigen::Index>(axis);
           return static_cast<float>(m_scale * (corners[corner][i] - m_centre_m[i]));
         };
-        boxes[index].lower[axis][lane] = used ? std::min({own(0), own(1), own(2)}) - padding : bvh_far_away;
-        boxes[index].upper[axis][lane] = used ? std::max({own(0), own(1), own(2)}) + padding : -bvh_far_away;
+        boxes[index].lower[axis][lane] = used ? std::min({own(0), own(1), own(2)}) - bvh_box_padding : bvh_far_away;
+        boxes[index].upper[axis][lane] = used ? std::max({own(0), own(1), own(2)}) + bvh_box_padding : -bvh_far_away;
       }
     }
   }
   for (std::size_t index = 0; index < m_leaves.size(); ++index) {
-    const FloatBox bounds = bounds_of(boxes[index]);
+    const BvhBox bounds = bounds_of(boxes[index]);
     const auto visit_leaf = [&](std::size_t other) {
-      for_each_bit(overlapping(bounds, boxes[other]), [&](std::size_t theirs) {
+      for_each_lane(overlapping(bounds, boxes[other]), [&](std::size_t theirs) {
         const unsigned mine = overlapping(box_at(boxes[other], theirs), boxes[index]);
         // Within one leaf only lanes below, so that each pair comes once.
-        for_each_bit(other == index ? mine & ((1U << theirs) - 1U) : mine, [&](std::size_t lane) {
+        for_each_lane(other == index ? mine & ((1U << theirs) - 1U) : mine, [&](std::size_t lane) {
           visit(m_leaves[index].triangle[lane], m_leaves[other].triangle[theirs]);
         });
       });
@@ -100,7 +66,7 @@ void TriangleBvh::for_each_close_pair(const std::function<void(int, int)>& visit
     stack[0] = 0;
     while (top >= 0) {
       const BvhNode& node = m_nodes[static_cast<std::size_t>(stack[static_cast<std::size_t>(top--)])];
-      for_each_bit(overlapping(bounds, node), [&](std::size_t part) {
+      for_each_lane(overlapping(bounds, node), [&](std::size_t part) {
         const int child = node.child[part];
         if (child >= 0) {
           stack[static_cast<std::size_t>(++top)] = child;

@@ -2,8 +2,11 @@
 
 #include "core/effects/attachment.hpp"
 #include "core/effects/bending.hpp"
+#include "core/effects/damping.hpp"
 #include "core/effects/edge_length.hpp"
+#include "core/effects/friction.hpp"
 #include "core/effects/gravity.hpp"
+#include "core/effects/tunnelling_guard.hpp"
 #include "core/effects/volume.hpp"
 
 namespace musclebench {
@@ -11,11 +14,23 @@ namespace musclebench {
 const std::vector<EffectEntry>& effect_registry() {
   static const std::vector<EffectEntry> entries = {
       {"gravity", "constant acceleration of all free nodes", gravity_parameters(), make_gravity},
+      {"damping", "velocities decay", damping_parameters(), make_damping},
       {"attachment", "bound nodes move with their bone", attachment_parameters(), make_attachment},
       {"edge_length", "edges keep their rest length, softer along the fibres", edge_length_parameters(),
        make_edge_length},
       {"volume", "the closed surface keeps its volume", volume_parameters(), make_volume},
       {"bending", "neighbouring triangles keep their dihedral angle (local shape)", bending_parameters(), make_bending},
+      {.name = "friction",
+       .help = "nodes in contact with a bone slide only as far as the push out of it allows (Coulomb)",
+       .parameters = friction_parameters(),
+       .make = nullptr,
+       .make_stage = make_friction,
+       .needs_normals = true},
+      {.name = "tunnelling_guard",
+       .help = "no node passes through a bone",
+       .parameters = tunnelling_guard_parameters(),
+       .make = nullptr,
+       .make_stage = make_tunnelling_guard},
   };
   return entries;
 }

@@ -2,14 +2,17 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/base/parameters.hpp"
+#include "core/contact/bone.hpp"
 #include "core/effects/fibres.hpp"
 #include "core/mesh/body.hpp"
 #include "core/mesh/triangle_mesh.hpp"
+#include "core/pbd/contact_stage.hpp"
 #include "core/pbd/effect.hpp"
 #include "core/pbd/node_order.hpp"
 
@@ -31,15 +34,23 @@ struct EffectInput {
   const std::vector<RigidMotion>& rest_poses;
 };
 
-/// An effect that scenes can name.
+/// What contact stages are constructed from. Outlives them.
+struct StageInput {
+  std::span<const Bone> bones;
+  std::size_t nodes = 0;  ///< of all muscles
+};
+
+/// An effect that scenes can name: a force or constraints, or a stage of the collision step.
 struct EffectEntry {
   std::string name;
   std::string help;
   std::vector<ParameterSpec> parameters;
   std::function<std::unique_ptr<Effect>(const EffectInput&, const Parameters&)> make;
+  std::function<std::unique_ptr<ContactStage>(const StageInput&, const Parameters&)> make_stage = {};  ///< or this
+  bool needs_normals = false;  ///< of contacts with bones
 };
 
-/// All effects, in the order in which a solver iteration applies them.
+/// All effects, in the order in which a solver iteration applies them; contact stages come last.
 const std::vector<EffectEntry>& effect_registry();
 
 /// The entry of `name`, or nullptr.

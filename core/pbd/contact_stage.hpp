@@ -3,6 +3,8 @@
 #include <span>
 #include <string_view>
 
+#include "core/contact/contact.hpp"
+#include "core/mesh/rigid_motion.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
@@ -11,11 +13,14 @@ namespace musclebench {
 struct ContactStageInput {
   std::span<Vec3> start;      ///< x: positions at the start of the substep
   std::span<Vec3> predicted;  ///< p, after the constraints
+  std::span<const int> free_nodes;
+  std::span<const RigidMotion> previous_bone_poses;  ///< the poses that x was computed with
+  std::span<const RigidMotion> bone_poses;
+  std::span<const Contact> contacts;  ///< with bones, as the backend found them at p; none before the bones
 };
 
 /// A part of the collision step beside the backend's, as an effect is a part of the constraints: it has a name, a time
-/// and a column of its own. Stages run in their order after the constraints; bones come last, since they give way to
-/// nothing.
+/// and a column of its own. Stages run in their order at the moments that concern them.
 class ContactStage {
  public:
   ContactStage() = default;
@@ -26,11 +31,18 @@ class ContactStage {
   /// Its column in frames.csv is this with `_ns`.
   [[nodiscard]] virtual std::string_view name() const = 0;
 
-  /// Corrects `predicted`, and `start` where a correction is to give no velocity. Returns the nodes that it may have
-  /// moved, valid until the next call.
-  virtual std::span<const int> collide(const ContactStageInput& input) = 0;
+  // Each of these may correct `predicted`, and `start` where a correction is to give no velocity, and returns the nodes
+  // that it may have moved, valid until the next call.
 
-  /// How many contacts the last step found.
+  /// After the constraints: bones come later, since they give way to nothing.
+  virtual std::span<const int> before_bones(const ContactStageInput& /*input*/) { return {}; }
+  /// When nodes have left the bones.
+  virtual std::span<const int> after_bones(const ContactStageInput& /*input*/) { return {}; }
+
+  /// Between detection and response; moves nothing.
+  virtual void before_response(const ContactStageInput& /*input*/) {}
+
+  /// How many contacts the last step found, or nodes it acted on.
   [[nodiscard]] virtual int contact_count() const = 0;
 };
 

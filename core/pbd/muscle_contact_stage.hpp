@@ -27,7 +27,7 @@ class MuscleContactStage final : public ContactStage {
 
   [[nodiscard]] std::string_view name() const override { return stage_name; }
 
-  std::span<const int> collide(const ContactStageInput& input) override {
+  std::span<const int> before_bones(const ContactStageInput& input) override {
     m_contacts.clear();
     for (const auto& detector : m_detectors) {
       detector->detect(input.predicted, m_found);

@@ -7,8 +7,6 @@
 #include <omp.h>
 #endif
 
-#include "core/base/portable_math.hpp"
-
 namespace musclebench {
 
 namespace {
@@ -121,7 +119,6 @@ const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer)
         }
         project(input, team);
       });
-      run_stages();
       collide(substep == m_loop.substeps && iteration == m_loop.iterations, observer);
     }
     run_team(m_threads, m_barrier, [&](const Team& team) { finish_substep(team); });
@@ -139,10 +136,8 @@ void Simulation::apply_forces(const SubstepInput& input, const Team& team) {
 
 void Simulation::predict(const SubstepInput& input, const Team& team) {
   const TeamTimer timer(m_times.predict_ns, team);
-  const double damping = portable::exp(-m_loop.damping_per_s * input.time_step_s);
   const auto [first, last] = team.share(m_rows.size());
   for (std::size_t row = first; row < last; ++row) {
-    m_velocities[row] = damping * m_velocities[row];
     m_rows[row] = m_start[row] + input.time_step_s * m_velocities[row];
   }
 }
@@ -159,10 +154,10 @@ void Simulation::project(const SubstepInput& input, const Team& team) {
   }
 }
 
-void Simulation::run_stages() {
+void Simulation::run_stages(StageMoment moment, std::span<const Contact> contacts) {
   for (std::size_t i = 0; i < m_stages.size(); ++i) {
     const ScopedTimer timer(m_times.stages_ns[i]);
-    for (const int node : m_stages[i]->collide({m_positions, m_predicted})) {
+    for (const int node : ((*m_stages[i]).*moment)(stage_input(contacts))) {
       const auto row = m_order.row_of(node);
       m_rows[row].set_position(m_predicted[static_cast<std::size_t>(node)]);
       m_start[row].set_position(m_positions[static_cast<std::size_t>(node)]);
@@ -171,6 +166,7 @@ void Simulation::run_stages() {
 }
 
 void Simulation::collide(bool last_of_frame, CollisionObserver* observer) {
+  run_stages(&ContactStage::before_bones, {});
   const CollisionStep step{m_positions, m_previous_poses, m_predicted, m_poses, last_of_frame};
   if (observer != nullptr) {
     const ScopedTimer timer(m_times.recording_ns);
@@ -188,11 +184,18 @@ void Simulation::collide(bool last_of_frame, CollisionObserver* observer) {
     const ScopedTimer timer(m_times.recording_ns);
     observer->after_detection(step, m_contacts);
   }
-  const ScopedTimer timer(m_times.respond_ns);
-  m_response.resolve(m_backend, {m_positions, m_previous_poses, m_poses}, m_contacts, m_predicted);
-  for (const Contact& contact : m_contacts) {
-    m_rows[m_order.row_of(contact.node)].set_position(m_predicted[contact.node]);
+  for (std::size_t i = 0; i < m_stages.size(); ++i) {
+    const ScopedTimer timer(m_times.stages_ns[i]);
+    m_stages[i]->before_response(stage_input(m_contacts));
   }
+  {
+    const ScopedTimer timer(m_times.respond_ns);
+    m_response.resolve(m_backend, {m_positions, m_previous_poses, m_poses}, m_contacts, m_predicted);
+    for (const Contact& contact : m_contacts) {
+      m_rows[m_order.row_of(contact.node)].set_position(m_predicted[contact.node]);
+    }
+  }
+  run_stages(&ContactStage::after_bones, m_contacts);
 }
 
 void Simulation::finish_substep(const Team& team) {

@@ -26,7 +26,6 @@ struct LoopParameters {
   int substeps = 1;
   int iterations = 1;
   double time_step_s = 1e-3;       ///< of one substep
-  double damping_per_s = 0;        ///< velocities decay as exp(-damping t)
   double node_mass_kg = 1;         ///< of every node, unless a density is given
   double density_kg_per_m3 = 0;    ///< of the muscle, whose mass its nodes share evenly; 0: use node_mass_kg
   bool interpolate_poses = false;  ///< false: bones jump to the frame's pose in its first substep, as in the paper
@@ -84,7 +83,7 @@ class LastDetection final : public CollisionObserver {
 using PoseFunction = std::function<void(double frame_position, std::vector<RigidMotion>& poses)>;
 
 /// The shared position-based dynamics loop (Mueller et al. 2007): muscles, rigid moving bones, any backend. Muscles
-/// collide with bones; with each other where a contact stage sees to it.
+/// collide with bones; contact stages see to all else, such as contact between muscles.
 class Simulation {
  public:
   /// `backend` has been built and outlives the simulation. Only free nodes, those of an inverse mass above 0, are
@@ -114,7 +113,11 @@ class Simulation {
   void apply_forces(const SubstepInput& input, const Team& team);
   void predict(const SubstepInput& input, const Team& team);
   void project(const SubstepInput& input, const Team& team);
-  void run_stages();
+  using StageMoment = std::span<const int> (ContactStage::*)(const ContactStageInput&);
+  void run_stages(StageMoment moment, std::span<const Contact> contacts);
+  [[nodiscard]] ContactStageInput stage_input(std::span<const Contact> contacts) {
+    return {m_positions, m_predicted, m_free_nodes, m_previous_poses, m_poses, contacts};
+  }
   void collide(bool last_of_frame, CollisionObserver* observer);
   void finish_substep(const Team& team);
 

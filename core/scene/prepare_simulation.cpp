@@ -70,8 +70,10 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
   NodeOrder order(scene.muscle_mesh.vertices, bodies);
   const EffectInput input{scene.muscle_mesh, bodies, order, fibres, prepared.bound_nodes, rest_poses};
   for (const SceneEffect& effect : scene.effects) {
-    effects.push_back(find_effect(effect.name)->make(input, effect.parameters));
-    prepared.effect_names.push_back(effect.name);
+    if (const EffectEntry* entry = find_effect(effect.name); entry->make) {
+      effects.push_back(entry->make(input, effect.parameters));
+      prepared.effect_names.push_back(effect.name);
+    }
   }
   const Particles particles = particles_of(scene, prepared.bound_nodes);
   prepared.simulation = std::make_unique<Simulation>(
@@ -81,6 +83,12 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
     prepared.simulation->add_stage(std::make_unique<MuscleContactStage>(
         std::move(muscle_detectors),
         MuscleContactResponse(scene.muscle_mesh.triangles, particles.inverse_masses, scene.response_steps)));
+  }
+  for (const SceneEffect& effect : scene.effects) {
+    if (const EffectEntry* entry = find_effect(effect.name); entry->make_stage) {
+      prepared.simulation->add_stage(
+          entry->make_stage({scene.bones, scene.muscle_mesh.vertices.size()}, effect.parameters));
+    }
   }
   for (const auto& stage : prepared.simulation->stages()) {
     prepared.stage_names.emplace_back(stage->name());

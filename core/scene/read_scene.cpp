@@ -340,6 +340,9 @@ Scene read_scene(const SceneRequest& request) {
   const TomlTable preset(preset_text, fmt::format("preset '{}'", scene.preset), "");
   preset.allow_only({"title", "effects", "loop"});
 
+  if (const auto own = root.table("loop"); own && own->has("damping_per_s")) {
+    throw InputError(own->location("damping_per_s"), "is an effect: write `[effects.damping]` with `rate_per_s`");
+  }
   const Parameters loop = checked(loop_parameters(), preset.table("loop"), root.table("loop"));
   auto loop_values = loop.values();
   for (const auto& [key, value] : request.loop_overrides) {

@@ -134,12 +134,6 @@ std::vector<ParameterSpec> loop_parameters() {
                          .minimum = 1e-9,
                          .maximum = 1e3,
                          .help = "time of one substep"}),
-      parameter::number({.name = "damping_per_s",
-                         .unit = "1/s",
-                         .default_value = 0,
-                         .minimum = 0,
-                         .maximum = 1e9,
-                         .help = "velocities decay as exp(-damping time)"}),
       parameter::number({.name = "node_mass_kg",
                          .unit = "kg",
                          .default_value = 1,
@@ -165,7 +159,6 @@ LoopParameters loop_from(const Parameters& parameters) {
   loop.substeps = static_cast<int>(parameters.integer("substeps"));
   loop.iterations = static_cast<int>(parameters.integer("iterations"));
   loop.time_step_s = parameters.number("time_step_s");
-  loop.damping_per_s = parameters.number("damping_per_s");
   loop.node_mass_kg = parameters.number("node_mass_kg");
   loop.density_kg_per_m3 = parameters.number("density_kg_per_m3");
   loop.interpolate_poses = parameters.word("bone_motion") == "interpolated";

@@ -94,5 +94,26 @@ TEST(ChooseResponse, EveryBackendServesItsOwn) {
   }
 }
 
+TEST(RequireNormals, AnEffectThatWorksAlongThemIsRefusedWhereABackendTellsNone) {
+  TwoBones knee;
+  const auto refused = [&](const std::string& backend) -> std::string {
+    try {
+      require_normals(knee.scene, find_backend(backend), knee.colliders);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refused("voxel"), "");
+  const EffectEntry* friction = find_effect("friction");
+  knee.scene.effects.push_back({"friction", Parameters(friction->parameters, {}, "test")});
+  EXPECT_EQ(refused("sdf"), "");
+  EXPECT_EQ(refused("voxel"),
+            "knee: effects.friction: needs the normals of contacts, and 'voxel' tells none; take another backend, or "
+            "write `friction = false`");
+  knee.colliders.of_bones = {nullptr, &find_backend("voxel")};
+  EXPECT_NE(refused("sdf").find("'voxel' tells none"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace musclebench

@@ -39,22 +39,17 @@ Particles particles(const std::vector<Vec3>& positions) {
   return p;
 }
 
-TEST(Simulation, AFreeNodeFliesAndSlowsDownAtTheGivenRate) {
+TEST(Simulation, AFreeNodeFliesOn) {
   HalfSpace backend;
   backend.build({}, {}, 1);
   LoopParameters loop;
   loop.substeps = 5;
   loop.time_step_s = 0.01;
-  loop.damping_per_s = 3;
   Simulation simulation(loop, particles({Vec3(0, 0, 1)}), one_node, {}, backend, ResponseKind::project,
                         [](double, std::vector<RigidMotion>& poses) { poses.clear(); });
   simulation.step_frame(1);
-  EXPECT_NEAR(simulation.velocities()[0].x(), std::exp(-3 * 0.05), 1e-12);
-  double expected = 0;
-  for (int i = 1; i <= 5; ++i) {
-    expected += 0.01 * std::exp(-3 * 0.01 * i);
-  }
-  EXPECT_NEAR(simulation.positions()[0].x(), expected, 1e-12);
+  EXPECT_NEAR(simulation.velocities()[0].x(), 1, 1e-12);
+  EXPECT_NEAR(simulation.positions()[0].x(), 0.05, 1e-12);
 }
 
 TEST(Simulation, PosesJumpOnceAFrameOrMoveInEverySubstep) {

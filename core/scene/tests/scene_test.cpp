@@ -125,6 +125,8 @@ TEST(ReadScene, RefusesValuesOutOfRangeAndOfTheWrongKind) {
   expect_one_line(error_of(std::string(bones_and_muscle) + "[loop]\ntime_step_s = nan\n"), {"time_step_s", "nan"});
   expect_one_line(error_of(std::string(bones_and_muscle) + "[loop]\nsubsteps = \"many\"\n"),
                   {"substeps", "whole number"});
+  expect_one_line(error_of(std::string(bones_and_muscle) + "[loop]\ndamping_per_s = 3\n"),
+                  {"test.toml:", "damping_per_s", "[effects.damping]", "rate_per_s"});
   expect_one_line(error_of(std::string(bones_and_muscle) + "[loop]\nbone_motion = \"jumpy\"\n"),
                   {"bone_motion", "jumpy", "per_frame"});
   expect_one_line(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n[bone.motion]\naxis = [0, 0, 0]\n"

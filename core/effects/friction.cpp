@@ -1,0 +1,88 @@
+#include "core/effects/friction.hpp"
+
+#include <algorithm>
+
+namespace musclebench {
+
+namespace {
+
+class Friction final : public ContactStage {
+ public:
+  Friction(const StageInput& input, double coefficient) : m_coefficient(coefficient), m_push_m(input.nodes, 0) {
+    const std::size_t most_contacts = input.nodes * input.bones.size();
+    m_before.reserve(most_contacts);
+    m_corrections.reserve(most_contacts);
+    m_nodes.reserve(most_contacts);
+  }
+
+  [[nodiscard]] std::string_view name() const override { return "friction"; }
+
+  void before_response(const ContactStageInput& input) override {
+    m_before.clear();
+    for (const Contact& contact : input.contacts) m_before.push_back(input.predicted[contact.node]);
+  }
+
+  std::span<const int> after_bones(const ContactStageInput& input) override {
+    m_nodes.clear();
+    for (std::size_t i = 0; i < input.contacts.size(); ++i) {
+      const Contact& contact = input.contacts[i];
+      m_nodes.push_back(contact.node);
+      m_push_m[contact.node] += push_m(input, i);
+    }
+    m_corrections.clear();
+    for (std::size_t i = 0; i < input.contacts.size(); ++i) m_corrections.push_back(correction(input, i));
+    for (std::size_t i = 0; i < input.contacts.size(); ++i) {
+      input.predicted[m_nodes[i]] += m_corrections[i];
+      m_push_m[m_nodes[i]] = 0;
+    }
+    return m_nodes;
+  }
+
+  [[nodiscard]] int contact_count() const override { return static_cast<int>(m_nodes.size()); }
+
+ private:
+  /// How far the response has moved the node out of the bone.
+  [[nodiscard]] double push_m(const ContactStageInput& input, std::size_t i) const {
+    const Contact& contact = input.contacts[i];
+    return std::max(0.0, contact.normal.dot(input.predicted[contact.node] - m_before[i]));
+  }
+
+  [[nodiscard]] Vec3 correction(const ContactStageInput& input, std::size_t i) const {
+    const Contact& contact = input.contacts[i];
+    const double own_push_m = push_m(input, i);
+    if (!(own_push_m > 0)) {
+      return Vec3::Zero();
+    }
+    const Vec3 on_bone = input.previous_bone_poses[contact.bone].apply_inverse(input.start[contact.node]);
+    const Vec3 way = input.predicted[contact.node] - input.bone_poses[contact.bone].apply(on_bone);
+    const Vec3 slide = way - contact.normal.dot(way) * contact.normal;
+    const double slide_m = slide.norm();
+    const double limit_m = m_coefficient * own_push_m;
+    const double undone = slide_m <= limit_m ? 1 : limit_m / slide_m;
+    return -(undone * own_push_m / m_push_m[contact.node]) * slide;
+  }
+
+  double m_coefficient;
+  std::vector<double> m_push_m;  ///< by node, of all its contacts; 0 between steps
+  // By contact.
+  std::vector<Vec3> m_before;  ///< p before the response
+  std::vector<Vec3> m_corrections;
+  std::vector<int> m_nodes;
+};
+
+}  // namespace
+
+std::unique_ptr<ContactStage> make_friction(const StageInput& input, const Parameters& parameters) {
+  return std::make_unique<Friction>(input, parameters.number("coefficient"));
+}
+
+std::vector<ParameterSpec> friction_parameters() {
+  return {parameter::number({.name = "coefficient",
+                             .unit = "",
+                             .default_value = 0.1,
+                             .minimum = 0,
+                             .maximum = 10,
+                             .help = "of Coulomb: largest tangential over normal force"})};
+}
+
+}  // namespace musclebench

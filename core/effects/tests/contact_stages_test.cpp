@@ -1,0 +1,282 @@
+// Effects that are stages of the collision step, and damping.
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/contact/tests/shape_backend.hpp"
+#include "core/effects/effect_registry.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/pbd/simulation.hpp"
+
+namespace musclebench {
+namespace {
+
+using Given = std::map<std::string, ParameterValue>;
+
+std::unique_ptr<ContactStage> make_stage(const std::string& name, std::span<const Bone> bones, std::size_t nodes,
+                                         const Given& given = {}) {
+  const EffectEntry* entry = find_effect(name);
+  return entry->make_stage({bones, nodes}, Parameters(entry->parameters, given, "test"));
+}
+
+std::unique_ptr<Effect> make_force(const std::string& name, const NodeOrder& order, const Given& given) {
+  const EffectEntry* entry = find_effect(name);
+  static const TriangleMesh no_mesh;
+  static const std::vector<Body> no_bodies;
+  return entry->make({no_mesh, no_bodies, order, {}, {}, {}}, Parameters(entry->parameters, given, "test"));
+}
+
+Particles at_rest(const std::vector<Vec3>& positions) {
+  return {positions, std::vector<Vec3>(positions.size(), Vec3::Zero()), std::vector<double>(positions.size(), 1)};
+}
+
+NodeOrder order_of(const std::vector<Vec3>& positions) {
+  return {positions, std::vector<Body>{{"nodes", 0, static_cast<int>(positions.size())}}};
+}
+
+PoseFunction resting(std::size_t bones) {
+  return [bones](double, std::vector<RigidMotion>& poses) { poses.assign(bones, {}); };
+}
+
+constexpr double gravity_m_per_s2 = 9.80665;
+
+TEST(Damping, VelocitiesDecayTheSameForAnyTimeStep) {
+  for (const int substeps : {1, 7, 50}) {
+    const std::vector<Vec3> positions(1, Vec3::Zero());
+    ShapeBackend backend({});
+    LoopParameters loop;
+    loop.substeps = substeps;
+    loop.time_step_s = 0.3 / substeps;
+    Particles particles = at_rest(positions);
+    particles.velocities[0] = Vec3(2, 0, -1);
+    std::vector<std::unique_ptr<Effect>> effects;
+    effects.push_back(make_force("damping", order_of(positions), {{"rate_per_s", 4.0}}));
+    Simulation simulation(loop, particles, order_of(positions), std::move(effects), backend, ResponseKind::project,
+                          resting(0));
+    simulation.step_frame(1);
+    EXPECT_LT((simulation.velocities()[0] - std::exp(-4 * 0.3) * Vec3(2, 0, -1)).norm(), 1e-12);
+  }
+}
+
+/// How far a block has slid down a slope, and how far it has left the slope, after a second.
+struct Slid {
+  double down_m;
+  double off_m;
+};
+
+Slid slide_down(double slope_rad, double coefficient) {
+  const std::vector<Vec3> positions(1, Vec3::Zero());
+  const Vec3 up(std::sin(slope_rad), 0, std::cos(slope_rad));
+  const Vec3 down(std::cos(slope_rad), 0, -std::sin(slope_rad));
+  ShapeBackend backend({half_space(up)});
+  LoopParameters loop;
+  loop.substeps = 1000;
+  std::vector<std::unique_ptr<Effect>> effects;
+  effects.push_back(make_force("gravity", order_of(positions), {}));
+  Simulation simulation(loop, at_rest(positions), order_of(positions), std::move(effects), backend,
+                        ResponseKind::project, resting(1));
+  simulation.add_stage(make_stage("friction", std::vector<Bone>(1), 1, {{"coefficient", coefficient}}));
+  simulation.step_frame(1);
+  return {simulation.positions()[0].dot(down), simulation.positions()[0].dot(up)};
+}
+
+TEST(Friction, ABlockOnASlopeStaysUpToTheAngleOfFriction) {
+  for (const double coefficient : {0.1, 0.5, 2.0}) {
+    const Slid slid = slide_down(std::atan(coefficient) - 1e-6, coefficient);
+    EXPECT_NEAR(slid.down_m, 0, 1e-12) << coefficient;
+    EXPECT_NEAR(slid.off_m, 0, 1e-12) << coefficient;
+  }
+}
+
+TEST(Friction, BeyondThatAngleItSlidesAsCoulombSays) {
+  for (const double coefficient : {0.0, 0.1, 0.5}) {
+    const double slope_rad = std::atan(coefficient) + 0.1;
+    const double expected_m = 0.5 * gravity_m_per_s2 * (std::sin(slope_rad) - coefficient * std::cos(slope_rad));
+    const Slid slid = slide_down(slope_rad, coefficient);
+    EXPECT_NEAR(slid.down_m, expected_m, 0.002 * expected_m) << coefficient;  // a time step of 1 ms in a second
+    EXPECT_NEAR(slid.off_m, 0, 1e-12);
+  }
+}
+
+TEST(Friction, ABoneThatMovesTakesAlongWhatLiesOnIt) {
+  const std::vector<Vec3> positions(1, Vec3::Zero());
+  for (const double coefficient : {0.0, 0.2}) {
+    ShapeBackend backend({half_space(Vec3::UnitZ())});
+    LoopParameters loop;
+    loop.substeps = 100;
+    loop.interpolate_poses = true;
+    std::vector<std::unique_ptr<Effect>> effects;
+    effects.push_back(make_force("gravity", order_of(positions), {}));
+    // Half of what friction can bear: 0.2 g.
+    const auto along_m = [](double frame) { return 0.5 * 0.1 * gravity_m_per_s2 * 0.01 * frame * frame; };
+    Simulation simulation(loop, at_rest(positions), order_of(positions), std::move(effects), backend,
+                          ResponseKind::project, [&](double frame, std::vector<RigidMotion>& poses) {
+                            poses.assign(1, {Mat3::Identity(), Vec3(along_m(frame), 0, 0)});
+                          });
+    simulation.add_stage(make_stage("friction", std::vector<Bone>(1), 1, {{"coefficient", coefficient}}));
+    simulation.step_frame(1);
+    EXPECT_NEAR(simulation.positions()[0].x(), coefficient > 0 ? along_m(1) : 0, 1e-12);
+  }
+}
+
+TEST(Friction, TheOrderOfBonesDoesNotMatter) {
+  const Vec3 left = Vec3(1, 0, 1).normalized();
+  const Vec3 right = Vec3(-1, 0.3, 2).normalized();
+  const std::vector<Vec3> positions(1, Vec3::Zero());
+  std::vector<Vec3> ends;
+  for (const auto& [first, second] : {std::pair(left, right), std::pair(right, left)}) {
+    ShapeBackend backend({half_space(first), half_space(second)});
+    LoopParameters loop;
+    loop.substeps = 20;
+    Particles particles = at_rest(positions);
+    particles.velocities[0] = Vec3(0.1, 2, -3);
+    Simulation simulation(loop, particles, order_of(positions), {}, backend, ResponseKind::project, resting(2));
+    simulation.add_stage(make_stage("friction", std::vector<Bone>(2), 1, {{"coefficient", 0.3}}));
+    simulation.step_frame(1);
+    ends.push_back(simulation.positions()[0]);
+    EXPECT_LT(ends.back().norm(), 0.039);  // 2 m/s for 20 ms, less friction
+  }
+  EXPECT_LT((ends[0] - ends[1]).norm(), 1e-15);
+}
+
+Bone bone_of(const TriangleMesh& mesh) { return {"bone", {mesh, false, {}}}; }
+
+/// Runs one guard by hand: a step a call.
+struct Guarded {
+  explicit Guarded(const TriangleMesh& mesh, const Given& given = {}) : bones(1), poses(1) {
+    bones[0] = bone_of(mesh);
+    guard = make_stage("tunnelling_guard", bones, 1, given);
+  }
+
+  /// Whether the guard moved the node, which is then at `at`.
+  bool step(const Vec3& to, const RigidMotion& pose = {}) {
+    std::vector<Vec3> start(1, at);
+    std::vector<Vec3> predicted(1, to);
+    const std::vector<int> nodes(1, 0);
+    const std::vector<RigidMotion> next(1, pose);
+    const bool held = !guard->after_bones({start, predicted, nodes, poses, next, {}}).empty();
+    EXPECT_EQ(guard->contact_count(), held ? 1 : 0);
+    EXPECT_EQ(held, predicted[0] != to);
+    at = predicted[0];
+    poses = next;
+    return held;
+  }
+
+  std::vector<Bone> bones;
+  std::vector<RigidMotion> poses;
+  std::unique_ptr<ContactStage> guard;
+  Vec3 at = Vec3::Zero();
+};
+
+constexpr double half_thickness_m = 0.002;
+TriangleMesh plate() { return make_box({0.1, 0.1, half_thickness_m}, 5); }
+
+TEST(TunnellingGuard, ABulletStopsWhereItHitsThePlate) {
+  for (const char* rule : {"crossing", "angle"}) {
+    for (const double far_m : {-0.0021, -0.01, -10.0}) {  // 1000 m/s and a time step of 10 ms
+      Guarded node(plate(), {{"rule", std::string(rule)}});
+      node.at = Vec3(0.01, 0.02, 0.05);
+      EXPECT_FALSE(node.step({0.01, 0.02, 0.04}));
+      EXPECT_TRUE(node.step({0.01, 0.02, far_m})) << rule << " " << far_m;
+      EXPECT_LT((node.at - Vec3(0.01, 0.02, half_thickness_m)).norm(), 1e-15);
+    }
+  }
+}
+
+/// The plate turns by 30 degrees a frame through nodes at rest.
+TEST(TunnellingGuard, APlateThatTurnsSweepsNodesAlong) {
+  Guarded node(plate());
+  node.at = Vec3(0.06, 0.01, 0.01);
+  for (int frame = 1; frame <= 24; ++frame) {
+    const RigidMotion pose = RigidMotion::about_axis(Vec3::UnitY(), Vec3::Zero(), -frame * std::numbers::pi / 6);
+    node.step(node.at, pose);
+    const Vec3 local = pose.apply_inverse(node.at);
+    EXPECT_GE(local.z(), half_thickness_m - 1e-15) << "frame " << frame;
+    EXPECT_LT(std::abs(local.x()), 0.1);
+  }
+}
+
+/// Slower than the plate is thick: through it in many steps, and out by a response that knows only the nearest side.
+TEST(TunnellingGuard, ANodeThatCreepsThroughIsPutBackToItsSide) {
+  Guarded node(plate());
+  node.at = Vec3(0.01, 0.02, 0.003);
+  for (int step = 0; step < 20; ++step) {
+    const bool past_the_middle = node.at.z() - 0.0006 < 0;
+    EXPECT_EQ(node.step(node.at - Vec3(0, 0, 0.0006)), past_the_middle) << step;
+    EXPECT_GT(node.at.z(), -1e-12);
+  }
+  Guarded pushed(plate());
+  pushed.at = Vec3(0.01, 0.02, 0.003);
+  EXPECT_FALSE(pushed.step({0.01, 0.02, 0.001}));
+  EXPECT_TRUE(pushed.step({0.01, 0.02, -half_thickness_m}));
+  EXPECT_LT((pushed.at - Vec3(0.01, 0.02, half_thickness_m)).norm(), 1e-15);
+}
+
+TEST(TunnellingGuard, ACornerThatIsCutIsNotInTheWay) {
+  Guarded node(make_box({0.1, 0.1, 0.1}, 3));
+  node.at = Vec3(0.11, 0.01, 0.05);
+  EXPECT_FALSE(node.step({0.05, 0.01, 0.11}));
+  EXPECT_FALSE(node.step({0.05, 0.01, 0.1}));
+  EXPECT_FALSE(node.step({-0.05, 0.01, 0.2}));
+}
+
+/// What counts is each passage, not the first entry and the last exit.
+TEST(TunnellingGuard, ABulletThatCutsACornerStopsAtThePlateBehind) {
+  TriangleMesh mesh = make_box({0.1, 0.1, 0.1}, 3);
+  const int first = static_cast<int>(mesh.vertices.size());
+  for (const Vec3& vertex : plate().vertices)
+    mesh.vertices.push_back(Vec3(vertex.z(), vertex.y(), vertex.x()) + Vec3(-0.2, 0, 0.38));
+  for (const auto& [a, b, c] : plate().triangles) mesh.triangles.push_back({first + a, first + c, first + b});
+  Guarded node(mesh);
+  node.at = Vec3(0.15, 0.01, 0.03);
+  EXPECT_TRUE(node.step({-0.3, 0.01, 0.48}));
+  EXPECT_NEAR(node.at.x(), -0.2 + half_thickness_m, 1e-15);
+}
+
+/// Inside by less than a field's error, all the way around.
+TEST(TunnellingGuard, ANodeThatSlidesAroundABoneIsLeftAlone) {
+  Guarded node(make_sphere(0.02, 4));
+  node.at = Vec3(0.021, 0, 0);
+  for (int degrees = 0; degrees <= 720; degrees += 2) {
+    const double angle_rad = degrees * std::numbers::pi / 180;
+    EXPECT_FALSE(node.step(0.0198 * Vec3(std::cos(angle_rad), std::sin(angle_rad), 0))) << degrees;
+  }
+  EXPECT_FALSE(node.step({0.03, 0, 0}));
+  EXPECT_TRUE(node.step({-0.03, 0, 0}));
+}
+
+/// As when the surfaces overlap at rest: a node that begins inside leaves by the side that is nearest.
+TEST(TunnellingGuard, WhoBeginsInsideMayLeave) {
+  Guarded node(plate());
+  node.at = Vec3(0, 0, -0.001);
+  EXPECT_FALSE(node.step({0, 0, -0.0015}));
+  EXPECT_FALSE(node.step({0, 0, -0.003}));
+  EXPECT_TRUE(node.step({0, 0, 0.003}));
+  EXPECT_LT((node.at - Vec3(0, 0, -half_thickness_m)).norm(), 1e-15);
+}
+
+TEST(TunnellingGuard, WhatIsNotFiniteIsLeftToTheLoop) {
+  Guarded node(plate());
+  node.at = Vec3(0, 0, 0.01);
+  std::vector<Vec3> start(1, node.at);
+  std::vector<Vec3> predicted(1, Vec3(0, 0, std::nan("")));
+  const std::vector<int> nodes(1, 0);
+  EXPECT_TRUE(node.guard->after_bones({start, predicted, nodes, node.poses, node.poses, {}}).empty());
+}
+
+TEST(Stages, NamesAreThoseOfTheEffects) {
+  const std::vector<Bone> bones(1, bone_of(plate()));
+  for (const EffectEntry& entry : effect_registry()) {
+    ASSERT_NE(entry.make == nullptr, entry.make_stage == nullptr) << entry.name;
+    if (entry.make_stage) {
+      EXPECT_EQ(make_stage(entry.name, bones, 1)->name(), entry.name);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace musclebench

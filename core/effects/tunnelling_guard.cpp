@@ -1,0 +1,232 @@
+#include "core/effects/tunnelling_guard.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+
+#include "core/clearance/clearance_cache.hpp"
+#include "core/signed_distance/signed_surface.hpp"
+
+namespace musclebench {
+
+namespace {
+
+/// A node farther from the surface than this, relative to its coordinates, is not on it by rounding.
+constexpr double off_surface = 1e-12;
+
+/// The way of a node in a step, in a bone's rest frame, m.
+struct Way {
+  Vec3 from;
+  Vec3 to;
+};
+
+/// What keeps nodes out of one bone.
+class BoneGuard {
+ public:
+  BoneGuard(const Bone& bone, std::size_t nodes) : m_surface(bone.signed_distance()), m_passages(nodes) {}
+
+  /// Where the node has to be put by rule `crossing`, rest frame. `clearance_m` becomes the radius of a sphere about
+  /// its location that has no surface in it; 0: unknown.
+  std::optional<Vec3> hold_by_crossing(int node, const Way& way, double& clearance_m) {
+    Passage& passage = m_passages[static_cast<std::size_t>(node)];
+    if (!passage.is_seen || passage.is_inside) {  // something else may have moved it since
+      passage.is_seen = true;
+      const Side side = locate(way.from, passage.triangle);
+      passage.is_inside = passage.is_inside && side.is_inside;
+      if (!passage.is_inside) passage.follow(side);
+    }
+    // Rounding can't have put it on the other side, so that no crossing means no change.
+    const bool is_off_surface = !passage.is_inside && passage.clearance_m > off_surface * way.from.lpNorm<1>();
+    Clearance clearance;
+    if (is_off_surface) {
+      clearance = m_surface.tree().clearance_from(way.to, passage.triangle);
+      if (clearance.distance_m > (way.to - way.from).norm()) {
+        clearance_m = passage.go_on(clearance);
+        return std::nullopt;
+      }
+    }
+    m_surface.tree().find_crossings(way.from, way.to, m_crossings);
+    if (is_off_surface && m_crossings.empty() && clearance.distance_m > 0) {
+      clearance_m = passage.go_on(clearance);
+      return std::nullopt;
+    }
+    if (!passage.is_inside && !m_crossings.empty() && !m_crossings.front().entering) {
+      passage.enter(locate(way.from, passage.triangle));  // it begins on the surface
+    }
+    int layers = passage.is_inside ? 1 : 0;  // where components of the surface overlap, the outermost counts
+    for (const PathCrossing& crossing : m_crossings) {
+      const Vec3 normal = m_surface.tree().area_normal(crossing.triangle);
+      if (crossing.entering) {
+        if (layers++ == 0) passage.enter(way.from + crossing.share * (way.to - way.from), normal);
+      } else if (layers > 0 && --layers == 0) {
+        passage.is_inside = false;
+        if (passage.normal.dot(normal) < 0) return passage.hold();
+      }
+    }
+    const Side side = locate(way.to, passage.triangle);
+    if (side.is_inside && !passage.is_inside) passage.enter(locate(way.from, passage.triangle));
+    if (passage.is_inside && passage.normal.dot(side.normal) < 0) {
+      return passage.hold();
+    }
+    passage.follow(side);
+    if (!side.is_inside) clearance_m = side.distance_m;
+    return std::nullopt;
+  }
+
+  /// The same by rule `angle`.
+  std::optional<Vec3> hold_by_angle(int node, const Way& way, double least_cosine, double& clearance_m) {
+    Passage& passage = m_passages[static_cast<std::size_t>(node)];
+    const Side from = locate(way.from, passage.triangle);
+    const Side to = locate(way.to, from.triangle);
+    passage.triangle = to.triangle;
+    if (from.normal.dot(to.normal) < least_cosine) {
+      m_surface.tree().find_crossings(way.from, way.to, m_crossings);
+      if (!m_crossings.empty()) {
+        return way.from + m_crossings.front().share * (way.to - way.from);
+      }
+    }
+    if (!to.is_inside) clearance_m = to.distance_m;
+    return std::nullopt;
+  }
+
+ private:
+  struct Side {
+    Vec3 point;   ///< the closest of the surface
+    Vec3 normal;  ///< unit gradient of the signed distance
+    double distance_m;
+    int triangle;
+    bool is_inside;
+  };
+
+  /// Of a node.
+  struct Passage {
+    Vec3 point = Vec3::Zero();   ///< of the surface on the side that it came from; where it is inside
+    Vec3 normal = Vec3::Zero();  ///< there
+    double clearance_m = 0;      ///< where it is outside: it is no closer to the surface than this
+    int triangle = 0;            ///< one that is near
+    bool is_inside = false;
+    bool is_seen = false;
+
+    void enter(const Vec3& at, const Vec3& outward) {
+      is_inside = true;
+      point = at;
+      normal = outward;
+    }
+    void enter(const Side& side) { enter(side.point, side.normal); }
+    void follow(const Side& side) {
+      enter(side);
+      is_inside = side.is_inside;
+      clearance_m = is_inside ? 0 : side.distance_m;
+      triangle = side.triangle;
+    }
+    /// Outside as before.
+    double go_on(const Clearance& clearance) {
+      triangle = clearance.triangle;
+      return clearance_m = clearance.distance_m;
+    }
+    /// On the surface.
+    Vec3 hold() {
+      is_inside = false;
+      clearance_m = 0;
+      return point;
+    }
+  };
+
+  /// `triangle`: one that may be near.
+  [[nodiscard]] Side locate(const Vec3& point, int triangle) const {
+    const ClosestPoint closest = m_surface.tree().closest_point_from(point, triangle);
+    const SignedPoint located{closest, m_surface.is_inside(point, closest)};
+    return {closest.point, m_surface.outward(point, located), closest.distance_m, closest.triangle, located.inside};
+  }
+
+  const SignedSurface& m_surface;
+  std::vector<Passage> m_passages;
+  std::vector<PathCrossing> m_crossings;  // scratch memory
+};
+
+class TunnellingGuard final : public ContactStage {
+ public:
+  /// Without `least_cosine` by rule `crossing`.
+  TunnellingGuard(const StageInput& input, std::optional<double> least_cosine) : m_least_cosine(least_cosine) {
+    m_clearances.reset(input.bones, input.nodes);
+    for (const Bone& bone : input.bones) m_bones.emplace_back(bone, input.nodes);
+    m_held.reserve(input.nodes);
+    m_again.reserve(input.nodes);
+  }
+
+  [[nodiscard]] std::string_view name() const override { return "tunnelling_guard"; }
+
+  std::span<const int> after_bones(const ContactStageInput& input) override {
+    m_held.clear();
+    std::span<const int> nodes = input.free_nodes;
+    // What one bone holds may thereby come to pass through another.
+    for (std::size_t pass = 0; pass < m_bones.size() && !nodes.empty(); ++pass) {
+      const auto first_held = static_cast<std::ptrdiff_t>(m_held.size());
+      m_clearances.collect_expired(input.bone_poses, input.predicted, nodes);
+      for (std::size_t bone = 0; bone < m_bones.size(); ++bone) {
+        for (const int node : m_clearances.expired(static_cast<int>(bone))) guard(bone, node, input);
+      }
+      m_again.assign(m_held.begin() + first_held, m_held.end());
+      std::ranges::sort(m_again);
+      m_again.erase(std::ranges::unique(m_again).begin(), m_again.end());
+      nodes = m_again;
+    }
+    return m_held;
+  }
+
+  [[nodiscard]] int contact_count() const override { return static_cast<int>(m_held.size()); }
+
+ private:
+  void guard(std::size_t bone, int node, const ContactStageInput& input) {
+    Vec3& predicted = input.predicted[static_cast<std::size_t>(node)];
+    const RigidMotion& pose = input.bone_poses[bone];
+    const Way way{input.previous_bone_poses[bone].apply_inverse(input.start[static_cast<std::size_t>(node)]),
+                  pose.apply_inverse(predicted)};
+    if (!way.from.allFinite() || !way.to.allFinite()) {
+      return;  // the run ends as diverged after this frame
+    }
+    double clearance_m = 0;
+    const std::optional<Vec3> held = m_least_cosine
+                                         ? m_bones[bone].hold_by_angle(node, way, *m_least_cosine, clearance_m)
+                                         : m_bones[bone].hold_by_crossing(node, way, clearance_m);
+    if (held) {
+      predicted = pose.apply(*held);
+      m_held.push_back(node);
+    } else if (clearance_m > 0) {
+      m_clearances.store(static_cast<int>(bone), node, way.to, clearance_m);
+    }
+  }
+
+  std::optional<double> m_least_cosine;
+  ClearanceCache m_clearances;
+  std::vector<BoneGuard> m_bones;
+  std::vector<int> m_held;
+  std::vector<int> m_again;
+};
+
+}  // namespace
+
+std::unique_ptr<ContactStage> make_tunnelling_guard(const StageInput& input, const Parameters& parameters) {
+  std::optional<double> least_cosine;
+  if (parameters.word("rule") == "angle") {
+    least_cosine = std::cos(parameters.number("angle_deg") * std::numbers::pi / 180);
+  }
+  return std::make_unique<TunnellingGuard>(input, least_cosine);
+}
+
+std::vector<ParameterSpec> tunnelling_guard_parameters() {
+  return {parameter::choice({.name = "rule",
+                             .choices = {"crossing", "angle"},
+                             .help = "crossing: by the node's way through the surface; angle: by the directions to the "
+                                     "surface at start and end of a step (the paper's proposal)"}),
+          parameter::number({.name = "angle_deg",
+                             .unit = "deg",
+                             .default_value = 135,
+                             .minimum = 0,
+                             .maximum = 180,
+                             .help = "directions that differ by more mean another side (rule `angle`)"})};
+}
+
+}  // namespace musclebench

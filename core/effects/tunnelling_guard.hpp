@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/effects/effect_registry.hpp"
+
+namespace musclebench {
+
+/// Keeps nodes from passing through a bone: a node that would end a step on its far side is put back to where it
+/// entered. Works after the response, whatever backend and response there are, on the exact surface. A node is looked
+/// at only where its way may have met the surface (ClearanceCache).
+///
+/// Rule `crossing` follows each node's way in the bone's moving frame, from step to step. A way that enters the surface
+/// and leaves it where the surface faces the other way (outward normals n_in . n_out < 0) is cut where it entered.
+/// While a node is inside, the side that it came from is followed along the surface; it may neither leave nor come
+/// closer to a surface that faces the other way. Rule `angle` is the paper's (section VI-A): where the directions to
+/// the surface at the start and at the end of a step differ by more than `angle_deg`, the node is put to where its way
+/// meets the surface.
+std::unique_ptr<ContactStage> make_tunnelling_guard(const StageInput& input, const Parameters& parameters);
+std::vector<ParameterSpec> tunnelling_guard_parameters();
+
+}  // namespace musclebench
