@@ -47,20 +47,23 @@ std::vector<ResponseKind> choose_responses(const std::string& option, const Scen
   return kinds;
 }
 
-void require_normals(const Scene& scene, const BackendEntry& backend, const ColliderBackends& colliders) {
-  const auto needing = std::ranges::find_if(
-      scene.effects, [](const SceneEffect& effect) { return find_effect(effect.name)->needs_normals; });
-  if (needing == scene.effects.end()) {
-    return;
-  }
-  for (std::size_t bone = 0; bone < std::max<std::size_t>(scene.bones.size(), 1); ++bone) {
-    const BackendEntry* of_bone = bone < colliders.of_bones.size() ? colliders.of_bones[bone] : nullptr;
-    const BackendEntry& entry = of_bone != nullptr ? *of_bone : backend;
-    if (!make_default(entry)->capabilities().depth) {
-      throw InputError(fmt::format("{}: effects.{}", scene.name, needing->name),
-                       fmt::format("needs the normals of contacts, and '{}' tells none; take another backend, or write "
-                                   "`{} = false`",
-                                   entry.name, needing->name));
+void require_what_effects_need(const Scene& scene, const BackendEntry& backend,
+                               const std::vector<ResponseKind>& responses, const ColliderBackends& colliders) {
+  for (const SceneEffect& effect : scene.effects) {
+    const EffectEntry& needs = *find_effect(effect.name);
+    const auto refuse = [&](std::string_view reason) {
+      throw InputError(fmt::format("{}: effects.{}", scene.name, effect.name),
+                       fmt::format("{}; or write `{} = false`", reason, effect.name));
+    };
+    for (std::size_t bone = 0; needs.needs_normals && bone < std::max<std::size_t>(scene.bones.size(), 1); ++bone) {
+      const BackendEntry* of_bone = bone < colliders.of_bones.size() ? colliders.of_bones[bone] : nullptr;
+      const BackendEntry& entry = of_bone != nullptr ? *of_bone : backend;
+      if (!make_default(entry)->capabilities().depth) {
+        refuse(fmt::format("needs the normals of contacts, and '{}' tells none; take another backend", entry.name));
+      }
+    }
+    if (needs.needs_projection && std::ranges::find(responses, ResponseKind::backtrack) != responses.end()) {
+      refuse("needs a response that moves nodes by their depths; take 'project'");
     }
   }
 }

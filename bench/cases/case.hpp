@@ -25,8 +25,8 @@ struct Case {
 std::vector<ResponseKind> choose_responses(const std::string& option, const Scene& scene, const BackendEntry& backend,
                                            const Parameters& parameters, const ColliderBackends& colliders = {});
 
-/// Throws InputError where an effect of the scene works along the normals of contacts and the backend of a bone tells
-/// none.
-void require_normals(const Scene& scene, const BackendEntry& backend, const ColliderBackends& colliders = {});
+/// Throws InputError where an effect of the scene needs what the backend of a bone or a response has not.
+void require_what_effects_need(const Scene& scene, const BackendEntry& backend,
+                               const std::vector<ResponseKind>& responses, const ColliderBackends& colliders = {});
 
 }  // namespace musclebench

@@ -87,7 +87,7 @@ std::optional<Assessment> assess(const Scene& scene, const Configuration& config
   const BackendEntry& backend = find_backend(configuration.backend);
   const Parameters parameters(backend.parameters, configuration.parameters, configuration.text());
   const std::vector<ResponseKind> responses = choose_responses("", scene, backend, parameters);
-  require_normals(scene, backend);
+  require_what_effects_need(scene, backend, responses);
   ReplayCase replay{{scene, backend, parameters, options.threads, 0, responses}};
   replay.band_m = options.band_mm * 1e-3;
   Progress progress(progress_style(false), "trying " + configuration.text(),

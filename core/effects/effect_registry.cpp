@@ -6,6 +6,7 @@
 #include "core/effects/edge_length.hpp"
 #include "core/effects/friction.hpp"
 #include "core/effects/gravity.hpp"
+#include "core/effects/margin.hpp"
 #include "core/effects/tunnelling_guard.hpp"
 #include "core/effects/volume.hpp"
 
@@ -20,6 +21,13 @@ const std::vector<EffectEntry>& effect_registry() {
        make_edge_length},
       {"volume", "the closed surface keeps its volume", volume_parameters(), make_volume},
       {"bending", "neighbouring triangles keep their dihedral angle (local shape)", bending_parameters(), make_bending},
+      {.name = "margin",
+       .help = "a skin on the bones that nodes stay out of",
+       .parameters = margin_parameters(),
+       .make = nullptr,
+       .make_stage = make_margin,
+       .needs_normals = true,
+       .needs_projection = true},
       {.name = "friction",
        .help = "nodes in contact with a bone slide only as far as the push out of it allows (Coulomb)",
        .parameters = friction_parameters(),

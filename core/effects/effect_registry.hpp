@@ -47,7 +47,8 @@ struct EffectEntry {
   std::vector<ParameterSpec> parameters;
   std::function<std::unique_ptr<Effect>(const EffectInput&, const Parameters&)> make;
   std::function<std::unique_ptr<ContactStage>(const StageInput&, const Parameters&)> make_stage = {};  ///< or this
-  bool needs_normals = false;  ///< of contacts with bones
+  bool needs_normals = false;     ///< of contacts with bones
+  bool needs_projection = false;  ///< the response that moves nodes by their depths
 };
 
 /// All effects, in the order in which a solver iteration applies them; contact stages come last.

@@ -170,7 +170,7 @@ class TunnellingGuard final : public ContactStage {
       }
       m_again.assign(m_held.begin() + first_held, m_held.end());
       std::ranges::sort(m_again);
-      m_again.erase(std::ranges::unique(m_again).begin(), m_again.end());
+      m_again.erase(std::unique(m_again.begin(), m_again.end()), m_again.end());
       nodes = m_again;
     }
     return m_held;

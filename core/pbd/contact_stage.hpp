@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "core/contact/contact.hpp"
 #include "core/mesh/rigid_motion.hpp"
@@ -16,7 +17,7 @@ struct ContactStageInput {
   std::span<const int> free_nodes;
   std::span<const RigidMotion> previous_bone_poses;  ///< the poses that x was computed with
   std::span<const RigidMotion> bone_poses;
-  std::span<const Contact> contacts;  ///< with bones, as the backend found them at p; none before the bones
+  std::span<const Contact> contacts;  ///< with bones, as they were found at p; none before the bones
 };
 
 /// A part of the collision step beside the backend's, as an effect is a part of the constraints: it has a name, a time
@@ -39,7 +40,10 @@ class ContactStage {
   /// When nodes have left the bones.
   virtual std::span<const int> after_bones(const ContactStageInput& /*input*/) { return {}; }
 
-  /// Between detection and response; moves nothing.
+  /// After the backend's detection: more contacts with bones, or other depths. They stay ordered by bone, then node,
+  /// and at most one a node and bone.
+  virtual void add_contacts(const ContactStageInput& /*input*/, std::vector<Contact>& /*contacts*/) {}
+  /// When all contacts are known; moves nothing.
   virtual void before_response(const ContactStageInput& /*input*/) {}
 
   /// How many contacts the last step found, or nodes it acted on.

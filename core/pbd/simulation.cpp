@@ -186,6 +186,10 @@ void Simulation::collide(bool last_of_frame, CollisionObserver* observer) {
   }
   for (std::size_t i = 0; i < m_stages.size(); ++i) {
     const ScopedTimer timer(m_times.stages_ns[i]);
+    m_stages[i]->add_contacts(stage_input({}), m_contacts);
+  }
+  for (std::size_t i = 0; i < m_stages.size(); ++i) {
+    const ScopedTimer timer(m_times.stages_ns[i]);
     m_stages[i]->before_response(stage_input(m_contacts));
   }
   {

@@ -94,25 +94,33 @@ TEST(ChooseResponse, EveryBackendServesItsOwn) {
   }
 }
 
-TEST(RequireNormals, AnEffectThatWorksAlongThemIsRefusedWhereABackendTellsNone) {
+TEST(RequireWhatEffectsNeed, WhatABackendOrAResponseLacksIsSaidWithACure) {
   TwoBones knee;
-  const auto refused = [&](const std::string& backend) -> std::string {
+  const auto refused = [&](const std::string& backend, ResponseKind response) -> std::string {
     try {
-      require_normals(knee.scene, find_backend(backend), knee.colliders);
+      require_what_effects_need(knee.scene, find_backend(backend), {response}, knee.colliders);
     } catch (const InputError& error) {
       return error.what();
     }
     return "";
   };
-  EXPECT_EQ(refused("voxel"), "");
-  const EffectEntry* friction = find_effect("friction");
-  knee.scene.effects.push_back({"friction", Parameters(friction->parameters, {}, "test")});
-  EXPECT_EQ(refused("sdf"), "");
-  EXPECT_EQ(refused("voxel"),
-            "knee: effects.friction: needs the normals of contacts, and 'voxel' tells none; take another backend, or "
+  const auto add = [&](const std::string& name) {
+    knee.scene.effects.push_back({name, Parameters(find_effect(name)->parameters, {}, "test")});
+  };
+  add("tunnelling_guard");
+  EXPECT_EQ(refused("voxel", ResponseKind::backtrack), "");
+  add("friction");
+  EXPECT_EQ(refused("sdf", ResponseKind::backtrack), "");
+  EXPECT_EQ(refused("voxel", ResponseKind::backtrack),
+            "knee: effects.friction: needs the normals of contacts, and 'voxel' tells none; take another backend; or "
             "write `friction = false`");
+  add("margin");
+  EXPECT_EQ(refused("sdf", ResponseKind::project), "");
+  EXPECT_EQ(refused("sdf", ResponseKind::backtrack),
+            "knee: effects.margin: needs a response that moves nodes by their depths; take 'project'; or write `margin "
+            "= false`");
   knee.colliders.of_bones = {nullptr, &find_backend("voxel")};
-  EXPECT_NE(refused("sdf").find("'voxel' tells none"), std::string::npos);
+  EXPECT_NE(refused("sdf", ResponseKind::project).find("'voxel' tells none"), std::string::npos);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "core/effects/effect_registry.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/pbd/simulation.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 namespace {
@@ -41,6 +42,8 @@ NodeOrder order_of(const std::vector<Vec3>& positions) {
 PoseFunction resting(std::size_t bones) {
   return [bones](double, std::vector<RigidMotion>& poses) { poses.assign(bones, {}); };
 }
+
+Bone bone_of(const TriangleMesh& mesh) { return {"bone", {mesh, false, {}}}; }
 
 constexpr double gravity_m_per_s2 = 9.80665;
 
@@ -143,8 +146,6 @@ TEST(Friction, TheOrderOfBonesDoesNotMatter) {
   EXPECT_LT((ends[0] - ends[1]).norm(), 1e-15);
 }
 
-Bone bone_of(const TriangleMesh& mesh) { return {"bone", {mesh, false, {}}}; }
-
 /// Runs one guard by hand: a step a call.
 struct Guarded {
   explicit Guarded(const TriangleMesh& mesh, const Given& given = {}) : bones(1), poses(1) {
@@ -171,6 +172,69 @@ struct Guarded {
   std::unique_ptr<ContactStage> guard;
   Vec3 at = Vec3::Zero();
 };
+
+TEST(Margin, ANodeComesToRestAtItsDistance) {
+  const std::vector<Bone> bones(1, bone_of(make_box({0.1, 0.1, 0.1}, 4)));
+  for (const double thickness_m : {0.0, 1e-4, 3e-3}) {
+    const std::vector<Vec3> positions(1, Vec3(0.02, 0.03, 0.12));
+    ShapeBackend backend({half_space(Vec3::UnitZ(), 0.1)});
+    LoopParameters loop;
+    loop.substeps = 500;
+    std::vector<std::unique_ptr<Effect>> effects;
+    effects.push_back(make_force("gravity", order_of(positions), {}));
+    Simulation simulation(loop, at_rest(positions), order_of(positions), std::move(effects), backend,
+                          ResponseKind::project, resting(1));
+    simulation.add_stage(make_stage("margin", bones, 1, {{"thickness_m", thickness_m}}));
+    simulation.step_frame(1);
+    EXPECT_LT((simulation.positions()[0] - Vec3(0.02, 0.03, 0.1 + thickness_m)).norm(), 1e-15) << thickness_m;
+  }
+}
+
+/// At every place near a sphere's facets, by the closest point of brute force.
+TEST(Margin, ContactsAreThoseOfTheExactDistance) {
+  const std::vector<Bone> bones(2, bone_of(make_sphere(0.02, 2)));
+  const SignedSurface exact(bones[0].surface);
+  const RigidMotion pose{RigidMotion::about_axis(Vec3::UnitX(), Vec3(0.01, 0, 0), 0.7)};
+  const std::vector<RigidMotion> poses = {pose, {Mat3::Identity(), Vec3(0.03, 0, 0)}};
+  constexpr double thickness_m = 0.002;
+  std::vector<Vec3> positions;
+  std::vector<int> nodes;
+  for (int i = 0; i < 3000; ++i) {
+    nodes.push_back(i);
+    const double angle_rad = 2.4 * i;  // a spiral about the middle
+    positions.push_back(1e-5 * i * Vec3(std::cos(angle_rad), std::sin(angle_rad), std::sin(0.01 * i)));
+  }
+  const auto margin = make_stage("margin", bones, positions.size(), {{"thickness_m", thickness_m}});
+  for (int step = 0; step < 3; ++step) {  // afterwards most are known to be free
+    std::vector<Contact> contacts = {{.node = 7, .bone = 0, .depth_m = 1, .normal = Vec3::UnitY()}};
+    margin->add_contacts({positions, positions, nodes, poses, poses, {}}, contacts);
+    std::size_t next = 0;
+    for (int bone = 0; bone < 2; ++bone) {
+      for (const int node : nodes) {
+        const Vec3 point = poses[bone].apply_inverse(positions[node]);
+        const SignedPoint located = exact.locate(point);
+        const double depth_m = thickness_m - located.signed_distance_m();
+        const bool is_known = bone == 0 && node == 7;
+        // Deeper than the skin is thick it is the backend's to find.
+        if (!is_known && (depth_m <= 0 || depth_m > 2 * thickness_m)) continue;
+        while (next < contacts.size() && contacts[next].bone == bone && contacts[next].node < node) ++next;
+        ASSERT_LT(next, contacts.size());
+        const Contact& found = contacts[next++];
+        ASSERT_EQ(found.node, node);
+        ASSERT_EQ(found.bone, bone);
+        EXPECT_NEAR(found.depth_m, is_known ? 1 + thickness_m : depth_m, 1e-15);
+        if (!is_known) {
+          EXPECT_LT((found.normal - poses[bone].apply_to_direction(exact.outward(point, located))).norm(), 1e-12);
+        }
+      }
+    }
+    for (std::size_t i = 1; i < contacts.size(); ++i) {
+      EXPECT_LT(std::pair(contacts[i - 1].bone, contacts[i - 1].node), std::pair(contacts[i].bone, contacts[i].node));
+    }
+    EXPECT_EQ(margin->contact_count(), static_cast<int>(contacts.size()) - 1);
+    for (const Contact& contact : contacts) EXPECT_GT(contact.depth_m, 0);
+  }
+}
 
 constexpr double half_thickness_m = 0.002;
 TriangleMesh plate() { return make_box({0.1, 0.1, half_thickness_m}, 5); }

@@ -1,0 +1,93 @@
+#include "core/effects/margin.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "core/clearance/clearance_cache.hpp"
+#include "core/signed_distance/signed_surface.hpp"
+
+namespace musclebench {
+
+namespace {
+
+std::tuple<int, int> place_of(const Contact& contact) { return {contact.bone, contact.node}; }
+
+class Margin final : public ContactStage {
+ public:
+  Margin(const StageInput& input, double thickness_m) : m_thickness_m(thickness_m) {
+    m_clearances.reset(input.bones, input.nodes);
+    for (const Bone& bone : input.bones) m_bones.push_back({bone.signed_distance(), std::vector<int>(input.nodes, 0)});
+    m_added.reserve(input.nodes * input.bones.size());
+  }
+
+  [[nodiscard]] std::string_view name() const override { return "margin"; }
+
+  void add_contacts(const ContactStageInput& input, std::vector<Contact>& contacts) override {
+    m_clearances.collect_expired(input.bone_poses, input.predicted, input.free_nodes);
+    m_added.clear();
+    for (std::size_t bone = 0; bone < m_bones.size(); ++bone) {
+      for (const int node : m_clearances.expired(static_cast<int>(bone))) look_at(node, bone, input);
+    }
+    for (Contact& contact : contacts) contact.depth_m += m_thickness_m;
+    // A node that the backend has found keeps the backend's answer.
+    std::erase_if(m_added, [&](const Contact& added) {
+      return std::ranges::binary_search(contacts, place_of(added), {}, place_of);
+    });
+    contacts.insert(contacts.end(), m_added.begin(), m_added.end());
+    std::ranges::sort(contacts, {}, place_of);
+  }
+
+  [[nodiscard]] int contact_count() const override { return static_cast<int>(m_added.size()); }
+
+ private:
+  struct BoneSurface {
+    const SignedSurface& surface;
+    std::vector<int> near_triangles;  ///< by node
+  };
+
+  void look_at(int node, std::size_t bone, const ContactStageInput& input) {
+    auto& [surface, near_triangles] = m_bones[bone];
+    int& near = near_triangles[static_cast<std::size_t>(node)];
+    const RigidMotion& pose = input.bone_poses[bone];
+    const Vec3 point = pose.apply_inverse(input.predicted[static_cast<std::size_t>(node)]);
+    if (!point.allFinite()) {
+      return;  // the run ends as diverged after this frame
+    }
+    const Clearance clearance = surface.tree().clearance_from(point, near);
+    if (clearance.distance_m > 0) near = clearance.triangle;
+    if (clearance.distance_m > m_thickness_m) {  // or deeper inside, which is the backend's to find
+      m_clearances.store(static_cast<int>(bone), node, point, clearance.distance_m - m_thickness_m);
+      return;
+    }
+    const ClosestPoint closest = surface.tree().closest_point_from(point, near);
+    near = closest.triangle;
+    const SignedPoint located{closest, surface.is_inside(point, closest)};
+    const double depth_m = m_thickness_m - located.signed_distance_m();
+    if (depth_m > 0) {
+      m_added.push_back(
+          {node, static_cast<int>(bone), depth_m, pose.apply_to_direction(surface.outward(point, located))});
+    }
+  }
+
+  double m_thickness_m;
+  ClearanceCache m_clearances;
+  std::vector<BoneSurface> m_bones;
+  std::vector<Contact> m_added;
+};
+
+}  // namespace
+
+std::unique_ptr<ContactStage> make_margin(const StageInput& input, const Parameters& parameters) {
+  return std::make_unique<Margin>(input, parameters.number("thickness_m"));
+}
+
+std::vector<ParameterSpec> margin_parameters() {
+  return {parameter::number({.name = "thickness_m",
+                             .unit = "m",
+                             .default_value = 5e-4,
+                             .minimum = 0,
+                             .maximum = 1,
+                             .help = "of the skin on the bones"})};
+}
+
+}  // namespace musclebench
