@@ -1,5 +1,6 @@
 #include "core/bvh/triangle_bvh.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -433,6 +434,27 @@ TEST(TriangleBvh, OfNoTrianglesHasNoClosestPoint) {
   const TriangleBvh tree((TriangleMesh()));
   EXPECT_FALSE(tree.closest_point(Vec3::Zero()));
   EXPECT_EQ(tree.winding_number(Vec3::Zero()), 0);
+}
+
+/// In the mouth of a bowl the winding number goes through 0.5 where there is no surface: dipoles may not decide there.
+TEST(TriangleBvh, TheSideInAnOpeningIsThatOfTheExactWindingNumber) {
+  TriangleMesh bowl = make_sphere(1, 4);
+  std::erase_if(bowl.triangles, [&](const Triangle& t) {
+    return std::ranges::all_of(t,
+                               [&](int vertex) { return bowl.vertices[static_cast<std::size_t>(vertex)].z() > 0.3; });
+  });
+  const TriangleBvh tree(bowl);
+  for (int i = 0; i < 40; ++i) {
+    const double x = 0.02 * i;
+    double low = 0;  // inside
+    double high = 1.5;
+    while (high - low > 1e-7) {
+      const double middle = 0.5 * (low + high);
+      (exact_winding(bowl, {x, 0.1, middle}) > 0.5 ? low : high) = middle;
+    }
+    EXPECT_GT(tree.winding_number({x, 0.1, low - 1e-7}), 0.5) << x;
+    EXPECT_LT(tree.winding_number({x, 0.1, high + 1e-7}), 0.5) << x;
+  }
 }
 
 /// Counted with its sign, a path passes as often through a closed surface as the side changes.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <limits>
 #include <numeric>
 
@@ -188,6 +189,40 @@ TEST(RefereeJudge, AKnownSideDoesNotOutliveItsClearance) {
   EXPECT_EQ(contacts_at(0.035), 2U);
   EXPECT_EQ(contacts_at(0.06), 1U);
   EXPECT_EQ(contacts_at(0.08), 0U);
+}
+
+/// The side of an open surface changes away from it: however small the steps, it is asked for again in time.
+TEST(RefereeJudge, AWayOutThroughAnOpeningInSmallSteps) {
+  TriangleMesh open = make_box(Vec3(1, 1, 1), 4);
+  std::erase_if(open.triangles, [&](const Triangle& t) {
+    return std::ranges::all_of(t, [&](int v) { return open.vertices[static_cast<std::size_t>(v)].z() == 1; });
+  });
+  const std::vector<Bone> bones = {{"box", {open, false, {}}}};
+  const std::vector<RigidMotion> poses(1);
+  Referee referee(bones, 1);
+  std::vector<Contact> truth;
+  int changes = 0;
+  bool was_inside = true;
+  for (int step = 0; step <= 1000; ++step) {
+    const Vec3 point(0.1, 0.2, 0.003 * step);
+    referee.judge(poses, std::vector<Vec3>(1, point), all_nodes(1), truth);
+    EXPECT_EQ(!truth.empty(), referee.signed_distance(0, point) < 0) << step;
+    changes += truth.empty() == was_inside ? 1 : 0;
+    was_inside = !truth.empty();
+  }
+  EXPECT_EQ(changes, 1);
+}
+
+TEST(RefereeJudge, TheLeastDistanceIsNeverMoreThanTheDistance) {
+  const std::vector<Bone> bones = {{"sphere", {make_sphere(1, 4), true, {}}}};
+  Referee referee(bones, 1);
+  std::vector<Contact> truth;
+  referee.judge(std::vector<RigidMotion>(1), std::vector<Vec3>(1, Vec3(3, 0, 0)), all_nodes(1), truth);
+  EXPECT_GT(referee.least_distance(0, 0, {2.9, 0, 0}), 1.5);
+  for (const double x : {3.0, 2.5, 2.0, 1.5, 1.1, 0.5}) {
+    const Vec3 point(x, 0.1, 0);
+    EXPECT_LE(referee.least_distance(0, 0, point), std::abs(referee.signed_distance(0, point)));
+  }
 }
 
 TEST(RefereeJudge, PositionsThatAreNotFiniteAreInNoBone) {
