@@ -1,5 +1,10 @@
 #include "core/referee/referee_tree.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "core/mesh/shapes.hpp"
@@ -180,6 +185,28 @@ TEST(RefereeTree, CrossingsSumToTheWindingNumber) {
     ++checked;
   }
   EXPECT_GT(checked, 1000);
+}
+
+/// Of one triangle: no neighbour answers for an edge that is left out.
+TEST(RefereeTree, TheClosestPointOfOneTriangleIsOnTheEdgeThatFacesThePoint) {
+  const TriangleMesh mesh{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}, {{0, 1, 2}}};
+  const std::array<std::pair<Vec3, Vec3>, 7> expected{{{Vec3(1, 1, 2), Vec3(1, 1, 0)},
+                                                       {Vec3(2, -1, 1), Vec3(2, 0, 0)},
+                                                       {Vec3(-1, 1, 1), Vec3(0, 1, 0)},
+                                                       {Vec3(3, 3, -1), Vec3(2, 2, 0)},
+                                                       {Vec3(-1, -2, 1), Vec3(0, 0, 0)},
+                                                       {Vec3(6, -1, 1), Vec3(4, 0, 0)},
+                                                       {Vec3(-1, 7, 1), Vec3(0, 4, 0)}}};
+  for (std::size_t first = 0; first < 3; ++first) {
+    TriangleMesh turned = mesh;
+    std::ranges::rotate(turned.triangles[0], turned.triangles[0].begin() + static_cast<std::ptrdiff_t>(first));
+    const RefereeTree tree(turned);
+    for (const auto& [point, closest] : expected) {
+      const ClosestSurfacePoint found = tree.closest(point - tree.centre_m());
+      EXPECT_LT((found.point_m + tree.centre_m() - closest).norm(), 1e-15);
+      EXPECT_NEAR(found.squared_distance_m2, (point - closest).squaredNorm(), 1e-14);
+    }
+  }
 }
 
 }  // namespace
