@@ -1,5 +1,6 @@
 """The list of faults applies to the code as it is, and a campaign keeps and tells what it found."""
 
+import json
 import subprocess
 from pathlib import Path
 
@@ -172,9 +173,20 @@ def test_a_campaign_goes_on_where_it_was(root, tmp_path):
     assert judged(root, tmp_path, [fault(), survivor])[1].log == ["core/near_tests", "bench/far_tests"]
     assert judged(root, tmp_path, [fault(), survivor])[1].log == []
     (root / "core/numbers.cpp").write_text(SOURCE + "// changed\n")
-    assert judged(root, tmp_path, [fault(), survivor], keep_seen=True)[1].log == ["core/near_tests", "bench/far_tests"]
-    (root / "core/numbers.cpp").write_text(SOURCE + "// changed again\n")
     assert judged(root, tmp_path, [fault()])[1].log == ["core/near_tests"]
+
+
+def test_what_was_seen_may_be_taken_as_seen_elsewhere(root, tmp_path):
+    seen, survivor = tmp_path / "seen.json", fault("four", "return 4;", "return 6;")
+    judged(root, tmp_path, [fault(), survivor], seen=seen)
+    assert list(json.loads(seen.read_text()).values()) == ["near_tests: Numbers.Three"]
+    (root / "core/numbers.cpp").write_text(SOURCE + "// changed\n")
+    elsewhere = tmp_path / "elsewhere"
+    campaign, build = judged(root, elsewhere, [fault(), survivor], seen=seen)
+    assert build.log == ["core/near_tests", "bench/far_tests"]  # the survivor alone
+    assert campaign.verdict(fault()).outcome == "seen"
+    (root / "core/numbers.cpp").write_text(SOURCE + "// changed again\n")
+    assert judged(root, elsewhere, [fault()])[1].log == ["core/near_tests"]
 
 
 def test_what_some_programs_miss_is_judged_again(root, tmp_path):

@@ -166,5 +166,15 @@ TEST(BoneVertexDepth, WhatTheBudgetDoesNotSufficeForIsInTheBound) {
   EXPECT_EQ(apart.measure(std::vector<RigidMotion>(1), muscle.vertices, 0).bound_m, 0) << "outside the muscle's box";
 }
 
+/// A corner that was far away at the first look is looked at again when the muscle has come as far as that.
+TEST(BoneVertexDepth, AVertexIsSafeOnlyAsFarAsItWasAway) {
+  const std::vector<Bone> bones = {bone_of(make_box({3, 3, 3}, 1))};
+  const TriangleMesh ball = make_sphere(0.5, 3);
+  BoneVertexDepthMeter meter(bones, ball, std::vector<int>(ball.vertices.size(), -1));
+  const std::vector<RigidMotion> poses(1);
+  EXPECT_EQ(meter.measure(poses, moved(ball, Vec3(3.6, 0, 0)).vertices).depth_m, 0);
+  EXPECT_NEAR(meter.measure(poses, moved(ball, Vec3(3.1, 3, 3)).vertices).depth_m, 0.4, 0.01);
+}
+
 }  // namespace
 }  // namespace musclebench

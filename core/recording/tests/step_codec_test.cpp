@@ -157,5 +157,21 @@ TEST(RoundingStep, IsAPowerOfTwoThatScalesWithTheScene) {
   }
 }
 
+/// Displacements that grow evenly are predicted to the bit.
+TEST(StepPredictor, TheHighestOrderGoesOnLinearly) {
+  StepPredictor predictor(1, 1);
+  StepPredictor::Coordinates from(1, 0);
+  StepPredictor::Coordinates predicted;
+  for (std::uint64_t step = 1; step < 6; ++step) {
+    const StepPredictor::Coordinates to(1, from[0] + 10 + 3 * step);
+    predictor.predict(from, StepPredictor::orders - 1, predicted);
+    if (step > 2) {
+      EXPECT_EQ(predicted, to);
+    }
+    predictor.advance(from, to);
+    from = to;
+  }
+}
+
 }  // namespace
 }  // namespace musclebench

@@ -122,5 +122,17 @@ TEST(StripShare, NothingJumpsWhereTheRayMeetsABoundaryEdge) {
   }
 }
 
+/// Seen from either of its triangles, the edge belongs to one of them, whichever way each of them goes along it.
+TEST(SegmentCrossing, ThroughASharedEdgeThereIsOne) {
+  const Vec3 a(0, 0, 0);
+  const Vec3 b(1, 1, 0);
+  const Vec3 left(0, 1, 0);
+  const Vec3 right(1, 0, 0);
+  const Vec3 from(0.5, 0.5, 1);
+  const Vec3 to(0.5, 0.5, -1);
+  EXPECT_EQ(segment_crossing(a, b, left, from, to) + segment_crossing(b, a, right, from, to), -1);
+  EXPECT_EQ(segment_crossing(a, b, left, to, from) + segment_crossing(b, a, right, to, from), 1);
+}
+
 }  // namespace
 }  // namespace musclebench

@@ -23,11 +23,12 @@ class Verdict:
 
 
 class Campaign:
-    """`folder` holds the copy of the sources, the build and the verdicts."""
+    """`folder` holds the copy of the sources, the build and the verdicts. `seen`: a file of the faults that tests saw,
+    in whatever campaign; they are not judged again, and what is seen now is added."""
 
-    def __init__(self, root: Path, folder: Path, build: ScratchBuild, keep_seen: bool = False, pattern: str = "*"):
+    def __init__(self, root: Path, folder: Path, build: ScratchBuild, seen: Path | None = None, pattern: str = "*"):
         self._root, self._tree, self._verdict_file = root, folder / "tree", folder / "verdicts.json"
-        self._build, self._keep_seen, self._pattern = build, keep_seen, pattern
+        self._build, self._seen, self._pattern = build, seen, pattern
         self._state = ""
         self._seconds: dict[str, float] = {}  # of each program without a fault
         self.verdicts: dict[str, Verdict] = {}
@@ -92,24 +93,26 @@ class Campaign:
         return "survived", "" if reached else "no test program links the file"
 
     def _read_verdicts(self) -> None:
-        """Verdicts are those of one state of the sources; after a change only faults that were seen may be kept."""
+        """Verdicts are those of one state of the sources; what was seen before may be taken as seen after a change."""
+        if self._seen is not None and self._seen.exists():
+            self.verdicts = {key: Verdict("seen", test) for key, test in json.loads(self._seen.read_text()).items()}
         try:
             kept = json.loads(self._verdict_file.read_text())
         except (OSError, ValueError):
             return
-        is_same = kept["state"] == self._state
-        self._seconds = kept["seconds"] if is_same else {}
-        self.verdicts = {key: Verdict(**verdict) for key, verdict in kept["verdicts"].items()
-                         if is_same or (self._keep_seen and verdict["outcome"] == "seen")}
+        if kept["state"] == self._state:
+            self._seconds = kept["seconds"]
+            self.verdicts |= {key: Verdict(**verdict) for key, verdict in kept["verdicts"].items()}
 
     def _write_verdicts(self) -> None:
         is_final = self._pattern == "*"  # else a program that was not asked may see what survived
         whole = {"state": self._state, "seconds": self._seconds,
                  "verdicts": {key: asdict(verdict) for key, verdict in self.verdicts.items()
                               if is_final or verdict.outcome != "survived"}}
-        part = self._verdict_file.with_suffix(".part")
-        part.write_text(json.dumps(whole, indent=1))
-        part.replace(self._verdict_file)
+        _write_whole(self._verdict_file, whole)
+        if self._seen is not None:
+            seen = {key: verdict.detail for key, verdict in self.verdicts.items() if verdict.outcome == "seen"}
+            _write_whole(self._seen, dict(sorted(seen.items())))
 
 
 def summary(faults: list[Fault], campaign: Campaign) -> tuple[list[str], bool]:
@@ -129,6 +132,12 @@ def summary(faults: list[Fault], campaign: Campaign) -> tuple[list[str], bool]:
     unexcused = [fault for fault in by_outcome["survived"] if not fault.may_survive]
     is_well = not unexcused and not by_outcome["unbuildable"] and len(by_outcome["survived"]) <= MOST_SURVIVORS
     return lines, is_well
+
+
+def _write_whole(file: Path, content: dict) -> None:
+    part = file.with_suffix(".part")
+    part.write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+    part.replace(file)
 
 
 def _key(fault: Fault) -> str:
