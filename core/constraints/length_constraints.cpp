@@ -68,13 +68,16 @@ HWY_INLINE void apply(SolvedLengths solved, const LengthSlots& slots, std::size_
 }
 
 /// Two blocks at a time: the CPU looks too few operations ahead to work on the next while one waits for its quotient.
+/// Narrower vectors come with half of the registers, which two do not fit into.
 void project_lengths(LengthSlots slots, std::size_t first, std::size_t last, double per_time_step2, NodeRow* rows) {
   std::size_t i = first;
-  for (; i + 2 * lane_count <= last; i += 2 * lane_count) {
-    const SolvedLengths one = solve(slots, i, per_time_step2, rows);
-    const SolvedLengths two = solve(slots, i + lane_count, per_time_step2, rows);
-    apply(one, slots, i, rows);
-    apply(two, slots, i + lane_count, rows);
+  if constexpr (lane_count == constraint_lanes) {
+    for (; i + 2 * lane_count <= last; i += 2 * lane_count) {
+      const SolvedLengths one = solve(slots, i, per_time_step2, rows);
+      const SolvedLengths two = solve(slots, i + lane_count, per_time_step2, rows);
+      apply(one, slots, i, rows);
+      apply(two, slots, i + lane_count, rows);
+    }
   }
   for (; i < last; i += lane_count) apply(solve(slots, i, per_time_step2, rows), slots, i, rows);
 }
