@@ -35,7 +35,7 @@ const std::vector<EffectEntry>& effect_registry() {
        .make_stage = make_friction,
        .needs_normals = true},
       {.name = "tunnelling_guard",
-       .help = "no node passes through a bone",
+       .help = "no node ends a step on the far side of a bone",
        .parameters = tunnelling_guard_parameters(),
        .make = nullptr,
        .make_stage = make_tunnelling_guard},

@@ -78,7 +78,6 @@ std::unique_ptr<ContactStage> make_friction(const StageInput& input, const Param
 
 std::vector<ParameterSpec> friction_parameters() {
   return {parameter::number({.name = "coefficient",
-                             .unit = "",
                              .default_value = 0.1,
                              .minimum = 0,
                              .maximum = 10,

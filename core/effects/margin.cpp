@@ -59,9 +59,8 @@ class Margin final : public ContactStage {
       m_clearances.store(static_cast<int>(bone), node, point, clearance.distance_m - m_thickness_m);
       return;
     }
-    const ClosestPoint closest = surface.tree().closest_point_from(point, near);
-    near = closest.triangle;
-    const SignedPoint located{closest, surface.is_inside(point, closest)};
+    const SignedPoint located = surface.locate_from(point, near);
+    near = located.closest.triangle;
     const double depth_m = m_thickness_m - located.signed_distance_m();
     if (depth_m > 0) {
       m_added.push_back(

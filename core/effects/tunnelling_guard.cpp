@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
 #include <optional>
 
@@ -136,8 +135,8 @@ class BoneGuard {
 
   /// `triangle`: one that may be near.
   [[nodiscard]] Side locate(const Vec3& point, int triangle) const {
-    const ClosestPoint closest = m_surface.tree().closest_point_from(point, triangle);
-    const SignedPoint located{closest, m_surface.is_inside(point, closest)};
+    const SignedPoint located = m_surface.locate_from(point, triangle);
+    const ClosestPoint& closest = located.closest;
     return {closest.point, m_surface.outward(point, located), closest.distance_m, closest.triangle, located.inside};
   }
 

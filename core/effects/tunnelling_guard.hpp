@@ -17,6 +17,10 @@ namespace musclebench {
 /// closer to a surface that faces the other way. Rule `angle` is the paper's (section VI-A): where the directions to
 /// the surface at the start and at the end of a step differ by more than `angle_deg`, the node is put to where its way
 /// meets the surface.
+///
+/// The Referee's count of tunnelled nodes takes a way as straight from frame to frame (TunnellingTracker): it may count
+/// a node that went around an edge in several substeps, which is no fault here. Through a hole of
+/// an open surface nodes pass unseen: there is nothing to cross.
 std::unique_ptr<ContactStage> make_tunnelling_guard(const StageInput& input, const Parameters& parameters);
 std::vector<ParameterSpec> tunnelling_guard_parameters();
 

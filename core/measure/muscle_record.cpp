@@ -20,7 +20,7 @@ constexpr std::array<Column<MuscleRow>, 13> table{{
     {{"frame", "", "1 for the first"}, [](const MuscleRow& r) { return fmt::format("{}", r.step.frame); }},
     {{"angle_deg", "deg", "of the bone that turns most"}, [](const MuscleRow& r) { return finite(r.step.angle_deg); }},
     {{"muscle", "", "its name"}, [](const MuscleRow& r) { return r.muscle; }},
-    {{"contacts", "", "with bones, answered in the frame's last detection"},
+    {{"contacts", "", "with bones, in the frame's last detection; with those in a margin"},
      [](const MuscleRow& r) { return fmt::format("{}", r.record.contacts); }},
     {{"nodes_inside", "", "free nodes truly inside a bone at the end of the frame"},
      [](const MuscleRow& r) { return count_if(r.step.judged, r.record.in_bones.nodes_inside); }},

@@ -103,7 +103,7 @@ class Simulation {
   [[nodiscard]] const std::vector<Vec3>& positions() const { return m_positions; }
   [[nodiscard]] std::vector<Vec3> velocities() const;
   [[nodiscard]] std::span<const RigidMotion> bone_poses() const { return m_poses; }
-  /// The contacts of the last detection.
+  /// The contacts with bones of the last step: the backend's, and those that stages added.
   [[nodiscard]] std::span<const Contact> contacts() const { return m_contacts; }
   [[nodiscard]] std::span<const int> free_nodes() const { return m_free_nodes; }
   [[nodiscard]] std::span<const std::unique_ptr<Effect>> effects() const { return m_effects; }

@@ -111,8 +111,7 @@ class SignErrorSearch {
         m_surface.tree().closest_on(point, triangle).squared_distance_m2 <= enough_m * enough_m) {
       return true;
     }
-    const ClosestPoint closest = m_surface.tree().closest_point_from(point, triangle);
-    const double distance_m = m_surface.is_inside(point, closest) ? -closest.distance_m : closest.distance_m;
+    const double distance_m = m_surface.locate_from(point, triangle).signed_distance_m();
     if (is_finest) {
       m_reach_m = std::max(m_reach_m, distance_m + m_rounding_m + radius_m);
     }

@@ -23,8 +23,7 @@ std::vector<ReferenceSample> reference_samples(const SignedSurface& surface, con
   for (std::size_t p = 0; p < count; ++p) {
     const auto drawn = static_cast<std::size_t>(order[p]);
     const Vec3& point = points[drawn];
-    const ClosestPoint closest = surface.tree().closest_point_from(point, below[drawn]);
-    samples[p] = {point, surface.is_inside(point, closest) ? -closest.distance_m : closest.distance_m};
+    samples[p] = {point, surface.locate_from(point, below[drawn]).signed_distance_m()};
   }
   return samples;
 }

@@ -3,53 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <random>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
 #include "core/bvh/tests/closest_by_brute_force.hpp"
+#include "core/bvh/tests/exact_answers.hpp"
 #include "core/mesh/shapes.hpp"
 
 namespace musclebench {
 namespace {
 
-const Vec3& corner(const TriangleMesh& mesh, const Triangle& triangle, std::size_t i) {
-  return mesh.vertices[static_cast<std::size_t>(triangle[i])];
-}
-
-ClosestOnTriangle closest_on(const TriangleMesh& mesh, int triangle, const Vec3& point) {
-  const Triangle& t = mesh.triangles[static_cast<std::size_t>(triangle)];
-  return closest_on_triangle(point, corner(mesh, t, 0), corner(mesh, t, 1), corner(mesh, t, 2));
-}
-
 ClosestPoint brute_force(const TriangleMesh& mesh, const Vec3& point) {
   return closest_by_brute_force(static_cast<int>(mesh.triangles.size()),
                                 [&](int triangle) { return closest_on(mesh, triangle, point); });
-}
-
-double exact_winding(const TriangleMesh& mesh, const Vec3& point) {
-  double angle = 0;
-  for (const Triangle& t : mesh.triangles) {
-    angle += solid_angle(point, corner(mesh, t, 0), corner(mesh, t, 1), corner(mesh, t, 2));
-  }
-  return angle / (4 * std::numbers::pi);
-}
-
-std::vector<Vec3> random_points(double reach, int count) {
-  std::mt19937 generator(3);
-  std::uniform_real_distribution<double> coordinate(-reach, reach);
-  std::vector<Vec3> points;
-  for (int i = 0; i < count; ++i) {
-    const double x = coordinate(generator);
-    const double y = coordinate(generator);
-    points.emplace_back(x, y, coordinate(generator));
-  }
-  return points;
 }
 
 /// Random triangles, some of them degenerate: the worst input for a tree.
@@ -455,68 +425,6 @@ TEST(TriangleBvh, TheSideInAnOpeningIsThatOfTheExactWindingNumber) {
     EXPECT_GT(tree.winding_number({x, 0.1, low - 1e-7}), 0.5) << x;
     EXPECT_LT(tree.winding_number({x, 0.1, high + 1e-7}), 0.5) << x;
   }
-}
-
-/// Counted with its sign, a path passes as often through a closed surface as the side changes.
-TEST(PathCrossings, TellWhetherAPathChangesSides) {
-  for (const TriangleMesh& mesh : {make_sphere(1, 4), make_capsule(0.5, 0.7, 24), make_box({0.3, 1, 0.6}, 7)}) {
-    const TriangleBvh tree(mesh);
-    std::vector<PathCrossing> crossings;
-    const std::vector<Vec3> points = random_points(1.2, 4000);
-    int changes = 0;
-    for (std::size_t i = 1; i < points.size(); ++i) {
-      tree.find_crossings(points[i - 1], points[i], crossings);
-      int layers = static_cast<int>(std::lround(exact_winding(mesh, points[i - 1])));
-      double last = 0;
-      for (const PathCrossing& crossing : crossings) {
-        EXPECT_EQ(crossing.entering, layers == 0);  // none of these meshes has layers
-        layers += crossing.entering ? 1 : -1;
-        EXPECT_GE(crossing.share, last);
-        EXPECT_LE(crossing.share, 1);
-        last = crossing.share;
-        const Vec3 at = points[i - 1] + crossing.share * (points[i] - points[i - 1]);
-        EXPECT_LT(closest_on(mesh, crossing.triangle, at).squared_distance_m2, 1e-28);
-      }
-      EXPECT_EQ(layers, std::lround(exact_winding(mesh, points[i])));
-      changes += static_cast<int>(crossings.size());
-    }
-    EXPECT_GT(changes, 500);
-  }
-}
-
-/// Neither none nor two where triangles meet.
-TEST(PathCrossings, ThroughAnEdgeOrACornerThereIsOne) {
-  const TriangleMesh mesh = make_box({1, 1, 1}, 4);  // its corners are at multiples of a half
-  const TriangleBvh tree(mesh);
-  std::vector<PathCrossing> crossings;
-  for (const double x : {-0.5, 0.0, 0.25, 0.5}) {
-    for (const double y : {-0.5, 0.0, 0.25, 0.5}) {
-      for (const auto& [from, to] :
-           {std::pair(Vec3(x, y, 3), Vec3(x, y, 0.1)), std::pair(Vec3(3, x, y), Vec3(0.1, x, y)),
-            std::pair(Vec3(x + 2, y - 2, 3), Vec3(x - 0.5, y + 0.5, 0.5))}) {
-        tree.find_crossings(from, to, crossings);
-        ASSERT_EQ(crossings.size(), 1U) << x << " " << y;
-        EXPECT_TRUE(crossings[0].entering);
-        tree.find_crossings(to, from, crossings);
-        ASSERT_EQ(crossings.size(), 1U) << x << " " << y;
-        EXPECT_FALSE(crossings[0].entering);
-      }
-    }
-  }
-}
-
-TEST(PathCrossings, OfAPathWithoutLengthOrEndThereAreNone) {
-  const TriangleBvh tree(make_box({1, 1, 1}, 2));
-  std::vector<PathCrossing> crossings(1);
-  tree.find_crossings({1, 0, 0}, {1, 0, 0}, crossings);
-  EXPECT_TRUE(crossings.empty());
-  crossings.resize(1);
-  tree.find_crossings({0, 0, 0}, {std::nan(""), 0, 0}, crossings);
-  EXPECT_TRUE(crossings.empty());
-  tree.find_crossings({0, 0, 0}, {0, 1e30, 0}, crossings);
-  EXPECT_EQ(crossings.size(), 1U);
-  TriangleBvh((TriangleMesh())).find_crossings({0, 0, 0}, {1, 0, 0}, crossings);
-  EXPECT_TRUE(crossings.empty());
 }
 
 }  // namespace
