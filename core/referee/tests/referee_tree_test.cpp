@@ -199,7 +199,8 @@ TEST(RefereeTree, TheClosestPointOfOneTriangleIsOnTheEdgeThatFacesThePoint) {
                                                        {Vec3(-1, 7, 1), Vec3(0, 4, 0)}}};
   for (std::size_t first = 0; first < 3; ++first) {
     TriangleMesh turned = mesh;
-    std::ranges::rotate(turned.triangles[0], turned.triangles[0].begin() + static_cast<std::ptrdiff_t>(first));
+    auto& corners = turned.triangles[0];
+    std::rotate(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(first), corners.end());
     const RefereeTree tree(turned);
     for (const auto& [point, closest] : expected) {
       const ClosestSurfacePoint found = tree.closest(point - tree.centre_m());
