@@ -33,7 +33,7 @@ SUBSTEPS = (5, 10, 20, 40, 80, 160)
 
 
 def parse_arguments(arguments):
-    parser = OneLineParser(prog="tools/convergence.py", description=__doc__,
+    parser = OneLineParser(prog="tools/convergence", description=__doc__,
                            formatter_class=argparse.RawDescriptionHelpFormatter)
     add_scene_options(parser, "default: all of the data set")
     parser.add_argument("--substeps", type=_counts, default=list(SUBSTEPS), metavar="N,N,...",
@@ -59,7 +59,7 @@ def _counts(text: str) -> list[int]:
 
 
 def check_input(options) -> None:
-    check_program(options.musclebench, "tools/build")
+    check_program(options.musclebench, "tools/convergence")
     check_data(options.data)
     for option in ("jobs", "frames_limit", "timeout"):
         check_positive(f"--{option.replace('_', '-')}", getattr(options, option))

@@ -1,5 +1,6 @@
 """The study of substeps runs as the others do: one process a case, goes on where it was stopped, any scene."""
 
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -32,7 +33,7 @@ def test_complete_runs_are_kept_and_the_table_has_a_row_each(study, tmp_path):
     assert code == 0, errors
     assert called == ["iliacus-substeps=10", "iliacus-substeps=5"]
     assert "".join((tmp_path / "out" / "tables" / "substeps.csv").read_text()).count("\n") == 3
-    assert "synthetic/iliacus | 5 | ok | 0.000" in text
+    assert "synthetic/iliacus | bvh | 5 | ok | 0.000" in text
     assert study()[3] == []
     assert study("--substeps", "5,10,20")[3] == ["iliacus-substeps=20"]
 
@@ -50,6 +51,12 @@ def test_the_time_of_a_frame_stays_the_same(tmp_path):
     for case in plan([fake_registry.scene("lhdl/iliacus")], "any", [1, 2, 40]):
         told = dict(word.split("=") for word in case.arguments(convergence.Places(tmp_path)) if "=" in word)
         assert int(told["substeps"]) * float(told["time_step_s"]) == pytest.approx(3e-3)
+
+
+def test_the_shell_wrapper_answers_for_help_without_building():
+    done = subprocess.run([str(Path(convergence.__file__).with_suffix("")), "--help"], capture_output=True, text=True,
+                          timeout=60, check=False)
+    assert done.returncode == 0 and "usage: tools/convergence [" in done.stdout
 
 
 def test_the_usual_backend_is_exact_and_fast():

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import re
 import shutil
 import subprocess
@@ -66,6 +67,13 @@ def test_links_of_pages_lead_somewhere(name):
     for target in re.findall(r"\]\(([^)#]+?)(?:#[^)]*)?\)", re.sub(r"```.*?```", "", page.read_text(), flags=re.S)):
         if "://" not in target:
             assert (page.parent / target).exists(), f"{name}: {target}"
+
+
+@pytest.mark.parametrize("name", [*PAGES, "CONTRIBUTING.md"])
+def test_commands_that_pages_name_are_there(name):
+    for command in set(re.findall(r"(?:^|[`\s])(tools/\w+)(?=[`\s])", (PROJECT / name).read_text())):
+        path = PROJECT / command
+        assert path.is_dir() or os.access(path, os.X_OK), f"{name}: {command}"
 
 
 def test_readme_is_short():

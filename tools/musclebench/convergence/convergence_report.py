@@ -11,7 +11,8 @@ from ..results.statistics import percentile
 from ..tables.table_formats import Column, Table, write_table
 
 COLUMNS = [
-    Column("muscle", "muscle"), Column("scene", "scene"), Column("substeps", "substeps", 0), Column("status", "status"),
+    Column("muscle", "muscle"), Column("scene", "scene"), Column("backend", "backend"),
+    Column("substeps", "substeps", 0), Column("status", "status"),
     Column("rms_mm", "RMS mm", 3), Column("p99_mm", "p99 mm", 3), Column("largest_mm", "largest mm", 3),
     Column("volume_error_percent", "volume error %", 4), Column("largest_depth_mm", "largest depth mm", 3),
 ]
@@ -39,7 +40,7 @@ def _rows(runs: list[Run]) -> list[dict]:
 
 
 def _row(run: Run, finest: np.ndarray | None) -> dict:
-    row = {"muscle": run.muscle, "scene": run.scene, "substeps": _substeps(run), "status": run.status}
+    row = {"muscle": run.muscle, "scene": run.scene, "backend": run.backend, "substeps": _substeps(run), "status": run.status}
     shape = _flexed(run)
     if shape is not None and finest is not None:
         distances = 1e3 * np.linalg.norm(shape - finest, axis=1)

@@ -23,7 +23,7 @@ PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "ratio
 FACTOR_KEYS = ("muscle", "choice", "time_ms", "factor", "ratio", "missed", "measured", "p99_error_mm")
 OUTCOME_KEYS = ("muscle", "configuration", "node_depth_mm", "p99_surface_depth_mm", "max_volume_percent",
                 "full_rms_mm", "full_hausdorff_mm", "tunnelled", "stuck", "collision_s")
-SUBSTEP_KEYS = ("scene", "substeps", "status", "rms_mm", "p99_mm", "largest_mm", "volume_error_percent",
+SUBSTEP_KEYS = ("scene", "backend", "substeps", "status", "rms_mm", "p99_mm", "largest_mm", "volume_error_percent",
                 "largest_depth_mm")
 
 
