@@ -180,6 +180,11 @@ def test_full_flexion_is_the_largest_turn_whichever_way(angles):
     assert (chosen.rest.frame, chosen.half.frame, chosen.full.frame) == (0, 79, 157)
 
 
+@pytest.mark.parametrize("angle_deg, text", [(45.29, "45.3°"), (46.0, "46°"), (-0.001, "0°")])
+def test_a_title_has_the_angle_of_its_frame(angle_deg, text):
+    assert surface_figures._degrees(angle_deg) == text
+
+
 def test_depth_colours_begin_where_nodes_are_inside():
     colours = surface_pictures.depth_colours(np.array([-1.0, 0.01, 0.05, 4.0, 40.0]), 4.0)
     assert np.array_equal(colours[0], surface_pictures.MUSCLE_COLOUR) and np.array_equal(colours[0], colours[1])

@@ -9,7 +9,7 @@ import accuracy
 import fake_registry
 from musclebench.cases import scene
 from musclebench.cases.case import Places
-from musclebench.cases.scene import Scene, chosen_names, full_flexion_frame, survey
+from musclebench.cases.scene import Scene, chosen_names, full_flexion_frame, half_flexion_frame, survey
 from musclebench.program.cli import Problem
 from musclebench.study.study_cases import ProbeCase
 from musclebench.study.study_plan import Request, plan
@@ -37,6 +37,15 @@ def knee(tmp_path) -> Path:
 ])
 def test_full_flexion_is_where_the_angle_is_largest_either_way(motion, frames, expected):
     assert full_flexion_frame([{"angles_rad": []}, motion], frames) == expected
+
+
+@pytest.mark.parametrize("motion, frames, expected", [
+    (THERE_AND_BACK, 314, 79), (THERE_AND_BACK, 20, 5), (THERE_AND_BACK, 1, 1),
+    ({"times": [0, 3, 4], "angles_rad": [0, 0.1, 1]}, 100, 86),  # it turns late
+    ({"times": [0, 1], "angles_rad": [-0.5, 1.5]}, 10, 5), ({"angles_rad": []}, 90, 45),
+])
+def test_half_flexion_is_the_frame_whose_angle_is_nearest_to_half(motion, frames, expected):
+    assert half_flexion_frame([motion, {"angles_rad": [0, 0.01]}], frames) == expected
 
 
 def test_scenes_are_chosen_by_name_by_file_or_by_muscle(knee):

@@ -2,6 +2,7 @@
 
 import difflib
 import json
+import math
 import subprocess
 import tempfile
 from dataclasses import dataclass, replace
@@ -29,6 +30,7 @@ class Scene:
     frames: int = 314
     iterations: int = 3  # collision steps a frame
     full_flexion_frame: int = 157  # the largest angle either way
+    half_flexion_frame: int = 79  # nearest to half of that turn
     preset: str = PRESET
     asks_preset: bool = True  # False: that of the scene file
     frame_time_s: float = 3e-3
@@ -135,24 +137,40 @@ def _asked(scene: Scene, program: Path, registry: Registry, places: Places) -> S
 
 def told(scene: Scene, record: dict) -> Scene:
     loop, bones = record["case"]["loop"], record["bones"]
+    motions = [bone.get("motion") or {} for bone in bones]
     meshes = [part.get("mesh_sha256", "") for part in (record["muscle"], *bones)]
     digest = fingerprint.text_digest(fingerprint.file_digest(Path(scene.name)), *meshes) if scene.is_file else ""
     return replace(
         scene, nodes=record["muscle"]["vertices"], frames=loop["frames"],
         iterations=loop["substeps"] * loop["iterations"],
         muscles=len(record.get("muscles", [])) or 1,
-        full_flexion_frame=full_flexion_frame([bone.get("motion") or {} for bone in bones], loop["frames"]),
+        full_flexion_frame=full_flexion_frame(motions, loop["frames"]),
+        half_flexion_frame=half_flexion_frame(motions, loop["frames"]),
         preset=record["case"].get("preset") or "", digest=digest, frame_time_s=loop["substeps"] * loop["time_step_s"])
 
 
 def full_flexion_frame(motions: list[dict], frames: int) -> int:
     """The first frame at which a bone is turned farthest, either way; the last one where nothing turns."""
+    largest = np.abs(_turns_rad(motions, frames)).max(axis=0)
+    return int(np.argmax(largest >= largest.max() - SAME_ANGLE_RAD)) if largest.any() else frames
+
+
+def half_flexion_frame(motions: list[dict], frames: int) -> int:
+    """Of the bone that turns most: the frame before full flexion that is nearest in angle to half of its turn, the later
+    of two that are equally near."""
+    full, turns = full_flexion_frame(motions, frames), _turns_rad(motions, frames)
+    until_full = turns[np.abs(turns[:, full]).argmax(), :full + 1]
+    if not until_full.any():
+        return math.ceil(full / 2)
+    gaps = np.abs(until_full - (until_full[0] + until_full[-1]) / 2)
+    return int(np.flatnonzero(gaps <= gaps.min() + SAME_ANGLE_RAD)[-1])
+
+
+def _turns_rad(motions: list[dict], frames: int) -> np.ndarray:
+    """Angles at each frame, a row a bone that turns; one of zeros where none does."""
     progress = np.arange(frames + 1) / frames
-    angles = [np.abs(_angles_rad(motion, progress)) for motion in motions if motion.get("angles_rad")]
-    if not angles or np.max(angles) == 0:
-        return frames
-    largest = np.max(angles, axis=0)
-    return int(np.argmax(largest >= largest.max() - SAME_ANGLE_RAD))
+    rows = [_angles_rad(motion, progress) for motion in motions if motion.get("angles_rad")]
+    return np.array(rows or [np.zeros(frames + 1)])
 
 
 def _angles_rad(motion: dict, progress: np.ndarray) -> np.ndarray:

@@ -42,9 +42,9 @@ class PaperCase(SceneCase):
     @property
     def snapshot_frames(self) -> list[int]:
         """Rest, half and full flexion; of several muscles also where the motion ends."""
-        full = self.scene.full_flexion_frame
+        flexions = {self.scene.half_flexion_frame, self.scene.full_flexion_frame}
         last = {self.scene.frames} if self.scene.muscles > 1 else set()
-        return sorted({0, math.ceil(full / 2), full} | last)
+        return sorted({0} | flexions | last)
 
 
 def plan(scenes: list[Scene], seed: int = 1) -> list[PaperCase]:

@@ -94,7 +94,7 @@ def _draw_muscle(studio: Studio, muscle: str, moments: dict[str, Moments], runs,
     heads = [("rest", first.rest), ("half flexion", first.half), ("full flexion", first.full),
              ("half, joint", first.half), ("full, joint", first.full)]
     for place, (text, snapshot) in enumerate(heads):
-        panels[0, place].set_title(f"{text} ({snapshot.angle_deg:.0f}°)", fontsize=7)
+        panels[0, place].set_title(f"{text} ({_degrees(snapshot.angle_deg)})", fontsize=7)
     title = f"Fig. 6  {style.muscle_label(muscle).capitalize()}; left the muscle, right the joint from the other side"
     _finish(figure, title, runs, deepest_mm)
     rows = _depth_rows({(muscle, backend): chosen for backend, chosen in moments.items()})
@@ -119,7 +119,7 @@ def _draw_full_flexion(studios, moments, runs, folder: Path, say) -> list[Path]:
     for place, backend in enumerate(backends):
         panels[0, place].set_title(backend, fontsize=8, fontweight="bold", color=looks.colour(backend))
     angle = max((chosen.full.angle_deg for chosen in moments.values()), key=abs)
-    _finish(figure, f"All muscles at full flexion ({angle:.0f}°)", runs, deepest_mm)
+    _finish(figure, f"All muscles at full flexion ({_degrees(angle)})", runs, deepest_mm)
     return _save(figure, _depth_rows(moments), folder / "muscles_at_full_flexion")
 
 
@@ -138,10 +138,10 @@ def _draw_several(studio: Studio, scene: str, run: Run, folder: Path, say) -> li
                                   figsize=(style.PAGE_INCHES, 2 * style.PAGE_INCHES / max(len(snapshots), 3) + 0.6))
     figure.subplots_adjust(left=0.05, right=0.99, top=0.88, bottom=0.11, wspace=0.02, hspace=0.02)
     for place, snapshot in enumerate(snapshots):
-        say(f"{style.muscle_label(scene)}, {snapshot.angle_deg:.0f}°")
+        say(f"{style.muscle_label(scene)}, {_degrees(snapshot.angle_deg)}")
         for row in range(2):
             _show(panels[row, place], studio.muscles(snapshot, counts, from_behind=row == 1))
-        panels[0, place].set_title(f"frame {snapshot.frame}, {snapshot.angle_deg:.0f}°", fontsize=7)
+        panels[0, place].set_title(f"frame {snapshot.frame}, {_degrees(snapshot.angle_deg)}", fontsize=7)
     for row, text in enumerate(("muscle's side", "other side")):
         _row_name(panels[row, 0], text, "black")
     marks = [plt.Line2D([], [], marker="o", linestyle="", color=MUSCLE_COLOURS[i % len(MUSCLE_COLOURS)] / 255)
@@ -183,6 +183,11 @@ def _bone_legend(figure, studio: Studio, place) -> None:
     names = [f"nearest to {name}" for name in studio.bones]
     figure.legend(marks, names, ncols=len(names), loc="upper left", bbox_to_anchor=place, borderaxespad=0,
                   frameon=False)
+
+
+def _degrees(angle_deg: float) -> str:
+    """Of a frame: seldom the round number that was aimed at."""
+    return f"{round(angle_deg, 1) + 0.0:g}°"
 
 
 def _show(panel, picture: np.ndarray) -> None:
