@@ -8,7 +8,7 @@
 namespace musclebench {
 
 /// Eight axis-aligned boxes, one a lane, relative to the origin of their tree, in metres and single precision; unused
-/// ones are inverted. Bounds are rounded to the nearest: who asks allows for that.
+/// ones are inverted. Rounded to nearest; callers inflate the query by the rounding error.
 struct alignas(32) MovingBoxes {
   std::array<BvhLanes, 3> lower;
   std::array<BvhLanes, 3> upper;

@@ -14,11 +14,12 @@ namespace {
 
 /// More than the relative rounding errors of distances that are compared.
 constexpr double rounding = 1e-9;
-/// Of the mean size of a triangle. A refit costs about as much as the queries of a hundred steps in which most nodes
-/// are known to be free; a longer way makes each of them look at more boxes.
+/// Largest displacement without a refit, over the mean size of a triangle. A refit costs about as much as the queries
+/// of a hundred steps in which most nodes are known to be free; a larger displacement makes each of them visit more
+/// boxes.
 constexpr double farthest_travel = 0.25;
 
-/// What single precision may move a bound, a point or a distance by, over the lengths that these are made of.
+/// Bounds the rounding error of a box, a point or a distance in single precision, relative to the lengths involved.
 constexpr double float_slack = 0x1p-21;
 
 void make_unused(MovingBoxes& boxes) {
@@ -30,7 +31,7 @@ void make_unused(MovingBoxes& boxes) {
 
 }  // namespace
 
-/// The closest triangle so far, and the square of the distance beyond which no box is looked into.
+/// The closest triangle so far, and the squared distance beyond which boxes are culled.
 struct MovingSurfaceTree::Best {
   ClosestOnTriangle found;
   int triangle = -1;
@@ -58,7 +59,7 @@ MovingSurfaceTree::MovingSurfaceTree(const TriangleMesh& mesh, const Body& body)
     for (int& corner : triangle) corner -= body.first_node;
   }
   m_farthest_m = farthest_travel * mean_triangle_size_m(own);
-  // The exact tree's way of splitting, whose boxes then go their own way.
+  // Topology of a TriangleBvh at rest; only the bounds are refitted.
   const TriangleBvh rest(own);
   m_nodes.resize(rest.m_nodes.size());
   for (std::size_t i = 0; i < m_nodes.size(); ++i) {
@@ -243,7 +244,7 @@ int MovingSurfaceTree::crossing(const Ray& ray, int triangle) const {
     return 0;
   }
   const Vec3 normal = (arms[1] - arms[0]).cross(arms[2] - arms[0]);
-  const double ahead = normal.dot(arms[0]) * turns;  // of the sign of the way to the plane
+  const double ahead = normal.dot(arms[0]) * turns;  // sign: whether the plane is above or below the start
   if (ray.upwards ? !(ahead > 0) : !(ahead < 0)) {
     return 0;
   }

@@ -18,9 +18,9 @@ namespace musclebench {
 /// and refitted, which keeps the tree's shape and gives its boxes new bounds.
 ///
 /// Boxes are refitted only when some vertex has travelled far since the last time. In between a box is off by at most
-/// the longest way that a vertex has travelled, and a search allows for that; distances are those of the vertices as
-/// they are. So every answer is that of brute force to the bit, whenever the boxes were refitted: of all triangles the
-/// one with the smallest squared distance by `closest_on_triangle`, of several the one with the smallest index.
+/// the largest displacement of a vertex since then, and a search allows for that; distances are those of the vertices
+/// as they are. So every answer is that of brute force to the bit, whenever the boxes were refitted: of all triangles
+/// the one with the smallest squared distance by `closest_on_triangle`, of several the one with the smallest index.
 ///
 /// Points and vertices are in the world frame, in metres. Queries are const and safe from several threads.
 class MovingSurfaceTree {
@@ -85,8 +85,8 @@ class MovingSurfaceTree {
   std::vector<std::array<float, 3>> m_fitted_local;  ///< the same, relative to m_origin
   Eigen::AlignedBox3d m_box;                         ///< of m_fitted
   Vec3 m_origin = Vec3::Zero();                      ///< of the boxes: the middle of m_box
-  double m_farthest_m;                               ///< a vertex that has travelled so far calls for a refit
-  double m_travel_m = 0;  ///< upper bound of the way that a vertex has travelled since the last refit
+  double m_farthest_m;                               ///< a larger displacement of a vertex calls for a refit
+  double m_travel_m = 0;  ///< upper bound of the displacement of any vertex since the last refit
   int m_refits = 0;
   std::span<const Vec3> m_vertices;
 };

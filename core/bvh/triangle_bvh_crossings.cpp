@@ -13,24 +13,25 @@ namespace musclebench {
 namespace {
 
 /// A path as a frame for triangles: its longest coordinate is x, the other two are sheared along the path, so that the
-/// path is the x axis. Each corner gets the same coordinates whichever triangle asks.
+/// path is the x axis (Woop et al. 2013). A corner gets the same coordinates in all triangles that share it.
 class PathFrame {
  public:
-  PathFrame(const Vec3& from, const Vec3& to) : m_from(from), m_way(to - from) {
-    m_way.cwiseAbs().maxCoeff(&m_along);
+  PathFrame(const Vec3& from, const Vec3& to) : m_from(from), m_displacement(to - from) {
+    m_displacement.cwiseAbs().maxCoeff(&m_along);
     m_right = (m_along + 1) % 3;
     m_up = (m_along + 2) % 3;
   }
 
-  [[nodiscard]] bool has_length() const { return std::abs(m_way[m_along]) > 0; }
+  [[nodiscard]] bool has_length() const { return std::abs(m_displacement[m_along]) > 0; }
 
   /// Whether the path passes through the triangle, into `found` but for its index.
   bool crosses(const std::array<Vec3, 3>& corners, PathCrossing& found) const {
     std::array<Vec3, 3> seen;
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3 arm = corners[i] - m_from;
-      const double share = arm[m_along] / m_way[m_along];
-      seen[i] = Vec3(arm[m_along], arm[m_right] - share * m_way[m_right], arm[m_up] - share * m_way[m_up]);
+      const double share = arm[m_along] / m_displacement[m_along];
+      seen[i] =
+          Vec3(arm[m_along], arm[m_right] - share * m_displacement[m_right], arm[m_up] - share * m_displacement[m_up]);
     }
     const int turns = turns_about_line(seen);
     if (turns == 0) {
@@ -38,18 +39,18 @@ class PathFrame {
     }
     const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     const double from_height = normal.dot(m_from - corners[0]);
-    const double to_height = normal.dot(m_from + m_way - corners[0]);
+    const double to_height = normal.dot(m_from + m_displacement - corners[0]);
     if ((from_height > 0) == (to_height > 0)) {
       return false;
     }
     found.share = from_height / (from_height - to_height);
-    found.entering = (turns > 0) != (m_way[m_along] > 0);
+    found.entering = (turns > 0) != (m_displacement[m_along] > 0);
     return true;
   }
 
  private:
   Vec3 m_from;
-  Vec3 m_way;
+  Vec3 m_displacement;
   Eigen::Index m_along = 0, m_right = 1, m_up = 2;
 };
 

@@ -86,9 +86,8 @@ struct Arms {
   [[nodiscard]] HWY_INLINE Vec squared_length() const { return hn::MulAdd(z, z, hn::MulAdd(x, x, hn::Mul(y, y))); }
 };
 
-/// The height splits a triangle into two right triangles. The half on the point's side of the height contains the
-/// closest point, because both angles at the longest side are acute. That half has its right angle at the origin and a
-/// slanted side from (width, 0) to (0, height).
+/// By the half of the triangle on the point's side of its height, a right triangle; the cases are derived in
+/// reports/performance/bvh_error_bounds.md.
 HWY_INLINE Arms arms_to(const TriangleLanes& triangle, const Vec3Lanes& point) {
   const Lanes d;
   const Vec zero = hn::Zero(d);
@@ -100,17 +99,13 @@ HWY_INLINE Arms arms_to(const TriangleLanes& triangle, const Vec3Lanes& point) {
   const auto is_before = hn::Lt(signed_x, zero);
   const Vec width = hn::IfThenElse(is_before, triangle.before, triangle.after);
   const Vec height = triangle.height;
-  const Vec over = hn::Sub(hn::Abs(signed_x), width);  // beyond the end of the longest side
+  const Vec over = hn::Sub(hn::Abs(signed_x), width);
   const Vec run = hn::NegMulAdd(over, width, hn::Mul(y, height));
-  // Kept above 0 for a triangle without extent.
+  // Positive for a degenerate triangle, too.
   const Vec squared_side = hn::Max(hn::MulAdd(width, width, hn::Mul(height, height)), hn::Set(d, 1e-37F));
   const Vec fraction = hn::Min(hn::Max(hn::Div(run, squared_side), zero), hn::Set(d, 1.0F));
   const Vec outward = hn::MulAdd(over, height, hn::Mul(y, width));
-  // Positive on the outer side of the line through the slanted side; below the longest side (y < 0) that is so beyond
-  // its end only, where the fraction is 0 and both formulas agree.
   const auto by_slanted_side = hn::Gt(outward, zero);
-  // On the inner side y is measured from the rectangle [0, height], which is 0 in the triangle: the slanted side of a
-  // sliver is so close to its longest one that rounding may put a point far beyond the tip on the inner side.
   const Vec rest_y = hn::Max(hn::Sub(y, height), hn::Min(y, zero));
   return {hn::IfThenElse(by_slanted_side, hn::MulAdd(fraction, width, over), hn::Max(over, zero)),
           hn::IfThenElse(by_slanted_side, hn::NegMulAdd(fraction, height, y), rest_y), dot(arm, across), signed_x,

@@ -55,7 +55,7 @@ void TriangleBvh::for_each_close_pair(const std::function<void(int, int)>& visit
     const auto visit_leaf = [&](std::size_t other) {
       for_each_lane(overlapping(bounds, boxes[other]), [&](std::size_t theirs) {
         const unsigned mine = overlapping(box_at(boxes[other], theirs), boxes[index]);
-        // Within one leaf only lanes below, so that each pair comes once.
+        // Within one leaf only lower lanes, so that each pair is visited once.
         for_each_lane(other == index ? mine & ((1U << theirs) - 1U) : mine, [&](std::size_t lane) {
           visit(m_leaves[index].triangle[lane], m_leaves[other].triangle[theirs]);
         });

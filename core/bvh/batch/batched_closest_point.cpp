@@ -37,14 +37,14 @@ BatchedClosestPoint::BatchedClosestPoint(const TriangleBvh& bvh) : m_bvh(&bvh) {
   }
 }
 
-std::array<float, 3> BatchedClosestPoint::to_own(const Vec3& point) const {
+std::array<float, 3> BatchedClosestPoint::to_tree_frame(const Vec3& point) const {
   const Vec3 own = m_bvh->m_scale * (point - m_bvh->m_centre_m);
   return {static_cast<float>(own.x()), static_cast<float>(own.y()), static_cast<float>(own.z())};
 }
 
 QueryBox BatchedClosestPoint::query_box(const Eigen::AlignedBox3d& box) const {
   QueryBox own;
-  own.middle = to_own(box.center());
+  own.middle = to_tree_frame(box.center());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double size = box.sizes()[static_cast<Eigen::Index>(axis)];
     own.half[axis] = static_cast<float>(0.5 * m_bvh->m_scale * size) * 1.000001F + m_view.slack;

@@ -27,8 +27,8 @@ struct PointPacket {
 
 /// Finds the closest points of many query points that lie close together in one traversal of a TriangleBvh: linear
 /// bounds of the squared distance hold for all points of a box, and are the tighter the farther the surface is
-/// (reports/performance/batched_closest_point.md). Nodes are listed for all packets, of these leaves for each bundle of
-/// packets, of these candidates for every two packets.
+/// (reports/performance/batched_closest_point.md). Culled in three levels: nodes once a query box, leaves once a
+/// bundle, triangles once per two packets.
 ///
 /// Single precision only prunes; `closest_on_triangle` decides. So the answers are those of TriangleBvh::closest_point,
 /// to the bit. One thread at a time: the lists are reused by the next call.
@@ -50,12 +50,12 @@ class BatchedClosestPoint {
   /// where the mesh has none.
   [[nodiscard]] std::int32_t bounding_triangle(int triangle) const;
   void search_bundle(std::span<PointPacket> packets);
-  /// To the points that are searched for next; `number` is the packet's in its bundle.
+  /// Adds to the points of the next batch; `number`: index of the packet in its bundle.
   void add_points(const PointPacket& packet, std::size_t number);
   void search_points(const QueryBox& box);
   void decide(std::span<PointPacket> packets);
   [[nodiscard]] QueryBox query_box(const Eigen::AlignedBox3d& box) const;
-  [[nodiscard]] std::array<float, 3> to_own(const Vec3& point) const;
+  [[nodiscard]] std::array<float, 3> to_tree_frame(const Vec3& point) const;
   [[nodiscard]] BvhView view_from(const Eigen::AlignedBox3d& box) const;
 
   const TriangleBvh* m_bvh;

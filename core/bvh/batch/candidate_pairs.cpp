@@ -87,7 +87,7 @@ HWY_INLINE void start(const BvhView& bvh, const QueryBox& box, const QueryBatch&
     const PointVec rounding = hn::Add(hn::Sqrt(hn::Max(limit, hn::Zero(d))), hn::Set(d, bvh.slack));
     hn::Store(hn::MulAdd(hn::Set(d, bvh.slack), rounding, limit), d, limits.limit.data() + first);
   }
-  // Nothing is near padding lanes.
+  // Padding lanes match no leaf.
   for (std::size_t n = batch.count; n < QueryBatch::capacity; ++n) {
     limits.limit[n] = -far_away;
   }
@@ -156,7 +156,7 @@ HWY_INLINE std::size_t leaves_near_any(const BvhView& bvh, const BoundList& leav
     const WideVec x = hn::LoadU(w, leaves.slope[0].data() + start);
     const WideVec y = hn::LoadU(w, leaves.slope[1].data() + start);
     const WideVec z = hn::LoadU(w, leaves.slope[2].data() + start);
-    WideVec highest = hn::Set(w, -far_away);  // that a value may be
+    WideVec highest = hn::Set(w, -far_away);  // of the limits of all points: a leaf above it is culled
     for (std::size_t n = 0; n < batch.count; ++n) {
       highest = hn::Max(highest,
                         hn::NegMulAdd(z, hn::Set(w, offset[2][n]),

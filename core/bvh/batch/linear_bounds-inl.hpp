@@ -81,16 +81,15 @@ HWY_INLINE Bound bound_of_children(const BvhNode& node, const Vec3Lanes& middle,
                        load(node.obb_upper[1], first));
   const Interval across(dot(third, middle), dot(abs(third), half), load(node.obb_lower[2], first),
                         load(node.obb_upper[2], first));
-  const Vec turned_value = hn::Add(hn::Add(up.value, along.value), across.value);
-  const auto by_turned = hn::Gt(turned_value, value);
-  const auto along_axis = [&](Vec of_normal, Vec of_tangent, Vec of_third, Vec of_box) HWY_ATTR {
-    const Vec of_turned =
-        hn::MulAdd(across.out, of_third, hn::MulAdd(along.out, of_tangent, hn::Mul(up.out, of_normal)));
-    return hn::IfThenElse(by_turned, of_turned, of_box);
+  const Vec obb_value = hn::Add(hn::Add(up.value, along.value), across.value);
+  const auto obb_is_tighter = hn::Gt(obb_value, value);
+  const auto along_axis = [&](Vec of_normal, Vec of_tangent, Vec of_third, Vec of_aabb) HWY_ATTR {
+    const Vec of_obb = hn::MulAdd(across.out, of_third, hn::MulAdd(along.out, of_tangent, hn::Mul(up.out, of_normal)));
+    return hn::IfThenElse(obb_is_tighter, of_obb, of_aabb);
   };
   const Vec3Lanes out{along_axis(normal.x, tangent.x, third.x, x.out), along_axis(normal.y, tangent.y, third.y, y.out),
                       along_axis(normal.z, tangent.z, third.z, z.out)};
-  return {less_errors(hn::Max(value, turned_value), out, errors),
+  return {less_errors(hn::Max(value, obb_value), out, errors),
           {hn::Add(out.x, out.x), hn::Add(out.y, out.y), hn::Add(out.z, out.z)}};
 }
 

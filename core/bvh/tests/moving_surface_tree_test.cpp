@@ -134,8 +134,8 @@ TEST(MovingSurfaceTree, CountsTheWindingsOfAFoldedSurfaceToo) {
       // Straight above a vertex, below an edge: rays that graze what they meet.
       for (int i = body.first_node; i < body.last_node; i += 7) {
         const Vec3& vertex = vertices[static_cast<std::size_t>(i)];
-        for (const Vec3& way : {Vec3(0.004, 0, 0), Vec3(-0.004, 0, 0), Vec3(0, 0, 0.004), Vec3(0, -0.004, 0)}) {
-          const Vec3 point = vertex + way;
+        for (const Vec3& offset : {Vec3(0.004, 0, 0), Vec3(-0.004, 0, 0), Vec3(0, 0, 0.004), Vec3(0, -0.004, 0)}) {
+          const Vec3 point = vertex + offset;
           const double expected = winding_by_angles(two, vertices, body, point);
           if (std::abs(expected - std::round(expected)) > 1e-6) continue;  // on another part of the surface
           ASSERT_NEAR(tree.winding_number(point), expected, 1e-6);
