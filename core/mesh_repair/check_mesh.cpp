@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/mesh/mesh_edges.hpp"
+#include "core/mesh_repair/merge_vertices.hpp"
 
 namespace musclebench {
 
@@ -57,21 +58,25 @@ int count_duplicate_triangles(const TriangleMesh& mesh) {
   return static_cast<int>(sorted.end() - std::unique(sorted.begin(), sorted.end()));
 }
 
-void count_vertices(const TriangleMesh& mesh, MeshReport& report) {
-  const int count = static_cast<int>(mesh.vertices.size());
-  const std::vector<int> first = first_at_position(mesh.vertices);
+/// `joined`: the mesh with its triangles at the first of all vertices at one position.
+void count_vertices(const TriangleMesh& mesh, const TriangleMesh& joined, MeshReport& report) {
   std::vector<char> is_used(mesh.vertices.size(), 0);
-  DisjointSets joined(count);
   for (const Triangle& triangle : mesh.triangles) {
     for (const int vertex : triangle) {
       is_used[vertex] = 1;
-      joined.unite(triangle[0], vertex);
     }
   }
-  for (int vertex = 0; vertex < count; ++vertex) {
-    report.duplicate_vertices += first[vertex] != vertex ? 1 : 0;
-    report.unreferenced_vertices += is_used[vertex] == 0 ? 1 : 0;
-    report.components += is_used[vertex] != 0 && joined.find(vertex) == vertex ? 1 : 0;
+  report.unreferenced_vertices = static_cast<int>(std::count(is_used.begin(), is_used.end(), 0));
+  std::fill(is_used.begin(), is_used.end(), 0);
+  DisjointSets pieces(static_cast<int>(mesh.vertices.size()));
+  for (const Triangle& triangle : joined.triangles) {
+    for (const int vertex : triangle) {
+      is_used[vertex] = 1;
+      pieces.unite(triangle[0], vertex);
+    }
+  }
+  for (int vertex = 0; vertex < report.vertices; ++vertex) {
+    report.components += is_used[vertex] != 0 && pieces.find(vertex) == vertex ? 1 : 0;
   }
 }
 
@@ -88,13 +93,21 @@ MeshReport check_mesh(const TriangleMesh& mesh) {
     report.lower = report.lower.cwiseMin(vertex);
     report.upper = report.upper.cwiseMax(vertex);
   }
-  const MeshEdges edges(mesh);
-  measure_edges(mesh, edges, report);
-  measure_triangles(mesh, report);
-  count_vertices(mesh, report);
-  report.duplicate_triangles = count_duplicate_triangles(mesh);
-  report.non_manifold_vertices = count_non_manifold_vertices(mesh, edges);
-  const Winding winding = find_winding(mesh, edges);
+  // Formats without indices, such as STL, give every triangle vertices of its own: the surface is what is left once
+  // those at one position are joined, as scenes do.
+  TriangleMesh joined = mesh;
+  const std::vector<int> first = first_at_position(mesh.vertices);
+  merge_vertices(joined, first);
+  for (int vertex = 0; vertex < report.vertices; ++vertex) {
+    report.duplicate_vertices += first[vertex] != vertex ? 1 : 0;
+  }
+  const MeshEdges edges(joined);
+  measure_edges(joined, edges, report);
+  measure_triangles(joined, report);
+  count_vertices(mesh, joined, report);
+  report.duplicate_triangles = count_duplicate_triangles(joined);
+  report.non_manifold_vertices = count_non_manifold_vertices(joined, edges);
+  const Winding winding = find_winding(joined, edges);
   report.flipped_triangles = static_cast<int>(std::count(winding.flipped.begin(), winding.flipped.end(), 1));
   return report;
 }
@@ -114,13 +127,16 @@ std::vector<std::string> describe(const MeshReport& report) {
   defect(report.flipped_triangles, "triangles wound against the majority");
   defect(report.zero_area_triangles, "zero-area triangles");
   defect(report.duplicate_triangles, "duplicate triangles");
-  defect(report.duplicate_vertices, "duplicate vertices (at the position of an earlier one)");
   defect(report.unreferenced_vertices, "unreferenced vertices");
   if (report.volume_m3 < 0) {
     lines.emplace_back("defect: wound inwards (the volume is negative)");
   }
   if (lines.empty()) {
     lines.emplace_back("no defects");
+  }
+  if (report.duplicate_vertices > 0) {
+    lines.push_back(fmt::format("{} duplicate vertices (at the position of an earlier one): welding joins them",
+                                report.duplicate_vertices));
   }
   const Vec3 size_mm = 1e3 * (report.upper - report.lower);
   lines.push_back(fmt::format("{} vertices, {} triangles, {} component{}", report.vertices, report.triangles,

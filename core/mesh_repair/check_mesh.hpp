@@ -7,7 +7,9 @@
 
 namespace musclebench {
 
-/// What `musclebench check` reports of a mesh as shipped. Counts are zero for a healthy closed surface.
+/// What `musclebench check` reports of a mesh as shipped. Counts are zero for a healthy closed surface, but for
+/// `duplicate_vertices`. Edges, vertices of triangles and components are those of the surface whose vertices at one
+/// position are joined, as welding does: an STL file is no more open than the same surface as PLY.
 struct MeshReport {
   int vertices = 0;
   int triangles = 0;
@@ -19,7 +21,7 @@ struct MeshReport {
   int flipped_triangles = 0;  ///< triangles wound against the majority of their connected surface
   int zero_area_triangles = 0;  ///< smallest height below 1e-13 of the longest edge
   int duplicate_triangles = 0;  ///< triangles with the same three vertices as an earlier one
-  int duplicate_vertices = 0;   ///< vertices at the position of an earlier one
+  int duplicate_vertices = 0;   ///< vertices at the position of an earlier one, which welding joins
   int unreferenced_vertices = 0;
   int components = 0;    ///< connected by shared vertices
   double volume_m3 = 0;  ///< signed, by the divergence theorem about the box's centre; negative when wound
@@ -37,7 +39,7 @@ struct MeshReport {
 MeshReport check_mesh(const TriangleMesh& mesh);
 
 /// The report as lines for a person: one line a defect ("defect: 4 triangles wound against the majority") or "no
-/// defects" first, then counts and sizes. Several components are no defect.
+/// defects" first, then counts and sizes. Neither several components nor duplicate vertices are a defect.
 std::vector<std::string> describe(const MeshReport& report);
 
 }  // namespace musclebench

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -83,6 +84,45 @@ TEST(CheckMesh, CountsHolesDoublesAndLooseVertices) {
   EXPECT_EQ(report.upper, Vec3(9, 9, 9));
 }
 
+/// Three vertices of its own for every triangle, as STL has them.
+TriangleMesh soup_of_box() {
+  const TriangleMesh box = unit_box();
+  TriangleMesh soup;
+  for (const Triangle& triangle : box.triangles) {
+    const int first = static_cast<int>(soup.vertices.size());
+    for (const int vertex : triangle) {
+      soup.vertices.push_back(box.vertices[static_cast<std::size_t>(vertex)]);
+    }
+    soup.triangles.push_back({first, first + 1, first + 2});
+  }
+  return soup;
+}
+
+TEST(CheckMesh, ASoupOfTrianglesIsTheClosedSurfaceThatWeldingMakes) {
+  TriangleMesh soup = soup_of_box();
+  MeshReport report = check_mesh(soup);
+  EXPECT_EQ(report.boundary_edges, 0);
+  EXPECT_EQ(report.components, 1);
+  EXPECT_EQ(report.duplicate_vertices, 3 * 48 - 26);
+  EXPECT_EQ(report.unreferenced_vertices, 0);
+  EXPECT_NEAR(report.mean_edge_m, check_mesh(unit_box()).mean_edge_m, 1e-15);
+  std::vector<std::string> lines = describe(report);
+  EXPECT_EQ(lines[0], "no defects");
+  EXPECT_EQ(lines[1], "118 duplicate vertices (at the position of an earlier one): welding joins them");
+
+  turn(soup.triangles[7]);
+  soup.triangles.push_back(soup.triangles[5]);
+  report = check_mesh(soup);
+  EXPECT_EQ(report.flipped_triangles, 1);
+  EXPECT_GT(report.inconsistent_edges, 0);
+  EXPECT_EQ(report.duplicate_triangles, 1);
+  soup = soup_of_box();
+  soup.triangles.pop_back();
+  report = check_mesh(soup);
+  EXPECT_EQ(report.boundary_edges, 3);
+  EXPECT_EQ(report.unreferenced_vertices, 3);
+}
+
 TEST(CheckMesh, PositiveAndNegativeZeroAreOnePosition) {
   TriangleMesh mesh;
   mesh.vertices = {Vec3(0.0, 1, 0), Vec3(-0.0, 1, 0), Vec3(1, 0, 0), Vec3(0, 0, 1)};
@@ -139,6 +179,22 @@ TEST(CheckMesh, VolumeKeepsItsDigitsFarFromTheOrigin) {
   EXPECT_NEAR(check_mesh(mesh).volume_m3, volume_m3, 1e-10 * volume_m3 + 1e-10 * 2048 * 0.02 * 0.02 * 0.02);
 }
 
+/// The descriptions count by vertex index; two meshes hold triangles twice, of which only one has vertices of its own.
+/// Their figures with the vertices joined were counted apart, in Python.
+void count_joined(const std::string& name, nlohmann::json& quality) {
+  if (name == "pelvis") {
+    quality.update({{"non_manifold_edges", 9},
+                    {"non_manifold_vertices", 2},
+                    {"edges_with_inconsistent_orientation", 18},
+                    {"duplicate_triangles", 6}});
+  } else if (name == "psoas_r") {
+    quality.update({{"non_manifold_edges", 7},
+                    {"edges_with_inconsistent_orientation", 14},
+                    {"duplicate_triangles", 2},
+                    {"mean_edge_mm", 2.65676}});
+  }
+}
+
 class CheckLhdlMesh : public testing::TestWithParam<const char*> {};
 
 TEST_P(CheckLhdlMesh, HasTheFiguresOfItsDescription) {
@@ -152,7 +208,8 @@ TEST_P(CheckLhdlMesh, HasTheFiguresOfItsDescription) {
       continue;
     }
     const MeshReport report = check_mesh(read_mesh(*folder / mesh.at("file").get<std::string>()));
-    const nlohmann::json& quality = mesh.at("quality");
+    nlohmann::json quality = mesh.at("quality");
+    count_joined(GetParam(), quality);
     const auto expect_count = [&](const char* key, int count) { EXPECT_EQ(quality.value(key, count), count) << key; };
     EXPECT_EQ(report.vertices, mesh.at("vertices").get<int>());
     EXPECT_EQ(report.triangles, mesh.at("triangles").get<int>());
