@@ -8,7 +8,6 @@ change.
 """
 
 import argparse
-import os
 import shutil
 import sys
 from pathlib import Path
@@ -21,6 +20,7 @@ from musclebench.program.cli import (
     OneLineParser, Problem, add_scene_options, check_data, check_positive, check_program, data_set_of, out_name_of,
     run_command,
 )
+from musclebench.program.machine_state import last_core
 from musclebench.program.out_folder import claimed
 from musclebench.program.registry import Registry, read_registry, save_registry
 from musclebench.results.run_folder import ResultProblem
@@ -98,13 +98,11 @@ def run(cases: list[Case], experiment: SpeedExperiment, options) -> list[str]:
     todo = [case for case in cases if experiment.wants(case)]
     if len(todo) < len(cases):
         print(f"{len(cases) - len(todo)} of {len(cases)} cases are complete already (--force runs them again)")
-    # One case at a time: a second one takes cache and memory bandwidth away, and the clock with it. On the last core,
-    # since the first has the interrupts.
-    core = sorted(os.sched_getaffinity(0))[-1]
+    # One case at a time: a second one takes cache and memory bandwidth away, and the clock with it.
     with claimed(experiment.places.out_dir, "raw"):
         # Fields of another build may be in another format, or another field.
         shutil.rmtree(experiment.places.out_dir / STRUCTURES_DIR, ignore_errors=True)
-        statuses = run_cases(todo, experiment, Limits([core], options.timeout))
+        statuses = run_cases(todo, experiment, Limits([last_core()], options.timeout))
     return [f"{case.name}: {status}, see {experiment.folder(case) / 'run.json'}"
             for case, status in statuses.items() if status not in experiment.final_statuses]
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+import subprocess
 
 import numpy as np
 import pandas as pd
@@ -11,6 +12,7 @@ from fake_study import REPLAYED, SCENES, replays_of
 from musclebench.accuracy import report
 from musclebench.figures import paper_figures
 from musclebench.paper import published
+from musclebench.program.machine_state import last_core, reading, told_between
 from musclebench.results import disturbance, run_folder
 from musclebench.tables import paper_tables
 
@@ -42,6 +44,16 @@ def test_a_run_is_disturbed_by_switches_load_or_a_slow_clock(record, words):
 def test_the_usual_clock_is_that_of_most_runs():
     runs = {"a": state(), "b": state(), "c": state(cpu_mhz={"before": 2500.0, "after": 1000.0})}
     assert disturbance.disturbed(runs) == {"c": "clock 1000 MHz, usually 2500"}
+
+
+def test_switches_between_two_readings_are_those_of_the_child_that_ended():
+    before = reading(last_core())
+    subprocess.run(["sleep", "0.01"], check=True)
+    told = told_between(before, reading(last_core()))
+    assert told["machine_state"]["voluntary_context_switches"] >= 1 and told["wall_ns"] > 1e7
+    assert set(told["machine_state"]) == {"involuntary_context_switches", "voluntary_context_switches",
+                                          "load_average_1m", "cpu_mhz", "governor"}
+    assert told["machine_state"]["load_average_1m"]["after"] >= 0
 
 
 def test_frames_in_which_the_process_waited_are_told_from_slow_ones():

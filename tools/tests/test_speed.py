@@ -1,5 +1,6 @@
 """The speed table from end to end with stand-ins for both programs, and the pieces that it is made of."""
 
+import itertools
 import json
 import math
 import os
@@ -14,7 +15,8 @@ import pytest
 import fake_registry
 import speed
 from musclebench.cases.case import Places
-from musclebench.speed import samples, targets
+from musclebench.program.machine_state import Reading
+from musclebench.speed import samples, speed_experiment, targets
 from musclebench.speed.kernel_results import read_kernels
 from musclebench.speed.speed_cases import MICRO_PROGRAM, KernelCase, RaceCase
 from musclebench.speed import speed_plan
@@ -58,6 +60,9 @@ class Table:
 
 @pytest.fixture
 def table(tmp_path, monkeypatch, capfd) -> Table:
+    """On a quiet machine, whatever else this one does."""
+    moments = itertools.count(step=10**9)
+    monkeypatch.setattr(speed_experiment, "reading", lambda core: Reading(next(moments), 0, 7, 0.5, 2500.0, None))
     return Table(tmp_path, monkeypatch, capfd)
 
 
@@ -100,6 +105,40 @@ def test_all_forms_of_the_table_say_the_same(table):
     for what in table.rows():
         assert f"| {what} |" in markdown
     assert (csv["part"].fillna("") == "bvh / voxel").sum() == len(MUSCLES)
+
+
+def test_kernels_tell_build_machine_and_its_state_as_the_program_does(table):
+    table()
+    raw = table.out / "raw"
+    kernels, race = (json.loads((raw / name / "run.json").read_text())
+                     for name in ("kernels-queries-r0", "iliacus-bvh-r0"))
+    assert all(kernels[key] == race[key] for key in ("schema_version", "build", "machine"))
+    assert kernels["wall_ns"] == 1e9 and kernels["machine_state"] == {
+        "involuntary_context_switches": 0, "voluntary_context_switches": 0, "governor": None,
+        "load_average_1m": {"before": 0.5, "after": 0.5}, "cpu_mhz": {"before": 2500.0, "after": 2500.0}}
+
+
+def test_rows_of_a_busy_machine_are_marked(table):
+    """Of a race, the set-up and kernels; not of counts, which other work does not change."""
+    table()
+    for name in ("kernels-queries-r0", "kernels-allocations-r0", "iliacus-bvh-r0"):
+        path = table.out / "raw" / name / "run.json"
+        busy = {"wall_ns": 1e9, "machine_state": {"involuntary_context_switches": 900}}
+        path.write_text(json.dumps(json.loads(path.read_text()) | busy))
+    table("--report-only")
+    marked = {what for what, row in table.rows().items() if (row["note"] or "").endswith("*")}
+    near = "sdf value + gradient / voxel test, near points, float"
+    assert near in marked and not any("allocations" in what or "two threads" in what for what in marked)
+    parts = {row["part"] for row in json.loads((table.out / "speed.json").read_text())["rows"]
+             if row["part"] and (row["note"] or "").endswith("*")}
+    assert {"bvh / voxel", "set-up / run, bvh"} <= parts
+
+
+def test_the_mark_of_a_row_is_that_of_what_it_shows():
+    parts = [targets.Row("a", measured=samples.exact(1.0)), targets.Row("b", measured=samples.exact(2.0))]
+    parts[0].is_disturbed = True
+    assert targets.worst("row", parts, "<= 2", at_most=2).remark == ""
+    assert targets.worst("row", parts[:1], "<= 2", at_most=2).remark == "*"
 
 
 def test_what_is_not_built_or_not_known_says_so(table):

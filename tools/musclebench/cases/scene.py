@@ -5,7 +5,7 @@ import json
 import math
 import subprocess
 import tempfile
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ REFERENCE_NODES = 6931  # of the muscle that guessed times are of
 PRESET = "paper"  # of the program's own scenes of one muscle; others name theirs
 SURVEY_SECONDS = 300
 SAME_ANGLE_RAD = 1e-9
+ORIGIN_KEYS = ("schema_version", "build", "machine")
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class Scene:
     digest: str = ""  # of a scene file and what it names; the program's own scenes change with the program
     muscles: int = 1
     has_long_key: bool = False  # where two scenes would share a short one
+    origin: dict = field(default_factory=dict, compare=False)  # ORIGIN_KEYS as the program writes them into a run.json
 
     @property
     def is_file(self) -> bool:
@@ -146,7 +148,8 @@ def told(scene: Scene, record: dict) -> Scene:
         muscles=len(record.get("muscles", [])) or 1,
         full_flexion_frame=full_flexion_frame(motions, loop["frames"]),
         half_flexion_frame=half_flexion_frame(motions, loop["frames"]),
-        preset=record["case"].get("preset") or "", digest=digest, frame_time_s=loop["substeps"] * loop["time_step_s"])
+        preset=record["case"].get("preset") or "", digest=digest, frame_time_s=loop["substeps"] * loop["time_step_s"],
+        origin={key: record[key] for key in ORIGIN_KEYS if key in record})
 
 
 def full_flexion_frame(motions: list[dict], frames: int) -> int:

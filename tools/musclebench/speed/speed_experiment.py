@@ -6,6 +6,7 @@ from pathlib import Path
 from ..cases.case import Case, Places
 from ..cases.experiment import Experiment, Refusal
 from ..program import fingerprint
+from ..program.machine_state import Reading, last_core, reading, told_between
 
 from .speed_cases import KERNELS_FILE, MICRO_PROGRAM, STRUCTURES_DIR, KernelCase, RaceCase
 from ..results.status import MEASURED
@@ -18,6 +19,7 @@ class SpeedExperiment(Experiment):
         super().__init__(binary, places, force)
         self._micro = micro.resolve()
         self._digests: dict[Path, str] = {}
+        self._before: dict[Case, Reading] = {}
 
     def command(self, case: Case, folder: Path) -> list[str]:
         if not isinstance(case, KernelCase):
@@ -43,12 +45,15 @@ class SpeedExperiment(Experiment):
         (self.places.out_dir / STRUCTURES_DIR).mkdir(exist_ok=True)
         if isinstance(case, KernelCase):
             folder.mkdir()
+            self._before[case] = reading(last_core())
 
     def complete(self, case: Case, folder: Path) -> None:
-        """Google Benchmark leaves numbers; the row that says how the case ended is written here."""
+        """Google Benchmark leaves numbers; how the case ended, and on what, is written here as the program does.
+        Kernels are built along with it, and one case runs at a time."""
         if isinstance(case, RaceCase) or not (folder / KERNELS_FILE).is_file():
             return
-        record = {"schema_version": 1, "status": "ok", "status_detail": "", "case": case.record()}
+        state = told_between(self._before.pop(case), reading(last_core()))
+        record = {"status": "ok", "status_detail": "", "case": case.record(), **case.scene.origin, **state}
         (folder / "run.json").write_text(json.dumps(record) + "\n")
 
     def _program(self, case: KernelCase) -> Path:

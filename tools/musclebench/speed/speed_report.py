@@ -91,7 +91,7 @@ def _records(table: list[Row]) -> list[dict]:
 def _record(what: str, part: str, row: Row) -> dict:
     value = row.measured
     return {"what": what, "part": part, "target": row.target, "measured": value.value, "low": value.low,
-            "high": value.high, "samples": value.frames, "held": row.held, "note": row.note}
+            "high": value.high, "samples": value.frames, "held": row.held, "note": row.remark}
 
 
 def _plain(value):
@@ -100,7 +100,7 @@ def _plain(value):
 
 def _cells(table: list[Row]) -> list[tuple[str, ...]]:
     return [(row.what, row.target or EMPTY, _number(row.measured.value), _spread(row), row.held or EMPTY,
-             _one_line(row.note)) for row in table]
+             _one_line(row.remark)) for row in table]
 
 
 def _number(value: float) -> str:

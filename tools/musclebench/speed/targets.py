@@ -13,10 +13,11 @@ from ..results.run_folder import Run
 from ..results.statistics import Estimate, paired_ratio
 from . import samples
 from .kernel_results import Kernels
-from .speed_plan import Setting, settings, targets
+from .speed_plan import KERNEL_GROUPS, Setting, settings, targets
 from ..results.status import MEASURED
 
 MOST_SETUP = 0.2  # of the CPU time of a run of some hundred frames
+TIMED_GROUPS = {group.name for group in KERNEL_GROUPS if group.varies}  # bytes and counts are not disturbed
 NOT_BUILT, NOT_MEASURED = "not built", "not measured"
 
 
@@ -31,6 +32,12 @@ class Row:
     measured: Estimate = field(default_factory=Estimate.unknown)
     note: str = ""  # of which muscle or bone; or why there is no number
     parts: list["Row"] = field(default_factory=list)
+    is_disturbed: bool = False  # the machine was busy with something else while it was measured
+
+    @property
+    def remark(self) -> str:
+        """The note as it is printed."""
+        return (self.note + MARK if self.is_disturbed else self.note).strip()
 
     @property
     def is_known(self) -> bool:
@@ -78,7 +85,7 @@ def worst(what: str, parts: list[Row], target: str, at_most: float | None = None
     missing = [part for part in parts if not part.is_known]
     note = chosen.note if len(parts) > 1 else ""
     note += f"; {len(missing)} of {len(parts)} missing" if missing else ""
-    return Row(what, target, at_most, at_least, chosen.measured, note, parts)
+    return Row(what, target, at_most, at_least, chosen.measured, note, parts, chosen.is_disturbed)
 
 
 def _in_words(told: dict) -> str:
@@ -106,8 +113,7 @@ def _race_parts(measured: Measured, label: str, unit: str) -> list[Row]:
         failed = [run for run in of_muscle if label_of(run) == label and run.status not in MEASURED]
         if not row.is_known and failed:
             row.note = failed[0].record.get("status_detail") or failed[0].status
-        if any(run.folder.name in measured.disturbed and label_of(run) in (label, unit) for run in of_muscle):
-            row.note += MARK
+        row.is_disturbed = _any_disturbed(measured, [run for run in of_muscle if label_of(run) in (label, unit)])
         parts.append(row)
     return parts
 
@@ -118,17 +124,24 @@ def _setup_row(measured: Measured) -> Row:
     ran = [run for run in measured.runs if run.mode == "coupled" and run.status in MEASURED and "cpu_ns" in run.record]
     nodes = {run.muscle: run.record["muscle"]["nodes"] for run in ran}
     largest = max(nodes, key=nodes.get, default="")
-    shares: dict[str, list[float]] = {}
+    of_label: dict[str, list[Run]] = {}
     for run in ran:
         if run.muscle == largest:
-            cpu = run.record["cpu_ns"]
-            share = (cpu["before_first_frame"] - run.record["build_ns"]) / cpu["after_last_frame"]
-            shares.setdefault(label_of(run), []).append(share)
-    parts = [Row(f"set-up / run, {label}", measured=samples.median(pd.Series(found)),
-                 note=f"{label}, {largest}")
-             for label, found in shares.items()]
+            of_label.setdefault(label_of(run), []).append(run)
+    parts = [Row(f"set-up / run, {label}", measured=samples.median(pd.Series([_setup_share(run) for run in found])),
+                 note=f"{label}, {largest}", is_disturbed=_any_disturbed(measured, found))
+             for label, found in of_label.items()]
     return worst("CPU before the first frame, without structures / of a run, largest muscle", parts,
                  f"<= {MOST_SETUP:g}", at_most=MOST_SETUP)
+
+
+def _setup_share(run: Run) -> float:
+    cpu = run.record["cpu_ns"]
+    return (cpu["before_first_frame"] - run.record["build_ns"]) / cpu["after_last_frame"]
+
+
+def _any_disturbed(measured: Measured, runs: list[Run]) -> bool:
+    return any(run.folder.name in measured.disturbed for run in runs)
 
 
 def label_of(run: Run) -> str:
@@ -146,6 +159,9 @@ def _kernel_row(measured: Measured, told: dict) -> Row:
     parts = measure(measured.kernels, told)
     if not any(part.is_known or part.note.startswith(NOT_BUILT) for part in parts):
         parts = [Row(told["group"], note=measured.refusals.get(told["group"], NOT_MEASURED))]
+    of_group = [run for run in measured.runs if run.mode == "kernels" and run.record["case"]["group"] == told["group"]]
+    for part in parts:
+        part.is_disturbed = told["group"] in TIMED_GROUPS and _any_disturbed(measured, of_group)
     return worst(told["what"], parts, _in_words(told), told.get("at_most"), told.get("at_least"))
 
 
