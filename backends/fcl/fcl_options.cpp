@@ -23,11 +23,14 @@ TreeUpdate tree_update_of(const std::string& word) {
 /// A parameter that would do nothing is refused, so that no row of a study bears a choice that was none.
 void check_for_meaning(const FclOptions& options) {
   const FclOptions defaults;
-  if (options.query != Query::surfaces &&
-      (options.tree_update != defaults.tree_update || options.vertex_update != defaults.vertex_update)) {
-    throw InputError(options.tree_update != defaults.tree_update ? "fcl: update" : "fcl: model",
-                     "says how the tree of the muscle's surface follows the nodes, and there is none where single "
-                     "nodes are asked; leave it out, or take query = surfaces");
+  const char* of_surfaces = options.tree_update != defaults.tree_update       ? "fcl: update"
+                            : options.vertex_update != defaults.vertex_update ? "fcl: model"
+                            : options.broad_phase != defaults.broad_phase     ? "fcl: manager"
+                                                                              : nullptr;
+  if (options.query != Query::surfaces && of_surfaces != nullptr) {
+    throw InputError(of_surfaces,
+                     "concerns the muscle's surface, and single nodes are asked, bone by bone; leave it out, or take "
+                     "query = surfaces");
   }
   if (options.query != Query::node_collide && options.node_radius_m != defaults.node_radius_m) {
     throw InputError("fcl: node_radius_m", "is the radius of the spheres of query = node_collide; leave it out");
@@ -66,7 +69,7 @@ std::vector<ParameterSpec> fcl_parameters() {
       parameter::choice(
           {.name = "manager",
            .choices = {"dynamic_aabb_tree", "sweep_and_prune", "none"},
-           .help = "broad phase: the bones whose boxes overlap that of the muscle or of a node; none: all bones"}),
+           .help = "broad phase: the bones whose boxes overlap that of the muscle; none: all bones (surfaces only)"}),
       parameter::choice(
           {.name = "update",
            .choices = {"refit", "refit_top_down", "rebuild"},

@@ -37,17 +37,23 @@ fcl::Transform3d at(const Vec3& point) {
 
 }  // namespace
 
-NodeSurface::NodeSurface(const FclOptions& options, const Bone& bone, std::shared_ptr<fcl::CollisionGeometryd> model)
+NodeSurface::NodeSurface(const FclOptions& options, const Bone& bone)
     : m_sides(bone.kept_signed_distance()),
       m_box(bounding_box(bone.surface.mesh.vertices)),
       m_touching_m(touching_distance_m(bone.surface.mesh)),
       m_rounding_m(m_touching_m + rounding_of(m_box)),
-      m_model(std::move(model)),
       m_solver(to_fcl(options.narrow_phase)),
-      m_node_radius_m(options.node_radius_m) {}
+      m_node_radius_m(options.node_radius_m) {
+  with_bounding_volume(options.bounding_volume, [&](auto volume) {
+    const TriangleMesh& mesh = bone.surface.mesh;
+    auto model = make_fcl_model<typename decltype(volume)::type>(mesh.vertices, mesh.triangles);
+    m_model_bytes = model_bytes(*model);
+    m_model = std::move(model);
+  });
+}
 
-bool NodeSurface::is_outside_box(const Vec3& point) const {
-  return !point.allFinite() || m_box.isEmpty() || m_box.exteriorDistance(point) > 0;
+bool NodeSurface::is_outside_box(const Vec3& point, double reach_m) const {
+  return !point.allFinite() || m_box.isEmpty() || m_box.exteriorDistance(point) > reach_m;
 }
 
 bool NodeSurface::contains(const Vec3& point, const ClosestPoint& closest) const {

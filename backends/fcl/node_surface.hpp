@@ -20,10 +20,11 @@ namespace musclebench {
 /// was asked of FCL to find them. FCL takes a surface for hollow: which side a point is on is SignedSurface's answer.
 class NodeSurface {
  public:
-  NodeSurface(const FclOptions& options, const Bone& bone, std::shared_ptr<fcl::CollisionGeometryd> model);
+  /// Throws InputError for an unknown bounding volume.
+  NodeSurface(const FclOptions& options, const Bone& bone);
 
-  /// Of the bone; then it is in no bone. So is what is not finite.
-  [[nodiscard]] bool is_outside_box(const Vec3& point) const;
+  /// Of the bone, by more than `reach_m`; so is what is not finite.
+  [[nodiscard]] bool is_outside_box(const Vec3& point, double reach_m) const;
 
   /// The closest triangle by FCL's distance.
   [[nodiscard]] ClosestPoint closest(const Vec3& point) const;
@@ -42,8 +43,10 @@ class NodeSurface {
   /// A point closer to the surface than this is not contained: which side it is on is rounding.
   [[nodiscard]] double touching_m() const { return m_touching_m; }
 
-  /// Without the model.
-  [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + m_sides->bytes(); }
+  /// What distances of FCL and those that are measured here differ by.
+  [[nodiscard]] double rounding_m() const { return m_rounding_m; }
+
+  [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + m_sides->bytes() + m_model_bytes; }
 
  private:
   [[nodiscard]] ClosestOnTriangle closest_on(const Vec3& point, int triangle) const {
@@ -56,8 +59,9 @@ class NodeSurface {
   std::shared_ptr<const SignedSurface> m_sides;
   Eigen::AlignedBox3d m_box;
   double m_touching_m;
-  double m_rounding_m;  ///< what distances that FCL measures and those of `closest_on` differ by
+  double m_rounding_m;
   std::shared_ptr<fcl::CollisionGeometryd> m_model;
+  std::size_t m_model_bytes = 0;
   fcl::GJKSolverType m_solver;
   double m_node_radius_m;
 };

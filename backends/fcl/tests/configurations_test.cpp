@@ -35,7 +35,7 @@ struct Row {
   Verdict rebuild;
 };
 
-// The same for both models, all managers, both solvers and any number of threads.
+// The same for both models and all managers, which only surfaces have, both solvers and any number of threads.
 constexpr Row table[] = {
     // query         volume    refit    top down rebuild
     {"surfaces", "OBBRSS", right, right, right},
@@ -91,7 +91,7 @@ std::vector<Configuration> configurations(const Row& row, const char* update) {
         if (row.query == std::string("node_collide")) {
           given["node_radius_m"] = radius_m;
         }
-        if (surfaces || model == std::string("replace")) {
+        if (surfaces || (model == std::string("replace") && manager == std::string("dynamic_aabb_tree"))) {
           all.push_back({given, indep ? 2 : 1});
         }
       }

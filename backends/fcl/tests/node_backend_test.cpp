@@ -1,4 +1,4 @@
-#include "backends/fcl/node_queries.hpp"
+#include "backends/fcl/node_backend.hpp"
 
 #include <cmath>
 #include <limits>
@@ -30,22 +30,24 @@ FclOptions by_collision(double node_radius_m) {
 }
 
 /// Contacts of points in the rest frame of a box of 2 x 4 x 6 cm.
-std::vector<Contact> contacts_of(const std::vector<Vec3>& points, const FclOptions& options, int threads = 1) {
+std::vector<Contact> contacts_of(const std::vector<Vec3>& points, const FclOptions& options, int threads = 1,
+                                 const std::vector<RigidMotion>& poses = some_poses) {
   const std::vector<Bone> bones = {make_bone("box", make_box({0.01, 0.02, 0.03}, 3))};
-  NodeQueries queries(options, bones, threads);
-  queries.move_bones(some_poses);
-  std::vector<Vec3> positions;
+  TriangleMesh muscle;
   for (const Vec3& point : points) {
-    positions.push_back(some_poses[0].apply(point));
+    muscle.vertices.push_back(poses[0].apply(point));
   }
   std::vector<int> nodes(points.size());
   std::iota(nodes.begin(), nodes.end(), 0);
+  const auto backend = make_node_backend(options);
+  backend->build(bones, muscle, threads);
+  backend->update(poses, muscle.vertices);
   std::vector<Contact> contacts;
-  queries.append(positions, nodes, contacts);
+  backend->detect(muscle.vertices, nodes, contacts);
   return contacts;
 }
 
-TEST(NodeQueries, DistanceFindsNodesAtAnyDepth) {
+TEST(NodeBackend, DistanceFindsNodesAtAnyDepth) {
   const auto found =
       contacts_of({{0.009, 0.001, 0.002}, {0.001, 0.0004, 0.0003}, {0.011, 0, 0}, {0.009, 0.021, 0}}, by_distance());
   ASSERT_EQ(found.size(), 2U);
@@ -58,7 +60,7 @@ TEST(NodeQueries, DistanceFindsNodesAtAnyDepth) {
   }
 }
 
-TEST(NodeQueries, ASphereFindsNodesUpToItsRadiusAndNoneOutside) {
+TEST(NodeBackend, ASphereFindsNodesUpToItsRadiusAndNoneOutside) {
   const std::vector<Vec3> points = {{0.0099, 0, 0}, {0.0091, 0, 0}, {0.0089, 0, 0}, {0.0101, 0, 0}, {0.001, 0, 0}};
   const auto found = contacts_of(points, by_collision(1e-3));
   ASSERT_EQ(found.size(), 2U) << "blind inside";
@@ -71,27 +73,19 @@ TEST(NodeQueries, ASphereFindsNodesUpToItsRadiusAndNoneOutside) {
 
 // Where a point lies in a triangle, FCL 0.7 leaves the distance unset (BerkeleyAutomation/python-fcl issue 54) and may
 // name a triangle far away.
-TEST(NodeQueries, ANodeOnTheSurfaceHasNoContact) {
+TEST(NodeBackend, ANodeOnTheSurfaceHasNoContact) {
   std::vector<Vec3> points;
   for (const double y : {-0.019, -0.013, 0.0, 0.0061, 0.02}) {
     for (const double z : {-0.03, -0.0217, 0.001, 0.0123, 0.029}) {
       points.insert(points.end(), {{0.01, y, z}, {-0.01, y, z}, {y / 2, 0.02, z}, {y / 2, z / 2, -0.03}});
     }
   }
-  const std::vector<Bone> bones = {make_bone("box", make_box({0.01, 0.02, 0.03}, 3))};
-  std::vector<int> nodes(points.size());
-  std::iota(nodes.begin(), nodes.end(), 0);
   for (const FclOptions& options : {by_distance(), by_collision(1e-3)}) {
-    NodeQueries queries(options, bones, 1);
-    const std::vector<RigidMotion> at_rest(1);
-    queries.move_bones(at_rest);
-    std::vector<Contact> contacts;
-    queries.append(points, nodes, contacts);
-    EXPECT_TRUE(contacts.empty());
+    EXPECT_TRUE(contacts_of(points, options, 1, {RigidMotion{}}).empty());
   }
 }
 
-TEST(NodeQueries, ThreadsDoNotChangeABit) {
+TEST(NodeBackend, ThreadsDoNotChangeABit) {
   std::vector<Vec3> points;
   for (int i = 0; i < 400; ++i) {
     points.emplace_back(0.011 * std::sin(1.7 * i), 0.021 * std::sin(2.3 * i + 1), 0.031 * std::cos(3.1 * i));
@@ -111,7 +105,7 @@ TEST(NodeQueries, ThreadsDoNotChangeABit) {
   }
 }
 
-TEST(NodeQueries, PositionsThatAreNotFiniteHaveNoContact) {
+TEST(NodeBackend, PositionsThatAreNotFiniteHaveNoContact) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   for (const FclOptions& options : {by_distance(), by_collision(5e-3)}) {
@@ -119,7 +113,7 @@ TEST(NodeQueries, PositionsThatAreNotFiniteHaveNoContact) {
   }
 }
 
-TEST(NodeQueries, TheBackendAnswersForSubsetsAndWithoutBones) {
+TEST(NodeBackend, TheBackendAnswersForSubsetsAndWithoutBones) {
   const MovingScene scene;
   const auto backend =
       make_fcl_backend(Parameters(fcl_parameters(), {{"query", std::string("node_distance")}}, "test"));
@@ -145,7 +139,7 @@ TEST(NodeQueries, TheBackendAnswersForSubsetsAndWithoutBones) {
   EXPECT_EQ(contacts.back().depth_m, expected.depth_m);
 }
 
-TEST(NodeQueries, RefusalsNameWhatIsPossible) {
+TEST(NodeBackend, RefusalsNameWhatIsPossible) {
   const auto message = [](const std::map<std::string, ParameterValue>& given) -> std::string {
     try {
       make_fcl_backend(Parameters(fcl_parameters(), given, "test"));
@@ -158,6 +152,8 @@ TEST(NodeQueries, RefusalsNameWhatIsPossible) {
   EXPECT_NE(no_distance.find("unsupported"), std::string::npos) << no_distance;
   EXPECT_NE(no_distance.find("OBBRSS, RSS or kIOS"), std::string::npos) << no_distance;
   EXPECT_NE(message({{"query", std::string("node_collide")}, {"model", std::string("update")}}).find("fcl: model"),
+            std::string::npos);
+  EXPECT_NE(message({{"query", std::string("node_distance")}, {"manager", std::string("none")}}).find("fcl: manager"),
             std::string::npos);
   EXPECT_NE(message({{"node_radius_m", 1e-3}}).find("node_collide"), std::string::npos);
   EXPECT_NE(message({{"clearance_cache", std::string("on")}}).find("is unknown"), std::string::npos)
