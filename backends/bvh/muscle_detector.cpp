@@ -111,12 +111,12 @@ class BvhMuscleDetector final : public MuscleContactDetector {
     for (std::size_t beside = 0; beside < m_beside[muscle].size(); ++beside) {
       const int other = m_beside[muscle][beside];
       for (std::size_t i = 0; i < nodes.size(); ++i) {
-        const double beyond_m = m_clearances ? m_clearances->beyond_m(nodes[i]) : unknown_m;
-        // Of a muscle that is no nearer nothing has to be known, where that tells its side, too.
-        const double enough_m = clearance_m[i] > beyond_m ? clearance_m[i] : unknown_m;
+        const double excess_travel_m = m_clearances ? m_clearances->excess_travel_m(nodes[i]) : unknown_m;
+        // Search no farther than the best clearance so far, if that alone proves the node free.
+        const double enough_m = clearance_m[i] > excess_travel_m ? clearance_m[i] : unknown_m;
         int& guess = m_guesses[static_cast<std::size_t>(nodes[i]) * m_most_beside + beside];
         clearance_m[i] =
-            std::min(clearance_m[i], query_muscle(nodes[i], other, beyond_m, enough_m, guess, chunk.found));
+            std::min(clearance_m[i], query_muscle(nodes[i], other, excess_travel_m, enough_m, guess, chunk.found));
       }
       const Nanoseconds now_ns = monotonic_now_ns();
       chunk.pair_ns[pair_index(m_pairs, static_cast<int>(muscle), other)] += now_ns - before_ns;
@@ -125,8 +125,8 @@ class BvhMuscleDetector final : public MuscleContactDetector {
     for (std::size_t i = 0; i < nodes.size() && m_clearances; ++i) m_clearances->store(nodes[i], clearance_m[i]);
   }
 
-  /// Returns how far the node is free of the muscle, or `enough_m`; 0 where it is inside.
-  double query_muscle(int node, int muscle, double beyond_m, double enough_m, int& guess,
+  /// Returns a lower bound of the node's distance to the muscle, or `enough_m` where that is less; 0 inside.
+  double query_muscle(int node, int muscle, double excess_travel_m, double enough_m, int& guess,
                       std::vector<MuscleContact>& found) const {
     const Vec3& point = m_positions[static_cast<std::size_t>(node)];
     const MovingSurfaceTree& tree = m_trees[static_cast<std::size_t>(muscle)];
@@ -138,7 +138,7 @@ class BvhMuscleDetector final : public MuscleContactDetector {
       return point.allFinite() ? enough_m : 0;
     }
     guess = closest.triangle;
-    const bool is_free = closest.distance_m <= m_touching_m || closest.distance_m * (1 - rounding) > beyond_m ||
+    const bool is_free = closest.distance_m <= m_touching_m || closest.distance_m * (1 - rounding) > excess_travel_m ||
                          tree.winding_number(point) <= 0;
     if (is_free) {
       return closest.distance_m;

@@ -10,7 +10,7 @@
 
 namespace musclebench {
 
-/// Nodes that one thread asks one bone about.
+/// Nodes that one thread queries against one bone.
 struct NodeBatch {
   int bone;
   const RigidMotion& pose;          ///< of the bone
@@ -20,8 +20,8 @@ struct NodeBatch {
   ClearanceCache* clearances;
 };
 
-/// What a backend has built over one bone in rest pose, and how it is asked about single nodes: all that a backend
-/// which answers node by node has of its own (see `make_point_backend`).
+/// A backend's structure over one bone in rest pose, queried about single nodes. A backend that answers node by node
+/// implements nothing else (see `make_point_backend`).
 class BoneStructure {
  public:
   BoneStructure() = default;
@@ -30,7 +30,7 @@ class BoneStructure {
   virtual ~BoneStructure() = default;
 
   [[nodiscard]] virtual AnswerBound answer_bound() const = 0;
-  /// Counted from sizes (deterministic), with what is kept of each node.
+  /// Counted from sizes (deterministic), with the state of each node.
   [[nodiscard]] virtual std::size_t bytes() const = 0;
   /// The smallest edge of a cell, in metres; 0 without cells.
   [[nodiscard]] virtual double step_m() const { return 0; }
@@ -38,8 +38,8 @@ class BoneStructure {
   [[nodiscard]] virtual std::optional<StructureError> error() const { return std::nullopt; }
   [[nodiscard]] virtual bool is_from_file() const { return false; }
 
-  /// Empties what is kept of each node between detections, and makes room for this many. Called with a clearance cache
-  /// only.
+  /// Empties the state that is kept of each node between detections, and makes room for this many nodes. Called with a
+  /// clearance cache only.
   virtual void reset_nodes(std::size_t /*nodes*/) {}
 
   /// Appends the contacts of the batch in the order of its nodes; a position that is not finite has none. Several

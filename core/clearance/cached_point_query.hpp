@@ -15,8 +15,8 @@
 
 namespace musclebench {
 
-/// Contacts of single nodes with the exact surface of one bone. With the clearance cache a query starts from what
-/// earlier queries of the same node have left: a safe sphere, and for nodes in or near the bone a list of candidate
+/// Contacts of single nodes with the exact surface of one bone. With the clearance cache a query starts from the
+/// results of earlier queries of the same node: a safe sphere, and for nodes in or near the bone a list of candidate
 /// triangles. The cache changes the time only: the contacts are the same to the bit.
 /// reports/performance/clearance_cache.md describes the steps of a query and why each is exact.
 template <QuerySurface Surface>
@@ -59,7 +59,7 @@ class CachedPointQuery final : public BoneStructure {
     PointSide side;
   };
 
-  /// What earlier queries of a node and a bone have left; starts at a cache line.
+  /// Results of earlier queries of a node and a bone; starts at a cache line.
   struct alignas(64) NodeCache {
     typename Surface::CandidateList candidates;
     int triangle = -1;        ///< a triangle that was near the node
@@ -99,8 +99,8 @@ class CachedPointQuery final : public BoneStructure {
   NodeCache& cache_of(int node) { return m_node_caches[static_cast<std::size_t>(node)]; }
   Vec3& exit_point_of(int node) { return m_exit_points[static_cast<std::size_t>(node)]; }
 
-  /// The constraints have just driven all that a query reads out of the CPU's caches. Each stage is therefore done for
-  /// a whole block before the next one and prefetches for it, so that cache misses overlap.
+  /// The constraints have just evicted from the CPU's caches all that a query reads. Each stage is therefore done for a
+  /// whole block before the next one and prefetches for it, so that cache misses overlap.
   void query_block(const NodeBatch& batch, std::size_t first, Scratch& scratch, std::vector<Contact>& contacts) {
     const std::span<const int> nodes = batch.nodes.subspan(first, std::min(block_size, batch.nodes.size() - first));
     const std::span<NodeQuery> queries = std::span(scratch.queries).first(nodes.size());
@@ -224,8 +224,8 @@ class CachedPointQuery final : public BoneStructure {
     return answer_from_candidates(query, cache, begun, answer);
   }
 
-  /// From the cheapest source to the dearest: candidates, clearance grid, new candidates, clearance, full search.
-  /// `begun` is the search among the candidates, if there are any.
+  /// From the cheapest source to the most expensive: candidates, clearance grid, new candidates, clearance, full
+  /// search. `begun` is the search among the candidates, if there are any.
   Answer query_with_cache(const NodeBatch& batch, const NodeQuery& query, CandidateSearch& begun) {
     NodeCache& cache = cache_of(query.node);
     Answer answer;

@@ -15,10 +15,10 @@ namespace {
 /// More than the relative rounding errors of lengths.
 constexpr double rounding = 1e-9;
 constexpr std::size_t cluster_size = 32;
-/// Neighbours are looked for within this many mean diameters of a cluster. Fewer: they are looked for more often. More:
-/// they are more, and the farthest of them moves most.
+/// Neighbours are looked for within this many mean diameters of a cluster. A smaller radius has to be searched more
+/// often; a larger one holds more clusters, and the farthest of them move most.
 constexpr double neighbourhood = 0.25;
-/// The reach of a node without a clearance.
+/// Expiry of a node without a clearance.
 constexpr double unknown_m = -std::numeric_limits<double>::infinity();
 
 /// Calls `work(i)` for all i below `count`.
@@ -38,8 +38,8 @@ double squared_gap_m2(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b
 
 }  // namespace
 
-MovingClearances::MovingClearances(const TouchingMuscles& muscles) : m_places(muscles.mesh.vertices.size()) {
-  std::vector<std::vector<int>> around(m_places.size());  // nodes that share a triangle
+MovingClearances::MovingClearances(const TouchingMuscles& muscles) : m_memberships(muscles.mesh.vertices.size()) {
+  std::vector<std::vector<int>> around(m_memberships.size());  // nodes that share a triangle
   for (const Triangle& triangle : muscles.mesh.triangles) {
     for (const int node : triangle) {
       auto& own = around[static_cast<std::size_t>(node)];
@@ -63,7 +63,7 @@ MovingClearances::MovingClearances(const TouchingMuscles& muscles) : m_places(mu
       cluster.first = m_members.size();
       for (std::size_t i = first; i < std::min(first + cluster_size, order.size()); ++i) {
         const int node = body.first_node + order[i];
-        m_places[static_cast<std::size_t>(node)] = {m_clusters.size(), m_members.size()};
+        m_memberships[static_cast<std::size_t>(node)] = {m_clusters.size(), m_members.size()};
         m_members.push_back(node);
       }
       cluster.last_own = m_members.size();
@@ -74,8 +74,8 @@ MovingClearances::MovingClearances(const TouchingMuscles& muscles) : m_places(mu
       }
       std::ranges::sort(others);
       others.erase(std::unique(others.begin(), others.end()), others.end());
-      std::erase_if(others,
-                    [&](int node) { return m_places[static_cast<std::size_t>(node)].cluster == m_clusters.size(); });
+      std::erase_if(
+          others, [&](int node) { return m_memberships[static_cast<std::size_t>(node)].cluster == m_clusters.size(); });
       m_members.insert(m_members.end(), others.begin(), others.end());
       cluster.last = m_members.size();
       for (std::size_t i = cluster.first; i < cluster.last; ++i) {
@@ -87,22 +87,22 @@ MovingClearances::MovingClearances(const TouchingMuscles& muscles) : m_places(mu
   }
   m_first_cluster.push_back(m_clusters.size());
   m_motions.resize(m_clusters.size());
-  m_reach_m.assign(m_members.size(), unknown_m);
+  m_expires_at_m.assign(m_members.size(), unknown_m);
   for (const int node : m_members) m_last.push_back(muscles.mesh.vertices[static_cast<std::size_t>(node)]);
   m_near_m = m_clusters.empty() ? 0 : neighbourhood * diameters_m / static_cast<double>(m_clusters.size());
 }
 
 MovingClearances::Motion MovingClearances::measure(const Cluster& cluster) {
-  Eigen::AlignedBox3d ways;
+  Eigen::AlignedBox3d displacements;
   for (std::size_t i = cluster.first; i < cluster.last; ++i) {
     const Vec3& position = m_positions[static_cast<std::size_t>(m_members[i])];
-    ways.extend(position - m_last[i]);
+    displacements.extend(position - m_last[i]);
     m_last[i] = position;
   }
-  return {ways.center(), 0.5 * ways.diagonal().norm()};
+  return {displacements.center(), 0.5 * displacements.diagonal().norm()};
 }
 
-/// The largest to a cluster near it.
+/// Upper bound over all clusters near it, in the last step.
 double MovingClearances::relative_motion_m(std::size_t cluster) const {
   const Motion& own = m_motions[cluster];
   double largest_m = -own.spread_m;
@@ -122,21 +122,21 @@ void MovingClearances::update(std::span<const Vec3> positions, int threads) {
   for_each_index(m_clusters.size(), threads, [&](std::size_t i) { m_motions[i] = measure(m_clusters[i]); });
   double moved_m = 0;
   for (const Motion& motion : m_motions) moved_m = std::max(moved_m, motion.middle_m.norm() + motion.spread_m);
-  m_moved_apart_m += 2 * moved_m * (1 + rounding);
+  m_approach_m += 2 * moved_m * (1 + rounding);
   for_each_index(m_clusters.size(), threads,
                  [&](std::size_t i) { m_clusters[i].travel_m += relative_motion_m(i) * (1 + rounding); });
-  if (!(m_moved_apart_m < m_near_m * (1 - rounding))) {  // a leap: clusters that were not near may have met
-    std::ranges::fill(m_reach_m, unknown_m);
+  if (!(m_approach_m < m_near_m * (1 - rounding))) {  // a leap: clusters that were not near may have met
+    std::ranges::fill(m_expires_at_m, unknown_m);
   }
-  // At half of the distance, so that a cluster that becomes a neighbour is still as far away as the other half.
-  if (!m_has_neighbours || !(m_moved_apart_m < 0.5 * m_near_m)) {
+  // At half of the radius, so that a new neighbour is still at least the other half away.
+  if (!m_has_neighbours || !(m_approach_m < 0.5 * m_near_m)) {
     find_neighbours(threads);
   }
   m_expired.clear();
   for (const Cluster& cluster : m_clusters) {
     for (std::size_t i = cluster.first; i < cluster.last_own; ++i) {
-      // Not `>=`: what is not a number has expired.
-      if (!(cluster.travel_m < m_reach_m[i])) m_expired.push_back(m_members[i]);
+      // Not `>=`: a NaN has expired.
+      if (!(cluster.travel_m < m_expires_at_m[i])) m_expired.push_back(m_members[i]);
     }
   }
 }
@@ -152,7 +152,7 @@ void MovingClearances::find_neighbours(int threads) {
   m_boxes.assign(m_beside.size(), Eigen::AlignedBox3d());
   for (const Cluster& cluster : m_clusters) m_boxes[static_cast<std::size_t>(cluster.muscle)].extend(cluster.box);
   for_each_index(m_clusters.size(), threads, [&](std::size_t i) { find_neighbours_of(m_clusters[i]); });
-  m_moved_apart_m = 0;
+  m_approach_m = 0;
   m_has_neighbours = true;
 }
 
@@ -175,23 +175,23 @@ void MovingClearances::find_neighbours_of(Cluster& cluster) {
       }
     }
   }
-  // How a new neighbour came nearer was not added to the travel: no node of this cluster is farther from it than that.
-  const double reach_m = cluster.travel_m + least_new_gap_m * (1 - rounding);
+  // Motion of a new neighbour was not counted in travel_m: cap every clearance at the distance to it.
+  const double expires_at_m = cluster.travel_m + least_new_gap_m * (1 - rounding);
   for (std::size_t i = cluster.first; i < cluster.last_own; ++i) {
-    m_reach_m[i] = std::min(m_reach_m[i], reach_m);
+    m_expires_at_m[i] = std::min(m_expires_at_m[i], expires_at_m);
   }
   cluster.near = std::move(near);
 }
 
 void MovingClearances::store(int node, double clearance_m) {
-  const Place& place = m_places[static_cast<std::size_t>(node)];
-  m_reach_m[place.member] =
-      clearance_m > 0 ? m_clusters[place.cluster].travel_m + clearance_m * (1 - rounding) : unknown_m;
+  const Membership& membership = m_memberships[static_cast<std::size_t>(node)];
+  m_expires_at_m[membership.member] =
+      clearance_m > 0 ? m_clusters[membership.cluster].travel_m + clearance_m * (1 - rounding) : unknown_m;
 }
 
 std::size_t MovingClearances::bytes() const {
   std::size_t sum = m_clusters.capacity() * sizeof(Cluster) + m_members.capacity() * sizeof(int) +
-                    m_places.capacity() * sizeof(Place) + m_reach_m.capacity() * sizeof(double) +
+                    m_memberships.capacity() * sizeof(Membership) + m_expires_at_m.capacity() * sizeof(double) +
                     m_last.capacity() * sizeof(Vec3) + m_motions.capacity() * sizeof(Motion);
   for (const Cluster& cluster : m_clusters) sum += cluster.near.capacity() * sizeof(std::size_t);
   return sum;

@@ -9,18 +9,10 @@
 
 namespace musclebench {
 
-/// By which most nodes of muscles that deform are known to be free of the muscles beside them without a query.
-///
-/// A node that was found at distance d from all of these is free until it and the surfaces near it have moved by d
-/// towards each other. What counts is how they move *relative to each other*: tissue that lies side by side travels
-/// together. Nodes are therefore taken in clusters, small parts of one muscle. Two clusters a and b move relative to
-/// each other by at most |middle(a) - middle(b)| + spread(a) + spread(b) in a step, where middle is that of the box
-/// around the displacements of their nodes, and spread the farthest any of them can be from it. A cluster adds up the
-/// largest such step over all clusters near it; a node of it has expired when that sum has grown by its distance.
-/// Clusters that are not near are farther away than both have moved since that was found out.
-///
-/// The cost of a step so grows with the relative motion at the places where muscles lie side by side, and not with how
-/// fast a limb swings. It changes no contact.
+/// Clearance cache between deforming muscles: a node that was found at distance d from the muscles that touch its own
+/// needs no query until it and the surfaces near it may have moved by d towards each other. Relative motion is bounded
+/// for clusters of nodes, so that a motion that neighbouring muscles share costs nothing
+/// (reports/performance/muscle_contact.md derives the bounds). It changes no contact.
 class MovingClearances {
  public:
   /// Then no node has a clearance.
@@ -33,11 +25,11 @@ class MovingClearances {
   /// Those of muscles that touch others; by cluster, always in the same order. Valid until the next `update`.
   [[nodiscard]] std::span<const int> expired() const { return m_expired; }
 
-  /// How far an expired node may have gone beyond its clearance: where the surface is now farther away than this, the
-  /// node is still free. Infinite for one that had none.
-  [[nodiscard]] double beyond_m(int node) const {
-    const Place& place = m_places[static_cast<std::size_t>(node)];
-    return m_clusters[place.cluster].travel_m - m_reach_m[place.member];
+  /// How far the relative motion of an expired node may exceed its clearance: where the surface is now farther away
+  /// than this, the node is still free. Infinite for one that had none.
+  [[nodiscard]] double excess_travel_m(int node) const {
+    const Membership& membership = m_memberships[static_cast<std::size_t>(node)];
+    return m_clusters[membership.cluster].travel_m - m_expires_at_m[membership.member];
   }
 
   /// The node is at least this far from all muscles beside its own; 0: it is in one. Different nodes may be stored by
@@ -47,13 +39,13 @@ class MovingClearances {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  /// Where a node is a member; nowhere in a muscle that touches no other.
-  struct Place {
+  /// The cluster of a node and its index in m_members; no cluster where its muscle touches no other.
+  struct Membership {
     std::size_t cluster = std::numeric_limits<std::size_t>::max();
     std::size_t member = 0;
   };
   struct Cluster {
-    std::size_t first = 0;  ///< of m_members: nodes of its own, then those of their triangles
+    std::size_t first = 0;  ///< in m_members: its own nodes, then the other corners of their triangles
     std::size_t last_own = 0;
     std::size_t last = 0;
     int muscle = 0;
@@ -64,8 +56,8 @@ class MovingClearances {
 
   /// How the nodes of a cluster moved in the last step.
   struct Motion {
-    Vec3 middle_m = Vec3::Zero();  ///< of the box around the ways of all
-    double spread_m = 0;           ///< none departs farther from the middle
+    Vec3 middle_m = Vec3::Zero();  ///< of the box around the displacements of all
+    double spread_m = 0;           ///< no displacement is farther from the middle
   };
 
   [[nodiscard]] Motion measure(const Cluster& cluster);
@@ -74,17 +66,17 @@ class MovingClearances {
   void find_neighbours_of(Cluster& cluster);
 
   std::vector<std::vector<int>> m_beside;    ///< by muscle
-  std::vector<Cluster> m_clusters;           ///< a muscle's one after the other
-  std::vector<std::size_t> m_first_cluster;  ///< by muscle; and the number of all
+  std::vector<Cluster> m_clusters;           ///< those of a muscle together
+  std::vector<std::size_t> m_first_cluster;  ///< by muscle; at the end the number of all
   std::vector<int> m_members;
-  std::vector<Place> m_places;               ///< by node
-  std::vector<double> m_reach_m;             ///< by member: it is free while the travel of its cluster is less
+  std::vector<Membership> m_memberships;     ///< by node
+  std::vector<double> m_expires_at_m;        ///< by member: travel of its cluster at which its clearance is used up
   std::vector<Motion> m_motions;             ///< by cluster
   std::vector<Eigen::AlignedBox3d> m_boxes;  ///< by muscle, when neighbours were last looked for
   std::vector<Vec3> m_last;                  ///< by member: its position in the step before
   std::span<const Vec3> m_positions;
-  double m_near_m = 0;         ///< clusters closer than this are neighbours
-  double m_moved_apart_m = 0;  ///< by which two clusters may have come closer since neighbours were looked for
+  double m_near_m = 0;      ///< clusters closer than this are neighbours
+  double m_approach_m = 0;  ///< bound of how much closer two clusters came since neighbours were looked for
   bool m_has_neighbours = false;
   std::vector<int> m_expired;
 };

@@ -10,18 +10,18 @@
 
 namespace musclebench {
 
-/// A backend that answers node by node, told by what it builds over one bone.
+/// Describes a backend that answers node by node, by the structure that it builds over one bone.
 struct PointMethod {
-  /// With `has_cache` a clearance cache is kept, and only nodes that have left their safe spheres are asked about.
+  /// With `has_cache` a clearance cache is kept, and only nodes that have left their safe spheres are queried.
   Capabilities capabilities = {.steady_memory = true};
   /// Whether clearances hold for closed bones only: across a hole the side changes where no surface is, so that a
   /// distance alone does not say how far a node is free. With an open bone there is no cache then.
   bool cache_needs_closed_bones = false;
-  /// What is worth a thread's start: some microseconds of work.
+  /// Smallest batch that is worth a thread's start: some microseconds of work.
   std::size_t nodes_a_batch = 512;
   /// Where not empty: throws InputError where the parameters do not fit the bones, before anything is built.
   std::function<void(std::span<const Bone>)> require_fit = nullptr;
-  /// Of a bone that outlives the structure; `report`, where not empty, is told the share that is done.
+  /// Builds the structure over a bone, which outlives it; `report`, where not empty, is called with the share done.
   std::function<std::unique_ptr<BoneStructure>(const Bone& bone, int threads, const ShareReport& report)> build =
       nullptr;
 };

@@ -33,14 +33,16 @@ class TwoBallsBeside : public testing::Test {
     }
   }
 
-  /// Moves each body by `way(body, point)` and returns the nodes that have expired.
-  std::vector<int> step(MovingClearances& clearances, const std::function<Vec3(int, const Vec3&)>& way) {
+  /// Moves each point to `motion(body, point)` and returns the nodes that have expired.
+  std::vector<int> step(MovingClearances& clearances, const std::function<Vec3(int, const Vec3&)>& motion) {
     std::vector<Vec3> moved;
     for (int node = 0; node < static_cast<int>(m_mesh.vertices.size()); ++node) {
-      moved.push_back(way(body(node), m_positions[static_cast<std::size_t>(node)]));
+      moved.push_back(motion(body(node), m_positions[static_cast<std::size_t>(node)]));
     }
     m_positions = moved;
-    for (int i = 0; i < 2; ++i) m_centres[static_cast<std::size_t>(i)] = way(i, m_centres[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < 2; ++i) {
+      m_centres[static_cast<std::size_t>(i)] = motion(i, m_centres[static_cast<std::size_t>(i)]);
+    }
     clearances.update(m_positions, 1);
     return {clearances.expired().begin(), clearances.expired().end()};
   }
@@ -67,7 +69,7 @@ TEST_F(TwoBallsBeside, AllExpireBeforeAnythingIsKnown) {
   MovingClearances clearances(touching());
   const std::vector<int> expired = step(clearances, [](int, const Vec3& p) { return p; });
   EXPECT_EQ(expired.size(), m_positions.size());
-  for (const int node : expired) EXPECT_EQ(clearances.beyond_m(node), std::numeric_limits<double>::infinity());
+  for (const int node : expired) EXPECT_EQ(clearances.excess_travel_m(node), std::numeric_limits<double>::infinity());
 }
 
 /// A tenth of a degree a step about an axis 0.3 m away: every node travels 0.5 mm, past its clearance in ten steps.
@@ -103,7 +105,7 @@ TEST_F(TwoBallsBeside, NoneOutlivesItsDistance) {
         ASSERT_TRUE(is_expired) << "node " << node << " in step " << i;
       }
       if (is_expired) {
-        ASSERT_GE(clearances.beyond_m(node), -left_m - 1e-12);
+        ASSERT_GE(clearances.excess_travel_m(node), -left_m - 1e-12);
       }
     }
   }
