@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 from dataclasses import dataclass
+from datetime import datetime, timezone
 from pathlib import Path
 
 from musclebench.cases.progress import duration
@@ -101,8 +102,9 @@ def print_plan(steps: list[Step], options) -> None:
 
 
 def run_steps(steps: list[Step], options) -> list[str]:
-    """What went wrong, a line a study; the results of the others are taken over."""
-    problems = []
+    """What went wrong, a line a study; the results of the others are taken over, all of one commit and machine."""
+    problems, adopted = [], []
+    publication = datetime.now(timezone.utc).isoformat(timespec="seconds")
     for number, step in enumerate(steps, 1):
         out_dir, started = out_dir_of(options) / step.name, time.monotonic()
         print(f"[{number}/{len(steps)}] {step.name}: {step.shown} -> {out_dir}", flush=True)
@@ -113,7 +115,13 @@ def run_steps(steps: list[Step], options) -> list[str]:
         if code != 0:
             problems.append(f"{step.name} ended with {code}; run tools/publish again, complete cases are kept")
             continue
-        source = adopt(step.name, out_dir, measured_folder(options) / step.name, step.shown)
+        try:
+            source = adopt(step.name, out_dir, measured_folder(options) / step.name, step.shown, publication,
+                           adopted[0] if adopted else None)
+        except Problem as problem:
+            problems.append(str(problem))
+            continue
+        adopted.append(source)
         busy = f"; in {source.disturbed} runs the machine was busy" if source.disturbed else ""
         print(f"    done in {duration(time.monotonic() - started)}, commit {source.commit}{busy}", flush=True)
     return problems

@@ -42,6 +42,13 @@ def small(tmp_path) -> Measured:
     return Measured(tmp_path / "measured")
 
 
+def schemas() -> list[int]:
+    """The oldest that the program reads, and its own."""
+    header = next((PROJECT / "bench").rglob("manifest.hpp")).read_text()
+    return [int(re.search(rf"int {name} = (\d+);", header).group(1))
+            for name in ("oldest_readable_schema", "schema_version")]
+
+
 @pytest.mark.parametrize("name", PAGES)
 def test_pages_quote_no_number_outside_of_markers(name):
     assert unmarked(PAGES[name].read_text()) == [], f"{name}: CONTRIBUTING.md says how a number gets into a page"
@@ -55,10 +62,27 @@ def test_pages_say_what_was_measured(name):
 
 @pytest.mark.parametrize("study", REPORTS.studies)
 def test_measured_results_have_the_programs_schema(study):
-    header = next((PROJECT / "bench").rglob("manifest.hpp")).read_text()
-    oldest, newest = (int(re.search(rf"int {name} = (\d+);", header).group(1))
-                      for name in ("oldest_readable_schema", "schema_version"))
+    oldest, newest = schemas()
     assert oldest <= REPORTS.source(study).results_schema <= newest, "measure it anew with tools/publish"
+
+
+def test_studies_of_one_publication_share_commit_machine_and_schema():
+    """Those that were measured one by one, with --only, or before publications had a name, are of their own."""
+    by_name = {}
+    for study in REPORTS.studies:
+        source = REPORTS.source(study)
+        if source.publication:
+            by_name.setdefault(source.publication, []).append(source)
+    for name, sources in by_name.items():
+        for key in measured_module.ONE_PUBLICATION:
+            assert len({getattr(source, key) for source in sources}) == 1, f"publication {name}: {key}"
+
+
+def test_what_was_published_in_one_go_has_the_newest_schema():
+    sources = [REPORTS.source(study) for study in REPORTS.studies]
+    if len({source.publication for source in sources}) > 1 or not sources[0].publication:
+        pytest.skip("the studies were published one by one")
+    assert {source.results_schema for source in sources} == {schemas()[1]}, "publish all anew with tools/publish"
 
 
 @pytest.mark.parametrize("name", PAGES)
@@ -226,6 +250,23 @@ def test_a_rehearsal_leaves_the_projects_pages_alone(rehearsal, capsys):
     assert {name: path.read_text() for name, path in PAGES.items()} == before
     page = (out / "pages" / "README.md").read_text()
     assert "commit abc1234, A processor" in page and "[1/1] paper-synthetic" in capsys.readouterr().out
+
+
+def test_a_publication_is_of_one_commit_and_machine(rehearsal, capsys):
+    """What another commit or machine has left is refused with the folder to remove; without it all share a name."""
+    run, out = rehearsal
+    folder = fake_runs.write_run(out / "convergence-synthetic" / "raw" / "a", "synthetic/iliacus", "voxel")
+    record = json.loads((folder / "run.json").read_text())
+    (folder / "run.json").write_text(json.dumps(record | {"machine": record["machine"] | {"cpu": "Another"}}))
+    assert run("--only", "paper", "--only", "convergence") == 1
+    told = [line for line in capsys.readouterr().err.splitlines() if "another machine" in line]
+    assert len(told) == 1 and "(Another, not A processor)" in told[0] and f"remove {folder.parents[1]}" in told[0]
+    assert Measured(out / "measured").source("convergence-synthetic").machine != "Another"
+    shutil.rmtree(folder.parents[1])
+    run("--only", "paper", "--only", "convergence")
+    kept = Measured(out / "measured")
+    names = {kept.source(f"{kind}-synthetic").publication for kind in ("paper", "convergence")}
+    assert len(names) == 1 and names != {""}
 
 
 def test_a_study_that_fails_is_told_and_the_others_are_written(rehearsal, capsys):

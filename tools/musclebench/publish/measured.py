@@ -13,6 +13,7 @@ from ..program.fingerprint import write_whole
 from ..results.disturbance import disturbed
 
 SOURCE = "source.json"
+ONE_PUBLICATION = ("commit", "machine", "build", "results_schema")  # the same in all studies of one
 TABLES = {
     "paper": ("tables/table_1_memory.csv", "tables/table_2_times.csv"),
     "accuracy": ("tables/price_list.csv", "tables/*_factors.csv", "tables/coupled_outcomes.csv", "study.csv"),
@@ -33,6 +34,7 @@ class Source:
     results_schema: int
     disturbed: int = 0  # runs during which the machine was busy with something else
     unit: str = ""  # the configuration by whose time others are divided
+    publication: str = ""  # when tools/publish was started that took it over; the same for all that it took over
 
     def words(self) -> str:
         text = (f"`{self.command}`, commit {self.commit}, {self.machine}, {self.build}, {self.date}, "
@@ -69,16 +71,28 @@ class Measured:
         return self._tables[name]
 
 
-def adopt(study: str, out_dir: Path, target: Path, command: str) -> Source:
-    """Takes the tables of a finished study over into `target`, with the source that its runs name."""
+def adopt(study: str, out_dir: Path, target: Path, command: str, publication: str = "",
+          other: Source | None = None) -> Source:
+    """Takes the tables of a finished study over into `target`, with the source that its runs name. Raises Problem, and
+    takes nothing over, where commit or machine are not those of `other`, a study of the same publication."""
     kind = study.partition("-")[0]
-    source = replace(source_of(out_dir, command), unit=_unit(out_dir / "study.csv"))
+    source = replace(source_of(out_dir, command), unit=_unit(out_dir / "study.csv"), publication=publication)
+    if other is not None and (differing := _differing(source, other)):
+        raise Problem(f"{study} was measured with another {differing} than {other.command}; remove {out_dir} and run "
+                      "tools/publish again")
     target.mkdir(parents=True, exist_ok=True)
     for pattern in TABLES[kind]:
         for path in out_dir.glob(pattern):
             shutil.copyfile(path, target / path.name)
     write_whole(target / SOURCE, json.dumps(vars(source), indent=1) + "\n")
     return source
+
+
+def _differing(source: Source, other: Source) -> str:
+    """The first of what studies of one publication share, with both values; empty where all are the same."""
+    ours, theirs = vars(source), vars(other)
+    return next((f"{key.replace('_', ' ')} ({ours[key]}, not {theirs[key]})" for key in ONE_PUBLICATION
+                 if ours[key] != theirs[key]), "")
 
 
 def source_of(out_dir: Path, command: str) -> Source:
@@ -120,6 +134,6 @@ def _one(records: list[dict], out_dir: Path, what: str, *keys: str) -> str:
             value = value.get(key) if isinstance(value, dict) else None
         values.add(str(value))
     if len(values) > 1:
-        raise Problem(f"{out_dir}: its runs are of more than one {what} ({', '.join(sorted(values))}); run it anew "
-                      "with --force")
+        raise Problem(f"{out_dir}: its runs are of more than one {what} ({', '.join(sorted(values))}); remove "
+                      "it and run the study again")
     return values.pop()
