@@ -3,6 +3,7 @@
 import csv
 import json
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
 
@@ -20,6 +21,11 @@ COLUMNS = [
     "update_ns", "detect_ns", "respond_ns", "finish_ns", "frame_ns", "contacts", "nodes_inside", "max_depth_m",
     "p99_depth_m", "mean_depth_m", "missed_contacts", "false_contacts", "volume_m3", "resident_bytes",
 ]
+MUSCLE_COLUMNS = [
+    "frame", "angle_deg", "muscle", "contacts", "nodes_inside", "max_depth_m", "p99_depth_m", "mean_depth_m",
+    "nodes_inside_muscles", "max_muscle_depth_m", "volume_m3", "max_edge_stretch", "p99_edge_stretch",
+]
+PAIR_COLUMNS = ["frame", "angle_deg", "muscle", "other", "contacts", "detect_ns"]
 
 
 @dataclass
@@ -71,7 +77,8 @@ def frame_rows(backend: str, frames: int) -> list[dict]:
         row = dict.fromkeys(COLUMNS, "")
         row |= {
             "frame": frame, "angle_deg": repr(90.0 * flexion), "warm_up": int(frame <= 2), "update_ns": 0,
-            "detect_ns": DETECT_NS[backend], "respond_ns": 0, "frame_ns": DETECT_NS[backend] + OTHER_NS,
+            "edge_length_ns": OTHER_NS - 400_000, "bending_ns": 400_000, "volume_ns": 0, "attachment_ns": 0,
+            "predict_ns": 0, "finish_ns": 0, "detect_ns": DETECT_NS[backend], "respond_ns": 0, "frame_ns": DETECT_NS[backend] + OTHER_NS,
             "contacts": 10, "nodes_inside": 5, "max_depth_m": repr(0.002 * flexion),
             "mean_depth_m": repr(0.001 * flexion),
             "p99_depth_m": repr(0.0015 * flexion), "missed_contacts": 1, "false_contacts": 2,
@@ -81,6 +88,41 @@ def frame_rows(backend: str, frames: int) -> list[dict]:
     return rows
 
 
+def muscle_record(name: str, vertices: int) -> dict:
+    return {"name": name, "vertices": vertices, "triangles": 2 * vertices - 4}
+
+
+def muscle_rows(names: list[str], frames: int) -> list[dict]:
+    """The n-th muscle is n mm deep in bones and n / 2 mm in muscles at most, and n % larger after the first frame."""
+    rows = []
+    for frame in range(1, frames + 1):
+        flexion = 1 - abs(2 * frame / frames - 1)
+        for n, name in enumerate(names, 1):
+            rows.append({
+                "frame": frame, "angle_deg": repr(90.0 * flexion), "muscle": name, "contacts": 10 * n,
+                "nodes_inside": 3 * n, "max_depth_m": repr(1e-3 * n * flexion), "p99_depth_m": repr(8e-4 * n * flexion),
+                "mean_depth_m": repr(5e-4 * n * flexion), "nodes_inside_muscles": 2 * n,
+                "max_muscle_depth_m": repr(5e-4 * n * flexion),
+                "volume_m3": repr(2e-4 * (1 if frame == 1 else 1 + n / 100)), "max_edge_stretch": 1 + n / 10,
+                "p99_edge_stretch": 1 + n / 20,
+            })
+    return rows
+
+
+def pair_rows(names: list[str], frames: int) -> list[dict]:
+    """Of neighbours in the list: the n-th pair takes n ms a frame, 100 times that in warm-up, and has 4 n contacts."""
+    return [{"frame": frame, "angle_deg": "0.0", "muscle": pair[0], "other": pair[1], "contacts": 4 * n,
+             "detect_ns": n * (100_000_000 if frame <= 2 else 1_000_000)}
+            for frame in range(1, frames + 1) for n, pair in enumerate(pairwise(names), 1)]
+
+
+def write_rows(path: Path, columns: list[str], rows: list[dict]) -> None:
+    with open(path, "w", newline="") as file:
+        writer = csv.DictWriter(file, columns)
+        writer.writeheader()
+        writer.writerows(rows)
+
+
 def run_record(scene: str, backend: str, frames: int, status: str = "ok", detail: str = "") -> dict:
     muscle = scene.split("/")[-1]
     case = {"scene": scene, "preset": "paper", "backend": backend, "parameters": {},
@@ -88,7 +130,7 @@ def run_record(scene: str, backend: str, frames: int, status: str = "ok", detail
     return {
         "schema_version": 1, "status": status, "status_detail": detail,
         "run_id": f"id-{muscle}-{backend}", "case": case,
-        "muscle": {"name": muscle, "vertices": MUSCLES[muscle], "triangles": 2 * MUSCLES[muscle] - 4},
+        "muscle": muscle_record(muscle, MUSCLES.get(muscle, 1000)),
         "bones": [{"name": "pelvis"}, {"name": "femur"}],
         "attachments": [{"name": "origin", "bone": "pelvis", "nodes": 7},
                         {"name": "insertion", "bone": "femur", "nodes": 3}],
@@ -105,15 +147,17 @@ def run_record(scene: str, backend: str, frames: int, status: str = "ok", detail
 
 def write_run(folder: Path, scene: str, backend: str, frames: int = 20, status: str = "ok", detail: str = "",
               bones: dict[str, Body] | None = None, triangles=None, snapshots=(), motions=MappingProxyType({}),
-              loop=None) -> Path:
+              loop=None, muscles=MappingProxyType({})) -> Path:
+    """`muscles`: vertices of each of several muscles that touch, by name."""
     folder.mkdir(parents=True)
     record = run_record(scene, backend, frames, status, detail)
     if loop is not None:
         record["case"]["loop"] = loop
-    with open(folder / "frames.csv", "w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS)
-        writer.writeheader()
-        writer.writerows(frame_rows(backend, frames))
+    write_rows(folder / "frames.csv", COLUMNS, frame_rows(backend, frames))
+    if muscles:
+        record["muscles"] = [muscle_record(name, vertices) for name, vertices in muscles.items()]
+        write_rows(folder / "muscles.csv", MUSCLE_COLUMNS, muscle_rows(list(muscles), frames))
+        write_rows(folder / "pairs.csv", PAIR_COLUMNS, pair_rows(list(muscles), frames))
     if bones:
         record["bones"] = [{"name": name, "motion": motions.get(name, STATIC)} for name in bones]
         (folder / "meshes").mkdir()

@@ -1,6 +1,5 @@
 """Folders of an accuracy study with known numbers, as `musclebench replay`, `run` and `probe` write them."""
 
-import csv
 import json
 import math
 from dataclasses import dataclass, field
@@ -89,7 +88,7 @@ def write_replay(folder: Path, scene: str, backend: str, truth: Truth, repetitio
     times = frame_times_ns(truth, repetition)
     rows = [_replay_row(frame, times[frame - 1], truth) for frame in range(1, FRAMES + 1) if frame % stride == 0]
     made["frames"] = len(rows)
-    _write_rows(folder / "frames.csv", REPLAY_COLUMNS, rows)
+    fake_runs.write_rows(folder / "frames.csv", REPLAY_COLUMNS, rows)
     (folder / "run.json").write_text(json.dumps(made))
     return folder
 
@@ -124,7 +123,7 @@ def write_coupled(folder: Path, scene: str, backend: str, truth: Truth, repetiti
             shot = fake_runs.Snapshot(frame, _angle(frame), ball.vertices_m, np.zeros(len(ball.vertices_m)),
                                       np.zeros(len(ball.vertices_m)))
             made["snapshots"].append(fake_runs._write_snapshot(folder, shot, ball.triangles))
-    _write_rows(folder / "frames.csv", fake_runs.COLUMNS, [_coupled_row(f, times[f - 1]) for f in range(1, FRAMES + 1)])
+    fake_runs.write_rows(folder / "frames.csv", fake_runs.COLUMNS, [_coupled_row(f, times[f - 1]) for f in range(1, FRAMES + 1)])
     (folder / "run.json").write_text(json.dumps(made))
     return folder
 
@@ -155,7 +154,7 @@ def write_probe(folder: Path, scene: str, backend: str, truth: Truth) -> Path:
             error = 0.5 * cell * (cell / edge) ** (order - 1)
             rows.append({"bone": bone, "place": place, "points": 1000, "max_error_m": 2 * error, "p99_error_m": error,
                          "mean_error_m": error / 3, "rms_error_m": error / 2, "wrong_side": 0.01})
-    _write_rows(folder / "probe.csv", PROBE_COLUMNS, rows)
+    fake_runs.write_rows(folder / "probe.csv", PROBE_COLUMNS, rows)
     made["bones"] = [{"name": bone, "mesh_sha256": f"sha-{bone}"} for bone in EDGES_M]
     made["probed"] = [{"name": bone, "cell_edge_m": edge / truth.parameters["cells"]} for bone, edge in EDGES_M.items()]
     (folder / "run.json").write_text(json.dumps(made))
@@ -182,13 +181,6 @@ def write_plan(out_dir: Path, cases: list[dict]) -> None:
 
 def _angle(frame: int) -> float:
     return 90.0 * (1 - abs(2 * frame / FRAMES - 1))
-
-
-def _write_rows(path: Path, columns: list[str], rows: list[dict]) -> None:
-    with open(path, "w", newline="") as file:
-        writer = csv.DictWriter(file, columns)
-        writer.writeheader()
-        writer.writerows(rows)
 
 
 SURFACES = {"bounding_volume": "OBBRSS", "manager": "dynamic_aabb_tree", "update": "refit", "model": "replace",

@@ -1,11 +1,8 @@
 """Figures as they are printed: widths, sizes of text, colours, resolution; no text covers another or leaves a page."""
 
-import re
-
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
-from matplotlib.text import Text
 from PIL import Image
 
 import fake_registry
@@ -21,6 +18,7 @@ from musclebench.pictures import surface_figures
 from musclebench.pictures.surface_pictures import DEPTH_COLOURS
 from musclebench.results.run_folder import read_run, read_runs
 from musclebench.tables.outcomes import shape_distances
+from printed import check_print, keep_figures
 
 
 @pytest.fixture(scope="module")
@@ -33,38 +31,6 @@ def drawn(tmp_path_factory):
         keep_figures(patch, kept)
         report.write_report(folder)
     return kept
-
-
-def keep_figures(patch, kept: dict) -> None:
-    """What save_figure is given, before it closes it."""
-    save, close = style.save_figure, plt.close
-
-    def keep(figure, stem):
-        patch.setattr(plt, "close", lambda figure: None)
-        kept[stem.name] = (figure, save(figure, stem))
-        patch.setattr(plt, "close", close)
-        return kept[stem.name][1]
-
-    patch.setattr(style, "save_figure", keep)
-
-
-def texts_of(figure) -> list[Text]:
-    return [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
-
-
-def check_print(figure, paths) -> None:
-    """Widths of a column or a page, nothing smaller than 7 points, nothing beyond the sides."""
-    assert figure.get_figwidth() in (style.COLUMN_INCHES, style.PAGE_INCHES)
-    assert min(text.get_fontsize() for text in texts_of(figure)) >= style.SMALLEST_POINTS
-    drawn = figure.get_tightbbox(figure.canvas.get_renderer())
-    assert drawn.x0 >= -0.01 and drawn.x1 <= figure.get_figwidth() + 0.01
-    suffixes = {path.suffix: path for path in paths}
-    assert {".png", ".svg", ".pdf"} <= set(suffixes)
-    box = re.search(rb"/MediaBox \[([^]]*)\]", suffixes[".pdf"].read_bytes()).group(1).split()
-    assert float(box[2]) - float(box[0]) == pytest.approx(72 * figure.get_figwidth(), abs=1)
-    with Image.open(suffixes[".png"]) as picture:
-        assert picture.info["dpi"] == pytest.approx((style.DPI, style.DPI), abs=1)
-        assert picture.width == pytest.approx(style.DPI * figure.get_figwidth(), abs=3)
 
 
 def test_a_study_is_drawn_for_print(drawn):

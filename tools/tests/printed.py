@@ -1,0 +1,65 @@
+"""What any figure is held to: it fits the page, its text can be read and lies beside other text."""
+
+import re
+
+import pytest
+from matplotlib.text import Text
+from PIL import Image
+
+from musclebench.figures import style
+from musclebench.figures.style import plt
+
+
+def keep_figures(patch, kept: dict) -> None:
+    """What save_figure is given, before it closes it."""
+    save, close = style.save_figure, plt.close
+
+    def keep(figure, stem):
+        patch.setattr(plt, "close", lambda figure: None)
+        kept[stem.name] = (figure, save(figure, stem))
+        patch.setattr(plt, "close", close)
+        return kept[stem.name][1]
+
+    patch.setattr(style, "save_figure", keep)
+
+
+def texts_of(figure) -> list[Text]:
+    return [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
+
+
+def check_print(figure, paths) -> None:
+    """Widths of a column or a page, nothing smaller than 7 points, nothing beyond the sides."""
+    assert figure.get_figwidth() in (style.COLUMN_INCHES, style.PAGE_INCHES)
+    assert min(text.get_fontsize() for text in texts_of(figure)) >= style.SMALLEST_POINTS
+    drawn = figure.get_tightbbox(figure.canvas.get_renderer())
+    assert drawn.x0 >= -0.01 and drawn.x1 <= figure.get_figwidth() + 0.01
+    suffixes = {path.suffix: path for path in paths}
+    assert {".png", ".svg", ".pdf"} <= set(suffixes)
+    box = re.search(rb"/MediaBox \[([^]]*)\]", suffixes[".pdf"].read_bytes()).group(1).split()
+    assert float(box[2]) - float(box[0]) == pytest.approx(72 * figure.get_figwidth(), abs=1)
+    with Image.open(suffixes[".png"]) as picture:
+        assert picture.info["dpi"] == pytest.approx((style.DPI, style.DPI), abs=1)
+        assert picture.width == pytest.approx(style.DPI * figure.get_figwidth(), abs=3)
+
+
+def drawn_texts(figure) -> list[Text]:
+    """As `texts_of`, without ticks outside of the panels and the axes of panels that have none."""
+    found = [*figure.texts, *_of_legends(figure.legends)]
+    for axes in [*figure.axes, *(child for axes in figure.axes for child in axes.child_axes)]:
+        found += [axes.title, axes._left_title, *axes.texts, *_of_legends([axes.get_legend()])]
+        if axes.axison:
+            found += [label for axis in (axes.xaxis, axes.yaxis) for label in (
+                axis.label, *(label for tick in axis._update_ticks() for label in (tick.label1, tick.label2)))]
+    return [text for text in found if text.get_visible() and text.get_text().strip()]
+
+
+def _of_legends(legends) -> list[Text]:
+    return [text for legend in legends if legend for text in legend.get_texts()]
+
+
+def overlaps(figure) -> list[tuple[str, str]]:
+    """Pairs of texts that cover each other by more than a pixel."""
+    figure.canvas.draw()  # legends lay their texts out
+    renderer = figure.canvas.get_renderer()
+    boxes = [(text.get_text(), text.get_window_extent(renderer).padded(-0.5)) for text in drawn_texts(figure)]
+    return [(a, b) for i, (a, of_a) in enumerate(boxes) for b, of_b in boxes[:i] if of_a.overlaps(of_b)]
