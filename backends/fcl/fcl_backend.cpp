@@ -1,8 +1,8 @@
 #include "backends/fcl/fcl_backend.hpp"
 
-#include "backends/fcl/muscle_detector.hpp"
-#include "backends/fcl/node_backend.hpp"
-#include "backends/fcl/surface_backend.hpp"
+#include "backends/fcl/nodes/node_backend.hpp"
+#include "backends/fcl/surfaces/muscle_detector.hpp"
+#include "backends/fcl/surfaces/surface_backend.hpp"
 
 namespace musclebench {
 

@@ -11,7 +11,7 @@
 
 #include "backends/brute_force/brute_force_surface.hpp"
 #include "backends/fcl/fcl_backend.hpp"
-#include "backends/fcl/surface_collider.hpp"
+#include "backends/fcl/surfaces/surface_collider.hpp"
 #include "backends/fcl/tests/intersecting_triangles.hpp"
 #include "backends/fcl/tests/moving_scene.hpp"
 #include "core/base/input_error.hpp"

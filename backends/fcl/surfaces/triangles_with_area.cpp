@@ -1,4 +1,4 @@
-#include "backends/fcl/triangles_with_area.hpp"
+#include "backends/fcl/surfaces/triangles_with_area.hpp"
 
 #include <Eigen/Geometry>
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "backends/fcl/met_triangles.hpp"
-#include "backends/fcl/surface_collider.hpp"
+#include "backends/fcl/surfaces/met_triangles.hpp"
+#include "backends/fcl/surfaces/surface_collider.hpp"
 #include "core/distance/pseudo_normals.hpp"
 
 namespace musclebench {

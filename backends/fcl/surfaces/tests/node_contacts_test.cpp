@@ -1,4 +1,4 @@
-#include "backends/fcl/node_contacts.hpp"
+#include "backends/fcl/surfaces/node_contacts.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -1,4 +1,4 @@
-#include "backends/fcl/node_surface.hpp"
+#include "backends/fcl/nodes/node_surface.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
-#include "backends/fcl/node_backend.hpp"
+#include "backends/fcl/nodes/node_backend.hpp"
 
 #include <limits>
 
-#include "backends/fcl/node_surface.hpp"
+#include "backends/fcl/nodes/node_surface.hpp"
 #include "core/clearance/point_backend.hpp"
 
 namespace musclebench {

@@ -1,11 +1,11 @@
-#include "backends/fcl/surface_collider.hpp"
+#include "backends/fcl/surfaces/surface_collider.hpp"
 
 #include <limits>
 
 #include <fcl/narrowphase/collision.h>
 
-#include "backends/fcl/bone_objects.hpp"
-#include "backends/fcl/deforming_model.hpp"
+#include "backends/fcl/surfaces/bone_objects.hpp"
+#include "backends/fcl/surfaces/deforming_model.hpp"
 
 namespace musclebench {
 

@@ -1,13 +1,13 @@
-#include "backends/fcl/surface_backend.hpp"
+#include "backends/fcl/surfaces/surface_backend.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "backends/fcl/node_contacts.hpp"
-#include "backends/fcl/surface_collider.hpp"
-#include "backends/fcl/triangles_with_area.hpp"
+#include "backends/fcl/surfaces/node_contacts.hpp"
+#include "backends/fcl/surfaces/surface_collider.hpp"
+#include "backends/fcl/surfaces/triangles_with_area.hpp"
 
 namespace musclebench {
 

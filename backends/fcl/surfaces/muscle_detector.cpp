@@ -1,12 +1,12 @@
-#include "backends/fcl/muscle_detector.hpp"
+#include "backends/fcl/surfaces/muscle_detector.hpp"
 
 #include <algorithm>
 #include <utility>
 
 #include "backends/fcl/fcl_options.hpp"
-#include "backends/fcl/met_triangles.hpp"
-#include "backends/fcl/muscle_collider.hpp"
-#include "backends/fcl/triangles_with_area.hpp"
+#include "backends/fcl/surfaces/met_triangles.hpp"
+#include "backends/fcl/surfaces/muscle_collider.hpp"
+#include "backends/fcl/surfaces/triangles_with_area.hpp"
 #include "core/base/input_error.hpp"
 #include "core/distance/pseudo_normals.hpp"
 

@@ -1,4 +1,4 @@
-#include "backends/fcl/bone_objects.hpp"
+#include "backends/fcl/surfaces/bone_objects.hpp"
 
 #include <algorithm>
 #include <utility>

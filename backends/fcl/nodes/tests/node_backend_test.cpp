@@ -1,4 +1,4 @@
-#include "backends/fcl/node_backend.hpp"
+#include "backends/fcl/nodes/node_backend.hpp"
 
 #include <cmath>
 #include <limits>

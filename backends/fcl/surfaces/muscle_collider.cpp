@@ -1,10 +1,10 @@
-#include "backends/fcl/muscle_collider.hpp"
+#include "backends/fcl/surfaces/muscle_collider.hpp"
 
 #include <limits>
 
 #include <fcl/narrowphase/collision.h>
 
-#include "backends/fcl/deforming_model.hpp"
+#include "backends/fcl/surfaces/deforming_model.hpp"
 
 namespace musclebench {
 

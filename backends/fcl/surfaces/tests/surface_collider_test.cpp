@@ -1,4 +1,4 @@
-#include "backends/fcl/surface_collider.hpp"
+#include "backends/fcl/surfaces/surface_collider.hpp"
 
 #include <algorithm>
 #include <tuple>
