@@ -54,8 +54,8 @@ class Friction final : public ContactStage {
       return Vec3::Zero();
     }
     const Vec3 on_bone = input.previous_bone_poses[contact.bone].apply_inverse(input.start[contact.node]);
-    const Vec3 way = input.predicted[contact.node] - input.bone_poses[contact.bone].apply(on_bone);
-    const Vec3 slide = way - contact.normal.dot(way) * contact.normal;
+    const Vec3 displacement = input.predicted[contact.node] - input.bone_poses[contact.bone].apply(on_bone);
+    const Vec3 slide = displacement - contact.normal.dot(displacement) * contact.normal;
     const double slide_m = slide.norm();
     const double limit_m = m_coefficient * own_push_m;
     const double undone = slide_m <= limit_m ? 1 : limit_m / slide_m;

@@ -10,7 +10,7 @@ namespace musclebench {
 
 namespace {
 
-std::tuple<int, int> place_of(const Contact& contact) { return {contact.bone, contact.node}; }
+std::tuple<int, int> bone_and_node(const Contact& contact) { return {contact.bone, contact.node}; }
 
 class Margin final : public ContactStage {
  public:
@@ -26,15 +26,15 @@ class Margin final : public ContactStage {
     m_clearances.collect_expired(input.bone_poses, input.predicted, input.free_nodes);
     m_added.clear();
     for (std::size_t bone = 0; bone < m_bones.size(); ++bone) {
-      for (const int node : m_clearances.expired(static_cast<int>(bone))) look_at(node, bone, input);
+      for (const int node : m_clearances.expired(static_cast<int>(bone))) query_node(node, bone, input);
     }
     for (Contact& contact : contacts) contact.depth_m += m_thickness_m;
     // A node that the backend has found keeps the backend's answer.
     std::erase_if(m_added, [&](const Contact& added) {
-      return std::ranges::binary_search(contacts, place_of(added), {}, place_of);
+      return std::ranges::binary_search(contacts, bone_and_node(added), {}, bone_and_node);
     });
     contacts.insert(contacts.end(), m_added.begin(), m_added.end());
-    std::ranges::sort(contacts, {}, place_of);
+    std::ranges::sort(contacts, {}, bone_and_node);
   }
 
   [[nodiscard]] int contact_count() const override { return static_cast<int>(m_added.size()); }
@@ -45,7 +45,7 @@ class Margin final : public ContactStage {
     std::vector<int> near_triangles;  ///< by node
   };
 
-  void look_at(int node, std::size_t bone, const ContactStageInput& input) {
+  void query_node(int node, std::size_t bone, const ContactStageInput& input) {
     auto& [surface, near_triangles] = m_bones[bone];
     int& near = near_triangles[static_cast<std::size_t>(node)];
     const RigidMotion& pose = input.bone_poses[bone];

@@ -15,75 +15,75 @@ namespace {
 /// A node farther from the surface than this, relative to its coordinates, is not on it by rounding.
 constexpr double off_surface = 1e-12;
 
-/// The way of a node in a step, in a bone's rest frame, m.
-struct Way {
+/// Straight path of a node in a step, in a bone's rest frame, m.
+struct PathSegment {
   Vec3 from;
   Vec3 to;
 };
 
-/// What keeps nodes out of one bone.
+/// Keeps nodes from passing through one bone.
 class BoneGuard {
  public:
-  BoneGuard(const Bone& bone, std::size_t nodes) : m_surface(bone.signed_distance()), m_passages(nodes) {}
+  BoneGuard(const Bone& bone, std::size_t nodes) : m_surface(bone.signed_distance()), m_states(nodes) {}
 
-  /// Where the node has to be put by rule `crossing`, rest frame. `clearance_m` becomes the radius of a sphere about
-  /// its location that has no surface in it; 0: unknown.
-  std::optional<Vec3> hold_by_crossing(int node, const Way& way, double& clearance_m) {
-    Passage& passage = m_passages[static_cast<std::size_t>(node)];
-    if (!passage.is_seen || passage.is_inside) {  // something else may have moved it since
-      passage.is_seen = true;
-      const Side side = locate(way.from, passage.triangle);
-      passage.is_inside = passage.is_inside && side.is_inside;
-      if (!passage.is_inside) passage.follow(side);
+  /// The position that rule `crossing` puts the node back to, rest frame; none where it may stay. `clearance_m` becomes
+  /// the radius of a sphere about the end of the path that has no surface in it; 0: unknown.
+  std::optional<Vec3> hold_by_crossing(int node, const PathSegment& path, double& clearance_m) {
+    NodeState& state = m_states[static_cast<std::size_t>(node)];
+    if (!state.is_seen || state.is_inside) {  // something else may have moved it since
+      state.is_seen = true;
+      const Side side = locate(path.from, state.triangle);
+      state.is_inside = state.is_inside && side.is_inside;
+      if (!state.is_inside) state.follow(side);
     }
     // Rounding can't have put it on the other side, so that no crossing means no change.
-    const bool is_off_surface = !passage.is_inside && passage.clearance_m > off_surface * way.from.lpNorm<1>();
+    const bool is_off_surface = !state.is_inside && state.clearance_m > off_surface * path.from.lpNorm<1>();
     Clearance clearance;
     if (is_off_surface) {
-      clearance = m_surface.tree().clearance_from(way.to, passage.triangle);
-      if (clearance.distance_m > (way.to - way.from).norm()) {
-        clearance_m = passage.go_on(clearance);
+      clearance = m_surface.tree().clearance_from(path.to, state.triangle);
+      if (clearance.distance_m > (path.to - path.from).norm()) {
+        clearance_m = state.stay_outside(clearance);
         return std::nullopt;
       }
     }
-    m_surface.tree().find_crossings(way.from, way.to, m_crossings);
+    m_surface.tree().find_crossings(path.from, path.to, m_crossings);
     if (is_off_surface && m_crossings.empty() && clearance.distance_m > 0) {
-      clearance_m = passage.go_on(clearance);
+      clearance_m = state.stay_outside(clearance);
       return std::nullopt;
     }
-    if (!passage.is_inside && !m_crossings.empty() && !m_crossings.front().entering) {
-      passage.enter(locate(way.from, passage.triangle));  // it begins on the surface
+    if (!state.is_inside && !m_crossings.empty() && !m_crossings.front().entering) {
+      state.enter(locate(path.from, state.triangle));  // it begins on the surface
     }
-    int layers = passage.is_inside ? 1 : 0;  // where components of the surface overlap, the outermost counts
+    int layers = state.is_inside ? 1 : 0;  // where components of the surface overlap, the outermost counts
     for (const PathCrossing& crossing : m_crossings) {
       const Vec3 normal = m_surface.tree().area_normal(crossing.triangle);
       if (crossing.entering) {
-        if (layers++ == 0) passage.enter(way.from + crossing.share * (way.to - way.from), normal);
+        if (layers++ == 0) state.enter(path.from + crossing.share * (path.to - path.from), normal);
       } else if (layers > 0 && --layers == 0) {
-        passage.is_inside = false;
-        if (passage.normal.dot(normal) < 0) return passage.hold();
+        state.is_inside = false;
+        if (state.normal.dot(normal) < 0) return state.put_back();
       }
     }
-    const Side side = locate(way.to, passage.triangle);
-    if (side.is_inside && !passage.is_inside) passage.enter(locate(way.from, passage.triangle));
-    if (passage.is_inside && passage.normal.dot(side.normal) < 0) {
-      return passage.hold();
+    const Side side = locate(path.to, state.triangle);
+    if (side.is_inside && !state.is_inside) state.enter(locate(path.from, state.triangle));
+    if (state.is_inside && state.normal.dot(side.normal) < 0) {
+      return state.put_back();
     }
-    passage.follow(side);
+    state.follow(side);
     if (!side.is_inside) clearance_m = side.distance_m;
     return std::nullopt;
   }
 
   /// The same by rule `angle`.
-  std::optional<Vec3> hold_by_angle(int node, const Way& way, double least_cosine, double& clearance_m) {
-    Passage& passage = m_passages[static_cast<std::size_t>(node)];
-    const Side from = locate(way.from, passage.triangle);
-    const Side to = locate(way.to, from.triangle);
-    passage.triangle = to.triangle;
+  std::optional<Vec3> hold_by_angle(int node, const PathSegment& path, double least_cosine, double& clearance_m) {
+    NodeState& state = m_states[static_cast<std::size_t>(node)];
+    const Side from = locate(path.from, state.triangle);
+    const Side to = locate(path.to, from.triangle);
+    state.triangle = to.triangle;
     if (from.normal.dot(to.normal) < least_cosine) {
-      m_surface.tree().find_crossings(way.from, way.to, m_crossings);
+      m_surface.tree().find_crossings(path.from, path.to, m_crossings);
       if (!m_crossings.empty()) {
-        return way.from + m_crossings.front().share * (way.to - way.from);
+        return path.from + m_crossings.front().share * (path.to - path.from);
       }
     }
     if (!to.is_inside) clearance_m = to.distance_m;
@@ -99,12 +99,11 @@ class BoneGuard {
     bool is_inside;
   };
 
-  /// Of a node.
-  struct Passage {
-    Vec3 point = Vec3::Zero();   ///< of the surface on the side that it came from; where it is inside
-    Vec3 normal = Vec3::Zero();  ///< there
-    double clearance_m = 0;      ///< where it is outside: it is no closer to the surface than this
-    int triangle = 0;            ///< one that is near
+  struct NodeState {
+    Vec3 point = Vec3::Zero();   ///< inside: point of the surface on the side where the node entered
+    Vec3 normal = Vec3::Zero();  ///< outward normal there
+    double clearance_m = 0;      ///< outside: lower bound of the distance to the surface
+    int triangle = 0;            ///< near the node
     bool is_inside = false;
     bool is_seen = false;
 
@@ -120,13 +119,13 @@ class BoneGuard {
       clearance_m = is_inside ? 0 : side.distance_m;
       triangle = side.triangle;
     }
-    /// Outside as before.
-    double go_on(const Clearance& clearance) {
+    /// No crossing: only the clearance changes.
+    double stay_outside(const Clearance& clearance) {
       triangle = clearance.triangle;
       return clearance_m = clearance.distance_m;
     }
-    /// On the surface.
-    Vec3 hold() {
+    /// Returns to the surface where the node entered.
+    Vec3 put_back() {
       is_inside = false;
       clearance_m = 0;
       return point;
@@ -141,7 +140,7 @@ class BoneGuard {
   }
 
   const SignedSurface& m_surface;
-  std::vector<Passage> m_passages;
+  std::vector<NodeState> m_states;
   std::vector<PathCrossing> m_crossings;  // scratch memory
 };
 
@@ -160,7 +159,7 @@ class TunnellingGuard final : public ContactStage {
   std::span<const int> after_bones(const ContactStageInput& input) override {
     m_held.clear();
     std::span<const int> nodes = input.free_nodes;
-    // What one bone holds may thereby come to pass through another.
+    // A node that one bone has put back may thereby pass through another.
     for (std::size_t pass = 0; pass < m_bones.size() && !nodes.empty(); ++pass) {
       const auto first_held = static_cast<std::ptrdiff_t>(m_held.size());
       m_clearances.collect_expired(input.bone_poses, input.predicted, nodes);
@@ -181,20 +180,20 @@ class TunnellingGuard final : public ContactStage {
   void guard(std::size_t bone, int node, const ContactStageInput& input) {
     Vec3& predicted = input.predicted[static_cast<std::size_t>(node)];
     const RigidMotion& pose = input.bone_poses[bone];
-    const Way way{input.previous_bone_poses[bone].apply_inverse(input.start[static_cast<std::size_t>(node)]),
-                  pose.apply_inverse(predicted)};
-    if (!way.from.allFinite() || !way.to.allFinite()) {
+    const PathSegment path{input.previous_bone_poses[bone].apply_inverse(input.start[static_cast<std::size_t>(node)]),
+                           pose.apply_inverse(predicted)};
+    if (!path.from.allFinite() || !path.to.allFinite()) {
       return;  // the run ends as diverged after this frame
     }
     double clearance_m = 0;
     const std::optional<Vec3> held = m_least_cosine
-                                         ? m_bones[bone].hold_by_angle(node, way, *m_least_cosine, clearance_m)
-                                         : m_bones[bone].hold_by_crossing(node, way, clearance_m);
+                                         ? m_bones[bone].hold_by_angle(node, path, *m_least_cosine, clearance_m)
+                                         : m_bones[bone].hold_by_crossing(node, path, clearance_m);
     if (held) {
       predicted = pose.apply(*held);
       m_held.push_back(node);
     } else if (clearance_m > 0) {
-      m_clearances.store(static_cast<int>(bone), node, way.to, clearance_m);
+      m_clearances.store(static_cast<int>(bone), node, path.to, clearance_m);
     }
   }
 
@@ -216,16 +215,17 @@ std::unique_ptr<ContactStage> make_tunnelling_guard(const StageInput& input, con
 }
 
 std::vector<ParameterSpec> tunnelling_guard_parameters() {
-  return {parameter::choice({.name = "rule",
-                             .choices = {"crossing", "angle"},
-                             .help = "crossing: by the node's way through the surface; angle: by the directions to the "
-                                     "surface at start and end of a step (the paper's proposal)"}),
-          parameter::number({.name = "angle_deg",
-                             .unit = "deg",
-                             .default_value = 135,
-                             .minimum = 0,
-                             .maximum = 180,
-                             .help = "directions that differ by more mean another side (rule `angle`)"})};
+  return {
+      parameter::choice({.name = "rule",
+                         .choices = {"crossing", "angle"},
+                         .help = "crossing: by the node's path through the surface; angle: by the directions to the "
+                                 "surface at start and end of a step (the paper's proposal)"}),
+      parameter::number({.name = "angle_deg",
+                         .unit = "deg",
+                         .default_value = 135,
+                         .minimum = 0,
+                         .maximum = 180,
+                         .help = "directions that differ by more mean another side (rule `angle`)"})};
 }
 
 }  // namespace musclebench

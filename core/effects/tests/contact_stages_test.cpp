@@ -146,7 +146,7 @@ TEST(Friction, TheOrderOfBonesDoesNotMatter) {
   EXPECT_LT((ends[0] - ends[1]).norm(), 1e-15);
 }
 
-/// Runs one guard by hand: a step a call.
+/// Runs one guard step by step.
 struct Guarded {
   explicit Guarded(const TriangleMesh& mesh, const Given& given = {}) : bones(1), poses(1) {
     bones[0] = bone_of(mesh);
@@ -190,7 +190,7 @@ TEST(Margin, ANodeComesToRestAtItsDistance) {
   }
 }
 
-/// At every place near a sphere's facets, by the closest point of brute force.
+/// At positions near a sphere's facets, by the closest point of brute force.
 TEST(Margin, ContactsAreThoseOfTheExactDistance) {
   const std::vector<Bone> bones(2, bone_of(make_sphere(0.02, 2)));
   const SignedSurface exact(bones[0].surface);
@@ -280,7 +280,7 @@ TEST(TunnellingGuard, ANodeThatCreepsThroughIsPutBackToItsSide) {
   EXPECT_LT((pushed.at - Vec3(0.01, 0.02, half_thickness_m)).norm(), 1e-15);
 }
 
-TEST(TunnellingGuard, ACornerThatIsCutIsNotInTheWay) {
+TEST(TunnellingGuard, ACutCornerDoesNotStopTheNode) {
   Guarded node(make_box({0.1, 0.1, 0.1}, 3));
   node.at = Vec3(0.11, 0.01, 0.05);
   EXPECT_FALSE(node.step({0.05, 0.01, 0.11}));
