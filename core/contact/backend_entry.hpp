@@ -15,7 +15,7 @@
 
 namespace musclebench {
 
-/// Called now and then with the share that is done.
+/// Called repeatedly with the share that is done.
 using ShareReport = std::function<void(double share)>;
 
 /// The structure that a backend has built over one bone, ready to be written.
@@ -38,7 +38,7 @@ struct StructureExport {
   [[nodiscard]] explicit operator bool() const { return build != nullptr; }
 };
 
-/// The signed distance of a point in one bone's rest frame, in metres, negative inside. Asked by several threads at
+/// The signed distance of a point in one bone's rest frame, in metres, negative inside. Called by several threads at
 /// once.
 using SignedDistance = std::function<double(const Vec3& point)>;
 

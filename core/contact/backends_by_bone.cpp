@@ -21,7 +21,7 @@ Capabilities BackendsByBone::capabilities() const {
   return all;
 }
 
-BackendsByBone::Place BackendsByBone::place_of(int bone) const {
+BackendsByBone::Assignment BackendsByBone::assignment_of(int bone) const {
   std::size_t left = static_cast<std::size_t>(bone);
   for (const Part& part : m_parts) {
     if (left < part.bones) {
@@ -34,13 +34,13 @@ BackendsByBone::Place BackendsByBone::place_of(int bone) const {
 }
 
 AnswerBound BackendsByBone::answer_bound(int bone) const {
-  const Place place = place_of(bone);
-  return place.backend.answer_bound(place.bone);
+  const Assignment assigned = assignment_of(bone);
+  return assigned.backend.answer_bound(assigned.bone);
 }
 
 double BackendsByBone::step_m(int bone) const {
-  const Place place = place_of(bone);
-  return place.backend.step_m(place.bone);
+  const Assignment assigned = assignment_of(bone);
+  return assigned.backend.step_m(assigned.bone);
 }
 
 std::size_t BackendsByBone::structure_bytes() const {

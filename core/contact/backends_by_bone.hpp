@@ -30,12 +30,12 @@ class BackendsByBone final : public CollisionBackend {
   [[nodiscard]] double step_m(int bone) const override;
 
  private:
-  /// A part, and which of its bones a bone of the scene is.
-  struct Place {
+  /// The backend that answers for a bone of the scene, and the bone's index there.
+  struct Assignment {
     const CollisionBackend& backend;
     int bone;
   };
-  [[nodiscard]] Place place_of(int bone) const;
+  [[nodiscard]] Assignment assignment_of(int bone) const;
 
   void do_build() override;
   void do_update(std::span<const Vec3> positions) override;

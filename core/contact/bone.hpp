@@ -8,7 +8,7 @@
 
 namespace musclebench {
 
-/// A rigid bone as a backend gets it: its repaired surface in rest pose. In a scene it is numbered coherently
+/// A rigid bone as a backend gets it: its repaired surface in rest pose. In a scene it is in Morton order
 /// (`sort_in_morton_order`): what lies close together does so in memory, too.
 struct Bone {
   std::string name;

@@ -18,11 +18,11 @@ namespace musclebench {
 struct Capabilities {
   /// Contacts carry depth and normal.
   bool depth = true;
-  /// `detect` can be asked about a subset of the nodes, at any positions (false: it needs the whole muscle surface).
+  /// `detect` accepts a subset of the nodes, at any positions (false: it needs the whole muscle surface).
   bool point_queries = true;
-  /// A detection is cheaper after one of the step before: what that found is kept.
+  /// State of the detection of the step before makes the next one cheaper.
   bool has_cache = false;
-  /// Once built, `step_m` is positive: there is a step that backtracking goes by.
+  /// Once built, `step_m` is positive: the step of the backtracking response.
   bool has_step = false;
   /// After two frames of a run a detection asks for no heap memory any more.
   bool steady_memory = false;
@@ -69,7 +69,7 @@ class CollisionBackend {
   /// Whether `build` read the structures from a file instead of computing them.
   [[nodiscard]] virtual bool built_from_file() const { return false; }
 
-  /// What a backend that approximates found out when it built its structures, a bone each; empty for others.
+  /// Errors that a backend that approximates has measured when it built its structures, a bone each; empty for others.
   [[nodiscard]] virtual std::vector<StructureError> structure_errors() const { return {}; }
 
   /// Called now and then during a long `build`, in its thread, with the share that is done.
@@ -86,7 +86,7 @@ class CollisionBackend {
   void update(std::span<const RigidMotion> bone_poses, std::span<const Vec3> positions);
 
   /// Finds the contacts of `nodes` (ascending indices into `positions`), into `contacts`, which is overwritten: ordered
-  /// by bone, then by node. A backend without `point_queries` may only be asked with the positions of the last
+  /// by bone, then by node. A backend without `point_queries` may only be called with the positions of the last
   /// `update`.
   void detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts);
 

@@ -17,7 +17,7 @@
 namespace musclebench {
 
 /// One node of a muscle found inside another muscle. There is at most one contact a node and other muscle. Both sides
-/// move: what takes the node out takes the closest triangle the other way (MuscleContactResponse).
+/// move: the closest triangle against the normal, the node along it (MuscleContactResponse).
 struct MuscleContact {
   int node = 0;
   int muscle = 0;               ///< the other one, an index of the scene's bodies
@@ -35,14 +35,14 @@ struct MusclePair {
   friend auto operator<=>(const MusclePair&, const MusclePair&) = default;
 };
 
-/// What a detector spent on one pair in its last detection: asking the nodes of either muscle about the other, summed
+/// Time of one pair in a detector's last detection: queries of the nodes of either muscle against the other, summed
 /// over threads. Refitting and clearances serve all pairs and are in none.
 struct PairTime {
   MusclePair muscles;
   Nanoseconds detect_ns = 0;
 };
 
-/// What a detector of contacts between muscles is made for.
+/// The muscles and pairs that a detector of contacts between muscles is made for.
 struct TouchingMuscles {
   const TriangleMesh& mesh;  ///< of all muscles, at rest; outlives the detector
   std::vector<Body> bodies;
@@ -69,7 +69,7 @@ class MuscleContactDetector {
   [[nodiscard]] virtual std::size_t structure_bytes() const = 0;
 };
 
-/// How a backend makes one; empty for a backend that can't follow a surface that deforms.
+/// Makes a backend's detector; empty for a backend that can't follow a surface that deforms.
 using MakeMuscleContactDetector = std::function<std::unique_ptr<MuscleContactDetector>(
     const Parameters& parameters, const TouchingMuscles& muscles, int threads)>;
 
@@ -80,10 +80,10 @@ MuscleContact muscle_contact_at(int node, int muscle, const Vec3& point, int tri
 /// All muscles that touch the one at `index`, ascending.
 std::vector<int> muscles_beside(std::span<const MusclePair> pairs, int index);
 
-/// Which of `pairs` two muscles that touch are, in whatever order they are named.
+/// Index in `pairs` of two muscles that touch, in either order.
 std::size_t pair_index(std::span<const MusclePair> pairs, int one, int other);
 
-/// No time for any of them.
+/// A time of 0 for each pair.
 std::vector<PairTime> no_times(std::span<const MusclePair> pairs);
 
 }  // namespace musclebench

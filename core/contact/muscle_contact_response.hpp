@@ -9,9 +9,9 @@
 
 namespace musclebench {
 
-/// Takes nodes out of other muscles. A contact between a node p and the closest point q = sum b_i q_i of a triangle
-/// asks for n . (p - q) >= 0; the node moves along the normal n and the triangle's corners against it, each by its
-/// inverse mass and its weight, so that a correction changes no momentum.
+/// Moves nodes out of other muscles. A contact between a node p and the closest point q = sum b_i q_i of a triangle is
+/// the constraint n . (p - q) >= 0; the node moves along the normal n and the triangle's corners against it, each by
+/// its inverse mass and its weight, so that a correction changes no momentum.
 ///
 /// All contacts are corrected from the same positions and added, so that their order means nothing. A node that many
 /// contacts move would then be moved too far; each correction is therefore divided by the sum of the moduli of its row
@@ -19,13 +19,13 @@ namespace musclebench {
 /// ultraparallel computing"). For a single contact the two are the same; contacts of one depth and normal all
 /// around are solved at once; and the steps converge for any set of contacts.
 ///
-/// What was inside already where the substep began takes the substep's start with it: it gives no velocity (Macklin et
-/// al. 2014, "Unified particle physics for real-time applications", pre-stabilisation). Muscles that overlap as shipped
-/// are so laid apart instead of thrown.
+/// Depth that was there already when the substep began is corrected in the substep's start, too, and so gives no
+/// velocity (pre-stabilisation: Macklin et al. 2014, "Unified particle physics for real-time applications"): muscles
+/// that overlap at rest separate without being accelerated.
 class MuscleContactResponse {
  public:
-  /// `triangles` of the mesh of all muscles, which outlive this; `inverse_masses` of all nodes, 1/kg. `steps` >= 1: how
-  /// often what a detection has found is corrected, each time by what the ones before have left.
+  /// `triangles` of the mesh of all muscles, which outlive this; `inverse_masses` of all nodes, 1/kg. `steps` >= 1:
+  /// corrections of the contacts of one detection, each of the depth that the ones before have left.
   MuscleContactResponse(std::span<const Triangle> triangles, std::vector<double> inverse_masses, int steps);
 
   /// Corrects `predicted` (p) and `start` (x), both of all nodes.
@@ -35,7 +35,7 @@ class MuscleContactResponse {
   [[nodiscard]] std::span<const int> moved_nodes() const { return m_moved; }
 
  private:
-  /// One of the four nodes of a contact: how far along the normal it moves for a correction of 1, without its mass.
+  /// One of the four nodes of a contact, with its entry of the contact's row of the Jacobian J, along the normal.
   struct Arm {
     std::size_t node;
     double weight;

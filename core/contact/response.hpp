@@ -10,7 +10,7 @@
 
 namespace musclebench {
 
-/// How a node that was found inside a bone gets out again.
+/// How a node inside a bone is moved out.
 enum class ResponseKind {
   /// Back from p towards x, step by step, until free; a node whose x is inside too follows the bone (paper, II-A and
   /// III-B).
@@ -22,7 +22,7 @@ enum class ResponseKind {
 /// Detections, and corrections by them, of the response `project`.
 inline constexpr int default_projection_steps = 3;
 
-/// How nodes get out of one bone.
+/// How nodes are moved out of one bone.
 struct BoneResponse {
   ResponseKind kind = ResponseKind::project;
   int steps = default_projection_steps;  ///< of projecting, at most; >= 1
@@ -47,7 +47,7 @@ ResponseKind find_response(std::string_view name, std::string_view location);
 /// What a backend with these capabilities lacks for a response; empty: nothing.
 std::string_view lacks_for(ResponseKind kind, const Capabilities& capabilities);
 
-/// What a response needs to know of the substep.
+/// State of the substep that a response reads.
 struct ResponseInput {
   std::span<const Vec3> substep_start;               ///< x: positions at the start of the substep, world
   std::span<const RigidMotion> previous_bone_poses;  ///< the poses that x was computed with
