@@ -10,7 +10,7 @@
 
 namespace musclebench {
 
-/// What a contact stage works on: all nodes, world frame, m.
+/// Input and output of a contact stage: all nodes, world frame, m.
 struct ContactStageInput {
   std::span<Vec3> start;      ///< x: positions at the start of the substep
   std::span<Vec3> predicted;  ///< p, after the constraints
@@ -20,8 +20,8 @@ struct ContactStageInput {
   std::span<const Contact> contacts;  ///< with bones, as they were found at p; none before the bones
 };
 
-/// A part of the collision step beside the backend's, as an effect is a part of the constraints: it has a name, a time
-/// and a column of its own. Stages run in their order at the moments that concern them.
+/// A part of the collision step besides the backend's detection and the response; like an effect it has a name and a
+/// column of its own. At each of the points of the step below, stages run in the order that they were added in.
 class ContactStage {
  public:
   ContactStage() = default;
@@ -35,15 +35,15 @@ class ContactStage {
   // Each of these may correct `predicted`, and `start` where a correction is to give no velocity, and returns the nodes
   // that it may have moved, valid until the next call.
 
-  /// After the constraints: bones come later, since they give way to nothing.
+  /// After the constraints, before the bone response: bones are rigid and have the last word.
   virtual std::span<const int> before_bones(const ContactStageInput& /*input*/) { return {}; }
-  /// When nodes have left the bones.
+  /// After the bone response.
   virtual std::span<const int> after_bones(const ContactStageInput& /*input*/) { return {}; }
 
-  /// After the backend's detection: more contacts with bones, or other depths. They stay ordered by bone, then node,
-  /// and at most one a node and bone.
+  /// After the backend's detection: may add contacts with bones or change depths. Contacts stay ordered by bone, then
+  /// node, at most one a node and bone.
   virtual void add_contacts(const ContactStageInput& /*input*/, std::vector<Contact>& /*contacts*/) {}
-  /// When all contacts are known; moves nothing.
+  /// After all contacts are known; moves nothing.
   virtual void before_response(const ContactStageInput& /*input*/) {}
 
   /// How many contacts the last step found, or nodes it acted on.

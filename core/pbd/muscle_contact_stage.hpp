@@ -11,8 +11,7 @@
 
 namespace musclebench {
 
-/// Muscles against muscles: what detectors find, a detector for each method that the scene's pairs ask for, and one
-/// response for all of it.
+/// Contact between muscles: a detector for each method that the scene's pairs name, and one response to all contacts.
 class MuscleContactStage final : public ContactStage {
  public:
   static constexpr std::string_view stage_name = "muscle_contact";

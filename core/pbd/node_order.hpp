@@ -8,9 +8,8 @@
 
 namespace musclebench {
 
-/// In which row (`NodeRows`) each node is: body by body, along the longest side of the box around it. Neighbours are
-/// near each other in memory then, however the mesh numbers them, and parts of consecutive rows have few constraints
-/// between them.
+/// The row (`NodeRows`) of each node: body by body, along the longest side of the box around it. Neighbours are then
+/// near each other in memory, however the mesh numbers them, and ranges of consecutive rows share few constraints.
 class NodeOrder {
  public:
   NodeOrder() = default;

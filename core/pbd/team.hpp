@@ -7,9 +7,9 @@
 
 namespace musclebench {
 
-/// Where the threads of a team wait for each other. Each tells in a cache line of its own how often it was here, and
-/// reads those of the others. It spins, because a wait is shorter than a system call, and gives the core away where
-/// that takes long, as with more threads than cores.
+/// Spinning barrier for the threads of a team: each counts its visits in a cache line of its own and reads those of the
+/// others. It spins because a wait is shorter than a system call, and yields the core after a while, as with more
+/// threads than cores.
 class Barrier {
  public:
   explicit Barrier(int threads) : m_seats(static_cast<std::size_t>(threads)) {}
@@ -24,8 +24,8 @@ class Barrier {
   /// `visit` counts the calls of this thread, from 1.
   void wait(int thread, int threads, unsigned visit) {
     m_seats[static_cast<std::size_t>(thread)].visits.store(visit, std::memory_order_release);
-    // Some 50 us. Who gives its core away sooner gets it back when another process has had its time slice, of
-    // milliseconds: on a busy machine each wait would take that long.
+    // Some 50 us. A thread that yields sooner gets its core back after another process's time slice, of milliseconds:
+    // on a busy machine each wait would take that long.
     constexpr int spins = 1000;
     for (int other = 0; other < threads; ++other) {
       const std::atomic<unsigned>& visits = m_seats[static_cast<std::size_t>(other)].visits;
@@ -43,7 +43,7 @@ class Barrier {
   struct alignas(64) Seat {
     std::atomic<unsigned> visits = 0;
   };
-  /// Leaves the core's other hardware thread more of it; 10 to 50 ns.
+  /// Frees resources of the core for its other hardware thread; 10 to 50 ns.
   static void pause() {
 #ifdef __x86_64__
     __builtin_ia32_pause();
@@ -73,8 +73,8 @@ class Team {
     };
     return {part(m_thread), part(m_thread + 1)};
   }
-  /// The same of a list whose entries are sorted by row, `row_of(entry)`: the entries in this thread's share of all
-  /// rows. What all stages share so keeps a row in the cache of one core.
+  /// Of a list whose entries are sorted by row, `row_of(entry)`: the entries in this thread's share of all rows. With
+  /// the same shares in all stages a row stays in the cache of one core.
   template <typename RowOf>
   [[nodiscard]] Share share_by_row(std::size_t count, std::size_t row_count, const RowOf& row_of) const {
     const auto first_from = [&](std::size_t row) {
