@@ -29,7 +29,7 @@ HWY_INLINE Vec arc_tangent2(Tag d, Vec y, Vec x) {
   const Vec below = hn::IfThenElse(is_reduced, hn::Add(small, large), large);
   const Vec t = hn::Div(above, hn::IfThenElse(hn::Gt(below, hn::Zero(d)), below, set(1)));
 
-  // In pairs and pairs of pairs: a sum of eleven terms that wait for each other takes longer.
+  // Estrin's scheme: Horner's would be a chain of eleven dependent operations.
   const Vec u = hn::Mul(t, t);
   const Vec u2 = hn::Mul(u, u);
   const Vec u4 = hn::Mul(u2, u2);

@@ -20,7 +20,7 @@ constexpr double half_pi = 1.5707963267948966, half_pi_rest = 6.1232339957367660
 constexpr double whole_pi = 3.1415926535897931, whole_pi_rest = 1.2246467991473532e-16;
 
 /// The angle of (x, y) in (-pi, pi], off by less than 1e-15 rad; 0 for (0, 0). Sums, products and quotients only, none
-/// fused: unlike `std::atan2`, the same bits on every CPU. SIMD kernels have the same in arc_tangent-inl.hpp.
+/// fused: unlike `std::atan2`, the same bits on every CPU. arc_tangent-inl.hpp is the same for SIMD lanes.
 double arc_tangent2(double y, double x);
 
 }  // namespace musclebench

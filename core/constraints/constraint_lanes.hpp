@@ -16,12 +16,12 @@ namespace musclebench {
 /// Constraints that are projected side by side. Fixed, so that data are laid out the same for every width of vectors.
 constexpr std::size_t constraint_lanes = 8;
 
-/// Where a row of `NodeRows` begins, in doubles.
+/// Offset of a row of `NodeRows`, in doubles.
 constexpr std::int32_t row_offset(int row) { return static_cast<std::int32_t>(sizeof(NodeRow) / sizeof(double)) * row; }
 
-/// In which order constraints on `Nodes` nodes each are projected: in blocks of `constraint_lanes`, no two of which
-/// share a node, and those that do share one in the order that they were given in. So the result is that of one
-/// constraint after the other, to the bit, whatever the width of the vectors and the number of threads. Constraints
+/// The order in which constraints on `Nodes` nodes each are projected: in blocks of `constraint_lanes` constraints that
+/// share no node; constraints that do share one keep the order that they were given in. So the result is that of
+/// sequential Gauss-Seidel, to the bit, whatever the width of the vectors and the number of threads. Constraints
 /// ordered by graph colour (`surface_edges`) make few and long runs without a shared node; a run is sorted by row, so
 /// that a thread has the same rows in every run.
 template <std::size_t Nodes>
@@ -47,7 +47,7 @@ class ConstraintOrder {
     add_run(constraints, start, constraints.size(), order);
   }
 
-  /// Places for constraints, whole blocks.
+  /// Number of slots, in whole blocks; a slot holds a constraint or padding.
   [[nodiscard]] std::size_t size() const { return m_slots.size(); }
   /// By slot: the index of its constraint; -1 in a padding lane.
   [[nodiscard]] std::span<const int> slots() const { return m_slots; }
@@ -75,13 +75,13 @@ class ConstraintOrder {
   }
 
  private:
-  /// Slots that share no node. One thread goes through short ones.
+  /// Slots that share no node. Short runs are projected by one thread.
   struct Run {
     std::size_t first;
     std::size_t last;
     bool is_shared;
   };
-  /// Of a run: fewer are not worth waiting for another thread.
+  /// A run of fewer blocks is not worth a synchronisation.
   static constexpr std::size_t least_shared_blocks = 8;
 
   void add_run(std::span<const std::array<int, Nodes>> constraints, std::size_t start, std::size_t end,

@@ -67,8 +67,8 @@ HWY_INLINE void apply(SolvedLengths solved, const LengthSlots& slots, std::size_
   store_nodes(end, rows, slots.end + i);
 }
 
-/// Two blocks at a time: the CPU looks too few operations ahead to work on the next while one waits for its quotient.
-/// Narrower vectors come with half of the registers, which two do not fit into.
+/// Two blocks at a time: the out-of-order window of a CPU does not reach the next block while one waits for its
+/// quotient. Narrower vectors come with half of the registers, too few for two blocks.
 void project_lengths(LengthSlots slots, std::size_t first, std::size_t last, double per_time_step2, NodeRow* rows) {
   std::size_t i = first;
   if constexpr (lane_count == constraint_lanes) {

@@ -8,7 +8,7 @@
 
 namespace musclebench {
 
-/// C = length - rest length, of the way from one node to another.
+/// C = |x_j - x_i| - L0.
 struct LengthConstraint {
   std::array<int, 2> nodes;
   double rest_length_m;
@@ -16,8 +16,8 @@ struct LengthConstraint {
   double compliance_m_per_n;  ///< XPBD (Macklin et al. 2016); 0: none
 };
 
-/// Distances between nodes (Mueller et al. 2007), projected in SIMD lanes. Nodes at one place have no direction to be
-/// moved in and stay.
+/// Distances between nodes (Mueller et al. 2007), projected in SIMD lanes. Nodes at the same position have no direction
+/// and are skipped.
 class LengthConstraints {
  public:
   /// In each projection the constraints are gone through `visits` times.
