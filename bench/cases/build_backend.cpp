@@ -14,7 +14,7 @@ BuiltBackend build_backend(const Case& resolved, const std::function<void(double
     built.backend->build(resolved.scene.bones, resolved.scene.muscle_mesh, resolved.threads);
   }
   for (const Bone& bone : resolved.scene.bones) {
-    built.build_ns += bone.shared.spared_ns();
+    built.build_ns += bone.shared.reused_build_ns();
     bone.shared.release();  // no part of what the backend needs from here on
   }
   return built;

@@ -7,7 +7,7 @@ namespace musclebench {
 const TriangleBvh& SharedSurface::tree(const RepairedMesh& surface) const {
   if (!m_tree.structure && !m_signed.structure) {
     m_tree = {};
-    m_tree.is_paid = true;
+    m_tree.is_counted = true;
     const ScopedTimer timer(m_tree.build_ns);
     m_tree.structure = std::make_shared<TriangleBvh>(surface.mesh);
   }
@@ -19,7 +19,7 @@ const SignedSurface& SharedSurface::signed_distance(const RepairedMesh& surface)
   (void)tree(surface);
   if (!m_signed.structure) {
     m_signed = {};
-    m_signed.is_paid = true;
+    m_signed.is_counted = true;
     const ScopedTimer timer(m_signed.build_ns);
     m_signed.structure = std::make_shared<SignedSurface>(surface, std::move(*m_tree.structure));
     m_tree.structure.reset();
@@ -39,15 +39,15 @@ void SharedSurface::release() const {
 }
 
 void SharedSurface::start_accounting() const {
-  m_spared_ns = 0;
-  m_tree.is_paid = false;
-  m_signed.is_paid = false;
+  m_reused_build_ns = 0;
+  m_tree.is_counted = false;
+  m_signed.is_counted = false;
 }
 
 template <typename Structure>
 void SharedSurface::account(Part<Structure>& part) const {
-  m_spared_ns += part.is_paid ? 0 : part.build_ns;
-  part.is_paid = true;
+  m_reused_build_ns += part.is_counted ? 0 : part.build_ns;
+  part.is_counted = true;
 }
 
 }  // namespace musclebench

@@ -7,9 +7,9 @@
 
 namespace musclebench {
 
-/// The tree over a surface and its exact signed distance, each built when it is first asked for and kept for whoever
-/// asks next: reader, checks and backends need the same one. A copy starts empty, because whoever copies a surface may
-/// change it. The calls that build or release must not race.
+/// The tree over a surface and its exact signed distance, each built at its first use and shared by all later ones:
+/// reader, checks and backends. A copy starts empty, because the copied surface may be changed. The calls that build or
+/// release must not race.
 class SharedSurface {
  public:
   SharedSurface() = default;
@@ -28,27 +28,27 @@ class SharedSurface {
   [[nodiscard]] const SignedSurface& signed_distance(const RepairedMesh& surface) const;
   /// The same for a caller that needs it beyond `release`.
   [[nodiscard]] std::shared_ptr<const SignedSurface> kept_signed_distance(const RepairedMesh& surface) const;
-  /// Gives the memory back, but for what is kept elsewhere.
+  /// Frees the structures that `kept_signed_distance` has not handed out.
   void release() const;
 
-  /// What building took of all that was asked for since `start_accounting`, no matter when it was built: the price of a
-  /// backend that needs it must not depend on who came first.
+  /// Build time of the structures that were used since `start_accounting` but had been built before: it belongs to the
+  /// build time of a backend that uses them, which must not depend on what was built first.
   void start_accounting() const;
-  [[nodiscard]] Nanoseconds spared_ns() const { return m_spared_ns; }
+  [[nodiscard]] Nanoseconds reused_build_ns() const { return m_reused_build_ns; }
 
  private:
   template <typename Structure>
   struct Part {
     std::shared_ptr<Structure> structure;
     Nanoseconds build_ns = 0;
-    bool is_paid = false;
+    bool is_counted = false;
   };
   template <typename Structure>
   void account(Part<Structure>& part) const;
 
   mutable Part<TriangleBvh> m_tree;  ///< its structure moves into `m_signed`
   mutable Part<SignedSurface> m_signed;
-  mutable Nanoseconds m_spared_ns = 0;
+  mutable Nanoseconds m_reused_build_ns = 0;
 };
 
 }  // namespace musclebench
