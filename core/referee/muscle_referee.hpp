@@ -12,10 +12,10 @@ namespace musclebench {
 /// Muscles of which each is judged against others.
 struct JudgedMuscles {
   std::vector<Body> bodies;
-  std::vector<std::vector<int>> beside;  ///< by body: those that its nodes are looked for in, ascending
+  std::vector<std::vector<int>> beside;  ///< by body: muscles that its nodes are tested against, ascending
 };
 
-/// The harness's truth between muscles: which nodes of one lie inside another, and how deep, by the Referee's own trees
+/// The ground truth between muscles: which nodes of one lie inside another, and how deep, by the Referee's own trees
 /// (RefereeTree), refitted to the muscles as they are, and by exact winding numbers. It shares no code with the
 /// detectors.
 class MuscleReferee {

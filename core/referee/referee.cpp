@@ -37,7 +37,7 @@ bool is_inside(const RefereeTree& tree, const Vec3& point, const ClosestSurfaceP
 }  // namespace
 
 Referee::Referee(std::span<const Bone> bones, int nodes, int threads, DistanceReuse reuse)
-    : m_memories(bones.size()), m_threads(threads), m_reuses_distances(reuse == DistanceReuse::on) {
+    : m_node_caches(bones.size()), m_threads(threads), m_reuses_distances(reuse == DistanceReuse::on) {
   assert(nodes >= 0 && threads >= 1);
   m_trees.reserve(bones.size());
   for (const Bone& bone : bones) {
@@ -47,7 +47,7 @@ Referee::Referee(std::span<const Bone> bones, int nodes, int threads, DistanceRe
     m_trees.emplace_back(bone.surface.mesh);
     m_touching_m.push_back(touching_distance_m(bone.surface.mesh));
   }
-  for (std::vector<Memory>& memory : m_memories) memory.resize(static_cast<std::size_t>(nodes));
+  for (std::vector<NodeCache>& caches : m_node_caches) caches.resize(static_cast<std::size_t>(nodes));
 }
 
 double Referee::signed_distance(int bone, const Vec3& rest_point) const {
@@ -64,41 +64,41 @@ SurfaceDistance Referee::closest(int bone, const Vec3& rest_point) const {
 }
 
 double Referee::least_distance(int bone, int node, const Vec3& rest_point) const {
-  const Memory& memory = m_memories[static_cast<std::size_t>(bone)][static_cast<std::size_t>(node)];
+  const NodeCache& cache = m_node_caches[static_cast<std::size_t>(bone)][static_cast<std::size_t>(node)];
   const RefereeTree& bone_tree = tree(bone);
-  const double moved = (rest_point - bone_tree.centre_m() - memory.point_m).norm();
-  return memory.clearance_m * (1 - rounding_share) - moved - rounding_share * bone_tree.diagonal_m();
+  const double moved = (rest_point - bone_tree.centre_m() - cache.point_m).norm();
+  return cache.clearance_m * (1 - rounding_share) - moved - rounding_share * bone_tree.diagonal_m();
 }
 
-bool Referee::examine(int bone, const Vec3& point, Memory& memory, SurfaceDistance& found,
+bool Referee::examine(int bone, const Vec3& point, NodeCache& cache, SurfaceDistance& found,
                       RefereeEffort& effort) const {
   const RefereeTree& tree = m_trees[static_cast<std::size_t>(bone)];
-  const double moved = (point - memory.point_m).norm();
-  bool side_known = m_reuses_distances && stays_within(moved, memory.clearance_m, tree.diagonal_m()) &&
-                    stays_within(moved, memory.steady_m, tree.diagonal_m());
-  if (side_known && !memory.inside) return false;
+  const double moved = (point - cache.point_m).norm();
+  bool side_known = m_reuses_distances && stays_within(moved, cache.clearance_m, tree.diagonal_m()) &&
+                    stays_within(moved, cache.steady_m, tree.diagonal_m());
+  if (side_known && !cache.inside) return false;
   if (!point.allFinite()) return false;
 
   const double box_distance = tree.box_distance(point);
   if (m_reuses_distances && tree.closed() && box_distance > 0) {
-    memory = {point, box_distance, no_limit, -1, false};
+    cache = {point, box_distance, no_limit, -1, false};
     return false;
   }
   ++effort.distance_queries;
-  const ClosestSurfacePoint nearest = tree.closest(point, m_reuses_distances ? memory.triangle : -1, &effort.work);
+  const ClosestSurfacePoint nearest = tree.closest(point, m_reuses_distances ? cache.triangle : -1, &effort.work);
   const double distance = std::sqrt(nearest.squared_distance_m2);
-  side_known = side_known ||
-               (m_reuses_distances && memory.clearance_m >= 0 && stays_within(moved, distance, tree.diagonal_m()) &&
-                stays_within(moved, memory.steady_m, tree.diagonal_m()));
-  bool inside = memory.inside;
-  double steady_m = memory.steady_m - moved;
+  side_known =
+      side_known || (m_reuses_distances && cache.clearance_m >= 0 && stays_within(moved, distance, tree.diagonal_m()) &&
+                     stays_within(moved, cache.steady_m, tree.diagonal_m()));
+  bool inside = cache.inside;
+  double steady_m = cache.steady_m - moved;
   if (!side_known) {
     ++effort.winding_numbers;
     const SurfaceWinding winding = tree.winding(point, &effort.work);
     inside = distance > m_touching_m[static_cast<std::size_t>(bone)] && winding.number > 0.5;
     steady_m = winding.steady_m;
   }
-  memory = {point, distance, steady_m, nearest.slot, inside};
+  cache = {point, distance, steady_m, nearest.slot, inside};
   if (inside) found = describe(tree, point, nearest, inside);
   return inside;
 }
@@ -106,7 +106,7 @@ bool Referee::examine(int bone, const Vec3& point, Memory& memory, SurfaceDistan
 void Referee::judge_bone(int bone, const RigidMotion& pose, std::span<const Vec3> positions,
                          std::span<const int> nodes) {
   const RefereeTree& tree = m_trees[static_cast<std::size_t>(bone)];
-  std::vector<Memory>& memories = m_memories[static_cast<std::size_t>(bone)];
+  std::vector<NodeCache>& caches = m_node_caches[static_cast<std::size_t>(bone)];
   const int count = static_cast<int>(nodes.size());
   long distance_queries = 0;
   long winding_numbers = 0;
@@ -121,7 +121,7 @@ void Referee::judge_bone(int bone, const RigidMotion& pose, std::span<const Vec3
     const Vec3 point = pose.apply_inverse(positions[node]) - tree.centre_m();
     SurfaceDistance found;
     RefereeEffort effort;
-    m_inside[index] = examine(bone, point, memories[node], found, effort) ? 1 : 0;
+    m_inside[index] = examine(bone, point, caches[node], found, effort) ? 1 : 0;
     if (m_inside[index] != 0) {
       m_found[index] = {nodes[index], bone, -found.signed_distance_m, pose.apply_to_direction(found.normal)};
     }
@@ -152,7 +152,7 @@ void Referee::judge(std::span<const RigidMotion> poses, std::span<const Vec3> po
 std::size_t Referee::bytes() const {
   std::size_t sum = m_found.capacity() * sizeof(Contact) + m_inside.capacity();
   for (const RefereeTree& tree : m_trees) sum += tree.bytes();
-  for (const std::vector<Memory>& memory : m_memories) sum += memory.capacity() * sizeof(Memory);
+  for (const std::vector<NodeCache>& caches : m_node_caches) sum += caches.capacity() * sizeof(NodeCache);
   return sum;
 }
 

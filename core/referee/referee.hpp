@@ -19,15 +19,14 @@ struct SurfaceDistance {
   Vec3 normal = Vec3::Zero();
 };
 
-/// What a call of Referee::judge had to compute; the rest it knew from earlier calls.
+/// Work of a call of Referee::judge; what earlier calls have cached is not counted.
 struct RefereeEffort {
   long distance_queries = 0;
   long winding_numbers = 0;
   long work = 0;  ///< of the trees, in the unit of RefereeTree
 };
 
-/// The harness's truth: the exact signed distance of points to bones, in double precision, by means that no backend
-/// shares.
+/// The ground truth: the exact signed distance of points to bones, in double precision, by code that no backend shares.
 ///
 /// Inside is where the winding number of the bone's surface exceeds 0.5 (Jacobson et al. 2013); its size is the
 /// distance to the nearest triangle. This holds for overlapping components, non-manifold edges and sheets without
@@ -39,26 +38,26 @@ struct RefereeEffort {
 /// and at a cost that grows with the number of boundary edges.
 class Referee {
  public:
-  /// Distance reuse: `judge` caches each node's distance to each bone, and asks again only when the node has moved,
-  /// in the bone's frame, so far that its sign may have changed. They change no bit of the answer.
+  /// Distance reuse: `judge` caches each node's distance to each bone, and queries again only when the node has moved,
+  /// in the bone's frame, so far that its sign may have changed. The answer is the same to the bit.
   enum class DistanceReuse { on, off };
 
   /// `nodes`: one more than the largest node index to be judged. `bones` need not outlive the referee. `threads` >= 1;
   /// the answer does not depend on it. Throws InputError that names the bone when its surface has no triangles.
   Referee(std::span<const Bone> bones, int nodes, int threads = 1, DistanceReuse reuse = DistanceReuse::on);
 
-  /// Signed distance of `rest_point`, a finite point in the rest frame of bone number `bone`, in metres. Its sign is
-  /// told however close the surface is: what `judge` counts as touching may be negative.
+  /// Signed distance of `rest_point`, a finite point in the rest frame of bone number `bone`, in metres. Also signed
+  /// closer to the surface than the touching distance: what `judge` counts as touching may be negative.
   [[nodiscard]] double signed_distance(int bone, const Vec3& rest_point) const;
 
   /// The same with the closest point and the normal, both in the rest frame.
   [[nodiscard]] SurfaceDistance closest(int bone, const Vec3& rest_point) const;
 
-  /// The surface of bone number `bone`, for questions of another kind.
+  /// The tree over bone number `bone`, for other queries.
   [[nodiscard]] const RefereeTree& tree(int bone) const { return m_trees[static_cast<std::size_t>(bone)]; }
 
-  /// What `judge` caches of `node`: a lower bound of the distance from `rest_point` to the surface of bone number
-  /// `bone`, at no cost; 0 or less where nothing useful is known.
+  /// A lower bound of the distance from `rest_point` to the surface of bone number `bone`, from what `judge` has cached
+  /// of `node`, without a query; 0 or less where that gives none.
   [[nodiscard]] double least_distance(int bone, int node, const Vec3& rest_point) const;
 
   /// Finds the true contacts of `nodes` (ascending indices into `positions`; world frame, metres) with the bones at
@@ -74,23 +73,23 @@ class Referee {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  /// What is known of one node and one bone.
-  struct Memory {
-    Vec3 point_m = Vec3::Zero();  ///< where the node was when it was last looked at, relative to the tree's centre
-    double clearance_m = -1;      ///< lower bound of the distance to the surface there; negative: nothing is known
-    double steady_m = 0;          ///< for how long `inside` holds away from the surface, see SurfaceWinding
+  /// Result of the last query of a node and a bone.
+  struct NodeCache {
+    Vec3 point_m = Vec3::Zero();  ///< the node's position then, relative to the tree's centre
+    double clearance_m = -1;      ///< lower bound of the distance to the surface there; negative: not queried yet
+    double steady_m = 0;          ///< movement for which `inside` holds away from the surface, see SurfaceWinding
     int triangle = -1;            ///< slot of the closest one; -1: unknown
     bool inside = false;
   };
 
-  [[nodiscard]] bool examine(int bone, const Vec3& point, Memory& memory, SurfaceDistance& found,
+  [[nodiscard]] bool examine(int bone, const Vec3& point, NodeCache& cache, SurfaceDistance& found,
                              RefereeEffort& effort) const;
   void judge_bone(int bone, const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes);
 
   std::vector<RefereeTree> m_trees;
-  std::vector<double> m_touching_m;             // by bone
-  std::vector<std::vector<Memory>> m_memories;  // by bone, by node
-  std::vector<Contact> m_found;                 // by index in `nodes`, valid where m_inside
+  std::vector<double> m_touching_m;                   // by bone
+  std::vector<std::vector<NodeCache>> m_node_caches;  // by bone, by node
+  std::vector<Contact> m_found;                       // by index in `nodes`, valid where m_inside
   std::vector<unsigned char> m_inside;
   RefereeEffort m_effort;
   [[maybe_unused]] int m_threads;  // unused where the compiler has no OpenMP

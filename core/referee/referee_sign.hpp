@@ -26,11 +26,12 @@ int plane_side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p);
 /// triangles that share an edge which the segment meets, one is crossed. Through a vertex no such promise is made.
 int segment_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& from, const Vec3& to);
 
-/// Solid angle, over 4 pi, of the strip that the edge a -> b sweeps when it moves without end against the direction of
-/// `ray`, seen from `eye`; of the sign of the strip's spherical triangle (a, b, minus the ray's direction), positive
-/// where its back is seen (Van Oosterom and Strackee 1983). Its sign is decided as `ray_crossing` decides sides, so
-/// that the crossings of a surface by the ray and the strips of its boundary edges, each a -> b as the triangles run,
-/// sum to the surface's generalised winding number: the strips close the surface, and no strip crosses the ray.
+/// Solid angle, over 4 pi, of the strip that the edge a -> b sweeps when it is translated to infinity against the
+/// direction of `ray`, seen from `eye`; signed as the strip's spherical triangle (a, b, minus the ray's direction),
+/// positive where its back is seen (Van Oosterom and Strackee 1983). Its sign is decided as `ray_crossing` decides
+/// sides, so that the crossings of a surface by the ray and the strips of its boundary edges, each a -> b as the
+/// triangles run, sum to the surface's generalised winding number: the strips close the surface, and no strip crosses
+/// the ray.
 double strip_share(const Vec3& a, const Vec3& b, const Vec3& eye, AxisRay ray);
 
 }  // namespace musclebench

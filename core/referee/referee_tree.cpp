@@ -199,11 +199,7 @@ double RefereeTree::winding_number(const Vec3& point, long* work) const {
   return number;
 }
 
-/// Away from the surface only its boundary curve changes the winding number: by at most L / (4 pi d^2) per movement,
-/// for each edge of length L at distance d (Biot-Savart). A movement of s, the point's and the vertices' together,
-/// leaves d above half of what it was while s is below that half, and makes L longer by at most 2 s; so the change is
-/// at most s / pi * sum (L + 2 s) / d^2, and the largest s that keeps it below |number - 0.5| solves a quadratic
-/// equation.
+/// The bound of the movement is derived in reports/performance/winding_number_bound.md.
 SurfaceWinding RefereeTree::winding(const Vec3& point, long* work) const {
   SurfaceWinding winding{winding_number(point, work)};
   if (closed()) return winding;

@@ -26,7 +26,7 @@ struct SurfaceCrossing {
   int slot = -1;          ///< of the triangle, in the order of the tree
 };
 
-/// The winding number of a surface around a point, and for how long the point stays on its side of 0.5.
+/// The winding number of a surface around a point, and a bound of the movement that keeps it on its side of 0.5.
 struct SurfaceWinding {
   double number = 0;
   /// The point and the vertices of the surface may move by this much together before `number` may cross 0.5, as long as
@@ -36,15 +36,15 @@ struct SurfaceWinding {
 };
 
 /// A tree of boxes, four children a node, over the triangles of one surface: the Referee's own, shared with no backend.
-/// It stays apart from core/bvh on purpose, although that is faster and answers much the same: what judges the backends
-/// may share no code with them, or a fault of that code would go unseen.
+/// It duplicates much of core/bvh on purpose, although that is faster: what judges the backends may share no code with
+/// them, or a defect of that code would go unseen.
 ///
 /// All points that go in or come out are relative to `centre_m()`, the middle of the surface's box, so that a bone far
-/// from the origin is judged as exactly as one at it. Boxes are held as 32-bit floats rounded outwards and serve only
-/// to leave triangles out; distances and crossings are computed from the vertices in double precision.
+/// from the origin is judged as exactly as one at it. Boxes are held as 32-bit floats rounded outwards and only cull;
+/// distances and crossings are computed from the vertices in double precision.
 ///
-/// Queries add what they took to `work`, where one is given: one for each node visited, triangle tested and boundary
-/// edge looked at. It depends on the input alone, so that a budget of it gives the same answer on any machine.
+/// Queries add their cost to `work`, where one is given: one for each node visited, triangle tested and boundary edge
+/// visited. It depends on the input alone, so that a budget of it gives the same answer on any machine.
 class RefereeTree {
  public:
   /// Copies what it needs of `mesh` (at least one triangle, finite vertices, valid indices).
@@ -67,9 +67,9 @@ class RefereeTree {
   /// does not depend on `guess` (a slot returned before, or -1), which only makes the search shorter.
   [[nodiscard]] ClosestSurfacePoint closest(const Vec3& point, int guess = -1, long* work = nullptr) const;
 
-  /// Winding number of the surface around `point` (Jacobson et al. 2013): the signed crossings of a ray, which is all
-  /// and exact where `closed()`, and else the solid angles of the strips that close the surface along its boundary
-  /// edges (see strip_share), which costs time in proportion to their number.
+  /// Winding number of the surface around `point` (Jacobson et al. 2013): the signed crossings of a ray, which is exact
+  /// where `closed()`; for an open surface plus the solid angles of the strips that close it along its boundary edges
+  /// (see strip_share), in time proportional to their number.
   [[nodiscard]] double winding_number(const Vec3& point, long* work = nullptr) const;
 
   /// The same, with the movement for which the side holds.
@@ -81,8 +81,8 @@ class RefereeTree {
   /// Index in the mesh of the triangle at `slot`.
   [[nodiscard]] int triangle_index(int slot) const { return m_triangles[static_cast<std::size_t>(slot)].index; }
 
-  /// A triangle of the surface, by its slot, that the triangle (a, b, c), seen as filled, touches; -1: none. Never -1
-  /// for one that passes through the surface by more than rounding; may be a slot for one that only comes that close.
+  /// Slot of a triangle of the surface that intersects the triangle (a, b, c); -1: none. Never -1 where the
+  /// intersection exceeds rounding; may be a slot where the two only come that close.
   [[nodiscard]] int find_touched(const Vec3& a, const Vec3& b, const Vec3& c, long* work = nullptr) const;
 
   /// The crossings of the segment with the surface, into `crossings`, in the order that they are met in. A point on the
@@ -101,7 +101,7 @@ class RefereeTree {
   struct Corners {
     Vec3 a, b, c;
     int index;    ///< in the mesh
-    bool sliver;  ///< so thin that rounding can tell its inside from its outside wrongly
+    bool sliver;  ///< so thin that rounding can misplace a point in its plane inside or outside of it
   };
 
   /// An edge along which directed edges of the triangles do not cancel.
@@ -119,8 +119,8 @@ class RefereeTree {
 
   friend class RefereeTreeBuilder;
 
-  /// Calls `visit_slot` for the triangles in all boxes that `may_matter` (of a node: which of its children), until it
-  /// returns false.
+  /// Calls `visit_slot` for the triangles in all boxes that pass the filter `may_matter` (of a node: which of its
+  /// children), until it returns false.
   template <typename Filter, typename Visit>
   void visit(const Filter& may_matter, const Visit& visit_slot, long* work) const;
 
