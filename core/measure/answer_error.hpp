@@ -24,7 +24,7 @@ struct AnswerErrors {
   void add(const AnswerErrors& other);
 };
 
-/// What is asked about, and what was answered, in one collision step.
+/// Input and answer of a backend in one collision step.
 struct JudgedAnswer {
   std::span<const RigidMotion> bone_poses;
   std::span<const Vec3> positions;    ///< world frame, m

@@ -30,9 +30,9 @@ class BoneVertexDepthMeter {
   /// free node.
   BoneVertexDepthMeter(std::span<const Bone> bones, const TriangleMesh& muscle, std::span<const int> carriers);
 
-  /// `positions`: the muscle's nodes, finite; world frame. `budget`: of work, in the unit of RefereeTree; what it does
-  /// not suffice for is in `bound_m`, and comes first in the next call. What is kept from earlier calls changes no bit
-  /// of the depth while budgets suffice.
+  /// `positions`: the muscle's nodes, finite; world frame. `budget`: of work, in the unit of RefereeTree; vertices that
+  /// it does not suffice for are covered by `bound_m`, and come first in the next call. Caches from earlier calls
+  /// change no bit of the depth while budgets suffice.
   DeepestBoneVertex measure(std::span<const RigidMotion> poses, std::span<const Vec3> positions,
                             long budget = std::numeric_limits<long>::max());
 
@@ -62,7 +62,7 @@ class BoneVertexDepthMeter {
     std::vector<Vec3> last_m;  ///< the muscle's nodes in the bone's frame, in the last call
     /// Sum over the calls of the farthest that a node moved in the bone's frame.
     double travel_m = 0;
-    std::size_t start = 0;  ///< the cluster that comes first, where the budget did not suffice for it before
+    std::size_t start = 0;  ///< the first cluster of the next call: where the budget was spent
   };
   /// A point whose side of the muscle's surface is known.
   struct KnownPoint {
@@ -85,7 +85,7 @@ class BoneVertexDepthMeter {
   RefereeTree m_tree;
   std::vector<BoneVertices> m_bones;
   DeepestBoneVertex m_best;
-  double m_unmeasured_m = 0;  // bound of what the budget did not suffice for
+  double m_unmeasured_m = 0;  // bound of the vertices that the budget did not suffice for
   long m_work = 0;
 };
 

@@ -7,12 +7,12 @@
 
 namespace musclebench {
 
-/// Counts the nodes that the answers hold although the truth says that they are free.
+/// Counts the nodes that the response holds back although they are free by the truth.
 ///
 /// A node is stuck in a frame when, in the frame's last detection,
 /// - the backend reported it in a bone, and it was in no bone;
-/// - the loop wanted to move it: by |p - c| > `floor_m`, where p is the position that was asked about and c where the
-///   substep's start would be had the node gone along with the bone that it was reported in;
+/// - the loop moved it by |p - c| > `floor_m`, where p is the position of the detection and c the substep's start
+///   carried along with the bone that the node was reported in;
 /// - the response took back at least 90 % of that: |x - c| <= 0.1 |p - c| for the node's position x after the frame.
 /// It counts once however many bones it was reported in.
 ///

@@ -38,7 +38,7 @@ Vec3 weights_in(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& point) 
 SurfaceDepthMeter::SurfaceDepthMeter(std::span<const Triangle> triangles, std::span<const int> carriers, int bones)
     : m_triangles(triangles.begin(), triangles.end()),
       m_counting(static_cast<std::size_t>(bones)),
-      m_memories(static_cast<std::size_t>(bones)),
+      m_caches(static_cast<std::size_t>(bones)),
       m_carriers(carriers.begin(), carriers.end()) {
   const auto carrier = [&](int node) { return m_carriers[static_cast<std::size_t>(node)]; };
   for (int bone = 0; bone < bones; ++bone) {
@@ -49,7 +49,7 @@ SurfaceDepthMeter::SurfaceDepthMeter(std::span<const Triangle> triangles, std::s
       const bool carried = std::any_of(nodes.begin(), nodes.end(), [&](int node) { return carrier(node) == bone; });
       if (some_free && !carried) counting.push_back(static_cast<int>(t));
     }
-    m_memories[static_cast<std::size_t>(bone)].resize(counting.size());
+    m_caches[static_cast<std::size_t>(bone)].resize(counting.size());
   }
 }
 
@@ -145,18 +145,18 @@ void SurfaceDepthMeter::collect_parts(int bone, const Referee& referee, const Ri
               m_rest[static_cast<std::size_t>(nodes[2])]};
     part.bound_m = bound_from_nodes(nodes);
     if (part.bound_m <= limit_m(tree)) continue;
-    const Memory& memory = m_memories[static_cast<std::size_t>(bone)][i];
-    if (memory.slot >= 0) part.bound_m = std::min(part.bound_m, bound_from_memory(part, memory, rounding_m));
+    const TriangleCache& cache = m_caches[static_cast<std::size_t>(bone)][i];
+    if (cache.slot >= 0) part.bound_m = std::min(part.bound_m, bound_from_cache(part, cache, rounding_m));
     part.bone = bone;
     part.index = static_cast<int>(i);
-    part.slot = memory.slot;
-    know_a_corner(tree, nodes, part);
+    part.slot = cache.slot;
+    take_side_from_nodes(tree, nodes, part);
     push(part, tree);
   }
 }
 
-/// The side of a free node is known from the truth, but not for how long it holds where the surface is open.
-void SurfaceDepthMeter::know_a_corner(const RefereeTree& tree, const Triangle& nodes, Part& part) const {
+/// The side of a free node is known from the truth, but where the surface is open, not the movement for which it holds.
+void SurfaceDepthMeter::take_side_from_nodes(const RefereeTree& tree, const Triangle& nodes, Part& part) const {
   for (std::size_t k = 0; k < 3 && tree.closed() && part.known_steady_m == 0; ++k) {
     const auto node = static_cast<std::size_t>(nodes[k]);
     if (m_carriers[node] >= 0) continue;
@@ -173,14 +173,13 @@ void SurfaceDepthMeter::push(Part part, const RefereeTree& tree) {
   std::push_heap(m_parts.begin(), m_parts.end(), less_urgent);
 }
 
-double SurfaceDepthMeter::bound_from_memory(const Part& part, const Memory& memory, double rounding_m) const {
+double SurfaceDepthMeter::bound_from_cache(const Part& part, const TriangleCache& cache, double rounding_m) const {
   const Vec3 centroid = (part.a + part.b + part.c) / 3;
-  const double moved = (centroid - memory.point_m).norm();
-  return radius_about(centroid, part.a, part.b, part.c) + moved - memory.signed_distance_m + rounding_m;
+  const double moved = (centroid - cache.point_m).norm();
+  return radius_about(centroid, part.a, part.b, part.c) + moved - cache.signed_distance_m + rounding_m;
 }
 
-/// Upper bound of the depth anywhere in the triangle: no point is farther from the nearest corner than the longest edge
-/// over sqrt(3), nor farther from one corner than that corner's longer edge.
+/// Upper bound of the depth anywhere in the triangle (reports/performance/surface_depth.md).
 double SurfaceDepthMeter::bound_from_nodes(const Triangle& triangle) const {
   const auto node = [&](std::size_t k) { return static_cast<std::size_t>(triangle[k]); };
   const Vec3& a = m_rest[node(0)];
@@ -192,14 +191,14 @@ double SurfaceDepthMeter::bound_from_nodes(const Triangle& triangle) const {
   return std::min(longest * std::numbers::inv_sqrt3 - least, longest - most);
 }
 
-/// Queries the part's centroid; what cannot be settled by that is split.
+/// Queries the part's centroid, and splits the part where that does not bound it.
 void SurfaceDepthMeter::refine(const Part& part, const RefereeTree& tree) {
   const double rounding_m = depth_rounding * tree.diagonal_m();
   const Vec3 centroid = (part.a + part.b + part.c) / 3;
   const ClosestSurfacePoint nearest = tree.closest(centroid, part.slot, &m_work);
   const double distance = std::sqrt(nearest.squared_distance_m2);
   const double from_known = (centroid - part.known_m).norm() + rounding_m;
-  Part facts;  // of the parts that it is split into
+  Part facts;  // common to the parts that it is split into
   facts.known_m = centroid;
   if (from_known < std::min(distance, part.known_steady_m)) {
     facts.known_inside = part.known_inside;
@@ -212,7 +211,7 @@ void SurfaceDepthMeter::refine(const Part& part, const RefereeTree& tree) {
   const double signed_distance = facts.known_inside ? -distance : distance;
   const auto bone = static_cast<std::size_t>(part.bone);
   const auto index = static_cast<std::size_t>(part.index);
-  if (part.whole) m_memories[bone][index] = {centroid, signed_distance, nearest.slot};
+  if (part.whole) m_caches[bone][index] = {centroid, signed_distance, nearest.slot};
 
   const Vec3 out_of_bone =
       distance > rounding_m ? Vec3((centroid - nearest.point_m) / signed_distance) : tree.face_normal(nearest.slot);
@@ -227,7 +226,7 @@ void SurfaceDepthMeter::refine(const Part& part, const RefereeTree& tree) {
   if (radius - signed_distance + rounding_m <= limit_m(tree)) return;
 
   if (clear_when_moved(tree, part, out_of_bone, limit_m(tree))) return;
-  // What is as deep as the deepest point, along a ridge or a valley, mostly leaves the bone as that does.
+  // Parts along the same ridge or groove usually separate in the direction of the current maximum: try it.
   if (part.bone == m_best.bone && clear_when_moved(tree, part, m_best_out_of_bone, limit_m(tree))) return;
   const Vec3 into_muscle = (part.c - part.a).cross(part.b - part.a).stableNormalized();
   if (clear_when_moved(tree, part, into_muscle, limit_m(tree))) return;
@@ -239,7 +238,7 @@ void SurfaceDepthMeter::refine(const Part& part, const RefereeTree& tree) {
   split(part, tree, facts, signed_distance);
 }
 
-/// `facts`: what the parts have in common; `signed_distance_m`: of the point that it knows.
+/// `facts`: common to the new parts; `signed_distance_m`: of the point `facts.known_m`.
 void SurfaceDepthMeter::split(const Part& part, const RefereeTree& tree, const Part& facts, double signed_distance_m) {
   const double rounding_m = depth_rounding * tree.diagonal_m();
   const Vec3 ab = 0.5 * (part.a + part.b);
@@ -275,7 +274,7 @@ std::size_t SurfaceDepthMeter::bytes() const {
                     m_rest.capacity() * sizeof(Vec3) + (m_least_m.capacity() + m_depth_m.capacity()) * sizeof(double) +
                     m_parts.capacity() * sizeof(Part);
   for (const std::vector<int>& counting : m_counting) sum += counting.capacity() * sizeof(int);
-  for (const std::vector<Memory>& memories : m_memories) sum += memories.capacity() * sizeof(Memory);
+  for (const std::vector<TriangleCache>& caches : m_caches) sum += caches.capacity() * sizeof(TriangleCache);
   return sum;
 }
 

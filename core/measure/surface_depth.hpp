@@ -25,13 +25,11 @@ struct DeepestSurfacePoint {
 /// Finds how deep the muscle's surface, not only its nodes, is inside the bones: all nodes can be outside while a
 /// bone's ridge cuts through a face.
 ///
-/// Branch and bound over the triangles, best first: the signed distance changes by at most the distance between two
-/// points, so no point of a triangle is deeper than the depth of its centroid plus the radius about it. Nor is it
-/// deeper than b when the triangle, moved by b in any direction, lies outside the bone: that settles what lies along a
-/// bone. What is not settled is split in four. The answer is the depth of a point of the surface, so never too large,
-/// and at most `relative_tolerance * depth + absolute_tolerance * (the bone's diagonal)` too small, unless the budget
-/// is spent before. For a bone whose surface is not closed, whose signed distance jumps away from the surface, it is
-/// the depth of a point, but perhaps not the deepest.
+/// Branch and bound over the triangles, best first (reports/performance/surface_depth.md derives the bounds). The
+/// answer is the depth of a point of the surface, so never too large, and at most `relative_tolerance * depth +
+/// absolute_tolerance * (the bone's diagonal)` too small, unless the budget is spent before. For a bone whose surface
+/// is not closed, whose signed distance jumps away from the surface, it is the depth of a point, but perhaps not the
+/// deepest.
 ///
 /// A triangle counts against a bone when none of its nodes is carried by that bone and at least one node is free: what
 /// is attached to a bone lies in it by intention, with the triangles around, and would hide all else. Free nodes count
@@ -44,9 +42,9 @@ class SurfaceDepthMeter {
   /// `carriers`: for every node the bone that carries it, -1 for a free node.
   SurfaceDepthMeter(std::span<const Triangle> triangles, std::span<const int> carriers, int bones);
 
-  /// `truth`: what `referee.judge` answered last, for these poses and positions (finite; world frame) and all free
-  /// nodes. `budget`: of work, in the unit of RefereeTree; what it does not suffice for is in `bound_m`. Deterministic;
-  /// what is kept from earlier calls makes a call faster, and changes the answer only within tolerance and bound.
+  /// `truth`: the result of the last `referee.judge`, for these poses and positions (finite; world frame) and all free
+  /// nodes. `budget`: of work, in the unit of RefereeTree; where it is spent, `bound_m` covers the rest. Deterministic;
+  /// caches from earlier calls make a call faster, and change the answer only within tolerance and bound.
   DeepestSurfacePoint measure(const Referee& referee, std::span<const RigidMotion> poses,
                               std::span<const Vec3> positions, std::span<const Contact> truth,
                               long budget = std::numeric_limits<long>::max());
@@ -57,11 +55,11 @@ class SurfaceDepthMeter {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  /// What is known of one triangle's centroid and one bone.
-  struct Memory {
-    Vec3 point_m = Vec3::Zero();  ///< where it was when it was last queried, relative to the tree's centre
+  /// Result of the last query of one triangle's centroid and one bone.
+  struct TriangleCache {
+    Vec3 point_m = Vec3::Zero();  ///< the centroid's position then, relative to the tree's centre
     double signed_distance_m = 0;
-    int slot = -1;  ///< of the closest triangle of the bone; -1: nothing is known
+    int slot = -1;  ///< of the closest triangle of the bone; -1: not queried yet
   };
   /// A triangle or a part of one, relative to the tree's centre, and a point whose side of the surface is known.
   struct Part {
@@ -80,18 +78,18 @@ class SurfaceDepthMeter {
   void start_where_it_was_deepest(const Referee& referee, std::span<const RigidMotion> poses,
                                   std::span<const Vec3> positions);
   void collect_parts(int bone, const Referee& referee, const RigidMotion& pose, std::span<const Vec3> positions);
-  void know_a_corner(const RefereeTree& tree, const Triangle& nodes, Part& part) const;
+  void take_side_from_nodes(const RefereeTree& tree, const Triangle& nodes, Part& part) const;
   [[nodiscard]] double bound_from_nodes(const Triangle& triangle) const;
-  [[nodiscard]] double bound_from_memory(const Part& part, const Memory& memory, double rounding_m) const;
+  [[nodiscard]] double bound_from_cache(const Part& part, const TriangleCache& cache, double rounding_m) const;
   void push(Part part, const RefereeTree& tree);
   void refine(const Part& part, const RefereeTree& tree);
-  void split(const Part& part, const RefereeTree& tree, const Part& child_facts, double signed_distance_m);
+  void split(const Part& part, const RefereeTree& tree, const Part& facts, double signed_distance_m);
   [[nodiscard]] bool clear_when_moved(const RefereeTree& tree, const Part& part, Vec3 direction, double distance_m);
   [[nodiscard]] double limit_m(const RefereeTree& tree) const;
 
   std::vector<Triangle> m_triangles;
-  std::vector<std::vector<int>> m_counting;     // by bone: the triangles that count against it
-  std::vector<std::vector<Memory>> m_memories;  // by bone, by index in m_counting
+  std::vector<std::vector<int>> m_counting;          // by bone: the triangles that count against it
+  std::vector<std::vector<TriangleCache>> m_caches;  // by bone, by index in m_counting
   std::vector<int> m_carriers;
   DeepestSurfacePoint m_best;
   Vec3 m_best_rest_m = Vec3::Zero();       // rest frame of its bone; where it is in a triangle

@@ -43,7 +43,7 @@ int TunnellingTracker::update(const Referee& referee, std::span<const RigidMotio
       const bool far = same_side && (point - passage.point_m).norm() < referee.least_distance(bone, node, rest_point);
       if (passage.seen && far && inside) passage.sample_depth(tree, 0.5 * (passage.point_m + point));
       if (passage.seen && !far) follow_crossings(tree, point, passage);
-      // The sides are sure; crossings may lack where the surface is open, and for a node that is seen first.
+      // The inside flag is authoritative; crossings may be missing for open surfaces and in the first frame.
       if (inside && !passage.inside) passage.enter(poses[i].rotation.transpose() * truth_here->normal);
       if (!inside && passage.inside)
         passage.leave(referee.closest(bone, rest_point).normal, grazing_depth * tree.diagonal_m());

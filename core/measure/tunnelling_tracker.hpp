@@ -28,8 +28,8 @@ class TunnellingTracker {
 
   TunnellingTracker(int bones, int nodes);
 
-  /// Takes the next frame. `truth`: what `referee.judge` answered last, for these poses, positions (world frame) and
-  /// `nodes` (ascending). A node at a position that is not finite stays what it was. Returns `tunnelled_nodes()`.
+  /// Takes the next frame. `truth`: the result of the last `referee.judge`, for these poses, positions (world frame)
+  /// and `nodes` (ascending). A node at a position that is not finite keeps its state. Returns `tunnelled_nodes()`.
   int update(const Referee& referee, std::span<const RigidMotion> poses, std::span<const Vec3> positions,
              std::span<const int> nodes, std::span<const Contact> truth);
 
@@ -40,9 +40,9 @@ class TunnellingTracker {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  /// Of one node and one bone.
+  /// State of one node relative to one bone.
   struct Passage {
-    Vec3 point_m = Vec3::Zero();       ///< where it was, relative to the tree's centre
+    Vec3 point_m = Vec3::Zero();       ///< position in the last frame, relative to the tree's centre
     Vec3 entry_normal = Vec3::Zero();  ///< rest frame; where it is inside
     double deepest_m = 0;              ///< since it entered
     bool seen = false;
