@@ -25,6 +25,7 @@ from musclebench.publish.quoted import unmarked
 TOOLS = Path(__file__).resolve().parent
 PROJECT = TOOLS.parent
 PROGRAM = PROJECT / "build" / "bench" / "bench" / "musclebench"
+SEVERAL_MUSCLES = "hip"  # the scene of each data set whose muscles touch
 SMOOTH_SCENES = ("iliacus", "gluteus_maximus")  # one that folds and one that doesn't
 
 
@@ -36,20 +37,27 @@ class Step:
     data_set: str
     arguments: tuple[str, ...]
     data_dir: Path | None = None
+    scene: str = ""  # of the data set; empty: those that the study chooses
 
     @property
     def name(self) -> str:
-        return f"{self.kind}-{self.data_set}"
+        return "-".join(filter(None, (self.kind, self.data_set, self.scene)))
+
+    @property
+    def _scene_arguments(self) -> tuple[str, ...]:
+        return ("--scene", f"{self.data_set}/{self.scene}") if self.scene else ()
 
     @property
     def shown(self) -> str:
         """The command as a page names it, without the paths of this machine."""
-        words = (f"tools/{self.kind}", *(("--data", "DIR") if self.data_set == "lhdl" else ()), *self.arguments)
+        words = (f"tools/{self.kind}", *(("--data", "DIR") if self.data_set == "lhdl" else ()), *self._scene_arguments,
+                 *self.arguments)
         return " ".join(words)
 
     def command(self, program: Path, out_dir: Path) -> list[str]:
         return [sys.executable, str(TOOLS / f"{self.kind}.py"), "--musclebench", str(program), "--out", str(out_dir),
-                *(("--data", str(self.data_dir.resolve())) if self.data_dir else ()), *self.arguments]
+                *(("--data", str(self.data_dir.resolve())) if self.data_dir else ()),
+                *self._scene_arguments, *self.arguments]
 
 
 def parse_arguments(arguments):
@@ -73,8 +81,9 @@ def parse_arguments(arguments):
 def steps_of(options) -> list[Step]:
     data_sets = ["synthetic", *(["lhdl"] if options.data else [])]
     wanted = options.only or list(TABLES)
-    steps = [Step(kind, name, _arguments(kind, name, options), options.data if name == "lhdl" else None)
-             for kind in TABLES for name in data_sets if kind in wanted]
+    steps = [Step(kind, name, _arguments(kind, name, options), options.data if name == "lhdl" else None, scene)
+             for kind in TABLES if kind in wanted for name in data_sets
+             for scene in ("", *([SEVERAL_MUSCLES] if kind == "paper" else []))]
     # Speed is about the muscle's own data where they are there: its targets were set on them.
     return [step for step in steps if step.kind != "speed" or step.data_set == data_sets[-1]]
 

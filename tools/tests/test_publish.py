@@ -18,7 +18,7 @@ from musclebench.program.cli import Problem
 from musclebench.publish import measured as measured_module
 from musclebench.publish.blocks import block
 from musclebench.publish.measured import Measured, adopt
-from musclebench.publish.pages import pages_of, pictures_in, written
+from musclebench.publish.pages import pages_of, pictures_in, studies_in, written
 from musclebench.publish.quoted import unmarked
 from musclebench.publish.selection import value_text
 
@@ -88,7 +88,8 @@ def test_what_was_published_in_one_go_has_the_newest_schema():
 @pytest.mark.parametrize("name", PAGES)
 def test_links_of_pages_lead_somewhere(name):
     page = PAGES[name]
-    for target in re.findall(r"\]\(([^)#]+?)(?:#[^)]*)?\)", re.sub(r"```.*?```", "", page.read_text(), flags=re.S)):
+    text = re.sub(r"```.*?```|<!--.*?-->", "", page.read_text(), flags=re.S)
+    for target in re.findall(r"\]\(([^)#]+?)(?:#[^)]*)?\)", text):
         if "://" not in target:
             assert (page.parent / target).exists(), f"{name}: {target}"
 
@@ -185,6 +186,39 @@ def test_pictures_keep_their_link_and_get_a_source(small, tmp_path):
     assert (picture.study, picture.figure) == ("paper-lhdl", "fig_6") and picture.file.name == "x.png"
 
 
+def test_what_was_not_measured_yet_says_so_until_it_is(small, tmp_path):
+    """And keeps its link as a comment."""
+    page = "<!-- picture: paper-hip fig -->\n![a hip](x.png)\n<!-- end -->\n<!-- generated: depths paper-hip -->\n" \
+           "<!-- end --> <!-- value: paper-hip/table_4_depths.bone_nodes max -->7<!-- end -->"
+    new = written(page, small, "page.md")
+    assert new.count("yet") == 3 and "<!-- ![a hip](x.png) -->" in new and "7" not in new
+    assert written(new, small, "page.md") == new
+    shutil.copytree(small.folder / "paper-lhdl", small.folder / "paper-hip")
+    (small.folder / "paper-hip" / "table_4_depths.csv").write_text(
+        "muscle,scene,backend,bone_depth_mm,bone_nodes\ngluteus_maximus,hip,sdf,0.12345,7\n")
+    measured = written(new, small, "page.md")
+    assert "\n![a hip](x.png)\n" in measured and "<!-- ![" not in measured and "yet" not in measured
+    assert "| gluteus maximus | sdf | 0.123 | 7 |" in measured and " max -->7.00<!--" in measured
+    assert [picture.study for picture in pictures_in(measured, tmp_path / "page.md")] == ["paper-hip"]
+
+
+def test_tables_of_several_muscles_have_the_stages_of_their_scene(small):
+    folder = small.folder / "paper-lhdl"
+    (folder / "table_3_frame_times.csv").write_text(
+        "muscle,backend,bending_ns,muscle_contact_ns\nhip,null,1.5,2.25\n")
+    (folder / "table_5_pairs.csv").write_text(
+        'muscle,scene,backend,detect_ms,contacts\n"iliacus, psoas",hip,sdf,0.5,9\n')
+    assert "| backend | bending ms | muscle_contact ms |" in block(small, "frame_times paper-lhdl")
+    assert "| null | 1.500 | 2.250 |" in block(small, "frame_times paper-lhdl")
+    assert "| iliacus, psoas | sdf | 0.500 | 9 |" in block(small, "pairs paper-lhdl")
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_publish_measures_what_pages_show(name):
+    data = publish.parse_arguments(["--data", "."])
+    assert studies_in(PAGES[name].read_text()) <= {step.name for step in publish.steps_of(data)}
+
+
 def test_results_are_taken_over_with_commit_machine_and_disturbance(tmp_path):
     out = tmp_path / "out"
     for name in ("voxel", "fcl"):
@@ -233,6 +267,8 @@ def rehearsal(tmp_path, monkeypatch):
         (out / "tables").mkdir(exist_ok=True)
         shutil.copyfile(PROJECT / "reports" / "measured" / "paper-synthetic" / "table_2_times.csv",
                         out / "tables" / "table_2_times.csv")
+        for name in ("table_3_frame_times", "table_4_depths", "table_5_pairs") if "--scene" in command else ():
+            (out / "tables" / f"{name}.csv").write_text("muscle,backend\n")
         return subprocess.CompletedProcess(command, 3 if "speed" in command[1] else 0)
 
     monkeypatch.setattr(publish.subprocess, "run", study)
@@ -249,7 +285,7 @@ def test_a_rehearsal_leaves_the_projects_pages_alone(rehearsal, capsys):
     assert run("--only", "paper") == 0
     assert {name: path.read_text() for name, path in PAGES.items()} == before
     page = (out / "pages" / "README.md").read_text()
-    assert "commit abc1234, A processor" in page and "[1/1] paper-synthetic" in capsys.readouterr().out
+    assert "commit abc1234, A processor" in page and "[1/2] paper-synthetic" in capsys.readouterr().out
 
 
 def test_a_publication_is_of_one_commit_and_machine(rehearsal, capsys):

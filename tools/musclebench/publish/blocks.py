@@ -8,7 +8,7 @@ import pandas as pd
 from ..convergence import convergence_report
 from ..program.cli import Problem
 from ..results.disturbance import MARK
-from ..tables import choices, outcomes, paper_tables, prices
+from ..tables import choices, muscle_tables, outcomes, paper_tables, prices
 from ..tables.table_formats import Column, as_ratio, markdown_rows, with_unit
 from .measured import Measured
 from .selection import chosen_rows, plain
@@ -23,6 +23,9 @@ PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "ratio
 FACTOR_KEYS = ("muscle", "choice", "time_ms", "factor", "ratio", "missed", "measured", "p99_error_mm")
 OUTCOME_KEYS = ("muscle", "configuration", "node_depth_mm", "p99_surface_depth_mm", "max_volume_percent",
                 "full_rms_mm", "full_hausdorff_mm", "tunnelled", "stuck", "collision_s")
+DEPTH_KEYS = ("muscle", "backend", "bone_depth_mm", "bone_nodes", "muscle_depth_mm", "muscle_nodes",
+              "volume_change_percent", "edge_stretch")
+PAIR_KEYS = ("muscle", "backend", "detect_ms", "contacts")
 SUBSTEP_KEYS = ("scene", "backend", "substeps", "status", "rms_mm", "p99_mm", "largest_mm", "volume_error_percent",
                 "largest_depth_mm")
 
@@ -83,6 +86,13 @@ def _coupled(measured: Measured, study: str, filters: str) -> str:
     return "\n".join(lines)
 
 
+def _frame_times(measured: Measured, study: str, filters: str) -> str:
+    """The columns are the stages of the loop that the scene has."""
+    rows = chosen_rows(measured.table(f"{study}/table_3_frame_times"), filters, f"frame_times {study} {filters}")
+    stages = [key.removesuffix("_ns") for key in rows if key.endswith("_ns")]
+    return markdown_rows([Column("backend", "backend"), *muscle_tables.stage_columns(stages)], rows)
+
+
 def _three(value: float) -> str:
     return "-" if value is None or math.isnan(value) else as_ratio(value) if value else "0"
 
@@ -91,6 +101,9 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "times": _from("table_2_times", paper_tables.TIME_COLUMNS, TIME_KEYS),
     "split": _from("table_2_times", paper_tables.TIME_COLUMNS, SPLIT_KEYS),
     "memory": _from("table_1_memory", paper_tables.MEMORY_COLUMNS, MEMORY_KEYS),
+    "frame_times": _frame_times,
+    "depths": _from("table_4_depths", muscle_tables.DEPTH_COLUMNS, DEPTH_KEYS),
+    "pairs": _from("table_5_pairs", muscle_tables.PAIR_COLUMNS, PAIR_KEYS),
     "prices": _from("price_list", prices.COLUMNS, PRICE_KEYS),
     "factors": _from("*_factors", choices.COLUMNS, FACTOR_KEYS),
     "outcomes": _from("coupled_outcomes", outcomes.COLUMNS, OUTCOME_KEYS),

@@ -15,7 +15,8 @@ from ..results.disturbance import disturbed
 SOURCE = "source.json"
 ONE_PUBLICATION = ("commit", "machine", "build", "results_schema")  # the same in all studies of one
 TABLES = {
-    "paper": ("tables/table_1_memory.csv", "tables/table_2_times.csv"),
+    "paper": ("tables/table_1_memory.csv", "tables/table_2_times.csv", "tables/table_3_frame_times.csv",
+              "tables/table_4_depths.csv", "tables/table_5_pairs.csv"),  # from 3 on: of scenes of several muscles
     "accuracy": ("tables/price_list.csv", "tables/*_factors.csv", "tables/coupled_outcomes.csv", "study.csv"),
     "speed": ("speed.csv",),
     "convergence": ("tables/substeps.csv",),
@@ -53,6 +54,9 @@ class Measured:
     @property
     def studies(self) -> list[str]:
         return sorted(path.parent.name for path in self.folder.glob(f"*/{SOURCE}"))
+
+    def has(self, study: str) -> bool:
+        return (self.folder / study / SOURCE).is_file()
 
     def source(self, study: str) -> Source:
         path = self.folder / study / SOURCE

@@ -3,6 +3,8 @@
     <!-- generated: times paper-lhdl muscle=iliacus -->  a table and where it comes from       <!-- end -->
     <!-- value: paper-lhdl/table_2_times[backend=fcl].ratio max .0f -->  a number in a sentence  <!-- end -->
     <!-- picture: paper-synthetic fig_6_iliacus -->  a picture of a study, copied to reports/gallery  <!-- end -->
+
+Of a study that was not measured yet they say so; the link of a picture is kept as a comment until then.
 """
 
 import re
@@ -18,6 +20,7 @@ from .selection import value_text
 MARKED = re.compile(r"<!-- (generated|value|picture): ([^>]*?) -->(.*?)<!-- end -->", re.DOTALL)
 OPENING = re.compile(r"<!-- (generated|value|picture): ")
 LINK = re.compile(r"!\[([^\]]*)\]\(([^)]*)\)")
+NOT_YET = "not measured yet"
 NOT_PAGES = {"experiments.md"}
 
 
@@ -44,7 +47,8 @@ def written(text: str, measured: Measured, page: str, problems: list[str] | None
     def made(match: re.Match) -> str:
         kind, specification, old = match.groups()
         try:
-            inside = {"generated": _table, "value": _value, "picture": _picture}[kind](measured, specification, old)
+            inside = MAKERS[kind](measured, specification, old) if measured.has(study_of(kind, specification)) \
+                else _not_yet(kind, old)
         except Problem as problem:
             if problems is None:
                 raise Problem(f"{page}: {problem}") from None
@@ -53,6 +57,19 @@ def written(text: str, measured: Measured, page: str, problems: list[str] | None
         return f"<!-- {kind}: {specification} -->{inside}<!-- end -->"
 
     return MARKED.sub(made, text)
+
+
+def study_of(kind: str, specification: str) -> str:
+    """Raises Problem where the marker names none."""
+    named = {"generated": r"\s*\S+ (\S+)", "value": r"\s*([\w-]+)/", "picture": r"\s*(\S+) "}[kind]
+    match = re.match(named, specification)
+    if match is None:
+        raise Problem(f"{kind} '{specification}': names no study")
+    return match.group(1)
+
+
+def studies_in(text: str) -> set[str]:
+    return {study_of(kind, specification) for kind, specification, _ in MARKED.findall(text)}
 
 
 def pictures_in(text: str, page: Path) -> Iterator[Picture]:
@@ -76,4 +93,13 @@ def _picture(measured: Measured, specification: str, old: str) -> str:
     link = LINK.search(old)
     if link is None:
         raise Problem(f"picture '{specification}': there has to be a link ![...](...) between the markers")
-    return f"\n{link.group(0)}\n\n{measured.source(specification.strip().split(' ')[0]).words()}\n"
+    return f"\n{link.group(0)}\n\n{measured.source(study_of('picture', specification)).words()}\n"
+
+
+def _not_yet(kind: str, old: str) -> str:
+    link = LINK.search(old)
+    shown = f"<!-- {link.group(0)} -->\n" if kind == "picture" and link else ""
+    return NOT_YET if kind == "value" else f"\n{shown}{NOT_YET.capitalize()}.\n"
+
+
+MAKERS = {"generated": _table, "value": _value, "picture": _picture}

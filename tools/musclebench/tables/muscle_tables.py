@@ -35,8 +35,7 @@ def frame_time_table(runs: list[Run]) -> Table:
     stages = list(dict.fromkeys(name for run in runs for name in run.frames.columns
                                 if name.endswith("_ns") and name not in (*NOT_OF_THE_LOOP, *TOTALS)))
     columns = [Column("muscle", "scene"), Column("backend", "backend")]
-    columns += [Column(name, f"{name.removesuffix('_ns')} ms", 3, name.removesuffix("_ns").replace("_", "\n"))
-                for name in [*stages, *TOTALS]]
+    columns += stage_columns([name.removesuffix("_ns") for name in [*stages, *TOTALS]])
     rows = pd.DataFrame([{"muscle": run.muscle, "backend": run.backend,
                           **{name: run.timed_frames[name].median() / 1e6 if name in run.frames else float("nan")
                              for name in [*stages, *TOTALS]}} for run in runs],
@@ -44,6 +43,10 @@ def frame_time_table(runs: list[Run]) -> Table:
     caption = ("Table 3. Where a frame's time goes: medians over the frames in ms, by effect and stage of the collision; update, "
                "detect and respond are those of the backend with all bones, muscle_contact is that of all pairs of muscles.")
     return Table("table_3_frame_times", caption, columns, rows, [column.key for column in columns[1:]])
+
+
+def stage_columns(stages: list[str]) -> list[Column]:
+    return [Column(f"{stage}_ns", f"{stage} ms", 3, stage.replace("_", "\n")) for stage in stages]
 
 
 def depth_table(runs: list[Run]) -> Table:
