@@ -110,9 +110,9 @@ def print_plan(steps: list[Step], options) -> None:
           f"{' to ' + str(out_dir_of(options) / 'pages') if options.quick else ''}")
 
 
-def run_steps(steps: list[Step], options) -> list[str]:
-    """What went wrong, a line a study; the results of the others are taken over, all of one commit and machine."""
-    problems, adopted = [], []
+def run_steps(steps: list[Step], options) -> tuple[set[str], list[str]]:
+    """The studies that were taken over, all of one commit and machine; what went wrong, a line a study."""
+    problems, adopted = [], {}
     publication = datetime.now(timezone.utc).isoformat(timespec="seconds")
     for number, step in enumerate(steps, 1):
         out_dir, started = out_dir_of(options) / step.name, time.monotonic()
@@ -126,22 +126,23 @@ def run_steps(steps: list[Step], options) -> list[str]:
             continue
         try:
             source = adopt(step.name, out_dir, measured_folder(options) / step.name, step.shown, publication,
-                           adopted[0] if adopted else None)
+                           next(iter(adopted.values()), None))
         except Problem as problem:
             problems.append(str(problem))
             continue
-        adopted.append(source)
+        adopted[step.name] = source
         busy = f"; in {source.disturbed} runs the machine was busy" if source.disturbed else ""
         print(f"    done in {duration(time.monotonic() - started)}, commit {source.commit}{busy}", flush=True)
-    return problems
+    return set(adopted), problems
 
 
 def measured_folder(options) -> Path:
     return (out_dir_of(options) if options.quick else PROJECT / "reports") / "measured"
 
 
-def write_pages(options, steps: list[Step]) -> list[str]:
-    """Pages and their pictures; prints what changed. A line for all that could not be written."""
+def write_pages(options, adopted: set[str]) -> list[str]:
+    """Pages and the pictures of the studies that were taken over; prints what changed. A line for all that
+    could not be written."""
     measured = Measured(measured_folder(options))
     if options.quick:  # what a rehearsal doesn't measure stays as it is in the project
         for study in Measured(PROJECT / "reports" / "measured").studies:
@@ -157,7 +158,7 @@ def write_pages(options, steps: list[Step]) -> list[str]:
             write_whole(target, new)
         if new != old:
             changed.append(str(target))
-        pictures += _copy_pictures(new, page, {step.name for step in steps}, options)
+        pictures += _copy_pictures(new, page, adopted, options)
         problems += [f"{page.relative_to(PROJECT)}:{line}: '{words}' is quoted outside of markers"
                      for line, words in unmarked(new)]
     print("\n".join(["Written:", *(f"  {name}" for name in changed)]) if changed else "No page changed.")
@@ -189,13 +190,13 @@ def publish(options) -> int:
     if options.dry_run:
         print_plan(steps, options)
         return 0
-    problems = []
+    adopted, problems = set(), []
     if steps:
         check_program(options.musclebench, "tools/publish")
         if not options.quick:
             check_tree()
-        problems = run_steps(steps, options)
-    problems += write_pages(options, steps)
+        adopted, problems = run_steps(steps, options)
+    problems += write_pages(options, adopted)
     for problem in problems:
         print(f"publish: {problem}", file=sys.stderr)
     print("Published." if not problems else "Not all was published.")

@@ -14,6 +14,7 @@ import pytest
 
 import fake_runs
 import publish
+from musclebench.figures.style import DPI, plt, save_figure
 from musclebench.program.cli import Problem
 from musclebench.publish import measured as measured_module
 from musclebench.publish.blocks import block
@@ -213,6 +214,35 @@ def test_tables_of_several_muscles_have_the_stages_of_their_scene(small):
     assert "| iliacus, psoas | sdf | 0.500 | 9 |" in block(small, "pairs paper-lhdl")
 
 
+def test_every_picture_of_the_gallery_is_on_a_page():
+    shown = {picture.file for page in PAGES.values() for picture in pictures_in(page.read_text(), page)}
+    assert {path.name for path in (PROJECT / "reports" / "gallery").iterdir() if path not in shown} == set()
+
+
+def test_pictures_of_the_gallery_are_as_they_were_saved():
+    """No palette, and the resolution they are printed at. Those of the first schema were made smaller afterwards."""
+    for page in PAGES.values():
+        for picture in pictures_in(page.read_text(), page):
+            if picture.file.suffix == ".png" and REPORTS.source(picture.study).results_schema >= 2:
+                assert not has_palette(picture.file), picture.file
+                assert dots_per_metre(picture.file) == round(DPI / 0.0254), picture.file
+
+
+def test_saved_figures_have_their_resolution_and_no_palette(tmp_path):
+    picture = save_figure(plt.figure(figsize=(1, 1)), tmp_path / "empty")[0]
+    assert not has_palette(picture) and dots_per_metre(picture) == round(DPI / 0.0254)
+
+
+def has_palette(png: Path) -> bool:
+    return png.read_bytes()[25] == 3  # the colour type in the header
+
+
+def dots_per_metre(png: Path) -> int | None:
+    """None where it tells none."""
+    _, found, rest = png.read_bytes().partition(b"pHYs")
+    return int.from_bytes(rest[:4]) if found else None
+
+
 @pytest.mark.parametrize("name", PAGES)
 def test_publish_measures_what_pages_show(name):
     data = publish.parse_arguments(["--data", "."])
@@ -303,6 +333,25 @@ def test_a_publication_is_of_one_commit_and_machine(rehearsal, capsys):
     kept = Measured(out / "measured")
     names = {kept.source(f"{kind}-synthetic").publication for kind in ("paper", "convergence")}
     assert len(names) == 1 and names != {""}
+
+
+def test_pictures_come_from_studies_that_were_taken_over(rehearsal, tmp_path, monkeypatch):
+    """One that ended badly keeps the picture that its measured tables are of."""
+    reports, (_, out) = tmp_path / "project" / "reports", rehearsal
+    (reports / "gallery").mkdir(parents=True)
+    names = ("paper-synthetic", "speed-synthetic")
+    for name in names:
+        (out / name / "figures").mkdir(parents=True)
+        (out / name / "figures" / "times.png").write_text("new")
+        (reports / "gallery" / f"{name}.png").write_text("old")
+    page = "".join(f"<!-- picture: {name} times -->\n![x](reports/gallery/{name}.png)\n<!-- end -->\n"
+                   for name in names)
+    (tmp_path / "project" / "README.md").write_text(page)
+    monkeypatch.setattr(publish, "PROJECT", tmp_path / "project")
+    monkeypatch.setattr(publish, "check_tree", lambda: None)
+    only = [word for kind in ("paper", "speed") for word in ("--only", kind)]
+    assert publish.main(["--musclebench", sys.executable, "--out", str(out), *only]) == 1
+    assert [(reports / "gallery" / f"{name}.png").read_text() for name in names] == ["new", "old"]
 
 
 def test_a_study_that_fails_is_told_and_the_others_are_written(rehearsal, capsys):

@@ -19,6 +19,7 @@ from .selection import value_text
 
 MARKED = re.compile(r"<!-- (generated|value|picture): ([^>]*?) -->(.*?)<!-- end -->", re.DOTALL)
 OPENING = re.compile(r"<!-- (generated|value|picture): ")
+COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 LINK = re.compile(r"!\[([^\]]*)\]\(([^)]*)\)")
 NOT_YET = "not measured yet"
 NOT_PAGES = {"experiments.md"}
@@ -73,8 +74,9 @@ def studies_in(text: str) -> set[str]:
 
 
 def pictures_in(text: str, page: Path) -> Iterator[Picture]:
+    """Those that the page shows: a link in a comment waits for its study."""
     for kind, specification, inside in MARKED.findall(text):
-        link = LINK.search(inside)
+        link = LINK.search(COMMENT.sub("", inside))
         if kind == "picture" and link:
             study, _, figure = specification.strip().partition(" ")
             yield Picture(study, figure, (page.parent / link.group(2)).resolve())
