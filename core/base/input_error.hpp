@@ -7,7 +7,7 @@
 
 namespace musclebench {
 
-/// Input that the user can mend: one line that names the location (file, key or option), what is wrong and the cure.
+/// Input that the user can correct: one line that names the location (file, key or option), what is wrong and the cure.
 /// The program prints it and exits with code 2.
 class InputError : public std::runtime_error {
  public:

@@ -7,7 +7,7 @@
 
 namespace musclebench {
 
-/// A file that the user names, read only as far as it is asked for. Throws InputError (location: the path) for what is
+/// A file that the user names, read on demand. Throws InputError (location: the path) for what is
 /// missing, may not be read, or is no regular file: a pipe or a device may never end.
 class InputFile {
  public:

@@ -50,7 +50,7 @@ class MovingClearances {
     std::size_t last = 0;
     int muscle = 0;
     double travel_m = 0;            ///< sum over all steps of the largest relative motion to a cluster near it
-    Eigen::AlignedBox3d box;        ///< when neighbours were last looked for
+    Eigen::AlignedBox3d box;        ///< at the last search for neighbours
     std::vector<std::size_t> near;  ///< of muscles beside its own, ascending
   };
 
@@ -72,11 +72,11 @@ class MovingClearances {
   std::vector<Membership> m_memberships;     ///< by node
   std::vector<double> m_expires_at_m;        ///< by member: travel of its cluster at which its clearance is used up
   std::vector<Motion> m_motions;             ///< by cluster
-  std::vector<Eigen::AlignedBox3d> m_boxes;  ///< by muscle, when neighbours were last looked for
+  std::vector<Eigen::AlignedBox3d> m_boxes;  ///< by muscle, at the last search for neighbours
   std::vector<Vec3> m_last;                  ///< by member: its position in the step before
   std::span<const Vec3> m_positions;
   double m_near_m = 0;      ///< clusters closer than this are neighbours
-  double m_approach_m = 0;  ///< bound of how much closer two clusters came since neighbours were looked for
+  double m_approach_m = 0;  ///< bound of how much closer two clusters came since that search
   bool m_has_neighbours = false;
   std::vector<int> m_expired;
 };

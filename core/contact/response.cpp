@@ -191,7 +191,7 @@ void Response::backtrack_from_bone(CollisionBackend& backend, const ResponseInpu
 
   const double step_m = backend.step_m(bone);
   assert(step_m > 0);
-  // The walk ends at x, which is free, so it is finite however far p is.
+  // Backtracking ends at x, which is free, so it is finite however far p is.
   for (double walked_m = step_m; !m_nodes.empty(); walked_m += step_m) {
     for (const int node : m_nodes) {
       const Vec3 back = input.substep_start[node] - predicted[node];

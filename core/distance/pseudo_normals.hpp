@@ -37,7 +37,7 @@ class PseudoNormals {
   std::vector<int> m_neighbour;  ///< across edge 3 t + i: a triangle, or -1; the edge's normal is the sum of both
 };
 
-/// The same of a surface whose vertices move, computed where it is asked for: contacts need few of them a step.
+/// The same of a surface whose vertices move, computed on demand: contacts need few of them a step.
 class MovingPseudoNormals {
  public:
   /// Of the mesh only the triangles are kept.

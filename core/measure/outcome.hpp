@@ -41,7 +41,7 @@ struct Outcome {
   /// Of the deepest node in another muscle: the largest over the frames, and before the first; most nodes in one frame.
   std::optional<double> max_muscle_depth_m, muscle_depth_at_rest_m;
   std::optional<int> nodes_inside_muscles;
-  /// Most in one of the frames that were looked at, and before the first one.
+  /// Most in one of the frames that were tested, and before the first one.
   std::optional<int> self_intersecting_triangles, self_intersecting_triangles_at_rest;
   int open_judgements = 0;       ///< frames for which the Referee's budget did not suffice
   Nanoseconds collision_ns = 0;  ///< of the backend with bones: update, detect and respond, sum over the run

@@ -43,7 +43,7 @@ struct StepRecord {
   int contacts = 0;                           ///< answered by the last detection of the frame
   std::optional<int> muscle_contacts;         ///< of the last detection between muscles; nothing where none touch
   std::optional<DepthStatistics> in_muscles;  ///< true depths of nodes in other muscles, at the frame's end
-  bool judged = false;                        ///< whether the Referee looked at this frame
+  bool judged = false;                        ///< whether the Referee judged this frame
   DepthStatistics depth;                      ///< at the frame's end
   ContactDifference difference;               ///< of the last detection
   /// At the frame's end: see SurfaceDepthMeter and BoneVertexDepthMeter. NaN: not measured. The bounds are larger by

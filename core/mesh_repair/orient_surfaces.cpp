@@ -123,7 +123,8 @@ class NestingTest {
   }
 
  private:
-  /// Most surfaces beside others are told from nested ones by their first sample, for which a tree would be dear.
+  /// The first few queries go without a tree: most surfaces are told from nested ones by one sample, which does not pay
+  /// for building it.
   [[nodiscard]] double winding_number(const Vec3& point) {
     constexpr int asked_without_tree = 4;
     return ++m_asked > asked_without_tree ? tree().winding_number(point)

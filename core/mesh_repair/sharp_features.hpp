@@ -7,7 +7,7 @@
 
 namespace musclebench {
 
-/// The edges and vertices where a surface turns sharply, as its mesh knows it: edges between two triangles whose
+/// The edges and vertices where a surface turns sharply by its mesh: edges between two triangles whose
 /// normals are more than `turn_rad` apart, edges of one or of more than two triangles (rims, fins, branches), vertices
 /// of which two triangles are more than `turn_rad` apart.
 ///

@@ -290,7 +290,7 @@ TEST_P(TriangleBvhHardCases, ACandidateListAnswersAsASearchDoesOrIsNotCertain) {
             continue;
           }
           const ClosestCandidate listed = closest_listed(tree, point, list);
-          // Less is told only where less was asked for, and it is true.
+          // A bound alone is returned only where it exceeds `enough_m`, and it holds.
           const ClosestPoint exact = brute_force(mesh, point);
           const ClosestCandidate less = closest_listed(tree, point, list, 0.7 * exact.distance_m);
           EXPECT_LE(less.clearance_m, exact.distance_m);

@@ -153,7 +153,7 @@ TEST(BacktrackResponse, WalksTowardsTheStartInStepsOfTheBone) {
   const Vec3 predicted(0, 0, -0.25);
   const Vec3 expected = predicted + 0.4 * Vec3(0.6, 0, 0.8);
   EXPECT_LT((backtrack(backend, 1, {start}, {predicted})[0] - expected).norm(), 1e-14);
-  EXPECT_EQ(backend.asked.size(), 5U);  // x, and the four positions of the walk
+  EXPECT_EQ(backend.asked.size(), 5U);  // x, and the four positions of the backtracking
 }
 
 TEST(BacktrackResponse, TheFirstTrialIsOneStepAway) {
@@ -201,10 +201,10 @@ TEST(BacktrackResponse, ANodeWhoseStartIsInsideFollowsTheBoneFromItsPreviousPose
   const auto corrected = step.respond(ResponseKind::backtrack, backend, 1);
   EXPECT_LT((corrected[0] - step.now[0].apply(in_rest_frame)).norm(), 1e-15);
   EXPECT_GT((step.now[0].apply(in_rest_frame) - step.start[0]).norm(), 0.01);  // the bone does move
-  EXPECT_EQ(backend.asked.size(), 1U);                                         // at x; nothing walks
+  EXPECT_EQ(backend.asked.size(), 1U);                                         // at x; nothing backtracks
 }
 
-/// Whether x is inside is asked of the bones where they stand now.
+/// Whether x is inside is queried at the current bone poses.
 TEST(BacktrackResponse, ABoneThatComesOverANodeAtRestCarriesItAlong) {
   Shape floor = half_space(Vec3::UnitZ());
   ShapeBackend backend({floor});
@@ -233,7 +233,7 @@ TEST(BacktrackResponse, SomeNodesWalkWhileOthersFollow) {
             (std::vector<Vec3>{followed, walked, Vec3(0, 0, 1), walked, Vec3(0, 0, 1), followed}));
 }
 
-/// The start is in bone 0, the node runs into bone 1: out of that it walks, and does not follow bone 1.
+/// The start is in bone 0, the node runs into bone 1: it backtracks out of that, and does not follow bone 1.
 TEST(BacktrackResponse, OnlyTheBoneThatTheStartIsInIsFollowed) {
   const Shape left = half_space(Vec3::UnitX(), -1);  // x < -1 is inside
   Shape right = half_space(-Vec3::UnitX(), -1);      // x > 1
@@ -249,7 +249,7 @@ TEST(BacktrackResponse, OnlyTheBoneThatTheStartIsInIsFollowed) {
   }
 }
 
-/// A walk out of one bone ends where that bone ends, though another still holds the node.
+/// Backtracking out of one bone ends where that bone ends, though another still holds the node.
 TEST(BacktrackResponse, CorrectionsOfSeveralBonesAreAddedAndTheirOrderDoesNotMatter) {
   Shape floor = half_space(Vec3::UnitZ());
   floor.step_m = 0.25;

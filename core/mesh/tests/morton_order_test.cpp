@@ -17,7 +17,7 @@
 namespace musclebench {
 namespace {
 
-double way_m(const std::vector<Vec3>& points, const std::vector<int>& order) {
+double path_length_m(const std::vector<Vec3>& points, const std::vector<int>& order) {
   double sum = 0;
   for (std::size_t i = 1; i < order.size(); ++i) {
     sum += (points[order[i]] - points[order[i - 1]]).norm();
@@ -44,17 +44,17 @@ std::vector<Vec3> shuffled_grid() {
   return positions;
 }
 
-TEST(CoherentOrder, LeadsFromNeighbourToNeighbour) {
+TEST(MortonOrder, LeadsFromNeighbourToNeighbour) {
   const std::vector<Vec3> points = shuffled_grid();
   const std::vector<int> order = morton_order(points);
   std::vector<int> sorted = order;
   std::sort(sorted.begin(), sorted.end());
   EXPECT_EQ(sorted, numbers(4096));
-  EXPECT_LT(way_m(points, order), 2 * 4096);
-  EXPECT_GT(way_m(points, numbers(4096)), 10 * 4096);
+  EXPECT_LT(path_length_m(points, order), 2 * 4096);
+  EXPECT_GT(path_length_m(points, numbers(4096)), 10 * 4096);
 }
 
-TEST(CoherentOrder, LeavesAShortWayAsItIs) {
+TEST(MortonOrder, LeavesAShortPathAsItIs) {
   std::vector<Vec3> points;
   for (int i = 0; i < 1000; ++i) {
     points.emplace_back(std::cos(0.01 * i), std::sin(0.01 * i), 0.001 * i);
@@ -62,7 +62,7 @@ TEST(CoherentOrder, LeavesAShortWayAsItIs) {
   EXPECT_EQ(morton_order(points), numbers(1000));
 }
 
-TEST(CoherentOrder, TakesAnyPoints) {
+TEST(MortonOrder, TakesAnyPoints) {
   std::vector<Vec3> points = shuffled_grid();
   points[0] = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
   points[1] = Vec3::Constant(std::numeric_limits<double>::infinity());
@@ -110,7 +110,7 @@ std::multiset<std::array<double, 9>> faces(const TriangleMesh& mesh) {
   return result;
 }
 
-TEST(CoherentOrder, OfAMeshLeavesTheSurfaceAsItIs) {
+TEST(MortonOrder, OfAMeshLeavesTheSurfaceAsItIs) {
   const TriangleMesh shuffled = shuffled_sphere();
   TriangleMesh mesh = shuffled;
   sort_in_morton_order(mesh);
@@ -123,28 +123,28 @@ TEST(CoherentOrder, OfAMeshLeavesTheSurfaceAsItIs) {
   EXPECT_EQ(again.vertices, mesh.vertices);
 }
 
-TEST(CoherentOrder, OfAMeshPutsNeighboursTogether) {
+TEST(MortonOrder, OfAMeshPutsNeighboursTogether) {
   TriangleMesh mesh = shuffled_sphere();
-  const double shuffled_m = way_m(mesh.vertices, numbers(static_cast<int>(mesh.vertices.size())));
+  const double shuffled_m = path_length_m(mesh.vertices, numbers(static_cast<int>(mesh.vertices.size())));
   sort_in_morton_order(mesh);
-  EXPECT_LT(way_m(mesh.vertices, numbers(static_cast<int>(mesh.vertices.size()))), 0.15 * shuffled_m);
-  double way_of_corners_m = 0;
+  EXPECT_LT(path_length_m(mesh.vertices, numbers(static_cast<int>(mesh.vertices.size()))), 0.15 * shuffled_m);
+  double corner_path_length_m = 0;
   for (std::size_t i = 1; i < mesh.triangles.size(); ++i) {
-    way_of_corners_m += (mesh.vertices[static_cast<std::size_t>(mesh.triangles[i][0])] -
-                         mesh.vertices[static_cast<std::size_t>(mesh.triangles[i - 1][0])])
-                            .norm();
+    corner_path_length_m += (mesh.vertices[static_cast<std::size_t>(mesh.triangles[i][0])] -
+                             mesh.vertices[static_cast<std::size_t>(mesh.triangles[i - 1][0])])
+                                .norm();
   }
-  EXPECT_LT(way_of_corners_m, 0.2 * static_cast<double>(mesh.triangles.size()));
+  EXPECT_LT(corner_path_length_m, 0.2 * static_cast<double>(mesh.triangles.size()));
 }
 
-TEST(CoherentOrder, OfAMeshTakesAnyMesh) {
+TEST(MortonOrder, OfAMeshTakesAnyMesh) {
   TriangleMesh nothing;
   sort_in_morton_order(nothing);
   EXPECT_TRUE(nothing.triangles.empty());
-  TriangleMesh nowhere{{Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), Vec3::Zero()},
-                       {{0, 1, 0}, {1, 1, 1}}};
-  sort_in_morton_order(nowhere);
-  EXPECT_EQ(nowhere.triangles.size(), 2U);
+  TriangleMesh not_finite{{Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), Vec3::Zero()},
+                          {{0, 1, 0}, {1, 1, 1}}};
+  sort_in_morton_order(not_finite);
+  EXPECT_EQ(not_finite.triangles.size(), 2U);
 }
 
 }  // namespace
