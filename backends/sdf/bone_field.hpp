@@ -20,7 +20,7 @@
 
 namespace musclebench {
 
-/// Points of one bone's field that are evaluated together. An octree tells their leaves, too.
+/// Points of one bone's field that are evaluated together; with their leaves for an octree.
 struct FieldAnswers {
   FieldBlock block;
   LeafBlock leaves;
@@ -30,7 +30,7 @@ struct FieldAnswers {
 /// threads.
 class BoneField : public BoneStructure {
  public:
-  /// Which points are evaluated: those that may be inside the bone, or all that the field knows.
+  /// Which points are evaluated: those that may be inside the bone, or all for which the field has coefficients.
   enum class Wanted : std::uint8_t { contacts, clearances };
 
   explicit BoneField(bool from_file) : m_is_from_file(from_file) {}
@@ -46,11 +46,11 @@ class BoneField : public BoneStructure {
   /// `nodes`.
   virtual std::size_t sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes,
                              std::size_t first, Wanted wanted, FieldAnswers& answers) const = 0;
-  /// Radii of spheres around the points of such a block, clearances wanted, in which the field is nowhere negative.
-  /// Those of contacts mean nothing.
+  /// Radii of spheres around the points of such a block (`Wanted::clearances`) in which the field is nowhere negative;
+  /// undefined for contacts.
   virtual void find_clearances(const FieldAnswers& answers, FieldBlock::Lanes<double>& clearance_m) const = 0;
-  /// The same for a point that `sample` leaves out, clearances wanted: outside the domain, or in a cell that the field
-  /// does not know. `cells` is where the CellMap takes it.
+  /// The same for a point that `sample` (`Wanted::clearances`) leaves out: outside the domain, or in a cell without
+  /// coefficients. `cells`: the point as mapped by the CellMap.
   [[nodiscard]] virtual double clearance_m(const Vec3& cells) const { return grid().distance_m(cells); }
 
  private:
@@ -61,7 +61,7 @@ class BoneField : public BoneStructure {
   bool m_is_from_file;
 };
 
-/// Where the fields of a configured `sdf` backend come from.
+/// Builds or loads the fields of a configured `sdf` backend.
 class FieldSource {
  public:
   FieldSource() = default;
@@ -69,11 +69,11 @@ class FieldSource {
   FieldSource& operator=(const FieldSource&) = delete;
   virtual ~FieldSource() = default;
 
-  /// Whether clearances hold for closed surfaces only, because parts of space are known by the unsigned distance alone.
+  /// Whether clearances hold for closed surfaces only, because in parts of space only the unsigned distance is stored.
   [[nodiscard]] virtual bool needs_closed_surfaces() const = 0;
   /// Throws InputError where the parameters do not fit the bones, before anything is built.
   virtual void require_fit(std::span<const Bone> /*bones*/) const {}
-  /// `progress`, where not empty, is told the share that is done.
+  /// `progress`, where not empty, is called with the share that is done.
   [[nodiscard]] virtual std::unique_ptr<BoneField> make(const Bone& bone, int threads,
                                                         const ShareReport& progress) const = 0;
 };

@@ -9,8 +9,8 @@
 
 namespace musclebench {
 
-/// The unit vector that leads out of a bone where its field has this gradient: away from the middle of the field where
-/// the field is flat, and along x in that very middle.
+/// Unit contact normal for this gradient of the field; where the gradient vanishes, away from the middle of the field,
+/// and in that very middle along x.
 inline Vec3 outward(const Vec3& gradient, const Vec3& from_middle) {
   for (const Vec3& direction : {gradient, from_middle}) {
     const double length = direction.norm();
@@ -21,7 +21,7 @@ inline Vec3 outward(const Vec3& gradient, const Vec3& from_middle) {
   return Vec3::UnitX();
 }
 
-/// Of the block's point `n`, where the field over `grid` is negative; `pose`: of the bone.
+/// The contact of the block's point `n`, where the field over `grid` is negative; `pose`: of the bone.
 inline Contact field_contact(const GridShape& grid, const RigidMotion& pose, int bone, int node,
                              const FieldBlock& block, std::size_t n) {
   const Vec3 from_middle = grid.point(block.cells(n)) - 0.5 * (grid.lower_m + grid.upper_m());

@@ -8,7 +8,7 @@
 
 namespace musclebench {
 
-// What the parameters of the `sdf` backend mean to those who build its fields.
+// Parameters of the `sdf` backend as settings of the field builders.
 
 GridSettings grid_settings(const Parameters& parameters);
 FieldSettings field_settings(const Parameters& parameters);

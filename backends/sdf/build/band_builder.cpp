@@ -32,8 +32,8 @@ Sphere sphere_around(const GridShape& shape, const CellRange& range) {
   return {0.5 * (lower + upper), 0.5 * (upper - lower).norm() * (1 + rounding_slack)};
 }
 
-/// Whether all of the ball is outside and farther from the surface than the band reaches; `bound_m` then is its
-/// distance.
+/// Whether all of the sphere is outside and farther from the surface than the band's width; `bound_m` is then a lower
+/// bound of its distance.
 bool is_far(const SignedSurface& surface, const Sphere& sphere, double width_m, double& bound_m) {
   const std::optional<ClosestPoint> near = surface.tree().closest_point(sphere.centre, width_m + sphere.radius_m);
   if (near) {
@@ -44,7 +44,7 @@ bool is_far(const SignedSurface& surface, const Sphere& sphere, double width_m, 
   return bound_m > width_m && !surface.is_inside(sphere.centre, closest);
 }
 
-/// The same for one cell. A stretched one fills little of its ball, so it is tested in pieces.
+/// The same for one cell. An elongated one fills little of its circumscribed sphere, so it is tested in pieces.
 bool is_far_cell(const SignedSurface& surface, const GridShape& shape, const CellRange& cell, double width_m) {
   constexpr int most_pieces = 8;
   Eigen::Index axis = 0;

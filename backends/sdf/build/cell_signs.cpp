@@ -30,7 +30,7 @@ std::vector<BorderFace> border_faces(const CubicField& field) {
           cell[axis] = side == 0 ? 0 : shape.count(axis) - 1;
           cell[p] = a;
           cell[q] = b;
-          if (field.knows(shape.cell(cell[0], cell[1], cell[2]))) {
+          if (field.has_coefficients(shape.cell(cell[0], cell[1], cell[2]))) {
             faces.push_back({axis, side, cell});
           }
         }
@@ -153,7 +153,7 @@ void find_cell_signs(CubicField& field, [[maybe_unused]] int threads) {
     CellBatch batch(field, lipschitz_bound, signs[word]);
     const std::size_t end = std::min(64 * (word + 1), shape.cell_count());
     for (std::size_t index = 64 * word; index < end; ++index) {
-      if (field.knows(index)) {
+      if (field.has_coefficients(index)) {
         batch.add(index);
       }
     }

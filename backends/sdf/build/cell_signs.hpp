@@ -4,13 +4,13 @@
 
 namespace musclebench {
 
-/// Where interpolation makes a filled field not positive on the border of its domain, makes the edges there straight:
-/// all vertices of the border are outside the bone.
+/// Keeps a filled field positive on the border of its domain, where all vertices are outside the bone: edges on which
+/// cubic interpolation is not positive are made linear.
 void keep_border_positive(CubicField& field);
 
-/// Marks the cells where the field may be negative, and finds the facts `lipschitz_bound` and `sign_error_distance_m`.
-/// The values at grid vertices are exact distances. The same bits for any number of threads. What these facts prove is
-/// in reports/performance/field_bounds.md.
+/// Marks the cells where the field may be negative, and computes `lipschitz_bound` and `sign_error_distance_m`
+/// (reports/performance/field_bounds.md). The values at grid vertices are exact distances. The same bits for any number
+/// of threads.
 void find_cell_signs(CubicField& field, int threads);
 
 }  // namespace musclebench

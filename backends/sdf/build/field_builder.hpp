@@ -10,7 +10,7 @@
 
 namespace musclebench {
 
-/// How a bone's grid is laid out.
+/// Resolution and extent of a bone's grid.
 struct GridSettings {
   int cells = 64;          ///< along each axis of the bone's box; not used where `cell_size_m` is given
   double cell_size_m = 0;  ///< edge of cubic cells; 0: use `cells`
@@ -21,7 +21,7 @@ struct GridSettings {
 /// the bone or absurdly small.
 GridShape grid_over(const TriangleMesh& mesh, const GridSettings& settings, const std::string& bone_name);
 
-/// How a field is kept.
+/// Storage of a field.
 struct FieldSettings {
   FieldPrecision precision = FieldPrecision::single_precision;
   /// Outside the bone, how far from its surface cells have coefficients; none: all have.
@@ -34,7 +34,7 @@ void require_sensible_band(double band_m, const GridShape& shape, const Triangle
 
 /// Fills the grid with the exact signed distance at its nodes (Koschier et al. 2017), marks the cells where the cubic
 /// field may be negative, and estimates its error. Where interpolation would make the field negative on the border of
-/// the domain, the edges there are made straight: all vertices of the border are outside the bone. What a narrow band
+/// the domain, the edges there are made linear: all vertices of the border are outside the bone. What a narrow band
 /// keeps is the same as in the dense field. The same bits for any number of threads.
 /// `progress`, where given, is called from time to time by one thread with the share that is done.
 CubicField build_field(const SignedSurface& surface, const GridShape& shape, const FieldSettings& settings, int threads,

@@ -7,8 +7,8 @@
 
 namespace musclebench {
 
-/// About what the field of a bone takes while it is built, in bytes. Of a narrow band what its cells take is estimated
-/// from the surface's area and volume: some 20 % too much on bones.
+/// Estimate of the memory that building the field of a bone needs, in bytes. The cells of a narrow band are estimated
+/// from the surface's area and volume: some 20 % too many on bones.
 double bytes_to_build(const TriangleMesh& surface, const GridShape& shape, const FieldSettings& settings);
 
 /// Throws InputError (about the parameter that chose the grid) that says how much is needed, how much is there and

@@ -52,7 +52,8 @@ bool has_cell_at_edge(const CubicField& field, const Index& vertex, std::size_t 
     Index cell = vertex;
     cell[p] -= down_p;
     cell[q] -= down_q;
-    if (cell[p] < shape.count(p) && cell[q] < shape.count(q) && field.knows(shape.cell(cell[0], cell[1], cell[2]))) {
+    if (cell[p] < shape.count(p) && cell[q] < shape.count(q) &&
+        field.has_coefficients(shape.cell(cell[0], cell[1], cell[2]))) {
       return true;
     }
   }
@@ -68,8 +69,8 @@ Index coordinates_in_block(std::size_t number) {
   return at;
 }
 
-/// Fills block after block and keeps the last node: its closest triangle starts the next search, and a node that is
-/// farther from the surface than from a signed node lies on the same side.
+/// Fills block after block, warm-started by the last node: its closest triangle starts the next search, and a node that
+/// is farther from the surface than from a node with a known sign lies on the same side.
 class NodeWalk {
  public:
   NodeWalk(const SignedSurface& surface, CubicField& field)
@@ -84,8 +85,8 @@ class NodeWalk {
     }
   }
 
-  /// Blocks that follow are filled as if they were the first: which ones a thread has filled before is chance.
-  void forget_side() { m_knows_side = false; }
+  /// Resets the warm start, so that results do not depend on which blocks a thread filled before.
+  void reset_warm_start() { m_has_signed_node = false; }
 
   void fill_block(const Index& first) {
     m_box.setEmpty();
@@ -151,7 +152,7 @@ class NodeWalk {
       m_field.store(record.begin + record.offset[n], inside ? -closest.distance_m : closest.distance_m);
       if (n == 0) {
         m_last = {packet.point[n], closest, inside};  // the others of the record are next to it, too
-        m_knows_side = true;
+        m_has_signed_node = true;
       }
     }
   }
@@ -160,7 +161,7 @@ class NodeWalk {
     const double step = (point - m_last.point).norm() * (1 + 1e-9);
     // Across a hole the side changes without a surface.
     const bool sure =
-        m_surface.closed() && m_knows_side && std::max(closest.distance_m, m_last.closest.distance_m) > step;
+        m_surface.closed() && m_has_signed_node && std::max(closest.distance_m, m_last.closest.distance_m) > step;
     return sure ? m_last.inside : m_surface.is_inside(point, closest);
   }
 
@@ -172,7 +173,7 @@ class NodeWalk {
   std::vector<PointPacket> m_packets;
   std::array<Record, block_size> m_records;
   Node m_last;
-  bool m_knows_side = false;
+  bool m_has_signed_node = false;
 };
 
 std::size_t blocks_along(const GridShape& shape, std::size_t axis) { return shape.count(axis) / block_edge + 1; }
@@ -191,7 +192,7 @@ void fill_distances(const SignedSurface& surface, CubicField& field, [[maybe_unu
     NodeWalk walk(surface, field);
 #pragma omp for schedule(dynamic)
     for (std::size_t row = 0; row < rows; ++row) {
-      walk.forget_side();
+      walk.reset_warm_start();
       for (std::size_t x = 0; x < blocks_along(shape, 0); ++x) {
         walk.fill_block({block_edge * x, block_edge * (row % rows_y), block_edge * (row / rows_y)});
       }

@@ -90,8 +90,8 @@ class OctreeBuilder {
  private:
   /// The error at a reference sample as it was measured last, in this cell by this polynomial.
   struct Measured {
-    static constexpr std::size_t nowhere = std::numeric_limits<std::size_t>::max();
-    std::size_t cell = nowhere;
+    static constexpr std::size_t no_cell = std::numeric_limits<std::size_t>::max();
+    std::size_t cell = no_cell;
     bool cubic = false;
     double error_m = 0;
   };
@@ -256,7 +256,7 @@ class OctreeBuilder {
     for (std::size_t p = 0; p < m_errors_m.size(); ++p) {
       const ReferenceSample& sample = m_samples[p * step];
       Measured& last = m_measured[p * step];
-      const bool is_first = last.cell == Measured::nowhere;
+      const bool is_first = last.cell == Measured::no_cell;
       const std::size_t found = is_first ? find(sample.point) : find_below(last.cell, sample.point);
       const OctreeCell& cell = m_cells[found];
       const bool cubic = cell.takes_cubic(m_threshold_m3);
@@ -288,7 +288,7 @@ class OctreeBuilder {
     return static_cast<double>(wrong) / number(m_errors_m.size());
   }
 
-  /// One in a hundred, less two standard deviations, so that the next one who measures agrees.
+  /// One in a hundred, less two standard deviations, so that another sample confirms the target.
   [[nodiscard]] double allowed_share_beyond_target() const {
     const double one_in_hundred = 0.01 * number(m_samples.size());
     return std::max(0.0, one_in_hundred - 2 * std::sqrt(one_in_hundred)) / number(m_samples.size());

@@ -22,22 +22,22 @@ struct OctreeSettings {
   std::size_t memory_bytes = 0;  ///< that building may use; 0: what this machine has
 };
 
-/// Told how far the work is, in [0, 1], never less than before; from the calling thread.
+/// Called with the share that is done, in [0, 1], never decreasing; from the calling thread.
 using BuildProgress = std::function<void(double share)>;
 
 /// Builds the field that reaches the wanted error with few coefficients.
 ///
 /// The target is 99 of 100 points, because the distance has kinks where the surface has edges, and there the error
-/// of any polynomial falls only as fast as its cell's edge. Cells that chased the last point there would be most of the
-/// field. The largest error is reported beside it. Across the faces between leaves the field jumps by somewhat more
-/// than it is off, so the aim is a little below what is wanted: then jumps, too, are within it at 99 of 100 points (on
-/// the LHDL pelvis and femur, for 0.05 and 0.2 mm, 99 % of the area of all faces near the surface by 0.88 to 1.01 of
-/// it).
+/// of any polynomial falls only as fast as its cell's edge: refining for the last point there would take most cells of
+/// the field. The largest error is reported beside it. The jump across a face between leaves is somewhat larger than
+/// the error, so the target is a little below the wanted error: then jumps, too, are within that at 99 of 100 points
+/// (on the LHDL pelvis and femur, for 0.05 and 0.2 mm, 99 % of the area of all faces near the surface by 0.88 to 1.01
+/// of it).
 ///
 /// How it is met: every leaf has an error indicator, its volume weighted at each of its 27 or 35 samples by the error
 /// over the allowed error. Leaves above a threshold are split; where a cubic polynomial lowers the indicator by a tenth
 /// of the threshold the others get one. The threshold falls until the error, measured at 10,000 random points that
-/// no fit has seen (`reference_samples`), is reached. So the errors that stay are those that would cost most to mend.
+/// no fit has used (`reference_samples`), is reached. So the errors that are left are those most expensive to reduce.
 /// Beyond `near_m`, inside, the allowed error grows by a tenth of the distance beyond; outside the field becomes a
 /// lower bound.
 ///

@@ -19,8 +19,9 @@ constexpr double relaxation = 0.1;
 /// samples.
 constexpr double coarsest_near = 4;
 
-/// A cubic polynomial is taken where it mends this share of what a cell is split for. Its ten more coefficients cost no
-/// distance; on scanned bones fields are built the faster the smaller this is and are smallest at 0.2.
+/// A cubic polynomial is taken where it lowers the error indicator by this share of the splitting threshold. Its ten
+/// more coefficients cost no distance; on scanned bones fields are built the faster the smaller this is and are
+/// smallest at 0.2.
 constexpr double worth_a_cubic = 0.1;
 
 /// Where the quadratic polynomial is off by no more than this share of what is allowed, octants need not be sampled.
@@ -336,9 +337,9 @@ OctreeCell OctreeCellMaker::root(const Vec3& centre_m, double half_edge_m, Sampl
     cell.leaf = std::make_unique<OctreeCell::Leaf>();
     cell.leaf->samples[lattice_samples / 2] = sample_of(m_surface, centre_m, located);
     const bool hides_features = is_large(cell) && std::abs(cell.distance_m) <= cell.reach_m();
-    if (hides_features) {  // it will be split, whatever it were
+    if (hides_features) {  // too large to be sampled reliably: always split, so skip the fit
       cell.quadratic_indicator_m3 = cell.cubic_indicator_m3 = std::numeric_limits<double>::infinity();
-      cell.has_cubic = true;  // nor can that be fitted
+      cell.has_cubic = true;
       return cell;
     }
     block.begin(cell);

@@ -23,7 +23,7 @@ struct ErrorTarget {
 
 /// A cell of an octree that is being built.
 struct OctreeCell {
-  /// What is known of a leaf that needs a polynomial.
+  /// Samples and fits of a leaf that needs a polynomial.
   struct Leaf {
     CellSamples samples;
     PolynomialFit quadratic;
@@ -35,7 +35,7 @@ struct OctreeCell {
   double distance_m = 0;        ///< at the centre, exact
   std::size_t first_child = 0;  ///< 0: none
   std::unique_ptr<Leaf> leaf;   ///< none: split, or outside and far
-  // Error indicators of a leaf: the volume that is off by more than allowed. The same where there is no cubic yet.
+  // Error indicators of a leaf: its volume, weighted by the error over the allowed error. Equal without a cubic.
   double quadratic_indicator_m3 = 0;
   double cubic_indicator_m3 = 0;
   bool has_cubic = false;
@@ -47,7 +47,7 @@ struct OctreeCell {
   [[nodiscard]] bool outside() const { return distance_m >= reach_m(); }
   /// The error indicator with the better polynomial.
   [[nodiscard]] double indicator_m3() const;
-  /// Whether a cubic polynomial, which the leaf has not got yet, might be taken.
+  /// Whether the leaf has no cubic polynomial yet but might take one.
   [[nodiscard]] bool lacks_cubic(double threshold_m3) const;
   [[nodiscard]] bool takes_cubic(double threshold_m3) const;
   [[nodiscard]] const PolynomialFit& chosen(double threshold_m3) const;
@@ -63,9 +63,9 @@ struct KnownPoint {
   int triangle = -1;      ///< the closest one
 };
 
-/// Sample points of a cell that are queried in one traversal of the BVH; fastest where those that are added one after
-/// the other are neighbours. Each comes with a known point: where it is farther from the surface than from that, it is
-/// on the same side. One thread at a time; reused for the next samples.
+/// Sample points of a cell that are queried in one traversal of the BVH; fastest where successive ones are neighbours.
+/// Each comes with a known point: a sample that is farther from the surface than from its known point is on the same
+/// side. One thread at a time; reused for the next samples.
 class SampleBlock {
  public:
   explicit SampleBlock(const SignedSurface& surface) : m_surface(surface), m_search(surface.tree()) {}
@@ -117,7 +117,7 @@ class OctreeCellMaker {
   [[nodiscard]] bool outside(const OctreeCell& cell) const;
   [[nodiscard]] bool is_large(const OctreeCell& cell) const;
   void fit(std::span<OctreeCell> cells, SampleBlock& block) const;
-  /// By what is known of the cell; the errors over what is allowed.
+  /// From the samples of the cell that are known; returns the errors over the allowed errors.
   [[nodiscard]] CellErrors fit_quadratic(OctreeCell& cell) const;
   void divide_by_allowed(const CellSamples& samples, CellErrors& errors) const;
   [[nodiscard]] bool is_sure(const OctreeCell& cell, const CellErrors& quadratic) const;

@@ -67,8 +67,8 @@ struct PolynomialFit {
 inline constexpr std::size_t padded_samples = (cell_samples + 7) / 8 * 8;
 using CellErrors = std::array<float, padded_samples>;
 
-/// Fits polynomials of `terms` coefficients; made once, for all cells. In floats, as the coefficients are, after the
-/// value in the middle: what is left is no more than the cell's diagonal.
+/// Fits polynomials of `terms` coefficients; made once, for all cells. In single precision, as the coefficients are,
+/// relative to the value in the middle: the differences are no more than the cell's diagonal.
 template <std::size_t terms>
 class PolynomialFitter {
  public:
@@ -86,7 +86,7 @@ class PolynomialFitter {
   /// Of a sample's value and derivatives in each term.
   using Shares = std::array<Row, 4>;
 
-  /// Where the first `known` samples are.
+  /// For the first `known` samples.
   static std::vector<Shares> shares(std::size_t known);
 
   std::vector<Shares> m_of_lattice = shares(lattice_samples);

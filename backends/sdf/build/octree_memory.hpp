@@ -5,24 +5,24 @@
 
 namespace musclebench {
 
-/// Watches what an octree takes of the memory while it is built, and guesses from it what the wanted error will take.
-/// Refuses, with the error that fits, as early as it is certain enough.
+/// Estimates from the cells of an octree that is being built how much memory the wanted error needs. Refuses, with the
+/// error that fits, as soon as the estimate is certain enough.
 class OctreeMemory {
  public:
   /// `max_error_m` is the wanted error; the builder aims at `aim_m`, which is a little less. `bytes`: that there are;
   /// 0: what this machine has.
   OctreeMemory(std::string bone, double max_error_m, double aim_m, std::size_t bytes);
 
-  /// So many cells err by `p99_m`. `exhausted`: no more cells would mend anything. Throws InputError where the aim
-  /// cannot be reached.
+  /// Takes a measurement: with `cells` cells the error is `p99_m`. `exhausted`: more cells would not reduce it. Throws
+  /// InputError where the target cannot be reached.
   void learn(std::size_t cells, double p99_m, bool exhausted);
 
   [[nodiscard]] bool has_room_for(std::size_t cells) const;
 
-  /// Throws InputError: `cells` do not fit. Those that there are err by `p99_m`.
+  /// Throws InputError: `cells` do not fit. `p99_m`: error of the cells that there are.
   [[noreturn]] void refuse(std::size_t cells, double p99_m) const;
 
-  /// Throws InputError: it fits in no memory. What there is errs by `p99_m`.
+  /// Throws InputError: it fits in no memory. `p99_m`: error of the cells that there are.
   [[noreturn]] void refuse_any_size(double p99_m) const;
 
  private:
@@ -34,7 +34,8 @@ class OctreeMemory {
   double m_aim_m;
   double m_available_bytes;
 
-  /// Of the error, that memory grows with. Until it is learnt, as on scanned bones from 0.3 to 0.01 mm: 1.3 to 1.8.
+  /// Memory grows as the error to minus this power. Until it is measured, as on scanned bones from 0.3 to 0.01 mm: 1.3
+  /// to 1.8.
   double m_growth_power = 1.5;
   int m_learnt_from = 0;
   double m_last_p99_m = 0;

@@ -8,7 +8,7 @@ namespace musclebench {
 
 namespace {
 
-/// Parts of a leaf whose corners are no farther from their middle than this, over the least reach, are not divided.
+/// Parts of a leaf whose corners are no farther from their middle than this, over `least_m`, are not divided.
 constexpr double finest_part = 0.25;
 
 /// Divides a leaf until its parts are known to be positive, or near enough to the surface
@@ -24,7 +24,7 @@ class SignErrorSearch {
         m_known(known_samples(cell.leaf->samples)),
         m_rounding_m(1e-9 * cell.half_edge_m),
         m_finest_m(finest_part * least_m),
-        m_reach_m(least_m) {
+        m_sign_error_m(least_m) {
     for (std::size_t term = 0; term < terms; ++term) {
       const auto& [x, y, z] = polynomial_powers[term];
       const int degree = x + y + z;
@@ -35,9 +35,9 @@ class SignErrorSearch {
     }
   }
 
-  double reach_m() {
+  double sign_error_m() {
     visit(Vec3::Zero(), 1, static_cast<double>(m_fit.coefficients[0]));
-    return m_reach_m;
+    return m_sign_error_m;
   }
 
  private:
@@ -45,7 +45,7 @@ class SignErrorSearch {
   void visit(const Vec3& at, double half, double value_m) {
     const double radius_m = half * m_cell.reach_m();
     const std::size_t sample = nearest_sample(at);
-    if (by_sample_m(at, sample) + radius_m <= m_reach_m ||
+    if (by_sample_m(at, sample) + radius_m <= m_sign_error_m ||
         is_near_enough(at, radius_m, value_m, m_cell.leaf->samples[sample].triangle)) {
       return;
     }
@@ -98,10 +98,9 @@ class SignErrorSearch {
 
   /// Whether no point of a part is farther from the surface than the sign error distance, which is raised to that where
   /// the part is not to be divided. The polynomial's value tells whether a query pays. The distance to a `triangle`
-  /// near the part is an upper bound; where it does not suffice the exact distance mostly does, and spares many smaller
-  /// parts.
+  /// near the part is an upper bound; where it does not suffice the exact distance mostly does, which avoids dividing.
   [[nodiscard]] bool is_near_enough(const Vec3& at, double radius_m, double value_m, int triangle) {
-    const double enough_m = m_reach_m - radius_m - m_rounding_m;
+    const double enough_m = m_sign_error_m - radius_m - m_rounding_m;
     const bool is_finest = radius_m <= m_finest_m;
     if (!is_finest && value_m > enough_m) {
       return false;
@@ -113,7 +112,7 @@ class SignErrorSearch {
     }
     const double distance_m = m_surface.locate_from(point, triangle).signed_distance_m();
     if (is_finest) {
-      m_reach_m = std::max(m_reach_m, distance_m + m_rounding_m + radius_m);
+      m_sign_error_m = std::max(m_sign_error_m, distance_m + m_rounding_m + radius_m);
     }
     return is_finest || distance_m <= enough_m;
   }
@@ -125,7 +124,7 @@ class SignErrorSearch {
   std::size_t m_known;
   double m_rounding_m;
   double m_finest_m;
-  double m_reach_m;
+  double m_sign_error_m;
   /// By how much the polynomial is at most below its tangent plane in a cube's middle, over the square of its half
   /// edge: a square whose coefficient is positive only lifts it.
   double m_curved_m = 0;
@@ -139,7 +138,7 @@ double sign_error_distance_m(const SignedSurface& surface, const OctreeCell& cel
   if (is_near || fit.smallest() > 1e-9 * cell.half_edge_m) {
     return least_m;
   }
-  return SignErrorSearch(surface, cell, fit, terms, least_m).reach_m();
+  return SignErrorSearch(surface, cell, fit, terms, least_m).sign_error_m();
 }
 
 }  // namespace musclebench

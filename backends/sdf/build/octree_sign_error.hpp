@@ -7,9 +7,8 @@
 
 namespace musclebench {
 
-/// Outside the surface and farther than this from it, in metres, the polynomial of a leaf (its `terms` coefficients in
-/// `fit`) is not negative: proven. At least `least_m`, below which nothing is examined more closely. `surface` is what
-/// the cell was sampled from.
+/// A proven bound, in metres: outside the surface and farther than this from it the polynomial of a leaf (its `terms`
+/// coefficients in `fit`) is not negative. At least `least_m`, at which refinement stops. `surface`: of the samples.
 double sign_error_distance_m(const SignedSurface& surface, const OctreeCell& cell, const PolynomialFit& fit,
                              std::size_t terms, double least_m);
 

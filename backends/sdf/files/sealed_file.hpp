@@ -15,8 +15,8 @@
 
 namespace musclebench {
 
-// What the files of built structures share: they begin with a name, a byte order and a version, are sealed by a digest
-// of their content, are whole or not there, and are refused with what differs.
+// Common to the files of built structures: a header with name, byte order and version, a digest of the content, atomic
+// writing, and errors that say what differs.
 
 /// SHA-256 in hexadecimal, as it stands in a file.
 using FileDigest = std::array<char, 64>;
@@ -30,14 +30,14 @@ struct FileMark {
   std::uint32_t version = 0;
 };
 
-/// What keeps a file that begins so from being read as one that should begin with `wanted`; empty: nothing. `kind`:
+/// Describes how the mark of a file differs from `wanted`, so that the file can't be read; empty: it does not. `kind`:
 /// "a field file".
 std::string first_difference(const FileMark& found, const FileMark& wanted, const std::string& kind);
 
-/// Reads a file piece by piece and knows how much is left, so that a damaged count asks for no memory.
+/// Reads a file piece by piece and checks counts against the bytes left, so that a damaged count allocates no memory.
 class BinaryReader {
  public:
-  /// What a refusal says where the file ends too early, and how the user gets on.
+  /// Texts of an error: the file ends too early, and the cure.
   struct Words {
     std::string truncated;
     std::string cure;
@@ -108,7 +108,7 @@ class SealedReader {
     return part;
   }
 
-  /// To be called when all parts are read: refuses what goes on, and what is not what was written.
+  /// To be called when all parts are read: refuses trailing bytes and a digest that does not fit.
   void require_intact() {
     m_in.require_end();
     if (as_file_digest(m_hash.hex_digest()) != m_header.content) {

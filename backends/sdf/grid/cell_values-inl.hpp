@@ -1,5 +1,5 @@
-// Where the values of cells stand, and how those of several cells come side by side. Included by each file that is
-// compiled once for every kind of SIMD, after highway.h.
+// Addressing of cell values and their transposition into SIMD lanes. Included by each file that is compiled once for
+// every kind of SIMD, after highway.h.
 #if defined(MUSCLEBENCH_CELL_VALUES) == defined(HWY_TARGET_TOGGLE)
 #ifdef MUSCLEBENCH_CELL_VALUES
 #undef MUSCLEBENCH_CELL_VALUES
@@ -22,8 +22,8 @@ namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
 
 namespace {
 
-/// Where the runs of the points' cells begin: along the edges x at (y, z), at index 2 y + z, in bytes from the field's
-/// first value.
+/// Byte offsets of the runs of the points' cells from the field's first value: the run along the edge x at (y, z) has
+/// index 2 y + z.
 struct Runs {
   alignas(32) std::array<std::array<std::uint64_t, lane_count>, 4> begin;
 };
@@ -104,7 +104,7 @@ struct CompactValues {
   static constexpr std::size_t missing_bytes = 0;
   static constexpr std::size_t run_bytes = 2 * sizeof(CompactRecord);
 
-  /// The own values of a record, and its steps two by two.
+  /// The vertex's value of a record, and its steps in pairs.
   struct Record {
     Word own, y, z, x;
   };

@@ -8,10 +8,9 @@
 
 namespace musclebench {
 
-/// A grid vertex's seven values (see GridShape) in 16 bytes: its own in single precision, and by how many steps those
-/// of its six edge nodes differ from it. A distance is 1-Lipschitz, so that
-/// 16 bits resolve an edge node to 1/98,000 (first third) or 1/49,000 (second) of the edge: some hundredths of a
-/// micrometre.
+/// A grid vertex's seven values (see GridShape) in 16 bytes: its own in single precision, and the differences of its
+/// six edge nodes from it in integer steps. A distance is 1-Lipschitz, so that 16 bits resolve an edge node to 1/98,000
+/// (first third) or 1/49,000 (second) of the edge: some hundredths of a micrometre.
 struct CompactRecord {
   float own = 0;
   std::array<std::int16_t, 6> steps{};  ///< nodes along y, z, x, as in a record

@@ -14,8 +14,8 @@ namespace musclebench {
 /// Over the unit cell the field is the trilinear polynomial of the corners plus, for each edge, a cubic bubble along
 /// the edge that vanishes at its ends, blended bilinearly across. That is the basis of Koschier et al. 2017
 /// (Hierarchical hp-adaptive signed distance fields) with its common factors pulled out: with N the trilinear function
-/// of a corner, N (9 (xi^2 + eta^2 + zeta^2) - 19) / 8 is N less what the three edges that start there take away. It
-/// holds every polynomial of degree 3 and is continuous across faces.
+/// of a corner, N (9 (xi^2 + eta^2 + zeta^2) - 19) / 8 is N minus the contributions of the three edges that start
+/// there. It reproduces every polynomial of degree 3 and is continuous across faces.
 struct CubicCell {
   /// The four edges along one axis, side by side: index 2 p + q for the edge at p, q of {0, 1} along the two other
   /// axes, taken in ascending order.
@@ -27,9 +27,9 @@ struct CubicCell {
     Edges second;  ///< nodes at 2/3
     Edges high;    ///< corners at 1
   };
-  std::array<Along, 3> axis;  ///< the corners stand in all three
+  std::array<Along, 3> axis;  ///< each corner is stored in all three
 
-  /// Values of a run: a grid vertex's record and what a cell takes of the next (see GridShape).
+  /// Values of a run: a grid vertex's record and the part of the next that a cell reads (see GridShape).
   static constexpr std::size_t run_size = 12;
 
   /// The cell whose edge along x at (y, z) starts at record[2 y + z], where a record is a grid vertex's seven values:
@@ -61,13 +61,13 @@ struct CubicCell {
 
   [[nodiscard]] double lower_bound() const;
 
-  /// Up to rounding no more than that, for much less: the lowest corner and the lowest bubble along each axis.
+  /// A cheaper bound, up to rounding no more than that: the lowest corner and the lowest bubble along each axis.
   [[nodiscard]] double rough_lower_bound() const;
 
   /// The same for one face: across `face_axis`, at its low (0) or high (1) side.
   [[nodiscard]] double lower_bound_on_face(std::size_t face_axis, int side) const;
 
-  /// No gradient of the polynomial with these coefficients is longer, in a cell with these edges: the longest of the
+  /// Lipschitz bound of the polynomial with these coefficients in a cell with these edges: the longest of the
   /// gradient's own Bernstein coefficients.
   [[nodiscard]] static double lipschitz_bound(const Bernstein& coefficients, const Vec3& cell_size_m);
 };

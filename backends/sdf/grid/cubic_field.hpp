@@ -22,8 +22,8 @@ struct FieldSample {
 };
 
 /// A signed distance field over the box of a bone, cubic in each cell and continuous: negative inside, in metres. Made
-/// by `build_field`. On the border of its domain it is positive, so that nothing inside the bone is cut off. It knows
-/// every cell, or those of a narrow band only. Queries are const and safe from several threads.
+/// by `build_field`. On the border of its domain it is positive, so that nothing inside the bone is cut off. It has
+/// coefficients in every cell, or in those of a narrow band only. Queries are const and safe from several threads.
 class CubicField {
  public:
   CubicField(const GridShape& shape, FieldPrecision precision);
@@ -38,41 +38,42 @@ class CubicField {
 
   /// Bytes that a dense field of this shape holds.
   [[nodiscard]] static double bytes_needed(const GridShape& shape, FieldPrecision precision);
-  /// With all that finds a value.
+  /// With the index of a narrow band.
   [[nodiscard]] std::size_t bytes() const;
 
-  /// Nothing outside the domain and in cells that are not known.
+  /// Nothing outside the domain and in cells without coefficients.
   [[nodiscard]] std::optional<double> value(const Vec3& point) const;
   [[nodiscard]] std::optional<FieldSample> sample(const Vec3& point) const;
 
   /// Which of many points are evaluated.
   enum class Wanted : std::uint8_t {
-    known,         ///< those in cells that are known
+    known,         ///< those in cells with coefficients
     may_be_inside  ///< of those the ones that `may_be_negative` does not exclude
   };
-  /// Appends to `block` the `wanted` ones of `nodes` (ascending indices into `positions`) from `first` on, where `map`
-  /// takes them, and evaluates them when the block is full or all nodes were visited. Returns the index in `nodes`
+  /// Appends to `block` the `wanted` ones of `nodes` (ascending indices into `positions`) from `first` on, mapped by
+  /// `map`, and evaluates them when the block is full or all nodes were visited. Returns the index in `nodes`
   /// to go on at. `query` is the index in `nodes`. A position that is not a number is outside.
   std::size_t sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
                      Wanted wanted, FieldBlock& block) const;
 
   /// Nothing outside the domain.
   [[nodiscard]] std::optional<CellPosition> locate(const Vec3& point) const;
-  [[nodiscard]] bool knows(std::size_t cell) const { return !m_band || m_band->keeps(cell); }
+  [[nodiscard]] bool has_coefficients(std::size_t cell) const { return !m_band || m_band->keeps(cell); }
 
-  /// Whether the field may be negative somewhere in this cell; where it says no, it is not.
+  /// Whether the field may be negative somewhere in this cell; false proves that it is not.
   [[nodiscard]] bool may_be_negative(std::size_t cell) const {
     return ((m_negative[cell / 64] >> (cell % 64)) & 1U) != 0;
   }
 
-  /// Of a cell that is known.
+  /// Of a cell with coefficients.
   [[nodiscard]] CubicCell cell(std::size_t i, std::size_t j, std::size_t k) const;
 
-  /// Where the seven values of a grid vertex stand, for `stored` and `store`: at the offsets that GridShape tells. For
-  /// a dense field that is GridShape::record; nothing where the band has no record.
+  /// Offset of the seven values of a grid vertex, for `stored` and `store`, laid out as in GridShape. For a dense field
+  /// that is GridShape::record; nothing where the band has no record.
   [[nodiscard]] std::optional<std::size_t> record(std::size_t i, std::size_t j, std::size_t k) const;
 
-  /// For those who make, save and compare fields. A compact field wants a vertex's own value before those of its edges.
+  /// To build, save and compare fields. In a compact field a vertex's own value has to be stored before those of its
+  /// edges.
   [[nodiscard]] double stored(std::size_t offset) const;
   void store(std::size_t offset, double value);
   [[nodiscard]] std::vector<float>& single_values() { return m_single; }

@@ -8,14 +8,14 @@ namespace musclebench {
 /// How far a field is from the exact distance, at random points near the surface.
 struct FieldError {
   std::int32_t samples = 0;
-  std::int32_t wrong_signs = 0;  ///< samples on the other side than the field says
+  std::int32_t wrong_signs = 0;  ///< samples where the field has the wrong sign
   double largest_m = 0;
   double p99_m = 0;
   double mean_m = 0;
   double deepest_wrong_sign_m = 0;  ///< largest exact distance of those
 };
 
-/// What is known of a field once it is built, and kept with it.
+/// Bounds and error of a field, computed when it is built and stored with it.
 struct FieldFacts {
   /// |value(a) - value(b)| <= lipschitz_bound |a - b| as long as the path from a to b stays where the field has
   /// coefficients.

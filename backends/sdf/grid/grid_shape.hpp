@@ -16,7 +16,7 @@ struct CellPosition {
   Vec3 at;
 };
 
-/// The regular grid of a cubic field: a box of cells, and where the values of its nodes stand in memory.
+/// The regular grid of a cubic field: a box of cells, and the memory layout of the values at its nodes.
 ///
 /// Every grid vertex owns a record of seven values: its own, and those of the two nodes on each edge that leaves it
 /// upwards along y, z and x. Records follow each other along x; the last of a row lacks its two nodes along x. So each
@@ -73,7 +73,7 @@ struct GridShape {
     const std::size_t i = index(0), j = index(1), k = index(2);
     return {i, j, k, in_cells - Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k))};
   }
-  /// From such a point to the domain.
+  /// Distance of such a point to the domain.
   [[nodiscard]] double distance_m(const Vec3& in_cells) const {
     const Vec3 upper(cells[0], cells[1], cells[2]);
     return (-in_cells).cwiseMax(in_cells - upper).cwiseMax(0.0).cwiseProduct(cell_size_m).norm();

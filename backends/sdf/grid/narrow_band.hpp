@@ -11,9 +11,8 @@
 
 namespace musclebench {
 
-/// Which cells of a grid have coefficients: those that may hold a point inside the bone, or outside it and within
-/// `width_m` of its surface. The others are free of the bone, and known to be at least so far from it as their block
-/// says.
+/// The cells of a grid that have coefficients: those that may hold a point inside the bone, or outside it and within
+/// `width_m` of its surface. The others are outside the bone, at least as far from it as the bound of their block.
 ///
 /// Only grid vertices of kept cells have a record; they follow each other as in the full grid. A record is found by a
 /// bit and by counting the bits before it, so that the whole index takes 3 bits a cell.
@@ -40,13 +39,13 @@ class NarrowBand {
     return m_before[vertex / 64] + static_cast<std::size_t>(std::popcount(below));
   }
 
-  /// No point of a cell that is not kept is nearer to the surface; all are outside.
+  /// Lower bound of the distance from the surface for all points of a cell that is not kept; all are outside.
   [[nodiscard]] float far_m(std::size_t i, std::size_t j, std::size_t k) const { return m_far_m[block(i, j, k)]; }
 
-  /// For those who choose the cells, and for files.
+  // To choose the cells, and for files.
   void keep(std::size_t cell) { m_cells[cell / 64] |= std::uint64_t{1} << (cell % 64); }
   void set_far_m(std::size_t i, std::size_t j, std::size_t k, double bound_m);
-  /// To be called when all cells are chosen.
+  /// To be called once all cells are chosen.
   void index_records(const GridShape& shape);
   [[nodiscard]] std::vector<std::uint64_t>& cell_bits() { return m_cells; }
   [[nodiscard]] const std::vector<std::uint64_t>& cell_bits() const { return m_cells; }

@@ -39,8 +39,8 @@ struct OctreeQuality {
   double largest_m = 0;
   double mean_m = 0;
   std::int64_t samples = 0;
-  /// Where the field may have the wrong sign, it is nowhere farther than this from the exact distance: proven from
-  /// samples and slopes, so mostly far above the largest error there is.
+  /// Proven bound of the error where the field may have the wrong sign, from samples and Lipschitz bounds, so mostly
+  /// far above the largest error there is.
   double bound_m = 0;
   /// Outside the bone and farther than this from its surface the field is not negative: proven, too.
   double sign_error_distance_m = 0;
@@ -87,9 +87,8 @@ class OctreeField {
   [[nodiscard]] double clearance_m(const Vec3& point) const;
 
   /// Of many points: appends to `block` those of `nodes` (ascending indices into `positions`) from `first` on that are
-  /// in the domain, where `map` (of `shape().grid()`) takes them, and evaluates them when the block is full or all
-  /// nodes were visited. Returns the index in `nodes` to go on at. `query` is the index in `nodes`. A position that
-  /// is not a number is nowhere.
+  /// in the domain, mapped by `map` (of `shape().grid()`), and evaluates them when the block is full or all nodes were
+  /// visited. Returns the index in `nodes` to go on at. `query` is the index in `nodes`. A NaN position is outside.
   std::size_t sample(const CellMap& map, std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
                      FieldBlock& block, LeafBlock& leaves) const;
   /// `clearance_m` of the points of such a block.

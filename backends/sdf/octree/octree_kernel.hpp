@@ -32,7 +32,7 @@ struct LeafBlock {
 
 /// Value, gradient and leaves of the points of a block, all of which lie in the field; its cells are the roots.
 /// Arithmetic is in double precision, each operation rounded by itself and in the same order everywhere: the same bits
-/// on any machine, whoever else is in the block.
+/// on any machine, whatever else is in the block.
 void evaluate_block(const OctreeView& field, FieldBlock& block, LeafBlock& leaves);
 
 /// The radii of spheres around the points of an evaluated block in which the field is nowhere negative, in metres; 0

@@ -212,9 +212,9 @@ TEST(SdfBackend, CountsItsBytes) {
   const std::size_t fields = 2 * (9 * 9 * (7 * 9 - 2) * sizeof(float) + 512 / 8);
   EXPECT_EQ(backend->structure_bytes(), fields);
   const TriangleMesh muscle = make_sphere(0.01, 2);
-  const auto with_budgets = make_grid({{"cells", std::int64_t{8}}});
-  with_budgets->build(bones, muscle, 1);
-  EXPECT_GE(with_budgets->structure_bytes(), fields + 2 * 4 * sizeof(float) * muscle.vertices.size());
+  const auto with_cache = make_grid({{"cells", std::int64_t{8}}});
+  with_cache->build(bones, muscle, 1);
+  EXPECT_GE(with_cache->structure_bytes(), fields + 2 * 4 * sizeof(float) * muscle.vertices.size());
   EXPECT_TRUE(backend->capabilities().depth);
 }
 

@@ -196,7 +196,7 @@ std::vector<Vec3> points_over(const GridShape& shape, int count) {
   return points;
 }
 
-TEST(BuildField, NoTwoValuesDifferByMoreThanTheSteepestAllows) {
+TEST(BuildField, NoTwoValuesDifferByMoreThanTheLipschitzBoundAllows) {
   for (const RepairedMesh& bone : {surface_of(make_box({0.5, 0.2, 0.3}, 3)), sphere_with_fin()}) {
     const SignedSurface surface(bone);
     for (const FieldPrecision precision : {single_precision, FieldPrecision::compact}) {
@@ -218,7 +218,7 @@ TEST(BuildField, NoTwoValuesDifferByMoreThanTheSteepestAllows) {
   }
 }
 
-TEST(BuildField, IsNowhereNegativeBeyondItsNegativeReach) {
+TEST(BuildField, IsNotNegativeBeyondItsSignErrorDistance) {
   const RepairedMesh bone = sphere_with_fin();
   const SignedSurface surface(bone);
   const CubicField field = build_field(surface, grid_over(bone.mesh, {.cells = 9}, "bone"), single_precision, 1);

@@ -11,7 +11,7 @@
 namespace musclebench {
 namespace {
 
-/// A leaf with half an edge of 1 that knows `known` distances.
+/// A leaf of half edge 1 with exact distances at `known` samples.
 OctreeCell sampled_cell(const SignedSurface& surface, const Vec3& centre_m, std::size_t known = cell_samples) {
   OctreeCell cell;
   cell.centre_m = centre_m;
@@ -25,7 +25,7 @@ OctreeCell sampled_cell(const SignedSurface& surface, const Vec3& centre_m, std:
   return cell;
 }
 
-TEST(OctreeReach, IsWhereThePolynomialIsNegativeOutside) {
+TEST(OctreeSignError, IsWhereThePolynomialIsNegativeOutside) {
   // Everything below z = -0.4 is inside; the polynomial takes everything below z = 0.1 for it.
   const RepairedMesh box{make_box({10, 10, 9.6}, 1), true, {}};
   const SignedSurface surface(box);
@@ -51,7 +51,7 @@ TEST(OctreeReach, IsWhereThePolynomialIsNegativeOutside) {
 }
 
 /// Where it is negative deep inside only, nothing is to be proven, whatever triangles the samples name.
-TEST(OctreeReach, IsTheLeastWhereThePolynomialIsTheDistance) {
+TEST(OctreeSignError, IsTheLeastWhereThePolynomialIsTheDistance) {
   const RepairedMesh box{make_box({10, 10, 9.6}, 4), true, {}};
   const SignedSurface surface(box);
   for (const double above_m : {-1.4, -0.5, 0.2}) {

@@ -15,7 +15,7 @@ namespace musclebench {
 /// A file in a folder of its own, which goes with the test.
 class StoredFileTest : public testing::Test {
  protected:
-  explicit StoredFileTest(const std::string& place_in_folder) : m_path(m_folder / place_in_folder) {
+  explicit StoredFileTest(const std::string& path_in_folder) : m_path(m_folder / path_in_folder) {
     std::filesystem::remove_all(m_folder);
   }
   ~StoredFileTest() override {

@@ -155,7 +155,7 @@ TEST(CubicCell, NeverGoesBelowItsBound) {
   }
 }
 
-TEST(CubicCell, NoGradientIsLongerThanTheSteepest) {
+TEST(CubicCell, NoGradientIsLongerThanTheLipschitzBound) {
   Random random;
   const Vec3 size(0.5, 2, 1.25);
   for (int shape = 0; shape < 200; ++shape) {

@@ -48,7 +48,7 @@ TEST(GridShape, DenseFieldOf64CellsStaysBelow7700000Bytes) {
   EXPECT_EQ(field.shape().node_count(), 1897025U);
 }
 
-TEST(GridShape, EveryNodeHasAPlaceOfItsOwn) {
+TEST(GridShape, EveryNodeHasAnOffsetOfItsOwn) {
   GridShape shape = cube_grid(3);
   shape.cells = {3, 4, 2};
   std::vector<int> uses(shape.value_count(), 0);

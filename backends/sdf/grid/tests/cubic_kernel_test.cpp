@@ -169,7 +169,7 @@ TEST(CubicKernel, AsksOnlyWhereItIsWanted) {
       }
       const CellPosition in_cell = shape.locate(cells);
       const std::size_t cell = shape.cell(in_cell.i, in_cell.j, in_cell.k);
-      EXPECT_EQ(known[n].has_value(), field.knows(cell));
+      EXPECT_EQ(known[n].has_value(), field.has_coefficients(cell));
       EXPECT_EQ(inside[n].has_value(), field.may_be_negative(cell));
       unknown += static_cast<std::size_t>(!known[n]);
       left_out += static_cast<std::size_t>(known[n] && !inside[n]);

@@ -13,7 +13,7 @@ namespace musclebench {
 
 inline RigidMotion oblique_pose() { return RigidMotion::about_axis(Vec3(1, 2, 2) / 3, {0.1, 0.2, 0.3}, 2.5); }
 
-/// World positions in and about a field's domain, and nowhere.
+/// World positions in and about a field's domain, and NaN.
 inline std::vector<Vec3> positions_about(const GridShape& shape, const RigidMotion& pose, int count) {
   RandomNumbers random(9);
   std::vector<Vec3> positions;
