@@ -26,7 +26,7 @@ const std::vector<BackendEntry>& backend_registry();
 /// The row of `name`. Throws InputError that names `location` and prints the list for an unknown name.
 const BackendEntry& find_backend(std::string_view name, const std::string& location = "--backend");
 
-/// The first exact row: what drives recordings and judges advice. Throws InputError where there is none.
+/// The first exact row: it drives recordings and is the reference of advice. Throws InputError where there is none.
 const BackendEntry& exact_backend();
 
 }  // namespace musclebench

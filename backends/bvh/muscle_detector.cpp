@@ -22,7 +22,7 @@ constexpr double rounding = 1e-9;
 constexpr double touching = 1e-12;
 constexpr double unknown_m = std::numeric_limits<double>::infinity();
 
-/// With the clearance cache only nodes that have used up their clearance are asked for (MovingClearances). The cache
+/// With the clearance cache only nodes that have used up their clearance are queried (MovingClearances). The cache
 /// changes the time only.
 class BvhMuscleDetector final : public MuscleContactDetector {
  public:
@@ -83,7 +83,7 @@ class BvhMuscleDetector final : public MuscleContactDetector {
  private:
   static constexpr std::size_t chunk_size = 32;
 
-  /// Nodes that one thread asks about, and what it finds.
+  /// Results of a chunk of nodes, which one thread queries.
   struct Chunk {
     std::vector<MuscleContact> found;
     std::vector<Nanoseconds> pair_ns;
