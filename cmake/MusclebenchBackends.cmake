@@ -2,7 +2,9 @@
 
 # musclebench_backend(NAME SOURCES file... [DEPENDS target...] [PRIVATE target...])
 # The library musclebench_backend_NAME of the folder NAME. One of its sources defines `BackendEntry NAME_entry()` of
-# namespace musclebench; a study.toml in the folder says what studies sweep and what `advise` may try.
+# namespace musclebench; a study.toml in the folder says what studies sweep and what `advise` may try. A folder `micro`
+# in it defines the library musclebench_NAME_kernels with `void register_NAME_kernels(const Scene&)`: kernels that time the
+# inside of the backend.
 function(musclebench_backend name)
   musclebench_library(musclebench_backend_${name} ${ARGN})
   set(study "${CMAKE_CURRENT_SOURCE_DIR}/study.toml")
@@ -11,6 +13,10 @@ function(musclebench_backend name)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}")
   endif()
   set_target_properties(musclebench_backend_${name} PROPERTIES MUSCLEBENCH_STUDY "${study}")
+  if(MUSCLEBENCH_WITH_MICRO AND EXISTS "${CMAKE_CURRENT_SOURCE_DIR}/micro/CMakeLists.txt")
+    add_subdirectory(micro)
+    set_property(GLOBAL APPEND PROPERTY MUSCLEBENCH_KERNELS ${name})
+  endif()
 endfunction()
 
 # Folders outside the project, a backend each.
@@ -60,6 +66,30 @@ std::span<const BackendSource> backend_table() {
 ${rows}  };
   return rows;
 }
+
+}  // namespace musclebench
+")
+endfunction()
+
+# Writes the source FILE that defines `register_backend_kernels()`; LIBRARIES is set to what it calls.
+function(musclebench_write_kernel_table file libraries)
+  get_property(names GLOBAL PROPERTY MUSCLEBENCH_KERNELS)
+  set(declarations "")
+  set(calls "")
+  set(linked "")
+  foreach(name IN LISTS names)
+    string(APPEND declarations "void register_${name}_kernels(const Scene& scene);\n")
+    string(APPEND calls "  register_${name}_kernels(scene);\n")
+    list(APPEND linked musclebench_${name}_kernels)
+  endforeach()
+  set(${libraries} ${linked} PARENT_SCOPE)
+  file(GENERATE OUTPUT "${file}" CONTENT "#include \"bench/micro/micro_kernels.hpp\"
+
+namespace musclebench {
+
+${declarations}
+void register_backend_kernels([[maybe_unused]] const Scene& scene) {
+${calls}}
 
 }  // namespace musclebench
 ")

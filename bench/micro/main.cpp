@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "bench/micro/micro_kernels.hpp"
+#include "bench/micro/micro_scene.hpp"
 #include "core/base/input_error.hpp"
 
 int main(int argc, char** argv) {
@@ -14,8 +15,7 @@ int main(int argc, char** argv) {
   }
   try {
     musclebench::register_query_kernels();
-    musclebench::register_build_kernels();
-    musclebench::register_equal_error_kernels();
+    musclebench::register_backend_kernels(musclebench::micro_scene());
     musclebench::register_detect_kernels();
     musclebench::register_size_kernels();
     musclebench::register_constraint_kernels();

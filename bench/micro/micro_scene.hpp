@@ -14,14 +14,6 @@ namespace musclebench {
 /// The scene that all kernels measure: the one in MUSCLEBENCH_MICRO_SCENE, or synthetic/iliacus.
 const Scene& micro_scene();
 
-/// Points in the rest frame of `bone` where the queries of a run are: vertices of the muscle, moved at random by 2 mm
-/// (standard deviation) in each direction, again and again until there are `count`, of which only those in the bone's
-/// box are kept; empty where the muscle is nowhere near. The same in every call.
-std::vector<Vec3> points_near(const Bone& bone, std::size_t count);
-
-/// Points spread evenly over the bone's box, enlarged by a tenth.
-std::vector<Vec3> points_far(const Bone& bone, std::size_t count);
-
 /// The backends that are raced for speed: those with a [[race]] in their study.
 std::vector<std::string> raced_backends();
 
