@@ -16,6 +16,7 @@ from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle  # no
 
 FOLDER = Path(__file__).resolve().parent.parent / "reports" / "performance" / "pictures"
 BONE, LINE, ASKED, FREE, NOTE = "#EDE3C7", "#6B5B3A", "#0072B2", "#009E73", "#555555"
+SHOWN_COLOURS = (ASKED, FREE, "#D55E00")
 FIELD_LEVELS = 5
 
 
@@ -154,7 +155,113 @@ def packets(axes) -> None:
     axes.set(xlim=(-1.7, 2.6), ylim=(-0.7, 1.6))
 
 
+def sheet() -> tuple[np.ndarray, list[tuple[int, ...]]]:
+    """Nodes of a piece of a surface, and of each inner edge its two nodes and the two opposite it."""
+    columns, rows = 11, 8
+    random = np.random.default_rng(3)
+    nodes = np.array([(x + 0.5 * (y % 2), 0.87 * y) for y in range(rows) for x in range(columns)])
+    nodes += random.uniform(-0.13, 0.13, nodes.shape)
+    triangles = []
+    for y in range(rows - 1):
+        for x in range(columns - 1):
+            a, b, c, d = (columns * (y + j) + x + i for j in (0, 1) for i in (0, 1))
+            triangles += [(a, b, d), (a, d, c)] if y % 2 else [(a, b, c), (b, d, c)]
+    opposite: dict[tuple[int, int], list[int]] = {}
+    for corners in triangles:
+        for i in range(3):
+            first, second, third = corners[i], corners[(i + 1) % 3], corners[(i + 2) % 3]
+            opposite.setdefault((min(first, second), max(first, second)), []).append(third)
+    return nodes, [(*edge, *others) for edge, others in opposite.items() if len(others) == 2]
+
+
+def coloured(pairs: list[tuple[int, ...]]) -> list[list[tuple[int, ...]]]:
+    """Greedily: in a colour no two pairs of triangles share a node."""
+    colours: list[tuple[set[int], list[tuple[int, ...]]]] = []
+    for pair in pairs:
+        free = next((colour for colour in colours if not colour[0] & set(pair)), None)
+        if free is None:
+            colours.append(free := (set(), []))
+        free[0].update(pair)
+        free[1].append(pair)
+    return [members for _, members in colours]
+
+
+def colours_of_edges(axes) -> None:
+    nodes, pairs = sheet()
+    for first, second, *_ in pairs:
+        axes.plot(*nodes[[first, second]].T, color="#cccccc", linewidth=0.7, zorder=1)
+    shown = coloured(pairs)
+    for first, second, *others in shown[0]:
+        axes.add_patch(Polygon(nodes[[first, others[0], second, others[1]]], color=SHOWN_COLOURS[0], alpha=0.2,
+                               linewidth=0))
+    for colour, members in zip(SHOWN_COLOURS, shown):
+        for first, second, *_ in members:
+            axes.plot(*nodes[[first, second]].T, color=colour, linewidth=2, solid_capstyle="round", zorder=2)
+    axes.set(xlim=(-0.4, 11), ylim=(-0.5, 6.6), title="pairs of triangles of a colour share no node")
+
+
+def blocks_of_lanes(axes) -> None:
+    lanes, side = 8, 0.8
+    _, pairs = sheet()
+    for row, (colour, members) in enumerate(zip(SHOWN_COLOURS, coloured(pairs))):
+        for lane in range(lanes * -(-len(members) // lanes)):
+            x = lane + 0.7 * (lane // lanes)
+            is_used = lane < len(members)
+            axes.add_patch(Rectangle((x, -2.6 * row), side, side, facecolor=colour if is_used else "none", alpha=0.55,
+                                     edgecolor=colour, linestyle="-" if is_used else ":"))
+        if row + 1 < len(SHOWN_COLOURS):
+            arrow(axes, (12.4, -2.6 * row - 0.1), (12.4, -2.6 * row - 1.75))
+    axes.text(13, -1.35, "then the next colour", fontsize=8, color=NOTE)
+    axes.text(0, 1.6, "a block: eight constraints at once", fontsize=8, color=SHOWN_COLOURS[0])
+    axes.text(25.4, -6.6, "dotted: padding lanes", fontsize=8, color=NOTE, ha="right")
+    axes.set(xlim=(-0.3, 26), ylim=(-8.5, 3.5), title="blocks of lanes")
+
+
+def moving_tree(axes) -> None:
+    """Boxes of the last refit, the surface as it is now, and the distance that a search adds."""
+    x = np.linspace(-1.5, 1.5, 13)
+    then = np.column_stack([x, 0.28 * np.sin(2.1 * x)])
+    now = np.column_stack([x + 0.05, 0.28 * np.sin(2.1 * x + 0.1) + 0.14])
+    margin = np.linalg.norm(now - then, axis=1).max()
+    for first in range(0, 12, 3):
+        low, high = then[first:first + 4].min(axis=0), then[first:first + 4].max(axis=0)
+        axes.add_patch(Rectangle(low, *(high - low), facecolor=ASKED, alpha=0.25, edgecolor=ASKED))
+        axes.add_patch(Rectangle(low - margin, *(high - low + 2 * margin), fill=False, linestyle=":", edgecolor=ASKED))
+    axes.plot(*then.T, "--", color="#999999", linewidth=1)
+    axes.plot(*now.T, "-", color=LINE, linewidth=1.4, marker="|", markersize=4)
+    query = np.array([0.25, 1.05])
+    axes.plot(*query, "o", color=ASKED, markersize=5)
+    arrow(axes, query, now[np.argmin(np.linalg.norm(now - query, axis=1))], ASKED)
+    axes.text(-1.65, 1.25, "distances: to the surface as it is", fontsize=8, color=LINE)
+    axes.text(-1.65, -0.85, "boxes: of the last refit, looked at as if", fontsize=8, color=ASKED)
+    axes.text(-1.65, -1.07, "grown by the largest displacement since", fontsize=8, color=ASKED)
+    axes.set(xlim=(-1.75, 1.75), ylim=(-1.3, 1.45), title="a tree between two refits")
+
+
+def both_sides(axes) -> None:
+    """A node below a face of the other muscle: all move, each by its weight."""
+    corners = np.array([(-1.5, -0.05), (-0.75, 0.12), (0.55, 0.12), (1.4, -0.1)])
+    node, weight = np.array([0.1, -0.3]), (0.1 + 0.75) / 1.3
+    other = np.array([(-1.3, 1.0), (-0.6, 0.35), node, (0.75, 0.45), (1.35, 1.0)])
+    axes.add_patch(Polygon([*corners, (1.4, -0.8), (-1.5, -0.8)], facecolor=BONE, linewidth=0))
+    axes.plot(*corners.T, "-o", color=LINE, linewidth=1.4, markersize=3)
+    axes.plot(*other.T, "-o", color=FREE, linewidth=1.4, markersize=3)
+    axes.plot(*node, "o", color=ASKED, markersize=6, zorder=3)
+    arrow(axes, node, node + [0, 0.3], ASKED)
+    for corner, share, name in ((corners[1], 1 - weight, "$q_1$"), (corners[2], weight, "$q_2$")):
+        arrow(axes, corner, corner - [0, 0.55 * share], ASKED)
+        axes.text(corner[0] + (0.15 if corner[0] > 0 else 0), corner[1] + 0.07, name, fontsize=8, ha="center")
+    axes.text(node[0] + 0.09, node[1] - 0.13, "$p$", fontsize=8)
+    axes.text(-1.55, 1.25, "one muscle", fontsize=8, color=FREE)
+    axes.text(-1.4, -0.68, "the other", fontsize=8, color=LINE)
+    axes.text(-1.55, -1.0, "the node moves out, the corners give way,", fontsize=8, color=ASKED)
+    axes.text(-1.55, -1.22, "each by its inverse mass and weight", fontsize=8, color=ASKED)
+    axes.set(xlim=(-1.75, 1.75), ylim=(-1.3, 1.45), title="correction of both sides")
+
+
 DIAGRAMS = {
+    "constraints": ((colours_of_edges, blocks_of_lanes), 7.4, 2.8),
+    "muscle_contact": ((moving_tree, both_sides), 7.0, 3.2),
     "triangle_bvh": ((triangle_bvh,), 4.4, 3.0),
     "clearance_cache": ((safe_sphere, candidate_list, order_of_questions), 7.4, 2.6),
     "distance_field": ((distance_field,), 6.2, 2.9),

@@ -1,0 +1,17 @@
+"""The drawings of reports/performance are those that tools/draw_diagrams.py makes, and each is on a page."""
+
+import re
+
+import draw_diagrams
+
+
+def test_pictures_are_as_they_are_drawn_and_shown(tmp_path):
+    drawn = {path.name: path.read_bytes() for path in draw_diagrams.draw(tmp_path)}
+    assert {path.name: path.read_bytes() for path in draw_diagrams.FOLDER.iterdir()} == drawn
+    pages = "".join(page.read_text() for page in draw_diagrams.FOLDER.parent.glob("*.md"))
+    assert set(re.findall(r"\]\(pictures/([\w.]+)\)", pages)) == set(drawn)
+
+
+def test_constraints_of_a_drawn_colour_share_no_node():
+    colours = draw_diagrams.coloured(draw_diagrams.sheet()[1])
+    assert all(len({node for pair in colour for node in pair}) == 4 * len(colour) for colour in colours)
