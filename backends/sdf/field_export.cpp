@@ -84,7 +84,8 @@ BuiltStructure build_grid_of(const Bone& bone, const Parameters& parameters, int
 }  // namespace
 
 StructureExport field_export() {
-  return {.require_fit = require_fit,
+  return {.formats = ".field, .cdf (Discregrid's format), or .octree for a field with max_error_mm",
+          .require_fit = require_fit,
           .build = [](const Bone& bone, const Parameters& parameters, int threads, const ShareReport& report) {
             return wants_octree(parameters) ? build_octree_of(bone, parameters, threads, report)
                                             : build_grid_of(bone, parameters, threads, report);

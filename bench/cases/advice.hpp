@@ -16,7 +16,7 @@ struct Configuration {
   std::string backend;
   Settings parameters;
 
-  /// As one would type it: "sdf cells=64".
+  /// As one would type it: name, then key=value of each parameter.
   [[nodiscard]] std::string text() const;
 };
 

@@ -86,9 +86,9 @@ class Replayer {
     }
   }
 
-  /// A backend that keeps something of the step before (fcl with model = update the positions, others with motion
-  /// budgets their answers) shall have seen it. Of budgets that is not all that a run has: after a jump they are all
-  /// new, so that few are used up in the frame.
+  /// A backend that keeps something of the step before, its positions or answers about them, shall have seen it. Of a
+  /// clearance cache that is not all that a run has: after a jump all safe spheres are new, so that few expire in the
+  /// frame.
   void lead_in(const RecordedStep& step) {
     m_backend->update(step.bone_poses, step.positions);
     if (m_backend->capabilities().has_cache) {

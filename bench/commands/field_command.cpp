@@ -84,6 +84,16 @@ std::vector<std::string> exporting_backends() {
   return names;
 }
 
+std::string file_formats() {
+  std::string formats;
+  for (const BackendEntry& entry : backend_registry()) {
+    if (entry.structure_export) {
+      formats += (formats.empty() ? "" : "; ") + entry.structure_export.formats;
+    }
+  }
+  return formats;
+}
+
 const BackendEntry& chosen_backend(const std::string& option) {
   const std::vector<std::string> exporting = exporting_backends();
   if (exporting.empty()) {
@@ -115,10 +125,7 @@ void add_field_command(CLI::App& app, int& exit_code) {
       ->required(false)
       ->description("Backend whose field it is (default: the first that has one)");
   command->add_option("--bone", options->bone, "Name of the bone (default: the only one)");
-  command
-      ->add_option("--out", options->out,
-                   "The file: .field, .cdf (Discregrid's format), or .octree for a field with max_error_mm")
-      ->required();
+  command->add_option("--out", options->out, "The file: " + file_formats())->required();
   command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
   command->callback([options, &exit_code] { exit_code = make_field(*options); });
 }

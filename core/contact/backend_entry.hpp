@@ -30,6 +30,7 @@ struct BuiltStructure {
 
 /// How a backend's structure over one bone is written to a file that other programs read (`musclebench field`).
 struct StructureExport {
+  std::string formats = {};  ///< for help: the endings that a file may have, and which parameters they fit
   /// Throws InputError where the parameters can't be exported or the ending of `out` does not fit them.
   std::function<void(const Parameters& parameters, const std::filesystem::path& out)> require_fit;
   std::function<BuiltStructure(const Bone& bone, const Parameters& parameters, int threads, const ShareReport& report)>
