@@ -18,12 +18,12 @@ std::vector<ResponseKind> choose_responses(const std::string& option, const Scen
   std::vector<ResponseKind> kinds;
   std::vector<Capabilities> can;
   for (std::size_t bone = 0; bone < std::max<std::size_t>(scene.bones.size(), 1); ++bone) {
-    const BackendEntry* of_bone = bone < colliders.of_bones.size() ? colliders.of_bones[bone] : nullptr;
-    const BackendEntry& entry = of_bone != nullptr ? *of_bone : backend;
+    const BackendChoice choice = backend_of_bone(bone, backend, parameters, colliders);
+    const BackendEntry& entry = *choice.entry;
     const std::optional<ResponseKind> own =
         bone < scene.bone_contacts.size() ? scene.bone_contacts[bone].response : std::nullopt;
     kinds.push_back(own ? *own : for_all.value_or(entry.default_response));
-    can.push_back((of_bone != nullptr ? make_default(*of_bone) : backend.make(parameters))->capabilities());
+    can.push_back(choice.make()->capabilities());
     const std::string_view lacking = lacks_for(kinds.back(), can.back());
     if (!lacking.empty()) {
       const std::string location = own               ? fmt::format("{}: bone[{}].response", scene.name, bone + 1)
@@ -47,7 +47,7 @@ std::vector<ResponseKind> choose_responses(const std::string& option, const Scen
   return kinds;
 }
 
-void require_what_effects_need(const Scene& scene, const BackendEntry& backend,
+void require_what_effects_need(const Scene& scene, const BackendEntry& backend, const Parameters& parameters,
                                const std::vector<ResponseKind>& responses, const ColliderBackends& colliders) {
   for (const SceneEffect& effect : scene.effects) {
     const EffectEntry& needs = *find_effect(effect.name);
@@ -56,10 +56,10 @@ void require_what_effects_need(const Scene& scene, const BackendEntry& backend,
                        fmt::format("{}; or write `{} = false`", reason, effect.name));
     };
     for (std::size_t bone = 0; needs.needs_normals && bone < std::max<std::size_t>(scene.bones.size(), 1); ++bone) {
-      const BackendEntry* of_bone = bone < colliders.of_bones.size() ? colliders.of_bones[bone] : nullptr;
-      const BackendEntry& entry = of_bone != nullptr ? *of_bone : backend;
-      if (!make_default(entry)->capabilities().depth) {
-        refuse(fmt::format("needs the normals of contacts, and '{}' tells none; take another backend", entry.name));
+      const BackendChoice choice = backend_of_bone(bone, backend, parameters, colliders);
+      if (!choice.make()->capabilities().depth) {
+        refuse(fmt::format("needs the normals of contacts, and '{}' tells none; take another backend",
+                           choice.entry->name));
       }
     }
     if (needs.needs_projection && std::ranges::find(responses, ResponseKind::backtrack) != responses.end()) {

@@ -26,7 +26,7 @@ std::vector<ResponseKind> choose_responses(const std::string& option, const Scen
                                            const Parameters& parameters, const ColliderBackends& colliders = {});
 
 /// Throws InputError where an effect of the scene needs what the backend of a bone or a response has not.
-void require_what_effects_need(const Scene& scene, const BackendEntry& backend,
+void require_what_effects_need(const Scene& scene, const BackendEntry& backend, const Parameters& parameters,
                                const std::vector<ResponseKind>& responses, const ColliderBackends& colliders = {});
 
 }  // namespace musclebench

@@ -81,14 +81,24 @@ Input run_exactly(const Scene& scene, double seconds) {
   return input;
 }
 
+/// Bones that the scene gives a backend keep it.
+void require_a_choice(const Scene& scene) {
+  const auto is_settled = [](const SceneBoneContact& bone) { return !bone.backend.name.empty(); };
+  if (std::ranges::all_of(scene.bone_contacts, is_settled)) {
+    throw InputError(scene.bone_contacts.front().backend.location,
+                     "every bone has a backend of its own, so that there is nothing to choose; take one out");
+  }
+}
+
 /// Nothing, with the reason, where the answers can't be judged.
 std::optional<Assessment> assess(const Scene& scene, const Configuration& configuration, const AdviseOptions& options,
                                  KeptFrames& frames, std::string& reason) {
   const BackendEntry& backend = find_backend(configuration.backend);
   const Parameters parameters(backend.parameters, configuration.parameters, configuration.text());
-  const std::vector<ResponseKind> responses = choose_responses("", scene, backend, parameters);
-  require_what_effects_need(scene, backend, responses);
-  ReplayCase replay{{scene, backend, parameters, options.threads, 0, responses}};
+  const ColliderBackends colliders = bone_backends({}, scene, backend);
+  const std::vector<ResponseKind> responses = choose_responses("", scene, backend, parameters, colliders);
+  require_what_effects_need(scene, backend, parameters, responses, colliders);
+  ReplayCase replay{{scene, backend, parameters, options.threads, 0, responses, colliders}};
   replay.band_m = options.band_mm * 1e-3;
   Progress progress(progress_style(false), "trying " + configuration.text(),
                     2 * replayed_frames(replay, frames.header()));
@@ -227,6 +237,7 @@ int advise(const AdviseOptions& options) {
   const Nanoseconds start_ns = monotonic_now_ns();
   std::vector<AdvisePlan> plans = advise_plans();
   const Scene scene = load_scene(options.scene);
+  require_a_choice(scene);
   Input input = run_exactly(scene, options.seconds * recording_share);
   if (input.frames->header().frames() == 0) {
     throw InputError("--seconds", fmt::format("no frame of the exact run could be kept within {:.0f} s; give more",

@@ -59,7 +59,7 @@ void add_response_option(CLI::App& command, BackendOptions& options) {
 
 void add_collider_option(CLI::App& command, BackendOptions& options) {
   command.add_option("--for", options.colliders,
-                     "COLLIDER=BACKEND: another backend for one bone, such as femur=bvh, or for `muscles` that touch; "
+                     "COLLIDER=BACKEND[:key=value,...]: another backend for one bone, or for `muscles` that touch; "
                      "may be repeated");
 }
 
@@ -84,26 +84,6 @@ Parameters backend_parameters(const BackendEntry& backend, const std::vector<std
                         fmt::format("--param ({})", backend.name));
   (void)backend.make(parameters);  // refuses what does not go together, before anything is read
   return parameters;
-}
-
-std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::string>& texts,
-                                                        const std::string& option,
-                                                        const std::vector<ParameterSpec>& specs) {
-  std::map<std::string, ParameterValue> values;
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      throw InputError(fmt::format("{} {}", option, text), "has to read key=value");
-    }
-    const std::string key = text.substr(0, equals);
-    const std::string_view value = std::string_view(text).substr(equals + 1);
-    const ParameterSpec* spec = find_parameter(specs, key);
-    const bool is_word = spec != nullptr && std::holds_alternative<std::string>(spec->default_value);
-    if (!values.emplace(key, is_word ? ParameterValue(std::string(value)) : parse_parameter_value(value)).second) {
-      throw InputError(fmt::format("{} {}", option, text), fmt::format("gives {} twice; leave one out", key));
-    }
-  }
-  return values;
 }
 
 CLI::Validator positive_and_finite() {

@@ -34,7 +34,7 @@ struct BackendOptions {
   std::string backend;
   std::string response;  ///< empty: the scene's, or the backend's own
   std::vector<std::string> parameters;
-  std::vector<std::string> colliders;  ///< COLLIDER=BACKEND, see choose_collider_backends
+  std::vector<std::string> colliders;  ///< see choose_collider_backends
   int threads = 1;
 };
 
@@ -51,11 +51,5 @@ Parameters backend_parameters(const BackendEntry& backend, const std::vector<std
 /// Of an option that is a length, a time: refuses what is not a positive finite number, which CLI::Range lets pass when
 /// it is NaN.
 CLI::Validator positive_and_finite();
-
-/// Texts `key=value`; `option` is the location that an InputError names. What `specs` say is a word stays one, though
-/// it may look like a number: `structures=2024` is a folder.
-std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::string>& texts,
-                                                        const std::string& option,
-                                                        const std::vector<ParameterSpec>& specs);
 
 }  // namespace musclebench

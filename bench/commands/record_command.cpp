@@ -112,7 +112,7 @@ int record(const RecordOptions& options) {
   const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
   const std::vector<ResponseKind> responses =
       choose_responses(options.backend.response, scene, backend, parameters, colliders);
-  require_what_effects_need(scene, backend, responses, colliders);
+  require_what_effects_need(scene, backend, parameters, responses, colliders);
   const fs::path out = options.out;
   {
     const HeldSignals held;

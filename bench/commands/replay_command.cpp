@@ -116,8 +116,10 @@ int replay(const ReplayOptions& options) {
   const Scene scene = scene_of(recording.header(), options);
   require_same_scene(scene, recording.header(), options.recording);
 
-  const std::vector<ResponseKind> responses = choose_responses(options.backend.response, scene, backend, parameters);
-  ReplayCase replay{{scene, backend, parameters, options.backend.threads, options.repetition, responses},
+  const ColliderBackends colliders = bone_backends(options.backend.colliders, scene, backend);
+  const std::vector<ResponseKind> responses =
+      choose_responses(options.backend.response, scene, backend, parameters, colliders);
+  ReplayCase replay{{scene, backend, parameters, options.backend.threads, options.repetition, responses, colliders},
                     recording.file()};
   replay.stride = options.stride;
   replay.band_m = options.band_mm * 1e-3;
@@ -152,6 +154,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   command->add_option("recording", options->recording, "A file of `musclebench record`")->required();
   add_backend_options(*command, options->backend);
   add_response_option(*command, options->backend);
+  add_collider_option(*command, options->backend);
   command->add_option("--scene", options->scene, "Where the recorded scene is now (default: where it was)");
   command->add_option("--data", options->data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
   command->add_option("--stride", options->stride, "Replay every so many-th frame, and the last (default: 1)")

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -59,6 +60,15 @@ RunResult run_and_write(const RunCase& run, const RunOptions& options, const std
   return result;
 }
 
+/// Says why a run is suspect. The exit code of one that went to its end, now or before.
+int conclude(std::string_view scene, std::string_view status, std::string_view status_detail, bool strict) {
+  if (status != "suspect") {
+    return 0;
+  }
+  fmt::print(stderr, "musclebench: {}: suspect: {}\n", scene, status_detail);
+  return strict ? exit_not_held : 0;
+}
+
 int run(RunOptions options) {
   const BackendEntry& backend = find_backend(options.backend.backend);
   const Parameters parameters = backend_parameters(backend, options.backend.parameters);
@@ -67,7 +77,7 @@ int run(RunOptions options) {
   const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
   const std::vector<ResponseKind> responses =
       choose_responses(options.backend.response, scene, backend, parameters, colliders);
-  require_what_effects_need(scene, backend, responses, colliders);
+  require_what_effects_need(scene, backend, parameters, responses, colliders);
   const RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, responses, colliders},
                        2,
                        !options.unjudged,
@@ -75,9 +85,9 @@ int run(RunOptions options) {
                        options.self_intersections};
   const std::string id = run_id(run_of);
   const std::string out = options.out.empty() ? fmt::format("reports/out/runs/raw/{}", id) : options.out;
-  if (!options.force && is_complete(out, id, "frames.csv")) {
+  if (const auto stored = options.force ? std::nullopt : complete_result(out, id, "frames.csv")) {
     fmt::print("{} with {}: complete already in {} (--force runs it again)\n", scene.name, backend.name, out);
-    return 0;
+    return conclude(scene.name, stored->status, stored->status_detail, options.strict);
   }
   if (!options.force) {
     require_no_other_case(out, run_of, "coupled");
@@ -101,10 +111,7 @@ int run(RunOptions options) {
     fmt::print(stderr, "musclebench: {}: interrupted {}; its rows are kept\n", scene.name, result.status_detail);
     return exit_interrupted;
   }
-  if (result.status == "suspect") {
-    fmt::print(stderr, "musclebench: {}: suspect: {}\n", scene.name, result.status_detail);
-  }
-  return result.status == "suspect" && options.strict ? exit_not_held : 0;
+  return conclude(scene.name, result.status, result.status_detail, options.strict);
 }
 
 }  // namespace

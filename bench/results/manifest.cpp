@@ -117,8 +117,9 @@ Json json_of_case(const Case& resolved, std::string_view mode) {
                {"effects", json_of_effects(resolved.scene)},
                {"loop", json_of_loop(resolved.scene.loop)}};
   for (std::size_t bone = 0; bone < resolved.colliders.of_bones.size(); ++bone) {
-    if (const BackendEntry* own = resolved.colliders.of_bones[bone]) {
-      json["bone_backends"][resolved.scene.bones[bone].name] = own->name;
+    if (const auto& own = resolved.colliders.of_bones[bone]) {
+      json["bone_backends"][resolved.scene.bones[bone].name] = {{"backend", own->entry->name},
+                                                                {"parameters", json_of(own->parameters)}};
     }
   }
   const std::vector<BoneResponse> responses = resolved.scene.responses(resolved.responses);

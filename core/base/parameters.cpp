@@ -168,6 +168,26 @@ ParameterValue parse_parameter_value(std::string_view text) {
   return std::string(text);
 }
 
+std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::string>& texts,
+                                                        const std::string& option,
+                                                        const std::vector<ParameterSpec>& specs) {
+  std::map<std::string, ParameterValue> values;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw InputError(fmt::format("{} {}", option, text), "has to read key=value");
+    }
+    const std::string key = text.substr(0, equals);
+    const std::string_view value = std::string_view(text).substr(equals + 1);
+    const ParameterSpec* spec = find_parameter(specs, key);
+    const bool is_word = spec != nullptr && std::holds_alternative<std::string>(spec->default_value);
+    if (!values.emplace(key, is_word ? ParameterValue(std::string(value)) : parse_parameter_value(value)).second) {
+      throw InputError(fmt::format("{} {}", option, text), fmt::format("gives {} twice; leave one out", key));
+    }
+  }
+  return values;
+}
+
 std::string format_parameter_value(const ParameterValue& value) {
   return std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
 }

@@ -134,6 +134,12 @@ class Parameters {
 /// `text` as the most specific of bool, integer, number, word.
 ParameterValue parse_parameter_value(std::string_view text);
 
+/// Texts `key=value`; `option` is the location that an InputError names. What `specs` say is a word stays one, though
+/// it may look like a number: `structures=2024` is a folder.
+std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::string>& texts,
+                                                        const std::string& option,
+                                                        const std::vector<ParameterSpec>& specs);
+
 /// The value so that it reads back to the same bits.
 std::string format_parameter_value(const ParameterValue& value);
 

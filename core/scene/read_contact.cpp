@@ -41,6 +41,13 @@ std::optional<int> steps_in(const TomlTable& table) {
   return static_cast<int>(steps);
 }
 
+SceneBackend backend_in(const TomlTable& table, std::string_view key) {
+  if (!table.has(key)) {
+    return {};
+  }
+  return {table.word(key), {}, table.location(key), ""};
+}
+
 /// `[[pair]]`: two muscles that touch, and who detects that.
 SceneMusclePair read_pair(const TomlTable& table, const Scene& scene) {
   table.allow_only({"muscles", "backend"});
@@ -54,7 +61,7 @@ SceneMusclePair read_pair(const TomlTable& table, const Scene& scene) {
   if (first == second) {
     throw InputError(location, fmt::format("'{}' stands there twice; a pair is of two muscles", names[0]));
   }
-  return {{std::min(first, second), std::max(first, second)}, table.word_or("backend", "")};
+  return {{std::min(first, second), std::max(first, second)}, backend_in(table, "backend")};
 }
 
 }  // namespace
@@ -82,12 +89,20 @@ void read_response(const std::optional<TomlTable>& contact, Scene& scene) {
 }
 
 SceneBoneContact read_bone_contact(const TomlTable& bone) {
-  return {bone.word_or("backend", ""), response_in(bone), steps_in(bone)};
+  SceneBackend backend = backend_in(bone, "backend");
+  if (const auto parameters = bone.table("parameters")) {
+    if (backend.name.empty()) {
+      throw InputError(bone.location("parameters"), "are those of the bone's own backend; name it by `backend`");
+    }
+    backend.parameters = parameters->values();
+    backend.parameters_location = bone.location("parameters");
+  }
+  return {std::move(backend), response_in(bone), steps_in(bone)};
 }
 
 void read_muscle_pairs(const TomlTable& root, const std::optional<TomlTable>& contact, Scene& scene) {
   const auto count = static_cast<int>(scene.muscles.size());
-  const std::string backend = contact ? contact->word_or("muscle_backend", "") : "";
+  const SceneBackend backend = contact ? backend_in(*contact, "muscle_backend") : SceneBackend{};
   if (contact && contact->flag_or("muscle_contact", false)) {
     if (count < 2) {
       throw InputError(contact->location("muscle_contact"), "needs two muscles, and the scene has one");
@@ -106,7 +121,7 @@ void read_muscle_pairs(const TomlTable& root, const std::optional<TomlTable>& co
                        "names a pair that stands in an earlier [[pair]], too; leave one out");
     }
     named.push_back(pair.muscles);
-    if (pair.backend.empty()) pair.backend = backend;
+    if (pair.backend.name.empty()) pair.backend = backend;
     const auto same = std::ranges::find(scene.muscle_pairs, pair.muscles, &SceneMusclePair::muscles);
     if (same == scene.muscle_pairs.end()) {
       scene.muscle_pairs.push_back(pair);
@@ -114,7 +129,7 @@ void read_muscle_pairs(const TomlTable& root, const std::optional<TomlTable>& co
       *same = pair;
     }
   }
-  if (!backend.empty() && scene.muscle_pairs.empty()) {
+  if (!backend.name.empty() && scene.muscle_pairs.empty()) {
     throw InputError(contact->location("muscle_backend"),
                      "detects nothing: no muscles touch; add muscle_contact = true or a [[pair]]");
   }

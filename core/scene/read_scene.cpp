@@ -136,7 +136,7 @@ std::string checked_name(const TomlTable& table) {
 
 void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene) {
   for (const TomlTable& table : root.tables("bone")) {
-    table.allow_only({"name", "mesh", "motion", "backend", "response", "steps"});
+    table.allow_only({"name", "mesh", "motion", "backend", "parameters", "response", "steps"});
     const std::string name = checked_name(table);
     for (const Bone& bone : scene.bones) {
       if (bone.name == name) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,15 +46,24 @@ struct Muscle {
   bool fibres_between_attachments = false;
 };
 
+/// A backend that a scene names.
+struct SceneBackend {
+  std::string name;                                  ///< empty: the scene leaves the choice open
+  std::map<std::string, ParameterValue> parameters;  ///< not checked yet: core knows no backend
+  // File, line and key, for messages.
+  std::string location;
+  std::string parameters_location;
+};
+
 /// Two muscles that touch each other.
 struct SceneMusclePair {
   MusclePair muscles;
-  std::string backend;  ///< that the scene names for them; empty: it leaves the choice open
+  SceneBackend backend;
 };
 
 /// What a scene says of contact with one bone; empty: left open.
 struct SceneBoneContact {
-  std::string backend;
+  SceneBackend backend;
   std::optional<ResponseKind> response;
   std::optional<int> response_steps;
 };

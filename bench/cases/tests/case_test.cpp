@@ -41,6 +41,11 @@ TEST(ChooseResponse, WhatABackendCannotServeIsRefusedWithTheReason) {
   EXPECT_NE(refusal("sdf", "projekt").find("did you mean 'project'"), std::string::npos);
 }
 
+BackendChoice default_choice(const std::string& name) {
+  const BackendEntry& entry = find_backend(name);
+  return {&entry, Parameters(entry.parameters, {}, name)};
+}
+
 /// Two bones: what is chosen for each, and what is said where that can't be.
 struct TwoBones {
   Scene scene;
@@ -79,7 +84,7 @@ TEST(ChooseResponse, ABonesOwnComesFirst) {
 
 TEST(ChooseResponse, ABoneWithABackendOfItsOwnHasTheResponseOfThat) {
   TwoBones two;
-  two.colliders.of_bones = {nullptr, &find_backend("voxel")};
+  two.colliders.of_bones = {std::nullopt, default_choice("voxel")};
   EXPECT_EQ(two.chosen("bvh"), (Kinds{ResponseKind::project, ResponseKind::backtrack}));
   EXPECT_EQ(two.chosen("voxel"), Kinds{ResponseKind::backtrack});
   EXPECT_NE(two.refusal("bvh", "backtrack").find("'bvh' has no cells"), std::string::npos);
@@ -98,7 +103,8 @@ TEST(RequireWhatEffectsNeed, WhatABackendOrAResponseLacksIsSaidWithACure) {
   TwoBones knee;
   const auto refused = [&](const std::string& backend, ResponseKind response) -> std::string {
     try {
-      require_what_effects_need(knee.scene, find_backend(backend), {response}, knee.colliders);
+      const auto [entry, parameters] = default_choice(backend);
+      require_what_effects_need(knee.scene, *entry, parameters, {response}, knee.colliders);
     } catch (const InputError& error) {
       return error.what();
     }
@@ -119,7 +125,7 @@ TEST(RequireWhatEffectsNeed, WhatABackendOrAResponseLacksIsSaidWithACure) {
   EXPECT_EQ(refused("sdf", ResponseKind::backtrack),
             "knee: effects.margin: needs a response that moves nodes by their depths; take 'project'; or write `margin "
             "= false`");
-  knee.colliders.of_bones = {nullptr, &find_backend("voxel")};
+  knee.colliders.of_bones = {std::nullopt, default_choice("voxel")};
   EXPECT_NE(refused("sdf", ResponseKind::project).find("'voxel' tells none"), std::string::npos);
 }
 

@@ -175,11 +175,11 @@ TEST(ManyMuscles, PairsAreAllOrThoseThatAreNamed) {
   const Scene all = read_scene(request(all_touch + both()));
   ASSERT_EQ(all.muscle_pairs.size(), 1U);
   EXPECT_EQ(all.muscle_pairs[0].muscles, (MusclePair{0, 1}));
-  EXPECT_EQ(all.muscle_pairs[0].backend, "");
+  EXPECT_EQ(all.muscle_pairs[0].backend.name, "");
   const Scene named = read_scene(request(both() + pair("ball", "bar", "backend = \"fcl\"")));
   ASSERT_EQ(named.muscle_pairs.size(), 1U);
   EXPECT_EQ(named.muscle_pairs[0].muscles, (MusclePair{0, 1}));
-  EXPECT_EQ(named.muscle_pairs[0].backend, "fcl");
+  EXPECT_EQ(named.muscle_pairs[0].backend.name, "fcl");
   EXPECT_TRUE(read_scene(request(both())).muscle_pairs.empty());
   EXPECT_EQ(read_scene(request("[contact]\nsteps = 7\n" + both())).response_steps, 7);
 }
@@ -232,14 +232,58 @@ TEST(ColliderBackends, AreThoseOfTheOptionsBeforeTheSceneBeforeTheCase) {
   EXPECT_EQ(by_default.of_pairs[0]->name, "bvh");
   const ColliderBackends by_option = choose_collider_backends({"lid=voxel", "muscles=brute_force"}, plain, sdf);
   ASSERT_EQ(by_option.of_bones.size(), 2U);
-  EXPECT_EQ(by_option.of_bones[0], nullptr);
-  EXPECT_EQ(by_option.of_bones[1]->name, "voxel");
+  EXPECT_FALSE(by_option.of_bones[0]);
+  EXPECT_EQ(by_option.of_bones[1]->entry->name, "voxel");
   EXPECT_EQ(by_option.of_pairs[0]->name, "brute_force");
   text.replace(text.find("mesh = \"synthetic:lid\""), 0, "backend = \"bvh\"\n");
   const Scene own = read_scene(request(text));
-  EXPECT_EQ(choose_collider_backends({}, own, sdf).of_bones[1]->name, "bvh");
-  EXPECT_EQ(choose_collider_backends({"lid=voxel"}, own, sdf).of_bones[1]->name, "voxel");
+  EXPECT_EQ(choose_collider_backends({}, own, sdf).of_bones[1]->entry->name, "bvh");
+  EXPECT_EQ(choose_collider_backends({"lid=voxel"}, own, sdf).of_bones[1]->entry->name, "voxel");
   EXPECT_TRUE(choose_collider_backends({"lid=sdf"}, own, sdf).of_bones.empty());
+}
+
+TEST(ColliderBackends, HaveParametersOfTheirOwn) {
+  const BackendEntry& sdf = find_backend("sdf");
+  const Parameters coarse(sdf.parameters, {{"cells", std::int64_t{16}}}, "test");
+  std::string text = both();
+  text.replace(text.find("mesh = \"synthetic:lid\""), 0, "backend = \"sdf\"\nparameters = {cells = 24}\n");
+  const Scene scene = read_scene(request(text));
+  const ColliderBackends by_scene = choose_collider_backends({}, scene, sdf);
+  ASSERT_EQ(by_scene.of_bones.size(), 2U);
+  EXPECT_FALSE(by_scene.of_bones[0]);
+  EXPECT_EQ(by_scene.of_bones[1]->parameters.integer("cells"), 24);
+  const ColliderBackends by_option = choose_collider_backends({"lid=sdf:cells=32,precision=compact"}, scene, sdf);
+  EXPECT_EQ(by_option.of_bones[1]->parameters.integer("cells"), 32);
+  EXPECT_EQ(by_option.of_bones[1]->parameters.word("precision"), "compact");
+  EXPECT_EQ(backend_of_bone(0, sdf, coarse, by_option).parameters.integer("cells"), 16);
+  const auto backend = make_backend(sdf, coarse, by_option);
+  backend->build(scene.bones, scene.muscle_mesh, 1);
+  const std::vector<StructureError> errors = backend->structure_errors();
+  ASSERT_EQ(errors.size(), 2U);
+  EXPECT_GT(errors[1].bytes, 0U);
+  const auto mistake = [&](std::string wrong) {
+    std::string of_bone = both();
+    of_bone.replace(of_bone.find("mesh = \"synthetic:lid\""), 0, wrong + "\n");
+    try {
+      (void)choose_collider_backends({}, read_scene(request(of_bone)), sdf);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  expect_mentions(mistake("backend = \"sdf\"\nparameters = {cels = 24}"),
+                  {"test.toml", "bone[2].parameters", "cels", "did you mean 'cells'"});
+  expect_mentions(mistake("parameters = {cells = 24}"), {"bone[2].parameters", "name it by `backend`"});
+  expect_mentions(mistake("backend = \"sfd\""), {"test.toml", "bone[2].backend", "did you mean 'sdf'"});
+}
+
+/// Of a scene whose muscles touch, too: between them a replay detects nothing.
+TEST(ColliderBackends, OfBonesAlone) {
+  const Scene scene = read_scene(request(all_touch + both()));
+  const BackendEntry& sdf = find_backend("sdf");
+  EXPECT_TRUE(bone_backends({}, scene, sdf).of_pairs.empty());
+  EXPECT_EQ(bone_backends({"lid=voxel"}, scene, sdf).of_bones[1]->entry->name, "voxel");
+  EXPECT_THROW((void)bone_backends({"muscles=bvh"}, scene, sdf), InputError);
 }
 
 /// Without depths the lid can't project, without cells the plate can't backtrack: each does what it can.
@@ -278,6 +322,9 @@ TEST(ColliderBackends, WhatCannotBeIsRefused) {
   expect_mentions(refusal(scene, "lidd=sdf"), {"--for lidd=sdf", "'lidd' is not a bone", "did you mean 'lid'"});
   expect_mentions(refusal(scene, "lid=sfd"), {"--for lid=sfd", "did you mean 'sdf'"});
   expect_mentions(refusal(scene, "lid"), {"--for lid", "COLLIDER=BACKEND"});
+  expect_mentions(refusal(scene, "lid=sdf:"), {"--for lid=sdf:", "COLLIDER=BACKEND"});
+  expect_mentions(refusal(scene, "lid=sdf:cels=3"), {"--for lid=sdf:cels=3", "did you mean 'cells'"});
+  expect_mentions(refusal(scene, "muscles=bvh:x=1"), {"--for muscles=bvh:x=1", "leave the parameters out"});
   expect_mentions(refusal(apart, "muscles=bvh"), {"--for muscles=bvh", "no muscles of this scene touch"});
 }
 

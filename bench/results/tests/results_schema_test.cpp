@@ -27,7 +27,7 @@ Scene scene_of_two() {
   ball.node_of_vertex.resize(ball.file.mesh.vertices.size());
   std::iota(ball.node_of_vertex.begin(), ball.node_of_vertex.end(), ball.body.first_node);
   ball.changes = {"made by hand"};
-  scene.muscle_pairs = {{{0, 1}, ""}};
+  scene.muscle_pairs = {{{0, 1}, {}}};
   scene.bone_contacts.resize(scene.bones.size());
   scene.bone_contacts.front().response_steps = 5;
   return scene;
