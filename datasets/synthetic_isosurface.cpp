@@ -16,8 +16,8 @@ using Cell = std::array<int, 3>;
 using Tetrahedron = std::array<int, 4>;
 
 constexpr int block_cells = 8;
-/// A field may be steeper than 1 by a few per cent; a block is skipped only where even this slope cannot reach zero.
-constexpr double steepest_slope = 1.3;
+/// Of a field, whose gradient may exceed 1 by a few per cent; a block is skipped where it proves that there is no zero.
+constexpr double lipschitz_bound = 1.3;
 /// Cuts keep off the ends of an edge, so that no triangle is born with an edge of length zero.
 constexpr double shortest_cut = 0.05;
 
@@ -49,7 +49,9 @@ class Marcher {
   }
 
  private:
-  [[nodiscard]] Vec3 place(const Cell& node) const { return m_lower_m + m_cell_m * Vec3(node[0], node[1], node[2]); }
+  [[nodiscard]] Vec3 position_m(const Cell& node) const {
+    return m_lower_m + m_cell_m * Vec3(node[0], node[1], node[2]);
+  }
 
   [[nodiscard]] std::int64_t index(const Cell& node) const {
     return (static_cast<std::int64_t>(node[2]) * m_nodes[1] + node[1]) * m_nodes[0] + node[0];
@@ -58,16 +60,16 @@ class Marcher {
   double value(const Cell& node) {
     const auto [entry, fresh] = m_values.try_emplace(index(node), 0.0);
     if (fresh) {
-      entry->second = m_field(place(node));
+      entry->second = m_field(position_m(node));
     }
     return entry->second;
   }
 
   void march_block(const Cell& block) {
     const Cell first = {block[0] * block_cells, block[1] * block_cells, block[2] * block_cells};
-    const Vec3 centre = place(first) + Vec3::Constant(0.5 * block_cells * m_cell_m);
+    const Vec3 centre = position_m(first) + Vec3::Constant(0.5 * block_cells * m_cell_m);
     const double reach = 0.5 * std::sqrt(3.0) * block_cells * m_cell_m;
-    if (std::abs(m_field(centre)) > steepest_slope * reach) {
+    if (std::abs(m_field(centre)) > lipschitz_bound * reach) {
       return;
     }
     for (int i = 0; i < block_cells * block_cells * block_cells; ++i) {
@@ -154,7 +156,7 @@ class Marcher {
     const auto [entry, fresh] = m_cuts.try_emplace(low * 8 + kind, static_cast<int>(m_mesh.vertices.size()));
     if (fresh) {
       const double t = std::clamp(value_a / (value_a - value_b), shortest_cut, 1.0 - shortest_cut);
-      m_mesh.vertices.push_back((1.0 - t) * place(a) + t * place(b));
+      m_mesh.vertices.push_back((1.0 - t) * position_m(a) + t * position_m(b));
     }
     return entry->second;
   }

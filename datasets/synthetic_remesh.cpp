@@ -76,24 +76,25 @@ class Remesher {
   }
 
   bool collapse_carefully(int h, double longest_m) {
-    const Vec3 place = middle(h);
-    return stays_sound(h, place, longest_m) && stays_sound(m_surface.opposite(h), place, longest_m) &&
-           m_surface.collapse(h, place);
+    const Vec3 position = middle(h);
+    return stays_sound(h, position, longest_m) && stays_sound(m_surface.opposite(h), position, longest_m) &&
+           m_surface.collapse(h, position);
   }
 
-  /// The triangles around the origin of h keep their side and get no edge beyond `longest_m` when it moves to `place`.
-  [[nodiscard]] bool stays_sound(int h, const Vec3& place, double longest_m) const {
+  /// The triangles around the origin of h keep their side and get no edge beyond `longest_m` when it moves to
+  /// `position`.
+  [[nodiscard]] bool stays_sound(int h, const Vec3& position, double longest_m) const {
     const int gone = m_surface.opposite(h) / 3;
     for (int ring = m_surface.next_from(h); ring != h; ring = m_surface.next_from(ring)) {
-      if ((m_surface.position(m_surface.target(ring)) - place).norm() > longest_m) {
+      if ((m_surface.position(m_surface.target(ring)) - position).norm() > longest_m) {
         return false;
       }
       if (ring / 3 == gone) {
         continue;
       }
       const Vec3 before = m_surface.normal(ring);
-      const Vec3 after =
-          (m_surface.position(m_surface.target(ring)) - place).cross(m_surface.position(m_surface.tip(ring)) - place);
+      const Vec3 after = (m_surface.position(m_surface.target(ring)) - position)
+                             .cross(m_surface.position(m_surface.tip(ring)) - position);
       if (before.dot(after) < 0.5 * before.norm() * after.norm()) {
         return false;
       }

@@ -86,7 +86,7 @@ void EditableSurface::link(int h, int o) {
   m_opposite[at(o)] = h;
 }
 
-int EditableSurface::split(int h, const Vec3& place) {
+int EditableSurface::split(int h, const Vec3& to) {
   const int o = opposite(h);
   const int a = origin(h);
   const int b = target(h);
@@ -97,7 +97,7 @@ int EditableSurface::split(int h, const Vec3& place) {
   const int beyond_ad = opposite(next(o));
   const int beyond_db = opposite(previous(o));
   const int middle = vertex_slots();
-  m_position.push_back(place);
+  m_position.push_back(to);
   m_first.push_back(-1);
   ++m_vertex_count;
   const int t1 = h / 3;
@@ -146,7 +146,7 @@ bool EditableSurface::flip(int h) {
   return true;
 }
 
-bool EditableSurface::collapse(int h, const Vec3& place) {
+bool EditableSurface::collapse(int h, const Vec3& to) {
   const int o = opposite(h);
   const int a = origin(h);
   const int b = target(h);
@@ -181,7 +181,7 @@ bool EditableSurface::collapse(int h, const Vec3& place) {
   m_first[at(b)] = beyond_ca;
   m_first[at(c)] = beyond_bc;
   m_first[at(d)] = beyond_ad;
-  m_position[at(b)] = place;
+  m_position[at(b)] = to;
   --m_vertex_count;
   return true;
 }

@@ -41,14 +41,14 @@ class EditableSurface {
   /// Twice the area times the unit normal of the triangle of h.
   [[nodiscard]] Vec3 normal(int h) const;
 
-  /// Puts a vertex on the edge and returns it.
-  int split(int h, const Vec3& place);
-  /// Turns the edge within its two triangles. Refuses where the new edge exists already or a valence would fall
-  /// below 3.
+  /// Splits the edge by a new vertex at `to`, which it returns.
+  int split(int h, const Vec3& to);
+  /// Flips the edge: replaces it by the other diagonal of its two triangles. Refuses where that exists already or a
+  /// valence would fall below 3.
   bool flip(int h);
-  /// Pulls both ends of the edge together at `place`; the origin disappears. Refuses where the surface would be
+  /// Collapses the edge into its target, moved to `to`; the origin is removed. Refuses where the surface would be
   /// pinched.
-  bool collapse(int h, const Vec3& place);
+  bool collapse(int h, const Vec3& to);
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }

@@ -19,7 +19,7 @@ Vec3 point_of(const toml::node& node) {
 
 }  // namespace
 
-// The scenes hold coordinates of points on surfaces that code makes: whoever changes a bone must renew them.
+// The scenes hold coordinates of points on surfaces that code makes: a change of a bone has to renew them.
 TEST(SyntheticScenes, AttachmentOutlinesLieOnTheirBones) {
   const std::filesystem::path folder = std::filesystem::path(MUSCLEBENCH_SOURCE_DIR) / "datasets/scenes/synthetic";
   std::map<std::string, TriangleBvh> bones;
@@ -39,8 +39,8 @@ TEST(SyntheticScenes, AttachmentOutlinesLieOnTheirBones) {
       ASSERT_NE(outline, nullptr);
       EXPECT_GE(outline->size(), 5U);
       for (const toml::node& point : *outline) {
-        const Vec3 place = point_of(point);
-        EXPECT_TRUE(bones.at(bone).closest_point(place, 0.0003).has_value()) << bone << ": " << place.transpose();
+        const Vec3 corner = point_of(point);
+        EXPECT_TRUE(bones.at(bone).closest_point(corner, 0.0003).has_value()) << bone << ": " << corner.transpose();
       }
     }
   }
