@@ -83,15 +83,15 @@ TEST(RefereeJudge, NothingTouchesFarAway) {
   EXPECT_EQ(referee.last_effort().distance_queries, 0);
 }
 
-struct BudgetRun {
+struct ReuseRun {
   long queries_with = 0;
   long queries_without = 0;
   std::size_t contacts = 0;
 };
 
-/// Bones and nodes move at random, `step_m` a frame; now and then a node jumps. Judged with budgets, with budgets by
-/// three threads, and afresh: the same bits.
-BudgetRun run_budgets(const std::vector<Bone>& bones, double step_m, int frames, unsigned seed) {
+/// Bones and nodes move at random, `step_m` a frame; now and then a node jumps. Judged with distance reuse, with reuse
+/// by three threads, and without: the same bits.
+ReuseRun run_with_and_without_reuse(const std::vector<Bone>& bones, double step_m, int frames, unsigned seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::vector<Vec3> positions = naive::cloud(bones[0].surface.mesh, 400, random);
@@ -103,7 +103,7 @@ BudgetRun run_budgets(const std::vector<Bone>& bones, double step_m, int frames,
   std::vector<RigidMotion> poses(bones.size());
   std::vector<Contact> truth;
   std::vector<Contact> answer;
-  BudgetRun run;
+  ReuseRun run;
   for (int frame = 0; frame < frames; ++frame) {
     for (RigidMotion& pose : poses) pose = random_motion(step_m, 0.3 * step_m, random) * pose;
     for (Vec3& position : positions) position += step_m * Vec3(normal(random), normal(random), normal(random));
@@ -124,33 +124,33 @@ BudgetRun run_budgets(const std::vector<Bone>& bones, double step_m, int frames,
   return run;
 }
 
-TEST(RefereeJudge, BudgetsChangeNoBit) {
+TEST(RefereeJudge, ReuseChangesNoBit) {
   for (const double step_m : {1e-6, 1e-4, 1e-3, 1e-2}) {
-    const BudgetRun run = run_budgets(two_bones(), step_m, 60, 2);
+    const ReuseRun run = run_with_and_without_reuse(two_bones(), step_m, 60, 2);
     EXPECT_GT(run.contacts, 1000U);
     EXPECT_LT(run.queries_with, run.queries_without);
   }
 }
 
-TEST(RefereeJudge, BudgetsSaveMostQueriesOfSmallMotion) {
-  const BudgetRun run = run_budgets(two_bones(), 1e-4, 60, 3);
-  // What must be asked again are the nodes inside, for their depth, and a few near the surface.
+TEST(RefereeJudge, ReuseSavesMostQueriesOfSmallMotion) {
+  const ReuseRun run = run_with_and_without_reuse(two_bones(), 1e-4, 60, 3);
+  // Queried again are the nodes inside, for their depth, and a few near the surface.
   EXPECT_LT(static_cast<double>(run.queries_with), 1.5 * static_cast<double>(run.contacts));
   EXPECT_LT(3 * run.queries_with, run.queries_without);
 }
 
-TEST(RefereeJudge, BudgetsChangeNoBitOnAnOpenSurface) {
+TEST(RefereeJudge, ReuseChangesNoBitOnAnOpenSurface) {
   std::vector<Bone> bones = two_bones();
   bones[0].surface.mesh.triangles.resize(bones[0].surface.mesh.triangles.size() * 3 / 4);
-  const BudgetRun run = run_budgets(bones, 3e-3, 8, 4);
+  const ReuseRun run = run_with_and_without_reuse(bones, 3e-3, 8, 4);
   EXPECT_GT(run.contacts, 100U);
 }
 
 TEST(RefereeJudge, AnOpenSurfaceIsReusedLikeAClosedOne) {
-  // A hole of two triangles. Without reuse each of the 800 nodes is asked about in each of 60 frames.
+  // A hole of two triangles. Without reuse each of the 800 nodes is queried in each of 60 frames.
   std::vector<Bone> bones = two_bones();
   bones[0].surface.mesh.triangles.resize(bones[0].surface.mesh.triangles.size() - 2);
-  const BudgetRun run = run_budgets(bones, 1e-4, 60, 3);
+  const ReuseRun run = run_with_and_without_reuse(bones, 1e-4, 60, 3);
   EXPECT_LT(3 * run.queries_with, run.queries_without);
 }
 
@@ -191,8 +191,8 @@ TEST(RefereeJudge, AKnownSideDoesNotOutliveItsClearance) {
   EXPECT_EQ(contacts_at(0.08), 0U);
 }
 
-/// The side of an open surface changes away from it: however small the steps, it is asked for again in time.
-TEST(RefereeJudge, AWayOutThroughAnOpeningInSmallSteps) {
+/// The side of an open surface changes away from it: however small the steps, it is queried again in time.
+TEST(RefereeJudge, APathOutThroughAnOpeningInSmallSteps) {
   TriangleMesh open = make_box(Vec3(1, 1, 1), 4);
   std::erase_if(open.triangles, [&](const Triangle& t) {
     return std::ranges::all_of(t, [&](int v) { return open.vertices[static_cast<std::size_t>(v)].z() == 1; });
@@ -242,7 +242,7 @@ TEST(RefereeJudge, PositionsThatAreNotFiniteAreInNoBone) {
   EXPECT_EQ(truth.size(), 3U);
 }
 
-TEST(RefereeJudge, BytesCountTreesAndMemory) {
+TEST(RefereeJudge, BytesCountTreesAndNodeCaches) {
   const std::vector<Bone> bones = two_bones();
   const Referee small(bones, 0);
   const Referee large(bones, 1000);
