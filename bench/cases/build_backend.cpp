@@ -15,7 +15,7 @@ BuiltBackend build_backend(const Case& resolved, const std::function<void(double
   }
   for (const Bone& bone : resolved.scene.bones) {
     built.build_ns += bone.shared.reused_build_ns();
-    bone.shared.release();  // no part of what the backend needs from here on
+    bone.shared.release();  // the backend keeps its own structures from here on
   }
   return built;
 }

@@ -28,7 +28,7 @@ std::string hash_of(const Simulation& simulation) {
   return hash.hex_digest().substr(0, 16);
 }
 
-/// Drives one simulation and looks at it between frames.
+/// Drives one simulation and measures it between frames.
 class CaseRunner {
  public:
   explicit CaseRunner(const RunCase& run) : m_run(run), m_scene(run.scene), m_divergence(run.scene) {}
@@ -97,7 +97,7 @@ class CaseRunner {
     m_result.huge_page_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_bytes);
   }
 
-  /// The judge is the harness's, and what fills large pages up is nobody's; only the rest is what the simulation needs.
+  /// Resident memory without the Referee and huge-page padding.
   [[nodiscard]] std::size_t memory_needed_bytes() const {
     const std::size_t resident_bytes = resident_memory_bytes();
     return resident_bytes - std::min(resident_bytes, m_result.referee_bytes + m_result.huge_page_bytes);

@@ -90,7 +90,7 @@ void answer_all(std::span<const Vec3> points, [[maybe_unused]] const Verificatio
   }
 }
 
-/// What one of those that are compared says of the points, or of the first of them.
+/// Signed distances by one implementation at the points, or at the first of them.
 struct Answers {
   std::string name;
   std::vector<double> distances_m;

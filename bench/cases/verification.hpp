@@ -10,8 +10,8 @@
 namespace musclebench {
 
 struct VerificationSettings {
-  /// Where the first exact backend and the Referee are compared. About a surface that is not closed 1/50 of them: there
-  /// the Referee sums the solid angles of all triangles.
+  /// Points at which the first exact backend and the Referee are compared. About a surface that is not closed 1/50 of
+  /// them: there each winding number of the Referee costs time in proportion to the number of boundary edges.
   std::int64_t points = 1'000'000;
   std::int64_t brute_force_points = 10'000;  ///< the first of them, where both are compared with the other exact ones
   std::uint64_t seed = 1;
@@ -30,13 +30,13 @@ struct Agreement {
   std::int64_t points = 0;
   double largest_difference_m = 0;  ///< of the distances without their signs
   Vec3 worst_point_m = Vec3::Zero();
-  std::int64_t sign_differences = 0;  ///< farther than what is agreed from the surface
+  std::int64_t sign_differences = 0;  ///< at points farther than `agreed_m` from the surface
   std::int64_t inside = 0;            ///< by the first of the two
 };
 
 struct SurfaceVerification {
   double diagonal_m = 0;
-  double agreed_m = 0;           ///< what two answers may lie apart
+  double agreed_m = 0;           ///< largest difference between two answers
   std::vector<Agreement> pairs;  ///< the first exact backend and the Referee; then each of them and the other backends
   double seconds = 0;
 
@@ -44,10 +44,10 @@ struct SurfaceVerification {
   [[nodiscard]] bool held() const;
 };
 
-/// `count` points about a surface that provoke trouble, in the same mix at every length of the list, the same for the
-/// same seed: anywhere in the box enlarged by 10 % on each side; on the surface, moved by about 1/200 of the diagonal
-/// (2 mm at a hip), by 1e-6 and by 1e-12 of it; vertices and middles of edges as they are. Small triangles get as many
-/// as large ones.
+/// `count` test points about a surface, hard ones among them, in the same mix at every length of the list, the same for
+/// the same seed: anywhere in the box enlarged by 10 % on each side; on the surface, moved by about 1/200 of the
+/// diagonal (2 mm at a hip), by 1e-6 and by 1e-12 of it; vertices and middles of edges as they are. Small triangles get
+/// as many as large ones.
 std::vector<Vec3> points_about(const TriangleMesh& mesh, std::int64_t count, std::uint64_t seed);
 
 /// Work that has been done, of the whole of one stage.
