@@ -109,7 +109,7 @@ def test_readme_is_short():
 @pytest.mark.parametrize("text, found", [
     ("It takes 0.5 ms.", ["0.5 ms"]), ("about 12 MB", ["12 MB"]), ("costs 300 to 570 times", ["300 to 570 times"]),
     ("off by 14 mm", ["14 mm"]), ("5 % slower", ["5 %"]), ("| 0.219 | 195 |", ["0.219", "195"]),
-    ("in 0.76 and", ["0.76"]),
+    ("in 0.76 and", ["0.76"]), ("one half to three quarters of it", ["one half", "three quarters"]),
     ("1,169 nodes, 64 cells, 90 degrees, 2022", []), ("option `0.1 mm` and ```\nrun 5 s\n```", []), ("FCL 0.7", []),
     ("see [x](a/1.5-2.png) and $2h \\sqrt5$", []), ("CC BY-NC-SA 2.0 BE", []), ("max(0, s)", []),
     ("<!-- value: a/b.c -->0.96<!-- end --> ms", []), ("frames of 20 ms each", ["20 ms"]),
