@@ -7,7 +7,7 @@
 
 namespace musclebench {
 
-/// What a table of results says about one of its columns, or a manifest about one of its keys.
+/// Describes a column of a table of results, or a key of a manifest.
 struct ColumnInfo {
   std::string_view name;
   std::string_view unit;  ///< empty for counts, ratios, words and flags

@@ -7,8 +7,8 @@
 
 namespace musclebench {
 
-/// A file that the user names, read on demand. Throws InputError (location: the path) for what is
-/// missing, may not be read, or is no regular file: a pipe or a device may never end.
+/// A file that the user names, read on demand. Throws InputError (location: the path) for a file that is missing, may
+/// not be read, or is not regular: a pipe or a device may never end.
 class InputFile {
  public:
   explicit InputFile(const std::filesystem::path& path);

@@ -4,8 +4,7 @@
 
 namespace musclebench {
 
-/// These bytes begin to come from memory towards the CPU. Nothing but time depends on it, so the address may be
-/// anything.
+/// Prefetches these bytes into the CPU's caches. Only time depends on it, so the address may be anything.
 [[gnu::always_inline]] inline void prefetch_bytes(const void* first, std::size_t bytes) {
   constexpr std::size_t cache_line = 64;
   for (std::size_t offset = 0; offset < bytes; offset += cache_line) {

@@ -83,7 +83,7 @@ class LastDetection final : public CollisionObserver {
 using PoseFunction = std::function<void(double frame_position, std::vector<RigidMotion>& poses)>;
 
 /// The shared position-based dynamics loop (Mueller et al. 2007): muscles, rigid moving bones, any backend. Muscles
-/// collide with bones; contact stages see to all else, such as contact between muscles.
+/// collide with bones; contact stages do the rest, such as contact between muscles.
 class Simulation {
  public:
   /// `backend` has been built and outlives the simulation. Only free nodes, those of an inverse mass above 0, are
