@@ -11,7 +11,7 @@ namespace musclebench {
 /// The backend of a case, built over the scene's bones.
 struct BuiltBackend {
   std::unique_ptr<CollisionBackend> backend;
-  Nanoseconds build_ns = 0;  ///< with what it took to build what the backend shares with the scene
+  Nanoseconds build_ns = 0;  ///< with the build time of structures that the backend shares with the scene
 };
 
 /// `report` is called now and then with the share that is done. Throws InputError when the backend's parameters do not

@@ -11,7 +11,7 @@
 
 namespace musclebench {
 
-/// One backend asked about points around each bone's surface.
+/// One backend queried at points around each bone's surface.
 struct ProbeCase : Case {
   int points = 20000;  ///< a bone
   std::uint64_t seed = 1;
@@ -22,7 +22,7 @@ struct ProbeCase : Case {
 struct ProbeRow {
   std::string bone;
   std::string place;        ///< smooth, sharp (`SharpFeatures`) or all
-  int points = 0;           ///< asked
+  int points = 0;           ///< queried
   int measured_points = 0;  ///< of them inside, or reported so: what the errors are over
   ErrorStatistics errors_m;
   int wrong_side = 0;  ///< points reported that are outside, or not reported that are inside
@@ -37,7 +37,7 @@ struct ProbedBone {
 };
 
 struct ProbeResult {
-  std::string status = "ok";  ///< ok, or unsupported where the backend cannot be asked about points
+  std::string status = "ok";  ///< ok, or unsupported where the backend has no point queries
   std::string status_detail;
   std::vector<ProbeRow> rows;
   std::vector<ProbedBone> bones;
@@ -47,8 +47,8 @@ struct ProbeResult {
   Nanoseconds detect_ns = 0;       ///< of all points against all bones
 };
 
-/// Asks the backend at points that are spread evenly over each bone's area, each moved along its face's normal: three
-/// of four up to `band_m` inwards, one outwards. The truth is the Referee's. The same points for every backend.
+/// Queries the backend at points that are spread evenly over each bone's area, each moved along its face's normal:
+/// three of four up to `band_m` inwards, one outwards. The truth is the Referee's. The same points for every backend.
 /// Throws InputError when the backend's parameters do not fit the scene.
 ProbeResult probe(const ProbeCase& what, const std::function<void(int points_done)>& report);
 

@@ -86,9 +86,8 @@ class Replayer {
     }
   }
 
-  /// A backend that keeps something of the step before, its positions or answers about them, shall have seen it. Of a
-  /// clearance cache that is not all that a run has: after a jump all safe spheres are new, so that few expire in the
-  /// frame.
+  /// Backends with state between steps are first given the preceding step. After a gap all safe spheres are new, so
+  /// fewer expire than in a run.
   void lead_in(const RecordedStep& step) {
     m_backend->update(step.bone_poses, step.positions);
     if (m_backend->capabilities().has_cache) {

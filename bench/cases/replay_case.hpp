@@ -13,7 +13,7 @@
 
 namespace musclebench {
 
-/// One backend that is asked what a recording asks.
+/// One backend replayed on the detections of a recording.
 struct ReplayCase : Case {
   RecordingFile recording = {};  ///< none for frames that were never in a file
   int warm_up_frames = 2;        ///< of those replayed; recorded and marked
@@ -22,7 +22,7 @@ struct ReplayCase : Case {
   bool judge = true;             ///< whether the Referee judges every answer
 };
 
-/// What the Referee makes of a frame's answers, or of all.
+/// Errors of a frame's answers, or of all, by the Referee.
 struct Accuracy {
   long contacts = 0;
   long true_contacts = 0;
@@ -46,7 +46,7 @@ struct ReplayRecord {
   Nanoseconds respond_ns = 0;
   long contacts = 0;
   long involuntary_switches = 0;     ///< while the frame was timed, see ContextSwitches
-  std::optional<Accuracy> accuracy;  ///< nothing where the Referee did not look
+  std::optional<Accuracy> accuracy;  ///< nothing where the Referee did not judge
 
   [[nodiscard]] Nanoseconds collision_ns() const { return update_ns + detect_ns + respond_ns; }
 };
@@ -67,9 +67,9 @@ struct ReplayResult {
 /// How many frames are replayed.
 int replayed_frames(const ReplayCase& replay, const RecordingHeader& header);
 
-/// Feeds the recording to the backend, twice: a timed pass, and one that asks again and is judged, where every step
-/// must get the same contacts. The response works on copies: what it makes of them is not fed back. `report` is called
-/// after each frame of each pass. Throws InputError when the backend's parameters do not fit the scene.
+/// Feeds the recording to the backend, twice: a timed pass, and one that is judged, where every step must get the same
+/// contacts. The response works on copies: its result is not fed back. `report` is called after each frame of each
+/// pass. Throws InputError when the backend's parameters do not fit the scene.
 ///
 /// Frames are read one at a time, between the timed regions. With all of them in memory first, detection takes the same
 /// time, and the backtracking response 40 % longer than it should: the starts of the substeps, which the loop has just

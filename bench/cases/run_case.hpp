@@ -11,7 +11,7 @@
 
 namespace musclebench {
 
-/// One case and how its run is looked at.
+/// One case and how its run is measured.
 struct RunCase : Case {
   int warm_up_frames = 2;                 ///< recorded and marked
   bool judge = true;                      ///< whether the Referee judges every frame
@@ -47,12 +47,12 @@ struct RunResult {
   Nanoseconds wall_ns = 0;                       ///< from the first frame to the last, with judging
   Nanoseconds cpu_before_ns = 0;                 ///< of all threads of the process before the first frame
   Nanoseconds cpu_after_ns = 0;                  ///< the same after the last frame
-  std::size_t memory_before_bytes = 0;           ///< resident, without what the Referee and large pages took
+  std::size_t memory_before_bytes = 0;           ///< resident, without the Referee and huge-page padding
   std::size_t memory_after_bytes = 0;            ///< the same
-  std::size_t huge_page_bytes = 0;    ///< resident only because pages are large; in none of the others but the peak
-  std::size_t memory_peak_bytes = 0;  ///< of the whole process
-  std::size_t referee_bytes = 0;      ///< by which what judges raised the resident memory
-  std::string state_hash;             ///< of all positions and velocities at the end
+  std::size_t huge_page_bytes = 0;               ///< padding of huge pages; in none of the others but the peak
+  std::size_t memory_peak_bytes = 0;             ///< of the whole process
+  std::size_t referee_bytes = 0;                 ///< resident memory of judging
+  std::string state_hash;                        ///< of all positions and velocities at the end
 };
 
 /// Runs the case. `report` is called after each frame, `report_build` now and then before the first. A run that blows

@@ -20,7 +20,8 @@
 namespace musclebench {
 namespace {
 
-/// The muscle with every node 0.1 mm (standard deviation) beside its place, so that every constraint has an error.
+/// The muscle with every node 0.1 mm (standard deviation) from its rest position, so that every constraint has an
+/// error.
 struct Deformed {
   const TriangleMesh& mesh = micro_scene().muscle_mesh;
   std::vector<Body> bodies = micro_scene().bodies();

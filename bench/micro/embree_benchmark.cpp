@@ -88,7 +88,7 @@ Points shuffled(Points points) {
 }
 
 /// Far points in an order in which neighbours are close.
-Points in_coherent_order(const Points& points) {
+Points in_morton_order(const Points& points) {
   Points ordered;
   ordered.reserve(points.size());
   for (const int index : morton_order(points)) {
@@ -288,7 +288,7 @@ int register_and_run(int argc, char** argv) {
   }
   const std::array<std::pair<std::string, Points>, 4> regions = {{{"near/coherent", near_points()},
                                                                   {"near/random", shuffled(near_points())},
-                                                                  {"far/coherent", in_coherent_order(far_points())},
+                                                                  {"far/coherent", in_morton_order(far_points())},
                                                                   {"far/random", far_points()}}};
   for (const auto& [name, points] : regions) {
     if (!agree(points)) {

@@ -26,7 +26,7 @@ double guessed_step_ms(const BackendEntry& backend);
 /// Parameters of a backend as in a run; fields are kept in the folder MUSCLEBENCH_MICRO_STRUCTURES, where it is given.
 Settings run_settings(const std::string& backend);
 
-/// The same without clearance cache: for kernels that ask the same positions again, which no budget would be spent on.
+/// The same without clearance cache: for kernels that query the same positions again, which expires no safe sphere.
 Settings cold_settings(const std::string& backend);
 
 /// `bones` and `muscle` outlive the backend.
