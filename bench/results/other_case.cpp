@@ -1,10 +1,9 @@
 #include "bench/results/other_case.hpp"
 
-#include <fstream>
-
 #include <fmt/format.h>
 
 #include "bench/results/manifest.hpp"
+#include "bench/results/result_folder.hpp"
 #include "core/base/input_error.hpp"
 
 namespace musclebench {
@@ -32,8 +31,7 @@ std::string text_at(const Json& json, const char* key) {
 }  // namespace
 
 void require_no_other_case(const std::filesystem::path& folder, const Case& resolved, std::string_view mode) {
-  std::ifstream file(folder / "run.json");
-  const Json manifest = file ? Json::parse(file, nullptr, false) : Json();
+  const Json manifest = read_manifest(folder);
   if (!manifest.is_object() || !manifest.contains("case") || !manifest["case"].is_object()) {
     return;
   }

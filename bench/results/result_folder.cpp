@@ -1,13 +1,13 @@
 #include "bench/results/result_folder.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <fstream>
 #include <set>
 #include <unistd.h>
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "core/base/input_error.hpp"
 
@@ -15,7 +15,6 @@ namespace musclebench {
 
 namespace {
 
-using AnyJson = nlohmann::json;
 namespace fs = std::filesystem;
 
 /// Makes the missing folders of a path, and removes those again that it made and that are still empty, unless told to
@@ -67,13 +66,45 @@ fs::path beside(const fs::path& folder, std::string_view ending) {
   return folder.parent_path() / fmt::format(".{}.{}.{}", folder.filename().string(), getpid(), ending);
 }
 
-AnyJson read_manifest(const fs::path& folder) {
-  std::ifstream file(folder / "run.json");
-  return AnyJson::parse(file, nullptr, false);
+bool is_text(const Json& manifest, const char* key) {
+  return manifest.is_object() && manifest.contains(key) && manifest.at(key).is_string();
 }
 
-bool is_text(const AnyJson& manifest, const char* key) {
-  return manifest.is_object() && manifest.contains(key) && manifest[key].is_string();
+std::optional<std::int64_t> integer_at(const Json& json, const char* key) {
+  if (!json.is_object() || !json.contains(key) || !json.at(key).is_number_integer()) return std::nullopt;
+  return json.at(key).get<std::int64_t>();
+}
+
+/// The rows of a table that end as lines do, and the first cell of the last of them.
+struct WrittenRows {
+  std::int64_t count = 0;
+  std::string last;
+};
+
+WrittenRows rows_in(const fs::path& table) {
+  std::ifstream file;
+  std::error_code ignored;
+  if (fs::is_regular_file(table, ignored)) {  // asked first: opening a pipe would wait for its writer
+    file.open(table, std::ios::binary);
+  }
+  WrittenRows rows{-1, {}};  // the first line is the heading
+  for (std::string line; std::getline(file, line) && !file.eof(); ++rows.count) {
+    rows.last = line.substr(0, line.find(','));
+  }
+  return rows;
+}
+
+/// Whether a table has the rows that its run.json tells of: a full disk or a copy that was stopped may have cut it.
+bool has_all_rows(const Json& manifest, const fs::path& table) {
+  constexpr std::int64_t rows_of_a_probed_bone = 3;  // smooth, sharp and all
+  const WrittenRows rows = rows_in(table);
+  if (manifest.contains("probed")) {
+    return rows.count == rows_of_a_probed_bone * static_cast<std::int64_t>(manifest.at("probed").size());
+  }
+  const auto frames = integer_at(manifest, "frames");
+  // A replay may leave frames of its recording out, but never the last.
+  const auto last_frame = manifest.contains("recording") ? integer_at(manifest.at("recording"), "frames") : frames;
+  return frames && last_frame && rows.count == *frames && (*frames == 0 || rows.last == std::to_string(*last_frame));
 }
 
 /// A folder is replaced only when it is empty or holds a run and nothing else.
@@ -100,10 +131,30 @@ void require_replaceable(const fs::path& folder) {
 
 }  // namespace
 
+Json read_manifest(const fs::path& folder) {
+  std::ifstream file;
+  std::error_code ignored;
+  if (fs::is_regular_file(folder / "run.json", ignored)) {  // asked first: opening a pipe would wait for its writer
+    file.open(folder / "run.json");
+  }
+  return file.is_open() ? Json::parse(file, nullptr, false) : Json();
+}
+
+std::optional<StoredResult> complete_result(const fs::path& folder, const std::string& id, std::string_view rows_file) {
+  const Json manifest = read_manifest(folder);
+  if (!is_text(manifest, "run_id") || manifest.at("run_id") != id || !is_text(manifest, "status")) {
+    return std::nullopt;
+  }
+  StoredResult result{manifest.at("status").get<std::string>(),
+                      is_text(manifest, "status_detail") ? manifest.at("status_detail").get<std::string>() : ""};
+  if ((result.status != "ok" && result.status != "suspect") || !has_all_rows(manifest, folder / rows_file)) {
+    return std::nullopt;
+  }
+  return result;
+}
+
 bool is_complete(const fs::path& folder, const std::string& id, std::string_view rows_file) {
-  const AnyJson manifest = read_manifest(folder);
-  return is_text(manifest, "run_id") && manifest["run_id"] == id && is_text(manifest, "status") &&
-         (manifest["status"] == "ok" || manifest["status"] == "suspect") && fs::exists(folder / rows_file);
+  return complete_result(folder, id, rows_file).has_value();
 }
 
 void require_writable(const fs::path& folder) {

@@ -1,6 +1,8 @@
 #include "bench/results/run_output.hpp"
 
 #include <fstream>
+#include <optional>
+#include <sys/stat.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -22,6 +24,31 @@ TEST(RunOutput, ASuspectRunIsComplete) {
     write_run(out, run, result);
     EXPECT_EQ(is_complete(out, run_id(run), "frames.csv"), std::string(status) != "diverged") << status;
   }
+}
+
+TEST(RunOutput, ACutTableIsNoCompleteRun) {
+  const Scene scene = plain_scene();
+  const RunCase run = case_of(scene, "null");
+  const TemporaryFolder folder("run_output_cut");
+  const std::filesystem::path out = folder.path() / "out";
+  write_run(out, run, result_of(run));
+  const std::optional<StoredResult> stored = complete_result(out, run_id(run), "frames.csv");
+  ASSERT_TRUE(stored.has_value());
+  EXPECT_EQ(stored->status, manifest_in(out)["status"].get<std::string>());
+  EXPECT_EQ(stored->status_detail, manifest_in(out)["status_detail"].get<std::string>());
+  for (const char* rows : {"", "frame\n", "frame\n1,0\n", "frame\n1,0\n2", "frame\n1,0\n1,0\n"}) {
+    std::ofstream(out / "frames.csv") << rows;
+    EXPECT_FALSE(is_complete(out, run_id(run), "frames.csv")) << rows;
+  }
+  std::ofstream(out / "frames.csv") << "frame\n1,0\n2,0\n";
+  EXPECT_TRUE(is_complete(out, run_id(run), "frames.csv"));
+}
+
+TEST(RunOutput, WhatIsNoFileIsNotRead) {
+  const TemporaryFolder folder("run_output_pipe");
+  EXPECT_TRUE(read_manifest(folder.path()).is_null());
+  ASSERT_EQ(mkfifo((folder.path() / "run.json").c_str(), 0600), 0);
+  EXPECT_TRUE(read_manifest(folder.path()).is_null()) << "opening it would wait for ever";
 }
 
 TEST(RunOutput, SaysTheLimitsAndTheMachinesState) {

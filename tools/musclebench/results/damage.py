@@ -4,7 +4,8 @@ import json
 from pathlib import Path
 from .status import MEASURED
 
-TABLE_OF_MODE = {"coupled": "frames.csv", "replay": "frames.csv"}
+TABLE_OF_MODE = {"coupled": "frames.csv", "replay": "frames.csv", "probe": "probe.csv"}
+ROWS_OF_A_PROBED_BONE = 3  # smooth, sharp and all
 
 
 def damage(folder: Path) -> str:
@@ -19,15 +20,38 @@ def damage(folder: Path) -> str:
     if not isinstance(told, dict) or not isinstance(told.get("status"), str) or not isinstance(told.get("case"), dict):
         return f"{record.name} is no record of a run"
     table = TABLE_OF_MODE.get(told["case"].get("mode", "coupled"))
-    if table is None or told["status"] not in MEASURED or not isinstance(told.get("frames"), int):
+    expected = _expected_rows(told)
+    if table is None or told["status"] not in MEASURED or expected is None:
         return ""
-    rows = complete_rows(folder / table)
-    return "" if rows == told["frames"] else f"{table} has {rows} of {told['frames']} rows"
+    rows, last = _complete_rows(folder / table)
+    if rows != expected:
+        return f"{table} has {rows} of {expected} rows"
+    last_frame = _last_frame(told)
+    if rows > 0 and last_frame is not None and last != str(last_frame):
+        return f"{table} ends with frame {last}, not {last_frame}"
+    return ""
 
 
-def complete_rows(path: Path) -> int:
-    """Lines below the heading that end as lines do."""
+def _expected_rows(told: dict) -> int | None:
+    """Of the table, as run.json tells; None where it doesn't."""
+    if told["case"].get("mode") == "probe":
+        probed = told.get("probed")
+        return ROWS_OF_A_PROBED_BONE * len(probed) if isinstance(probed, list) else None
+    return told["frames"] if isinstance(told.get("frames"), int) else None
+
+
+def _last_frame(told: dict) -> int | None:
+    """A replay may leave frames of its recording out, but never the last; None where rows are no frames."""
+    if told["case"].get("mode") == "probe":
+        return None
+    recording = told.get("recording")
+    return recording.get("frames") if isinstance(recording, dict) else told["frames"]
+
+
+def _complete_rows(path: Path) -> tuple[int, str]:
+    """Lines below the heading that end as lines do: how many, and the first cell of the last."""
     try:
-        return max(0, path.read_bytes().count(b"\n") - 1)
+        *lines, _ = path.read_bytes().split(b"\n")
     except OSError:
-        return 0
+        return 0, ""
+    return max(0, len(lines) - 1), lines[-1].split(b",")[0].decode(errors="replace") if lines else ""
