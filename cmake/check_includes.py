@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 ROOMS = ("core", "backends", "bench", "datasets")
-# Third-party headers and the packages (as CMake targets) that they come from.
-PACKAGES = {"Eigen/": "Eigen3::Eigen", "fcl/": "fcl", "ccd/": "ccd", "hwy/": "hwy::hwy", "assimp/": "assimp::assimp",
+# Third-party headers and the packages (as CMake targets) that they come from, besides those in a folder of a target's name.
+PACKAGES = {"Eigen/": "Eigen3::Eigen", "hwy/": "hwy::hwy", "assimp/": "assimp::assimp",
             "nlohmann/": "nlohmann_json::nlohmann_json", "CLI/": "CLI11::CLI11", "toml++/": "tomlplusplus::tomlplusplus",
             "zstd.h": "zstd::libzstd_shared", "openssl/": "OpenSSL::Crypto", "benchmark/": "benchmark::benchmark",
             "embree3/": "embree"}
@@ -94,7 +94,10 @@ def owners(root: Path, targets: dict[str, Target]) -> dict[Path, set[str]]:
     return found
 
 
-def package_of(include: str) -> str | None:
+def package_of(include: str, targets: dict[str, Target]) -> str | None:
+    folder, in_folder, _ = include.partition("/")
+    if in_folder and any(folder in target.shown | target.hidden for target in targets.values()):
+        return folder
     return next((target for prefix, target in PACKAGES.items() if include.startswith(prefix)), None)
 
 
@@ -132,7 +135,7 @@ def problems_of(path: Path, root: Path, targets: dict[str, Target], owned: dict[
     problems = []
     for include in INCLUDE.findall(path.read_text()):
         wanted = owned.get(root / include)
-        package = package_of(include)
+        package = package_of(include, targets)
         wanted = wanted if wanted is not None else {package} if package else None
         if wanted is None and include.startswith(tuple(f"{room}/" for room in ROOMS)) and not (root / include).exists():
             problems.append(f"includes {include}, which does not exist")

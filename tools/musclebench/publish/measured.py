@@ -68,7 +68,7 @@ class Measured:
     def table(self, name: str) -> pd.DataFrame:
         if name not in self._tables:
             path = self.folder / f"{name}.csv"
-            try:  # `null` is a backend
+            try:  # the word null may be a name
                 self._tables[name] = pd.read_csv(path, keep_default_na=False, na_values=[""])
             except (OSError, ValueError) as problem:
                 raise Problem(f"{path}: can't be read ({problem}); tools/publish writes it") from None

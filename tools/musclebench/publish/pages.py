@@ -1,7 +1,7 @@
 """Markdown pages whose tables, pictures and numbers are written between markers:
 
     <!-- generated: times paper-lhdl muscle=iliacus -->  a table and where it comes from       <!-- end -->
-    <!-- value: paper-lhdl/table_2_times[backend=fcl].ratio max .0f -->  a number in a sentence  <!-- end -->
+    <!-- value: paper-lhdl/table_2_times[muscle=iliacus].ratio max .0f -->  a number in a sentence  <!-- end -->
     <!-- picture: paper-synthetic fig_6_iliacus -->  a picture of a study, copied to reports/gallery  <!-- end -->
 
 Of a study that was not measured yet they say so; the link of a picture is kept as a comment until then.

@@ -1,4 +1,4 @@
-"""Single numbers out of measured tables, as a marker names them: `paper-lhdl/table_2_times[backend=fcl].ratio`."""
+"""Single numbers out of measured tables, as a marker names them: `paper-lhdl/table_2_times[muscle=iliacus].ratio`."""
 
 import re
 
@@ -33,7 +33,7 @@ def value_text(measured: Measured, specification: str) -> str:
 
 
 def chosen_rows(rows: pd.DataFrame, filters: str, specification: str) -> pd.DataFrame:
-    """Filters as `muscle=iliacus,backend=voxel|sdf`."""
+    """Filters as `muscle=iliacus|psoas,threads=1`."""
     for one in filter(None, (part.strip() for part in filters.split(","))):
         column, equals, wanted = one.partition("=")
         if not equals or column not in rows:

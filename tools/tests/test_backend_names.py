@@ -1,0 +1,68 @@
+"""No file outside a backend's own folder, the table of backends and the paper's own experiment names a backend."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+ROOMS = ("core", "backends", "bench", "datasets", "tools", "cmake")
+SUFFIXES = {".cpp", ".hpp", ".in", ".txt", ".cmake", ".py", ".sh", ".toml", ""}
+TABLE = Path("backends/CMakeLists.txt")
+# Faults and golden states are made for one backend each.
+MADE_FOR_ONE = {Path("tools/mutants.toml")}
+
+
+def backend_names() -> list[str]:
+    return sorted(study.parent.name for study in (ROOT / "backends").glob("*/study.toml"))
+
+
+def is_of_the_paper(path: Path) -> bool:
+    return "paper" in path.parts or path.name.startswith("paper_")
+
+
+def product_files(names: list[str]) -> list[Path]:
+    files = [ROOT / "CMakeLists.txt"] + [path for room in ROOMS for path in sorted((ROOT / room).rglob("*"))]
+    found = []
+    for path in files:
+        inside = path.relative_to(ROOT)
+        of_backend = inside.parts[0] == "backends" and inside.parts[1] in names
+        skipped = of_backend or "tests" in inside.parts or "__pycache__" in inside.parts or is_of_the_paper(inside)
+        if path.is_file() and path.suffix in SUFFIXES and not skipped and inside not in {TABLE, *MADE_FOR_ONE}:
+            found.append(path)
+    return found
+
+
+def naming(names: list[str]) -> re.Pattern[str]:
+    """A name in quotes, alone or before parameters; as the value of an option; as a folder of backends."""
+    word = "|".join(map(re.escape, names))
+    return re.compile(rf"""(?P<quote>["'`])(?:{word})(?:(?P=quote)|[ ,:]\s*\w+\s*=)|[\w\]]=(?:{word})\b(?![(.])|backends/(?:{word})/""")
+
+
+def places(text: str, pattern: re.Pattern[str]) -> list[str]:
+    return [f"{number}: {line.strip()}" for number, line in enumerate(text.splitlines(), 1) if pattern.search(line)]
+
+
+def test_product_code_names_no_backend():
+    names = backend_names()
+    files = product_files(names)
+    assert len(names) > 3 and len(files) > 300
+    pattern = naming(names)
+    named = [f"{path.relative_to(ROOT)}:{place}" for path in files
+             for place in places(path.read_text(encoding="utf-8", errors="replace"), pattern)]
+    assert not named, "\n".join(named)
+
+
+@pytest.mark.parametrize(("line", "is_naming"), [
+    ('entry = find_backend("grid");', True),
+    ("such as femur=grid, or for muscles", True),
+    ('/// As one would type it: "grid cells=64".', True),
+    ("`backend=grid|tree`", True),
+    ('#include "backends/grid/kernel.hpp"', True),
+    ('#include "core/grid/shape.hpp"', False),
+    ("const Shape shape = grid.shape();", False),
+    ("return ask(shape=grid.shape())", False),
+    ("/// A grid over the bone's box.", False),
+])
+def test_what_counts_as_a_name(line, is_naming):
+    assert bool(places(line, naming(["grid", "tree"]))) is is_naming
