@@ -77,7 +77,7 @@ int run(RunOptions options) {
   const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
   const std::vector<ResponseKind> responses =
       choose_responses(options.backend.response, scene, backend, parameters, colliders);
-  require_what_effects_need(scene, backend, responses, colliders);
+  require_what_effects_need(scene, backend, parameters, responses, colliders);
   const RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, responses, colliders},
                        2,
                        !options.unjudged,
