@@ -102,6 +102,12 @@ def test_commands_that_pages_name_are_there(name):
         assert path.is_dir() or os.access(path, os.X_OK), f"{name}: {command}"
 
 
+def test_contributing_names_every_preset():
+    presets = json.loads((PROJECT / "CMakePresets.json").read_text())["configurePresets"]
+    line = re.search(r"tools/build \[PRESET\].*", (PROJECT / "CONTRIBUTING.md").read_text()).group(0)
+    assert {one["name"] for one in presets if not one.get("hidden")} <= set(re.findall(r"[\w-]+", line))
+
+
 def test_readme_is_short():
     assert len(PAGES["README.md"].read_text().splitlines()) < 150
 

@@ -1,8 +1,8 @@
 """Which numbers of a page are quoted, and so have to stand between markers. The rule is told in CONTRIBUTING.md:
 
 a number is quoted where it has a unit of time, memory, length, share or rate, or is a ratio (`3 times`, `2 x`, `1.5
-voxel tests`, `two fifths`), or has decimals, or fills a cell of a table. Not quoted is what stands as code (`0.1 mm`: an
-option, a setting, a target), in a link, or in a name (FCL 0.7)."""
+voxel tests`, `two fifths`), or has decimals, or fills a cell of a table. Not quoted is what stands as code (`0.1 mm`:
+an option, a setting, a target), in a link, or in a name (FCL 0.7)."""
 
 import re
 
