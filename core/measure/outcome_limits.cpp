@@ -83,6 +83,23 @@ void check_shape(const Outcome& outcome, const MuscleAtRest& rest, Suspicions& a
   });
 }
 
+/// What a judgement that its budget cut short leaves open counts as if it were so: nobody knows that it isn't.
+void check_surface_depth(const Outcome& outcome, const MuscleAtRest& rest, Suspicions& all) {
+  const std::optional<double> found = in_edges(outcome.max_surface_depth_m, rest);
+  all.check("surface_depth_edges", found, [&](double edges, double limit) {
+    return fmt::format("the surface is {:.3f} mm deep, {:.3g} mean edges (limit {:g})",
+                       *outcome.max_surface_depth_m * 1e3, edges, limit);
+  });
+  if (outcome.open_judgements == 0 || found > limit_of("surface_depth_edges")) return;
+  all.check("surface_depth_edges", in_edges(outcome.max_surface_depth_bound_m, rest), [&](double edges, double limit) {
+    return fmt::format(
+        "the surface may be {:.3f} mm deep, {:.3g} mean edges (limit {:g}): the Referee's budget did not suffice for "
+        "{} frame{}",
+        *outcome.max_surface_depth_bound_m * 1e3, edges, limit, outcome.open_judgements,
+        outcome.open_judgements == 1 ? "" : "s");
+  });
+}
+
 void check_contacts(const Outcome& outcome, const MuscleAtRest& rest, Suspicions& all) {
   all.check("tunnelled_nodes", outcome.tunnelled_nodes, [](double nodes, double limit) {
     return fmt::format("{} nodes tunnelled through a bone (limit {})", nodes, limit);
@@ -90,10 +107,7 @@ void check_contacts(const Outcome& outcome, const MuscleAtRest& rest, Suspicions
   all.check("stuck_share", ratio(outcome.stuck_nodes, rest.free_nodes), [&](double share, double limit) {
     return fmt::format("{} of the free nodes stuck (limit {})", percent(share), percent(limit));
   });
-  all.check("surface_depth_edges", in_edges(outcome.max_surface_depth_m, rest), [&](double edges, double limit) {
-    return fmt::format("the surface is {:.3f} mm deep, {:.3g} mean edges (limit {:g})",
-                       *outcome.max_surface_depth_m * 1e3, edges, limit);
-  });
+  check_surface_depth(outcome, rest, all);
   all.check("depth_at_rest_edges", in_edges(outcome.depth_at_rest_m, rest), [&](double edges, double limit) {
     return fmt::format(
         "{} free nodes were inside bones before the first frame, up to {:.3f} mm deep, {:.3g} mean edges "

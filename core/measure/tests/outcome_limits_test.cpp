@@ -71,6 +71,22 @@ TEST(OutcomeLimits, BeyondEachOneTheReasonIsTold) {
   EXPECT_EQ(only_suspicion(outcome), "10 % of the triangles pass through others (limit 5 %)");
 }
 
+TEST(OutcomeLimits, WhatAJudgementLeavesOpenIsNotWithinTheLimit) {
+  Outcome outcome = at_the_limits();
+  outcome.max_surface_depth_m = 0.001;
+  outcome.max_surface_depth_bound_m = 0.02;
+  EXPECT_TRUE(suspicions(outcome, muscle()).empty()) << "every judgement was complete";
+  outcome.open_judgements = 3;
+  EXPECT_EQ(only_suspicion(outcome),
+            "the surface may be 20.000 mm deep, 20 mean edges (limit 4): the Referee's budget did not suffice for 3 "
+            "frames");
+  outcome.max_surface_depth_bound_m = 0.004;
+  EXPECT_TRUE(suspicions(outcome, muscle()).empty());
+  outcome.max_surface_depth_m = 0.005;
+  outcome.max_surface_depth_bound_m = 0.02;
+  EXPECT_EQ(only_suspicion(outcome), "the surface is 5.000 mm deep, 5 mean edges (limit 4)");
+}
+
 TEST(OutcomeLimits, AFigureThatIsNoNumberIsBeyondItsLimit) {
   Outcome outcome = at_the_limits();
   outcome.max_edge_stretch = std::numeric_limits<double>::quiet_NaN();
