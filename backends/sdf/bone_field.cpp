@@ -36,7 +36,7 @@ void BoneField::store_sampled(const NodeBatch& batch, const FieldAnswers& answer
   }
 }
 
-/// Those from `first` to `end` that are not in the block.
+/// Stores clearances of the nodes from `first` to `end` that are not in the block.
 void BoneField::store_left_out(const NodeBatch& batch, std::size_t first, std::size_t end, const CellMap& map,
                                const FieldBlock& block) const {
   for (std::size_t index = first, n = 0; index < end; ++index) {

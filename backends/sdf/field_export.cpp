@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The ending says what is written.
+/// The extension of the path chooses the format.
 void require_fit(const Parameters& parameters, const fs::path& out) {
   const bool octree = wants_octree(parameters);
   if (!parameters.word("discregrid").empty()) {

@@ -19,7 +19,7 @@ namespace musclebench {
 
 namespace {
 
-/// To estimate the error of a field that someone else has built.
+/// Samples for the error estimate of a field from another program.
 constexpr int samples_of_foreign = 2000;
 
 class GridBoneField final : public BoneField {
@@ -55,7 +55,8 @@ class GridBoneField final : public BoneField {
     return next;
   }
 
-  /// A path that leaves the cells of a narrow band comes back to them at a distance of the bone that is its width.
+  /// A path that leaves the cells of a narrow band comes back to them at a distance from the bone equal to the band's
+  /// width.
   void find_clearances(const FieldAnswers& answers, FieldBlock::Lanes<double>& clearance_m) const override {
     const FieldFacts& facts = m_field.facts();
     for (std::size_t n = 0; n < answers.block.count; ++n) {
@@ -91,7 +92,7 @@ class GridFieldSource final : public FieldSource {
         m_precision_name(parameters.word("precision")),
         m_folder(parameters.word("structures")) {}
 
-  /// What lies outside the band is known by the distance alone.
+  /// Outside the band only the unsigned distance is stored.
   [[nodiscard]] bool needs_closed_surfaces() const override { return m_settings.band_m.has_value(); }
 
   void require_fit(std::span<const Bone> bones) const override {

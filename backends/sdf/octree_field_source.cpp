@@ -24,7 +24,7 @@ class OctreeBoneField final : public BoneField {
     const OctreeQuality& quality = m_field.quality();
     return StructureError{"", m_field.bytes(), static_cast<int>(quality.samples), quality.largest_m, quality.p99_m};
   }
-  /// Proven, sheets of any thickness included; what is reached is some hundred times less.
+  /// Proven, for sheets of any thickness, too; actual errors are some hundred times smaller.
   [[nodiscard]] AnswerBound answer_bound() const override {
     const double bound_m = m_field.quality().bound_m;
     return {bound_m, bound_m};
@@ -52,7 +52,7 @@ class OctreeFieldSource final : public FieldSource {
         m_error_name(format_parameter_value(parameters.number("max_error_mm"))),
         m_folder(parameters.word("structures")) {}
 
-  /// What lies between the fine cells is known by the distance alone.
+  /// Leaves without a polynomial store only a lower bound of the unsigned distance.
   [[nodiscard]] bool needs_closed_surfaces() const override { return true; }
 
   [[nodiscard]] std::unique_ptr<BoneField> make(const Bone& bone, int threads,

@@ -1,4 +1,4 @@
-// What every backend promises, tested on all of them. A bug found in one adds a case for all.
+// The contract of CollisionBackend, tested on all backends. A bug found in one adds a case for all.
 #include "backends/tests/contract.hpp"
 
 #include <algorithm>
@@ -219,7 +219,7 @@ TEST_P(Contract, OnTheWayOutANodeIsFree) {
   }
 }
 
-/// What it says of itself is so: a response is paired with it by that.
+/// Capabilities hold: responses are paired with backends by them.
 TEST_P(Contract, CapabilitiesAreWhatItCanDo) {
   const std::vector<Bone> bones = one_bone(analytic_bones()[0]);
   const TriangleMesh mesh = muscle();

@@ -1,4 +1,4 @@
-// What the contract suite lacks: non-manifold surfaces, features, points far away, threads.
+// Beyond the contract suite: non-manifold surfaces, features, points far away, threads.
 #include "backends/bvh/bvh_backend.hpp"
 
 #include <cmath>

@@ -65,8 +65,8 @@ void straighten_face(CubicField& field, const BorderFace& face) {
 }  // namespace
 
 void keep_border_positive(CubicField& field) {
-  // A straightened face shares edges with its neighbours, so the faces are checked until nothing changes. Each is
-  // straightened once at most.
+  // A face whose edges were made linear shares them with its neighbours, so the faces are checked until nothing
+  // changes. Each is made linear at most once.
   std::vector<BorderFace> curved = border_faces(field);
   for (std::size_t before = curved.size() + 1; before != curved.size();) {
     before = curved.size();
@@ -94,7 +94,7 @@ struct CellSigns {
 /// Cells whose bounds are computed together.
 class CellBatch {
  public:
-  /// `lipschitz_bound` is what cells of this thread had before: less of it need not be known exactly.
+  /// `lipschitz_bound`: the largest of this thread's cells so far; smaller ones need not be computed exactly.
   CellBatch(const CubicField& field, double& lipschitz_bound, CellSigns& signs)
       : m_field(field), m_lipschitz_bound(lipschitz_bound), m_signs(signs) {}
 

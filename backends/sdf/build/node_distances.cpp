@@ -20,19 +20,19 @@ constexpr std::size_t block_size = block_edge * block_edge * block_edge;
 /// Of the three edges that leave a grid vertex, in the order of their nodes in its record.
 constexpr std::array<std::size_t, 3> edge_axis{1, 2, 0};
 
-/// Where the nodes of a record stand, in thirds of a cell from its vertex.
+/// Offsets of the nodes of a record from its vertex, in thirds of a cell.
 constexpr std::array<std::array<std::size_t, 3>, GridShape::record_size> thirds_away{
     {{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 0, 1}, {0, 0, 2}, {1, 0, 0}, {2, 0, 0}}};
 
 using Index = GridIndex::Coordinates;
 
-/// Where the nodes of one record stand.
+/// Positions of the nodes of one record.
 struct Record {
   std::size_t begin = 0;
   std::array<std::size_t, GridShape::record_size> offset;
 };
 
-/// Whether a cell that is known has this edge.
+/// Whether a cell with coefficients has this edge.
 bool has_cell_at_edge(const CubicField& field, const Index& vertex, std::size_t axis) {
   const GridShape& shape = field.shape();
   if (vertex[axis] >= shape.count(axis)) {

@@ -11,8 +11,8 @@ namespace musclebench {
 
 namespace {
 
-/// Beyond the near points the allowed error grows by this share of the distance: a response to such a depth only has to
-/// lead out.
+/// Beyond the near points the allowed error grows by this share of the distance: a correction of such a depth only
+/// needs the right direction.
 constexpr double relaxation = 0.1;
 
 /// A cell that holds the surface is no larger than this, over what counts as near: a feature could hide between its
@@ -20,11 +20,11 @@ constexpr double relaxation = 0.1;
 constexpr double coarsest_near = 4;
 
 /// A cubic polynomial is taken where it lowers the error indicator by this share of the splitting threshold. Its ten
-/// more coefficients cost no distance; on scanned bones fields are built the faster the smaller this is and are
-/// smallest at 0.2.
+/// more coefficients need no more samples; on scanned bones a smaller share builds faster, and 0.2 gives the smallest
+/// fields.
 constexpr double worth_a_cubic = 0.1;
 
-/// Where the quadratic polynomial is off by no more than this share of what is allowed, octants need not be sampled.
+/// Where the error of the quadratic polynomial is at most this share of the allowed one, octants need not be sampled.
 constexpr float sure_share = 0.8F;
 
 /// The indicator of a sample whose error is `error` times the allowed one. Smooth, so that leaves whose samples are all
@@ -74,7 +74,7 @@ void fetch_samples(const OctreeCell& cell) {
   }
 }
 
-/// Adds what is not known yet of a cell whose middle is.
+/// Adds the samples that are not known yet of a cell, whose middle is known.
 void add_samples(OctreeCell& cell, std::size_t from, std::size_t to, SampleBlock& block) {
   const KnownPoint middle = known_point(cell.centre_m, cell.leaf->samples[lattice_samples / 2]);
   for (std::size_t s = from; s < to; ++s) {
@@ -111,7 +111,7 @@ class SiblingSamples {
     }
   }
 
-  /// Queries what the wanted children, one bit each, lack of the grid, in groups of eight neighbours.
+  /// Queries the grid points that the wanted children, one bit each, lack, in groups of eight neighbours.
   void query(unsigned wanted, SampleBlock& block) {
     constexpr std::size_t groups = (fine + 1) / 2;
     for (std::size_t i = 0; i < groups; ++i) {
@@ -151,7 +151,7 @@ class SiblingSamples {
     return {m_coordinates[0][at[0]], m_coordinates[1][at[1]], m_coordinates[2][at[2]]};
   }
 
-  /// Takes what is on the common face.
+  /// Takes over the samples on the common face.
   void take_face(const OctreeCell* neighbour_children, std::size_t axis, bool upper) {
     const std::size_t b = (axis + 1) % 3;
     const std::size_t c = (axis + 2) % 3;

@@ -10,9 +10,9 @@ namespace musclebench {
 
 namespace {
 
-/// Of a derivative along the cell's unit axes, against a value. It carries a fit of 20 coefficients through 27 or 35
-/// values, and says less where the surface has an edge: there the gradient jumps and the distance does not. On bones
-/// the error is about the same from 0.05 to 0.2 and grows above.
+/// Least-squares weight of a derivative along the cell's unit axes, relative to a value. Derivatives determine a fit of
+/// 20 coefficients through 27 or 35 values, but are less reliable where the surface has an edge: there the gradient
+/// jumps and the distance does not. On bones the error is about the same from 0.05 to 0.2 and grows above.
 constexpr double gradient_weight = 0.1;
 
 /// The largest distance of a point of a cell from the nearest sample, in edges; rounded up.
@@ -44,7 +44,7 @@ double slope_at(std::size_t term, const Vec3& at, std::size_t axis) {
 
 using SampleValues = std::array<double, padded_samples>;
 
-/// Where value and error are positive together the largest error, and so much more.
+/// The largest error where value and error are both positive, plus the given slack.
 double largest_excess_m(const CellErrors& error_m, const SampleValues& value_m, double more_m) {
   double largest_m = 0;
   for (std::size_t sample = 0; sample < padded_samples; ++sample) {
@@ -114,7 +114,7 @@ auto PolynomialFitter<terms>::shares(std::size_t known) -> std::vector<Shares> {
       for (std::size_t term = 0; term < terms; ++term) {
         const double share = (part == 0 ? 1 : gradient_weight) *
                              solution(static_cast<Eigen::Index>(term), static_cast<Eigen::Index>(4 * sample + part));
-        // By symmetry most are 0. Rounding leaves numbers so small that floats of them are slow.
+        // By symmetry most are 0. Rounding leaves numbers so small that they are denormal floats, which are slow.
         constexpr double rounding = 1e-12;
         result[sample][part][term] = std::abs(share) < rounding ? 0 : static_cast<float>(share);
       }
@@ -151,7 +151,7 @@ template <std::size_t terms>
 CellErrors PolynomialFitter<terms>::measure(const CellSamples& samples, double half_edge_m, PolynomialFit& fit) const {
   const auto constant_m = static_cast<double>(fit.coefficients[0]);
   const std::size_t known = known_samples(samples);
-  // What is not known is deep inside: nothing is positive there.
+  // Samples that are not known are deep inside, where nothing is positive.
   SampleValues value_m;
   value_m.fill(-std::numeric_limits<double>::infinity());
   CellErrors error_m{};

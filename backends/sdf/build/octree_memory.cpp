@@ -26,8 +26,8 @@ OctreeMemory::OctreeMemory(std::string bone, double max_error_m, double aim_m, s
       m_aim_m(aim_m),
       m_available_bytes(static_cast<double>(bytes != 0 ? bytes : available_memory_bytes())) {}
 
-/// Where kinks rule the power is 2: an error half as large needs cells of half the edge along sheets. Where a hundredth
-/// of the points are at kinks, and no more, the error falls with hardly a new cell.
+/// Where kinks dominate the error the power is 2: an error half as large needs cells of half the edge along sheets.
+/// Where a hundredth of the points are at kinks, and no more, the error falls with hardly a new cell.
 void OctreeMemory::learn(std::size_t cells, double p99_m, bool exhausted) {
   const double bytes = bytes_of(cells);
   constexpr double least_fall = 1.05;
@@ -59,7 +59,7 @@ void OctreeMemory::refuse(std::size_t cells, double p99_m) const {
 
 void OctreeMemory::refuse_any_size(double p99_m) const { refuse_bytes(m_available_bytes, 2 * p99_m); }
 
-/// By how much the cells multiply until the aim is reached.
+/// Factor by which the number of cells grows until the target is reached.
 double OctreeMemory::growth_from(double p99_m) const {
   return std::pow(std::max(1.0, p99_m / m_aim_m), m_growth_power);
 }

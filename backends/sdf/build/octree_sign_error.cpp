@@ -125,8 +125,8 @@ class SignErrorSearch {
   double m_rounding_m;
   double m_finest_m;
   double m_sign_error_m;
-  /// By how much the polynomial is at most below its tangent plane in a cube's middle, over the square of its half
-  /// edge: a square whose coefficient is positive only lifts it.
+  /// Upper bound of how far the polynomial is below its tangent plane in a cube's middle, over the square of the cube's
+  /// half edge: a square with a positive coefficient is never below.
   double m_curved_m = 0;
 };
 

@@ -147,7 +147,7 @@ class ForeignField {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         at_border = at_border || cell[axis] == 0 || cell[axis] + 1 == m_shape.count(axis);
       }
-      // On the border our own builder may have made edges straight.
+      // On the border our own builder may have made edges linear.
       visit(cell, turn % (at_border ? corners_of_cell : nodes_of_cell));
     };
     for (std::size_t n = 0; n < samples; ++n) {
@@ -177,7 +177,7 @@ class ForeignField {
       for (std::size_t m = 0; m < n; ++m) {
         const double one = value(cell, n);
         const double other = value(cell, m);
-        // What was made straight says no more than the ends of its edge, which are compared, too.
+        // A linear edge has no information beyond its ends, which are compared, too.
         if (!(std::abs(one - other) > m_most_m[n][m]) || is_straight(cell, n) || is_straight(cell, m)) {
           continue;
         }

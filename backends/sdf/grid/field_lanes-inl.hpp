@@ -1,5 +1,4 @@
-// How points of a field are computed side by side. Included by each file that is compiled once for every kind of SIMD,
-// after highway.h.
+// SIMD lanes of points of a field. Included by each file that is compiled once for every kind of SIMD, after highway.h.
 #if defined(MUSCLEBENCH_FIELD_LANES) == defined(HWY_TARGET_TOGGLE)
 #ifdef MUSCLEBENCH_FIELD_LANES
 #undef MUSCLEBENCH_FIELD_LANES
@@ -22,8 +21,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // A point a lane. Every operation is rounded by itself, none is fused, so that all kinds of SIMD give the same bits.
-// Four lanes at most: a detection is a short burst between milliseconds of scalar code, and registers of 64 bytes would
-// have to be woken up for it, which costs more than they give.
+// Four lanes at most: a detection is a short burst between milliseconds of scalar code, in which powering up the
+// 512-bit units costs more than they save.
 #if HWY_HAVE_SCALABLE
 using Lanes = hn::CappedTag<double, 2>;
 #else
@@ -73,7 +72,7 @@ HWY_INLINE void append(const Vec3Lanes& at, hn::Vec<hn::RebindToUnsigned<Lanes>>
 HWY_INLINE Vec widen(Word values) { return hn::PromoteTo(Lanes(), values); }
 HWY_INLINE Vec load_wide(const float* values) { return widen(hn::LoadU(Words(), values)); }
 
-/// Turns a square of as many values as there are lanes: `row(lane)` becomes the lanes of its columns.
+/// Transposes a square matrix of the size of a vector: `row(lane)` becomes the lanes of its columns.
 template <typename Tag, typename Row>
 HWY_INLINE void transpose(Tag d, const Row& row, Vec* HWY_RESTRICT columns) {
 #if HWY_TARGET == HWY_SCALAR

@@ -274,8 +274,8 @@ HWY_INLINE Vec3Lanes farther_out(const OctreeView& field, const FieldBlock& bloc
           step(at.z, slope.z, field.roots[2])};
 }
 
-/// A lower bound of the exact distance at the points of a vector: between samples little is proven, but the distance of
-/// a sample farther out, less the distance to it, is nearly the distance here. `beyond` are points farther out.
+/// A lower bound of the exact distance at the points of a vector (reports/performance/field_bounds.md, "Clearance from
+/// a sample farther out"): the distance of that sample less the distance to it. `beyond` are points farther out.
 HWY_INLINE Vec distance_at_least(const OctreeView& field, const Vec3Lanes& at, const Vec3Lanes& beyond,
                                  const LeafBlock& leaves_beyond, std::size_t first) {
   const Leaves leaves = leaves_at(field, leaves_beyond, first);
@@ -341,7 +341,7 @@ void clear_all(const OctreeView& field, const FieldBlock& block, const LeafBlock
   const hn::RebindToUnsigned<Lanes> integers;
   const auto free_m = [&](Vec distance_m) HWY_ATTR { return hn::Sub(distance_m, set(field.sign_error_distance_m)); };
   const auto shrunk = [](Vec radius_m) HWY_ATTR { return hn::Mul(radius_m, set(1 - 1e-9)); };
-  // Points of which a sample farther out may tell more than their leaf.
+  // Points for which a sample farther out may give a larger radius than their leaf.
   FieldBlock farther;
   for (std::size_t first = 0; first < block.count; first += lane_count) {
     const Leaves own = leaves_at(field, leaves, first);
