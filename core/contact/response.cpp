@@ -107,7 +107,7 @@ void Response::resolve(CollisionBackend& backend, const ResponseInput& input, st
   } else if (m_of_bones.front().kind == ResponseKind::backtrack) {
     std::swap(projected, backtracked);
   }
-  // In this order both start from p: what is projected was detected there.
+  // Backtracking first: it needs p, and projection adds depths that were detected there.
   if (!backtracked.empty()) {
     backtrack(backend, input, backtracked, predicted);
   }

@@ -31,9 +31,8 @@ int longest_side(const TriangleMesh& mesh, const Triangle& triangle) {
   return longest;
 }
 
-/// A triangle whose three corners lie on a line can't simply go: its long side would become a boundary. Instead its
-/// middle corner is put into the triangle across the long side, which is split there. Returns how many were taken in
-/// so.
+/// Dropping a triangle whose three corners lie on a line would make its long side a boundary. Instead the triangle
+/// across the long side is split at its middle corner. Returns how many were merged in this way.
 int take_in_flat_triangles_once(TriangleMesh& mesh) {
   const MeshEdges edges(mesh);
   const std::vector<int> edge_of_side = edge_of_sides(mesh, edges);
@@ -70,7 +69,7 @@ int count_flat(const TriangleMesh& mesh) {
                                         [&](const Triangle& triangle) { return is_flat(mesh, triangle); }));
 }
 
-/// Flat triangles that hang on the surface by no more than one side.
+/// Flat triangles that share at most one side with the surface.
 int drop_loose_flat_triangles(TriangleMesh& mesh) {
   const MeshEdges edges(mesh);
   const std::vector<int> edge_of_side = edge_of_sides(mesh, edges);
@@ -85,7 +84,7 @@ int drop_loose_flat_triangles(TriangleMesh& mesh) {
   return drop_marked_triangles(mesh, is_dropped);
 }
 
-/// Returns how many flat triangles went.
+/// Returns how many flat triangles were removed.
 int remove_flat_triangles(TriangleMesh& mesh) {
   const int before = count_flat(mesh);
   if (before == 0) {

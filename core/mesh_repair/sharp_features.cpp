@@ -13,7 +13,7 @@ namespace {
 
 constexpr double largest_radius_share = 0.01;
 
-/// Unit; zero for a triangle without area, which turns nowhere.
+/// Unit; zero for a triangle without area, whose edges are never sharp.
 std::vector<Vec3> face_normals(const TriangleMesh& mesh) {
   std::vector<Vec3> normals;
   normals.reserve(mesh.triangles.size());
