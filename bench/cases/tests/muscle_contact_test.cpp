@@ -262,7 +262,7 @@ TEST(MuscleContact, TwoBallsKeepTheirMomentumAndStopEachOther) {
       EXPECT_TRUE(touched) << entry->name;
       const double scale = static_cast<double>(balls.particles.size()) * mass_ratio;
       EXPECT_LT((balls.momentum() - before).norm(), 1e-9 * scale) << entry->name << mass_ratio;
-      // 8 mm of way to each other, of which the contact has to take all but its own error.
+      // 8 mm of approach, of which the contact has to stop all but its own error.
       EXPECT_LT(deepest_m, 0.0005) << entry->name << mass_ratio;
     }
   }

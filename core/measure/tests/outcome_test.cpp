@@ -69,7 +69,7 @@ std::vector<StepRecord> with_volumes(std::initializer_list<double> volumes_m3) {
 }
 
 TEST(Outcome, TheVolumeErrorIsAgainstTheTarget) {
-  // On its way from 2 to 3 at the start it is no error not to be there yet; to leave again is one.
+  // While it moves from 2 to 3 at the start it is no error not to be there yet; to leave again is one.
   const Outcome outcome = outcome_of(with_volumes({2.25, 2.75, 3, 3.375, 2.875, 3}), at_rest(2, 1.5));
   EXPECT_EQ(outcome.max_volume_error, 0.125);
   EXPECT_EQ(outcome.final_volume_error, 0);
