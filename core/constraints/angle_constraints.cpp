@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "core/constraints/arc_tangent.hpp"
+#include "core/base/arc_tangent.hpp"
 
 // Highway compiles this file once for every SIMD target; highway.h has to be included after foreach_target.h.
 // clang-format off
@@ -12,7 +12,7 @@
 #include <hwy/highway.h>
 // clang-format on
 
-#include "core/constraints/arc_tangent-inl.hpp"
+#include "core/base/arc_tangent-inl.hpp"
 #include "core/constraints/node_lanes-inl.hpp"
 
 #ifndef MUSCLEBENCH_ANGLE_CONSTRAINTS_ONCE

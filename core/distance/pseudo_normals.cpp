@@ -9,6 +9,8 @@
 
 #include <Eigen/Geometry>
 
+#include "core/base/arc_tangent.hpp"
+
 namespace musclebench {
 
 namespace {
@@ -55,8 +57,8 @@ double corner_angle(std::span<const Vec3> vertices, const Triangle& triangle, st
   const auto corner = [&](std::size_t k) { return vertices[static_cast<std::size_t>(triangle[k % 3])]; };
   const Vec3 to_next = corner(i + 1) - corner(i);
   const Vec3 to_last = corner(i + 2) - corner(i);
-  // atan2 is accurate for obtuse and tiny angles; acos and asin are not.
-  return std::atan2(to_next.cross(to_last).norm(), to_next.dot(to_last));
+  // The arc tangent is accurate for obtuse and tiny angles; acos and asin are not. States depend on it.
+  return arc_tangent2(to_next.cross(to_last).norm(), to_next.dot(to_last));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/base/portable_math.hpp"
 #include "core/clearance/clearance_cache.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
@@ -209,7 +210,7 @@ class TunnellingGuard final : public ContactStage {
 std::unique_ptr<ContactStage> make_tunnelling_guard(const StageInput& input, const Parameters& parameters) {
   std::optional<double> least_cosine;
   if (parameters.word("rule") == "angle") {
-    least_cosine = std::cos(parameters.number("angle_deg") * std::numbers::pi / 180);
+    least_cosine = portable::cos(parameters.number("angle_deg") * std::numbers::pi / 180);
   }
   return std::make_unique<TunnellingGuard>(input, least_cosine);
 }

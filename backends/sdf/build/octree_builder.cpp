@@ -17,6 +17,7 @@
 #include "backends/sdf/octree/octree_entry.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/percentile.hpp"
+#include "core/base/portable_math.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
@@ -38,7 +39,7 @@ constexpr double least_reach = 1;
 constexpr std::size_t sample_count = 10000;
 /// Cells that are prefetched together.
 constexpr std::size_t split_together = 4;
-/// Of the wanted error. Across the faces between leaves the field jumps by up to an eighth more than it is off.
+/// Target over the wanted error: the jumps across faces between leaves exceed the error by up to an eighth.
 constexpr double aim_share = 0.88;
 
 double number(std::size_t count) { return static_cast<double>(count); }
@@ -171,7 +172,7 @@ class OctreeBuilder {
     return next;
   }
 
-  /// Of a cell's three numbers in a grid of its size, the sum.
+  /// Sum of a cell's three indices in a grid of its size.
   [[nodiscard]] bool is_odd(std::size_t cell) const {
     const std::size_t roots = m_shape.root_count();
     if (cell >= roots) {
@@ -237,7 +238,7 @@ class OctreeBuilder {
     return find_below(m_shape.root_grid().index(root), point, half_edge_m);
   }
 
-  /// The same where a cell that holds the point is known.
+  /// The same, starting from a cell that holds the point.
   [[nodiscard]] std::size_t find_below(std::size_t cell, const Vec3& point, double half_edge_m = 0) const {
     while (m_cells[cell].split() && m_cells[cell].half_edge_m > half_edge_m) {
       const Vec3& centre = m_cells[cell].centre_m;
@@ -301,7 +302,7 @@ class OctreeBuilder {
     constexpr double power = 1.25;
     constexpr double longest = 0.1;
     constexpr double shortest = 0.9;
-    return std::clamp(std::pow(allowed_share_beyond_target() / share_beyond_target(), power), longest, shortest);
+    return std::clamp(portable::pow(allowed_share_beyond_target() / share_beyond_target(), power), longest, shortest);
   }
 
   OctreeField pack() {

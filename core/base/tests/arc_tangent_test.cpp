@@ -1,4 +1,4 @@
-#include "core/constraints/arc_tangent.hpp"
+#include "core/base/arc_tangent.hpp"
 
 #include <algorithm>
 #include <cmath>

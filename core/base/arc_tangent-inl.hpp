@@ -1,7 +1,7 @@
 // The angle of a point, one a SIMD lane. Included by each file that is compiled once for every kind of SIMD, after
 // highway.h. No product is fused with a sum, so that every kind gives the same bits.
 
-#include "core/constraints/arc_tangent.hpp"
+#include "core/base/arc_tangent.hpp"
 
 #if defined(MUSCLEBENCH_ARC_TANGENT_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef MUSCLEBENCH_ARC_TANGENT_INL

@@ -1,8 +1,8 @@
-#include "core/constraints/arc_tangent.hpp"
+#include "core/base/arc_tangent.hpp"
 
 #include <hwy/highway.h>
 
-#include "core/constraints/arc_tangent-inl.hpp"
+#include "core/base/arc_tangent-inl.hpp"
 
 namespace musclebench {
 
