@@ -6,6 +6,7 @@
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
+#include <hwy/targets.h>
 
 #include "bench/cases/collider_backends.hpp"
 #include "bench/cases/scene_source.hpp"
@@ -77,6 +78,17 @@ void by_lanes(benchmark::State& state, const std::string& name) {
   NodeRows rows = start;
   time_projections(
       state, name, [&] { rows = start; }, [&] { effect->project(rows, muscle.substep, Team()); });
+}
+
+/// As on a CPU without AVX-512.
+void by_lanes_of_avx2(benchmark::State& state, const std::string& name) {
+  if ((hwy::SupportedTargets() & HWY_AVX2) == 0) {
+    state.SkipWithError("this CPU has no AVX2");
+    return;
+  }
+  hwy::SetSupportedTargetsForTest(HWY_AVX2);
+  by_lanes(state, name);
+  hwy::SetSupportedTargetsForTest(0);
 }
 
 void one_by_one(benchmark::State& state, const std::string& name) {
@@ -188,6 +200,8 @@ void register_constraint_kernels() {
     benchmark::RegisterBenchmark((stem + "lanes").c_str(), [=](benchmark::State& s) { by_lanes(s, name); });
     benchmark::RegisterBenchmark((stem + "scalar").c_str(), [=](benchmark::State& s) { one_by_one(s, name); });
   }
+  benchmark::RegisterBenchmark("constraints/bending/lanes_of_avx2",
+                               [](benchmark::State& s) { by_lanes_of_avx2(s, "bending"); });
   benchmark::RegisterBenchmark("constraints/edge_length/published", [](benchmark::State& s) {
     as_published(s, "edge_length", published_lengths(micro_scene().muscle_mesh));
   });

@@ -7,17 +7,31 @@
 #include "bench/cases/scene_source.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
 #include "core/mesh_files/read_mesh.hpp"
+#include "core/mesh_repair/repair_mesh.hpp"
 #include "core/mesh_repair/weld_mesh.hpp"
 #include "core/referee/muscle_referee.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 namespace {
 
-std::vector<MuscleContact> contacts_of(const std::string& backend, const TouchingMuscles& muscles) {
+TriangleMesh inflated(TriangleMesh mesh, double by_m) {
+  std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3& corner = mesh.vertices[t[0]];
+    const Vec3 area_normal = (mesh.vertices[t[1]] - corner).cross(mesh.vertices[t[2]] - corner);
+    for (const int vertex : t) normals[vertex] += area_normal;
+  }
+  for (std::size_t i = 0; i < normals.size(); ++i) mesh.vertices[i] += by_m * normals[i].normalized();
+  return mesh;
+}
+
+std::vector<MuscleContact> contacts_of(const std::string& backend, const TouchingMuscles& muscles,
+                                       const TriangleMesh& now) {
   const BackendEntry& entry = find_backend(backend);
   const auto detector = entry.make_muscle_detector(Parameters(entry.parameters, {}, backend), muscles, 2);
   std::vector<MuscleContact> found;
-  detector->detect(muscles.mesh.vertices, found);
+  detector->detect(now.vertices, found);
   return found;
 }
 
@@ -43,7 +57,27 @@ TEST(LhdlMuscleContact, FourMusclesAtOnceAreFoundAsByBruteForce) {
   TouchingMuscles muscles{scene.muscle_mesh, scene.bodies(), {}};
   for (const SceneMusclePair& pair : scene.muscle_pairs) muscles.pairs.push_back(pair.muscles);
   ASSERT_EQ(muscles.pairs.size(), 6U);
-  expect_same(contacts_of("bvh", muscles), contacts_of("brute_force", muscles));
+  for (const double by_m : {0.0, 1e-3}) {
+    const TriangleMesh now = inflated(scene.muscle_mesh, by_m);
+    const std::vector<MuscleContact> found = contacts_of("bvh", muscles, now);
+    EXPECT_GT(found.size(), by_m > 0 ? 100U : 0U);
+    expect_same(found, contacts_of("brute_force", muscles, now));
+  }
+}
+
+TEST(LhdlMuscleContact, GluteusMaximusLiesOverMediusAsCloseAsOthersMeasured) {
+  if (!lhdl_folder()) GTEST_SKIP() << "without the anatomical data";
+  const auto surface_of = [](const std::string& name) {
+    return repair_mesh(read_mesh(*lhdl_folder() / "meshes" / (name + "_r.ply")), name);
+  };
+  const RepairedMesh maximus = surface_of("gluteus_maximus");
+  const RepairedMesh medius = surface_of("gluteus_medius");
+  double gap_m = 1;
+  for (const auto& [nodes, surface] : {std::pair(&maximus, &medius), std::pair(&medius, &maximus)}) {
+    const SignedSurface distance(*surface);
+    for (const Vec3& node : nodes->mesh.vertices) gap_m = std::min(gap_m, *distance.distance(node));
+  }
+  EXPECT_NEAR(gap_m, 0.06e-3, 0.01e-3);
 }
 
 /// The two overlap by 4.2 mm as shipped.
@@ -55,7 +89,7 @@ TEST(LhdlMuscleContact, IliacusAndPsoasOverlapAsDeepAsOthersMeasured) {
     scene.add_muscle(name, weld_mesh(mesh, name).mesh);
   }
   const TouchingMuscles muscles{scene.muscle_mesh, scene.bodies(), {{0, 1}}};
-  const std::vector<MuscleContact> found = contacts_of("bvh", muscles);
+  const std::vector<MuscleContact> found = contacts_of("bvh", muscles, scene.muscle_mesh);
   EXPECT_NEAR(deepest_m(found), 4.2e-3, 0.1e-3);
   MuscleReferee referee(scene.muscle_mesh, {scene.bodies(), {{1}, {0}}});
   std::vector<Contact> truth;
