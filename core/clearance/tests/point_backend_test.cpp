@@ -13,9 +13,9 @@
 namespace musclebench {
 namespace {
 
-/// What the structures of a test were asked.
+/// Queries of the structures of a test.
 struct Log {
-  std::atomic<int> asked = 0;
+  std::atomic<int> queried = 0;
   std::atomic<int> batches = 0;
   std::atomic<int> resets = 0;
   bool had_clearances = false;
@@ -37,7 +37,7 @@ class BallStructure final : public BoneStructure {
 
   void detect(const NodeBatch& batch, std::vector<Contact>& contacts) override {
     ++m_log.batches;
-    m_log.asked += static_cast<int>(batch.nodes.size());
+    m_log.queried += static_cast<int>(batch.nodes.size());
     if (batch.clearances != nullptr) m_log.had_clearances = true;
     for (const int node : batch.nodes) {
       const Vec3 point = batch.pose.apply_inverse(batch.positions[static_cast<std::size_t>(node)]);
@@ -125,15 +125,15 @@ TEST_F(PointBackendTest, WithACacheOnlyThoseAreAskedThatMayHaveCome) {
   const auto backend = made({.capabilities = {.has_cache = true}});
   std::vector<Vec3> positions = points(101);
   const std::size_t found = contacts(*backend, positions).size();
-  EXPECT_EQ(m_log.asked, 2 * 101);
-  m_log.asked = 0;
+  EXPECT_EQ(m_log.queried, 2 * 101);
+  m_log.queried = 0;
   EXPECT_EQ(contacts(*backend, positions).size(), found);
-  EXPECT_EQ(m_log.asked, static_cast<int>(found)) << "those in contact have no clearance";
-  m_log.asked = 0;
+  EXPECT_EQ(m_log.queried, static_cast<int>(found)) << "those in contact have no clearance";
+  m_log.queried = 0;
   m_log.resets = 0;
   positions.emplace_back(3, 3, 3);
   contacts(*backend, positions);
-  EXPECT_EQ(m_log.asked, 2 * 102) << "another muscle: nothing is known of it";
+  EXPECT_EQ(m_log.queried, 2 * 102) << "another muscle: nothing is known of it";
   EXPECT_EQ(m_log.resets, 2);
 }
 

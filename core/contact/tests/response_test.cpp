@@ -30,7 +30,7 @@ struct Step {
     std::vector<Contact> contacts;
     backend.update(now, predicted);
     backend.detect(predicted, nodes, contacts);
-    backend.asked.clear();
+    backend.queried.clear();
     backend.asked_at.clear();
     std::vector<Vec3> corrected = predicted;
     response.reserve(predicted.size(), bones);
@@ -72,7 +72,7 @@ TEST(ProjectResponse, MovesByTheDepthAlongTheNormalOfTheBoneWhereItStands) {
 TEST(ProjectResponse, WithoutAContactNothingIsAskedOrMoved) {
   ShapeBackend backend({half_space(Vec3::UnitZ())});
   EXPECT_EQ(project(backend, 1, {Vec3(0.5, 0, 0.25)})[0], Vec3(0.5, 0, 0.25));
-  EXPECT_TRUE(backend.asked.empty());
+  EXPECT_TRUE(backend.queried.empty());
 }
 
 /// A backend that tells half of the depth leaves a half, a quarter, an eighth of it.
@@ -81,13 +81,13 @@ TEST(ProjectResponse, TakesThreeStepsAndNoMore) {
   floor.reported_depth = 0.5;
   ShapeBackend backend({floor});
   EXPECT_EQ(project(backend, 1, {Vec3(0, 0, -1)})[0], Vec3(0, 0, -0.125));
-  EXPECT_EQ(backend.asked.size(), 2U);  // the first step is the loop's own detection
+  EXPECT_EQ(backend.queried.size(), 2U);  // the first step is the loop's own detection
 }
 
 TEST(ProjectResponse, StopsAsSoonAsNothingIsInside) {
   ShapeBackend backend({half_space(Vec3::UnitZ())});
   EXPECT_EQ(project(backend, 1, {Vec3(0, 0, -1)})[0], Vec3(0, 0, 0));
-  EXPECT_EQ(backend.asked.size(), 1U);
+  EXPECT_EQ(backend.queried.size(), 1U);
 }
 
 /// Two floors in a groove of 60 degrees: out of the first into the second, out of that into the first again. Each push
@@ -120,7 +120,7 @@ TEST(ProjectResponse, LaterStepsAskOnlyTheNodesStillInsideEachOnce) {
   const Vec3 in_wall(-1, 0, 1);
   const Vec3 in_both(-1, 0, -1);
   const auto corrected = project(backend, 2, {Vec3(1, 0, 1), in_floor, in_both, in_wall, in_floor});
-  EXPECT_EQ(backend.asked, (std::vector<Nodes>{{1, 2, 3, 4}, {2, 3}}));
+  EXPECT_EQ(backend.queried, (std::vector<Nodes>{{1, 2, 3, 4}, {2, 3}}));
   EXPECT_EQ(corrected,
             (std::vector<Vec3>{Vec3(1, 0, 1), Vec3(1, 0, 0), Vec3(-0.125, 0, 0), Vec3(-0.125, 0, 1), Vec3(1, 0, 0)}));
 }
@@ -141,7 +141,7 @@ TEST(ProjectResponse, ABackendOfWholeSurfacesIsAskedOnlyByTheLoop) {
   floor.reported_depth = 0.5;
   ShapeBackend backend({floor}, false);
   EXPECT_EQ(project(backend, 1, {Vec3(0, 0, -1)})[0], Vec3(0, 0, -0.5));
-  EXPECT_TRUE(backend.asked.empty());
+  EXPECT_TRUE(backend.queried.empty());
 }
 
 TEST(BacktrackResponse, WalksTowardsTheStartInStepsOfTheBone) {
@@ -153,7 +153,7 @@ TEST(BacktrackResponse, WalksTowardsTheStartInStepsOfTheBone) {
   const Vec3 predicted(0, 0, -0.25);
   const Vec3 expected = predicted + 0.4 * Vec3(0.6, 0, 0.8);
   EXPECT_LT((backtrack(backend, 1, {start}, {predicted})[0] - expected).norm(), 1e-14);
-  EXPECT_EQ(backend.asked.size(), 5U);  // x, and the four positions of the backtracking
+  EXPECT_EQ(backend.queried.size(), 5U);  // x, and the four positions of the backtracking
 }
 
 TEST(BacktrackResponse, TheFirstTrialIsOneStepAway) {
@@ -185,7 +185,7 @@ TEST(BacktrackResponse, EveryNodeWalksAsFarAsItHasTo) {
   EXPECT_EQ(corrected[1], predicted[1]);   // never inside
   EXPECT_EQ(corrected[2], Vec3(0, 0, 1));  // on the surface is outside
   EXPECT_EQ(corrected[3], start[3]);
-  EXPECT_EQ(backend.asked, (std::vector<Nodes>{{0, 2, 3}, {0, 2, 3}, {2}}));
+  EXPECT_EQ(backend.queried, (std::vector<Nodes>{{0, 2, 3}, {0, 2, 3}, {2}}));
 }
 
 /// x was computed with the previous pose: a node that was in the bone then keeps its position in the bone's rest frame.
@@ -201,7 +201,7 @@ TEST(BacktrackResponse, ANodeWhoseStartIsInsideFollowsTheBoneFromItsPreviousPose
   const auto corrected = step.respond(ResponseKind::backtrack, backend, 1);
   EXPECT_LT((corrected[0] - step.now[0].apply(in_rest_frame)).norm(), 1e-15);
   EXPECT_GT((step.now[0].apply(in_rest_frame) - step.start[0]).norm(), 0.01);  // the bone does move
-  EXPECT_EQ(backend.asked.size(), 1U);                                         // at x; nothing backtracks
+  EXPECT_EQ(backend.queried.size(), 1U);                                       // at x; nothing backtracks
 }
 
 /// Whether x is inside is queried at the current bone poses.
@@ -286,7 +286,7 @@ TEST(BacktrackResponse, FollowingTwoBonesAddsTheirMotions) {
 TEST(BacktrackResponse, WithoutAContactNothingIsAskedOrMoved) {
   ShapeBackend backend({half_space(Vec3::UnitZ())});
   EXPECT_EQ(backtrack(backend, 1, {Vec3(0, 0, -1)}, {Vec3(0, 0, 1)})[0], Vec3(0, 0, 1));
-  EXPECT_TRUE(backend.asked.empty());
+  EXPECT_TRUE(backend.queried.empty());
 }
 
 /// Scratch memory of one call says nothing in the next.

@@ -27,7 +27,7 @@ inline Shape ball(const Vec3& centre_m, double radius_m) {
           [=](const Vec3& point) { return (point - centre_m).normalized(); }};
 }
 
-/// Answers exactly for shapes, a bone each, and keeps what it was asked.
+/// Answers exactly for shapes, a bone each, and records its queries.
 class ShapeBackend final : public CollisionBackend {
  public:
   explicit ShapeBackend(std::vector<Shape> shapes, bool point_queries = true)
@@ -41,14 +41,14 @@ class ShapeBackend final : public CollisionBackend {
   [[nodiscard]] double step_m(int bone) const override { return m_shapes[static_cast<std::size_t>(bone)].step_m; }
 
   /// The nodes of every detection, in the order of the calls.
-  std::vector<std::vector<int>> asked;
+  std::vector<std::vector<int>> queried;
   /// The positions of every detection.
   std::vector<std::vector<Vec3>> asked_at;
 
  private:
   void do_build() override {}
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
-    asked.emplace_back(nodes.begin(), nodes.end());
+    queried.emplace_back(nodes.begin(), nodes.end());
     asked_at.emplace_back(positions.begin(), positions.end());
     for (std::size_t bone = 0; bone < m_shapes.size(); ++bone) {
       for (const int node : nodes) {
