@@ -32,8 +32,8 @@ TriangleMesh overlapping_balls() {
   return mesh;
 }
 
-/// A muscle that slides, turns and shakes past two bones, with a jump in the middle; between the steps a response asks
-/// about some nodes elsewhere.
+/// A muscle that slides, turns and shakes past two bones, with a jump in the middle; between the steps a response
+/// queries some nodes at other positions.
 void expect_that_the_cache_changes_no_bit(const BackendEntry& entry, const std::vector<Bone>& bones, const Vec3& start,
                                           const Vec3& slide, const Vec3& bones_at = Vec3::Zero()) {
   std::map<std::string, ParameterValue> common;
@@ -72,7 +72,7 @@ void expect_that_the_cache_changes_no_bit(const BackendEntry& entry, const std::
       }
     }
     const std::vector<Vec3> elsewhere = moved(positions, {Mat3::Identity(), Vec3(-0.002, 0.001, 0)});
-    const std::vector<Contact> expected = Contract::ask(*plain, poses, positions, all_nodes(mesh));
+    const std::vector<Contact> expected = Contract::detect(*plain, poses, positions, all_nodes(mesh));
     std::vector<Contact> expected_of_some;
     plain->detect(elsewhere, some, expected_of_some);
     std::vector<Vec3> pushed = positions;
@@ -87,7 +87,7 @@ void expect_that_the_cache_changes_no_bit(const BackendEntry& entry, const std::
     plain->detect(pushed, in_contact, expected_of_pushed);
     met += expected.size();
     for (const auto& backend : with) {
-      expect_same_bits(Contract::ask(*backend, poses, positions, all_nodes(mesh)), expected);
+      expect_same_bits(Contract::detect(*backend, poses, positions, all_nodes(mesh)), expected);
       std::vector<Contact> of_some;
       backend->detect(elsewhere, some, of_some);
       expect_same_bits(of_some, expected_of_some);

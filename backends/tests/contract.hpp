@@ -13,7 +13,7 @@
 #include "backends/registry.hpp"
 #include "core/mesh/shapes.hpp"
 
-// What the tests of all backends share: bones with a formula, a muscle that they cut into, and how a backend is asked.
+// Common to the tests of all backends: bones with a formula, a muscle that they cut into, and a detection.
 namespace musclebench {
 
 using Answer = std::set<std::pair<int, int>>;  // bone, node
@@ -101,8 +101,8 @@ class Contract : public testing::TestWithParam<std::string> {
     return backend;
   }
 
-  static std::vector<Contact> ask(CollisionBackend& backend, const std::vector<RigidMotion>& poses,
-                                  const std::vector<Vec3>& positions, const std::vector<int>& nodes) {
+  static std::vector<Contact> detect(CollisionBackend& backend, const std::vector<RigidMotion>& poses,
+                                     const std::vector<Vec3>& positions, const std::vector<int>& nodes) {
     std::vector<Contact> contacts;
     backend.update(poses, positions);
     backend.detect(positions, nodes, contacts);

@@ -18,7 +18,7 @@ TEST_P(Contract, AnalyticShapesWithinTheDeclaredBound) {
     const TriangleMesh mesh = muscle();
     const auto backend = build(GetParam(), bones, mesh);
     const AnswerBound bound = backend->answer_bound(0);
-    const Answer answer = keys(ask(*backend, {RigidMotion{}}, mesh.vertices, all_nodes(mesh)));
+    const Answer answer = keys(detect(*backend, {RigidMotion{}}, mesh.vertices, all_nodes(mesh)));
     int inside = 0;
     for (const int node : all_nodes(mesh)) {
       const double d = shape.signed_distance_m(mesh.vertices[node]);
@@ -43,8 +43,8 @@ TEST_P(Contract, AgreesWithBruteForceWithinTheDeclaredBound) {
     const auto backend = build(GetParam(), bones, mesh);
     const auto truth_backend = build("brute_force", bones, mesh);
     const AnswerBound bound = backend->answer_bound(0);
-    const Answer answer = keys(ask(*backend, {tilted}, positions, all_nodes(mesh)));
-    const std::vector<Contact> truth = ask(*truth_backend, {tilted}, positions, all_nodes(mesh));
+    const Answer answer = keys(detect(*backend, {tilted}, positions, all_nodes(mesh)));
+    const std::vector<Contact> truth = detect(*truth_backend, {tilted}, positions, all_nodes(mesh));
     ASSERT_GT(truth.size(), 20U);
     for (const Contact& contact : truth) {
       if (contact.depth_m > bound.missed_depth_m + 1e-12) {
@@ -67,14 +67,14 @@ TEST_P(Contract, DepthAndNormalPointTheShortestWayOut) {
     const TriangleMesh mesh = muscle();
     const auto backend = build(GetParam(), bones, mesh);
     if (!backend->capabilities().depth) {
-      for (const Contact& contact : ask(*backend, {RigidMotion{}}, mesh.vertices, all_nodes(mesh))) {
+      for (const Contact& contact : detect(*backend, {RigidMotion{}}, mesh.vertices, all_nodes(mesh))) {
         EXPECT_EQ(contact.depth_m, 0);
         EXPECT_EQ(contact.normal, Vec3(0, 0, 0));
       }
       continue;
     }
     const std::vector<Vec3> positions = moved(mesh.vertices, tilted);
-    for (const Contact& contact : ask(*backend, {tilted}, positions, all_nodes(mesh))) {
+    for (const Contact& contact : detect(*backend, {tilted}, positions, all_nodes(mesh))) {
       EXPECT_GE(contact.depth_m, 0);
       EXPECT_NEAR(contact.normal.norm(), 1, 1e-9);
       if (backend->capabilities().point_queries) {
@@ -94,7 +94,7 @@ TEST_P(Contract, EmptyWhenApart) {
   const auto backend = build(GetParam(), bones, mesh);
   for (const double gap_m : {0.01, 1.0, 1e6}) {
     const RigidMotion away{Mat3::Identity(), Vec3(gap_m + 0.02, 0, 0)};
-    EXPECT_TRUE(ask(*backend, {RigidMotion{}}, moved(mesh.vertices, away), all_nodes(mesh)).empty()) << gap_m;
+    EXPECT_TRUE(detect(*backend, {RigidMotion{}}, moved(mesh.vertices, away), all_nodes(mesh)).empty()) << gap_m;
   }
 }
 
@@ -103,9 +103,9 @@ TEST_P(Contract, TheSameAnswerTwice) {
   const TriangleMesh mesh = muscle();
   const auto backend = build(GetParam(), bones, mesh);
   const auto again = build(GetParam(), bones, mesh, 2);
-  const auto first = ask(*backend, {tilted}, moved(mesh.vertices, tilted), all_nodes(mesh));
-  const auto second = ask(*backend, {tilted}, moved(mesh.vertices, tilted), all_nodes(mesh));
-  const auto rebuilt = ask(*again, {tilted}, moved(mesh.vertices, tilted), all_nodes(mesh));
+  const auto first = detect(*backend, {tilted}, moved(mesh.vertices, tilted), all_nodes(mesh));
+  const auto second = detect(*backend, {tilted}, moved(mesh.vertices, tilted), all_nodes(mesh));
+  const auto rebuilt = detect(*again, {tilted}, moved(mesh.vertices, tilted), all_nodes(mesh));
   for (const auto& other : {second, rebuilt}) {
     ASSERT_EQ(first.size(), other.size());
     for (std::size_t i = 0; i < first.size(); ++i) {
@@ -121,8 +121,8 @@ TEST_P(Contract, RigidMotionOfEverythingMovesTheAnswer) {
   const std::vector<Bone> bones = one_bone(shape);
   const TriangleMesh mesh = muscle();
   const auto backend = build(GetParam(), bones, mesh);
-  const auto at_rest = ask(*backend, {RigidMotion{}}, mesh.vertices, all_nodes(mesh));
-  const auto elsewhere = ask(*backend, {tilted}, moved(mesh.vertices, tilted), all_nodes(mesh));
+  const auto at_rest = detect(*backend, {RigidMotion{}}, mesh.vertices, all_nodes(mesh));
+  const auto elsewhere = detect(*backend, {tilted}, moved(mesh.vertices, tilted), all_nodes(mesh));
   ASSERT_EQ(at_rest.size(), elsewhere.size());
   for (std::size_t i = 0; i < at_rest.size(); ++i) {
     EXPECT_EQ(at_rest[i].node, elsewhere[i].node);
@@ -148,10 +148,10 @@ TEST_P(Contract, PermutedVerticesGiveTheSameSet) {
   const auto backend = build(GetParam(), bones, mesh);
   const auto backend_permuted = build(GetParam(), bones, permuted);
   Answer expected;
-  for (const auto& [bone, node] : keys(ask(*backend, {RigidMotion{}}, mesh.vertices, all_nodes(mesh)))) {
+  for (const auto& [bone, node] : keys(detect(*backend, {RigidMotion{}}, mesh.vertices, all_nodes(mesh)))) {
     expected.insert({bone, new_index[node]});
   }
-  EXPECT_EQ(keys(ask(*backend_permuted, {RigidMotion{}}, permuted.vertices, all_nodes(mesh))), expected);
+  EXPECT_EQ(keys(detect(*backend_permuted, {RigidMotion{}}, permuted.vertices, all_nodes(mesh))), expected);
 }
 
 TEST_P(Contract, OrderedByBoneThenNodeAndOnlyWhatWasAsked) {
@@ -160,14 +160,14 @@ TEST_P(Contract, OrderedByBoneThenNodeAndOnlyWhatWasAsked) {
   const TriangleMesh mesh = muscle();
   const auto backend = build(GetParam(), bones, mesh);
   const std::vector<RigidMotion> poses(2);
-  const auto all = ask(*backend, poses, mesh.vertices, all_nodes(mesh));
+  const auto all = detect(*backend, poses, mesh.vertices, all_nodes(mesh));
   std::vector<int> some;
   for (const int node : all_nodes(mesh)) {
     if (node % 3 == 0) {
       some.push_back(node);
     }
   }
-  const auto subset = ask(*backend, poses, mesh.vertices, some);
+  const auto subset = detect(*backend, poses, mesh.vertices, some);
   const auto before = [](const Contact& a, const Contact& b) {
     return a.bone != b.bone ? a.bone < b.bone : a.node < b.node;
   };
@@ -187,11 +187,11 @@ TEST_P(Contract, NoNodesNoContactsAndNonFiniteNodesAreFree) {
   const std::vector<Bone> bones = one_bone(analytic_bones()[0]);
   TriangleMesh mesh = muscle();
   const auto backend = build(GetParam(), bones, mesh);
-  EXPECT_TRUE(ask(*backend, {RigidMotion{}}, mesh.vertices, {}).empty());
+  EXPECT_TRUE(detect(*backend, {RigidMotion{}}, mesh.vertices, {}).empty());
   if (backend->capabilities().point_queries) {
     mesh.vertices[5] = Vec3::Constant(std::nan(""));
     mesh.vertices[6] = Vec3::Constant(INFINITY);
-    EXPECT_TRUE(ask(*backend, {RigidMotion{}}, mesh.vertices, {5, 6}).empty());
+    EXPECT_TRUE(detect(*backend, {RigidMotion{}}, mesh.vertices, {5, 6}).empty());
   }
 }
 
@@ -208,14 +208,14 @@ TEST_P(Contract, OnTheWayOutANodeIsFree) {
       GTEST_SKIP() << GetParam() << " is not exact";
     }
     std::vector<Vec3> positions = moved(mesh.vertices, tilted);
-    const std::vector<Contact> contacts = ask(*backend, {tilted}, positions, all_nodes(mesh));
+    const std::vector<Contact> contacts = detect(*backend, {tilted}, positions, all_nodes(mesh));
     ASSERT_GT(contacts.size(), 20U);
     std::vector<int> nodes;
     for (const Contact& contact : contacts) {
       positions[static_cast<std::size_t>(contact.node)] += contact.depth_m * contact.normal;
       nodes.push_back(contact.node);
     }
-    EXPECT_TRUE(ask(*backend, {tilted}, positions, nodes).empty()) << shape.name;
+    EXPECT_TRUE(detect(*backend, {tilted}, positions, nodes).empty()) << shape.name;
   }
 }
 
