@@ -43,17 +43,21 @@ Scene scene_of(const RecordingHeader& header, const ReplayOptions& options) {
 }
 
 void require_same_scene(const Scene& scene, const RecordingHeader& header, const std::string& recording) {
+  const auto nodes = static_cast<int>(scene.muscle_mesh.vertices.size());
+  const auto muscles = static_cast<int>(scene.muscles.size());
+  const auto bones = static_cast<int>(scene.bones.size());
+  if (nodes != header.nodes || muscles != header.muscles || bones != header.bones) {
+    throw InputError(
+        recording,
+        fmt::format("is of '{}' (muscles {}, nodes {}, bones {}), and '{}' has {}, {} and {}; name the right one with "
+                    "--scene, or record it again",
+                    header.scene, header.muscles, header.nodes, header.bones, scene.name, muscles, nodes, bones));
+  }
   const std::string hash = scene_hash(scene);
   if (hash != header.scene_sha256) {
     throw InputError(recording, fmt::format("is of another scene: '{}' with hash {}, and '{}' as it is now has {}; "
                                             "name the right one with --scene, or record it again",
                                             header.scene, header.scene_sha256, scene.name, hash));
-  }
-  const auto nodes = static_cast<int>(scene.muscle_mesh.vertices.size());
-  const auto bones = static_cast<int>(scene.bones.size());
-  if (nodes != header.nodes || bones != header.bones) {
-    throw InputError(recording, fmt::format("has {} nodes and {} bones, the scene '{}' has {} and {}; record it again",
-                                            header.nodes, header.bones, scene.name, nodes, bones));
   }
 }
 

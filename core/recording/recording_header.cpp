@@ -52,6 +52,7 @@ RecordingHeader header_of(const Json& json) {
   header.backend = json.at("backend");
   header.build = json.at("build");
   header.nodes = count_of(json.at("nodes"));
+  header.muscles = json.contains("muscles") ? count_of(json.at("muscles")) : 1;  // once there was only one
   header.bones = count_of(json.at("bones"));
   header.substeps = count_of(json.at("substeps"));
   header.iterations = count_of(json.at("iterations"));
@@ -68,7 +69,7 @@ bool is_consistent(const RecordingHeader& header) {
   const bool ascending =
       std::adjacent_find(free_nodes.begin(), free_nodes.end(), std::greater_equal<>()) == free_nodes.end();
   const bool in_range = free_nodes.empty() || (free_nodes.front() >= 0 && free_nodes.back() < header.nodes);
-  return header.nodes > 0 && header.bones > 0 && header.substeps > 0 && header.iterations > 0 &&
+  return header.nodes > 0 && header.muscles > 0 && header.bones > 0 && header.substeps > 0 && header.iterations > 0 &&
          std::int64_t{header.substeps} * header.iterations < std::int64_t{1} << 31 && header.frames() > 0 &&
          std::isfinite(header.rounding_m) && header.rounding_m > 0 && ascending && in_range;
 }
@@ -94,6 +95,7 @@ std::string text_of(const RecordingHeader& header) {
                      {"backend", header.backend},
                      {"build", header.build},
                      {"nodes", header.nodes},
+                     {"muscles", header.muscles},
                      {"bones", header.bones},
                      {"frames", header.frames()},
                      {"substeps", header.substeps},

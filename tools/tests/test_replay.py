@@ -155,9 +155,18 @@ def test_one_changed_byte_is_refused(recording, tmp_path):
 
 
 def test_a_recording_of_another_scene_is_refused(recording, tmp_path):
-    done = call("replay", recording, "--backend", "bvh", "--out", tmp_path / "out", "--scene",
-                "synthetic/adductor_brevis")
-    assert_refused(done, "'scene'", "synthetic/adductor_brevis", "--scene")
+    for scene, counts in (("synthetic/adductor_brevis", "muscles 1"), ("synthetic/hip", "has 4")):
+        done = call("replay", recording, "--backend", "bvh", "--out", tmp_path / "out", "--scene", scene)
+        assert_refused(done, "'scene'", scene, counts, "--scene")
+
+
+def test_a_recording_of_the_same_counts_is_told_by_its_hash(scene, recording, tmp_path):
+    turned = tmp_path / "scene.toml"
+    text = scene.read_text().replace("to_deg = 20", "to_deg = 21")
+    turned.write_text(text.replace('"box.off"', f'"{scene.parent / "box.off"}"')
+                      .replace('"ball.off"', f'"{scene.parent / "ball.off"}"'))
+    done = call("replay", recording, "--backend", "bvh", "--out", tmp_path / "out", "--scene", turned)
+    assert_refused(done, "is of another scene", "--scene")
 
 
 def test_what_is_no_recording_is_refused(tmp_path):

@@ -32,6 +32,7 @@ class Recording : public testing::Test {
     m_header.build = "v1";
     m_header.nodes = 5;
     m_header.bones = 1;
+    m_header.muscles = 3;
     m_header.substeps = 2;
     m_header.iterations = 2;
     m_header.rounding_m = rounding_step_m(1);
@@ -104,6 +105,7 @@ TEST_F(Recording, ReadsBackTheHeader) {
   EXPECT_EQ(header.build, m_header.build);
   EXPECT_EQ(header.nodes, m_header.nodes);
   EXPECT_EQ(header.bones, m_header.bones);
+  EXPECT_EQ(header.muscles, m_header.muscles);
   EXPECT_EQ(header.substeps, m_header.substeps);
   EXPECT_EQ(header.iterations, m_header.iterations);
   EXPECT_EQ(header.rounding_m, m_header.rounding_m);
