@@ -18,8 +18,8 @@ OTHER_NS = 1_000_000
 STATIC = {"axis": [1, 0, 0], "centre_m": [0, 0, 0], "angles_rad": []}
 COLUMNS = [
     "frame", "angle_deg", "warm_up", "edge_length_ns", "bending_ns", "volume_ns", "attachment_ns", "predict_ns",
-    "update_ns", "detect_ns", "respond_ns", "finish_ns", "frame_ns", "contacts", "nodes_inside", "max_depth_m",
-    "p99_depth_m", "mean_depth_m", "missed_contacts", "false_contacts", "volume_m3", "resident_bytes",
+    "update_ns", "detect_ns", "respond_ns", "finish_ns", "frame_ns", "recording_ns", "judging_ns", "contacts", "nodes_inside",
+    "max_depth_m", "p99_depth_m", "mean_depth_m", "missed_contacts", "false_contacts", "volume_m3", "resident_bytes",
 ]
 MUSCLE_COLUMNS = [
     "frame", "angle_deg", "muscle", "contacts", "nodes_inside", "max_depth_m", "p99_depth_m", "mean_depth_m",
@@ -78,7 +78,7 @@ def frame_rows(backend: str, frames: int) -> list[dict]:
         row |= {
             "frame": frame, "angle_deg": repr(90.0 * flexion), "warm_up": int(frame <= 2), "update_ns": 0,
             "edge_length_ns": OTHER_NS - 400_000, "bending_ns": 400_000, "volume_ns": 0, "attachment_ns": 0,
-            "predict_ns": 0, "finish_ns": 0, "detect_ns": DETECT_NS[backend], "respond_ns": 0, "frame_ns": DETECT_NS[backend] + OTHER_NS,
+            "predict_ns": 0, "finish_ns": 0, "recording_ns": 1000, "judging_ns": 9_000_000, "detect_ns": DETECT_NS[backend], "respond_ns": 0, "frame_ns": DETECT_NS[backend] + OTHER_NS,
             "contacts": 10, "nodes_inside": 5, "max_depth_m": repr(0.002 * flexion),
             "mean_depth_m": repr(0.001 * flexion),
             "p99_depth_m": repr(0.0015 * flexion), "missed_contacts": 1, "false_contacts": 2,

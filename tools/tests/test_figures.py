@@ -18,15 +18,16 @@ from musclebench.pictures import surface_figures
 from musclebench.pictures.surface_pictures import DEPTH_COLOURS
 from musclebench.results.run_folder import read_run, read_runs
 from musclebench.tables.outcomes import shape_distances
-from printed import check_print, keep_figures
+from printed import check_print, keep_figures, overlaps
 
 
-@pytest.fixture(scope="module")
-def drawn(tmp_path_factory):
+@pytest.fixture(scope="module", params=[1, 2], ids=["one muscle", "two muscles"])
+def drawn(request, tmp_path_factory):
     """{stem: (figure, its files)} of a whole study."""
+    scenes = {"lhdl/iliacus": 1.0, "lhdl/gluteus_maximus": 1.7}
     folder, kept = tmp_path_factory.mktemp("study"), {}
     looks.know(fake_registry.registry())
-    fake_study.write_realistic_study(folder, {"lhdl/iliacus": 1.0, "lhdl/gluteus_maximus": 1.7}, repetitions=1)
+    fake_study.write_realistic_study(folder, dict(list(scenes.items())[:request.param]), repetitions=1)
     with pytest.MonkeyPatch.context() as patch:
         keep_figures(patch, kept)
         report.write_report(folder)
@@ -39,6 +40,24 @@ def test_a_study_is_drawn_for_print(drawn):
         check_print(figure, paths)
 
 
+def test_no_text_covers_another_or_a_panel_the_key(drawn):
+    for name, (figure, _) in drawn.items():
+        assert overlaps(figure) == [], name
+    for name in ("pareto_replay", "pareto_coupled", "pareto_coupled_shape"):
+        figure = drawn[name][0]
+        *panels, key = [axes for axes in figure.axes if axes.axison or axes.get_legend()]
+        box = key.get_legend().get_window_extent()
+        assert not any(box.overlaps(panel.get_window_extent()) for panel in panels), name
+
+
+def test_every_axis_has_a_number_and_no_legend_covers_a_curve(drawn):
+    for axes in drawn["convergence_cost"][0].axes:
+        assert any(low.label1.get_text() for low in axes.yaxis._update_ticks())
+        box = axes.get_legend().get_window_extent()
+        assert not any(box.contains(*point) for line in axes.get_lines()
+                       for point in axes.transData.transform(line.get_xydata()))
+
+
 def test_the_papers_figures_are_drawn_for_print(fake_raw, tmp_path, monkeypatch):
     kept = {}
     keep_figures(monkeypatch, kept)
@@ -46,6 +65,7 @@ def test_the_papers_figures_are_drawn_for_print(fake_raw, tmp_path, monkeypatch)
     assert len(kept) == 3
     for figure, paths in kept.values():
         check_print(figure, paths)
+        assert overlaps(figure) == []
 
 
 def test_texts_of_the_pareto_picture_do_not_overlap(drawn):
@@ -119,7 +139,8 @@ def test_colour_bars_are_continuous(pictures):
 def test_no_stage_has_the_colour_of_a_backend():
     from musclebench.figures.stages import COLOURS, OTHER_COLOURS
     backends = {looks.colour(name).lower() for name in ("null", "voxel", "sdf", "fcl", "bvh", "brute_force")}
-    assert not backends & {colour.lower() for colour in [*COLOURS.values(), *OTHER_COLOURS]}
+    stages = [colour.lower() for colour in [*COLOURS.values(), *OTHER_COLOURS]]
+    assert not backends & set(stages) and len(set(stages)) == len(stages)
 
 
 def test_a_run_that_holds_nodes_is_not_on_the_front(tmp_path):

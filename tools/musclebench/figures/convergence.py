@@ -9,6 +9,7 @@ from ..accuracy.orders import PLACES, slope
 from . import looks, style
 from .style import plt
 
+LEGEND_LINE_SHARE = 0.06  # of the panel's height
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 
 
@@ -85,6 +86,7 @@ def draw_costs(rows: pd.DataFrame, stem: Path) -> list[Path]:
             fitted = slope(curve["cells"], curve[key])
             known = f", slope {fitted:.2f}" if pd.notna(fitted) else ""
             _draw_curve(axes, curve["cells"], unit * curve[key], curve, f"{series}{known}")
+        _room_above(axes, len(axes.get_lines()))
         axes.yaxis.set_major_formatter(PLAIN)
         axes.yaxis.set_minor_formatter(NullFormatter())
         axes.legend(loc="upper left", fontsize=7, framealpha=0.85, edgecolor="none")
@@ -96,6 +98,13 @@ def draw_costs(rows: pd.DataFrame, stem: Path) -> list[Path]:
 def _curves(rows: pd.DataFrame) -> list[tuple[str, str]]:
     series = style.in_order(rows["series"], looks.all_series())
     return [(bones, name) for bones in dict.fromkeys(rows["bones"]) for name in series]
+
+
+def _room_above(axes, lines: int) -> None:
+    """For a legend of so many lines, on an axis of a decade or more, which shows a number."""
+    low, high = axes.get_ylim()
+    low, share = min(low, high / 10), 0.05 + LEGEND_LINE_SHARE * lines
+    axes.set_ylim(low, high * (high / low) ** (share / (1 - share)))
 
 
 def _plain_ticks(axes) -> None:

@@ -64,7 +64,8 @@ def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str, 
     axis = error_axis(points["error_mm"])
     for cell, panel in zip(cells, panels):
         _draw_panel(cell, points[points["panel"] == panel], axis, numbers, nothing)
-    _draw_key(cells[len(panels)], points, numbers)
+    # Below a panel the key may have the room of its axis' words.
+    _draw_key(cells[len(panels)], points, numbers, left=-0.12 if len(panels) >= columns else 0.0)
     table = stem.with_suffix(".csv")
     points.to_csv(table, index=False)
     return [*style.save_figure(figure, stem), table]
@@ -206,7 +207,7 @@ def marker_area(structure_bytes: float) -> float:
     return 5.0 + 6.0 * decades
 
 
-def _draw_key(axes, points: pd.DataFrame, numbers: dict[str, int]) -> None:
+def _draw_key(axes, points: pd.DataFrame, numbers: dict[str, int], left: float) -> None:
     """What signs mean, in a cell of the grid of panels."""
     handles = []
     curves = points[points["series"].notna()]
@@ -228,7 +229,7 @@ def _draw_key(axes, points: pd.DataFrame, numbers: dict[str, int]) -> None:
     for count in LEGEND_BYTES:
         handles.append(Line2D([], [], marker="o", linestyle="", color="#999999",
                               markersize=math.sqrt(marker_area(count)), label=f"{_bytes(count)} of structures"))
-    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(-0.12, 1.06), frameon=False, fontsize=7,
+    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(left, 1.06), frameon=False, fontsize=7,
                 handlelength=2.2, labelspacing=0.3)
     words = [textwrap.fill(f"{number}  {name}", KEY_LETTERS, subsequent_indent="     ")
              for name, number in numbers.items()]

@@ -5,16 +5,17 @@ from pathlib import Path
 import pandas as pd
 
 from ..accuracy.aggregates import NANOSECONDS_TO_MS, Aggregate, find, stage_ns
-from ..results.run_folder import COLLISION_STAGES
+from ..results.run_folder import COLLISION_STAGES, NOT_OF_THE_LOOP
 from ..results.statistics import pooled_median
 from ..tables.choices import best_right
 from . import style
 from .style import plt
 
-NOT_STAGES = {*COLLISION_STAGES, "frame_ns", "recording_ns", "collision_ns"}
+NOT_STAGES = {*COLLISION_STAGES, *NOT_OF_THE_LOOP, "frame_ns"}
 # The three of collision are warm, so that their share is seen at once; no stage has a backend's colour.
 COLOURS = {"update_ns": "#F0E442", "detect_ns": "#D55E00", "respond_ns": "#8C2D04"}
-OTHER_COLOURS = ["#23395B", "#6A8CAF", "#A9C5DE", "#4d4d4d", "#999999", "#c7c7c7"]
+OTHER_COLOURS = ["#23395B", "#6A8CAF", "#A9C5DE", "#4d4d4d", "#999999", "#c7c7c7",
+                 "#4A3B66", "#8F7DB0", "#CBC0DF", "#3E5C4B", "#86A593", "#C6D6CB"]
 LEGEND_INCHES = 0.5
 WORDS_INCHES = 0.1  # right of what stands beside the bars
 STAGE_ORDER = ["edge_length_ns", "bending_ns", "volume_ns", "attachment_ns", "gravity_ns", "predict_ns", "finish_ns"]

@@ -8,6 +8,7 @@ from typing import Callable
 import numpy as np
 import pandas as pd
 from matplotlib import cm, colors
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from ..figures import looks, style
 from ..figures.paper_figures import caption, muscle_of_figures
@@ -218,7 +219,8 @@ def _finish(figure, title: str, runs, deepest_mm: float) -> None:
                            top=1 - 0.4 / height)
     figure.suptitle(title, x=0.05 / width, y=1 - 0.05 / height, ha="left", va="top")
     scale = cm.ScalarMappable(colors.Normalize(0, deepest_mm), DEPTH_COLOURS)
-    bar = figure.colorbar(scale, cax=figure.add_axes([1 - 0.66 / width, 0.3, 0.1 / width, 0.4]), extend="max")
+    bar = figure.colorbar(scale, cax=figure.add_axes([1 - 0.66 / width, 0.3, 0.1 / width, 0.4]), extend="max",
+                          ticks=MaxNLocator(5, steps=[1, 2, 5, 10]), format=FuncFormatter(lambda mm, _: f"{mm:g}"))
     bar.set_label(f"depth in a bone (mm)\nred: outside or less than {INSIDE_FROM_MM} mm")
     style.add_note(figure, f"{caption(runs)}. Bones are cut beside the muscle for sight.", y=0.0)
 

@@ -9,6 +9,7 @@ import pandas as pd
 from .damage import damage
 
 COLLISION_STAGES = ["update_ns", "detect_ns", "respond_ns"]
+NOT_OF_THE_LOOP = ("recording_ns", "judging_ns", "collision_ns")  # times that are no stage of it
 FRAME_COLUMNS = [
     "frame", "angle_deg", "warm_up", *COLLISION_STAGES, "frame_ns", "contacts", "nodes_inside", "max_depth_m",
     "mean_depth_m", "missed_contacts", "false_contacts", "resident_bytes",
@@ -31,6 +32,7 @@ class Run:
     frames: pd.DataFrame  # frames.csv and collision_ns; empty where the run left none
     muscles: pd.DataFrame = field(default_factory=pd.DataFrame)  # muscles.csv; empty for a scene of one muscle
     pairs: pd.DataFrame = field(default_factory=pd.DataFrame)  # pairs.csv; empty where no muscles touch
+    shares_muscle: bool = False  # with another scene of the experiment: then it goes by the scene's name
 
     @property
     def mode(self) -> str:
@@ -42,6 +44,11 @@ class Run:
 
     @property
     def muscle(self) -> str:
+        """As tables, figures and their files name it."""
+        return self.scene.replace("/", "-") if self.shares_muscle else self.muscle_alone
+
+    @property
+    def muscle_alone(self) -> str:
         return self.scene.split("/")[-1]
 
     @property
@@ -94,8 +101,18 @@ def no_frames(columns: list[str]) -> pd.DataFrame:
 
 def read_runs(raw_dir: Path) -> list[Run]:
     """Runs of every complete folder, in the order of their names."""
-    folders = sorted(path.parent for path in raw_dir.glob("*/run.json") if not path.parent.name.startswith("."))
-    return [read_run(folder) for folder in folders]
+    return read_all(sorted(path.parent for path in raw_dir.glob("*/run.json") if not path.parent.name.startswith(".")))
+
+
+def read_all(folders: list[Path]) -> list[Run]:
+    """The runs of one experiment."""
+    runs = [read_run(folder) for folder in folders]
+    scenes: dict[str, set[str]] = {}
+    for run in runs:
+        scenes.setdefault(run.muscle_alone, set()).add(run.scene)
+    for run in runs:
+        run.shares_muscle = len(scenes[run.muscle_alone]) > 1
+    return runs
 
 
 def runs_table(runs: list[Run]) -> pd.DataFrame:

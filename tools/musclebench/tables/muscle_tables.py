@@ -2,11 +2,10 @@
 
 import pandas as pd
 
-from ..results.run_folder import Run
+from ..results.run_folder import NOT_OF_THE_LOOP, Run
 from .table_formats import Column, Table
 
 TOTALS = ("frame_ns",)
-NOT_OF_THE_LOOP = ("recording_ns", "judging_ns", "collision_ns")
 DEPTH_COLUMNS = [
     Column("muscle", "muscle"), Column("scene", "scene"), Column("backend", "backend"),
     Column("bone_depth_mm", "deepest in a bone mm", 3, "in bone\nmm"),
