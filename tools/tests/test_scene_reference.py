@@ -1,0 +1,25 @@
+"""The page of scenes names every key that the reader takes, and no other."""
+
+import re
+from pathlib import Path
+
+PROJECT = Path(__file__).resolve().parent.parent.parent
+READERS = [PROJECT / "core/scene" / name for name in ("read_scene.cpp", "read_contact.cpp")]
+
+
+def keys_of_the_reader() -> set[str]:
+    text = "".join(file.read_text() for file in READERS)
+    return {key for found in re.findall(r"allow_only\(\{(.*?)\}\)", text, re.S) for key in re.findall(r'"(\w+)"', found)}
+
+
+def keys_of_the_page() -> set[str]:
+    _, _, reference = (PROJECT / "datasets/README.md").read_text().partition("| table | key |")
+    rows = [line.split("|")[1:3] for line in reference.splitlines()[1:] if line.startswith("|")]
+    tables = {name.split(".")[0] for table, _ in rows for name in re.findall(r"`\[+([\w.]+)\]+`", table)}
+    nested = {name.split(".")[1] for table, _ in rows for name in re.findall(r"`\[+(\w+\.[a-z]+)\]+`", table)}
+    return tables | nested | {key for _, cell in rows for key in re.findall(r"`(\w+)`", cell)}
+
+
+def test_the_page_has_the_keys_of_the_reader():
+    assert len(keys_of_the_reader()) > 25
+    assert keys_of_the_page() == keys_of_the_reader()
