@@ -16,7 +16,7 @@ def main(arguments: list[str]) -> int:
     out_dir, names = Path(arguments[0]), arguments[1:]
     try:
         looks.know(saved_registry(out_dir))
-        runs = [run_folder.read_run(out_dir / "raw" / name) for name in names]
+        runs = run_folder.read_all([out_dir / "raw" / name for name in names])
         files = surface_figures.draw_surface_figures(
             runs, out_dir / "figures", lambda text: print(f"drawing {text}", flush=True)
         )

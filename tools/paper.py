@@ -67,7 +67,7 @@ def run_experiment(options, registry: Registry, out_dir: Path) -> list[str]:
 
 def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run], list[paper_tables.Table], list[Path]]:
     """Tables and figures drawn from numbers."""
-    runs = [run_folder.read_run(out_dir / "raw" / name) for name in names]
+    runs = run_folder.read_all([out_dir / "raw" / name for name in names])
     paper = published.read_published()
     for folder in ("tables", "figures"):
         (out_dir / folder).mkdir(exist_ok=True)

@@ -13,9 +13,11 @@ import pandas as pd
 import pytest
 
 import fake_registry
+import fake_runs
 import speed
 from musclebench.cases.case import Places
 from musclebench.program.machine_state import Reading
+from musclebench.results.run_folder import read_runs
 from musclebench.speed import samples, speed_experiment, targets
 from musclebench.speed.kernel_results import read_kernels
 from musclebench.speed.speed_cases import MICRO_PROGRAM, KernelCase, RaceCase
@@ -273,6 +275,13 @@ def test_the_power_is_that_of_the_growth():
 def test_a_bar_is_held_up_to_its_value(value, at_most, at_least, held):
     estimate = samples.median(pd.Series([value]))
     assert targets.Row("what", "target", at_most, at_least, estimate).held == held
+
+
+def test_scenes_that_share_a_muscle_are_raced_apart(tmp_path):
+    for name, scene in (("iliacus-bvh-r0", "synthetic/iliacus"), ("lhdl-iliacus-bvh-r0", "lhdl/iliacus")):
+        fake_runs.write_run(tmp_path / name, scene, "bvh")
+    runs = read_runs(tmp_path)
+    assert [(run.muscle, targets.label_of(run)) for run in runs] == [("synthetic-iliacus", "bvh"), ("lhdl-iliacus", "bvh")]
 
 
 def test_the_worst_part_stands_for_the_row():

@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 
 import fake_runs
+from musclebench.figures import paper_figures
 from musclebench.paper import published
 from musclebench.results import run_folder
 from musclebench.results.statistics import median_ratio
@@ -53,6 +54,19 @@ def test_without_voxel_there_is_no_ratio(fake_raw):
     runs = [run for run in run_folder.read_runs(fake_raw) if run.backend != "voxel"]
     row = row_of(paper_tables.time_table(runs, published.read_published()), "iliacus", "fcl")
     assert np.isnan(row["ratio"]) and row["collision_ms"] == 200.0
+
+
+def test_muscles_of_one_name_in_two_scenes_have_rows_and_figures_of_their_own(tmp_path):
+    for scene, frames in (("lhdl/iliacus", 20), ("synthetic/iliacus", 7), ("synthetic/adductor_brevis", 5)):
+        for backend in ("voxel", "sdf"):
+            fake_runs.write_run(tmp_path / "raw" / f"{scene.replace('/', '-')}-{backend}", scene, backend, frames)
+    runs, paper = run_folder.read_runs(tmp_path / "raw"), published.read_published()
+    rows = paper_tables.time_table(runs, paper).rows
+    assert rows["muscle"].unique().tolist() == ["adductor_brevis", "lhdl-iliacus", "synthetic-iliacus"]
+    assert rows[rows["backend"] == "sdf"]["frames"].tolist() == [5, 20, 7]
+    of_memory = row_of(paper_tables.memory_table(runs, paper), "synthetic-iliacus", "voxel")
+    assert of_memory["paper_first_mb"] == paper.memory("iliacus", "voxel", "first_mb")
+    assert paper_figures.muscle_of_figures(run.muscle for run in runs) == "lhdl-iliacus"
 
 
 def test_a_diverged_run_is_compared_over_the_frames_it_has(tmp_path):
@@ -135,7 +149,7 @@ def test_a_pair_has_its_median_time_without_warm_up_and_its_most_contacts(fake_r
     run = run_folder.read_runs(fake_raw)[0]
     timed = set(run.timed_frames["frame"])
     assert len(timed) < len(run.frames)
-    run.pairs = pd.DataFrame([
+    run.pairs = pd.DataFrame(columns=fake_runs.PAIR_COLUMNS, data=[
         {"frame": frame, "angle_deg": 0.0, "muscle": "a", "other": other, "contacts": contacts if frame in timed else 9,
          "detect_ns": 1e6 * (time_ms if frame in timed else 100)}
         for frame in run.frames["frame"] for other, contacts, time_ms in (("b", 3, 2.0), ("c", 0, 0.5))])

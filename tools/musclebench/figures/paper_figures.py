@@ -47,7 +47,8 @@ def draw_figures(runs: list[Run], published: Published, folder: Path) -> list[Pa
 
 def muscle_of_figures(muscles) -> str:
     muscles = list(muscles)
-    return MUSCLE_OF_FIGURES if MUSCLE_OF_FIGURES in muscles else muscles[0]
+    return next((name for name in muscles if name == MUSCLE_OF_FIGURES or name.endswith(f"-{MUSCLE_OF_FIGURES}")),
+                muscles[0])
 
 
 def _draw_times(cases, muscle: str, runs: dict[str, Run], published: Published, folder: Path) -> list[Path]:

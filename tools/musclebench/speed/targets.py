@@ -147,7 +147,7 @@ def _any_disturbed(measured: Measured, runs: list[Run]) -> bool:
 def label_of(run: Run) -> str:
     """The setting's, which the folder's name holds: SCENE-LABEL-rN."""
     name = run.folder.name.rpartition("-r")[0]
-    return name.removeprefix(f"{run.scene.replace('/', '-')}-").removeprefix(f"{run.muscle}-")
+    return name.removeprefix(f"{run.scene.replace('/', '-')}-").removeprefix(f"{run.muscle_alone}-")
 
 
 def _round(run: Run) -> int:

@@ -78,10 +78,10 @@ def _memory_row(cases, muscle: str, backend: str, published: Published) -> dict:
     row["structure_mb"] = _megabytes(run.record.get("structure_bytes"))
     for when, key in (("first", "before_first_frame_bytes"), ("last", "after_last_frame_bytes")):
         ours = _memory_mb(run, key)
-        theirs = published.memory(muscle, backend, f"{when}_mb")
+        theirs = published.memory(run.muscle_alone, backend, f"{when}_mb")
         row[f"{when}_mb"], row[f"paper_{when}_mb"] = ours, theirs
         row[f"{when}_offset_mb"] = ours - _memory_mb(voxel, key)
-        row[f"paper_{when}_offset_mb"] = theirs - published.memory(muscle, "voxel", f"{when}_mb")
+        row[f"paper_{when}_offset_mb"] = theirs - published.memory(run.muscle_alone, "voxel", f"{when}_mb")
     return row
 
 
