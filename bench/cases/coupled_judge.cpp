@@ -14,9 +14,11 @@ constexpr double least_movement = 1e-6;
 
 /// A frame is judged in at most this many times its own time.
 constexpr long judging_factor = 20;
-/// A unit of the Referee's work (up to 30 where triangles are tested against triangles), and what a node costs the loop
-/// in a substep and iteration, alone and for every effect: from below, about half of what is measured. On a Xeon that
-/// makes 15 times the frame where the budget is spent, and 1 to 6 times where it suffices.
+/// A unit of the Referee's work, and what a node costs the loop in a substep and iteration, alone and for every effect.
+/// Calibrated on one thread of the Xeon that the reports are measured on, with the preset `paper` (5 effects) and no
+/// collision: four LHDL muscles take 215 to 234 ns a node and substep (the frames a second of table 2), which these
+/// constants, from below, call 120. A unit takes 20 ns, up to 30 where triangles are tested against triangles. So a
+/// spent budget is some 15 times the frame.
 constexpr long work_unit_ns = 20;
 constexpr long node_ns = 20;
 constexpr long node_and_effect_ns = 20;
@@ -41,14 +43,15 @@ JudgedMuscles judged_muscles_of(const Scene& scene) {
 
 }  // namespace
 
-CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_nodes, const Simulation& simulation)
+CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_nodes, const Simulation& simulation,
+                           int threads)
     : m_referee(scene.bones, static_cast<int>(scene.muscle_mesh.vertices.size())),
       m_surface(scene.muscle_mesh.triangles, carriers_of(scene, bound_nodes), static_cast<int>(scene.bones.size())),
       m_bone_vertices(scene.bones, scene.muscle_mesh, carriers_of(scene, bound_nodes)),
       m_tunnelling(static_cast<int>(scene.bones.size()), static_cast<int>(scene.muscle_mesh.vertices.size())),
       m_stretch(scene.muscle_mesh),
       m_floor_m(least_movement * bounding_box(scene.muscle_mesh.vertices).diagonal().norm()),
-      m_budget(judging_budget(scene)) {
+      m_budget(judging_budget(scene, threads)) {
   if (scene.muscles.size() > 1) {
     m_bodies = scene.bodies();
     for (const Body& body : m_bodies) m_stretch_of_bodies.emplace_back(scene.mesh_of(body));
@@ -71,33 +74,39 @@ void CoupledJudge::judge(const Simulation& simulation, const LastDetection& dete
   const ScopedTimer timer(record.judging_ns);
   const std::vector<Vec3>& positions = simulation.positions();
   m_referee.judge(detection.bone_poses, detection.positions, simulation.free_nodes(), m_truth);
-  long work = m_referee.last_effort().work;
+  m_work = m_referee.last_effort().work;
   record.difference = compare_contacts(detection.contacts, m_truth);
   record.stuck_nodes = count_stuck_nodes(detection, m_truth, positions, m_floor_m);
 
   const auto poses = simulation.bone_poses();
   m_referee.judge(poses, positions, simulation.free_nodes(), m_truth);
-  work += m_referee.last_effort().work;
+  m_work += m_referee.last_effort().work;
   record.depth = depth_statistics(m_truth);
   record.tunnelled_nodes = m_tunnelling.update(m_referee, poses, positions, simulation.free_nodes(), m_truth);
+  m_work += m_tunnelling.last_work();
 
   std::vector<Contact> in_muscles;
   if (m_muscle_referee) {
     m_muscle_referee->judge(positions, in_muscles);
-    work += m_muscle_referee->last_work();
+    m_work += m_muscle_referee->last_work();
     record.in_muscles = depth_statistics(in_muscles);
   }
 
   judge_bodies(simulation, m_truth, in_muscles, record);
 
-  const auto budget_left = [&] { return std::max(m_budget - work, m_budget / 4); };
-  const DeepestSurfacePoint surface = m_surface.measure(m_referee, poses, positions, m_truth, budget_left());
-  record.surface_depth_m = surface.depth_m;
-  record.surface_depth_bound_m = surface.bound_m;
-  work += m_surface.last_work();
-  const DeepestBoneVertex vertex = m_bone_vertices.measure(poses, positions, budget_left());
+  m_node_work = m_work;
+
+  const long least = m_budget / 8;
+  // Bones' vertices come first: what a budget leaves open of them has the coarser bound.
+  const DeepestBoneVertex vertex = m_bone_vertices.measure(poses, positions, std::max((m_budget - m_work) / 2, least));
   record.bone_vertex_depth_m = vertex.depth_m;
   record.bone_vertex_depth_bound_m = vertex.bound_m;
+  m_work += m_bone_vertices.last_work();
+  const DeepestSurfacePoint surface =
+      m_surface.measure(m_referee, poses, positions, m_truth, std::max(m_budget - m_work, least));
+  record.surface_depth_m = surface.depth_m;
+  record.surface_depth_bound_m = surface.bound_m;
+  m_work += m_surface.last_work();
   record.judgement_complete = surface.complete && vertex.complete();
   record.edge_stretch = m_stretch.measure(positions);
   record.judged = true;
@@ -133,11 +142,11 @@ std::vector<double> CoupledJudge::depths(const Simulation& simulation) {
   return depths_m;
 }
 
-long judging_budget(const Scene& scene) {
+long judging_budget(const Scene& scene, int threads) {
   const auto nodes = static_cast<long>(scene.muscle_mesh.vertices.size());
   const auto effects = static_cast<long>(scene.effects.size());
   const long steps = static_cast<long>(scene.loop.substeps) * scene.loop.iterations;
-  return judging_factor * nodes * steps * (node_ns + effects * node_and_effect_ns) / work_unit_ns;
+  return judging_factor * nodes * steps * (node_ns + effects * node_and_effect_ns) / work_unit_ns / threads;
 }
 
 }  // namespace musclebench

@@ -22,8 +22,9 @@ namespace musclebench {
 /// touch in one another, which nodes went through a bone, which are held for nothing, how far a muscle is stretched.
 class CoupledJudge {
  public:
-  /// `simulation` has not made a frame yet.
-  CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_nodes, const Simulation& simulation);
+  /// `simulation`, which runs on `threads`, has not made a frame yet.
+  CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_nodes, const Simulation& simulation,
+               int threads = 1);
 
   /// Fills in the judged figures of `record` after a frame, whose last detection was `detection`.
   void judge(const Simulation& simulation, const LastDetection& detection, StepRecord& record);
@@ -35,6 +36,11 @@ class CoupledJudge {
   [[nodiscard]] const DepthStatistics& depth_at_rest() const { return m_at_rest; }
   /// Of nodes in other muscles before the first frame; nothing where no muscles touch.
   [[nodiscard]] const std::optional<DepthStatistics>& muscle_depth_at_rest() const { return m_in_muscles_at_rest; }
+
+  /// Work in the unit of RefereeTree that a frame may take, what the last one took, and what nodes took of that.
+  [[nodiscard]] long budget() const { return m_budget; }
+  [[nodiscard]] long last_work() const { return m_work; }
+  [[nodiscard]] long last_node_work() const { return m_node_work; }
 
  private:
   void judge_bodies(const Simulation& simulation, std::span<const Contact> in_bones,
@@ -52,13 +58,16 @@ class CoupledJudge {
   std::optional<DepthStatistics> m_in_muscles_at_rest;
   double m_floor_m;  // of a movement that counts, for stuck nodes
   long m_budget;
+  long m_work = 0;       // of the last frame
+  long m_node_work = 0;  // of that, what judging and following the nodes took
   std::vector<Contact> m_truth;
 };
 
-/// Work in the unit of RefereeTree that judging a frame may take: some 20 times the time of the frame itself, which is
-/// estimated from below from the size of the scene alone, so that the same scene is judged alike on any machine. The
-/// nodes are always judged, at most one distance and one winding number a bone and detection; surface and bone vertices
-/// take what is left of the budget, at least a quarter of it each.
-long judging_budget(const Scene& scene);
+/// Work in the unit of RefereeTree that judging a frame may take: 20 times the time of the frame itself on `threads`,
+/// which is estimated from below from the size of the scene alone, so that the same case is judged alike on any
+/// machine. The nodes are always judged, at most one distance and one winding number a bone and detection, and
+/// followed; bones' vertices and then the muscle's surface take what is left. An eighth of the budget is for each of
+/// the two even where nodes leave nothing, and each may exceed its share by what it looks at last.
+long judging_budget(const Scene& scene, int threads = 1);
 
 }  // namespace musclebench

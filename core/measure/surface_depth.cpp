@@ -113,7 +113,7 @@ void SurfaceDepthMeter::start_where_it_was_deepest(const Referee& referee, std::
     point += m_best_weights[static_cast<Eigen::Index>(k)] * positions[static_cast<std::size_t>(nodes[k])];
   }
   m_best_rest_m = poses[static_cast<std::size_t>(last.bone)].apply_inverse(point);
-  const SurfaceDistance surface = referee.closest(last.bone, m_best_rest_m);
+  const SurfaceDistance surface = referee.closest(last.bone, m_best_rest_m, &m_work);
   if (surface.signed_distance_m >= 0) return;
   m_best = {-surface.signed_distance_m, 0, true, last.bone, last.triangle, point};
   m_best_out_of_bone = surface.normal;

@@ -20,14 +20,15 @@ void TunnellingTracker::Passage::leave(const Vec3& normal, double grazing_m) {
   if (entry_normal.dot(normal) < opposed_cosine && deepest_m > grazing_m) tunnelled = !tunnelled;
 }
 
-void TunnellingTracker::Passage::sample_depth(const RefereeTree& tree, const Vec3& inner_point) {
-  deepest_m = std::max(deepest_m, std::sqrt(tree.closest(inner_point).squared_distance_m2));
+void TunnellingTracker::Passage::sample_depth(const RefereeTree& tree, const Vec3& inner_point, long& work) {
+  deepest_m = std::max(deepest_m, std::sqrt(tree.closest(inner_point, -1, &work).squared_distance_m2));
 }
 
 int TunnellingTracker::update(const Referee& referee, std::span<const RigidMotion> poses,
                               std::span<const Vec3> positions, std::span<const int> nodes,
                               std::span<const Contact> truth) {
   assert(poses.size() == m_passages.size());
+  m_work = 0;
   auto contact = truth.begin();
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const int bone = static_cast<int>(i);
@@ -41,12 +42,12 @@ int TunnellingTracker::update(const Referee& referee, std::span<const RigidMotio
       const Vec3 point = rest_point - tree.centre_m();
       const bool same_side = passage.seen && passage.inside == inside;
       const bool far = same_side && (point - passage.point_m).norm() < referee.least_distance(bone, node, rest_point);
-      if (passage.seen && far && inside) passage.sample_depth(tree, 0.5 * (passage.point_m + point));
+      if (passage.seen && far && inside) passage.sample_depth(tree, 0.5 * (passage.point_m + point), m_work);
       if (passage.seen && !far) follow_crossings(tree, point, passage);
       // The inside flag is authoritative; crossings may be missing for open surfaces and in the first frame.
       if (inside && !passage.inside) passage.enter(poses[i].rotation.transpose() * truth_here->normal);
       if (!inside && passage.inside)
-        passage.leave(referee.closest(bone, rest_point).normal, grazing_depth * tree.diagonal_m());
+        passage.leave(referee.closest(bone, rest_point, &m_work).normal, grazing_depth * tree.diagonal_m());
       if (inside) passage.deepest_m = std::max(passage.deepest_m, truth_here->depth_m);
       passage.point_m = point;
       passage.seen = true;
@@ -56,20 +57,20 @@ int TunnellingTracker::update(const Referee& referee, std::span<const RigidMotio
 }
 
 void TunnellingTracker::follow_crossings(const RefereeTree& tree, const Vec3& point, Passage& passage) {
-  tree.cross(passage.point_m, point, m_crossings);
+  tree.cross(passage.point_m, point, m_crossings, &m_work);
   if (m_crossings.empty() && !passage.inside) return;
   // Where components of the surface overlap, only the outermost crossing enters or leaves the bone.
   int layers = passage.inside ? 1 : 0;
   if (tree.closed() && passage.inside)
-    layers = std::max(1, static_cast<int>(std::lround(tree.winding_number(passage.point_m))));
+    layers = std::max(1, static_cast<int>(std::lround(tree.winding_number(passage.point_m, &m_work))));
   // What touches the surface counts as outside, but its path may begin inside.
   if (tree.closed() && !passage.inside && !m_crossings.front().entering) {
-    passage.enter(tree.face_normal(tree.closest(passage.point_m).slot));
+    passage.enter(tree.face_normal(tree.closest(passage.point_m, -1, &m_work).slot));
     layers = 1;
   }
   double inside_since = 0;
   const auto sample_the_middle = [&](double until) {
-    passage.sample_depth(tree, passage.point_m + 0.5 * (inside_since + until) * (point - passage.point_m));
+    passage.sample_depth(tree, passage.point_m + 0.5 * (inside_since + until) * (point - passage.point_m), m_work);
   };
   for (const SurfaceCrossing& crossing : m_crossings) {
     layers += crossing.entering ? 1 : -1;

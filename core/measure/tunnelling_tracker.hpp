@@ -37,6 +37,9 @@ class TunnellingTracker {
   [[nodiscard]] int tunnelled_nodes() const;
   [[nodiscard]] bool tunnelled(int node) const;
 
+  /// Work of the last call of `update`, in the unit of RefereeTree: linear in the number of nodes.
+  [[nodiscard]] long last_work() const { return m_work; }
+
   [[nodiscard]] std::size_t bytes() const;
 
  private:
@@ -52,13 +55,14 @@ class TunnellingTracker {
     void enter(const Vec3& normal);
     void leave(const Vec3& normal, double grazing_m);
     /// Samples the depth at `inner_point`, relative to the tree's centre, which is inside.
-    void sample_depth(const RefereeTree& tree, const Vec3& inner_point);
+    void sample_depth(const RefereeTree& tree, const Vec3& inner_point, long& work);
   };
 
   void follow_crossings(const RefereeTree& tree, const Vec3& point, Passage& passage);
 
   std::vector<std::vector<Passage>> m_passages;  // by bone, by node
-  std::vector<SurfaceCrossing> m_crossings;      // scratch memory
+  long m_work = 0;
+  std::vector<SurfaceCrossing> m_crossings;  // scratch memory
 };
 
 }  // namespace musclebench

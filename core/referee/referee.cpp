@@ -30,8 +30,8 @@ SurfaceDistance describe(const RefereeTree& tree, const Vec3& point, const Close
           direction_known ? Vec3(outwards / distance) : tree.face_normal(nearest.slot)};
 }
 
-bool is_inside(const RefereeTree& tree, const Vec3& point, const ClosestSurfacePoint& nearest) {
-  return nearest.squared_distance_m2 > 0 && tree.winding_number(point) > 0.5;
+bool is_inside(const RefereeTree& tree, const Vec3& point, const ClosestSurfacePoint& nearest, long* work) {
+  return nearest.squared_distance_m2 > 0 && tree.winding_number(point, work) > 0.5;
 }
 
 }  // namespace
@@ -54,11 +54,11 @@ double Referee::signed_distance(int bone, const Vec3& rest_point) const {
   return closest(bone, rest_point).signed_distance_m;
 }
 
-SurfaceDistance Referee::closest(int bone, const Vec3& rest_point) const {
+SurfaceDistance Referee::closest(int bone, const Vec3& rest_point, long* work) const {
   const RefereeTree& tree = m_trees[static_cast<std::size_t>(bone)];
   const Vec3 point = rest_point - tree.centre_m();
-  const ClosestSurfacePoint nearest = tree.closest(point);
-  SurfaceDistance answer = describe(tree, point, nearest, is_inside(tree, point, nearest));
+  const ClosestSurfacePoint nearest = tree.closest(point, -1, work);
+  SurfaceDistance answer = describe(tree, point, nearest, is_inside(tree, point, nearest, work));
   answer.closest_point_m += tree.centre_m();
   return answer;
 }

@@ -50,8 +50,9 @@ class Referee {
   /// closer to the surface than the touching distance: what `judge` counts as touching may be negative.
   [[nodiscard]] double signed_distance(int bone, const Vec3& rest_point) const;
 
-  /// The same with the closest point and the normal, both in the rest frame.
-  [[nodiscard]] SurfaceDistance closest(int bone, const Vec3& rest_point) const;
+  /// The same with the closest point and the normal, both in the rest frame. Adds to `work`, where it is given, in the
+  /// unit of RefereeTree.
+  [[nodiscard]] SurfaceDistance closest(int bone, const Vec3& rest_point, long* work = nullptr) const;
 
   /// The tree over bone number `bone`, for other queries.
   [[nodiscard]] const RefereeTree& tree(int bone) const { return m_trees[static_cast<std::size_t>(bone)]; }

@@ -88,7 +88,7 @@ class RefereeTree {
   /// The crossings of the segment with the surface, into `crossings`, in the order that they are met in. A point on the
   /// surface counts as in front of it. Which triangles are crossed is decided without rounding errors; a segment
   /// through an edge crosses one of the triangles there; through a vertex it may cross any number.
-  void cross(const Vec3& from, const Vec3& to, std::vector<SurfaceCrossing>& crossings) const;
+  void cross(const Vec3& from, const Vec3& to, std::vector<SurfaceCrossing>& crossings, long* work = nullptr) const;
 
   /// Moves the vertices and keeps the tree's shape: answers stay exact, queries get slower the more the surface
   /// deforms. `triangles` and the number of `vertices` are those of the mesh that the tree was made of; `vertices` are

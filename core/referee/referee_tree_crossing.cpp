@@ -150,7 +150,7 @@ int RefereeTree::find_touched(const Vec3& a, const Vec3& b, const Vec3& c, long*
   return met;
 }
 
-void RefereeTree::cross(const Vec3& from, const Vec3& to, std::vector<SurfaceCrossing>& crossings) const {
+void RefereeTree::cross(const Vec3& from, const Vec3& to, std::vector<SurfaceCrossing>& crossings, long* work) const {
   crossings.clear();
   FloatBox box;
   box.extend(from);
@@ -174,7 +174,7 @@ void RefereeTree::cross(const Vec3& from, const Vec3& to, std::vector<SurfaceCro
         }
         return true;
       },
-      nullptr);
+      work);
   std::sort(crossings.begin(), crossings.end(), [&](const SurfaceCrossing& one, const SurfaceCrossing& other) {
     return std::pair(one.share, triangle_index(one.slot)) < std::pair(other.share, triangle_index(other.slot));
   });

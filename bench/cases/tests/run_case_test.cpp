@@ -1,14 +1,17 @@
 #include "bench/cases/run_case.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "bench/cases/build_backend.hpp"
 #include "bench/cases/coupled_judge.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/referee/tests/test_bones.hpp"
+#include "core/scene/prepare_simulation.hpp"
 
 namespace musclebench {
 namespace {
@@ -83,6 +86,81 @@ TEST(JudgingBudget, GrowsWithTheFrame) {
   EXPECT_EQ(judging_budget(scene), 6 * one_step);
   scene.effects.assign(2, SceneEffect{"bending", Parameters({}, {}, "test")});
   EXPECT_GT(judging_budget(scene), 12 * one_step);
+}
+
+/// A muscle without effects in the groove of a bone. Nothing moves.
+Scene muscle_in_a_groove(const Vec3& shift, int substeps) {
+  Scene scene;
+  scene.name = "groove";
+  scene.bones.push_back(bone_of(grooved_block()));
+  scene.bone_meshes.push_back({"bone", "", scene.bones[0].surface.mesh});
+  scene.motions.emplace_back();
+  scene.add_muscle("muscle", moved(groove_filling(), shift));
+  scene.loop.frames = 3;
+  scene.loop.substeps = substeps;
+  return scene;
+}
+
+struct JudgedFrame {
+  StepRecord record;
+  long budget, work, node_work;
+};
+
+std::vector<JudgedFrame> judge_frames(const Scene& scene, int threads) {
+  const BackendEntry& entry = find_backend("null");
+  const Case resolved{scene, entry, Parameters(entry.parameters, {}, entry.name)};
+  const BuiltBackend built = build_backend(resolved);
+  const PreparedSimulation prepared = prepare_simulation(scene, *built.backend, resolved.responses, 1);
+  CoupledJudge judge(scene, prepared.bound_nodes, *prepared.simulation, threads);
+  std::vector<JudgedFrame> frames;
+  for (int frame = 1; frame <= scene.loop.frames; ++frame) {
+    LastDetection detection;
+    prepared.simulation->step_frame(frame, &detection);
+    StepRecord record;
+    judge.judge(*prepared.simulation, detection, record);
+    frames.push_back({record, judge.budget(), judge.last_work(), judge.last_node_work()});
+  }
+  return frames;
+}
+
+TEST(JudgingBudget, IsDividedByTheThreadsOfTheFrame) {
+  const Scene scene = ball_against_ball(1, 0, 1);
+  EXPECT_EQ(judging_budget(scene, 4), judging_budget(scene) / 4);
+}
+
+TEST(JudgingBudget, IsKeptInAGroove) {
+  constexpr long last_look = 5000;  // a cluster of vertices and a part of a face
+  for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(0.01, 0, -0.02)}) {
+    for (const int substeps : {1, 8, 64, 1000}) {
+      for (const int threads : {1, 4}) {
+        const Scene scene = muscle_in_a_groove(shift, substeps);
+        for (const JudgedFrame& frame : judge_frames(scene, threads)) {
+          EXPECT_EQ(frame.budget, judging_budget(scene, threads));
+          EXPECT_GT(frame.node_work, 0);
+          EXPECT_LE(frame.work, std::max(frame.budget, frame.node_work + frame.budget / 4) + last_look);
+          EXPECT_TRUE(frame.record.judged);
+          EXPECT_GE(frame.record.surface_depth_bound_m, frame.record.surface_depth_m);
+          if (substeps == 1000 && threads == 1) {
+            EXPECT_TRUE(frame.record.judgement_complete);
+          }
+          if (substeps == 1 && !shift.isZero(0)) {
+            EXPECT_FALSE(frame.record.judgement_complete);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(JudgingBudget, LeavesRowsReproducible) {
+  const Scene scene = muscle_in_a_groove(Vec3(0.01, 0, -0.02), 8);
+  const std::vector<JudgedFrame> once = judge_frames(scene, 1);
+  const std::vector<JudgedFrame> again = judge_frames(scene, 1);
+  for (std::size_t i = 0; i < once.size(); ++i) {
+    EXPECT_EQ(once[i].work, again[i].work);
+    EXPECT_EQ(once[i].record.surface_depth_bound_m, again[i].record.surface_depth_bound_m);
+    EXPECT_EQ(once[i].record.bone_vertex_depth_bound_m, again[i].record.bone_vertex_depth_bound_m);
+  }
 }
 
 class NoContacts final : public CollisionBackend {

@@ -30,6 +30,7 @@ class Walk {
     for (const Vec3& point : points) tunnelled = to(point);
     return tunnelled;
   }
+  [[nodiscard]] long work() const { return m_tracker.last_work(); }
 
  private:
   static std::vector<Bone> bones(const std::vector<TriangleMesh>& meshes) {
@@ -47,6 +48,16 @@ class Walk {
 TriangleMesh plate() { return make_box({1, 1, 0.01}, 3); }
 
 TEST(Passage, ThroughAPlateInOneFrame) { EXPECT_EQ(Walk({plate()}).along({{0.1, 0.2, 0.5}, {0.12, 0.25, -0.5}}), 1); }
+
+TEST(Passage, WorkIsCounted) {
+  Walk walk({plate()});
+  walk.to({0.1, 0.2, 0.5});
+  EXPECT_EQ(walk.work(), 0) << "a node that is seen first has no path";
+  walk.to({0.12, 0.25, -0.5});
+  EXPECT_GT(walk.work(), 0);
+  walk.to({0.12, 0.25, -0.5});
+  EXPECT_EQ(walk.work(), 0) << "a node far away that rests is not followed";
+}
 
 TEST(Passage, ThroughAPlateInManyFrames) {
   Walk walk({plate()});

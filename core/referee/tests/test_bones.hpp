@@ -59,6 +59,38 @@ inline TriangleMesh make_spike(double half_width, double height) {
   return mesh;
 }
 
+/// The outline (x, z; counter-clockwise seen from -y) along y from -1 to 1, in `rows` rows; the ends are fans around
+/// `hub`, a point from which the whole outline is seen.
+inline TriangleMesh extruded(const std::vector<Eigen::Vector2d>& outline, const Eigen::Vector2d& hub, int rows) {
+  TriangleMesh mesh;
+  const int n = static_cast<int>(outline.size());
+  for (int row = 0; row <= rows; ++row) {
+    for (const Eigen::Vector2d& p : outline) mesh.vertices.emplace_back(p.x(), -1 + 2.0 * row / rows, p.y());
+  }
+  for (const double y : {-1.0, 1.0}) mesh.vertices.emplace_back(hub.x(), y, hub.y());
+  for (int i = 0; i < n; ++i) {
+    const int next = (i + 1) % n;
+    for (int row = 0; row < rows; ++row) {
+      mesh.triangles.push_back({row * n + i, row * n + next, (row + 1) * n + next});
+      mesh.triangles.push_back({row * n + i, (row + 1) * n + next, (row + 1) * n + i});
+    }
+    mesh.triangles.push_back({next, i, (rows + 1) * n});
+    mesh.triangles.push_back({rows * n + i, rows * n + next, (rows + 1) * n + 1});
+  }
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+/// A block with a groove along y, 45 degrees to both sides, its valley line at z = 0. 196 triangles.
+inline TriangleMesh grooved_block() {
+  return extruded({{-2, -2}, {2, -2}, {2, 1}, {1, 1}, {0, 0}, {-1, 1}, {-2, 1}}, {0, -1}, 13);
+}
+
+/// What fills the groove. 97 nodes.
+inline TriangleMesh groove_filling() {
+  return extruded({{0, 0}, {0.5, 0.5}, {1, 1}, {-1, 1}, {-0.5, 0.5}}, {0, 0.7}, 18);
+}
+
 inline std::vector<int> all_nodes(std::size_t count) {
   std::vector<int> nodes(count);
   for (std::size_t i = 0; i < count; ++i) nodes[i] = static_cast<int>(i);
