@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "bench/cases/build_backend.hpp"
-#include "bench/cases/divergence.hpp"
+#include "bench/cases/record_case.hpp"
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
 #include "bench/process/progress.hpp"
@@ -26,24 +26,6 @@ struct RecordOptions {
   BackendOptions backend;
   std::string out;
   bool progress_lines = false;
-};
-
-/// Writes every collision step of the simulation that it watches.
-class StepWriter final : public CollisionObserver {
- public:
-  explicit StepWriter(RecordingWriter& writer) : m_writer(writer) {}
-  /// Whether all positions so far could be written; the others have blown up.
-  [[nodiscard]] bool complete() const { return m_complete; }
-
-  void before_detection(const CollisionStep& step) override {
-    m_complete =
-        m_complete && m_writer.add_step(step.substep_start, step.previous_bone_poses, step.positions, step.bone_poses);
-  }
-  void after_detection(const CollisionStep& /*step*/, std::span<const Contact> /*contacts*/) override {}
-
- private:
-  RecordingWriter& m_writer;
-  bool m_complete = true;
 };
 
 /// An embedded scene by its name, a file by its absolute path.
@@ -72,24 +54,6 @@ RecordingHeader header_of(const Case& resolved, const SceneOptions& options, std
   }
   header.free_nodes.assign(free_nodes.begin(), free_nodes.end());
   return header;
-}
-
-/// Runs all frames; says why when the simulation blew up before the last.
-std::string write_frames(Simulation& simulation, const Scene& scene, RecordingWriter& writer, Progress& progress) {
-  const Divergence divergence(scene);
-  StepWriter steps(writer);
-  for (int frame = 1; frame <= scene.loop.frames; ++frame) {
-    simulation.step_frame(frame, &steps);
-    std::string lost = divergence.describe(frame, simulation.positions());
-    if (!lost.empty()) {
-      return lost;
-    }
-    if (!steps.complete()) {
-      return fmt::format("frame {}: a node left the scene within a substep", frame);
-    }
-    progress.show(frame);
-  }
-  return "";
 }
 
 void print_summary(const RecordingHeader& header, const RecordingFile& file, Nanoseconds wall_ns,
@@ -136,7 +100,8 @@ int record(const RecordOptions& options) {
   }
   {
     Progress progress(progress_style(options.progress_lines), "record " + scene.name, scene.loop.frames);
-    const std::string lost = write_frames(*prepared.simulation, scene, *writer, progress);
+    const std::string lost =
+        record_frames(*prepared.simulation, scene, *writer, [&](int frames_done) { progress.show(frames_done); });
     if (!lost.empty()) {
       fmt::print(stderr, "musclebench: {}: diverged, nothing was recorded: {}\n", scene.name, lost);
       return exit_diverged;
