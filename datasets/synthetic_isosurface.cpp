@@ -8,6 +8,8 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "core/base/grid_index.hpp"
+
 namespace musclebench {
 
 namespace {
@@ -32,7 +34,7 @@ class Marcher {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double cells = (upper_m - lower_m)[static_cast<int>(axis)] / cell_m;
       m_blocks[axis] = static_cast<int>(cells / block_cells) + 1;
-      m_nodes[axis] = m_blocks[axis] * block_cells + 1;
+      m_nodes.count[axis] = static_cast<std::size_t>(m_blocks[axis] * block_cells + 1);
     }
   }
 
@@ -54,7 +56,8 @@ class Marcher {
   }
 
   [[nodiscard]] std::int64_t index(const Cell& node) const {
-    return (static_cast<std::int64_t>(node[2]) * m_nodes[1] + node[1]) * m_nodes[0] + node[0];
+    return static_cast<std::int64_t>(m_nodes.index(static_cast<std::size_t>(node[0]), static_cast<std::size_t>(node[1]),
+                                                   static_cast<std::size_t>(node[2])));
   }
 
   double value(const Cell& node) {
@@ -150,8 +153,8 @@ class Marcher {
     const std::int64_t high = std::max(index(a), index(b));
     // Node distance along an edge is one of seven; its difference of indices tells them apart within a grid.
     const std::int64_t step = high - low;
-    const std::int64_t row = m_nodes[0];
-    const std::int64_t layer = row * m_nodes[1];
+    const std::int64_t row = static_cast<std::int64_t>(m_nodes.count[0]);
+    const std::int64_t layer = row * static_cast<std::int64_t>(m_nodes.count[1]);
     const std::int64_t kind = step / layer * 4 + step % layer / row * 2 + step % row;
     const auto [entry, fresh] = m_cuts.try_emplace(low * 8 + kind, static_cast<int>(m_mesh.vertices.size()));
     if (fresh) {
@@ -165,7 +168,7 @@ class Marcher {
   Vec3 m_lower_m;
   double m_cell_m;
   std::array<int, 3> m_blocks{};
-  std::array<int, 3> m_nodes{};
+  GridIndex m_nodes;
   std::unordered_map<std::int64_t, double> m_values;
   std::unordered_map<std::int64_t, int> m_cuts;
   TriangleMesh m_mesh;

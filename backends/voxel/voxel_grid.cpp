@@ -59,7 +59,7 @@ VoxelGrid::VoxelGrid(const TriangleMesh& surface, const TriangleBvh& tree, int c
   }
   require_memory(static_cast<std::size_t>(total * bytes_while_building), name, "choose fewer or larger cells");
 
-  std::vector<Cell> states(index(0, 0, m_counts[2]), Cell::unknown);
+  std::vector<Cell> states(m_cells.size(), Cell::unknown);
   mark_border(surface, states);
   mark_inside(tree, states);
   m_bits.assign((states.size() + 63) / 64, 0);
@@ -89,6 +89,7 @@ void VoxelGrid::size_cells(const TriangleMesh& surface, int cells, double voxel_
   }
   for (int axis = 0; axis < 3; ++axis) {
     m_counts[axis] = m_counts_real[axis] < 1e9 ? static_cast<int>(m_counts_real[axis]) : 0;
+    m_cells.count[axis] = static_cast<std::size_t>(m_counts[axis]);
   }
 }
 

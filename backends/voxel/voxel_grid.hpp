@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/grid_index.hpp"
 #include "core/bvh/triangle_bvh.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
@@ -48,7 +49,7 @@ class VoxelGrid {
   enum class Cell : std::uint8_t { unknown, border, inside, outside };
 
   [[nodiscard]] std::size_t index(int x, int y, int z) const {
-    return (static_cast<std::size_t>(z) * m_counts[1] + y) * m_counts[0] + x;
+    return m_cells.index(static_cast<std::size_t>(x), static_cast<std::size_t>(y), static_cast<std::size_t>(z));
   }
   void size_cells(const TriangleMesh& surface, int cells, double voxel_size_m);
   void mark_border(const TriangleMesh& surface, std::vector<Cell>& states) const;
@@ -59,6 +60,7 @@ class VoxelGrid {
   Vec3 m_cell_size_m = Vec3::Ones();
   Vec3 m_counts_real = Vec3::Zero();
   std::array<int, 3> m_counts{};
+  GridIndex m_cells;
   std::vector<std::uint64_t> m_bits;
 };
 
