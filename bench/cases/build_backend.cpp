@@ -15,9 +15,14 @@ BuiltBackend build_backend(const Case& resolved, const std::function<void(double
   }
   for (const Bone& bone : resolved.scene.bones) {
     built.build_ns += bone.shared.reused_build_ns();
-    bone.shared.release();  // the backend keeps its own structures from here on
   }
   return built;
+}
+
+void release_shared(const Scene& scene) {
+  for (const Bone& bone : scene.bones) {
+    bone.shared.release();
+  }
 }
 
 }  // namespace musclebench

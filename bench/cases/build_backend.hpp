@@ -15,7 +15,10 @@ struct BuiltBackend {
 };
 
 /// `report` is called now and then with the share that is done. Throws InputError when the backend's parameters do not
-/// fit the scene.
+/// fit the scene. What it shared with the scene stays with the bones, for the stages of a simulation to take up.
 BuiltBackend build_backend(const Case& resolved, const std::function<void(double share)>& report = {});
+
+/// After the last of those who need what the bones share: gives the memory back, but for what backend and stages keep.
+void release_shared(const Scene& scene);
 
 }  // namespace musclebench

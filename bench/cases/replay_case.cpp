@@ -41,6 +41,7 @@ class Replayer {
 
   ReplayResult run() {
     BuiltBackend built = build_backend(m_replay);
+    release_shared(m_replay.scene);
     m_backend = std::move(built.backend);
     m_result.build_ns = built.build_ns;
     m_result.structure_bytes = m_backend->structure_bytes();

@@ -73,6 +73,7 @@ class CaseRunner {
 
     PreparedSimulation prepared =
         prepare_simulation(m_run.scene, *m_backend, m_run.responses, m_run.threads, std::move(muscle_detectors));
+    release_shared(m_scene);
     m_simulation = std::move(prepared.simulation);
     for (const auto& stage : m_simulation->stages()) {
       if (auto* found = dynamic_cast<MuscleContactStage*>(stage.get())) m_muscle_contact = found;

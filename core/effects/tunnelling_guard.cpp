@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <optional>
 
@@ -25,7 +26,8 @@ struct PathSegment {
 /// Keeps nodes from passing through one bone.
 class BoneGuard {
  public:
-  BoneGuard(const Bone& bone, std::size_t nodes) : m_surface(bone.signed_distance()), m_states(nodes) {}
+  BoneGuard(const Bone& bone, std::size_t nodes)
+      : m_kept(bone.kept_signed_distance()), m_surface(*m_kept), m_states(nodes) {}
 
   /// The position that rule `crossing` puts the node back to, rest frame; none where it may stay. `clearance_m` becomes
   /// the radius of a sphere about the end of the path that has no surface in it; 0: unknown.
@@ -140,6 +142,7 @@ class BoneGuard {
     return {closest.point, m_surface.outward(point, located), closest.distance_m, closest.triangle, located.inside};
   }
 
+  std::shared_ptr<const SignedSurface> m_kept;
   const SignedSurface& m_surface;
   std::vector<NodeState> m_states;
   std::vector<PathCrossing> m_crossings;  // scratch memory

@@ -163,6 +163,24 @@ TEST(JudgingBudget, LeavesRowsReproducible) {
   }
 }
 
+TEST(BuildBackend, WhatBonesShareStaysUntilTheSimulationIsPrepared) {
+  Scene scene = ball_against_ball(1, 0, 1);
+  const EffectEntry& margin = *find_effect("margin");
+  scene.effects.push_back({"margin", Parameters(margin.parameters, {}, "test")});
+  const std::weak_ptr<const SignedSurface> shared = scene.bones[0].kept_signed_distance();
+  const BackendEntry& entry = find_backend("null");
+  const BuiltBackend built = build_backend({scene, entry, Parameters(entry.parameters, {}, entry.name)});
+  EXPECT_FALSE(shared.expired()) << "a stage would build it again";
+  EXPECT_EQ(scene.bones[0].shared.reused_build_ns(), 0) << "a backend that asks for nothing pays for nothing";
+  {
+    const PreparedSimulation prepared = prepare_simulation(scene, *built.backend, {entry.default_response}, 1);
+    EXPECT_EQ(scene.bones[0].kept_signed_distance(), shared.lock());
+    release_shared(scene);
+    EXPECT_FALSE(shared.expired()) << "the margin's";
+  }
+  EXPECT_TRUE(shared.expired());
+}
+
 class NoContacts final : public CollisionBackend {
  public:
   [[nodiscard]] Capabilities capabilities() const override { return {}; }

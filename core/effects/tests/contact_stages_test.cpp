@@ -1,6 +1,7 @@
 // Effects that are stages of the collision step, and damping.
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -238,6 +239,21 @@ TEST(Margin, ContactsAreThoseOfTheExactDistance) {
 
 constexpr double half_thickness_m = 0.002;
 TriangleMesh plate() { return make_box({0.1, 0.1, half_thickness_m}, 5); }
+
+TEST(ContactStages, ShareTheSurfaceOfABoneAndKeepIt) {
+  const std::vector<Bone> bones(1, bone_of(make_sphere(0.02, 2)));
+  const std::weak_ptr<const SignedSurface> shared = bones[0].kept_signed_distance();
+  const long used = shared.use_count();
+  auto margin = make_stage("margin", bones, 1);
+  EXPECT_EQ(shared.use_count(), used + 1);
+  auto guard = make_stage("tunnelling_guard", bones, 1);
+  EXPECT_EQ(shared.use_count(), used + 2);
+  bones[0].shared.release();
+  EXPECT_FALSE(shared.expired());
+  margin.reset();
+  guard.reset();
+  EXPECT_TRUE(shared.expired());
+}
 
 TEST(TunnellingGuard, ABulletStopsWhereItHitsThePlate) {
   for (const char* rule : {"crossing", "angle"}) {
