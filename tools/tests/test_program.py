@@ -145,6 +145,7 @@ def test_a_broken_mesh_is_refused(folder, content, words):
     (["--preset", "papr"], ["papr", "paper"]),
     (["--loop", "substep=3"], ["substep", "substeps"]),
     (["--loop", "time_step_s=-1"], ["time_step_s", "-1"]),
+    (["--threads", "4096"], ["4096 threads are more than the", "cores of this machine; take at most"]),
     (["--data", "/no/such/folder"], ["/no/such/folder"]),
     (["--out", "/proc/nowhere/out"], ["/proc/nowhere/out"]),
 ])
