@@ -79,15 +79,17 @@ def test_the_fixture_has_the_schema_of_the_programs_list(listed):
 
 def test_the_fixture_has_the_programs_backends_and_parameters(listed):
     theirs = {backend["name"]: backend for backend in listed["backends"]}
+    assert theirs.keys() <= {backend["name"] for backend in fake_registry.listed()["backends"]}
     for backend in fake_registry.listed()["backends"]:
         if backend["name"] not in theirs:
             pytest.skip(f"{backend['name']} is not a backend of this build")
         real = theirs[backend["name"]]
         for key in ("label", "colour", "dash", "default_response", "exact"):
             assert backend[key] == real[key], f"{backend['name']}: {key}"
-        told = [[{key: one[key] for key in ("name", "kind", "unit", "default", "role")} for one in about["parameters"]]
-                for about in (backend, real)]
+        told = [[{key: one.get(key) for key in ("name", "kind", "unit", "default", "minimum", "maximum", "choices", "role")}
+                 for one in about["parameters"]] for about in (backend, real)]
         assert told[0] == told[1], backend["name"]
+        assert backend["capabilities"].items() <= real["capabilities"].items(), backend["name"]
         assert backend["study"] == real["study"]
 
 
