@@ -256,7 +256,7 @@ def realistic_truths() -> list[tuple[str, Truth]]:
         (72, 0.02, 150, 1, {"manager": "none"}), (73, 0.02, 150, 1, {"solver": "indep"}),
         (55, 0.02, 150, 1, {"bounding_volume": "OBB", "update": "rebuild"}),
         (800, 1e-14, 0, 1, {"query": "node_distance"}),
-        (620, 1e-14, 0, 1, {"query": "node_distance", "manager": "none"}),
+        (620, 1e-14, 0, 1, {"query": "node_distance", "solver": "indep"}),
         (700, 1e-14, 0, 1, {"query": "node_distance", "bounding_volume": "RSS"}),
         (60, 1.9, 8100, 1, {"query": "node_collide"}), (38, 0.02, 150, 2, {}),
     ):
