@@ -33,6 +33,15 @@ KERNELS = [
     *[(f"bone_size/bvh_locate/{20 * 4**n}", "ns_a_point", 100.0 * n) for n in (4, 5, 6, 7)],
     *[(f"bone_size/bvh_step/{20 * 4**n}", "real_time", 70.0) for n in (4, 5, 6, 7)],
     ("sdf_bytes/dense/float/pelvis", "bytes", 7.5e6), ("sdf_bytes/dense/float/femur", "bytes", 7.6e6),
+    *[(f"constraints/edge_length/{how}", "ns_a_constraint", ns)
+      for how, ns in (("lanes", 2.0), ("scalar", 8.0), ("published", 30.0))],
+    *[(f"constraints/bending/{how}", "ns_a_constraint", ns)
+      for how, ns in (("lanes", 10.0), ("lanes_of_avx2", 12.5), ("scalar", 40.0), ("published", 60.0))],
+    *[(f"loop/standard/null/{how}", "real_time", us) for how, us in (("scalar", 4e4), ("1", 1e4), ("2", 6250.0))],
+    *[(f"loop/standard/sdf/{how}", "real_time", us) for how, us in (("scalar", 4.5e4), ("2", 9e3))],
+    *[(f"loop/paper/null/{how}", "real_time", us) for how, us in (("scalar", 5e3), ("1", 1e3))],
+    *[(f"loop/paper/sdf/{how}", "real_time", us) for how, us in (("scalar", 6e3), ("1", 2e3))],
+    *[(f"muscles/sdf/{threads}", "real_time", 6e4 / threads) for threads in (1, 2)],
     ("allocations/bvh/project", "allocations", 0.0), ("allocations/voxel/backtrack", "allocations", 3.0),
 ]
 TIME_OF_COUNTER = {"ns_a_node": 1e6, "bytes": 5.0, "allocations": 5.0}

@@ -2,17 +2,22 @@
 
 import csv
 import json
+import re
+import subprocess
 from pathlib import Path
 
 import pytest
 
 import fake_registry
 import fake_runs
+import fake_speed
 import fake_study
 from fake_study import Truth
 from musclebench.program.registry import parse_registry
-from program import call, needs_program
+from program import PROGRAM, call, needs_program
 from musclebench.results import disturbance
+from musclebench.speed import speed_plan
+from musclebench.speed.speed_cases import MICRO_PROGRAM
 
 pytestmark = needs_program
 SCENE = "synthetic/adductor_brevis"
@@ -118,6 +123,51 @@ def test_fake_tables_have_the_programs_columns(real, mode, name, columns):
     with open(real / mode / name, newline="") as file:
         theirs = next(csv.reader(file))
     assert set(columns) <= set(theirs)
+
+
+@pytest.mark.parametrize("table, columns", [("muscles", fake_runs.MUSCLE_COLUMNS), ("pairs", fake_runs.PAIR_COLUMNS)])
+def test_fake_tables_of_several_muscles_are_the_programs(listed, table, columns):
+    assert columns == [column["name"] for column in listed["results"][table]["columns"]]
+
+
+@pytest.fixture(scope="module")
+def micro() -> Path:
+    program = Path(PROGRAM).parent / "micro" / MICRO_PROGRAM
+    if not program.is_file():
+        pytest.skip(f"{MICRO_PROGRAM} is not built beside the program")
+    return program
+
+
+def kernels_of(program: Path) -> set[str]:
+    """Without what tells how they are timed."""
+    done = subprocess.run([str(program), "--benchmark_list_tests"], capture_output=True, text=True, check=True)
+    return {re.sub(r"(/iterations:\d+)?(/(real|manual)_time)?$", "", name) for name in done.stdout.splitlines()}
+
+
+def test_every_target_names_kernels_that_there_are(listed, micro):
+    groups = {group.name: micro.with_name(group.program) for group in speed_plan.KERNEL_GROUPS}
+    names = {program: kernels_of(program) for program in set(groups.values()) if program.is_file()}
+    for target in speed_plan.targets(parse_registry(json.dumps(listed), "the program")):
+        for kernel in (target[key] for key in ("kernel", "below") if key in target):
+            pattern = re.compile(re.escape(kernel).replace(r"\{\}", ".*"))
+            there = names.get(groups[target["group"]])
+            assert there is None or any(map(pattern.fullmatch, there)), f"{target['what']}: {kernel}"
+
+
+def test_fake_kernels_are_kernels_of_the_program(micro):
+    mine = {name.replace("pelvis", "hip_bone") for name, _, _ in fake_speed.KERNELS}
+    assert mine <= kernels_of(micro), mine - kernels_of(micro)
+
+
+def test_fake_results_of_kernels_are_as_the_program_writes_them(micro, tmp_path):
+    files = {program: tmp_path / f"{Path(program).name}.json" for program in (micro, fake_speed.__file__)}
+    for program, file in files.items():
+        subprocess.run([str(program), "--benchmark_filter=^voxel_test/femur$", "--benchmark_repetitions=2",
+                        "--benchmark_min_time=0.001", f"--benchmark_out={file}", "--benchmark_out_format=json"],
+                       capture_output=True, check=True, timeout=120)
+    theirs, mine = ([one for one in json.loads(files[program].read_text())["benchmarks"]
+                     if one["run_type"] == "iteration"][0] for program in files)
+    assert misfits(shape(mine), shape(theirs)) == []
 
 
 def test_a_survey_is_a_part_of_a_probe(real):
