@@ -41,7 +41,8 @@ class Configuration:
     @property
     def cells(self) -> int | None:
         """Along each axis; None for cubes, for adaptive cells and for backends without a grid."""
-        return int(self._number(self.size)) if self.size is not None and self.size.unit == "" else None
+        is_count = self.size is not None and self.size.unit == "" and self.size.kind == "integer"
+        return int(self._number(self.size)) if is_count else None
 
     @property
     def cube_edge_m(self) -> float | None:
@@ -65,7 +66,7 @@ class Configuration:
         """Grows with resolution along a series."""
         if self.size is None:
             return 0.0
-        return float(self.cells) if self.size.unit == "" else 1e3 / self._size_mm()
+        return self._number(self.size) if self.size.unit == "" else 1e3 / self._size_mm()
 
     @property
     def short(self) -> str:
@@ -74,7 +75,7 @@ class Configuration:
             return ", ".join(text for _, text in self._spoken()) or "default"
         if self.wanted_error_mm is not None:
             return f"to {self.wanted_error_mm:g} mm"
-        return str(self.cells) if self.size.unit == "" else f"{self._size_mm():g} mm"
+        return f"{self._number(self.size):g}" if self.size.unit == "" else f"{self._size_mm():g} mm"
 
     @property
     def name(self) -> str:
