@@ -21,9 +21,16 @@ namespace {
 /// Garbage is told by its beginning, before the rest of it is read.
 constexpr std::size_t head_bytes = 1 << 20;
 
-/// Adds the meshes of `node` and its children where they are placed.
+/// Groups in groups of a scene: far more than people make, far less than the stack holds.
+constexpr int most_nested_nodes = 256;
+
+/// Adds the meshes of `node`, which lies in `depth` others, and its children where they are placed.
 void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& to_parent, PolygonMeshBuilder& builder,
-              unsigned& vertices) {
+              unsigned& vertices, const std::string& location, int depth = 0) {
+  if (depth > most_nested_nodes) {
+    throw InputError(
+        location, fmt::format("nests its nodes more than {} deep; export the mesh without groups", most_nested_nodes));
+  }
   const aiMatrix4x4 to_world = to_parent * node.mTransformation;
   const bool is_mirrored = aiMatrix3x3(to_world).Determinant() < 0;
   for (unsigned m = 0; m < node.mNumMeshes; ++m) {
@@ -43,7 +50,7 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& to_pa
     vertices += mesh.mNumVertices;
   }
   for (unsigned c = 0; c < node.mNumChildren; ++c) {
-    add_node(scene, *node.mChildren[c], to_world, builder, vertices);
+    add_node(scene, *node.mChildren[c], to_world, builder, vertices, location, depth + 1);
   }
 }
 
@@ -62,7 +69,7 @@ PolygonMesh read_through_assimp(const std::filesystem::path& path, std::uintmax_
   }
   PolygonMeshBuilder builder(location);
   unsigned vertices = 0;
-  add_node(*scene, *scene->mRootNode, aiMatrix4x4(), builder, vertices);
+  add_node(*scene, *scene->mRootNode, aiMatrix4x4(), builder, vertices, location);
   return builder.finish();
 }
 

@@ -1,5 +1,6 @@
 #include "core/recording/recording_reader.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <zstd.h>
@@ -51,6 +52,7 @@ RecordingReader::RecordingReader(std::filesystem::path file) : m_path(std::move(
     refuse(fmt::format("is a recording of version '{}', this program reads version {}; record it again",
                        first_line.substr(0, 20), recording_version.substr(0, recording_version.size() - 1)));
   }
+  check_ends();
   check_hash();
   read_header();
   rewind();
@@ -97,11 +99,36 @@ void RecordingReader::read(RecordedFrame& frame) {
 
 void RecordingReader::refuse(std::string_view problem) const { throw InputError(m_path.string(), problem); }
 
-void RecordingReader::check_hash() {
+/// Whether the file ends in a hash and begins with a header, before all of it is read for the hash: a large file of
+/// something else is told at once.
+void RecordingReader::check_ends() {
   constexpr std::string_view cut = "is truncated: it does not end in its hash; record or copy it again";
   if (m_written.bytes < end_bytes) {
     refuse(cut);
   }
+  m_stream.seekg(static_cast<std::streamoff>(m_written.bytes - end_bytes));
+  read_bytes(m_bytes, end_bytes);
+  if (!m_bytes.starts_with(recording_hash_mark)) {
+    refuse(cut);
+  }
+  constexpr std::size_t before_header = recording_magic.size() + recording_version.size() + sizeof(std::uint64_t);
+  m_stream.seekg(static_cast<std::streamoff>(before_header - sizeof(std::uint64_t)));
+  read_bytes(m_bytes, sizeof(std::uint64_t));
+  const auto size = number_of<std::uint64_t>(m_bytes);
+  if (size > m_written.bytes - std::min<std::uintmax_t>(m_written.bytes, before_header + end_bytes)) {
+    refuse("has a header that is longer than the file; record it again");
+  }
+  const auto byte_at = [&](std::uint64_t offset) {
+    m_stream.seekg(static_cast<std::streamoff>(offset));
+    read_bytes(m_bytes, 1);
+    return m_bytes.front();
+  };
+  if (size < 2 || byte_at(before_header) != '{' || byte_at(before_header + size - 1) != '}') {
+    refuse("has a header that cannot be read; record it again");
+  }
+}
+
+void RecordingReader::check_hash() {
   m_stream.seekg(0);
   Sha256 hash;
   std::uintmax_t left = m_written.bytes - end_bytes;
@@ -111,9 +138,6 @@ void RecordingReader::check_hash() {
     left -= m_bytes.size();
   }
   read_bytes(m_bytes, end_bytes);
-  if (!m_bytes.starts_with(recording_hash_mark)) {
-    refuse(cut);
-  }
   const std::string expected = m_bytes.substr(recording_hash_mark.size());
   m_written.sha256 = hash.hex_digest();
   if (m_written.sha256 != expected) {
@@ -126,9 +150,6 @@ void RecordingReader::read_header() {
   m_stream.seekg(static_cast<std::streamoff>(recording_magic.size() + recording_version.size()));
   read_bytes(m_bytes, sizeof(std::uint64_t));
   const auto size = number_of<std::uint64_t>(m_bytes);
-  if (size > m_written.bytes) {
-    refuse("has a header that is longer than the file; record it again");
-  }
   read_bytes(m_bytes, size);
   m_header = header_of(m_bytes, m_path.string());
   m_first_block = m_stream.tellg();

@@ -13,8 +13,9 @@ namespace musclebench {
 /// Reads a recording from the disk, a frame at a time.
 class RecordingReader final : public FrameSource {
  public:
-  /// Reads the whole file once, to check its hash. Throws InputError that says what is wrong: no recording, of another
-  /// version, truncated, or changed (with the hash that it ends in and the hash that it has).
+  /// Reads the whole file once, to check its hash, where its ends are those of a recording. Throws InputError that says
+  /// what is wrong: no recording, of another version, truncated, or changed (with the hash that it ends in and the hash
+  /// that it has).
   explicit RecordingReader(std::filesystem::path file);
 
   [[nodiscard]] const RecordingHeader& header() const override { return m_header; }
@@ -27,6 +28,7 @@ class RecordingReader final : public FrameSource {
 
  private:
   [[noreturn]] void refuse(std::string_view problem) const;
+  void check_ends();
   void check_hash();
   void read_header();
   void check_claim();

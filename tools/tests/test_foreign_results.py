@@ -1,4 +1,4 @@
-"""Results as they are found in a folder: suspect, cut, or put there by others."""
+"""Results and inputs as they are found in a folder: suspect, cut, or put there by others."""
 
 import json
 import os
@@ -74,6 +74,15 @@ def test_a_pipe_in_place_of_a_record_is_refused(folder, force):
     os.mkfifo(folder / "out/run.json")
     done = run(folder, *force)
     assert done.returncode == 2 and "holds something else than a run" in done.stderr, done.stderr
+
+
+@needs_program
+def test_a_pipe_in_place_of_landmarks_is_refused(folder):
+    os.mkfifo(folder / "landmarks.json")
+    scene = (folder / "scene.toml").read_text()
+    (folder / "scene.toml").write_text(scene.replace('"ball.off"', '"ball.off"\nfibres = "landmarks.json#ball"'))
+    done = run(folder)
+    assert done.returncode == 2 and "landmarks.json" in done.stderr and "pipe" in done.stderr, done.stderr
 
 
 def write_result(folder, table, text, case, **told):

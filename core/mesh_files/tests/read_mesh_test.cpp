@@ -59,15 +59,18 @@ TEST_F(ReadMesh, StlHasAVertexForEachCorner) {
   }
 }
 
+/// glTF with its buffer inside, one triangle.
+std::string gltf_with_nodes(const std::string& nodes) {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)" + nodes +
+         R"(],)"
+         R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":4}]}],)"
+         R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],)"
+         R"("bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;)"
+         R"(base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+}
+
 TEST_F(ReadMesh, ReadsOtherFormatsThroughAssimp) {
-  // glTF with its buffer inside, one triangle under a node that moves and mirrors it.
-  const std::string gltf =
-      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
-      R"("nodes":[{"mesh":0,"translation":[10,0,0],"scale":[-1,1,1]}],)"
-      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":4}]}],)"
-      R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],)"
-      R"("bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;)"
-      R"(base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+  const std::string gltf = gltf_with_nodes(R"({"mesh":0,"translation":[10,0,0],"scale":[-1,1,1]})");
   const TriangleMesh mesh = read_mesh(write("a.gltf", gltf));
   ASSERT_EQ(mesh.vertices.size(), 3U);
   ASSERT_EQ(mesh.triangles.size(), 1U);
@@ -76,6 +79,18 @@ TEST_F(ReadMesh, ReadsOtherFormatsThroughAssimp) {
   // Mirroring turns a triangle over; its corners must follow for its front to stay in front.
   EXPECT_GT((corner(1) - corner(0)).cross(corner(2) - corner(0)).z(), 0);
   expect_refused("broken.gltf", "{\"asset\":", "assimp can't read it");
+}
+
+TEST_F(ReadMesh, NodesAreNestedOnlySoDeep) {
+  const auto nested = [](int depth) {
+    std::string nodes;
+    for (int i = 1; i <= depth; ++i) {
+      nodes += fmt::format(R"({{"children":[{}]}},)", i);
+    }
+    return gltf_with_nodes(nodes + R"({"mesh":0})");
+  };
+  EXPECT_EQ(read_mesh(write("a.gltf", nested(100))).triangles.size(), 1U);
+  expect_refused("b.gltf", nested(400), "nests its nodes more than 256 deep");
 }
 
 TEST_F(ReadMesh, SplitsConcavePolygonsRightWhereverTheyAre) {

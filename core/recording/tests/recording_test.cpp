@@ -2,6 +2,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <sys/stat.h>
 
 #include <gtest/gtest.h>
 
@@ -197,6 +198,33 @@ TEST_F(Recording, OtherFilesAreRefused) {
   EXPECT_NE(complaint().find("version '2'"), std::string::npos) << complaint();
   fs::remove(m_file);
   EXPECT_NE(complaint().find("cannot be read"), std::string::npos);
+}
+
+TEST_F(Recording, APipeIsRefused) {
+  ASSERT_EQ(mkfifo(m_file.c_str(), 0600), 0);
+  EXPECT_NE(complaint().find("cannot be read"), std::string::npos) << "opening it would wait for ever";
+  EXPECT_THROW(require_recording_writable(m_file), InputError);
+}
+
+TEST_F(Recording, AHugeFileOfSomethingElseIsToldByItsEnds) {
+  constexpr std::uintmax_t too_much_to_hash = std::uintmax_t{1} << 42;
+  std::string begin(recording_magic);
+  begin += recording_version;
+  replace_content(begin);
+  std::error_code error;
+  fs::resize_file(m_file, too_much_to_hash, error);  // a hole, which takes no room
+  if (error) {
+    GTEST_SKIP() << "the folder of temporary files has no files with holes";
+  }
+  EXPECT_NE(complaint().find("truncated"), std::string::npos) << complaint();
+  std::ofstream(m_file, std::ios::binary | std::ios::app) << recording_hash_mark << std::string(64, 'a');
+  EXPECT_NE(complaint().find("header that cannot be read"), std::string::npos) << complaint();
+  {
+    std::fstream file(m_file, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(static_cast<std::streamoff>(begin.size()));
+    file << std::string(8, '\xff');
+  }
+  EXPECT_NE(complaint().find("longer than the file"), std::string::npos) << complaint();
 }
 
 TEST_F(Recording, AWriterThatEndsEarlyLeavesNothing) {
