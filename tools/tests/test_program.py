@@ -313,6 +313,8 @@ def test_a_muscle_is_the_same_in_every_format(folder):
         last = read_ply(folder / "out/snapshots/frame_0012.ply")
         rest = read_ply(folder / "out/snapshots/frame_0000.ply")
         assert manifest["muscle"]["vertices"] == len(rest.vertices_m)
+        in_file = {"off": vertices, "stl": vertices[np.array(triangles)].reshape(-1, 3), "obj": [*vertices, *vertices]}
+        assert np.array_equal(rest.vertices_m, in_file[ending])
         results[ending] = (manifest["muscle"]["nodes"], manifest["muscle"]["rest_volume_m3"], rest, last)
     nodes, volume, rest, last = results["off"]
     assert nodes == len(vertices)
