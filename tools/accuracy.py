@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from musclebench.accuracy import report
-from musclebench.cases.case import Places
+from musclebench.cases.case import Folders
 from musclebench.cases.scene import chosen_names, survey
 from musclebench.cases.pool import Limits, run_cases
 from musclebench.cases.progress import duration
@@ -90,10 +90,10 @@ def check_input(options) -> None:
         check_program(options.musclebench, "tools/accuracy")
 
 
-def request_of(options, registry: Registry, places: Places) -> Request:
+def request_of(options, registry: Registry, folders: Folders) -> Request:
     data_set = data_set_of(options)
     names = chosen_names(options.scene, options.muscle, data_set, registry, QUICK_MUSCLE if options.quick else None)
-    scenes = survey(names, options.musclebench, registry, places, options.frames_limit)
+    scenes = survey(names, options.musclebench, registry, folders, options.frames_limit)
     repetitions = options.repetitions or (1 if options.quick else REPETITIONS)
     return Request(tuple(scenes), data_set, repetitions, options.quick, options.frames_limit, options.band_mm,
                    options.shard)
@@ -127,9 +127,9 @@ def _bytes_left(cases: list[StudyCase], study: AccuracyStudy) -> float:
 
 
 def check_space(cases: list[StudyCase], study: AccuracyStudy) -> None:
-    needed, free = _bytes_left(cases, study) + SPARE_BYTES, free_bytes(study.places.out_dir)
+    needed, free = _bytes_left(cases, study) + SPARE_BYTES, free_bytes(study.folders.out_dir)
     if needed > free:
-        raise Problem(f"{study.places.out_dir}: {needed / 1e9:.1f} GB are needed and {free / 1e9:.1f} GB are free; "
+        raise Problem(f"{study.folders.out_dir}: {needed / 1e9:.1f} GB are needed and {free / 1e9:.1f} GB are free; "
                       "make room, choose another --out or fewer muscles")
 
 
@@ -140,10 +140,10 @@ def run_study(request: Request, study: AccuracyStudy, registry: Registry, option
     if len(todo) < len(cases):
         print(f"{len(cases) - len(todo)} of {len(cases)} cases are complete already (--force runs them again)")
     check_space(todo, study)
-    with claimed(study.places.out_dir, *RESULT_DIRS):
-        save_registry(registry, study.places.out_dir)
+    with claimed(study.folders.out_dir, *RESULT_DIRS):
+        save_registry(registry, study.folders.out_dir)
         everywhere = plan(replace(request, shard=(1, 1)), configurations(registry))
-        write_manifest(study.places.out_dir, request, everywhere, command_line())
+        write_manifest(study.folders.out_dir, request, everywhere, command_line())
         statuses = run_cases(todo, study, limits_of(options))
         marked = study.mark_nondeterministic(cases)
         failed = [case for case in cases if not study.is_complete(case) and not is_too_long(case)]
@@ -176,9 +176,9 @@ def measure_and_report(options) -> int:
         print_report(out_dir)
         return 0
     registry = read_registry(options.musclebench)
-    places = Places(out_dir, options.data and options.data.resolve())
-    request = request_of(options, registry, places)
-    study = AccuracyStudy(options.musclebench, places, options.force)
+    folders = Folders(out_dir, options.data and options.data.resolve())
+    request = request_of(options, registry, folders)
+    study = AccuracyStudy(options.musclebench, folders, options.force)
     if options.dry_run:
         print_plan(plan(request, configurations(registry)), study, len(chosen_cores(options.jobs)))
         return 0

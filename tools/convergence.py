@@ -11,7 +11,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from musclebench.cases.case import Places
+from musclebench.cases.case import Folders
 from musclebench.cases.experiment import Experiment
 from musclebench.cases.pool import Limits, run_cases
 from musclebench.cases.scene import chosen_names, survey
@@ -75,18 +75,18 @@ def backend_of(options, registry: Registry) -> str:
     return options.backend or usual_backend(registry).name
 
 
-def planned(options, registry: Registry, places: Places) -> list[ConvergenceCase]:
+def planned(options, registry: Registry, folders: Folders) -> list[ConvergenceCase]:
     names = chosen_names(options.scene, options.muscle, data_set_of(options), registry)
-    scenes = survey(names, options.musclebench, registry, places, options.frames_limit, PRESET)
+    scenes = survey(names, options.musclebench, registry, folders, options.frames_limit, PRESET)
     return plan(scenes, backend_of(options, registry), options.substeps)
 
 
 def run_and_report(options) -> int:
     check_input(options)
     out_dir = (options.out or PROJECT / "reports" / "out" / f"convergence-{out_name_of(options)}").absolute()
-    places = Places(out_dir, options.data and options.data.resolve())
-    cases = planned(options, read_registry(options.musclebench), places)
-    study = ConvergenceStudy(options.musclebench, places, options.force)
+    folders = Folders(out_dir, options.data and options.data.resolve())
+    cases = planned(options, read_registry(options.musclebench), folders)
+    study = ConvergenceStudy(options.musclebench, folders, options.force)
     todo = [case for case in cases if study.wants(case)]
     if len(todo) < len(cases):
         print(f"{len(cases) - len(todo)} of {len(cases)} runs are complete already (--force runs them again)")

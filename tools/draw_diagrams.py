@@ -94,12 +94,12 @@ def candidate_list(axes) -> None:
 
 def order_of_questions(axes) -> None:
     steps = ["safe sphere", "candidate list", "clearance grid", "search of the BVH"]
-    for place, words in enumerate(steps):
-        axes.add_patch(Rectangle((-1.2, 1.2 - 0.72 * place), 2.4, 0.42, facecolor=FREE if place == 0 else ASKED,
-                                 alpha=0.15 + 0.12 * place, edgecolor="none"))
-        axes.text(0, 1.41 - 0.72 * place, words, ha="center", va="center", fontsize=8)
-        if place:
-            arrow(axes, (0, 1.19 - 0.72 * (place - 1)), (0, 1.63 - 0.72 * place))
+    for row, words in enumerate(steps):
+        axes.add_patch(Rectangle((-1.2, 1.2 - 0.72 * row), 2.4, 0.42, facecolor=FREE if row == 0 else ASKED,
+                                 alpha=0.15 + 0.12 * row, edgecolor="none"))
+        axes.text(0, 1.41 - 0.72 * row, words, ha="center", va="center", fontsize=8)
+        if row:
+            arrow(axes, (0, 1.19 - 0.72 * (row - 1)), (0, 1.63 - 0.72 * row))
     axes.set(xlim=(-1.7, 1.7), ylim=(-1.1, 1.9), title="from cheap to dear")
 
 

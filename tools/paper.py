@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from musclebench.cases.case import Places
+from musclebench.cases.case import Folders
 from musclebench.cases.experiment import Experiment
 from musclebench.cases.pool import Limits, run_cases
 from musclebench.cases.scene import chosen_names, survey
@@ -52,10 +52,10 @@ def check_input(options) -> None:
 
 def run_experiment(options, registry: Registry, out_dir: Path) -> list[str]:
     """Runs what is not complete yet; the names of all runs of the plan."""
-    places = Places(out_dir, options.data and options.data.resolve())
-    experiment = Experiment(options.musclebench, places, options.force)
+    folders = Folders(out_dir, options.data and options.data.resolve())
+    experiment = Experiment(options.musclebench, folders, options.force)
     names = chosen_names(options.scene, options.muscle, data_set_of(options), registry)
-    plan = paper_cases.plan(survey(names, options.musclebench, registry, places, options.frames_limit))
+    plan = paper_cases.plan(survey(names, options.musclebench, registry, folders, options.frames_limit))
     todo = [case for case in plan if experiment.wants(case)]
     if len(todo) < len(plan):
         print(f"{len(plan) - len(todo)} of {len(plan)} runs are complete already (--force runs them again)")

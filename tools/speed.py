@@ -12,7 +12,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from musclebench.cases.case import Case, Places
+from musclebench.cases.case import Case, Folders
 from musclebench.cases.pool import Limits, run_cases
 from musclebench.cases.progress import duration
 from musclebench.cases.scene import chosen_names, survey
@@ -70,11 +70,11 @@ def micro_of(options) -> Path:
     return options.micro or options.musclebench.resolve().parent / "micro" / MICRO_PROGRAM
 
 
-def request_of(options, registry: Registry, places: Places) -> Request:
+def request_of(options, registry: Registry, folders: Folders) -> Request:
     names = chosen_names(options.scene, options.muscle, data_set_of(options), registry,
                          MAIN_MUSCLE if options.quick else None)
     frames = QUICK_FRAMES if options.quick else None
-    scenes = survey(names, options.musclebench, registry, places, frames)
+    scenes = survey(names, options.musclebench, registry, folders, frames)
     repetitions = options.repetitions or (QUICK_REPETITIONS if options.quick else REPETITIONS)
     return Request(tuple(scenes), repetitions, options.quick)
 
@@ -99,9 +99,9 @@ def run(cases: list[Case], experiment: SpeedExperiment, options) -> list[str]:
     if len(todo) < len(cases):
         print(f"{len(cases) - len(todo)} of {len(cases)} cases are complete already (--force runs them again)")
     # One case at a time: a second one takes cache and memory bandwidth away, and the clock with it.
-    with claimed(experiment.places.out_dir, "raw"):
+    with claimed(experiment.folders.out_dir, "raw"):
         # Fields of another build may be in another format, or another field.
-        shutil.rmtree(experiment.places.out_dir / STRUCTURES_DIR, ignore_errors=True)
+        shutil.rmtree(experiment.folders.out_dir / STRUCTURES_DIR, ignore_errors=True)
         statuses = run_cases(todo, experiment, Limits([last_core()], options.timeout))
     return [f"{case.name}: {status}, see {experiment.folder(case) / 'run.json'}"
             for case, status in statuses.items() if status not in experiment.final_statuses]
@@ -115,9 +115,9 @@ def measure_and_report(options) -> int:
             raise Problem(f"{out_dir}: holds no measurement; run one, or name its folder with --out")
     else:
         registry = read_registry(options.musclebench)
-        places = Places(out_dir, options.data and options.data.resolve())
-        cases = plan(request_of(options, registry, places), registry)
-        experiment = SpeedExperiment(options.musclebench, micro_of(options), places, options.force)
+        folders = Folders(out_dir, options.data and options.data.resolve())
+        cases = plan(request_of(options, registry, folders), registry)
+        experiment = SpeedExperiment(options.musclebench, micro_of(options), folders, options.force)
         if options.dry_run:
             print_plan(cases, experiment)
             return 0

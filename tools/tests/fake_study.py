@@ -150,9 +150,9 @@ def write_probe(folder: Path, scene: str, backend: str, truth: Truth) -> Path:
         cell = edge / truth.parameters["cells"]
         orders = {"smooth": SMOOTH_ORDER, "sharp": SHARP_ORDER} if backend == "sdf" else \
             {"smooth": VOXEL_ORDER, "sharp": VOXEL_ORDER}
-        for place, order in (orders | {"all": min(orders.values())}).items():
+        for region, order in (orders | {"all": min(orders.values())}).items():
             error = 0.5 * cell * (cell / edge) ** (order - 1)
-            rows.append({"bone": bone, "place": place, "points": 1000, "max_error_m": 2 * error, "p99_error_m": error,
+            rows.append({"bone": bone, "place": region, "points": 1000, "max_error_m": 2 * error, "p99_error_m": error,
                          "mean_error_m": error / 3, "rms_error_m": error / 2, "wrong_side": 0.01})
     fake_runs.write_rows(folder / "probe.csv", PROBE_COLUMNS, rows)
     made["bones"] = [{"name": bone, "mesh_sha256": f"sha-{bone}"} for bone in EDGES_M]
@@ -274,9 +274,9 @@ def write_realistic_study(out_dir: Path, scenes: dict[str, float], repetitions: 
     raw = out_dir / "raw"
     for scene, size in scenes.items():
         muscle = scene.split("/")[-1]
-        for place, (backend, like_iliacus) in enumerate(realistic_truths()):
+        for number, (backend, like_iliacus) in enumerate(realistic_truths()):
             truth = Truth(**{**vars(like_iliacus), "ms": like_iliacus.ms * size})
-            name, many = f"{muscle}-{{}}-{backend}-{place}", 1 if truth.ms > 1000 else repetitions
+            name, many = f"{muscle}-{{}}-{backend}-{number}", 1 if truth.ms > 1000 else repetitions
             for repetition in range(many):
                 end = f"-r{repetition}"
                 if backend != "null":

@@ -47,7 +47,7 @@ def test_an_empty_study_gives_empty_tables_and_no_figure(tmp_path, folders):
     assert not [path for path in made if path.suffix == ".png"]
 
 
-def test_a_broken_folder_that_no_plan_names_stops_with_its_place(tmp_path):
+def test_a_broken_folder_that_no_plan_names_stops_with_its_location(tmp_path):
     (tmp_path / "raw" / "x").mkdir(parents=True)
     fake_study.note_registry(tmp_path)
     (tmp_path / "raw" / "x" / "run.json").write_text("{")
@@ -96,8 +96,8 @@ def test_a_field_that_was_loaded_has_the_build_time_of_the_case_that_built_it(tm
 
 
 def test_shares_of_a_frame_add_up_and_the_best_fcl_is_chosen(study):
-    for place, name in enumerate(("voxel", "fcl", "fcl OBB", "fcl RSS")):
-        write_coupled(study / "raw" / f"c{place}", SCENES[0], name.split()[0], REPLAYED[name])
+    for number, name in enumerate(("voxel", "fcl", "fcl OBB", "fcl RSS")):
+        write_coupled(study / "raw" / f"c{number}", SCENES[0], name.split()[0], REPLAYED[name])
     aggregates = aggregates_of(cases.read_cases(study))
     replays, coupled = of_mode(aggregates, "replay"), of_mode(aggregates, "coupled")
     names = [aggregate.configuration.name for aggregate in chosen_aggregates(coupled, replays, SCENES[0])]

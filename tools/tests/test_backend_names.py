@@ -39,7 +39,7 @@ def naming(names: list[str]) -> re.Pattern[str]:
     return re.compile(rf"""(?P<quote>["'`])(?:{word})(?:(?P=quote)|[ ,:]\s*\w+\s*=)|[\w\]]=(?:{word})\b(?![(.])|backends/(?:{word})/""")
 
 
-def places(text: str, pattern: re.Pattern[str]) -> list[str]:
+def naming_lines(text: str, pattern: re.Pattern[str]) -> list[str]:
     return [f"{number}: {line.strip()}" for number, line in enumerate(text.splitlines(), 1) if pattern.search(line)]
 
 
@@ -48,8 +48,8 @@ def test_product_code_names_no_backend():
     files = product_files(names)
     assert len(names) > 3 and len(files) > 300
     pattern = naming(names)
-    named = [f"{path.relative_to(ROOT)}:{place}" for path in files
-             for place in places(path.read_text(encoding="utf-8", errors="replace"), pattern)]
+    named = [f"{path.relative_to(ROOT)}:{line}" for path in files
+             for line in naming_lines(path.read_text(encoding="utf-8", errors="replace"), pattern)]
     assert not named, "\n".join(named)
 
 
@@ -65,4 +65,4 @@ def test_product_code_names_no_backend():
     ("/// A grid over the bone's box.", False),
 ])
 def test_what_counts_as_a_name(line, is_naming):
-    assert bool(places(line, naming(["grid", "tree"]))) is is_naming
+    assert bool(naming_lines(line, naming(["grid", "tree"]))) is is_naming

@@ -18,8 +18,8 @@ def test_observed_orders_are_those_of_the_errors(tmp_path):
             structure_bytes=60 * cells**3, build_s=1e-5 * cells**3, parameters={"cells": cells}))
     probes = aggregates_of(cases.read_cases(tmp_path))
     rows = orders.probe_rows(probes)
-    for place, order in (("smooth", fake_study.SMOOTH_ORDER), ("sharp", fake_study.SHARP_ORDER)):
-        mine = rows[(rows["bone"] == "pelvis") & (rows["place"] == place)]
+    for region, order in (("smooth", fake_study.SMOOTH_ORDER), ("sharp", fake_study.SHARP_ORDER)):
+        mine = rows[(rows["bone"] == "pelvis") & (rows["place"] == region)]
         assert mine["cell_edge_m"].tolist() == [0.2 / cells for cells in (8, 16, 32, 64)]
         assert mine["fitted_order"].iloc[0] == pytest.approx(order)
         assert np.isnan(mine["order"].iloc[0]) and mine["order"].iloc[1:].tolist() == pytest.approx([order] * 3)
@@ -37,7 +37,7 @@ def test_bones_that_muscles_share_count_once(tmp_path):
     for scene in SCENES:
         write_probe(tmp_path / "raw" / scene.replace("/", "-"), scene, "sdf", Truth(parameters={"cells": 8}))
     rows = orders.probe_rows(aggregates_of(cases.read_cases(tmp_path)))
-    assert len(rows) == 2 * 2  # bones, places
+    assert len(rows) == 2 * 2  # bones, regions
 
 
 def test_an_error_of_nothing_has_no_order():

@@ -49,7 +49,7 @@ def test_bad_input_is_one_line(study, arguments, words):
 
 def test_the_time_of_a_frame_stays_the_same(tmp_path):
     for case in plan([fake_registry.scene("lhdl/iliacus")], "any", [1, 2, 40]):
-        told = dict(word.split("=") for word in case.arguments(convergence.Places(tmp_path)) if "=" in word)
+        told = dict(word.split("=") for word in case.arguments(convergence.Folders(tmp_path)) if "=" in word)
         assert int(told["substeps"]) * float(told["time_step_s"]) == pytest.approx(3e-3)
 
 

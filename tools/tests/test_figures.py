@@ -85,7 +85,7 @@ def test_every_point_of_the_pareto_picture_that_has_a_name_shows_it(drawn):
     assert {"bvh", "brute_force", "8", "256", "1", "17"} <= {text.get_text() for text in panel.texts}
 
 
-def test_labels_find_places_where_an_interval_is_not_known():
+def test_labels_find_room_where_an_interval_is_not_known():
     figure, axes = plt.subplots(figsize=(3, 3))
     axes.set(xlim=(0, 1), ylim=(0, 1))
     labels.place_labels(axes, [labels.Label(0.5, 0.5, "a", "black", bar=(np.nan, np.nan))])

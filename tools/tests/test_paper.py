@@ -16,7 +16,7 @@ import pytest
 
 import fake_registry
 import paper
-from musclebench.cases.case import Places
+from musclebench.cases.case import Folders
 from musclebench.cases.experiment import Experiment
 from musclebench.cases.pool import Limits, run_cases
 from musclebench.paper.paper_cases import PaperCase, plan
@@ -132,7 +132,7 @@ def test_failures_become_rows_and_the_others_go_on(in_process, tmp_path):
 def test_a_case_that_hangs_is_stopped_and_said_so(tmp_path, monkeypatch):
     monkeypatch.setenv("FAKE_BEHAVIOUR", "iliacus-sdf=hang")
     case = PaperCase(fake_registry.scene("synthetic/iliacus", 12), "sdf")
-    assert run_cases([case], Experiment(PROGRAM, Places(tmp_path)), Limits([0], 1.0)) == {case: "timeout"}
+    assert run_cases([case], Experiment(PROGRAM, Folders(tmp_path)), Limits([0], 1.0)) == {case: "timeout"}
     assert run_folder.read_run(tmp_path / "raw" / case.name).record["status_detail"].startswith("stopped after")
 
 

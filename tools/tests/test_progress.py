@@ -5,7 +5,7 @@ import io
 import pytest
 
 import fake_registry
-from musclebench.cases.case import Places
+from musclebench.cases.case import Folders
 from musclebench.cases.progress import Estimate, ProgressBar, duration
 from musclebench.paper.paper_cases import PaperCase, plan
 
@@ -94,6 +94,6 @@ def test_snapshots_are_rest_half_and_full_flexion():
 
 
 def test_the_command_names_the_case(tmp_path):
-    words = PaperCase(fake_registry.scene("lhdl/iliacus", 20), "sdf").arguments(Places(tmp_path / "out", tmp_path))
+    words = PaperCase(fake_registry.scene("lhdl/iliacus", 20), "sdf").arguments(Folders(tmp_path / "out", tmp_path))
     assert words[:4] == ["run", "lhdl/iliacus", "--backend", "sdf"]
     assert words[words.index("--data") + 1] == str(tmp_path) and words[words.index("--frames") + 1] == "20"

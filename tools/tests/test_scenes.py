@@ -8,7 +8,7 @@ import pytest
 import accuracy
 import fake_registry
 from musclebench.cases import scene
-from musclebench.cases.case import Places
+from musclebench.cases.case import Folders
 from musclebench.cases.scene import Scene, chosen_names, full_flexion_frame, half_flexion_frame, survey
 from musclebench.program.cli import Problem
 from musclebench.study.study_cases import ProbeCase
@@ -73,25 +73,25 @@ def test_two_files_of_one_name_are_refused(knee, tmp_path):
 
 
 def test_scenes_of_one_muscle_have_keys_of_their_own(tmp_path):
-    found = survey(["lhdl/iliacus", "synthetic/iliacus", "lhdl/gluteus_medius"], FAKE, REGISTRY, Places(tmp_path))
+    found = survey(["lhdl/iliacus", "synthetic/iliacus", "lhdl/gluteus_medius"], FAKE, REGISTRY, Folders(tmp_path))
     assert [one.key for one in found] == ["lhdl-iliacus", "synthetic-iliacus", "gluteus_medius"]
 
 
 def test_a_scene_file_is_planned_with_its_own_preset_and_probed_on_its_own_bones(knee, tmp_path):
-    mine, = survey([str(knee)], FAKE, REGISTRY, Places(tmp_path))
+    mine, = survey([str(knee)], FAKE, REGISTRY, Folders(tmp_path))
     assert mine.key == "my_knee" and mine.nodes == 1000 and mine.digest
     cases = plan(Request((mine, fake_registry.scene("synthetic/iliacus")), quick=True), configurations(REGISTRY))
     mine_only = [case for case in cases if case.name.startswith("my_knee")]
-    assert all(str(knee) in case.arguments(Places(tmp_path)) for case in mine_only if "-replay-" not in case.name)
-    assert not any("--preset" in case.arguments(Places(tmp_path)) for case in mine_only)
+    assert all(str(knee) in case.arguments(Folders(tmp_path)) for case in mine_only if "-replay-" not in case.name)
+    assert not any("--preset" in case.arguments(Folders(tmp_path)) for case in mine_only)
     probed = {case.scene.name for case in cases if isinstance(case, ProbeCase)}
     assert probed == {str(knee), "synthetic/adductor_brevis"}
 
 
 def test_a_changed_scene_file_is_measured_again(knee, tmp_path):
-    before, = survey([str(knee)], FAKE, REGISTRY, Places(tmp_path))
+    before, = survey([str(knee)], FAKE, REGISTRY, Folders(tmp_path))
     knee.write_text("title = 'another knee'\n")
-    after, = survey([str(knee)], FAKE, REGISTRY, Places(tmp_path))
+    after, = survey([str(knee)], FAKE, REGISTRY, Folders(tmp_path))
     assert before.digest != after.digest
 
 
@@ -110,11 +110,11 @@ def test_the_study_of_a_scene_file_leaves_its_rows(knee, tmp_path, monkeypatch, 
 
 @needs_program
 def test_the_program_tells_of_a_scene_what_experiments_ask(tmp_path):
-    found, = survey(["synthetic/adductor_brevis"], Path(PROGRAM), REGISTRY, Places(tmp_path), 10)
+    found, = survey(["synthetic/adductor_brevis"], Path(PROGRAM), REGISTRY, Folders(tmp_path), 10)
     expected = fake_registry.scene("synthetic/adductor_brevis", 10)
     assert found == expected and (found.frames, found.full_flexion_frame, found.iterations) == (10, 5, 3)
     with pytest.raises(Problem, match="preset"):
-        scene.survey([str(_broken(tmp_path))], Path(PROGRAM), REGISTRY, Places(tmp_path))
+        scene.survey([str(_broken(tmp_path))], Path(PROGRAM), REGISTRY, Folders(tmp_path))
 
 
 def _broken(folder: Path) -> Path:

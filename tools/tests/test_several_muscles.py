@@ -19,9 +19,9 @@ NAMES = ["hip-null", "hip-sdf"]
 @pytest.fixture
 def out(tmp_path):
     """The runs of one scene of three muscles in a row, each a ball, with snapshots."""
-    balls = [fake_runs.sphere((0, 0, 0.03 * place), 0.02) for place, _ in enumerate(MUSCLES)]
+    balls = [fake_runs.sphere((0, 0, 0.03 * index), 0.02) for index, _ in enumerate(MUSCLES)]
     vertices = np.vstack([ball.vertices_m for ball in balls])
-    triangles = np.vstack([ball.triangles + 266 * place for place, ball in enumerate(balls)])
+    triangles = np.vstack([ball.triangles + 266 * index for index, ball in enumerate(balls)])
     bones = {"pelvis": fake_runs.sphere((0, 0.03, 0.03), 0.02), "femur": fake_runs.sphere((0, 0.03, -0.05), 0.02)}
     still = np.zeros(len(vertices))
     poses = [(np.eye(3), np.zeros(3))] * 2

@@ -15,7 +15,7 @@ import pytest
 import fake_registry
 import fake_runs
 import speed
-from musclebench.cases.case import Places
+from musclebench.cases.case import Folders
 from musclebench.program.machine_state import Reading
 from musclebench.results.run_folder import read_runs
 from musclebench.speed import samples, speed_experiment, targets
@@ -212,7 +212,7 @@ def test_a_round_has_everything_once_and_muscles_stay_together():
 def test_quick_means_less_of_everything():
     quick, whole = (plan(Request(scenes, quick=value)) for scenes, value in ((QUICK_ILIACUS, True), (ILIACUS, False)))
     assert sum(case.guessed_seconds for case in quick) < sum(case.guessed_seconds for case in whole) / 3
-    words = next(case for case in quick if isinstance(case, RaceCase)).arguments(Places(Path("out")))
+    words = next(case for case in quick if isinstance(case, RaceCase)).arguments(Folders(Path("out")))
     assert "--frames" in words and "--no-referee" in words
 
 

@@ -6,14 +6,14 @@ from pathlib import Path
 import pytest
 
 import fake_registry
-from musclebench.cases.case import Places
+from musclebench.cases.case import Folders
 from musclebench.cases.case_queue import CaseQueue
 from musclebench.study.study_cases import CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
 from musclebench.study import study_plan
 from musclebench.study.study_plan import Request, in_shard, is_too_long, stride_of
 from musclebench.study.sweeps import Configuration, configurations
 
-PLACES = Places(Path("out"), Path("data"))
+FOLDERS = Folders(Path("out"), Path("data"))
 MUSCLES = fake_registry.scenes("lhdl")
 ILIACUS = fake_registry.scene("lhdl/iliacus")
 FULL = Request((ILIACUS,), "lhdl")
@@ -70,7 +70,7 @@ def test_repetitions_come_round_by_round_and_shuffled():
 
 def test_only_the_first_repetition_is_judged_and_keeps_shapes():
     for case in measured(FULL):
-        words = case.arguments(PLACES)
+        words = case.arguments(FOLDERS)
         is_first = case.repetition == 0
         assert ("--no-referee" in words) != is_first
         assert ("--snapshots" in words) == (is_first and isinstance(case, CoupledCase))

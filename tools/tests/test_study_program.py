@@ -8,7 +8,7 @@ import pytest
 import accuracy
 import fake_registry
 from musclebench.accuracy.configurations import configuration
-from musclebench.cases.case import Places
+from musclebench.cases.case import Folders
 from musclebench.program.registry import parse_registry, read_registry
 from musclebench.study import study_plan
 from musclebench.study.study_cases import ReplayCase
@@ -32,7 +32,7 @@ def test_the_program_takes_every_configuration(tmp_path):
     cases = [case for case in study_plan.plan(study_plan.Request((fake_registry.scene("synthetic/iliacus"),)), configurations(registry())) if isinstance(case, ReplayCase)]
     chosen = {case.configuration: case for case in cases}
     for case in chosen.values():
-        done = call(*case.arguments(Places(tmp_path)))
+        done = call(*case.arguments(Folders(tmp_path)))
         assert done.returncode == 2 and done.stderr.startswith(f"musclebench: {tmp_path / case.recording.file}:"), (
             f"{case.name}: {done.stderr}")
 

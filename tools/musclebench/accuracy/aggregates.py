@@ -147,7 +147,7 @@ def aggregates_of(cases: list[StudyCase]) -> list[Aggregate]:
         grouped.setdefault((case.mode, case.scene, case.configuration), []).append(case)
     aggregates = [Aggregate(*key, sorted(group, key=lambda case: case.repetition)) for key, group in grouped.items()]
     return sorted(aggregates, key=lambda one: (
-        one.mode, one.muscle, one.scene, one.configuration.about.place, one.backend, one.configuration.series or "",
+        one.mode, one.muscle, one.scene, one.configuration.about.index, one.backend, one.configuration.series or "",
         one.configuration.fineness, one.configuration.factors, one.configuration.name,
     ))
 

@@ -33,11 +33,11 @@ def on_front(points: pd.DataFrame) -> list:
     without collision take no part; below a nanometre all are equally accurate."""
     best, front = math.inf, []
     may = points[~points["is_wrong"] & ~points["is_control"]]
-    for place, row in may.sort_values(["time_ms", "error_mm"]).iterrows():
+    for index, row in may.sort_values(["time_ms", "error_mm"]).iterrows():
         error = max(row["error_mm"], EXACT_MM)
         if error < best:
             best = error
-            front.append(place)
+            front.append(index)
     return front
 
 

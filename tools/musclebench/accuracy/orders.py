@@ -8,11 +8,11 @@ import pandas as pd
 from .aggregates import Aggregate
 from .rows import build_seconds
 
-PLACES = ("smooth", "sharp")
+REGIONS = ("smooth", "sharp")
 
 
 def probe_rows(probes: list[Aggregate]) -> pd.DataFrame:
-    """One row a bone, place, series and cell size; a bone that several scenes share counts once. Adaptive cells have no
+    """A row a bone, region, series and cell size; a bone that several scenes share counts once. Adaptive cells have no
     one size and are left out."""
     rows = []
     shown = [one for one in probes if one.is_shown and one.configuration.series]
@@ -76,7 +76,7 @@ def cell_count(aggregate: Aggregate) -> float:
 
 
 def slope(x, y) -> float:
-    """Of the straight line through the logarithms; NaN of less than two places."""
+    """Of the straight line through the logarithms; NaN of fewer than two points."""
     x, y = _logarithms(x, y)
     return float(np.polyfit(x, y, 1)[0]) if len(np.unique(x)) > 1 else math.nan
 

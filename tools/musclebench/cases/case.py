@@ -6,15 +6,15 @@ from pathlib import Path
 
 
 @dataclass(frozen=True)
-class Places:
+class Folders:
     """Folders that a command line names and that may differ between machines."""
 
     out_dir: Path
     data_dir: Path | None = None  # None: no anatomical data are wanted
 
-    def symbolic(self) -> "Places":
+    def symbolic(self) -> "Folders":
         """Stands for these folders in a fingerprint, so that results may be moved and merged."""
-        return Places(Path("OUT"), Path("DATA") if self.data_dir else None)
+        return Folders(Path("OUT"), Path("DATA") if self.data_dir else None)
 
 
 class Case(ABC):
@@ -37,7 +37,7 @@ class Case(ABC):
     def guessed_seconds(self) -> float: ...
 
     @abstractmethod
-    def arguments(self, places: Places) -> list[str]:
+    def arguments(self, folders: Folders) -> list[str]:
         """Of `musclebench`, without the output: all that the result depends on."""
 
     @abstractmethod

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..program import fingerprint
 from ..results.damage import damage
-from .case import Case, Places
+from .case import Case, Folders
 from ..results.status import MEASURED
 
 DAMAGED_DIR = "damaged"  # below the experiment's folder
@@ -26,21 +26,21 @@ class Experiment:
 
     final_statuses = MEASURED  # a case that ended so is not run again
 
-    def __init__(self, binary: Path, places: Places, force: bool = False):
+    def __init__(self, binary: Path, folders: Folders, force: bool = False):
         """`force`: complete cases are run again."""
-        self.binary, self.places, self._force = binary.resolve(), places, force
+        self.binary, self.folders, self._force = binary.resolve(), folders, force
         self._binary_digest = fingerprint.file_digest(self.binary)
-        self._data_digest = fingerprint.data_digest(places.data_dir)
+        self._data_digest = fingerprint.data_digest(folders.data_dir)
 
     def folder(self, case: Case) -> Path:
-        return self.places.out_dir / case.folder
+        return self.folders.out_dir / case.folder
 
     def command(self, case: Case, folder: Path) -> list[str]:
-        return [str(self.binary), *case.arguments(self.places), *case.output(folder)]
+        return [str(self.binary), *case.arguments(self.folders), *case.output(folder)]
 
     def print_of(self, case: Case) -> dict:
         """What the result of a case depends on."""
-        arguments = case.arguments(self.places.symbolic())
+        arguments = case.arguments(self.folders.symbolic())
         more = case.input_digests() | self.more_inputs(case)
         return fingerprint.fingerprint(arguments, self._binary_digest, self._data_digest, **more)
 
@@ -49,16 +49,16 @@ class Experiment:
         return status in self.final_statuses and not damage(self.folder(case))
 
     def quarantine(self, case: Case) -> str:
-        """Moves a folder that is not whole to where nothing reads it; one line with the place and what is wrong. Empty
+        """Moves a folder that is not whole to where nothing reads it; one line with its path and what is wrong. Empty
         where the folder is whole or absent."""
         fault = damage(self.folder(case))
         if not fault:
             return ""
-        place = self.places.out_dir / DAMAGED_DIR / case.name
-        shutil.rmtree(place, ignore_errors=True)
-        place.parent.mkdir(exist_ok=True)
-        os.replace(self.folder(case), place)
-        return f"{self.folder(case)}: {fault}; kept as {place} and run again"
+        kept_at = self.folders.out_dir / DAMAGED_DIR / case.name
+        shutil.rmtree(kept_at, ignore_errors=True)
+        kept_at.parent.mkdir(exist_ok=True)
+        os.replace(self.folder(case), kept_at)
+        return f"{self.folder(case)}: {fault}; kept as {kept_at} and run again"
 
     def wants(self, case: Case) -> bool:
         return self._force or not self.is_complete(case)

@@ -48,7 +48,7 @@ class _Pool:
                 bar.show()
         except OSError as problem:
             if is_disk_full(problem):
-                raise DiskFull(self._experiment.places.out_dir) from None
+                raise DiskFull(self._experiment.folders.out_dir) from None
             raise
         finally:
             for worker in self._running:

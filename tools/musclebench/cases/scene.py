@@ -13,7 +13,7 @@ import numpy as np
 from ..program import fingerprint
 from ..program.cli import Problem
 from ..program.registry import Registry
-from .case import Places
+from .case import Folders
 
 REFERENCE_NODES = 6931  # of the muscle that guessed times are of
 PRESET = "paper"  # of the program's own scenes of one muscle; others name theirs
@@ -69,8 +69,8 @@ class Scene:
     def preset_arguments(self) -> list[str]:
         return ["--preset", self.preset] if self.asks_preset else []
 
-    def data_arguments(self, places: Places) -> list[str]:
-        return ["--data", str(places.data_dir)] if places.data_dir is not None else []
+    def data_arguments(self, folders: Folders) -> list[str]:
+        return ["--data", str(folders.data_dir)] if folders.data_dir is not None else []
 
     def frames_arguments(self) -> list[str]:
         return ["--frames", str(self.frames_limit)] if self.frames_limit is not None else []
@@ -111,7 +111,7 @@ def _named(scene: str, known: list[str]) -> str:
     raise Problem(f"--scene {scene}: neither a scene of the program nor a .toml file; did you mean '{near[0]}'?")
 
 
-def survey(names: list[str], program: Path, registry: Registry, places: Places, frames_limit: int | None = None,
+def survey(names: list[str], program: Path, registry: Registry, folders: Folders, frames_limit: int | None = None,
            preset: str | None = None) -> list[Scene]:
     """Asks the program how large each scene is and how it moves. `preset`: of all; else scene files have their own."""
     short = [Scene(name).key for name in names]
@@ -119,15 +119,15 @@ def survey(names: list[str], program: Path, registry: Registry, places: Places, 
     scenes = [Scene(name, preset=preset or PRESET, asks_preset=bool(preset) or name in of_one_muscle,
                     frames_limit=frames_limit, probed_on=_probed_on(name, registry), has_long_key=short.count(key) > 1)
               for name, key in zip(names, short)]
-    return [_asked(scene, program, registry, places) for scene in scenes]
+    return [_asked(scene, program, registry, folders) for scene in scenes]
 
 
-def _asked(scene: Scene, program: Path, registry: Registry, places: Places) -> Scene:
+def _asked(scene: Scene, program: Path, registry: Registry, folders: Folders) -> Scene:
     backend = registry.control or registry.backends[0]
     with tempfile.TemporaryDirectory() as folder:
         # The cheapest command that reads a scene and tells what it has read: one point, and no collision.
         command = [str(program), "probe", scene.name, "--backend", backend.name, "--points", "1",
-                   *scene.preset_arguments(), *scene.frames_arguments(), *scene.data_arguments(places),
+                   *scene.preset_arguments(), *scene.frames_arguments(), *scene.data_arguments(folders),
                    "--out", f"{folder}/survey"]
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=SURVEY_SECONDS)
         if done.returncode != 0:

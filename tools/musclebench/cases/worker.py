@@ -96,7 +96,7 @@ class Worker:
             return Refusal("timeout", f"stopped after {self.elapsed:.0f} s")
         code, last = self._process.returncode, self._lines[-1] if self._lines else ""
         if says_disk_full(last):
-            raise DiskFull(self._experiment.places.out_dir)
+            raise DiskFull(self._experiment.folders.out_dir)
         ending = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
         status = "out_of_memory" if code == BAD_INPUT and "memory" in last else "failed"
         return Refusal(status, f"{ending}: {last or 'no message'}")

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ..cases.case import Places, SceneCase
+from ..cases.case import Folders, SceneCase
 from ..cases.scene import Scene
 from ..program.registry import Backend, Registry
 
@@ -32,11 +32,11 @@ class ConvergenceCase(SceneCase):
     def snapshot_frames(self) -> list[int]:
         return sorted({self.scene.full_flexion_frame, self.scene.frames})
 
-    def arguments(self, places: Places) -> list[str]:
+    def arguments(self, folders: Folders) -> list[str]:
         return ["run", self.scene.name, "--backend", self.backend, *self.scene.preset_arguments(), "--threads", "1",
                 "--loop", f"substeps={self.substeps}",
                 "--loop", f"time_step_s={self.scene.frame_time_s / self.substeps!r}",
-                "--snapshots", ",".join(map(str, self.snapshot_frames)), *self.scene.data_arguments(places),
+                "--snapshots", ",".join(map(str, self.snapshot_frames)), *self.scene.data_arguments(folders),
                 *self.scene.frames_arguments()]
 
     def record(self) -> dict:

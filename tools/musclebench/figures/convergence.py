@@ -1,11 +1,11 @@
-"""Figures of convergence: error against cell size by bone and place; build time and bytes against cells."""
+"""Figures of convergence: error against cell size by bone and region; build time and bytes against cells."""
 
 from pathlib import Path
 
 import pandas as pd
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from ..accuracy.orders import PLACES, slope
+from ..accuracy.orders import REGIONS, slope
 from . import looks, style
 from .style import plt
 
@@ -14,19 +14,19 @@ PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 
 
 def draw_errors(rows: pd.DataFrame, stem: Path) -> list[Path]:
-    """One panel a bone and place; a curve a series with its fitted order in the legend."""
-    shown = rows[rows["cell_edge_m"].notna() & (rows["p99_error_m"] > 0) & rows["place"].isin(PLACES)]
+    """One panel a bone and region; a curve a series with its fitted order in the legend."""
+    shown = rows[rows["cell_edge_m"].notna() & (rows["p99_error_m"] > 0) & rows["place"].isin(REGIONS)]
     if shown.empty:
         return []
     style.apply_style()
     bones = list(dict.fromkeys(shown["bone"]))
-    figure, panels = plt.subplots(len(bones), len(PLACES), figsize=(style.PAGE_INCHES, 2.9 * len(bones)),
+    figure, panels = plt.subplots(len(bones), len(REGIONS), figsize=(style.PAGE_INCHES, 2.9 * len(bones)),
                                   squeeze=False, sharex=True, sharey=True)
     for line, bone in enumerate(bones):
-        for column, place in enumerate(PLACES):
+        for column, region in enumerate(REGIONS):
             axes = panels[line, column]
-            _draw_curves(axes, shown[(shown["bone"] == bone) & (shown["place"] == place)])
-            axes.set_title(f"{bone}, {place} places", loc="left")
+            _draw_curves(axes, shown[(shown["bone"] == bone) & (shown["place"] == region)])
+            axes.set_title(f"{bone}, {region} places", loc="left")
             axes.xaxis.set_tick_params(labelbottom=True)
             axes.yaxis.set_tick_params(labelleft=True)
         panels[line, 0].set_ylabel("depth error, 99th percentile (mm)")

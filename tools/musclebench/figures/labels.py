@@ -24,7 +24,7 @@ class Label:
 
 
 def place_labels(axes, labels: list[Label], size: float = 7.0) -> None:
-    """Limits and scales of the axes must stand. The first free place beside a point is taken, else the nearest free one
+    """Limits and scales of the axes must stand. The first free spot beside a point is taken, else the nearest free one
     of the panel; a label that is far from its point gets a thin line to it. Labels without room anywhere are left
     out, so that none covers another one."""
     axes.figure.canvas.draw()
@@ -37,15 +37,15 @@ def place_labels(axes, labels: list[Label], size: float = 7.0) -> None:
     points = np.concatenate([points, _bars(axes, labels, pixels)])
     frame = np.array(axes.get_window_extent(renderer).extents)
     taken = [np.array(text.get_window_extent(renderer).extents) for text in axes.texts]
-    for place, label in enumerate(labels):
+    for index, label in enumerate(labels):
         extent = _extent(axes, label.text, size, renderer, pixels)
-        box = _free_box(centres[place], radii[place], label.prefer, extent, frame, points, np.reshape(taken, (-1, 4)),
+        box = _free_box(centres[index], radii[index], label.prefer, extent, frame, points, np.reshape(taken, (-1, 4)),
                         pixels)
         if box is not None:
             taken.append(box)
             middle = (box[:2] + box[2:]) / 2
-            gap = np.abs(middle - centres[place]) - extent / 2 - radii[place]
-            _draw(axes, label, centres[place], box, size, gap.max() > LEADER_FROM_POINTS * pixels)
+            gap = np.abs(middle - centres[index]) - extent / 2 - radii[index]
+            _draw(axes, label, centres[index], box, size, gap.max() > LEADER_FROM_POINTS * pixels)
 
 
 def _extent(axes, text: str, size: float, renderer, pixels: float) -> np.ndarray:

@@ -28,7 +28,7 @@ def backends_in_order(names) -> list[str]:
 
 
 def colour(name: str) -> str:
-    return backend(name).colour or SPARE_COLOURS[_place(name) % len(SPARE_COLOURS)]
+    return backend(name).colour or SPARE_COLOURS[_index(name) % len(SPARE_COLOURS)]
 
 
 def dash(name: str):
@@ -37,14 +37,14 @@ def dash(name: str):
 
 def marker(name: str) -> str:
     """Of a single point."""
-    return backend(name).study.get("marker") or SPARE_MARKERS[_place(name) % len(SPARE_MARKERS)]
+    return backend(name).study.get("marker") or SPARE_MARKERS[_index(name) % len(SPARE_MARKERS)]
 
 
 def series_style(backend_name: str, series: str) -> tuple:
     """Marker and dash of a curve: the first of a backend is plain."""
     names = series_of(backend_name)
-    place = names.index(series) if series in names else len(names)
-    return SERIES_STYLES[place % len(SERIES_STYLES)]
+    index = names.index(series) if series in names else len(names)
+    return SERIES_STYLES[index % len(SERIES_STYLES)]
 
 
 def series_of(backend_name: str) -> list[str]:
@@ -62,5 +62,5 @@ def all_series() -> list[str]:
     return [series for name in _known.names for series in series_of(name)]
 
 
-def _place(name: str) -> int:
+def _index(name: str) -> int:
     return _known.names.index(name) if name in _known.names else len(_known.names)

@@ -100,13 +100,13 @@ def _draw_depths(cases, folder: Path) -> list[Path]:
     figure, panels = plt.subplots(
         2, len(muscles), figsize=(style.PAGE_INCHES, 3.6), sharex=True, sharey="row", squeeze=False
     )
-    for place, muscle in enumerate(muscles):
+    for column, muscle in enumerate(muscles):
         for (name, backend), run in cases.items():
             if name == muscle:
-                _line(panels[0, place], backend, run.frames["frame"], 1e3 * run.frames["max_depth_m"], label=backend)
-                _line(panels[1, place], backend, run.frames["frame"], 1e3 * run.frames["mean_depth_m"])
-        panels[0, place].set_title(style.muscle_label(muscle))
-        panels[1, place].set_xlabel("frame")
+                _line(panels[0, column], backend, run.frames["frame"], 1e3 * run.frames["max_depth_m"], label=backend)
+                _line(panels[1, column], backend, run.frames["frame"], 1e3 * run.frames["mean_depth_m"])
+        panels[0, column].set_title(style.muscle_label(muscle))
+        panels[1, column].set_xlabel("frame")
     for row, text in ((0, "largest\ndepth (mm)"), (1, "mean depth of\nnodes inside (mm)")):
         panels[row, 0].set_ylabel(text)
         panels[row, 0].set_yscale("symlog", linthresh=0.1)
@@ -154,8 +154,8 @@ def _angle_axis(axes, run: Run) -> None:
     if angles.empty:
         return
     top = axes.secondary_xaxis("top")
-    places = angles.index[[round(i * (len(angles) - 1) / 4) for i in range(5)]]
-    top.set_xticks(places, [f"{angles[frame]:.0f}°" for frame in places])
+    ticks = angles.index[[round(i * (len(angles) - 1) / 4) for i in range(5)]]
+    top.set_xticks(ticks, [f"{angles[frame]:.0f}°" for frame in ticks])
     top.spines["top"].set_visible(False)
     top.tick_params(length=0, colors="#666666", labelsize=7, pad=0)
 

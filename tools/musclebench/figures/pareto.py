@@ -33,7 +33,7 @@ class Axis:
     high_mm: float
 
     def height(self, error_mm: float, lane: int) -> float:
-        """Where a point is drawn: inside of the band the place means nothing."""
+        """Where a point is drawn: inside of the band the height means nothing."""
         if error_mm >= EXACT_MM:
             return error_mm
         share = (lane % LANES + 0.7) / (LANES + 0.4)
@@ -60,7 +60,7 @@ def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str, 
         cell.axis("off")
     figure.suptitle(title, x=0.01, ha="left")
     figure.tight_layout(rect=(0, 0, 1, 0.99), w_pad=1.0, h_pad=1.0)
-    # Labels find their places in pixels: the panels must have their final size before.
+    # Labels are laid out in pixels: the panels must have their final size before.
     axis = error_axis(points["error_mm"])
     for cell, panel in zip(cells, panels):
         _draw_panel(cell, points[points["panel"] == panel], axis, numbers, nothing)
@@ -106,16 +106,16 @@ def _draw_panel(axes, points: pd.DataFrame, axis: Axis, numbers: dict[str, int],
         _, dashes = looks.series_style(backend, series)
         axes.plot(curve["time_ms"], heights[curve.index], linestyle=dashes, linewidth=0.8, zorder=2,
                   color=looks.colour(backend))
-    for place, point in points.iterrows():
+    for index, point in points.iterrows():
         if point["is_control"]:
-            _draw_control(axes, point, heights[place], times)
+            _draw_control(axes, point, heights[index], times)
             continue
-        _draw_point(axes, point, heights[place])
+        _draw_point(axes, point, heights[index])
         text = _label_text(point, points, numbers)
         radius = math.sqrt(marker_area(point["structure_bytes"])) / 2
         side, bar = _side(point), (point["time_ms_low"], point["time_ms_high"])
         colour = looks.colour(point["backend"])
-        labels.append(Label(point["time_ms"], heights[place], text, colour, radius, side, bar))
+        labels.append(Label(point["time_ms"], heights[index], text, colour, radius, side, bar))
     place_labels(axes, labels, size=style.SMALLEST_POINTS)
 
 

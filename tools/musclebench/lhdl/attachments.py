@@ -32,27 +32,28 @@ CONTACT_POINTS = 20
 
 def digitised_attachments(clouds: dict) -> list[dict]:
     entries = []
-    for muscle, role, cloud, place in DIGITISED:
+    for muscle, role, cloud, bone_part in DIGITISED:
         points = list(clouds[cloud].values())
         entries.append({
-            "muscle": muscle, "role": role, "bone": place["bone"], "upstream_name": cloud,
+            "muscle": muscle, "role": role, "bone": bone_part["bone"], "upstream_name": cloud,
             "provenance": "digitised, from the .nms landmark cloud, in numeric landmark order",
-            "count": len(points), "points_m": points, **place,
+            "count": len(points), "points_m": points, **bone_part,
         })
     return entries
 
 
-def contact_attachment(muscle: str, role: str, place: dict, muscle_vertices_m, bone_vertices_m, bone_triangles) -> dict:
+def contact_attachment(muscle: str, role: str, bone_part: dict, muscle_vertices_m, bone_vertices_m,
+                       bone_triangles) -> dict:
     """Points of the bone's surface closest to the muscle vertices within 3 mm, thinned to 20 that are far apart."""
     gaps, closest = closest_on_mesh(muscle_vertices_m, bone_vertices_m, bone_triangles, CONTACT_DISTANCE_M)
     near = closest[np.isfinite(gaps)]
     points = near[_farthest_points(near, CONTACT_POINTS)]
     return {
-        "muscle": muscle, "role": role, "bone": place["bone"], "upstream_name": None,
+        "muscle": muscle, "role": role, "bone": bone_part["bone"], "upstream_name": None,
         "provenance": "derived here, no upstream landmark cloud exists: bone-surface points closest to the muscle "
         "vertices lying within 3 mm of the bone, thinned to 20 by farthest-point sampling",
         "count": len(points), "points_m": np.round(points, 9).tolist(),
-        "muscle_vertices_within_3mm": len(near), **place,
+        "muscle_vertices_within_3mm": len(near), **bone_part,
     }
 
 

@@ -154,13 +154,13 @@ def _adductor_attachments(surfaces: dict[str, Surface]) -> list[dict]:
     right = next(part for part in pelvis.entry["parts"] if part["name"] == "hip_bone_r")
     first = right["first_triangle"]
     right_triangles = pelvis.triangles[first : first + right["triangles"]]
-    places = [
+    areas = [
         ("origin", attachments.PELVIS_RIGHT, pelvis.vertices_m, right_triangles),
         ("insertion", attachments.FEMUR, femur.vertices_m, femur.triangles),
     ]
     return [
-        attachments.contact_attachment("adductor_brevis_r", role, place, muscle.vertices_m, vertices, triangles)
-        for role, place, vertices, triangles in places
+        attachments.contact_attachment("adductor_brevis_r", role, bone_part, muscle.vertices_m, vertices, triangles)
+        for role, bone_part, vertices, triangles in areas
     ]
 
 

@@ -54,7 +54,7 @@ SHA256 = {
 
 
 class ImportProblem(Exception):
-    """Bad input; the message is one line with the place, the problem and the cure."""
+    """Bad input; the message is one line with the location, the problem and the cure."""
 
 
 def verify(upstream_dir: Path) -> None:

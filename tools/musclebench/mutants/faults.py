@@ -56,16 +56,16 @@ def read_faults(path: Path) -> list[Fault]:
 
 
 def _fault_of(row: dict, number: int, path: Path) -> Fault:
-    place = f"{path}: fault {row.get('name', number)}"
+    location = f"{path}: fault {row.get('name', number)}"
     unknown = set(row) - set(Fault.__dataclass_fields__)
     if unknown:
-        raise FaultListError(f"{place}: {', '.join(sorted(unknown))}: no such key")
+        raise FaultListError(f"{location}: {', '.join(sorted(unknown))}: no such key")
     try:
         fault = Fault(**row)
     except TypeError as error:
-        raise FaultListError(f"{place}: name, file, line and fault have to be given") from error
+        raise FaultListError(f"{location}: name, file, line and fault have to be given") from error
     if not all(isinstance(value, str) for value in row.values()):
-        raise FaultListError(f"{place}: every value has to be a text")
+        raise FaultListError(f"{location}: every value has to be a text")
     return fault
 
 

@@ -4,7 +4,7 @@ import math
 import random
 from dataclasses import dataclass
 
-from ..cases.case import Places, SceneCase
+from ..cases.case import Folders, SceneCase
 from ..cases.scene import Scene
 
 # Seconds a vertex and seconds for building on a 2.5 GHz core: first guesses, which the progress bar corrects.
@@ -31,10 +31,10 @@ class PaperCase(SceneCase):
         a_vertex, building = GUESSED_SECONDS[self.backend]
         return a_vertex * self.scene.nodes + building
 
-    def arguments(self, places: Places) -> list[str]:
+    def arguments(self, folders: Folders) -> list[str]:
         words = ["run", self.scene.name, "--backend", self.backend, *self.scene.preset_arguments(), "--threads", "1"]
         words += ["--snapshots", ",".join(map(str, self.snapshot_frames))]
-        return [*words, *self.scene.data_arguments(places), *self.scene.frames_arguments()]
+        return [*words, *self.scene.data_arguments(folders), *self.scene.frames_arguments()]
 
     def record(self) -> dict:
         return {"scene": self.scene.name, "preset": self.scene.preset, "backend": self.backend, "threads": 1}

@@ -86,16 +86,16 @@ def _draw_muscle(studio: Studio, muscle: str, moments: dict[str, Moments], runs,
         say(f"Fig. 6, {backend}")
         pictures = [studio.overview(s, deepest_mm) for s in (chosen.rest, chosen.half, chosen.full)]
         pictures += [studio.close_up(s, deepest_mm) for s in (chosen.half, chosen.full)]
-        for place, picture in enumerate(pictures):
-            _show(panels[row, place], picture)
+        for column, picture in enumerate(pictures):
+            _show(panels[row, column], picture)
         _row_name(panels[row, 0], backend, looks.colour(backend))
-        for place, snapshot in ((3, chosen.half), (4, chosen.full)):
-            _note_depth(panels[row, place], snapshot)
+        for column, snapshot in ((3, chosen.half), (4, chosen.full)):
+            _note_depth(panels[row, column], snapshot)
     first = next(iter(moments.values()))
     heads = [("rest", first.rest), ("half flexion", first.half), ("full flexion", first.full),
              ("half, joint", first.half), ("full, joint", first.full)]
-    for place, (text, snapshot) in enumerate(heads):
-        panels[0, place].set_title(f"{text} ({_degrees(snapshot.angle_deg)})", fontsize=7)
+    for column, (text, snapshot) in enumerate(heads):
+        panels[0, column].set_title(f"{text} ({_degrees(snapshot.angle_deg)})", fontsize=7)
     title = f"Fig. 6  {style.muscle_label(muscle).capitalize()}; left the muscle, right the joint from the other side"
     _finish(figure, title, runs, deepest_mm)
     rows = _depth_rows({(muscle, backend): chosen for backend, chosen in moments.items()})
@@ -109,16 +109,16 @@ def _draw_full_flexion(studios, moments, runs, folder: Path, say) -> list[Path]:
     figure, panels = plt.subplots(len(studios), len(backends), figsize=size, squeeze=False)
     for row, (muscle, studio) in enumerate(studios.items()):
         say(f"full flexion, {style.muscle_label(muscle)}")
-        for place, backend in enumerate(backends):
+        for column, backend in enumerate(backends):
             chosen = moments.get((muscle, backend))
             if chosen is None:
-                _show_missing(panels[row, place])
+                _show_missing(panels[row, column])
                 continue
-            _show(panels[row, place], studio.overview(chosen.full, deepest_mm))
-            _note_depth(panels[row, place], chosen.full)
+            _show(panels[row, column], studio.overview(chosen.full, deepest_mm))
+            _note_depth(panels[row, column], chosen.full)
         _row_name(panels[row, 0], style.muscle_label(muscle), "black")
-    for place, backend in enumerate(backends):
-        panels[0, place].set_title(backend, fontsize=8, fontweight="bold", color=looks.colour(backend))
+    for column, backend in enumerate(backends):
+        panels[0, column].set_title(backend, fontsize=8, fontweight="bold", color=looks.colour(backend))
     angle = max((chosen.full.angle_deg for chosen in moments.values()), key=abs)
     _finish(figure, f"All muscles at full flexion ({_degrees(angle)})", runs, deepest_mm)
     return _save(figure, _depth_rows(moments), folder / "muscles_at_full_flexion")
@@ -138,11 +138,11 @@ def _draw_several(studio: Studio, scene: str, run: Run, folder: Path, say) -> li
     figure, panels = plt.subplots(2, len(snapshots), squeeze=False,
                                   figsize=(style.PAGE_INCHES, 2 * style.PAGE_INCHES / max(len(snapshots), 3) + 0.6))
     figure.subplots_adjust(left=0.05, right=0.99, top=0.88, bottom=0.11, wspace=0.02, hspace=0.02)
-    for place, snapshot in enumerate(snapshots):
+    for column, snapshot in enumerate(snapshots):
         say(f"{style.muscle_label(scene)}, {_degrees(snapshot.angle_deg)}")
         for row in range(2):
-            _show(panels[row, place], studio.muscles(snapshot, counts, from_behind=row == 1))
-        panels[0, place].set_title(f"frame {snapshot.frame}, {_degrees(snapshot.angle_deg)}", fontsize=7)
+            _show(panels[row, column], studio.muscles(snapshot, counts, from_behind=row == 1))
+        panels[0, column].set_title(f"frame {snapshot.frame}, {_degrees(snapshot.angle_deg)}", fontsize=7)
     for row, text in enumerate(("muscle's side", "other side")):
         _row_name(panels[row, 0], text, "black")
     marks = [plt.Line2D([], [], marker="o", linestyle="", color=MUSCLE_COLOURS[i % len(MUSCLE_COLOURS)] / 255)
@@ -179,10 +179,10 @@ def _draw_attachments(studios, cases, moments, runs, folder: Path, say) -> list[
     return _save(figure, pd.DataFrame(rows), folder / "attachments")
 
 
-def _bone_legend(figure, studio: Studio, place) -> None:
+def _bone_legend(figure, studio: Studio, anchor) -> None:
     marks = [plt.Line2D([], [], marker="o", linestyle="", color=c) for c, _ in zip(ATTACHMENT_COLOURS, studio.bones)]
     names = [f"nearest to {name}" for name in studio.bones]
-    figure.legend(marks, names, ncols=len(names), loc="upper left", bbox_to_anchor=place, borderaxespad=0,
+    figure.legend(marks, names, ncols=len(names), loc="upper left", bbox_to_anchor=anchor, borderaxespad=0,
                   frameon=False)
 
 

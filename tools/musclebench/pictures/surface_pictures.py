@@ -98,8 +98,8 @@ class Studio:
         vertices = snapshot.mesh.vertices_m
         self._show(snapshot, np.tile(MUSCLE_COLOUR, (len(vertices), 1)), SEE_THROUGH_MUSCLE)
         self._scene.set_bone_opacity(1.0)
-        for place, nodes in enumerate(groups):
-            colour = ATTACHMENT_COLOURS[place % len(ATTACHMENT_COLOURS)]
+        for number, nodes in enumerate(groups):
+            colour = ATTACHMENT_COLOURS[number % len(ATTACHMENT_COLOURS)]
             self._scene.add_points(vertices[nodes], BALL_SHARE * self._overview.half_height_m, colour)
         return self._scene.picture(self._overview)
 
@@ -124,7 +124,7 @@ def bound_nodes_by_bone(snapshot: Snapshot, bones: dict[str, PlyMesh]) -> dict[s
         for bone, (rotation, translation_m) in zip(bones.values(), snapshot.poses)
     ]
     nearest = np.argmin(gaps, axis=0)
-    return {name: bound[nearest == place] for place, name in enumerate(bones)}
+    return {name: bound[nearest == index] for index, name in enumerate(bones)}
 
 
 def _joint(run: Run, bones: dict[str, PlyMesh], muscle_m: np.ndarray) -> views.JointDirections:

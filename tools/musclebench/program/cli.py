@@ -12,7 +12,7 @@ from .out_folder import FolderInUse
 
 
 class Problem(Exception):
-    """The experiment can't go on; one line with place, problem and cure."""
+    """The experiment can't go on; one line with location, problem and cure."""
 
 
 class OneLineParser(argparse.ArgumentParser):

@@ -10,7 +10,7 @@ FULL_DISK_WORDS = ("disk full", "No space left on device", "quota exceeded")
 
 
 class DiskFull(Exception):
-    """One line with place, problem and cure."""
+    """One line with location, problem and cure."""
 
     def __init__(self, folder: Path):
         super().__init__(f"{folder}: the disk is full; complete cases are kept, make room and start again")

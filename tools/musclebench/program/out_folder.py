@@ -9,7 +9,7 @@ LOCK_NAME = ".lock"
 
 
 class FolderInUse(Exception):
-    """One line with place, problem and cure."""
+    """One line with location, problem and cure."""
 
 
 @contextmanager

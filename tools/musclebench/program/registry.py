@@ -35,7 +35,7 @@ class Backend:
     is_exact: bool = False  # what is left of its errors is rounding
     parameters: tuple[Parameter, ...] = ()
     study: dict = field(default_factory=dict, compare=False)  # what backends/NAME/study.toml holds
-    place: int = 10_000  # in the program's order
+    index: int = 10_000  # in the program's order
 
     @property
     def is_control(self) -> bool:
@@ -143,7 +143,7 @@ def parse_registry(text: str, source: str) -> Registry:
         if told["schema"] != SCHEMA:
             raise Problem(f"{source}: lists its backends by schema {told['schema']}, these tools read {SCHEMA}; "
                           "use the tools and the program of one commit")
-        backends = tuple(_backend(one, place) for place, one in enumerate(told["backends"]))
+        backends = tuple(_backend(one, index) for index, one in enumerate(told["backends"]))
         scenes = tuple(SceneEntry(one["name"], one.get("title", ""), tuple(one.get("muscles", [])),
                                   tuple(one.get("bones", [])))
                        for one in told["scenes"])
@@ -155,10 +155,10 @@ def parse_registry(text: str, source: str) -> Registry:
     return registry
 
 
-def _backend(told: dict, place: int) -> Backend:
+def _backend(told: dict, index: int) -> Backend:
     return Backend(told["name"], told.get("label") or told["name"], told.get("help", ""), told.get("colour"),
                    told.get("dash"), bool(told["exact"]), tuple(_parameter(one) for one in told["parameters"]),
-                   told.get("study") or {}, place)
+                   told.get("study") or {}, index)
 
 
 def _parameter(told: dict) -> Parameter:
@@ -169,12 +169,12 @@ def _parameter(told: dict) -> Parameter:
 def _check_studies(registry: Registry, source: str) -> None:
     for backend in registry.backends:
         known = {parameter.name for parameter in backend.parameters}
-        for place, series in enumerate(backend.series, 1):
+        for number, series in enumerate(backend.series, 1):
             sweep = series.get("sweep", {})
             if len(sweep) > 1:
-                raise Problem(f"{source}: study of {backend.name}, series {place}: sweeps {', '.join(sweep)}; only one "
-                              "parameter can be swept, put the others into series of their own")
+                raise Problem(f"{source}: study of {backend.name}, series {number}: sweeps {', '.join(sweep)}; only "
+                              "one parameter can be swept, put the others into series of their own")
             unknown = [key for key in (*sweep, *series.get("fixed", {})) if key not in known]
             if unknown:
-                raise Problem(f"{source}: study of {backend.name}, series {place}: '{unknown[0]}' is not a parameter; "
+                raise Problem(f"{source}: study of {backend.name}, series {number}: '{unknown[0]}' is not a parameter; "
                               f"there are: {', '.join(sorted(known)) or 'none'}")

@@ -37,6 +37,6 @@ def unmarked(text: str) -> list[tuple[int, str]]:
     found = {(match.start(1), match.group(0).strip())
              for pattern in (WITH_UNIT, DECIMAL, CELL, SHARE) for match in pattern.finditer(text)}
     longest_at = {}
-    for place, words in sorted(found, key=lambda one: (one[0], -len(one[1]))):
-        longest_at.setdefault(place, words)
-    return [(text.count("\n", 0, place) + 1, words) for place, words in longest_at.items()]
+    for offset, words in sorted(found, key=lambda one: (one[0], -len(one[1]))):
+        longest_at.setdefault(offset, words)
+    return [(text.count("\n", 0, offset) + 1, words) for offset, words in longest_at.items()]

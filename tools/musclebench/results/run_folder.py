@@ -22,7 +22,7 @@ COLUMNS_OF_MODE = {"coupled": FRAME_COLUMNS, "replay": REPLAY_COLUMNS}
 
 
 class ResultProblem(Exception):
-    """A run folder that can't be read; the message is one line with the place and the problem."""
+    """A run folder that can't be read; the message is one line with the location and the problem."""
 
 
 @dataclass

@@ -112,6 +112,6 @@ def _block_draws(values: np.ndarray, length: int, draws: int, random: np.random.
     repetitions, frames = values.shape
     blocks = -(-frames // length)
     starts = random.integers(0, frames, size=(draws, blocks))
-    places = ((starts[:, :, None] + np.arange(length)) % frames).reshape(draws, -1)[:, :frames]
+    indices = ((starts[:, :, None] + np.arange(length)) % frames).reshape(draws, -1)[:, :frames]
     chosen = random.integers(0, repetitions, size=(draws, 1)) if repetitions > 1 else np.zeros((draws, 1), dtype=int)
-    return values[chosen, places]
+    return values[chosen, indices]

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..cases.case import Places, SceneCase
+from ..cases.case import Folders, SceneCase
 from ..cases.scene import Scene
 
 STRUCTURES_DIR = "structures"  # of the distance fields, below the experiment's folder: built once, loaded by all
@@ -47,14 +47,14 @@ class RaceCase(SceneCase):
         a_frame = 1 / FRAMES_A_SECOND + self.scene.iterations * self.setting.step_ms * 1e-3
         return 2.0 + self.scene.size * self.scene.frames * a_frame
 
-    def arguments(self, places: Places) -> list[str]:
+    def arguments(self, folders: Folders) -> list[str]:
         words = ["run", self.scene.name, "--backend", self.setting.backend, *self.scene.preset_arguments(),
                  "--threads", "1", "--no-referee", "--repetition", str(self.repetition)]
         for key, value in self.setting.parameters:
             words += ["--param", f"{key}={value}"]
         if self.setting.storage:
-            words += ["--param", f"{self.setting.storage}={places.out_dir / STRUCTURES_DIR}"]
-        return [*words, *self.scene.data_arguments(places), *self.scene.frames_arguments()]
+            words += ["--param", f"{self.setting.storage}={folders.out_dir / STRUCTURES_DIR}"]
+        return [*words, *self.scene.data_arguments(folders), *self.scene.frames_arguments()]
 
     def record(self) -> dict:
         return {"mode": "coupled", "scene": self.scene.name, "preset": self.scene.preset,
@@ -101,13 +101,13 @@ class KernelCase(SceneCase):
     def guessed_seconds(self) -> float:
         return self.group.seconds
 
-    def environment(self, places: Places) -> list[str]:
+    def environment(self, folders: Folders) -> list[str]:
         """Assignments of the variables that tell the kernels what to measure."""
         words = [f"MUSCLEBENCH_MICRO_SCENE={self.scene.name}",
-                 f"MUSCLEBENCH_MICRO_STRUCTURES={places.out_dir / STRUCTURES_DIR}"]
-        return words + ([f"MUSCLEBENCH_DATA={places.data_dir}"] if places.data_dir is not None else [])
+                 f"MUSCLEBENCH_MICRO_STRUCTURES={folders.out_dir / STRUCTURES_DIR}"]
+        return words + ([f"MUSCLEBENCH_DATA={folders.data_dir}"] if folders.data_dir is not None else [])
 
-    def arguments(self, places: Places) -> list[str]:
+    def arguments(self, folders: Folders) -> list[str]:
         if not self.group.varies:
             return [f"--benchmark_filter={self.group.pattern}"]
         return [f"--benchmark_filter={self.group.pattern}", f"--benchmark_repetitions={self.repetitions_inside}",

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from ..cases.case import Case, Places
+from ..cases.case import Case, Folders
 from ..cases.experiment import Experiment, Refusal
 from ..program import fingerprint
 from ..program.machine_state import Reading, last_core, reading, told_between
@@ -15,8 +15,8 @@ from ..results.status import MEASURED
 class SpeedExperiment(Experiment):
     final_statuses = MEASURED | {"diverged", "unsupported"}
 
-    def __init__(self, binary: Path, micro: Path, places: Places, force: bool = False):
-        super().__init__(binary, places, force)
+    def __init__(self, binary: Path, micro: Path, folders: Folders, force: bool = False):
+        super().__init__(binary, folders, force)
         self._micro = micro.resolve()
         self._digests: dict[Path, str] = {}
         self._before: dict[Case, Reading] = {}
@@ -24,14 +24,14 @@ class SpeedExperiment(Experiment):
     def command(self, case: Case, folder: Path) -> list[str]:
         if not isinstance(case, KernelCase):
             return super().command(case, folder)
-        return ["env", *case.environment(self.places), str(self._program(case)), *case.arguments(self.places),
+        return ["env", *case.environment(self.folders), str(self._program(case)), *case.arguments(self.folders),
                 *case.output(folder)]
 
     def more_inputs(self, case: Case) -> dict[str, str]:
         if not isinstance(case, KernelCase):
             return {}
         return {"kernels_sha256": self._digest(self._program(case)),
-                "environment": " ".join(case.environment(self.places.symbolic()))}
+                "environment": " ".join(case.environment(self.folders.symbolic()))}
 
     def is_ever_run(self, case: Case) -> bool:
         return not isinstance(case, KernelCase) or self._program(case).is_file()
@@ -42,7 +42,7 @@ class SpeedExperiment(Experiment):
         return Refusal("unsupported", f"not built: {case.group.program}")
 
     def prepare(self, case: Case, folder: Path) -> None:
-        (self.places.out_dir / STRUCTURES_DIR).mkdir(exist_ok=True)
+        (self.folders.out_dir / STRUCTURES_DIR).mkdir(exist_ok=True)
         if isinstance(case, KernelCase):
             folder.mkdir()
             self._before[case] = reading(last_core())

@@ -4,7 +4,7 @@ import json
 import shutil
 from pathlib import Path
 
-from ..cases.case import Case, Places
+from ..cases.case import Case, Folders
 from ..cases.experiment import Experiment, Refusal
 from ..cases.progress import duration
 from ..program import fingerprint
@@ -21,8 +21,8 @@ class AccuracyStudy(Experiment):
     # A case that failed, ran out of time or out of memory is tried again at the next start.
     final_statuses = MEASURED | {"diverged", "unsupported", "nondeterministic"}
 
-    def __init__(self, binary: Path, places: Places, force: bool = False):
-        super().__init__(binary, places, force)
+    def __init__(self, binary: Path, folders: Folders, force: bool = False):
+        super().__init__(binary, folders, force)
         self._recordings: dict[str, str] = {}  # digest by path
 
     def is_complete(self, case: Case) -> bool:
@@ -53,7 +53,7 @@ class AccuracyStudy(Experiment):
         if isinstance(case, RecordCase):
             folder.mkdir()
         elif case.configuration.stores:
-            structures = self.places.out_dir / case.structures
+            structures = self.folders.out_dir / case.structures
             if isinstance(case, ProbeCase):
                 shutil.rmtree(structures, ignore_errors=True)
             structures.mkdir(parents=True, exist_ok=True)
@@ -70,7 +70,7 @@ class AccuracyStudy(Experiment):
 
     def remove_structures(self) -> None:
         """They can be built again at any time, and are large."""
-        shutil.rmtree(self.places.out_dir / STRUCTURES_DIR, ignore_errors=True)
+        shutil.rmtree(self.folders.out_dir / STRUCTURES_DIR, ignore_errors=True)
 
     def mark_nondeterministic(self, cases: list[StudyCase]) -> list[StudyCase]:
         """Marks the repetitions that answered something else than the first, and returns them."""
@@ -102,7 +102,7 @@ class AccuracyStudy(Experiment):
     def _recording_digest(self, case: RecordCase) -> str:
         """Empty while there is no recording."""
         if case.file not in self._recordings:
-            path = self.places.out_dir / case.file
+            path = self.folders.out_dir / case.file
             self._recordings[case.file] = fingerprint.file_digest(path) if path.is_file() else ""
         return self._recordings[case.file]
 

@@ -4,7 +4,7 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..cases.case import Places, SceneCase
+from ..cases.case import Folders, SceneCase
 from ..cases.scene import Scene
 from .sweeps import Configuration
 
@@ -52,9 +52,9 @@ class RecordCase(SceneCase):
     def guessed_bytes(self) -> float:
         return BYTES_A_NODE_AND_STEP * self.scene.nodes * self.scene.steps
 
-    def arguments(self, places: Places) -> list[str]:
+    def arguments(self, folders: Folders) -> list[str]:
         return ["record", self.scene.name, *self.scene.preset_arguments(), "--threads", "1",
-                *self.scene.data_arguments(places), *self.scene.frames_arguments()]
+                *self.scene.data_arguments(folders), *self.scene.frames_arguments()]
 
     def output(self, folder: Path) -> list[str]:
         return ["--out", str(folder / self.file_name), "--progress"]
@@ -115,12 +115,12 @@ class MeasuredCase(SceneCase):
                 "backend": configuration.backend, "parameters": dict(configuration.parameters),
                 "threads": configuration.threads, "repetition": self.repetition}
 
-    def backend_arguments(self, places: Places) -> list[str]:
+    def backend_arguments(self, folders: Folders) -> list[str]:
         words = ["--backend", self.configuration.backend]
         for key, value in self.configuration.parameters:
             words += ["--param", f"{key}={value}"]
         if self.configuration.stores:
-            words += ["--param", f"{self.configuration.storage}={places.out_dir / self.structures}"]
+            words += ["--param", f"{self.configuration.storage}={folders.out_dir / self.structures}"]
         return [*words, "--threads", str(self.configuration.threads)]
 
     def repetition_arguments(self) -> list[str]:
@@ -164,9 +164,9 @@ class ReplayCase(MeasuredCase):
         """Of a judged replay, which asks twice."""
         return self.scene.iterations * self.frames * (2 if self.is_judged else 1)
 
-    def arguments(self, places: Places) -> list[str]:
-        return ["replay", str(places.out_dir / self.recording.file), *self.backend_arguments(places),
-                *self.scene.data_arguments(places), "--stride", str(self.stride), "--band-mm", f"{self.band_mm:g}",
+    def arguments(self, folders: Folders) -> list[str]:
+        return ["replay", str(folders.out_dir / self.recording.file), *self.backend_arguments(folders),
+                *self.scene.data_arguments(folders), "--stride", str(self.stride), "--band-mm", f"{self.band_mm:g}",
                 *self.repetition_arguments()]
 
 
@@ -196,9 +196,9 @@ class CoupledCase(MeasuredCase):
         """Rest, full flexion and the end."""
         return sorted({0, self.scene.full_flexion_frame, self.scene.frames})
 
-    def arguments(self, places: Places) -> list[str]:
-        words = ["run", self.scene.name, *self.backend_arguments(places), *self.scene.preset_arguments()]
-        words += [*self.scene.data_arguments(places), *self.scene.frames_arguments(), *self.repetition_arguments()]
+    def arguments(self, folders: Folders) -> list[str]:
+        words = ["run", self.scene.name, *self.backend_arguments(folders), *self.scene.preset_arguments()]
+        words += [*self.scene.data_arguments(folders), *self.scene.frames_arguments(), *self.repetition_arguments()]
         return words + (["--snapshots", ",".join(map(str, self.snapshot_frames))] if self.is_judged else [])
 
 
@@ -221,6 +221,6 @@ class ProbeCase(MeasuredCase):
     def guessed_bytes(self) -> float:
         return BYTES_A_RUN + self.configuration.stored_bytes
 
-    def arguments(self, places: Places) -> list[str]:
-        return ["probe", self.scene.name, *self.backend_arguments(places), *self.scene.data_arguments(places),
+    def arguments(self, folders: Folders) -> list[str]:
+        return ["probe", self.scene.name, *self.backend_arguments(folders), *self.scene.data_arguments(folders),
                 "--points", str(self.points), "--band-mm", f"{self.configuration.probe_band_mm:g}"]

@@ -50,17 +50,17 @@ def configurations(registry: Registry) -> list[Configuration]:
 
 def _of_series(backend: Backend, series: dict) -> list[Configuration]:
     ((swept, values),) = series.get("sweep", {"": [None]}).items()
-    return [_configuration(backend, series, swept, value, place) for place, value in enumerate(values)]
+    return [_configuration(backend, series, swept, value, index) for index, value in enumerate(values)]
 
 
-def _configuration(backend: Backend, series: dict, swept: str, value, place: int) -> Configuration:
+def _configuration(backend: Backend, series: dict, swept: str, value, index: int) -> Configuration:
     declared = [parameter.name for parameter in backend.parameters]
     fixed = sorted(series.get("fixed", {}).items(), key=lambda item: declared.index(item[0]))
     parameters = ({swept: value} if swept else {}) | dict(fixed)
     quick, storage = series.get("quick", True), backend.of_role("storage")
     return Configuration(
-        backend.name, tuple(parameters.items()), series.get("threads", 1), _at(series.get("step_ms", 0.1), place),
-        _at(series.get("build_seconds", 0.0), place), _at(series.get("stored_bytes", 0.0), place),
+        backend.name, tuple(parameters.items()), series.get("threads", 1), _at(series.get("step_ms", 0.1), index),
+        _at(series.get("build_seconds", 0.0), index), _at(series.get("stored_bytes", 0.0), index),
         storage.name if storage and series.get("stores", False) else "",
         value in quick if isinstance(quick, list) else quick, series.get("replays", True), series.get("drives", True),
         series.get("drives_quick", series.get("drives", True)), series.get("probed", False),
@@ -68,6 +68,6 @@ def _configuration(backend: Backend, series: dict, swept: str, value, place: int
         backend.study.get("longest_stride", LONGEST_STRIDE))
 
 
-def _at(guess, place: int) -> float:
+def _at(guess, index: int) -> float:
     """A guess is one number for all, or a list with one for each swept value."""
-    return float(guess[place] if isinstance(guess, list) else guess)
+    return float(guess[index] if isinstance(guess, list) else guess)
