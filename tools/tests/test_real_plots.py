@@ -1,0 +1,133 @@
+"""Tables and figures of real runs of every backend, from the command line to the file. One module, which a worker of
+xdist runs alone."""
+
+import json
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from PIL import Image
+
+import accuracy
+import paper
+from musclebench.paper.paper_cases import BACKENDS as OF_THE_PAPER
+from musclebench.results.status import MEASURED
+from program import PROGRAM, call, needs_program
+from test_paper import CAN_DRAW
+
+pytestmark = needs_program
+MUSCLE = ("--muscle", "adductor_brevis")
+FIGURES = {
+    "paper": {"fig_6_adductor_brevis", "fig_7_collision_time", "fig_8_memory", "depth_by_frame",
+              "muscles_at_full_flexion", "attachments"},
+    "accuracy": {"pareto_replay", "pareto_coupled", "pareto_coupled_shape", "convergence", "convergence_cost", "stages"},
+}
+AS_WRITTEN = {"backend": str}  # `null` is a name
+FEWEST_COLOURS = 100  # of lines and letters with smooth edges; a blank page has one
+# A program of its own with a shorter list than the program's, which it would run for a quarter of an hour.
+DRIVER = """
+import sys
+sys.path.insert(0, {tools!r})
+import accuracy
+from musclebench.program.registry import parse_registry
+accuracy.read_registry = lambda program: parse_registry(open({listed!r}).read(), "few")
+sys.exit(accuracy.main(sys.argv[1:]))
+"""
+SLOW_STEP_MS = 1000.0  # of a backend that is there to be right: it replays few frames and moves no muscle
+
+
+@dataclass
+class Done:
+    """A command that ended."""
+
+    code: int
+    text: str
+    errors: str
+    out: Path
+
+    @property
+    def files(self) -> list[Path]:
+        """That the command names below `Written:`."""
+        return [Path(line.strip()) for line in self.text.partition("Written:\n")[2].splitlines()
+                if line.startswith("  ")]
+
+
+@pytest.fixture(scope="module")
+def listed() -> dict:
+    return json.loads(call("list", "--json").stdout)
+
+
+@pytest.fixture(scope="module")
+def both(tmp_path_factory, listed) -> dict[str, Done]:
+    """The paper's experiment and the accuracy study at the same time."""
+    folder = tmp_path_factory.mktemp("real")
+    command = [sys.executable, paper.__file__, "--musclebench", PROGRAM, "--out", folder / "paper", *MUSCLE]
+    with subprocess.Popen([*command, "--frames-limit", "10", "--jobs", "1"], stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, text=True) as process:
+        study = run_accuracy(folder / "accuracy", few_cases(listed))
+        text, errors = process.communicate(timeout=240)
+    return {"paper": Done(process.returncode, text, errors, folder / "paper"), "accuracy": study}
+
+
+def few_cases(listed: dict) -> str:
+    """The list of the program with the first series of each backend and of what that sweeps two values."""
+    return json.dumps(listed | {"backends": [one | {"study": with_first_series(one["study"] or {})}
+                                             for one in listed["backends"]]})
+
+
+def with_first_series(study: dict) -> dict:
+    first = {"step_ms": 0.1} | study.get("defaults", {}) | (study.get("series") or [{}])[0]
+    drives = isinstance(first["step_ms"], list) or first["step_ms"] < SLOW_STEP_MS
+    sweep = {"sweep": {key: values[:2] for key, values in first.get("sweep", {}).items()}} if "sweep" in first else {}
+    return study | {"series": [first | sweep | {"quick": True, "drives": drives}]}
+
+
+def run_accuracy(out: Path, registry: str) -> Done:
+    listed = out.with_suffix(".json")
+    listed.write_text(registry)
+    command = [sys.executable, "-c", DRIVER.format(tools=str(Path(accuracy.__file__).parent), listed=str(listed))]
+    done = subprocess.run([*command, "--musclebench", PROGRAM, "--out", str(out), *MUSCLE, "--quick",
+                           "--frames-limit", "4", "--jobs", "1"], capture_output=True, text=True, timeout=400, check=False)
+    return Done(done.returncode, done.stdout, done.stderr, out)
+
+
+@pytest.mark.parametrize("name", ["paper", "accuracy"])
+def test_what_the_command_names_is_there(both, name):
+    done = both[name]
+    if name == "paper" and not CAN_DRAW:
+        pytest.skip("no display and no Xvfb: surface figures can't be drawn")
+    assert done.code == 0, done.errors
+    figures = {path.stem for path in done.files if path.suffix == ".png"}
+    assert figures == FIGURES[name]
+    assert {path.suffix for path in done.files} >= {".csv", ".md", ".tex", ".png", ".svg", ".pdf"}
+    for path in done.files:
+        assert path.stat().st_size > 0 and done.out in path.parents, path
+
+
+@pytest.mark.parametrize("name", ["paper", "accuracy"])
+def test_pictures_are_whole_and_show_something(both, name):
+    for path in both[name].files:
+        if path.suffix != ".png":
+            continue
+        with Image.open(path) as picture:
+            pixels = np.asarray(picture.convert("RGB"))
+        colours = np.unique(pixels.astype(np.uint32) @ [1 << 16, 1 << 8, 1])
+        assert pixels.shape[1] > 1000 and len(colours) > FEWEST_COLOURS, path.name
+        assert (pixels[:, [0, -1]] == 255).all(), f"{path.name}: something leaves the page"
+
+
+def test_every_backend_has_answered_and_stands_in_a_table(both, listed):
+    rows = pd.read_csv(both["accuracy"].out / "accuracy.csv", converters=AS_WRITTEN)
+    assert set(rows["status"]) <= MEASURED
+    assert set(rows["backend"]) == {one["name"] for one in listed["backends"]}
+    replayed = set(rows[rows["mode"] == "replay"]["backend"])
+    assert replayed == {one["name"] for one in listed["backends"] if not (one["study"] or {}).get("control")}
+    runs = pd.read_csv(both["paper"].out / "runs.csv", converters=AS_WRITTEN)
+    assert set(runs["backend"]) == set(OF_THE_PAPER) and (runs["frames"] == 10).all()
+    assert set(runs["status"]) <= MEASURED
+    for backend in OF_THE_PAPER:
+        assert f"\n  {backend} " in both["paper"].text
