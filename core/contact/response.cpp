@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/base/input_error.hpp"
@@ -82,6 +83,11 @@ Response::Response(std::vector<BoneResponse> of_bones) : m_of_bones(std::move(of
 void Response::reserve(std::size_t nodes, std::size_t bones) {
   m_contacts.reserve(nodes * bones);
   m_nodes.reserve(nodes * bones);  // before those in contact with several bones become one
+  if (m_joint_steps > 0) {
+    m_joint_index.resize(nodes);
+    m_joint_start.reserve(nodes);
+    m_half_spaces.reserve(nodes * bones);
+  }
   if (m_of_bones.size() > 1) {
     m_backtracked.reserve(nodes * bones);
     m_projected.reserve(nodes * bones);
@@ -112,7 +118,11 @@ void Response::resolve(CollisionBackend& backend, const ResponseInput& input, st
     backtrack(backend, input, backtracked, predicted);
   }
   if (!projected.empty()) {
-    project(backend, projected, predicted);
+    if (m_joint_steps > 0) {
+      project_out_of_all(backend, projected, predicted, input.bone_poses.size());
+    } else {
+      project(backend, projected, predicted);
+    }
   }
 }
 
@@ -136,6 +146,47 @@ void Response::project(CollisionBackend& backend, std::span<const Contact> conta
     push_out(m_contacts, predicted);
     collect_nodes(m_contacts, m_nodes);
   }
+}
+
+void Response::project_out_of_all(CollisionBackend& backend, std::span<const Contact> contacts,
+                                  std::span<Vec3> predicted, std::size_t bones) {
+  const HalfSpace not_met{Vec3::Zero(), -std::numeric_limits<double>::infinity()};
+  m_joint_index.resize(predicted.size());
+  collect_nodes(contacts, m_nodes);
+  m_joint_start.clear();
+  for (const int node : m_nodes) {
+    m_joint_index[static_cast<std::size_t>(node)] = static_cast<int>(m_joint_start.size());
+    m_joint_start.push_back(predicted[node]);
+  }
+  m_half_spaces.assign(m_nodes.size() * bones, not_met);
+  for (int step = 1;; ++step) {
+    for (const Contact& contact : contacts) {
+      const auto index = static_cast<std::size_t>(m_joint_index[static_cast<std::size_t>(contact.node)]);
+      const double moved_m = contact.normal.dot(predicted[contact.node] - m_joint_start[index]);
+      m_half_spaces[index * bones + static_cast<std::size_t>(contact.bone)] = {contact.normal,
+                                                                               contact.depth_m + moved_m};
+    }
+    for (const int node : m_nodes) move_out_of_all(node, predicted, bones);
+    if (step >= m_joint_steps || !backend.capabilities().point_queries) {
+      return;
+    }
+    backend.detect(predicted, m_nodes, m_contacts);
+    std::erase_if(m_contacts, [&](const Contact& contact) { return of(contact.bone).kind != ResponseKind::project; });
+    if (m_contacts.empty()) {
+      return;
+    }
+    contacts = m_contacts;
+    collect_nodes(contacts, m_nodes);
+  }
+}
+
+void Response::move_out_of_all(int node, std::span<Vec3> predicted, std::size_t bones) {
+  const auto index = static_cast<std::size_t>(m_joint_index[static_cast<std::size_t>(node)]);
+  HalfSpaces met;
+  for (const HalfSpace& each : std::span(m_half_spaces).subspan(index * bones, bones)) {
+    if (std::isfinite(each.depth_m)) met.add(each);
+  }
+  predicted[node] = m_joint_start[index] + least_displacement(met);
 }
 
 void Response::backtrack(CollisionBackend& backend, const ResponseInput& input, std::span<const Contact> contacts,

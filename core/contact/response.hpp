@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/contact/collision_backend.hpp"
+#include "core/contact/least_displacement.hpp"
 
 namespace musclebench {
 
@@ -64,6 +65,10 @@ class Response {
   /// One a bone, or one for all.
   explicit Response(std::vector<BoneResponse> of_bones);
 
+  /// From now on a node that is to be projected out of bones goes to the closest position outside all of them that a
+  /// detection has met, instead of along the sum of their pushes; at most so many detections a step.
+  void project_out_of_all(int steps) { m_joint_steps = steps; }
+
   /// Makes room for all that `nodes` nodes and `bones` bones can need: `resolve` then allocates nothing.
   void reserve(std::size_t nodes, std::size_t bones);
 
@@ -76,6 +81,9 @@ class Response {
     return m_of_bones.size() == 1 ? m_of_bones.front() : m_of_bones[static_cast<std::size_t>(bone)];
   }
   void project(CollisionBackend& backend, std::span<const Contact> contacts, std::span<Vec3> predicted);
+  void project_out_of_all(CollisionBackend& backend, std::span<const Contact> contacts, std::span<Vec3> predicted,
+                          std::size_t bones);
+  void move_out_of_all(int node, std::span<Vec3> predicted, std::size_t bones);
   void backtrack(CollisionBackend& backend, const ResponseInput& input, std::span<const Contact> contacts,
                  std::span<Vec3> predicted);
   void backtrack_from_bone(CollisionBackend& backend, const ResponseInput& input, std::span<const Contact> contacts,
@@ -84,6 +92,7 @@ class Response {
 
   std::vector<BoneResponse> m_of_bones;
   int m_most_steps = 0;
+  int m_joint_steps = 0;  ///< 0: pushes are added
   // Scratch memory, kept so that a frame allocates nothing.
   std::vector<Contact> m_backtracked;  ///< contacts of bones of this kind, where bones differ
   std::vector<Contact> m_projected;
@@ -91,6 +100,10 @@ class Response {
   std::vector<int> m_nodes;
   std::vector<Vec3> m_trial;
   std::vector<Vec3> m_corrections;
+  // Of nodes that are projected out of all bones together, in the order of their first contacts.
+  std::vector<int> m_joint_index;        ///< by node
+  std::vector<Vec3> m_joint_start;       ///< p before the response
+  std::vector<HalfSpace> m_half_spaces;  ///< one a bone, about the start; depth -infinity: not met yet
 };
 
 }  // namespace musclebench

@@ -7,6 +7,7 @@
 #include "core/effects/friction.hpp"
 #include "core/effects/gravity.hpp"
 #include "core/effects/margin.hpp"
+#include "core/effects/multi_bone.hpp"
 #include "core/effects/tunnelling_guard.hpp"
 #include "core/effects/volume.hpp"
 
@@ -26,6 +27,14 @@ const std::vector<EffectEntry>& effect_registry() {
        .parameters = margin_parameters(),
        .make = nullptr,
        .make_stage = make_margin,
+       .needs_normals = true,
+       .needs_projection = true},
+      {.name = "multi_bone",
+       .help =
+           "nodes in several bones leave by the shortest way that ends outside all of them; without it pushes add up",
+       .parameters = multi_bone_parameters(),
+       .make = nullptr,
+       .set_response = set_multi_bone,
        .needs_normals = true,
        .needs_projection = true},
       {.name = "friction",

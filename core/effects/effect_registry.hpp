@@ -9,6 +9,7 @@
 
 #include "core/base/parameters.hpp"
 #include "core/contact/bone.hpp"
+#include "core/contact/response.hpp"
 #include "core/effects/fibres.hpp"
 #include "core/mesh/body.hpp"
 #include "core/mesh/triangle_mesh.hpp"
@@ -40,13 +41,14 @@ struct StageInput {
   std::size_t nodes = 0;  ///< of all muscles
 };
 
-/// An effect that scenes can name: a force or constraints, or a stage of the collision step.
+/// An effect that scenes can name: a force or constraints, a stage of the collision step, or another response.
 struct EffectEntry {
   std::string name;
   std::string help;
   std::vector<ParameterSpec> parameters;
   std::function<std::unique_ptr<Effect>(const EffectInput&, const Parameters&)> make;
   std::function<std::unique_ptr<ContactStage>(const StageInput&, const Parameters&)> make_stage = {};  ///< or this
+  std::function<void(Response&, const Parameters&)> set_response = {};                                 ///< or this
   bool needs_normals = false;     ///< of contacts with bones
   bool needs_projection = false;  ///< the response that moves nodes by their depths
 };

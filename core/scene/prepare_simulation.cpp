@@ -75,9 +75,15 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
       prepared.effect_names.push_back(effect.name);
     }
   }
+  Response response(scene.responses(responses));
+  for (const SceneEffect& effect : scene.effects) {
+    if (const EffectEntry* entry = find_effect(effect.name); entry->set_response) {
+      entry->set_response(response, effect.parameters);
+    }
+  }
   const Particles particles = particles_of(scene, prepared.bound_nodes);
   prepared.simulation = std::make_unique<Simulation>(
-      scene.loop, particles, std::move(order), std::move(effects), backend, Response(scene.responses(responses)),
+      scene.loop, particles, std::move(order), std::move(effects), backend, std::move(response),
       [&scene](double position, std::vector<RigidMotion>& poses) { scene.poses_at(position, poses); }, threads);
   if (!muscle_detectors.empty()) {
     prepared.simulation->add_stage(std::make_unique<MuscleContactStage>(

@@ -237,6 +237,66 @@ TEST(Margin, ContactsAreThoseOfTheExactDistance) {
   }
 }
 
+/// Where a response leaves a node.
+Vec3 responded(const std::vector<Shape>& shapes, const Vec3& at, bool out_of_all) {
+  ShapeBackend backend(shapes);
+  Response response(ResponseKind::project);
+  const EffectEntry& entry = *find_effect("multi_bone");
+  if (out_of_all) entry.set_response(response, Parameters(entry.parameters, {}, "test"));
+  const std::vector<RigidMotion> poses(shapes.size());
+  std::vector<Vec3> predicted(1, at);
+  const std::vector<int> nodes(1, 0);
+  std::vector<Contact> contacts;
+  backend.update(poses, predicted);
+  backend.detect(predicted, nodes, contacts);
+  response.resolve(backend, {predicted, poses, poses}, contacts, predicted);
+  return predicted[0];
+}
+
+/// Two sides of a groove, 30 degrees apart, and the bottom where they meet: the node is in one of them only, and is
+/// pushed into the other.
+TEST(MultiBone, ANodeInAWedgeEndsOutsideBothSides) {
+  const Vec3 left = Vec3(std::cos(0.26), 0, std::sin(0.26));
+  const Vec3 right = Vec3(-std::cos(0.26), 0, std::sin(0.26));
+  const std::vector<Shape> groove = {half_space(left), half_space(right)};
+  const std::vector<Shape> swapped = {half_space(right), half_space(left)};
+  for (const Vec3& at : {Vec3(0, 0, -0.001), Vec3(-0.002, 0.5, -0.004), Vec3(0.0001, 0, -0.0005)}) {
+    const Vec3 found = responded(groove, at, true);
+    EXPECT_GT(found.dot(left), -1e-10);
+    EXPECT_GT(found.dot(right), -1e-10);
+    EXPECT_LT((found - Vec3(0, at.y(), 0)).norm(), 1e-9) << at.transpose();
+    EXPECT_EQ(found, responded(swapped, at, true));
+  }
+  const Vec3 summed = responded(groove, {-0.002, 0.5, -0.004}, false);
+  EXPECT_LT(std::min(summed.dot(left), summed.dot(right)), -1e-5);
+}
+
+TEST(MultiBone, BonesThatOverlapPushANodeOnce) {
+  const std::vector<Shape> twice(2, half_space(Vec3::UnitZ()));
+  EXPECT_LT((responded(twice, {0, 0, -0.001}, true)).norm(), 1e-11);
+  EXPECT_NEAR(responded(twice, {0, 0, -0.001}, false).z(), 0.001, 1e-15);
+}
+
+/// Between two balls, which are not flat: as far as detections go.
+TEST(MultiBone, ANodeBetweenCurvedBonesEndsOutsideThem) {
+  const std::vector<Shape> balls = {ball({-0.01, 0, 0}, 0.0105), ball({0.01, 0, 0}, 0.0105)};
+  const Vec3 found = responded(balls, {0.0001, 0.001, 0}, true);
+  for (const Shape& each : balls) EXPECT_GT(each.signed_distance_m(found), -1e-9);
+  EXPECT_LT((found - Vec3(0, std::sqrt(0.0105 * 0.0105 - 0.01 * 0.01), 0)).norm(), 1e-6);
+}
+
+/// Two bones close on a node, from a gap of 2 mm to one of -1 mm, and it does not jump.
+TEST(MultiBone, APinchedNodeKeepsToTheMiddle) {
+  Vec3 at(0.0004, 0, 0);
+  for (double gap_m = 2e-3; gap_m > -1e-3; gap_m -= 1e-5) {
+    const std::vector<Shape> jaws = {half_space(Vec3::UnitX(), -gap_m / 2), half_space(-Vec3::UnitX(), -gap_m / 2)};
+    const Vec3 next = responded(jaws, at, true);
+    EXPECT_LT((next - at).norm(), 6e-6) << gap_m;
+    at = next;
+  }
+  EXPECT_NEAR(at.x(), 0, 1e-6);
+}
+
 constexpr double half_thickness_m = 0.002;
 TriangleMesh plate() { return make_box({0.1, 0.1, half_thickness_m}, 5); }
 
@@ -351,7 +411,8 @@ TEST(TunnellingGuard, WhatIsNotFiniteIsLeftToTheLoop) {
 TEST(Stages, NamesAreThoseOfTheEffects) {
   const std::vector<Bone> bones(1, bone_of(plate()));
   for (const EffectEntry& entry : effect_registry()) {
-    ASSERT_NE(entry.make == nullptr, entry.make_stage == nullptr) << entry.name;
+    ASSERT_EQ((entry.make != nullptr) + (entry.make_stage != nullptr) + (entry.set_response != nullptr), 1)
+        << entry.name;
     if (entry.make_stage) {
       EXPECT_EQ(make_stage(entry.name, bones, 1)->name(), entry.name);
     }
