@@ -91,6 +91,7 @@ int record(const RecordOptions& options) {
   const PreparedSimulation prepared =
       prepare_simulation(resolved.scene, *built.backend, resolved.responses, resolved.threads,
                          make_muscle_detectors(scene, resolved.colliders, resolved.threads));
+  release_shared(scene);
   const RecordingHeader header = header_of(resolved, options.scene, prepared.simulation->free_nodes());
   std::optional<RecordingWriter> writer;
   {
