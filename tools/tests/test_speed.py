@@ -85,6 +85,19 @@ def test_the_table_has_every_bar_with_its_median_spread_and_verdict(table):
         "power of the muscle's nodes that a step of bvh costs": (1.0, "yes"),
         "power of log(triangles) that a step of bvh costs": (0.0, "yes"),
         "heap allocations in a frame after the second": (3.0, "no"),
+        "edge length, ns a constraint: one by one / SIMD lanes": (4.0, "yes"),
+        "edge length: PBDlib's formulas / SIMD lanes": (15.0, ""),
+        "bending, ns a constraint: one by one / SIMD lanes (of AVX-512)": (4.0, "no"),
+        "bending: one by one / SIMD lanes of AVX2": (3.2, "no"),
+        "bending: PBDlib's formulas / SIMD lanes": (6.0, ""),
+        "loop without collision, `standard`: scalar / SIMD lanes, one thread": (4.0, "yes"),
+        "two threads over one, loop without collision, `standard`": (1.6, "no"),
+        "a frame with collision over one without, `paper`, scalar constraints": (1.2, ""),
+        "a frame with collision over one without, `paper`, SIMD lanes, one thread": (2.0, ""),
+        "frames a second with sdf, `paper`, one thread: over those of scalar constraints": (3.0, "yes"),
+        "frames a second with sdf, `standard`, two threads: over those of scalar constraints": (5.0, "yes"),
+        "a frame (20 ms) of four muscles in contact, `standard`, sdf, two threads, ms": (30.6, "yes"),
+        "two threads over one, four muscles in contact, `standard`, sdf": (2.0, ""),
     }
     for what, (value, held) in expected.items():
         row = rows[what]
@@ -229,6 +242,11 @@ def test_quick_leaves_out_the_largest_sizes(name, whole, quick):
 def test_the_dry_run_lists_the_cases(table):
     code, text, _, calls = table("--dry-run")
     assert code == 0 and calls == [] and "iliacus-bvh-r0" in text and "about" in text.splitlines()[-1]
+
+
+def test_a_scene_of_several_muscles_is_raced(table):
+    code, text, errors, _ = table("--scene", "synthetic/hip", "--dry-run")
+    assert code == 0 and "hip-bvh-r0" in text, errors
 
 
 @pytest.mark.parametrize("arguments, words", [
