@@ -47,7 +47,7 @@ def parse_arguments(arguments):
     what = parser.add_argument_group("what is measured")
     what.add_argument("--quick", action="store_true",
                       help="a first picture in under 5 minutes: fewer configurations, frames and repetitions")
-    add_scene_options(what, f"default: all of the data set; with --quick {QUICK_MUSCLE}")
+    add_scene_options(what, f"default: all of the data set that have one muscle; with --quick {QUICK_MUSCLE}")
     what.add_argument("--repetitions", type=int, metavar="N",
                       help=f"of each case; long ones are repeated less (default {REPETITIONS}; with --quick 1)")
     what.add_argument("--band-mm", type=float, default=10.0, metavar="MM",

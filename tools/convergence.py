@@ -35,7 +35,7 @@ SUBSTEPS = (5, 10, 20, 40, 80, 160)
 def parse_arguments(arguments):
     parser = OneLineParser(prog="tools/convergence", description=__doc__,
                            formatter_class=argparse.RawDescriptionHelpFormatter)
-    add_scene_options(parser, "default: all of the data set")
+    add_scene_options(parser, "default: all of the data set that have one muscle")
     parser.add_argument("--substeps", type=_counts, default=list(SUBSTEPS), metavar="N,N,...",
                         help=f"numbers to compare (default: {','.join(map(str, SUBSTEPS))})")
     parser.add_argument("--backend", metavar="NAME", help="of all runs (default: an exact one)")

@@ -33,7 +33,7 @@ def parse_arguments(arguments):
     parser = OneLineParser(prog="tools/paper", description=__doc__)
     parser.add_argument("--musclebench", type=Path, default=PROGRAM,
                         help="the program to measure (default: that of the preset release)")
-    add_scene_options(parser, "default: the paper's four muscles")
+    add_scene_options(parser, "default: all of the data set that have one muscle, the paper's four")
     parser.add_argument("--out", type=Path, help="default: reports/out/paper-synthetic, -lhdl or -SCENE")
     parser.add_argument("--jobs", type=int, help="cases at a time, each on a core (default: 2, or 1 on one core)")
     parser.add_argument("--frames-limit", type=int, metavar="N", help="only N frames a case, for a quick look")

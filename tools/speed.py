@@ -40,7 +40,7 @@ def parse_arguments(arguments):
     what = parser.add_argument_group("what is measured")
     what.add_argument("--quick", action="store_true",
                       help="a first table in under 3 minutes: one muscle, fewer frames, repetitions and sizes")
-    add_scene_options(what, f"default: all of the data set; with --quick {MAIN_MUSCLE}")
+    add_scene_options(what, f"default: all of the data set that have one muscle; with --quick {MAIN_MUSCLE}")
     what.add_argument("--repetitions", type=int, metavar="N",
                       help=f"rounds of all cases (default {REPETITIONS}; with --quick {QUICK_REPETITIONS})")
     how = parser.add_argument_group("how it runs")

@@ -38,6 +38,11 @@ def test_complete_runs_are_kept_and_the_table_has_a_row_each(study, tmp_path):
     assert study("--substeps", "5,10,20")[3] == ["iliacus-substeps=20"]
 
 
+def test_a_scene_of_several_muscles_takes_part(study):
+    code, text, errors, called = study("--scene", "synthetic/hip")
+    assert code == 0 and "hip-substeps=5" in called and "synthetic/hip | " in text, errors
+
+
 @pytest.mark.parametrize("arguments, words", [
     (["--substeps", "5,many"], "'5,many' is not like"), (["--backend", "box2d"], "--backend box2d: not built"),
     (["--muscle", "biceps"], "'biceps'"), (["--jobs", "0"], "--jobs 0"),

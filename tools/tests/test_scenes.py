@@ -6,7 +6,10 @@ from pathlib import Path
 import pytest
 
 import accuracy
+import convergence
 import fake_registry
+import paper
+import speed
 from musclebench.cases import scene
 from musclebench.cases.case import Folders
 from musclebench.cases.scene import Scene, chosen_names, full_flexion_frame, half_flexion_frame, survey
@@ -53,6 +56,13 @@ def test_scenes_are_chosen_by_name_by_file_or_by_muscle(knee):
     assert names == [str(knee), "lhdl/iliacus", "synthetic/gluteus_medius"]
     assert chosen_names(None, None, "lhdl", REGISTRY) == [f"lhdl/{muscle}" for muscle in fake_registry.NODES]
     assert chosen_names(None, None, "synthetic", REGISTRY, "iliacus") == ["synthetic/iliacus"]
+
+
+@pytest.mark.parametrize("command", [accuracy, convergence, paper, speed])
+def test_help_says_which_scenes_are_the_default(command, capsys):
+    with pytest.raises(SystemExit):
+        command.parse_arguments(["--help"])
+    assert "all of the data set that have one muscle" in " ".join(capsys.readouterr().out.split())
 
 
 @pytest.mark.parametrize("scenes, words", [
