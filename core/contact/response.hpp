@@ -65,8 +65,8 @@ class Response {
   /// One a bone, or one for all.
   explicit Response(std::vector<BoneResponse> of_bones);
 
-  /// From now on a node that is to be projected out of bones goes to the closest position outside all of them that a
-  /// detection has met, instead of along the sum of their pushes; at most so many detections a step.
+  /// From now on a node that is to be projected out of bones goes to the closest position outside the tangent planes of
+  /// all that detections have met, instead of along the sum of their pushes; at most so many detections a step.
   void project_out_of_all(int steps) { m_joint_steps = steps; }
 
   /// Makes room for all that `nodes` nodes and `bones` bones can need: `resolve` then allocates nothing.

@@ -37,7 +37,7 @@ def test_bones_that_muscles_share_count_once(tmp_path):
     for scene in SCENES:
         write_probe(tmp_path / "raw" / scene.replace("/", "-"), scene, "sdf", Truth(parameters={"cells": 8}))
     rows = orders.probe_rows(aggregates_of(cases.read_cases(tmp_path)))
-    assert len(rows) == 2 * 2  # bones, regions
+    assert len(rows) == 2 * 3  # bones; all points, smooth and sharp ones
 
 
 def test_an_error_of_nothing_has_no_order():
