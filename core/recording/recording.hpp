@@ -26,7 +26,7 @@ struct RecordingHeader {
   std::string scene_sha256;  ///< of the resolved scene
   std::string backend;       ///< which the run was made with
   std::string build;         ///< of the program that recorded
-  int nodes = 0;  ///< of all muscles
+  int nodes = 0;             ///< of all muscles
   int muscles = 1;
   int bones = 0;
   int substeps = 0;
