@@ -27,7 +27,7 @@ from musclebench.program.out_folder import claimed
 from musclebench.program.registry import Registry, read_registry, save_registry
 from musclebench.results.run_folder import ResultProblem
 from musclebench.study.study import RESULT_DIRS, AccuracyStudy
-from musclebench.study.study_cases import ReplayCase
+from musclebench.study.study_cases import LONGEST_SECONDS, ReplayCase
 from musclebench.study.study_manifest import total_memory_bytes, write_manifest
 from musclebench.study.study_plan import Request, StudyCase, is_too_long, plan
 from musclebench.study.sweeps import configurations
@@ -52,6 +52,8 @@ def parse_arguments(arguments):
                       help=f"of each case; long ones are repeated less (default {REPETITIONS}; with --quick 1)")
     what.add_argument("--band-mm", type=float, default=10.0, metavar="MM",
                       help="errors are measured at nodes that are no farther from the surface (default 10 mm)")
+    what.add_argument("--longest", type=float, default=LONGEST_SECONDS, metavar="SECONDS",
+                      help="a case that is guessed to take longer is a row with its estimate (default 360 s)")
     what.add_argument("--frames-limit", type=int, metavar="N",
                       help="frames of the whole motion (default: the preset's 314)")
     what.add_argument("--shard", type=_shard, default=(1, 1), metavar="I/N",
@@ -84,7 +86,7 @@ def _shard(text: str) -> tuple[int, int]:
 
 def check_input(options) -> None:
     check_data(options.data)
-    for option in ("jobs", "repetitions", "frames_limit", "timeout", "band_mm", "memory_gb"):
+    for option in ("jobs", "repetitions", "frames_limit", "longest", "timeout", "band_mm", "memory_gb"):
         check_positive(f"--{option.replace('_', '-')}", getattr(options, option))
     if not options.report_only:
         check_program(options.musclebench, "tools/accuracy")
@@ -96,7 +98,7 @@ def request_of(options, registry: Registry, folders: Folders) -> Request:
     scenes = survey(names, options.musclebench, registry, folders, options.frames_limit)
     repetitions = options.repetitions or (1 if options.quick else REPETITIONS)
     return Request(tuple(scenes), data_set, repetitions, options.quick, options.frames_limit, options.band_mm,
-                   options.shard)
+                   options.shard, longest_seconds=options.longest)
 
 
 def out_dir_of(options) -> Path:

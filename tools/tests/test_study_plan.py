@@ -181,3 +181,10 @@ def test_a_queue_goes_past_a_case_of_several_threads_that_waits_for_another():
         assert queue.take() == case and queue.take() is None
         queue.end(case)
     assert not queue
+
+
+def test_what_is_too_long_is_a_choice():
+    cases = plan(Request(MUSCLES, "lhdl", longest_seconds=50.0))
+    kept = [case.guessed_seconds for case in cases if not is_too_long(case) and case.name.endswith("-r0")]
+    more = [case.guessed_seconds for case in plan(Request(MUSCLES, "lhdl")) if not is_too_long(case)]
+    assert max(kept) <= 50 < max(more)

@@ -9,7 +9,7 @@ from ..cases.experiment import Experiment, Refusal
 from ..cases.progress import duration
 from ..program import fingerprint
 from .study_cases import MeasuredCase, ProbeCase, RecordCase, ReplayCase
-from .study_plan import LONGEST_SECONDS, StudyCase, is_too_long
+from .study_plan import StudyCase, is_too_long
 from ..results.status import MEASURED
 
 RESULT_DIRS = ("raw", "recordings")
@@ -43,7 +43,7 @@ class AccuracyStudy(Experiment):
             a_step = f"{case.configuration.step_ms * case.scene.size / 1e3:.2g} s"
             whole = duration(case.guessed_seconds)
             return Refusal("timeout", f"not run: {case.steps} steps of about {a_step} would take about {whole}, over "
-                                      f"{duration(LONGEST_SECONDS)}")
+                                      f"{duration(case.longest_seconds)}")
         if isinstance(case, ReplayCase) and not super().is_complete(case.recording):
             return Refusal("failed", f"not run: there is no recording; {self._reason(case.recording)}")
         return None

@@ -17,6 +17,7 @@ PROBING_SECONDS = 3.0
 BYTES_A_NODE_AND_STEP = 8
 BYTES_A_JUDGED_RUN = 10e6
 BYTES_A_RUN = 0.3e6
+LONGEST_SECONDS = 360.0  # what would take longer is a row with its estimate
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,7 @@ class MeasuredCase(SceneCase):
     scene: Scene
     configuration: Configuration
     repetition: int = 0  # only the first is judged: the answers are the same in all
+    longest_seconds: float = LONGEST_SECONDS
 
     @property
     @abstractmethod

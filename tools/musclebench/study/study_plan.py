@@ -4,12 +4,11 @@ import random
 from dataclasses import dataclass, replace
 
 from ..cases.scene import Scene
-from .study_cases import CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
+from .study_cases import LONGEST_SECONDS, CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
 from .sweeps import Configuration
 
 REPLAY_SECONDS = 4.0  # of the steps of one replay; the stride keeps to it
 QUICK_REPLAY_SECONDS = 2.0
-LONGEST_SECONDS = 360.0  # what would take longer is a row with its estimate
 FEWER_REPETITIONS = ((60.0, 1), (8.0, 2))  # of more seconds a repetition there are no more
 
 
@@ -25,6 +24,7 @@ class Request:
     band_mm: float = 10.0
     shard: tuple[int, int] = (1, 1)  # the i-th of n
     seed: int = 1
+    longest_seconds: float = LONGEST_SECONDS
 
 
 StudyCase = RecordCase | MeasuredCase
@@ -44,7 +44,7 @@ def plan(request: Request, configurations: list[Configuration]) -> list[StudyCas
 
 def is_too_long(case: StudyCase) -> bool:
     """True for a case that is shown as a row with its estimate and never run."""
-    return isinstance(case, (CoupledCase, ReplayCase)) and case.guessed_seconds > LONGEST_SECONDS
+    return isinstance(case, (CoupledCase, ReplayCase)) and case.guessed_seconds > case.longest_seconds
 
 
 def in_shard(cases: list[MeasuredCase], number: int, count: int) -> list[MeasuredCase]:
@@ -72,9 +72,10 @@ def _modes(scene: Scene, configuration: Configuration, all_of_them: list[Configu
     if configuration.replays:
         seconds = QUICK_REPLAY_SECONDS if request.quick else REPLAY_SECONDS
         stride = stride_of(scene, configuration, seconds, all_of_them)
-        cases.append(ReplayCase(scene, configuration, stride=stride, band_mm=request.band_mm))
+        cases.append(ReplayCase(scene, configuration, longest_seconds=request.longest_seconds, stride=stride,
+                                band_mm=request.band_mm))
     if configuration.drives_quick if request.quick else configuration.drives:
-        cases.append(CoupledCase(scene, configuration))
+        cases.append(CoupledCase(scene, configuration, longest_seconds=request.longest_seconds))
     return cases
 
 
