@@ -2,28 +2,19 @@
 #include <memory>
 #include <new>
 #include <optional>
-#include <thread>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "bench/cases/advice.hpp"
-#include "bench/cases/build_backend.hpp"
-#include "bench/cases/divergence.hpp"
-#include "bench/cases/kept_frames.hpp"
-#include "bench/cases/replay_case.hpp"
+#include "bench/cases/advise_case.hpp"
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
 #include "bench/process/progress.hpp"
 #include "core/base/input_error.hpp"
-#include "core/scene/prepare_simulation.hpp"
 
 namespace musclebench {
 
 namespace {
-/// Enough for the interval of a median, few enough that slow backends fit into the time.
-constexpr int kept_frames = 40;
-constexpr int frames_in_a_row = 5;
 /// The run that makes the input may take this share of the time; the rest is for the configurations.
 constexpr double recording_share = 0.4;
 /// What is left of an exact answer is rounding.
@@ -36,99 +27,6 @@ struct AdviseOptions {
   double band_mm = 10;
   int threads = 1;
 };
-
-/// What the configurations are asked: rows of frames spread evenly over the exact run, and its deepest bend.
-struct Input {
-  std::unique_ptr<KeptFrames> frames;
-  int frames_run = 0;
-};
-
-/// In rows, as in a run: what backends know of a frame from the one before makes them faster.
-bool is_kept(const LoopParameters& loop, int frame) {
-  const int stride = std::max(1, loop.frames / kept_frames);
-  return (frame - 1) % (frames_in_a_row * stride) < frames_in_a_row || frame == (loop.frames + 1) / 2;
-}
-
-Input run_exactly(const Scene& scene, double seconds) {
-  const BackendEntry& backend = exact_backend();
-  const int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  const Case exact{scene, backend, backend_parameters(backend, {}), threads, 0};
-  const BuiltBackend built = build_backend(exact);
-  const PreparedSimulation prepared =
-      prepare_simulation(exact.scene, *built.backend, exact.responses, exact.threads,
-                         make_muscle_detectors(scene, choose_collider_backends({}, scene, backend), threads));
-  const Divergence divergence(scene);
-  Progress progress(progress_style(false), "exact run of " + scene.name, scene.loop.frames);
-  const Nanoseconds start_ns = monotonic_now_ns();
-  Input input{std::make_unique<KeptFrames>(static_cast<int>(scene.muscle_mesh.vertices.size()),
-                                           prepared.simulation->free_nodes())};
-  while (input.frames_run < scene.loop.frames && static_cast<double>(monotonic_now_ns() - start_ns) < seconds * 1e9) {
-    const int frame = ++input.frames_run;
-    const bool kept = is_kept(scene.loop, frame);
-    const bool leads_in = !kept && is_kept(scene.loop, frame + 1);
-    if (kept) {
-      input.frames->begin_frame(frame, scene.angle_rad(frame) * degrees_per_radian);
-    } else if (leads_in) {
-      input.frames->begin_lead_in();
-    }
-    prepared.simulation->step_frame(frame, kept || leads_in ? input.frames.get() : nullptr);
-    const std::string lost = divergence.describe(frame, prepared.simulation->positions());
-    if (!lost.empty()) {
-      throw InputError(scene.name, "the exact run diverged, so there is nothing to advise on: " + lost);
-    }
-    progress.show(frame);
-  }
-  return input;
-}
-
-/// Bones that the scene gives a backend keep it.
-void require_a_choice(const Scene& scene) {
-  const auto is_settled = [](const SceneBoneContact& bone) { return !bone.backend.name.empty(); };
-  if (std::ranges::all_of(scene.bone_contacts, is_settled)) {
-    throw InputError(scene.bone_contacts.front().backend.location,
-                     "every bone has a backend of its own, so that there is nothing to choose; take one out");
-  }
-}
-
-/// Nothing, with the reason, where the answers can't be judged.
-std::optional<Assessment> assess(const Scene& scene, const Configuration& configuration, const AdviseOptions& options,
-                                 KeptFrames& frames, std::string& reason) {
-  const BackendEntry& backend = find_backend(configuration.backend);
-  const Parameters parameters(backend.parameters, configuration.parameters, configuration.text());
-  const ColliderBackends colliders = bone_backends({}, scene, backend);
-  const std::vector<ResponseKind> responses = choose_responses("", scene, backend, parameters, colliders);
-  require_what_effects_need(scene, backend, parameters, responses, colliders);
-  ReplayCase replay{{scene, backend, parameters, options.threads, 0, responses, colliders}};
-  replay.band_m = options.band_mm * 1e-3;
-  Progress progress(progress_style(false), "trying " + configuration.text(),
-                    2 * replayed_frames(replay, frames.header()));
-  const ReplayResult result = replay_case(replay, frames, [&](int done) { progress.show(done); });
-  std::vector<double> collision_ns;
-  for (const ReplayRecord& record : result.records) {
-    if (!record.warm_up || result.records.size() <= static_cast<std::size_t>(replay.warm_up_frames)) {
-      collision_ns.push_back(static_cast<double>(record.collision_ns()));
-    }
-  }
-  if (result.status != "ok") {
-    reason = result.status_detail;
-    return std::nullopt;
-  }
-  const Accuracy accuracy = result.accuracy.value_or(Accuracy{});
-  if (accuracy.true_contacts == 0) {
-    reason = "the muscle is in no bone in these frames: there is nothing to judge";
-    return std::nullopt;
-  }
-  const ErrorStatistics errors = accuracy.depth_error_m.value_or(ErrorStatistics{});
-  return Assessment{configuration,
-                    errors.p99,
-                    errors.max,
-                    accuracy.missed_contacts,
-                    accuracy.false_contacts,
-                    accuracy.true_contacts,
-                    median_interval(collision_ns),
-                    result.build_ns,
-                    result.structure_bytes};
-}
 
 std::string millimetres(double metres) {
   return metres < exact_below_m ? "exact" : fmt::format("{:.3g}", metres * 1e3);
@@ -233,12 +131,35 @@ void print_verdict(const Advice& advice, const AdviseOptions& options, const std
   fmt::print("  {}\n", command_for(options, chosen.configuration));
 }
 
+AdviceInput run_with_progress(const Scene& scene, double seconds) {
+  Progress progress(progress_style(false), "exact run of " + scene.name, scene.loop.frames);
+  return run_exactly(scene, seconds, [&](int done) { progress.show(done); });
+}
+
+/// Nothing, with the reason, for a configuration that can't be measured.
+std::optional<Assessment> try_out(const Scene& scene, const Configuration& configuration, const AdviseOptions& options,
+                                  KeptFrames& frames, std::string& reason) {
+  std::optional<Progress> progress;
+  const auto report = [&](int done, int total) {
+    if (!progress) progress.emplace(progress_style(false), "trying " + configuration.text(), total);
+    progress->show(done);
+  };
+  try {
+    return assess(scene, configuration, {options.band_mm * 1e-3, options.threads}, frames, reason, report);
+  } catch (const InputError& refused) {
+    reason = refused.what();
+  } catch (const std::bad_alloc&) {
+    reason = "there is not enough memory";
+  }
+  return std::nullopt;
+}
+
 int advise(const AdviseOptions& options) {
   const Nanoseconds start_ns = monotonic_now_ns();
   std::vector<AdvisePlan> plans = advise_plans();
   const Scene scene = load_scene(options.scene);
   require_a_choice(scene);
-  Input input = run_exactly(scene, options.seconds * recording_share);
+  const AdviceInput input = run_with_progress(scene, options.seconds * recording_share);
   if (input.frames->header().frames() == 0) {
     throw InputError("--seconds", fmt::format("no frame of the exact run could be kept within {:.0f} s; give more",
                                               options.seconds * recording_share));
@@ -246,14 +167,7 @@ int advise(const AdviseOptions& options) {
   const double left_s = options.seconds - static_cast<double>(monotonic_now_ns() - start_ns) * 1e-9;
   const AdviceRequest request{options.depth_mm * 1e-3, left_s, std::move(plans)};
   const Advice advice = find_advice(request, [&](const Configuration& configuration, std::string& reason) {
-    try {
-      return assess(scene, configuration, options, *input.frames, reason);
-    } catch (const InputError& refused) {
-      reason = refused.what();
-    } catch (const std::bad_alloc&) {
-      reason = "there is not enough memory";
-    }
-    return std::optional<Assessment>();
+    return try_out(scene, configuration, options, *input.frames, reason);
   });
   fmt::print("{}: wanted is a depth error of at most {} mm in 99 of 100 contacts\n", scene.name, options.depth_mm);
   fmt::print("Asked were {} of {} frames of the exact run{}, {} true contacts; {} thread{}\n\n",

@@ -1,0 +1,114 @@
+#include "bench/cases/advise_case.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include "bench/cases/build_backend.hpp"
+#include "bench/cases/divergence.hpp"
+#include "bench/cases/replay_case.hpp"
+#include "core/base/input_error.hpp"
+#include "core/scene/prepare_simulation.hpp"
+
+namespace musclebench {
+
+namespace {
+
+/// Enough for the interval of a median, few enough that slow backends fit into the time.
+constexpr int kept_frames = 40;
+constexpr int frames_in_a_row = 5;
+
+/// In rows, as in a run: what backends know of a frame from the one before makes them faster.
+bool is_kept_for_advice(const LoopParameters& loop, int frame) {
+  const int stride = std::max(1, loop.frames / kept_frames);
+  return (frame - 1) % (frames_in_a_row * stride) < frames_in_a_row || frame == (loop.frames + 1) / 2;
+}
+
+void step_and_keep(const Scene& scene, Simulation& simulation, int frame, KeptFrames& frames) {
+  const bool kept = is_kept_for_advice(scene.loop, frame);
+  const bool leads_in = !kept && is_kept_for_advice(scene.loop, frame + 1);
+  if (kept) {
+    frames.begin_frame(frame, scene.angle_rad(frame) * degrees_per_radian);
+  } else if (leads_in) {
+    frames.begin_lead_in();
+  }
+  simulation.step_frame(frame, kept || leads_in ? &frames : nullptr);
+}
+
+MedianInterval collision_time(const ReplayCase& replay, const ReplayResult& result) {
+  std::vector<double> collision_ns;
+  for (const ReplayRecord& record : result.records) {
+    if (!record.warm_up || result.records.size() <= static_cast<std::size_t>(replay.warm_up_frames)) {
+      collision_ns.push_back(static_cast<double>(record.collision_ns()));
+    }
+  }
+  return median_interval(collision_ns);
+}
+
+}  // namespace
+
+void require_a_choice(const Scene& scene) {
+  const auto is_settled = [](const SceneBoneContact& bone) { return !bone.backend.name.empty(); };
+  if (!scene.bone_contacts.empty() && std::ranges::all_of(scene.bone_contacts, is_settled)) {
+    throw InputError(scene.bone_contacts.front().backend.location,
+                     "every bone has a backend of its own, so that there is nothing to choose; take one out");
+  }
+}
+
+AdviceInput run_exactly(const Scene& scene, double seconds, const std::function<void(int frames_done)>& report) {
+  const BackendEntry& backend = exact_backend();
+  const int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const Case exact{scene, backend, Parameters(backend.parameters, {}, backend.name), threads};
+  const BuiltBackend built = build_backend(exact);
+  const PreparedSimulation prepared =
+      prepare_simulation(exact.scene, *built.backend, exact.responses, exact.threads,
+                         make_muscle_detectors(scene, choose_collider_backends({}, scene, backend), threads));
+  const Divergence divergence(scene);
+  const Nanoseconds start_ns = monotonic_now_ns();
+  AdviceInput input{std::make_unique<KeptFrames>(static_cast<int>(scene.muscle_mesh.vertices.size()),
+                                                 prepared.simulation->free_nodes())};
+  while (input.frames_run < scene.loop.frames && static_cast<double>(monotonic_now_ns() - start_ns) < seconds * 1e9) {
+    const int frame = ++input.frames_run;
+    step_and_keep(scene, *prepared.simulation, frame, *input.frames);
+    const std::string lost = divergence.describe(frame, prepared.simulation->positions());
+    if (!lost.empty()) {
+      throw InputError(scene.name, "the exact run diverged, so there is nothing to advise on: " + lost);
+    }
+    report(frame);
+  }
+  return input;
+}
+
+std::optional<Assessment> assess(const Scene& scene, const Configuration& configuration, const AssessOptions& options,
+                                 KeptFrames& frames, std::string& reason,
+                                 const std::function<void(int done, int total)>& report) {
+  const BackendEntry& backend = find_backend(configuration.backend);
+  const Parameters parameters(backend.parameters, configuration.parameters, configuration.text());
+  const ColliderBackends colliders = bone_backends({}, scene, backend);
+  const std::vector<ResponseKind> responses = choose_responses("", scene, backend, parameters, colliders);
+  require_what_effects_need(scene, backend, parameters, responses, colliders);
+  ReplayCase replay{{scene, backend, parameters, options.threads, 0, responses, colliders}};
+  replay.band_m = options.band_m;
+  const int total = 2 * replayed_frames(replay, frames.header());
+  const ReplayResult result = replay_case(replay, frames, [&](int done) { report(done, total); });
+  if (result.status != "ok") {
+    reason = result.status_detail;
+    return std::nullopt;
+  }
+  const Accuracy accuracy = result.accuracy.value_or(Accuracy{});
+  if (accuracy.true_contacts == 0) {
+    reason = "the muscle is in no bone in these frames: there is nothing to judge";
+    return std::nullopt;
+  }
+  const ErrorStatistics errors = accuracy.depth_error_m.value_or(ErrorStatistics{});
+  return Assessment{configuration,
+                    errors.p99,
+                    errors.max,
+                    accuracy.missed_contacts,
+                    accuracy.false_contacts,
+                    accuracy.true_contacts,
+                    collision_time(replay, result),
+                    result.build_ns,
+                    result.structure_bytes};
+}
+
+}  // namespace musclebench

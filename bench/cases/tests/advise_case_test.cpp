@@ -1,0 +1,102 @@
+#include "bench/cases/advise_case.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/base/input_error.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/scene/read_scene.hpp"
+
+namespace musclebench {
+namespace {
+
+/// A ball that a rod presses against a plate.
+Scene pressed(const std::string& keys_of_the_rod = "", int frames = 6) {
+  SceneRequest request;
+  request.name = request.file = "pressed.toml";
+  request.text = R"(
+[loop]
+frames = )" + std::to_string(frames) +
+                 R"(
+[effects.edge_length]
+[[bone]]
+name = "plate"
+mesh = "synthetic:plate"
+[[bone]]
+name = "rod"
+mesh = "synthetic:rod"
+)" + keys_of_the_rod +
+                 R"(
+[bone.motion]
+axis = [0, 1, 0]
+centre_m = [0.05, 0, 0]
+from_deg = 0
+to_deg = -30
+course = "there"
+[muscle]
+name = "ball"
+mesh = "synthetic:ball"
+)";
+  request.synthetic_mesh = [](const std::string& name) {
+    TriangleMesh mesh = name == "plate" ? make_box(Vec3(0.04, 0.04, 0.01), 4)
+                        : name == "rod" ? make_capsule(0.01, 0.02, 16)
+                                        : make_sphere(0.02, 2);
+    const Vec3 by_m = name == "plate" ? Vec3(0, 0, -0.01) : name == "rod" ? Vec3(0.034, 0, 0.03) : Vec3(0, 0, 0.0195);
+    for (Vec3& vertex : mesh.vertices) vertex += by_m;
+    return mesh;
+  };
+  return read_scene(request);
+}
+
+const auto unreported = [](int /*done*/, int /*total*/) {};
+
+std::optional<Assessment> assessed(const Scene& scene, const Configuration& configuration, std::string& reason) {
+  const AdviceInput input = run_exactly(scene, 60, [](int /*frames*/) {});
+  return assess(scene, configuration, {}, *input.frames, reason, unreported);
+}
+
+TEST(AdviseCase, TheExactBackendErrsByNothingAndCoarseVoxelsDo) {
+  const Scene scene = pressed();
+  std::string reason;
+  const auto exact = assessed(scene, {exact_backend().name, {}}, reason);
+  ASSERT_TRUE(exact) << reason;
+  EXPECT_LT(exact->max_error_m, 1e-12);
+  EXPECT_EQ(exact->missed + exact->false_contacts, 0);
+  EXPECT_GT(exact->true_contacts, 0);
+  const auto coarse = assessed(scene, {"voxel", {{"cells", std::int64_t{8}}}}, reason);
+  ASSERT_TRUE(coarse) << reason;
+  EXPECT_GT(coarse->false_contacts, 0);
+}
+
+TEST(AdviseCase, RowsOfFramesAndTheDeepestBendAreKept) {
+  const Scene scene = pressed("", 200);  // a stride of 5: five frames in a row, then twenty without
+  int reported = 0;
+  const AdviceInput input = run_exactly(scene, 60, [&](int done) { reported = done; });
+  EXPECT_EQ(input.frames_run, 200);
+  EXPECT_EQ(reported, 200);
+  EXPECT_EQ(input.frames->header().frames(), 200 / 25 * 5 + 1);
+  EXPECT_EQ(run_exactly(scene, 0, [](int /*frames*/) {}).frames_run, 0);
+}
+
+/// A bone's own backend stays, whatever is tried for the others; where all have one there is nothing to choose.
+TEST(AdviseCase, WhatTheSceneSettlesIsKept) {
+  const Scene settled = pressed("backend = \"voxel\"\nparameters = { cells = 8 }\n");
+  EXPECT_NO_THROW(require_a_choice(settled));
+  std::string reason;
+  const auto exact_plate = assessed(settled, {exact_backend().name, {}}, reason);
+  ASSERT_TRUE(exact_plate) << reason;
+  EXPECT_GT(exact_plate->false_contacts, 0);  // of the rod's voxels
+  Scene all_settled = settled;
+  all_settled.bone_contacts[0].backend = all_settled.bone_contacts[1].backend;
+  EXPECT_THROW(require_a_choice(all_settled), InputError);
+}
+
+TEST(AdviseCase, WithoutContactsThereIsNothingToJudge) {
+  Scene scene = pressed();
+  for (Vec3& vertex : scene.muscle_mesh.vertices) vertex += Vec3(0, 0, 10);
+  std::string reason;
+  EXPECT_FALSE(assessed(scene, {exact_backend().name, {}}, reason));
+  EXPECT_NE(reason.find("in no bone"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace musclebench

@@ -1,0 +1,138 @@
+// Any two effects of the registry run together on a small scene, whatever order they are named in; one that is not
+// named leaves no trace.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "bench/cases/run_case.hpp"
+#include "core/mesh/shapes.hpp"
+#include "core/scene/read_scene.hpp"
+
+namespace musclebench {
+namespace {
+
+/// A ball that is bound to a plate, leans on a second one and is pressed by a rod.
+constexpr const char* scene_without_effects = R"(
+[loop]
+frames = 3
+substeps = 4
+[contact]
+muscle_contact = true
+[[bone]]
+name = "plate"
+mesh = "synthetic:plate"
+[[bone]]
+name = "rod"
+mesh = "synthetic:rod"
+[bone.motion]
+axis = [0, 1, 0]
+centre_m = [0.05, 0, 0]
+from_deg = 0
+to_deg = -15
+course = "there"
+[[muscle]]
+name = "ball"
+mesh = "synthetic:ball"
+[[muscle]]
+name = "other"
+mesh = "synthetic:other"
+[[attachment]]
+name = "foot"
+bone = "plate"
+muscle = "ball"
+outline_m = [[-0.01, -0.01, 0], [0.01, -0.01, 0], [0.01, 0.01, 0], [-0.01, 0.01, 0]]
+distance_m = 0.002
+)";
+
+TriangleMesh moved_by(TriangleMesh mesh, const Vec3& by_m) {
+  for (Vec3& vertex : mesh.vertices) vertex += by_m;
+  return mesh;
+}
+
+TriangleMesh small_mesh(const std::string& name) {
+  if (name == "plate") return moved_by(make_box(Vec3(0.08, 0.04, 0.01), 4), Vec3(0, 0, -0.01));
+  if (name == "rod") return moved_by(make_capsule(0.01, 0.02, 16), Vec3(0.034, 0, 0.03));
+  return moved_by(make_sphere(0.02, 2), Vec3(name == "ball" ? 0 : -0.0392, 0, 0.0205));
+}
+
+RunResult run_with(const std::vector<std::string>& effects) {
+  SceneRequest request;
+  request.name = request.file = "combination.toml";
+  request.text = scene_without_effects;
+  for (const std::string& effect : effects) request.text += fmt::format("[effects.{}]\n", effect);
+  request.synthetic_mesh = small_mesh;
+  const Scene scene = read_scene(request);
+  const BackendEntry& backend = exact_backend();
+  RunCase run{{scene, backend, Parameters(backend.parameters, {}, backend.name)}};
+  run.colliders = choose_collider_backends({}, scene, backend);
+  run.judge = false;
+  run.snapshots = {scene.loop.frames};
+  return run_case(run, [](int /*frames*/) {});
+}
+
+/// The names in the profile.
+std::vector<std::string> profile(const RunResult& result) {
+  std::vector<std::string> names = result.effect_names;
+  names.insert(names.end(), result.stage_names.begin(), result.stage_names.end());
+  std::ranges::sort(names);
+  return names;
+}
+
+/// The same of those that were named; a response is in the response's time.
+std::vector<std::string> expected_profile(const std::vector<std::string>& effects) {
+  std::vector<std::string> names = {"muscle_contact"};
+  for (const std::string& effect : effects) {
+    if (!find_effect(effect)->set_response) names.push_back(effect);
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+void expect_sound(const RunResult& result, const std::vector<std::string>& effects) {
+  const std::string named = fmt::format("{}", fmt::join(effects, " + "));
+  EXPECT_TRUE(result.status == "ok" || result.status == "suspect") << named << ": " << result.status_detail;
+  EXPECT_EQ(profile(result), expected_profile(effects)) << named;
+  ASSERT_FALSE(result.snapshots.empty());
+  for (const Vec3& position : result.snapshots.back().positions) {
+    ASSERT_TRUE(position.allFinite() && position.norm() < 1) << named;
+  }
+}
+
+TEST(EffectCombinations, EachAloneAndEveryPairRunsAndIsOfNoOrder) {
+  const std::vector<EffectEntry>& entries = effect_registry();
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    expect_sound(run_with({entries[i].name}), {entries[i].name});
+    for (std::size_t j = i + 1; j < entries.size(); ++j) {
+      const std::vector<std::string> pair = {entries[i].name, entries[j].name};
+      const RunResult result = run_with(pair);
+      expect_sound(result, pair);
+      EXPECT_EQ(run_with({pair[1], pair[0]}).state_hash, result.state_hash) << pair[0] << " + " << pair[1];
+    }
+  }
+}
+
+TEST(EffectCombinations, AllTogetherRun) {
+  std::vector<std::string> all;
+  for (const EffectEntry& entry : effect_registry()) all.push_back(entry.name);
+  expect_sound(run_with(all), all);
+}
+
+/// A scene that could see any of them sees a difference: else the test of pairs would hold of effects that do nothing.
+TEST(EffectCombinations, EachChangesTheState) {
+  const std::string without = run_with({"gravity", "edge_length"}).state_hash;
+  for (const EffectEntry& entry : effect_registry()) {
+    if (entry.name == "gravity" || entry.name == "edge_length" || entry.name == "attachment") continue;
+    const std::string with = run_with({"gravity", "edge_length", entry.name}).state_hash;
+    // Guard and several bones act only where a node would pass through a bone or is in two.
+    const bool acts_rarely = entry.name == "tunnelling_guard" || entry.name == "multi_bone";
+    if (!acts_rarely) {
+      EXPECT_NE(with, without) << entry.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace musclebench
