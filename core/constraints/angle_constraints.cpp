@@ -49,10 +49,10 @@ void project_angles(AngleSlots slots, std::size_t first, std::size_t last, NodeR
   const Lane compliance = hn::Set(d, slots.compliance);
   const bool is_compliant = slots.multiplier != nullptr;
   for (std::size_t i = first; i < last; i += lane_count) {
-    NodeLanes start = load_nodes(rows, slots.start + i);
-    NodeLanes end = load_nodes(rows, slots.end + i);
-    NodeLanes left = load_nodes(rows, slots.left + i);
-    NodeLanes right = load_nodes(rows, slots.right + i);
+    const NodeLanes start = load_nodes(rows, slots.start + i);
+    const NodeLanes end = load_nodes(rows, slots.end + i);
+    const NodeLanes left = load_nodes(rows, slots.left + i);
+    const NodeLanes right = load_nodes(rows, slots.right + i);
 
     const VecLanes edge = end.at - start.at;
     const VecLanes to_left = left.at - start.at;
@@ -112,14 +112,11 @@ void project_angles(AngleSlots slots, std::size_t first, std::size_t last, NodeR
     const Lane change =
         hn::IfThenElseZero(acts, hn::Div(hn::Mul(hn::Set(d, slots.stiffness), error), hn::Add(sum, compliance)));
     if (is_compliant) hn::StoreU(hn::Add(multiplier, change), d, slots.multiplier + i);
-    left.at = left.at - hn::Mul(change, left.inverse_mass) * left_per_height;
-    right.at = right.at - hn::Mul(change, right.inverse_mass) * right_per_height;
-    start.at = start.at + hn::Mul(change, start.inverse_mass) * start_gradient;
-    end.at = end.at + hn::Mul(change, end.inverse_mass) * end_gradient;
-    store_nodes(start, rows, slots.start + i);
-    store_nodes(end, rows, slots.end + i);
-    store_nodes(left, rows, slots.left + i);
-    store_nodes(right, rows, slots.right + i);
+    const Lane back = hn::Neg(change);
+    add_to_nodes(hn::Mul(change, start.inverse_mass) * start_gradient, rows, slots.start + i);
+    add_to_nodes(hn::Mul(change, end.inverse_mass) * end_gradient, rows, slots.end + i);
+    add_to_nodes(hn::Mul(back, left.inverse_mass) * left_per_height, rows, slots.left + i);
+    add_to_nodes(hn::Mul(back, right.inverse_mass) * right_per_height, rows, slots.right + i);
   }
 }
 

@@ -84,31 +84,32 @@ HWY_INLINE NodeLanes load_nodes(const NodeRow* rows, const std::int32_t* offsets
 #endif
 }
 
-/// The inverse of `load_nodes`. Only padding lanes may name the same row.
-HWY_INLINE void store_nodes(const NodeLanes& nodes, NodeRow* rows, const std::int32_t* offsets) {
+/// The inverse of `load_nodes`: calls `write(tag, values, location)` for each row or part of one.
+template <typename Write>
+HWY_INLINE void write_nodes(const NodeLanes& nodes, NodeRow* rows, const std::int32_t* offsets, const Write& write) {
   const Lanes d;
   double* start = &rows->x;
   const auto row = [&](std::size_t lane) { return start + offsets[lane]; };
   const auto& [x, y, z] = nodes.at;
   const Lane w = nodes.inverse_mass;
 #if HWY_TARGET == HWY_SCALAR
-  hn::Store(x, d, row(0));
-  hn::Store(y, d, row(0) + 1);
-  hn::Store(z, d, row(0) + 2);
-  hn::Store(w, d, row(0) + 3);
+  write(d, x, row(0));
+  write(d, y, row(0) + 1);
+  write(d, z, row(0) + 2);
+  write(d, w, row(0) + 3);
 #elif HWY_MAX_BYTES == 16
-  hn::Store(hn::InterleaveLower(d, x, y), d, row(0));
-  hn::Store(hn::InterleaveLower(d, z, w), d, row(0) + 2);
-  hn::Store(hn::InterleaveUpper(d, x, y), d, row(1));
-  hn::Store(hn::InterleaveUpper(d, z, w), d, row(1) + 2);
+  write(d, hn::InterleaveLower(d, x, y), row(0));
+  write(d, hn::InterleaveLower(d, z, w), row(0) + 2);
+  write(d, hn::InterleaveUpper(d, x, y), row(1));
+  write(d, hn::InterleaveUpper(d, z, w), row(1) + 2);
 #else
   const auto store_rows = [&](Lane values, std::size_t lane) {
 #if HWY_MAX_BYTES == 32
-    hn::Store(values, d, row(lane));
+    write(d, values, row(lane));
 #else
     const hn::Half<Lanes> half;
-    hn::Store(hn::LowerHalf(half, values), half, row(lane));
-    hn::Store(hn::UpperHalf(half, values), half, row(lane + 4));
+    write(half, hn::LowerHalf(half, values), row(lane));
+    write(half, hn::UpperHalf(half, values), row(lane + 4));
 #endif
   };
   const Lane xz01 = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(z), x);
@@ -120,6 +121,18 @@ HWY_INLINE void store_nodes(const NodeLanes& nodes, NodeRow* rows, const std::in
   store_rows(hn::InterleaveLower(d, xz23, yw23), 2);
   store_rows(hn::InterleaveUpper(d, xz23, yw23), 3);
 #endif
+}
+
+/// Only padding lanes may name the same row.
+HWY_INLINE void store_nodes(const NodeLanes& nodes, NodeRow* rows, const std::int32_t* offsets) {
+  write_nodes(nodes, rows, offsets, [](auto d, auto values, double* at) { hn::Store(values, d, at); });
+}
+
+/// Adds to the positions in the rows: what was loaded of them need not be kept in registers until then. The rows of all
+/// lanes differ, but for padding.
+HWY_INLINE void add_to_nodes(const VecLanes& change, NodeRow* rows, const std::int32_t* offsets) {
+  write_nodes({change, hn::Zero(Lanes())}, rows, offsets,
+              [](auto d, auto values, double* at) { hn::Store(hn::Add(hn::Load(d, at), values), d, at); });
 }
 
 /// One row as the vectors that hold it.
