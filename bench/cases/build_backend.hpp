@@ -11,7 +11,8 @@ namespace musclebench {
 /// The backend of a case, built over the scene's bones.
 struct BuiltBackend {
   std::unique_ptr<CollisionBackend> backend;
-  Nanoseconds build_ns = 0;  ///< with the build time of structures that the backend shares with the scene
+  Nanoseconds build_ns = 0;        ///< with the build time of structures that the backend shares with the scene
+  Nanoseconds other_trees_ns = 0;  ///< trees over bones that the scene's reader built and the backend has no use for
 };
 
 /// `report` is called now and then with the share that is done. Throws InputError when the backend's parameters do not

@@ -9,30 +9,33 @@
 
 namespace musclebench {
 
+namespace {
+
+/// Counting sort by a vertex of the edges: linear, and equal ones stay in order.
+std::vector<EdgeUse> sorted_by(int EdgeUse::*vertex, const std::vector<EdgeUse>& uses, std::size_t vertices) {
+  std::vector<int> next(vertices + 1, 0);
+  for (const EdgeUse& use : uses) ++next[use.*vertex + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<EdgeUse> sorted(uses.size());
+  for (const EdgeUse& use : uses) sorted[next[use.*vertex]++] = use;
+  return sorted;
+}
+
+}  // namespace
+
 MeshEdges::MeshEdges(const TriangleMesh& mesh) {
-  // Counting sort by the smaller vertex, then small sorts: linear for the valences of real meshes.
-  std::vector<int> end_of_vertex(mesh.vertices.size() + 1, 0);
-  const auto for_each_side = [&](const auto& visit) {
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      for (int k = 0; k < 3; ++k) {
-        const int from = mesh.triangles[t][k];
-        const int to = mesh.triangles[t][(k + 1) % 3];
-        if (from != to) {
-          visit(EdgeUse{std::min(from, to), std::max(from, to), static_cast<int>(3 * t) + k, from < to});
-        }
-      }
+  m_uses.reserve(3 * mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int from = mesh.triangles[t][k];
+      const int to = mesh.triangles[t][(k + 1) % 3];
+      if (from != to)
+        m_uses.push_back({std::min(from, to), std::max(from, to), static_cast<int>(3 * t) + k, from < to});
     }
-  };
-  for_each_side([&](const EdgeUse& use) { ++end_of_vertex[use.low + 1]; });
-  std::partial_sum(end_of_vertex.begin(), end_of_vertex.end(), end_of_vertex.begin());
-  const std::vector<int> first_of_vertex = end_of_vertex;
-  m_uses.resize(end_of_vertex.back());
-  for_each_side([&](const EdgeUse& use) { m_uses[end_of_vertex[use.low]++] = use; });
-  for (std::size_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
-    std::sort(
-        m_uses.begin() + first_of_vertex[vertex], m_uses.begin() + first_of_vertex[vertex + 1],
-        [](const EdgeUse& a, const EdgeUse& b) { return a.high != b.high ? a.high < b.high : a.corner < b.corner; });
   }
+  m_uses = sorted_by(&EdgeUse::high, m_uses, mesh.vertices.size());
+  m_uses = sorted_by(&EdgeUse::low, m_uses, mesh.vertices.size());
+  m_first.reserve(m_uses.size() / 2 + 1);
   for (std::size_t i = 0; i < m_uses.size(); ++i) {
     if (i == 0 || m_uses[i].low != m_uses[i - 1].low || m_uses[i].high != m_uses[i - 1].high) {
       m_first.push_back(static_cast<int>(i));

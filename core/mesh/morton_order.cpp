@@ -1,30 +1,53 @@
 #include "core/mesh/morton_order.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
-#include <utility>
 
 namespace musclebench {
 
 namespace {
 
-constexpr int bits_per_axis = 10;
+constexpr unsigned bits_per_axis = 10;
+
+/// The lowest ten bits of `index`, two zeros between each.
+std::uint32_t spread_bits(std::uint32_t index) {
+  index = (index | index << 16U) & 0x030000ffU;
+  index = (index | index << 8U) & 0x0300f00fU;
+  index = (index | index << 4U) & 0x030c30c3U;
+  return (index | index << 2U) & 0x09249249U;
+}
 
 /// Morton code of coordinates in [0, 1]: the bits of the three cell indices interleaved.
 std::uint32_t morton_code(const Vec3& relative) {
-  constexpr double cells = 1U << static_cast<unsigned>(bits_per_axis);
+  constexpr double cells = 1U << bits_per_axis;
   std::uint32_t code = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const double cell = std::min(cells * relative[axis], cells - 1);
-    const std::uint32_t index = cell > 0 ? static_cast<std::uint32_t>(cell) : 0;
-    for (int bit = 0; bit < bits_per_axis; ++bit) {
-      code |= (index >> bit & 1U) << (3 * bit + axis);
-    }
+    code |= spread_bits(cell > 0 ? static_cast<std::uint32_t>(cell) : 0) << static_cast<unsigned>(axis);
   }
   return code;
+}
+
+/// Least significant digit first, as many passes as a code has digits: in linear time, equal codes stay in order.
+std::vector<int> sorted_by_code(const std::vector<std::uint32_t>& codes) {
+  constexpr unsigned digit_bits = bits_per_axis;
+  constexpr std::size_t digits = 1U << digit_bits;
+  std::vector<int> order(codes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::vector<int> sorted(codes.size());
+  for (unsigned shift = 0; shift < 3 * bits_per_axis; shift += digit_bits) {
+    const auto digit_of = [&](int index) { return codes[static_cast<std::size_t>(index)] >> shift & (digits - 1); };
+    std::array<std::size_t, digits + 1> next{};
+    for (const int index : order) ++next[digit_of(index) + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    for (const int index : order) sorted[next[digit_of(index)]++] = index;
+    order.swap(sorted);
+  }
+  return order;
 }
 
 }  // namespace
@@ -42,18 +65,12 @@ std::vector<int> morton_order(std::span<const Vec3> points) {
   if (!(extent > 0 && std::isfinite(extent))) {
     return original;
   }
-  std::vector<std::pair<std::uint32_t, int>> by_code;
-  by_code.reserve(points.size());
-  for (const int index : original) {
-    const Vec3& point = points[static_cast<std::size_t>(index)];
-    by_code.emplace_back(point.allFinite() ? morton_code((point - box.min()) / extent) : 0, index);
+  std::vector<std::uint32_t> codes;
+  codes.reserve(points.size());
+  for (const Vec3& point : points) {
+    codes.push_back(point.allFinite() ? morton_code((point - box.min()) / extent) : 0);
   }
-  std::sort(by_code.begin(), by_code.end());
-  std::vector<int> along_curve;
-  along_curve.reserve(points.size());
-  for (const auto& [code, index] : by_code) {
-    along_curve.push_back(index);
-  }
+  std::vector<int> along_curve = sorted_by_code(codes);
   const auto path_length = [&](const std::vector<int>& order) {
     double sum = 0;
     for (std::size_t i = 1; i < order.size(); ++i) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/mesh/mesh_edges.hpp"
 #include "core/mesh_repair/merge_vertices.hpp"
 
 namespace musclebench {
@@ -15,32 +14,33 @@ bool is_same_winding(const Triangle& a, const Triangle& b) {
   return b[(start + 1) % 3] == a[1];
 }
 
-/// Triangles of the same three vertices, as lists of their indices in rising order.
-std::vector<std::vector<int>> coincident_triangles(const TriangleMesh& mesh) {
-  std::vector<std::pair<Triangle, int>> keyed(mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    keyed[t] = {mesh.triangles[t], static_cast<int>(t)};
-    std::sort(keyed[t].first.begin(), keyed[t].first.end());
-  }
-  std::sort(keyed.begin(), keyed.end());
+/// Triangles of the same three vertices, as lists of their indices in rising order. They meet at each of their edges,
+/// so it is enough to look at the edge that does not contain the largest vertex.
+std::vector<std::vector<int>> coincident_triangles(const TriangleMesh& mesh, const MeshEdges& edges) {
   std::vector<std::vector<int>> groups;
-  for (std::size_t i = 1; i < keyed.size(); ++i) {
-    if (keyed[i].first != keyed[i - 1].first) {
-      continue;
+  std::vector<std::pair<int, int>> across;  // opposite vertex, triangle
+  for (int edge = 0; edge < edges.count(); ++edge) {
+    across.clear();
+    for (const EdgeUse& use : edges.uses(edge)) {
+      const int triangle = use.corner / 3;
+      const int opposite = mesh.triangles[triangle][(use.corner + 2) % 3];
+      if (opposite > use.high) across.emplace_back(opposite, triangle);
     }
-    if (groups.empty() || groups.back().back() != keyed[i - 1].second) {
-      groups.push_back({keyed[i - 1].second});
+    std::sort(across.begin(), across.end());
+    for (std::size_t i = 1; i < across.size(); ++i) {
+      if (across[i].first != across[i - 1].first) continue;
+      if (groups.empty() || groups.back().back() != across[i - 1].second) groups.push_back({across[i - 1].second});
+      groups.back().push_back(across[i].second);
     }
-    groups.back().push_back(keyed[i].second);
   }
   return groups;
 }
 
 class DoubledTriangles {
  public:
-  explicit DoubledTriangles(TriangleMesh& mesh)
+  DoubledTriangles(TriangleMesh& mesh, const MeshEdges& edges)
       : m_mesh(mesh),
-        m_edges(mesh),
+        m_edges(edges),
         m_edge_of_side(edge_of_sides(mesh, m_edges)),
         m_uses(m_edges.count()),
         m_is_dropped(mesh.triangles.size(), 0),
@@ -118,7 +118,7 @@ class DoubledTriangles {
   }
 
   TriangleMesh& m_mesh;
-  MeshEdges m_edges;
+  const MeshEdges& m_edges;
   std::vector<int> m_edge_of_side;
   std::vector<int> m_uses;  ///< of each edge, the triangles that are left at it
   std::vector<char> m_is_dropped;
@@ -127,9 +127,9 @@ class DoubledTriangles {
 
 }  // namespace
 
-int drop_doubled_triangles(TriangleMesh& mesh) {
-  const std::vector<std::vector<int>> groups = coincident_triangles(mesh);
-  return groups.empty() ? 0 : DoubledTriangles(mesh).drop(groups);
+int drop_doubled_triangles(TriangleMesh& mesh, const MeshEdges& edges) {
+  const std::vector<std::vector<int>> groups = coincident_triangles(mesh, edges);
+  return groups.empty() ? 0 : DoubledTriangles(mesh, edges).drop(groups);
 }
 
 }  // namespace musclebench

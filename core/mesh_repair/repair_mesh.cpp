@@ -179,16 +179,19 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh, const std::string& name) {
   int flat = drop_collapsed_triangles(surface);
   flat += remove_flat_triangles(surface);
   log.note(flat, "dropped", "zero-area triangle", "zero-area triangles");
-  log.note_doubled(drop_doubled_triangles(surface));
+  MeshEdges edges(surface);
+  const int doubled = drop_doubled_triangles(surface, edges);
+  log.note_doubled(doubled);
   const int flat_left = count_flat(surface);
   if (flat_left == static_cast<int>(surface.triangles.size())) {
     throw InputError(name, "no triangle has an area, so there is no surface; check the mesh file");
   }
   const std::size_t vertices = surface.vertices.size();
   (void)drop_unreferenced_vertices(surface);
-  log.note_unreferenced(static_cast<int>(vertices - surface.vertices.size()) - merged);
+  const int dropped = static_cast<int>(vertices - surface.vertices.size());
+  log.note_unreferenced(dropped - merged);
 
-  MeshEdges edges(surface);
+  if (doubled + dropped > 0) edges = MeshEdges(surface);
   const Openness openness = measure_openness(surface, edges);
   refuse_wide_open(openness, edges.count(), name);
   const OrientationChange turned = orient_surfaces(surface, edges);

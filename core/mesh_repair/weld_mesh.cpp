@@ -17,17 +17,20 @@ WeldedMesh weld_mesh(const TriangleMesh& mesh, const std::string& name) {
   const int merged = merge_vertices(welded.mesh, first);
   log.note_merged(merged);
   log.note(drop_collapsed_triangles(welded.mesh), "dropped", "triangle", "triangles", " of fewer than three corners");
-  log.note_doubled(drop_doubled_triangles(welded.mesh));
+  MeshEdges edges(welded.mesh);
+  const int doubled = drop_doubled_triangles(welded.mesh, edges);
+  log.note_doubled(doubled);
   if (welded.mesh.triangles.empty()) {
     throw InputError(name, "no triangle has three corners, so there is no surface; check the mesh file");
   }
   const std::vector<int> kept = drop_unreferenced_vertices(welded.mesh);
   const auto dropped = static_cast<int>(mesh.vertices.size() - welded.mesh.vertices.size());
+  if (doubled + dropped > 0) edges = MeshEdges(welded.mesh);
   log.note_unreferenced(dropped - merged);
   for (const int vertex : first) {
     welded.welded_vertex.push_back(kept[static_cast<std::size_t>(vertex)]);
   }
-  log.note_turned(orient_surfaces(welded.mesh, MeshEdges(welded.mesh)));
+  log.note_turned(orient_surfaces(welded.mesh, edges));
   return welded;
 }
 
