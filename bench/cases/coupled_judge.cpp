@@ -14,14 +14,16 @@ constexpr double least_movement = 1e-6;
 
 /// A frame is judged in at most this many times its own time.
 constexpr long judging_factor = 20;
+/// Rest is judged once, before any frame, and from nothing: what is known of it makes every later frame cheaper.
+constexpr long budgets_at_rest = 20;
 /// A unit of the Referee's work, and what a node costs the loop in a substep and iteration, alone and for every effect.
-/// Calibrated on one thread of the Xeon that the reports are measured on, with the preset `paper` (5 effects) and no
-/// collision: four LHDL muscles take 215 to 234 ns a node and substep (the frames a second of table 2), which these
-/// constants, from below, call 120. A unit takes 20 ns, up to 30 where triangles are tested against triangles. So a
-/// spent budget is some 15 times the frame.
+/// Calibrated on one thread of the EPYC that the reports are measured on, with the preset `paper` (5 effects) and no
+/// collision: four LHDL muscles take 66 to 100 ns a node and substep, which these constants, from below, call 60. A
+/// unit takes 20 ns, up to 30 where triangles are tested against triangles. So a spent budget is some 15 times the
+/// frame.
 constexpr long work_unit_ns = 20;
-constexpr long node_ns = 20;
-constexpr long node_and_effect_ns = 20;
+constexpr long node_ns = 10;
+constexpr long node_and_effect_ns = 10;
 
 std::vector<int> carriers_of(const Scene& scene, std::span<const BoundNode> bound_nodes) {
   std::vector<int> carriers(scene.muscle_mesh.vertices.size(), -1);
@@ -65,7 +67,9 @@ CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_
   nothing.bone_poses.assign(poses.begin(), poses.end());
   nothing.positions = simulation.positions();
   StepRecord at_rest;
+  m_budget *= budgets_at_rest;
   judge(simulation, nothing, at_rest);
+  m_budget /= budgets_at_rest;
   m_at_rest = at_rest.depth;
   m_in_muscles_at_rest = at_rest.in_muscles;
 }
