@@ -212,7 +212,7 @@ def test_what_was_not_measured_yet_says_so_until_it_is(small, tmp_path):
 def test_tables_of_several_muscles_have_the_stages_of_their_scene(small):
     folder = small.folder / "paper-lhdl"
     (folder / "table_3_frame_times.csv").write_text(
-        "muscle,backend,bending_ns,muscle_contact_ns\nhip,null,1.5,2.25\n")
+        "muscle,backend,bending_ms,muscle_contact_ms\nhip,null,1.5,2.25\n")
     (folder / "table_5_pairs.csv").write_text(
         'muscle,scene,backend,detect_ms,contacts\n"iliacus, psoas",hip,sdf,0.5,9\n')
     assert "| backend | bending ms | muscle_contact ms |" in block(small, "frame_times paper-lhdl")

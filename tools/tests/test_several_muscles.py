@@ -53,8 +53,8 @@ def test_tables_say_how_deep_each_muscle_is_and_what_each_pair_takes(out):
     _, tables, files = paper.write_report(out, NAMES)
     times, depths, pairs = (table.rows.set_index("backend").loc[["sdf"]] for table in tables[2:])
     assert [table.name for table in tables[2:]] == ["table_3_frame_times", "table_4_depths", "table_5_pairs"]
-    assert times[["edge_length_ns", "bending_ns", "detect_ns", "frame_ns"]].values.tolist() == [[0.6, 0.4, 3, 4]]
-    assert not {"recording_ns", "judging_ns", "collision_ns"} & set(times)
+    assert times[["edge_length_ms", "bending_ms", "detect_ms", "frame_ms"]].values.tolist() == [[0.6, 0.4, 3, 4]]
+    assert not {"recording_ms", "judging_ms", "collision_ms"} & set(times)
     assert depths["muscle"].tolist() == ["back", "front", "middle"] and set(depths["scene"]) == {"hip"}
     for column, numbers in {
         "bone_depth_mm": [3, 1, 2], "bone_nodes": [9, 3, 6], "muscle_depth_mm": [1.5, 0.5, 1], "muscle_nodes": [6, 2, 4],

@@ -89,7 +89,7 @@ def _coupled(measured: Measured, study: str, filters: str) -> str:
 def _frame_times(measured: Measured, study: str, filters: str) -> str:
     """The columns are the stages of the loop that the scene has."""
     rows = chosen_rows(measured.table(f"{study}/table_3_frame_times"), filters, f"frame_times {study} {filters}")
-    stages = [key.removesuffix("_ns") for key in rows if key.endswith("_ns")]
+    stages = [key.removesuffix("_ms") for key in rows if key.endswith("_ms")]
     return markdown_rows([Column("backend", "backend"), *muscle_tables.stage_columns(stages)], rows)
 
 

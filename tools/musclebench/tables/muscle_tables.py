@@ -34,10 +34,11 @@ def frame_time_table(runs: list[Run]) -> Table:
     stages = list(dict.fromkeys(name for run in runs for name in run.frames.columns
                                 if name.endswith("_ns") and name not in (*NOT_OF_THE_LOOP, *TOTALS)))
     columns = [Column("muscle", "scene"), Column("backend", "backend")]
-    columns += stage_columns([name.removesuffix("_ns") for name in [*stages, *TOTALS]])
+    timed = {name: name.removesuffix("_ns") for name in [*stages, *TOTALS]}
+    columns += stage_columns(list(timed.values()))
     rows = pd.DataFrame([{"muscle": run.muscle, "backend": run.backend,
-                          **{name: run.timed_frames[name].median() / 1e6 if name in run.frames else float("nan")
-                             for name in [*stages, *TOTALS]}} for run in runs],
+                          **{f"{stage}_ms": run.timed_frames[name].median() / 1e6 if name in run.frames else float("nan")
+                             for name, stage in timed.items()}} for run in runs],
                         columns=[column.key for column in columns])
     caption = ("Table 3. Where a frame's time goes: medians over the frames in ms, by effect and stage of the collision; update, "
                "detect and respond are those of the backend with all bones, muscle_contact is that of all pairs of muscles.")
@@ -45,7 +46,7 @@ def frame_time_table(runs: list[Run]) -> Table:
 
 
 def stage_columns(stages: list[str]) -> list[Column]:
-    return [Column(f"{stage}_ns", f"{stage} ms", 3, stage.replace("_", "\n")) for stage in stages]
+    return [Column(f"{stage}_ms", f"{stage} ms", 3, stage.replace("_", "\n")) for stage in stages]
 
 
 def depth_table(runs: list[Run]) -> Table:
