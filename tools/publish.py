@@ -94,7 +94,7 @@ def _arguments(kind: str, data_set: str, options) -> tuple[str, ...]:
     # muscles only. All of it has to fit into two hours.
     own = {"paper": ("--jobs", "1"),
            "speed": ("--repetitions", "1"),
-           "accuracy": ("--repetitions", "1", "--longest", "50",
+           "accuracy": ("--repetitions", "1", "--longest", "20",
                         *(() if data_set == "lhdl" else ("--muscle", "iliacus")))}.get(kind, ())
     if kind == "convergence":
         names = SMOOTH_SCENES[:1] if options.quick else SMOOTH_SCENES
