@@ -1,116 +1,70 @@
 #include "backends/brute_force/muscle_detector.hpp"
 
+#include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
+#include <utility>
 
+#include "core/clearance/deforming_structure.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 
 namespace {
 
-/// A point closer to a surface than this, relative to the diagonal of all muscles, is on it.
-constexpr double touching = 1e-12;
-
-class BruteForceMuscleDetector final : public MuscleContactDetector {
+class AllMovingTriangles final : public DeformingStructure {
  public:
-  BruteForceMuscleDetector(const TouchingMuscles& muscles, int threads)
-      : m_muscles(muscles),
-        m_threads(threads),
-        m_touching_m(touching * bounding_box(muscles.mesh.vertices).diagonal().norm()),
-        m_pair_times(no_times(muscles.pairs)) {
-    for (int muscle = 0; muscle < static_cast<int>(muscles.bodies.size()); ++muscle) {
-      const Body& body = muscles.bodies[static_cast<std::size_t>(muscle)];
-      const std::vector<int> beside = muscles_beside(muscles.pairs, muscle);
-      for (int node = body.first_node; node < body.last_node; ++node) {
-        for (const int other : beside) m_queries.push_back({node, other, pair_index(muscles.pairs, muscle, other)});
-      }
-    }
-    m_answers.resize(m_queries.size());
+  AllMovingTriangles(const TriangleMesh& mesh, Body body) : m_mesh(mesh), m_body(std::move(body)) {}
+
+  void update(std::span<const Vec3> positions, int /*threads*/) override {
+    m_positions = positions;
+    m_box = bounding_box(positions.subspan(static_cast<std::size_t>(m_body.first_node),
+                                           static_cast<std::size_t>(m_body.last_node - m_body.first_node)));
   }
 
-  void detect(std::span<const Vec3> positions, std::vector<MuscleContact>& contacts) override {
-    contacts.clear();
-    m_boxes.clear();
-    for (const Body& body : m_muscles.bodies) {
-      m_boxes.push_back(bounding_box(positions.subspan(static_cast<std::size_t>(body.first_node),
-                                                       static_cast<std::size_t>(body.last_node - body.first_node))));
+  [[nodiscard]] MuscleAnswer query(const Vec3& point, const MuscleQuery& wanted, int& /*guess*/) const override {
+    if (!m_box.contains(point)) {
+      return {m_box.exteriorDistance(point)};
     }
-    const auto count = static_cast<std::ptrdiff_t>(m_queries.size());
-#pragma omp parallel for num_threads(m_threads) schedule(dynamic, 16)
-    for (std::ptrdiff_t i = 0; i < count; ++i) {
-      Answer& answer = m_answers[static_cast<std::size_t>(i)];
-      answer.took_ns = 0;
-      const ScopedTimer timer(answer.took_ns);
-      answer.contact = query(m_queries[static_cast<std::size_t>(i)], positions);
-    }
-    for (PairTime& time : m_pair_times) time.detect_ns = 0;
-    for (std::size_t i = 0; i < m_queries.size(); ++i) {
-      m_pair_times[m_queries[i].pair].detect_ns += m_answers[i].took_ns;
-      if (m_answers[i].contact) contacts.push_back(*m_answers[i].contact);
-    }
-  }
-
-  [[nodiscard]] std::span<const PairTime> pair_times() const override { return m_pair_times; }
-  [[nodiscard]] std::size_t structure_bytes() const override { return 0; }
-
- private:
-  struct Query {
-    int node;
-    int muscle;
-    std::size_t pair;
-  };
-  struct Answer {
-    std::optional<MuscleContact> contact;
-    Nanoseconds took_ns = 0;
-  };
-
-  [[nodiscard]] std::optional<MuscleContact> query(const Query& query, std::span<const Vec3> positions) const {
-    const Vec3& point = positions[static_cast<std::size_t>(query.node)];
-    if (!m_boxes[static_cast<std::size_t>(query.muscle)].contains(point)) {
-      return std::nullopt;
-    }
-    const Body& body = m_muscles.bodies[static_cast<std::size_t>(query.muscle)];
-    ClosestOnTriangle closest;
-    closest.squared_distance_m2 = std::numeric_limits<double>::infinity();
-    std::array<Vec3, 3> corners_of_closest;
-    int triangle = -1;
+    MuscleAnswer nearest;
+    nearest.closest.squared_distance_m2 = std::numeric_limits<double>::infinity();
     double angle_sum = 0;
-    for (std::size_t t = body.first_triangle; t < body.last_triangle; ++t) {
-      const auto& [ia, ib, ic] = m_muscles.mesh.triangles[t];
-      const std::array<Vec3, 3> corners = {positions[static_cast<std::size_t>(ia)],
-                                           positions[static_cast<std::size_t>(ib)],
-                                           positions[static_cast<std::size_t>(ic)]};
-      const ClosestOnTriangle found = closest_on_triangle(point, corners[0], corners[1], corners[2]);
-      if (found.squared_distance_m2 < closest.squared_distance_m2) {
-        closest = found;
-        corners_of_closest = corners;
-        triangle = static_cast<int>(t);
+    for (std::size_t t = m_body.first_triangle; t < m_body.last_triangle; ++t) {
+      const auto& [a, b, c] = m_mesh.triangles[t];
+      const Vec3& pa = m_positions[static_cast<std::size_t>(a)];
+      const Vec3& pb = m_positions[static_cast<std::size_t>(b)];
+      const Vec3& pc = m_positions[static_cast<std::size_t>(c)];
+      const ClosestOnTriangle found = closest_on_triangle(point, pa, pb, pc);
+      if (found.squared_distance_m2 < nearest.closest.squared_distance_m2) {
+        nearest.closest = found;
+        nearest.triangle = static_cast<int>(t);
       }
-      angle_sum += solid_angle(point, corners[0], corners[1], corners[2]);
+      angle_sum += solid_angle(point, pa, pb, pc);
     }
     const bool is_inside = angle_sum > 2 * std::numbers::pi;  // winding number above one half
-    if (!is_inside || !(closest.squared_distance_m2 > m_touching_m * m_touching_m)) {
-      return std::nullopt;
+    if (!is_inside || !(nearest.closest.squared_distance_m2 > wanted.touching_m * wanted.touching_m)) {
+      return {std::sqrt(nearest.closest.squared_distance_m2)};
     }
-    return muscle_contact_at(query.node, query.muscle, point, triangle, corners_of_closest, closest);
+    return nearest;
   }
 
-  TouchingMuscles m_muscles;
-  [[maybe_unused]] int m_threads;
-  double m_touching_m;
-  std::vector<Query> m_queries;              ///< by node, then by the other muscle
-  std::vector<Eigen::AlignedBox3d> m_boxes;  ///< by muscle; beyond it nothing is inside
-  std::vector<Answer> m_answers;             ///< by query
-  std::vector<PairTime> m_pair_times;
+  [[nodiscard]] std::size_t bytes() const override { return 0; }
+
+ private:
+  const TriangleMesh& m_mesh;
+  Body m_body;
+  std::span<const Vec3> m_positions;
+  Eigen::AlignedBox3d m_box;  ///< beyond it nothing is inside
 };
 
 }  // namespace
 
 std::unique_ptr<MuscleContactDetector> make_brute_force_muscle_detector(const Parameters& /*parameters*/,
                                                                         const TouchingMuscles& muscles, int threads) {
-  return std::make_unique<BruteForceMuscleDetector>(muscles, threads);
+  return make_point_muscle_detector(
+      {.build = [](const TriangleMesh& mesh,
+                   const Body& body) { return std::make_unique<AllMovingTriangles>(mesh, body); }},
+      muscles, threads);
 }
 
 }  // namespace musclebench

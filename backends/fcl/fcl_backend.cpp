@@ -13,7 +13,7 @@ std::unique_ptr<CollisionBackend> make_fcl_backend(const Parameters& parameters)
 
 BackendEntry fcl_entry() {
   return {.name = "fcl",
-          .help = "FCL: muscle and bones as BVH models in dynamic AABB trees (the paper's way)",
+          .help = "FCL: muscle and bones as BVH models in dynamic AABB trees (the paper's method)",
           .default_response = ResponseKind::project,
           .parameters = fcl_parameters(),
           .make = make_fcl_backend,

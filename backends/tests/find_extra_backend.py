@@ -2,12 +2,24 @@
 """A backend outside the project, from its folder to advice: run by CTest with a program that has it."""
 
 import argparse
+import csv
 import json
 import subprocess
 import tempfile
 from pathlib import Path
 
 NAME = "capsule"
+# The study of few backends: the newcomer, what prices are told in, and the exact and empty ones to compare with.
+STUDY = """
+import json, subprocess, sys
+sys.path.insert(0, {tools!r})
+import accuracy
+from musclebench.program.registry import parse_registry
+listed = json.loads(subprocess.run([{program!r}, "list", "--json"], capture_output=True, check=True).stdout)
+few = [one for one in listed["backends"] if one["name"] == {name!r} or "unit_of_price" in (one["study"] or {{}}).get("advise", {{}})]
+accuracy.read_registry = lambda program: parse_registry(json.dumps(listed | {{"backends": few}}), "few")
+sys.exit(accuracy.main(sys.argv[1:]))
+"""
 SCENE = ("synthetic/adductor_brevis", "--frames", "6")
 
 
@@ -38,6 +50,17 @@ def is_tried_by_advise(program: str) -> None:
     assert f"{NAME} radius_share=0.9" in advice, advice
 
 
+def is_in_tables_and_figures_of_the_study(arguments: argparse.Namespace, folder: Path) -> None:
+    out = folder / "study"
+    script = STUDY.format(tools=str(Path(arguments.source) / "tools"), program=arguments.program, name=NAME)
+    call("/usr/bin/python3", "-c", script, "--musclebench", arguments.program, "--out", out, "--muscle", "adductor_brevis",
+         "--quick", "--frames-limit", "4", "--jobs", "1")
+    for table in ("accuracy.csv", "study.csv", "figures/pareto_replay.csv"):
+        with open(out / table, newline="") as file:
+            assert [row for row in csv.DictReader(file) if row["backend"] == NAME], table
+    assert "#56b4e9" in (out / "figures/pareto_replay.svg").read_text().lower(), "its colour"
+
+
 def is_built_by_the_option(arguments: argparse.Namespace, folder: Path) -> None:
     """Only configured: what is compiled then is what this program was made from."""
     configure = [arguments.cmake, "-S", arguments.source, "-B", folder / "build", "-G", arguments.generator,
@@ -63,6 +86,7 @@ def main() -> None:
         is_listed(arguments.program)
         runs_and_is_judged(arguments.program, Path(folder))
         is_tried_by_advise(arguments.program)
+        is_in_tables_and_figures_of_the_study(arguments, Path(folder))
         is_built_by_the_option(arguments, Path(folder))
 
 

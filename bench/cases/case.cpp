@@ -33,7 +33,7 @@ std::vector<ResponseKind> choose_responses(const std::string& option, const Scen
                                              name_of(entry.default_response)));
     }
   }
-  // Who walks back asks all backends on the way, about single nodes.
+  // Backtracking queries the backends of all bones at positions between p and x, a node at a time.
   const auto mute = std::ranges::find(can, false, &Capabilities::point_queries);
   if (mute != can.end() && std::ranges::find(kinds, ResponseKind::backtrack) != kinds.end()) {
     throw InputError(

@@ -186,7 +186,8 @@ class CaseRunner {
     rest.free_nodes = static_cast<int>(m_simulation->free_nodes().size());
     rest.triangles = static_cast<int>(mesh.triangles.size());
     for (const SceneEffect& effect : m_scene.effects) {
-      if (effect.name == "volume") rest.pressure = effect.parameters.number("pressure");
+      if (effect.name == "volume" || effect.name == "local_volume")
+        rest.pressure = effect.parameters.number("pressure");
     }
     return rest;
   }

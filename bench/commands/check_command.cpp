@@ -9,6 +9,7 @@
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
 #include "core/referee/referee.hpp"
+#include "core/scene/scene_advice.hpp"
 #include "core/scene/scene_warnings.hpp"
 #include "datasets/embedded/embedded_files.hpp"
 
@@ -89,6 +90,9 @@ void check_scene(const SceneChoice& choice) {
   }
   if (warnings.empty() && scene.obstacles.empty()) {
     fmt::print("no warnings\n");
+  }
+  for (const std::string& line : scene_advice(scene)) {
+    fmt::print("the scene calls for: {}\n", line);
   }
 }
 

@@ -14,6 +14,7 @@
 #include "bench/results/result_folder.hpp"
 #include "bench/results/run_output.hpp"
 #include "bench/results/summary.hpp"
+#include "core/base/input_error.hpp"
 
 namespace musclebench {
 
@@ -70,6 +71,11 @@ int conclude(std::string_view scene, std::string_view status, std::string_view s
 }
 
 int run(RunOptions options) {
+  if (options.strict && options.unjudged) {
+    throw InputError("--strict",
+                     "asks for outcomes within their limits, and --no-referee leaves most of them unjudged; "
+                     "leave one of the two out");
+  }
   const BackendEntry& backend = find_backend(options.backend.backend);
   const Parameters parameters = backend_parameters(backend, options.backend.parameters);
   const Scene scene = load_scene(options.scene);

@@ -134,8 +134,10 @@ Json json_of_case(const Case& resolved, std::string_view mode) {
     const auto name_of_muscle = [&](int index) {
       return resolved.scene.muscles[static_cast<std::size_t>(index)].body.name;
     };
-    json["muscle_contact"].push_back({{"muscles", {name_of_muscle(first), name_of_muscle(second)}},
-                                      {"backend", resolved.colliders.of_pairs[pair]->name}});
+    json["muscle_contact"].push_back(
+        {{"muscles", {name_of_muscle(first), name_of_muscle(second)}},
+         {"backend", resolved.colliders.of_pairs[pair]->name},
+         {"steps", resolved.scene.muscle_pairs[pair].response_steps.value_or(resolved.scene.response_steps)}});
   }
   return json;
 }
@@ -219,6 +221,7 @@ std::string scene_hash(const Scene& scene) {
   }
   for (const SceneMusclePair& pair : scene.muscle_pairs) {
     hash.add(fmt::format("{} touches {}", pair.muscles.first, pair.muscles.second));
+    if (pair.response_steps) hash.add(fmt::format("in {} steps", *pair.response_steps));
   }
   add_nodes_and_fibres(hash, scene);
   return hash.hex_digest();

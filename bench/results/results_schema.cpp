@@ -49,6 +49,7 @@ constexpr auto keys = std::to_array<ManifestKey>({
     everywhere("case.loop.*", "", "parameters of the loop"),
     everywhere("case.muscle_contact[].muscles[]", "", "two that touch each other"),
     everywhere("case.muscle_contact[].backend", "", "that detects it"),
+    everywhere("case.muscle_contact[].steps", "", "of corrections between the two"),
     everywhere("case.bone_backends.*.backend", "", "of each bone that has one of its own"),
     everywhere("case.bone_backends.*.parameters.*", "", "of it, as resolved"),
     everywhere("case.bone_responses.*.response", "", "what moves the nodes in that bone, where bones differ"),

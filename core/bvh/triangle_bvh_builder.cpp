@@ -209,8 +209,14 @@ Vec3 TriangleBvhBuilder::longest_tangent(Range range, const Vec3& normal) const 
     yy += v * v;
   }
   const double count = range.count();
-  const double angle = 0.5 * std::atan2(2 * (xy - x * y / count), (xx - x * x / count) - (yy - y * y / count));
-  return std::cos(angle) * first + std::sin(angle) * second;
+  // Half of the angle of (difference, twice the covariance), by its sine and cosine.
+  const double difference = (xx - x * x / count) - (yy - y * y / count);
+  const double twice_covariance = 2 * (xy - x * y / count);
+  const double length = std::sqrt(difference * difference + twice_covariance * twice_covariance);
+  const double cosine = length > 0 ? difference / length : 1;
+  const double half_cosine = std::sqrt(std::max(0.0, 0.5 * (1 + cosine)));
+  const double half_sine = std::copysign(std::sqrt(std::max(0.0, 0.5 * (1 - cosine))), twice_covariance);
+  return half_cosine * first + half_sine * second;
 }
 
 void TriangleBvhBuilder::set_bounds(Range range, const Vec3& area_normal, std::size_t lane, BvhNode& node) const {

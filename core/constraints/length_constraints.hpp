@@ -25,6 +25,15 @@ class LengthConstraints {
 
   // Every thread of the team makes these calls, and waits for the others between them.
   void begin_substep(const Team& team);
+  /// From now on; `length_of(i)`: of the i-th constraint, m.
+  template <typename LengthOf>
+  void set_rest_lengths(const Team& team, const LengthOf& length_of) {
+    const std::span<const int> slots = m_order.slots();
+    const Team::Share share = team.share(slots.size());
+    for (std::size_t slot = share.first; slot < share.last; ++slot) {
+      if (slots[slot] >= 0) m_rest_length_m[slot] = length_of(static_cast<std::size_t>(slots[slot]));
+    }
+  }
   void project(NodeRows& rows, double time_step_s, const Team& team);
 
  private:

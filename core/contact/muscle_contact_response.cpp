@@ -6,11 +6,23 @@
 
 namespace musclebench {
 
+PairSteps::PairSteps(std::vector<Body> muscles, std::vector<MusclePair> touching, std::vector<int> steps)
+    : most(steps.empty() ? 1 : std::ranges::max(steps)),
+      bodies(std::move(muscles)),
+      pairs(std::move(touching)),
+      of_pairs(std::move(steps)) {}
+
+int PairSteps::of(const MuscleContact& contact) const {
+  if (of_pairs.empty()) return most;
+  const auto muscle = static_cast<int>(body_of(bodies, contact.node));
+  return of_pairs[pair_index(pairs, muscle, contact.muscle)];
+}
+
 MuscleContactResponse::MuscleContactResponse(std::span<const Triangle> triangles, std::vector<double> inverse_masses,
-                                             int steps)
+                                             PairSteps steps)
     : m_triangles(triangles),
       m_inverse_masses(std::move(inverse_masses)),
-      m_steps(steps),
+      m_steps(std::move(steps)),
       m_loads(m_inverse_masses.size(), 0),
       m_corrections(m_inverse_masses.size(), Vec3::Zero()),
       m_start_corrections(m_inverse_masses.size(), Vec3::Zero()) {}
@@ -38,8 +50,12 @@ void MuscleContactResponse::collect_moved(std::span<const MuscleContact> contact
 void MuscleContactResponse::resolve(std::span<const MuscleContact> contacts, std::span<Vec3> start,
                                     std::span<Vec3> predicted) {
   collect_moved(contacts);
-  for (int step = 0; step < m_steps; ++step) {
-    for (const MuscleContact& contact : contacts) {
+  m_steps_of_contacts.clear();
+  for (const MuscleContact& contact : contacts) m_steps_of_contacts.push_back(m_steps.of(contact));
+  for (int step = 0; step < m_steps.most; ++step) {
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      if (step >= m_steps_of_contacts[i]) continue;
+      const MuscleContact& contact = contacts[i];
       const std::array<Arm, 4> arms = arms_of(contact);
       double gap_m = 0;
       double start_gap_m = 0;

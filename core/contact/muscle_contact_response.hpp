@@ -9,6 +9,20 @@
 
 namespace musclebench {
 
+/// How often the contacts of a detection are corrected. A pair whose steps are done is left as it is while others go
+/// on.
+struct PairSteps {
+  int most = 1;  ///< >= 1; of all pairs that are not told below
+  std::vector<Body> bodies = {};
+  std::vector<MusclePair> pairs = {};
+  std::vector<int> of_pairs = {};  ///< >= 1; empty: `most` for all
+
+  PairSteps(int steps) : most(steps) {}  // NOLINT(google-explicit-constructor)
+  PairSteps(std::vector<Body> muscles, std::vector<MusclePair> touching, std::vector<int> steps);
+
+  [[nodiscard]] int of(const MuscleContact& contact) const;
+};
+
 /// Moves nodes out of other muscles. A contact between a node p and the closest point q = sum b_i q_i of a triangle is
 /// the constraint n . (p - q) >= 0; the node moves along the normal n and the triangle's corners against it, each by
 /// its inverse mass and its weight, so that a correction changes no momentum.
@@ -24,9 +38,9 @@ namespace musclebench {
 /// that overlap at rest separate without being accelerated.
 class MuscleContactResponse {
  public:
-  /// `triangles` of the mesh of all muscles, which outlive this; `inverse_masses` of all nodes, 1/kg. `steps` >= 1:
+  /// `triangles` of the mesh of all muscles, which outlive this; `inverse_masses` of all nodes, 1/kg. `steps`:
   /// corrections of the contacts of one detection, each of the depth that the ones before have left.
-  MuscleContactResponse(std::span<const Triangle> triangles, std::vector<double> inverse_masses, int steps);
+  MuscleContactResponse(std::span<const Triangle> triangles, std::vector<double> inverse_masses, PairSteps steps);
 
   /// Corrects `predicted` (p) and `start` (x), both of all nodes.
   void resolve(std::span<const MuscleContact> contacts, std::span<Vec3> start, std::span<Vec3> predicted);
@@ -45,7 +59,8 @@ class MuscleContactResponse {
 
   std::span<const Triangle> m_triangles;
   std::vector<double> m_inverse_masses;
-  int m_steps;
+  PairSteps m_steps;
+  std::vector<int> m_steps_of_contacts;
   // By node, zero but for m_moved.
   std::vector<double> m_loads;  ///< sum of the moduli of the weights of all its contacts
   std::vector<Vec3> m_corrections;

@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include "core/base/arc_tangent.hpp"
+
 namespace musclebench {
 
 namespace {
@@ -54,7 +56,7 @@ double solid_angle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& 
   const double lc = pc.norm();
   const double volume = pa.dot(pb.cross(pc));
   const double projected = la * lb * lc + pa.dot(pb) * lc + pb.dot(pc) * la + pc.dot(pa) * lb;
-  return volume == 0 ? 0.0 : 2 * std::atan2(volume, projected);
+  return volume == 0 ? 0.0 : 2 * arc_tangent2(volume, projected);
 }
 
 }  // namespace musclebench

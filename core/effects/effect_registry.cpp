@@ -1,13 +1,16 @@
 #include "core/effects/effect_registry.hpp"
 
+#include "core/effects/activation.hpp"
 #include "core/effects/attachment.hpp"
 #include "core/effects/bending.hpp"
 #include "core/effects/damping.hpp"
 #include "core/effects/edge_length.hpp"
 #include "core/effects/friction.hpp"
 #include "core/effects/gravity.hpp"
+#include "core/effects/local_volume.hpp"
 #include "core/effects/margin.hpp"
 #include "core/effects/multi_bone.hpp"
+#include "core/effects/surface_contact.hpp"
 #include "core/effects/tunnelling_guard.hpp"
 #include "core/effects/volume.hpp"
 
@@ -20,7 +23,10 @@ const std::vector<EffectEntry>& effect_registry() {
       {"attachment", "bound nodes move with their bone", attachment_parameters(), make_attachment},
       {"edge_length", "edges keep their rest length, softer along the fibres", edge_length_parameters(),
        make_edge_length},
+      {"activation", "fibres shorten by a course over time", activation_parameters(), make_activation},
       {"volume", "the closed surface keeps its volume", volume_parameters(), make_volume},
+      {"local_volume", "each of several regions along the muscle keeps its volume", local_volume_parameters(),
+       make_local_volume},
       {"bending", "neighbouring triangles keep their dihedral angle (local shape)", bending_parameters(), make_bending},
       {.name = "margin",
        .help = "a skin on the bones that nodes stay out of",
@@ -30,8 +36,8 @@ const std::vector<EffectEntry>& effect_registry() {
        .needs_normals = true,
        .needs_projection = true},
       {.name = "multi_bone",
-       .help =
-           "nodes in several bones leave by the shortest way that ends outside all of them; without it pushes add up",
+       .help = "nodes in several bones leave by a short displacement that ends outside the tangent planes of all of "
+               "them; without it pushes add up",
        .parameters = multi_bone_parameters(),
        .make = nullptr,
        .set_response = set_multi_bone,
@@ -43,6 +49,11 @@ const std::vector<EffectEntry>& effect_registry() {
        .make = nullptr,
        .make_stage = make_friction,
        .needs_normals = true},
+      {.name = "surface_contact",
+       .help = "faces and edges of a muscle stay out of bones, not only its nodes",
+       .parameters = surface_contact_parameters(),
+       .make = nullptr,
+       .make_stage = make_surface_contact},
       {.name = "tunnelling_guard",
        .help = "no node ends a step on the far side of a bone",
        .parameters = tunnelling_guard_parameters(),

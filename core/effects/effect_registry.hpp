@@ -35,10 +35,13 @@ struct EffectInput {
   const std::vector<RigidMotion>& rest_poses;
 };
 
-/// What contact stages are constructed from. Outlives them.
+/// What contact stages are constructed from. Outlives them unless said otherwise.
 struct StageInput {
   std::span<const Bone> bones;
   std::size_t nodes = 0;  ///< of all muscles
+  std::span<const Triangle> triangles = {};
+  std::span<const double> inverse_masses = {};  ///< by node, 1/kg; needed while the stage is made only
+  std::span<const BoundNode> bound_nodes = {};  ///< as these
 };
 
 /// An effect that scenes can name: a force or constraints, a stage of the collision step, or another response.

@@ -83,7 +83,7 @@ void check_shape(const Outcome& outcome, const MuscleAtRest& rest, Suspicions& a
   });
 }
 
-/// What a judgement that its budget cut short leaves open counts as if it were so: nobody knows that it isn't.
+/// Where the Referee's budget did not suffice, the bound that is left counts as the depth: it cannot be excluded.
 void check_surface_depth(const Outcome& outcome, const MuscleAtRest& rest, Suspicions& all) {
   const std::optional<double> found = in_edges(outcome.max_surface_depth_m, rest);
   all.check("surface_depth_edges", found, [&](double edges, double limit) {

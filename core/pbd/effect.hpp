@@ -13,6 +13,7 @@ namespace musclebench {
 struct SubstepInput {
   double time_step_s = 0;
   std::span<const RigidMotion> bone_poses;
+  double time_s = 0;  ///< at the end of the substep, from the start of the run
 };
 
 /// One physical effect of a scene. It exists only in scenes that name it.

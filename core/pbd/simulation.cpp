@@ -109,7 +109,8 @@ const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer)
     m_previous_poses.swap(m_poses);
     const double part = m_loop.interpolate_poses ? static_cast<double>(substep) / m_loop.substeps : 1.0;
     m_pose_function(frame - 1 + part, m_poses);
-    const SubstepInput input{m_loop.time_step_s, m_poses};
+    const double substeps_done = static_cast<double>(frame - 1) * m_loop.substeps + substep;
+    const SubstepInput input{m_loop.time_step_s, m_poses, substeps_done * m_loop.time_step_s};
 
     for (int iteration = 1; iteration <= m_loop.iterations; ++iteration) {
       run_team(m_threads, m_barrier, [&](const Team& team) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/base/percentile.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
@@ -37,15 +38,13 @@ struct MeasuredMesh {
 };
 
 Vec3 median_of(const std::vector<Vec3>& points) {
-  Vec3 median;
+  Vec3 middle;
   std::vector<double> values(points.size());
   for (int axis = 0; axis < 3; ++axis) {
     std::transform(points.begin(), points.end(), values.begin(), [&](const Vec3& p) { return p[axis]; });
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    median[axis] = *middle;
+    middle[axis] = median(values);
   }
-  return median;
+  return middle;
 }
 
 /// The distance from the middle within which the mesh lies but for stray vertices: more than half of all lie within,

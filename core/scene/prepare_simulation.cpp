@@ -86,14 +86,22 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
       scene.loop, particles, std::move(order), std::move(effects), backend, std::move(response),
       [&scene](double position, std::vector<RigidMotion>& poses) { scene.poses_at(position, poses); }, threads);
   if (!muscle_detectors.empty()) {
+    std::vector<MusclePair> pairs;
+    std::vector<int> steps;
+    for (const SceneMusclePair& pair : scene.muscle_pairs) {
+      pairs.push_back(pair.muscles);
+      steps.push_back(pair.response_steps.value_or(scene.response_steps));
+    }
     prepared.simulation->add_stage(std::make_unique<MuscleContactStage>(
-        std::move(muscle_detectors),
-        MuscleContactResponse(scene.muscle_mesh.triangles, particles.inverse_masses, scene.response_steps)));
+        std::move(muscle_detectors), MuscleContactResponse(scene.muscle_mesh.triangles, particles.inverse_masses,
+                                                           PairSteps(bodies, std::move(pairs), std::move(steps)))));
   }
   for (const SceneEffect& effect : scene.effects) {
     if (const EffectEntry* entry = find_effect(effect.name); entry->make_stage) {
       prepared.simulation->add_stage(
-          entry->make_stage({scene.bones, scene.muscle_mesh.vertices.size()}, effect.parameters));
+          entry->make_stage({scene.bones, scene.muscle_mesh.vertices.size(), scene.muscle_mesh.triangles,
+                             particles.inverse_masses, prepared.bound_nodes},
+                            effect.parameters));
     }
   }
   for (const auto& stage : prepared.simulation->stages()) {

@@ -50,7 +50,7 @@ SceneBackend backend_in(const TomlTable& table, std::string_view key) {
 
 /// `[[pair]]`: two muscles that touch, and who detects that.
 SceneMusclePair read_pair(const TomlTable& table, const Scene& scene) {
-  table.allow_only({"muscles", "backend"});
+  table.allow_only({"muscles", "backend", "steps"});
   const std::vector<std::string> names = table.words("muscles");
   const std::string location = table.location("muscles");
   if (names.size() != 2) {
@@ -61,7 +61,7 @@ SceneMusclePair read_pair(const TomlTable& table, const Scene& scene) {
   if (first == second) {
     throw InputError(location, fmt::format("'{}' stands there twice; a pair is of two muscles", names[0]));
   }
-  return {{std::min(first, second), std::max(first, second)}, backend_in(table, "backend")};
+  return {{std::min(first, second), std::max(first, second)}, backend_in(table, "backend"), steps_in(table)};
 }
 
 }  // namespace

@@ -320,6 +320,19 @@ void read_effects(const std::optional<TomlTable>& preset, const std::optional<To
       scene.effects.push_back({entry.name, checked(entry.parameters, of_preset, of_scene)});
     }
   }
+  const auto named = [&](std::string_view name) { return std::ranges::find(scene.effects, name, &SceneEffect::name); };
+  const auto whole = named("volume");
+  const auto local = named("local_volume");
+  if (whole == scene.effects.end() || local == scene.effects.end()) return;
+  // Regions add up to the whole.
+  const double whole_pressure = whole->parameters.number("pressure");
+  const double local_pressure = local->parameters.number("pressure");
+  if (whole_pressure != local_pressure) {
+    throw InputError(own ? own->location("local_volume") : "preset",
+                     fmt::format("has the pressure {:g} and effect 'volume' {:g}, which contradict each other: the "
+                                 "regions are the whole; give both the same, or take one out (volume = false)",
+                                 local_pressure, whole_pressure));
+  }
 }
 
 }  // namespace

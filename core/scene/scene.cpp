@@ -153,6 +153,10 @@ std::vector<ParameterSpec> loop_parameters() {
   };
 }
 
+bool has_effect(const Scene& scene, std::string_view name) {
+  return std::ranges::any_of(scene.effects, [&](const SceneEffect& effect) { return effect.name == name; });
+}
+
 LoopParameters loop_from(const Parameters& parameters) {
   LoopParameters loop;
   loop.frames = static_cast<int>(parameters.integer("frames"));

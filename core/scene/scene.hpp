@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/parameters.hpp"
@@ -58,7 +59,8 @@ struct SceneBackend {
 /// Two muscles that touch each other.
 struct SceneMusclePair {
   MusclePair muscles;
-  SceneBackend backend;
+  SceneBackend backend = {};
+  std::optional<int> response_steps = {};  ///< nothing: those of `[contact]`
 };
 
 /// What a scene says of contact with one bone; empty: left open.
@@ -111,6 +113,8 @@ struct Scene {
   /// The names of all muscles.
   [[nodiscard]] std::string muscle_names() const;
 };
+
+bool has_effect(const Scene& scene, std::string_view name);
 
 /// The parameters of the `[loop]` table.
 std::vector<ParameterSpec> loop_parameters();

@@ -18,10 +18,6 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
-bool has_effect(const Scene& scene, std::string_view name) {
-  return std::any_of(scene.effects.begin(), scene.effects.end(), [&](const auto& e) { return e.name == name; });
-}
-
 void warn_of_muscle_files(const Scene& scene, Lines& warnings) {
   for (const Muscle& muscle : scene.muscles) {
     for (const std::string& change : muscle.changes) {
@@ -76,10 +72,11 @@ void warn_of_muscle_surfaces(const Scene& scene, Lines& warnings) {
   for (const Muscle& muscle : scene.muscles) {
     const std::string which = scene.muscles.size() == 1 ? "" : fmt::format(" '{}'", muscle.body.name);
     const MeshReport report = check_mesh(scene.mesh_of(muscle.body));
-    if (has_effect(scene, "volume") && report.boundary_edges > 0) {
+    for (const char* effect : {"volume", "local_volume"}) {
+      if (!has_effect(scene, effect) || report.boundary_edges == 0) continue;
       warnings.push_back(
-          fmt::format("effect 'volume' has no meaning for an open surface: the muscle{} has {} boundary edges", which,
-                      report.boundary_edges));
+          fmt::format("effect '{}' has no meaning for an open surface: the muscle{} has {} boundary edges", effect,
+                      which, report.boundary_edges));
     }
     if (report.volume_m3 < 0) {
       warnings.push_back(fmt::format("the muscle{} is wound inwards (negative volume): turn its triangles", which));
@@ -144,6 +141,14 @@ void warn_of_attachments(const Scene& scene, Lines& warnings) {
 }
 
 void warn_of_effects(const Scene& scene, Lines& warnings) {
+  for (const Muscle& muscle : scene.muscles) {
+    if (has_effect(scene, "activation") && !muscle.fibres_between_attachments && muscle.fibres.empty()) {
+      warnings.push_back(
+          fmt::format("effect 'activation' can't act on muscle '{}': it has no fibres; add fibres = "
+                      "\"between_attachments\"",
+                      muscle.body.name));
+    }
+  }
   for (const SceneEffect& effect : scene.effects) {
     const bool fibres = std::ranges::any_of(scene.muscles, [](const Muscle& muscle) {
       return muscle.fibres_between_attachments || !muscle.fibres.empty();

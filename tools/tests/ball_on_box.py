@@ -58,6 +58,25 @@ def ball(radius, centre, rings=9, around=12):
     return radius * np.array(vertices) + centre, triangles
 
 
+TWO_MUSCLES = """[[muscle]]
+name = "ball"
+mesh = "ball.off"
+[[muscle]]
+name = "other"
+mesh = "other.off"
+[contact]
+muscle_contact = true
+"""
+
+
+def write_scene_of_two(folder: Path) -> Path:
+    """Two balls side by side that begin half a millimetre in each other."""
+    alone = write_scene(folder)
+    alone.write_text(alone.read_text().replace('[muscle]\nname = "ball"\nmesh = "ball.off"\n', TWO_MUSCLES))
+    (folder / "other.off").write_text(off(*ball(0.02, [-0.0345, 0, 0.0485])))
+    return alone
+
+
 def write_scene(folder: Path) -> Path:
     (folder / "scene.toml").write_text(SCENE)
     (folder / "box.off").write_text(off(*box(0.03)))

@@ -36,6 +36,12 @@ def test_strict_is_as_strict_with_a_result_that_is_there_already(overlapping):
 
 
 @needs_program
+def test_strict_is_refused_where_nothing_is_judged(folder):
+    done = run(folder, "--strict", "--no-referee")
+    assert done.returncode == 2 and "--no-referee" in done.stderr and len(done.stderr.splitlines()) == 1
+
+
+@needs_program
 def test_strict_accepts_a_run_that_is_ok(folder):
     (folder / "ball.off").write_text(off(*ball(0.02, [0.2, 0, 0.05])))
     for words in ((), ("complete already",)):

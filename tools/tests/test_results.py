@@ -50,7 +50,7 @@ def test_a_failed_run_without_frames_is_a_row(tmp_path):
     assert np.isnan(row["median_collision_ns"]) and np.isnan(row["max_depth_m"])
 
 
-@pytest.mark.parametrize("text", ["", "{", json.dumps({"status": "ok"})])
+@pytest.mark.parametrize("text", ["", "{", "[]", json.dumps({"status": "ok"})])
 def test_a_broken_run_json_is_named(tmp_path, text):
     (tmp_path / "run.json").write_text(text)
     with pytest.raises(run_folder.ResultProblem, match="run.json"):

@@ -12,7 +12,7 @@
 
 namespace musclebench {
 
-/// A muscle's surface as an FCL model whose tree follows its vertices, in the way that the options say.
+/// A muscle's surface as an FCL model whose tree follows its vertices as the options say.
 template <typename BoundingVolume>
 class DeformingModel {
  public:

@@ -30,7 +30,7 @@ class MetTriangles {
     }
   }
 
-  /// `point_of()` is where the node is; asked once a round.
+  /// `point_of()` returns the position of the node; called once a round for each node.
   template <typename PointOf>
   void meet(int node, const PointOf& point_of, int triangle, const Vec3& a, const Vec3& b, const Vec3& c) {
     const auto i = static_cast<std::size_t>(node);

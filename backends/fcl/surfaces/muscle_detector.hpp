@@ -4,7 +4,7 @@
 
 namespace musclebench {
 
-/// Contacts between muscles by FCL's refitted trees (the paper's way with bones): of each node that belongs to an
+/// Contacts between muscles by FCL's refitted trees (the paper's method with bones): of each node that belongs to an
 /// intersecting triangle the closest of the triangles that are met. Blind to nodes deep inside. Takes the backend's
 /// parameters with `query` = surfaces.
 std::unique_ptr<MuscleContactDetector> make_fcl_muscle_detector(const Parameters& parameters,

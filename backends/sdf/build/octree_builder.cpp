@@ -119,7 +119,7 @@ class OctreeBuilder {
     const auto near_roots = std::count_if(m_cells.begin(), m_cells.end(), [&](const OctreeCell& cell) {
       return std::abs(cell.distance_m) <= m_target.near_m + cell.reach_m();
     });
-    m_near_m3 = 0.5 * static_cast<double>(near_roots) * std::pow(m_shape.root_edge_m, 3);
+    m_near_m3 = 0.5 * static_cast<double>(near_roots) * m_shape.root_edge_m * m_shape.root_edge_m * m_shape.root_edge_m;
   }
 
   [[nodiscard]] bool can_split(const OctreeCell& cell) const {

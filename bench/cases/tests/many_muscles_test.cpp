@@ -182,6 +182,8 @@ TEST(ManyMuscles, PairsAreAllOrThoseThatAreNamed) {
   EXPECT_EQ(named.muscle_pairs[0].backend.name, "fcl");
   EXPECT_TRUE(read_scene(request(both())).muscle_pairs.empty());
   EXPECT_EQ(read_scene(request("[contact]\nsteps = 7\n" + both())).response_steps, 7);
+  EXPECT_FALSE(named.muscle_pairs[0].response_steps);
+  EXPECT_EQ(read_scene(request(both() + pair("ball", "bar", "steps = 9"))).muscle_pairs[0].response_steps, 9);
 }
 
 TEST(ManyMuscles, ABoneMayHaveAResponseAndStepsOfItsOwn) {
@@ -203,7 +205,8 @@ TEST(ManyMuscles, ABoneMayHaveAResponseAndStepsOfItsOwn) {
 TEST(ManyMuscles, WhatIsWrongWithPairsNamesItsKey) {
   const std::string one = std::string(bones) + "[muscle]" + bar + attachments_of_bar();
   expect_mentions(error_of(request(all_touch + one)), {"contact.muscle_contact", "two muscles", "has one"});
-  expect_mentions(error_of(request(both() + pair("ball", "bra"))), {"pair[1].muscles", "'bra'", "did you mean 'bar'"});
+  expect_mentions(error_of(request(both() + pair("ball", "bra"))),
+                  {"test.toml", "pair[1].muscles", "'bra'", "did you mean 'bar'"});
   expect_mentions(error_of(request(both() + pair("ball", "ball"))), {"pair[1].muscles", "'ball' stands there twice"});
   expect_mentions(error_of(request(both() + pair("ball", "bar") + pair("bar", "ball"))),
                   {"pair[2].muscles", "earlier [[pair]]"});
@@ -212,6 +215,8 @@ TEST(ManyMuscles, WhatIsWrongWithPairsNamesItsKey) {
                   {"contact.muscle_backend", "no muscles touch"});
   for (const char* steps : {"0", "2.5", "1e9"}) {
     expect_mentions(error_of(request("[contact]\nsteps = " + std::string(steps) + "\n" + both())), {"contact.steps"});
+    expect_mentions(error_of(request(both() + pair("ball", "bar", "steps = " + std::string(steps)))),
+                    {"test.toml", "pair[1].steps"});
   }
   SceneRequest open = request(all_touch + both());
   open.synthetic_mesh = [](const std::string& name) {
@@ -326,6 +331,16 @@ TEST(ColliderBackends, WhatCannotBeIsRefused) {
   expect_mentions(refusal(scene, "lid=sdf:cels=3"), {"--for lid=sdf:cels=3", "did you mean 'cells'"});
   expect_mentions(refusal(scene, "muscles=bvh:x=1"), {"--for muscles=bvh:x=1", "leave the parameters out"});
   expect_mentions(refusal(apart, "muscles=bvh"), {"--for muscles=bvh", "no muscles of this scene touch"});
+  const std::string named = both() + pair("ball", "bar", "backend = \"sdf\"");
+  for (const std::string& text : {named, "[contact]\nmuscle_contact = true\nmuscle_backend = \"sdf\"\n" + both()}) {
+    const Scene unable = read_scene(request(text));
+    try {
+      (void)choose_collider_backends({}, unable, sdf);
+      ADD_FAILURE() << "not refused";
+    } catch (const InputError& error) {
+      expect_mentions(error.what(), {"test.toml", "backend", "can't follow a surface that deforms", "bvh"});
+    }
+  }
 }
 
 TEST(ManyMuscles, WhatIsWrongWithThemNamesItsKey) {

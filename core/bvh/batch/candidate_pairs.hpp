@@ -16,7 +16,7 @@ struct QueryBatch {
   using PointLanes = std::array<float, capacity>;
 
   std::size_t count = 0;
-  std::size_t first_count = 0;  ///< not 0: points of the first packet, which lie closer together than all do
+  std::size_t first_count = 0;  ///< not 0: so many points from the first on lie closer together than all do
   alignas(64) std::array<PointLanes, 3> at;   ///< lanes beyond the count repeat a point
   std::array<std::int32_t, capacity> number;  ///< of each point, for CandidateTriangles
 

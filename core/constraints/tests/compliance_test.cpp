@@ -248,6 +248,30 @@ TEST(BendingCompliance, MultipliersAreThoseOfTheSubstep) {
   expect_close(p.predicted, before.predicted, 1e-15);
 }
 
+/// Rest lengths are those of edges that have shortened to 0.7 along the fibre and are 1 / sqrt(0.7) as long across.
+TEST(ActivationCompliance, EveryIterationIsThatOfXpbdOnShortenedEdges) {
+  const Vec3 fibre = Vec3(1, 2, 3).normalized();
+  Bruised f({{-fibre, fibre}});
+  std::vector<PublishedConstraint> published;
+  for (const SurfaceEdge& edge : surface_edges(f.mesh)) {
+    const Vec3 side = f.mesh.vertices[edge.end] - f.mesh.vertices[edge.start];
+    const Vec3 along = fibre.dot(side) * fibre;
+    const double cosine = along.norm() / side.norm();
+    if (cosine < 0.5) continue;
+    const double length_m = (0.7 * along + (side - along) / std::sqrt(0.7)).norm();
+    published.push_back(published_length(edge.start, edge.end, length_m, edge_compliance / cosine));
+  }
+  ASSERT_GT(published.size(), 20U);
+  for (int times = 1; times <= iterations; ++times) {
+    const auto effect =
+        f.make("activation", {{"compliance_m_per_n", edge_compliance}, {"shortening", 0.3}, {"rise_s", 0.0}});
+    Nodes p = f.start;
+    start_substep(*effect, p, f);
+    iterate(*effect, p, f, times);
+    expect_close(p.predicted, f.solved_as_published(published, times), 1e-12);
+  }
+}
+
 /// A compliance that comes with an effect wants a test against the published formula.
 TEST(Compliance, TheseTestsKnowAllThereAre) {
   std::set<std::string> compliant;
@@ -258,7 +282,7 @@ TEST(Compliance, TheseTestsKnowAllThereAre) {
       }
     }
   }
-  EXPECT_EQ(compliant, (std::set<std::string>{"bending", "edge_length"}));
+  EXPECT_EQ(compliant, (std::set<std::string>{"activation", "bending", "edge_length"}));
 }
 
 /// What was stored in the substep before is no multiplier of this one, even where the first projection had nothing to

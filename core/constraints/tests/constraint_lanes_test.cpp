@@ -186,7 +186,9 @@ std::vector<EffectCase> effect_cases() {
           {"bending", {{"public_code_ratio_gate", true}}},
           {"bending", {{"skip_flatter_than_rad", 0.1}}},
           {"volume", {}},
-          {"volume", {{"pressure", 1.3}, {"projection_scale", 1.0 / 6}}}};
+          {"volume", {{"pressure", 1.3}, {"projection_scale", 1.0 / 6}}},
+          {"local_volume", {}},
+          {"local_volume", {{"regions", std::int64_t{30}}, {"pressure", 1.1}, {"projection_scale", 0.5}}}};
 }
 
 /// Two substeps of three iterations each.

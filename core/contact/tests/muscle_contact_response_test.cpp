@@ -155,5 +155,41 @@ TEST_F(ManyContacts, OfAnyDepthConvergeKeepMomentumAndHaveNoOrder) {
   }
 }
 
+/// Two muscles beside a first one, apart from each other: a pair of one step stays where one step brings it.
+TEST(MuscleContactResponse, APairHasStepsOfItsOwn) {
+  const std::vector<Triangle> two = {{0, 1, 2}, {3, 4, 5}};
+  std::vector<Vec3> rest = corners();
+  for (const Vec3& corner : corners()) rest.push_back(corner + Vec3(10, 0, 0));
+  // A node near a corner and one near the middle of each triangle: a step leaves some of their depth.
+  const std::vector<Vec3> weights = {Vec3(0.9, 0.05, 0.05), Vec3(1, 1, 1) / 3};
+  std::vector<MuscleContact> contacts;
+  for (const double x : {0.0, 10.0}) {
+    for (const Vec3& weight : weights) {
+      MuscleContact made =
+          contact(static_cast<int>(rest.size()), weight, 0.01 * static_cast<double>(1 + contacts.size() % 2));
+      made.muscle = x == 0 ? 0 : 1;
+      made.triangle = made.muscle;
+      contacts.push_back(made);
+      rest.emplace_back(x + weight.y(), weight.z(), -made.depth_m);
+    }
+  }
+  const std::vector<Body> bodies = {{"a", 0, 3, 0, 1}, {"b", 3, 6, 1, 2}, {"c", 6, 10, 2, 2}};
+  const auto resolved = [&](PairSteps steps) {
+    std::vector<Vec3> predicted = rest;
+    std::vector<Vec3> start = rest;
+    MuscleContactResponse(two, std::vector<double>(rest.size(), 1.0), std::move(steps))
+        .resolve(contacts, start, predicted);
+    return predicted;
+  };
+  const std::vector<Vec3> once = resolved(1);
+  const std::vector<Vec3> often = resolved(5);
+  const std::vector<Vec3> mixed = resolved({bodies, {{0, 2}, {1, 2}}, {1, 5}});
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const bool is_of_first = i < 3 || i == 6 || i == 7;
+    EXPECT_EQ(mixed[i], is_of_first ? once[i] : often[i]) << i;
+  }
+  EXPECT_NE(once, often);
+}
+
 }  // namespace
 }  // namespace musclebench

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/portable_math.hpp"
+#include "core/effects/reference/scalar_local_volume.hpp"
 #include "core/effects/surface_edges.hpp"
 
 namespace musclebench {
@@ -291,6 +292,7 @@ std::unique_ptr<ScalarEffect> make_scalar_effect(std::string_view name, const Ef
   if (name == "edge_length") return std::make_unique<ScalarEdgeLength>(input, parameters);
   if (name == "bending") return std::make_unique<ScalarBending>(input, parameters);
   if (name == "volume") return std::make_unique<ScalarVolume>(input, parameters);
+  if (name == "local_volume") return make_scalar_local_volume(input, parameters);
   return nullptr;
 }
 

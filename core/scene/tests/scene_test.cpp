@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -134,6 +135,25 @@ TEST(ReadScene, RefusesValuesOutOfRangeAndOfTheWrongKind) {
                   {"axis", "no length"});
   expect_one_line(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n[bone.motion]\naxis = [0, inf, 0]\n"),
                   {"axis", "finite"});
+}
+
+TEST(ReadScene, RefusesEffectsThatContradictEachOther) {
+  const std::string text = std::string(bones_and_muscle) + "[effects.volume]\n";
+  expect_one_line(error_of(text + "[effects.local_volume]\npressure = 1.2\n"),
+                  {"test.toml:", "effects.local_volume", "1.2", "'volume' 1", "volume = false"});
+  EXPECT_EQ(read_scene(request_of(text + "[effects.local_volume]\n")).effects.size(), 2U);
+}
+
+TEST(ReadScene, WarnsOfAnActivationThatHasNoFibres) {
+  const auto is_told = [](const std::string& more) {
+    const std::vector<std::string> warnings =
+        scene_warnings(read_scene(request_of(std::string(bones_and_muscle) + "[effects.edge_length]\n" + more)));
+    return std::ranges::any_of(warnings, [](const std::string& line) {
+      return line.find("'activation' can't act on muscle 'ball'") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(is_told("[effects.activation]\n"));
+  EXPECT_FALSE(is_told(""));
 }
 
 TEST(ReadScene, RefusesWhatIsMissingOrTwice) {

@@ -1,0 +1,120 @@
+#include "core/effects/activation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/constraints/length_constraints.hpp"
+#include "core/effects/surface_edges.hpp"
+
+namespace musclebench {
+
+namespace {
+
+/// Edges that are more across than along count less than this and are left out.
+constexpr double least_alignment = 0.5;
+
+struct Course {
+  double start_s, rise_s, hold_s, fall_s, level;
+
+  [[nodiscard]] double activation_at(double time_s) const {
+    const auto share = [](double passed_s, double of_s) {
+      return of_s > 0 ? std::clamp(passed_s / of_s, 0.0, 1.0) : (passed_s >= 0 ? 1.0 : 0.0);
+    };
+    const double rising_s = time_s - start_s;
+    return level * (share(rising_s, rise_s) - share(rising_s - rise_s - hold_s, fall_s));
+  }
+};
+
+/// Squares of the parts of an edge along its fibre and across it, at rest.
+struct EdgeParts {
+  double along_m2;
+  double across_m2;
+};
+
+class Activation final : public Effect {
+ public:
+  Activation(const Course& course, double shortening, LengthConstraints constraints, std::vector<EdgeParts> parts)
+      : m_course(course), m_shortening(shortening), m_constraints(std::move(constraints)), m_parts(std::move(parts)) {}
+
+  [[nodiscard]] std::string_view name() const override { return "activation"; }
+
+  void apply_force(const NodeRows& /*rows*/, std::span<NodeRow> /*velocities*/, const SubstepInput& input,
+                   const Team& team) override {
+    m_constraints.begin_substep(team);
+    const double length = fibre_length_at(input.time_s);
+    if (length == m_fibre_length) return;
+    m_constraints.set_rest_lengths(team, [&](std::size_t i) {
+      return std::sqrt(length * length * m_parts[i].along_m2 + m_parts[i].across_m2 / length);
+    });
+  }
+
+  void project(NodeRows& rows, const SubstepInput& input, const Team& team) override {
+    if (team.is_first()) m_fibre_length = fibre_length_at(input.time_s);  // which all have read
+    m_constraints.project(rows, input.time_step_s, team);
+  }
+
+ private:
+  /// Relative to rest.
+  [[nodiscard]] double fibre_length_at(double time_s) const {
+    return 1 - m_shortening * m_course.activation_at(time_s);
+  }
+
+  Course m_course;
+  double m_shortening;
+  LengthConstraints m_constraints;
+  std::vector<EdgeParts> m_parts;  ///< by constraint
+  double m_fibre_length = 1;       ///< that the rest lengths are of
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_activation(const EffectInput& input, const Parameters& parameters) {
+  const double compliance = parameters.number("compliance_m_per_n");
+  std::vector<LengthConstraint> constraints;
+  std::vector<EdgeParts> parts;
+  for (const SurfaceEdge& edge : surface_edges(input.mesh)) {
+    const Vec3& start = input.mesh.vertices[edge.start];
+    const Vec3& end = input.mesh.vertices[edge.end];
+    const std::vector<FibreSegment>& fibres = input.fibres[body_of(input.bodies, edge.start)];
+    const double alignment = alignment_with_nearest_fibre(fibres, 0.5 * (start + end), end - start);
+    if (alignment < least_alignment) continue;
+    const double squared_m2 = (end - start).squaredNorm();
+    const double along_m2 = alignment * alignment * squared_m2;
+    constraints.push_back({{edge.start, edge.end}, std::sqrt(squared_m2), 1, compliance / alignment});
+    parts.push_back({along_m2, std::max(0.0, squared_m2 - along_m2)});
+  }
+  const Course course{parameters.number("start_s"), parameters.number("rise_s"), parameters.number("hold_s"),
+                      parameters.number("fall_s"), parameters.number("level")};
+  return std::make_unique<Activation>(course, parameters.number("shortening"),
+                                      LengthConstraints(constraints, input.order), std::move(parts));
+}
+
+std::vector<ParameterSpec> activation_parameters() {
+  constexpr double longest_s = 1e6;
+  const auto seconds = [](const char* name, double by_default, const char* help) {
+    return parameter::number(
+        {.name = name, .unit = "s", .default_value = by_default, .minimum = 0, .maximum = longest_s, .help = help});
+  };
+  return {parameter::number({.name = "level",
+                             .default_value = 1,
+                             .minimum = 0,
+                             .maximum = 1,
+                             .help = "of the activation once it has risen"}),
+          parameter::number({.name = "shortening",
+                             .default_value = 0.2,
+                             .minimum = 0,
+                             .maximum = 0.6,
+                             .help = "of free fibres at full activation, as a part of their length"}),
+          parameter::number({.name = "compliance_m_per_n",
+                             .unit = "m/N",
+                             .default_value = 0.005,
+                             .minimum = 0,
+                             .maximum = 1e6,
+                             .help = "of an edge along the fibres (XPBD), more for others; 0: none"}),
+          seconds("start_s", 0, "time from the start of the run at which it begins to rise"),
+          seconds("rise_s", 0.1, "how long it rises"),
+          seconds("hold_s", longest_s, "how long it stays"),
+          seconds("fall_s", 0.1, "how long it falls")};
+}
+
+}  // namespace musclebench

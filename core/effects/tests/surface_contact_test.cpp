@@ -1,0 +1,174 @@
+#include "core/effects/surface_contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/mesh/shapes.hpp"
+#include "core/mesh_repair/repair_mesh.hpp"
+
+namespace musclebench {
+namespace {
+
+/// A roof along y whose ridge, at z = 0, has a right angle.
+TriangleMesh roof() {
+  TriangleMesh mesh;
+  for (const double y : {-0.1, 0.1}) {
+    mesh.vertices.insert(mesh.vertices.end(), {{-0.05, y, -0.05}, {0.05, y, -0.05}, {0, y, 0}});
+  }
+  mesh.triangles = {{0, 2, 1}, {3, 4, 5}, {0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {2, 0, 3}, {2, 3, 5}};
+  return mesh;
+}
+
+/// Depth in a roof that goes on forever downwards.
+double depth_in_roof_m(const Vec3& at) { return (-at.z() - std::abs(at.x())) / std::sqrt(2); }
+
+/// A sheet of 4 by 4 squares of 10 mm, whose nodes stand beside the ridge.
+TriangleMesh sheet(double z_m) {
+  TriangleMesh mesh;
+  for (int i = 0; i <= 4; ++i) {
+    for (int j = 0; j <= 4; ++j) mesh.vertices.emplace_back(0.01 * i - 0.025, 0.01 * j - 0.02, z_m);
+  }
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      const int a = 5 * i + j;
+      mesh.triangles.push_back({a, a + 5, a + 6});
+      mesh.triangles.push_back({a, a + 6, a + 1});
+    }
+  }
+  return mesh;
+}
+
+double deepest_m(const TriangleMesh& mesh, const std::vector<Vec3>& nodes) {
+  double deepest = -1;
+  constexpr int parts = 50;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    for (int i = 0; i <= parts; ++i) {
+      for (int j = 0; i + j <= parts; ++j) {
+        const double u = static_cast<double>(i) / parts;
+        const double v = static_cast<double>(j) / parts;
+        deepest = std::max(deepest, depth_in_roof_m((1 - u - v) * nodes[a] + u * nodes[b] + v * nodes[c]));
+      }
+    }
+  }
+  return deepest;
+}
+
+struct Lying {
+  explicit Lying(TriangleMesh of, const std::map<std::string, ParameterValue>& given = {})
+      : mesh(std::move(of)), masses(mesh.vertices.size(), 1), start(mesh.vertices), predicted(mesh.vertices) {
+    bones.push_back({"roof", repair_mesh(roof(), "roof")});
+    parameters = given;
+    free.resize(mesh.vertices.size());
+    std::iota(free.begin(), free.end(), 0);
+  }
+
+  void make() {
+    const EffectEntry* entry = find_effect("surface_contact");
+    stage = entry->make_stage({bones, mesh.vertices.size(), mesh.triangles, masses, bound},
+                              Parameters(entry->parameters, parameters, "test"));
+  }
+
+  void step(int times = 1) {
+    if (!stage) make();
+    for (int i = 0; i < times; ++i) {
+      (void)stage->after_bones({start, predicted, free, previous, poses, {}});
+      previous = poses;
+    }
+  }
+
+  TriangleMesh mesh;
+  std::vector<double> masses;
+  std::vector<Vec3> start;
+  std::vector<Vec3> predicted;
+  std::vector<BoundNode> bound;
+  std::vector<int> free;
+  std::vector<Bone> bones;
+  std::vector<RigidMotion> poses = {RigidMotion{}};
+  std::vector<RigidMotion> previous = {RigidMotion{}};
+  std::map<std::string, ParameterValue> parameters;
+  std::unique_ptr<ContactStage> stage;
+};
+
+TEST(SurfaceContact, ARidgeBetweenTheNodesLiftsTheFaces) {
+  Lying lying(sheet(-0.003));
+  for (const Vec3& node : lying.predicted) ASSERT_LT(depth_in_roof_m(node), 0) << "no node is inside";
+  ASSERT_NEAR(deepest_m(lying.mesh, lying.predicted), 0.003 / std::sqrt(2), 1e-5);
+  lying.step(30);
+  EXPECT_LT(deepest_m(lying.mesh, lying.predicted), 1e-4);
+  EXPECT_EQ(lying.stage->name(), "surface_contact");
+}
+
+TEST(SurfaceContact, WhatTouchesNothingIsLeftToTheBit) {
+  Lying lying(sheet(0.001));
+  lying.step(10);
+  EXPECT_EQ(lying.predicted, lying.mesh.vertices);
+  EXPECT_EQ(lying.stage->contact_count(), 0);
+}
+
+TEST(SurfaceContact, TheCacheSeesASheetThatFallsAndOneThatGrows) {
+  Lying falling(sheet(0.03));
+  falling.step(5);
+  for (int i = 0; i < 33; ++i) {
+    for (Vec3& node : falling.predicted) node.z() -= 0.001;
+    falling.start = falling.predicted;
+    falling.step(1);
+  }
+  falling.step(30);
+  EXPECT_LT(deepest_m(falling.mesh, falling.predicted), 1e-4);
+
+  // Of a sheet that stands beside the roof one row of nodes is drawn over the ridge.
+  Lying growing(sheet(-0.003));
+  for (Vec3& node : growing.predicted) node.x() += 0.08;
+  growing.start = growing.predicted;
+  growing.step(5);
+  for (std::size_t i = 0; i < 5; ++i) growing.predicted[i].x() = -0.025;
+  growing.start = growing.predicted;
+  growing.step(60);
+  EXPECT_LT(deepest_m(growing.mesh, growing.predicted), 1e-4);
+}
+
+TEST(SurfaceContact, PlanesMoveWithTheirBoneBetweenSearches) {
+  Lying lying(sheet(0.0001), {{"interval", std::int64_t{1000}}});
+  lying.step();
+  lying.poses[0] = RigidMotion{Mat3::Identity(), Vec3(0, 0, 0.002)};
+  lying.step(10);
+  std::vector<Vec3> in_bone = lying.predicted;
+  for (Vec3& node : in_bone) node.z() -= 0.002;
+  EXPECT_LT(deepest_m(lying.mesh, in_bone), 1e-4);
+}
+
+TEST(SurfaceContact, DepthAtTheStartGivesNoVelocity) {
+  Lying lying(sheet(-0.003));
+  lying.step();
+  double moved_m = 0;
+  for (std::size_t i = 0; i < lying.predicted.size(); ++i) {
+    EXPECT_LT((lying.predicted[i] - lying.start[i]).norm(), 1e-15) << i;
+    moved_m = std::max(moved_m, (lying.predicted[i] - lying.mesh.vertices[i]).norm());
+  }
+  EXPECT_GT(moved_m, 1e-4);
+}
+
+TEST(SurfaceContact, HeldNodesStayAndWhatIsAttachedToTheBoneIsLeftInIt) {
+  Lying held(sheet(-0.003));
+  for (std::size_t i = 0; i < 10; ++i) held.masses[i] = 0;
+  held.step(60);
+  for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(held.predicted[i], held.mesh.vertices[i]);
+  EXPECT_LT(deepest_m(held.mesh, held.predicted), 2e-4);
+
+  Lying attached(sheet(-0.003));
+  for (int i = 10; i < 20; ++i) {
+    attached.masses[static_cast<std::size_t>(i)] = 0;
+    attached.bound.push_back({i, 0});
+  }
+  attached.step(10);
+  EXPECT_EQ(attached.predicted, attached.mesh.vertices);
+}
+
+}  // namespace
+}  // namespace musclebench

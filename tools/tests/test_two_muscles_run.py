@@ -1,0 +1,84 @@
+"""Several muscles through every command and study as real runs: what is recorded, replayed, judged and tabled."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import accuracy
+from ball_on_box import write_scene_of_two
+from program import PROGRAM, call, needs_program
+
+pytestmark = needs_program
+FRAMES = 10
+TOOLS = Path(accuracy.__file__).parent
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory) -> Path:
+    return write_scene_of_two(tmp_path_factory.mktemp("two"))
+
+
+@pytest.fixture(scope="module")
+def recording(scene, tmp_path_factory) -> Path:
+    file = tmp_path_factory.mktemp("recording") / "two.recording"
+    done = call("record", scene, "--frames", FRAMES, "--out", file)
+    assert done.returncode == 0, done.stderr
+    return file
+
+
+def test_a_run_has_a_row_a_frame_and_muscle_and_keeps_them_apart(scene, tmp_path):
+    done = call("run", scene, "--backend", "bvh", "--frames", FRAMES, "--out", tmp_path / "run")
+    assert done.returncode == 0, done.stderr
+    rows = pd.read_csv(tmp_path / "run" / "muscles.csv")
+    assert rows.groupby("muscle").size().to_dict() == {"ball": FRAMES, "other": FRAMES}
+    pairs = pd.read_csv(tmp_path / "run" / "pairs.csv")
+    assert len(pairs) == FRAMES and pairs["contacts"].max() > 0
+    last = rows[rows["frame"] == FRAMES]
+    assert (last["max_muscle_depth_m"] < 1e-4).all(), "they overlap by 0.5 mm at rest"
+    told = json.loads((tmp_path / "run" / "run.json").read_text())
+    assert [one["muscles"] for one in told["case"]["muscle_contact"]] == [["ball", "other"]]
+
+
+def test_what_detects_between_muscles_does_not_change_where_they_end(scene, tmp_path):
+    hashes = {}
+    for name in ("bvh", "brute_force"):
+        done = call("run", scene, "--backend", "bvh", "--for", f"muscles={name}", "--frames", FRAMES, "--no-referee",
+                    "--out", tmp_path / name)
+        assert done.returncode == 0, done.stderr
+        hashes[name] = json.loads((tmp_path / name / "run.json").read_text())["state_hash"]
+    assert hashes["bvh"] == hashes["brute_force"]
+
+
+def test_a_recording_of_two_muscles_is_replayed_by_every_backend(scene, recording, tmp_path):
+    names = [one["name"] for one in json.loads(call("list", "--json").stdout)["backends"]]
+    for name in names:
+        quick = {"sdf": ["--param", "cells=8"], "voxel": ["--param", "cells=7"]}.get(name, [])
+        done = call("replay", recording, "--backend", name, *quick, "--out", tmp_path / name)
+        assert done.returncode == 0, f"{name}: {done.stderr}"
+        rows = pd.read_csv(tmp_path / name / "frames.csv")
+        assert len(rows) == FRAMES
+        if name in ("bvh", "brute_force"):
+            told = json.loads((tmp_path / name / "run.json").read_text())["accuracy"]
+            assert told["missed_contacts"] == told["false_contacts"] == 0 < told["true_contacts"]
+
+
+def run_tool(name: str, scene: Path, out: Path, *arguments: str) -> str:
+    done = subprocess.run([sys.executable, TOOLS / f"{name}.py", "--musclebench", PROGRAM, "--scene", scene, "--out", out,
+                           *arguments], capture_output=True, text=True, timeout=400, check=False)
+    assert done.returncode == 0, done.stderr[-2000:]
+    return done.stdout
+
+
+def test_convergence_takes_a_scene_of_two_muscles(scene, tmp_path):
+    text = run_tool("convergence", scene, tmp_path / "out", "--substeps", "2,4")
+    assert "scene" in text and list((tmp_path / "out").glob("**/*.csv"))
+
+
+def test_paper_takes_a_scene_of_two_muscles(scene, tmp_path):
+    run_tool("paper", scene, tmp_path / "out", "--frames-limit", "4", "--jobs", "1")
+    depths = pd.read_csv(next((tmp_path / "out").glob("**/table_4_depths.csv")))
+    assert set(depths["muscle"]) == {"ball", "other"}
