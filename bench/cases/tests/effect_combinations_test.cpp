@@ -64,7 +64,8 @@ RunResult run_with(const std::vector<std::string>& effects) {
   request.text = scene_without_effects;
   for (const std::string& effect : effects) request.text += fmt::format("[effects.{}]\n", effect);
   request.synthetic_mesh = small_mesh;
-  const Scene scene = read_scene(request);
+  Scene scene = read_scene(request);
+  scene.muscles[0].fibres = {{Vec3(0, 0, 0), Vec3(0, 0, 0.04)}};
   const BackendEntry& backend = exact_backend();
   RunCase run{{scene, backend, Parameters(backend.parameters, {}, backend.name)}};
   run.colliders = choose_collider_backends({}, scene, backend);
