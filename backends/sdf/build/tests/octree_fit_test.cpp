@@ -100,5 +100,30 @@ TEST(PolynomialFitter, FindsThePolynomialThatItIsGiven) {
   find_polynomial<cubic_terms>();
 }
 
+/// A distance may rise by a metre a metre away from the samples, where a polynomial that is 0 everywhere does not follow.
+TEST(OctreePolynomial, TheBoundCoversWhatLiesBetweenSamples) {
+  constexpr double fit_half_edge_m = 0.004;
+  for (const bool with_octants : {false, true}) {
+    CellSamples samples;
+    samples.fill({0, {0, 0, 0}, 0});
+    if (!with_octants) std::fill(samples.begin() + lattice_samples, samples.end(), DistanceSample{0, {0, 0, 0}, -1});
+    PolynomialFit zero;
+    (void)PolynomialFitter<cubic_terms>().measure(samples, fit_half_edge_m, zero);
+    double farthest_m = 0;
+    constexpr int parts = 20;
+    for (int i = 0; i < (parts + 1) * (parts + 1) * (parts + 1); ++i) {
+      const Vec3 at = Vec3(i % (parts + 1), i / (parts + 1) % (parts + 1), i / (parts + 1) / (parts + 1)) * 2 / parts -
+                      Vec3::Ones();
+      double nearest = 4;
+      for (std::size_t s = 0; s < known_samples(samples); ++s) {
+        nearest = std::min(nearest, (sample_position(s) - at).norm());
+      }
+      farthest_m = std::max(farthest_m, fit_half_edge_m * nearest);
+    }
+    EXPECT_GE(zero.bound_m, farthest_m * 0.9999) << with_octants;
+    EXPECT_LT(zero.bound_m, 1.2 * farthest_m) << with_octants;
+  }
+}
+
 }  // namespace
 }  // namespace musclebench
