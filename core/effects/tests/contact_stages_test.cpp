@@ -399,6 +399,35 @@ TEST(TunnellingGuard, WhoBeginsInsideMayLeave) {
   EXPECT_LT((node.at - Vec3(0, 0, -half_thickness_m)).norm(), 1e-15);
 }
 
+/// A path that cuts the edge of a box: the directions to the surface at its ends differ by 90 degrees.
+TEST(TunnellingGuard, RuleAngleHoldsBeyondItsAngle) {
+  for (const double angle_deg : {80.0, 100.0}) {
+    Guarded node(make_box({0.1, 0.1, 0.1}, 3), {{"rule", std::string("angle")}, {"angle_deg", angle_deg}});
+    node.at = Vec3(0.11, 0.01, 0.05);
+    EXPECT_EQ(node.step({0.05, 0.01, 0.11}), angle_deg < 90) << angle_deg;
+  }
+}
+
+/// Out of one plate and into the next in one step, where the nearest side is again the upper one.
+TEST(TunnellingGuard, ANodeInAPlateDoesNotReachThePlateBelow) {
+  TriangleMesh mesh = plate();
+  const int first = static_cast<int>(mesh.vertices.size());
+  for (const Vec3& vertex : plate().vertices) mesh.vertices.push_back(vertex - Vec3(0, 0, 0.05));
+  for (const auto& [a, b, c] : plate().triangles) mesh.triangles.push_back({first + a, first + b, first + c});
+  Guarded node(mesh);
+  node.at = Vec3(0.01, 0.02, 0.003);
+  EXPECT_FALSE(node.step({0.01, 0.02, 0.001}));
+  EXPECT_TRUE(node.step({0.01, 0.02, -0.05 + half_thickness_m - 0.0005}));
+  EXPECT_LT((node.at - Vec3(0.01, 0.02, half_thickness_m)).norm(), 1e-15);
+}
+
+TEST(TunnellingGuard, ANodeThatBeginsOnTheSurfaceIsOfThatSide) {
+  Guarded node(plate());
+  node.at = Vec3(0.01, 0.02, half_thickness_m);
+  EXPECT_TRUE(node.step({0.01, 0.02, -0.001}));
+  EXPECT_LT((node.at - Vec3(0.01, 0.02, half_thickness_m)).norm(), 1e-15);
+}
+
 TEST(TunnellingGuard, WhatIsNotFiniteIsLeftToTheLoop) {
   Guarded node(plate());
   node.at = Vec3(0, 0, 0.01);
