@@ -100,7 +100,8 @@ TEST(PolynomialFitter, FindsThePolynomialThatItIsGiven) {
   find_polynomial<cubic_terms>();
 }
 
-/// A distance may rise by a metre a metre away from the samples, where a polynomial that is 0 everywhere does not follow.
+/// A distance may rise by a metre a metre away from the samples, where a polynomial that is 0 everywhere does not
+/// follow.
 TEST(OctreePolynomial, TheBoundCoversWhatLiesBetweenSamples) {
   constexpr double fit_half_edge_m = 0.004;
   for (const bool with_octants : {false, true}) {
