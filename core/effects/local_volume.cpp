@@ -8,6 +8,7 @@
 
 #include "core/constraints/volume_constraints.hpp"
 #include "core/effects/constraint_effect.hpp"
+#include "core/effects/volume.hpp"
 
 namespace musclebench {
 
@@ -88,21 +89,15 @@ std::unique_ptr<Effect> make_local_volume(const EffectInput& input, const Parame
 }
 
 std::vector<ParameterSpec> local_volume_parameters() {
-  return {parameter::integer({.name = "regions",
-                              .default_value = 8,
-                              .minimum = 1,
-                              .maximum = VolumeConstraints::most_regions,
-                              .help = "bands of equal surface area along the muscle, each of which keeps its volume"}),
-          parameter::number({.name = "pressure",
-                             .default_value = 1,
-                             .minimum = 0.01,
-                             .maximum = 100,
-                             .help = "target volume over rest volume (useful: 0.5 to 2)"}),
-          parameter::number({.name = "projection_scale",
-                             .default_value = 1,
-                             .minimum = 0,
-                             .maximum = 1,
-                             .help = "part of the full projection that one pass does"})};
+  std::vector<ParameterSpec> parameters = volume_parameters();
+  parameters.insert(parameters.begin(),
+                    parameter::integer({.name = "regions",
+                                        .default_value = 8,
+                                        .minimum = 1,
+                                        .maximum = VolumeConstraints::most_regions,
+                                        .help = "bands of equal surface area along the muscle, each of which keeps its "
+                                                "volume"}));
+  return parameters;
 }
 
 }  // namespace musclebench
