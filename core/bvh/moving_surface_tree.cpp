@@ -168,7 +168,8 @@ void MovingSurfaceTree::consider(const Vec3& point, int triangle, Best& best) co
   }
 }
 
-ClosestPoint MovingSurfaceTree::closest_point(const Vec3& point, int guess, double max_distance_m) const {
+ClosestPoint MovingSurfaceTree::closest_point(const Vec3& point, int guess, double max_distance_m,
+                                              std::span<const int> left_out) const {
   Best best(max_distance_m, margin_m(point));
   if (guess >= 0) {
     consider(point, guess, best);
@@ -190,8 +191,10 @@ ClosestPoint MovingSurfaceTree::closest_point(const Vec3& point, int guess, doub
     if (child < 0) {
       const Leaf& leaf = m_leaves[static_cast<std::size_t>(~child)];
       for_each_lane(find_near_boxes(leaf.boxes, local, best.squared_limit_m2, squared_m2), [&](std::size_t lane) {
-        if (squared_m2[lane] <= best.squared_limit_m2 && leaf.triangle[lane] != guess) {
-          consider(point, leaf.triangle[lane], best);
+        const int triangle = leaf.triangle[lane];
+        if (squared_m2[lane] <= best.squared_limit_m2 && triangle != guess &&
+            (left_out.empty() || !std::ranges::binary_search(left_out, triangle))) {
+          consider(point, triangle, best);
         }
       });
       continue;

@@ -34,9 +34,10 @@ class MovingSurfaceTree {
 
   /// Of the whole mesh's triangles the closest one of this body; its `triangle` is -1 where none is closer than
   /// `max_distance_m`, and for a point that is not finite. `guess` is a triangle that may be near, or -1: it only makes
-  /// the search shorter.
+  /// the search shorter. Triangles of `left_out`, ascending, are none of those looked at.
   [[nodiscard]] ClosestPoint closest_point(const Vec3& point, int guess = -1,
-                                           double max_distance_m = std::numeric_limits<double>::infinity()) const;
+                                           double max_distance_m = std::numeric_limits<double>::infinity(),
+                                           std::span<const int> left_out = {}) const;
 
   /// The winding number of the surface, which is closed, about a point that is not on it: how often more a ray leaves
   /// through it than it enters. 1 inside, and right where the surface passes through itself, too, which the normal at

@@ -8,30 +8,20 @@ namespace musclebench {
 namespace {
 
 /// Of a point of the triangle. Sides that have no length, and heights of none, count as their first corner.
-Vec3 barycentric(const Vec3& point, const std::array<Vec3, 3>& corners, Feature feature) {
+Vec3 weights_of(const Vec3& point, const std::array<Vec3, 3>& corners, Feature feature) {
   if (feature >= Feature::corner_0) {
     return Vec3::Unit(static_cast<Eigen::Index>(feature) - static_cast<Eigen::Index>(Feature::corner_0));
   }
-  const auto& [a, b, c] = corners;
-  if (feature != Feature::face) {
-    const auto from = static_cast<std::size_t>(feature) - static_cast<std::size_t>(Feature::edge_0);
-    const std::size_t to = (from + 1) % 3;
-    const Vec3 side = corners[to] - corners[from];
-    const double squared = side.squaredNorm();
-    const double share = squared > 0 ? std::clamp((point - corners[from]).dot(side) / squared, 0.0, 1.0) : 0.0;
-    Vec3 weights = Vec3::Zero();
-    weights[static_cast<Eigen::Index>(from)] = 1 - share;
-    weights[static_cast<Eigen::Index>(to)] = share;
-    return weights;
-  }
-  const Vec3 normal = (b - a).cross(c - a);
-  const double squared = normal.squaredNorm();
-  if (!(squared > 0)) {
-    return Vec3::UnitX();
-  }
-  const double v = std::clamp(normal.dot((point - a).cross(c - a)) / squared, 0.0, 1.0);
-  const double w = std::clamp(normal.dot((b - a).cross(point - a)) / squared, 0.0, 1.0 - v);
-  return {1 - v - w, v, w};
+  if (feature == Feature::face) return barycentric(point, corners, Vec3::UnitX());
+  const auto from = static_cast<std::size_t>(feature) - static_cast<std::size_t>(Feature::edge_0);
+  const std::size_t to = (from + 1) % 3;
+  const Vec3 side = corners[to] - corners[from];
+  const double squared = side.squaredNorm();
+  const double share = squared > 0 ? std::clamp((point - corners[from]).dot(side) / squared, 0.0, 1.0) : 0.0;
+  Vec3 weights = Vec3::Zero();
+  weights[static_cast<Eigen::Index>(from)] = 1 - share;
+  weights[static_cast<Eigen::Index>(to)] = share;
+  return weights;
 }
 
 }  // namespace
@@ -40,7 +30,7 @@ MuscleContact muscle_contact_at(int node, int muscle, const Vec3& point, int tri
                                 const std::array<Vec3, 3>& corners, const ClosestOnTriangle& closest) {
   const double depth_m = std::sqrt(closest.squared_distance_m2);
   return {node,     muscle,
-          triangle, barycentric(closest.point, corners, closest.feature),
+          triangle, weights_of(closest.point, corners, closest.feature),
           depth_m,  depth_m > 0 ? Vec3((closest.point - point) / depth_m) : Vec3(Vec3::UnitZ())};
 }
 

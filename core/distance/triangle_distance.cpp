@@ -1,5 +1,6 @@
 #include "core/distance/triangle_distance.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -57,6 +58,16 @@ double solid_angle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& 
   const double volume = pa.dot(pb.cross(pc));
   const double projected = la * lb * lc + pa.dot(pb) * lc + pb.dot(pc) * la + pc.dot(pa) * lb;
   return volume == 0 ? 0.0 : 2 * arc_tangent2(volume, projected);
+}
+
+Vec3 barycentric(const Vec3& point, const std::array<Vec3, 3>& corners, const Vec3& flat) {
+  const auto& [a, b, c] = corners;
+  const Vec3 normal = (b - a).cross(c - a);
+  const double squared = normal.squaredNorm();
+  if (!(squared > 0)) return flat;
+  const double v = std::clamp(normal.dot((point - a).cross(c - a)) / squared, 0.0, 1.0);
+  const double w = std::clamp(normal.dot((b - a).cross(point - a)) / squared, 0.0, 1.0 - v);
+  return {1 - v - w, v, w};
 }
 
 }  // namespace musclebench

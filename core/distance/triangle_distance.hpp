@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -65,5 +66,9 @@ inline ClosestOnTriangle closest_on_triangle(const Vec3& point, const Vec3& a, c
 /// where `point` sees the back of the triangle, so that the angles of a closed surface wound outwards sum to 4 pi at a
 /// point inside. 0 for a degenerate triangle and in the triangle's plane.
 double solid_angle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c);
+
+/// Barycentric coordinates of a point in the plane of a triangle with these corners, moved into the triangle: each from
+/// 0 to 1, the sum is 1. `flat` for one without an area.
+Vec3 barycentric(const Vec3& point, const std::array<Vec3, 3>& corners, const Vec3& flat);
 
 }  // namespace musclebench

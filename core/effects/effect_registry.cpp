@@ -10,6 +10,7 @@
 #include "core/effects/local_volume.hpp"
 #include "core/effects/margin.hpp"
 #include "core/effects/multi_bone.hpp"
+#include "core/effects/self_contact.hpp"
 #include "core/effects/surface_contact.hpp"
 #include "core/effects/tunnelling_guard.hpp"
 #include "core/effects/volume.hpp"
@@ -49,6 +50,11 @@ const std::vector<EffectEntry>& effect_registry() {
        .make = nullptr,
        .make_stage = make_friction,
        .needs_normals = true},
+      {.name = "self_contact",
+       .help = "a muscle does not fold through itself",
+       .parameters = self_contact_parameters(),
+       .make = nullptr,
+       .make_stage = make_self_contact},
       {.name = "surface_contact",
        .help = "faces and edges of a muscle stay out of bones, not only its nodes",
        .parameters = surface_contact_parameters(),

@@ -42,6 +42,9 @@ struct StageInput {
   std::span<const Triangle> triangles = {};
   std::span<const double> inverse_masses = {};  ///< by node, 1/kg; needed while the stage is made only
   std::span<const BoundNode> bound_nodes = {};  ///< as these
+  int threads = 1;                              ///< that a stage may use; they change no bit of its results
+  const TriangleMesh* mesh = nullptr;           ///< of all muscles, at rest
+  std::span<const Body> bodies = {};            ///< muscles in it
 };
 
 /// An effect that scenes can name: a force or constraints, a stage of the collision step, or another response.

@@ -100,7 +100,7 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
     if (const EffectEntry* entry = find_effect(effect.name); entry->make_stage) {
       prepared.simulation->add_stage(
           entry->make_stage({scene.bones, scene.muscle_mesh.vertices.size(), scene.muscle_mesh.triangles,
-                             particles.inverse_masses, prepared.bound_nodes},
+                             particles.inverse_masses, prepared.bound_nodes, threads, &scene.muscle_mesh, bodies},
                             effect.parameters));
     }
   }

@@ -443,7 +443,9 @@ TEST(Stages, NamesAreThoseOfTheEffects) {
     ASSERT_EQ((entry.make != nullptr) + (entry.make_stage != nullptr) + (entry.set_response != nullptr), 1)
         << entry.name;
     if (entry.make_stage) {
-      EXPECT_EQ(make_stage(entry.name, bones, 1)->name(), entry.name);
+      const TriangleMesh no_muscle;
+      const StageInput input{.bones = bones, .mesh = &no_muscle};
+      EXPECT_EQ(entry.make_stage(input, Parameters(entry.parameters, {}, "test"))->name(), entry.name);
     }
   }
 }

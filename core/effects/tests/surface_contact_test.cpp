@@ -59,10 +59,20 @@ double deepest_m(const TriangleMesh& mesh, const std::vector<Vec3>& nodes) {
   return deepest;
 }
 
+/// A pyramid whose tip, at the height of 0, points upwards and leans to the side.
+TriangleMesh spike() {
+  TriangleMesh mesh;
+  mesh.vertices = {
+      {-0.02, -0.02, -0.05}, {0.02, -0.02, -0.05}, {0.02, 0.02, -0.05}, {-0.02, 0.02, -0.05}, {0.001, 0.0002, 0}};
+  mesh.triangles = {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+  return mesh;
+}
+
 struct Lying {
-  explicit Lying(TriangleMesh of, const std::map<std::string, ParameterValue>& given = {})
+  explicit Lying(TriangleMesh of, const std::map<std::string, ParameterValue>& given = {},
+                 const TriangleMesh& on = roof())
       : mesh(std::move(of)), masses(mesh.vertices.size(), 1), start(mesh.vertices), predicted(mesh.vertices) {
-    bones.push_back({"roof", repair_mesh(roof(), "roof")});
+    bones.push_back({"bone", repair_mesh(on, "bone")});
     parameters = given;
     free.resize(mesh.vertices.size());
     std::iota(free.begin(), free.end(), 0);
@@ -70,7 +80,7 @@ struct Lying {
 
   void make() {
     const EffectEntry* entry = find_effect("surface_contact");
-    stage = entry->make_stage({bones, mesh.vertices.size(), mesh.triangles, masses, bound},
+    stage = entry->make_stage({bones, mesh.vertices.size(), mesh.triangles, masses, bound, threads},
                               Parameters(entry->parameters, parameters, "test"));
   }
 
@@ -93,6 +103,7 @@ struct Lying {
   std::vector<RigidMotion> previous = {RigidMotion{}};
   std::map<std::string, ParameterValue> parameters;
   std::unique_ptr<ContactStage> stage;
+  int threads = 1;
 };
 
 TEST(SurfaceContact, ARidgeBetweenTheNodesLiftsTheFaces) {
@@ -102,6 +113,30 @@ TEST(SurfaceContact, ARidgeBetweenTheNodesLiftsTheFaces) {
   lying.step(30);
   EXPECT_LT(deepest_m(lying.mesh, lying.predicted), 1e-4);
   EXPECT_EQ(lying.stage->name(), "surface_contact");
+}
+
+TEST(SurfaceContact, ASpikeLiftsTheFaceAndDoesNotPushItAside) {
+  Lying lying(sheet(-0.001), {}, spike());
+  lying.step(30);
+  double lifted_m = 0;
+  double aside_m = 0;
+  for (std::size_t i = 0; i < lying.predicted.size(); ++i) {
+    const Vec3 moved = lying.predicted[i] - lying.mesh.vertices[i];
+    lifted_m = std::max(lifted_m, moved.z());
+    aside_m = std::max(aside_m, moved.head<2>().norm());
+  }
+  EXPECT_GT(lifted_m, 0.0009);
+  EXPECT_LT(aside_m, 0.1 * lifted_m);
+}
+
+TEST(SurfaceContact, NoBitDependsOnTheThreads) {
+  const auto lifted = [](int threads) {
+    Lying lying(sheet(-0.003));
+    lying.threads = threads;
+    lying.step(7);
+    return lying.predicted;
+  };
+  EXPECT_EQ(lifted(1), lifted(3));
 }
 
 TEST(SurfaceContact, WhatTouchesNothingIsLeftToTheBit) {

@@ -1,0 +1,74 @@
+#include "core/contact/contact_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace musclebench {
+
+ContactRowSolver::ContactRowSolver(std::vector<double> inverse_masses)
+    : m_inverse_masses(std::move(inverse_masses)),
+      m_loads(m_inverse_masses.size(), 0),
+      m_corrections(m_inverse_masses.size(), Vec3::Zero()),
+      m_start_corrections(m_inverse_masses.size(), Vec3::Zero()) {}
+
+void ContactRowSolver::collect_moved(std::span<const ContactRow> rows) {
+  m_moved.clear();
+  for (const ContactRow& row : rows) {
+    for (std::size_t k = 0; k < row.nodes.size(); ++k) {
+      if (row.weights[k] == 0) continue;
+      double& load = m_loads[static_cast<std::size_t>(row.nodes[k])];
+      if (load == 0) m_moved.push_back(row.nodes[k]);
+      load += std::abs(row.weights[k]);
+    }
+  }
+  std::ranges::sort(m_moved);
+}
+
+bool ContactRowSolver::correct(const ContactRow& row, std::span<const Vec3> start, std::span<const Vec3> predicted) {
+  Vec3 sum = Vec3::Zero();
+  Vec3 start_sum = Vec3::Zero();
+  double row_sum = 0;
+  for (std::size_t k = 0; k < row.nodes.size(); ++k) {
+    if (row.weights[k] == 0) continue;
+    const auto node = static_cast<std::size_t>(row.nodes[k]);
+    sum += row.weights[k] * predicted[node];
+    start_sum += row.weights[k] * start[node];
+    row_sum += m_inverse_masses[node] * std::abs(row.weights[k]) * m_loads[node];
+  }
+  const double gap_m = row.normal.dot(sum) - row.offset_m;
+  if (!(gap_m < 0) || !(row_sum > 0)) return false;  // free, or bones hold all of it
+  const double start_gap_m = row.start_normal.dot(start_sum) - row.start_offset_m;
+  const double began_inside = std::clamp(start_gap_m / gap_m, 0.0, 1.0);
+  for (std::size_t k = 0; k < row.nodes.size(); ++k) {
+    if (row.weights[k] == 0) continue;
+    const auto node = static_cast<std::size_t>(row.nodes[k]);
+    const Vec3 correction = (-gap_m / row_sum * m_inverse_masses[node] * row.weights[k]) * row.normal;
+    m_corrections[node] += correction;
+    m_start_corrections[node] += began_inside * correction;
+  }
+  return true;
+}
+
+void ContactRowSolver::solve(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted) {
+  collect_moved(rows);
+  m_most_corrected = 0;
+  int most_steps = 0;
+  for (const ContactRow& row : rows) most_steps = std::max(most_steps, row.steps);
+  for (int step = 0; step < most_steps; ++step) {
+    int corrected = 0;
+    for (const ContactRow& row : rows) {
+      if (step < row.steps && correct(row, start, predicted)) ++corrected;
+    }
+    m_most_corrected = std::max(m_most_corrected, corrected);
+    if (corrected == 0) break;
+    for (const int node : m_moved) {
+      const auto i = static_cast<std::size_t>(node);
+      predicted[i] += std::exchange(m_corrections[i], Vec3::Zero());
+      start[i] += std::exchange(m_start_corrections[i], Vec3::Zero());
+    }
+  }
+  for (const int node : m_moved) m_loads[static_cast<std::size_t>(node)] = 0;
+}
+
+}  // namespace musclebench

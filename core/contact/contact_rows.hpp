@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/mesh/triangle_mesh.hpp"
+
+namespace musclebench {
+
+/// A one-sided constraint on up to four nodes, a row of the Jacobian J: n . sum w_i p_i >= offset. Against a bone the
+/// weights are barycentric and the plane is the bone's; between two points of muscles those of one point count against
+/// those of the other, so that the weights add up to 0 and a correction changes no momentum.
+struct ContactRow {
+  std::array<int, 4> nodes = {};       ///< all different where weights are not 0
+  std::array<double, 4> weights = {};  ///< 0 for one that is not used
+  Vec3 normal = Vec3::UnitZ();         ///< n, unit, world frame
+  double offset_m = 0;
+  Vec3 start_normal = Vec3::UnitZ();  ///< the same plane where the substep began
+  double start_offset_m = 0;
+  int steps = 1;  ///< corrections; the row is left as it is while others go on
+};
+
+/// Corrects contacts of several nodes each. All rows of a step are corrected from the same positions and added, so that
+/// their order means nothing. A node that many rows move would then be moved too far; each correction is therefore
+/// divided by the sum of the moduli of its row of J M^-1 J^T instead of by the diagonal (l1-Jacobi: Baker, Falgout,
+/// Kolev and Yang 2011, "Multigrid smoothers for ultraparallel computing"). For a single row the two are the same; rows
+/// of one gap and normal all around are solved at once; and the steps converge for any set of rows.
+///
+/// What violated a row already when the substep began is corrected in the substep's start, too, and so gives no
+/// velocity (pre-stabilisation: Macklin et al. 2014, "Unified particle physics for real-time applications").
+class ContactRowSolver {
+ public:
+  /// Of all nodes, 1/kg.
+  explicit ContactRowSolver(std::vector<double> inverse_masses);
+
+  /// Corrects `predicted` (p) and `start` (x), both of all nodes, world frame, m. Ends early once no row is violated.
+  void solve(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted);
+
+  /// The nodes that the last `solve` may have moved, ascending.
+  [[nodiscard]] std::span<const int> moved_nodes() const { return m_moved; }
+  /// How many rows the step of the last `solve` that had most of them corrected.
+  [[nodiscard]] int most_corrected() const { return m_most_corrected; }
+
+  [[nodiscard]] double inverse_mass(int node) const { return m_inverse_masses[static_cast<std::size_t>(node)]; }
+
+ private:
+  void collect_moved(std::span<const ContactRow> rows);
+  bool correct(const ContactRow& row, std::span<const Vec3> start, std::span<const Vec3> predicted);
+
+  std::vector<double> m_inverse_masses;
+  // By node, zero but for m_moved.
+  std::vector<double> m_loads;  ///< sum of the moduli of the weights of all its rows
+  std::vector<Vec3> m_corrections;
+  std::vector<Vec3> m_start_corrections;
+  std::vector<int> m_moved;
+  int m_most_corrected = 0;
+};
+
+}  // namespace musclebench

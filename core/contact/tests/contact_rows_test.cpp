@@ -1,0 +1,97 @@
+#include "core/contact/contact_rows.hpp"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace musclebench {
+namespace {
+
+double gap_m(const ContactRow& row, const std::vector<Vec3>& at) {
+  double sum_m = -row.offset_m;
+  for (std::size_t k = 0; k < 4; ++k)
+    sum_m += row.weights[k] * row.normal.dot(at[static_cast<std::size_t>(row.nodes[k])]);
+  return sum_m;
+}
+
+/// A face of three nodes against a plane of a bone at height 0.
+ContactRow face_row() {
+  return {.nodes = {0, 1, 2, 0}, .weights = {0.5, 0.3, 0.2, 0}, .normal = Vec3::UnitZ(), .start_normal = Vec3::UnitZ()};
+}
+
+TEST(ContactRows, AFaceAgainstAPlaneMovesByWeightAndInverseMass) {
+  ContactRowSolver solver({1, 2, 0});
+  std::vector<Vec3> at(3, Vec3(0, 0, -0.01));
+  std::vector<Vec3> start(3, Vec3(0, 0, 1));
+  const ContactRow row = face_row();
+  solver.solve({&row, 1}, start, at);
+  EXPECT_NEAR(gap_m(row, at), 0, 1e-16);
+  EXPECT_EQ(at[2], Vec3(0, 0, -0.01)) << "held by a bone";
+  EXPECT_NEAR((at[0].z() + 0.01) / (at[1].z() + 0.01), 0.5 / (2 * 0.3), 1e-12);
+  EXPECT_EQ(start[0], Vec3(0, 0, 1)) << "it was free where the substep began";
+  EXPECT_EQ(solver.most_corrected(), 1);
+}
+
+TEST(ContactRows, APlaneThatMovesKeepsWhatBeganOutsideFromCountingAsInside) {
+  ContactRowSolver solver({1, 1, 1});
+  std::vector<Vec3> at(3, Vec3(0, 0, 0));
+  std::vector<Vec3> start = at;
+  ContactRow row = face_row();
+  row.offset_m = 0.01;          // the bone has risen by 10 mm
+  row.start_offset_m = -0.001;  // where it was, the face was above it
+  solver.solve({&row, 1}, start, at);
+  EXPECT_NEAR(gap_m(row, at), 0, 1e-16);
+  EXPECT_EQ(start[0], Vec3(0, 0, 0));
+
+  row.offset_m = 0.02;
+  row.start_offset_m = 0.015;  // half of the new depth, 10 mm, was there before
+  at.assign(3, Vec3(0, 0, 0.01));
+  start.assign(3, Vec3(0, 0, 0.01));
+  solver.solve({&row, 1}, start, at);
+  EXPECT_NEAR((start[0].z() - 0.01) / (at[0].z() - 0.01), 0.5, 1e-12);
+}
+
+TEST(ContactRows, RowsEndWithTheirOwnSteps) {
+  // Two rows that pull one node apart never end; the first one is done after one step.
+  const std::vector<ContactRow> rows = {
+      {.nodes = {0, 0, 0, 0}, .weights = {1, 0, 0, 0}, .normal = Vec3::UnitZ(), .offset_m = 1, .steps = 1},
+      {.nodes = {0, 0, 0, 0}, .weights = {1, 0, 0, 0}, .normal = -Vec3::UnitZ(), .offset_m = 1, .steps = 40}};
+  ContactRowSolver solver({1});
+  std::vector<Vec3> at(1, Vec3::Zero());
+  std::vector<Vec3> start(1, Vec3(0, 0, 5));
+  solver.solve(rows, start, at);
+  EXPECT_NEAR(at[0].z(), -1, 1e-6);
+}
+
+TEST(ContactRows, TheOrderOfRowsMeansNothing) {
+  std::vector<ContactRow> rows;
+  for (int i = 0; i < 4; ++i) {
+    rows.push_back({.nodes = {i, i + 1, i + 2, 0},
+                    .weights = {0.2, 0.5, 0.3, 0},
+                    .normal = Vec3(0.1 * i, 0.2, 1).normalized(),
+                    .offset_m = 0.01 * (i + 1),
+                    .steps = 5});
+  }
+  std::vector<Vec3> one(6, Vec3::Zero());
+  std::vector<Vec3> other = one;
+  std::vector<Vec3> start(6, Vec3(0, 0, 1));
+  ContactRowSolver(std::vector<double>(6, 1)).solve(rows, start, one);
+  std::swap(rows[0], rows[3]);
+  std::swap(rows[1], rows[2]);
+  ContactRowSolver(std::vector<double>(6, 1)).solve(rows, start, other);
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_LT((one[i] - other[i]).norm(), 1e-17);
+}
+
+TEST(ContactRows, NothingIsDividedByNothing) {
+  ContactRowSolver solver({0, 0, 0});
+  std::vector<Vec3> at(3, Vec3(0, 0, -1));
+  std::vector<Vec3> start = at;
+  const ContactRow row = face_row();
+  solver.solve({&row, 1}, start, at);
+  EXPECT_EQ(at[0], Vec3(0, 0, -1));
+  solver.solve({}, start, at);
+  EXPECT_TRUE(solver.moved_nodes().empty());
+}
+
+}  // namespace
+}  // namespace musclebench

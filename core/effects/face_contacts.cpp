@@ -1,0 +1,238 @@
+#include "core/effects/face_contacts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/base/parallel_chunks.hpp"
+#include "core/distance/triangle_distance.hpp"
+
+namespace musclebench {
+
+namespace {
+
+/// A triangle may grow by this factor before its clearance is too small for it.
+constexpr double allowed_growth = 1.25;
+/// Queries of a search for the deepest point, at most; each halves the step or goes deeper.
+constexpr int most_queries = 10;
+/// Below this share of the triangle's radius a step changes nothing that counts.
+constexpr double least_step = 1e-3;
+/// Points of a triangle whose barycentric coordinates differ by less are one.
+constexpr double least_apart = 0.15;
+/// A barycentric coordinate below this is 0: the point is on an edge or in a corner.
+constexpr double on_border = 1e-6;
+/// Where less of the gradient is left for a face to be pushed out by, its own normal is taken.
+constexpr double least_along = 0.2;
+/// Clearance of a triangle that no contact is sought for.
+constexpr double anywhere_m = 1e6;
+constexpr std::size_t chunk_size = 32;
+
+/// A triangle of the muscle in a bone's rest frame.
+struct Face {
+  std::array<Vec3, 3> corners;
+  Vec3 centre;
+  Vec3 normal;  ///< unit, out of the muscle
+  double radius_m;
+
+  explicit Face(const std::array<Vec3, 3>& at)
+      : corners(at),
+        centre((at[0] + at[1] + at[2]) / 3),
+        normal((at[1] - at[0]).cross(at[2] - at[0]).stableNormalized()),
+        radius_m(std::sqrt(std::max(
+            {(at[0] - centre).squaredNorm(), (at[1] - centre).squaredNorm(), (at[2] - centre).squaredNorm()}))) {}
+
+  [[nodiscard]] Vec3 at(const Vec3& weights) const {
+    return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
+  }
+
+  [[nodiscard]] Vec3 weights_of(const Vec3& point) const {
+    return barycentric(point, corners, Vec3::Constant(1.0 / 3));
+  }
+};
+
+struct DeepestPoint {
+  Vec3 at;
+  SignedPoint located;
+};
+
+/// Projected descent: along the part of the gradient in the face's plane, back into the face, by half the step where
+/// that goes no deeper.
+DeepestPoint find_deepest(const SignedSurface& surface, const Face& face, const Vec3& start, int near) {
+  const auto& [a, b, c] = face.corners;
+  DeepestPoint best{start, surface.locate_from(start, near)};
+  double step_m = 0.5 * face.radius_m;
+  for (int query = 1; query < most_queries && step_m > least_step * face.radius_m; ++query) {
+    const Vec3 gradient = surface.outward(best.at, best.located);
+    const Vec3 in_plane = gradient - face.normal.dot(gradient) * face.normal;
+    const double slope = in_plane.norm();
+    if (!(slope > 1e-6)) break;
+    const Vec3 trial = closest_on_triangle(best.at - step_m / slope * in_plane, a, b, c).point;
+    const SignedPoint located = surface.locate_from(trial, best.located.closest.triangle);
+    if (located.signed_distance_m() < best.located.signed_distance_m()) {
+      best = {trial, located};
+    } else {
+      step_m *= 0.5;
+    }
+  }
+  return best;
+}
+
+/// Direction, of unit length, by which the deepest point of a face leaves the bone without another point of the face
+/// becoming the deepest: the gradient without its part along the face or, on its border, along the edge. Where the
+/// distance is smooth, that part is 0 at a minimum. Beside a spike it may be nearly all; then the face gives way into
+/// the muscle.
+Vec3 direction_out(const Face& face, const Vec3& weights, const Vec3& gradient) {
+  const auto inner = (weights.array() > on_border).count();
+  Vec3 direction = gradient;
+  if (inner == 3) {
+    direction = face.normal.dot(gradient) * face.normal;
+  } else if (inner == 2) {
+    Eigen::Index least = 0;
+    weights.minCoeff(&least);
+    const auto opposite = static_cast<std::size_t>(least);
+    const Vec3 along = (face.corners[(opposite + 2) % 3] - face.corners[(opposite + 1) % 3]).stableNormalized();
+    direction = gradient - along.dot(gradient) * along;
+  }
+  const double part = direction.norm();
+  return part > least_along ? Vec3(direction / part) : Vec3(-face.normal);
+}
+
+/// Point of the bone's surface and normal of the plane that keeps the point at `deepest` out.
+std::pair<Vec3, Vec3> plane_at(const SignedSurface& surface, const Face& face, const Vec3& weights,
+                               const DeepestPoint& deepest, std::vector<PathCrossing>& crossings) {
+  const Vec3 gradient = surface.outward(deepest.at, deepest.located);
+  const std::pair<Vec3, Vec3> tangent = {deepest.located.closest.point, gradient};
+  if (!deepest.located.inside) return tangent;
+  const Vec3 out = direction_out(face, weights, gradient);
+  // The tangent plane is met at depth / (out . gradient); a ridge that pokes through ends before or a little behind it.
+  const double length_m = 2 * deepest.located.closest.distance_m / std::max(out.dot(gradient), least_along);
+  surface.tree().find_crossings(deepest.at, deepest.at + length_m * out, crossings);
+  if (crossings.empty() || crossings.front().entering) return tangent;
+  return {deepest.at + crossings.front().share * length_m * out, out};
+}
+
+}  // namespace
+
+FaceContactFinder::FaceContactFinder(const StageInput& input, double skin_m)
+    : m_triangles(input.triangles),
+      m_skin_m(skin_m),
+      m_threads(input.threads),
+      m_carriers(input.nodes, -1),
+      m_centres(input.triangles.size()),
+      m_reaches_m(input.triangles.size(), 0) {
+  for (const BoundNode& bound : input.bound_nodes) m_carriers[static_cast<std::size_t>(bound.node)] = bound.bone;
+  for (std::size_t t = 0; t < m_triangles.size(); ++t) {
+    if (has_free_node(t, input.inverse_masses)) m_searched.push_back(static_cast<int>(t));
+  }
+  m_clearances.reset(input.bones, m_triangles.size());
+  for (const Bone& bone : input.bones) {
+    m_bones.push_back({bone.kept_signed_distance(), std::vector<int>(m_triangles.size(), 0)});
+  }
+}
+
+bool FaceContactFinder::has_free_node(std::size_t triangle, std::span<const double> inverse_masses) const {
+  return std::ranges::any_of(m_triangles[triangle],
+                             [&](int node) { return inverse_masses[static_cast<std::size_t>(node)] > 0; });
+}
+
+/// What is attached to a bone lies in it by intention, with the triangles around.
+bool FaceContactFinder::is_attached_to(std::size_t triangle, std::size_t bone) const {
+  return std::ranges::any_of(m_triangles[triangle], [&](int node) {
+    return m_carriers[static_cast<std::size_t>(node)] == static_cast<int>(bone);
+  });
+}
+
+std::span<const FaceContact> FaceContactFinder::find(std::span<const Vec3> positions,
+                                                     std::span<const RigidMotion> bone_poses) {
+  m_known.swap(m_found);
+  m_found.clear();
+  for (const int triangle : m_searched) measure(static_cast<std::size_t>(triangle), positions);
+  m_clearances.collect_expired(bone_poses, m_centres, m_searched);
+  for (std::size_t bone = 0; bone < m_bones.size(); ++bone) search_all(bone, positions, bone_poses[bone]);
+  return m_found;
+}
+
+/// Its middle, and whether it still fits the sphere that its clearances are of.
+void FaceContactFinder::measure(std::size_t triangle, std::span<const Vec3> positions) {
+  const auto& [a, b, c] = m_triangles[triangle];
+  const Vec3& pa = positions[static_cast<std::size_t>(a)];
+  const Vec3& pb = positions[static_cast<std::size_t>(b)];
+  const Vec3& pc = positions[static_cast<std::size_t>(c)];
+  const Vec3 centre = (pa + pb + pc) / 3;
+  const double radius_m =
+      std::sqrt(std::max({(pa - centre).squaredNorm(), (pb - centre).squaredNorm(), (pc - centre).squaredNorm()}));
+  m_centres[triangle] = centre;
+  if (radius_m <= m_reaches_m[triangle]) return;
+  m_reaches_m[triangle] = allowed_growth * radius_m;
+  for (std::size_t bone = 0; bone < m_bones.size(); ++bone) {
+    m_clearances.store(static_cast<int>(bone), static_cast<int>(triangle), centre, 0);
+  }
+}
+
+void FaceContactFinder::search_all(std::size_t bone, std::span<const Vec3> positions, const RigidMotion& pose) {
+  const std::span<const int> expired = m_clearances.expired(static_cast<int>(bone));
+  const std::size_t chunks = chunk_count(expired.size(), chunk_size);
+  if (m_chunks.size() < chunks) m_chunks.resize(chunks);
+  for_each_chunk(expired.size(), chunk_size, m_threads, [&](std::size_t chunk, std::size_t first, std::size_t last) {
+    m_chunks[chunk].found.clear();
+    for (const int triangle : expired.subspan(first, last - first)) {
+      search(static_cast<std::size_t>(triangle), bone, positions, pose, m_chunks[chunk]);
+    }
+  });
+  for (const Chunk& chunk : std::span(m_chunks).first(chunks)) {
+    m_found.insert(m_found.end(), chunk.found.begin(), chunk.found.end());
+  }
+}
+
+std::span<const FaceContact> FaceContactFinder::known(std::size_t bone, std::size_t triangle) const {
+  const auto range = std::ranges::equal_range(m_known, std::pair(bone, triangle), {}, [](const FaceContact& contact) {
+    return std::pair(contact.bone, contact.triangle);
+  });
+  return {range.begin(), range.end()};
+}
+
+void FaceContactFinder::search(std::size_t triangle, std::size_t bone, std::span<const Vec3> positions,
+                               const RigidMotion& pose, Chunk& chunk) {
+  const Vec3 centre = pose.apply_inverse(m_centres[triangle]);
+  if (!centre.allFinite()) return;  // the run ends as diverged after this frame
+  const auto stored = [&](double clearance_m) {
+    m_clearances.store(static_cast<int>(bone), static_cast<int>(triangle), centre, clearance_m);
+  };
+  if (is_attached_to(triangle, bone)) return stored(anywhere_m);
+  const SignedSurface& surface = *m_bones[bone].surface;
+  int& near = m_bones[bone].near_triangles[triangle];
+  const Clearance clearance = surface.tree().clearance_from(centre, near);
+  if (clearance.distance_m > 0) near = clearance.triangle;
+  const double needed_m = m_reaches_m[triangle] + m_skin_m;
+  if (clearance.distance_m > needed_m) return stored(clearance.distance_m - needed_m);  // or wholly inside
+  std::array<Vec3, 3> corners;
+  for (std::size_t k = 0; k < 3; ++k) {
+    corners[k] = pose.apply_inverse(positions[static_cast<std::size_t>(m_triangles[triangle][k])]);
+  }
+  const Face face(corners);
+  const std::size_t first = chunk.found.size();
+  const auto is_found = [&](const Vec3& weights) {
+    return std::any_of(
+        chunk.found.begin() + static_cast<std::ptrdiff_t>(first), chunk.found.end(),
+        [&](const FaceContact& other) { return (other.weights - weights).lpNorm<Eigen::Infinity>() < least_apart; });
+  };
+  const auto descend_from = [&](const Vec3& start) {
+    const DeepestPoint deepest = find_deepest(surface, face, start, near);
+    near = deepest.located.closest.triangle;
+    const bool is_near = deepest.located.signed_distance_m() < m_skin_m;
+    const Vec3 weights = face.weights_of(deepest.at);
+    if (is_near && !is_found(weights)) {
+      const auto [point, normal] = plane_at(surface, face, weights, deepest, chunk.crossings);
+      chunk.found.push_back({triangle, bone, weights, point, normal});
+    }
+    return is_near;
+  };
+  if (!descend_from(face.centre)) return;
+  for (const Vec3& corner : face.corners) (void)descend_from(0.3 * face.centre + 0.7 * corner);
+  for (const FaceContact& last : known(bone, triangle)) {
+    if (!is_found(last.weights)) (void)descend_from(face.at(last.weights));
+  }
+}
+
+}  // namespace musclebench
