@@ -85,6 +85,7 @@ Scene load_scene(const SceneChoice& choice) {
   request.synthetic_mesh = synthetic_mesh;
   request.data_folder = data_folder(choice.data);
   request.loop_overrides = choice.loop_overrides;
+  request.effect_overrides = choice.effect_overrides;
   request.notes_obstacles = choice.notes_obstacles;
   if (const EmbeddedFile* file = find_file(embedded_scenes(), choice.scene)) {
     request.name = choice.scene;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/scene/effect_override.hpp"
 #include "core/scene/scene.hpp"
 
 namespace musclebench {
@@ -17,6 +18,7 @@ struct SceneChoice {
   std::string data;    ///< folder of the anatomical data; empty: $MUSCLEBENCH_DATA
   std::map<std::string, ParameterValue> loop_overrides;
   bool notes_obstacles = false;  ///< see SceneRequest
+  std::vector<EffectOverride> effect_overrides = {};
 };
 
 /// Reads the scene. Throws InputError; an unknown name is answered with the list of embedded scenes.

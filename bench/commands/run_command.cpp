@@ -8,6 +8,7 @@
 
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
+#include "bench/commands/effect_options.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/process/signals.hpp"
 #include "bench/results/other_case.hpp"
@@ -24,6 +25,7 @@ constexpr int build_steps = 1000;
 
 struct RunOptions {
   SceneOptions scene;
+  EffectOptions effects;
   BackendOptions backend;
   std::string out;
   int repetition = 0;
@@ -78,6 +80,7 @@ int run(RunOptions options) {
   }
   const BackendEntry& backend = find_backend(options.backend.backend);
   const Parameters parameters = backend_parameters(backend, options.backend.parameters);
+  options.scene.choice.effect_overrides = effect_overrides(options.effects);
   const Scene scene = load_scene(options.scene);
   std::sort(options.snapshots.begin(), options.snapshots.end());
   const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
@@ -126,6 +129,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = app.add_subcommand("run", "Run one case and write run.json and frames.csv");
   add_scene_options(*command, options->scene);
+  add_effect_options(*command, options->effects);
   add_backend_options(*command, options->backend);
   add_response_option(*command, options->backend);
   add_collider_option(*command, options->backend);

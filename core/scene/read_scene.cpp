@@ -320,6 +320,10 @@ void read_effects(const std::optional<TomlTable>& preset, const std::optional<To
       scene.effects.push_back({entry.name, checked(entry.parameters, of_preset, of_scene)});
     }
   }
+}
+
+/// `location`: of local_volume, for the message.
+void require_one_pressure(const Scene& scene, const std::string& location) {
   const auto named = [&](std::string_view name) { return std::ranges::find(scene.effects, name, &SceneEffect::name); };
   const auto whole = named("volume");
   const auto local = named("local_volume");
@@ -328,7 +332,7 @@ void read_effects(const std::optional<TomlTable>& preset, const std::optional<To
   const double whole_pressure = whole->parameters.number("pressure");
   const double local_pressure = local->parameters.number("pressure");
   if (whole_pressure != local_pressure) {
-    throw InputError(own ? own->location("local_volume") : "preset",
+    throw InputError(location,
                      fmt::format("has the pressure {:g} and effect 'volume' {:g}, which contradict each other: the "
                                  "regions are the whole; give both the same, or take one out (volume = false)",
                                  local_pressure, whole_pressure));
@@ -364,7 +368,10 @@ Scene read_scene(const SceneRequest& request) {
   scene.loop = loop_from(Parameters(loop_parameters(), loop_values, "--loop"));
   const auto contact = root.table("contact");
   read_response(contact, scene);
-  read_effects(preset.table("effects"), root.table("effects"), scene);
+  const auto own_effects = root.table("effects");
+  read_effects(preset.table("effects"), own_effects, scene);
+  override_effects(request.effect_overrides, scene.effects);
+  require_one_pressure(scene, own_effects ? own_effects->location("local_volume") : request.file);
   read_bones(request, root, scene);
   read_muscles(request, root, scene);
   read_muscle_pairs(root, contact, scene);

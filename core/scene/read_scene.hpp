@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "core/scene/effect_override.hpp"
 #include "core/scene/scene.hpp"
 
 namespace musclebench {
@@ -21,6 +22,7 @@ struct SceneRequest {
   std::function<std::string(const std::string& preset)> preset_text;    ///< throws InputError for an unknown preset
   std::function<TriangleMesh(const std::string& name)> synthetic_mesh;  ///< throws InputError for an unknown name
   std::map<std::string, ParameterValue> loop_overrides;                 ///< such as `frames`, from the command line
+  std::vector<EffectOverride> effect_overrides;                         ///< the same of effects
   /// Goes on past what only a run minds, which is noted in `Scene::obstacles`: for a look at the scene.
   bool notes_obstacles = false;
 };

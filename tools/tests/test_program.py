@@ -71,6 +71,21 @@ def test_effects_the_scene_does_not_name_have_no_column(folder):
     assert "volume_ns" in pd.read_csv(folder / "out/frames.csv").columns
 
 
+def test_the_command_line_adds_changes_and_removes_effects(folder):
+    """What it says is as if the scene said it, to the bit."""
+    assert run(folder, "--effect", "friction:coefficient=0.3", "--effect", "gravity:x_m_per_s2=1,z_m_per_s2=-5",
+               "--no-effect", "bending").returncode == 0
+    told = json.loads((folder / "out/run.json").read_text())
+    (folder / "scene.toml").write_text(
+        SCENE.replace("[effects.bending]\n", "").replace("[effects.gravity]", "[effects.gravity]\nx_m_per_s2 = 1\nz_m_per_s2 = -5")
+        + "[effects.friction]\ncoefficient = 0.3\n")
+    assert run(folder, "--force").returncode == 0
+    written = json.loads((folder / "out/run.json").read_text())
+    assert told["case"]["effects"] == written["case"]["effects"]
+    assert told["state_hash"] == written["state_hash"] and told["run_id"] == written["run_id"]
+    assert "friction_ns" in pd.read_csv(folder / "out/frames.csv").columns
+
+
 def test_the_same_run_ends_in_the_same_state(folder):
     hashes = set()
     for threads in ("1", "2"):
@@ -145,6 +160,12 @@ def test_a_broken_mesh_is_refused(folder, content, words):
     (["--preset", "papr"], ["papr", "paper"]),
     (["--loop", "substep=3"], ["substep", "substeps"]),
     (["--loop", "time_step_s=-1"], ["time_step_s", "-1"]),
+    (["--effect", "gravty"], ["--effect gravty", "gravity"]),
+    (["--effect", "gravity:"], ["--effect gravity:", "NAME:key=value"]),
+    (["--effect", "gravity:z"], ["--effect gravity:z", "key=value"]),
+    (["--effect", "friction:coefficient=-1"], ["--effect friction", "coefficient", "-1"]),
+    (["--effect", "local_volume:pressure=2"], ["local_volume", "pressure", "contradict"]),
+    (["--no-effect", "margin"], ["--no-effect margin", "leave the option out"]),
     (["--threads", "4096"], ["4096 threads are more than the", "cores of this machine; take at most"]),
     (["--data", "/no/such/folder"], ["/no/such/folder"]),
     (["--out", "/proc/nowhere/out"], ["/proc/nowhere/out"]),
