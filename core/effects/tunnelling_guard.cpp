@@ -68,7 +68,9 @@ class BoneGuard {
       }
     }
     const Side side = locate(path.to, state.triangle);
-    if (side.is_inside && !state.is_inside) state.enter(locate(path.from, state.triangle));
+    if (!state.is_inside && (side.is_inside || goes_inside_unseen(path, state, side))) {
+      state.enter(locate(path.from, state.triangle));
+    }
     if (state.is_inside && state.normal.dot(side.normal) < 0) {
       return state.put_back();
     }
@@ -134,6 +136,12 @@ class BoneGuard {
       return point;
     }
   };
+
+  /// From one side of the bone onto another, and no crossing was found because both ends lie on the surface.
+  [[nodiscard]] bool goes_inside_unseen(const PathSegment& path, const NodeState& state, const Side& end) const {
+    return m_crossings.empty() && state.normal.dot(end.normal) < 0 &&
+           locate(0.5 * (path.from + path.to), state.triangle).is_inside;
+  }
 
   /// `triangle`: one that may be near.
   [[nodiscard]] Side locate(const Vec3& point, int triangle) const {

@@ -428,6 +428,24 @@ TEST(TunnellingGuard, ANodeThatBeginsOnTheSurfaceIsOfThatSide) {
   EXPECT_LT((node.at - Vec3(0.01, 0.02, half_thickness_m)).norm(), 1e-15);
 }
 
+/// Onto one side and pushed onto the other by a response: the path touches the surface at both ends, and rounding
+/// decides whether it crosses it at either.
+TEST(TunnellingGuard, FromOneSideOntoTheOtherIsThrough) {
+  const auto pose = [](int step) { return RigidMotion::about_axis(-Vec3::UnitY(), Vec3(-1, 0, 0), 0.01 * step); };
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 beside(1e-4 * (i % 97), 1e-4 * (i % 89), 0);
+    const Vec3 above = beside + Vec3(0, 0, half_thickness_m);
+    const Vec3 below = beside + Vec3(1e-4, 0, -half_thickness_m);
+    Guarded node(plate());
+    node.poses[0] = pose(0);
+    node.at = pose(0).apply(above + Vec3(0, 0, 0.01));
+    ASSERT_FALSE(node.step(pose(1).apply(above), pose(1)));
+    EXPECT_TRUE(node.step(pose(2).apply(below), pose(2))) << i;
+    EXPECT_TRUE(node.step(pose(3).apply(below), pose(3))) << i;
+    EXPECT_GT(pose(3).apply_inverse(node.at).z(), 0) << i;
+  }
+}
+
 TEST(TunnellingGuard, WhatIsNotFiniteIsLeftToTheLoop) {
   Guarded node(plate());
   node.at = Vec3(0, 0, 0.01);
