@@ -9,6 +9,7 @@
 #include "core/base/input_file.hpp"
 #include "core/scene/read_scene.hpp"
 #include "datasets/embedded/embedded_files.hpp"
+#include "datasets/simple_shapes.hpp"
 #include "datasets/synthetic_hip.hpp"
 
 namespace musclebench {
@@ -51,8 +52,13 @@ std::string preset_text(const std::string& name) {
 }
 
 TriangleMesh synthetic_mesh(const std::string& name) {
-  const std::vector<std::string> known = synthetic_hip_names();
-  if (std::find(known.begin(), known.end(), name) == known.end()) {
+  std::vector<std::string> known = simple_shape_names();
+  if (std::ranges::find(known, name) != known.end()) {
+    return simple_shape(name);
+  }
+  const std::vector<std::string> of_hip = synthetic_hip_names();
+  known.insert(known.end(), of_hip.begin(), of_hip.end());
+  if (std::ranges::find(of_hip, name) == of_hip.end()) {
     throw InputError("synthetic:" + name, fmt::format("is unknown; did you mean '{}'?", nearest_word(name, known)));
   }
   return synthetic_hip_mesh(name);

@@ -103,6 +103,12 @@ def test_the_fixture_has_the_programs_scenes(listed):
     assert told[0] == told[1]
 
 
+def test_the_fixture_has_effects_of_the_program(listed):
+    theirs = {effect["name"]: effect for effect in listed["effects"]}
+    for effect in fake_registry.listed()["effects"]:
+        assert effect == theirs[effect["name"]]
+
+
 def test_the_tools_read_the_programs_list(listed):
     registry = parse_registry(json.dumps(listed), "the program")
     assert registry.control and registry.unit_of_price and registry.names

@@ -1,0 +1,143 @@
+#include "datasets/simple_shapes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/input_error.hpp"
+#include "core/mesh/shapes.hpp"
+
+namespace musclebench {
+
+namespace {
+
+TriangleMesh moved(TriangleMesh mesh, const Vec3& by_m) {
+  for (Vec3& vertex : mesh.vertices) vertex += by_m;
+  return mesh;
+}
+
+/// Turned by an angle about the y axis, given by its sine and cosine, so that no bit depends on a library's functions.
+TriangleMesh turned(TriangleMesh mesh, double sine, double cosine) {
+  for (Vec3& vertex : mesh.vertices) {
+    vertex = Vec3(cosine * vertex.x() + sine * vertex.z(), vertex.y(), cosine * vertex.z() - sine * vertex.x());
+  }
+  return mesh;
+}
+
+TriangleMesh box(const Vec3& half_m, const Vec3& centre_m, int cells = 4) {
+  return moved(make_box(half_m, cells), centre_m);
+}
+
+TriangleMesh ball(double height_m) { return moved(make_sphere(0.02, 3), Vec3(0, 0, height_m)); }
+
+/// A capsule along x instead of z.
+TriangleMesh lying_capsule(double radius_m, double half_length_m, int segments) {
+  TriangleMesh mesh = make_capsule(radius_m, half_length_m, segments);
+  for (Vec3& vertex : mesh.vertices) vertex = Vec3(vertex.z(), vertex.x(), vertex.y());
+  return mesh;
+}
+
+/// Edges of 3 cm, its base on z = 0.
+TriangleMesh tetrahedron() {
+  constexpr double edge_m = 0.03;
+  const double inner_m = edge_m / std::sqrt(12.0);  // centre of the base to its sides
+  return {
+      {{2 * inner_m, 0, 0}, {-inner_m, edge_m / 2, 0}, {-inner_m, -edge_m / 2, 0}, {0, 0, edge_m * std::sqrt(2.0 / 3)}},
+      {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
+}
+
+/// Two triangles in the plane z = 0 that share an edge along y; one lies at x < 0, the other at x > 0.
+TriangleMesh hinge() { return {{{0, -0.015, 0}, {0, 0.015, 0}, {-0.03, 0, 0}, {0.03, 0, 0}}, {{0, 1, 2}, {1, 0, 3}}}; }
+
+/// A prism along y whose sharp edge is up, at z = 0.
+TriangleMesh ridge() {
+  constexpr double half_width_m = 0.008;
+  constexpr double half_length_m = 0.05;
+  constexpr double height_m = 0.02;
+  return {{{-half_width_m, -half_length_m, -height_m},
+           {half_width_m, -half_length_m, -height_m},
+           {0, -half_length_m, 0},
+           {-half_width_m, half_length_m, -height_m},
+           {half_width_m, half_length_m, -height_m},
+           {0, half_length_m, 0}},
+          {{0, 1, 2}, {3, 5, 4}, {0, 3, 4}, {0, 4, 1}, {1, 4, 5}, {1, 5, 2}, {0, 2, 5}, {0, 5, 3}}};
+}
+
+/// Sides of a groove along y: they fall by 3 in 4 towards x = 0, where they meet at z = 0 and go on into each other.
+TriangleMesh groove_side(double side) {
+  // The upper face of a box, turned about the edge that it shares with the other side.
+  return turned(box({0.05, 0.05, 0.01}, {side * 0.04, 0, -0.01}), side * -0.6, 0.8);
+}
+
+struct NamedShape {
+  std::string_view name;
+  TriangleMesh (*make)();
+};
+
+constexpr std::array shapes = {
+    // Muscles.
+    NamedShape{"ball", [] { return ball(0.02); }},
+    NamedShape{"upper_ball", [] { return ball(0.061); }},
+    NamedShape{"raised_ball", [] { return ball(0.03); }},
+    NamedShape{"tetrahedron", tetrahedron},
+    NamedShape{"hinge", hinge},
+    NamedShape{"coarse_ball", [] { return moved(make_sphere(0.02, 2), Vec3(0, 0, 0.02)); }},
+    NamedShape{"block",
+               [] {
+                 return turned(box({0.02, 0.02, 0.01}, {0, 0, 0.01}, 6), 0.6, 0.8);
+               }},
+    NamedShape{"tube", [] { return moved(lying_capsule(0.01, 0.05, 32), Vec3(0, 0, 0.01)); }},
+    NamedShape{"coarse_tube", [] { return moved(lying_capsule(0.01, 0.05, 12), Vec3(0, 0, 0.01)); }},
+    // Bones.
+    NamedShape{"plate",
+               [] {
+                 return box({0.06, 0.06, 0.005}, {0, 0, -0.005});
+               }},
+    NamedShape{"wall",
+               [] {
+                 return box({0.005, 0.06, 0.06}, {-0.06, 0, 0});
+               }},
+    NamedShape{"shelf",
+               [] {
+                 return box({0.03, 0.03, 0.005}, {-0.031, 0, -0.005});
+               }},
+    NamedShape{"slope",
+               [] {
+                 return turned(box({0.2, 0.05, 0.01}, {0, 0, -0.01}), 0.6, 0.8);
+               }},
+    NamedShape{"thin_plate",
+               [] {
+                 return box({0.06, 0.06, 0.002}, {0, 0, -0.032});
+               }},
+    NamedShape{"ridge", ridge},
+    NamedShape{"groove_left", [] { return groove_side(-1); }},
+    NamedShape{"groove_right", [] { return groove_side(1); }},
+    NamedShape{"rod", [] { return moved(make_capsule(0.006, 0.02, 24), Vec3(-0.045, 0, 0.046)); }},
+    NamedShape{"left_block",
+               [] {
+                 return box({0.01, 0.02, 0.02}, {-0.07, 0, 0.01});
+               }},
+    NamedShape{"right_block",
+               [] {
+                 return box({0.01, 0.02, 0.02}, {0.07, 0, 0.01});
+               }},
+};
+
+}  // namespace
+
+TriangleMesh simple_shape(std::string_view name) {
+  const auto found = std::ranges::find(shapes, name, &NamedShape::name);
+  if (found == shapes.end()) {
+    throw InputError("synthetic:" + std::string(name),
+                     "is unknown; did you mean '" + nearest_word(name, simple_shape_names()) + "'?");
+  }
+  return found->make();
+}
+
+std::vector<std::string> simple_shape_names() {
+  std::vector<std::string> names;
+  for (const NamedShape& shape : shapes) names.emplace_back(shape.name);
+  return names;
+}
+
+}  // namespace musclebench
