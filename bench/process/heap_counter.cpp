@@ -18,8 +18,12 @@ namespace {
 
 // Set up before any code runs: the loader allocates, too.
 constinit std::atomic<std::uint64_t> allocations{0};
+constinit std::atomic<std::uint64_t> allocated_bytes{0};
 
-void count() { allocations.fetch_add(1, std::memory_order_relaxed); }
+void count(std::size_t bytes) {
+  allocations.fetch_add(1, std::memory_order_relaxed);
+  allocated_bytes.fetch_add(bytes, std::memory_order_relaxed);
+}
 
 }  // namespace
 
@@ -37,22 +41,22 @@ void __libc_free(void* block);
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
 void* malloc(std::size_t size) noexcept {
-  count();
+  count(size);
   return __libc_malloc(size);
 }
 
 void* calloc(std::size_t number, std::size_t size) noexcept {
-  count();
+  count(number * size);
   return __libc_calloc(number, size);
 }
 
 void* realloc(void* block, std::size_t size) noexcept {
-  count();
+  count(size);
   return __libc_realloc(block, size);
 }
 
 void* memalign(std::size_t alignment, std::size_t size) noexcept {
-  count();
+  count(size);
   return __libc_memalign(alignment, size);
 }
 
@@ -74,7 +78,7 @@ void free(void* block) noexcept { __libc_free(block); }
 #else
 
 void* operator new(std::size_t size) {
-  count();
+  count(size);
   if (void* const block = std::malloc(size > 0 ? size : 1)) {
     return block;
   }
@@ -88,6 +92,10 @@ void operator delete(void* block, std::size_t /*size*/) noexcept { std::free(blo
 
 namespace musclebench {
 
-std::uint64_t heap_allocations() { return allocations.load(std::memory_order_relaxed); }
+HeapUse heap_use() {
+  return {allocations.load(std::memory_order_relaxed), allocated_bytes.load(std::memory_order_relaxed)};
+}
+
+std::uint64_t heap_allocations() { return heap_use().allocations; }
 
 }  // namespace musclebench

@@ -9,4 +9,12 @@ namespace musclebench {
 /// and with another C library than glibc only the operators new.
 std::uint64_t heap_allocations();
 
+struct HeapUse {
+  std::uint64_t allocations = 0;
+  std::uint64_t bytes = 0;  ///< asked for in them; of a reallocation its whole new size
+};
+
+/// The same with bytes.
+HeapUse heap_use();
+
 }  // namespace musclebench

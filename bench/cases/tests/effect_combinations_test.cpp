@@ -7,69 +7,15 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "bench/cases/run_case.hpp"
-#include "core/mesh/shapes.hpp"
-#include "core/scene/read_scene.hpp"
+#include "bench/cases/tests/combination_scene.hpp"
+#include "core/effects/effect_registry.hpp"
 
 namespace musclebench {
 namespace {
 
-/// A ball that is bound to a plate, leans on a second one and is pressed by a rod.
-constexpr const char* scene_without_effects = R"(
-[loop]
-frames = 3
-substeps = 4
-[contact]
-muscle_contact = true
-[[bone]]
-name = "plate"
-mesh = "synthetic:plate"
-[[bone]]
-name = "rod"
-mesh = "synthetic:rod"
-[bone.motion]
-axis = [0, 1, 0]
-centre_m = [0.05, 0, 0]
-from_deg = 0
-to_deg = -15
-course = "there"
-[[muscle]]
-name = "ball"
-mesh = "synthetic:ball"
-[[muscle]]
-name = "other"
-mesh = "synthetic:other"
-[[attachment]]
-name = "foot"
-bone = "plate"
-muscle = "ball"
-outline_m = [[-0.01, -0.01, 0], [0.01, -0.01, 0], [0.01, 0.01, 0], [-0.01, 0.01, 0]]
-distance_m = 0.002
-)";
-
-TriangleMesh moved_by(TriangleMesh mesh, const Vec3& by_m) {
-  for (Vec3& vertex : mesh.vertices) vertex += by_m;
-  return mesh;
-}
-
-TriangleMesh small_mesh(const std::string& name) {
-  if (name == "plate") return moved_by(make_box(Vec3(0.08, 0.04, 0.01), 4), Vec3(0, 0, -0.01));
-  if (name == "rod") return moved_by(make_capsule(0.01, 0.02, 16), Vec3(0.034, 0, 0.03));
-  return moved_by(make_sphere(0.02, 2), Vec3(name == "ball" ? 0 : -0.0392, 0, 0.0205));
-}
-
 RunResult run_with(const std::vector<std::string>& effects) {
-  SceneRequest request;
-  request.name = request.file = "combination.toml";
-  request.text = scene_without_effects;
-  for (const std::string& effect : effects) request.text += fmt::format("[effects.{}]\n", effect);
-  request.synthetic_mesh = small_mesh;
-  Scene scene = read_scene(request);
-  scene.muscles[0].fibres = {{Vec3(0, 0, 0), Vec3(0, 0, 0.04)}};
-  const BackendEntry& backend = exact_backend();
-  RunCase run{{scene, backend, Parameters(backend.parameters, {}, backend.name)}};
-  run.colliders = choose_collider_backends({}, scene, backend);
-  run.judge = false;
+  const Scene scene = combination_scene(effects);
+  RunCase run = combination_case(scene);
   run.snapshots = {scene.loop.frames};
   return run_case(run, [](int /*frames*/) {});
 }

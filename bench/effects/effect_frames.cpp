@@ -1,0 +1,62 @@
+// Runs a small scene with the effects that are named and prints what absent_effects_test compares between programs.
+//   effect_frames [EFFECT...]
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "bench/cases/build_backend.hpp"
+#include "bench/cases/tests/combination_scene.hpp"
+#include "bench/process/heap_counter.hpp"
+#include "core/base/input_error.hpp"
+#include "core/base/sha256.hpp"
+#include "core/scene/prepare_simulation.hpp"
+
+namespace musclebench {
+namespace {
+
+constexpr int coarse = 1;  // the balls: instructions are counted by a program that is fifty times slower
+
+/// All that effects are made for and do: where callgrind counts.
+[[gnu::noinline]] PreparedSimulation counted_run(const RunCase& run, CollisionBackend& backend) {
+  PreparedSimulation prepared = prepare_simulation(run.scene, backend, run.responses, run.threads,
+                                                   make_muscle_detectors(run.scene, run.colliders, run.threads));
+  for (int frame = 1; frame <= run.scene.loop.frames; ++frame) prepared.simulation->step_frame(frame);
+  return prepared;
+}
+
+std::string trajectory_hash(const Simulation& simulation) {
+  Sha256 hash;
+  hash.add(std::as_bytes(std::span(simulation.positions())));
+  hash.add(std::as_bytes(std::span<const Vec3>(simulation.velocities())));
+  return hash.hex_digest();
+}
+
+void run_and_print(const std::vector<std::string>& effects) {
+  const Scene scene = combination_scene(effects, coarse);
+  const RunCase run = combination_case(scene);
+  const BuiltBackend built = build_backend(run);
+  const HeapUse before = heap_use();
+  const PreparedSimulation prepared = counted_run(run, *built.backend);
+  const HeapUse after = heap_use();
+  std::vector<std::string> columns = prepared.effect_names;
+  columns.insert(columns.end(), prepared.stage_names.begin(), prepared.stage_names.end());
+  fmt::print("state {}\nallocations {}\nbytes {}\ncolumns {}\n", trajectory_hash(*prepared.simulation),
+             after.allocations - before.allocations, after.bytes - before.bytes, fmt::join(columns, " "));
+}
+
+}  // namespace
+}  // namespace musclebench
+
+int main(int argc, char** argv) {
+  try {
+    musclebench::run_and_print({argv + 1, argv + argc});
+  } catch (const musclebench::InputError& error) {
+    fmt::print(stderr, "effect_frames: {}\n", error.what());
+    return 2;
+  }
+  return 0;
+}
