@@ -1,5 +1,5 @@
 // Runs a small scene with the effects that are named and prints what absent_effects_test compares between programs.
-//   effect_frames [EFFECT...]
+//   effect_frames [--one-frame] [EFFECT...]
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -21,10 +21,10 @@ namespace {
 constexpr int coarse = 1;  // the balls: instructions are counted by a program that is fifty times slower
 
 /// All that effects are made for and do: where callgrind counts.
-[[gnu::noinline]] PreparedSimulation counted_run(const RunCase& run, CollisionBackend& backend) {
+[[gnu::noinline]] PreparedSimulation counted_run(const RunCase& run, CollisionBackend& backend, int frames) {
   PreparedSimulation prepared = prepare_simulation(run.scene, backend, run.responses, run.threads,
                                                    make_muscle_detectors(run.scene, run.colliders, run.threads));
-  for (int frame = 1; frame <= run.scene.loop.frames; ++frame) prepared.simulation->step_frame(frame);
+  for (int frame = 1; frame <= frames; ++frame) prepared.simulation->step_frame(frame);
   return prepared;
 }
 
@@ -35,12 +35,13 @@ std::string trajectory_hash(const Simulation& simulation) {
   return hash.hex_digest();
 }
 
-void run_and_print(const std::vector<std::string>& effects) {
+void run_and_print(std::vector<std::string> effects) {
+  const bool one_frame = std::erase(effects, "--one-frame") > 0;
   const Scene scene = combination_scene(effects, coarse);
   const RunCase run = combination_case(scene);
   const BuiltBackend built = build_backend(run);
   const HeapUse before = heap_use();
-  const PreparedSimulation prepared = counted_run(run, *built.backend);
+  const PreparedSimulation prepared = counted_run(run, *built.backend, one_frame ? 1 : scene.loop.frames);
   const HeapUse after = heap_use();
   std::vector<std::string> columns = prepared.effect_names;
   columns.insert(columns.end(), prepared.stage_names.begin(), prepared.stage_names.end());

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
     musclebench::register_constraint_kernels();
     musclebench::register_loop_kernels();
     musclebench::register_allocation_kernels();
+    musclebench::register_effect_kernels();
     benchmark::RunSpecifiedBenchmarks();
   } catch (const musclebench::InputError& error) {
     fmt::print(stderr, "musclebench_micro: {}\n", error.what());

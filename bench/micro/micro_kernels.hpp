@@ -24,6 +24,9 @@ void register_size_kernels();
 /// `allocations/BACKEND/RESPONSE`: how often a frame after the second asks for heap memory.
 void register_allocation_kernels();
 
+/// `effects/sum_of_parts`: what each effect adds to a frame without any, in ms, their sum, and what all add together.
+void register_effect_kernels();
+
 /// What backends have in their folders `micro`: a table that CMake writes. `scene` outlives the kernels.
 void register_backend_kernels(const Scene& scene);
 
