@@ -10,6 +10,7 @@ from musclebench.cases.scene import Scene, told
 from musclebench.program.registry import Registry, parse_registry
 
 NODES = {"adductor_brevis": 502, "gluteus_maximus": 9878, "gluteus_medius": 5313, "iliacus": 6931}
+OWN_EFFECTS = ("damping", "attachment", "edge_length", "volume", "bending")  # of the presets
 FIXTURE = Path(__file__).resolve().parent / "registry_fixture.json"
 BACKENDS = Path(__file__).resolve().parents[2] / "backends"
 
@@ -49,7 +50,7 @@ def survey_record(scene: str, frames: int) -> dict:
     motion = {"axis": [-1, 0, 0], "centre_m": [0, 0, 0], "times": [0, 1], "angles_rad": [0, 1.5708],
               "there_and_back": True}
     return {"schema_version": 2, "build": {"git": "abc"}, "machine": {"cpu": "A processor", "cores": 2},
-            "case": {"scene": scene, "preset": "paper", "loop": {
+            "case": {"scene": scene, "preset": "paper", "effects": dict.fromkeys(OWN_EFFECTS, {}), "loop": {
         "frames": frames, "substeps": 3, "iterations": 1, "time_step_s": 1e-3}},
             "muscle": {"vertices": NODES.get(scene.split("/")[-1], 1000), "mesh_sha256": "00aa"},
             "bones": [{"name": "pelvis", "motion": {"angles_rad": []}}, {"name": "femur", "motion": motion}]}

@@ -39,6 +39,7 @@ class Scene:
     probed_on: str = ""  # the scene whose bones are probed for this one, too; empty: this one
     digest: str = ""  # of a scene file and what it names; the program's own scenes change with the program
     muscles: int = 1
+    effects: tuple[str, ...] = ()  # of scene and preset
     has_long_key: bool = False  # where two scenes would share a short one
     origin: dict = field(default_factory=dict, compare=False)  # ORIGIN_KEYS as the program writes them into a run.json
 
@@ -145,7 +146,7 @@ def told(scene: Scene, record: dict) -> Scene:
     return replace(
         scene, nodes=record["muscle"]["vertices"], frames=loop["frames"],
         iterations=loop["substeps"] * loop["iterations"],
-        muscles=len(record.get("muscles", [])) or 1,
+        muscles=len(record.get("muscles", [])) or 1, effects=tuple(record["case"].get("effects") or ()),
         full_flexion_frame=full_flexion_frame(motions, loop["frames"]),
         half_flexion_frame=half_flexion_frame(motions, loop["frames"]),
         preset=record["case"].get("preset") or "", digest=digest, frame_time_s=loop["substeps"] * loop["time_step_s"],

@@ -83,6 +83,7 @@ class Registry:
     backends: tuple[Backend, ...]
     scenes: tuple[SceneEntry, ...] = ()
     presets: tuple[str, ...] = ()
+    effects: tuple[str, ...] = ()  # in the program's order
     text: str = field(default="", compare=False)  # as the program printed it
 
     @property
@@ -148,9 +149,10 @@ def parse_registry(text: str, source: str) -> Registry:
                                   tuple(one.get("bones", [])))
                        for one in told["scenes"])
         presets = tuple(one["name"] for one in told["presets"])
+        effects = tuple(one["name"] for one in told.get("effects", []))
     except (ValueError, KeyError, TypeError) as problem:
         raise Problem(f"{source}: not what 'musclebench list --json' prints ({problem!r})") from None
-    registry = Registry(backends, scenes, presets, text)
+    registry = Registry(backends, scenes, presets, effects, text)
     _check_studies(registry, source)
     return registry
 

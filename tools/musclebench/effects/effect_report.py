@@ -1,0 +1,35 @@
+"""Tables and figures of the study of effects."""
+
+from pathlib import Path
+
+from ..figures.effect_figures import draw_changes, draw_costs
+from ..figures.effect_scenes import draw_scenes
+from ..results.run_folder import read_all
+from ..results.status import MEASURED
+from ..tables.table_formats import Table, write_table
+from .effect_cases import EffectCase, ShownCase
+from .effect_runs import MeasuredSet
+from .effect_tables import change_table, cost_table, price_table
+
+
+def measured_sets(folders: dict[EffectCase, Path]) -> list[MeasuredSet]:
+    """One a scene and set, in the order of the plan."""
+    runs = dict(zip(folders, read_all(list(folders.values()))))
+    groups: dict[tuple, list] = {}
+    for case, run in runs.items():
+        groups.setdefault((case.scene.name, case.chosen), []).append(run)
+    return [MeasuredSet(scene, group[0].muscle, chosen, group) for (scene, chosen), group in groups.items()]
+
+
+def write_report(folders: dict[EffectCase, Path], shown: dict[ShownCase, Path],
+                 out_dir: Path) -> tuple[list[Table], list[Path]]:
+    """`folders` and `shown`: of the complete cases."""
+    measured = measured_sets(folders)
+    tables = [cost_table(measured), change_table(measured), price_table(measured)]
+    for name in ("tables", "figures"):
+        (out_dir / name).mkdir(parents=True, exist_ok=True)
+    files = [path for table in tables for path in write_table(table, out_dir / "tables")]
+    files += draw_costs(measured, out_dir / "figures" / "effect_costs")
+    files += draw_changes(measured, out_dir / "figures" / "effect_changes")
+    scenes = [run for run in read_all(list(shown.values())) if run.status in MEASURED]
+    return tables, files + draw_scenes(scenes, out_dir / "figures" / "effect_scenes")

@@ -1,0 +1,98 @@
+"""What effects cost a frame, as stacked bars a muscle; what they change, a row a set of effects."""
+
+import math
+from pathlib import Path
+
+from ..effects.effect_runs import MeasuredSet
+from ..effects.effect_sets import ALL, OWN
+from ..effects.effect_tables import change_rows
+from . import style
+from .style import plt
+
+# Of one hue what does one thing: forces grey, form blue, volume green, contact warm; the loop light.
+EFFECT_COLOURS = {
+    "gravity": "#4d4d4d", "damping": "#808080", "attachment": "#b3b3b3",
+    "edge_length": "#23395B", "bending": "#6A8CAF", "activation": "#A9C5DE",
+    "volume": "#3E5C4B", "local_volume": "#86A593",
+    "margin": "#F0E442", "friction": "#E69F00", "surface_contact": "#D55E00", "tunnelling_guard": "#8C2D04",
+    "self_contact": "#CC79A7",
+}
+SPARE_COLOURS = ("#4A3B66", "#8F7DB0", "#CBC0DF")
+BONES, REST = "contact with bones", "the rest of the loop"
+PART_COLOURS = {BONES: "#f4c7b0", REST: "#e6e6e6"}
+BAR_INCHES, LEGEND_INCHES = 0.24, 0.75
+CHANGES = (("node_depth_mm", "depth of nodes\n(mm)"), ("surface_depth_mm", "depth of the\nsurface (mm)"),
+           ("volume_percent", "volume error\n(%)"), ("folded", "triangles\nthrough others"),
+           ("shape_mm", "RMS to all\neffects (mm)"))
+MARKERS = ("o", "s", "D", "^", "v", "P")
+MUSCLE_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+
+
+def draw_costs(measured: list[MeasuredSet], stem: Path) -> list[Path]:
+    """Two bars a muscle: the scene's own effects, and all."""
+    shown = [one for one in measured if one.chosen.name in (OWN, ALL) and one.is_measured]
+    if not shown:
+        return []
+    style.apply_style()
+    parts = {id(one): _parts(one) for one in shown}
+    names = list(dict.fromkeys(name for one in reversed(shown) for name in parts[id(one)]))
+    names = [name for name in names if name not in PART_COLOURS] + list(PART_COLOURS)
+    height = BAR_INCHES * len(shown) + LEGEND_INCHES + 0.5
+    figure, axes = plt.subplots(figsize=(style.PAGE_INCHES, height))
+    for row, one in enumerate(shown):
+        left = 0.0
+        for name in names:
+            width = parts[id(one)].get(name, 0.0)
+            axes.barh(row, width, left=left, height=0.74, color=_colour(name), edgecolor="white", linewidth=0.4)
+            left += width
+        axes.text(left, row, f" {left:.3g} ms", va="center", fontsize=7)
+    axes.set_yticks(range(len(shown)), [f"{style.muscle_label(one.muscle)}, {one.chosen.name}" for one in shown])
+    axes.set(ylim=(len(shown) - 0.45, -0.55), xlabel="time of a frame (ms), medians of its parts")
+    axes.margins(x=0.12)
+    axes.grid(axis="y", visible=False)
+    figure.tight_layout(rect=(0, 0, 1, 1 - LEGEND_INCHES / height))
+    handles = [plt.Rectangle((0, 0), 1, 1, color=_colour(name)) for name in names]
+    figure.legend(handles, [name.replace("_", " ") for name in names], ncols=5, loc="upper left",
+                  bbox_to_anchor=(0.0, 1.0), frameon=False)
+    return style.save_figure(figure, stem)
+
+
+def _parts(one: MeasuredSet) -> dict[str, float]:
+    """Milliseconds by effect, of contact with bones, and what is left of the frame."""
+    effects = {name: one.effect_ms(name) for name in one.chosen.effects}
+    found = {name: value for name, value in effects.items() if not math.isnan(value)} | {BONES: one.collision_ms}
+    return found | {REST: max(0.0, one.frame_ms.value - sum(found.values()))}
+
+
+def _colour(name: str) -> str:
+    if name in PART_COLOURS:
+        return PART_COLOURS[name]
+    return EFFECT_COLOURS.get(name, SPARE_COLOURS[sum(map(ord, name)) % len(SPARE_COLOURS)])
+
+
+def draw_changes(measured: list[MeasuredSet], stem: Path) -> list[Path]:
+    """A panel a quantity, a row a set, a point a muscle."""
+    rows = [row for row, one in zip(change_rows(measured), measured) if one.is_measured and not one.chosen.is_loaded]
+    if not rows:
+        return []
+    style.apply_style()
+    sets, muscles = list(dict.fromkeys(row["set"] for row in rows)), list(dict.fromkeys(row["muscle"] for row in rows))
+    height = 0.19 * len(sets) + 1.1
+    figure, panels = plt.subplots(1, len(CHANGES), figsize=(style.PAGE_INCHES, height), sharey=True)
+    for axes, (key, title) in zip(panels, CHANGES):
+        for number, muscle in enumerate(muscles):
+            mine = [row for row in rows if row["muscle"] == muscle and not math.isnan(row[key])]
+            axes.plot([row[key] for row in mine], [sets.index(row["set"]) for row in mine], linestyle="none",
+                      marker=MARKERS[number % len(MARKERS)], markersize=3.6, alpha=0.85, markeredgewidth=0,
+                      color=MUSCLE_COLOURS[number % len(MUSCLE_COLOURS)], label=style.muscle_label(muscle))
+        axes.set_title(title, loc="left", fontsize=7.5)
+        axes.set_xlim(left=0)
+        axes.margins(x=0.1)
+        axes.locator_params(axis="x", nbins=3)
+        axes.tick_params(axis="y", length=0)
+    panels[0].set_yticks(range(len(sets)), [name.replace("_", " ") for name in sets])
+    panels[0].set_ylim(len(sets) - 0.4, -0.6)
+    figure.tight_layout(rect=(0, 0, 1, 1 - 0.25 / height), w_pad=0.6)
+    figure.legend(*panels[0].get_legend_handles_labels(), ncols=6, loc="upper left", bbox_to_anchor=(0.0, 1.0),
+                  frameon=False)
+    return style.save_figure(figure, stem)
