@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""Runs the paper's experiment, the accuracy study, the speed targets and the convergence of the substeps on one commit
-and one machine, and writes every table, picture and quoted number of README and reports from what they measured.
+"""Runs the paper's experiment, the accuracy study, the speed targets, the convergence of the substeps and the study of
+effects on one commit and one machine, and writes every table, picture and quoted number of README and reports from what
+they measured.
 
 It goes on where it was stopped: complete cases are skipped by each study. A study that is complete is taken over into
 reports/measured at once, with commit, machine and date; then the pages are written anew.
@@ -94,6 +95,7 @@ def _arguments(kind: str, data_set: str, options) -> tuple[str, ...]:
     # muscles only. All of it has to fit into two hours.
     own = {"paper": ("--jobs", "1"),
            "speed": ("--repetitions", "1"),
+           "effects": ("--jobs", "1"),
            "accuracy": ("--repetitions", "1", "--longest", "20",
                         *(() if data_set == "lhdl" else ("--muscle", "iliacus")))}.get(kind, ())
     if kind == "convergence":

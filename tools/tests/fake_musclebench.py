@@ -31,6 +31,9 @@ def parse_arguments():
     parser.add_argument("--repetition", type=int)
     parser.add_argument("--param", action="append", default=[])
     parser.add_argument("--loop", action="append", default=[])
+    parser.add_argument("--effect", action="append", default=[])
+    parser.add_argument("--no-effect", action="append", default=[])
+    parser.add_argument("--self-intersections", action="store_true")
     parser.add_argument("--progress", action="store_true")
     parser.add_argument("--no-referee", action="store_true")
     return parser.parse_args()
@@ -69,6 +72,17 @@ def write_paper_run(options, status: str) -> None:
         loop = {"substeps": int(dict(word.split("=") for word in options.loop)["substeps"])}
         record = json.loads(told.read_text())
         told.write_text(json.dumps(record | {"case": record["case"] | {"loop": loop}}))
+
+
+def write_effect_run(options, status: str) -> None:
+    """With what effects make of it: local_volume leaves no fold, margin no depth."""
+    write_paper_run(options, status)
+    told = Path(options.out) / "run.json"
+    outcome = {"max_depth_m": 0.0, "max_surface_depth_m": 0.0 if "margin" in options.effect else 5e-4,
+               "max_volume_error": 0.001 if "volume" not in options.no_effect else 0.2, "tunnelled_nodes": 0,
+               "self_intersecting_triangles": 0 if "local_volume" in options.effect else 7,
+               "self_intersecting_triangles_at_rest": 0, "p99_edge_stretch": 1.2}
+    told.write_text(json.dumps(json.loads(told.read_text()) | {"outcome": outcome}))
 
 
 def write_study_case(options, status: str, answer: str) -> None:
@@ -119,6 +133,8 @@ def main() -> int:
     status = "diverged" if behaviour == "diverge" else "ok"
     if options.command == "record":
         write_recording(options)
+    elif options.self_intersections:
+        write_effect_run(options, status)
     elif options.command == "run" and options.repetition is None:
         write_paper_run(options, status)
     else:

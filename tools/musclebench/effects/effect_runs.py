@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from ..results.disturbance import waits
 from ..results.ply import read_ply
 from ..results.run_folder import COLLISION_STAGES, Run
 from ..results.statistics import Estimate, pooled_median
@@ -34,17 +35,24 @@ class MeasuredSet:
 
     @property
     def frame_ms(self) -> Estimate:
-        return self._median(["frame_ns"])
+        """Median with its interval, for comparisons."""
+        return pooled_median([run.timed_frames["frame_ns"] for run in self.runs if len(run.frames)]).scaled(MS)
+
+    # Means: they add up, and hold what an effect does in some frames only.
+
+    @property
+    def mean_frame_ms(self) -> float:
+        return self._mean(["frame_ns"])
 
     @property
     def collision_ms(self) -> float:
         """Of detection in bones and response; effects without a column of their own are in it."""
-        return self._median(COLLISION_STAGES).value
+        return self._mean(COLLISION_STAGES)
 
     def effect_ms(self, effect: str) -> float:
         """Of its own column; NaN where it has none."""
         column = f"{effect}_ns"
-        return self._median([column]).value if all(column in run.frames for run in self.runs) else NAN
+        return self._mean([column]) if all(column in run.frames for run in self.runs) else NAN
 
     def outcome(self, key: str) -> float:
         value = (self.runs[0].record.get("outcome") or {}).get(key)
@@ -56,9 +64,11 @@ class MeasuredSet:
         shots = sorted(self.runs[0].record.get("snapshots") or [], key=lambda shot: shot["frame"])
         return read_ply(self.runs[0].folder / shots[0]["file"]).vertices_m if shots else None
 
-    def _median(self, columns: list[str]) -> Estimate:
-        times: list[pd.Series] = [run.timed_frames[columns].sum(axis=1) for run in self.runs if len(run.frames)]
-        return pooled_median(times).scaled(MS)
+    def _mean(self, columns: list[str]) -> float:
+        """Over the frames of all repetitions in which the process did not wait for the processor."""
+        frames = [run.timed_frames for run in self.runs if len(run.frames)]
+        times = [one[~waits(one["frame_ns"])][columns].sum(axis=1) for one in frames]
+        return MS * float(pd.concat(times).mean()) if times else NAN
 
 
 def rms_mm(shape_m: np.ndarray | None, other_m: np.ndarray | None) -> float:

@@ -72,11 +72,11 @@ def cost_table(measured: list[MeasuredSet]) -> Table:
         known += [one.chosen.added for one in sets.values() if one.chosen.added and one.chosen.added not in known]
         rows += [_cost_row(effect, sets) for effect in known]
     caption = (
-        "What an effect costs a frame, medians. Of its own: its column in the profile of the run with all effects (of "
-        "one that moves the muscle, gravity or activation: in the run that adds it); an effect that is a response has no "
-        "column. Added: what the frame takes longer when the scene's own effects get it. Saved: what the frame takes "
-        "less when it alone is left out of all. The last two hold what it makes others do: a muscle in another shape "
-        "has other contacts."
+        "What an effect costs a frame. Of its own: its column in the profile of the run with all effects, mean over the "
+        "frames (of one that moves the muscle, gravity or activation: in the run that adds it); an effect that is a "
+        "response has no column. Added: what the median frame takes longer when the scene's own effects get it. Saved: "
+        "what the frame takes less when it alone is left out of all. The last two hold what it makes others do: a muscle "
+        "in another shape has other contacts."
     )
     return _table("effect_costs", caption, COST_COLUMNS, rows)
 
@@ -85,7 +85,7 @@ def _cost_row(effect: str, sets: dict[str, MeasuredSet]) -> dict:
     home = next((sets[name] for name in (ALL, f"{OWN}+{effect}") if name in sets and effect in sets[name].chosen.effects))
     own_ms = home.effect_ms(effect)
     return {"muscle": home.muscle, "effect": effect, "own_ms": own_ms,
-            "share_percent": 100 * own_ms / home.frame_ms.value,
+            "share_percent": 100 * own_ms / home.mean_frame_ms,
             "added_ms": _difference(sets, f"{OWN}+{effect}", OWN), "saved_ms": _difference(sets, ALL, f"{ALL}-{effect}")}
 
 
@@ -140,7 +140,10 @@ def _cheapest(sets: list[MeasuredSet]) -> MeasuredSet:
 def _needs(holding: dict, by_name: dict) -> str:
     if ALL not in holding:
         return ""
-    lost = [one.chosen.left_out for name, (one, _) in by_name.items() if one.chosen.left_out and name not in holding]
+    without = {name: one.chosen.left_out for name, (one, _) in by_name.items() if one.chosen.left_out}
+    if not without:
+        return ""  # a quick look
+    lost = [gone for name, gone in without.items() if name not in holding]
     return ", ".join(lost) or "none alone"
 
 

@@ -20,7 +20,7 @@ EFFECT_COLOURS = {
 SPARE_COLOURS = ("#4A3B66", "#8F7DB0", "#CBC0DF")
 BONES, REST = "contact with bones", "the rest of the loop"
 PART_COLOURS = {BONES: "#f4c7b0", REST: "#e6e6e6"}
-BAR_INCHES, LEGEND_INCHES = 0.24, 0.75
+BAR_INCHES, LEGEND_COLUMNS, LEGEND_LINE_INCHES = 0.24, 5, 0.17
 CHANGES = (("node_depth_mm", "depth of nodes\n(mm)"), ("surface_depth_mm", "depth of the\nsurface (mm)"),
            ("volume_percent", "volume error\n(%)"), ("folded", "triangles\nthrough others"),
            ("shape_mm", "RMS to all\neffects (mm)"))
@@ -37,7 +37,8 @@ def draw_costs(measured: list[MeasuredSet], stem: Path) -> list[Path]:
     parts = {id(one): _parts(one) for one in shown}
     names = list(dict.fromkeys(name for one in reversed(shown) for name in parts[id(one)]))
     names = [name for name in names if name not in PART_COLOURS] + list(PART_COLOURS)
-    height = BAR_INCHES * len(shown) + LEGEND_INCHES + 0.5
+    legend_inches = LEGEND_LINE_INCHES * math.ceil(len(names) / LEGEND_COLUMNS) + 0.1
+    height = BAR_INCHES * len(shown) + legend_inches + 0.5
     figure, axes = plt.subplots(figsize=(style.PAGE_INCHES, height))
     for row, one in enumerate(shown):
         left = 0.0
@@ -47,12 +48,12 @@ def draw_costs(measured: list[MeasuredSet], stem: Path) -> list[Path]:
             left += width
         axes.text(left, row, f" {left:.3g} ms", va="center", fontsize=7)
     axes.set_yticks(range(len(shown)), [f"{style.muscle_label(one.muscle)}, {one.chosen.name}" for one in shown])
-    axes.set(ylim=(len(shown) - 0.45, -0.55), xlabel="time of a frame (ms), medians of its parts")
+    axes.set(ylim=(len(shown) - 0.45, -0.55), xlabel="time of a frame (ms), mean")
     axes.margins(x=0.12)
     axes.grid(axis="y", visible=False)
-    figure.tight_layout(rect=(0, 0, 1, 1 - LEGEND_INCHES / height))
+    figure.tight_layout(rect=(0, 0, 1, 1 - legend_inches / height))
     handles = [plt.Rectangle((0, 0), 1, 1, color=_colour(name)) for name in names]
-    figure.legend(handles, [name.replace("_", " ") for name in names], ncols=5, loc="upper left",
+    figure.legend(handles, [name.replace("_", " ") for name in names], ncols=LEGEND_COLUMNS, loc="upper left",
                   bbox_to_anchor=(0.0, 1.0), frameon=False)
     return style.save_figure(figure, stem)
 
@@ -61,7 +62,7 @@ def _parts(one: MeasuredSet) -> dict[str, float]:
     """Milliseconds by effect, of contact with bones, and what is left of the frame."""
     effects = {name: one.effect_ms(name) for name in one.chosen.effects}
     found = {name: value for name, value in effects.items() if not math.isnan(value)} | {BONES: one.collision_ms}
-    return found | {REST: max(0.0, one.frame_ms.value - sum(found.values()))}
+    return found | {REST: max(0.0, one.mean_frame_ms - sum(found.values()))}
 
 
 def _colour(name: str) -> str:

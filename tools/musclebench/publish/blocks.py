@@ -6,6 +6,7 @@ from collections.abc import Callable
 import pandas as pd
 
 from ..convergence import convergence_report
+from ..effects import effect_tables
 from ..program.cli import Problem
 from ..results.disturbance import MARK
 from ..tables import choices, muscle_tables, outcomes, paper_tables, prices
@@ -28,6 +29,10 @@ DEPTH_KEYS = ("muscle", "backend", "bone_depth_mm", "bone_nodes", "muscle_depth_
 PAIR_KEYS = ("muscle", "backend", "detect_ms", "contacts")
 SUBSTEP_KEYS = ("scene", "backend", "substeps", "status", "rms_mm", "p99_mm", "largest_mm", "volume_error_percent",
                 "largest_depth_mm")
+EFFECT_COST_KEYS = ("muscle", "effect", "own_ms", "share_percent", "added_ms", "saved_ms")
+EFFECT_CHANGE_KEYS = ("muscle", "set", "status", "frame_ms", "node_depth_mm", "surface_depth_mm", "volume_percent", "folded",
+                      "folded_at_rest", "tunnelled", "stretch", "shape_mm")
+EFFECT_PRICE_KEYS = ("muscle", "wanted", "cheapest", "time_ms", "ratio", "needs", "note")
 
 
 def block(measured: Measured, specification: str) -> str:
@@ -109,5 +114,8 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "outcomes": _from("coupled_outcomes", outcomes.COLUMNS, OUTCOME_KEYS),
     "coupled": _coupled,
     "speed": _speed,
+    "effect_costs": _from("effect_costs", effect_tables.COST_COLUMNS, EFFECT_COST_KEYS),
+    "effect_changes": _from("effect_changes", effect_tables.CHANGE_COLUMNS, EFFECT_CHANGE_KEYS),
+    "effect_prices": _from("effect_prices", effect_tables.PRICE_COLUMNS, EFFECT_PRICE_KEYS),
     "substeps": _from("substeps", convergence_report.COLUMNS, SUBSTEP_KEYS),
 }
