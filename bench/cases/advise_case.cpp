@@ -83,7 +83,7 @@ std::optional<Assessment> assess(const Scene& scene, const Configuration& config
                                  const std::function<void(int done, int total)>& report) {
   const BackendEntry& backend = find_backend(configuration.backend);
   const Parameters parameters(backend.parameters, configuration.parameters, configuration.text());
-  const ColliderBackends colliders = bone_backends({}, scene, backend);
+  const ColliderBackends colliders = choose_collider_backends({}, scene, backend);
   const std::vector<ResponseKind> responses = choose_responses("", scene, backend, parameters, colliders);
   require_what_effects_need(scene, backend, parameters, responses, colliders);
   ReplayCase replay{{scene, backend, parameters, options.threads, 0, responses, colliders}};

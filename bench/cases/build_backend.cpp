@@ -4,7 +4,7 @@ namespace musclebench {
 
 BuiltBackend build_backend(const Case& resolved, const std::function<void(double share)>& report) {
   BuiltBackend built;
-  built.backend = make_backend(resolved.backend, resolved.parameters, resolved.colliders);
+  built.backend = make_backend(resolved.scene, resolved.backend, resolved.parameters, resolved.colliders);
   built.backend->report_build_to(report);
   for (const Bone& bone : resolved.scene.bones) {
     bone.shared.start_accounting();

@@ -17,16 +17,17 @@ std::vector<ResponseKind> choose_responses(const std::string& option, const Scen
   }
   std::vector<ResponseKind> kinds;
   std::vector<Capabilities> can;
-  for (std::size_t bone = 0; bone < std::max<std::size_t>(scene.bones.size(), 1); ++bone) {
-    const BackendChoice choice = backend_of_bone(bone, backend, parameters, colliders);
+  const SceneBoneContact left_open;
+  for (std::size_t pair = 0; pair < std::max<std::size_t>(scene.bone_pairs(), 1); ++pair) {
+    const BackendChoice choice = backend_of_pair(pair, backend, parameters, colliders);
     const BackendEntry& entry = *choice.entry;
-    const std::optional<ResponseKind> own =
-        bone < scene.bone_contacts.size() ? scene.bone_contacts[bone].response : std::nullopt;
+    const SceneBoneContact& contact = pair < scene.bone_contacts.size() ? scene.bone_contacts[pair] : left_open;
+    const std::optional<ResponseKind> own = contact.response;
     kinds.push_back(own ? *own : for_all.value_or(entry.default_response));
     can.push_back(choice.make()->capabilities());
     const std::string_view lacking = lacks_for(kinds.back(), can.back());
     if (!lacking.empty()) {
-      const std::string location = own               ? fmt::format("{}: bone[{}].response", scene.name, bone + 1)
+      const std::string location = own               ? contact.response_location
                                    : !option.empty() ? "--response " + option
                                                      : fmt::format("{}: contact.response", scene.name);
       throw InputError(location, fmt::format("'{}' has no {}; take '{}', or another backend", entry.name, lacking,
@@ -36,10 +37,10 @@ std::vector<ResponseKind> choose_responses(const std::string& option, const Scen
   // Backtracking queries the backends of all bones at positions between p and x, a node at a time.
   const auto mute = std::ranges::find(can, false, &Capabilities::point_queries);
   if (mute != can.end() && std::ranges::find(kinds, ResponseKind::backtrack) != kinds.end()) {
-    throw InputError(
-        fmt::format("{}: bone '{}'", scene.name, scene.bones[static_cast<std::size_t>(mute - can.begin())].name),
-        "its backend can't answer about single nodes, which backtracking out of another bone asks of all; "
-        "take 'project' there, or another backend here");
+    throw InputError(fmt::format("{}: bone '{}'", scene.name,
+                                 scene.bones[static_cast<std::size_t>(mute - can.begin()) % scene.bones.size()].name),
+                     "its backend can't answer about single nodes, which backtracking out of another bone asks of all; "
+                     "take 'project' there, or another backend here");
   }
   if (std::ranges::count(kinds, kinds.front()) == std::ssize(kinds)) {
     kinds.resize(1);
@@ -55,8 +56,8 @@ void require_what_effects_need(const Scene& scene, const BackendEntry& backend, 
       throw InputError(fmt::format("{}: effects.{}", scene.name, effect.name),
                        fmt::format("{}; or write `{} = false`", reason, effect.name));
     };
-    for (std::size_t bone = 0; needs.needs_normals && bone < std::max<std::size_t>(scene.bones.size(), 1); ++bone) {
-      const BackendChoice choice = backend_of_bone(bone, backend, parameters, colliders);
+    for (std::size_t pair = 0; needs.needs_normals && pair < std::max<std::size_t>(scene.bone_pairs(), 1); ++pair) {
+      const BackendChoice choice = backend_of_pair(pair, backend, parameters, colliders);
       if (!choice.make()->capabilities().depth) {
         refuse(fmt::format("needs the normals of contacts, and '{}' tells none; take another backend",
                            choice.entry->name));

@@ -15,17 +15,18 @@ struct Case {
   Parameters parameters;  ///< of the backend
   int threads = 1;
   int repetition = 0;
-  std::vector<ResponseKind> responses = {backend.default_response};  ///< one for all bones, or one a bone
+  std::vector<ResponseKind> responses = {
+      backend.default_response};  ///< one for all, or one a muscle and bone (Scene::bone_pair)
   ColliderBackends colliders = {};
 };
 
-/// The responses of a case, one for all bones or one a bone: what the scene says of the bone, else the command line
-/// (`--response`; empty: nothing), else the scene for all, else the own one of the bone's backend. Throws InputError
-/// where a backend can't serve what was chosen.
+/// The responses of a case, one for all or one a muscle and bone: what the scene says of the two, else the command line
+/// (`--response`; empty: nothing), else the scene for all, else the own one of their backend. Throws InputError where a
+/// backend can't serve what was chosen.
 std::vector<ResponseKind> choose_responses(const std::string& option, const Scene& scene, const BackendEntry& backend,
                                            const Parameters& parameters, const ColliderBackends& colliders = {});
 
-/// Throws InputError where an effect of the scene needs what the backend of a bone or a response has not.
+/// Throws InputError where an effect of the scene needs what a backend or a response has not.
 void require_what_effects_need(const Scene& scene, const BackendEntry& backend, const Parameters& parameters,
                                const std::vector<ResponseKind>& responses, const ColliderBackends& colliders = {});
 

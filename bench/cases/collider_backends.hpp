@@ -23,29 +23,26 @@ struct BackendChoice {
 
 /// Who detects contacts with what, where that is not left to the case's backend.
 struct ColliderBackends {
-  std::vector<std::optional<BackendChoice>> of_bones = {};  ///< one a bone, nothing: the case's; empty: that for all
-  std::vector<const BackendEntry*> of_pairs = {};           ///< one for each of the scene's muscle pairs
+  /// One a muscle and bone (Scene::bone_pair), nothing: the case's; empty: that for all.
+  std::vector<std::optional<BackendChoice>> with_bones = {};
+  std::vector<BackendChoice> of_muscle_pairs = {};  ///< one for each of the scene's
 };
 
-/// For each bone and each pair of muscles what the options say (`--for`: texts COLLIDER=BACKEND or, of a bone,
-/// COLLIDER=BACKEND:key=value,key=value, where a collider is a bone, or `muscles`), else the scene; between muscles at
-/// last the first exact backend that can follow a surface which deforms. A backend named without parameters has its
-/// defaults, or the case's where it is the case's. Throws InputError for a name or parameter that is none, and for a
-/// backend that can't do it.
+/// For each muscle and bone and each pair of muscles what the options say (`--for`: texts COLLIDERS=BACKEND or
+/// COLLIDERS=BACKEND:key=value,key=value, where colliders are a bone, MUSCLE/BONE, `muscles` or MUSCLE/MUSCLE; the pair
+/// before all), else the scene; between muscles at last the first exact backend that can follow a surface which
+/// deforms. A backend named without parameters has its defaults, or with bones the case's where it is the case's.
+/// Throws InputError for a name or parameter that is none, and for a backend that can't do it.
 ColliderBackends choose_collider_backends(const std::vector<std::string>& options, const Scene& scene,
                                           const BackendEntry& backend);
 
-/// The same of bones alone, for commands that ask backends about positions which are given: between muscles nothing is
-/// detected there.
-ColliderBackends bone_backends(const std::vector<std::string>& options, const Scene& scene,
-                               const BackendEntry& backend);
+/// The unbuilt backend of a case: one for all, or several of which each answers for some muscles and bones. A structure
+/// over a bone is built once for each backend that is asked about it.
+std::unique_ptr<CollisionBackend> make_backend(const Scene& scene, const BackendEntry& backend,
+                                               const Parameters& parameters, const ColliderBackends& colliders);
 
-/// The unbuilt backend of a case: one for all bones, or several of which each answers for some.
-std::unique_ptr<CollisionBackend> make_backend(const BackendEntry& backend, const Parameters& parameters,
-                                               const ColliderBackends& colliders);
-
-/// Of bone `bone`: its own, or that of the case.
-BackendChoice backend_of_bone(std::size_t bone, const BackendEntry& backend, const Parameters& parameters,
+/// Of a muscle and a bone (Scene::bone_pair): its own, or that of the case.
+BackendChoice backend_of_pair(std::size_t pair, const BackendEntry& backend, const Parameters& parameters,
                               const ColliderBackends& colliders);
 
 /// What sees to the scene's muscle pairs: a detector for each backend that is asked for.

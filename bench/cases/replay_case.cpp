@@ -98,7 +98,7 @@ class Replayer {
 
   std::string timed_pass() {
     Sha256 hash;
-    Response response(m_replay.scene.responses(m_replay.responses));
+    Response response(m_replay.scene.responses(m_replay.responses), m_replay.scene.bodies());
     std::vector<std::vector<Contact>> answers;
     for_each_frame([&](const RecordedFrame& frame) {
       ReplayRecord record;

@@ -59,8 +59,8 @@ void add_response_option(CLI::App& command, BackendOptions& options) {
 
 void add_collider_option(CLI::App& command, BackendOptions& options) {
   command.add_option("--for", options.colliders,
-                     "COLLIDER=BACKEND[:key=value,...]: another backend for one bone, or for `muscles` that touch; "
-                     "may be repeated");
+                     "COLLIDER=BACKEND[:key=value,...]: another backend for a bone, for MUSCLE/BONE, for all "
+                     "`muscles` that touch or for MUSCLE/MUSCLE; may be repeated");
 }
 
 void add_threads_option(CLI::App& command, int& threads) {

@@ -120,7 +120,7 @@ int replay(const ReplayOptions& options) {
   const Scene scene = scene_of(recording.header(), options);
   require_same_scene(scene, recording.header(), options.recording);
 
-  const ColliderBackends colliders = bone_backends(options.backend.colliders, scene, backend);
+  const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
   const std::vector<ResponseKind> responses =
       choose_responses(options.backend.response, scene, backend, parameters, colliders);
   ReplayCase replay{{scene, backend, parameters, options.backend.threads, options.repetition, responses, colliders},

@@ -1,5 +1,8 @@
 #include "bench/results/manifest.hpp"
 
+#include <algorithm>
+#include <vector>
+
 #include <fmt/format.h>
 
 #include "bench/results/build_info.hpp"
@@ -62,6 +65,34 @@ Json json_of(const Muscle& muscle) {
   return json;
 }
 
+Json json_of(const BackendChoice& choice) {
+  return {{"backend", choice.entry->name}, {"parameters", json_of(choice.parameters)}};
+}
+
+/// What `of_pair` tells of a muscle and a bone (Scene::bone_pair; null: nothing), below `key`: by the bone's name where
+/// it is the same for all muscles, else by both names.
+template <typename OfPair>
+void add_by_bone(Json& json, const char* key, const Scene& scene, const OfPair& of_pair) {
+  for (std::size_t bone = 0; bone < scene.bones.size(); ++bone) {
+    std::vector<Json> of_muscles;
+    for (std::size_t muscle = 0; muscle < scene.muscles.size(); ++muscle) {
+      of_muscles.push_back(of_pair(scene.bone_pair(muscle, bone)));
+    }
+    const std::string& name = scene.bones[bone].name;
+    const bool same =
+        std::all_of(of_muscles.begin(), of_muscles.end(), [&](const Json& each) { return each == of_muscles.front(); });
+    if (same) {
+      if (!of_muscles.front().is_null()) json[key][name] = of_muscles.front();
+      continue;
+    }
+    for (std::size_t muscle = 0; muscle < scene.muscles.size(); ++muscle) {
+      if (!of_muscles[muscle].is_null()) {
+        json[key][fmt::format("{}/{}", scene.muscles[muscle].body.name, name)] = of_muscles[muscle];
+      }
+    }
+  }
+}
+
 /// What readers of one muscle look at, of all.
 Json sum_of_muscles(const Json& muscles) {
   Json sum = muscles.front();
@@ -116,27 +147,26 @@ Json json_of_case(const Case& resolved, std::string_view mode) {
                {"attachment", attachment_mode(resolved.scene)},
                {"effects", json_of_effects(resolved.scene)},
                {"loop", json_of_loop(resolved.scene.loop)}};
-  for (std::size_t bone = 0; bone < resolved.colliders.of_bones.size(); ++bone) {
-    if (const auto& own = resolved.colliders.of_bones[bone]) {
-      json["bone_backends"][resolved.scene.bones[bone].name] = {{"backend", own->entry->name},
-                                                                {"parameters", json_of(own->parameters)}};
-    }
-  }
+  const auto& with_bones = resolved.colliders.with_bones;
+  add_by_bone(json, "bone_backends", resolved.scene, [&](std::size_t pair) {
+    return pair < with_bones.size() && with_bones[pair] ? json_of(*with_bones[pair]) : Json();
+  });
   const std::vector<BoneResponse> responses = resolved.scene.responses(resolved.responses);
-  for (std::size_t bone = 0; bone < resolved.scene.bones.size(); ++bone) {
-    const auto& [kind, steps] = responses[bone];
-    if (resolved.responses.size() > 1 || steps != resolved.scene.response_steps) {
-      json["bone_responses"][resolved.scene.bones[bone].name] = {{"response", name_of(kind)}, {"steps", steps}};
-    }
-  }
-  for (std::size_t pair = 0; pair < resolved.colliders.of_pairs.size(); ++pair) {
+  add_by_bone(json, "bone_responses", resolved.scene, [&](std::size_t pair) {
+    const auto& [kind, steps] = responses[pair];
+    return resolved.responses.size() > 1 || steps != resolved.scene.response_steps
+               ? Json{{"response", name_of(kind)}, {"steps", steps}}
+               : Json();
+  });
+  for (std::size_t pair = 0; pair < resolved.colliders.of_muscle_pairs.size(); ++pair) {
     const auto& [first, second] = resolved.scene.muscle_pairs[pair].muscles;
     const auto name_of_muscle = [&](int index) {
       return resolved.scene.muscles[static_cast<std::size_t>(index)].body.name;
     };
     json["muscle_contact"].push_back(
         {{"muscles", {name_of_muscle(first), name_of_muscle(second)}},
-         {"backend", resolved.colliders.of_pairs[pair]->name},
+         {"backend", resolved.colliders.of_muscle_pairs[pair].entry->name},
+         {"parameters", json_of(resolved.colliders.of_muscle_pairs[pair].parameters)},
          {"steps", resolved.scene.muscle_pairs[pair].response_steps.value_or(resolved.scene.response_steps)}});
   }
   return json;
@@ -214,9 +244,9 @@ std::string scene_hash(const Scene& scene) {
   if (scene.response_steps != default_projection_steps) {
     hash.add(fmt::format("{} steps of a response", scene.response_steps));
   }
-  for (std::size_t bone = 0; bone < scene.bone_contacts.size(); ++bone) {
-    if (const auto steps = scene.bone_contacts[bone].response_steps) {
-      hash.add(fmt::format("bone {} in {} steps", bone, *steps));
+  for (std::size_t pair = 0; pair < scene.bone_contacts.size(); ++pair) {
+    if (const auto steps = scene.bone_contacts[pair].response_steps) {
+      hash.add(fmt::format("bone {} in {} steps", pair, *steps));
     }
   }
   for (const SceneMusclePair& pair : scene.muscle_pairs) {

@@ -30,7 +30,7 @@ class PointMuscleDetector final : public MuscleContactDetector {
     for (int muscle = 0; muscle < static_cast<int>(m_bodies.size()); ++muscle) {
       const Body& body = m_bodies[static_cast<std::size_t>(muscle)];
       m_beside.push_back(muscles_beside(muscles.pairs, muscle));
-      m_structures.push_back(method.build(muscles.mesh, body));
+      m_structures.push_back(m_beside.back().empty() ? nullptr : method.build(muscles.mesh, body));
       m_most_beside = std::max(m_most_beside, m_beside.back().size());
       for (int node = body.first_node; node < body.last_node && !m_beside.back().empty(); ++node) {
         m_nodes.push_back(node);
@@ -42,7 +42,9 @@ class PointMuscleDetector final : public MuscleContactDetector {
   void detect(std::span<const Vec3> positions, std::vector<MuscleContact>& contacts) override {
     contacts.clear();
     m_positions = positions;
-    for (const auto& structure : m_structures) structure->update(positions, m_threads);
+    for (const auto& structure : m_structures) {
+      if (structure) structure->update(positions, m_threads);
+    }
     if (m_clearances) m_clearances->update(positions, m_threads);
     m_queried = m_clearances ? m_clearances->expired() : std::span<const int>(m_nodes);
     const std::size_t chunks = (m_queried.size() + chunk_size - 1) / chunk_size;
@@ -69,7 +71,9 @@ class PointMuscleDetector final : public MuscleContactDetector {
   [[nodiscard]] std::size_t structure_bytes() const override {
     std::size_t bytes = (m_nodes.capacity() + m_guesses.capacity()) * sizeof(int);
     if (m_clearances) bytes += m_clearances->bytes();
-    for (const auto& structure : m_structures) bytes += structure->bytes();
+    for (const auto& structure : m_structures) {
+      if (structure) bytes += structure->bytes();
+    }
     return bytes;
   }
 
@@ -140,7 +144,7 @@ class PointMuscleDetector final : public MuscleContactDetector {
   std::vector<PairTime> m_pair_times;
   std::vector<std::vector<int>> m_beside;  ///< by muscle: those that it touches, ascending
   std::size_t m_most_beside = 0;
-  std::vector<std::unique_ptr<DeformingStructure>> m_structures;  ///< by muscle
+  std::vector<std::unique_ptr<DeformingStructure>> m_structures;  ///< by muscle; none where it touches no other
   std::vector<int> m_nodes;                                       ///< of muscles that touch others
   std::optional<MovingClearances> m_clearances;
   std::vector<int> m_guesses;  ///< by node, then muscle beside: the triangle that was closest last

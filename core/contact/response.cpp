@@ -70,14 +70,27 @@ std::string_view lacks_for(ResponseKind kind, const Capabilities& capabilities) 
   return capabilities.has_step ? "" : "cells whose size is the step back";
 }
 
-Response::Response(std::vector<BoneResponse> of_bones) : m_of_bones(std::move(of_bones)) {
-  assert(!m_of_bones.empty());
-  if (std::ranges::all_of(m_of_bones, [&](const BoneResponse& each) { return each == m_of_bones.front(); })) {
-    m_of_bones.resize(1);
+Response::Response(std::vector<BoneResponse> of_pairs, std::vector<Body> muscles)
+    : m_of_pairs(std::move(of_pairs)), m_muscles(std::move(muscles)) {
+  assert(!m_of_pairs.empty());
+  if (std::ranges::all_of(m_of_pairs, [&](const BoneResponse& each) { return each == m_of_pairs.front(); })) {
+    m_of_pairs.resize(1);
   }
-  for (const BoneResponse& each : m_of_bones) {
+  for (const BoneResponse& each : m_of_pairs) {
     m_most_steps = std::max(m_most_steps, each.steps);
   }
+}
+
+const BoneResponse& Response::of(const Contact& contact) const {
+  if (m_of_pairs.size() == 1) {
+    return m_of_pairs.front();
+  }
+  const auto bone = static_cast<std::size_t>(contact.bone);
+  if (m_muscles.size() < 2) {
+    return m_of_pairs[bone];
+  }
+  const std::size_t bones = m_of_pairs.size() / m_muscles.size();
+  return m_of_pairs[body_of(m_muscles, contact.node) * bones + bone];
 }
 
 void Response::reserve(std::size_t nodes, std::size_t bones) {
@@ -88,11 +101,11 @@ void Response::reserve(std::size_t nodes, std::size_t bones) {
     m_joint_start.reserve(nodes);
     m_half_spaces.reserve(nodes * bones);
   }
-  if (m_of_bones.size() > 1) {
+  if (m_of_pairs.size() > 1) {
     m_backtracked.reserve(nodes * bones);
     m_projected.reserve(nodes * bones);
   }
-  if (std::ranges::any_of(m_of_bones, [](const BoneResponse& each) { return each.kind == ResponseKind::backtrack; })) {
+  if (std::ranges::any_of(m_of_pairs, [](const BoneResponse& each) { return each.kind == ResponseKind::backtrack; })) {
     m_trial.reserve(nodes);
     m_corrections.reserve(nodes * bones);
   }
@@ -102,15 +115,15 @@ void Response::resolve(CollisionBackend& backend, const ResponseInput& input, st
                        std::span<Vec3> predicted) {
   std::span<const Contact> projected = contacts;
   std::span<const Contact> backtracked;
-  if (m_of_bones.size() > 1) {
+  if (m_of_pairs.size() > 1) {
     m_projected.clear();
     m_backtracked.clear();
     for (const Contact& contact : contacts) {
-      (of(contact.bone).kind == ResponseKind::project ? m_projected : m_backtracked).push_back(contact);
+      (of(contact).kind == ResponseKind::project ? m_projected : m_backtracked).push_back(contact);
     }
     projected = m_projected;
     backtracked = m_backtracked;
-  } else if (m_of_bones.front().kind == ResponseKind::backtrack) {
+  } else if (m_of_pairs.front().kind == ResponseKind::backtrack) {
     std::swap(projected, backtracked);
   }
   // Backtracking first: it needs p, and projection adds depths that were detected there.
@@ -134,9 +147,9 @@ void Response::project(CollisionBackend& backend, std::span<const Contact> conta
   collect_nodes(contacts, m_nodes);
   for (int step = 1; step < m_most_steps; ++step) {
     backend.detect(predicted, m_nodes, m_contacts);
-    if (m_of_bones.size() > 1) {
+    if (m_of_pairs.size() > 1) {
       std::erase_if(m_contacts, [&](const Contact& contact) {
-        const BoneResponse& own = of(contact.bone);
+        const BoneResponse& own = of(contact);
         return own.kind != ResponseKind::project || own.steps <= step;
       });
     }
@@ -171,7 +184,7 @@ void Response::project_out_of_all(CollisionBackend& backend, std::span<const Con
       return;
     }
     backend.detect(predicted, m_nodes, m_contacts);
-    std::erase_if(m_contacts, [&](const Contact& contact) { return of(contact.bone).kind != ResponseKind::project; });
+    std::erase_if(m_contacts, [&](const Contact& contact) { return of(contact).kind != ResponseKind::project; });
     if (m_contacts.empty()) {
       return;
     }

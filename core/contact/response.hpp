@@ -8,6 +8,7 @@
 
 #include "core/contact/collision_backend.hpp"
 #include "core/contact/least_displacement.hpp"
+#include "core/mesh/body.hpp"
 
 namespace musclebench {
 
@@ -23,7 +24,7 @@ enum class ResponseKind {
 /// Detections, and corrections by them, of the response `project`.
 inline constexpr int default_projection_steps = 3;
 
-/// How nodes are moved out of one bone.
+/// How the nodes of a muscle are moved out of a bone.
 struct BoneResponse {
   ResponseKind kind = ResponseKind::project;
   int steps = default_projection_steps;  ///< of projecting, at most; >= 1
@@ -62,8 +63,9 @@ class Response {
   /// The same for all bones.
   Response(ResponseKind kind, int steps = default_projection_steps)  // NOLINT(google-explicit-constructor)
       : Response(std::vector{BoneResponse{kind, steps}}) {}
-  /// One a bone, or one for all.
-  explicit Response(std::vector<BoneResponse> of_bones);
+  /// One for all, one a bone, or, of several muscles, one a muscle and bone: those of the first muscle with all bones,
+  /// then those of the next.
+  explicit Response(std::vector<BoneResponse> of_pairs, std::vector<Body> muscles = {});
 
   /// From now on a node that is to be projected out of bones goes to the closest position outside the tangent planes of
   /// all that detections have met, instead of along the sum of their pushes; at most so many detections a step.
@@ -77,9 +79,7 @@ class Response {
                std::span<Vec3> predicted);
 
  private:
-  [[nodiscard]] const BoneResponse& of(int bone) const {
-    return m_of_bones.size() == 1 ? m_of_bones.front() : m_of_bones[static_cast<std::size_t>(bone)];
-  }
+  [[nodiscard]] const BoneResponse& of(const Contact& contact) const;
   void project(CollisionBackend& backend, std::span<const Contact> contacts, std::span<Vec3> predicted);
   void project_out_of_all(CollisionBackend& backend, std::span<const Contact> contacts, std::span<Vec3> predicted,
                           std::size_t bones);
@@ -90,11 +90,12 @@ class Response {
                            std::span<const Vec3> predicted);
   void keep_nodes_in_contact_with(int bone);
 
-  std::vector<BoneResponse> m_of_bones;
+  std::vector<BoneResponse> m_of_pairs;
+  std::vector<Body> m_muscles;
   int m_most_steps = 0;
   int m_joint_steps = 0;  ///< 0: pushes are added
   // Scratch memory, kept so that a frame allocates nothing.
-  std::vector<Contact> m_backtracked;  ///< contacts of bones of this kind, where bones differ
+  std::vector<Contact> m_backtracked;  ///< contacts of this kind, where pairs differ
   std::vector<Contact> m_projected;
   std::vector<Contact> m_contacts;
   std::vector<int> m_nodes;

@@ -75,7 +75,7 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
       prepared.effect_names.push_back(effect.name);
     }
   }
-  Response response(scene.responses(responses));
+  Response response(scene.responses(responses), bodies);
   for (const SceneEffect& effect : scene.effects) {
     if (const EffectEntry* entry = find_effect(effect.name); entry->set_response) {
       entry->set_response(response, effect.parameters);

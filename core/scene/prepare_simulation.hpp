@@ -22,9 +22,9 @@ struct PreparedSimulation {
 
 using MuscleContactDetectors = std::vector<std::unique_ptr<MuscleContactDetector>>;
 
-/// `scene` and `backend`, which is built over the scene's bones, outlive the simulation. `responses`: one for all
-/// bones, or one a bone. `muscle_detectors` see to all `muscle_pairs` of the scene. Throws std::invalid_argument where
-/// there are some and no detector: muscles would pass through each other in silence.
+/// `scene` and `backend`, which is built over the scene's bones, outlive the simulation. `responses`: one for all,
+/// or one a muscle and bone. `muscle_detectors` see to all `muscle_pairs` of the scene. Throws std::invalid_argument
+/// where there are some and no detector: muscles would pass through each other in silence.
 PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend,
                                       const std::vector<ResponseKind>& responses, int threads,
                                       MuscleContactDetectors muscle_detectors = {});

@@ -159,19 +159,6 @@ void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene
   }
 }
 
-int bone_index(const Scene& scene, const TomlTable& table) {
-  const std::string name = table.word("bone");
-  std::vector<std::string> known;
-  for (std::size_t i = 0; i < scene.bones.size(); ++i) {
-    if (scene.bones[i].name == name) {
-      return static_cast<int>(i);
-    }
-    known.push_back(scene.bones[i].name);
-  }
-  throw InputError(table.location("bone"), fmt::format("'{}' is not a bone of this scene; did you mean '{}'?", name,
-                                                       nearest_word(name, known)));
-}
-
 AttachmentArea read_area(const SceneRequest& request, const TomlTable& table) {
   AttachmentArea area;
   if (table.has("outline") == table.has("outline_m")) {
@@ -220,7 +207,7 @@ void read_attachments(const SceneRequest& request, const TomlTable& root, Scene&
     table.allow_only({"name", "bone", "muscle", "outline", "outline_m", "distance_m", "margin_m"});
     Attachment attachment;
     attachment.name = table.word("name");
-    attachment.bone = bone_index(scene, table);
+    attachment.bone = static_cast<int>(find_bone(scene, table.word("bone"), table.location("bone")));
     attachment.muscle = muscle_index(scene, table);
     attachment.area = read_area(request, table);
     const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
@@ -374,7 +361,7 @@ Scene read_scene(const SceneRequest& request) {
   require_one_pressure(scene, own_effects ? own_effects->location("local_volume") : request.file);
   read_bones(request, root, scene);
   read_muscles(request, root, scene);
-  read_muscle_pairs(root, contact, scene);
+  read_pairs(root, contact, scene);
   return scene;
 }
 

@@ -36,12 +36,12 @@ std::vector<BoundNode> Scene::bound_nodes() const {
 }
 
 std::vector<BoneResponse> Scene::responses(const std::vector<ResponseKind>& kinds) const {
-  std::vector<BoneResponse> responses(std::max<std::size_t>(bones.size(), 1), {kinds.front(), response_steps});
-  for (std::size_t bone = 0; bone < bone_contacts.size(); ++bone) {
-    responses[bone].steps = bone_contacts[bone].response_steps.value_or(response_steps);
+  std::vector<BoneResponse> responses(std::max<std::size_t>(bone_pairs(), 1), {kinds.front(), response_steps});
+  for (std::size_t pair = 0; pair < bone_contacts.size(); ++pair) {
+    responses[pair].steps = bone_contacts[pair].response_steps.value_or(response_steps);
   }
-  for (std::size_t bone = 0; bone < kinds.size(); ++bone) {
-    if (kinds.size() > 1) responses[bone].kind = kinds[bone];
+  for (std::size_t pair = 0; pair < kinds.size(); ++pair) {
+    if (kinds.size() > 1) responses[pair].kind = kinds[pair];
   }
   return responses;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
@@ -63,11 +64,12 @@ struct SceneMusclePair {
   std::optional<int> response_steps = {};  ///< nothing: those of `[contact]`
 };
 
-/// What a scene says of contact with one bone; empty: left open.
+/// What a scene says of contact between one muscle and one bone; empty: left open.
 struct SceneBoneContact {
   SceneBackend backend;
   std::optional<ResponseKind> response;
-  std::optional<int> response_steps;
+  std::string response_location = {};  ///< file, line and key, for messages
+  std::optional<int> response_steps = {};
 };
 
 /// A complete, checked description of what is simulated: all files read, all parameters known.
@@ -89,7 +91,7 @@ struct Scene {
   std::optional<ResponseKind> response;           ///< nothing: the backend's own
   int response_steps = default_projection_steps;  ///< of projecting, and of the corrections between muscles
   std::vector<SceneMusclePair> muscle_pairs;      ///< ascending; none: muscles pass through each other
-  std::vector<SceneBoneContact> bone_contacts;    ///< one a bone
+  std::vector<SceneBoneContact> bone_contacts;    ///< one a muscle and bone (bone_pair)
   /// What keeps the scene from being run, where its reader was told to go on all the same (SceneRequest).
   std::vector<std::string> obstacles;
 
@@ -99,7 +101,13 @@ struct Scene {
   [[nodiscard]] double angle_rad(double frame_position) const;
   /// Bound nodes of all attachments; a node that two areas claim belongs to the first.
   [[nodiscard]] std::vector<BoundNode> bound_nodes() const;
-  /// The response of each bone, given its kind: one for all bones, or one a bone.
+  /// Index of a muscle and a bone in tables that have an entry for each such pair: the first muscle with all bones,
+  /// then the next.
+  [[nodiscard]] std::size_t bone_pair(std::size_t muscle, std::size_t bone) const {
+    return muscle * bones.size() + bone;
+  }
+  [[nodiscard]] std::size_t bone_pairs() const { return std::max<std::size_t>(muscles.size(), 1) * bones.size(); }
+  /// The response of each muscle and bone, given its kind: one for all, or one a pair.
   [[nodiscard]] std::vector<BoneResponse> responses(const std::vector<ResponseKind>& kinds) const;
   /// Appends a muscle whose nodes are the vertices of `mesh`, in their order.
   Muscle& add_muscle(const std::string& name_of_muscle, const TriangleMesh& mesh);

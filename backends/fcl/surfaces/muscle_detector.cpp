@@ -23,6 +23,7 @@ class FclMuscleDetector final : public MuscleContactDetector {
         m_found(muscles.pairs.size()),
         m_pair_times(no_times(muscles.pairs)) {
     for (const Body& body : muscles.bodies) {
+      m_is_alone.push_back(muscles_beside(muscles.pairs, static_cast<int>(m_surfaces.size())).empty());
       MuscleSurface& surface = m_surfaces.emplace_back();
       surface.triangles =
           triangles_with_area(muscles.mesh, body.first_triangle, body.last_triangle, "fcl: contact between muscles");
@@ -45,6 +46,7 @@ class FclMuscleDetector final : public MuscleContactDetector {
     const auto bodies = static_cast<std::ptrdiff_t>(m_muscles.bodies.size());
 #pragma omp parallel for num_threads(m_threads) schedule(dynamic, 1)
     for (std::ptrdiff_t i = 0; i < bodies; ++i) {
+      if (m_is_alone[static_cast<std::size_t>(i)]) continue;
       const Body& body = m_muscles.bodies[static_cast<std::size_t>(i)];
       m_collider->update(static_cast<std::size_t>(i),
                          positions.subspan(static_cast<std::size_t>(body.first_node),
@@ -133,6 +135,7 @@ class FclMuscleDetector final : public MuscleContactDetector {
   [[maybe_unused]] int m_threads;
   MovingPseudoNormals m_normals;
   std::vector<MuscleSurface> m_surfaces;  ///< by muscle
+  std::vector<bool> m_is_alone;           ///< by muscle: touches no other
   std::unique_ptr<MuscleCollider> m_collider;
   std::vector<std::pair<MetTriangles, MetTriangles>> m_met;  ///< by pair, of its first and its second muscle
   std::vector<std::vector<MuscleContact>> m_found;           ///< by pair
@@ -148,6 +151,9 @@ std::unique_ptr<MuscleContactDetector> make_fcl_muscle_detector(const Parameters
     throw InputError("fcl: query",
                      "asks single nodes about a tree that never deforms; contact between muscles needs "
                      "query = surfaces");
+  }
+  if (options.broad_phase != FclOptions{}.broad_phase) {
+    throw InputError("fcl: manager", "finds the bones near a muscle; leave it out between muscles");
   }
   return std::make_unique<FclMuscleDetector>(options, muscles, threads);
 }

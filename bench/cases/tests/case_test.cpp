@@ -77,14 +77,15 @@ TEST(ChooseResponse, ABonesOwnComesFirst) {
   TwoBones two;
   EXPECT_EQ(two.chosen("sdf"), Kinds{ResponseKind::project});
   two.scene.bone_contacts[1].response = ResponseKind::backtrack;
+  two.scene.bone_contacts[1].response_location = "knee.toml:7: bone[2].response";
   EXPECT_EQ(two.chosen("sdf"), (Kinds{ResponseKind::project, ResponseKind::backtrack}));
   EXPECT_EQ(two.chosen("sdf", "backtrack"), Kinds{ResponseKind::backtrack});
-  EXPECT_NE(two.refusal("bvh").find("knee: bone[2].response: 'bvh' has no cells"), std::string::npos);
+  EXPECT_NE(two.refusal("bvh").find("knee.toml:7: bone[2].response: 'bvh' has no cells"), std::string::npos);
 }
 
 TEST(ChooseResponse, ABoneWithABackendOfItsOwnHasTheResponseOfThat) {
   TwoBones two;
-  two.colliders.of_bones = {std::nullopt, default_choice("voxel")};
+  two.colliders.with_bones = {std::nullopt, default_choice("voxel")};
   EXPECT_EQ(two.chosen("bvh"), (Kinds{ResponseKind::project, ResponseKind::backtrack}));
   EXPECT_EQ(two.chosen("voxel"), Kinds{ResponseKind::backtrack});
   EXPECT_NE(two.refusal("bvh", "backtrack").find("'bvh' has no cells"), std::string::npos);
@@ -125,7 +126,7 @@ TEST(RequireWhatEffectsNeed, WhatABackendOrAResponseLacksIsSaidWithACure) {
   EXPECT_EQ(refused("sdf", ResponseKind::backtrack),
             "knee: effects.margin: needs a response that moves nodes by their depths; take 'project'; or write `margin "
             "= false`");
-  knee.colliders.of_bones = {std::nullopt, default_choice("voxel")};
+  knee.colliders.with_bones = {std::nullopt, default_choice("voxel")};
   EXPECT_NE(refused("sdf", ResponseKind::project).find("'voxel' tells none"), std::string::npos);
 }
 

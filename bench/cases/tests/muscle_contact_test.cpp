@@ -112,6 +112,31 @@ TEST(MuscleContact, ExactBackendsFindWhatBruteForceFindsToTheBitWhileMusclesMove
   }
 }
 
+/// What is asked about two muscles of three pays for two.
+TEST(MuscleContact, AMuscleThatTouchesNoneHasNoTree) {
+  const Muscles muscles = three_muscles();
+  const auto bytes = [&](const std::vector<MusclePair>& pairs) {
+    return muscles.detector(find_backend("bvh"), pairs, 1, {{"clearance_cache", std::string("off")}})
+        ->structure_bytes();
+  };
+  EXPECT_LT(bytes({{0, 2}}), bytes({{0, 1}, {0, 2}}) * 2 / 3);
+  for (const BackendEntry* entry : followers()) {
+    const auto all = muscles.detector(*entry, all_pairs);
+    const auto some = muscles.detector(*entry, {{0, 2}});
+    std::vector<MuscleContact> of_all;
+    std::vector<MuscleContact> found;
+    for (const double time : {0.0, 0.1}) {
+      all->detect(moved(muscles, time), of_all);
+      some->detect(moved(muscles, time), found);
+      std::erase_if(of_all, [&](const MuscleContact& contact) {
+        return contact.muscle == 1 || muscles.bodies[1].has_node(contact.node);
+      });
+      ASSERT_GT(found.size(), 5U) << entry->name;
+      expect_same(found, of_all);
+    }
+  }
+}
+
 TEST(MuscleContact, EveryBackendFindsNoNodeThatIsFreeAndNoDepthBelowTheTruth) {
   const Muscles muscles = three_muscles();
   const auto truth = muscles.detector(find_backend("brute_force"), all_pairs);

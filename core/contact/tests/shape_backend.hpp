@@ -40,6 +40,9 @@ class ShapeBackend final : public CollisionBackend {
   [[nodiscard]] std::size_t structure_bytes() const override { return 0; }
   [[nodiscard]] double step_m(int bone) const override { return m_shapes[static_cast<std::size_t>(bone)].step_m; }
 
+  /// Of the muscles that it was built for.
+  [[nodiscard]] const TriangleMesh& surface() const { return muscle(); }
+
   /// The nodes of every detection, in the order of the calls.
   std::vector<std::vector<int>> queried;
   /// The positions of every detection.
