@@ -88,7 +88,7 @@ std::optional<Assessment> assess(const Scene& scene, const Configuration& config
   require_what_effects_need(scene, backend, parameters, responses, colliders);
   ReplayCase replay{{scene, backend, parameters, options.threads, 0, responses, colliders}};
   replay.band_m = options.band_m;
-  const int total = 2 * replayed_frames(replay, frames.header());
+  const int total = replayed_frames(replay, frames.header());
   const ReplayResult result = replay_case(replay, frames, [&](int done) { report(done, total); });
   if (result.status != "ok") {
     reason = result.status_detail;

@@ -33,6 +33,8 @@ std::vector<int> carriers_of(const Scene& scene, std::span<const BoundNode> boun
   return carriers;
 }
 
+}  // namespace
+
 JudgedMuscles judged_muscles_of(const Scene& scene) {
   JudgedMuscles judged{scene.bodies(), {}};
   std::vector<MusclePair> pairs;
@@ -42,8 +44,6 @@ JudgedMuscles judged_muscles_of(const Scene& scene) {
   }
   return judged;
 }
-
-}  // namespace
 
 CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_nodes, const Simulation& simulation,
                            int threads)

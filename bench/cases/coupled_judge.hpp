@@ -18,6 +18,9 @@
 
 namespace musclebench {
 
+/// Of the pairs of the scene that touch.
+JudgedMuscles judged_muscles_of(const Scene& scene);
+
 /// What the truth says of a coupled run, frame by frame: how deep muscles and bones are in each other, and muscles that
 /// touch in one another, which nodes went through a bone, which are held for nothing, how far a muscle is stretched.
 class CoupledJudge {

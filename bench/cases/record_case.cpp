@@ -11,18 +11,23 @@ namespace {
 /// Writes every collision step of the simulation that it watches.
 class StepWriter final : public CollisionObserver {
  public:
-  explicit StepWriter(RecordingWriter& writer) : m_writer(writer) {}
+  StepWriter(RecordingWriter& writer, bool muscle_contact) : m_writer(writer), m_muscle_contact(muscle_contact) {}
   /// Whether all positions so far could be written; the others have blown up.
   [[nodiscard]] bool complete() const { return m_complete; }
 
+  void before_stages(std::span<const Vec3> positions) override {
+    if (m_muscle_contact) m_muscle_positions.assign(positions.begin(), positions.end());
+  }
   void before_detection(const CollisionStep& step) override {
-    m_complete =
-        m_complete && m_writer.add_step(step.substep_start, step.previous_bone_poses, step.positions, step.bone_poses);
+    m_complete = m_complete && m_writer.add_step(step.substep_start, step.previous_bone_poses, step.positions,
+                                                 step.bone_poses, m_muscle_positions);
   }
   void after_detection(const CollisionStep& /*step*/, std::span<const Contact> /*contacts*/) override {}
 
  private:
   RecordingWriter& m_writer;
+  bool m_muscle_contact;
+  std::vector<Vec3> m_muscle_positions;
   bool m_complete = true;
 };
 
@@ -31,7 +36,7 @@ class StepWriter final : public CollisionObserver {
 std::string record_frames(Simulation& simulation, const Scene& scene, RecordingWriter& writer,
                           const std::function<void(int frames_done)>& report) {
   const Divergence divergence(scene);
-  StepWriter steps(writer);
+  StepWriter steps(writer, !scene.muscle_pairs.empty());
   for (int frame = 1; frame <= scene.loop.frames; ++frame) {
     simulation.step_frame(frame, &steps);
     std::string lost = divergence.describe(frame, simulation.positions());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "bench/cases/build_backend.hpp"
+#include "bench/cases/replayed_frames.hpp"
 #include "core/base/huge_pages.hpp"
 #include "core/base/sha256.hpp"
 
@@ -11,22 +12,6 @@ namespace musclebench {
 namespace {
 
 static_assert(sizeof(Contact) == 40, "the hash of a contact may not contain padding");
-
-std::optional<ErrorStatistics> statistics_of(const std::vector<double>& errors) {
-  return errors.empty() ? std::nullopt : std::optional(error_statistics(errors));
-}
-
-Accuracy accuracy_of(const AnswerErrors& errors) {
-  return {errors.contacts,
-          errors.true_contacts,
-          errors.missed_contacts,
-          errors.false_contacts,
-          static_cast<long>(errors.depth_errors_m.size()),
-          statistics_of(errors.depth_errors_m),
-          statistics_of(errors.normal_errors_deg),
-          errors.max_missed_depth_m,
-          errors.max_false_distance_m};
-}
 
 void add_step(Sha256& hash, std::span<const Contact> contacts) {
   const std::size_t count = contacts.size();
@@ -48,13 +33,21 @@ class Replayer {
     m_result.structures_loaded = m_backend->built_from_file();
     move_to_huge_pages();
 
+    const Nanoseconds start_ns = monotonic_now_ns();
     ask_twice();
+    if (replays_muscles(m_replay, m_recording.header())) {
+      m_result.muscles = replay_muscles(m_replay, m_recording, [&] { m_report(++m_frames_done); });
+      if (!m_result.muscles->deterministic) {
+        m_result.status = "nondeterministic";
+        m_result.status_detail = "the two passes over the same input did not get the same contacts between muscles";
+      }
+    }
+    m_result.wall_ns = monotonic_now_ns() - start_ns;
     return std::move(m_result);
   }
 
  private:
   void ask_twice() {
-    const Nanoseconds start_ns = monotonic_now_ns();
     m_result.machine.before = machine_load();
     m_result.contact_hash = timed_pass();
     m_result.machine.after = machine_load();
@@ -62,38 +55,21 @@ class Replayer {
       m_result.status = "nondeterministic";
       m_result.status_detail = "the two passes over the same input did not get the same contacts";
     }
-    m_result.wall_ns = monotonic_now_ns() - start_ns;
   }
 
-  [[nodiscard]] bool is_replayed(int frame) const {
-    return frame % m_replay.stride == 0 || frame == m_recording.header().frames();
-  }
-
-  /// Calls `look` with every frame that is replayed.
+  /// Calls `look` with every frame that is replayed. Backends with state between steps are first given the step before.
   template <typename Look>
   void for_each_frame(const Look& look) {
-    m_recording.rewind();
-    for (int frame = 1; frame <= m_recording.header().frames(); ++frame) {
-      m_recording.read(m_frame);
-      if (is_replayed(frame)) {
-        if (m_frame.lead_in) {
-          lead_in(*m_frame.lead_in);
-        }
-        look(m_frame);
-        m_report(++m_frames_done);
-      } else if (is_replayed(frame + 1)) {
-        lead_in(m_frame.steps.back());
+    const auto lead_in = [&](const RecordedStep& step) {
+      m_backend->update(step.bone_poses, step.positions);
+      if (m_backend->capabilities().has_cache) {
+        m_backend->detect(step.positions, m_recording.header().free_nodes, m_unused);
       }
-    }
-  }
-
-  /// Backends with state between steps are first given the preceding step. After a gap all safe spheres are new, so
-  /// fewer expire than in a run.
-  void lead_in(const RecordedStep& step) {
-    m_backend->update(step.bone_poses, step.positions);
-    if (m_backend->capabilities().has_cache) {
-      m_backend->detect(step.positions, m_recording.header().free_nodes, m_unused);
-    }
+    };
+    for_each_replayed_frame(m_recording, m_replay.stride, m_frame, lead_in, [&](const RecordedFrame& frame) {
+      look(frame);
+      m_report(++m_frames_done);
+    });
   }
 
   std::string timed_pass() {
@@ -180,7 +156,12 @@ class Replayer {
 }  // namespace
 
 int replayed_frames(const ReplayCase& replay, const RecordingHeader& header) {
-  return header.frames() / replay.stride + (header.frames() % replay.stride != 0 ? 1 : 0);
+  const int frames = header.frames() / replay.stride + (header.frames() % replay.stride != 0 ? 1 : 0);
+  return frames * (replay.judge ? 2 : 1) * (replays_muscles(replay, header) ? 2 : 1);
+}
+
+bool replays_muscles(const ReplayCase& replay, const RecordingHeader& header) {
+  return header.muscle_contact && !replay.colliders.of_muscle_pairs.empty();
 }
 
 ReplayResult replay_case(const ReplayCase& replay, FrameSource& recording, const std::function<void(int)>& report) {

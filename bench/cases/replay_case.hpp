@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "bench/cases/accuracy.hpp"
 #include "bench/cases/case.hpp"
+#include "bench/cases/muscle_replay.hpp"
 #include "core/base/machine_state.hpp"
-#include "core/measure/answer_error.hpp"
-#include "core/measure/depth_error.hpp"
 #include "core/recording/frame_source.hpp"
 
 namespace musclebench {
@@ -20,19 +20,6 @@ struct ReplayCase : Case {
   int stride = 1;                ///< every so many-th frame is replayed, and the last
   double band_m = 0.01;          ///< errors are measured so far from the surface (AnswerErrors)
   bool judge = true;             ///< whether the Referee judges every answer
-};
-
-/// Errors of a frame's answers, or of all, by the Referee.
-struct Accuracy {
-  long contacts = 0;
-  long true_contacts = 0;
-  long missed_contacts = 0;
-  long false_contacts = 0;
-  long measured_contacts = 0;
-  std::optional<ErrorStatistics> depth_error_m;     ///< nothing where no contact was measured
-  std::optional<ErrorStatistics> normal_error_deg;  ///< nothing where no normal was
-  double max_missed_depth_m = 0;
-  double max_false_distance_m = 0;
 };
 
 /// One replayed frame; times and counts are sums over its collision steps.
@@ -58,18 +45,23 @@ struct ReplayResult {
   std::optional<Accuracy> accuracy;  ///< over all frames
   std::string contact_hash;          ///< of all contacts of all steps, in their order, to the last bit
   std::size_t structure_bytes = 0;
-  bool structures_loaded = false;  ///< from a file; built otherwise
-  Nanoseconds build_ns = 0;        ///< building or loading
-  Nanoseconds wall_ns = 0;         ///< of both passes
-  MachineState machine;            ///< in the timed pass
+  bool structures_loaded = false;       ///< from a file; built otherwise
+  Nanoseconds build_ns = 0;             ///< building or loading
+  Nanoseconds wall_ns = 0;              ///< of all passes
+  MachineState machine;                 ///< in the timed pass
+  std::optional<MuscleReplay> muscles;  ///< nothing where none touch or the recording does not tell
 };
 
-/// How many frames are replayed.
+/// Whether contact between muscles is replayed, too.
+bool replays_muscles(const ReplayCase& replay, const RecordingHeader& header);
+
+/// How many frames are fed to backends, over all passes.
 int replayed_frames(const ReplayCase& replay, const RecordingHeader& header);
 
 /// Feeds the recording to the backend, twice: a timed pass, and one that is judged, where every step must get the same
 /// contacts. The response works on copies: its result is not fed back. `report` is called after each frame of each
-/// pass. Throws InputError when the backend's parameters do not fit the scene.
+/// pass. Throws InputError when the backend's parameters do not fit the scene. Where muscles touch what detects that is
+/// fed after that (replay_muscles), so that neither disturbs the other's caches.
 ///
 /// Frames are read one at a time, between the timed regions. With all of them in memory first, detection takes the same
 /// time, and the backtracking response 40 % longer than it should: the starts of the substeps, which the loop has just

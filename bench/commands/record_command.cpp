@@ -45,6 +45,7 @@ RecordingHeader header_of(const Case& resolved, const SceneOptions& options, std
   header.build = build_info().git;
   header.nodes = static_cast<int>(scene.muscle_mesh.vertices.size());
   header.muscles = static_cast<int>(scene.muscles.size());
+  header.muscle_contact = !scene.muscle_pairs.empty();
   header.bones = static_cast<int>(scene.bones.size());
   header.substeps = scene.loop.substeps;
   header.iterations = scene.loop.iterations;

@@ -29,6 +29,7 @@ struct ReplayOptions {
   int stride = 1;
   int repetition = 0;
   bool progress_lines = false;
+  bool bones_only = false;
   bool unjudged = false;
   bool force = false;
 };
@@ -75,6 +76,21 @@ void print_accuracy(const Accuracy& accuracy, double band_m) {
   }
 }
 
+void print_muscles(const ReplayCase& replay, const MuscleReplay& muscles) {
+  for (std::size_t pair = 0; pair < replay.scene.muscle_pairs.size(); ++pair) {
+    std::vector<Nanoseconds> detect_ns;
+    for (const MuscleReplayRecord& record : muscles.records) {
+      if (!record.warm_up) detect_ns.push_back(record.pairs[pair].detect_ns);
+    }
+    const auto& [first, second] = replay.scene.muscle_pairs[pair].muscles;
+    fmt::print("  {} and {} by {}\n", replay.scene.muscles[static_cast<std::size_t>(first)].body.name,
+               replay.scene.muscles[static_cast<std::size_t>(second)].body.name,
+               replay.colliders.of_muscle_pairs[pair].entry->name);
+    fmt::print("  detection a frame, median     {}\n", median_ms(std::move(detect_ns)));
+    if (!muscles.accuracy.empty()) print_accuracy(muscles.accuracy[pair], replay.band_m);
+  }
+}
+
 void print_summary(const ReplayCase& replay, const ReplayResult& result, const std::string& out) {
   std::vector<Nanoseconds> collision_ns;
   for (const ReplayRecord& record : result.records) {
@@ -93,6 +109,7 @@ void print_summary(const ReplayCase& replay, const ReplayResult& result, const s
   if (result.accuracy) {
     print_accuracy(*result.accuracy, replay.band_m);
   }
+  if (result.muscles) print_muscles(replay, *result.muscles);
   fmt::print("  contact hash                  {}\n  written to {}\n", result.contact_hash, out);
 }
 
@@ -101,10 +118,9 @@ ReplayResult replay_and_write(const ReplayCase& replay, RecordingReader& recordi
   std::optional<EndAtOnce> until_written(std::in_place);
   ReplayResult result;
   {
-    const int passes = replay.judge ? 2 : 1;
     Progress progress(progress_style(options.progress_lines),
                       fmt::format("replay {} {}", replay.scene.name, replay.backend.name),
-                      passes * replayed_frames(replay, recording.header()));
+                      replayed_frames(replay, recording.header()));
     result = replay_case(replay, recording, [&](int done) { progress.show(done); });
   }
   const HeldSignals held;
@@ -120,7 +136,13 @@ int replay(const ReplayOptions& options) {
   const Scene scene = scene_of(recording.header(), options);
   require_same_scene(scene, recording.header(), options.recording);
 
-  const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
+  ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
+  if (options.bones_only) colliders.of_muscle_pairs.clear();
+  if (!colliders.of_muscle_pairs.empty() && !recording.header().muscle_contact) {
+    throw InputError(options.recording,
+                     "does not hold what contact between muscles is asked about; record it again, or "
+                     "replay contact with bones alone (--bones-only)");
+  }
   const std::vector<ResponseKind> responses =
       choose_responses(options.backend.response, scene, backend, parameters, colliders);
   ReplayCase replay{{scene, backend, parameters, options.backend.threads, options.repetition, responses, colliders},
@@ -169,6 +191,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0, 1000000));
   command->add_option("--out", options->out, "Result folder (default: reports/out/runs/raw/<run id>)");
   command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
+  command->add_flag("--bones-only", options->bones_only, "Leave out contact between muscles");
   command->add_flag("--no-referee", options->unjudged, "Time only: missed and false contacts and errors stay empty");
   command->add_flag("--force", options->force, "Replay even when the result is complete already");
   command->callback([options, &exit_code] { exit_code = replay(*options); });

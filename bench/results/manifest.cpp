@@ -130,6 +130,11 @@ void add_nodes_and_fibres(Sha256& hash, const Scene& scene) {
 
 }  // namespace
 
+Json names_of(const Scene& scene, const MusclePair& pair) {
+  return {scene.muscles[static_cast<std::size_t>(pair.first)].body.name,
+          scene.muscles[static_cast<std::size_t>(pair.second)].body.name};
+}
+
 std::string text_of(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
@@ -159,12 +164,8 @@ Json json_of_case(const Case& resolved, std::string_view mode) {
                : Json();
   });
   for (std::size_t pair = 0; pair < resolved.colliders.of_muscle_pairs.size(); ++pair) {
-    const auto& [first, second] = resolved.scene.muscle_pairs[pair].muscles;
-    const auto name_of_muscle = [&](int index) {
-      return resolved.scene.muscles[static_cast<std::size_t>(index)].body.name;
-    };
     json["muscle_contact"].push_back(
-        {{"muscles", {name_of_muscle(first), name_of_muscle(second)}},
+        {{"muscles", names_of(resolved.scene, resolved.scene.muscle_pairs[pair].muscles)},
          {"backend", resolved.colliders.of_muscle_pairs[pair].entry->name},
          {"parameters", json_of(resolved.colliders.of_muscle_pairs[pair].parameters)},
          {"steps", resolved.scene.muscle_pairs[pair].response_steps.value_or(resolved.scene.response_steps)}});

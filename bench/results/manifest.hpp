@@ -21,6 +21,9 @@ inline constexpr int oldest_readable_schema = 1;
 /// Names that are no UTF-8 are written with replacement characters. `indent` < 0: on one line.
 std::string text_of(const Json& json, int indent = -1);
 
+/// Of two muscles.
+Json names_of(const Scene& scene, const MusclePair& pair);
+
 /// Scene, backend, response, parameters, threads, effects and loop. `mode` is how it was measured: coupled, replay,
 /// probe.
 Json json_of_case(const Case& resolved, std::string_view mode);

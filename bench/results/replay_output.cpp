@@ -1,6 +1,8 @@
 #include "bench/results/replay_output.hpp"
 
+#include <algorithm>
 #include <array>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -31,20 +33,30 @@ void add_statistics(Json& json, const std::optional<ErrorStatistics>& errors, st
   json[fmt::format("mean_{}", what)] = figure(&ErrorStatistics::mean);
 }
 
-Json json_of(const std::optional<Accuracy>& accuracy) {
-  if (!accuracy) {
-    return nullptr;
-  }
-  Json json = {{"contacts", accuracy->contacts},
-               {"true_contacts", accuracy->true_contacts},
-               {"missed_contacts", accuracy->missed_contacts},
-               {"false_contacts", accuracy->false_contacts},
-               {"measured_contacts", accuracy->measured_contacts}};
-  add_statistics(json, accuracy->depth_error_m, "depth_error_m");
-  add_statistics(json, accuracy->normal_error_deg, "normal_error_deg");
-  json["max_missed_depth_m"] = accuracy->max_missed_depth_m;
-  json["max_false_distance_m"] = accuracy->max_false_distance_m;
+Json json_of(const Accuracy& accuracy) {
+  Json json = {{"contacts", accuracy.contacts},
+               {"true_contacts", accuracy.true_contacts},
+               {"missed_contacts", accuracy.missed_contacts},
+               {"false_contacts", accuracy.false_contacts},
+               {"measured_contacts", accuracy.measured_contacts}};
+  add_statistics(json, accuracy.depth_error_m, "depth_error_m");
+  add_statistics(json, accuracy.normal_error_deg, "normal_error_deg");
+  json["max_missed_depth_m"] = accuracy.max_missed_depth_m;
+  json["max_false_distance_m"] = accuracy.max_false_distance_m;
   return json;
+}
+
+/// What was found between muscles; zero and empty where nothing was asked.
+void add_muscles(Json& json, const ReplayCase& replay, const std::optional<MuscleReplay>& muscles) {
+  json["muscle_structure_bytes"] = muscles ? muscles->structure_bytes : 0;
+  json["muscle_build_ns"] = muscles ? muscles->build_ns : 0;
+  json["muscle_contact_hash"] = muscles ? Json(muscles->contact_hash) : Json(nullptr);
+  json["muscle_accuracy"] = Json::array();
+  for (std::size_t pair = 0; muscles && pair < muscles->accuracy.size(); ++pair) {
+    Json own = {{"muscles", names_of(replay.scene, replay.scene.muscle_pairs[pair].muscles)}};
+    own.update(json_of(muscles->accuracy[pair]));
+    json["muscle_accuracy"].push_back(own);
+  }
 }
 
 Json manifest(const ReplayCase& replay, const ReplayResult& result, const RecordingHeader& header,
@@ -63,43 +75,39 @@ Json manifest(const ReplayCase& replay, const ReplayResult& result, const Record
   json["structure_bytes"] = result.structure_bytes;
   json["structures"] = result.structures_loaded ? "loaded" : "built";
   json["build_ns"] = result.build_ns;
-  json["accuracy"] = json_of(result.accuracy);
+  json["accuracy"] = result.accuracy ? json_of(*result.accuracy) : Json(nullptr);
   json["contact_hash"] = result.contact_hash;
+  add_muscles(json, replay, result.muscles);
   json["wall_ns"] = result.wall_ns;
   json["frames"] = result.records.size();
   return json;
 }
-
-using Record = ReplayRecord;
 
 template <typename Value>
 std::string text(Value value) {
   return fmt::format("{}", value);
 }
 
+const std::optional<Accuracy>& accuracy_in(const ReplayRecord& record) { return record.accuracy; }
+const std::optional<Accuracy>& accuracy_in(const PairReplayRow& row) { return row.pair.accuracy; }
+
 /// Empty where the Referee did not look.
 template <auto member>
-std::string figure(const Record& record) {
-  return record.accuracy ? text(*record.accuracy.*member) : "";
-}
+constexpr auto figure = [](const auto& row) {
+  const std::optional<Accuracy>& accuracy = accuracy_in(row);
+  return accuracy ? text(*accuracy.*member) : std::string();
+};
 
 /// Empty where nothing was measured, either.
 template <auto errors, auto member>
-std::string statistic(const Record& record) {
-  if (!record.accuracy || !((*record.accuracy).*errors)) return "";
-  return text(*((*record.accuracy).*errors).*member);
-}
+constexpr auto statistic = [](const auto& row) {
+  const std::optional<Accuracy>& accuracy = accuracy_in(row);
+  return accuracy && (*accuracy).*errors ? text(*((*accuracy).*errors).*member) : std::string();
+};
 
-constexpr auto columns_of_replay = std::to_array<Column<ReplayRecord>>({
-    {{"frame", "", "of the recording, 1 for the first"}, [](const Record& r) { return text(r.frame); }},
-    {{"angle_deg", "deg", "of the bone that turns most"}, [](const Record& r) { return text(r.angle_deg); }},
-    {{"warm_up", "", "1: left out of medians"}, [](const Record& r) { return text(r.warm_up ? 1 : 0); }},
-    {{"iterations", "", "collision steps of the frame"}, [](const Record& r) { return text(r.iterations); }},
-    {{"update_ns", "ns", "the backend is told poses and positions; sum over the steps"},
-     [](const Record& r) { return text(r.update_ns); }},
-    {{"detect_ns", "ns", "detection; sum over the steps"}, [](const Record& r) { return text(r.detect_ns); }},
-    {{"respond_ns", "ns", "the response; sum over the steps"}, [](const Record& r) { return text(r.respond_ns); }},
-    {{"contacts", "", "answered; sum over the steps"}, [](const Record& r) { return text(r.contacts); }},
+/// What the Referee tells of a row.
+template <typename Row>
+constexpr auto columns_of_accuracy = std::to_array<Column<Row>>({
     {{"true_contacts", "", "by the Referee"}, figure<&Accuracy::true_contacts>},
     {{"missed_contacts", "", "true ones that were not answered"}, figure<&Accuracy::missed_contacts>},
     {{"false_contacts", "", "answered ones that are not true"}, figure<&Accuracy::false_contacts>},
@@ -115,13 +123,82 @@ constexpr auto columns_of_replay = std::to_array<Column<ReplayRecord>>({
     {{"p99_normal_error_deg", "deg", "99th percentile of it"},
      statistic<&Accuracy::normal_error_deg, &ErrorStatistics::p99>},
     {{"mean_normal_error_deg", "deg", "mean of it"}, statistic<&Accuracy::normal_error_deg, &ErrorStatistics::mean>},
-    {{"involuntary_switches", "", "times that the scheduler gave the CPU to others while the frame was timed"},
-     [](const Record& r) { return text(r.involuntary_switches); }},
 });
+
+template <typename Row, std::size_t... sizes>
+constexpr auto joined(const std::array<Column<Row>, sizes>&... parts) {
+  std::array<Column<Row>, (sizes + ...)> all{};
+  auto next = all.begin();
+  ((next = std::copy(parts.begin(), parts.end(), next)), ...);
+  return all;
+}
+
+constexpr auto columns_of_replay = joined(
+    std::to_array<Column<ReplayRecord>>({
+        {{"frame", "", "of the recording, 1 for the first"}, [](const ReplayRecord& r) { return text(r.frame); }},
+        {{"angle_deg", "deg", "of the bone that turns most"}, [](const ReplayRecord& r) { return text(r.angle_deg); }},
+        {{"warm_up", "", "1: left out of medians"}, [](const ReplayRecord& r) { return text(r.warm_up ? 1 : 0); }},
+        {{"iterations", "", "collision steps of the frame"}, [](const ReplayRecord& r) { return text(r.iterations); }},
+        {{"update_ns", "ns", "the backend is told poses and positions; sum over the steps"},
+         [](const ReplayRecord& r) { return text(r.update_ns); }},
+        {{"detect_ns", "ns", "detection; sum over the steps"}, [](const ReplayRecord& r) { return text(r.detect_ns); }},
+        {{"respond_ns", "ns", "the response; sum over the steps"},
+         [](const ReplayRecord& r) { return text(r.respond_ns); }},
+        {{"contacts", "", "answered; sum over the steps"}, [](const ReplayRecord& r) { return text(r.contacts); }},
+    }),
+    columns_of_accuracy<ReplayRecord>,
+    std::to_array<Column<ReplayRecord>>({
+        {{"involuntary_switches", "", "times that the scheduler gave the CPU to others while the frame was timed"},
+         [](const ReplayRecord& r) { return text(r.involuntary_switches); }},
+    }));
+
+constexpr auto columns_of_pairs = joined(
+    std::to_array<Column<PairReplayRow>>({
+        {{"frame", "", "of the recording, 1 for the first"},
+         [](const PairReplayRow& r) { return text(r.frame.frame); }},
+        {{"angle_deg", "deg", "of the bone that turns most"},
+         [](const PairReplayRow& r) { return text(r.frame.angle_deg); }},
+        {{"warm_up", "", "1: left out of medians"},
+         [](const PairReplayRow& r) { return text(r.frame.warm_up ? 1 : 0); }},
+        {{"iterations", "", "collision steps of the frame"},
+         [](const PairReplayRow& r) { return text(r.frame.iterations); }},
+        {{"muscle", "", "its name"}, [](const PairReplayRow& r) { return r.muscle; }},
+        {{"other", "", "the muscle that it touches"}, [](const PairReplayRow& r) { return r.other; }},
+        {{"backend", "", "that detects it"}, [](const PairReplayRow& r) { return r.pair.backend; }},
+        {{"detect_ns", "ns", "asking the nodes of the pair; sum over the steps and over threads"},
+         [](const PairReplayRow& r) { return text(r.pair.detect_ns); }},
+        {{"backend_ns", "ns",
+          "detection by that backend of all of its pairs, with following their surfaces; sum over the steps"},
+         [](const PairReplayRow& r) { return text(r.pair.backend_ns); }},
+        {{"contacts", "", "nodes of either in the other, answered; sum over the steps"},
+         [](const PairReplayRow& r) { return text(r.pair.contacts); }},
+    }),
+    columns_of_accuracy<PairReplayRow>,
+    std::to_array<Column<PairReplayRow>>({
+        {{"involuntary_switches", "", "times that the scheduler gave the CPU to others while the frame was timed"},
+         [](const PairReplayRow& r) { return text(r.frame.involuntary_switches); }},
+    }));
+
+void write_pairs(const fs::path& file, const Scene& scene, const MuscleReplay& muscles) {
+  const auto name_of = [&](int muscle) -> const std::string& {
+    return scene.muscles[static_cast<std::size_t>(muscle)].body.name;
+  };
+  std::vector<PairReplayRow> rows;
+  for (const MuscleReplayRecord& frame : muscles.records) {
+    for (const PairReplay& pair : frame.pairs) {
+      rows.push_back({frame, name_of(pair.muscles.first), name_of(pair.muscles.second), pair});
+    }
+  }
+  OutputFile table(file);
+  write_table(table.stream(), replay_pair_columns(), std::span<const PairReplayRow>(rows));
+  table.close();
+}
 
 }  // namespace
 
 std::span<const Column<ReplayRecord>> replay_columns() { return columns_of_replay; }
+
+std::span<const Column<PairReplayRow>> replay_pair_columns() { return columns_of_pairs; }
 
 std::string replay_id(const ReplayCase& replay) { return id_of(json_of_replay(replay), replay.scene); }
 
@@ -131,6 +208,7 @@ void write_replay(const fs::path& folder, const ReplayCase& replay, const Replay
     OutputFile frames(part / "frames.csv");
     write_table(frames.stream(), replay_columns(), std::span<const ReplayRecord>(result.records));
     frames.close();
+    if (result.muscles) write_pairs(part / "pairs.csv", replay.scene, *result.muscles);
     OutputFile json(part / "run.json");
     json.stream() << text_of(manifest(replay, result, header, recording), 2) << '\n';
     json.close();

@@ -75,6 +75,13 @@ std::optional<std::int64_t> integer_at(const Json& json, const char* key) {
   return json.at(key).get<std::int64_t>();
 }
 
+/// Of a list; 0 for none.
+std::int64_t length_at(const Json& json, const char* key) {
+  return json.is_object() && json.contains(key) && json.at(key).is_array()
+             ? static_cast<std::int64_t>(json.at(key).size())
+             : 0;
+}
+
 /// The rows of a table that end as lines do, and the first cell of the last of them.
 struct WrittenRows {
   std::int64_t count = 0;
@@ -94,17 +101,25 @@ WrittenRows rows_in(const fs::path& table) {
   return rows;
 }
 
-/// Whether a table has the rows that its run.json tells of: a full disk or a copy that was stopped may have cut it.
+/// Whether tables have the rows that run.json tells of: a full disk or a copy that was stopped may have cut it.
 bool has_all_rows(const Json& manifest, const fs::path& table) {
   constexpr std::int64_t rows_of_a_probed_bone = 3;  // smooth, sharp and all
-  const WrittenRows rows = rows_in(table);
   if (manifest.contains("probed")) {
-    return rows.count == rows_of_a_probed_bone * static_cast<std::int64_t>(manifest.at("probed").size());
+    return rows_in(table).count == rows_of_a_probed_bone * static_cast<std::int64_t>(manifest.at("probed").size());
   }
   const auto frames = integer_at(manifest, "frames");
   // A replay may leave frames of its recording out, but never the last.
-  const auto last_frame = manifest.contains("recording") ? integer_at(manifest.at("recording"), "frames") : frames;
-  return frames && last_frame && rows.count == *frames && (*frames == 0 || rows.last == std::to_string(*last_frame));
+  const bool is_replay = manifest.contains("recording");
+  const auto last_frame = is_replay ? integer_at(manifest.at("recording"), "frames") : frames;
+  const auto is_whole = [&](const fs::path& file, std::int64_t rows_of_a_frame) {
+    const WrittenRows rows = rows_in(file);
+    return rows.count == rows_of_a_frame * *frames && (*frames == 0 || rows.last == std::to_string(*last_frame));
+  };
+  const std::int64_t muscles = is_replay ? 0 : length_at(manifest, "muscles");
+  const std::int64_t pairs = length_at(manifest.contains("case") ? manifest.at("case") : Json(), "muscle_contact");
+  return frames && last_frame && is_whole(table, 1) &&
+         (muscles == 0 || is_whole(table.parent_path() / "muscles.csv", muscles)) &&
+         (pairs == 0 || is_whole(table.parent_path() / "pairs.csv", pairs));
 }
 
 /// A folder is replaced only when it is empty or holds a run and nothing else.

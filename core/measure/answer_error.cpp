@@ -22,28 +22,26 @@ void add_normal_error(const Contact& contact, const Vec3& true_normal, AnswerErr
   }
 }
 
-void add_answered(const JudgedAnswer& answer, const Contact& contact, double signed_distance_m, const Vec3& true_normal,
+void add_answered(bool depths_known, const Contact& contact, double signed_distance_m, const Vec3& true_normal,
                   double band_m, AnswerErrors& errors) {
   if (std::abs(signed_distance_m) <= band_m) {
-    errors.depth_errors_m.push_back(depth_error_m(signed_distance_m, &contact, answer.depths_known));
+    errors.depth_errors_m.push_back(depth_error_m(signed_distance_m, &contact, depths_known));
     add_normal_error(contact, true_normal, errors);
   }
 }
 
-void add_false(const Referee& referee, const JudgedAnswer& answer, const Contact& contact, double band_m,
+void add_false(const SurfaceDistance& surface, bool depths_known, const Contact& contact, double band_m,
                AnswerErrors& errors) {
-  const RigidMotion& pose = answer.bone_poses[contact.bone];
-  const SurfaceDistance surface = referee.closest(contact.bone, pose.apply_inverse(answer.positions[contact.node]));
   ++errors.false_contacts;
   errors.max_false_distance_m = std::max(errors.max_false_distance_m, surface.signed_distance_m);
-  add_answered(answer, contact, surface.signed_distance_m, pose.apply_to_direction(surface.normal), band_m, errors);
+  add_answered(depths_known, contact, surface.signed_distance_m, surface.normal, band_m, errors);
 }
 
-void add_missed(const JudgedAnswer& answer, const Contact& real, double band_m, AnswerErrors& errors) {
+void add_missed(bool depths_known, const Contact& real, double band_m, AnswerErrors& errors) {
   ++errors.missed_contacts;
   errors.max_missed_depth_m = std::max(errors.max_missed_depth_m, real.depth_m);
   if (real.depth_m <= band_m) {
-    errors.depth_errors_m.push_back(depth_error_m(-real.depth_m, nullptr, answer.depths_known));
+    errors.depth_errors_m.push_back(depth_error_m(-real.depth_m, nullptr, depths_known));
   }
 }
 
@@ -62,25 +60,36 @@ void AnswerErrors::add(const AnswerErrors& other) {
   append(other.normal_errors_deg, normal_errors_deg);
 }
 
-void measure_answer(const Referee& referee, const JudgedAnswer& answer, std::span<const Contact> truth, double band_m,
-                    AnswerErrors& errors) {
-  errors.contacts += static_cast<long>(answer.contacts.size());
+void measure_answer(const TrueSurface& surface_at, std::span<const Contact> answered, bool depths_known,
+                    std::span<const Contact> truth, double band_m, AnswerErrors& errors) {
+  errors.contacts += static_cast<long>(answered.size());
   errors.true_contacts += static_cast<long>(truth.size());
   auto real = truth.begin();
-  for (const Contact& contact : answer.contacts) {
+  for (const Contact& contact : answered) {
     for (; real != truth.end() && key_of(*real) < key_of(contact); ++real) {
-      add_missed(answer, *real, band_m, errors);
+      add_missed(depths_known, *real, band_m, errors);
     }
     if (real != truth.end() && key_of(*real) == key_of(contact)) {
-      add_answered(answer, contact, -real->depth_m, real->normal, band_m, errors);
+      add_answered(depths_known, contact, -real->depth_m, real->normal, band_m, errors);
       ++real;
     } else {
-      add_false(referee, answer, contact, band_m, errors);
+      add_false(surface_at(contact), depths_known, contact, band_m, errors);
     }
   }
   for (; real != truth.end(); ++real) {
-    add_missed(answer, *real, band_m, errors);
+    add_missed(depths_known, *real, band_m, errors);
   }
+}
+
+void measure_answer(const Referee& referee, const JudgedAnswer& answer, std::span<const Contact> truth, double band_m,
+                    AnswerErrors& errors) {
+  const auto surface_at = [&](const Contact& contact) {
+    const RigidMotion& pose = answer.bone_poses[contact.bone];
+    SurfaceDistance surface = referee.closest(contact.bone, pose.apply_inverse(answer.positions[contact.node]));
+    surface.normal = pose.apply_to_direction(surface.normal);
+    return surface;
+  };
+  measure_answer(surface_at, answer.contacts, answer.depths_known, truth, band_m, errors);
 }
 
 }  // namespace musclebench

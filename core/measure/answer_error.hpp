@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -32,10 +33,18 @@ struct JudgedAnswer {
   bool depths_known = true;           ///< Capabilities::depth of the backend
 };
 
-/// Compares the answer with `truth`, the Referee's of the same nodes, and adds to `errors`.
+/// The truth about the node of a contact and the surface that the contact is with: the normal is in the world frame.
+using TrueSurface = std::function<SurfaceDistance(const Contact& contact)>;
+
+/// Compares the answer, ordered by `Contact::bone`, then node, with `truth`, the Referee's of the same nodes in the
+/// same order, and adds to `errors`. `surface_at` is asked where a contact is not true.
 ///
 /// Measured are true and answered contacts not farther than `band_m` from the surface, inside or outside: their error
 /// is depth_error_m. The normal error is the angle between the answered normal and the Referee's.
+void measure_answer(const TrueSurface& surface_at, std::span<const Contact> answered, bool depths_known,
+                    std::span<const Contact> truth, double band_m, AnswerErrors& errors);
+
+/// The same of rigid bones.
 void measure_answer(const Referee& referee, const JudgedAnswer& answer, std::span<const Contact> truth, double band_m,
                     AnswerErrors& errors);
 

@@ -167,6 +167,10 @@ void Simulation::run_stages(StageMoment moment, std::span<const Contact> contact
 }
 
 void Simulation::collide(bool last_of_frame, CollisionObserver* observer) {
+  if (observer != nullptr) {
+    const ScopedTimer timer(m_times.recording_ns);
+    observer->before_stages(m_predicted);
+  }
   run_stages(&ContactStage::before_bones, {});
   const CollisionStep step{m_positions, m_previous_poses, m_predicted, m_poses, last_of_frame};
   if (observer != nullptr) {

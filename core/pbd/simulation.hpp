@@ -61,6 +61,8 @@ class CollisionObserver {
   CollisionObserver& operator=(const CollisionObserver&) = delete;
   virtual ~CollisionObserver() = default;
 
+  /// Before any contact stage has moved a node: p of the step, after the constraints.
+  virtual void before_stages(std::span<const Vec3> /*positions*/) {}
   virtual void before_detection(const CollisionStep& step) = 0;
   /// The same step, before the response moves any node.
   virtual void after_detection(const CollisionStep& step, std::span<const Contact> contacts) = 0;

@@ -28,6 +28,7 @@ struct RecordingHeader {
   std::string build;         ///< of the program that recorded
   int nodes = 0;             ///< of all muscles
   int muscles = 1;
+  bool muscle_contact = false;  ///< muscles touch: steps have `muscle_positions`
   int bones = 0;
   int substeps = 0;
   int iterations = 0;              ///< a substep
@@ -45,6 +46,8 @@ struct RecordedStep {
   std::vector<RigidMotion> previous_bone_poses;  ///< the poses that x was computed with
   std::vector<Vec3> positions;                   ///< p, which a backend is asked about
   std::vector<RigidMotion> bone_poses;
+  /// What contact between muscles is asked about: before any contact stage has moved a node; empty where none touch.
+  std::vector<Vec3> muscle_positions = {};
 };
 
 /// What identifies a recording on the disk.

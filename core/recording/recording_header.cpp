@@ -53,6 +53,7 @@ RecordingHeader header_of(const Json& json) {
   header.build = json.at("build");
   header.nodes = count_of(json.at("nodes"));
   header.muscles = json.contains("muscles") ? count_of(json.at("muscles")) : 1;  // once there was only one
+  header.muscle_contact = json.contains("muscle_contact") && json.at("muscle_contact").get<bool>();
   header.bones = count_of(json.at("bones"));
   header.substeps = count_of(json.at("substeps"));
   header.iterations = count_of(json.at("iterations"));
@@ -87,22 +88,23 @@ std::string text_of(const RecordingHeader& header) {
   for (const auto& [name, value] : header.loop_overrides) {
     std::visit([&, &key = name](const auto& v) { overrides[key] = v; }, value);
   }
-  const Json json = {{"scene", header.scene},
-                     {"scene_source", header.scene_source},
-                     {"preset", header.preset},
-                     {"loop_overrides", overrides},
-                     {"scene_sha256", header.scene_sha256},
-                     {"backend", header.backend},
-                     {"build", header.build},
-                     {"nodes", header.nodes},
-                     {"muscles", header.muscles},
-                     {"bones", header.bones},
-                     {"frames", header.frames()},
-                     {"substeps", header.substeps},
-                     {"iterations", header.iterations},
-                     {"rounding_m", header.rounding_m},
-                     {"angles_deg", header.angles_deg},
-                     {"free_nodes", header.free_nodes}};
+  Json json = {{"scene", header.scene},
+               {"scene_source", header.scene_source},
+               {"preset", header.preset},
+               {"loop_overrides", overrides},
+               {"scene_sha256", header.scene_sha256},
+               {"backend", header.backend},
+               {"build", header.build},
+               {"nodes", header.nodes},
+               {"muscles", header.muscles},
+               {"bones", header.bones},
+               {"frames", header.frames()},
+               {"substeps", header.substeps},
+               {"iterations", header.iterations},
+               {"rounding_m", header.rounding_m},
+               {"angles_deg", header.angles_deg},
+               {"free_nodes", header.free_nodes}};
+  if (header.muscle_contact) json["muscle_contact"] = true;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -25,9 +25,9 @@ Number number_of(std::string_view bytes) {
   return number;
 }
 
-/// What the steps of a frame take unpacked, generously: two poses a bone, two positions a node.
+/// What the steps of a frame take unpacked, generously: two poses a bone, three positions a node.
 double most_bytes_of_a_frame(const RecordingHeader& header) {
-  const double a_step = 64 + 2.0 * sizeof(RigidMotion) * header.bones + 2.0 * sizeof(Vec3) * header.nodes;
+  const double a_step = 64 + 2.0 * sizeof(RigidMotion) * header.bones + 3.0 * sizeof(Vec3) * header.nodes;
   return a_step * header.steps_per_frame();
 }
 

@@ -78,8 +78,9 @@ RecordingWriter::~RecordingWriter() {
 }
 
 bool RecordingWriter::add_step(std::span<const Vec3> substep_start, std::span<const RigidMotion> previous_bone_poses,
-                               std::span<const Vec3> positions, std::span<const RigidMotion> bone_poses) {
-  if (!m_encoder.encode(substep_start, previous_bone_poses, positions, bone_poses, m_frame)) {
+                               std::span<const Vec3> positions, std::span<const RigidMotion> bone_poses,
+                               std::span<const Vec3> muscle_positions) {
+  if (!m_encoder.encode(substep_start, previous_bone_poses, positions, bone_poses, m_frame, muscle_positions)) {
     return false;
   }
   if (++m_steps == m_steps_per_frame) {

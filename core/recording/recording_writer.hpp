@@ -23,9 +23,10 @@ class RecordingWriter {
   RecordingWriter& operator=(const RecordingWriter&) = delete;
   ~RecordingWriter();
 
-  /// False when the positions cannot be rounded (StepEncoder::encode).
+  /// `muscle_positions`: where muscles touch. False when positions cannot be rounded (StepEncoder::encode).
   bool add_step(std::span<const Vec3> substep_start, std::span<const RigidMotion> previous_bone_poses,
-                std::span<const Vec3> positions, std::span<const RigidMotion> bone_poses);
+                std::span<const Vec3> positions, std::span<const RigidMotion> bone_poses,
+                std::span<const Vec3> muscle_positions = {});
 
   /// After all steps of all frames: seals the file and gives it its name.
   RecordingFile finish();

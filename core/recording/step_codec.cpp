@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <cstring>
 
@@ -139,12 +140,18 @@ void StepPredictor::advance(const Coordinates& from, const Coordinates& position
 StepEncoder::StepEncoder(const RecordingHeader& header)
     : m_steps_per_m(1 / header.rounding_m),
       m_iterations(header.iterations),
+      m_muscle_contact(header.muscle_contact),
       m_predictor(coordinates_of(header), header.iterations) {}
 
 bool StepEncoder::encode(std::span<const Vec3> substep_start, std::span<const RigidMotion> previous_bone_poses,
-                         std::span<const Vec3> positions, std::span<const RigidMotion> bone_poses, std::string& bytes) {
+                         std::span<const Vec3> positions, std::span<const RigidMotion> bone_poses, std::string& bytes,
+                         std::span<const Vec3> muscle_positions) {
   const bool new_substep = m_steps % m_iterations == 0;
   if (!round(positions, m_positions) || (new_substep && !round(substep_start, m_start))) {
+    return false;
+  }
+  assert(muscle_positions.size() == (m_muscle_contact ? positions.size() : 0));
+  if (m_muscle_contact && !round(muscle_positions, m_muscle_positions)) {
     return false;
   }
   if (new_substep) {
@@ -157,6 +164,7 @@ bool StepEncoder::encode(std::span<const Vec3> substep_start, std::span<const Ri
   bytes += static_cast<char>(order);
   m_predictor.predict(from, order, m_predicted);
   put_differences(m_positions, m_predicted, bytes);
+  if (m_muscle_contact) put_differences(m_muscle_positions, m_positions, bytes);  // most nodes are in no other muscle
   m_predictor.advance(from, m_positions);
   ++m_steps;
   return true;
@@ -198,6 +206,7 @@ int StepEncoder::best_order(const Coordinates& from, const Coordinates& position
 StepDecoder::StepDecoder(const RecordingHeader& header)
     : m_rounding_m(header.rounding_m),
       m_iterations(header.iterations),
+      m_muscle_contact(header.muscle_contact),
       m_bones(static_cast<std::size_t>(header.bones)),
       m_predictor(coordinates_of(header), header.iterations) {}
 
@@ -213,13 +222,15 @@ bool StepDecoder::decode(std::string_view& bytes, RecordedStep& step) {
     return false;
   }
   m_predictor.predict(from, order, m_predicted);
-  if (!take_differences(bytes, m_predicted, m_positions)) {
+  if (!take_differences(bytes, m_predicted, m_positions) ||
+      (m_muscle_contact && !take_differences(bytes, m_positions, m_muscle_positions))) {
     return false;
   }
   m_predictor.advance(from, m_positions);
   ++m_steps;
   to_metres(m_start, step.substep_start);
   to_metres(m_positions, step.positions);
+  to_metres(m_muscle_positions, step.muscle_positions);
   step.previous_bone_poses = m_previous_poses;
   step.bone_poses = m_poses;
   return true;

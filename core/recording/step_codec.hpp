@@ -45,10 +45,11 @@ class StepEncoder {
  public:
   explicit StepEncoder(const RecordingHeader& header);
 
-  /// Appends the next step to `bytes`. False, with nothing appended, when a position is not finite or too far away to
-  /// be rounded (2^52 rounding steps).
+  /// Appends the next step to `bytes`; `muscle_positions` (of all nodes) where the header has muscles that touch.
+  /// False, with nothing appended, when a position is not finite or too far away to be rounded (2^52 rounding steps).
   bool encode(std::span<const Vec3> substep_start, std::span<const RigidMotion> previous_bone_poses,
-              std::span<const Vec3> positions, std::span<const RigidMotion> bone_poses, std::string& bytes);
+              std::span<const Vec3> positions, std::span<const RigidMotion> bone_poses, std::string& bytes,
+              std::span<const Vec3> muscle_positions = {});
 
  private:
   bool round(std::span<const Vec3> points, StepPredictor::Coordinates& rounded) const;
@@ -56,12 +57,14 @@ class StepEncoder {
 
   double m_steps_per_m;
   int m_iterations;
+  bool m_muscle_contact;
   long m_steps = 0;
   StepPredictor m_predictor;
   // Scratch memory.
   StepPredictor::Coordinates m_start;
   StepPredictor::Coordinates m_positions;
   StepPredictor::Coordinates m_predicted;
+  StepPredictor::Coordinates m_muscle_positions;
 };
 
 /// Inverse of `StepEncoder`.
@@ -77,12 +80,14 @@ class StepDecoder {
 
   double m_rounding_m;
   int m_iterations;
+  bool m_muscle_contact;
   std::size_t m_bones;
   long m_steps = 0;
   StepPredictor m_predictor;
   StepPredictor::Coordinates m_start;
   StepPredictor::Coordinates m_positions;
   StepPredictor::Coordinates m_predicted;
+  StepPredictor::Coordinates m_muscle_positions;
   std::vector<RigidMotion> m_previous_poses;
   std::vector<RigidMotion> m_poses;
 };

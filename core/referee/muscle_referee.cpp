@@ -57,4 +57,18 @@ void MuscleReferee::judge(std::span<const Vec3> positions, std::vector<Contact>&
   }
 }
 
+SurfaceDistance MuscleReferee::distance(int muscle, const Vec3& point_m) const {
+  const Surface& surface = m_surfaces[static_cast<std::size_t>(muscle)];
+  const Vec3 point = point_m - surface.tree.centre_m();
+  const ClosestSurfacePoint closest = surface.tree.closest(point);
+  const double distance_m = std::sqrt(closest.squared_distance_m2);
+  const bool is_inside = surface.tree.winding_number(point) > 0.5;
+  SurfaceDistance found{is_inside ? -distance_m : distance_m, closest.point_m + surface.tree.centre_m(),
+                        surface.tree.face_normal(closest.slot)};
+  if (distance_m > surface.touching_m) {
+    found.normal = (is_inside ? 1 : -1) * (closest.point_m - point) / distance_m;
+  }
+  return found;
+}
+
 }  // namespace musclebench

@@ -5,6 +5,7 @@
 
 #include "core/contact/contact.hpp"
 #include "core/mesh/body.hpp"
+#include "core/referee/referee.hpp"
 #include "core/referee/referee_tree.hpp"
 
 namespace musclebench {
@@ -27,6 +28,10 @@ class MuscleReferee {
   /// closer to its surface than `touching_distance_m`, into `truth`, which is overwritten: ordered by node, then by the
   /// other muscle, whose index stands in `Contact::bone`.
   void judge(std::span<const Vec3> positions, std::vector<Contact>& truth);
+
+  /// Of a point (world frame, m) and a muscle as it was at the last call of `judge`; the closest point and the normal
+  /// in the world frame, too.
+  [[nodiscard]] SurfaceDistance distance(int muscle, const Vec3& point_m) const;
 
   /// Of the last call, in the unit of RefereeTree.
   [[nodiscard]] long last_work() const { return m_work; }

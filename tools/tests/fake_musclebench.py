@@ -36,6 +36,7 @@ def parse_arguments():
     parser.add_argument("--self-intersections", action="store_true")
     parser.add_argument("--progress", action="store_true")
     parser.add_argument("--no-referee", action="store_true")
+    parser.add_argument("--bones-only", action="store_true")
     return parser.parse_args()
 
 

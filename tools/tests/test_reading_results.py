@@ -38,8 +38,14 @@ def test_no_column_is_left_out(results, kind):
     assert columns_of(results, kind) - words - {"frame", "muscle"} == set()
 
 
+def test_what_a_replay_tells_of_pairs_beside_what_it_tells_of_frames_is_named(results):
+    words = set(re.findall(r"`([^`]+)`", PAGE.read_text()))
+    own = columns_of(results, "replay_pairs") - columns_of(results, "replay")
+    assert own and own - words == set()
+
+
 def test_readme_names_columns_that_are_there(results):
-    every = set().union(*(columns_of(results, kind) for kind in ("run", "replay", "probe", "muscles", "pairs")))
+    every = set().union(*(columns_of(results, kind) for kind in ("run", "replay", "replay_pairs", "probe", "muscles", "pairs")))
     units = ("_ns", "_m", "_m3", "_deg", "_bytes")
     named = {word for word in re.findall(r"`([a-z0-9_]+)`", (PROJECT / "README.md").read_text()) if word.endswith(units)}
     keys = {key["name"].split(".")[-1] for keys in results["run_json"].values() for key in keys}

@@ -10,6 +10,7 @@ import pytest
 
 import accuracy
 from ball_on_box import write_scene_of_two
+from musclebench.results.damage import damage
 from program import PROGRAM, call, needs_program
 
 pytestmark = needs_program
@@ -66,6 +67,45 @@ def test_a_recording_of_two_muscles_is_replayed_by_every_backend(scene, recordin
             assert told["missed_contacts"] == told["false_contacts"] == 0 < told["true_contacts"]
 
 
+def test_what_detects_between_muscles_is_replayed_on_equal_inputs(recording, tmp_path):
+    backends = json.loads(call("list", "--json").stdout)["backends"]
+    able = [one["name"] for one in backends if one["muscle_contact"]]
+    told = {}
+    for name in able:
+        done = call("replay", recording, "--backend", "null", "--for", f"muscles={name}", "--out", tmp_path / name)
+        assert done.returncode == 0, f"{name}: {done.stderr}"
+        assert f"ball and other by {name}" in done.stdout
+        rows = pd.read_csv(tmp_path / name / "pairs.csv")
+        assert len(rows) == FRAMES and (rows["backend"] == name).all() and (rows["detect_ns"] > 0).all()
+        assert (rows["true_contacts"] > 0).any() and (rows["false_contacts"] == 0).all()
+        told[name] = json.loads((tmp_path / name / "run.json").read_text())
+        accuracy_of_pair = told[name]["muscle_accuracy"][0]
+        assert accuracy_of_pair["muscles"] == ["ball", "other"]
+        if name != "fcl":  # which measures to the closest of the triangles that cut
+            assert accuracy_of_pair["missed_contacts"] == 0 and accuracy_of_pair["max_depth_error_m"] < 1e-12
+    assert told["bvh"]["muscle_contact_hash"] == told["brute_force"]["muscle_contact_hash"]
+
+
+def test_a_replay_of_bones_only_asks_nothing_between_muscles(recording, tmp_path):
+    done = call("replay", recording, "--backend", "bvh", "--bones-only", "--out", tmp_path / "bones")
+    assert done.returncode == 0, done.stderr
+    assert not (tmp_path / "bones" / "pairs.csv").exists()
+    assert json.loads((tmp_path / "bones" / "run.json").read_text())["muscle_accuracy"] == []
+
+
+@pytest.mark.parametrize("command, table", [("run", "muscles.csv"), ("run", "pairs.csv"), ("replay", "pairs.csv")])
+def test_a_result_with_a_cut_table_is_not_complete(scene, recording, tmp_path, command, table):
+    out = tmp_path / "out"
+    what = [recording] if command == "replay" else [scene, "--frames", FRAMES]
+    assert call(command, *what, "--backend", "bvh", "--out", out).returncode == 0
+    assert "complete already" in call(command, *what, "--backend", "bvh", "--out", out).stdout
+    lines = (out / table).read_text().splitlines(keepends=True)
+    (out / table).write_text("".join(lines[:-1]))
+    assert damage(out).startswith(table)
+    assert "complete already" not in call(command, *what, "--backend", "bvh", "--out", out).stdout
+    assert damage(out) == "" and (out / table).read_text().count("\n") == len(lines)
+
+
 def run_tool(name: str, scene: Path, out: Path, *arguments: str) -> str:
     done = subprocess.run([sys.executable, TOOLS / f"{name}.py", "--musclebench", PROGRAM, "--scene", scene, "--out", out,
                            *arguments], capture_output=True, text=True, timeout=400, check=False)
@@ -82,3 +122,15 @@ def test_paper_takes_a_scene_of_two_muscles(scene, tmp_path):
     run_tool("paper", scene, tmp_path / "out", "--frames-limit", "4", "--jobs", "1")
     depths = pd.read_csv(next((tmp_path / "out").glob("**/table_4_depths.csv")))
     assert set(depths["muscle"]) == {"ball", "other"}
+
+
+def test_accuracy_takes_a_scene_of_two_muscles(scene, tmp_path):
+    run_tool("accuracy", scene, tmp_path / "out", "--quick", "--frames-limit", "4", "--jobs", "1")
+    cases = pd.read_csv(tmp_path / "out" / "accuracy.csv")
+    measured = cases[cases["status"].isin(["ok", "suspect"])]
+    assert {"replay", "coupled"} <= set(measured["mode"]) and {"bvh", "sdf", "voxel"} <= set(measured["backend"])
+
+
+def test_speed_takes_a_scene_of_two_muscles(scene, tmp_path):
+    micro = Path(PROGRAM).parent / "micro" / "musclebench_micro"
+    run_tool("speed", scene, tmp_path / "out", "--quick", "--micro", str(micro))

@@ -93,6 +93,25 @@ class Recording : public testing::Test {
   RecordingHeader m_header;
 };
 
+/// Such files are what they were before recordings told what contact between muscles is asked about.
+TEST_F(Recording, OfMusclesThatTouchNoneIsTheSameToTheByte) {
+  StepEncoder encoder(m_header);
+  std::string bytes = text_of(m_header);
+  const std::vector<RigidMotion> at_rest(1);
+  for (int step = 0; step < 8; ++step) {
+    std::vector<Vec3> start;
+    std::vector<Vec3> positions;
+    for (int node = 0; node < m_header.nodes; ++node) {
+      start.push_back(position(step / 2 * 2, node));
+      positions.push_back(position(step + 1, node));
+    }
+    ASSERT_TRUE(encoder.encode(start, at_rest, positions, at_rest, bytes));
+  }
+  Sha256 hash;
+  hash.add(bytes);
+  EXPECT_EQ(hash.hex_digest(), "9e435bfc4cd93f7f2b897e6087c3bc5910d7ca0523dceac5b526719d446ccc3f");
+}
+
 TEST_F(Recording, ReadsBackTheHeader) {
   const RecordingFile written = write();
   const RecordingReader reader(m_file);

@@ -35,7 +35,8 @@ RecordedStep random_step(std::mt19937& random, int nodes, double size_m) {
 }
 
 bool encode(StepEncoder& encoder, const RecordedStep& step, std::string& bytes) {
-  return encoder.encode(step.substep_start, step.previous_bone_poses, step.positions, step.bone_poses, bytes);
+  return encoder.encode(step.substep_start, step.previous_bone_poses, step.positions, step.bone_poses, bytes,
+                        step.muscle_positions);
 }
 
 Vec3 rounded(const Vec3& point, double rounding_m) {
@@ -95,6 +96,30 @@ TEST_P(StepCodec, GivesTheRoundedPositionsAndTheVeryPoses) {
 // 17 iterations are more than the predictor looks back; 1e5 m need more than four bytes a coordinate.
 INSTANTIATE_TEST_SUITE_P(IterationsAndSizes, StepCodec,
                          testing::Combine(testing::Values(1, 3, 17), testing::Values(0.0, 1e-9, 0.5, 1e5)));
+
+TEST(StepEncoder, GivesWhatContactBetweenMusclesIsAskedAbout) {
+  RecordingHeader header = header_for(11, 2);
+  header.muscle_contact = true;
+  StepEncoder encoder(header);
+  StepDecoder decoder(header);
+  for (RecordedStep step : random_steps(header.nodes, 2, 0.5)) {
+    step.muscle_positions = step.positions;
+    step.muscle_positions[3] += Vec3(1e-3, -2e-3, 0);
+    std::string bytes;
+    ASSERT_TRUE(encode(encoder, step, bytes));
+    RecordedStep decoded;
+    std::string_view cut = std::string_view(bytes).substr(0, bytes.size() - 1);
+    EXPECT_FALSE(StepDecoder(decoder).decode(cut, decoded));
+    std::string_view rest = bytes;
+    ASSERT_TRUE(decoder.decode(rest, decoded));
+    EXPECT_TRUE(rest.empty());
+    expect_same(step, decoded, header.rounding_m);
+    ASSERT_EQ(decoded.muscle_positions.size(), step.muscle_positions.size());
+    for (std::size_t i = 0; i < step.muscle_positions.size(); ++i) {
+      EXPECT_EQ(decoded.muscle_positions[i], rounded(step.muscle_positions[i], header.rounding_m));
+    }
+  }
+}
 
 TEST(StepEncoder, EvenMotionCostsNothingButItsPoses) {
   const RecordingHeader header = header_for(1000, 1);

@@ -23,13 +23,33 @@ def damage(folder: Path) -> str:
     expected = _expected_rows(told)
     if table is None or told["status"] not in MEASURED or expected is None:
         return ""
-    rows, last = _complete_rows(folder / table)
-    if rows != expected:
-        return f"{table} has {rows} of {expected} rows"
     last_frame = _last_frame(told)
-    if rows > 0 and last_frame is not None and last != str(last_frame):
-        return f"{table} ends with frame {last}, not {last_frame}"
+    for name, rows_of_a_frame in {table: 1, **_tables_of_muscles(told)}.items():
+        fault = _damage_of_table(folder / name, expected * rows_of_a_frame, last_frame)
+        if fault:
+            return fault
     return ""
+
+
+def _damage_of_table(table: Path, expected: int, last_frame: int | None) -> str:
+    rows, last = _complete_rows(table)
+    if rows != expected:
+        return f"{table.name} has {rows} of {expected} rows"
+    if rows > 0 and last_frame is not None and last != str(last_frame):
+        return f"{table.name} ends with frame {last}, not {last_frame}"
+    return ""
+
+
+def _tables_of_muscles(told: dict) -> dict[str, int]:
+    """{table: rows a frame}, where there are several muscles."""
+    mode = told["case"].get("mode", "coupled")
+    muscles, pairs = told.get("muscles"), told["case"].get("muscle_contact")
+    tables = {}
+    if mode == "coupled" and isinstance(muscles, list):
+        tables["muscles.csv"] = len(muscles)
+    if mode in ("coupled", "replay") and isinstance(pairs, list):
+        tables["pairs.csv"] = len(pairs)
+    return tables
 
 
 def _expected_rows(told: dict) -> int | None:

@@ -169,6 +169,7 @@ class ReplayCase(MeasuredCase):
     def arguments(self, folders: Folders) -> list[str]:
         return ["replay", str(folders.out_dir / self.recording.file), *self.backend_arguments(folders),
                 *self.scene.data_arguments(folders), "--stride", str(self.stride), "--band-mm", f"{self.band_mm:g}",
+                "--bones-only",
                 *self.repetition_arguments()]
 
 
