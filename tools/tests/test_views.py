@@ -36,15 +36,24 @@ def test_the_muscle_is_seen_before_its_bones_and_in_its_whole_length(joint):
 
 def test_the_overview_holds_every_shape(joint):
     shapes = np.repeat(np.array([[0.1, 0.2, 0.2], [0.12, 0.1, 0.1], [0.08, 0.3, -0.1]]), 50, axis=0)
-    view = views.overview(joint, views.side_of_muscle(joint, MUSCLE, BONES), shapes)
+    view = views.overview(joint, views.side_of_muscle(joint, MUSCLE, BONES), [shapes])
     assert np.abs((shapes - view.focus_m) @ view.up).max() < view.half_height_m
     assert view.up @ view.towards_eye == pytest.approx(0, abs=1e-12)
 
 
+def test_the_overview_holds_a_small_muscle_at_the_moment_when_it_is_far_out(joint):
+    small = MUSCLE[:100] + [0.0, -0.3, 0.0]
+    shapes = [MUSCLE] * 20 + [small]
+    view = views.overview(joint, views.side_of_muscle(joint, MUSCLE, BONES), shapes)
+    right = np.cross(view.up, view.towards_eye)
+    for along in (right, view.up):
+        assert np.abs((small - view.focus_m) @ along).max() < view.half_height_m
+
+
 def test_a_node_that_flies_off_does_not_shrink_the_picture(joint):
     lost, eye = np.vstack([MUSCLE, [[50.0, 50.0, 50.0]]]), views.side_of_muscle(joint, MUSCLE, BONES)
-    assert views.overview(joint, eye, lost).half_height_m == pytest.approx(
-        views.overview(joint, eye, MUSCLE).half_height_m, rel=0.02)
+    assert views.overview(joint, eye, [lost]).half_height_m == pytest.approx(
+        views.overview(joint, eye, [MUSCLE]).half_height_m, rel=0.02)
 
 
 def test_the_cut_keeps_the_muscle_and_takes_the_side_with_more_bone(joint):

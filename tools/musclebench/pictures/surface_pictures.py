@@ -66,7 +66,7 @@ class Studio:
         joint = _joint(run, self.bones, shapes[0])
         all_bones_m = np.vstack([bone.vertices_m for bone in self.bones.values()])
         eye = views.side_of_muscle(joint, shapes[0], all_bones_m)
-        self._overview = views.overview(joint, eye, np.vstack(shapes))
+        self._overview = views.overview(joint, eye, [part for shape in shapes for part in shapes_of_muscles(run, shape)])
         self._close_up = views.close_up(joint, eye, shapes[0])
         self._cut = views.cut_beside(joint, shapes[0], all_bones_m)
         self._scene.cut_bones(self._cut)
@@ -108,6 +108,12 @@ class Studio:
             self._scene.pose_bone(name, rotation, translation_m)
         self._scene.clear_muscle()
         self._scene.add_muscle(snapshot.mesh.vertices_m, snapshot.mesh.triangles, colours, opacity)
+
+
+def shapes_of_muscles(run: Run, vertices_m: np.ndarray) -> list[np.ndarray]:
+    """Of all muscles' vertices those of each."""
+    counts = [muscle["vertices"] for muscle in run.record.get("muscles", [])]
+    return np.split(vertices_m, np.cumsum(counts)[:-1]) if counts else [vertices_m]
 
 
 def depth_colours(depth_mm: np.ndarray, deepest_mm: float) -> np.ndarray:

@@ -59,12 +59,13 @@ def side_of_muscle(joint: JointDirections, muscle_m: np.ndarray, bones_m: np.nda
     return eye / np.linalg.norm(eye)
 
 
-def overview(joint: JointDirections, eye: np.ndarray, shapes_m: np.ndarray) -> View:
-    """The whole muscle in all the given shapes (n, 3); what few nodes lie far away do not make it small."""
+def overview(joint: JointDirections, eye: np.ndarray, shapes_m: list[np.ndarray]) -> View:
+    """The whole of every shape (n, 3), one a muscle and moment; what few nodes of one lie far away do not make it small."""
     right, up = _picture_axes(eye, joint.up)
     focus, spans = joint.centre_m, []
     for direction in (right, up):
-        along = np.append(percentile(shapes_m @ direction, [0.5, 99.5]), joint.centre_m @ direction)
+        along = np.append([percentile(shape_m @ direction, [0.5, 99.5]) for shape_m in shapes_m],
+                          joint.centre_m @ direction)
         focus = focus + direction * ((along.max() + along.min()) / 2 - focus @ direction)
         spans.append(along.max() - along.min())
     return View(focus, eye, up, OVERVIEW_MARGIN * max(spans) / 2)
