@@ -4,8 +4,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "bench/cases/collider_backends.hpp"
 #include "bench/cases/scene_source.hpp"
 #include "bench/commands/commands.hpp"
+#include "core/base/input_error.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
 #include "core/referee/referee.hpp"
@@ -60,6 +62,18 @@ void print_muscle(const Scene& scene, const Muscle& muscle) {
   }
 }
 
+/// What keeps the scene from being run: what its reader noted, and a backend that it names and that this build has not
+/// or that can't do what it is named for.
+std::vector<std::string> obstacles_of(const Scene& scene) {
+  std::vector<std::string> obstacles = scene.obstacles;
+  try {
+    (void)choose_collider_backends({}, scene, exact_backend());
+  } catch (const InputError& error) {
+    obstacles.emplace_back(error.what());
+  }
+  return obstacles;
+}
+
 void check_scene(const SceneChoice& choice) {
   const Scene scene = load_scene(choice);
   fmt::print("scene {}: {} (preset {})\n", scene.name, scene.title, scene.preset.empty() ? "none" : scene.preset);
@@ -82,13 +96,14 @@ void check_scene(const SceneChoice& choice) {
                scene.bones[attachment.bone].name);
   }
   const std::vector<std::string> warnings = scene_warnings(scene);
-  for (const std::string& obstacle : scene.obstacles) {
+  const std::vector<std::string> obstacles = obstacles_of(scene);
+  for (const std::string& obstacle : obstacles) {
     fmt::print("can't be run: {}\n", obstacle);
   }
   for (const std::string& warning : warnings) {
     fmt::print("warning: {}\n", warning);
   }
-  if (warnings.empty() && scene.obstacles.empty()) {
+  if (warnings.empty() && obstacles.empty()) {
     fmt::print("no warnings\n");
   }
   for (const std::string& line : scene_advice(scene)) {

@@ -11,7 +11,7 @@ import pytest
 import accuracy
 from ball_on_box import write_scene_of_two
 from musclebench.results.damage import damage
-from program import PROGRAM, call, needs_program
+from program import PROGRAM, call, complaint, needs_program
 
 pytestmark = needs_program
 FRAMES = 10
@@ -104,6 +104,32 @@ def test_a_result_with_a_cut_table_is_not_complete(scene, recording, tmp_path, c
     assert damage(out).startswith(table)
     assert "complete already" not in call(command, *what, "--backend", "bvh", "--out", out).stdout
     assert damage(out) == "" and (out / table).read_text().count("\n") == len(lines)
+
+
+@pytest.mark.parametrize("pair, words", [
+    ('muscles = ["ball", "other"]\nbackend = "sdf"', ["pair[1].backend", "can't follow a surface that deforms"]),
+    ('muscle = "ball"\nbone = "box"\nbackend = "sfd"', ["pair[1].backend", "did you mean 'sdf'"]),
+    ('muscle = "ball"\nbone = "bax"\nsteps = 2', ["pair[1].bone", "did you mean 'box'"]),
+])
+def test_a_pair_that_cannot_be_is_told_in_one_line(scene, tmp_path, pair, words):
+    wrong = scene.with_name("wrong.toml")
+    wrong.write_text(f"{scene.read_text()}\n[[pair]]\n{pair}\n")
+    done = call("run", wrong, "--backend", "bvh", "--out", tmp_path / "out")
+    told = complaint(done)
+    assert done.returncode == 2 and len(told.splitlines()) == 1 and not (tmp_path / "out").exists()
+    assert all(word in told for word in ["wrong.toml:", *words])
+    checked = call("check", wrong)
+    assert all(word in checked.stdout + checked.stderr for word in words)
+
+
+def test_a_backend_of_a_muscle_and_a_bone_stands_in_the_record(scene, tmp_path):
+    done = call("run", scene, "--backend", "bvh", "--for", "ball/box=sdf:cells=16", "--frames", "3", "--no-referee",
+                "--out", tmp_path / "run")
+    assert done.returncode == 0, done.stderr
+    told = json.loads((tmp_path / "run" / "run.json").read_text())
+    assert list(told["case"]["bone_backends"]) == ["ball/box"]
+    assert told["case"]["bone_backends"]["ball/box"]["parameters"]["cells"] == 16
+    assert [error["bone"] for error in told["structure_errors"]] == ["box"]
 
 
 def run_tool(name: str, scene: Path, out: Path, *arguments: str) -> str:
