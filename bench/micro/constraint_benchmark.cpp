@@ -9,7 +9,6 @@
 #include <hwy/targets.h>
 
 #include "bench/cases/collider_backends.hpp"
-#include "bench/cases/scene_source.hpp"
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
 #include "bench/micro/published_constraints.hpp"
@@ -153,7 +152,7 @@ void time_frames(benchmark::State& state, Loop& loop, int motion_frames) {
 
 /// `threads` 0: the scalar loop.
 void run_loop(benchmark::State& state, const std::string& preset, const std::string& name, int threads) {
-  Scene scene = load_scene({micro_scene().name, preset, "", {}});
+  Scene scene = load_micro_scene(preset);
   scene.muscle_pairs.clear();  // the scalar loop has no contact between muscles
   const BackendEntry& entry = find_backend(name);
   const auto backend = built_backend(name, run_settings(name), scene.bones, scene.muscle_mesh, std::max(threads, 1));
@@ -179,7 +178,7 @@ void register_loops(const std::string& backend, const std::string& preset, int t
 
 /// Frames of a scene whose muscles touch each other, with its own preset.
 void run_muscles(benchmark::State& state, const std::string& name, int threads) {
-  const Scene scene = load_scene({micro_scene().name, "", "", {}});
+  const Scene scene = load_micro_scene("");
   if (scene.muscle_pairs.empty()) {
     state.SkipWithError("needs a scene whose muscles touch each other");
     return;

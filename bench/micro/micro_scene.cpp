@@ -9,11 +9,13 @@
 namespace musclebench {
 
 const Scene& micro_scene() {
-  static const Scene loaded = [] {
-    const char* name = std::getenv("MUSCLEBENCH_MICRO_SCENE");
-    return load_scene({name != nullptr ? name : "synthetic/iliacus", "", "", {}});
-  }();
+  static const Scene loaded = load_micro_scene("");
   return loaded;
+}
+
+Scene load_micro_scene(const std::string& preset) {
+  const char* source = std::getenv("MUSCLEBENCH_MICRO_SCENE");
+  return load_scene({source != nullptr ? source : "synthetic/iliacus", preset, "", {}});
 }
 
 std::vector<std::string> raced_backends() {

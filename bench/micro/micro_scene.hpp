@@ -14,6 +14,9 @@ namespace musclebench {
 /// The scene that all kernels measure: the one in MUSCLEBENCH_MICRO_SCENE, or synthetic/iliacus.
 const Scene& micro_scene();
 
+/// That scene with its own preset (empty) or another: loaded anew.
+Scene load_micro_scene(const std::string& preset);
+
 /// The backends that are raced for speed: those with a [[race]] in their study.
 std::vector<std::string> raced_backends();
 
