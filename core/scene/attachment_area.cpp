@@ -6,6 +6,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/bvh/nearby_triangles.hpp"
+
 namespace musclebench {
 
 namespace {
@@ -83,8 +85,8 @@ class FlatArea {
     m_hull = convex_hull(outline);
   }
 
-  [[nodiscard]] bool is_on_its_side(const Vec3& point) const {
-    return std::abs(m_plane.normal.dot(point - m_plane.centre)) <= m_plane.extent_m;
+  [[nodiscard]] bool is_on_its_side(const Vec3& point, double more_m = 0) const {
+    return std::abs(m_plane.normal.dot(point - m_plane.centre)) <= m_plane.extent_m + more_m;
   }
   [[nodiscard]] double distance_beside_m(const Vec3& point) const {
     return distance_to_hull(m_hull, m_plane.flat(point));
@@ -97,13 +99,25 @@ class FlatArea {
 
 }  // namespace
 
-std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleBvh& bone, const AttachmentArea& area) {
+std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleMesh& bone, const AttachmentArea& area) {
   const FlatArea flat(area);
-  std::vector<int> bound;
+  // A node is at most distance_m from its closest point, and so is what it is measured by in the area's plane.
+  const double allowed_m = area.distance_m + 1e-9 * (1 + area.distance_m);
+  std::vector<int> candidates;
+  Eigen::AlignedBox3d box;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const auto closest = bone.closest_point(nodes[i], area.distance_m);
+    if (!flat.is_on_its_side(nodes[i], allowed_m) || !(flat.distance_beside_m(nodes[i]) <= area.margin_m + allowed_m)) {
+      continue;
+    }
+    candidates.push_back(static_cast<int>(i));
+    box.extend(nodes[i]);
+  }
+  const NearbyTriangles nearby(bone, box, area.distance_m);
+  std::vector<int> bound;
+  for (const int node : candidates) {
+    const auto closest = nearby.closest_point(nodes[static_cast<std::size_t>(node)], area.distance_m);
     if (closest && flat.is_on_its_side(closest->point) && flat.distance_beside_m(closest->point) <= area.margin_m) {
-      bound.push_back(static_cast<int>(i));
+      bound.push_back(node);
     }
   }
   return bound;

@@ -18,7 +18,7 @@ struct AttachmentArea {
 /// The nodes (ascending) within `distance_m` of the bone whose closest point on it lies over the area. Everything in
 /// one frame. Points on the far side of the bone do not count: the closest point must be nearer to the mean plane than
 /// the outline is wide.
-std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleBvh& bone, const AttachmentArea& area);
+std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleMesh& bone, const AttachmentArea& area);
 
 /// How far a node is from being bound.
 struct DistanceToArea {

@@ -212,7 +212,7 @@ void read_attachments(const SceneRequest& request, const TomlTable& root, Scene&
     attachment.area = read_area(request, table);
     const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
     const Body& body = scene.muscles[attachment.muscle].body;
-    attachment.nodes = nodes_over_area(scene.vertices_of(body), bone.tree(), attachment.area);
+    attachment.nodes = nodes_over_area(scene.vertices_of(body), bone.surface.mesh, attachment.area);
     for (int& node : attachment.nodes) {
       node += body.first_node;
     }

@@ -4,7 +4,10 @@
 #include <optional>
 #include <utility>
 
+#include "core/bvh/nearby_triangles.hpp"
 #include "core/mesh/mesh_size.hpp"
+#include "core/signed_distance/ray_winding.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 
@@ -22,6 +25,37 @@ void add_node(const Vec3& node, const Eigen::AlignedBox3d& box, const TriangleBv
   }
 }
 
+/// Those of `nodes` that are in the bone. The bone's tree is asked only where rays do not tell.
+std::vector<Vec3> nodes_inside(const Bone& bone, const std::vector<Vec3>& nodes) {
+  if (nodes.empty()) return {};
+  const TriangleMesh& mesh = bone.surface.mesh;
+  std::optional<RayWinding> rays;
+  if (bone.surface.clean || is_closed(mesh)) rays.emplace(mesh, bounding_box(nodes));
+  std::vector<Vec3> inside;
+  for (const Vec3& node : nodes) {
+    const std::optional<int> winding = rays ? rays->at(node) : std::nullopt;
+    if (winding ? *winding > 0 : bone.tree().winding_number(node) > 0.5) inside.push_back(node);
+  }
+  return inside;
+}
+
+RestOverlap overlap_of(const Bone& bone, const std::vector<Vec3>& inside) {
+  constexpr double usual_depth = 0.02;  // over the bone's diagonal; for what is deeper there is the bone's tree
+  RestOverlap overlap;
+  if (inside.empty()) return overlap;
+  const TriangleMesh& mesh = bone.surface.mesh;
+  const double touching_m = touching_distance_m(mesh);
+  const NearbyTriangles nearby(mesh, bounding_box(inside), usual_depth * bounding_box(mesh.vertices).diagonal().norm());
+  for (const Vec3& node : inside) {
+    const auto near = nearby.closest_point(node, nearby.margin_m());
+    const double depth_m = near ? near->distance_m : bone.tree().closest_point(node)->distance_m;
+    if (!(depth_m > touching_m)) continue;
+    ++overlap.nodes;
+    overlap.deepest_m = std::max(overlap.deepest_m, depth_m);
+  }
+  return overlap;
+}
+
 }  // namespace
 
 std::vector<RestOverlap> free_overlaps_at_rest(const Scene& scene) {
@@ -32,12 +66,12 @@ std::vector<RestOverlap> free_overlaps_at_rest(const Scene& scene) {
   }
   std::vector<RestOverlap> overlaps;
   for (const Bone& bone : scene.bones) {
-    RestOverlap& overlap = overlaps.emplace_back();
     const Eigen::AlignedBox3d box = bounding_box(bone.surface.mesh.vertices);
-    const double touching_m = touching_distance_m(bone.surface.mesh);
+    std::vector<Vec3> in_box;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-      if (is_free[i] != 0) add_node(nodes[i], box, bone.tree(), touching_m, overlap);
+      if (is_free[i] != 0 && box.contains(nodes[i])) in_box.push_back(nodes[i]);
     }
+    overlaps.push_back(overlap_of(bone, nodes_inside(bone, in_box)));
   }
   return overlaps;
 }
