@@ -34,11 +34,12 @@ class AllTriangles final : public BoneStructure {
 }  // namespace
 
 std::unique_ptr<CollisionBackend> make_brute_force_backend(const Parameters& /*parameters*/) {
-  return make_point_backend({.capabilities = {},
-                             .nodes_a_batch = 16,
-                             .build = [](const Bone& bone, int /*threads*/, const ShareReport& /*report*/) {
-                               return std::make_unique<AllTriangles>(bone.surface.mesh);
-                             }});
+  return make_point_backend(
+      {.capabilities = {},
+       .nodes_a_batch = 16,
+       .contact_reach_m = [](const Bone& /*bone*/) { return 0.0; },
+       .build = [](const Bone& bone, int /*threads*/,
+                   const ShareReport& /*report*/) { return std::make_unique<AllTriangles>(bone.surface.mesh); }});
 }
 
 BackendEntry brute_force_entry() {

@@ -10,9 +10,11 @@ namespace musclebench {
 std::unique_ptr<CollisionBackend> make_bvh_backend(const Parameters& parameters) {
   return make_point_backend({.capabilities = {.has_cache = uses_clearance_cache(parameters), .steady_memory = true},
                              .nodes_a_batch = 64,
-                             .build = [](const Bone& bone, int threads, const ShareReport& /*report*/) {
-                               return std::make_unique<CachedPointQuery<ExactSurface>>(ExactSurface(bone, threads));
-                             }});
+                             .contact_reach_m = [](const Bone& /*bone*/) { return 0.0; },
+                             .build =
+                                 [](const Bone& bone, int threads, const ShareReport& /*report*/) {
+                                   return std::make_unique<CachedPointQuery<ExactSurface>>(ExactSurface(bone, threads));
+                                 }});
 }
 
 BackendEntry bvh_entry() {

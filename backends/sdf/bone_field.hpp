@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -73,6 +74,10 @@ class FieldSource {
   [[nodiscard]] virtual bool needs_closed_surfaces() const = 0;
   /// Throws InputError where the parameters do not fit the bones, before anything is built.
   virtual void require_fit(std::span<const Bone> /*bones*/) const {}
+  /// How far from the box of the bone's vertices the domain of its field reaches; infinite where only the file tells.
+  [[nodiscard]] virtual double contact_reach_m(const Bone& /*bone*/) const {
+    return std::numeric_limits<double>::infinity();
+  }
   /// `progress`, where not empty, is called with the share that is done.
   [[nodiscard]] virtual std::unique_ptr<BoneField> make(const Bone& bone, int threads,
                                                         const ShareReport& progress) const = 0;

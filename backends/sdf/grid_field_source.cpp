@@ -14,6 +14,7 @@
 #include "backends/sdf/files/foreign_field.hpp"
 #include "backends/sdf/grid/cubic_field.hpp"
 #include "backends/sdf/sdf_settings.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 
@@ -104,6 +105,12 @@ class GridFieldSource final : public FieldSource {
       }
     }
     require_room(bones, shapes, m_grid, m_settings);
+  }
+
+  [[nodiscard]] double contact_reach_m(const Bone& bone) const override {
+    const GridShape shape = grid_over(bone.surface.mesh, m_grid, bone.name);
+    const Eigen::AlignedBox3d box = bounding_box(bone.surface.mesh.vertices);
+    return (box.min() - shape.lower_m).cwiseMax(shape.upper_m() - box.max()).norm();
   }
 
   [[nodiscard]] std::unique_ptr<BoneField> make(const Bone& bone, int threads,

@@ -55,6 +55,10 @@ class OctreeFieldSource final : public FieldSource {
   /// Leaves without a polynomial store only a lower bound of the unsigned distance.
   [[nodiscard]] bool needs_closed_surfaces() const override { return true; }
 
+  [[nodiscard]] double contact_reach_m(const Bone& bone) const override {
+    return octree_reach_m(bone.surface.mesh, m_settings);
+  }
+
   [[nodiscard]] std::unique_ptr<BoneField> make(const Bone& bone, int threads,
                                                 const ShareReport& progress) const override {
     const StoredField<OctreeField> stored{

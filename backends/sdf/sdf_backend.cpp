@@ -27,6 +27,7 @@ std::unique_ptr<CollisionBackend> make_sdf_backend(const Parameters& parameters)
       {.capabilities = {.has_cache = uses_clearance_cache(parameters), .has_step = true, .steady_memory = true},
        .cache_needs_closed_bones = source->needs_closed_surfaces(),
        .require_fit = [source](std::span<const Bone> bones) { source->require_fit(bones); },
+       .contact_reach_m = [source](const Bone& bone) { return source->contact_reach_m(bone); },
        .build = [source](const Bone& bone, int threads,
                          const ShareReport& report) { return source->make(bone, threads, report); }});
 }

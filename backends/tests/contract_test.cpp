@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/mesh/mesh_size.hpp"
+
 namespace musclebench {
 namespace {
 
@@ -95,6 +97,25 @@ TEST_P(Contract, EmptyWhenApart) {
   for (const double gap_m : {0.01, 1.0, 1e6}) {
     const RigidMotion away{Mat3::Identity(), Vec3(gap_m + 0.02, 0, 0)};
     EXPECT_TRUE(detect(*backend, {RigidMotion{}}, moved(mesh.vertices, away), all_nodes(mesh)).empty()) << gap_m;
+  }
+}
+
+/// What is pruned by this would be missed.
+TEST_P(Contract, NoContactIsFartherFromTheBonesBoxThanItsDeclaredReach) {
+  for (const AnalyticBone& shape : analytic_bones()) {
+    const std::vector<Bone> bones = one_bone(shape);
+    const TriangleMesh mesh = muscle();
+    const auto backend = build(GetParam(), bones, mesh);
+    if (!backend->capabilities().point_queries) continue;
+    const double reach_m = backend->contact_reach_m(bones.front());
+    const Eigen::AlignedBox3d box = bounding_box(bones.front().surface.mesh.vertices);
+    for (const double scale : {0.9, 1.0, 1.1, 1.5, 3.0}) {
+      std::vector<Vec3> positions = mesh.vertices;
+      for (Vec3& position : positions) position = box.center() + scale * (position - box.center());
+      for (const Contact& contact : detect(*backend, {RigidMotion{}}, positions, all_nodes(mesh))) {
+        EXPECT_LE(box.exteriorDistance(positions[static_cast<std::size_t>(contact.node)]), reach_m) << shape.name;
+      }
+    }
   }
 }
 

@@ -1,5 +1,6 @@
 #include "backends/voxel/voxel_backend.hpp"
 
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -7,6 +8,7 @@
 
 #include "backends/voxel/voxel_grid.hpp"
 #include "core/clearance/point_backend.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 
@@ -57,12 +59,18 @@ std::vector<ParameterSpec> voxel_parameters() {
 std::unique_ptr<CollisionBackend> make_voxel_backend(const Parameters& parameters) {
   return make_point_backend(
       {.capabilities = {.depth = false, .has_step = true, .steady_memory = true},
-       .build = [cells = static_cast<int>(parameters.integer("cells")), size_m = parameters.number("voxel_size_m")](
-                    const Bone& bone, int /*threads*/, const ShareReport& /*report*/) {
-         const std::string name =
-             fmt::format("voxel: {} (bone '{}')", size_m > 0 ? "voxel_size_m" : "cells", bone.name);
-         return std::make_unique<VoxelStructure>(VoxelGrid(bone.surface.mesh, bone.tree(), cells, size_m, name));
-       }});
+       // Within the box's padding, or the cell that is more than fits.
+       .contact_reach_m =
+           [size_m = parameters.number("voxel_size_m")](const Bone& bone) {
+             return touching_distance_m(bone.surface.mesh) + std::numbers::sqrt3 * size_m;
+           },
+       .build =
+           [cells = static_cast<int>(parameters.integer("cells")), size_m = parameters.number("voxel_size_m")](
+               const Bone& bone, int /*threads*/, const ShareReport& /*report*/) {
+             const std::string name =
+                 fmt::format("voxel: {} (bone '{}')", size_m > 0 ? "voxel_size_m" : "cells", bone.name);
+             return std::make_unique<VoxelStructure>(VoxelGrid(bone.surface.mesh, bone.tree(), cells, size_m, name));
+           }});
 }
 
 BackendEntry voxel_entry() {

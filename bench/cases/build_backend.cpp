@@ -6,6 +6,10 @@ BuiltBackend build_backend(const Case& resolved, const std::function<void(double
   BuiltBackend built;
   built.backend = make_backend(resolved.scene, resolved.backend, resolved.parameters, resolved.colliders);
   built.backend->report_build_to(report);
+  if (resolved.prune) {
+    built.reach = predict_reach(resolved.scene);
+    built.backend->expect_untouched(untouched_bones(built.reach));
+  }
   for (const Bone& bone : resolved.scene.bones) {
     bone.shared.start_accounting();
   }
@@ -18,6 +22,14 @@ BuiltBackend build_backend(const Case& resolved, const std::function<void(double
     built.other_trees_ns += bone.shared.unused_build_ns();
   }
   return built;
+}
+
+std::vector<PrunedResult> pruned_results(const CollisionBackend& backend, const std::vector<BoneReach>& reach) {
+  std::vector<PrunedResult> results;
+  for (const PrunedBone& pruned : backend.pruned_bones()) {
+    results.push_back({pruned, reach[static_cast<std::size_t>(pruned.bone)]});
+  }
+  return results;
 }
 
 void release_shared(const Scene& scene) {

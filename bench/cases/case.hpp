@@ -18,6 +18,7 @@ struct Case {
   std::vector<ResponseKind> responses = {
       backend.default_response};  ///< one for all, or one a muscle and bone (Scene::bone_pair)
   ColliderBackends colliders = {};
+  bool prune = true;  ///< build nothing over bones that the muscles are not expected to touch; changes no contact
 };
 
 /// The responses of a case, one for all or one a muscle and bone: what the scene says of the two, else the command line

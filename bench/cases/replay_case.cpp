@@ -29,7 +29,7 @@ class Replayer {
     release_shared(m_replay.scene);
     m_backend = std::move(built.backend);
     m_result.build_ns = built.build_ns;
-    m_result.structure_bytes = m_backend->structure_bytes();
+    m_reach = std::move(built.reach);
     m_result.structures_loaded = m_backend->built_from_file();
     move_to_huge_pages();
 
@@ -51,6 +51,8 @@ class Replayer {
     m_result.machine.before = machine_load();
     m_result.contact_hash = timed_pass();
     m_result.machine.after = machine_load();
+    m_result.pruned = pruned_results(*m_backend, m_reach);
+    m_result.structure_bytes = m_backend->structure_bytes();  // with what came back
     if (m_replay.judge && judged_pass() != m_result.contact_hash) {
       m_result.status = "nondeterministic";
       m_result.status_detail = "the two passes over the same input did not get the same contacts";
@@ -147,6 +149,7 @@ class Replayer {
   const std::function<void(int)>& m_report;
   ReplayResult m_result;
   std::unique_ptr<CollisionBackend> m_backend;
+  std::vector<BoneReach> m_reach;  ///< by bone
   RecordedFrame m_frame;
   std::vector<Vec3> m_positions;
   std::vector<Contact> m_unused;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/cases/accuracy.hpp"
-#include "bench/cases/case.hpp"
+#include "bench/cases/build_backend.hpp"
 #include "bench/cases/muscle_replay.hpp"
 #include "core/base/machine_state.hpp"
 #include "core/recording/frame_source.hpp"
@@ -45,6 +45,7 @@ struct ReplayResult {
   std::optional<Accuracy> accuracy;  ///< over all frames
   std::string contact_hash;          ///< of all contacts of all steps, in their order, to the last bit
   std::size_t structure_bytes = 0;
+  std::vector<PrunedResult> pruned;
   bool structures_loaded = false;       ///< from a file; built otherwise
   Nanoseconds build_ns = 0;             ///< building or loading
   Nanoseconds wall_ns = 0;              ///< of all passes

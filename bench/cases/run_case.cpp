@@ -67,6 +67,7 @@ class CaseRunner {
     m_result.structure_bytes = m_backend->structure_bytes();
     m_result.structure_errors = m_backend->structure_errors();
     m_result.structures_loaded = m_backend->built_from_file();
+    m_reach = std::move(built.reach);
     auto muscle_detectors = make_muscle_detectors(m_scene, m_run.colliders, m_run.threads);
     for (const auto& detector : muscle_detectors) {
       m_result.muscle_structure_bytes += detector->structure_bytes();
@@ -76,6 +77,7 @@ class CaseRunner {
         prepare_simulation(m_run.scene, *m_backend, m_run.responses, m_run.threads, std::move(muscle_detectors));
     release_shared(m_scene);
     m_simulation = std::move(prepared.simulation);
+    note_pruned_bones(0);
     for (const auto& stage : m_simulation->stages()) {
       if (auto* found = dynamic_cast<MuscleContactStage*>(stage.get())) m_muscle_contact = found;
     }
@@ -115,6 +117,7 @@ class CaseRunner {
     const ContextSwitches switches = context_switches() - before;
     record.involuntary_switches = switches.involuntary;
     m_result.machine.switches += switches;
+    note_pruned_bones(frame);
     record.contacts = static_cast<int>(m_simulation->contacts().size());
     if (m_muscle_contact != nullptr) {
       record.muscle_contacts = m_muscle_contact->contact_count();
@@ -140,6 +143,19 @@ class CaseRunner {
     if (lost.empty()) {
       keep_snapshot(frame);
     }
+  }
+
+  void note_pruned_bones(int frame) {
+    std::vector<PrunedResult> pruned = pruned_results(*m_backend, m_reach);
+    for (std::size_t i = 0; i < pruned.size(); ++i) {
+      if (i < m_result.pruned.size()) pruned[i].frame_back = m_result.pruned[i].frame_back;
+      if (!pruned[i].pruned.is_back || pruned[i].frame_back) continue;
+      pruned[i].frame_back = frame;
+      m_scene.bones[static_cast<std::size_t>(pruned[i].pruned.bone)].shared.release();
+      m_result.structure_bytes = m_backend->structure_bytes();
+      m_result.structure_errors = m_backend->structure_errors();
+    }
+    m_result.pruned = std::move(pruned);
   }
 
   /// What is known of each of several muscles without a judge.
@@ -223,6 +239,7 @@ class CaseRunner {
   const RunCase& m_run;
   const Scene& m_scene;
   RunResult m_result;
+  std::vector<BoneReach> m_reach;  ///< by bone
   std::unique_ptr<CollisionBackend> m_backend;
   std::unique_ptr<Simulation> m_simulation;
   MuscleContactStage* m_muscle_contact = nullptr;  ///< of the simulation, where muscles touch

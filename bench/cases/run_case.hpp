@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/cases/case.hpp"
+#include "bench/cases/build_backend.hpp"
 #include "core/base/machine_state.hpp"
 #include "core/measure/outcome.hpp"
 #include "core/measure/step_record.hpp"
@@ -42,18 +42,19 @@ struct RunResult {
   std::size_t structure_bytes = 0;
   std::size_t muscle_structure_bytes = 0;        ///< of what detects contacts between muscles
   std::vector<StructureError> structure_errors;  ///< of backends that approximate
-  bool structures_loaded = false;                ///< from a file; built otherwise
-  Nanoseconds build_ns = 0;                      ///< building or loading
-  Nanoseconds other_trees_ns = 0;                ///< of bones' trees that only reader and checks needed
-  Nanoseconds wall_ns = 0;                       ///< from the first frame to the last, with judging
-  Nanoseconds cpu_before_ns = 0;                 ///< of all threads of the process before the first frame
-  Nanoseconds cpu_after_ns = 0;                  ///< the same after the last frame
-  std::size_t memory_before_bytes = 0;           ///< resident, without the Referee and huge-page padding
-  std::size_t memory_after_bytes = 0;            ///< the same
-  std::size_t huge_page_bytes = 0;               ///< padding of huge pages; in none of the others but the peak
-  std::size_t memory_peak_bytes = 0;             ///< of the whole process
-  std::size_t referee_bytes = 0;                 ///< resident memory of judging
-  std::string state_hash;                        ///< of all positions and velocities at the end
+  std::vector<PrunedResult> pruned;
+  bool structures_loaded = false;       ///< from a file; built otherwise
+  Nanoseconds build_ns = 0;             ///< building or loading
+  Nanoseconds other_trees_ns = 0;       ///< of bones' trees that only reader and checks needed
+  Nanoseconds wall_ns = 0;              ///< from the first frame to the last, with judging
+  Nanoseconds cpu_before_ns = 0;        ///< of all threads of the process before the first frame
+  Nanoseconds cpu_after_ns = 0;         ///< the same after the last frame
+  std::size_t memory_before_bytes = 0;  ///< resident, without the Referee and huge-page padding
+  std::size_t memory_after_bytes = 0;   ///< the same
+  std::size_t huge_page_bytes = 0;      ///< padding of huge pages; in none of the others but the peak
+  std::size_t memory_peak_bytes = 0;    ///< of the whole process
+  std::size_t referee_bytes = 0;        ///< resident memory of judging
+  std::string state_hash;               ///< of all positions and velocities at the end
 };
 
 /// Runs the case. `report` is called after each frame, `report_build` now and then before the first. A run that blows

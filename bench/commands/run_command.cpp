@@ -35,6 +35,7 @@ struct RunOptions {
   bool force = false;
   bool self_intersections = false;
   bool strict = false;
+  bool unpruned = false;
 };
 
 RunResult run_and_write(const RunCase& run, const RunOptions& options, const std::string& out) {
@@ -63,6 +64,22 @@ RunResult run_and_write(const RunCase& run, const RunOptions& options, const std
   return result;
 }
 
+void print_pruned(const Scene& scene, const RunResult& result) {
+  for (const PrunedResult& each : result.pruned) {
+    const Bone& bone = scene.bones[static_cast<std::size_t>(each.pruned.bone)];
+    const std::string expected = fmt::format(
+        "musclebench: {}: bone '{}' was pruned, {:.3g} mm from where muscles are expected ({:.3g} mm would do)",
+        scene.name, bone.name, 1e3 * each.reach.distance_m, 1e3 * each.reach.margin_m);
+    if (each.frame_back) {
+      fmt::print(stderr, "{}; in frame {} a node came near it, and it was built in {:.3g} ms\n", expected,
+                 *each.frame_back, 1e-6 * static_cast<double>(each.pruned.build_ns));
+    } else {
+      fmt::print(stderr, "{}: no structure over its {} triangles, {} queries less\n", expected,
+                 bone.surface.mesh.triangles.size(), each.pruned.saved_queries);
+    }
+  }
+}
+
 /// Says why a run is suspect. The exit code of one that went to its end, now or before.
 int conclude(std::string_view scene, std::string_view status, std::string_view status_detail, bool strict) {
   if (status != "suspect") {
@@ -87,11 +104,12 @@ int run(RunOptions options) {
   const std::vector<ResponseKind> responses =
       choose_responses(options.backend.response, scene, backend, parameters, colliders);
   require_what_effects_need(scene, backend, parameters, responses, colliders);
-  const RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, responses, colliders},
-                       2,
-                       !options.unjudged,
-                       options.snapshots,
-                       options.self_intersections};
+  RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, responses, colliders},
+                 2,
+                 !options.unjudged,
+                 options.snapshots,
+                 options.self_intersections};
+  run_of.prune = !options.unpruned;
   const std::string id = run_id(run_of);
   const std::string out = options.out.empty() ? fmt::format("reports/out/runs/raw/{}", id) : options.out;
   if (const auto stored = options.force ? std::nullopt : complete_result(out, id, "frames.csv")) {
@@ -111,6 +129,7 @@ int run(RunOptions options) {
   }
 
   const RunResult result = run_and_write(run_of, options, out);
+  print_pruned(scene, result);
   fmt::print("{}  written to {}\n", run_summary(run_of, result), out);
   if (result.status == "diverged") {
     fmt::print(stderr, "musclebench: {}: diverged: {}\n", scene.name, result.status_detail);
@@ -144,6 +163,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_flag("--self-intersections", options->self_intersections,
                     "Count triangles that pass through others: at rest, in the frames of --snapshots, in the last");
   command->add_flag("--strict", options->strict, "Exit code 1 when the run ends 'suspect': an outcome beyond a limit");
+  command->add_flag("--no-pruning", options->unpruned,
+                    "Build structures over all bones, those too that the muscles are not expected to touch");
   command->add_flag("--force", options->force, "Run even when the result is complete already");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

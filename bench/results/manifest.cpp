@@ -209,6 +209,24 @@ Json json_of(const MachineState& state) {
           {"governor", figure(state.after.governor)}};
 }
 
+Json json_of(const std::vector<PrunedResult>& pruned, const Scene& scene) {
+  Json list = Json::array();
+  for (const PrunedResult& each : pruned) {
+    const Bone& bone = scene.bones[static_cast<std::size_t>(each.pruned.bone)];
+    list.push_back({{"bone", bone.name},
+                    {"reason", "out_of_reach"},
+                    {"distance_m", each.reach.distance_m},
+                    {"margin_m", each.reach.margin_m},
+                    {"watch_m", each.pruned.reach_m},
+                    {"saved_triangles", each.pruned.is_back ? 0 : bone.surface.mesh.triangles.size()},
+                    {"saved_queries", each.pruned.saved_queries},
+                    {"is_back", each.pruned.is_back},
+                    {"frame_back", each.frame_back ? Json(*each.frame_back) : Json(nullptr)},
+                    {"build_ns", each.pruned.build_ns}});
+  }
+  return list;
+}
+
 Json manifest_head(std::string_view status, std::string_view status_detail, const Json& json_of_case,
                    const Scene& scene) {
   Json json = {{"schema_version", schema_version},     {"status", status},     {"status_detail", status_detail},

@@ -2,10 +2,11 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "bench/cases/case.hpp"
+#include "bench/cases/build_backend.hpp"
 #include "core/base/machine_state.hpp"
 
 namespace musclebench {
@@ -34,6 +35,7 @@ Json json_of_inputs(const Scene& scene);
 Json json_of_build();
 
 Json json_of(const MachineState& state);
+Json json_of(const std::vector<PrunedResult>& pruned, const Scene& scene);
 
 /// What every run.json begins with: schema version, status, run id, case, inputs, build and machine.
 Json manifest_head(std::string_view status, std::string_view status_detail, const Json& json_of_case,

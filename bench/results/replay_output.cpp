@@ -73,6 +73,7 @@ Json manifest(const ReplayCase& replay, const ReplayResult& result, const Record
   json["band_m"] = replay.band_m;
   json["machine_state"] = json_of(result.machine);
   json["structure_bytes"] = result.structure_bytes;
+  json["pruned"] = json_of(result.pruned, replay.scene);
   json["structures"] = result.structures_loaded ? "loaded" : "built";
   json["build_ns"] = result.build_ns;
   json["accuracy"] = result.accuracy ? json_of(*result.accuracy) : Json(nullptr);

@@ -19,12 +19,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+template <typename Value>
+Json json_of(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
 Json json_of_run(const RunCase& run) {
   Json json = json_of_case(run, "coupled");
   json["warm_up_frames"] = run.warm_up_frames;
   json["judged"] = run.judge;
   json["snapshots"] = run.snapshots;
   json["self_intersections"] = run.count_self_intersections;
+  json["pruning"] = run.prune;
   return json;
 }
 
@@ -79,11 +85,6 @@ Json json_of_structure_errors(const RunResult& result) {
   return errors;
 }
 
-template <typename Value>
-Json json_of(const std::optional<Value>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 Json json_of_outcome(const RunResult& result) {
   const Outcome& outcome = result.outcome;
   return {{"max_depth_m", json_of(outcome.max_depth_m)},
@@ -128,6 +129,7 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["bound_nodes"] = result.bound_nodes.size();
   json["structure_bytes"] = result.structure_bytes;
   json["muscle_structure_bytes"] = result.muscle_structure_bytes;
+  json["pruned"] = json_of(result.pruned, run.scene);
   json["structure_errors"] = json_of_structure_errors(result);
   json["structures"] = result.structures_loaded ? "loaded" : "built";
   json["build_ns"] = result.build_ns;

@@ -193,9 +193,8 @@ void ClearanceCache::reset(std::span<const Bone> bones, std::size_t nodes) {
   m_bones.clear();
   m_bones.reserve(bones.size());
   for (const Bone& bone : bones) {
-    m_bones.push_back({middle_of(bone.surface.mesh),
-                       std::vector<SafeSphereBlock>(padded(nodes) / SafeSphereBlock::width),
-                       std::vector<int>(nodes + sweep_lanes), 0});
+    m_bones.push_back({middle_of(bone.surface.mesh), {}, {}, 0});
+    take_up(static_cast<int>(m_bones.size()) - 1);
   }
   m_sweeps.reserve(bones.size());
   m_queried.clear();
@@ -203,24 +202,32 @@ void ClearanceCache::reset(std::span<const Bone> bones, std::size_t nodes) {
   m_is_queried.assign(padded(nodes), 0);
 }
 
+void ClearanceCache::leave_out(int bone) {
+  SafeSpheres& spheres = m_bones[static_cast<std::size_t>(bone)];
+  spheres = {spheres.middle_m, {}, {}, 0};
+}
+
+void ClearanceCache::take_up(int bone) {
+  SafeSpheres& spheres = m_bones[static_cast<std::size_t>(bone)];
+  spheres.blocks.assign(padded(m_nodes) / SafeSphereBlock::width, {});
+  spheres.expired.assign(m_nodes + sweep_lanes, 0);
+}
+
 void ClearanceCache::collect_expired(std::span<const RigidMotion> poses, std::span<const Vec3> positions,
                                      std::span<const int> nodes) {
   assert(positions.size() == m_nodes && poses.size() == m_bones.size());
   if (nodes.size() < m_nodes / sweep_fraction || nodes.empty()) {
     for (std::size_t bone = 0; bone < m_bones.size(); ++bone) {
-      collect_one_by_one(poses[bone], positions, nodes, m_bones[bone]);
+      if (!m_bones[bone].is_left_out()) collect_one_by_one(poses[bone], positions, nodes, m_bones[bone]);
     }
     return;
   }
   plan_sweep(nodes);
-  // A common origin near all bones, so that few digits are lost in single precision.
-  Vec3 origin_m = Vec3::Zero();
-  for (std::size_t bone = 0; bone < m_bones.size(); ++bone) {
-    origin_m += poses[bone].apply(m_bones[bone].middle_m) / static_cast<double>(m_bones.size());
-  }
+  const Vec3 origin_m = sweep_origin(poses);
   m_sweeps.clear();
   for (std::size_t bone = 0; bone < m_bones.size(); ++bone) {
     SafeSpheres& spheres = m_bones[bone];
+    if (spheres.is_left_out()) continue;
     const Vec3 offset = poses[bone].apply_inverse(origin_m) - spheres.middle_m;
     m_sweeps.push_back(
         {spheres.blocks.data(),
@@ -233,9 +240,22 @@ void ClearanceCache::collect_expired(std::span<const RigidMotion> poses, std::sp
   HWY_DYNAMIC_DISPATCH(sweep_all)
   (positions.data()->data(), positions.size(), {origin_m.x(), origin_m.y(), origin_m.z()}, m_is_queried.data(),
    m_sweeps);
-  for (std::size_t bone = 0; bone < m_bones.size(); ++bone) {
-    m_bones[bone].expired_count = m_sweeps[bone].count;
+  auto sweep = m_sweeps.begin();
+  for (SafeSpheres& spheres : m_bones) {
+    if (!spheres.is_left_out()) spheres.expired_count = (sweep++)->count;
   }
+}
+
+/// Common to all bones and near them, so that few digits are lost in single precision.
+Vec3 ClearanceCache::sweep_origin(std::span<const RigidMotion> poses) const {
+  const auto swept = std::ranges::count_if(m_bones, [](const SafeSpheres& each) { return !each.is_left_out(); });
+  Vec3 origin_m = Vec3::Zero();
+  for (std::size_t bone = 0; bone < m_bones.size(); ++bone) {
+    if (!m_bones[bone].is_left_out()) {
+      origin_m += poses[bone].apply(m_bones[bone].middle_m) / static_cast<double>(swept);
+    }
+  }
+  return origin_m;
 }
 
 /// Kept from sweep to sweep: the free nodes of a muscle stay the same.

@@ -24,6 +24,9 @@ class ClearanceCache {
  public:
   /// Empties the cache. Of `bones` only the middles are copied; `nodes` is the number of positions.
   void reset(std::span<const Bone> bones, std::size_t nodes);
+  /// After `reset`: keeps nothing of that bone and has no expired nodes for it, until it is taken up.
+  void leave_out(int bone);
+  void take_up(int bone);
 
   /// Finds those of `nodes` (ascending indices) that have left their safe spheres or have none. `positions` (of all
   /// nodes) are in the world frame, in metres; a position that is not finite counts as expired. `poses`: of all bones.
@@ -84,10 +87,12 @@ class ClearanceCache {
     std::vector<int> expired;  ///< one vector longer than needed: a compressed store writes whole vectors
     std::size_t expired_count = 0;
 
+    [[nodiscard]] bool is_left_out() const { return blocks.empty(); }
     [[nodiscard]] SafeSphere of(int node) const;
   };
 
   void plan_sweep(std::span<const int> nodes);
+  [[nodiscard]] Vec3 sweep_origin(std::span<const RigidMotion> poses) const;
   static void collect_one_by_one(const RigidMotion& pose, std::span<const Vec3> positions, std::span<const int> nodes,
                                  SafeSpheres& spheres);
 

@@ -17,23 +17,28 @@ class PointBackend final : public CollisionBackend {
   [[nodiscard]] Capabilities capabilities() const override { return m_method.capabilities; }
   [[nodiscard]] AnswerBound answer_bound(int bone) const override { return structure(bone).answer_bound(); }
   [[nodiscard]] double step_m(int bone) const override { return structure(bone).step_m(); }
+  [[nodiscard]] double contact_reach_m(const Bone& bone) const override {
+    return m_method.contact_reach_m ? m_method.contact_reach_m(bone) : CollisionBackend::contact_reach_m(bone);
+  }
 
   [[nodiscard]] std::size_t structure_bytes() const override {
     std::size_t bytes = m_keeps_clearances ? m_clearances.bytes() : 0;
     for (const auto& each : m_structures) {
-      bytes += each->bytes();
+      bytes += each ? each->bytes() : 0;
     }
     return bytes;
   }
 
   [[nodiscard]] bool built_from_file() const override {
-    const auto is_from_file = [](const auto& each) { return each->is_from_file(); };
-    return !m_structures.empty() && std::ranges::all_of(m_structures, is_from_file);
+    const auto is_built = [](const auto& each) { return each != nullptr; };
+    const auto is_from_file = [](const auto& each) { return each == nullptr || each->is_from_file(); };
+    return std::ranges::any_of(m_structures, is_built) && std::ranges::all_of(m_structures, is_from_file);
   }
 
   [[nodiscard]] std::vector<StructureError> structure_errors() const override {
     std::vector<StructureError> errors;
     for (std::size_t bone = 0; bone < m_structures.size(); ++bone) {
+      if (m_structures[bone] == nullptr) continue;
       if (std::optional<StructureError> error = m_structures[bone]->error()) {
         error->bone = bones()[bone].name;
         errors.push_back(*std::move(error));
@@ -56,9 +61,19 @@ class PointBackend final : public CollisionBackend {
     for (const Bone& bone : bones()) {
       const auto done = static_cast<double>(m_structures.size());
       const auto report = [&](double share) { build_report()((done + share) / static_cast<double>(bones().size())); };
-      m_structures.push_back(m_method.build(bone, threads(), build_report() ? ShareReport(report) : nullptr));
+      m_structures.push_back(is_pruned(m_structures.size())
+                                 ? nullptr
+                                 : m_method.build(bone, threads(), build_report() ? ShareReport(report) : nullptr));
     }
     reset_nodes(muscle().vertices.size());
+  }
+
+  void do_bring_back(std::size_t bone) override {
+    m_structures[bone] = m_method.build(bones()[bone], threads(), nullptr);
+    if (m_keeps_clearances) {
+      m_clearances.take_up(static_cast<int>(bone));
+      m_structures[bone]->reset_nodes(m_clearances.nodes());
+    }
   }
 
   void reset_nodes(std::size_t nodes) {
@@ -66,8 +81,12 @@ class PointBackend final : public CollisionBackend {
       return;
     }
     m_clearances.reset(bones(), nodes);
-    for (const auto& each : m_structures) {
-      each->reset_nodes(nodes);
+    for (std::size_t bone = 0; bone < m_structures.size(); ++bone) {
+      if (m_structures[bone]) {
+        m_structures[bone]->reset_nodes(nodes);
+      } else {
+        m_clearances.leave_out(static_cast<int>(bone));
+      }
     }
   }
 
@@ -85,7 +104,9 @@ class PointBackend final : public CollisionBackend {
   /// In the order of the contacts: a batch a bone, or several where a thread more pays.
   void deal_out(std::span<const Vec3> positions, std::span<const int> nodes) {
     m_batches.clear();
+    m_one_a_bone = true;
     for (int bone = 0; bone < static_cast<int>(m_structures.size()); ++bone) {
+      if (!m_structures[static_cast<std::size_t>(bone)]) continue;
       NodeBatch batch{bone, poses()[static_cast<std::size_t>(bone)], positions, {}, nullptr};
       std::span<const int> queried = nodes;
       if (m_keeps_clearances) {
@@ -96,6 +117,7 @@ class PointBackend final : public CollisionBackend {
            queried = queried.subspan(m_method.nodes_a_batch)) {
         batch.nodes = queried.first(m_method.nodes_a_batch);
         m_batches.push_back(batch);
+        m_one_a_bone = false;
       }
       batch.nodes = queried;
       m_batches.push_back(batch);
@@ -104,7 +126,7 @@ class PointBackend final : public CollisionBackend {
 
   void detect_batches(std::vector<Contact>& contacts) {
     // Without OpenMP where a batch a bone is all there is: it allocates even a team of one.
-    if (m_batches.size() == m_structures.size()) {
+    if (m_one_a_bone) {
       for (const NodeBatch& batch : m_batches) {
         m_structures[static_cast<std::size_t>(batch.bone)]->detect(batch, contacts);
       }
@@ -130,6 +152,7 @@ class PointBackend final : public CollisionBackend {
   ClearanceCache m_clearances;
   // Scratch memory, kept so that a frame allocates nothing.
   std::vector<NodeBatch> m_batches;
+  bool m_one_a_bone = true;                   ///< at most
   std::vector<std::vector<Contact>> m_found;  ///< by batch
 };
 

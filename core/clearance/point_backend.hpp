@@ -21,6 +21,8 @@ struct PointMethod {
   std::size_t nodes_a_batch = 512;
   /// Where not empty: throws InputError where the parameters do not fit the bones, before anything is built.
   std::function<void(std::span<const Bone>)> require_fit = nullptr;
+  /// How far from the box of a closed bone its contacts may lie (CollisionBackend::contact_reach_m); empty: unknown.
+  std::function<double(const Bone&)> contact_reach_m = nullptr;
   /// Builds the structure over a bone, which outlives it; `report`, where not empty, is called with the share done.
   std::function<std::unique_ptr<BoneStructure>(const Bone& bone, int threads, const ShareReport& report)> build =
       nullptr;

@@ -86,6 +86,25 @@ std::vector<StructureError> BackendsByPair::structure_errors() const {
   return errors;
 }
 
+void BackendsByPair::expect_untouched(std::vector<char> bones) {
+  for (const Part& part : m_parts) {
+    const auto first = bones.begin() + static_cast<std::ptrdiff_t>(part.first_bone);
+    part.backend->expect_untouched({first, first + static_cast<std::ptrdiff_t>(part.bones)});
+  }
+  CollisionBackend::expect_untouched(std::move(bones));
+}
+
+std::vector<PrunedBone> BackendsByPair::pruned_bones() const {
+  std::vector<PrunedBone> all;
+  for (const Part& part : m_parts) {
+    for (PrunedBone pruned : part.backend->pruned_bones()) {
+      pruned.bone += static_cast<int>(part.first_bone);
+      all.push_back(pruned);
+    }
+  }
+  return all;
+}
+
 void BackendsByPair::do_build() {
   double structures = 0;
   for (const Part& part : m_parts) structures += static_cast<double>(part.bones);

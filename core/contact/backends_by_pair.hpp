@@ -34,6 +34,10 @@ class BackendsByPair final : public CollisionBackend {
   [[nodiscard]] std::vector<StructureError> structure_errors() const override;
   /// The smallest of those that answer for the bone and have cells.
   [[nodiscard]] double step_m(int bone) const override;
+  /// The parts watch their bones.
+  void expect_untouched(std::vector<char> bones) override;
+  /// A bone once a part that answers for it.
+  [[nodiscard]] std::vector<PrunedBone> pruned_bones() const override;
 
  private:
   /// Calls `look` with each part that answers for a bone of the scene, and the bone's index there.

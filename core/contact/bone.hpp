@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "core/mesh_repair/repair_mesh.hpp"
 #include "core/signed_distance/shared_surface.hpp"
@@ -22,5 +24,12 @@ struct Bone {
     return shared.kept_signed_distance(surface);
   }
 };
+
+/// For what takes a choice of bones.
+inline std::vector<const Bone*> pointers_to(std::span<const Bone> bones) {
+  std::vector<const Bone*> pointers;
+  for (const Bone& bone : bones) pointers.push_back(&bone);
+  return pointers;
+}
 
 }  // namespace musclebench

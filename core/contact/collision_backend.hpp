@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "core/contact/bone.hpp"
 #include "core/contact/contact.hpp"
+#include "core/contact/reach_watch.hpp"
 #include "core/mesh/rigid_motion.hpp"
 
 namespace musclebench {
@@ -78,6 +80,24 @@ class CollisionBackend {
   /// Step of the backtracking response out of `bone`: the smallest edge of a cell. 0 for a backend without cells.
   [[nodiscard]] virtual double step_m(int /*bone*/) const { return 0; }
 
+  /// How far from the box of the bone's vertices, in rest pose, a contact may lie: of a backend that collides surfaces
+  /// the triangle that meets the bone, else the node. Asked before `build`, of closed bones. Infinite where that is not
+  /// known: then the bone is never pruned.
+  [[nodiscard]] virtual double contact_reach_m(const Bone& /*bone*/) const {
+    return std::numeric_limits<double>::infinity();
+  }
+
+  /// Before `build`: by bone, whether no node is expected to come near it. Nothing is built over such a bone where the
+  /// backend knows how far its contacts reach, until a node comes that near: then the structure is built within that
+  /// detection. So the contacts are the same, whatever was expected.
+  virtual void expect_untouched(std::vector<char> bones) { m_untouched = std::move(bones); }
+  /// What was expected; empty: nothing.
+  [[nodiscard]] std::span<const char> untouched() const { return m_untouched; }
+  /// Bones over which nothing was built at first, those among them that came back, too.
+  [[nodiscard]] virtual std::vector<PrunedBone> pruned_bones() const {
+    return {m_watch.bones().begin(), m_watch.bones().end()};
+  }
+
   /// Builds the structures over `bones` in rest pose. `muscle` is the muscle's surface at rest, for backends that
   /// collide surfaces. Both outlive the backend. Throws InputError when the parameters do not fit the bones.
   void build(std::span<const Bone> bones, const TriangleMesh& muscle, int threads);
@@ -97,20 +117,30 @@ class CollisionBackend {
   [[nodiscard]] int threads() const { return m_threads; }
   /// May be empty.
   [[nodiscard]] const std::function<void(double share)>& build_report() const { return m_report_build; }
+  /// Whether `do_build` leaves the bone out, and `do_detect` does not ask about it.
+  [[nodiscard]] bool is_pruned(std::size_t bone) const { return m_watch.watches(static_cast<int>(bone)); }
 
  private:
   virtual void do_build() = 0;
+  /// Of a bone that `do_build` has left out; `is_pruned` no longer holds.
+  virtual void do_bring_back(std::size_t /*bone*/) { do_build(); }
   /// Backends that query in the bones' rest frame have nothing to do here.
   virtual void do_update(std::span<const Vec3> /*positions*/) {}
   /// Appends to `contacts`, which is empty.
   virtual void do_detect(std::span<const Vec3> positions, std::span<const int> nodes,
                          std::vector<Contact>& contacts) = 0;
 
+  void start_watch();
+  /// Brings back the bones.
+  void bring_back(std::span<const int> bones);
+
   std::span<const Bone> m_bones;
   const TriangleMesh* m_muscle = nullptr;
   std::vector<RigidMotion> m_poses;
   int m_threads = 1;
   std::function<void(double share)> m_report_build;
+  std::vector<char> m_untouched;
+  ReachWatch m_watch;
 };
 
 }  // namespace musclebench

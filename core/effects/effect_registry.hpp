@@ -45,6 +45,9 @@ struct StageInput {
   int threads = 1;                              ///< that a stage may use; they change no bit of its results
   const TriangleMesh* mesh = nullptr;           ///< of all muscles, at rest
   std::span<const Body> bodies = {};            ///< muscles in it
+  std::span<const char> untouched = {};         ///< by bone, whether no node is expected near it; empty: none is known
+
+  [[nodiscard]] bool is_untouched(std::size_t bone) const { return bone < untouched.size() && untouched[bone] != 0; }
 };
 
 /// An effect that scenes can name: a force or constraints, a stage of the collision step, or another response.

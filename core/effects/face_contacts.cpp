@@ -126,8 +126,8 @@ FaceContactFinder::FaceContactFinder(const StageInput& input, double skin_m)
     if (has_free_node(t, input.inverse_masses)) m_searched.push_back(static_cast<int>(t));
   }
   m_clearances.reset(input.bones, m_triangles.size());
-  for (const Bone& bone : input.bones) {
-    m_bones.push_back({bone.kept_signed_distance(), std::vector<int>(m_triangles.size(), 0)});
+  for (std::size_t bone = 0; bone < input.bones.size(); ++bone) {
+    m_bones.push_back({{input.bones[bone], input.is_untouched(bone)}, std::vector<int>(m_triangles.size(), 0)});
   }
 }
 
@@ -172,6 +172,7 @@ void FaceContactFinder::measure(std::size_t triangle, std::span<const Vec3> posi
 
 void FaceContactFinder::search_all(std::size_t bone, std::span<const Vec3> positions, const RigidMotion& pose) {
   const std::span<const int> expired = m_clearances.expired(static_cast<int>(bone));
+  build_if_near(bone, expired, pose);
   const std::size_t chunks = chunk_count(expired.size(), chunk_size);
   if (m_chunks.size() < chunks) m_chunks.resize(chunks);
   for_each_chunk(expired.size(), chunk_size, m_threads, [&](std::size_t chunk, std::size_t first, std::size_t last) {
@@ -183,6 +184,18 @@ void FaceContactFinder::search_all(std::size_t bone, std::span<const Vec3> posit
   for (const Chunk& chunk : std::span(m_chunks).first(chunks)) {
     m_found.insert(m_found.end(), chunk.found.begin(), chunk.found.end());
   }
+}
+
+/// Before the threads begin: what they read is built by then.
+void FaceContactFinder::build_if_near(std::size_t bone, std::span<const int> triangles, const RigidMotion& pose) {
+  StageSurface& surface = m_bones[bone].surface;
+  if (surface.is_built()) return;
+  const auto is_near = [&](int triangle) {
+    const auto t = static_cast<std::size_t>(triangle);
+    const Vec3 centre = pose.apply_inverse(m_centres[t]);
+    return centre.allFinite() && surface.box_distance_m(centre) <= m_reaches_m[t] + m_skin_m;
+  };
+  if (std::ranges::any_of(triangles, is_near)) (void)surface.get();
 }
 
 std::span<const FaceContact> FaceContactFinder::known(std::size_t bone, std::size_t triangle) const {
@@ -200,11 +213,13 @@ void FaceContactFinder::search(std::size_t triangle, std::size_t bone, std::span
     m_clearances.store(static_cast<int>(bone), static_cast<int>(triangle), centre, clearance_m);
   };
   if (is_attached_to(triangle, bone)) return stored(anywhere_m);
-  const SignedSurface& surface = *m_bones[bone].surface;
+  const double needed_m = m_reaches_m[triangle] + m_skin_m;
+  const double by_box_m = m_bones[bone].surface.box_distance_m(centre);
+  if (by_box_m > needed_m) return stored(by_box_m - needed_m);
+  const SignedSurface& surface = m_bones[bone].surface.get();
   int& near = m_bones[bone].near_triangles[triangle];
   const Clearance clearance = surface.tree().clearance_from(centre, near);
   if (clearance.distance_m > 0) near = clearance.triangle;
-  const double needed_m = m_reaches_m[triangle] + m_skin_m;
   if (clearance.distance_m > needed_m) return stored(clearance.distance_m - needed_m);  // or wholly inside
   std::array<Vec3, 3> corners;
   for (std::size_t k = 0; k < 3; ++k) {

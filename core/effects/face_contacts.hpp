@@ -1,13 +1,12 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/clearance/clearance_cache.hpp"
+#include "core/clearance/stage_surface.hpp"
 #include "core/effects/effect_registry.hpp"
-#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 
@@ -40,7 +39,7 @@ class FaceContactFinder {
 
  private:
   struct BoneSurface {
-    std::shared_ptr<const SignedSurface> surface;
+    StageSurface surface;
     std::vector<int> near_triangles;  ///< of the bone, by the muscle's triangle
   };
   /// Triangles that one thread searches, and what it found.
@@ -52,6 +51,7 @@ class FaceContactFinder {
   [[nodiscard]] bool has_free_node(std::size_t triangle, std::span<const double> inverse_masses) const;
   [[nodiscard]] bool is_attached_to(std::size_t triangle, std::size_t bone) const;
   void measure(std::size_t triangle, std::span<const Vec3> positions);
+  void build_if_near(std::size_t bone, std::span<const int> triangles, const RigidMotion& pose);
   void search_all(std::size_t bone, std::span<const Vec3> positions, const RigidMotion& pose);
   void search(std::size_t triangle, std::size_t bone, std::span<const Vec3> positions, const RigidMotion& pose,
               Chunk& chunk);

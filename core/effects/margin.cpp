@@ -1,11 +1,10 @@
 #include "core/effects/margin.hpp"
 
 #include <algorithm>
-#include <memory>
 #include <tuple>
 
 #include "core/clearance/clearance_cache.hpp"
-#include "core/signed_distance/signed_surface.hpp"
+#include "core/clearance/stage_surface.hpp"
 
 namespace musclebench {
 
@@ -17,8 +16,9 @@ class Margin final : public ContactStage {
  public:
   Margin(const StageInput& input, double thickness_m) : m_thickness_m(thickness_m) {
     m_clearances.reset(input.bones, input.nodes);
-    for (const Bone& bone : input.bones)
-      m_bones.push_back({bone.kept_signed_distance(), std::vector<int>(input.nodes, 0)});
+    for (std::size_t bone = 0; bone < input.bones.size(); ++bone) {
+      m_bones.push_back({{input.bones[bone], input.is_untouched(bone)}, std::vector<int>(input.nodes, 0)});
+    }
     m_added.reserve(input.nodes * input.bones.size());
   }
 
@@ -43,7 +43,7 @@ class Margin final : public ContactStage {
 
  private:
   struct BoneSurface {
-    std::shared_ptr<const SignedSurface> surface;
+    StageSurface surface;
     std::vector<int> near_triangles;  ///< by node
   };
 
@@ -55,18 +55,22 @@ class Margin final : public ContactStage {
     if (!point.allFinite()) {
       return;  // the run ends as diverged after this frame
     }
-    const Clearance clearance = surface->tree().clearance_from(point, near);
+    if (const double by_box_m = surface.box_distance_m(point); by_box_m > m_thickness_m) {
+      m_clearances.store(static_cast<int>(bone), node, point, by_box_m - m_thickness_m);
+      return;
+    }
+    const Clearance clearance = surface.get().tree().clearance_from(point, near);
     if (clearance.distance_m > 0) near = clearance.triangle;
     if (clearance.distance_m > m_thickness_m) {  // or deeper inside, which is the backend's to find
       m_clearances.store(static_cast<int>(bone), node, point, clearance.distance_m - m_thickness_m);
       return;
     }
-    const SignedPoint located = surface->locate_from(point, near);
+    const SignedPoint located = surface.get().locate_from(point, near);
     near = located.closest.triangle;
     const double depth_m = m_thickness_m - located.signed_distance_m();
     if (depth_m > 0) {
       m_added.push_back(
-          {node, static_cast<int>(bone), depth_m, pose.apply_to_direction(surface->outward(point, located))});
+          {node, static_cast<int>(bone), depth_m, pose.apply_to_direction(surface.get().outward(point, located))});
     }
   }
 

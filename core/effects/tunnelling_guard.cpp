@@ -8,7 +8,7 @@
 
 #include "core/base/portable_math.hpp"
 #include "core/clearance/clearance_cache.hpp"
-#include "core/signed_distance/signed_surface.hpp"
+#include "core/clearance/stage_surface.hpp"
 
 namespace musclebench {
 
@@ -26,8 +26,14 @@ struct PathSegment {
 /// Keeps nodes from passing through one bone.
 class BoneGuard {
  public:
-  BoneGuard(const Bone& bone, std::size_t nodes)
-      : m_kept(bone.kept_signed_distance()), m_surface(*m_kept), m_states(nodes) {}
+  BoneGuard(const Bone& bone, bool untouched, std::size_t nodes) : m_surface(bone, untouched), m_states(nodes) {}
+
+  /// Radius of a sphere about the end of the path without any of the surface, where the distance to the bone's box is
+  /// enough to tell that the path does not meet it; else 0.
+  [[nodiscard]] double clearance_by_box_m(const PathSegment& path) const {
+    const double distance_m = m_surface.box_distance_m(path.to);
+    return distance_m > (path.to - path.from).norm() ? distance_m : 0;
+  }
 
   /// The position that rule `crossing` puts the node back to, rest frame; none where it may stay. `clearance_m` becomes
   /// the radius of a sphere about the end of the path that has no surface in it; 0: unknown.
@@ -43,13 +49,13 @@ class BoneGuard {
     const bool is_off_surface = !state.is_inside && state.clearance_m > off_surface * path.from.lpNorm<1>();
     Clearance clearance;
     if (is_off_surface) {
-      clearance = m_surface.tree().clearance_from(path.to, state.triangle);
+      clearance = m_surface.get().tree().clearance_from(path.to, state.triangle);
       if (clearance.distance_m > (path.to - path.from).norm()) {
         clearance_m = state.stay_outside(clearance);
         return std::nullopt;
       }
     }
-    m_surface.tree().find_crossings(path.from, path.to, m_crossings);
+    m_surface.get().tree().find_crossings(path.from, path.to, m_crossings);
     if (is_off_surface && m_crossings.empty() && clearance.distance_m > 0) {
       clearance_m = state.stay_outside(clearance);
       return std::nullopt;
@@ -59,7 +65,7 @@ class BoneGuard {
     }
     int layers = state.is_inside ? 1 : 0;  // where components of the surface overlap, the outermost counts
     for (const PathCrossing& crossing : m_crossings) {
-      const Vec3 normal = m_surface.tree().area_normal(crossing.triangle);
+      const Vec3 normal = m_surface.get().tree().area_normal(crossing.triangle);
       if (crossing.entering) {
         if (layers++ == 0) state.enter(path.from + crossing.share * (path.to - path.from), normal);
       } else if (layers > 0 && --layers == 0) {
@@ -86,7 +92,7 @@ class BoneGuard {
     const Side to = locate(path.to, from.triangle);
     state.triangle = to.triangle;
     if (from.normal.dot(to.normal) < least_cosine) {
-      m_surface.tree().find_crossings(path.from, path.to, m_crossings);
+      m_surface.get().tree().find_crossings(path.from, path.to, m_crossings);
       if (!m_crossings.empty()) {
         return path.from + m_crossings.front().share * (path.to - path.from);
       }
@@ -144,14 +150,14 @@ class BoneGuard {
   }
 
   /// `triangle`: one that may be near.
-  [[nodiscard]] Side locate(const Vec3& point, int triangle) const {
-    const SignedPoint located = m_surface.locate_from(point, triangle);
+  [[nodiscard]] Side locate(const Vec3& point, int triangle) {
+    const SignedPoint located = m_surface.get().locate_from(point, triangle);
     const ClosestPoint& closest = located.closest;
-    return {closest.point, m_surface.outward(point, located), closest.distance_m, closest.triangle, located.inside};
+    return {closest.point, m_surface.get().outward(point, located), closest.distance_m, closest.triangle,
+            located.inside};
   }
 
-  std::shared_ptr<const SignedSurface> m_kept;
-  const SignedSurface& m_surface;
+  StageSurface m_surface;
   std::vector<NodeState> m_states;
   std::vector<PathCrossing> m_crossings;  // scratch memory
 };
@@ -161,7 +167,9 @@ class TunnellingGuard final : public ContactStage {
   /// Without `least_cosine` by rule `crossing`.
   TunnellingGuard(const StageInput& input, std::optional<double> least_cosine) : m_least_cosine(least_cosine) {
     m_clearances.reset(input.bones, input.nodes);
-    for (const Bone& bone : input.bones) m_bones.emplace_back(bone, input.nodes);
+    for (std::size_t bone = 0; bone < input.bones.size(); ++bone) {
+      m_bones.emplace_back(input.bones[bone], input.is_untouched(bone), input.nodes);
+    }
     m_held.reserve(input.nodes);
     m_again.reserve(input.nodes);
   }
@@ -197,7 +205,11 @@ class TunnellingGuard final : public ContactStage {
     if (!path.from.allFinite() || !path.to.allFinite()) {
       return;  // the run ends as diverged after this frame
     }
-    double clearance_m = 0;
+    double clearance_m = m_bones[bone].clearance_by_box_m(path);
+    if (clearance_m > 0) {
+      m_clearances.store(static_cast<int>(bone), node, path.to, clearance_m);
+      return;
+    }
     const std::optional<Vec3> held = m_least_cosine
                                          ? m_bones[bone].hold_by_angle(node, path, *m_least_cosine, clearance_m)
                                          : m_bones[bone].hold_by_crossing(node, path, clearance_m);

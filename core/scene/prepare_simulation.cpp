@@ -98,10 +98,10 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
   }
   for (const SceneEffect& effect : scene.effects) {
     if (const EffectEntry* entry = find_effect(effect.name); entry->make_stage) {
-      prepared.simulation->add_stage(
-          entry->make_stage({scene.bones, scene.muscle_mesh.vertices.size(), scene.muscle_mesh.triangles,
-                             particles.inverse_masses, prepared.bound_nodes, threads, &scene.muscle_mesh, bodies},
-                            effect.parameters));
+      prepared.simulation->add_stage(entry->make_stage(
+          {scene.bones, scene.muscle_mesh.vertices.size(), scene.muscle_mesh.triangles, particles.inverse_masses,
+           prepared.bound_nodes, threads, &scene.muscle_mesh, bodies, backend.untouched()},
+          effect.parameters));
     }
   }
   for (const auto& stage : prepared.simulation->stages()) {

@@ -65,11 +65,12 @@ class NodeStructure final : public BoneStructure {
 }  // namespace
 
 std::unique_ptr<CollisionBackend> make_node_backend(const FclOptions& options) {
-  return make_point_backend({.capabilities = {},
-                             .nodes_a_batch = 16,
-                             .build = [options](const Bone& bone, int /*threads*/, const ShareReport& /*report*/) {
-                               return std::make_unique<NodeStructure>(options, bone);
-                             }});
+  return make_point_backend(
+      {.capabilities = {},
+       .nodes_a_batch = 16,
+       .contact_reach_m = [options](const Bone& /*bone*/) { return options.node_radius_m; },
+       .build = [options](const Bone& bone, int /*threads*/,
+                          const ShareReport& /*report*/) { return std::make_unique<NodeStructure>(options, bone); }});
 }
 
 }  // namespace musclebench

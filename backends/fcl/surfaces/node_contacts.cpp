@@ -12,11 +12,11 @@ constexpr double smallest_normal = 1e-9;
 
 }  // namespace
 
-NodeContacts::NodeContacts(std::span<const Bone> bones, std::vector<Triangle> muscle_triangles, std::size_t nodes)
-    : m_bones(bones), m_triangles(std::move(muscle_triangles)), m_met(nodes) {
-  m_normals.reserve(bones.size());
-  for (const Bone& bone : bones) {
-    m_normals.emplace_back(bone.surface.mesh);
+NodeContacts::NodeContacts(std::vector<const Bone*> bones, std::vector<Triangle> muscle_triangles, std::size_t nodes)
+    : m_bones(std::move(bones)), m_triangles(std::move(muscle_triangles)), m_met(nodes) {
+  m_normals.reserve(m_bones.size());
+  for (const Bone* bone : m_bones) {
+    m_normals.emplace_back(bone->surface.mesh);
   }
 }
 
@@ -28,7 +28,7 @@ void NodeContacts::append(int bone, const RigidMotion& pose, std::span<const Tri
   }
   const auto index = static_cast<std::size_t>(bone);
   m_met.start_round();
-  measure_pairs(m_bones[index].surface.mesh, pose, pairs, positions);
+  measure_pairs(m_bones[index]->surface.mesh, pose, pairs, positions);
   for (const int node : wanted) {
     const MetTriangles::Closest* closest = m_met.find(node);
     if (closest == nullptr) {
@@ -59,9 +59,9 @@ void NodeContacts::measure_pairs(const TriangleMesh& bone, const RigidMotion& po
 
 std::size_t NodeContacts::bytes() const {
   std::size_t sum = sizeof(*this) + m_triangles.size() * sizeof(Triangle) + m_met.bytes();
-  for (const Bone& bone : m_bones) {
+  for (const Bone* bone : m_bones) {
     // The copies in PseudoNormals: corners, normal and neighbours of a triangle, normal of a vertex.
-    const TriangleMesh& mesh = bone.surface.mesh;
+    const TriangleMesh& mesh = bone->surface.mesh;
     sum += sizeof(PseudoNormals) + mesh.triangles.size() * (2 * sizeof(Triangle) + sizeof(Vec3)) +
            mesh.vertices.size() * sizeof(Vec3);
   }

@@ -17,7 +17,7 @@ namespace musclebench {
 class NodeContacts {
  public:
   /// `muscle_triangles` are those that `TrianglePair` counts. Keeps references to the bones' meshes.
-  NodeContacts(std::span<const Bone> bones, std::vector<Triangle> muscle_triangles, std::size_t nodes);
+  NodeContacts(std::vector<const Bone*> bones, std::vector<Triangle> muscle_triangles, std::size_t nodes);
 
   /// Appends the contacts of `wanted` nodes (ascending) with bone `bone`, ordered by node. `positions` are in the world
   /// frame, in metres. The result does not depend on the order of `pairs`.
@@ -30,7 +30,7 @@ class NodeContacts {
   void measure_pairs(const TriangleMesh& bone, const RigidMotion& pose, std::span<const TrianglePair> pairs,
                      std::span<const Vec3> positions);
 
-  std::span<const Bone> m_bones;
+  std::vector<const Bone*> m_bones;
   std::vector<Triangle> m_triangles;
   std::vector<PseudoNormals> m_normals;  ///< one a bone
   MetTriangles m_met;

@@ -37,36 +37,56 @@ class SurfaceBackend final : public CollisionBackend {
     return {std::numeric_limits<double>::infinity(), longest_edge_m(muscle())};
   }
 
+  [[nodiscard]] double contact_reach_m(const Bone& /*bone*/) const override { return 0; }
+
   [[nodiscard]] std::size_t structure_bytes() const override {
     return m_collider == nullptr ? 0 : m_collider->bytes() + m_contacts->bytes();
   }
 
  private:
   void do_build() override {
+    m_bones.clear();
+    m_asked.clear();
+    for (std::size_t bone = 0; bone < bones().size(); ++bone) {
+      if (is_pruned(bone)) continue;
+      m_bones.push_back(static_cast<int>(bone));
+      m_asked.push_back(&bones()[bone]);
+    }
     std::vector<Triangle> triangles;
     for (const int kept : triangles_with_area(muscle(), 0, muscle().triangles.size(), "fcl: muscle")) {
       triangles.push_back(muscle().triangles[static_cast<std::size_t>(kept)]);
     }
-    m_collider = make_surface_collider(m_options, bones(), muscle().vertices, triangles, threads());
-    m_contacts = std::make_unique<NodeContacts>(bones(), std::move(triangles), muscle().vertices.size());
-    m_pairs_by_bone.assign(bones().size(), {});
+    m_collider = make_surface_collider(m_options, m_asked, muscle().vertices, triangles, threads());
+    m_contacts = std::make_unique<NodeContacts>(m_asked, std::move(triangles), muscle().vertices.size());
+    m_pairs_by_bone.assign(m_bones.size(), {});
   }
 
-  void do_update(std::span<const Vec3> positions) override { m_collider->update(poses(), positions); }
+  void do_update(std::span<const Vec3> positions) override {
+    m_asked_poses.clear();
+    for (const int bone : m_bones) m_asked_poses.push_back(poses()[static_cast<std::size_t>(bone)]);
+    m_collider->update(m_asked_poses, positions);
+  }
 
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
     if (nodes.empty()) {
       return;
     }
     m_collider->collide(m_pairs_by_bone);
-    for (std::size_t bone = 0; bone < m_pairs_by_bone.size(); ++bone) {
-      m_contacts->append(static_cast<int>(bone), poses()[bone], m_pairs_by_bone[bone], positions, nodes, contacts);
+    for (std::size_t asked = 0; asked < m_bones.size(); ++asked) {
+      const auto first = static_cast<std::ptrdiff_t>(contacts.size());
+      m_contacts->append(static_cast<int>(asked), m_asked_poses[asked], m_pairs_by_bone[asked], positions, nodes,
+                         contacts);
+      std::for_each(contacts.begin() + first, contacts.end(), [&](Contact& contact) { contact.bone = m_bones[asked]; });
     }
   }
 
   FclOptions m_options;
   std::unique_ptr<SurfaceCollider> m_collider;
   std::unique_ptr<NodeContacts> m_contacts;
+  // One a bone that is asked about.
+  std::vector<int> m_bones;
+  std::vector<const Bone*> m_asked;
+  std::vector<RigidMotion> m_asked_poses;
   std::vector<std::vector<TrianglePair>> m_pairs_by_bone;
 };
 

@@ -14,16 +14,16 @@ namespace {
 template <typename BoundingVolume>
 class FclSurfaceCollider final : public SurfaceCollider {
  public:
-  FclSurfaceCollider(const FclOptions& options, std::span<const Bone> bones, std::span<const Vec3> rest_positions,
-                     std::span<const Triangle> muscle_triangles, int threads)
+  FclSurfaceCollider(const FclOptions& options, std::span<const Bone* const> bones,
+                     std::span<const Vec3> rest_positions, std::span<const Triangle> muscle_triangles, int threads)
       : m_threads(threads),
         m_request(std::numeric_limits<std::size_t>::max()),
         m_results(bones.size()),
         m_muscle(options, rest_positions, muscle_triangles) {
     m_request.gjk_solver_type = to_fcl(options.narrow_phase);
     std::vector<std::shared_ptr<fcl::CollisionGeometryd>> models;
-    for (const Bone& bone : bones) {
-      auto model = make_fcl_model<BoundingVolume>(bone.surface.mesh.vertices, bone.surface.mesh.triangles);
+    for (const Bone* bone : bones) {
+      auto model = make_fcl_model<BoundingVolume>(bone->surface.mesh.vertices, bone->surface.mesh.triangles);
       m_bone_model_bytes += model_bytes(*model);
       models.push_back(std::move(model));
     }
@@ -78,7 +78,7 @@ class FclSurfaceCollider final : public SurfaceCollider {
 
 }  // namespace
 
-std::unique_ptr<SurfaceCollider> make_surface_collider(const FclOptions& options, std::span<const Bone> bones,
+std::unique_ptr<SurfaceCollider> make_surface_collider(const FclOptions& options, std::span<const Bone* const> bones,
                                                        std::span<const Vec3> rest_positions,
                                                        std::span<const Triangle> muscle_triangles, int threads) {
   return with_bounding_volume(options.bounding_volume, [&](auto volume) -> std::unique_ptr<SurfaceCollider> {

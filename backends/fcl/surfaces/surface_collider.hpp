@@ -40,7 +40,7 @@ class SurfaceCollider {
 
 /// Builds one model a bone and one of the muscle (`rest_positions`, `muscle_triangles`: at least one, none without
 /// area). Different bones are collided in up to `threads` threads. Throws InputError for an unknown bounding volume.
-std::unique_ptr<SurfaceCollider> make_surface_collider(const FclOptions& options, std::span<const Bone> bones,
+std::unique_ptr<SurfaceCollider> make_surface_collider(const FclOptions& options, std::span<const Bone* const> bones,
                                                        std::span<const Vec3> rest_positions,
                                                        std::span<const Triangle> muscle_triangles, int threads);
 

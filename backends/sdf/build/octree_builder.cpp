@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -401,6 +402,12 @@ class OctreeBuilder {
 };
 
 }  // namespace
+
+double octree_reach_m(const TriangleMesh& mesh, const OctreeSettings& settings) {
+  const double diagonal_m = bounding_box(mesh.vertices).diagonal().norm();
+  const double near_m = settings.near_m > 0 ? settings.near_m : near_share * diagonal_m;
+  return std::numbers::sqrt3 * (settings.margin * diagonal_m + root_edge_near * near_m);
+}
 
 OctreeField build_octree(const SignedSurface& surface, const TriangleMesh& mesh, const OctreeSettings& settings,
                          const std::string& bone_name, int threads, const BuildProgress& progress) {

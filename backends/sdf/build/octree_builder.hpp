@@ -46,4 +46,7 @@ using BuildProgress = std::function<void(double share)>;
 OctreeField build_octree(const SignedSurface& surface, const TriangleMesh& mesh, const OctreeSettings& settings,
                          const std::string& bone_name, int threads, const BuildProgress& progress = {});
 
+/// How far from the box of the surface its domain reaches, at most.
+double octree_reach_m(const TriangleMesh& mesh, const OctreeSettings& settings);
+
 }  // namespace musclebench

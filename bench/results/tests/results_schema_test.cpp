@@ -19,7 +19,7 @@
 namespace musclebench {
 namespace {
 
-/// Two muscles that touch.
+/// Two muscles that touch, and a bone that is out of reach.
 Scene scene_of_two() {
   Scene scene = small_scene();
   Muscle& ball = scene.add_muscle("ball", make_sphere(0.005, 1));
@@ -28,6 +28,11 @@ Scene scene_of_two() {
   std::iota(ball.node_of_vertex.begin(), ball.node_of_vertex.end(), ball.body.first_node);
   ball.changes = {"made by hand"};
   scene.muscle_pairs = {{{0, 1}, {}}};
+  Bone far{"far", {make_box({0.01, 0.01, 0.01}, 1), true, {}}};
+  for (Vec3& vertex : far.surface.mesh.vertices) vertex.x() += 5;
+  scene.bone_meshes.push_back({"far", "", far.surface.mesh});
+  scene.motions.emplace_back();
+  scene.bones.push_back(std::move(far));
   scene.bone_contacts.resize(scene.bones.size());
   scene.bone_contacts.front().response_steps = 5;
   return scene;

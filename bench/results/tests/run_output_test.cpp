@@ -65,6 +65,28 @@ TEST(RunOutput, SaysTheLimitsAndTheMachinesState) {
   EXPECT_EQ(manifest["muscle"]["pressure"], 1);
 }
 
+TEST(RunOutput, SaysWhichBonesWerePrunedAndWhy) {
+  const Scene scene = plain_scene();
+  RunCase run = case_of(scene, "bvh");
+  const TemporaryFolder folder("pruned");
+  write_run(folder.path() / "pruned", run, result_of(run));
+  const auto pruned = manifest_in(folder.path() / "pruned")["pruned"];
+  ASSERT_EQ(pruned.size(), 1U);
+  EXPECT_EQ(pruned[0]["bone"], "box");
+  EXPECT_EQ(pruned[0]["reason"], "out_of_reach");
+  EXPECT_NEAR(pruned[0]["distance_m"].get<double>(), 0.07, 1e-3);
+  EXPECT_LT(pruned[0]["margin_m"], pruned[0]["distance_m"]);
+  EXPECT_EQ(pruned[0]["saved_triangles"], 12);
+  EXPECT_EQ(pruned[0]["saved_queries"], 2 * 42) << "nodes in two frames of a step";
+  EXPECT_TRUE(pruned[0]["frame_back"].is_null());
+  EXPECT_EQ(pruned[0]["is_back"], false);
+  const std::string id = run_id(run);
+  run.prune = false;
+  EXPECT_NE(run_id(run), id);
+  write_run(folder.path() / "whole", run, result_of(run));
+  EXPECT_TRUE(manifest_in(folder.path() / "whole")["pruned"].empty());
+}
+
 TEST(RunOutput, LookingForSelfIntersectionsIsAnotherCase) {
   const Scene scene = plain_scene();
   RunCase run = case_of(scene, "null");

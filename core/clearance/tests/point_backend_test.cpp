@@ -65,6 +65,7 @@ class PointBackendTest : public testing::Test {
       return std::make_unique<BallStructure>(m_log, from_file[next++]);
     };
     auto backend = make_point_backend(std::move(method));
+    if (m_expect_right_untouched) backend->expect_untouched({0, 1});
     backend->report_build_to([this](double share) { m_shares.push_back(share); });
     backend->build(m_bones, m_muscle, threads);
     return backend;
@@ -94,6 +95,7 @@ class PointBackendTest : public testing::Test {
   }
 
   Log m_log;
+  bool m_expect_right_untouched = false;
   std::vector<double> m_shares;
   TriangleMesh m_muscle = make_box(Vec3(1, 1, 1), 1);
   std::vector<Bone> m_bones = {{"left", {make_sphere(1, 1), true, {}}}, {"right", {make_sphere(1, 1), true, {}}}};
@@ -147,6 +149,31 @@ TEST_F(PointBackendTest, OverAnOpenBoneThereIsACacheOnlyWhereDistancesAreSigned)
   m_bones[1] = m_bones[0];
   contacts(*made({.capabilities = {.has_cache = true}, .cache_needs_closed_bones = true}), points(5));
   EXPECT_TRUE(m_log.had_clearances);
+}
+
+TEST_F(PointBackendTest, OverAPrunedBoneNothingIsBuiltAndNothingIsAskedUntilANodeIsNear) {
+  const auto reach_m = [](const Bone& /*bone*/) { return 0.0; };
+  const std::vector<Vec3> apart = {Vec3(-0.5, 0, 0), Vec3(-2, 0, 0), Vec3(-3, 0, 0)};
+  const std::vector<Vec3> near = {Vec3(-0.5, 0, 0), Vec3(-2, 0, 0), Vec3(1.5, 0, 0)};
+  for (const bool has_cache : {false, true}) {
+    m_expect_right_untouched = true;
+    const auto backend = made({.capabilities = {.has_cache = has_cache}, .contact_reach_m = reach_m}, {true, true});
+    EXPECT_TRUE(backend->built_from_file()) << "what there is";
+    const std::size_t bytes = backend->structure_bytes();
+    m_log.queried = 0;
+    EXPECT_EQ(contacts(*backend, apart).size(), 1U);
+    EXPECT_EQ(m_log.queried, 3) << "of the left bone";
+    m_log.queried = 0;
+    m_log.resets = 0;
+    EXPECT_EQ(contacts(*backend, near).size(), 2U);
+    EXPECT_EQ(m_log.queried, has_cache ? 5 : 6) << "all of the right bone";
+    EXPECT_EQ(m_log.resets, has_cache ? 1 : 0);
+    m_expect_right_untouched = false;
+    const auto whole = made({.capabilities = {.has_cache = has_cache}, .contact_reach_m = reach_m}, {true, true});
+    EXPECT_LT(bytes, whole->structure_bytes());
+    contacts(*whole, near);
+    EXPECT_EQ(backend->structure_bytes(), whole->structure_bytes());
+  }
 }
 
 TEST_F(PointBackendTest, TellsWhatItsStructuresTell) {

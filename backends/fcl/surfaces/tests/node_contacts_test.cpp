@@ -15,7 +15,7 @@ class NodeContactsTest : public testing::Test {
  protected:
   std::vector<Contact> contacts(const std::vector<Vec3>& positions, std::vector<TrianglePair> pairs,
                                 const std::vector<int>& wanted = {0, 1, 2}) {
-    NodeContacts nodes(m_bones, {{0, 1, 2}}, 3);
+    NodeContacts nodes(pointers_to(m_bones), {{0, 1, 2}}, 3);
     std::vector<Contact> found;
     nodes.append(0, RigidMotion{}, pairs, positions, wanted, found);
     std::reverse(pairs.begin(), pairs.end());

@@ -35,7 +35,8 @@ class EveryUpdate : public testing::TestWithParam<std::tuple<std::string, TreeUp
 
 TEST_P(EveryUpdate, SurvivesTrianglesThatCollapse) {
   const MovingScene scene;
-  const auto collider = make_surface_collider(options(), scene.bones, scene.muscle.vertices, scene.muscle.triangles, 1);
+  const auto collider =
+      make_surface_collider(options(), pointers_to(scene.bones), scene.muscle.vertices, scene.muscle.triangles, 1);
   std::vector<std::vector<TrianglePair>> pairs;
   for (int step = 0; step < 2; ++step) {
     const auto poses = scene.poses(step);
@@ -96,7 +97,7 @@ TEST_P(EveryManager, FollowsABoxThatGrowsAtOneEndOrBoth) {
   const TriangleMesh muscle = make_sphere(0.05, 2);
   FclOptions options;
   options.broad_phase = GetParam();
-  const auto collider = make_surface_collider(options, bones, muscle.vertices, muscle.triangles, 1);
+  const auto collider = make_surface_collider(options, pointers_to(bones), muscle.vertices, muscle.triangles, 1);
   const std::vector<RigidMotion> apart = {{Mat3::Identity(), Vec3(0.1, 0.001, 0.002)}};
   std::vector<std::vector<TrianglePair>> pairs;
   const auto pairs_after_stretch = [&](double at_lower_end, double at_upper_end) {
@@ -125,7 +126,7 @@ TEST(SurfaceCollider, UnknownVolumeNamesTheNearest) {
   FclOptions options;
   options.bounding_volume = "OBBRS";
   try {
-    make_surface_collider(options, scene.bones, scene.muscle.vertices, scene.muscle.triangles, 1);
+    make_surface_collider(options, pointers_to(scene.bones), scene.muscle.vertices, scene.muscle.triangles, 1);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("'OBBRSS'"), std::string::npos) << error.what();
