@@ -1,20 +1,23 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/bvh/triangle_bvh.hpp"
 
 namespace musclebench {
 
-/// The part of a surface near a box of points, with a tree of its own: questions about few points need no tree over the
+/// The part of a surface near some points, with a tree of its own: questions about few points need no tree over the
 /// whole surface.
 class NearbyTriangles {
  public:
-  NearbyTriangles(const TriangleMesh& mesh, const Eigen::AlignedBox3d& points, double margin_m);
+  NearbyTriangles(const TriangleMesh& mesh, std::span<const Vec3> points, double margin_m);
 
   [[nodiscard]] double margin_m() const { return m_margin_m; }
-  /// The answer of `TriangleBvh::closest_point` over the whole surface to the bit, for a point in the box and
+  [[nodiscard]] std::size_t triangle_count() const { return m_triangles.size(); }
+  /// The answer of `TriangleBvh::closest_point` over the whole surface to the bit, for one of the points and a
   /// `max_distance_m` of at most the margin: all triangles that are so near are here, in their order.
   [[nodiscard]] std::optional<ClosestPoint> closest_point(const Vec3& point, double max_distance_m) const;
 

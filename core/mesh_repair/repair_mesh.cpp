@@ -155,6 +155,7 @@ void refuse_wide_open(const Openness& openness, int edges, const std::string& na
 struct RemainingDefects {
   int non_manifold_edges = 0;
   int inconsistent_edges = 0;
+  int unbalanced_edges = 0;
 };
 
 RemainingDefects count_remaining(const MeshEdges& edges) {
@@ -162,6 +163,8 @@ RemainingDefects count_remaining(const MeshEdges& edges) {
   for (int edge = 0; edge < edges.count(); ++edge) {
     const auto uses = edges.uses(edge);
     defects.non_manifold_edges += uses.size() > 2 ? 1 : 0;
+    const auto forward = std::ranges::count_if(uses, &EdgeUse::forward);
+    defects.unbalanced_edges += 2 * forward != std::ssize(uses) ? 1 : 0;
     defects.inconsistent_edges += uses.size() == 2 && uses[0].forward == uses[1].forward ? 1 : 0;
   }
   return defects;
@@ -208,6 +211,7 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh, const std::string& name) {
   log.note(flat_left, "left", "zero-area triangle", "zero-area triangles", " that holds the surface together");
   repaired.clean = openness.boundary_edges == 0 && left.non_manifold_edges == 0 && left.inconsistent_edges == 0 &&
                    pinched == 0 && flat_left == 0 && turned.surfaces == 1;
+  repaired.known_closed = left.unbalanced_edges == 0;
   return repaired;
 }
 

@@ -16,6 +16,8 @@ struct RepairedMesh {
   /// What was changed, one line each ("dropped 10 zero-area triangles"), then what is left that keeps the mesh from
   /// being clean ("left 3 non-manifold edges"), for the report. Empty for a clean mesh that needed nothing.
   std::vector<std::string> changes;
+  /// Every edge is used as often in one direction as in the other, so that `is_closed` need not look; false: not known.
+  bool known_closed = false;
 };
 
 /// Merges vertices at equal positions, drops unreferenced vertices, zero-area and doubled triangles, winds each

@@ -104,15 +104,15 @@ std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleMesh
   // A node is at most distance_m from its closest point, and so is what it is measured by in the area's plane.
   const double allowed_m = area.distance_m + 1e-9 * (1 + area.distance_m);
   std::vector<int> candidates;
-  Eigen::AlignedBox3d box;
+  std::vector<Vec3> points;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (!flat.is_on_its_side(nodes[i], allowed_m) || !(flat.distance_beside_m(nodes[i]) <= area.margin_m + allowed_m)) {
       continue;
     }
     candidates.push_back(static_cast<int>(i));
-    box.extend(nodes[i]);
+    points.push_back(nodes[i]);
   }
-  const NearbyTriangles nearby(bone, box, area.distance_m);
+  const NearbyTriangles nearby(bone, points, area.distance_m);
   std::vector<int> bound;
   for (const int node : candidates) {
     const auto closest = nearby.closest_point(nodes[static_cast<std::size_t>(node)], area.distance_m);

@@ -105,8 +105,9 @@ std::vector<BoneReach> predict_reach(const Scene& scene) {
   }
   for (std::size_t bone = 0; bone < reach.size(); ++bone) {
     // Of an open bone the inside may extend beyond its box.
+    const RepairedMesh& surface = scene.bones[bone].surface;
     reach[bone].is_untouched =
-        reach[bone].distance_m > reach[bone].margin_m && is_closed(scene.bones[bone].surface.mesh);
+        reach[bone].distance_m > reach[bone].margin_m && (surface.known_closed || is_closed(surface.mesh));
   }
   return reach;
 }

@@ -30,7 +30,7 @@ std::vector<Vec3> nodes_inside(const Bone& bone, const std::vector<Vec3>& nodes)
   if (nodes.empty()) return {};
   const TriangleMesh& mesh = bone.surface.mesh;
   std::optional<RayWinding> rays;
-  if (bone.surface.clean || is_closed(mesh)) rays.emplace(mesh, bounding_box(nodes));
+  if (bone.surface.known_closed || is_closed(mesh)) rays.emplace(mesh, bounding_box(nodes));
   std::vector<Vec3> inside;
   for (const Vec3& node : nodes) {
     const std::optional<int> winding = rays ? rays->at(node) : std::nullopt;
@@ -45,7 +45,7 @@ RestOverlap overlap_of(const Bone& bone, const std::vector<Vec3>& inside) {
   if (inside.empty()) return overlap;
   const TriangleMesh& mesh = bone.surface.mesh;
   const double touching_m = touching_distance_m(mesh);
-  const NearbyTriangles nearby(mesh, bounding_box(inside), usual_depth * bounding_box(mesh.vertices).diagonal().norm());
+  const NearbyTriangles nearby(mesh, inside, usual_depth * bounding_box(mesh.vertices).diagonal().norm());
   for (const Vec3& node : inside) {
     const auto near = nearby.closest_point(node, nearby.margin_m());
     const double depth_m = near ? near->distance_m : bone.tree().closest_point(node)->distance_m;

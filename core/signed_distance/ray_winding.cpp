@@ -31,6 +31,28 @@ bool is_before(const Eigen::AlignedBox3d& box, const Eigen::AlignedBox3d& points
   return true;
 }
 
+/// By axis and sign: the direction along which the fewest vertices are before the box of points.
+int shortest_way_out(const TriangleMesh& mesh, const Eigen::AlignedBox3d& points) {
+  std::array<std::size_t, 6> before{};
+  for (const Vec3& vertex : mesh.vertices) {
+    std::array<bool, 3> is_below{};
+    std::array<bool, 3> is_above{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<Eigen::Index>(axis);
+      is_below[axis] = vertex[a] < points.min()[a];
+      is_above[axis] = vertex[a] > points.max()[a];
+    }
+    for (std::size_t w = 0; w < 3; ++w) {
+      const std::size_t u = (w + 1) % 3;
+      const std::size_t v = (w + 2) % 3;
+      if (is_below[u] || is_above[u] || is_below[v] || is_above[v]) continue;
+      before[2 * w] += is_below[w] ? 0 : 1;
+      before[2 * w + 1] += is_above[w] ? 0 : 1;
+    }
+  }
+  return static_cast<int>(std::min_element(before.begin(), before.end()) - before.begin());
+}
+
 /// How often, and in which direction, the outline of a triangle in the plane goes round a point: 1, 0 or -1. An edge is
 /// judged by the same operations for both triangles at it, so that a point never falls between them or into both.
 int winding_in_plane(const std::array<std::array<double, 2>, 3>& corners, double u, double v) {
@@ -51,32 +73,32 @@ int winding_in_plane(const std::array<std::array<double, 2>, 3>& corners, double
 }  // namespace
 
 RayWinding::RayWinding(const TriangleMesh& mesh, const Eigen::AlignedBox3d& points)
-    : m_mesh(mesh), m_uncertain_m(uncertain_share * bounding_box(mesh.vertices).diagonal().norm()) {
-  std::array<std::size_t, 6> before{};  // by axis and sign
-  for (const Triangle& triangle : mesh.triangles) {
-    const Eigen::AlignedBox3d box = box_of(mesh, triangle);
-    for (int direction = 0; direction < 6; ++direction) {
-      before[static_cast<std::size_t>(direction)] +=
-          is_before(box, points, direction / 2, direction % 2 == 0 ? 1 : -1) ? 1 : 0;
-    }
+    : m_mesh(mesh),
+      m_frame(frame_of(shortest_way_out(mesh, points))),
+      m_uncertain_m(uncertain_share * bounding_box(mesh.vertices).diagonal().norm()),
+      m_lower(points.min()) {
+  struct Before {
+    int triangle;
+    Eigen::AlignedBox3d box;
+  };
+  std::vector<Before> before;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Eigen::AlignedBox3d box = box_of(mesh, mesh.triangles[t]);
+    if (is_before(box, points, m_frame.w, m_frame.sign)) before.push_back({static_cast<int>(t), box});
   }
-  const auto best = static_cast<int>(std::min_element(before.begin(), before.end()) - before.begin());
-  const int w = best / 2;
-  m_frame = {(w + 1) % 3, (w + 2) % 3, w, best % 2 == 0 ? 1.0 : -1.0};
-  const auto count = static_cast<double>(before[static_cast<std::size_t>(best)]);
+  const auto count = static_cast<double>(before.size());
   m_bins = std::clamp<std::size_t>(static_cast<std::size_t>(std::sqrt(count)), 1, most_bins);
-  m_lower = points.min();
   m_per_bin = points.sizes() / static_cast<double>(m_bins);
 
   m_first.assign(m_bins * m_bins + 1, 0);
   const auto for_each_bin = [&](const auto& visit) {
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const Eigen::AlignedBox3d box = box_of(mesh, mesh.triangles[t]);
-      if (!is_before(box, points, w, m_frame.sign)) continue;
-      const auto bin = [&](const Vec3& at, int axis) { return bin_along(at[axis], m_lower[axis], m_per_bin[axis]); };
-      for (std::size_t row = bin(box.min(), m_frame.v); row <= bin(box.max(), m_frame.v); ++row) {
-        for (std::size_t column = bin(box.min(), m_frame.u); column <= bin(box.max(), m_frame.u); ++column) {
-          visit(row * m_bins + column, static_cast<int>(t));
+    for (const auto& [triangle, box] : before) {
+      const auto bin = [this](const Vec3& at, int axis) { return bin_along(at[axis], m_lower[axis], m_per_bin[axis]); };
+      const std::size_t last_row = bin(box.max(), m_frame.v);
+      const std::size_t last_column = bin(box.max(), m_frame.u);
+      for (std::size_t row = bin(box.min(), m_frame.v); row <= last_row; ++row) {
+        for (std::size_t column = bin(box.min(), m_frame.u); column <= last_column; ++column) {
+          visit(row * m_bins + column, triangle);
         }
       }
     }
@@ -86,6 +108,11 @@ RayWinding::RayWinding(const TriangleMesh& mesh, const Eigen::AlignedBox3d& poin
   m_triangles.resize(m_first.back());
   std::vector<std::uint32_t> next(m_first.begin(), m_first.end() - 1);
   for_each_bin([&](std::size_t bin, int triangle) { m_triangles[next[bin]++] = triangle; });
+}
+
+RayWinding::Frame RayWinding::frame_of(int direction) {
+  const int w = direction / 2;
+  return {(w + 1) % 3, (w + 2) % 3, w, direction % 2 == 0 ? 1.0 : -1.0};
 }
 
 std::size_t RayWinding::bin_along(double value, double lower, double per_bin) const {

@@ -28,6 +28,7 @@ class RayWinding {
     double sign = 1;  ///< of the direction along w
   };
 
+  [[nodiscard]] static Frame frame_of(int direction);
   [[nodiscard]] std::size_t bin_along(double value, double lower, double per_bin) const;
 
   const TriangleMesh& m_mesh;
