@@ -1,11 +1,12 @@
 #include "core/effects/bending.hpp"
 
+#include <array>
 #include <cmath>
 #include <optional>
 
 #include "core/base/portable_math.hpp"
-#include "core/constraints/angle_constraints.hpp"
 #include "core/effects/constraint_effect.hpp"
+#include "core/effects/fixed_nodes.hpp"
 #include "core/effects/surface_edges.hpp"
 
 namespace musclebench {
@@ -26,17 +27,23 @@ std::optional<AngleConstraint> angle_at_rest(const std::vector<Vec3>& x, const S
 
 }  // namespace
 
-std::unique_ptr<Effect> make_bending(const EffectInput& input, const Parameters& parameters) {
+std::vector<AngleConstraint> bending_constraints(const EffectInput& input, const Parameters& parameters) {
   const double skipped_rad = parameters.number("skip_flatter_than_rad");
+  const FixedNodes fixed(input);
   std::vector<AngleConstraint> constraints;
   for (const SurfaceEdge& edge : surface_edges(input.mesh)) {
     if (edge.left < 0 || edge.right < 0) continue;
+    if (fixed.are_all(std::array{edge.start, edge.end, edge.left, edge.right})) continue;
     const std::optional<AngleConstraint> angle = angle_at_rest(input.mesh.vertices, edge);
     if (!angle || (skipped_rad > 0 && angle->rest_cosine > portable::cos(skipped_rad))) continue;
     constraints.push_back(*angle);
   }
+  return constraints;
+}
+
+std::unique_ptr<Effect> make_bending(const EffectInput& input, const Parameters& parameters) {
   return make_constraint_effect("bending",
-                                AngleConstraints(constraints, input.order,
+                                AngleConstraints(bending_constraints(input, parameters), input.order,
                                                  {.stiffness = parameters.number("stiffness"),
                                                   .compliance_rad_per_n_m = parameters.number("compliance_rad_per_n_m"),
                                                   .has_ratio_gate = parameters.flag("public_code_ratio_gate")}));

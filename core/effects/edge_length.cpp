@@ -1,18 +1,22 @@
 #include "core/effects/edge_length.hpp"
 
+#include <array>
+
 #include "core/base/portable_math.hpp"
-#include "core/constraints/length_constraints.hpp"
 #include "core/effects/constraint_effect.hpp"
+#include "core/effects/fixed_nodes.hpp"
 #include "core/effects/surface_edges.hpp"
 
 namespace musclebench {
 
-std::unique_ptr<Effect> make_edge_length(const EffectInput& input, const Parameters& parameters) {
+std::vector<LengthConstraint> edge_length_constraints(const EffectInput& input, const Parameters& parameters) {
   const double stiffness = parameters.number("stiffness");
   const double compliance = parameters.number("compliance_m_per_n");
   const double exponent = parameters.number("anisotropy_exponent");
+  const FixedNodes fixed(input);
   std::vector<LengthConstraint> constraints;
   for (const SurfaceEdge& edge : surface_edges(input.mesh)) {
+    if (fixed.are_all(std::array{edge.start, edge.end})) continue;
     const Vec3& start = input.mesh.vertices[edge.start];
     const Vec3& end = input.mesh.vertices[edge.end];
     const std::vector<FibreSegment>& fibres = input.fibres[body_of(input.bodies, edge.start)];
@@ -26,9 +30,14 @@ std::unique_ptr<Effect> make_edge_length(const EffectInput& input, const Paramet
                              compliance / across});
     }
   }
+  return constraints;
+}
+
+std::unique_ptr<Effect> make_edge_length(const EffectInput& input, const Parameters& parameters) {
   // The paper's public code iterates over nodes and their edges and so projects every edge twice.
   const auto visits = static_cast<int>(parameters.integer("visits_per_edge"));
-  return make_constraint_effect("edge_length", LengthConstraints(constraints, input.order, visits));
+  return make_constraint_effect("edge_length",
+                                LengthConstraints(edge_length_constraints(input, parameters), input.order, visits));
 }
 
 std::vector<ParameterSpec> edge_length_parameters() {

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/constraints/length_constraints.hpp"
 #include "core/effects/effect_registry.hpp"
 
 namespace musclebench {
@@ -11,7 +12,10 @@ namespace musclebench {
 /// is scaled by (1 - |cos|)^exponent of the angle to the nearest fibre at rest, so that a muscle can shorten along its
 /// fibres. With a compliance (XPBD, Macklin et al. 2016) the shape does not depend on time step and iterations; the
 /// compliance is then divided by that factor instead. An edge of length 0 has no direction and is skipped.
+/// An edge between two nodes that bones carry has none.
 std::unique_ptr<Effect> make_edge_length(const EffectInput& input, const Parameters& parameters);
+/// In the order of `surface_edges`.
+std::vector<LengthConstraint> edge_length_constraints(const EffectInput& input, const Parameters& parameters);
 std::vector<ParameterSpec> edge_length_parameters();
 
 }  // namespace musclebench
