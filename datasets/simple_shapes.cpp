@@ -49,6 +49,29 @@ TriangleMesh tetrahedron() {
 /// Two triangles in the plane z = 0 that share an edge along y; one lies at x < 0, the other at x > 0.
 TriangleMesh hinge() { return {{{0, -0.015, 0}, {0, 0.015, 0}, {-0.03, 0, 0}, {0.03, 0, 0}}, {{0, 1, 2}, {1, 0, 3}}}; }
 
+/// A sheet along x that is folded back over itself: its lower half on z = 0, the upper one `gap_m` above.
+TriangleMesh folded_sheet(double gap_m) {
+  constexpr double cell_m = 0.004;
+  constexpr int columns = 10;  // of a half
+  constexpr int rows = 6;
+  TriangleMesh mesh;
+  const auto add_row = [&](double x_m, double z_m) {
+    for (int j = 0; j <= rows; ++j) mesh.vertices.emplace_back(x_m, cell_m * (j - 0.5 * rows), z_m);
+  };
+  for (int i = 0; i < columns; ++i) add_row(cell_m * (i - 0.5 * columns), 0);
+  add_row(cell_m * 0.5 * columns, 0.5 * gap_m);
+  for (int i = columns - 1; i >= 0; --i) add_row(cell_m * (i + 0.3 - 0.5 * columns), gap_m);  // not node above node
+  for (int i = 0; i < 2 * columns; ++i) {
+    for (int j = 0; j < rows; ++j) {
+      const int corner = i * (rows + 1) + j;
+      const int next = corner + rows + 1;
+      mesh.triangles.push_back({corner, next, next + 1});
+      mesh.triangles.push_back({corner, next + 1, corner + 1});
+    }
+  }
+  return mesh;
+}
+
 /// A prism along y whose sharp edge is up, at z = 0.
 TriangleMesh ridge() {
   constexpr double half_width_m = 0.008;
@@ -82,6 +105,7 @@ constexpr std::array shapes = {
     NamedShape{"tetrahedron", tetrahedron},
     NamedShape{"hinge", hinge},
     NamedShape{"coarse_ball", [] { return moved(make_sphere(0.02, 2), Vec3(0, 0, 0.02)); }},
+    NamedShape{"folded_sheet", [] { return folded_sheet(0.008); }},
     NamedShape{"block",
                [] {
                  return turned(box({0.02, 0.02, 0.01}, {0, 0, 0.01}, 6), 0.6, 0.8);

@@ -195,6 +195,14 @@ def test_contact_holds_a_ball_on_a_plate(run):
     assert found.shapes[60].vertices_m[:, 2].min() == pytest.approx(0, abs=1e-15)
 
 
+def test_a_folded_sheet_does_not_fall_through_itself(run):
+    found, through = run("self_contact", frames=(60,)), run("self_contact", "--no-effect", "self_contact", frames=(60,))
+    upper = found.rest_m[:, 2] > 0.007
+    assert upper.sum() == 70
+    assert found.shapes[60].vertices_m[upper, 2].min() > 0.95 * 0.001
+    assert through.shapes[60].vertices_m[upper, 2].min() < 1e-6
+
+
 def test_faces_stay_out_of_a_ridge(run):
     bar_m = 1e-4
     with_faces, nodes_only = run("surface_contact"), run("surface_contact", "--no-effect", "surface_contact")

@@ -21,15 +21,16 @@ SPARE_COLOURS = ("#4A3B66", "#8F7DB0", "#CBC0DF")
 BONES, REST = "contact with bones", "the rest of the loop"
 PART_COLOURS = {BONES: "#f4c7b0", REST: "#e6e6e6"}
 BAR_INCHES, LEGEND_COLUMNS, LEGEND_LINE_INCHES = 0.24, 5, 0.17
-CHANGES = (("node_depth_mm", "depth of nodes\n(mm)"), ("surface_depth_mm", "depth of the\nsurface (mm)"),
-           ("volume_percent", "volume error\n(%)"), ("folded", "triangles\nthrough others"),
-           ("shape_mm", "RMS to all\neffects (mm)"))
+# Of a row of changes, its title, and what the axis reaches at least: what is smaller is no change.
+CHANGES = (("node_depth_mm", "depth of nodes\n(mm)", 0.01), ("surface_depth_mm", "depth of the\nsurface (mm)", 0.01),
+           ("volume_percent", "volume error\n(%)", 0.01), ("folded", "triangles\nthrough others", 10),
+           ("shape_mm", "RMS to all\neffects (mm)", 0.1))
 MARKERS = ("o", "s", "D", "^", "v", "P")
 MUSCLE_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 
 
 def draw_costs(measured: list[MeasuredSet], stem: Path) -> list[Path]:
-    """Two bars a muscle: the scene's own effects, and all."""
+    """Two bars a muscle: the scene's own effects, and all; over the frame with its own, so that small muscles show."""
     shown = [one for one in measured if one.chosen.name in (OWN, ALL) and one.is_measured]
     if not shown:
         return []
@@ -40,15 +41,16 @@ def draw_costs(measured: list[MeasuredSet], stem: Path) -> list[Path]:
     legend_inches = LEGEND_LINE_INCHES * math.ceil(len(names) / LEGEND_COLUMNS) + 0.1
     height = BAR_INCHES * len(shown) + legend_inches + 0.5
     figure, axes = plt.subplots(figsize=(style.PAGE_INCHES, height))
+    own_ms = {one.scene: one.mean_frame_ms for one in reversed(shown)}  # of own where it is there: it comes first
     for row, one in enumerate(shown):
         left = 0.0
         for name in names:
-            width = parts[id(one)].get(name, 0.0)
+            width = parts[id(one)].get(name, 0.0) / own_ms[one.scene]
             axes.barh(row, width, left=left, height=0.74, color=_colour(name), edgecolor="white", linewidth=0.4)
             left += width
-        axes.text(left, row, f" {left:.3g} ms", va="center", fontsize=7)
+        axes.text(left, row, f" {one.mean_frame_ms:.3g} ms", va="center", fontsize=7)
     axes.set_yticks(range(len(shown)), [f"{style.muscle_label(one.muscle)}, {one.chosen.name}" for one in shown])
-    axes.set(ylim=(len(shown) - 0.45, -0.55), xlabel="time of a frame (ms), mean")
+    axes.set(ylim=(len(shown) - 0.45, -0.55), xlabel="mean time of a frame, over that with the muscle's own effects")
     axes.margins(x=0.12)
     axes.grid(axis="y", visible=False)
     figure.tight_layout(rect=(0, 0, 1, 1 - legend_inches / height))
@@ -80,15 +82,14 @@ def draw_changes(measured: list[MeasuredSet], stem: Path) -> list[Path]:
     sets, muscles = list(dict.fromkeys(row["set"] for row in rows)), list(dict.fromkeys(row["muscle"] for row in rows))
     height = 0.19 * len(sets) + 1.1
     figure, panels = plt.subplots(1, len(CHANGES), figsize=(style.PAGE_INCHES, height), sharey=True)
-    for axes, (key, title) in zip(panels, CHANGES):
+    for axes, (key, title, least) in zip(panels, CHANGES):
         for number, muscle in enumerate(muscles):
             mine = [row for row in rows if row["muscle"] == muscle and not math.isnan(row[key])]
             axes.plot([row[key] for row in mine], [sets.index(row["set"]) for row in mine], linestyle="none",
                       marker=MARKERS[number % len(MARKERS)], markersize=3.6, alpha=0.85, markeredgewidth=0,
                       color=MUSCLE_COLOURS[number % len(MUSCLE_COLOURS)], label=style.muscle_label(muscle))
         axes.set_title(title, loc="left", fontsize=7.5)
-        axes.set_xlim(left=0)
-        axes.margins(x=0.1)
+        axes.set_xlim(0, 1.1 * max(least, *(row[key] for row in rows if not math.isnan(row[key]))))
         axes.locator_params(axis="x", nbins=3)
         axes.tick_params(axis="y", length=0)
     panels[0].set_yticks(range(len(sets)), [name.replace("_", " ") for name in sets])
