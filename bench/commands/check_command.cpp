@@ -4,20 +4,25 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "bench/cases/bone_cells.hpp"
 #include "bench/cases/collider_backends.hpp"
-#include "bench/cases/scene_source.hpp"
+#include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
+#include "bench/process/progress.hpp"
+#include "bench/results/findings_json.hpp"
 #include "core/base/input_error.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
-#include "core/referee/referee.hpp"
-#include "core/scene/scene_advice.hpp"
+#include "core/scene/check/scene_check.hpp"
+#include "core/scene/rest_overlap.hpp"
 #include "core/scene/scene_warnings.hpp"
 #include "datasets/embedded/embedded_files.hpp"
 
 namespace musclebench {
 
 namespace {
+
+constexpr int check_steps = 1000;
 
 void print_report(const std::string& title, const TriangleMesh& mesh) {
   fmt::print("{}\n", title);
@@ -62,21 +67,47 @@ void print_muscle(const Scene& scene, const Muscle& muscle) {
   }
 }
 
-/// What keeps the scene from being run: what its reader noted, and a backend that it names and that this build has not
-/// or that can't do what it is named for.
-std::vector<std::string> obstacles_of(const Scene& scene) {
-  std::vector<std::string> obstacles = scene.obstacles;
+struct CheckRequest {
+  SceneChoice scene;
+  BackendOptions backend;
+  bool json = false;
+};
+
+/// Among the obstacles: a backend that the scene names and that this build has not or that can't do what it is named
+/// for.
+void note_backends(Scene& scene) {
   try {
     (void)choose_collider_backends({}, scene, exact_backend());
   } catch (const InputError& error) {
-    obstacles.emplace_back(error.what());
+    scene.obstacles.emplace_back(error.what());
   }
-  return obstacles;
 }
 
-void check_scene(const SceneChoice& choice) {
-  const Scene scene = load_scene(choice);
-  fmt::print("scene {}: {} (preset {})\n", scene.name, scene.title, scene.preset.empty() ? "none" : scene.preset);
+/// `report` shows what is not done in a moment.
+CheckOptions check_options(const CheckRequest& request, Scene& scene, Progress& progress) {
+  CheckOptions options;
+  options.report = [&progress](int done, int total) { progress.show(done * check_steps / total); };
+  if (request.backend.backend.empty()) {
+    note_backends(scene);
+    return options;
+  }
+  const BackendEntry& backend = find_backend(request.backend.backend);
+  const Parameters parameters = backend_parameters(backend, request.backend.parameters);
+  const ColliderBackends colliders = choose_collider_backends(request.backend.colliders, scene, backend);
+  try {
+    const std::vector<ResponseKind> responses =
+        choose_responses(request.backend.response, scene, backend, parameters, colliders);
+    require_what_effects_need(scene, backend, parameters, responses, colliders);
+  } catch (const InputError& obstacle) {
+    scene.obstacles.emplace_back(obstacle.what());
+  }
+  Case resolved{scene, backend, parameters, request.backend.threads};
+  resolved.colliders = colliders;
+  options.cells = bone_cells(resolved);
+  return options;
+}
+
+void print_meshes(const Scene& scene) {
   for (std::size_t i = 0; i < scene.bones.size(); ++i) {
     print_report(fmt::format("bone {} ({})", scene.bones[i].name, scene.bone_meshes[i].reference),
                  scene.bone_meshes[i].mesh);
@@ -87,7 +118,9 @@ void check_scene(const SceneChoice& choice) {
   for (const Muscle& muscle : scene.muscles) {
     print_muscle(scene, muscle);
   }
-  print_overlaps(scene);
+}
+
+void print_attachments(const Scene& scene) {
   if (scene.attach_at_first_contact) {
     fmt::print("attachments: nodes that collide before the first frame; their number depends on the backend\n");
   }
@@ -95,20 +128,48 @@ void check_scene(const SceneChoice& choice) {
     fmt::print("attachment {}: {} nodes on {}\n", attachment.name, attachment.nodes.size(),
                scene.bones[attachment.bone].name);
   }
-  const std::vector<std::string> warnings = scene_warnings(scene);
-  const std::vector<std::string> obstacles = obstacles_of(scene);
-  for (const std::string& obstacle : obstacles) {
+}
+
+void print_verdict(const Scene& scene, const std::vector<std::string>& warnings, const Findings& findings) {
+  for (const std::string& obstacle : scene.obstacles) {
     fmt::print("can't be run: {}\n", obstacle);
   }
   for (const std::string& warning : warnings) {
     fmt::print("warning: {}\n", warning);
   }
-  if (warnings.empty() && obstacles.empty()) {
+  for (const Finding& finding : findings) {
+    fmt::print("{}\n", text_of(finding));
+  }
+  if (warnings.empty() && findings.empty() && scene.obstacles.empty()) {
     fmt::print("no warnings\n");
   }
-  for (const std::string& line : scene_advice(scene)) {
-    fmt::print("the scene calls for: {}\n", line);
+}
+
+void check_scene_of(const CheckRequest& request) {
+  Scene scene = load_scene(request.scene);
+  const std::vector<std::string> warnings = scene_warnings(scene);
+  Findings findings;
+  {
+    Progress progress(progress_style(false), "check " + scene.name, check_steps);
+    findings = check_scene(scene, check_options(request, scene, progress));
   }
+  if (request.json) {
+    fmt::print("{}\n", text_of(json_of_check(scene, warnings, findings), 2));
+    return;
+  }
+  fmt::print("scene {}: {} (preset {})\n", scene.name, scene.title, scene.preset.empty() ? "none" : scene.preset);
+  print_meshes(scene);
+  print_overlaps(scene);
+  print_attachments(scene);
+  print_verdict(scene, warnings, findings);
+}
+
+/// Of a mesh there is its report only.
+void check_mesh_of(const CheckRequest& request) {
+  if (request.json || !request.backend.backend.empty() || !request.scene.preset.empty()) {
+    throw InputError(request.scene.scene, "is a mesh; --json, --preset and --backend are for scenes; leave them out");
+  }
+  print_report(request.scene.scene, read_mesh(request.scene.scene));
 }
 
 /// A word that is no file is a scene's, wrongly written: reading scenes says which one may be meant.
@@ -122,17 +183,26 @@ bool names_scene(const std::string& target) {
 }  // namespace
 
 void add_check_command(CLI::App& app, int& exit_code) {
-  auto choice = std::make_shared<SceneChoice>();
-  CLI::App* command = app.add_subcommand("check", "Print what is wrong with a mesh, or with a scene and its meshes");
-  command->add_option("target", choice->scene, "A mesh file (PLY, OBJ, STL, OFF, ...), a scene name or a .toml file")
+  auto request = std::make_shared<CheckRequest>();
+  CLI::App* command = app.add_subcommand(
+      "check", "Print what is wrong with a mesh, or with a scene and its meshes, and what the scene calls for");
+  command
+      ->add_option("target", request->scene.scene,
+                   "A mesh file (PLY, OBJ, STL, OFF, ...), a scene name or a .toml file")
       ->required();
-  command->add_option("--data", choice->data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
-  command->callback([choice, &exit_code] {
-    choice->notes_obstacles = true;
-    if (names_scene(choice->scene)) {
-      check_scene(*choice);
+  command->add_option("--preset", request->scene.preset, "Loop and effects: paper or standard (default: the scene's)");
+  command->add_option("--data", request->scene.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
+  add_backend_options(*command, request->backend);
+  command->get_option("--backend")
+      ->required(false)
+      ->description("Check that its cells are finer than gaps, and that it serves the effects");
+  command->add_flag("--json", request->json, "Print warnings and findings as JSON");
+  command->callback([request, &exit_code] {
+    request->scene.notes_obstacles = true;
+    if (names_scene(request->scene.scene)) {
+      check_scene_of(*request);
     } else {
-      print_report(choice->scene, read_mesh(choice->scene));
+      check_mesh_of(*request);
     }
     exit_code = 0;
   });

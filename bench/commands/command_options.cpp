@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
+#include "core/scene/check/scene_check.hpp"
 #include "core/scene/scene_warnings.hpp"
 
 namespace musclebench {
@@ -43,6 +44,9 @@ Scene load_scene(const SceneOptions& options) {
 void print_warnings(const Scene& scene) {
   for (const std::string& warning : scene_warnings(scene)) {
     fmt::print(stderr, "musclebench: warning: {}: {}\n", scene.name, warning);
+  }
+  for (const Finding& finding : check_scene(scene, {.only_quick = true})) {
+    fmt::print(stderr, "musclebench: warning: {}: {}\n", scene.name, text_of(finding));
   }
 }
 

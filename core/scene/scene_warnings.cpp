@@ -72,12 +72,6 @@ void warn_of_muscle_surfaces(const Scene& scene, Lines& warnings) {
   for (const Muscle& muscle : scene.muscles) {
     const std::string which = scene.muscles.size() == 1 ? "" : fmt::format(" '{}'", muscle.body.name);
     const MeshReport report = check_mesh(scene.mesh_of(muscle.body));
-    for (const char* effect : {"volume", "local_volume"}) {
-      if (!has_effect(scene, effect) || report.boundary_edges == 0) continue;
-      warnings.push_back(
-          fmt::format("effect '{}' has no meaning for an open surface: the muscle{} has {} boundary edges", effect,
-                      which, report.boundary_edges));
-    }
     if (report.volume_m3 < 0) {
       warnings.push_back(fmt::format("the muscle{} is wound inwards (negative volume): turn its triangles", which));
     }
@@ -130,35 +124,6 @@ void warn_of_attachments(const Scene& scene, Lines& warnings) {
     if (attachment.nodes.empty()) {
       warnings.push_back(describe_empty_attachment(scene, attachment));
     }
-  }
-  const bool wants_attachment = scene.attach_at_first_contact || !scene.attachments.empty();
-  if (has_effect(scene, "attachment") && !wants_attachment) {
-    warnings.emplace_back("effect 'attachment' can't act: the scene has no [[attachment]]");
-  }
-  if (!has_effect(scene, "attachment") && wants_attachment) {
-    warnings.emplace_back("the scene has attachments but lacks [effects.attachment]: its bound nodes stand still");
-  }
-}
-
-void warn_of_effects(const Scene& scene, Lines& warnings) {
-  for (const Muscle& muscle : scene.muscles) {
-    if (has_effect(scene, "activation") && !muscle.fibres_between_attachments && muscle.fibres.empty()) {
-      warnings.push_back(
-          fmt::format("effect 'activation' can't act on muscle '{}': it has no fibres; add fibres = "
-                      "\"between_attachments\"",
-                      muscle.body.name));
-    }
-  }
-  for (const SceneEffect& effect : scene.effects) {
-    const bool fibres = std::ranges::any_of(scene.muscles, [](const Muscle& muscle) {
-      return muscle.fibres_between_attachments || !muscle.fibres.empty();
-    });
-    if (effect.name == "edge_length" && fibres && effect.parameters.number("anisotropy_exponent") == 0) {
-      warnings.emplace_back("the muscle has fibres, but edge_length.anisotropy_exponent = 0 ignores them");
-    }
-  }
-  if (!has_effect(scene, "edge_length")) {
-    warnings.emplace_back("the scene lacks [effects.edge_length]: nothing holds the surface together");
   }
 }
 
@@ -246,7 +211,6 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
   warn_of_muscle_pairs(scene, warnings);
   warn_of_muscle_surfaces(scene, warnings);
   warn_of_motions(scene, warnings);
-  warn_of_effects(scene, warnings);
   return warnings;
 }
 

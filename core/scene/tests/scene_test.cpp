@@ -11,7 +11,6 @@
 #include "core/mesh/shapes.hpp"
 #include "core/scene/attachment_area.hpp"
 #include "core/scene/read_scene.hpp"
-#include "core/scene/scene_warnings.hpp"
 #include "core/scene/tests/scene_errors.hpp"
 
 namespace musclebench {
@@ -145,18 +144,6 @@ TEST(ReadScene, RefusesEffectsThatContradictEachOther) {
   EXPECT_EQ(read_scene(request_of(text + "[effects.local_volume]\n")).effects.size(), 2U);
 }
 
-TEST(ReadScene, WarnsOfAnActivationThatHasNoFibres) {
-  const auto is_told = [](const std::string& more) {
-    const std::vector<std::string> warnings =
-        scene_warnings(read_scene(request_of(std::string(bones_and_muscle) + "[effects.edge_length]\n" + more)));
-    return std::ranges::any_of(warnings, [](const std::string& line) {
-      return line.find("'activation' can't act on muscle 'ball'") != std::string::npos;
-    });
-  };
-  EXPECT_TRUE(is_told("[effects.activation]\n"));
-  EXPECT_FALSE(is_told(""));
-}
-
 TEST(ReadScene, RefusesWhatIsMissingOrTwice) {
   expect_one_line(error_of("title = \"empty\"\n"), {"bone", "missing"});
   expect_one_line(error_of("[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n"), {"muscle", "missing"});
@@ -188,7 +175,6 @@ distance_m = 0.004
   }
   EXPECT_GT(expected.size(), 5U);
   EXPECT_EQ(scene.attachments.front().nodes, expected);
-  EXPECT_TRUE(scene_warnings(scene).size() >= 1);  // attachments without the effect
   expect_one_line(error_of(std::string(bones_and_muscle) + "[[attachment]]\nname = \"a\"\nbone = \"bx\"\n"),
                   {"bx", "box"});
   expect_one_line(error_of(std::string(bones_and_muscle) +

@@ -1,10 +1,8 @@
-#include "core/scene/scene_advice.hpp"
+#include "core/scene/check/step_against_thickness.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <fmt/format.h>
 
 #include "core/mesh/mesh_size.hpp"
 
@@ -51,30 +49,6 @@ Eigen::AlignedBox3d near_muscles(const Scene& scene, double margin_m) {
   return box;
 }
 
-std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
-
-void advise_guard(const Scene& scene, std::vector<std::string>& advice) {
-  constexpr double least_share = 1e-3;  // of a bone's surface near a muscle; slivers of a mesh are less
-  if (has_effect(scene, "tunnelling_guard")) return;
-  for (std::size_t bone = 0; bone < scene.bones.size(); ++bone) {
-    const StepAgainstThickness found = step_against_thickness(scene, bone);
-    if (found.samples == 0 || found.thinner <= least_share * found.samples) continue;
-    advice.push_back(
-        fmt::format("a step moves bone '{}' and the muscle by up to {:.3g} mm against each other, and {} of "
-                    "its surface near the muscle is thinner than that (down to {:.2g} mm): nodes can pass "
-                    "through it; add [effects.tunnelling_guard], or more substeps",
-                    scene.bones[bone].name, 1e3 * found.step_m,
-                    percent(static_cast<double>(found.thinner) / found.samples), 1e3 * found.thinnest_m));
-  }
-}
-
-void advise_volume(const Scene& scene, std::vector<std::string>& advice) {
-  if (has_effect(scene, "volume") || has_effect(scene, "local_volume")) return;
-  advice.emplace_back(
-      "nothing keeps the volume of the muscle; add [effects.volume], or [effects.local_volume], by which "
-      "a squeezed end does not inflate the other");
-}
-
 }  // namespace
 
 StepAgainstThickness step_against_thickness(const Scene& scene, std::size_t bone) {
@@ -90,6 +64,7 @@ StepAgainstThickness step_against_thickness(const Scene& scene, std::size_t bone
   const auto corner = [&](std::size_t t, std::size_t k) -> const Vec3& {
     return mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][k])];
   };
+  const TriangleBvh& tree = scene.bones[bone].tree();
   std::vector<std::size_t> near;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vec3 middle = (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3;
@@ -99,6 +74,8 @@ StepAgainstThickness step_against_thickness(const Scene& scene, std::size_t bone
   }
   if (near.empty() || !(found.step_m > 0)) return found;
   found.thinnest_m = std::numeric_limits<double>::infinity();
+  double whole_area = 0;
+  double thinner_area = 0;
   std::vector<PathCrossing> crossings;
   const std::size_t stride = (near.size() + most_samples - 1) / most_samples;
   for (std::size_t i = 0; i < near.size(); i += stride) {
@@ -107,22 +84,18 @@ StepAgainstThickness step_against_thickness(const Scene& scene, std::size_t bone
     const Vec3 middle = (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3;
     // A little inside, so that the triangle itself is not met.
     const Vec3 from = middle - 1e-7 * diagonal_m * normal;
-    scene.bones[bone].tree().find_crossings(from, middle - diagonal_m * normal, crossings);
+    tree.find_crossings(from, middle - diagonal_m * normal, crossings);
     if (crossings.empty() || crossings.front().entering) continue;  // a hole, or a sheet: no thickness to tell
     const double thickness_m = crossings.front().share * diagonal_m;
+    const double area = tree.area_normal(static_cast<int>(t)).norm();
     ++found.samples;
-    found.thinner += thickness_m < found.step_m ? 1 : 0;
+    whole_area += area;
+    thinner_area += thickness_m < found.step_m ? area : 0;
     found.thinnest_m = std::min(found.thinnest_m, thickness_m);
   }
   if (found.samples == 0) found.thinnest_m = 0;
+  if (whole_area > 0) found.thinner_share = thinner_area / whole_area;
   return found;
-}
-
-std::vector<std::string> scene_advice(const Scene& scene) {
-  std::vector<std::string> advice;
-  advise_guard(scene, advice);
-  advise_volume(scene, advice);
-  return advice;
 }
 
 }  // namespace musclebench

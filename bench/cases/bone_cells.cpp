@@ -1,0 +1,28 @@
+#include "bench/cases/bone_cells.hpp"
+
+#include <algorithm>
+
+#include "bench/cases/build_backend.hpp"
+
+namespace musclebench {
+
+std::vector<BoneCells> bone_cells(const Case& resolved, const std::function<void(double share)>& report) {
+  const BuiltBackend built = build_backend(resolved, report);
+  const std::vector<StructureError> errors = built.backend->structure_errors();
+  std::vector<BoneCells> cells;
+  for (std::size_t bone = 0; bone < resolved.scene.bones.size(); ++bone) {
+    const BackendChoice choice = backend_of_bone(bone, resolved.backend, resolved.parameters, resolved.colliders);
+    BoneCells& of_bone = cells.emplace_back();
+    of_bone.backend = choice.entry->name;
+    of_bone.cell_m = built.backend->step_m(static_cast<int>(bone));
+    const auto measured = std::ranges::find(errors, resolved.scene.bones[bone].name, &StructureError::bone);
+    of_bone.error_m = measured != errors.end() ? measured->p99_m : of_bone.cell_m;
+    // Exact backends miss what rounding can't tell; a cell is larger by far.
+    of_bone.misses = built.backend->answer_bound(static_cast<int>(bone)).missed_depth_m > 1e-3 * of_bone.cell_m;
+    const ParameterSpec* finer = find_parameter(choice.entry->parameters, ParameterRole::resolution);
+    if (finer != nullptr) of_bone.parameter = finer->name;
+  }
+  return cells;
+}
+
+}  // namespace musclebench

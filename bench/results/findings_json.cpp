@@ -1,0 +1,23 @@
+#include "bench/results/findings_json.hpp"
+
+namespace musclebench {
+
+Json json_of(const Finding& finding) {
+  Json figures = Json::object();
+  for (const Figure& figure : finding.figures) figures[figure.name] = figure.value;
+  Json json = {{"id", finding.id},        {"kind", name_of(finding.kind)},
+               {"where", finding.where},  {"what", finding.what},
+               {"figures", figures},      {"add", finding.add},
+               {"remove", finding.remove}};
+  json["effect"] = finding.effect ? Json(finding.effect->name) : Json(nullptr);
+  return json;
+}
+
+Json json_of_check(const Scene& scene, const std::vector<std::string>& warnings, const std::vector<Finding>& findings) {
+  Json json = {{"scene", scene.name}, {"preset", scene.preset}, {"obstacles", scene.obstacles}, {"warnings", warnings}};
+  json["findings"] = Json::array();
+  for (const Finding& finding : findings) json["findings"].push_back(json_of(finding));
+  return json;
+}
+
+}  // namespace musclebench

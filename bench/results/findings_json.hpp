@@ -1,0 +1,14 @@
+#pragma once
+
+#include "bench/results/manifest.hpp"
+#include "core/scene/check/finding.hpp"
+
+namespace musclebench {
+
+/// `id`, `kind`, `where`, `what`, `figures`, `add`, `remove`, `effect`.
+Json json_of(const Finding& finding);
+
+/// What `check --json` prints of a scene: `warnings` and `obstacles` as texts, `findings` as objects.
+Json json_of_check(const Scene& scene, const std::vector<std::string>& warnings, const std::vector<Finding>& findings);
+
+}  // namespace musclebench

@@ -1,0 +1,195 @@
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/scene/check/scene_check.hpp"
+
+namespace musclebench {
+
+namespace {
+
+const SceneEffect* find_named(const Scene& scene, std::string_view name) {
+  const auto found = std::ranges::find(scene.effects, name, &SceneEffect::name);
+  return found == scene.effects.end() ? nullptr : &*found;
+}
+
+bool has_fibres(const Muscle& muscle) { return muscle.fibres_between_attachments || !muscle.fibres.empty(); }
+
+std::string key_of(std::string_view effect, std::string_view parameter = {}) {
+  return parameter.empty() ? fmt::format("effects.{}", effect) : fmt::format("effects.{}.{}", effect, parameter);
+}
+
+Finding cannot_act(std::string where, std::string what) {
+  return {.kind = FindingKind::cannot_act, .where = std::move(where), .what = std::move(what)};
+}
+
+/// An effect that has this value of a parameter does nothing.
+struct NeutralValue {
+  std::string_view effect;
+  std::string_view parameter;
+};
+
+constexpr std::array neutral_at_zero{
+    NeutralValue{"damping", "rate_per_s"},      NeutralValue{"edge_length", "stiffness"},
+    NeutralValue{"activation", "level"},        NeutralValue{"activation", "shortening"},
+    NeutralValue{"volume", "projection_scale"}, NeutralValue{"local_volume", "projection_scale"},
+    NeutralValue{"bending", "stiffness"},       NeutralValue{"margin", "thickness_m"},
+    NeutralValue{"friction", "coefficient"},
+};
+
+void find_zeros(CheckContext& context, Findings& findings) {
+  for (const auto& [effect, parameter] : neutral_at_zero) {
+    const SceneEffect* named = find_named(context.scene, effect);
+    if (named == nullptr || named->parameters.number(std::string(parameter)) != 0) continue;
+    Finding& finding = findings.emplace_back(
+        cannot_act(key_of(effect, parameter), "is 0: the effect costs its time and changes nothing"));
+    finding.figures = {{std::string(parameter), 0}};
+    finding.remove = {fmt::format("[effects.{}]", effect)};
+  }
+  const SceneEffect* gravity = find_named(context.scene, "gravity");
+  if (gravity == nullptr) return;
+  for (const char* axis : {"x_m_per_s2", "y_m_per_s2", "z_m_per_s2"}) {
+    if (gravity->parameters.number(axis) != 0) return;
+  }
+  findings.push_back(cannot_act(key_of("gravity"), "is 0 along all axes: it moves nothing"));
+  findings.back().remove = {"[effects.gravity]"};
+}
+
+void find_effects_without_fibres(CheckContext& context, Findings& findings) {
+  const SceneEffect* lengths = find_named(context.scene, "edge_length");
+  const double exponent = lengths == nullptr ? 0 : lengths->parameters.number("anisotropy_exponent");
+  for (const Muscle& muscle : context.scene.muscles) {
+    if (has_fibres(muscle)) continue;
+    const std::string what = fmt::format("can't act on muscle '{}', which has no fibres", muscle.body.name);
+    if (find_named(context.scene, "activation") != nullptr) {
+      findings.push_back(cannot_act(key_of("activation"), what));
+      findings.back().add = {"fibres = \"between_attachments\""};
+    }
+    // Presets give every scene the exponent; one that asks for it itself would see it.
+    if (exponent != 0 && lengths->parameters.given("anisotropy_exponent") && context.scene.preset.empty()) {
+      findings.push_back(cannot_act(key_of("edge_length", "anisotropy_exponent"), what));
+      findings.back().figures = {{"anisotropy_exponent", exponent}};
+      findings.back().add = {"fibres = \"between_attachments\""};
+    }
+  }
+}
+
+void find_ignored_fibres(CheckContext& context, Findings& findings) {
+  const SceneEffect* lengths = find_named(context.scene, "edge_length");
+  if (lengths == nullptr || lengths->parameters.number("anisotropy_exponent") != 0) return;
+  if (find_named(context.scene, "activation") != nullptr) return;
+  if (std::ranges::none_of(context.scene.muscles, has_fibres)) return;
+  Finding& finding =
+      findings.emplace_back(cannot_act("muscle.fibres", "nothing looks at them: edge_length.anisotropy_exponent is 0"));
+  finding.figures = {{"anisotropy_exponent", 0}};
+  finding.remove = {"anisotropy_exponent = 0"};
+}
+
+void find_late_activation(CheckContext& context, Findings& findings) {
+  const SceneEffect* activation = find_named(context.scene, "activation");
+  if (activation == nullptr) return;
+  const LoopParameters& loop = context.scene.loop;
+  const double end_s = loop.time_step_s * loop.substeps * loop.frames;
+  const double start_s = activation->parameters.number("start_s");
+  if (start_s < end_s) return;
+  Finding& finding = findings.emplace_back(
+      cannot_act(key_of("activation", "start_s"),
+                 fmt::format("begins at {:.4g} s, and the run ends at {:.4g} s", start_s, end_s)));
+  finding.figures = {{"start_s", start_s}, {"end_s", end_s}};
+}
+
+void find_attachments(CheckContext& context, Findings& findings) {
+  const Scene& scene = context.scene;
+  const bool wants = scene.attach_at_first_contact || !scene.attachments.empty();
+  const bool has = has_effect(scene, "attachment");
+  if (has && !wants) {
+    findings.push_back(cannot_act(key_of("attachment"), "has nothing to act on: the scene has no [[attachment]]"));
+    findings.back().remove = {"[effects.attachment]"};
+  }
+  if (has || !wants) return;
+  findings.push_back({.where = "attachment",
+                      .what = "the scene has attachments and no effect that moves their nodes: they stand still while "
+                              "their bones move",
+                      .add = {"[effects.attachment]"},
+                      .effect = AdvisedEffect{"attachment"}});
+}
+
+void find_lacking_lengths(CheckContext& context, Findings& findings) {
+  if (has_effect(context.scene, "edge_length")) return;
+  findings.push_back({.where = "muscle",
+                      .what = "nothing holds its surface together",
+                      .add = {"[effects.edge_length]"},
+                      .effect = AdvisedEffect{"edge_length"}});
+}
+
+void find_volumes_of_open_muscles(CheckContext& context, Findings& findings) {
+  for (const char* effect : {"volume", "local_volume"}) {
+    if (!has_effect(context.scene, effect)) continue;
+    for (std::size_t i = 0; i < context.scene.muscles.size(); ++i) {
+      if (is_closed_muscle(context.scene, i)) continue;
+      findings.push_back(cannot_act(
+          key_of(effect), fmt::format("has no meaning for muscle '{}', whose surface is open: close it (`musclebench "
+                                      "check` counts its boundary edges)",
+                                      context.scene.muscles[i].body.name)));
+      findings.back().remove = {fmt::format("[effects.{}]", effect)};
+    }
+  }
+}
+
+void find_two_volumes(CheckContext& context, Findings& findings) {
+  if (!has_effect(context.scene, "volume") || !has_effect(context.scene, "local_volume")) return;
+  findings.push_back(
+      cannot_act(key_of("volume"), "adds nothing beside local_volume, whose regions add up to the whole"));
+  findings.back().add = {"[effects] volume = false"};
+}
+
+void find_ignored_guard_angle(CheckContext& context, Findings& findings) {
+  const SceneEffect* guard = find_named(context.scene, "tunnelling_guard");
+  if (guard == nullptr || guard->parameters.word("rule") == "angle" || !guard->parameters.given("angle_deg")) return;
+  Finding& finding = findings.emplace_back(
+      cannot_act(key_of("tunnelling_guard", "angle_deg"), "is of rule 'angle' only, and the rule is 'crossing'"));
+  finding.figures = {{"angle_deg", guard->parameters.number("angle_deg")}};
+  finding.remove = {"angle_deg"};
+}
+
+void find_multi_bone_of_one(CheckContext& context, Findings& findings) {
+  if (!has_effect(context.scene, "multi_bone") || context.scene.bones.size() > 1) return;
+  findings.push_back(cannot_act(key_of("multi_bone"), "is for nodes in several bones, and the scene has one"));
+  findings.back().remove = {"[effects.multi_bone]"};
+}
+
+void find_standstill(CheckContext& context, Findings& findings) {
+  const Scene& scene = context.scene;
+  const auto turns = [](const BoneMotion& motion) {
+    return std::ranges::any_of(motion.angles_rad, [](double angle) { return angle != 0; });
+  };
+  if (std::ranges::any_of(scene.motions, turns)) return;
+  if (has_effect(scene, "gravity") || has_effect(scene, "activation")) return;
+  findings.push_back(cannot_act("bone.motion",
+                                "no bone moves, and neither gravity nor activation moves the muscle: "
+                                "all but overlaps at rest stays as it is"));
+}
+
+}  // namespace
+
+const std::vector<SceneRule>& effect_rules() {
+  static const std::vector<SceneRule> rules = {
+      {"zero_parameter", find_zeros},
+      {"no_fibres", find_effects_without_fibres},
+      {"ignored_fibres", find_ignored_fibres},
+      {"late_activation", find_late_activation},
+      {"attachment", find_attachments},
+      {"edge_length", find_lacking_lengths},
+      {"open_volume", find_volumes_of_open_muscles},
+      {"two_volumes", find_two_volumes},
+      {"ignored_guard_angle", find_ignored_guard_angle},
+      {"one_bone", find_multi_bone_of_one},
+      {"standstill", find_standstill},
+  };
+  return rules;
+}
+
+}  // namespace musclebench

@@ -1,0 +1,215 @@
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/mesh/mesh_size.hpp"
+#include "core/mesh_repair/check_mesh.hpp"
+#include "core/scene/check/muscle_gap.hpp"
+#include "core/scene/check/pinch.hpp"
+#include "core/scene/check/ridge_depth.hpp"
+#include "core/scene/check/scene_check.hpp"
+#include "core/scene/check/step_against_thickness.hpp"
+
+namespace musclebench {
+
+namespace {
+
+std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
+std::string mm(double metres) { return fmt::format("{:.2g} mm", 1e3 * metres); }
+
+const std::string& bone_name(const Scene& scene, std::size_t bone) { return scene.bones[bone].name; }
+const std::string& muscle_name(const Scene& scene, std::size_t muscle) { return scene.muscles[muscle].body.name; }
+
+void find_lacking_volume(CheckContext& context, Findings& findings) {
+  const Scene& scene = context.scene;
+  if (has_effect(scene, "volume") || has_effect(scene, "local_volume")) return;
+  for (std::size_t muscle = 0; muscle < scene.muscles.size(); ++muscle) {
+    if (!is_closed_muscle(scene, muscle)) return;  // nothing could keep it
+  }
+  findings.push_back({.where = scene.muscles.size() == 1 ? "muscle" : "muscles",
+                      .what = "nothing keeps the volume ([effects.local_volume] keeps it region by region, so that a "
+                              "squeezed end does not inflate the other)",
+                      .add = {"[effects.volume]"},
+                      .effect = AdvisedEffect{"volume"}});
+}
+
+void find_thin_bones(CheckContext& context, Findings& findings) {
+  constexpr double least_share = 5e-3;  // of a bone's surface near a muscle; folds and slivers of a mesh are less
+  if (has_effect(context.scene, "tunnelling_guard")) return;
+  for (std::size_t bone = 0; bone < context.scene.bones.size(); ++bone) {
+    const StepAgainstThickness found = step_against_thickness(context.scene, bone);
+    if (found.thinner_share <= least_share) continue;
+    findings.push_back(
+        {.where = fmt::format("bone '{}'", bone_name(context.scene, bone)),
+         .what = fmt::format("a step moves it and the muscle by up to {:.3g} mm against each other, and {} of its "
+                             "surface near the muscle is thinner than that (down to {:.2g} mm): nodes can pass through "
+                             "it (more substeps help, too)",
+                             1e3 * found.step_m, percent(found.thinner_share), 1e3 * found.thinnest_m),
+         .figures = {{"step_m", found.step_m},
+                     {"thinner_share", found.thinner_share},
+                     {"thinnest_m", found.thinnest_m}},
+         .add = {"[effects.tunnelling_guard]"},
+         .effect = AdvisedEffect{"tunnelling_guard"}});
+  }
+}
+
+void find_ridges(CheckContext& context, Findings& findings) {
+  constexpr double least_m = 1e-4;  // 0.1 mm: below it contacts of a muscle count as exact
+  const Scene& scene = context.scene;
+  if (has_effect(scene, "surface_contact")) return;
+  std::vector<std::optional<std::pair<std::size_t, RidgeDepth>>> deepest(scene.muscles.size());  // bone and depth
+  for (std::size_t bone = 0; bone < scene.bones.size(); ++bone) {
+    for (const RidgeDepth& ridge : ridge_depths(scene, bone, context.poses(), context.nearness()[bone])) {
+      auto& of_muscle = deepest[ridge.muscle];
+      if (ridge.p99_m > least_m && (!of_muscle || ridge.largest_m > of_muscle->second.largest_m)) {
+        of_muscle = {bone, ridge};
+      }
+    }
+  }
+  for (const auto& found : deepest) {
+    if (!found) continue;
+    const auto& [bone, ridge] = *found;
+    findings.push_back(
+        {.where = fmt::format("muscle '{}', bone '{}'", muscle_name(scene, ridge.muscle), bone_name(scene, bone)),
+         .what =
+             fmt::format("ridges of the bone are sharper than the muscle's mesh is fine: a face whose nodes are all "
+                         "outside can be cut up to {} deep, where its edges are {} long (estimated; at 99 % of {} "
+                         "points less than {})",
+                         mm(ridge.largest_m), mm(ridge.edge_m), ridge.samples, mm(ridge.p99_m)),
+         .figures = {{"cut_depth_m", ridge.largest_m}, {"cut_depth_p99_m", ridge.p99_m}, {"edge_m", ridge.edge_m}},
+         .add = {"[effects.surface_contact]"},
+         .effect = AdvisedEffect{"surface_contact"}});
+  }
+}
+
+void find_pinches(CheckContext& context, Findings& findings) {
+  if (has_effect(context.scene, "multi_bone") || context.scene.bones.size() < 2) return;
+  // Squeezed to half, a muscle's two sides begin to be pushed by both bones.
+  constexpr double most_room = 0.5;
+  for (const Pinch& pinch : pinches(context.poses(), context.nearness(), context.thickness_m())) {
+    if (pinch.room_m >= most_room * pinch.thickness_m) continue;
+    findings.push_back(
+        {.where = fmt::format("bones '{}' and '{}'", bone_name(context.scene, pinch.first_bone),
+                              bone_name(context.scene, pinch.second_bone)),
+         .what = fmt::format("{} nodes come between them where there is less room than the muscle is thick ({} for {}, "
+                             "estimated): pushes of two bones would add up",
+                             pinch.nodes, mm(pinch.room_m), mm(pinch.thickness_m)),
+         .figures = {{"room_m", pinch.room_m},
+                     {"thickness_m", pinch.thickness_m},
+                     {"nodes", static_cast<double>(pinch.nodes)}},
+         .add = {"[effects.multi_bone]"},
+         .effect = AdvisedEffect{"multi_bone"}});
+  }
+}
+
+void find_touching_muscles(CheckContext& context, Findings& findings) {
+  const Scene& scene = context.scene;
+  if (scene.muscles.size() < 2) return;
+  const double mean_edge_m = check_mesh(scene.muscle_mesh).mean_edge_m;
+  for (const MuscleGap& gap : muscle_gaps(scene, context.poses(), mean_edge_m)) {
+    if (std::ranges::find(scene.muscle_pairs, gap.muscles, &SceneMusclePair::muscles) != scene.muscle_pairs.end()) {
+      continue;
+    }
+    // Nearer than an edge at rest they touch as soon as they move; later only what overlaps is told from the estimate.
+    const bool at_rest = gap.rest_m < mean_edge_m;
+    if (!at_rest && gap.least_m >= 0) continue;
+    const auto first = static_cast<std::size_t>(gap.muscles.first);
+    const auto second = static_cast<std::size_t>(gap.muscles.second);
+    const std::string what =
+        gap.rest_m < 0 ? fmt::format("overlap at rest by {} ({} nodes)", mm(-gap.rest_m), gap.rest_nodes_inside)
+        : at_rest      ? fmt::format("are {} apart at rest", mm(gap.rest_m))
+                       : fmt::format("would overlap by {} when the bones are turned by {:.0f} degrees (estimated)",
+                                     mm(-gap.least_m), gap.least_angle_rad * degrees_per_radian);
+    Finding& finding = findings.emplace_back(
+        Finding{.where = fmt::format("muscles '{}' and '{}'", muscle_name(scene, first), muscle_name(scene, second)),
+                .what = what + ", and nothing keeps them apart",
+                .figures = {{"rest_gap_m", gap.rest_m}, {"least_gap_m", gap.least_m}}});
+    if (!is_closed_muscle(scene, first) || !is_closed_muscle(scene, second)) {
+      finding.what += " (contact between muscles needs closed surfaces)";
+      continue;
+    }
+    finding.add = {"[[pair]]",
+                   fmt::format("muscles = [\"{}\", \"{}\"]", muscle_name(scene, first), muscle_name(scene, second))};
+    finding.muscle_pair = gap.muscles;
+  }
+}
+
+void find_coarse_cells(CheckContext& context, Findings& findings) {
+  constexpr double least_share = 0.01;  // of the free nodes; below it what they do moves no figure of a run
+  for (std::size_t bone = 0; bone < context.options.cells.size(); ++bone) {
+    const BoneCells& cells = context.options.cells[bone];
+    if (!(cells.error_m > 0)) continue;
+    const BoneNearness& nearness = context.nearness()[bone];
+    const auto inside_error = std::ranges::count_if(
+        nearness.rest_distances_m, [&](double distance_m) { return distance_m > 0 && distance_m < cells.error_m; });
+    const double share = static_cast<double>(inside_error) / static_cast<double>(context.free_node_count());
+    if (share <= least_share) continue;
+    Finding& finding = findings.emplace_back(
+        Finding{.where = fmt::format("bone '{}', backend '{}'", bone_name(context.scene, bone), cells.backend),
+                .what = fmt::format("its cells of {} leave distances off by up to {}, and {} of the free nodes lie "
+                                    "closer outside the bone at rest (down to {}): they may count as inside; take "
+                                    "finer cells{}",
+                                    mm(cells.cell_m), mm(cells.error_m), percent(share), mm(nearness.rest_gap_m),
+                                    cells.parameter.empty() ? "" : fmt::format(" (--param {}=...)", cells.parameter)),
+                .figures = {{"cell_m", cells.cell_m},
+                            {"error_m", cells.error_m},
+                            {"nodes_share", share},
+                            {"rest_gap_m", nearness.rest_gap_m}}});
+    if (!cells.misses || has_effect(context.scene, "margin")) continue;
+    finding.what += ", or an exact skin that keeps nodes out of what the cells miss";
+    finding.add = {"[effects.margin]", fmt::format("thickness_m = {:.2g}", cells.error_m)};
+  }
+}
+
+void find_contact_out_of_reach(CheckContext& context, Findings& findings) {
+  constexpr std::array of_contact{"margin", "multi_bone", "friction", "surface_contact", "tunnelling_guard"};
+  const Scene& scene = context.scene;
+  if (has_effect(scene, "gravity")) return;  // a muscle may fall anywhere
+  if (std::ranges::none_of(of_contact, [&](const char* effect) { return has_effect(scene, effect); })) return;
+  const bool near =
+      std::ranges::any_of(context.nearness(), [](const BoneNearness& bone) { return !bone.near.empty(); });
+  if (near) return;
+  for (const char* effect : of_contact) {
+    if (!has_effect(scene, effect)) continue;
+    findings.push_back({.kind = FindingKind::cannot_act,
+                        .where = fmt::format("effects.{}", effect),
+                        .what = "no bone comes as near to a muscle as the muscle is thick, at any pose (estimated)",
+                        .remove = {fmt::format("[effects.{}]", effect)}});
+  }
+}
+
+void find_foreign_fibres(CheckContext& context, Findings& findings) {
+  for (const Muscle& muscle : context.scene.muscles) {
+    if (muscle.fibres.empty()) continue;
+    Eigen::AlignedBox3d box = bounding_box(context.scene.vertices_of(muscle.body));
+    const double slack_m = 0.1 * box.diagonal().norm();  // fibres of a muscle end at its bones, a little outside
+    const auto outside = std::ranges::count_if(muscle.fibres, [&](const FibreSegment& fibre) {
+      return box.squaredExteriorDistance(Vec3(0.5 * (fibre.start + fibre.end))) > slack_m * slack_m;
+    });
+    const double share = static_cast<double>(outside) / static_cast<double>(muscle.fibres.size());
+    if (share <= 0.5) continue;
+    findings.push_back({.kind = FindingKind::contradiction,
+                        .where = fmt::format("muscle '{}', fibres", muscle.body.name),
+                        .what = fmt::format("{} of their segments lie outside the muscle's box: they are another "
+                                            "muscle's, or in another unit; check the file and the name after '#'",
+                                            percent(share)),
+                        .figures = {{"outside_share", share}}});
+  }
+}
+
+}  // namespace
+
+const std::vector<SceneRule>& geometry_rules() {
+  static const std::vector<SceneRule> rules = {
+      {"foreign_fibres", find_foreign_fibres},   {"out_of_reach", find_contact_out_of_reach},
+      {"volume", find_lacking_volume},           {"tunnelling_guard", find_thin_bones},
+      {"surface_contact", find_ridges},          {"multi_bone", find_pinches},
+      {"muscle_contact", find_touching_muscles}, {"grid_cells", find_coarse_cells},
+  };
+  return rules;
+}
+
+}  // namespace musclebench

@@ -1,0 +1,43 @@
+#include "core/scene/check/scene_check.hpp"
+
+#include "core/signed_distance/signed_surface.hpp"
+
+namespace musclebench {
+
+const PoseEstimates& CheckContext::poses() {
+  if (!m_poses) m_poses = std::make_unique<PoseEstimates>(scene);
+  return *m_poses;
+}
+
+const std::vector<double>& CheckContext::thickness_m() {
+  if (!m_thickness_m) m_thickness_m = node_thicknesses_m(scene);
+  return *m_thickness_m;
+}
+
+const std::vector<BoneNearness>& CheckContext::nearness() {
+  if (!m_nearness) m_nearness = bone_nearness(scene, poses(), thickness_m());
+  return *m_nearness;
+}
+
+std::size_t CheckContext::free_node_count() { return scene.muscle_mesh.vertices.size() - scene.bound_nodes().size(); }
+
+Findings check_scene(const Scene& scene, const CheckOptions& options) {
+  CheckContext context(scene, options);
+  std::vector<SceneRule> rules = effect_rules();
+  if (!options.only_quick) rules.insert(rules.end(), geometry_rules().begin(), geometry_rules().end());
+  Findings findings;
+  int done = 0;
+  for (const SceneRule& rule : rules) {
+    const std::size_t before = findings.size();
+    rule.look(context, findings);
+    for (std::size_t i = before; i < findings.size(); ++i) findings[i].id = rule.id;
+    if (options.report) options.report(++done, static_cast<int>(rules.size()));
+  }
+  return findings;
+}
+
+bool is_closed_muscle(const Scene& scene, std::size_t muscle) {
+  return is_closed(scene.mesh_of(scene.muscles[muscle].body));
+}
+
+}  // namespace musclebench

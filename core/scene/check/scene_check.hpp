@@ -1,0 +1,69 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/scene/check/bone_nearness.hpp"
+#include "core/scene/check/finding.hpp"
+#include "core/scene/check/pose_estimates.hpp"
+
+namespace musclebench {
+
+/// The structure of a backend over one bone, as the backend tells once it is built.
+struct BoneCells {
+  std::string backend;
+  double cell_m = 0;      ///< smallest edge of a cell; 0 without cells
+  double error_m = 0;     ///< how far distances are off: measured where the backend does so (99 of 100), else a cell
+  bool misses = false;    ///< contacts may be missed, too
+  std::string parameter;  ///< that makes cells finer; empty: none
+};
+
+struct CheckOptions {
+  bool only_quick = false;            ///< rules without geometry: microseconds
+  std::vector<BoneCells> cells = {};  ///< one a bone; empty: no backend was chosen
+  std::function<void(int done, int total)> report = {};
+};
+
+/// What rules look at. What several of them need is measured at its first use.
+class CheckContext {
+ public:
+  CheckContext(const Scene& checked, const CheckOptions& chosen) : scene(checked), options(chosen) {}
+
+  const Scene& scene;
+  const CheckOptions& options;
+
+  [[nodiscard]] const PoseEstimates& poses();
+  [[nodiscard]] const std::vector<BoneNearness>& nearness();  ///< by bone
+  [[nodiscard]] const std::vector<double>& thickness_m();     ///< by node (node_thicknesses_m)
+  [[nodiscard]] std::size_t free_node_count();
+
+ private:
+  std::unique_ptr<PoseEstimates> m_poses;
+  std::optional<std::vector<BoneNearness>> m_nearness;
+  std::optional<std::vector<double>> m_thickness_m;
+};
+
+using Findings = std::vector<Finding>;
+
+/// A rule: what it looks for, and a function that appends what it finds.
+struct SceneRule {
+  std::string id;
+  void (*look)(CheckContext& context, Findings& findings);
+};
+
+/// Rules about what effects and parameters say, which look at no geometry.
+const std::vector<SceneRule>& effect_rules();
+/// Rules about how bones and muscles lie and move.
+const std::vector<SceneRule>& geometry_rules();
+
+/// What the scene names and can't act, what contradicts itself, and what the scene calls for and lacks. All figures
+/// come from geometry: nothing is simulated.
+Findings check_scene(const Scene& scene, const CheckOptions& options = {});
+
+/// A muscle's surface, whose inside can be told.
+bool is_closed_muscle(const Scene& scene, std::size_t muscle);
+
+}  // namespace musclebench

@@ -1,0 +1,149 @@
+#include <set>
+
+#include "core/scene/check/tests/check_fixture.hpp"
+
+namespace musclebench {
+namespace {
+
+/// A ball over a plate that turns, with what every muscle wants.
+Scene scene_with(const std::string& effects, const std::string& of_muscle = "") {
+  return check_scene_of(short_loop + bone_text("plate", turning(10)) + muscle_text("ball", of_muscle) +
+                        "[effects.edge_length]\nanisotropy_exponent = 0\n" + effects);
+}
+
+TEST(EffectRules, SayNothingOfASoundScene) {
+  EXPECT_TRUE(check_scene(scene_with("[effects.volume]\n"), {.only_quick = true}).empty());
+}
+
+TEST(EffectRules, FindParametersThatDoNothing) {
+  struct Example {
+    std::string effect, parameter, harmless;
+  };
+  for (const auto& [effect, parameter, harmless] :
+       {Example{"damping", "rate_per_s", "1"}, Example{"friction", "coefficient", "0.1"},
+        Example{"margin", "thickness_m", "0.001"}, Example{"volume", "projection_scale", "0.1"},
+        Example{"local_volume", "projection_scale", "0.1"}, Example{"bending", "stiffness", "0.1"},
+        Example{"activation", "level", "0.1"}, Example{"activation", "shortening", "0.1"}}) {
+    const auto text = [&, &name = effect, &key = parameter](const std::string& value) {
+      return fmt::format("[effects.{}]\n{} = {}\n", name, key, value);
+    };
+    const std::string where = fmt::format("effects.{}.{}", effect, parameter);
+    const Findings findings = check_scene(scene_with(text("0")), {.only_quick = true});
+    const Finding* finding = find_finding(findings, "zero_parameter", where);
+    ASSERT_NE(finding, nullptr) << where;
+    EXPECT_EQ(finding->kind, FindingKind::cannot_act);
+    EXPECT_EQ(finding->remove, std::vector<std::string>{fmt::format("[effects.{}]", effect)});
+    EXPECT_FALSE(is_found(scene_with(text(harmless)), "zero_parameter", where));
+  }
+  EXPECT_TRUE(is_found(scene_with("[effects.gravity]\nz_m_per_s2 = 0\n"), "zero_parameter", "effects.gravity"));
+  EXPECT_FALSE(is_found(scene_with("[effects.gravity]\n"), "zero_parameter"));
+}
+
+TEST(EffectRules, FindWhatLacksFibres) {
+  const std::string activation = "[effects.activation]\n";
+  EXPECT_TRUE(is_found(scene_with(activation), "no_fibres", "effects.activation"));
+  EXPECT_FALSE(is_found(scene_with(""), "no_fibres"));
+  const auto with_exponent = [](const std::string& of_muscle) {
+    return check_scene_of(short_loop + bone_text("plate") + bone_text("lid", turning(1)) +
+                          muscle_text("ball", of_muscle) + attachment_text("plate", "ball", 0.003) +
+                          attachment_text("lid", "ball", 0.003, 0.024) +
+                          "[effects.attachment]\n[effects.edge_length]\nanisotropy_exponent = 0.5\n");
+  };
+  EXPECT_TRUE(is_found(with_exponent(""), "no_fibres", "edge_length.anisotropy_exponent"));
+  EXPECT_FALSE(is_found(with_exponent("fibres = \"between_attachments\"\n"), "no_fibres"));
+}
+
+TEST(EffectRules, FindFibresThatNothingLooksAt) {
+  const std::string text = short_loop + bone_text("plate") + bone_text("lid", turning(1)) +
+                           muscle_text("ball", "fibres = \"between_attachments\"\n") +
+                           attachment_text("plate", "ball", 0.003) + attachment_text("lid", "ball", 0.003, 0.024) +
+                           "[effects.attachment]\n[effects.edge_length]\n";
+  EXPECT_TRUE(is_found(check_scene_of(text + "anisotropy_exponent = 0\n"), "ignored_fibres"));
+  EXPECT_FALSE(is_found(check_scene_of(text), "ignored_fibres"));
+  EXPECT_FALSE(is_found(check_scene_of(text + "anisotropy_exponent = 0\n[effects.activation]\n"), "ignored_fibres"));
+}
+
+TEST(EffectRules, FindAnActivationAfterTheEnd) {
+  const auto is_late = [](double start_s) {
+    return is_found(scene_with(fmt::format("[effects.activation]\nstart_s = {}\n", start_s)), "late_activation");
+  };
+  EXPECT_TRUE(is_late(0.011));  // ten frames of a step of 1 ms
+  EXPECT_FALSE(is_late(0.009));
+}
+
+TEST(EffectRules, FindAttachmentsWithoutTheEffectAndTheEffectWithoutAttachments) {
+  EXPECT_TRUE(is_found(scene_with("[effects.attachment]\n"), "attachment", "effects.attachment"));
+  const std::string attached = attachment_text("plate", "ball", 0.003);
+  const Findings findings = check_scene(scene_with(attached), {.only_quick = true});
+  const Finding* lacking = find_finding(findings, "attachment");
+  ASSERT_NE(lacking, nullptr);
+  EXPECT_EQ(lacking->kind, FindingKind::lacking);
+  EXPECT_EQ(lacking->effect->name, "attachment");
+  EXPECT_FALSE(is_found(scene_with(attached + "[effects.attachment]\n"), "attachment"));
+}
+
+TEST(EffectRules, AskForEdgeLengths) {
+  EXPECT_TRUE(is_found(check_scene_of(bone_text("plate", turning(1)) + muscle_text("ball")), "edge_length"));
+}
+
+TEST(EffectRules, FindVolumesThatMeanNothing) {
+  const auto with_volume = [](const std::string& muscle, const std::string& effect) {
+    return check_scene_of(bone_text("plate", turning(1)) + muscle_text(muscle) + "[effects.edge_length]\n" +
+                          fmt::format("[effects.{}]\n", effect));
+  };
+  for (const char* effect : {"volume", "local_volume"}) {
+    EXPECT_TRUE(is_found(with_volume("bowl", effect), "open_volume", fmt::format("effects.{}", effect)));
+    EXPECT_FALSE(is_found(with_volume("ball", effect), "open_volume"));
+  }
+  EXPECT_TRUE(is_found(scene_with("[effects.volume]\n[effects.local_volume]\n"), "two_volumes"));
+  EXPECT_FALSE(is_found(scene_with("[effects.local_volume]\n"), "two_volumes"));
+}
+
+TEST(EffectRules, FindParametersThatAnotherOneSwitchesOff) {
+  const std::string guard = "[effects.tunnelling_guard]\nangle_deg = 120\n";
+  EXPECT_TRUE(is_found(scene_with(guard), "ignored_guard_angle"));
+  EXPECT_FALSE(is_found(scene_with(guard + "rule = \"angle\"\n"), "ignored_guard_angle"));
+  EXPECT_FALSE(is_found(scene_with("[effects.tunnelling_guard]\n"), "ignored_guard_angle"));
+}
+
+TEST(EffectRules, FindSeveralBonesOfOne) {
+  EXPECT_TRUE(is_found(scene_with("[effects.multi_bone]\n"), "one_bone"));
+  EXPECT_FALSE(is_found(scene_with("[effects.multi_bone]\n" + bone_text("lid")), "one_bone"));
+}
+
+TEST(EffectRules, FindAStandstill) {
+  const auto still = [](const std::string& motion, const std::string& effects) {
+    return is_found(
+        check_scene_of(bone_text("plate", motion) + muscle_text("ball") + "[effects.edge_length]\n" + effects),
+        "standstill");
+  };
+  EXPECT_TRUE(still("", ""));
+  EXPECT_TRUE(still(turning(0), ""));
+  EXPECT_FALSE(still(turning(1), ""));
+  EXPECT_FALSE(still("", "[effects.gravity]\n"));
+  EXPECT_FALSE(still("", "[effects.activation]\n"));
+}
+
+TEST(SceneRules, HaveIdsOfTheirOwn) {
+  std::set<std::string> ids;
+  for (const auto* rules : {&effect_rules(), &geometry_rules()}) {
+    for (const SceneRule& rule : *rules) EXPECT_TRUE(ids.insert(rule.id).second) << rule.id;
+  }
+}
+
+TEST(SceneRules, FindingsAreOneLineEach) {
+  const Scene scene = check_scene_of(bone_text("plate") + muscle_text("ball") + muscle_text("other") +
+                                     "[effects.multi_bone]\n[effects.damping]\nrate_per_s = 0\n");
+  const Findings findings = check_scene(scene);
+  EXPECT_GE(findings.size(), 5U);
+  for (const Finding& finding : findings) {
+    const std::string line = text_of(finding);
+    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+    EXPECT_NE(line.find(fmt::format("[{}]: {}: ", finding.id, finding.where)), std::string::npos) << line;
+    for (const std::string& words : finding.add) EXPECT_NE(line.find(words), std::string::npos) << line;
+    for (const std::string& words : finding.remove) EXPECT_NE(line.find(words), std::string::npos) << line;
+  }
+}
+
+}  // namespace
+}  // namespace musclebench
