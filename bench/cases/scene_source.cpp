@@ -7,6 +7,7 @@
 
 #include "core/base/input_error.hpp"
 #include "core/base/input_file.hpp"
+#include "core/scene/check/auto_effects.hpp"
 #include "core/scene/read_scene.hpp"
 #include "datasets/embedded/embedded_files.hpp"
 #include "datasets/simple_shapes.hpp"
@@ -93,6 +94,7 @@ Scene load_scene(const SceneChoice& choice) {
   request.loop_overrides = choice.loop_overrides;
   request.effect_overrides = choice.effect_overrides;
   request.notes_obstacles = choice.notes_obstacles;
+  request.auto_effects = choice.auto_effects;
   if (const EmbeddedFile* file = find_file(embedded_scenes(), choice.scene)) {
     request.name = choice.scene;
     request.file = choice.scene;
@@ -105,7 +107,12 @@ Scene load_scene(const SceneChoice& choice) {
   } else {
     refuse_name(choice.scene);
   }
-  return read_scene(request);
+  Scene scene = read_scene(request);
+  if (scene.auto_effects.wanted) {
+    add_advised_effects(scene, choice.check_report);
+    scene.auto_effects.resolved_text = resolved_scene_text(request, scene);
+  }
+  return scene;
 }
 
 }  // namespace musclebench

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -17,8 +18,10 @@ struct SceneChoice {
   std::string preset;  ///< empty: the scene's own
   std::string data;    ///< folder of the anatomical data; empty: $MUSCLEBENCH_DATA
   std::map<std::string, ParameterValue> loop_overrides;
-  bool notes_obstacles = false;  ///< see SceneRequest
   std::vector<EffectOverride> effect_overrides = {};
+  bool notes_obstacles = false;                                ///< see SceneRequest
+  bool auto_effects = false;                                   ///< as if the scene said `effects = "auto"`
+  std::function<void(int done, int total)> check_report = {};  ///< of the check that such a scene asks for
 };
 
 /// Reads the scene. Throws InputError; an unknown name is answered with the list of embedded scenes.

@@ -137,6 +137,9 @@ void print_verdict(const Scene& scene, const std::vector<std::string>& warnings,
   for (const std::string& warning : warnings) {
     fmt::print("warning: {}\n", warning);
   }
+  for (const AddedEffect& added : scene.auto_effects.added) {
+    fmt::print("added {} [{}]: {}\n", added.effect, added.rule, added.reason);
+  }
   for (const Finding& finding : findings) {
     fmt::print("{}\n", text_of(finding));
   }

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <thread>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "bench/process/progress.hpp"
 #include "core/base/input_error.hpp"
 #include "core/scene/check/scene_check.hpp"
 #include "core/scene/scene_warnings.hpp"
@@ -36,8 +38,17 @@ std::map<std::string, ParameterValue> loop_overrides(const SceneOptions& options
 Scene load_scene(const SceneOptions& options) {
   SceneChoice choice = options.choice;
   choice.loop_overrides = loop_overrides(options);
+  std::optional<Progress> progress;
+  choice.check_report = [&](int done, int total) {
+    if (!progress) progress.emplace(progress_style(false), "check " + choice.scene, total);
+    progress->show(done);
+  };
   Scene scene = load_scene(choice);
+  progress.reset();
   print_warnings(scene);
+  for (const AddedEffect& added : scene.auto_effects.added) {
+    fmt::print(stderr, "musclebench: {}: added {} [{}]: {}\n", scene.name, added.effect, added.rule, added.reason);
+  }
   return scene;
 }
 

@@ -152,6 +152,11 @@ void add_run_command(CLI::App& app, int& exit_code) {
   add_backend_options(*command, options->backend);
   add_response_option(*command, options->backend);
   add_collider_option(*command, options->backend);
+  command
+      ->add_option_function<std::string>(
+          "--effects", [options](const std::string& /*auto*/) { options->scene.choice.auto_effects = true; },
+          "auto: beside the effects of scene and preset, those that `check` finds lacking")
+      ->check(CLI::IsMember({"auto"}));
   command->add_option("--out", options->out, "Result folder (default: reports/out/runs/raw/<run id>)");
   command->add_option("--repetition", options->repetition, "Number of the repetition, a part of the run's identity")
       ->check(CLI::Range(0, 1000000));

@@ -13,8 +13,17 @@ Json json_of(const Finding& finding) {
   return json;
 }
 
+Json json_of_added(const Scene& scene) {
+  Json added = Json::array();
+  for (const AddedEffect& effect : scene.auto_effects.added) {
+    added.push_back({{"effect", effect.effect}, {"rule", effect.rule}, {"reason", effect.reason}});
+  }
+  return added;
+}
+
 Json json_of_check(const Scene& scene, const std::vector<std::string>& warnings, const std::vector<Finding>& findings) {
   Json json = {{"scene", scene.name}, {"preset", scene.preset}, {"obstacles", scene.obstacles}, {"warnings", warnings}};
+  json["added_effects"] = json_of_added(scene);
   json["findings"] = Json::array();
   for (const Finding& finding : findings) json["findings"].push_back(json_of(finding));
   return json;

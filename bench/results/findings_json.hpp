@@ -8,7 +8,11 @@ namespace musclebench {
 /// `id`, `kind`, `where`, `what`, `figures`, `add`, `remove`, `effect`.
 Json json_of(const Finding& finding);
 
-/// What `check --json` prints of a scene: `warnings` and `obstacles` as texts, `findings` as objects.
+/// What `effects = "auto"` added: `effect`, `rule`, `reason`, in the order of the checker's rules.
+Json json_of_added(const Scene& scene);
+
+/// What `check --json` prints of a scene: `warnings` and `obstacles` as texts, `added_effects` and
+/// `findings` as objects.
 Json json_of_check(const Scene& scene, const std::vector<std::string>& warnings, const std::vector<Finding>& findings);
 
 }  // namespace musclebench

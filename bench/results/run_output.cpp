@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/results/findings_json.hpp"
 #include "bench/results/manifest.hpp"
 #include "bench/results/result_folder.hpp"
 #include "core/base/output_file.hpp"
@@ -124,6 +125,7 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["muscle"]["pressure"] = result.rest.pressure;
   json["muscle"]["mean_edge_length_m"] = result.rest.mean_edge_length_m;
   json["muscle"]["free_nodes"] = result.rest.free_nodes;
+  if (run.scene.auto_effects.wanted) json["added_effects"] = json_of_added(run.scene);
   json["machine_state"] = json_of(result.machine);
   json["attachments"] = json_of_attachments(run, result);
   json["bound_nodes"] = result.bound_nodes.size();
@@ -232,6 +234,11 @@ void write_files(const fs::path& folder, const RunCase& run, const RunResult& re
     for (const Bone& bone : run.scene.bones) {
       write_ply(bone.surface.mesh, folder / "meshes" / (bone.name + ".ply"));
     }
+  }
+  if (run.scene.auto_effects.wanted) {
+    OutputFile scene(folder / "scene.toml");
+    scene.stream() << run.scene.auto_effects.resolved_text;
+    scene.close();
   }
   OutputFile json(folder / "run.json");
   json.stream() << text_of(manifest(run, result), 2) << '\n';

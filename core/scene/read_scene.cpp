@@ -286,19 +286,32 @@ Parameters checked(const std::vector<ParameterSpec>& specs, const std::optional<
   return {specs, merged_values(preset, scene), scene ? scene->location() : "preset"};
 }
 
+/// The table `[effects]`; none where `effects = "auto"` stands in its place.
+std::optional<TomlTable> effects_table(const TomlTable& root, AutoEffects& chosen) {
+  if (root.is_word("effects")) {
+    if (root.word("effects") != "auto") {
+      throw InputError(root.location("effects"), "has to be \"auto\", or write [effects.NAME] tables");
+    }
+    chosen.wanted = true;
+    return std::nullopt;
+  }
+  auto table = root.table("effects");
+  if (table && table->flag_or("auto", false)) chosen.wanted = true;
+  return table;
+}
+
 void read_effects(const std::optional<TomlTable>& preset, const std::optional<TomlTable>& own, Scene& scene) {
   std::vector<std::string> known;
   for (const EffectEntry& entry : effect_registry()) {
     known.push_back(entry.name);
   }
-  for (const auto& table : {preset, own}) {
-    if (table) {
-      table->allow_only(known);
-    }
-  }
+  if (preset) preset->allow_only(known);
+  known.emplace_back("auto");
+  if (own) own->allow_only(known);
   for (const EffectEntry& entry : effect_registry()) {
-    // `bending = false` in the scene takes away what the preset names.
+    // `bending = false` in the scene takes away what the preset names, and keeps out what the checker would add.
     if (own && own->is_false(entry.name)) {
+      scene.auto_effects.kept_out.push_back(entry.name);
       continue;
     }
     const auto of_preset = preset ? preset->table(entry.name) : std::nullopt;
@@ -355,7 +368,9 @@ Scene read_scene(const SceneRequest& request) {
   scene.loop = loop_from(Parameters(loop_parameters(), loop_values, "--loop"));
   const auto contact = root.table("contact");
   read_response(contact, scene);
-  const auto own_effects = root.table("effects");
+  scene.auto_effects.wanted = request.auto_effects;
+  scene.auto_effects.keeps_out_muscle_contact = contact && contact->is_false("muscle_contact");
+  const auto own_effects = effects_table(root, scene.auto_effects);
   read_effects(preset.table("effects"), own_effects, scene);
   override_effects(request.effect_overrides, scene.effects);
   require_one_pressure(scene, own_effects ? own_effects->location("local_volume") : request.file);

@@ -23,6 +23,7 @@ struct SceneRequest {
   std::function<TriangleMesh(const std::string& name)> synthetic_mesh;  ///< throws InputError for an unknown name
   std::map<std::string, ParameterValue> loop_overrides;                 ///< such as `frames`, from the command line
   std::vector<EffectOverride> effect_overrides;                         ///< the same of effects
+  bool auto_effects = false;                                            ///< as if the scene said `effects = "auto"`
   /// Goes on past what only a run minds, which is noted in `Scene::obstacles`: for a look at the scene.
   bool notes_obstacles = false;
 };

@@ -169,4 +169,14 @@ LoopParameters loop_from(const Parameters& parameters) {
   return loop;
 }
 
+std::map<std::string, ParameterValue> loop_values(const LoopParameters& loop) {
+  return {{"frames", std::int64_t{loop.frames}},
+          {"substeps", std::int64_t{loop.substeps}},
+          {"iterations", std::int64_t{loop.iterations}},
+          {"time_step_s", loop.time_step_s},
+          {"node_mass_kg", loop.node_mass_kg},
+          {"density_kg_per_m3", loop.density_kg_per_m3},
+          {"bone_motion", std::string(loop.interpolate_poses ? "interpolated" : "per_frame")}};
+}
+
 }  // namespace musclebench

@@ -72,6 +72,22 @@ struct SceneBoneContact {
   std::optional<int> response_steps = {};
 };
 
+/// An effect, or contact between two muscles, that the checker added to a scene.
+struct AddedEffect {
+  std::string effect;  ///< as the registry names it, or "muscle_contact a b"
+  std::string rule;    ///< whose finding asked for it
+  std::string reason;  ///< the finding's words, with its figures
+};
+
+/// `effects = "auto"`: a scene that leaves it to the checker which effects it has beside those that it names.
+struct AutoEffects {
+  bool wanted = false;
+  std::vector<std::string> kept_out = {};  ///< by `NAME = false`
+  bool keeps_out_muscle_contact = false;   ///< by `muscle_contact = false`
+  std::vector<AddedEffect> added = {};
+  std::string resolved_text = {};  ///< a scene file that names all of them, once they are added
+};
+
 /// A complete, checked description of what is simulated: all files read, all parameters known.
 struct Scene {
   std::string name;
@@ -87,6 +103,7 @@ struct Scene {
   /// as in the paper. The boundary condition then depends on the backend.
   bool attach_at_first_contact = false;
   std::vector<SceneEffect> effects;  ///< only those the scene names, in the order of the registry
+  AutoEffects auto_effects;
   LoopParameters loop;
   std::optional<ResponseKind> response;           ///< nothing: the backend's own
   int response_steps = default_projection_steps;  ///< of projecting, and of the corrections between muscles
@@ -127,5 +144,7 @@ bool has_effect(const Scene& scene, std::string_view name);
 /// The parameters of the `[loop]` table.
 std::vector<ParameterSpec> loop_parameters();
 LoopParameters loop_from(const Parameters& parameters);
+/// The values of all of them.
+std::map<std::string, ParameterValue> loop_values(const LoopParameters& loop);
 
 }  // namespace musclebench
