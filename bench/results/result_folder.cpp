@@ -134,8 +134,9 @@ void require_replaceable(const fs::path& folder) {
   if (current == folder || current.string().starts_with(folder.string() + "/")) {
     throw InputError(folder.string(), "holds the current folder and can't be replaced; choose another --out");
   }
-  static const std::set<std::string> of_a_run = {"run.json",  "frames.csv", "muscles.csv", "pairs.csv",
-                                                 "probe.csv", "snapshots",  "meshes",      "case.json"};
+  static const std::set<std::string> of_a_run = {"run.json",  "frames.csv", "muscles.csv",
+                                                 "pairs.csv", "probe.csv",  "snapshots",
+                                                 "meshes",    "case.json",  "resolved_scene.toml"};
   const bool foreign = std::any_of(fs::directory_iterator(folder), fs::directory_iterator(), [](const auto& entry) {
     return of_a_run.count(entry.path().filename().string()) == 0;
   });

@@ -236,7 +236,7 @@ void write_files(const fs::path& folder, const RunCase& run, const RunResult& re
     }
   }
   if (run.scene.auto_effects.wanted) {
-    OutputFile scene(folder / "scene.toml");
+    OutputFile scene(folder / "resolved_scene.toml");
     scene.stream() << run.scene.auto_effects.resolved_text;
     scene.close();
   }

@@ -86,6 +86,30 @@ def test_the_command_line_adds_changes_and_removes_effects(folder):
     assert "friction_ns" in pd.read_csv(folder / "out/frames.csv").columns
 
 
+def test_a_resolved_scene_ends_in_the_state_of_the_one_that_asked_for_it(folder):
+    (folder / "meshes").mkdir()
+    for name in ("box.off", "ball.off"):
+        (folder / name).rename(folder / "meshes" / name)
+    text = SCENE.replace('"box.off"', '"meshes/box.off"').replace('"ball.off"', '"meshes/ball.off"').replace("[effects.volume]\n", "")
+    (folder / "scene.toml").write_text(text)
+    assert run(folder, "--effects", "auto").returncode == 0
+    told = json.loads((folder / "out/run.json").read_text())
+    assert "volume" in [added["effect"] for added in told["added_effects"]]
+    assert all(added["rule"] and added["reason"] for added in told["added_effects"])
+    (folder / "elsewhere").mkdir()
+    (folder / "out/resolved_scene.toml").rename(folder / "elsewhere/again.toml")
+    assert run(folder, "--force", scene="elsewhere/again.toml").returncode == 0
+    again = json.loads((folder / "out/run.json").read_text())
+    assert again["state_hash"] == told["state_hash"] and again["case"]["effects"] == told["case"]["effects"]
+    assert "added_effects" not in again
+    (folder / "scene.toml").write_text(text.replace("[effects.gravity]", "[effects]\nauto = true\n[effects.gravity]"))
+    assert run(folder, "--force").returncode == 0
+    assert json.loads((folder / "out/run.json").read_text())["state_hash"] == told["state_hash"]
+    (folder / "scene.toml").write_text(text)
+    assert run(folder, "--force").returncode == 0
+    assert json.loads((folder / "out/run.json").read_text())["state_hash"] != told["state_hash"]
+
+
 def test_the_same_run_ends_in_the_same_state(folder):
     hashes = set()
     for threads in ("1", "2"):
@@ -166,6 +190,7 @@ def test_a_broken_mesh_is_refused(folder, content, words):
     (["--effect", "friction:coefficient=-1"], ["--effect friction", "coefficient", "-1"]),
     (["--effect", "local_volume:pressure=2"], ["local_volume", "pressure", "contradict"]),
     (["--no-effect", "margin"], ["--no-effect margin", "leave the option out"]),
+    (["--effects", "all"], ["--effects", "auto"]),
     (["--threads", "4096"], ["4096 threads are more than the", "cores of this machine; take at most"]),
     (["--data", "/no/such/folder"], ["/no/such/folder"]),
     (["--out", "/proc/nowhere/out"], ["/proc/nowhere/out"]),
@@ -392,6 +417,14 @@ def test_check_and_list_speak(folder):
     checked = call("check", folder / "scene.toml")
     assert checked.returncode == 0
     assert "overlap with box at rest" in checked.stdout
+    told = json.loads(call("check", folder / "scene.toml", "--json", "--backend", "voxel", "--param", "cells=8").stdout)
+    assert told["scene"] == "scene" and told["obstacles"] == [] and told["added_effects"] == []
+    assert {finding["id"] for finding in told["findings"]} >= {"surface_contact", "grid_cells"}
+    for finding in told["findings"]:
+        assert set(finding) == {"id", "kind", "where", "what", "figures", "add", "remove", "effect"}
+        assert f"[{finding['id']}]: {finding['where']}: " in call("check", folder / "scene.toml", "--backend", "voxel",
+                                                                  "--param", "cells=8").stdout
+    assert call("check", folder / "box.off", "--json").returncode == 2
     mesh = call("check", folder / "box.off")
     assert "no defects" in mesh.stdout
     listed = call("list").stdout

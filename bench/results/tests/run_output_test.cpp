@@ -87,6 +87,32 @@ TEST(RunOutput, SaysWhichBonesWerePrunedAndWhy) {
   EXPECT_TRUE(manifest_in(folder.path() / "whole")["pruned"].empty());
 }
 
+TEST(RunOutput, SaysWhatWasAddedAndLeavesTheResolvedScene) {
+  Scene scene = plain_scene();
+  const TemporaryFolder folder("run_output_added");
+  const std::filesystem::path out = folder.path() / "out";
+  const auto write = [&] {
+    const RunCase run = case_of(scene, "null");
+    write_run(out, run, result_of(run));
+    return manifest_in(out);
+  };
+  EXPECT_FALSE(write().contains("added_effects"));
+  EXPECT_FALSE(exists(out / "resolved_scene.toml"));
+  scene.auto_effects = {
+      .wanted = true, .added = {{"friction", "a_rule", "a reason"}}, .resolved_text = "title = \"resolved\"\n"};
+  for (int i = 0; i < 2; ++i) {  // its own folder is replaced
+    const nlohmann::ordered_json manifest = write();
+    ASSERT_EQ(manifest["added_effects"].size(), 1U);
+    EXPECT_EQ(manifest["added_effects"][0]["effect"], "friction");
+    EXPECT_EQ(manifest["added_effects"][0]["rule"], "a_rule");
+    EXPECT_EQ(manifest["added_effects"][0]["reason"], "a reason");
+    std::ifstream in(out / "resolved_scene.toml");
+    std::string line;
+    std::getline(in, line);
+    EXPECT_EQ(line, "title = \"resolved\"");
+  }
+}
+
 TEST(RunOutput, LookingForSelfIntersectionsIsAnotherCase) {
   const Scene scene = plain_scene();
   RunCase run = case_of(scene, "null");
