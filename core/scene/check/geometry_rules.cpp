@@ -7,6 +7,7 @@
 
 #include "core/mesh/mesh_size.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
+#include "core/scene/check/compression.hpp"
 #include "core/scene/check/muscle_gap.hpp"
 #include "core/scene/check/pinch.hpp"
 #include "core/scene/check/ridge_depth.hpp"
@@ -137,6 +138,26 @@ void find_touching_muscles(CheckContext& context, Findings& findings) {
   }
 }
 
+void find_compressed_surfaces(CheckContext& context, Findings& findings) {
+  constexpr const char* effect = "self_contact";
+  // A surface buckles where it is compressed in itself, and the buckles of a sheet without thickness pass through each
+  // other. Measured at full flexion of the hip: 0.2 to 7 % of the triangles, for ratios of 0.6 to 0.91.
+  constexpr double largest_ratio = 0.95;
+  if (find_effect(effect) == nullptr || has_effect(context.scene, effect)) return;
+  for (const Compression& found : compressions(context.scene, context.poses())) {
+    if (found.edge_ratio > largest_ratio) continue;
+    const double degrees = found.angle_rad * degrees_per_radian;
+    findings.push_back(
+        {.where = fmt::format("muscle '{}'", muscle_name(context.scene, found.muscle)),
+         .what = fmt::format("one in twenty of its edges is shorter than {} of its length at rest when the bones are "
+                             "turned by {:.0f} degrees (estimated): the surface buckles and may fold through itself",
+                             percent(found.edge_ratio), degrees),
+         .figures = {{"edge_ratio", found.edge_ratio}, {"angle_rad", found.angle_rad}},
+         .add = {fmt::format("[effects.{}]", effect)},
+         .effect = AdvisedEffect{effect}});
+  }
+}
+
 void find_coarse_cells(CheckContext& context, Findings& findings) {
   constexpr double least_share = 0.01;  // of the free nodes; below it what they do moves no figure of a run
   for (std::size_t bone = 0; bone < context.options.cells.size(); ++bone) {
@@ -207,7 +228,8 @@ const std::vector<SceneRule>& geometry_rules() {
       {"foreign_fibres", find_foreign_fibres},   {"out_of_reach", find_contact_out_of_reach},
       {"volume", find_lacking_volume},           {"tunnelling_guard", find_thin_bones},
       {"surface_contact", find_ridges},          {"multi_bone", find_pinches},
-      {"muscle_contact", find_touching_muscles}, {"grid_cells", find_coarse_cells},
+      {"muscle_contact", find_touching_muscles}, {"self_contact", find_compressed_surfaces},
+      {"grid_cells", find_coarse_cells},
   };
   return rules;
 }

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/scene/check/compression.hpp"
 #include "core/scene/check/muscle_gap.hpp"
 #include "core/scene/check/pinch.hpp"
 #include "core/scene/check/ridge_depth.hpp"
@@ -123,6 +124,27 @@ TEST(GeometryRules, AskForSeveralBonesWhereAMuscleIsPinched) {
   ASSERT_TRUE(room_m);
   EXPECT_LT(*room_m, 0.011);
   EXPECT_FALSE(pinch(8, "[effects.multi_bone]\n"));
+}
+
+TEST(Compression, IsThatOfABallBetweenPlatesThatCloseIn) {
+  const auto ratio = [](double lower_deg) {
+    const Scene scene = check_scene_of(pressed_ball(lower_deg));
+    return compressions(scene, PoseEstimates(scene)).front();
+  };
+  EXPECT_EQ(ratio(0).edge_ratio, 1);
+  EXPECT_LT(ratio(2).edge_ratio, 0.95);
+  EXPECT_LT(ratio(4).edge_ratio, ratio(2).edge_ratio);
+  EXPECT_NEAR(ratio(4).angle_rad, 4 / degrees_per_radian, 1e-9);
+  EXPECT_EQ(ratio(-4).edge_ratio > 0.95, true) << "drawn apart";
+}
+
+TEST(GeometryRules, AskForSelfContactWhereABuildHasIt) {
+  const bool has = find_effect("self_contact") != nullptr;
+  EXPECT_EQ(is_found(check_scene_of(pressed_ball(4)), "self_contact", "muscle 'ball'"), has);
+  EXPECT_FALSE(is_found(check_scene_of(pressed_ball(-4)), "self_contact"));
+  if (has) {
+    EXPECT_FALSE(is_found(check_scene_of(pressed_ball(4) + "[effects.self_contact]\n"), "self_contact"));
+  }
 }
 
 Scene two_muscles(const std::string& second, const std::string& more = "") {
