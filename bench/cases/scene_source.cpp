@@ -46,8 +46,8 @@ constexpr std::uintmax_t most_bytes_of_a_scene = 4 << 20;
 std::string preset_text(const std::string& name) {
   const EmbeddedFile* file = find_file(embedded_presets(), name);
   if (file == nullptr) {
-    throw InputError("preset", fmt::format("'{}' is unknown; did you mean '{}'?", name,
-                                           nearest_word(name, names_of(embedded_presets()))));
+    throw InputError(fmt::format("'{}'", name),
+                     fmt::format("is no preset; did you mean '{}'?", nearest_word(name, names_of(embedded_presets()))));
   }
   return std::string(file->text);
 }

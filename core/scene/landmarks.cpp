@@ -68,10 +68,14 @@ std::vector<FibreSegment> read_landmark_fibres(const std::filesystem::path& path
           segments.push_back({point_of(polyline.at(i - 1)), point_of(polyline.at(i))});
         }
       }
+      if (segments.empty()) {
+        throw InputError(path.string(), fmt::format("has no fibre of two points for '{}'; leave fibres out", muscle));
+      }
       return segments;
     }
-    throw InputError(path.string(),
-                     fmt::format("has no fibres of '{}'; it has: {}", muscle, nearest_word(muscle, known)));
+    throw InputError(path.string(), known.empty() ? std::string("has no fibres; leave fibres out")
+                                                  : fmt::format("has no fibres of '{}'; did you mean '{}'?", muscle,
+                                                                nearest_word(muscle, known)));
   } catch (const nlohmann::json::exception& error) {
     throw InputError(path.string(), fmt::format("is not a landmark file ({})", error.what()));
   }

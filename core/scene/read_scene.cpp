@@ -58,18 +58,26 @@ std::string mesh_location(const TomlTable& table, const SceneMesh& mesh) {
   return fmt::format("{} ({})", table.location("mesh"), mesh.reference);
 }
 
+/// What `read` returns; its complaints of another file begin with the line of the scene that names that file.
+template <typename Read>
+auto read_at(const std::string& location, const Read& read) {
+  try {
+    return read();
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    throw message.starts_with(location) ? error : InputError(location, message);
+  }
+}
+
 SceneMesh read_scene_mesh(const SceneRequest& request, const TomlTable& table) {
   SceneMesh result;
   result.reference = table.word("mesh");
   static const std::string synthetic_prefix = "synthetic:";
-  try {
-    result.mesh = result.reference.starts_with(synthetic_prefix)
-                      ? request.synthetic_mesh(result.reference.substr(synthetic_prefix.size()))
-                      : read_mesh(resolve(request, result.reference, table.location("mesh")).path);
-  } catch (const InputError& error) {
-    const std::string message = error.what();
-    throw message.starts_with(table.location("mesh")) ? error : InputError(table.location("mesh"), message);
-  }
+  result.mesh = read_at(table.location("mesh"), [&] {
+    return result.reference.starts_with(synthetic_prefix)
+               ? request.synthetic_mesh(result.reference.substr(synthetic_prefix.size()))
+               : read_mesh(resolve(request, result.reference, table.location("mesh")).path);
+  });
   result.sha256 = sha256_of(result.mesh);
   return result;
 }
@@ -107,7 +115,8 @@ BoneMotion read_motion(const SceneRequest& request, const TomlTable& table) {
       throw InputError(table.location("table"), "stands beside from_deg or to_deg; give either a table or two angles");
     }
     const auto path = resolve(request, table.word("table"), table.location("table")).path;
-    const MotionTable rows = read_motion_table(path, table.word("column"));
+    const MotionTable rows =
+        read_at(table.location("table"), [&] { return read_motion_table(path, table.word("column")); });
     const double zero = table.flag_or("relative_to_first_row", true) ? rows.values.front() : 0;
     motion.times = rows.times;
     for (const double value : rows.values) {
@@ -233,8 +242,14 @@ void read_fibres(const SceneRequest& request, const TomlTable& table, std::size_
       scene.obstacles.emplace_back(obstacle.what());
     }
   } else if (fibres != "none") {
-    const Reference reference = resolve(request, fibres, table.location("fibres"));
-    muscle.fibres = read_landmark_fibres(reference.path, reference.selector);
+    const std::string location = table.location("fibres");
+    const Reference reference = resolve(request, fibres, location);
+    if (reference.selector.empty()) {
+      throw InputError(location, fmt::format("'{}' has to be none, between_attachments or FILE#MUSCLE; did you mean "
+                                             "'{}'?",
+                                             fibres, nearest_word(fibres, {"none", "between_attachments"})));
+    }
+    muscle.fibres = read_at(location, [&] { return read_landmark_fibres(reference.path, reference.selector); });
   }
 }
 
@@ -311,7 +326,7 @@ void read_effects(const std::optional<TomlTable>& preset, const std::optional<To
   for (const EffectEntry& entry : effect_registry()) {
     // `bending = false` in the scene takes away what the preset names, and keeps out what the checker would add.
     if (own && own->is_false(entry.name)) {
-      scene.auto_effects.kept_out.push_back(entry.name);
+      scene.exclusions.push_back({entry.name, preset && preset->has(entry.name)});
       continue;
     }
     const auto of_preset = preset ? preset->table(entry.name) : std::nullopt;
@@ -339,10 +354,22 @@ void require_one_pressure(const Scene& scene, const std::string& location) {
   }
 }
 
+toml::table parse_scene(const SceneRequest& request) {
+  try {
+    return parse_toml(request.text, request.file);
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    if (message.find("existing string 'effects") == std::string::npos) throw;
+    throw InputError(message.substr(0, message.find(": ")),
+                     "[effects.NAME] tables do not go beside effects = \"auto\"; write [effects] with auto = true in "
+                     "its place");
+  }
+}
+
 }  // namespace
 
 Scene read_scene(const SceneRequest& request) {
-  const toml::table text = parse_toml(request.text, request.file);
+  const toml::table text = parse_scene(request);
   const TomlTable root(text, request.file, "");
   root.allow_only({"title", "preset", "bone", "muscle", "pair", "attachment", "contact", "effects", "loop"});
 
@@ -352,7 +379,9 @@ Scene read_scene(const SceneRequest& request) {
   scene.preset = request.preset_override.empty() ? root.word_or("preset", "") : request.preset_override;
   toml::table preset_text;
   if (!scene.preset.empty()) {
-    preset_text = parse_toml(request.preset_text(scene.preset), fmt::format("preset '{}'", scene.preset));
+    const std::string text_of_preset = read_at(request.preset_override.empty() ? root.location("preset") : "--preset",
+                                               [&] { return request.preset_text(scene.preset); });
+    preset_text = parse_toml(text_of_preset, fmt::format("preset '{}'", scene.preset));
   }
   const TomlTable preset(preset_text, fmt::format("preset '{}'", scene.preset), "");
   preset.allow_only({"title", "effects", "loop"});

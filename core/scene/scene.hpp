@@ -72,6 +72,12 @@ struct SceneBoneContact {
   std::optional<int> response_steps = {};
 };
 
+/// `NAME = false`: an effect of the preset that the scene does without, or one that the checker may not add.
+struct EffectExclusion {
+  std::string effect;
+  bool is_of_preset = false;
+};
+
 /// An effect, or contact between two muscles, that the checker added to a scene.
 struct AddedEffect {
   std::string effect;  ///< as the registry names it, or "muscle_contact a b"
@@ -82,8 +88,7 @@ struct AddedEffect {
 /// `effects = "auto"`: a scene that leaves it to the checker which effects it has beside those that it names.
 struct AutoEffects {
   bool wanted = false;
-  std::vector<std::string> kept_out = {};  ///< by `NAME = false`
-  bool keeps_out_muscle_contact = false;   ///< by `muscle_contact = false`
+  bool keeps_out_muscle_contact = false;  ///< by `muscle_contact = false`
   std::vector<AddedEffect> added = {};
   std::string resolved_text = {};  ///< a scene file that names all of them, once they are added
 };
@@ -103,6 +108,7 @@ struct Scene {
   /// as in the paper. The boundary condition then depends on the backend.
   bool attach_at_first_contact = false;
   std::vector<SceneEffect> effects;  ///< only those the scene names, in the order of the registry
+  std::vector<EffectExclusion> exclusions;
   AutoEffects auto_effects;
   LoopParameters loop;
   std::optional<ResponseKind> response;           ///< nothing: the backend's own

@@ -205,6 +205,30 @@ def test_a_bad_option_is_refused(folder, arguments, words):
     assert_refused(done, folder, *words)
 
 
+LANDMARKS = """{"fibres": [{"muscle": "ball", "polylines_m": [[[0, 0, 0]]]}, {"muscle": "bell", "polylines_m": []}],
+"attachments": []}"""
+
+
+@pytest.mark.parametrize(("find", "replace", "words"), [
+    ("[effects.bending]", "[effects.bendng]", ["scene.toml:19: effects.bendng", "did you mean 'bending'?"]),
+    ("[effects.bending]", "[effects]\nbendng = false", ["scene.toml:20: effects.bendng", "did you mean 'bending'?"]),
+    ("[effects.bending]", "[effects.friction]\ncoefficient = -1", ["scene.toml:20: effects.friction", "coefficient", "0 to 10"]),
+    ("[effects.bending]", "[effects.friction]\ncoeficient = 1", ["scene.toml:20:", "coeficient", "did you mean 'coefficient'?"]),
+    ("[effects.bending]", "[effects]\nfriction = 0.3", ["scene.toml:20: effects.friction", "write [effects.friction]"]),
+    ("[effects.bending]", "[effects.local_volume]\npressure = 2", ["effects.local_volume", "contradict each other", "volume = false"]),
+    ('"ball.off"', '"ball.off"\nfibres = "between_attachment"', ["scene.toml:14: muscle.fibres", "did you mean 'between_attachments'?"]),
+    ('"ball.off"', '"ball.off"\nfibres = "no.json#ball"', ["scene.toml:14: muscle.fibres", "no.json", "no such file"]),
+    ('"ball.off"', '"ball.off"\nfibres = "marks.json#boll"', ["scene.toml:14: muscle.fibres", "'boll'", "did you mean 'b"]),
+    ('"ball.off"', '"ball.off"\nfibres = "marks.json#ball"', ["scene.toml:14: muscle.fibres", "no fibre of two points"]),
+    ('"ball.off"', '"ball.off"\nfibres = "box.off#ball"', ["scene.toml:14: muscle.fibres", "box.off"]),
+    ("[[bone]]", 'preset = "papr"\n[[bone]]', ["scene.toml:3: preset", "'papr'", "did you mean 'paper'?"]),
+])
+def test_a_bad_scene_is_refused_with_file_key_and_cure(folder, find, replace, words):
+    (folder / "marks.json").write_text(LANDMARKS)
+    (folder / "scene.toml").write_text(SCENE.replace(find, replace, 1))
+    assert_refused(run(folder), folder, *words)
+
+
 def test_bad_command_lines_exit_with_2(folder):
     for arguments in ([], ["rum"], ["run"], ["run", "x.toml"], ["run", "nowhere", "--backend", "sdf"], ["check"]):
         done = call(*arguments)

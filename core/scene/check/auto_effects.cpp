@@ -18,7 +18,7 @@ void add_effect(const Finding& finding, Scene& scene) {
   const AdvisedEffect& advised = *finding.effect;
   // Several findings may ask for one effect: the first tells its parameters.
   if (has_effect(scene, advised.name)) return;
-  if (std::ranges::find(scene.auto_effects.kept_out, advised.name) != scene.auto_effects.kept_out.end()) return;
+  if (std::ranges::find(scene.exclusions, advised.name, &EffectExclusion::effect) != scene.exclusions.end()) return;
   const EffectEntry& entry = *find_effect(advised.name);
   scene.effects.push_back({advised.name, Parameters(entry.parameters, advised.values, finding.id)});
   scene.auto_effects.added.push_back({advised.name, finding.id, fmt::format("{}: {}", finding.where, finding.what)});

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <set>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -63,7 +64,7 @@ void find_effects_without_fibres(CheckContext& context, Findings& findings) {
   const double exponent = lengths == nullptr ? 0 : lengths->parameters.number("anisotropy_exponent");
   for (const Muscle& muscle : context.scene.muscles) {
     if (has_fibres(muscle)) continue;
-    const std::string what = fmt::format("can't act on muscle '{}', which has no fibres", muscle.body.name);
+    const std::string what = fmt::format("muscle '{}' has no fibres that it could look at", muscle.body.name);
     if (find_named(context.scene, "activation") != nullptr) {
       findings.push_back(cannot_act(key_of("activation"), what));
       findings.back().add = {"fibres = \"between_attachments\""};
@@ -173,6 +174,30 @@ void find_standstill(CheckContext& context, Findings& findings) {
                                 "all but overlaps at rest stays as it is"));
 }
 
+/// Of a scene on which nothing is added that it could keep out.
+void find_idle_exclusions(CheckContext& context, Findings& findings) {
+  if (context.scene.auto_effects.wanted) return;
+  for (const EffectExclusion& exclusion : context.scene.exclusions) {
+    if (exclusion.is_of_preset) continue;
+    findings.push_back(cannot_act(key_of(exclusion.effect), "is taken out, and the preset has none"));
+    findings.back().remove = {fmt::format("{} = false", exclusion.effect)};
+  }
+}
+
+/// A node that two areas claim belongs to the first.
+void find_claimed_attachments(CheckContext& context, Findings& findings) {
+  std::set<int> claimed;
+  for (const Attachment& attachment : context.scene.attachments) {
+    const std::size_t before = claimed.size();
+    claimed.insert(attachment.nodes.begin(), attachment.nodes.end());
+    if (attachment.nodes.empty() || claimed.size() > before) continue;
+    findings.push_back(
+        cannot_act(fmt::format("attachment '{}'", attachment.name),
+                   fmt::format("all of its {} nodes belong to earlier attachments already", attachment.nodes.size())));
+    findings.back().figures = {{"nodes", static_cast<double>(attachment.nodes.size())}};
+  }
+}
+
 }  // namespace
 
 const std::vector<SceneRule>& effect_rules() {
@@ -188,6 +213,8 @@ const std::vector<SceneRule>& effect_rules() {
       {"ignored_guard_angle", find_ignored_guard_angle},
       {"one_bone", find_multi_bone_of_one},
       {"standstill", find_standstill},
+      {"idle_exclusion", find_idle_exclusions},
+      {"claimed_attachment", find_claimed_attachments},
   };
   return rules;
 }

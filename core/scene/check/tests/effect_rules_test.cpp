@@ -6,9 +6,9 @@ namespace musclebench {
 namespace {
 
 /// A ball over a plate that turns, with what every muscle wants.
-Scene scene_with(const std::string& effects, const std::string& of_muscle = "") {
+Scene scene_with(const std::string& more, const std::string& of_muscle = "") {
   return check_scene_of(short_loop + bone_text("plate", turning(10)) + muscle_text("ball", of_muscle) +
-                        "[effects.edge_length]\nanisotropy_exponent = 0\n" + effects);
+                        "[effects.edge_length]\nanisotropy_exponent = 0\n" + more);
 }
 
 TEST(EffectRules, SayNothingOfASoundScene) {
@@ -122,6 +122,24 @@ TEST(EffectRules, FindAStandstill) {
   EXPECT_FALSE(still(turning(1), ""));
   EXPECT_FALSE(still("", "[effects.gravity]\n"));
   EXPECT_FALSE(still("", "[effects.activation]\n"));
+}
+
+TEST(EffectRules, FindExclusionsOfNothing) {
+  EXPECT_TRUE(is_found(scene_with("[effects]\nfriction = false\n"), "idle_exclusion", "effects.friction"));
+  EXPECT_FALSE(is_found(scene_with("[effects]\nauto = true\nfriction = false\n"), "idle_exclusion"));
+  SceneRequest request;
+  request.name = request.file = "test.toml";
+  request.text = "preset = \"any\"\n" + bone_text("plate") + muscle_text("ball") + "[effects]\nfriction = false\n";
+  request.synthetic_mesh = check_mesh_named;
+  request.preset_text = [](const std::string& /*name*/) { return "[effects.friction]\n"; };
+  EXPECT_FALSE(is_found(read_scene(request), "idle_exclusion"));
+}
+
+TEST(EffectRules, FindAttachmentsWhoseNodesAreClaimed) {
+  const std::string once = attachment_text("plate", "ball", 0.003);
+  EXPECT_FALSE(is_found(scene_with(once), "claimed_attachment"));
+  EXPECT_FALSE(is_found(scene_with(once + attachment_text("plate", "ball", 0.004)), "claimed_attachment"));
+  EXPECT_TRUE(is_found(scene_with(once + once), "claimed_attachment", "attachment 'on_plate'"));
 }
 
 TEST(SceneRules, HaveIdsOfTheirOwn) {
