@@ -36,8 +36,14 @@ class BoneQuery {
     if (m_box.squaredExteriorDistance(point) > m_reach_m * m_reach_m) return std::nullopt;
     return m_surface.locate(point);
   }
-  [[nodiscard]] NearNode near(int node, std::size_t pose, const Vec3& point, const SignedPoint& located) const {
-    return {node, pose, located.closest.point, m_surface.outward(point, located), located.signed_distance_m()};
+  [[nodiscard]] NearNode near(int node, std::size_t pose, const Vec3& point, const Vec3& muscle_normal,
+                              const SignedPoint& located) const {
+    return {node,
+            pose,
+            located.closest.point,
+            m_surface.outward(point, located),
+            muscle_normal,
+            located.signed_distance_m()};
   }
 
  private:
@@ -52,10 +58,16 @@ BoneNearness nearness_of(const Scene& scene, std::size_t bone, const PoseEstimat
   const double reach_m = thickness_m.empty() ? 0 : std::ranges::max(thickness_m);
   const BoneQuery query(scene.bones[bone], reach_m);
   const std::size_t stride = free.size() * poses.count() / most_samples + 1;
+  TriangleMesh posed = scene.muscle_mesh;
   for (std::size_t pose = 0; pose < poses.count(); ++pose) {
     const RigidMotion& motion = poses.bone_poses(pose)[bone];
+    for (std::size_t node = 0; node < posed.vertices.size(); ++node) {
+      posed.vertices[node] = motion.apply_inverse(poses.position(pose, static_cast<int>(node)));
+    }
+    const std::vector<Vec3> normals = node_normals(posed);
     for (std::size_t i = 0; i < free.size(); i += pose == 0 ? 1 : stride) {
-      const Vec3 point = motion.apply_inverse(poses.position(pose, free[i]));
+      const auto node = static_cast<std::size_t>(free[i]);
+      const Vec3& point = posed.vertices[node];
       const auto located = query.locate(point);
       if (!located) continue;
       const double distance_m = located->signed_distance_m();
@@ -65,8 +77,8 @@ BoneNearness nearness_of(const Scene& scene, std::size_t bone, const PoseEstimat
       }
       if (i % stride != 0) continue;
       found.least_distance_m = std::min(found.least_distance_m, distance_m);
-      if (distance_m <= thickness_m[static_cast<std::size_t>(free[i])]) {
-        found.near.push_back(query.near(free[i], pose, point, *located));
+      if (distance_m <= thickness_m[node]) {
+        found.near.push_back(query.near(free[i], pose, point, normals[node], *located));
       }
     }
   }
@@ -103,6 +115,18 @@ std::vector<double> node_edge_lengths_m(const TriangleMesh& mesh) {
   return sum;
 }
 
+std::vector<Vec3> node_normals(const TriangleMesh& mesh) {
+  std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3& corner = mesh.vertices[static_cast<std::size_t>(a)];
+    const Vec3 normal = (mesh.vertices[static_cast<std::size_t>(b)] - corner)
+                            .cross(mesh.vertices[static_cast<std::size_t>(c)] - corner);
+    for (const int node : {a, b, c}) normals[static_cast<std::size_t>(node)] += normal;
+  }
+  for (Vec3& normal : normals) normal.stableNormalize();
+  return normals;
+}
+
 std::vector<double> node_thicknesses_m(const Scene& scene) {
   std::vector<double> thickness_m(scene.muscle_mesh.vertices.size(), 0.0);
   std::vector<PathCrossing> crossings;
@@ -110,14 +134,9 @@ std::vector<double> node_thicknesses_m(const Scene& scene) {
     const TriangleMesh mesh = scene.mesh_of(muscle.body);
     const TriangleBvh tree(mesh);
     const double diagonal_m = bounding_box(mesh.vertices).diagonal().norm();
-    std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      for (const int corner : mesh.triangles[t]) {
-        normals[static_cast<std::size_t>(corner)] += tree.area_normal(static_cast<int>(t));
-      }
-    }
+    const std::vector<Vec3> normals = node_normals(mesh);
     for (std::size_t node = 0; node < normals.size(); ++node) {
-      const Vec3 inwards = -normals[node].stableNormalized();
+      const Vec3 inwards = -normals[node];
       // A little inside, so that the node's own triangles are not met.
       const Vec3 from = mesh.vertices[node] + 1e-4 * diagonal_m * inwards;
       tree.find_crossings(from, from + diagonal_m * inwards, crossings);

@@ -10,9 +10,10 @@ namespace musclebench {
 struct NearNode {
   int node = 0;
   std::size_t pose = 0;
-  Vec3 point = Vec3::Zero();     ///< of the bone's surface, closest to the node; in the bone's rest frame
-  Vec3 normal = Vec3::UnitZ();   ///< unit, out of the bone there
-  double signed_distance_m = 0;  ///< negative inside
+  Vec3 point = Vec3::Zero();          ///< of the bone's surface, closest to the node; in the bone's rest frame
+  Vec3 normal = Vec3::UnitZ();        ///< unit, out of the bone there
+  Vec3 muscle_normal = Vec3::Zero();  ///< unit, out of the muscle at the node, in that frame; 0 without triangles
+  double signed_distance_m = 0;       ///< negative inside
 };
 
 /// How near the free nodes come to one bone.
@@ -31,6 +32,9 @@ std::vector<BoneNearness> bone_nearness(const Scene& scene, const PoseEstimates&
 
 /// By node: the mean length of its edges at rest; 0 for a node without.
 std::vector<double> node_edge_lengths_m(const TriangleMesh& mesh);
+
+/// By node: the sum of its triangles' normals times their areas, made a unit vector; 0 for a node without.
+std::vector<Vec3> node_normals(const TriangleMesh& mesh);
 
 /// By node: how thick its muscle is there, from the node inwards to where its surface is left again; 0 where that can't
 /// be told.

@@ -13,6 +13,9 @@ namespace {
 /// not pinched.
 constexpr double opposed_cosine = -0.5;
 
+/// The muscle's surface looks towards the bone there, so that its thickness lies behind, towards the other bone.
+bool faces(const NearNode& near) { return near.muscle_normal.dot(near.normal) < opposed_cosine; }
+
 template <typename Opposed>
 Pinch pinch_of(const BoneNearness& one, const BoneNearness& other, const std::vector<double>& thickness_m,
                const Opposed& opposed) {
@@ -28,7 +31,7 @@ Pinch pinch_of(const BoneNearness& one, const BoneNearness& other, const std::ve
     if (second == other.near.end()) break;
     if (before(first, *second)) continue;
     if (first.signed_distance_m < 0 || second->signed_distance_m < 0) continue;
-    if (!opposed(first, *second)) continue;
+    if (!opposed(first, *second) || !(faces(first) || faces(*second))) continue;
     const double room_m = first.signed_distance_m + second->signed_distance_m;
     const double thick_m = thickness_m[static_cast<std::size_t>(first.node)];
     if (room_m >= thick_m) continue;

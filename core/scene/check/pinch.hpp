@@ -14,7 +14,8 @@ struct Pinch {
   int node = 0;
 };
 
-/// Of each pair of bones with such nodes: outside of both at a pose, between them (the normals towards it are opposed).
+/// Of each pair of bones with such nodes: outside of both at a pose, between them (the normals towards it are opposed),
+/// on a side of the muscle that looks towards one of them.
 std::vector<Pinch> pinches(const PoseEstimates& poses, const std::vector<BoneNearness>& nearness,
                            const std::vector<double>& thickness_m);
 

@@ -126,6 +126,19 @@ TEST(GeometryRules, AskForSeveralBonesWhereAMuscleIsPinched) {
   EXPECT_FALSE(pinch(8, "[effects.multi_bone]\n"));
 }
 
+TEST(Pinches, AreOfAMuscleThatHasABoneOnEitherSide) {
+  const Scene scene = check_scene_of(pressed_ball(8));
+  const PoseEstimates poses(scene);
+  const std::vector<double> thickness_m = node_thicknesses_m(scene);
+  std::vector<BoneNearness> nearness = bone_nearness(scene, poses, thickness_m);
+  ASSERT_EQ(pinches(poses, nearness, thickness_m).size(), 1U);
+  // A muscle that looks along both bones lies before the gap between them.
+  for (BoneNearness& bone : nearness) {
+    for (NearNode& near : bone.near) near.muscle_normal = near.normal.unitOrthogonal();
+  }
+  EXPECT_TRUE(pinches(poses, nearness, thickness_m).empty());
+}
+
 TEST(Compression, IsThatOfABallBetweenPlatesThatCloseIn) {
   const auto ratio = [](double lower_deg) {
     const Scene scene = check_scene_of(pressed_ball(lower_deg));
