@@ -65,8 +65,8 @@ TriangleMesh folded_sheet(double gap_m) {
     for (int j = 0; j < rows; ++j) {
       const int corner = i * (rows + 1) + j;
       const int next = corner + rows + 1;
-      mesh.triangles.push_back({corner, next, next + 1});
-      mesh.triangles.push_back({corner, next + 1, corner + 1});
+      mesh.triangles.push_back({corner, next + 1, next});
+      mesh.triangles.push_back({corner, corner + 1, next + 1});
     }
   }
   return mesh;
