@@ -144,7 +144,7 @@ class BoneGuard {
   };
 
   /// From one side of the bone onto another, and no crossing was found because both ends lie on the surface.
-  [[nodiscard]] bool goes_inside_unseen(const PathSegment& path, const NodeState& state, const Side& end) const {
+  [[nodiscard]] bool goes_inside_unseen(const PathSegment& path, const NodeState& state, const Side& end) {
     return m_crossings.empty() && state.normal.dot(end.normal) < 0 &&
            locate(0.5 * (path.from + path.to), state.triangle).is_inside;
   }
