@@ -13,8 +13,8 @@
 #include "core/base/input_error.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
+#include "core/referee/referee.hpp"
 #include "core/scene/check/scene_check.hpp"
-#include "core/scene/rest_overlap.hpp"
 #include "core/scene/scene_warnings.hpp"
 #include "datasets/embedded/embedded_files.hpp"
 

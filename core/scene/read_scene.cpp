@@ -354,6 +354,17 @@ void require_one_pressure(const Scene& scene, const std::string& location) {
   }
 }
 
+/// What the command line changes. Where the checker adds effects, one that is taken out and not there is kept out.
+std::vector<EffectOverride> overrides_of(const SceneRequest& request, Scene& scene) {
+  std::vector<EffectOverride> overrides;
+  for (const EffectOverride& change : request.effect_overrides) {
+    const bool is_kept_out = scene.auto_effects.wanted && change.is_removed && find_effect(change.name) != nullptr;
+    if (is_kept_out) scene.exclusions.push_back({change.name, has_effect(scene, change.name)});
+    if (!is_kept_out || has_effect(scene, change.name)) overrides.push_back(change);
+  }
+  return overrides;
+}
+
 toml::table parse_scene(const SceneRequest& request) {
   try {
     return parse_toml(request.text, request.file);
@@ -401,7 +412,7 @@ Scene read_scene(const SceneRequest& request) {
   scene.auto_effects.keeps_out_muscle_contact = contact && contact->is_false("muscle_contact");
   const auto own_effects = effects_table(root, scene.auto_effects);
   read_effects(preset.table("effects"), own_effects, scene);
-  override_effects(request.effect_overrides, scene.effects);
+  override_effects(overrides_of(request, scene), scene.effects);
   require_one_pressure(scene, own_effects ? own_effects->location("local_volume") : request.file);
   read_bones(request, root, scene);
   read_muscles(request, root, scene);

@@ -79,6 +79,16 @@ TEST(AutoEffects, AreAskedForByTheCommandLineToo) {
   EXPECT_EQ(names(resolved(request)), (Names{"attachment", "edge_length", "surface_contact", "tunnelling_guard"}));
 }
 
+TEST(AutoEffects, KeepOutWhatTheCommandLineTakesOut) {
+  SceneRequest request = request_of("preset = \"any\"\neffects = \"auto\"\n" + body_text());
+  request.effect_overrides = {{.location = "--no-effect volume", .name = "volume", .is_removed = true},
+                              {.location = "--no-effect bending", .name = "bending", .is_removed = true},
+                              {.location = "--effect gravity", .name = "gravity"}};
+  const Names found = names(resolved(request));
+  for (const char* out : {"volume", "bending"}) EXPECT_EQ(std::ranges::count(found, out), 0) << out;
+  for (const char* in : {"gravity", "damping", "surface_contact"}) EXPECT_EQ(std::ranges::count(found, in), 1) << in;
+}
+
 TEST(AutoEffects, OtherWordsAreRefused) {
   const auto error = [](const std::string& text) {
     try {

@@ -157,6 +157,9 @@ TEST(GeometryRules, AskForSelfContactWhereABuildHasIt) {
   EXPECT_FALSE(is_found(check_scene_of(pressed_ball(-4)), "self_contact"));
   if (has) {
     EXPECT_FALSE(is_found(check_scene_of(pressed_ball(4) + "[effects.self_contact]\n"), "self_contact"));
+    const std::string bending = "[effects.bending]\ncompliance_rad_per_n_m = ";
+    EXPECT_FALSE(is_found(check_scene_of(pressed_ball(4) + bending + "1e4\n"), "self_contact"));
+    EXPECT_TRUE(is_found(check_scene_of(pressed_ball(4) + bending + "1e7\n"), "self_contact"));
   }
 }
 
