@@ -1,5 +1,7 @@
 #include "core/constraints/constraint_lanes.hpp"
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <random>
 #include <set>
@@ -152,6 +154,31 @@ TEST(ConstraintOrder, WhatThreadsShareHasNoNodeInCommon) {
     EXPECT_GT(shared, 3U);
     EXPECT_EQ(visits, std::vector<int>(order.size(), 1));
   }
+}
+
+/// A thread that is slow in one run holds up the others: the next has the same nodes.
+TEST(ConstraintOrder, NoThreadBeginsARunBeforeAllHaveEndedTheLast) {
+  const TriangleMesh mesh = make_sphere(1, 4);
+  const ConstraintOrder<2> order(edges_of(mesh), order_of(mesh));
+  ASSERT_NE(ranges_of_team(order, 2)[0][0], ranges_of_team(order, 1)[0][0]) << "the first run is not shared";
+  Barrier barrier(2);
+  std::atomic<int> calls_of_quick = 0;
+  std::atomic<bool> slow_has_ended = false;
+  std::atomic<bool> was_overtaken = false;
+  std::thread quick([&] {
+    order.for_each(Team(1, 2, barrier), [&](std::size_t, std::size_t) {
+      if (++calls_of_quick == 2 && !slow_has_ended) was_overtaken = true;
+    });
+  });
+  order.for_each(Team(0, 2, barrier), [&](std::size_t, std::size_t) {
+    // Long enough for the other to go on if nothing keeps it; where it waits, as it has to, this only takes time.
+    for (int i = 0; i < 200 && calls_of_quick < 2 && !slow_has_ended; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    slow_has_ended = true;
+  });
+  quick.join();
+  EXPECT_FALSE(was_overtaken);
 }
 
 /// A muscle out of shape, whose nodes differ in mass.

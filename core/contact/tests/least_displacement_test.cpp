@@ -94,5 +94,24 @@ TEST(LeastDisplacement, IsShortestAndOutsideAndOfNoOrder) {
   }
 }
 
+/// Bones of equal depth: which comes first must not show in the last bits.
+TEST(LeastDisplacement, OfEqualDepthsHasNoOrder) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> component;
+  for (int trial = 0; trial < 200; ++trial) {
+    std::vector<HalfSpace> given(4);
+    for (HalfSpace& each : given) {
+      each.normal = (Vec3(component(random), component(random), component(random)).normalized() + Vec3::UnitZ());
+      each.normal.normalize();
+      each.depth_m = 0.001;
+    }
+    const Vec3 found = least_displacement(half_spaces(given));
+    for (int turn = 0; turn < 4; ++turn) {
+      std::rotate(given.begin(), given.begin() + 1, given.end());
+      ASSERT_EQ(least_displacement(half_spaces(given)), found) << "trial " << trial;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace musclebench

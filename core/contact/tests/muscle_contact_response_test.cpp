@@ -155,6 +155,21 @@ TEST_F(ManyContacts, OfAnyDepthConvergeKeepMomentumAndHaveNoOrder) {
   }
 }
 
+/// A response is kept over a run: nothing of one substep is left in the next.
+TEST(MuscleContactResponse, ASecondResolutionIsThatOfANewResponse) {
+  const MuscleContact one = contact(3, Vec3(0.5, 0.2, 0.3), 0.1);
+  const auto resolved_by = [&](MuscleContactResponse& response) {
+    std::vector<Vec3> predicted = corners();
+    predicted.emplace_back(0.2, 0.3, -0.1);
+    std::vector<Vec3> start = predicted;
+    response.resolve({&one, 1}, start, predicted);
+    return predicted;
+  };
+  MuscleContactResponse response(triangles, {1, 1, 1, 1}, 1);
+  const std::vector<Vec3> first = resolved_by(response);
+  EXPECT_EQ(resolved_by(response), first);
+}
+
 /// Two muscles beside a first one, apart from each other: a pair of one step stays where one step brings it.
 TEST(MuscleContactResponse, APairHasStepsOfItsOwn) {
   const std::vector<Triangle> two = {{0, 1, 2}, {3, 4, 5}};

@@ -54,6 +54,28 @@ TEST(MortonOrder, LeadsFromNeighbourToNeighbour) {
   EXPECT_GT(path_length_m(points, numbers(4096)), 10 * 4096);
 }
 
+/// Of a point in the unit cube, bit by bit: 1024 cells along an axis.
+unsigned interleaved(const Vec3& point) {
+  unsigned code = 0;
+  for (unsigned bit = 0; bit < 10; ++bit) {
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      const auto cell = static_cast<unsigned>(std::min(1024 * point[axis], 1023.0));
+      code |= (cell >> bit & 1U) << (3 * bit + axis);
+    }
+  }
+  return code;
+}
+
+TEST(MortonOrder, IsThatOfInterleavedCellIndices) {
+  std::vector<Vec3> points = {Vec3::Zero(), Vec3::Ones()};
+  RandomNumbers random(3);
+  for (int i = 0; i < 5000; ++i) points.emplace_back(random.share(), random.share(), random.share());
+  const std::vector<int> order = morton_order(points);
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    ASSERT_LE(interleaved(points[order[i - 1]]), interleaved(points[order[i]])) << i;
+  }
+}
+
 TEST(MortonOrder, LeavesAShortPathAsItIs) {
   std::vector<Vec3> points;
   for (int i = 0; i < 1000; ++i) {
