@@ -21,7 +21,7 @@ struct ProbeCase : Case {
 /// What came out at one kind of region of one bone.
 struct ProbeRow {
   std::string bone;
-  std::string place;        ///< smooth, sharp (`SharpFeatures`) or all
+  std::string region;       ///< smooth, sharp (`SharpFeatures`) or all
   int points = 0;           ///< queried
   int measured_points = 0;  ///< of them inside, or reported so: what the errors are over
   ErrorStatistics errors_m;

@@ -13,8 +13,8 @@
 #include "core/base/input_error.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
-#include "core/referee/referee.hpp"
 #include "core/scene/check/scene_check.hpp"
+#include "core/scene/rest_overlap.hpp"
 #include "core/scene/scene_warnings.hpp"
 #include "datasets/embedded/embedded_files.hpp"
 
@@ -31,28 +31,18 @@ void print_report(const std::string& title, const TriangleMesh& mesh) {
   }
 }
 
-/// Overlap of the muscle's nodes with each bone before anything moves.
+/// Of the muscles' nodes with each bone before anything moves: contacts push out those that are free, and bones hold
+/// those that are attached.
 void print_overlaps(const Scene& scene) {
-  const auto vertices = static_cast<int>(scene.muscle_mesh.vertices.size());
-  Referee referee(scene.bones, vertices);
-  std::vector<int> nodes(scene.muscle_mesh.vertices.size());
-  for (int i = 0; i < vertices; ++i) {
-    nodes[i] = i;
-  }
-  const std::vector<RigidMotion> rest(scene.bones.size());
-  std::vector<Contact> contacts;
-  referee.judge(rest, scene.muscle_mesh.vertices, nodes, contacts);
+  const std::vector<RestOverlap> free = free_overlaps_at_rest(scene);
+  const std::vector<RestOverlap> attached = attached_overlaps_at_rest(scene);
+  const auto told = [](const RestOverlap& overlap, const char* kind) {
+    return fmt::format("{} of {} {} nodes inside{}", overlap.nodes, overlap.of_nodes, kind,
+                       overlap.nodes > 0 ? fmt::format(", {:.3f} mm deep", overlap.deepest_m * 1e3) : "");
+  };
   for (std::size_t bone = 0; bone < scene.bones.size(); ++bone) {
-    int inside = 0;
-    double deepest_m = 0;
-    for (const Contact& contact : contacts) {
-      if (contact.bone == static_cast<int>(bone)) {
-        ++inside;
-        deepest_m = std::max(deepest_m, contact.depth_m);
-      }
-    }
-    fmt::print("overlap with {} at rest: {} of {} nodes inside, {:.3f} mm deep\n", scene.bones[bone].name, inside,
-               vertices, deepest_m * 1e3);
+    fmt::print("overlap with {} at rest: {}; {}\n", scene.bones[bone].name, told(free[bone], "free"),
+               told(attached[bone], "attached"));
   }
 }
 

@@ -39,9 +39,9 @@ struct BackendOptions {
 };
 
 void add_backend_options(CLI::App& command, BackendOptions& options);
-/// Of commands where nodes get out of bones.
 /// Of commands that run the loop.
 void add_collider_option(CLI::App& command, BackendOptions& options);
+/// Of commands where nodes get out of bones.
 void add_response_option(CLI::App& command, BackendOptions& options);
 void add_threads_option(CLI::App& command, int& threads);
 

@@ -24,7 +24,7 @@ std::vector<std::string> long_options_of(const CLI::App& command) {
 
 }  // namespace
 
-std::optional<std::string> suggestion(const CLI::App& app, std::span<char* const> arguments) {
+std::optional<std::string> suggestion(const CLI::App& app, std::span<const char* const> arguments) {
   if (arguments.empty() || std::string_view(arguments[0]).starts_with("-")) {
     return std::nullopt;
   }

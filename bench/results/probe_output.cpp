@@ -56,8 +56,8 @@ std::string error(const ProbeRow& row) {
 
 constexpr auto columns_of_probe = std::to_array<Column<ProbeRow>>({
     {{"bone", "", "that was asked about"}, [](const ProbeRow& r) { return r.bone; }},
-    {{"place", "", "smooth, sharp (within a mean edge of one that turns by more than 30 degrees) or all"},
-     [](const ProbeRow& r) { return r.place; }},
+    {{"region", "", "smooth, sharp (within a mean edge of one that turns by more than 30 degrees) or all"},
+     [](const ProbeRow& r) { return r.region; }},
     {{"points", "", "asked"}, [](const ProbeRow& r) { return fmt::format("{}", r.points); }},
     {{"measured_points", "", "of them inside, or reported so: what the errors are over"},
      [](const ProbeRow& r) { return fmt::format("{}", r.measured_points); }},

@@ -131,13 +131,13 @@ std::string run_summary(const RunCase& run, const RunResult& result) {
 
 std::string probe_summary(const ProbeCase& what, const ProbeResult& result) {
   std::string text = fmt::format("{} with {}: {}\n", what.scene.name, what.backend.name, result.status);
-  text += fmt::format("  {:<14} {:<6} {:>8} {:>12} {:>12} {:>12} {:>12} {:>13}\n", "bone", "place", "points",
+  text += fmt::format("  {:<14} {:<6} {:>8} {:>12} {:>12} {:>12} {:>12} {:>13}\n", "bone", "region", "points",
                       "largest mm", "99th mm", "mean mm", "rms mm", "wrong side");
   for (const ProbeRow& row : result.rows) {
     const ErrorStatistics& errors = row.errors_m;
     const std::string wrong =
         row.points > 0 ? fmt::format("{:.3f} %", 100 * static_cast<double>(row.wrong_side) / row.points) : "-";
-    text += fmt::format("  {:<14} {:<6} {:>8} {:>12} {:>12} {:>12} {:>12} {:>13}\n", row.bone, row.place, row.points,
+    text += fmt::format("  {:<14} {:<6} {:>8} {:>12} {:>12} {:>12} {:>12} {:>13}\n", row.bone, row.region, row.points,
                         millimetres(row, errors.max), millimetres(row, errors.p99), millimetres(row, errors.mean),
                         millimetres(row, errors.rms), wrong);
   }

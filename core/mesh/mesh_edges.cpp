@@ -70,6 +70,19 @@ void DisjointSets::unite(int a, int b) {
   m_parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
 }
 
+std::vector<int> first_of_component(const TriangleMesh& mesh) {
+  DisjointSets joined(static_cast<int>(mesh.vertices.size()));
+  for (const Triangle& triangle : mesh.triangles) {
+    joined.unite(triangle[0], triangle[1]);
+    joined.unite(triangle[0], triangle[2]);
+  }
+  std::vector<int> first(mesh.vertices.size());
+  for (std::size_t vertex = 0; vertex < first.size(); ++vertex) {
+    first[vertex] = joined.find(static_cast<int>(vertex));
+  }
+  return first;
+}
+
 namespace {
 
 std::size_t hash_of(const Vec3& position) {

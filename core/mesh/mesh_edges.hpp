@@ -48,6 +48,10 @@ class DisjointSets {
   std::vector<int> m_parent;
 };
 
+/// For each vertex the first vertex of its connected component, which may be itself; one that no triangle uses is a
+/// component of its own.
+std::vector<int> first_of_component(const TriangleMesh& mesh);
+
 /// For each vertex the first vertex at exactly the same position, which may be itself.
 std::vector<int> first_at_position(const std::vector<Vec3>& vertices);
 

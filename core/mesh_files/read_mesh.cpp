@@ -9,6 +9,7 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include "core/base/atomic_file.hpp"
 #include "core/base/input_file.hpp"
 #include "core/base/system_memory.hpp"
 #include "core/mesh/mesh_edges.hpp"
@@ -116,31 +117,19 @@ TriangleMesh read_mesh(const std::filesystem::path& path) {
 }
 
 void write_ply(const TriangleMesh& mesh, const std::filesystem::path& path) {
-  std::filesystem::path unfinished = path;
-  unfinished += ".part";
-  std::ofstream file(unfinished, std::ios::binary);
-  file << fmt::format(
-      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double "
-      "z\n"
-      "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-      mesh.vertices.size(), mesh.triangles.size());
-  for (const Vec3& vertex : mesh.vertices) {
-    file.write(reinterpret_cast<const char*>(vertex.data()), 3 * sizeof(double));
-  }
-  for (const Triangle& triangle : mesh.triangles) {
-    file.put(3);
-    file.write(reinterpret_cast<const char*>(triangle.data()), sizeof(triangle));
-  }
-  file.close();
-  std::error_code error;
-  if (file) {
-    std::filesystem::rename(unfinished, path, error);
-  }
-  if (!file || error) {
-    std::error_code ignored;
-    std::filesystem::remove(unfinished, ignored);
-    throw InputError(path.string(), "can't be written; check the folder, its permissions and the free space");
-  }
+  write_atomically(path, [&](std::ostream& out) {
+    out << fmt::format(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
+        "property double z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        mesh.vertices.size(), mesh.triangles.size());
+    for (const Vec3& vertex : mesh.vertices) {
+      out.write(reinterpret_cast<const char*>(vertex.data()), 3 * sizeof(double));
+    }
+    for (const Triangle& triangle : mesh.triangles) {
+      out.put(3);
+      out.write(reinterpret_cast<const char*>(triangle.data()), sizeof(triangle));
+    }
+  });
 }
 
 }  // namespace musclebench

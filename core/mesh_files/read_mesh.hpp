@@ -17,8 +17,7 @@ namespace musclebench {
 /// that is cut off at the end of a line can't be told from a whole one.
 TriangleMesh read_mesh(const std::filesystem::path& path);
 
-/// Writes binary little-endian PLY with double coordinates, under another name until it is complete. Throws InputError
-/// when the file cannot be written.
+/// Writes binary little-endian PLY with double coordinates, as `write_atomically` does.
 void write_ply(const TriangleMesh& mesh, const std::filesystem::path& path);
 
 }  // namespace musclebench

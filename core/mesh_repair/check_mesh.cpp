@@ -68,15 +68,14 @@ void count_vertices(const TriangleMesh& mesh, const TriangleMesh& joined, MeshRe
   }
   report.unreferenced_vertices = static_cast<int>(std::count(is_used.begin(), is_used.end(), 0));
   std::fill(is_used.begin(), is_used.end(), 0);
-  DisjointSets pieces(static_cast<int>(mesh.vertices.size()));
   for (const Triangle& triangle : joined.triangles) {
     for (const int vertex : triangle) {
       is_used[vertex] = 1;
-      pieces.unite(triangle[0], vertex);
     }
   }
+  const std::vector<int> first = first_of_component(joined);
   for (int vertex = 0; vertex < report.vertices; ++vertex) {
-    report.components += is_used[vertex] != 0 && pieces.find(vertex) == vertex ? 1 : 0;
+    report.components += is_used[vertex] != 0 && first[vertex] == vertex ? 1 : 0;
   }
 }
 

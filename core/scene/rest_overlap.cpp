@@ -15,6 +15,7 @@ namespace {
 
 void add_node(const Vec3& node, const Eigen::AlignedBox3d& box, const TriangleBvh& tree, double touching_m,
               RestOverlap& overlap) {
+  ++overlap.of_nodes;
   if (!box.contains(node) || tree.winding_number(node) <= 0.5) {
     return;
   }
@@ -56,25 +57,33 @@ RestOverlap overlap_of(const Bone& bone, const std::vector<Vec3>& inside) {
   return overlap;
 }
 
-}  // namespace
-
-std::vector<RestOverlap> free_overlaps_at_rest(const Scene& scene) {
+std::vector<RestOverlap> overlaps_with_bones(const Scene& scene, bool of_bound_nodes) {
   const std::vector<Vec3>& nodes = scene.muscle_mesh.vertices;
-  std::vector<char> is_free(nodes.size(), 1);
+  std::vector<char> is_bound(nodes.size(), 0);
   for (const BoundNode& bound : scene.bound_nodes()) {
-    is_free[static_cast<std::size_t>(bound.node)] = 0;
+    is_bound[static_cast<std::size_t>(bound.node)] = 1;
   }
   std::vector<RestOverlap> overlaps;
   for (const Bone& bone : scene.bones) {
     const Eigen::AlignedBox3d box = bounding_box(bone.surface.mesh.vertices);
     std::vector<Vec3> in_box;
+    int of_nodes = 0;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-      if (is_free[i] != 0 && box.contains(nodes[i])) in_box.push_back(nodes[i]);
+      if ((is_bound[i] != 0) != of_bound_nodes) continue;
+      ++of_nodes;
+      if (box.contains(nodes[i])) in_box.push_back(nodes[i]);
     }
     overlaps.push_back(overlap_of(bone, nodes_inside(bone, in_box)));
+    overlaps.back().of_nodes = of_nodes;
   }
   return overlaps;
 }
+
+}  // namespace
+
+std::vector<RestOverlap> free_overlaps_at_rest(const Scene& scene) { return overlaps_with_bones(scene, false); }
+
+std::vector<RestOverlap> attached_overlaps_at_rest(const Scene& scene) { return overlaps_with_bones(scene, true); }
 
 std::vector<RestOverlap> muscle_overlaps_at_rest(const Scene& scene) {
   struct Surface {

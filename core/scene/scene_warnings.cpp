@@ -34,22 +34,18 @@ struct Pieces {
 
 Pieces pieces_of(const Scene& scene, const Body& body) {
   const TriangleMesh mesh = scene.mesh_of(body);
-  DisjointSets joined(static_cast<int>(mesh.vertices.size()));
-  for (const Triangle& triangle : mesh.triangles) {
-    joined.unite(triangle[0], triangle[1]);
-    joined.unite(triangle[0], triangle[2]);
-  }
+  const std::vector<int> first = first_of_component(mesh);
   std::vector<char> is_bound(mesh.vertices.size(), 0);
   for (const BoundNode& bound : scene.bound_nodes()) {
     if (body.has_node(bound.node)) {
-      is_bound[static_cast<std::size_t>(joined.find(bound.node - body.first_node))] = 1;
+      is_bound[static_cast<std::size_t>(first[static_cast<std::size_t>(bound.node - body.first_node)])] = 1;
     }
   }
   Pieces pieces;
-  for (int vertex = 0; vertex < static_cast<int>(mesh.vertices.size()); ++vertex) {
-    if (joined.find(vertex) == vertex) {
+  for (std::size_t vertex = 0; vertex < first.size(); ++vertex) {
+    if (static_cast<std::size_t>(first[vertex]) == vertex) {
       ++pieces.count;
-      pieces.unbound += is_bound[static_cast<std::size_t>(vertex)] == 0 ? 1 : 0;
+      pieces.unbound += is_bound[vertex] == 0 ? 1 : 0;
     }
   }
   return pieces;

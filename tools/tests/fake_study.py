@@ -21,7 +21,7 @@ REPLAY_COLUMNS = [
     "missed_contacts", "false_contacts", "measured_contacts", "max_depth_error_m", "p99_depth_error_m",
     "mean_depth_error_m", "max_normal_error_deg", "p99_normal_error_deg", "mean_normal_error_deg",
 ]
-PROBE_COLUMNS = ["bone", "place", "points", "max_error_m", "p99_error_m", "mean_error_m", "rms_error_m", "wrong_side"]
+PROBE_COLUMNS = ["bone", "region", "points", "max_error_m", "p99_error_m", "mean_error_m", "rms_error_m", "wrong_side"]
 EDGES_M = {"pelvis": 0.2, "femur": 0.1}  # of the bones' boxes
 SMOOTH_ORDER, SHARP_ORDER, VOXEL_ORDER = 3.0, 1.0, 1.0
 
@@ -152,7 +152,7 @@ def write_probe(folder: Path, scene: str, backend: str, truth: Truth) -> Path:
             {"smooth": VOXEL_ORDER, "sharp": VOXEL_ORDER}
         for region, order in (orders | {"all": min(orders.values())}).items():
             error = 0.5 * cell * (cell / edge) ** (order - 1)
-            rows.append({"bone": bone, "place": region, "points": 1000, "max_error_m": 2 * error, "p99_error_m": error,
+            rows.append({"bone": bone, "region": region, "points": 1000, "max_error_m": 2 * error, "p99_error_m": error,
                          "mean_error_m": error / 3, "rms_error_m": error / 2, "wrong_side": 0.01})
     fake_runs.write_rows(folder / "probe.csv", PROBE_COLUMNS, rows)
     made["bones"] = [{"name": bone, "mesh_sha256": f"sha-{bone}"} for bone in EDGES_M]

@@ -19,7 +19,7 @@ def test_observed_orders_are_those_of_the_errors(tmp_path):
     probes = aggregates_of(cases.read_cases(tmp_path))
     rows = orders.probe_rows(probes)
     for region, order in (("smooth", fake_study.SMOOTH_ORDER), ("sharp", fake_study.SHARP_ORDER)):
-        mine = rows[(rows["bone"] == "pelvis") & (rows["place"] == region)]
+        mine = rows[(rows["bone"] == "pelvis") & (rows["region"] == region)]
         assert mine["cell_edge_m"].tolist() == [0.2 / cells for cells in (8, 16, 32, 64)]
         assert mine["fitted_order"].iloc[0] == pytest.approx(order)
         assert np.isnan(mine["order"].iloc[0]) and mine["order"].iloc[1:].tolist() == pytest.approx([order] * 3)
@@ -43,3 +43,11 @@ def test_bones_that_muscles_share_count_once(tmp_path):
 def test_an_error_of_nothing_has_no_order():
     assert orders.local_orders([4, 2, 1], [1e-3, 0.0, 1e-5])[1:] == pytest.approx([math.nan] * 2, nan_ok=True)
     assert math.isnan(orders.slope([1, 2], [0.0, 0.0]))
+
+
+def test_probes_from_before_name_their_region_a_place(tmp_path):
+    for cells in (8, 16):
+        write_probe(tmp_path / "raw" / f"s{cells}", SCENES[0], "sdf", Truth(parameters={"cells": cells}))
+        rows = tmp_path / f"raw/s{cells}/probe.csv"
+        rows.write_text(rows.read_text().replace("region", "place", 1))
+    assert set(orders.probe_rows(aggregates_of(cases.read_cases(tmp_path)))["region"]) == {"all", "smooth", "sharp"}

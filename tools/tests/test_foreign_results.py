@@ -97,8 +97,8 @@ def write_result(folder, table, text, case, **told):
 
 
 @pytest.mark.parametrize("text, words", [
-    ("bone,place\n" + 6 * "femur,all\n", ""), ("bone,place\n" + 5 * "femur,all\n", "probe.csv has 5 of 6 rows"),
-    ("bone,place\n" + 5 * "femur,all\n" + "pel", "probe.csv has 5 of 6 rows"), ("", "probe.csv has 0 of 6 rows"),
+    ("bone,region\n" + 6 * "femur,all\n", ""), ("bone,region\n" + 5 * "femur,all\n", "probe.csv has 5 of 6 rows"),
+    ("bone,region\n" + 5 * "femur,all\n" + "pel", "probe.csv has 5 of 6 rows"), ("", "probe.csv has 0 of 6 rows"),
 ])
 def test_damage_of_a_probe(tmp_path, text, words):
     write_result(tmp_path, "probe.csv", text, {"mode": "probe"}, probed=PROBED)

@@ -91,7 +91,7 @@ def run_accuracy(out: Path, registry: str) -> Done:
     listed.write_text(registry)
     command = [sys.executable, "-c", DRIVER.format(tools=str(Path(accuracy.__file__).parent), listed=str(listed))]
     done = subprocess.run([*command, "--musclebench", PROGRAM, "--out", str(out), *MUSCLE, "--quick",
-                           "--frames-limit", "4", "--jobs", "1"], capture_output=True, text=True, timeout=400, check=False)
+                           "--frames-limit", "10", "--jobs", "1"], capture_output=True, text=True, timeout=400, check=False)
     return Done(done.returncode, done.stdout, done.stderr, out)
 
 

@@ -46,7 +46,7 @@ def probe(folder: Path, backend: str, *arguments) -> tuple[subprocess.CompletedP
     done = call("probe", folder / "scene.toml", "--backend", backend, "--points", "3000",
                 "--out", folder / "out", *arguments)
     manifest = json.loads((folder / "out/run.json").read_text())
-    return done, manifest, pd.read_csv(folder / "out/probe.csv").set_index(["bone", "place"])
+    return done, manifest, pd.read_csv(folder / "out/probe.csv").set_index(["bone", "region"])
 
 
 def test_the_exact_backends_err_by_rounding(folder):

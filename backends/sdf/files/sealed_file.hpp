@@ -5,18 +5,18 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <ostream>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/base/atomic_file.hpp"
 #include "core/base/sha256.hpp"
 
 namespace musclebench {
 
-// Common to the files of built structures: a header with name, byte order and version, a digest of the content, atomic
-// writing, and errors that say what differs.
+// Common to the files of built structures: a header with name, byte order and version, a digest of the content, and
+// errors that say what differs.
 
 /// SHA-256 in hexadecimal, as it stands in a file.
 using FileDigest = std::array<char, 64>;
@@ -124,11 +124,7 @@ class SealedReader {
 
 void write_bytes(std::ostream& out, std::span<const std::byte> bytes);
 
-/// Writes a file under a temporary name first, so that a half-written one is never found under `path`; creates the
-/// folder. Throws InputError (about the path) when that fails; nothing is left behind.
-void write_atomically(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write);
-
-/// Writes what SealedReader reads.
+/// Writes what SealedReader reads, as `write_atomically` does.
 template <typename Header>
 void write_sealed(const std::filesystem::path& path, Header header, std::span<const std::span<const std::byte>> parts) {
   header.content.fill('\0');

@@ -12,6 +12,7 @@
 
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/random_points.hpp"
 
 namespace musclebench {
 namespace {
@@ -24,18 +25,6 @@ std::unique_ptr<CollisionBackend> make_grid(const Given& given = {{"cells", std:
 
 std::vector<Bone> two_bones() {
   return {{"sphere", {make_sphere(0.1, 4), true, {}}}, {"box/of 2", {make_box({0.05, 0.1, 0.05}, 3), true, {}}}};
-}
-
-std::vector<Vec3> random_points(double reach, int count) {
-  std::mt19937 generator(21);
-  std::uniform_real_distribution<double> coordinate(-reach, reach);
-  std::vector<Vec3> points;
-  for (int i = 0; i < count; ++i) {
-    const double x = coordinate(generator);
-    const double y = coordinate(generator);
-    points.emplace_back(x, y, coordinate(generator));
-  }
-  return points;
 }
 
 std::vector<Contact> contacts_of(CollisionBackend& backend, const std::vector<Vec3>& positions) {
@@ -52,7 +41,7 @@ TEST(SdfBackend, FindsDepthAndNormalInMovedBones) {
   backend->build(bones, {}, 1);
   const RigidMotion away = RigidMotion::about_axis(Vec3(1, 2, 2) / 3, {0.1, 0.2, 0.3}, 2.5);
   const std::vector<RigidMotion> poses{RigidMotion{Mat3::Identity(), {0.3, 0, 0}}, away};
-  const std::vector<Vec3> in_box = random_points(0.12, 3000);
+  const std::vector<Vec3> in_box = random_points(0.12, 3000, 21);
   std::vector<Vec3> positions;
   for (const Vec3& point : in_box) {
     positions.push_back(away.apply(point));
@@ -86,7 +75,7 @@ TEST(SdfBackend, OrdersByBoneThenNodeAndAnswersForSubsets) {
   const std::vector<Bone> bones = two_bones();
   const auto backend = make_grid();
   backend->build(bones, {}, 1);
-  const std::vector<Vec3> positions = random_points(0.12, 1000);
+  const std::vector<Vec3> positions = random_points(0.12, 1000, 21);
   const std::vector<Contact> all = contacts_of(*backend, positions);
   EXPECT_TRUE(std::is_sorted(all.begin(), all.end(), [](const Contact& a, const Contact& b) {
     return std::pair(a.bone, a.node) < std::pair(b.bone, b.node);
@@ -125,7 +114,7 @@ TEST(SdfBackend, HasANormalWhereTheGradientVanishes) {
 std::vector<std::vector<Vec3>> wandering_nodes(int frames) {
   std::mt19937 generator(2);
   std::normal_distribution<double> normal(0, 1);
-  std::vector<Vec3> positions = random_points(0.2, 1500);
+  std::vector<Vec3> positions = random_points(0.2, 1500, 21);
   std::vector<std::vector<Vec3>> path;
   for (int frame = 0; frame < frames; ++frame) {
     for (std::size_t n = 0; n < positions.size(); ++n) {
@@ -222,7 +211,7 @@ TEST(SdfBackend, StaysWithinTheBoundItDeclares) {
   const std::vector<Bone> bones = two_bones();
   const auto backend = make_grid();
   backend->build(bones, {}, 1);
-  const std::vector<Vec3> positions = random_points(0.12, 3000);
+  const std::vector<Vec3> positions = random_points(0.12, 3000, 21);
   std::vector<bool> found(positions.size(), false);
   for (const Contact& contact : contacts_of(*backend, positions)) {
     if (contact.bone == 1) {
@@ -299,7 +288,7 @@ TEST(SdfBackend, KeepsItsStructuresAndChecksThem) {
   std::filesystem::remove_all(folder);
   const std::vector<Bone> bones = two_bones();
   const Given given{{"cells", std::int64_t{8}}, {"structures", folder.string()}};
-  const std::vector<Vec3> positions = random_points(0.12, 500);
+  const std::vector<Vec3> positions = random_points(0.12, 500, 21);
   std::vector<std::vector<Contact>> answers;
   for (int run = 0; run < 2; ++run) {
     const auto backend = make_grid(given);

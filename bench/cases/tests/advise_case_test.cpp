@@ -1,9 +1,10 @@
 #include "bench/cases/advise_case.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "bench/cases/tests/pressed_ball.hpp"
 #include "core/base/input_error.hpp"
-#include "core/mesh/shapes.hpp"
 #include "core/scene/read_scene.hpp"
 
 namespace musclebench {
@@ -13,37 +14,9 @@ namespace {
 Scene pressed(const std::string& keys_of_the_rod = "", int frames = 6) {
   SceneRequest request;
   request.name = request.file = "pressed.toml";
-  request.text = R"(
-[loop]
-frames = )" + std::to_string(frames) +
-                 R"(
-[effects.edge_length]
-[[bone]]
-name = "plate"
-mesh = "synthetic:plate"
-[[bone]]
-name = "rod"
-mesh = "synthetic:rod"
-)" + keys_of_the_rod +
-                 R"(
-[bone.motion]
-axis = [0, 1, 0]
-centre_m = [0.05, 0, 0]
-from_deg = 0
-to_deg = -30
-course = "there"
-[muscle]
-name = "ball"
-mesh = "synthetic:ball"
-)";
-  request.synthetic_mesh = [](const std::string& name) {
-    TriangleMesh mesh = name == "plate" ? make_box(Vec3(0.04, 0.04, 0.01), 4)
-                        : name == "rod" ? make_capsule(0.01, 0.02, 16)
-                                        : make_sphere(0.02, 2);
-    const Vec3 by_m = name == "plate" ? Vec3(0, 0, -0.01) : name == "rod" ? Vec3(0.034, 0, 0.03) : Vec3(0, 0, 0.0195);
-    for (Vec3& vertex : mesh.vertices) vertex += by_m;
-    return mesh;
-  };
+  request.text = fmt::format("[loop]\nframes = {}\n[effects.edge_length]\n", frames) +
+                 plate_and_rod(-30, keys_of_the_rod) + one_ball;
+  request.synthetic_mesh = pressed_ball_mesh;
   return read_scene(request);
 }
 

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <map>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -17,6 +18,7 @@
 #include <hwy/highway.h>
 
 #include "bench/cases/run_case.hpp"
+#include "bench/cases/tests/pressed_ball.hpp"
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/scene/read_scene.hpp"
@@ -29,33 +31,6 @@ constexpr std::array thread_counts = {1, 2, 7};
 constexpr const char* renew_variable = "MUSCLEBENCH_RENEW_GOLDEN_STATES";
 
 const std::map<std::string, ParameterValue> short_run = {{"frames", std::int64_t{6}}, {"substeps", std::int64_t{4}}};
-
-/// A ball that is bound to a plate while a rod presses into it.
-constexpr const char* pressed_ball = R"(
-[[bone]]
-name = "plate"
-mesh = "synthetic:plate"
-
-[[bone]]
-name = "rod"
-mesh = "synthetic:rod"
-[bone.motion]
-axis = [0, 1, 0]
-centre_m = [0.05, 0, 0]
-from_deg = 0
-to_deg = -30
-course = "there"
-
-[muscle]
-name = "ball"
-mesh = "synthetic:ball"
-
-[[attachment]]
-name = "foot"
-bone = "plate"
-outline_m = [[-0.01, -0.01, 0], [0.01, -0.01, 0], [0.01, 0.01, 0], [-0.01, 0.01, 0]]
-distance_m = 0.002
-)";
 
 /// A bar with fibres between two blocks, one of which bends it over a pulley.
 constexpr const char* bent_bar = R"(
@@ -95,77 +70,39 @@ outline_m = [[-0.01, -0.01, 0.0385], [0.01, -0.01, 0.0385], [0.01, 0.01, 0.0385]
 distance_m = 0.003
 )";
 
-/// The ball that the rod presses leans on a second one, with all that acts on contacts.
-constexpr const char* leaning_balls = R"(
-[[bone]]
-name = "plate"
-mesh = "synthetic:plate"
-
-[[bone]]
-name = "rod"
-mesh = "synthetic:rod"
-[bone.motion]
-axis = [0, 1, 0]
-centre_m = [0.05, 0, 0]
-from_deg = 0
-to_deg = -30
-course = "there"
-
-[[muscle]]
-name = "ball"
-mesh = "synthetic:ball"
-
-[[muscle]]
-name = "other"
-mesh = "synthetic:other"
-
-[[attachment]]
-name = "foot"
-bone = "plate"
-muscle = "ball"
-outline_m = [[-0.01, -0.01, 0], [0.01, -0.01, 0], [0.01, 0.01, 0], [-0.01, 0.01, 0]]
-distance_m = 0.002
-
+/// With all that acts on contacts.
+constexpr const char* leaning = R"(
 [[attachment]]
 name = "other foot"
 bone = "plate"
 muscle = "other"
 outline_m = [[-0.0399, -0.01, 0], [-0.03, -0.01, 0], [-0.03, 0.01, 0], [-0.0399, 0.01, 0]]
 distance_m = 0.002
-
-[contact]
-muscle_contact = true
-
 [effects.margin]
 [effects.friction]
 [effects.tunnelling_guard]
 )";
 
-TriangleMesh moved(TriangleMesh mesh, const Vec3& by_m) {
-  for (Vec3& vertex : mesh.vertices) {
-    vertex += by_m;
-  }
-  return mesh;
+std::string text_of(const std::string& name) {
+  if (name == "bent_bar") return bent_bar;
+  const std::string bones = plate_and_rod(-30);
+  return name == "pressed_ball" ? bones + one_ball + foot_of_ball : bones + two_balls + foot_of_ball + leaning;
 }
 
 TriangleMesh mesh_of(const std::string& name) {
-  const std::map<std::string, TriangleMesh> meshes = {
-      {"plate", moved(make_box(Vec3(0.04, 0.04, 0.01), 4), Vec3(0, 0, -0.01))},
-      {"rod", moved(make_capsule(0.01, 0.02, 24), Vec3(0.034, 0, 0.03))},
-      {"ball", moved(make_sphere(0.02, 2), Vec3(0, 0, 0.0205))},
-      {"other", moved(make_sphere(0.02, 2), Vec3(-0.0392, 0, 0.0205))},
-      {"foot", moved(make_box(Vec3(0.02, 0.02, 0.005), 2), Vec3(0, 0, -0.0435))},
-      {"head", moved(make_box(Vec3(0.02, 0.02, 0.005), 2), Vec3(0, 0, 0.0435))},
-      {"pulley", moved(make_sphere(0.01, 3), Vec3(0.018, 0, 0.018))},
+  const std::map<std::string, TriangleMesh> of_bar = {
+      {"foot", displaced(make_box(Vec3(0.02, 0.02, 0.005), 2), Vec3(0, 0, -0.0435))},
+      {"head", displaced(make_box(Vec3(0.02, 0.02, 0.005), 2), Vec3(0, 0, 0.0435))},
+      {"pulley", displaced(make_sphere(0.01, 3), Vec3(0.018, 0, 0.018))},
       {"bar", make_capsule(0.008, 0.03, 16)},
   };
-  return meshes.at(name);
+  return of_bar.contains(name) ? of_bar.at(name) : pressed_ball_mesh(name);
 }
 
 Scene load(const std::string& name, const std::string& preset) {
   SceneRequest request;
   request.name = request.file = name;
-  request.text = name == "pressed_ball" ? pressed_ball : name == "bent_bar" ? bent_bar : leaning_balls;
+  request.text = text_of(name);
   request.preset_override = preset;
   request.preset_text = [](const std::string& wanted) {
     const auto presets = embedded_presets();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/distance/triangle_distance.hpp"
+#include "core/mesh/tests/random_points.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 // What tests of trees hold answers against: sums over all triangles, without a tree.
@@ -26,18 +27,6 @@ inline double exact_winding(const TriangleMesh& mesh, const Vec3& point) {
     angle += solid_angle(point, corner(mesh, t, 0), corner(mesh, t, 1), corner(mesh, t, 2));
   }
   return angle / (4 * std::numbers::pi);
-}
-
-inline std::vector<Vec3> random_points(double reach, int count) {
-  std::mt19937 generator(3);
-  std::uniform_real_distribution<double> coordinate(-reach, reach);
-  std::vector<Vec3> points;
-  for (int i = 0; i < count; ++i) {
-    const double x = coordinate(generator);
-    const double y = coordinate(generator);
-    points.emplace_back(x, y, coordinate(generator));
-  }
-  return points;
 }
 
 }  // namespace musclebench

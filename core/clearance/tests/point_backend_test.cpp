@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/random_points.hpp"
 
 namespace musclebench {
 namespace {
@@ -82,18 +83,6 @@ class PointBackendTest : public testing::Test {
     return found;
   }
 
-  static std::vector<Vec3> points(int count) {
-    std::mt19937 random(3);
-    std::uniform_real_distribution<double> any(-2, 2);
-    std::vector<Vec3> points;
-    for (int i = 0; i < count; ++i) {
-      const double x = any(random);
-      const double y = any(random);
-      points.emplace_back(x, y, any(random));
-    }
-    return points;
-  }
-
   Log m_log;
   bool m_expect_right_untouched = false;
   std::vector<double> m_shares;
@@ -102,7 +91,7 @@ class PointBackendTest : public testing::Test {
 };
 
 TEST_F(PointBackendTest, ContactsAreOrderedAndTheSameForAnyNumberOfThreads) {
-  const std::vector<Vec3> positions = points(101);
+  const std::vector<Vec3> positions = random_points(2, 101);
   const std::vector<Contact> alone = contacts(*made({.nodes_a_batch = 8}), positions);
   EXPECT_EQ(m_log.batches, 2);
   ASSERT_GT(alone.size(), 5U);
@@ -125,7 +114,7 @@ TEST_F(PointBackendTest, ContactsAreOrderedAndTheSameForAnyNumberOfThreads) {
 
 TEST_F(PointBackendTest, WithACacheOnlyThoseAreAskedThatMayHaveCome) {
   const auto backend = made({.capabilities = {.has_cache = true}});
-  std::vector<Vec3> positions = points(101);
+  std::vector<Vec3> positions = random_points(2, 101);
   const std::size_t found = contacts(*backend, positions).size();
   EXPECT_EQ(m_log.queried, 2 * 101);
   m_log.queried = 0;
@@ -141,13 +130,13 @@ TEST_F(PointBackendTest, WithACacheOnlyThoseAreAskedThatMayHaveCome) {
 
 TEST_F(PointBackendTest, OverAnOpenBoneThereIsACacheOnlyWhereDistancesAreSigned) {
   m_bones[1].surface.mesh.triangles.pop_back();
-  contacts(*made({.capabilities = {.has_cache = true}, .cache_needs_closed_bones = true}), points(5));
+  contacts(*made({.capabilities = {.has_cache = true}, .cache_needs_closed_bones = true}), random_points(2, 5));
   EXPECT_FALSE(m_log.had_clearances);
-  contacts(*made({.capabilities = {.has_cache = true}}), points(5));
+  contacts(*made({.capabilities = {.has_cache = true}}), random_points(2, 5));
   EXPECT_TRUE(m_log.had_clearances);
   m_log.had_clearances = false;
   m_bones[1] = m_bones[0];
-  contacts(*made({.capabilities = {.has_cache = true}, .cache_needs_closed_bones = true}), points(5));
+  contacts(*made({.capabilities = {.has_cache = true}, .cache_needs_closed_bones = true}), random_points(2, 5));
   EXPECT_TRUE(m_log.had_clearances);
 }
 

@@ -12,7 +12,8 @@ from ..results.run_folder import REPLAY_COLUMNS, ResultProblem, Run, no_frames, 
 from .configurations import Configuration, configuration
 from ..results.status import MEASURED
 
-PROBE_COLUMNS = ["bone", "place", "points", "max_error_m", "p99_error_m", "mean_error_m"]
+PROBE_COLUMNS = ["bone", "region", "points", "max_error_m", "p99_error_m", "mean_error_m"]
+FORMER_NAMES = {"place": "region"}  # of probes that were measured before
 MISSING = "missing"
 
 
@@ -109,6 +110,7 @@ def _read_probe(path: Path) -> pd.DataFrame:
         rows = pd.read_csv(path, keep_default_na=False, na_values=[""])
     except ValueError as problem:
         raise ResultProblem(f"{path}: not a table of errors ({problem}); run the case again") from None
+    rows = rows.rename(columns=FORMER_NAMES)
     missing = [column for column in PROBE_COLUMNS if column not in rows.columns]
     if missing:
         raise ResultProblem(f"{path}: lacks the columns {', '.join(missing)}; run the case again")

@@ -21,14 +21,14 @@ def probe_rows(probes: list[Aggregate]) -> pd.DataFrame:
         digests = {bone.get("name"): bone.get("mesh_sha256") for bone in record.get("bones") or []}
         for _, line in probe.iterrows():
             rows.append({
-                "bone": line["bone"], "mesh_sha256": digests.get(line["bone"]), "place": line["place"],
+                "bone": line["bone"], "mesh_sha256": digests.get(line["bone"]), "region": line["region"],
                 "backend": aggregate.backend, "series": aggregate.configuration.series,
                 "configuration": aggregate.configuration.name,
                 "cell_edge_m": cell_edge_m(aggregate, line["bone"]), "points": line["points"],
                 **{key: line.get(key) for key in ("max_error_m", "p99_error_m", "mean_error_m", "rms_error_m",
                                                   "wrong_side")},
             })
-    keys = ["bone", "mesh_sha256", "place", "backend", "series", "configuration"]
+    keys = ["bone", "mesh_sha256", "region", "backend", "series", "configuration"]
     table = pd.DataFrame(rows, columns=[*keys, "cell_edge_m", "points", "max_error_m", "p99_error_m", "mean_error_m",
                                         "rms_error_m", "wrong_side"])
     return with_orders(table.drop_duplicates(keys))
@@ -36,10 +36,10 @@ def probe_rows(probes: list[Aggregate]) -> pd.DataFrame:
 
 def with_orders(table: pd.DataFrame) -> pd.DataFrame:
     """Adds `order` (between the row and the next coarser one) and `fitted_order` (over the series) of the p99 error."""
-    table = table.sort_values(["bone", "place", "series", "cell_edge_m"], ascending=[True, True, True, False])
+    table = table.sort_values(["bone", "region", "series", "cell_edge_m"], ascending=[True, True, True, False])
     table = table.reset_index(drop=True)
     table["order"], table["fitted_order"] = math.nan, math.nan
-    for _, line in table.groupby(["bone", "mesh_sha256", "place", "series"], sort=False, dropna=False):
+    for _, line in table.groupby(["bone", "mesh_sha256", "region", "series"], sort=False, dropna=False):
         table.loc[line.index, "order"] = local_orders(line["cell_edge_m"], line["p99_error_m"])
         table.loc[line.index, "fitted_order"] = slope(line["cell_edge_m"], line["p99_error_m"])
     return table

@@ -131,7 +131,7 @@ def _draw_convergence(aggregates: list[Aggregate], builds: dict, folder: Path) -
     files = draw_errors(probe_rows(probes), folder / "convergence")
     bands = sorted({case.run.record["case"].get("band_m") or 0 for case in _cases(probes)} - {0})
     near = f" within {' and '.join(f'{1e3 * band:g} mm' for band in bands)} of the surface" if bands else ""
-    texts = [f"99th percentile of the depth error of points sampled about each bone{near}, at smooth places and near "
+    texts = [f"99th percentile of the depth error of points sampled about each bone{near}, at smooth regions and near "
              "sharp edges; a method that knows only inside and outside can't err by more than that distance, "
              "so that its curve is flat at coarse cells; the edge of a cell is that of the bone's grid. Orders are "
              "slopes of straight lines through the logarithms, over all resolutions in the legend and between "

@@ -15,7 +15,7 @@ PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 
 def draw_errors(rows: pd.DataFrame, stem: Path) -> list[Path]:
     """One panel a bone and region; a curve a series with its fitted order in the legend."""
-    shown = rows[rows["cell_edge_m"].notna() & (rows["p99_error_m"] > 0) & rows["place"].isin(REGIONS)]
+    shown = rows[rows["cell_edge_m"].notna() & (rows["p99_error_m"] > 0) & rows["region"].isin(REGIONS)]
     if shown.empty:
         return []
     style.apply_style()
@@ -25,8 +25,8 @@ def draw_errors(rows: pd.DataFrame, stem: Path) -> list[Path]:
     for line, bone in enumerate(bones):
         for column, region in enumerate(REGIONS):
             axes = panels[line, column]
-            _draw_curves(axes, shown[(shown["bone"] == bone) & (shown["place"] == region)])
-            axes.set_title(f"{bone}, {region} places", loc="left")
+            _draw_curves(axes, shown[(shown["bone"] == bone) & (shown["region"] == region)])
+            axes.set_title(f"{bone}, {region} regions", loc="left")
             axes.xaxis.set_tick_params(labelbottom=True)
             axes.yaxis.set_tick_params(labelleft=True)
         panels[line, 0].set_ylabel("depth error, 99th percentile (mm)")

@@ -8,15 +8,10 @@
 
 #include "backends/sdf/octree/octree_field.hpp"
 #include "core/base/random_numbers.hpp"
+#include "core/mesh/tests/random_points.hpp"
 
 namespace musclebench {
 namespace {
-
-Vec3 random_point(RandomNumbers& random, const Vec3& lower, const Vec3& upper) {
-  const double x = random.share();
-  const double y = random.share();
-  return lower + Vec3(x, y, random.share()).cwiseProduct(upper - lower);
-}
 
 double monomial(std::size_t term, const Vec3& at) {
   const auto& [x, y, z] = polynomial_powers[term];

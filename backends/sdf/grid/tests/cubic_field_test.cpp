@@ -9,6 +9,7 @@
 #include "backends/sdf/build/field_builder.hpp"
 #include "backends/sdf/grid/tests/field_samples.hpp"
 #include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/random_points.hpp"
 
 namespace musclebench {
 namespace {
@@ -22,18 +23,6 @@ GridShape cube_grid(int cells) {
   shape.cell_size_m = Vec3::Constant(2.0 / cells);
   shape.cells = {cells, cells, cells};
   return shape;
-}
-
-std::vector<Vec3> random_points(int count) {
-  std::mt19937 generator(9);
-  std::uniform_real_distribution<double> coordinate(-1, 1);
-  std::vector<Vec3> points;
-  for (int i = 0; i < count; ++i) {
-    const double x = coordinate(generator);
-    const double y = coordinate(generator);
-    points.emplace_back(x, y, coordinate(generator));
-  }
-  return points;
 }
 
 double sphere(const Vec3& point) { return point.norm() - 0.7; }
@@ -74,7 +63,7 @@ TEST(CubicField, ReproducesCubicsOverStretchedCells) {
                 -2 * p.y() - 3 * p.z() * p.z() + 3 * p.x() * p.y());
   };
   const CubicField field = interpolate(shape, double_precision, cubic);
-  for (const Vec3& point : random_points(200)) {
+  for (const Vec3& point : random_points(1, 200, 9)) {
     EXPECT_NEAR(*field.value(point), cubic(point), 1e-13);
     const std::optional<FieldSample> sample = field.sample(point);
     EXPECT_NEAR(sample->value_m, cubic(point), 1e-13);
@@ -113,7 +102,7 @@ TEST(CubicField, HalvingTheCellsOfASphereDividesTheErrorByEight) {
   for (const int cells : {8, 16, 32}) {
     const CubicField field = interpolate(cube_grid(cells), double_precision, sphere);
     double largest = 0;
-    for (const Vec3& point : random_points(20000)) {
+    for (const Vec3& point : random_points(1, 20000, 9)) {
       if (point.norm() > 0.5) {  // the centre, where distance has a kink, is left out
         largest = std::max(largest, std::abs(*field.value(point) - sphere(point)));
       }
@@ -156,7 +145,7 @@ TEST(CubicField, SinglePrecisionIsOnlyRounded) {
   const CubicField coarse = interpolate(cube_grid(8), single_precision, sphere);
   const CubicField fine = interpolate(cube_grid(8), double_precision, sphere);
   double largest = 0;
-  for (const Vec3& point : random_points(1000)) {
+  for (const Vec3& point : random_points(1, 1000, 9)) {
     largest = std::max(largest, std::abs(*coarse.value(point) - *fine.value(point)));
   }
   EXPECT_LT(largest, 1e-6);

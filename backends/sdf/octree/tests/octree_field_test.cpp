@@ -9,15 +9,10 @@
 #include "backends/sdf/build/reference_samples.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/mesh/shapes.hpp"
+#include "core/mesh/tests/random_points.hpp"
 
 namespace musclebench {
 namespace {
-
-Vec3 random_point(RandomNumbers& random, const Vec3& lower, const Vec3& upper) {
-  const double x = random.share();
-  const double y = random.share();
-  return lower + Vec3(x, y, random.share()).cwiseProduct(upper - lower);
-}
 
 double quantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());

@@ -1,0 +1,63 @@
+#include "bench/commands/command_line.hpp"
+
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <span>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/commands/commands.hpp"
+#include "bench/commands/suggestion.hpp"
+#include "bench/results/build_info.hpp"
+#include "core/base/input_error.hpp"
+
+namespace musclebench {
+
+int run_command_line(int argc, const char* const* argv) {
+  CLI::App app(
+      "musclebench: what does collision accuracy cost in a muscle simulation?\n"
+      "One position-based-dynamics loop moves a muscle against rigid bones; one collision backend is plugged in and "
+      "measured for time, memory and true penetration depth.");
+  app.require_subcommand(1);
+  const BuildInfo build = build_info();
+  app.set_version_flag(
+      "--version", fmt::format("musclebench {} ({}, {}, {})", build.version, build.git, build.compiler, build.type));
+  int exit_code = 0;
+  add_run_command(app, exit_code);
+  add_record_command(app, exit_code);
+  add_replay_command(app, exit_code);
+  add_list_command(app, exit_code);
+  add_check_command(app, exit_code);
+  add_verify_command(app, exit_code);
+  add_probe_command(app, exit_code);
+  add_advise_command(app, exit_code);
+  add_field_command(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) {
+      return app.exit(error);
+    }
+    const auto nearest = suggestion(app, std::span(argv, static_cast<std::size_t>(argc)).subspan(argc > 0 ? 1 : 0));
+    fmt::print(stderr, "musclebench: {}; --help shows the options\n",
+               InputError("command line", nearest.value_or(error.what())).what());
+    return exit_bad_input;
+  } catch (const InputError& error) {
+    fmt::print(stderr, "musclebench: {}\n", error.what());
+    return exit_bad_input;
+  } catch (const std::filesystem::filesystem_error& error) {
+    fmt::print(stderr, "musclebench: {}\n", InputError("files", error.what()).what());
+    return exit_bad_input;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "musclebench: there is not enough memory for this run; choose fewer cells or frames\n");
+    return exit_bad_input;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "musclebench: unexpected failure: {}\n", error.what());
+    return exit_unexpected;
+  }
+  return exit_code;
+}
+
+}  // namespace musclebench
