@@ -7,7 +7,6 @@
 #include <fstream>
 #include <iostream>
 #include <map>
-#include <map>
 #include <string>
 #include <tuple>
 #include <vector>

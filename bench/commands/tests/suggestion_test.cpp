@@ -24,8 +24,7 @@ TEST(Suggestion, IsTheNearestCommand) {
 }
 
 TEST(Suggestion, IsTheNearestOptionOfTheCommand) {
-  EXPECT_EQ(suggested({"replay", "a", "--bakend=x"}),
-            "'--bakend' is no option of `replay`; did you mean '--backend'?");
+  EXPECT_EQ(suggested({"replay", "a", "--bakend=x"}), "'--bakend' is no option of `replay`; did you mean '--backend'?");
   EXPECT_EQ(suggested({"replay", "--frames", "3"}), "'--frames' is no option of `replay`; did you mean '--threads'?");
 }
 
