@@ -169,6 +169,10 @@ void find_standstill(CheckContext& context, Findings& findings) {
   };
   if (std::ranges::any_of(scene.motions, turns)) return;
   if (has_effect(scene, "gravity") || has_effect(scene, "activation")) return;
+  for (const char* volume : {"volume", "local_volume"}) {
+    const SceneEffect* inflated = find_named(scene, volume);
+    if (inflated != nullptr && inflated->parameters.number("pressure") != 1) return;
+  }
   findings.push_back(cannot_act("bone.motion",
                                 "no bone moves, and neither gravity nor activation moves the muscle: "
                                 "all but overlaps at rest stays as it is"));

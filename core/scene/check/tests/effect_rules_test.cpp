@@ -122,6 +122,8 @@ TEST(EffectRules, FindAStandstill) {
   EXPECT_FALSE(still(turning(1), ""));
   EXPECT_FALSE(still("", "[effects.gravity]\n"));
   EXPECT_FALSE(still("", "[effects.activation]\n"));
+  EXPECT_TRUE(still("", "[effects.volume]\n"));
+  EXPECT_FALSE(still("", "[effects.volume]\npressure = 1.1\n"));
 }
 
 TEST(EffectRules, FindExclusionsOfNothing) {
