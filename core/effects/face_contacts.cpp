@@ -199,10 +199,10 @@ void FaceContactFinder::build_if_near(std::size_t bone, std::span<const int> tri
 }
 
 std::span<const FaceContact> FaceContactFinder::known(std::size_t bone, std::size_t triangle) const {
-  const auto range = std::ranges::equal_range(m_known, std::pair(bone, triangle), {}, [](const FaceContact& contact) {
-    return std::pair(contact.bone, contact.triangle);
-  });
-  return {range.begin(), range.end()};
+  const auto key_of = [](const FaceContact& contact) { return std::pair(contact.bone, contact.triangle); };
+  const auto first = std::ranges::lower_bound(m_known, std::pair(bone, triangle), {}, key_of);
+  const auto last = std::ranges::upper_bound(m_known, std::pair(bone, triangle), {}, key_of);
+  return {first, last};
 }
 
 void FaceContactFinder::search(std::size_t triangle, std::size_t bone, std::span<const Vec3> positions,

@@ -1,6 +1,4 @@
 // The Referee between muscles, against boxes whose depth is known.
-#include "core/referee/muscle_referee.hpp"
-
 #include <algorithm>
 #include <cstddef>
 #include <vector>
@@ -9,6 +7,7 @@
 
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
+#include "core/referee/muscle_referee.hpp"
 
 namespace musclebench {
 namespace {
