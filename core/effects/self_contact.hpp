@@ -12,8 +12,8 @@ namespace musclebench {
 /// treatment of collisions, contact and friction for cloth animation"). Both sides give way by inverse mass
 /// (ContactRowSolver), so that no momentum changes; depth that was there when the substep began gives no velocity.
 ///
-/// What is closer than four times the thickness at rest, such as triangles around a node or the two sides of a thin rim, is
-/// left out for good. The distance is exact, and a node is queried only once its clearance is used up
+/// What is closer than four times the thickness at rest, such as triangles around a node or the two sides of a thin
+/// rim, is left out for good. The distance is exact, and a node is queried only once its clearance is used up
 /// (MovingClearances). Edges that cross between nodes that are all apart by the thickness are not seen, nor is what
 /// moves by more than the thickness in one substep.
 std::unique_ptr<ContactStage> make_self_contact(const StageInput& input, const Parameters& parameters);
