@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "backends/registry.hpp"
 #include "bench/cases/tests/pressed_ball.hpp"
 #include "core/base/input_error.hpp"
 #include "core/scene/read_scene.hpp"
