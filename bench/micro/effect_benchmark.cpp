@@ -57,7 +57,7 @@ struct Combination {
 
 /// None, each alone, all; in turn, so that what slows the machine slows all alike.
 void sum_of_parts(benchmark::State& state) {
-  Scene scene = load_scene({micro_scene().name, "standard", "", {}});
+  Scene scene = load_micro_scene("standard");
   scene.muscle_pairs.clear();
   const std::vector<std::string> names = all_effects();
   std::vector<Combination> combinations = {{with_effects(scene, {})}, {with_effects(scene, names)}};

@@ -27,7 +27,7 @@ const std::vector<Bone>& bones() {
   return made;
 }
 
-std::vector<Vec3> random_points(RandomNumbers& random, int count) {
+std::vector<Vec3> scattered_points(RandomNumbers& random, int count) {
   std::vector<Vec3> points;
   for (int i = 0; i < count; ++i) {
     const double x = random.share();
@@ -51,7 +51,7 @@ TEST(OctreeFieldSource, FindsDepthAndNormalInMovedBones) {
   const auto backend = make_adaptive();
   backend->build(bones(), {}, 2);
   RandomNumbers random(1);
-  const std::vector<Vec3> positions = random_points(random, 3000);
+  const std::vector<Vec3> positions = scattered_points(random, 3000);
   const std::vector<RigidMotion> poses{RigidMotion::about_axis(Vec3(1, 2, 2) / 3, {0.1, 0, 0}, 1),
                                        RigidMotion::about_axis(Vec3(2, 1, 2) / 3, {0, 0.05, 0}, 0.5)};
   std::vector<std::vector<bool>> found(2, std::vector<bool>(positions.size(), false));
@@ -94,12 +94,12 @@ TEST(OctreeFieldSource, CacheAndThreadsChangeNoContact) {
   others.push_back(made("on", 3));
   constexpr int nodes = 3000;  // several shares
   RandomNumbers random(7);
-  std::vector<Vec3> positions = random_points(random, nodes);
+  std::vector<Vec3> positions = scattered_points(random, nodes);
   std::size_t met = 0;
   for (int step = 0; step < 40; ++step) {
     const std::vector<RigidMotion> poses{RigidMotion::about_axis(Vec3::UnitX(), Vec3::Zero(), 0.01 * step),
                                          RigidMotion::about_axis(Vec3::UnitZ(), {0.1, 0, 0}, -0.02 * step)};
-    const std::vector<Vec3> shifts = random_points(random, nodes);
+    const std::vector<Vec3> shifts = scattered_points(random, nodes);
     for (std::size_t i = 0; i < positions.size(); ++i) {
       positions[i] += (i % 10 == 0 ? 0.5 : 0.005) * shifts[i];
     }
