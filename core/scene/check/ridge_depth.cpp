@@ -43,12 +43,12 @@ double cut_depth_m(const TriangleBvh& bone, const Vec3& point, const Vec3& norma
 
 std::vector<RidgeDepth> ridge_depths(const Scene& scene, std::size_t bone, const PoseEstimates& poses,
                                      const BoneNearness& nearness) {
-  constexpr std::size_t most_samples = 20'000;
+  constexpr std::size_t most_looked_at = 20'000;
   std::vector<RidgeDepth> found(scene.muscles.size());
   std::vector<std::vector<double>> depths_m(scene.muscles.size());
   const TriangleBvh& tree = scene.bones[bone].signed_distance().tree();
   const std::vector<Body> bodies = scene.bodies();
-  const std::size_t stride = nearness.near.size() / most_samples + 1;
+  const std::size_t stride = nearness.near.size() / most_looked_at + 1;
   TriangleMesh posed = scene.muscle_mesh;
   std::vector<double> edge_m;
   std::optional<std::size_t> pose;
