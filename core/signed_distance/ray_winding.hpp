@@ -17,8 +17,8 @@ class RayWinding {
   /// `points` has the fewest triangles before it.
   RayWinding(const TriangleMesh& mesh, const Eigen::AlignedBox3d& points);
 
-  /// Of a point in the box; nothing where rounding could decide, as on the surface or in the plane of a triangle that
-  /// is parallel to the ray.
+  /// Of a point in the box; nothing where rounding could decide, as on the surface. On a face that is parallel to the
+  /// ray a point counts to either side.
   [[nodiscard]] std::optional<int> at(const Vec3& point) const;
 
  private:

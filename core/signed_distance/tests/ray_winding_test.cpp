@@ -88,8 +88,8 @@ TEST(RayWinding, CountsARayThroughAnEdgeOnce) {
 }
 
 TEST(RayWinding, LeavesAPointOnTheSurfaceOpen) {
-  const TriangleMesh mesh = make_box(Vec3(1, 1, 1), 2);
-  const Vec3 point(0.3, 0.2, 1);
+  const TriangleMesh mesh = make_box(Vec3(1, 1, 1), 20);  // rays upwards meet the fewest of its vertices
+  const Vec3 point(0.33, 0.21, 1);
   const RayWinding rays(mesh, {point - Vec3(0.1, 0.1, 0), point + Vec3(0.1, 0.1, 0.5)});
   EXPECT_FALSE(rays.at(point));
   EXPECT_EQ(rays.at(point + Vec3(0, 0, 0.1)), 0);
