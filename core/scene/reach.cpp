@@ -82,6 +82,8 @@ std::vector<BoundNode> expected_bound_nodes(const Scene& scene) {
 }  // namespace
 
 std::vector<BoneReach> predict_reach(const Scene& scene) {
+  // Without a motion for each bone, as of a scene put together for a replay, nothing is known of its poses.
+  if (scene.motions.size() != scene.bones.size()) return std::vector<BoneReach>(scene.bones.size(), {0, 0, false});
   std::vector<Eigen::AlignedBox3d> boxes;
   for (const Bone& bone : scene.bones) boxes.push_back(bounding_box(bone.surface.mesh.vertices));
   std::vector<ExpectedMuscle> muscles;
