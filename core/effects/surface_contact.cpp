@@ -65,7 +65,7 @@ std::unique_ptr<ContactStage> make_surface_contact(const StageInput& input, cons
 }
 
 std::vector<ParameterSpec> surface_contact_parameters() {
-  // LHDL gluteus maximus: fifty corrections leave a fifth less of the depth than ten do.
+  // LHDL gluteus maximus: more corrections than ten gain little of the depth.
   return {parameter::integer({.name = "interval",
                               .default_value = 5,
                               .minimum = 1,
