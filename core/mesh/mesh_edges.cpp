@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <numeric>
+#include <span>
 
 #include <Eigen/Geometry>
 
@@ -11,37 +12,49 @@ namespace musclebench {
 
 namespace {
 
-/// Counting sort by a vertex of the edges: linear, and equal ones stay in order.
-std::vector<EdgeUse> sorted_by(int EdgeUse::*vertex, const std::vector<EdgeUse>& uses, std::size_t vertices) {
-  std::vector<int> next(vertices + 1, 0);
-  for (const EdgeUse& use : uses) ++next[use.*vertex + 1];
-  std::partial_sum(next.begin(), next.end(), next.begin());
-  std::vector<EdgeUse> sorted(uses.size());
-  for (const EdgeUse& use : uses) sorted[next[use.*vertex]++] = use;
-  return sorted;
+/// By the larger vertex; equal ones stay in order.
+void sort_stably_by_high(std::span<EdgeUse> uses) {
+  constexpr std::size_t few = 32;  // a vertex of a surface has about six
+  if (uses.size() > few) {
+    std::stable_sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) { return a.high < b.high; });
+    return;
+  }
+  for (std::size_t i = 1; i < uses.size(); ++i) {
+    const EdgeUse use = uses[i];
+    std::size_t place = i;
+    for (; place > 0 && uses[place - 1].high > use.high; --place) uses[place] = uses[place - 1];
+    uses[place] = use;
+  }
 }
 
 }  // namespace
 
 MeshEdges::MeshEdges(const TriangleMesh& mesh) {
-  m_uses.reserve(3 * mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const int from = mesh.triangles[t][k];
-      const int to = mesh.triangles[t][(k + 1) % 3];
-      if (from != to)
-        m_uses.push_back({std::min(from, to), std::max(from, to), static_cast<int>(3 * t) + k, from < to});
+  const auto for_each_side = [&](const auto& visit) {
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      for (int k = 0; k < 3; ++k) {
+        const int from = mesh.triangles[t][k];
+        const int to = mesh.triangles[t][(k + 1) % 3];
+        if (from != to) visit(EdgeUse{std::min(from, to), std::max(from, to), static_cast<int>(3 * t) + k, from < to});
+      }
     }
-  }
-  m_uses = sorted_by(&EdgeUse::high, m_uses, mesh.vertices.size());
-  m_uses = sorted_by(&EdgeUse::low, m_uses, mesh.vertices.size());
+  };
+  // Counting sort by the smaller vertex; `end` moves from the first of its uses to one past the last.
+  std::vector<int> end(mesh.vertices.size() + 1, 0);
+  for_each_side([&](const EdgeUse& use) { ++end[use.low + 1]; });
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  m_uses.resize(end.back());
+  for_each_side([&](const EdgeUse& use) { m_uses[end[use.low]++] = use; });
   m_first.reserve(m_uses.size() / 2 + 1);
-  for (std::size_t i = 0; i < m_uses.size(); ++i) {
-    if (i == 0 || m_uses[i].low != m_uses[i - 1].low || m_uses[i].high != m_uses[i - 1].high) {
-      m_first.push_back(static_cast<int>(i));
+  int first = 0;
+  for (std::size_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
+    sort_stably_by_high(std::span(m_uses).subspan(first, end[vertex] - first));
+    for (int use = first; use < end[vertex]; ++use) {
+      if (use == first || m_uses[use].high != m_uses[use - 1].high) m_first.push_back(use);
     }
+    first = end[vertex];
   }
-  m_first.push_back(static_cast<int>(m_uses.size()));
+  m_first.push_back(first);
 }
 
 std::vector<int> edge_of_sides(const TriangleMesh& mesh, const MeshEdges& edges) {
@@ -141,17 +154,14 @@ int count_non_manifold_vertices(const TriangleMesh& mesh, const MeshEdges& edges
 }
 
 Winding find_winding(const TriangleMesh& mesh, const MeshEdges& edges) {
-  struct Neighbour {
-    int triangle = -1;
-    bool opposed = false;
-  };
-  std::vector<std::array<Neighbour, 3>> neighbours(mesh.triangles.size());
+  // Across each side of a triangle: 2 * neighbour + (1 where it is wound the other way), -1 for none.
+  std::vector<std::array<int, 3>> across(mesh.triangles.size(), {-1, -1, -1});
   for (int edge = 0; edge < edges.count(); ++edge) {
     const auto uses = edges.uses(edge);
     if (uses.size() == 2) {
-      const bool opposed = uses[0].forward == uses[1].forward;
-      neighbours[uses[0].corner / 3][uses[0].corner % 3] = {uses[1].corner / 3, opposed};
-      neighbours[uses[1].corner / 3][uses[1].corner % 3] = {uses[0].corner / 3, opposed};
+      const int opposed = uses[0].forward == uses[1].forward ? 1 : 0;
+      across[uses[0].corner / 3][uses[0].corner % 3] = 2 * (uses[1].corner / 3) + opposed;
+      across[uses[1].corner / 3][uses[1].corner % 3] = 2 * (uses[0].corner / 3) + opposed;
     }
   }
   Winding winding;
@@ -168,11 +178,11 @@ Winding find_winding(const TriangleMesh& mesh, const MeshEdges& edges) {
     for (std::size_t next = 0; next < members.size(); ++next) {
       const int triangle = members[next];
       opposed_count += winding.flipped[triangle];
-      for (const Neighbour& neighbour : neighbours[triangle]) {
-        if (neighbour.triangle >= 0 && winding.surface[neighbour.triangle] < 0) {
-          winding.surface[neighbour.triangle] = winding.surfaces;
-          winding.flipped[neighbour.triangle] = static_cast<char>(winding.flipped[triangle] != neighbour.opposed);
-          members.push_back(neighbour.triangle);
+      for (const int side : across[triangle]) {
+        if (side >= 0 && winding.surface[side / 2] < 0) {
+          winding.surface[side / 2] = winding.surfaces;
+          winding.flipped[side / 2] = static_cast<char>(winding.flipped[triangle] != side % 2);
+          members.push_back(side / 2);
         }
       }
     }

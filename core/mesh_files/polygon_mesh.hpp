@@ -53,6 +53,14 @@ class PolygonMeshBuilder {
  public:
   explicit PolygonMeshBuilder(const std::string& location) : m_location(location) {}
 
+  /// Where a file tells its sizes: a list that doubles as it grows touches three times its memory.
+  void reserve_vertices(std::size_t vertices) { m_mesh.vertices.reserve(vertices); }
+  void reserve_triangles(std::size_t triangles) {
+    m_mesh.corners.reserve(3 * triangles);
+    m_mesh.first_corner.reserve(triangles);
+    m_face_of_polygon.reserve(triangles);
+  }
+
   void add_vertex(const Vec3& vertex) {
     // Beyond the range of floats squares and products overflow, so that is no coordinate either; a NaN fails, too.
     if (!(vertex.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= std::numeric_limits<float>::max())) {

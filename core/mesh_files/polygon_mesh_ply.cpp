@@ -299,9 +299,13 @@ PolygonMesh parse_ply(std::string_view text, const std::string& location) {
   Body body(header, location);
   PolygonMeshBuilder builder(location);
   for (const Element& element : header.elements) {
+    constexpr std::size_t least_bytes = 3;  // of a vertex or a face: no more is believed than the file can hold
+    const std::size_t count = std::min(element.count, header.body.size() / least_bytes);
     if (element.name == "vertex") {
+      builder.reserve_vertices(count);
       read_vertices(body, element, builder, location);
     } else {
+      if (element.name == "face") builder.reserve_triangles(count);
       read_others(body, element, builder, location);
     }
   }

@@ -182,6 +182,8 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh, const std::string& name) {
   int flat = drop_collapsed_triangles(surface);
   flat += remove_flat_triangles(surface);
   log.note(flat, "dropped", "zero-area triangle", "zero-area triangles");
+  const std::size_t vertices = surface.vertices.size();
+  (void)drop_unreferenced_vertices(surface);
   MeshEdges edges(surface);
   const int doubled = drop_doubled_triangles(surface, edges);
   log.note_doubled(doubled);
@@ -189,12 +191,11 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh, const std::string& name) {
   if (flat_left == static_cast<int>(surface.triangles.size())) {
     throw InputError(name, "no triangle has an area, so there is no surface; check the mesh file");
   }
-  const std::size_t vertices = surface.vertices.size();
-  (void)drop_unreferenced_vertices(surface);
-  const int dropped = static_cast<int>(vertices - surface.vertices.size());
-  log.note_unreferenced(dropped - merged);
-
-  if (doubled + dropped > 0) edges = MeshEdges(surface);
+  if (doubled > 0) {
+    (void)drop_unreferenced_vertices(surface);
+    edges = MeshEdges(surface);
+  }
+  log.note_unreferenced(static_cast<int>(vertices - surface.vertices.size()) - merged);
   const Openness openness = measure_openness(surface, edges);
   refuse_wide_open(openness, edges.count(), name);
   const OrientationChange turned = orient_surfaces(surface, edges);

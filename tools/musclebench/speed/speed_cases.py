@@ -9,6 +9,7 @@ from ..cases.scene import Scene
 STRUCTURES_DIR = "structures"  # of the distance fields, below the experiment's folder: built once, loaded by all
 KERNELS_FILE = "kernels.json"
 MICRO_PROGRAM = "musclebench_micro"
+JUDGED_TIMES = 8.0  # what a run takes with the Referee
 FRAMES_A_SECOND = 100.0  # of the loop without collision, at the reference
 
 
@@ -28,15 +29,16 @@ class Setting:
 
 @dataclass(frozen=True)
 class RaceCase(SceneCase):
-    """A coupled run that nobody judges, on one thread."""
+    """A coupled run on one thread: without the Referee, or as a user starts it, for what such a run costs in all."""
 
     scene: Scene
     setting: Setting
     repetition: int = 0
+    is_judged: bool = False
 
     @property
     def name(self) -> str:
-        return f"{self.scene.key}-{self.setting.label}-r{self.repetition}"
+        return f"{self.scene.key}-{self.setting.label}{'-judged' if self.is_judged else ''}-r{self.repetition}"
 
     @property
     def kind(self) -> str:
@@ -45,11 +47,12 @@ class RaceCase(SceneCase):
     @property
     def guessed_seconds(self) -> float:
         a_frame = 1 / FRAMES_A_SECOND + self.scene.iterations * self.setting.step_ms * 1e-3
-        return 2.0 + self.scene.size * self.scene.frames * a_frame
+        return 2.0 + self.scene.size * self.scene.frames * a_frame * (JUDGED_TIMES if self.is_judged else 1)
 
     def arguments(self, folders: Folders) -> list[str]:
         words = ["run", self.scene.name, "--backend", self.setting.backend, *self.scene.preset_arguments(),
-                 "--threads", "1", "--no-referee", "--repetition", str(self.repetition)]
+                 "--threads", "1", "--repetition", str(self.repetition)]
+        words += [] if self.is_judged else ["--no-referee"]
         for key, value in self.setting.parameters:
             words += ["--param", f"{key}={value}"]
         if self.setting.storage:

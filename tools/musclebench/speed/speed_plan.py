@@ -84,6 +84,9 @@ def plan(request: Request, registry: Registry) -> list[Case]:
     cases: list[Case] = []
     for repetition in range(request.repetitions):
         groups = [[RaceCase(scene, setting, repetition) for setting in settings(registry)] for scene in request.scenes]
+        if repetition == 0:
+            largest = max(request.scenes, key=lambda scene: scene.nodes)
+            groups.append([RaceCase(largest, setting, is_judged=True) for setting in settings(registry)])
         groups += [[case] for case in _kernels(request, registry, repetition)]
         order.shuffle(groups)
         for group in groups:

@@ -16,7 +16,7 @@ from .kernel_results import Kernels
 from .speed_plan import KERNEL_GROUPS, Setting, settings, targets
 from ..results.status import MEASURED
 
-MOST_SETUP = 0.2  # of the CPU time of a run of some hundred frames
+MOST_SETUP = 0.2  # of the CPU time of a run of some hundred frames, the Referee's included
 TIMED_GROUPS = {group.name for group in KERNEL_GROUPS if group.varies}  # bytes and counts are not disturbed
 NOT_BUILT, NOT_MEASURED = "not built", "not measured"
 
@@ -103,7 +103,7 @@ def _race(measured: Measured, setting: Setting, unit: Setting, registry: Registr
 
 def _race_parts(measured: Measured, label: str, unit: str) -> list[Row]:
     """A row a muscle: update + detect + respond over the unit's, frame by frame of the same round."""
-    raced = [run for run in measured.runs if run.mode == "coupled"]
+    raced = [run for run in measured.runs if run.mode == "coupled" and not run.record["case"]["judged"]]
     parts = []
     for muscle in dict.fromkeys(run.muscle for run in raced):
         of_muscle = [run for run in raced if run.muscle == muscle]
@@ -120,25 +120,25 @@ def _race_parts(measured: Measured, label: str, unit: str) -> list[Row]:
 
 def _setup_rows(measured: Measured) -> list[Row]:
     """CPU time before the first frame over that of the whole run: of the largest muscle, whose loop is the longest, a
-    part for each setting. Without what is built over bones, trees and the backend's structures; and with the trees that
-    reader and checks asked for."""
+    part for each setting. Of a run as a user starts it, judged; and of one that is not judged, less the backend's
+    structures, which another run may have left on disk."""
     ran = [run for run in measured.runs if run.mode == "coupled" and run.status in MEASURED and "cpu_ns" in run.record]
     nodes = {run.muscle: run.record["muscle"]["nodes"] for run in ran}
     largest = max(nodes, key=nodes.get, default="")
-    of_label: dict[str, list[Run]] = {}
-    for run in ran:
-        if run.muscle == largest:
-            of_label.setdefault(label_of(run), []).append(run)
 
-    def parts(keys: tuple[str, ...]) -> list[Row]:
+    def parts(judged: bool, left_out: tuple[str, ...]) -> list[Row]:
+        of_label: dict[str, list[Run]] = {}
+        for run in ran:
+            if run.muscle == largest and run.record["case"]["judged"] == judged:
+                of_label.setdefault(label_of(run), []).append(run)
         return [Row(f"set-up / run, {label}", note=f"{label}, {largest}", is_disturbed=_any_disturbed(measured, found),
-                    measured=samples.median(pd.Series([_setup_share(run, keys) for run in found])))
+                    measured=samples.median(pd.Series([_setup_share(run, left_out) for run in found])))
                 for label, found in of_label.items()]
 
-    what = "CPU before the first frame / of a run, largest muscle"
-    return [worst(f"{what}: without trees and structures over bones", parts(("build_ns", "other_trees_ns")),
+    return [worst("CPU before the first frame / of a run as a user starts it, largest muscle", parts(True, ()),
                   f"<= {MOST_SETUP:g}", at_most=MOST_SETUP),
-            worst(f"{what}: without structures", parts(("build_ns",)), "")]
+            worst("CPU before the first frame, less structures / of a run without the Referee", parts(False, ("build_ns",)),
+                  "")]
 
 
 def _setup_share(run: Run, left_out: tuple[str, ...]) -> float:
@@ -152,7 +152,7 @@ def _any_disturbed(measured: Measured, runs: list[Run]) -> bool:
 
 def label_of(run: Run) -> str:
     """The setting's, which the folder's name holds: SCENE-LABEL-rN."""
-    name = run.folder.name.rpartition("-r")[0]
+    name = run.folder.name.rpartition("-r")[0].removesuffix("-judged")
     return name.removeprefix(f"{run.scene.replace('/', '-')}-").removeprefix(f"{run.muscle_alone}-")
 
 
