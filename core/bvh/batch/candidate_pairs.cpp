@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/base/prefetch.hpp"
 
@@ -38,18 +39,27 @@ HWY_INLINE void keep_least(Vec squared, BvhLanes& least, std::size_t first) {
   hn::Store(hn::Min(load(least, first), squared), Lanes(), least.data() + first);
 }
 
-/// Computes the squared distances of the pairs from `first` on.
+/// Computes the squared distances of the pairs from `first` on. Those of one leaf follow each other, so that its
+/// triangles stay in registers.
 HWY_INLINE void measure_pairs(const BvhView& bvh, std::size_t first, QueryBatch& batch, PointLimits& limits) {
   const Lanes d;
-  for (std::size_t pair = first; pair < batch.pairs; ++pair) {
-    const BvhLeaf& leaf = bvh.leaves[batch.leaf[pair]];
-    const auto n = static_cast<std::size_t>(batch.point[pair]);
-    const Vec3Lanes point = splat({batch.at[0][n], batch.at[1][n], batch.at[2][n]});
+  const std::int32_t* HWY_RESTRICT leaf_of = batch.leaf.data();
+  const std::int32_t* HWY_RESTRICT point_of = batch.point.data();
+  QueryBatch::Squared* HWY_RESTRICT squared_of = batch.squared.data();
+  const std::size_t pairs = batch.pairs;
+  for (std::size_t begin = first, end = first; begin < pairs; begin = end) {
+    while (end < pairs && leaf_of[end] == leaf_of[begin]) ++end;
+    const BvhLeaf& leaf = bvh.leaves[leaf_of[begin]];
     for (std::size_t lane = 0; lane < bvh_width; lane += hn::Lanes(d)) {
-      const Vec squared = arms_to(TriangleLanes::of(leaf, lane), point).squared_length();
-      hn::Store(squared, d, batch.squared[pair].to.data() + lane);
-      if (leaf.slivers == 0) {
-        keep_least(squared, limits.least[n], lane);
+      const TriangleLanes triangles = TriangleLanes::of(leaf, lane);
+      for (std::size_t pair = begin; pair < end; ++pair) {
+        const auto n = static_cast<std::size_t>(point_of[pair]);
+        const Vec squared =
+            arms_to(triangles, splat({batch.at[0][n], batch.at[1][n], batch.at[2][n]})).squared_length();
+        hn::Store(squared, d, squared_of[pair].to.data() + lane);
+        if (leaf.slivers == 0) {
+          keep_least(squared, limits.least[n], lane);
+        }
       }
     }
   }
@@ -199,15 +209,16 @@ HWY_INLINE void add_pairs_of_all_points(std::int32_t leaf, QueryBatch& batch) {
 
 /// Adds the pairs of the leaves listed as near whose oriented box is within the limit of a point, except the `known`
 /// leaves.
-HWY_INLINE void add_pairs_within_limits(const BvhView& bvh, std::size_t near, const std::array<std::int32_t, 2>& known,
-                                        const PointLimits& limits, QueryBatch& batch) {
+HWY_INLINE void add_pairs_within_limits(const BvhView& bvh, std::span<const std::int32_t> near,
+                                        const std::array<std::int32_t, 2>& known, const PointLimits& limits,
+                                        QueryBatch& batch) {
   const Points d;
   const hn::RebindToSigned<Points> di;
   std::size_t pairs = batch.pairs;
   std::int32_t* HWY_RESTRICT points_of = batch.point.data();
   std::int32_t* HWY_RESTRICT leaf_of = batch.leaf.data();
-  for (std::size_t l = 0; l < near; ++l) {
-    const auto child = static_cast<std::size_t>(batch.near[l]);
+  for (const std::int32_t entry : near) {
+    const auto child = static_cast<std::size_t>(entry);
     const BvhNode& node = bvh.nodes[child / bvh_width];
     const std::int32_t leaf = ~node.child[child % bvh_width];
     if (leaf == known[0] || leaf == known[1]) {
@@ -233,21 +244,21 @@ HWY_INLINE void add_candidates(const BvhView& bvh, const PointLimits& limits, co
   const Lanes d;
   const IntLanes di;
   candidates.make_room(bvh_width * (batch.pairs + 1));
+  std::int32_t* HWY_RESTRICT triangle_of = candidates.triangle.data();
+  std::int32_t* HWY_RESTRICT point_of = candidates.point.data();
+  std::size_t count = candidates.count;
   for (std::size_t pair = 0; pair < batch.pairs; ++pair) {
     const BvhLeaf& leaf = bvh.leaves[batch.leaf[pair]];
     const auto n = static_cast<std::size_t>(batch.point[pair]);
     const Vec limit = hn::Set(d, limits.limit[n]);
     for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
       const auto near = hn::RebindMask(di, hn::Le(load(batch.squared[pair].to, first), limit));
-      if (hn::AllFalse(di, near)) {
-        continue;
-      }
-      hn::StoreU(hn::Compress(hn::Load(di, leaf.triangle.data() + first), near), di,
-                 candidates.triangle.data() + candidates.count);
-      hn::StoreU(hn::Set(di, batch.number[n]), di, candidates.point.data() + candidates.count);
-      candidates.count += hn::CountTrue(di, near);
+      hn::StoreU(hn::Compress(hn::Load(di, leaf.triangle.data() + first), near), di, triangle_of + count);
+      hn::StoreU(hn::Set(di, batch.number[n]), di, point_of + count);
+      count += hn::CountTrue(di, near);
     }
   }
+  candidates.count = count;
 }
 
 }  // namespace
@@ -266,11 +277,18 @@ void candidate_triangles_of(const BvhView& bvh, const BoundList& leaves, const Q
   for (std::size_t l = 0; l < (nearest[0] == nearest[1] ? 1 : 2); ++l) {
     add_pairs_of_all_points(nearest[l], batch);
   }
-  const std::size_t first_pairs = batch.pairs;
   measure_pairs(bvh, 0, batch, limits);
+  // Some leaves at a time: what these tell of the distances leaves fewer pairs with the next ones.
+  constexpr std::size_t at_a_time = 16;
   lower_limits(bvh.slack, 0, limits);
-  add_pairs_within_limits(bvh, leaves_near_any(bvh, leaves, box, limits, batch), nearest, limits, batch);
-  measure_pairs(bvh, first_pairs, batch, limits);
+  const std::size_t near = leaves_near_any(bvh, leaves, box, limits, batch);
+  for (std::size_t first = 0; first < near; first += at_a_time) {
+    if (first > 0) lower_limits(bvh.slack, 0, limits);
+    const std::size_t known_pairs = batch.pairs;
+    add_pairs_within_limits(bvh, std::span(batch.near).subspan(first, std::min(at_a_time, near - first)), nearest,
+                            limits, batch);
+    measure_pairs(bvh, known_pairs, batch, limits);
+  }
   lower_limits(bvh.near_slack, bvh.slack_growth, limits);  // holds for triangles, not for boxes
   add_candidates(bvh, limits, batch, candidates);
 }
