@@ -1,6 +1,7 @@
 #include "core/mesh/mesh_edges.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <numeric>
@@ -21,9 +22,9 @@ void sort_stably_by_high(std::span<EdgeUse> uses) {
   }
   for (std::size_t i = 1; i < uses.size(); ++i) {
     const EdgeUse use = uses[i];
-    std::size_t place = i;
-    for (; place > 0 && uses[place - 1].high > use.high; --place) uses[place] = uses[place - 1];
-    uses[place] = use;
+    std::size_t to = i;
+    for (; to > 0 && uses[to - 1].high > use.high; --to) uses[to] = uses[to - 1];
+    uses[to] = use;
   }
 }
 
@@ -77,10 +78,11 @@ int DisjointSets::find(int element) {
   return element;
 }
 
-void DisjointSets::unite(int a, int b) {
+bool DisjointSets::unite(int a, int b) {
   const int root_a = find(a);
   const int root_b = find(b);
   m_parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
+  return root_a != root_b;
 }
 
 std::vector<int> first_of_component(const TriangleMesh& mesh) {
@@ -129,25 +131,24 @@ std::vector<int> first_at_position(const std::vector<Vec3>& vertices) {
 }
 
 int count_non_manifold_vertices(const TriangleMesh& mesh, const MeshEdges& edges) {
+  // Each corner is a fan of its own until it is joined to others across the edges of its vertex.
+  std::vector<int> fans_of_vertex(mesh.vertices.size(), 0);
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const int vertex : triangle) ++fans_of_vertex[vertex];
+  }
   DisjointSets fans(static_cast<int>(3 * mesh.triangles.size()));
-  const auto corner_at = [&](const EdgeUse& use, int vertex) {
-    const int triangle = use.corner / 3;
-    const int k = use.corner % 3;
-    return 3 * triangle + (mesh.triangles[triangle][k] == vertex ? k : (k + 1) % 3);
+  const auto corners_of = [](const EdgeUse& use) {
+    const int from = use.corner;
+    const int to = from % 3 == 2 ? from - 2 : from + 1;
+    return use.forward ? std::array{from, to} : std::array{to, from};
   };
   for (int edge = 0; edge < edges.count(); ++edge) {
     const auto uses = edges.uses(edge);
-    for (std::size_t i = 1; i < uses.size(); ++i) {
-      for (const int vertex : {uses[0].low, uses[0].high}) {
-        fans.unite(corner_at(uses[0], vertex), corner_at(uses[i], vertex));
-      }
-    }
-  }
-  std::vector<int> fans_of_vertex(mesh.vertices.size(), 0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const int corner = static_cast<int>(3 * t) + k;
-      fans_of_vertex[mesh.triangles[t][k]] += fans.find(corner) == corner ? 1 : 0;
+    const auto [low, high] = corners_of(uses[0]);
+    for (const EdgeUse& use : uses.subspan(1)) {
+      const auto [other_low, other_high] = corners_of(use);
+      fans_of_vertex[use.low] -= fans.unite(low, other_low) ? 1 : 0;
+      fans_of_vertex[use.high] -= fans.unite(high, other_high) ? 1 : 0;
     }
   }
   return static_cast<int>(std::count_if(fans_of_vertex.begin(), fans_of_vertex.end(), [](int n) { return n > 1; }));

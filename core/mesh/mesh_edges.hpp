@@ -42,7 +42,8 @@ class DisjointSets {
  public:
   explicit DisjointSets(int count);
   [[nodiscard]] int find(int element);
-  void unite(int a, int b);
+  /// Whether they were two sets.
+  bool unite(int a, int b);
 
  private:
   std::vector<int> m_parent;

@@ -84,18 +84,23 @@ int drop_loose_flat_triangles(TriangleMesh& mesh) {
   return drop_marked_triangles(mesh, is_dropped);
 }
 
-/// Returns how many flat triangles were removed.
-int remove_flat_triangles(TriangleMesh& mesh) {
+struct FlatTriangles {
+  int removed = 0;
+  int left = 0;
+};
+
+FlatTriangles remove_flat_triangles(TriangleMesh& mesh) {
   const int before = count_flat(mesh);
   if (before == 0) {
-    return 0;
+    return {};
   }
   // A chain of flat triangles along one line shortens by at least one in a round; longer ones than this are left.
   constexpr int most_rounds = 20;
   for (int round = 0; round < most_rounds && take_in_flat_triangles_once(mesh) > 0; ++round) {
   }
   drop_loose_flat_triangles(mesh);
-  return before - count_flat(mesh);
+  const int left = count_flat(mesh);
+  return {before - left, left};
 }
 
 struct Openness {
@@ -179,15 +184,15 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh, const std::string& name) {
   ChangeLog log(repaired.changes);
   const int merged = merge_vertices(surface, first_at_position(surface.vertices));
   log.note_merged(merged);
-  int flat = drop_collapsed_triangles(surface);
-  flat += remove_flat_triangles(surface);
-  log.note(flat, "dropped", "zero-area triangle", "zero-area triangles");
+  const int collapsed = drop_collapsed_triangles(surface);
+  const FlatTriangles flat = remove_flat_triangles(surface);
+  log.note(collapsed + flat.removed, "dropped", "zero-area triangle", "zero-area triangles");
   const std::size_t vertices = surface.vertices.size();
   (void)drop_unreferenced_vertices(surface);
   MeshEdges edges(surface);
   const int doubled = drop_doubled_triangles(surface, edges);
   log.note_doubled(doubled);
-  const int flat_left = count_flat(surface);
+  const int flat_left = flat.left > 0 ? count_flat(surface) : 0;
   if (flat_left == static_cast<int>(surface.triangles.size())) {
     throw InputError(name, "no triangle has an area, so there is no surface; check the mesh file");
   }

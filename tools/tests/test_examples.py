@@ -67,3 +67,15 @@ def test_the_readmes_commands_run_as_they_are_printed(knee):
     assert record["status"] == "ok" and record["muscle"]["nodes"] == 962
     assert all(attachment["nodes"] >= 10 for attachment in record["attachments"])
     assert [bone["name"] for bone in record["bones"]] == ["tibia", "femur"]
+
+
+@needs_program
+def test_the_readmes_study_of_the_example_gives_tables_and_figures(knee, tmp_path):
+    """As printed, but of a few frames."""
+    printed = re.search(r"^tools/accuracy (--scene .*?) *#", README, re.MULTILINE).group(1).split()
+    done = subprocess.run([sys.executable, str(PROJECT / "tools" / "accuracy.py"), *printed, "--frames-limit", "4",
+                           "--musclebench", str(PROGRAM), "--out", str(tmp_path / "out")],
+                          cwd=knee, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    written = {path.name for path in (tmp_path / "out").rglob("*")}
+    assert {"price_list.csv", "pareto_replay.png"} <= written

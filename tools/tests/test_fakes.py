@@ -84,7 +84,6 @@ def test_the_fixture_has_the_schema_of_the_programs_list(listed):
 
 def test_the_fixture_has_the_programs_backends_and_parameters(listed):
     theirs = {backend["name"]: backend for backend in listed["backends"]}
-    assert theirs.keys() <= {backend["name"] for backend in fake_registry.listed()["backends"]}
     for backend in fake_registry.listed()["backends"]:
         if backend["name"] not in theirs:
             pytest.skip(f"{backend['name']} is not a backend of this build")

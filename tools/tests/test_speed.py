@@ -104,7 +104,7 @@ def test_the_table_has_every_bar_with_its_median_spread_and_verdict(table):
         assert row["measured"] == pytest.approx(value, abs=1e-9) and row["held"] == held, what
         assert row["low"] <= row["measured"] + 1e-9 and row["measured"] <= row["high"] + 1e-9, what
         assert what in text
-    setup = rows["CPU before the first frame / of a run as a user starts it, largest muscle"]
+    setup = rows["CPU before the first frame / of a judged run whose fields are stored, largest muscle"]
     not_judged = rows["CPU before the first frame, less structures / of a run without the Referee"]
     assert (setup["measured"], setup["held"]) == (pytest.approx(0.125), "yes")
     assert (not_judged["measured"], not_judged["held"]) == (pytest.approx(0.1), "")

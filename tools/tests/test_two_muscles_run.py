@@ -157,6 +157,31 @@ def test_accuracy_takes_a_scene_of_two_muscles(scene, tmp_path):
     assert {"replay", "coupled"} <= set(measured["mode"]) and {"bvh", "sdf", "voxel"} <= set(measured["backend"])
 
 
+@pytest.mark.weekly
+def test_effects_take_a_scene_of_two_muscles(scene, tmp_path):
+    run_tool("effects", scene, tmp_path / "out", "--quick", "--frames-limit", "4", "--jobs", "1")
+    assert list((tmp_path / "out").glob("**/*.csv"))
+
+
+def test_advise_and_probe_take_a_scene_of_two_muscles(scene, tmp_path):
+    done = call("advise", scene, "--depth-mm", "5", "--frames", "4")
+    assert done.returncode == 0, done.stderr
+    done = call("probe", scene, "--backend", "bvh", "--frames", "4", "--out", tmp_path / "probe")
+    assert done.returncode == 0, done.stderr
+    assert len(pd.read_csv(next((tmp_path / "probe").glob("*.csv")))) > 0
+
+
+def test_four_muscles_of_the_hip_end_in_the_same_bits_on_one_thread_and_on_two(tmp_path):
+    hashes = []
+    for threads in ("1", "2"):
+        done = call("run", "synthetic/hip", "--backend", "sdf", "--param", "cells=16", "--threads", threads, "--frames", "2",
+                    "--no-referee", "--out", tmp_path / threads)
+        assert done.returncode == 0, done.stderr
+        hashes.append(json.loads((tmp_path / threads / "run.json").read_text())["state_hash"])
+        assert pd.read_csv(tmp_path / threads / "muscles.csv")["muscle"].nunique() == 4
+    assert hashes[0] == hashes[1]
+
+
 # A program of its own, since most kernels can't be left out in another process from here: those of sizes and of other
 # scenes take longer than all the rest.
 FEW_KERNELS = """

@@ -62,6 +62,11 @@ Depths depths_of(const std::vector<MuscleContact>& contacts) {
   return depths_m;
 }
 
+bool with_fcl() {
+  const auto& registry = backend_registry();
+  return std::ranges::find(registry, "fcl", &BackendEntry::name) != registry.end();
+}
+
 /// FCL meets triangles that cut each other, and says of their corners which are inside. So it finds nothing that brute
 /// force does not find, measures no depth below the true one (to the closest of the triangles that were met), and has
 /// at least the inner corners of each triangle that is inside only in part; nodes deeper inside hang on no such
@@ -89,14 +94,12 @@ TEST(LhdlMuscleContact, FourMusclesAtOnceAreFoundAsByBruteForce) {
   TouchingMuscles muscles{scene.muscle_mesh, scene.bodies(), {}};
   for (const SceneMusclePair& pair : scene.muscle_pairs) muscles.pairs.push_back(pair.muscles);
   ASSERT_EQ(muscles.pairs.size(), 6U);
-  const auto& registry = backend_registry();
-  const bool with_fcl = std::ranges::find(registry, "fcl", &BackendEntry::name) != registry.end();
   for (const double by_m : {0.0, 1e-3}) {
     const TriangleMesh now = inflated(scene.muscle_mesh, by_m);
     const std::vector<MuscleContact> truth = contacts_of("brute_force", muscles, now);
     EXPECT_EQ(truth.size() > 100, by_m > 0) << truth.size();  // at rest none overlap
     expect_same(contacts_of("bvh", muscles, now), truth);
-    if (with_fcl) {
+    if (with_fcl()) {
       const Depths found = depths_of(contacts_of("fcl", muscles, now));
       EXPECT_EQ(found.size() > 100, by_m > 0) << found.size();
       expect_what_hangs_on_cut_triangles(found, depths_of(truth), now, static_cast<int>(scene.muscles.size()));
@@ -130,6 +133,12 @@ TEST(LhdlMuscleContact, IliacusAndPsoasOverlapAsDeepAsOthersMeasured) {
   const TouchingMuscles muscles{scene.muscle_mesh, scene.bodies(), {{0, 1}}};
   const std::vector<MuscleContact> found = contacts_of("bvh", muscles, scene.muscle_mesh);
   EXPECT_NEAR(deepest_m(found), 4.2e-3, 0.1e-3);
+  expect_same(found, contacts_of("brute_force", muscles, scene.muscle_mesh));
+  if (with_fcl()) {
+    const Depths cut = depths_of(contacts_of("fcl", muscles, scene.muscle_mesh));
+    EXPECT_GT(cut.size(), 50U);
+    expect_what_hangs_on_cut_triangles(cut, depths_of(found), scene.muscle_mesh, 2);
+  }
   MuscleReferee referee(scene.muscle_mesh, {scene.bodies(), {{1}, {0}}});
   std::vector<Contact> truth;
   referee.judge(scene.muscle_mesh.vertices, truth);

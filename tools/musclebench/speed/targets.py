@@ -120,8 +120,8 @@ def _race_parts(measured: Measured, label: str, unit: str) -> list[Row]:
 
 def _setup_rows(measured: Measured) -> list[Row]:
     """CPU time before the first frame over that of the whole run: of the largest muscle, whose loop is the longest, a
-    part for each setting. Of a run as a user starts it, judged; and of one that is not judged, less the backend's
-    structures, which another run may have left on disk."""
+    part for each setting. Of a judged run, as a user starts it, but that fields are loaded; and of one that is not
+    judged, less the backend's structures."""
     ran = [run for run in measured.runs if run.mode == "coupled" and run.status in MEASURED and "cpu_ns" in run.record]
     nodes = {run.muscle: run.record["muscle"]["nodes"] for run in ran}
     largest = max(nodes, key=nodes.get, default="")
@@ -135,7 +135,7 @@ def _setup_rows(measured: Measured) -> list[Row]:
                     measured=samples.median(pd.Series([_setup_share(run, left_out) for run in found])))
                 for label, found in of_label.items()]
 
-    return [worst("CPU before the first frame / of a run as a user starts it, largest muscle", parts(True, ()),
+    return [worst("CPU before the first frame / of a judged run whose fields are stored, largest muscle", parts(True, ()),
                   f"<= {MOST_SETUP:g}", at_most=MOST_SETUP),
             worst("CPU before the first frame, less structures / of a run without the Referee", parts(False, ("build_ns",)),
                   "")]
