@@ -18,7 +18,8 @@ MetTriangles::Closest closest_of(const Vec3& point, const std::vector<Met>& met)
   MetTriangles triangles(1);
   triangles.start_round();
   for (const auto& [triangle, corners] : met) {
-    triangles.meet(0, [&] { return point; }, triangle, corners[0], corners[1], corners[2]);
+    triangles.meet(
+        0, [&] { return point; }, triangle, corners[0], corners[1], corners[2]);
   }
   return *triangles.find(0);
 }
@@ -51,7 +52,8 @@ TEST_F(MetTrianglesTest, ARoundForgetsTheOneBeforeAndANodeThatMetNothingHasNone)
   MetTriangles triangles(2);
   triangles.start_round();
   const auto meet = [&](int triangle, const std::array<Vec3, 3>& corners) {
-    triangles.meet(1, [] { return Vec3(0.75, 0.25, 0.5); }, triangle, corners[0], corners[1], corners[2]);
+    triangles.meet(
+        1, [] { return Vec3(0.75, 0.25, 0.5); }, triangle, corners[0], corners[1], corners[2]);
   };
   meet(4, m_lower_half);
   EXPECT_EQ(triangles.find(0), nullptr);
