@@ -76,10 +76,7 @@ def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run],
     made = [paper_tables.memory_table(runs, paper), paper_tables.time_table(runs, paper)]
     several = muscle_tables.of_several_muscles(runs)
     if several:
-        made += [muscle_tables.frame_time_table(several), muscle_tables.depth_table(several)]
-    touching = muscle_tables.of_touching_muscles(runs)
-    if touching:
-        made.append(muscle_tables.pair_table(touching))
+        made += [muscle_tables.frame_time_table(several), muscle_tables.depth_table(several), muscle_tables.pair_table(several)]
     files = [runs_file]
     for table in made:
         files += table_formats.write_table(table, out_dir / "tables")

@@ -6,6 +6,7 @@ BuiltBackend build_backend(const Case& resolved, const std::function<void(double
   BuiltBackend built;
   built.backend = make_backend(resolved.scene, resolved.backend, resolved.parameters, resolved.colliders);
   built.backend->report_build_to(report);
+  if (resolved.scene.muscles.size() > 1) built.backend->tell_apart(resolved.scene.bodies());
   if (resolved.prune) {
     built.reach = predict_reach(resolved.scene);
     built.backend->expect_untouched(untouched_bones(built.reach));

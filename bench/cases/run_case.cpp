@@ -119,10 +119,8 @@ class CaseRunner {
     m_result.machine.switches += switches;
     note_pruned_bones(frame);
     record.contacts = static_cast<int>(m_simulation->contacts().size());
-    if (m_muscle_contact != nullptr) {
-      record.muscle_contacts = m_muscle_contact->contact_count();
-      record.pairs = pairs_in_contact();
-    }
+    if (m_muscle_contact != nullptr) record.muscle_contacts = m_muscle_contact->contact_count();
+    if (m_scene.muscles.size() > 1) record.pairs = pairs_of(record.times);
     record.resident_bytes = memory_needed_bytes();
 
     const std::vector<Vec3>& positions = m_simulation->positions();
@@ -170,16 +168,36 @@ class CaseRunner {
     return muscles;
   }
 
-  [[nodiscard]] std::vector<PairRecord> pairs_in_contact() const {
-    std::vector<PairRecord> pairs;
-    for (const PairTime& time : m_muscle_contact->take_pair_times()) pairs.push_back({time});
+  /// Bone after bone, each with all muscles; then muscles that touch.
+  [[nodiscard]] std::vector<PairRecord> pairs_of(const StageTimes& times) const {
     const std::vector<Body> bodies = m_scene.bodies();
+    std::vector<PairRecord> pairs;
+    for (const Bone& bone : m_scene.bones) {
+      for (const Muscle& muscle : m_scene.muscles) {
+        const auto ns = times.pairs_ns.empty() ? std::nullopt : std::optional(times.pairs_ns[pairs.size()]);
+        pairs.push_back({muscle.body.name, bone.name, ns});
+      }
+    }
+    for (const Contact& contact : m_simulation->contacts()) {
+      ++pairs[static_cast<std::size_t>(contact.bone) * bodies.size() + body_of(bodies, contact.node)].contacts;
+    }
+    if (m_muscle_contact != nullptr) append_touching_muscles(bodies, pairs);
+    return pairs;
+  }
+
+  void append_touching_muscles(std::span<const Body> bodies, std::vector<PairRecord>& pairs) const {
+    std::vector<MusclePair> touching;
+    for (const PairTime& time : m_muscle_contact->take_pair_times()) {
+      touching.push_back(time.muscles);
+      pairs.push_back({bodies[static_cast<std::size_t>(time.muscles.first)].name,
+                       bodies[static_cast<std::size_t>(time.muscles.second)].name, time.detect_ns});
+    }
+    const auto first = pairs.end() - static_cast<std::ptrdiff_t>(touching.size());
     for (const MuscleContact& contact : m_muscle_contact->contacts()) {
       const auto own = static_cast<int>(body_of(bodies, contact.node));
       const MusclePair pair{std::min(own, contact.muscle), std::max(own, contact.muscle)};
-      ++std::ranges::find(pairs, pair, [](const PairRecord& each) { return each.time.muscles; })->contacts;
+      ++first[std::ranges::find(touching, pair) - touching.begin()].contacts;
     }
-    return pairs;
   }
 
   [[nodiscard]] bool is_kept(int frame) const {

@@ -66,7 +66,8 @@ Json json_of(const Capabilities& capabilities) {
           {"point_queries", capabilities.point_queries},
           {"has_cache", capabilities.has_cache},
           {"has_step", capabilities.has_step},
-          {"steady_memory", capabilities.steady_memory}};
+          {"steady_memory", capabilities.steady_memory},
+          {"times_pairs", capabilities.times_pairs}};
 }
 
 Json json_of(const BackendEntry& backend) {

@@ -219,11 +219,9 @@ void write_files(const fs::path& folder, const RunCase& run, const RunResult& re
     OutputFile muscles(folder / "muscles.csv");
     write_muscles_csv(muscles.stream(), names, result.records);
     muscles.close();
-    if (!run.scene.muscle_pairs.empty()) {
-      OutputFile pairs(folder / "pairs.csv");
-      write_pairs_csv(pairs.stream(), names, result.records);
-      pairs.close();
-    }
+    OutputFile pairs(folder / "pairs.csv");
+    write_pairs_csv(pairs.stream(), result.records);
+    pairs.close();
   }
   if (!result.snapshots.empty()) {
     fs::create_directory(folder / "snapshots");

@@ -14,7 +14,11 @@ class PointBackend final : public CollisionBackend {
  public:
   explicit PointBackend(PointMethod method) : m_method(std::move(method)) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return m_method.capabilities; }
+  [[nodiscard]] Capabilities capabilities() const override {
+    Capabilities can = m_method.capabilities;
+    can.times_pairs = true;
+    return can;
+  }
   [[nodiscard]] AnswerBound answer_bound(int bone) const override { return structure(bone).answer_bound(); }
   [[nodiscard]] double step_m(int bone) const override { return structure(bone).step_m(); }
   [[nodiscard]] double contact_reach_m(const Bone& bone) const override {
@@ -48,6 +52,12 @@ class PointBackend final : public CollisionBackend {
   }
 
  private:
+  struct DealtBatch {
+    NodeBatch batch;
+    std::size_t muscle;         ///< of those that are told apart
+    Nanoseconds detect_ns = 0;  ///< where they are
+  };
+
   [[nodiscard]] const BoneStructure& structure(int bone) const { return *m_structures[static_cast<std::size_t>(bone)]; }
 
   void do_build() override {
@@ -101,10 +111,10 @@ class PointBackend final : public CollisionBackend {
     detect_batches(contacts);
   }
 
-  /// In the order of the contacts: a batch a bone, or several where a thread more pays.
+  /// In the order of the contacts: a batch a bone and muscle, or several where a thread more pays.
   void deal_out(std::span<const Vec3> positions, std::span<const int> nodes) {
     m_batches.clear();
-    m_one_a_bone = true;
+    m_pays_for_threads = false;
     for (int bone = 0; bone < static_cast<int>(m_structures.size()); ++bone) {
       if (!m_structures[static_cast<std::size_t>(bone)]) continue;
       NodeBatch batch{bone, poses()[static_cast<std::size_t>(bone)], positions, {}, nullptr};
@@ -113,23 +123,33 @@ class PointBackend final : public CollisionBackend {
         batch.clearances = &m_clearances;
         queried = m_clearances.expired(bone);
       }
-      for (; threads() > 1 && queried.size() > m_method.nodes_a_batch;
-           queried = queried.subspan(m_method.nodes_a_batch)) {
-        batch.nodes = queried.first(m_method.nodes_a_batch);
-        m_batches.push_back(batch);
-        m_one_a_bone = false;
+      m_pays_for_threads |= threads() > 1 && queried.size() > m_method.nodes_a_batch;
+      if (muscles().empty()) {
+        deal_out_nodes(batch, 0, queried);
+        continue;
       }
-      batch.nodes = queried;
-      m_batches.push_back(batch);
+      for (std::size_t muscle = 0; muscle < muscles().size(); ++muscle) {
+        const auto end = std::ranges::lower_bound(queried, muscles()[muscle].last_node);
+        const auto own = static_cast<std::size_t>(end - queried.begin());
+        deal_out_nodes(batch, muscle, queried.first(own));
+        queried = queried.subspan(own);
+      }
+    }
+  }
+
+  void deal_out_nodes(NodeBatch batch, std::size_t muscle, std::span<const int> nodes) {
+    while (!nodes.empty()) {
+      batch.nodes = nodes.first(threads() > 1 ? std::min(nodes.size(), m_method.nodes_a_batch) : nodes.size());
+      m_batches.push_back({batch, muscle});
+      nodes = nodes.subspan(batch.nodes.size());
     }
   }
 
   void detect_batches(std::vector<Contact>& contacts) {
-    // Without OpenMP where a batch a bone is all there is: it allocates even a team of one.
-    if (m_one_a_bone) {
-      for (const NodeBatch& batch : m_batches) {
-        m_structures[static_cast<std::size_t>(batch.bone)]->detect(batch, contacts);
-      }
+    // Without OpenMP where no bone has work for two: it allocates even a team of one.
+    if (!m_pays_for_threads) {
+      for (DealtBatch& batch : m_batches) detect_batch(batch, contacts);
+      add_pair_times();
       return;
     }
     while (m_found.size() < m_batches.size()) {
@@ -139,10 +159,30 @@ class PointBackend final : public CollisionBackend {
 #pragma omp parallel for schedule(static, 1) num_threads(threads())
     for (std::size_t n = 0; n < m_batches.size(); ++n) {
       m_found[n].clear();
-      m_structures[static_cast<std::size_t>(m_batches[n].bone)]->detect(m_batches[n], m_found[n]);
+      detect_batch(m_batches[n], m_found[n]);
     }
     for (std::size_t n = 0; n < m_batches.size(); ++n) {
       contacts.insert(contacts.end(), m_found[n].begin(), m_found[n].end());
+    }
+    add_pair_times();
+  }
+
+  void detect_batch(DealtBatch& dealt, std::vector<Contact>& contacts) {
+    BoneStructure& structure = *m_structures[static_cast<std::size_t>(dealt.batch.bone)];
+    if (muscles().empty()) {
+      structure.detect(dealt.batch, contacts);
+      return;
+    }
+    const ScopedTimer timer(dealt.detect_ns);
+    structure.detect(dealt.batch, contacts);
+  }
+
+  void add_pair_times() {
+    if (muscles().empty()) {
+      return;
+    }
+    for (const DealtBatch& dealt : m_batches) {
+      add_pair_time(static_cast<std::size_t>(dealt.batch.bone), dealt.muscle, dealt.detect_ns);
     }
   }
 
@@ -151,8 +191,8 @@ class PointBackend final : public CollisionBackend {
   std::vector<std::unique_ptr<BoneStructure>> m_structures;  ///< one a bone
   ClearanceCache m_clearances;
   // Scratch memory, kept so that a frame allocates nothing.
-  std::vector<NodeBatch> m_batches;
-  bool m_one_a_bone = true;                   ///< at most
+  std::vector<DealtBatch> m_batches;
+  bool m_pays_for_threads = false;
   std::vector<std::vector<Contact>> m_found;  ///< by batch
 };
 

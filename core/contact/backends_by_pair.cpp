@@ -8,15 +8,23 @@ namespace musclebench {
 
 namespace {
 
-/// All vertices, so that nodes keep their numbers, and the triangles of some muscles.
-TriangleMesh surface_of(const TriangleMesh& mesh, std::span<const Body> muscles) {
-  TriangleMesh surface{mesh.vertices, {}};
-  for (const Body& muscle : muscles) {
+/// Some muscles of a mesh: all its vertices, so that nodes keep their numbers, and the triangles of these.
+struct PartOfMesh {
+  TriangleMesh surface;
+  std::vector<Body> muscles;  ///< with their triangles' new places
+};
+
+PartOfMesh part_of(const TriangleMesh& mesh, std::span<const Body> muscles) {
+  PartOfMesh part{{mesh.vertices, {}}, {muscles.begin(), muscles.end()}};
+  std::vector<Triangle>& triangles = part.surface.triangles;
+  for (Body& muscle : part.muscles) {
     const auto own =
         std::span(mesh.triangles).subspan(muscle.first_triangle, muscle.last_triangle - muscle.first_triangle);
-    surface.triangles.insert(surface.triangles.end(), own.begin(), own.end());
+    muscle.first_triangle = triangles.size();
+    triangles.insert(triangles.end(), own.begin(), own.end());
+    muscle.last_triangle = triangles.size();
   }
-  return surface;
+  return part;
 }
 
 bool by_bone_and_node(const Contact& a, const Contact& b) {
@@ -36,6 +44,7 @@ Capabilities BackendsByPair::capabilities() const {
     all.has_cache = all.has_cache || own.has_cache;
     all.has_step = all.has_step && own.has_step;
     all.steady_memory = all.steady_memory && own.steady_memory;
+    all.times_pairs = all.times_pairs && own.times_pairs;
   }
   return all;
 }
@@ -117,9 +126,15 @@ void BackendsByPair::do_build() {
       part.backend->report_build_to(
           [this, done, own, structures](double share) { build_report()((done + share * own) / structures); });
     }
-    if (!part.muscles.empty()) m_surfaces[i] = surface_of(muscle(), part.muscles);
-    part.backend->build(bones().subspan(part.first_bone, part.bones), part.muscles.empty() ? muscle() : m_surfaces[i],
-                        threads());
+    const bool has_all = part.muscles.empty();
+    if (has_all) {
+      part.backend->tell_apart({muscles().begin(), muscles().end()});
+    } else {
+      PartOfMesh own_part = part_of(muscle(), part.muscles);
+      m_surfaces[i] = std::move(own_part.surface);
+      if (!muscles().empty()) part.backend->tell_apart(std::move(own_part.muscles));
+    }
+    part.backend->build(bones().subspan(part.first_bone, part.bones), has_all ? muscle() : m_surfaces[i], threads());
     done += own;
   }
   m_nodes.reserve(muscle().vertices.size());
@@ -143,6 +158,19 @@ std::span<const int> BackendsByPair::nodes_of(const Part& part, std::span<const 
   return m_nodes;
 }
 
+void BackendsByPair::add_times_of(const Part& part) {
+  const std::span<const Nanoseconds> times = part.backend->pair_times();
+  if (times.empty() || muscles().empty()) {
+    return;
+  }
+  const std::size_t own_muscles = times.size() / part.bones;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const std::size_t own = i % own_muscles;
+    const std::size_t muscle = part.muscles.empty() ? own : body_of(muscles(), part.muscles[own].first_node);
+    add_pair_time(part.first_bone + i / own_muscles, muscle, times[i]);
+  }
+}
+
 void BackendsByPair::do_detect(std::span<const Vec3> positions, std::span<const int> nodes,
                                std::vector<Contact>& contacts) {
   for (const Part& part : m_parts) {
@@ -153,6 +181,7 @@ void BackendsByPair::do_detect(std::span<const Vec3> positions, std::span<const 
       contact.bone += static_cast<int>(part.first_bone);
       contacts.push_back(contact);
     }
+    add_times_of(part);
   }
   // Several parts may answer for a bone.
   if (!std::is_sorted(contacts.begin(), contacts.end(), by_bone_and_node)) {

@@ -45,6 +45,9 @@ class BackendsByPair final : public CollisionBackend {
   void for_each_part_of(int bone, const Look& look) const;
   [[nodiscard]] std::span<const int> nodes_of(const Part& part, std::span<const int> nodes);
 
+  /// Of its last detection.
+  void add_times_of(const Part& part);
+
   void do_build() override;
   void do_update(std::span<const Vec3> positions) override;
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override;

@@ -1,5 +1,6 @@
 #include "core/contact/collision_backend.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -13,6 +14,7 @@ void CollisionBackend::build(std::span<const Bone> bones, const TriangleMesh& mu
   m_muscle = &muscle;
   m_threads = threads;
   m_poses.assign(bones.size(), RigidMotion{});
+  m_pair_ns.assign(capabilities().times_pairs ? bones.size() * m_muscles.size() : 0, 0);
   start_watch();
   do_build();
 }
@@ -48,6 +50,7 @@ void CollisionBackend::update(std::span<const RigidMotion> bone_poses, std::span
 void CollisionBackend::detect(std::span<const Vec3> positions, std::span<const int> nodes,
                               std::vector<Contact>& contacts) {
   contacts.clear();
+  std::ranges::fill(m_pair_ns, Nanoseconds{0});
   if (m_watch.is_active()) {
     if (capabilities().point_queries) bring_back(m_watch.find_near(positions, nodes));
     m_watch.count_saved_queries(nodes.size());

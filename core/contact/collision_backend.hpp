@@ -9,9 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/scoped_timer.hpp"
 #include "core/contact/bone.hpp"
 #include "core/contact/contact.hpp"
 #include "core/contact/reach_watch.hpp"
+#include "core/mesh/body.hpp"
 #include "core/mesh/rigid_motion.hpp"
 
 namespace musclebench {
@@ -28,6 +30,8 @@ struct Capabilities {
   bool has_step = false;
   /// After two frames of a run a detection asks for no heap memory any more.
   bool steady_memory = false;
+  /// Of muscles that are told apart, a detection says how long each took with each bone.
+  bool times_pairs = false;
 };
 
 /// How far a backend's answer may be from the truth. A node closer to a surface than `touching_distance_m` is on it,
@@ -98,6 +102,13 @@ class CollisionBackend {
     return {m_watch.bones().begin(), m_watch.bones().end()};
   }
 
+  /// Before `build`: the muscles whose times are told apart, in the order of their nodes. They change no contact.
+  void tell_apart(std::vector<Body> muscles) { m_muscles = std::move(muscles); }
+  /// Of the last detection, where muscles are told apart and the backend `times_pairs`: the time that each muscle's
+  /// nodes took with each bone, by bone and then by muscle, summed over threads; else empty. What serves all pairs,
+  /// such as the sweep of a clearance cache, is in none.
+  [[nodiscard]] std::span<const Nanoseconds> pair_times() const { return m_pair_ns; }
+
   /// Builds the structures over `bones` in rest pose. `muscle` is the muscle's surface at rest, for backends that
   /// collide surfaces. Both outlive the backend. Throws InputError when the parameters do not fit the bones.
   void build(std::span<const Bone> bones, const TriangleMesh& muscle, int threads);
@@ -115,6 +126,12 @@ class CollisionBackend {
   [[nodiscard]] const TriangleMesh& muscle() const { return *m_muscle; }
   [[nodiscard]] std::span<const RigidMotion> poses() const { return m_poses; }
   [[nodiscard]] int threads() const { return m_threads; }
+  /// Those that are told apart; none: all nodes are one's.
+  [[nodiscard]] std::span<const Body> muscles() const { return m_muscles; }
+  /// Called by `do_detect` of a backend that `times_pairs`, as often as it likes, where muscles are told apart.
+  void add_pair_time(std::size_t bone, std::size_t muscle, Nanoseconds ns) {
+    m_pair_ns[bone * m_muscles.size() + muscle] += ns;
+  }
   /// May be empty.
   [[nodiscard]] const std::function<void(double share)>& build_report() const { return m_report_build; }
   /// Whether `do_build` leaves the bone out, and `do_detect` does not ask about it.
@@ -141,6 +158,8 @@ class CollisionBackend {
   std::function<void(double share)> m_report_build;
   std::vector<char> m_untouched;
   ReachWatch m_watch;
+  std::vector<Body> m_muscles;
+  std::vector<Nanoseconds> m_pair_ns;
 };
 
 }  // namespace musclebench

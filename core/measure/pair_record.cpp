@@ -13,25 +13,23 @@ constexpr std::array<Column<PairRow>, 6> of_a_pair{{
     {{"frame", "", "1 for the first"}, [](const PairRow& r) { return fmt::format("{}", r.step.frame); }},
     {{"angle_deg", "deg", "of the bone that turns most"},
      [](const PairRow& r) { return fmt::format("{}", r.step.angle_deg); }},
-    {{"muscle", "", "its name"}, [](const PairRow& r) { return r.muscle; }},
-    {{"other", "", "the muscle that it touches"}, [](const PairRow& r) { return r.other; }},
-    {{"contacts", "", "nodes of either in the other, answered in the frame's last detection"},
+    {{"muscle", "", "its name"}, [](const PairRow& r) { return r.record.muscle; }},
+    {{"other", "", "the bone, or the muscle that it touches"}, [](const PairRow& r) { return r.record.other; }},
+    {{"contacts", "", "nodes in the bone, or of either muscle in the other, answered in the frame's last detection"},
      [](const PairRow& r) { return fmt::format("{}", r.record.contacts); }},
-    {{"detect_ns", "ns", "asking the nodes of the pair; sum over the frame's steps and over threads"},
-     [](const PairRow& r) { return fmt::format("{}", r.record.time.detect_ns); }},
+    {{"detect_ns", "ns",
+      "asking the nodes of the pair; sum over the frame's steps and over threads; empty: the backend does not say"},
+     [](const PairRow& r) { return r.record.detect_ns ? fmt::format("{}", *r.record.detect_ns) : std::string(); }},
 }};
 
 }  // namespace
 
 std::span<const Column<PairRow>> pair_columns() { return of_a_pair; }
 
-void write_pairs_csv(std::ostream& out, std::span<const std::string> names, std::span<const StepRecord> records) {
+void write_pairs_csv(std::ostream& out, std::span<const StepRecord> records) {
   std::vector<PairRow> rows;
   for (const StepRecord& step : records) {
-    for (const PairRecord& pair : step.pairs) {
-      const auto& [first, second] = pair.time.muscles;
-      rows.push_back({step, names[static_cast<std::size_t>(first)], names[static_cast<std::size_t>(second)], pair});
-    }
+    for (const PairRecord& pair : step.pairs) rows.push_back({step, pair});
   }
   write_table(out, std::span<const Column<PairRow>>(of_a_pair), std::span<const PairRow>(rows));
 }

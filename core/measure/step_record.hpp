@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/base/column.hpp"
-#include "core/contact/muscle_contact.hpp"
 #include "core/measure/edge_stretch.hpp"
 #include "core/pbd/simulation.hpp"
 #include "core/referee/contact_comparison.hpp"
@@ -28,10 +27,12 @@ struct MuscleRecord {
   EdgeStretch edge_stretch;  ///< judged
 };
 
-/// What a frame left of one pair of muscles that touch.
+/// What a frame left of one pair of a muscle and a bone, or of two muscles that touch.
 struct PairRecord {
-  PairTime time;     ///< over the frame's steps
-  int contacts = 0;  ///< nodes of either in the other, answered by the last detection
+  std::string muscle;
+  std::string other;
+  std::optional<Nanoseconds> detect_ns;  ///< over the frame's steps; nothing: the backend does not say
+  int contacts = 0;  ///< answered by the last detection: nodes in the bone, or of either in the other
 };
 
 /// One row of frames.csv. Figures that are not known stay empty in the file.
@@ -59,7 +60,7 @@ struct StepRecord {
   std::optional<int> self_intersecting_triangles;
   std::vector<double> volumes_m3;     ///< of each muscle
   std::vector<MuscleRecord> muscles;  ///< of each of several; none for one
-  std::vector<PairRecord> pairs;      ///< of those that touch
+  std::vector<PairRecord> pairs;      ///< of several muscles
   std::size_t resident_bytes = 0;     ///< 0: unknown
   long involuntary_switches = 0;      ///< while the frame was timed, see ContextSwitches
   Nanoseconds judging_ns = 0;         ///< taken by the Referee, outside of the frame

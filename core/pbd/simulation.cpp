@@ -101,9 +101,12 @@ std::vector<Vec3> Simulation::velocities() const {
 }
 
 const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer) {
-  m_times = StageTimes{.effects_ns = std::move(m_times.effects_ns), .stages_ns = std::move(m_times.stages_ns)};
+  m_times = StageTimes{.effects_ns = std::move(m_times.effects_ns),
+                       .stages_ns = std::move(m_times.stages_ns),
+                       .pairs_ns = std::move(m_times.pairs_ns)};
   m_times.effects_ns.assign(m_effects.size(), 0);
   m_times.stages_ns.assign(m_stages.size(), 0);
+  m_times.pairs_ns.assign(m_backend.pair_times().size(), 0);
   const Nanoseconds start_ns = monotonic_now_ns();
   for (int substep = 1; substep <= m_loop.substeps; ++substep) {
     m_previous_poses.swap(m_poses);
@@ -185,6 +188,7 @@ void Simulation::collide(bool last_of_frame, CollisionObserver* observer) {
     const ScopedTimer timer(m_times.detect_ns);
     m_backend.detect(m_predicted, m_free_nodes, m_contacts);
   }
+  std::ranges::transform(m_backend.pair_times(), m_times.pairs_ns, m_times.pairs_ns.begin(), std::plus<>());
   if (observer != nullptr) {
     const ScopedTimer timer(m_times.recording_ns);
     observer->after_detection(step, m_contacts);

@@ -35,6 +35,8 @@ struct LoopParameters {
 struct StageTimes {
   std::vector<Nanoseconds> effects_ns;  ///< in the order of the simulation's effects
   std::vector<Nanoseconds> stages_ns;   ///< in the order of its contact stages
+  /// Detection by pair: see CollisionBackend::pair_times.
+  std::vector<Nanoseconds> pairs_ns;
   Nanoseconds predict_ns = 0;
   Nanoseconds update_ns = 0;
   Nanoseconds detect_ns = 0;

@@ -109,11 +109,13 @@ def muscle_rows(names: list[str], frames: int) -> list[dict]:
     return rows
 
 
-def pair_rows(names: list[str], frames: int) -> list[dict]:
-    """Of neighbours in the list: the n-th pair takes n ms a frame, 100 times that in warm-up, and has 4 n contacts."""
+def pair_rows(names: list[str], bones: list[str], frames: int) -> list[dict]:
+    """Of each muscle with each bone, and of neighbours in the list: the n-th pair takes n ms a frame, 100 times that in
+    warm-up, and has 4 n contacts."""
+    pairs = [*((name, bone) for bone in bones for name in names), *pairwise(names)]
     return [{"frame": frame, "angle_deg": "0.0", "muscle": pair[0], "other": pair[1], "contacts": 4 * n,
              "detect_ns": n * (100_000_000 if frame <= 2 else 1_000_000)}
-            for frame in range(1, frames + 1) for n, pair in enumerate(pairwise(names), 1)]
+            for frame in range(1, frames + 1) for n, pair in enumerate(pairs, 1)]
 
 
 def write_rows(path: Path, columns: list[str], rows: list[dict]) -> None:
@@ -156,8 +158,9 @@ def write_run(folder: Path, scene: str, backend: str, frames: int = 20, status: 
     write_rows(folder / "frames.csv", COLUMNS, frame_rows(backend, frames))
     if muscles:
         record["muscles"] = [muscle_record(name, vertices) for name, vertices in muscles.items()]
+        record["case"]["muscle_contact"] = [{"muscles": list(pair)} for pair in pairwise(muscles)]
         write_rows(folder / "muscles.csv", MUSCLE_COLUMNS, muscle_rows(list(muscles), frames))
-        write_rows(folder / "pairs.csv", PAIR_COLUMNS, pair_rows(list(muscles), frames))
+        write_rows(folder / "pairs.csv", PAIR_COLUMNS, pair_rows(list(muscles), [bone["name"] for bone in record["bones"]], frames))
     if bones:
         record["bones"] = [{"name": name, "motion": motions.get(name, STATIC)} for name in bones]
         (folder / "meshes").mkdir()

@@ -61,8 +61,10 @@ def test_tables_say_how_deep_each_muscle_is_and_what_each_pair_takes(out):
         "volume_change_percent": [3, 1, 2], "edge_stretch": [1.3, 1.1, 1.2],
     }.items():
         assert depths[column].tolist() == pytest.approx(numbers), column
-    assert pairs["muscle"].tolist() == ["front, middle", "middle, back"]
-    assert pairs["detect_ms"].tolist() == [1, 2] and pairs["contacts"].tolist() == [4, 8]
+    assert pairs["muscle"].tolist() == ["back, femur", "back, pelvis", "front, femur", "front, middle", "front, pelvis",
+                                        "middle, back", "middle, femur", "middle, pelvis"]
+    assert pairs["detect_ms"].tolist() == [6, 3, 4, 7, 1, 8, 5, 2]
+    assert pairs["contacts"].tolist() == [24, 12, 16, 28, 4, 32, 20, 8]
     for table in tables[2:]:
         assert pd.read_csv(out / "tables" / f"{table.name}.csv").shape == table.rows.shape
         assert out / "tables" / f"{table.name}.tex" in files

@@ -37,7 +37,12 @@ def test_a_run_has_a_row_a_frame_and_muscle_and_keeps_them_apart(scene, tmp_path
     rows = pd.read_csv(tmp_path / "run" / "muscles.csv")
     assert rows.groupby("muscle").size().to_dict() == {"ball": FRAMES, "other": FRAMES}
     pairs = pd.read_csv(tmp_path / "run" / "pairs.csv")
-    assert len(pairs) == FRAMES and pairs["contacts"].max() > 0
+    assert pairs.groupby(["muscle", "other"]).size().to_dict() == {
+        ("ball", "box"): FRAMES, ("other", "box"): FRAMES, ("ball", "other"): FRAMES}
+    assert (pairs.groupby(["muscle", "other"])["contacts"].max() > 0).all()
+    asked = pairs[pairs["other"] == "box"].groupby("frame")["detect_ns"].sum()
+    detection = pd.read_csv(tmp_path / "run" / "frames.csv").set_index("frame")["detect_ns"]
+    assert (0 < asked).any() and (asked <= detection).all(), "pairs are parts of the detection of one thread"
     last = rows[rows["frame"] == FRAMES]
     assert (last["max_muscle_depth_m"] < 1e-4).all(), "they overlap by 0.5 mm at rest"
     told = json.loads((tmp_path / "run" / "run.json").read_text())

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "backends/fcl/fcl_options.hpp"
-#include "core/mesh/body.hpp"
+#include "backends/fcl/surfaces/muscle_surface.hpp"
 
 namespace musclebench {
 
@@ -14,13 +14,6 @@ namespace musclebench {
 struct IntersectingTriangles {
   int of_first = 0;
   int of_second = 0;
-};
-
-/// A muscle as FCL gets it.
-struct MuscleSurface {
-  std::vector<int> triangles;             ///< of the mesh of all muscles
-  std::vector<Triangle> local_triangles;  ///< the same, their nodes counted from the muscle's first
-  std::vector<Vec3> rest_positions;       ///< of the muscle's nodes
 };
 
 /// FCL's part of contacts between muscles, without FCL's types: pairs of intersecting triangles of two surfaces, both

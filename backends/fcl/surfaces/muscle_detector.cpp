@@ -6,7 +6,6 @@
 #include "backends/fcl/fcl_options.hpp"
 #include "backends/fcl/surfaces/met_triangles.hpp"
 #include "backends/fcl/surfaces/muscle_collider.hpp"
-#include "backends/fcl/surfaces/triangles_with_area.hpp"
 #include "core/base/input_error.hpp"
 #include "core/distance/pseudo_normals.hpp"
 
@@ -24,15 +23,7 @@ class FclMuscleDetector final : public MuscleContactDetector {
         m_pair_times(no_times(muscles.pairs)) {
     for (const Body& body : muscles.bodies) {
       m_is_alone.push_back(muscles_beside(muscles.pairs, static_cast<int>(m_surfaces.size())).empty());
-      MuscleSurface& surface = m_surfaces.emplace_back();
-      surface.triangles =
-          triangles_with_area(muscles.mesh, body.first_triangle, body.last_triangle, "fcl: contact between muscles");
-      for (const int kept : surface.triangles) {
-        const auto& [a, b, c] = muscles.mesh.triangles[static_cast<std::size_t>(kept)];
-        surface.local_triangles.push_back({a - body.first_node, b - body.first_node, c - body.first_node});
-      }
-      surface.rest_positions.assign(muscles.mesh.vertices.begin() + body.first_node,
-                                    muscles.mesh.vertices.begin() + body.last_node);
+      m_surfaces.push_back(muscle_surface(muscles.mesh, body, "fcl: contact between muscles"));
     }
     for (std::size_t pair = 0; pair < muscles.pairs.size(); ++pair) {
       m_met.push_back(

@@ -7,7 +7,6 @@
 
 #include "backends/fcl/surfaces/node_contacts.hpp"
 #include "backends/fcl/surfaces/surface_collider.hpp"
-#include "backends/fcl/surfaces/triangles_with_area.hpp"
 
 namespace musclebench {
 
@@ -29,7 +28,9 @@ class SurfaceBackend final : public CollisionBackend {
  public:
   explicit SurfaceBackend(FclOptions options) : m_options(std::move(options)) {}
 
-  [[nodiscard]] Capabilities capabilities() const override { return {.depth = true, .point_queries = false}; }
+  [[nodiscard]] Capabilities capabilities() const override {
+    return {.depth = true, .point_queries = false, .times_pairs = true};
+  }
 
   /// Nodes behind the surface are missed at any depth; a node that is reported hangs on a triangle that cuts the bone
   /// (as long as the muscle's edges are not stretched).
@@ -52,13 +53,11 @@ class SurfaceBackend final : public CollisionBackend {
       m_bones.push_back(static_cast<int>(bone));
       m_asked.push_back(&bones()[bone]);
     }
-    std::vector<Triangle> triangles;
-    for (const int kept : triangles_with_area(muscle(), 0, muscle().triangles.size(), "fcl: muscle")) {
-      triangles.push_back(muscle().triangles[static_cast<std::size_t>(kept)]);
-    }
-    m_collider = make_surface_collider(m_options, m_asked, muscle().vertices, triangles, threads());
-    m_contacts = std::make_unique<NodeContacts>(m_asked, std::move(triangles), muscle().vertices.size());
-    m_pairs_by_bone.assign(m_bones.size(), {});
+    std::vector<MuscleSurface> surfaces;
+    for (const Body& each : muscles()) surfaces.push_back(muscle_surface(muscle(), each, "fcl: muscle"));
+    if (surfaces.empty()) surfaces.push_back(muscle_surface(muscle(), "fcl: muscle"));
+    m_collider = make_surface_collider(m_options, m_asked, std::move(surfaces), threads());
+    m_contacts = std::make_unique<NodeContacts>(m_asked, muscle().triangles, muscle().vertices.size());
   }
 
   void do_update(std::span<const Vec3> positions) override {
@@ -71,13 +70,28 @@ class SurfaceBackend final : public CollisionBackend {
     if (nodes.empty()) {
       return;
     }
-    m_collider->collide(m_pairs_by_bone);
-    for (std::size_t asked = 0; asked < m_bones.size(); ++asked) {
+    m_collider->collide(m_pairs);
+    const std::size_t count = std::max<std::size_t>(1, muscles().size());
+    for (std::size_t pair = 0; pair < m_pairs.size(); ++pair) {
+      const Nanoseconds start_ns = monotonic_now_ns();
+      const std::size_t asked = pair / count;
       const auto first = static_cast<std::ptrdiff_t>(contacts.size());
-      m_contacts->append(static_cast<int>(asked), m_asked_poses[asked], m_pairs_by_bone[asked], positions, nodes,
-                         contacts);
+      m_contacts->append(static_cast<int>(asked), m_asked_poses[asked], m_pairs[pair], positions,
+                         nodes_of(pair % count, nodes), contacts);
       std::for_each(contacts.begin() + first, contacts.end(), [&](Contact& contact) { contact.bone = m_bones[asked]; });
+      if (muscles().empty()) continue;
+      add_pair_time(static_cast<std::size_t>(m_bones[asked]), pair % count,
+                    m_collider->times()[pair] + monotonic_now_ns() - start_ns);
     }
+  }
+
+  [[nodiscard]] std::span<const int> nodes_of(std::size_t index, std::span<const int> nodes) const {
+    if (muscles().empty()) {
+      return nodes;
+    }
+    const Body& own = muscles()[index];
+    const auto first = std::ranges::lower_bound(nodes, own.first_node);
+    return {first, std::ranges::lower_bound(first, nodes.end(), own.last_node)};
   }
 
   FclOptions m_options;
@@ -87,7 +101,7 @@ class SurfaceBackend final : public CollisionBackend {
   std::vector<int> m_bones;
   std::vector<const Bone*> m_asked;
   std::vector<RigidMotion> m_asked_poses;
-  std::vector<std::vector<TrianglePair>> m_pairs_by_bone;
+  std::vector<std::vector<TrianglePair>> m_pairs;  ///< by bone that is asked about, then by muscle
 };
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include "backends/fcl/surfaces/surface_collider.hpp"
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 
 #include <fcl/narrowphase/collision.h>
 
@@ -14,12 +16,13 @@ namespace {
 template <typename BoundingVolume>
 class FclSurfaceCollider final : public SurfaceCollider {
  public:
-  FclSurfaceCollider(const FclOptions& options, std::span<const Bone* const> bones,
-                     std::span<const Vec3> rest_positions, std::span<const Triangle> muscle_triangles, int threads)
-      : m_threads(threads),
-        m_request(std::numeric_limits<std::size_t>::max()),
-        m_results(bones.size()),
-        m_muscle(options, rest_positions, muscle_triangles) {
+  FclSurfaceCollider(const FclOptions& options, std::span<const Bone* const> bones, std::vector<MuscleSurface> muscles,
+                     int threads)
+      : m_threads(threads), m_request(std::numeric_limits<std::size_t>::max()), m_muscles(std::move(muscles)) {
+    for (const MuscleSurface& muscle : m_muscles) {
+      m_models.push_back(
+          std::make_unique<DeformingModel<BoundingVolume>>(options, muscle.rest_positions, muscle.local_triangles));
+    }
     m_request.gjk_solver_type = to_fcl(options.narrow_phase);
     std::vector<std::shared_ptr<fcl::CollisionGeometryd>> models;
     for (const Bone* bone : bones) {
@@ -28,62 +31,81 @@ class FclSurfaceCollider final : public SurfaceCollider {
       models.push_back(std::move(model));
     }
     m_bones = std::make_unique<BoneObjects>(options.broad_phase, std::move(models));
+    m_results.resize(bones.size() * m_muscles.size());
+    m_times_ns.resize(m_results.size());
   }
 
   void update(std::span<const RigidMotion> bone_poses, std::span<const Vec3> positions) override {
     m_bones->move(bone_poses);
-    m_muscle.update(positions);
+    for (std::size_t muscle = 0; muscle < m_muscles.size(); ++muscle) {
+      m_models[muscle]->update(positions.subspan(static_cast<std::size_t>(m_muscles[muscle].first_node),
+                                                 m_muscles[muscle].rest_positions.size()));
+    }
   }
 
-  void collide(std::vector<std::vector<TrianglePair>>& pairs_by_bone) override {
-    pairs_by_bone.resize(m_bones->size());
-    for (auto& pairs : pairs_by_bone) {
-      pairs.clear();
+  void collide(std::vector<std::vector<TrianglePair>>& pairs) override {
+    pairs.resize(m_results.size());
+    for (auto& list : pairs) {
+      list.clear();
     }
-    if (!m_muscle.finite()) {
-      return;
+    std::ranges::fill(m_times_ns, Nanoseconds{0});
+    m_overlapping.clear();
+    for (std::size_t muscle = 0; muscle < m_muscles.size(); ++muscle) {
+      if (!m_models[muscle]->finite()) continue;
+      m_bones->overlapping(m_models[muscle]->object(), m_near_bones);
+      for (const std::size_t bone : m_near_bones) m_overlapping.push_back(bone * m_muscles.size() + muscle);
     }
-    m_bones->overlapping(m_muscle.object(), m_overlapping);
     const auto count = static_cast<std::ptrdiff_t>(m_overlapping.size());
 #pragma omp parallel for num_threads(m_threads) schedule(dynamic, 1)
     for (std::ptrdiff_t i = 0; i < count; ++i) {
-      const std::size_t bone = m_overlapping[static_cast<std::size_t>(i)];
-      collide_bone(bone, pairs_by_bone[bone]);
+      const std::size_t pair = m_overlapping[static_cast<std::size_t>(i)];
+      collide_pair(pair, pairs[pair]);
     }
   }
 
-  [[nodiscard]] std::size_t bytes() const override { return m_muscle.bytes() + m_bones->bytes() + m_bone_model_bytes; }
+  [[nodiscard]] std::span<const Nanoseconds> times() const override { return m_times_ns; }
+
+  [[nodiscard]] std::size_t bytes() const override {
+    std::size_t sum = m_bones->bytes() + m_bone_model_bytes;
+    for (const auto& model : m_models) sum += model->bytes();
+    return sum;
+  }
 
  private:
-  /// Reads the models, and writes only what belongs to the bone: several threads may be in here, each with its bone.
-  void collide_bone(std::size_t bone, std::vector<TrianglePair>& pairs) {
-    fcl::CollisionResultd& result = m_results[bone];
+  /// Reads the models, and writes only what belongs to the pair: several threads may be in here, each with its pair.
+  void collide_pair(std::size_t pair, std::vector<TrianglePair>& list) {
+    const ScopedTimer timer(m_times_ns[pair]);
+    const std::size_t muscle = pair % m_muscles.size();
+    fcl::CollisionResultd& result = m_results[pair];
     result.clear();
-    fcl::collide(&m_muscle.object(), &m_bones->object(bone), m_request, result);
+    fcl::collide(&m_models[muscle]->object(), &m_bones->object(pair / m_muscles.size()), m_request, result);
     for (std::size_t i = 0; i < result.numContacts(); ++i) {
       // Only the indices: with boxes that are not oriented, o1 and o2 point to copies that FCL has deleted by now.
       const fcl::Contactd& contact = result.getContact(i);
-      pairs.push_back({static_cast<int>(contact.b1), static_cast<int>(contact.b2)});
+      list.push_back({m_muscles[muscle].triangles[static_cast<std::size_t>(contact.b1)], static_cast<int>(contact.b2)});
     }
   }
 
   int m_threads;
   fcl::CollisionRequestd m_request;
-  std::vector<fcl::CollisionResultd> m_results;  ///< by bone
-  DeformingModel<BoundingVolume> m_muscle;
+  std::vector<MuscleSurface> m_muscles;
+  std::vector<std::unique_ptr<DeformingModel<BoundingVolume>>> m_models;  ///< by muscle
   std::unique_ptr<BoneObjects> m_bones;
-  std::vector<std::size_t> m_overlapping;
+  // By bone, then muscle.
+  std::vector<fcl::CollisionResultd> m_results;
+  std::vector<Nanoseconds> m_times_ns;
+  std::vector<std::size_t> m_near_bones;   ///< scratch memory
+  std::vector<std::size_t> m_overlapping;  ///< pairs whose boxes do
   std::size_t m_bone_model_bytes = 0;
 };
 
 }  // namespace
 
 std::unique_ptr<SurfaceCollider> make_surface_collider(const FclOptions& options, std::span<const Bone* const> bones,
-                                                       std::span<const Vec3> rest_positions,
-                                                       std::span<const Triangle> muscle_triangles, int threads) {
+                                                       std::vector<MuscleSurface> muscles, int threads) {
   return with_bounding_volume(options.bounding_volume, [&](auto volume) -> std::unique_ptr<SurfaceCollider> {
-    return std::make_unique<FclSurfaceCollider<typename decltype(volume)::type>>(options, bones, rest_positions,
-                                                                                 muscle_triangles, threads);
+    return std::make_unique<FclSurfaceCollider<typename decltype(volume)::type>>(options, bones, std::move(muscles),
+                                                                                 threads);
   });
 }
 

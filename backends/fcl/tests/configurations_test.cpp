@@ -138,7 +138,7 @@ const Truth& truth() {
 void check_surfaces(const Configuration& configuration, Verdict verdict) {
   const MovingScene scene;
   const auto collider = make_surface_collider(fcl_options(configuration.parameters()), pointers_to(scene.bones),
-                                              scene.muscle.vertices, scene.muscle.triangles, configuration.threads);
+                                              {muscle_surface(scene.muscle, "muscle")}, configuration.threads);
   std::vector<std::vector<TrianglePair>> pairs;
   std::size_t lost = 0;
   for (int step = 0; step < steps; ++step) {

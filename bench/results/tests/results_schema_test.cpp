@@ -127,12 +127,14 @@ TEST(ResultsSchema, HoldsForARun) {
   run.count_self_intersections = true;
   const RunResult result = result_of(run);
   for (const StepRecord& record : result.records) {
-    ASSERT_EQ(record.pairs.size(), 1U);
-    EXPECT_EQ(record.pairs[0].time.muscles, (MusclePair{0, 1}));
-    EXPECT_LT(record.pairs[0].time.detect_ns, record.times.frame_ns);
-    EXPECT_EQ(record.pairs[0].contacts, record.muscle_contacts);
+    ASSERT_EQ(record.pairs.size(), 2 * scene.bones.size() + 1);
+    const PairRecord& touching = record.pairs.back();
+    EXPECT_EQ(touching.muscle, scene.muscles[0].body.name);
+    EXPECT_EQ(touching.other, scene.muscles[1].body.name);
+    EXPECT_LT(touching.detect_ns, record.times.frame_ns);
+    EXPECT_EQ(touching.contacts, record.muscle_contacts);
   }
-  EXPECT_GT(result.records.front().pairs.front().time.detect_ns, 0);
+  EXPECT_GT(result.records.front().pairs.back().detect_ns, 0);
   const TemporaryFolder folder("schema_run");
   write_run(folder.path() / "out", run, result);
   EXPECT_EQ(header_of(folder.path() / "out" / "frames.csv"),

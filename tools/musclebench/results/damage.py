@@ -43,13 +43,13 @@ def _damage_of_table(table: Path, expected: int, last_frame: int | None) -> str:
 def _tables_of_muscles(told: dict) -> dict[str, int]:
     """{table: rows a frame}, where there are several muscles."""
     mode = told["case"].get("mode", "coupled")
-    muscles, pairs = told.get("muscles"), told["case"].get("muscle_contact")
+    muscles, touching = told.get("muscles"), told["case"].get("muscle_contact")
     tables = {}
+    pairs = len(touching) if mode in ("coupled", "replay") and isinstance(touching, list) else 0
     if mode == "coupled" and isinstance(muscles, list):
         tables["muscles.csv"] = len(muscles)
-    if mode in ("coupled", "replay") and isinstance(pairs, list):
-        tables["pairs.csv"] = len(pairs)
-    return tables
+        pairs += len(muscles) * len(told["bones"])  # a replay tells of pairs of muscles only
+    return {**tables, "pairs.csv": pairs} if pairs > 0 else tables
 
 
 def _expected_rows(told: dict) -> int | None:

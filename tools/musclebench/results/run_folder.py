@@ -31,7 +31,7 @@ class Run:
     record: dict  # run.json
     frames: pd.DataFrame  # frames.csv and collision_ns; empty where the run left none
     muscles: pd.DataFrame = field(default_factory=pd.DataFrame)  # muscles.csv; empty for a scene of one muscle
-    pairs: pd.DataFrame = field(default_factory=pd.DataFrame)  # pairs.csv; empty where no muscles touch
+    pairs: pd.DataFrame = field(default_factory=pd.DataFrame)  # pairs.csv; empty for one muscle
     shares_muscle: bool = False  # with another scene of the experiment: then it goes by the scene's name
 
     @property

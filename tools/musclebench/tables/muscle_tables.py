@@ -16,17 +16,13 @@ DEPTH_COLUMNS = [
     Column("edge_stretch", "longest edge over rest", 2, "edge"),
 ]
 PAIR_COLUMNS = [
-    Column("muscle", "muscles"), Column("scene", "scene"), Column("backend", "backend"),
+    Column("muscle", "muscle and what it touches"), Column("scene", "scene"), Column("backend", "backend"),
     Column("detect_ms", "asking a frame ms", 3, "asking\nms"), Column("contacts", "most contacts", 0, "contacts"),
 ]
 
 
 def of_several_muscles(runs: list[Run]) -> list[Run]:
     return [run for run in runs if not run.muscles.empty]
-
-
-def of_touching_muscles(runs: list[Run]) -> list[Run]:
-    return [run for run in runs if not run.pairs.empty]
 
 
 def frame_time_table(runs: list[Run]) -> Table:
@@ -59,13 +55,13 @@ def depth_table(runs: list[Run]) -> Table:
 
 
 def pair_table(runs: list[Run]) -> Table:
-    """Of muscles that touch: medians over the frames, and the most contacts of a frame."""
+    """Of each muscle with each bone and each muscle that it touches: medians over the frames, the most contacts of a frame."""
     rows = pd.DataFrame([_pair_row(run, f"{muscle}, {other}", rows) for run in runs
                          for (muscle, other), rows in run.pairs.groupby(["muscle", "other"])],
                         columns=[column.key for column in PAIR_COLUMNS])
     rows = rows.sort_values("muscle", kind="stable", ignore_index=True)
-    caption = ("Table 5. Contact between muscles by pair: the time of asking the nodes of either about the other, medians over the "
-               "frames, summed over threads. Refitting and clearances serve all pairs and are in none.")
+    caption = ("Table 5. Detection by pair: the time of asking the nodes of a muscle about a bone, or of either muscle about the "
+               "other, medians over the frames in ms, summed over threads. What serves all pairs (refitting, clearances) is in none.")
     return Table("table_5_pairs", caption, PAIR_COLUMNS, rows, [column.key for column in PAIR_COLUMNS[1:]])
 
 

@@ -36,7 +36,7 @@ class EveryUpdate : public testing::TestWithParam<std::tuple<std::string, TreeUp
 TEST_P(EveryUpdate, SurvivesTrianglesThatCollapse) {
   const MovingScene scene;
   const auto collider =
-      make_surface_collider(options(), pointers_to(scene.bones), scene.muscle.vertices, scene.muscle.triangles, 1);
+      make_surface_collider(options(), pointers_to(scene.bones), {muscle_surface(scene.muscle, "muscle")}, 1);
   std::vector<std::vector<TrianglePair>> pairs;
   for (int step = 0; step < 2; ++step) {
     const auto poses = scene.poses(step);
@@ -97,7 +97,7 @@ TEST_P(EveryManager, FollowsABoxThatGrowsAtOneEndOrBoth) {
   const TriangleMesh muscle = make_sphere(0.05, 2);
   FclOptions options;
   options.broad_phase = GetParam();
-  const auto collider = make_surface_collider(options, pointers_to(bones), muscle.vertices, muscle.triangles, 1);
+  const auto collider = make_surface_collider(options, pointers_to(bones), {muscle_surface(muscle, "muscle")}, 1);
   const std::vector<RigidMotion> apart = {{Mat3::Identity(), Vec3(0.1, 0.001, 0.002)}};
   std::vector<std::vector<TrianglePair>> pairs;
   const auto pairs_after_stretch = [&](double at_lower_end, double at_upper_end) {
@@ -126,7 +126,7 @@ TEST(SurfaceCollider, UnknownVolumeNamesTheNearest) {
   FclOptions options;
   options.bounding_volume = "OBBRS";
   try {
-    make_surface_collider(options, pointers_to(scene.bones), scene.muscle.vertices, scene.muscle.triangles, 1);
+    make_surface_collider(options, pointers_to(scene.bones), {muscle_surface(scene.muscle, "muscle")}, 1);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("'OBBRSS'"), std::string::npos) << error.what();
