@@ -89,6 +89,7 @@ class CaseRunner {
     malloc_trim(0);  // what only the building needed shall not count as the structures' memory
     if (m_run.judge) {
       const std::size_t before_bytes = resident_memory_bytes();
+      reserve_huge_pages(64 << 20);
       m_judge = std::make_unique<CoupledJudge>(m_scene, m_result.bound_nodes, *m_simulation, m_run.threads);
       m_result.rest.depth = m_judge->depth_at_rest();
       m_result.rest.in_muscles = m_judge->muscle_depth_at_rest();

@@ -4,6 +4,9 @@
 #include <cstddef>
 #include <cstdio>
 #include <fstream>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <numeric>
 #include <string>
 #include <sys/mman.h>
@@ -59,6 +62,21 @@ TEST(HugePages, TakeOverWhatIsThereAndChangeNothing) {
     GTEST_SKIP() << "this system grants no pages of 2 MiB, or all by itself";
   }
   EXPECT_GE(kilobytes, 12 * 1024);
+}
+
+TEST(HugePages, AreReservedForWhatTheHeapGrowsBy) {
+#ifdef __GLIBC__
+  constexpr int never = 1 << 30;
+  if (mallopt(M_MMAP_THRESHOLD, never) == 0 || mallopt(M_TRIM_THRESHOLD, never) == 0) {
+    GTEST_SKIP() << "a heap of its own, such as a sanitizer's";
+  }
+  reserve_huge_pages(std::size_t{32} << 20U);
+  const std::vector<char> used(std::size_t{24} << 20U, 1);
+  if (!grants_huge_pages()) {
+    GTEST_SKIP() << "this system grants no pages of 2 MiB";
+  }
+  EXPECT_GE(huge_kilobytes_about(reinterpret_cast<std::uintptr_t>(used.data())), 20 * 1024);
+#endif
 }
 
 }  // namespace
