@@ -8,11 +8,13 @@
 namespace musclebench {
 
 /// Spinning barrier for the threads of a team: each counts its visits in a cache line of its own and reads those of the
-/// others. It spins because a wait is shorter than a system call, and yields the core after a while, as with more
-/// threads than cores.
+/// others. It spins because a wait is shorter than a system call, and yields the core after a while; at once with more
+/// threads than cores, where who is awaited has no core to run on.
 class Barrier {
  public:
-  explicit Barrier(int threads) : m_seats(static_cast<std::size_t>(threads)) {}
+  explicit Barrier(int threads)
+      : m_seats(static_cast<std::size_t>(threads)),
+        m_spins(static_cast<unsigned>(threads) <= std::thread::hardware_concurrency() ? spins_before_yielding : 0) {}
 
   /// Before a team begins.
   void reset() {
@@ -24,13 +26,10 @@ class Barrier {
   /// `visit` counts the calls of this thread, from 1.
   void wait(int thread, int threads, unsigned visit) {
     m_seats[static_cast<std::size_t>(thread)].visits.store(visit, std::memory_order_release);
-    // Some 50 us. A thread that yields sooner gets its core back after another process's time slice, of milliseconds:
-    // on a busy machine each wait would take that long.
-    constexpr int spins = 1000;
     for (int other = 0; other < threads; ++other) {
       const std::atomic<unsigned>& visits = m_seats[static_cast<std::size_t>(other)].visits;
       for (int spin = 0; visits.load(std::memory_order_acquire) < visit; ++spin) {
-        if (spin < spins) {
+        if (spin < m_spins) {
           pause();
         } else {
           std::this_thread::yield();
@@ -43,6 +42,10 @@ class Barrier {
   struct alignas(64) Seat {
     std::atomic<unsigned> visits = 0;
   };
+  /// Some 50 us. A thread that yields sooner gets its core back after another process's time slice, of milliseconds: on
+  /// a busy machine each wait would take that long.
+  static constexpr int spins_before_yielding = 1000;
+
   /// Frees resources of the core for its other hardware thread; 10 to 50 ns.
   static void pause() {
 #ifdef __x86_64__
@@ -51,6 +54,7 @@ class Barrier {
   }
 
   std::vector<Seat> m_seats;
+  int m_spins;
 };
 
 /// One of the threads that go through the same code together, each with its share of the work.
