@@ -1,6 +1,7 @@
 #include "backends/fcl/fcl_backend.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -116,6 +117,15 @@ TEST(FclBackend, SaysWhatItCanDo) {
   const Capabilities can = make_backend()->capabilities();
   EXPECT_TRUE(can.depth);
   EXPECT_FALSE(can.point_queries);
+}
+
+/// A node hangs on a triangle that cuts the bone: it is no farther from it than the longest edge.
+TEST(FclBackend, ReportsNoNodeFartherAwayThanTheLongestEdge) {
+  const auto backend = make_backend();
+  const std::vector<Bone> bones = {make_bone("ball", make_sphere(0.02, 2))};
+  const TriangleMesh block = make_box({0.03, 0.04, 0.05}, 1);
+  backend->build(bones, block, 1);
+  EXPECT_NEAR(backend->answer_bound(0).false_distance_m, std::hypot(0.08, 0.1), 1e-12);
 }
 
 TEST(FclBackend, EmptyWhenApartOrWhollyInsideOrWithoutBones) {

@@ -88,6 +88,7 @@ TEST_F(PairTimes, BelongToTheMuscleThatIsAskedAbout) {
     EXPECT_EQ(times_ns[bar_at_lid], 0);
     EXPECT_GT(times_ns[ball_on_plate], 0);
   }
+  EXPECT_GT(detect("bvh", {"ball/lid=brute_force"}, true, nodes).times_ns[ball_at_lid], 0);
   EXPECT_GT(detect("brute_force", {}, true, nodes).times_ns[ball_at_lid], 0);
 }
 

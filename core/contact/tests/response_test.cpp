@@ -350,6 +350,19 @@ TEST(ResponsesByBone, EachBoneHasItsOwnNumberOfSteps) {
   EXPECT_EQ(left(5, 1), Vec3(-0.5, 0, -1.0 / 32));
 }
 
+/// A step that leaves half of the depth, in one step for the nodes of the first muscle and in three for the second.
+TEST(ResponsesByBone, EachMuscleHasItsOwn) {
+  Shape floor = half_space(Vec3::UnitZ());
+  floor.reported_depth = 0.5;
+  ShapeBackend backend({floor});
+  Step step{{Vec3(0, 0, 1), Vec3(1, 0, 1)}, {Vec3(0, 0, -1), Vec3(1, 0, -1)}, {}, {}};
+  const std::vector<Body> muscles{{"first", 0, 1}, {"second", 1, 2}};
+  const Response response({BoneResponse{ResponseKind::project, 1}, BoneResponse{ResponseKind::project, 3}}, muscles);
+  const std::vector<Vec3> left = step.respond(response, backend, 1);
+  EXPECT_EQ(left[0], Vec3(0, 0, -0.5));
+  EXPECT_EQ(left[1], Vec3(1, 0, -0.125));
+}
+
 /// A later step that projects leaves the bone alone that is walked out of: it is in the detection, too.
 TEST(ResponsesByBone, ProjectingDoesNotTouchTheBonesThatAreWalkedOutOf) {
   Shape floor = half_space(Vec3::UnitZ());

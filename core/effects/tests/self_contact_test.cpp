@@ -154,6 +154,14 @@ TEST(SelfContact, LayersThatAreNearAtRestAreNoConcern) {
   EXPECT_NEAR(fold.least_gap_m(), gap_m, 1e-6);
 }
 
+/// Of the triangles that are near at rest more than a dozen come still nearer.
+TEST(SelfContact, LayersThatSlideOverEachOtherAsNearAsAtRestAreNoConcern) {
+  Folding fold(folded_sheet(1.5 * thickness_m));
+  fold.press(Vec3(-0.00035, 0, -0.0001), 10);
+  EXPECT_NEAR(fold.least_gap_m(), 0.5 * thickness_m, 1e-6);
+  EXPECT_EQ(fold.stage->contact_count(), 0);
+}
+
 TEST(SelfContact, DepthAtTheStartGivesNoVelocity) {
   Folding fold(folded_sheet(0.01));
   fold.step();
