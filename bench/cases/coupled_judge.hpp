@@ -66,7 +66,7 @@ class CoupledJudge {
   std::vector<Contact> m_truth;
 };
 
-/// Work in the unit of RefereeTree that judging a frame may take: 20 times the time of the frame itself on `threads`,
+/// Work in the unit of RefereeTree that judging a frame may take: 18 times the time of the frame itself on `threads`,
 /// which is estimated from below from the size of the scene alone, so that the same case is judged alike on any
 /// machine. The nodes are always judged, at most one distance and one winding number a bone and detection, and
 /// followed; bones' vertices and then the muscle's surface take what is left. An eighth of the budget is for each of
