@@ -11,9 +11,9 @@ namespace musclebench {
 /// granted (another system, too little memory) nothing changes.
 void move_to_huge_pages();
 
-/// The next `bytes` that the heap grows by come as huge pages where the system grants them, so that `move_to_huge_pages`
-/// need not copy what is built there. They take addresses and no memory until they are used. Needs a heap that keeps
-/// what is freed at its end (M_TRIM_THRESHOLD).
+/// The next `bytes` that the heap grows by come as huge pages where the system grants them, so that
+/// `move_to_huge_pages` need not copy what is built there. They take addresses and no memory until they are used. Needs
+/// a heap that keeps what is freed at its end (M_TRIM_THRESHOLD).
 void reserve_huge_pages(std::size_t bytes);
 
 }  // namespace musclebench
