@@ -262,6 +262,10 @@ void read_muscles(const SceneRequest& request, const TomlTable& root, Scene& sce
       throw InputError(table.location("name"),
                        fmt::format("'{}' is the name of an earlier muscle; choose another", name));
     }
+    if (tables.size() > 1 && std::ranges::find(scene.bones, name, &Bone::name) != scene.bones.end()) {
+      // A pair MUSCLE/OTHER could not tell which is meant.
+      throw InputError(table.location("name"), fmt::format("'{}' is the name of a bone; choose another", name));
+    }
     SceneMesh file = read_scene_mesh(request, table);
     WeldedMesh welded = weld_mesh(file.mesh, mesh_location(table, file));
     Muscle& muscle = scene.add_muscle(name, welded.mesh);

@@ -21,7 +21,8 @@ from musclebench.tables.outcomes import shape_distances
 from printed import check_print, keep_figures, overlaps
 
 
-@pytest.fixture(scope="module", params=[1, 2], ids=["one muscle", "two muscles"])
+@pytest.fixture(scope="module", params=[pytest.param(1, marks=pytest.mark.weekly, id="one muscle"),
+                                        pytest.param(2, id="two muscles")])
 def drawn(request, tmp_path_factory):
     """{stem: (figure, its files)} of a whole study."""
     scenes = {"lhdl/iliacus": 1.0, "lhdl/gluteus_maximus": 1.7}

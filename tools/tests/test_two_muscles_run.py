@@ -200,6 +200,7 @@ sys.exit(speed.main(sys.argv[1:]))
 """
 
 
+@pytest.mark.weekly
 def test_speed_takes_a_scene_of_two_muscles(scene, tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", FEW_KERNELS.format(tools=str(TOOLS)), "--quick", "--repetitions", "1", "--musclebench", PROGRAM,

@@ -131,6 +131,9 @@ TEST(ManyMuscles, WhatIsWrongWithPairsNamesItsKey) {
 TEST(ManyMuscles, WhatIsWrongWithThemNamesItsKey) {
   const std::string two = std::string(bones) + "[[muscle]]" + bar + "[[muscle]]";
   expect_mentions(error_of(request(two + bar)), {"test.toml", "muscle[2].name", "'bar'", "earlier muscle"});
+  std::string like_a_bone = both();
+  like_a_bone.replace(like_a_bone.find("name = \"ball\""), std::string("name = \"ball\"").size(), "name = \"lid\"");
+  expect_mentions(error_of(request(like_a_bone)), {"test.toml", "muscle[2].name", "'lid'", "name of a bone"});
   std::string nameless = both();
   nameless.erase(nameless.find("muscle = \"ball\"\n"), std::string("muscle = \"ball\"\n").size());
   expect_mentions(error_of(request(nameless)), {"attachment[3].muscle", "is missing", "bar or ball"});
