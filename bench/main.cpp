@@ -1,4 +1,5 @@
 #include <csignal>
+#include <cstddef>
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -18,7 +19,8 @@ void keep_freed_memory() {
   (void)mallopt(M_MMAP_THRESHOLD, never);
   (void)mallopt(M_TRIM_THRESHOLD, never);
   (void)mallopt(M_TOP_PAD, 32 << 20);
-  musclebench::reserve_huge_pages(256 << 20);
+  constexpr std::size_t usual_bytes = std::size_t{256} << 20U;  // more comes in small pages at first
+  musclebench::reserve_huge_pages(usual_bytes);
 #endif
 }
 

@@ -28,6 +28,9 @@ std::string hash_of(const Simulation& simulation) {
   return hash.hex_digest().substr(0, 16);
 }
 
+/// What the Referee's trees over an anatomical muscle and its bones take; more comes in small pages at first.
+constexpr std::size_t usual_referee_bytes = std::size_t{64} << 20U;
+
 /// Drives one simulation and measures it between frames.
 class CaseRunner {
  public:
@@ -89,7 +92,7 @@ class CaseRunner {
     malloc_trim(0);  // what only the building needed shall not count as the structures' memory
     if (m_run.judge) {
       const std::size_t before_bytes = resident_memory_bytes();
-      reserve_huge_pages(64 << 20);
+      reserve_huge_pages(usual_referee_bytes);
       m_judge = std::make_unique<CoupledJudge>(m_scene, m_result.bound_nodes, *m_simulation, m_run.threads);
       m_result.rest.depth = m_judge->depth_at_rest();
       m_result.rest.in_muscles = m_judge->muscle_depth_at_rest();
