@@ -13,8 +13,13 @@ namespace musclebench {
 class Barrier {
  public:
   explicit Barrier(int threads)
-      : m_seats(static_cast<std::size_t>(threads)),
-        m_spins(static_cast<unsigned>(threads) <= std::thread::hardware_concurrency() ? spins_before_yielding : 0) {}
+      : m_seats(static_cast<std::size_t>(threads)), m_spins(spins(threads, std::thread::hardware_concurrency())) {}
+
+  /// Looks at another thread's visits before the core is yielded. `cores`: 0 where the system does not tell, which
+  /// counts as enough.
+  static int spins(int threads, unsigned cores) {
+    return cores == 0 || static_cast<unsigned>(threads) <= cores ? spins_before_yielding : 0;
+  }
 
   /// Before a team begins.
   void reset() {

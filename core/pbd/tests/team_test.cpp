@@ -63,6 +63,12 @@ TEST(Barrier, NobodyGoesOnBeforeAllAreThere) {
   EXPECT_EQ(seen_wrong, (std::array<int, threads>{}));
 }
 
+TEST(Barrier, SpinsWhereThereAreCoresForAllOrNobodyKnows) {
+  EXPECT_GT(Barrier::spins(2, 2), 0);
+  EXPECT_EQ(Barrier::spins(3, 2), 0);
+  EXPECT_EQ(Barrier::spins(3, 0), Barrier::spins(2, 2));
+}
+
 TEST(NodeOrder, RunsAlongTheLongestSide) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(0, 1);
