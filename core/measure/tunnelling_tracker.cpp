@@ -7,27 +7,27 @@
 namespace musclebench {
 
 TunnellingTracker::TunnellingTracker(int bones, int nodes)
-    : m_passages(static_cast<std::size_t>(bones), std::vector<Passage>(static_cast<std::size_t>(nodes))) {}
+    : m_states(static_cast<std::size_t>(bones), std::vector<NodeState>(static_cast<std::size_t>(nodes))) {}
 
-void TunnellingTracker::Passage::enter(const Vec3& normal) {
+void TunnellingTracker::NodeState::enter(const Vec3& normal) {
   inside = true;
   entry_normal = normal;
   deepest_m = 0;
 }
 
-void TunnellingTracker::Passage::leave(const Vec3& normal, double grazing_m) {
+void TunnellingTracker::NodeState::leave(const Vec3& normal, double grazing_m) {
   inside = false;
   if (entry_normal.dot(normal) < opposed_cosine && deepest_m > grazing_m) tunnelled = !tunnelled;
 }
 
-void TunnellingTracker::Passage::sample_depth(const RefereeTree& tree, const Vec3& inner_point, long& work) {
+void TunnellingTracker::NodeState::sample_depth(const RefereeTree& tree, const Vec3& inner_point, long& work) {
   deepest_m = std::max(deepest_m, std::sqrt(tree.closest(inner_point, -1, &work).squared_distance_m2));
 }
 
 int TunnellingTracker::update(const Referee& referee, std::span<const RigidMotion> poses,
                               std::span<const Vec3> positions, std::span<const int> nodes,
                               std::span<const Contact> truth) {
-  assert(poses.size() == m_passages.size());
+  assert(poses.size() == m_states.size());
   m_work = 0;
   auto contact = truth.begin();
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -38,69 +38,69 @@ int TunnellingTracker::update(const Referee& referee, std::span<const RigidMotio
       const Contact* truth_here = inside ? &*contact++ : nullptr;
       const Vec3 rest_point = poses[i].apply_inverse(positions[static_cast<std::size_t>(node)]);
       if (!rest_point.allFinite()) continue;
-      Passage& passage = m_passages[i][static_cast<std::size_t>(node)];
+      NodeState& state = m_states[i][static_cast<std::size_t>(node)];
       const Vec3 point = rest_point - tree.centre_m();
-      const bool same_side = passage.seen && passage.inside == inside;
-      const bool far = same_side && (point - passage.point_m).norm() < referee.least_distance(bone, node, rest_point);
-      if (passage.seen && far && inside) passage.sample_depth(tree, 0.5 * (passage.point_m + point), m_work);
-      if (passage.seen && !far) follow_crossings(tree, point, passage);
+      const bool same_side = state.seen && state.inside == inside;
+      const bool far = same_side && (point - state.point_m).norm() < referee.least_distance(bone, node, rest_point);
+      if (state.seen && far && inside) state.sample_depth(tree, 0.5 * (state.point_m + point), m_work);
+      if (state.seen && !far) follow_crossings(tree, point, state);
       // The inside flag is authoritative; crossings may be missing for open surfaces and in the first frame.
-      if (inside && !passage.inside) passage.enter(poses[i].rotation.transpose() * truth_here->normal);
-      if (!inside && passage.inside)
-        passage.leave(referee.closest(bone, rest_point, &m_work).normal, grazing_depth * tree.diagonal_m());
-      if (inside) passage.deepest_m = std::max(passage.deepest_m, truth_here->depth_m);
-      passage.point_m = point;
-      passage.seen = true;
+      if (inside && !state.inside) state.enter(poses[i].rotation.transpose() * truth_here->normal);
+      if (!inside && state.inside)
+        state.leave(referee.closest(bone, rest_point, &m_work).normal, grazing_depth * tree.diagonal_m());
+      if (inside) state.deepest_m = std::max(state.deepest_m, truth_here->depth_m);
+      state.point_m = point;
+      state.seen = true;
     }
   }
   return tunnelled_nodes();
 }
 
-void TunnellingTracker::follow_crossings(const RefereeTree& tree, const Vec3& point, Passage& passage) {
-  tree.cross(passage.point_m, point, m_crossings, &m_work);
-  if (m_crossings.empty() && !passage.inside) return;
+void TunnellingTracker::follow_crossings(const RefereeTree& tree, const Vec3& point, NodeState& state) {
+  tree.cross(state.point_m, point, m_crossings, &m_work);
+  if (m_crossings.empty() && !state.inside) return;
   // Where components of the surface overlap, only the outermost crossing enters or leaves the bone.
-  int layers = passage.inside ? 1 : 0;
-  if (tree.closed() && passage.inside)
-    layers = std::max(1, static_cast<int>(std::lround(tree.winding_number(passage.point_m, &m_work))));
+  int layers = state.inside ? 1 : 0;
+  if (tree.closed() && state.inside)
+    layers = std::max(1, static_cast<int>(std::lround(tree.winding_number(state.point_m, &m_work))));
   // What touches the surface counts as outside, but its path may begin inside.
-  if (tree.closed() && !passage.inside && !m_crossings.front().entering) {
-    passage.enter(tree.face_normal(tree.closest(passage.point_m, -1, &m_work).slot));
+  if (tree.closed() && !state.inside && !m_crossings.front().entering) {
+    state.enter(tree.face_normal(tree.closest(state.point_m, -1, &m_work).slot));
     layers = 1;
   }
   double inside_since = 0;
   const auto sample_the_middle = [&](double until) {
-    passage.sample_depth(tree, passage.point_m + 0.5 * (inside_since + until) * (point - passage.point_m), m_work);
+    state.sample_depth(tree, state.point_m + 0.5 * (inside_since + until) * (point - state.point_m), m_work);
   };
   for (const SurfaceCrossing& crossing : m_crossings) {
     layers += crossing.entering ? 1 : -1;
-    if (layers > 0 && !passage.inside) {
-      passage.enter(tree.face_normal(crossing.slot));
+    if (layers > 0 && !state.inside) {
+      state.enter(tree.face_normal(crossing.slot));
       inside_since = crossing.share;
-    } else if (layers <= 0 && passage.inside) {
+    } else if (layers <= 0 && state.inside) {
       sample_the_middle(crossing.share);
-      passage.leave(tree.face_normal(crossing.slot), grazing_depth * tree.diagonal_m());
+      state.leave(tree.face_normal(crossing.slot), grazing_depth * tree.diagonal_m());
     }
   }
-  if (passage.inside) sample_the_middle(1);
+  if (state.inside) sample_the_middle(1);
 }
 
 bool TunnellingTracker::tunnelled(int node) const {
-  return std::any_of(m_passages.begin(), m_passages.end(), [node](const std::vector<Passage>& passages) {
-    return passages[static_cast<std::size_t>(node)].tunnelled;
+  return std::any_of(m_states.begin(), m_states.end(), [node](const std::vector<NodeState>& states) {
+    return states[static_cast<std::size_t>(node)].tunnelled;
   });
 }
 
 int TunnellingTracker::tunnelled_nodes() const {
   int count = 0;
-  const std::size_t nodes = m_passages.empty() ? 0 : m_passages.front().size();
+  const std::size_t nodes = m_states.empty() ? 0 : m_states.front().size();
   for (std::size_t node = 0; node < nodes; ++node) count += tunnelled(static_cast<int>(node)) ? 1 : 0;
   return count;
 }
 
 std::size_t TunnellingTracker::bytes() const {
   std::size_t sum = m_crossings.capacity() * sizeof(SurfaceCrossing);
-  for (const std::vector<Passage>& passages : m_passages) sum += passages.capacity() * sizeof(Passage);
+  for (const std::vector<NodeState>& states : m_states) sum += states.capacity() * sizeof(NodeState);
   return sum;
 }
 

@@ -44,7 +44,7 @@ class TunnellingTracker {
 
  private:
   /// State of one node relative to one bone.
-  struct Passage {
+  struct NodeState {
     Vec3 point_m = Vec3::Zero();       ///< position in the last frame, relative to the tree's centre
     Vec3 entry_normal = Vec3::Zero();  ///< rest frame; where it is inside
     double deepest_m = 0;              ///< since it entered
@@ -58,9 +58,9 @@ class TunnellingTracker {
     void sample_depth(const RefereeTree& tree, const Vec3& inner_point, long& work);
   };
 
-  void follow_crossings(const RefereeTree& tree, const Vec3& point, Passage& passage);
+  void follow_crossings(const RefereeTree& tree, const Vec3& point, NodeState& state);
 
-  std::vector<std::vector<Passage>> m_passages;  // by bone, by node
+  std::vector<std::vector<NodeState>> m_states;  // by bone, by node
   long m_work = 0;
   std::vector<SurfaceCrossing> m_crossings;  // scratch memory
 };

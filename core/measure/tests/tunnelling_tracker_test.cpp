@@ -47,9 +47,11 @@ class Walk {
 
 TriangleMesh plate() { return make_box({1, 1, 0.01}, 3); }
 
-TEST(Passage, ThroughAPlateInOneFrame) { EXPECT_EQ(Walk({plate()}).along({{0.1, 0.2, 0.5}, {0.12, 0.25, -0.5}}), 1); }
+TEST(TunnellingTracker, ThroughAPlateInOneFrame) {
+  EXPECT_EQ(Walk({plate()}).along({{0.1, 0.2, 0.5}, {0.12, 0.25, -0.5}}), 1);
+}
 
-TEST(Passage, WorkIsCounted) {
+TEST(TunnellingTracker, WorkIsCounted) {
   Walk walk({plate()});
   walk.to({0.1, 0.2, 0.5});
   EXPECT_EQ(walk.work(), 0) << "a node that is seen first has no path";
@@ -59,7 +61,7 @@ TEST(Passage, WorkIsCounted) {
   EXPECT_EQ(walk.work(), 0) << "a node far away that rests is not followed";
 }
 
-TEST(Passage, ThroughAPlateInManyFrames) {
+TEST(TunnellingTracker, ThroughAPlateInManyFrames) {
   Walk walk({plate()});
   EXPECT_EQ(walk.to({0.1, 0.2, 0.5}), 0);
   EXPECT_EQ(walk.to({0.1, 0.2, 0.005}), 0);  // inside, not yet through
@@ -68,24 +70,24 @@ TEST(Passage, ThroughAPlateInManyFrames) {
   EXPECT_EQ(walk.to({0.1, 0.3, -3}), 1);
 }
 
-TEST(Passage, ThereAndBack) {
+TEST(TunnellingTracker, ThereAndBack) {
   EXPECT_EQ(Walk({plate()}).along({{0, 0.1, 0.5}, {0, 0.1, -0.5}, {0, 0.1, 0.4}}), 0);
   EXPECT_EQ(Walk({plate()}).along({{0, 0.1, 0.5}, {0, 0.1, -0.5}, {0.1, 0.1, 0}, {0.1, 0.1, 0.5}}), 0);
   EXPECT_EQ(Walk({plate()}).along({{0, 0.1, 0.5}, {0, 0.1, -0.5}, {0, 0.1, 0.4}, {0, 0.1, -0.4}}), 1);
 }
 
-TEST(Passage, DipsInAndComesBack) {
+TEST(TunnellingTracker, DipsInAndComesBack) {
   EXPECT_EQ(Walk({plate()}).along({{0, 0.1, 0.5}, {0.3, 0.1, -0.005}, {0.6, 0.1, 0.02}}), 0);
   EXPECT_EQ(Walk({make_sphere(1, 3)}).along({{0, 0, 1.1}, {0.1, 0, 0.9}, {0.2, 0, 1.1}}), 0);
 }
 
-TEST(Passage, ThroughASphere) {
+TEST(TunnellingTracker, ThroughASphere) {
   EXPECT_EQ(Walk({make_sphere(1, 3)}).along({{0, 0.2, 2}, {0, 0.2, -2}}), 1);
   EXPECT_EQ(Walk({make_sphere(1, 3)}).along({{0, 0.2, 2}, {0, 0.2, 0.3}, {0.1, 0.2, -0.3}, {0, 0.2, -2}}), 1);
   EXPECT_EQ(Walk({make_sphere(1, 3)}).along({{-2, 0, 0.95}, {2, 0.2, 0.9}}), 0);  // cuts a cap off
 }
 
-TEST(Passage, CuttingACornerIsNone) {
+TEST(TunnellingTracker, CuttingACornerIsNone) {
   const TriangleMesh box = make_box({1, 1, 1}, 2);
   EXPECT_EQ(Walk({box}).along({{0.9, 0.1, 1.05}, {1.05, 0.1, 0.9}}), 0);
   EXPECT_EQ(Walk({box}).along({{0.9, 0.1, 1.05}, {0.98, 0.1, 0.97}, {1.05, 0.1, 0.9}}), 0);
@@ -95,7 +97,7 @@ TEST(Passage, CuttingACornerIsNone) {
   EXPECT_EQ(walk.to(motion.apply({1.05, 0.1, 0.9})), 0);
 }
 
-TEST(Passage, CuttingASharpEdgeByALittleIsNone) {
+TEST(TunnellingTracker, CuttingASharpEdgeByALittleIsNone) {
   const TriangleMesh wedge = make_roof(0.1, 1, 2);
   const double little = TunnellingTracker::grazing_depth * 4;
   const double much = 0.2;
@@ -107,9 +109,11 @@ TEST(Passage, CuttingASharpEdgeByALittleIsNone) {
   }
 }
 
-TEST(Passage, PassingByIsNone) { EXPECT_EQ(Walk({plate()}).along({{0.9, 0, 0.3}, {1.3, 0, 0}, {0.9, 0, -0.3}}), 0); }
+TEST(TunnellingTracker, PassingByIsNone) {
+  EXPECT_EQ(Walk({plate()}).along({{0.9, 0, 0.3}, {1.3, 0, 0}, {0.9, 0, -0.3}}), 0);
+}
 
-TEST(Passage, TheBoneMoves) {
+TEST(TunnellingTracker, TheBoneMoves) {
   Walk walk({plate()});
   const Vec3 node(0.1, 0.2, 0.5);
   EXPECT_EQ(walk.to(node), 0);
@@ -117,19 +121,19 @@ TEST(Passage, TheBoneMoves) {
   EXPECT_EQ(walk.to(node, {Mat3::Identity(), {0, 0, 0.3}}), 0);
 }
 
-TEST(Passage, BothMoveTogether) {
+TEST(TunnellingTracker, BothMoveTogether) {
   Walk walk({plate()});
   walk.to({0.1, 0.2, 0.5});
   EXPECT_EQ(walk.to(some_motion().apply({0.1, 0.2, 0.5}), some_motion()), 0);
 }
 
-TEST(Passage, ANodeSeenInsideEnteredWhereItIsClosest) {
+TEST(TunnellingTracker, ANodeSeenInsideEnteredWhereItIsClosest) {
   EXPECT_EQ(Walk({plate()}).along({{0, 0.1, 0.006}, {0, 0.1, 0.02}}), 0);
   EXPECT_EQ(Walk({plate()}).along({{0, 0.1, 0.006}, {0, 0.1, -0.02}}), 1);
 }
 
 /// Where a response has put it, on the surface, the node counts as outside, whatever its last bit says.
-TEST(Passage, ThroughAPlateFromOnItsSurface) {
+TEST(TunnellingTracker, ThroughAPlateFromOnItsSurface) {
   for (const double off : {-1e-14, 0.0, 1e-14}) {
     EXPECT_EQ(Walk({plate()}).along({{0, 0.1, 0.02}, {0, 0.1, 0.01 + off}, {0, 0.1, -0.5}}), 1) << off;
     EXPECT_EQ(Walk({plate()}).along({{0, 0.1, 0.02}, {0, 0.1, 0.01 + off}, {0, 0.1, 0.5}}), 0) << off;
@@ -137,7 +141,7 @@ TEST(Passage, ThroughAPlateFromOnItsSurface) {
   }
 }
 
-TEST(Passage, FacesInsideTheBoneAreNone) {
+TEST(TunnellingTracker, FacesInsideTheBoneAreNone) {
   TriangleMesh bone = make_box({1, 1, 1}, 1);
   append(bone, moved(make_box({1, 1, 1}, 1), Vec3(0, 0, 1.5)));
   EXPECT_EQ(Walk({bone}).along({{0.1, 0.2, 4}, {0.1, 0.2, 0.8}, {0.1, 0.2, 0}, {0.1, 0.2, 2}, {0.1, 0.2, 4}}), 0);
@@ -145,18 +149,18 @@ TEST(Passage, FacesInsideTheBoneAreNone) {
   EXPECT_EQ(Walk({bone}).along({{0.1, 0.2, 4}, {0.1, 0.2, -4}}), 1);
 }
 
-TEST(Passage, CountsANodeOnceForSeveralBones) {
+TEST(TunnellingTracker, CountsANodeOnceForSeveralBones) {
   EXPECT_EQ(Walk({plate(), moved(plate(), Vec3(0, 0, -0.1))}).along({{0, 0.1, 0.5}, {0, 0.1, -0.5}}), 1);
 }
 
-TEST(Passage, ThroughAnEdgeOfTheMesh) {
+TEST(TunnellingTracker, ThroughAnEdgeOfTheMesh) {
   // The diagonals and the grid of make_box: x = y, and multiples of 2/3.
   EXPECT_EQ(Walk({plate()}).along({{1.0 / 3, 0.5, 0.5}, {1.0 / 3, 0.5, -0.5}}), 1);
   EXPECT_EQ(Walk({plate()}).along({{0.5, 0.5, 0.5}, {0.5, 0.5, -0.5}}), 1);
   EXPECT_EQ(Walk({plate()}).along({{0, 0, 0.5}, {0, 0, 0}, {0, 0, -0.5}}), 1);
 }
 
-TEST(Passage, APositionThatIsNotFiniteChangesNothing) {
+TEST(TunnellingTracker, APositionThatIsNotFiniteChangesNothing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(Walk({plate()}).along({{0, 0.1, 0.5}, {nan, 0, 0}, {0, 0.1, -0.5}, {0, nan, 0}}), 1);
 }
