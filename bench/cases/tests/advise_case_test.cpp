@@ -17,7 +17,7 @@ Scene pressed(const std::string& keys_of_the_rod = "", int frames = 6) {
   request.name = request.file = "pressed.toml";
   request.text = fmt::format("[loop]\nframes = {}\n[effects.edge_length]\n", frames) +
                  plate_and_rod(-30, keys_of_the_rod) + one_ball;
-  request.synthetic_mesh = pressed_ball_mesh;
+  request.synthetic_mesh = [](const std::string& name) { return pressed_ball_mesh(name); };
   return read_scene(request);
 }
 

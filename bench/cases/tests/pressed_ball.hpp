@@ -64,13 +64,13 @@ inline TriangleMesh displaced(TriangleMesh mesh, const Vec3& by_m) {
   return mesh;
 }
 
-/// By the names in the parts above. Throws std::out_of_range.
-inline TriangleMesh pressed_ball_mesh(const std::string& name) {
+/// By the names in the parts above. `subdivisions`: of the balls. Throws std::out_of_range.
+inline TriangleMesh pressed_ball_mesh(const std::string& name, int subdivisions = 2) {
   const std::map<std::string, TriangleMesh> meshes = {
       {"plate", displaced(make_box(Vec3(0.04, 0.04, 0.01), 4), Vec3(0, 0, -0.01))},
       {"rod", displaced(make_capsule(0.01, 0.02, 24), Vec3(0.034, 0, 0.03))},
-      {"ball", displaced(make_sphere(0.02, 2), Vec3(0, 0, 0.0205))},
-      {"other", displaced(make_sphere(0.02, 2), Vec3(-0.0392, 0, 0.0205))},
+      {"ball", displaced(make_sphere(0.02, subdivisions), Vec3(0, 0, 0.0205))},
+      {"other", displaced(make_sphere(0.02, subdivisions), Vec3(-0.0392, 0, 0.0205))},
   };
   return meshes.at(name);
 }
