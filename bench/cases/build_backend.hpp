@@ -14,9 +14,8 @@ namespace musclebench {
 /// The backend of a case, built over the scene's bones.
 struct BuiltBackend {
   std::unique_ptr<CollisionBackend> backend;
-  Nanoseconds build_ns = 0;        ///< with the build time of structures that the backend shares with the scene
-  std::vector<BoneReach> reach;    ///< by bone, by which some were pruned; empty where nothing may be
-  Nanoseconds other_trees_ns = 0;  ///< trees over bones that the scene's reader built and the backend has no use for
+  Nanoseconds build_ns = 0;      ///< with the build time of structures that the backend shares with the scene
+  std::vector<BoneReach> reach;  ///< by bone, by which some were pruned; empty where nothing may be
 };
 
 /// A bone over which nothing was built before the first frame, as no muscle was expected to touch it.

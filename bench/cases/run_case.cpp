@@ -66,7 +66,6 @@ class CaseRunner {
     BuiltBackend built = build_backend(m_run, report_build);
     m_backend = std::move(built.backend);
     m_result.build_ns = built.build_ns;
-    m_result.other_trees_ns = built.other_trees_ns;
     m_result.structure_bytes = m_backend->structure_bytes();
     m_result.structure_errors = m_backend->structure_errors();
     m_result.structures_loaded = m_backend->built_from_file();

@@ -45,7 +45,6 @@ struct RunResult {
   std::vector<PrunedResult> pruned;
   bool structures_loaded = false;       ///< from a file; built otherwise
   Nanoseconds build_ns = 0;             ///< building or loading
-  Nanoseconds other_trees_ns = 0;       ///< of bones' trees that only reader and checks needed
   Nanoseconds wall_ns = 0;              ///< from the first frame to the last, with judging
   Nanoseconds cpu_before_ns = 0;        ///< of all threads of the process before the first frame
   Nanoseconds cpu_after_ns = 0;         ///< the same after the last frame

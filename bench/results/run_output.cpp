@@ -135,7 +135,6 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["structure_errors"] = json_of_structure_errors(result);
   json["structures"] = result.structures_loaded ? "loaded" : "built";
   json["build_ns"] = result.build_ns;
-  json["other_trees_ns"] = result.other_trees_ns;
   json["cpu_ns"] = {{"before_first_frame", result.cpu_before_ns}, {"after_last_frame", result.cpu_after_ns}};
   json["memory"] = {{"before_first_frame_bytes", result.memory_before_bytes},
                     {"after_last_frame_bytes", result.memory_after_bytes},

@@ -44,10 +44,6 @@ void SharedSurface::start_accounting() const {
   m_signed.is_counted = false;
 }
 
-Nanoseconds SharedSurface::unused_build_ns() const {
-  return (m_tree.is_counted ? 0 : m_tree.build_ns) + (m_signed.is_counted ? 0 : m_signed.build_ns);
-}
-
 template <typename Structure>
 void SharedSurface::account(Part<Structure>& part) const {
   m_reused_build_ns += part.is_counted ? 0 : part.build_ns;

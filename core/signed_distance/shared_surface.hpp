@@ -35,8 +35,6 @@ class SharedSurface {
   /// build time of a backend that uses them, which must not depend on what was built first.
   void start_accounting() const;
   [[nodiscard]] Nanoseconds reused_build_ns() const { return m_reused_build_ns; }
-  /// Build time of the structures that were not used since `start_accounting`: only reader and checks needed them.
-  [[nodiscard]] Nanoseconds unused_build_ns() const;
 
  private:
   template <typename Structure>

@@ -138,7 +138,7 @@ def run_record(scene: str, backend: str, frames: int, status: str = "ok", detail
                         {"name": "insertion", "bone": "femur", "nodes": 3}],
         "build": {"git": "abc1234", "compiler": "GNU 12.2.0", "flags": "-O2", "type": "Release"},
         "machine": {"cpu": "A processor", "cores": 2, "governor": "performance"},
-        "structure_bytes": STRUCTURE_BYTES[backend], "build_ns": 5_000_000, "other_trees_ns": 0,
+        "structure_bytes": STRUCTURE_BYTES[backend], "build_ns": 5_000_000,
         "cpu_ns": {"before_first_frame": 900_000_000, "after_last_frame": 2_000_000_000},
         "memory": {"before_first_frame_bytes": FIRST_BYTES[backend],
                    "after_last_frame_bytes": FIRST_BYTES[backend] + 20_000_000,

@@ -66,7 +66,6 @@ def run(arguments: list[str]) -> int:
     record = {"status": "ok", "status_detail": "", "case": case, "frames": 40, "schema_version": 2,
               "build": {"git": "abc"}, "machine": {"cpu": "A processor", "cores": 2},
               "muscle": {"nodes": 7_000 if arguments[1].endswith("iliacus") else 3_000}, "build_ns": 600_000_000,
-              "other_trees_ns": 100_000_000,
               "cpu_ns": {"before_first_frame": 1_000_000_000,
                          "after_last_frame": 8_000_000_000 if case["judged"] else 4_000_000_000}}
     (folder / "run.json").write_text(json.dumps(record))

@@ -44,7 +44,7 @@ class Truth:
     structures: str = "built"
 
 
-NOT_OF_A_REPLAY = ("attachments", "other_trees_ns", "cpu_ns", "memory", "state_hash", "snapshots")
+NOT_OF_A_REPLAY = ("attachments", "cpu_ns", "memory", "state_hash", "snapshots")
 NOT_OF_A_PROBE = (*NOT_OF_A_REPLAY, "wall_ns", "frames")
 
 
