@@ -67,7 +67,7 @@ def _marked(rows: pd.DataFrame) -> pd.DataFrame:
 
 def _speed(measured: Measured, study: str, filters: str) -> str:
     rows = chosen_rows(measured.table(f"{study}/speed"), filters, f"speed {study} {filters}")
-    lines = ["| what | bar | measured | 95 % | held | of |", "| --- | --- | ---: | ---: | --- | --- |"]
+    lines = ["| what | target | measured | 95 % | held | of |", "| --- | --- | ---: | ---: | --- | --- |"]
     for _, row in rows[rows["part"].isna()].iterrows():
         interval = f"{_three(row['low'])} to {_three(row['high'])}"
         cells = [row["what"], row["target"], _three(row["measured"]), interval, row["held"], row["note"]]
