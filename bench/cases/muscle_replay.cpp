@@ -73,7 +73,10 @@ class MuscleReplayer {
       record.warm_up = static_cast<int>(m_result.records.size()) < m_replay.warm_up_frames;
       record.iterations = static_cast<int>(frame.steps.size());
       for (std::size_t pair = 0; pair < m_pairs.size(); ++pair) {
-        record.pairs.push_back({m_pairs[pair], m_replay.colliders.of_muscle_pairs[pair].entry->name});
+        const auto& [first, second] = m_pairs[pair];
+        record.pairs.push_back({m_bodies[static_cast<std::size_t>(first)].name,
+                                m_bodies[static_cast<std::size_t>(second)].name,
+                                m_replay.colliders.of_muscle_pairs[pair].entry->name, 0, 0});
       }
       const ContextSwitches before = context_switches();
       for (const RecordedStep& step : frame.steps) time_step(step, record, hash);
@@ -93,8 +96,8 @@ class MuscleReplayer {
       }
       for (const PairTime& time : detector->pair_times()) {
         PairReplay& pair = record.pairs[pair_index(m_pairs, time.muscles.first, time.muscles.second)];
-        pair.detect_ns += time.detect_ns;
-        pair.backend_ns += detect_ns;
+        *pair.detect_ns += time.detect_ns;
+        *pair.backend_ns += detect_ns;
       }
       for (const MuscleContact& contact : m_found) ++record.pairs[pair_of(contact.node, contact.muscle)].contacts;
       add_contacts(hash, m_found);

@@ -2,38 +2,15 @@
 
 #include <cstddef>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "bench/cases/accuracy.hpp"
-#include "core/base/scoped_timer.hpp"
-#include "core/contact/muscle_contact.hpp"
+#include "bench/cases/replay_record.hpp"
 
 namespace musclebench {
 
 struct ReplayCase;
 class FrameSource;
-
-/// One pair of muscles in one replayed frame; times and counts are sums over its collision steps.
-struct PairReplay {
-  MusclePair muscles;
-  std::string backend;
-  Nanoseconds detect_ns = 0;   ///< queries of the pair's nodes, summed over threads
-  Nanoseconds backend_ns = 0;  ///< what detects this pair, for all of its pairs and with following their surfaces
-  long contacts = 0;
-  std::optional<Accuracy> accuracy = {};  ///< nothing where the Referee did not judge
-};
-
-/// One replayed frame.
-struct MuscleReplayRecord {
-  int frame = 0;  ///< 1-based, of the recording
-  double angle_deg = 0;
-  bool warm_up = false;
-  int iterations = 0;             ///< collision steps
-  long involuntary_switches = 0;  ///< while the frame was timed, see ContextSwitches
-  std::vector<PairReplay> pairs;  ///< in the order of the scene's
-};
 
 /// What was asked and answered between muscles that touch.
 struct MuscleReplay {

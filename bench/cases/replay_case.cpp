@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/cases/answers_by_muscle.hpp"
 #include "bench/cases/build_backend.hpp"
 #include "bench/cases/replayed_frames.hpp"
 #include "core/base/huge_pages.hpp"
@@ -22,7 +23,7 @@ void add_step(Sha256& hash, std::span<const Contact> contacts) {
 class Replayer {
  public:
   Replayer(const ReplayCase& replay, FrameSource& recording, const std::function<void(int)>& report)
-      : m_replay(replay), m_recording(recording), m_report(report) {}
+      : m_replay(replay), m_recording(recording), m_report(report), m_by_muscle(replay) {}
 
   ReplayResult run() {
     BuiltBackend built = build_backend(m_replay);
@@ -84,6 +85,7 @@ class Replayer {
       record.angle_deg = frame.angle_deg;
       record.warm_up = static_cast<int>(m_result.records.size()) < m_replay.warm_up_frames;
       record.iterations = static_cast<int>(frame.steps.size());
+      m_by_muscle.prepare(record);
       answers.resize(frame.steps.size());
       const ContextSwitches before = context_switches();
       for (std::size_t i = 0; i < frame.steps.size(); ++i) {
@@ -94,9 +96,10 @@ class Replayer {
       m_result.machine.switches += switches;
       for (const std::vector<Contact>& answer : answers) {
         record.contacts += static_cast<long>(answer.size());
+        m_by_muscle.add_contacts(answer, record);
         add_step(hash, answer);
       }
-      m_result.records.push_back(record);
+      m_result.records.push_back(std::move(record));
     });
     return hash.hex_digest().substr(0, 16);
   }
@@ -113,6 +116,7 @@ class Replayer {
       const ScopedTimer timer(record.detect_ns);
       m_backend->detect(m_positions, m_recording.header().free_nodes, contacts);
     }
+    AnswersByMuscle::add_times(m_backend->pair_times(), record);
     const ScopedTimer timer(record.respond_ns);
     response.resolve(*m_backend, {step.substep_start, step.previous_bone_poses, step.bone_poses}, contacts,
                      m_positions);
@@ -123,30 +127,35 @@ class Replayer {
     Referee referee(m_replay.scene.bones, header.nodes, m_replay.threads);
     const bool depths_known = m_backend->capabilities().depth;
     Sha256 hash;
-    AnswerErrors all;
+    std::vector<AnswerErrors> all(m_by_muscle.parts());
     std::vector<Contact> contacts;
     std::vector<Contact> truth;
     auto record = m_result.records.begin();
     for_each_frame([&](const RecordedFrame& frame) {
-      AnswerErrors errors;
+      std::vector<AnswerErrors> errors(m_by_muscle.parts());
       for (const RecordedStep& step : frame.steps) {
         m_backend->update(step.bone_poses, step.positions);
         m_backend->detect(step.positions, header.free_nodes, contacts);
         add_step(hash, contacts);
         referee.judge(step.bone_poses, step.positions, header.free_nodes, truth);
-        measure_answer(referee, {step.bone_poses, step.positions, contacts, depths_known}, truth, m_replay.band_m,
-                       errors);
+        m_by_muscle.measure(referee, {step.bone_poses, step.positions, contacts, depths_known}, truth, m_replay.band_m,
+                            errors);
       }
-      (record++)->accuracy = accuracy_of(errors);
-      all.add(errors);
+      m_by_muscle.add_accuracy(errors, *record++);
+      for (std::size_t part = 0; part < all.size(); ++part) all[part].add(errors[part]);
     });
-    m_result.accuracy = accuracy_of(all);
+    ReplayRecord whole;
+    m_by_muscle.prepare(whole);
+    m_by_muscle.add_accuracy(all, whole);
+    m_result.accuracy = whole.accuracy;
+    for (const MuscleAnswers& muscle : whole.muscles) m_result.accuracy_of_muscles.push_back(*muscle.accuracy);
     return hash.hex_digest().substr(0, 16);
   }
 
   const ReplayCase& m_replay;
   FrameSource& m_recording;
   const std::function<void(int)>& m_report;
+  AnswersByMuscle m_by_muscle;
   ReplayResult m_result;
   std::unique_ptr<CollisionBackend> m_backend;
   std::vector<BoneReach> m_reach;  ///< by bone

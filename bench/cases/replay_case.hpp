@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/cases/accuracy.hpp"
 #include "bench/cases/build_backend.hpp"
 #include "bench/cases/muscle_replay.hpp"
 #include "core/base/machine_state.hpp"
@@ -22,28 +21,13 @@ struct ReplayCase : Case {
   bool judge = true;             ///< whether the Referee judges every answer
 };
 
-/// One replayed frame; times and counts are sums over its collision steps.
-struct ReplayRecord {
-  int frame = 0;  ///< 1-based, of the recording
-  double angle_deg = 0;
-  bool warm_up = false;
-  int iterations = 0;  ///< collision steps
-  Nanoseconds update_ns = 0;
-  Nanoseconds detect_ns = 0;
-  Nanoseconds respond_ns = 0;
-  long contacts = 0;
-  long involuntary_switches = 0;     ///< while the frame was timed, see ContextSwitches
-  std::optional<Accuracy> accuracy;  ///< nothing where the Referee did not judge
-
-  [[nodiscard]] Nanoseconds collision_ns() const { return update_ns + detect_ns + respond_ns; }
-};
-
 struct ReplayResult {
   std::string status = "ok";  ///< ok or nondeterministic
   std::string status_detail;
   std::vector<ReplayRecord> records;
-  std::optional<Accuracy> accuracy;  ///< over all frames
-  std::string contact_hash;          ///< of all contacts of all steps, in their order, to the last bit
+  std::optional<Accuracy> accuracy;           ///< over all frames
+  std::vector<Accuracy> accuracy_of_muscles;  ///< the same of each muscle; empty where there is but one
+  std::string contact_hash;                   ///< of all contacts of all steps, in their order, to the last bit
   std::size_t structure_bytes = 0;
   std::vector<PrunedResult> pruned;
   bool structures_loaded = false;       ///< from a file; built otherwise

@@ -76,11 +76,18 @@ void print_accuracy(const Accuracy& accuracy, double band_m) {
   }
 }
 
-void print_muscles(const ReplayCase& replay, const MuscleReplay& muscles) {
+void print_muscles(const ReplayCase& replay, const std::vector<Accuracy>& accuracy) {
+  for (std::size_t i = 0; i < accuracy.size(); ++i) {
+    fmt::print("  {} with bones\n", replay.scene.muscles[i].body.name);
+    print_accuracy(accuracy[i], replay.band_m);
+  }
+}
+
+void print_touching(const ReplayCase& replay, const MuscleReplay& muscles) {
   for (std::size_t pair = 0; pair < replay.scene.muscle_pairs.size(); ++pair) {
     std::vector<Nanoseconds> detect_ns;
     for (const MuscleReplayRecord& record : muscles.records) {
-      if (!record.warm_up) detect_ns.push_back(record.pairs[pair].detect_ns);
+      if (!record.warm_up) detect_ns.push_back(*record.pairs[pair].detect_ns);
     }
     const auto& [first, second] = replay.scene.muscle_pairs[pair].muscles;
     fmt::print("  {} and {} by {}\n", replay.scene.muscles[static_cast<std::size_t>(first)].body.name,
@@ -109,7 +116,8 @@ void print_summary(const ReplayCase& replay, const ReplayResult& result, const s
   if (result.accuracy) {
     print_accuracy(*result.accuracy, replay.band_m);
   }
-  if (result.muscles) print_muscles(replay, *result.muscles);
+  print_muscles(replay, result.accuracy_of_muscles);
+  if (result.muscles) print_touching(replay, *result.muscles);
   fmt::print("  contact hash                  {}\n  written to {}\n", result.contact_hash, out);
 }
 

@@ -46,6 +46,17 @@ Json json_of(const Accuracy& accuracy) {
   return json;
 }
 
+/// What one of several muscles is told of all bones.
+Json json_of_muscles(const ReplayCase& replay, const std::vector<Accuracy>& accuracy) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < accuracy.size(); ++i) {
+    Json own = {{"muscle", replay.scene.muscles[i].body.name}};
+    own.update(json_of(accuracy[i]));
+    list.push_back(own);
+  }
+  return list;
+}
+
 /// What was found between muscles; zero and empty where nothing was asked.
 void add_muscles(Json& json, const ReplayCase& replay, const std::optional<MuscleReplay>& muscles) {
   json["muscle_structure_bytes"] = muscles ? muscles->structure_bytes : 0;
@@ -77,6 +88,7 @@ Json manifest(const ReplayCase& replay, const ReplayResult& result, const Record
   json["structures"] = result.structures_loaded ? "loaded" : "built";
   json["build_ns"] = result.build_ns;
   json["accuracy"] = result.accuracy ? json_of(*result.accuracy) : Json(nullptr);
+  json["accuracy_of_muscles"] = json_of_muscles(replay, result.accuracy_of_muscles);
   json["contact_hash"] = result.contact_hash;
   add_muscles(json, replay, result.muscles);
   json["wall_ns"] = result.wall_ns;
@@ -89,7 +101,10 @@ std::string text(Value value) {
   return fmt::format("{}", value);
 }
 
+std::string text(std::optional<Nanoseconds> time_ns) { return time_ns ? text(*time_ns) : std::string(); }
+
 const std::optional<Accuracy>& accuracy_in(const ReplayRecord& record) { return record.accuracy; }
+const std::optional<Accuracy>& accuracy_in(const MuscleReplayRow& row) { return row.answers.accuracy; }
 const std::optional<Accuracy>& accuracy_in(const PairReplayRow& row) { return row.pair.accuracy; }
 
 /// Empty where the Referee did not look.
@@ -153,6 +168,22 @@ constexpr auto columns_of_replay = joined(
          [](const ReplayRecord& r) { return text(r.involuntary_switches); }},
     }));
 
+constexpr auto columns_of_muscles =
+    joined(std::to_array<Column<MuscleReplayRow>>({
+               {{"frame", "", "of the recording, 1 for the first"},
+                [](const MuscleReplayRow& r) { return text(r.frame.frame); }},
+               {{"angle_deg", "deg", "of the bone that turns most"},
+                [](const MuscleReplayRow& r) { return text(r.frame.angle_deg); }},
+               {{"warm_up", "", "1: left out of medians"},
+                [](const MuscleReplayRow& r) { return text(r.frame.warm_up ? 1 : 0); }},
+               {{"iterations", "", "collision steps of the frame"},
+                [](const MuscleReplayRow& r) { return text(r.frame.iterations); }},
+               {{"muscle", "", "its name"}, [](const MuscleReplayRow& r) { return r.answers.muscle; }},
+               {{"contacts", "", "with bones, answered; sum over the steps"},
+                [](const MuscleReplayRow& r) { return text(r.answers.contacts); }},
+           }),
+           columns_of_accuracy<MuscleReplayRow>);
+
 constexpr auto columns_of_pairs = joined(
     std::to_array<Column<PairReplayRow>>({
         {{"frame", "", "of the recording, 1 for the first"},
@@ -163,15 +194,17 @@ constexpr auto columns_of_pairs = joined(
          [](const PairReplayRow& r) { return text(r.frame.warm_up ? 1 : 0); }},
         {{"iterations", "", "collision steps of the frame"},
          [](const PairReplayRow& r) { return text(r.frame.iterations); }},
-        {{"muscle", "", "its name"}, [](const PairReplayRow& r) { return r.muscle; }},
-        {{"other", "", "the muscle that it touches"}, [](const PairReplayRow& r) { return r.other; }},
+        {{"muscle", "", "its name"}, [](const PairReplayRow& r) { return r.pair.muscle; }},
+        {{"other", "", "the bone, or the muscle that it touches"}, [](const PairReplayRow& r) { return r.pair.other; }},
         {{"backend", "", "that detects it"}, [](const PairReplayRow& r) { return r.pair.backend; }},
-        {{"detect_ns", "ns", "asking the nodes of the pair; sum over the steps and over threads"},
+        {{"detect_ns", "ns", "asking the nodes of the pair; sum over the steps and over threads; empty: not told"},
          [](const PairReplayRow& r) { return text(r.pair.detect_ns); }},
         {{"backend_ns", "ns",
-          "detection by that backend of all of its pairs, with following their surfaces; sum over the steps"},
+          "detection by that backend of all of its pairs of muscles, with following their surfaces; sum over the "
+          "steps; "
+          "empty with bones: see frames.csv"},
          [](const PairReplayRow& r) { return text(r.pair.backend_ns); }},
-        {{"contacts", "", "nodes of either in the other, answered; sum over the steps"},
+        {{"contacts", "", "nodes in the bone, or of either muscle in the other, answered; sum over the steps"},
          [](const PairReplayRow& r) { return text(r.pair.contacts); }},
     }),
     columns_of_accuracy<PairReplayRow>,
@@ -180,24 +213,38 @@ constexpr auto columns_of_pairs = joined(
          [](const PairReplayRow& r) { return text(r.frame.involuntary_switches); }},
     }));
 
-void write_pairs(const fs::path& file, const Scene& scene, const MuscleReplay& muscles) {
-  const auto name_of = [&](int muscle) -> const std::string& {
-    return scene.muscles[static_cast<std::size_t>(muscle)].body.name;
-  };
-  std::vector<PairReplayRow> rows;
-  for (const MuscleReplayRecord& frame : muscles.records) {
-    for (const PairReplay& pair : frame.pairs) {
-      rows.push_back({frame, name_of(pair.muscles.first), name_of(pair.muscles.second), pair});
-    }
+std::vector<MuscleReplayRow> muscle_rows(const ReplayResult& result) {
+  std::vector<MuscleReplayRow> rows;
+  for (const ReplayRecord& frame : result.records) {
+    for (const MuscleAnswers& answers : frame.muscles) rows.push_back({frame, answers});
   }
+  return rows;
+}
+
+/// Frame after frame, with bones and then between muscles.
+std::vector<PairReplayRow> pair_rows(const ReplayResult& result) {
+  std::vector<PairReplayRow> rows;
+  for (std::size_t i = 0; i < result.records.size(); ++i) {
+    for (const PairReplay& pair : result.records[i].pairs) rows.push_back({result.records[i], pair});
+    if (!result.muscles) continue;
+    const MuscleReplayRecord& between = result.muscles->records[i];
+    for (const PairReplay& pair : between.pairs) rows.push_back({between, pair});
+  }
+  return rows;
+}
+
+template <typename Row>
+void write_rows(const fs::path& file, std::span<const Column<Row>> columns, std::span<const Row> rows) {
   OutputFile table(file);
-  write_table(table.stream(), replay_pair_columns(), std::span<const PairReplayRow>(rows));
+  write_table(table.stream(), columns, rows);
   table.close();
 }
 
 }  // namespace
 
 std::span<const Column<ReplayRecord>> replay_columns() { return columns_of_replay; }
+
+std::span<const Column<MuscleReplayRow>> replay_muscle_columns() { return columns_of_muscles; }
 
 std::span<const Column<PairReplayRow>> replay_pair_columns() { return columns_of_pairs; }
 
@@ -206,10 +253,11 @@ std::string replay_id(const ReplayCase& replay) { return id_of(json_of_replay(re
 void write_replay(const fs::path& folder, const ReplayCase& replay, const ReplayResult& result,
                   const RecordingHeader& header, const fs::path& recording) {
   write_result_folder(folder, [&](const fs::path& part) {
-    OutputFile frames(part / "frames.csv");
-    write_table(frames.stream(), replay_columns(), std::span<const ReplayRecord>(result.records));
-    frames.close();
-    if (result.muscles) write_pairs(part / "pairs.csv", replay.scene, *result.muscles);
+    write_rows(part / "frames.csv", replay_columns(), std::span<const ReplayRecord>(result.records));
+    if (replay.scene.muscles.size() > 1) {
+      write_rows(part / "muscles.csv", replay_muscle_columns(), std::span<const MuscleReplayRow>(muscle_rows(result)));
+      write_rows(part / "pairs.csv", replay_pair_columns(), std::span<const PairReplayRow>(pair_rows(result)));
+    }
     OutputFile json(part / "run.json");
     json.stream() << text_of(manifest(replay, result, header, recording), 2) << '\n';
     json.close();

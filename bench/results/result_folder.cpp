@@ -115,8 +115,7 @@ bool has_all_rows(const Json& manifest, const fs::path& table) {
     const WrittenRows rows = rows_in(file);
     return rows.count == rows_of_a_frame * *frames && (*frames == 0 || rows.last == std::to_string(*last_frame));
   };
-  const std::int64_t muscles = is_replay ? 0 : length_at(manifest, "muscles");
-  // A replay tells of pairs of muscles only.
+  const std::int64_t muscles = length_at(manifest, "muscles");
   const std::int64_t pairs = length_at(manifest.contains("case") ? manifest.at("case") : Json(), "muscle_contact") +
                              muscles * length_at(manifest, "bones");
   return frames && last_frame && is_whole(table, 1) &&

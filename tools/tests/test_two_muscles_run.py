@@ -72,6 +72,28 @@ def test_a_recording_of_two_muscles_is_replayed_by_every_backend(scene, recordin
             assert told["missed_contacts"] == told["false_contacts"] == 0 < told["true_contacts"]
 
 
+def test_a_replay_has_a_row_a_frame_and_muscle_and_keeps_them_apart(recording, tmp_path):
+    """A backend that finds nothing, asked about one muscle: what it misses is that muscle's."""
+    done = call("replay", recording, "--backend", "bvh", "--for", "ball/box=null", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "ball with bones" in done.stdout and "other with bones" in done.stdout
+    frames, muscles, pairs = (pd.read_csv(tmp_path / "out" / f"{name}.csv", keep_default_na=False, na_values=[""])
+                              for name in ("frames", "muscles", "pairs"))
+    assert muscles.groupby("muscle").size().to_dict() == {"ball": FRAMES, "other": FRAMES}
+    assert pairs.groupby(["muscle", "other"]).size().to_dict() == {
+        ("ball", "box"): FRAMES, ("other", "box"): FRAMES, ("ball", "other"): FRAMES}
+    ball, other = (muscles[muscles["muscle"] == name] for name in ("ball", "other"))
+    assert (ball["contacts"] == 0).all() and ball["missed_contacts"].sum() > 0 == other["missed_contacts"].sum()
+    for table in (muscles, pairs[pairs["other"] == "box"]):
+        for column in ("contacts", "true_contacts", "missed_contacts", "false_contacts", "measured_contacts"):
+            assert (table.groupby("frame")[column].sum().to_numpy() == frames[column]).all(), column
+        assert (table.groupby("frame")["max_depth_error_m"].max().to_numpy() == frames["max_depth_error_m"]).all()
+    told = json.loads((tmp_path / "out" / "run.json").read_text())["accuracy_of_muscles"]
+    assert [(one["muscle"], one["missed_contacts"] > 0) for one in told] == [("ball", True), ("other", False)]
+    with_box = pairs[pairs["other"] == "box"].set_index("muscle")
+    assert set(with_box.loc["ball", "backend"]) == {"null"} and (with_box.loc["other", "detect_ns"] > 0).any()
+
+
 def test_what_detects_between_muscles_is_replayed_on_equal_inputs(recording, tmp_path):
     backends = json.loads(call("list", "--json").stdout)["backends"]
     able = [one["name"] for one in backends if one["muscle_contact"]]
@@ -80,7 +102,8 @@ def test_what_detects_between_muscles_is_replayed_on_equal_inputs(recording, tmp
         done = call("replay", recording, "--backend", "null", "--for", f"muscles={name}", "--out", tmp_path / name)
         assert done.returncode == 0, f"{name}: {done.stderr}"
         assert f"ball and other by {name}" in done.stdout
-        rows = pd.read_csv(tmp_path / name / "pairs.csv")
+        pairs = pd.read_csv(tmp_path / name / "pairs.csv")
+        rows = pairs[pairs["other"] == "other"]
         assert len(rows) == FRAMES and (rows["backend"] == name).all() and (rows["detect_ns"] > 0).all()
         assert (rows["true_contacts"] > 0).any() and (rows["false_contacts"] == 0).all()
         told[name] = json.loads((tmp_path / name / "run.json").read_text())
@@ -94,11 +117,11 @@ def test_what_detects_between_muscles_is_replayed_on_equal_inputs(recording, tmp
 def test_a_replay_of_bones_only_asks_nothing_between_muscles(recording, tmp_path):
     done = call("replay", recording, "--backend", "bvh", "--bones-only", "--out", tmp_path / "bones")
     assert done.returncode == 0, done.stderr
-    assert not (tmp_path / "bones" / "pairs.csv").exists()
+    assert set(pd.read_csv(tmp_path / "bones" / "pairs.csv")["other"]) == {"box"}
     assert json.loads((tmp_path / "bones" / "run.json").read_text())["muscle_accuracy"] == []
 
 
-@pytest.mark.parametrize("command, table", [("run", "muscles.csv"), ("run", "pairs.csv"), ("replay", "pairs.csv")])
+@pytest.mark.parametrize("command, table", [("run", "muscles.csv"), ("run", "pairs.csv"), ("replay", "muscles.csv"), ("replay", "pairs.csv")])
 def test_a_result_with_a_cut_table_is_not_complete(scene, recording, tmp_path, command, table):
     out = tmp_path / "out"
     what = [recording] if command == "replay" else [scene, "--frames", FRAMES]

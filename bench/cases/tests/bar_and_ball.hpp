@@ -79,6 +79,9 @@ inline TriangleMesh mesh_of(const std::string& name) {
                        : shifted(make_sphere(0.012, 2), Vec3(0.05, 0, 0.0172));
 }
 
+/// Pairs of a bone (plate, lid) and a muscle (bar, ball) of `both`.
+inline constexpr std::size_t bar_on_plate = 0, ball_on_plate = 1, bar_at_lid = 2, ball_at_lid = 3;
+
 inline SceneRequest request(const std::string& text) {
   SceneRequest made;
   made.name = made.file = "test.toml";

@@ -91,7 +91,8 @@ TEST(MuscleReplay, EveryDetectorIsAskedAboutTheSameAndJudged) {
       EXPECT_EQ(record.iterations, 2);
       ASSERT_EQ(record.pairs.size(), 1U);
       const PairReplay& pair = record.pairs[0];
-      EXPECT_EQ(pair.muscles, (MusclePair{0, 1}));
+      EXPECT_EQ(pair.muscle, "left");
+      EXPECT_EQ(pair.other, "right");
       EXPECT_EQ(pair.backend, entry.name);
       EXPECT_GT(pair.detect_ns, 0);
       EXPECT_GE(pair.backend_ns, pair.detect_ns);

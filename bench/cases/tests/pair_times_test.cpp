@@ -53,9 +53,6 @@ class PairTimes : public testing::Test {
   const Scene m_scene = read_scene(request(both()));
 };
 
-/// By bone (plate, lid), then muscle (bar, ball).
-constexpr std::size_t bar_on_plate = 0, ball_on_plate = 1, bar_at_lid = 2, ball_at_lid = 3;
-
 TEST_F(PairTimes, AreThereForEveryPairAndChangeNoContact) {
   for (const BackendEntry& entry : backend_registry()) {
     for (const int threads : {1, 2}) {

@@ -160,6 +160,7 @@ TEST(ResultsSchema, HoldsForAReplay) {
   const TemporaryFolder folder("schema_replay");
   write_replay(folder.path() / "out", replay, result, frames.header(), "kept.recording");
   EXPECT_EQ(header_of(folder.path() / "out" / "frames.csv"), names_in(results_schema_json()["replay"]));
+  EXPECT_EQ(header_of(folder.path() / "out" / "muscles.csv"), names_in(results_schema_json()["replay_muscles"]));
   EXPECT_EQ(header_of(folder.path() / "out" / "pairs.csv"), names_in(results_schema_json()["replay_pairs"]));
   expect_schema(manifest_in(folder.path() / "out"), ResultKind::replay);
 }
@@ -178,8 +179,8 @@ TEST(ResultsSchema, EveryNameStandsOnceAndSaysWhatItMeans) {
   const Json schema = results_schema_json();
   EXPECT_EQ(schema["results_schema"], schema_version);
   for (const ResultKind kind : result_kinds) {
-    for (const Json& list : {schema[std::string(name_of(kind))]["columns"], schema["replay_pairs"]["columns"],
-                             schema["run_json"][std::string(name_of(kind))]}) {
+    for (const Json& list : {schema[std::string(name_of(kind))]["columns"], schema["replay_muscles"]["columns"],
+                             schema["replay_pairs"]["columns"], schema["run_json"][std::string(name_of(kind))]}) {
       std::set<std::string> names;
       for (const Json& entry : list) {
         EXPECT_TRUE(names.insert(entry["name"]).second) << entry["name"];

@@ -44,12 +44,10 @@ def _tables_of_muscles(told: dict) -> dict[str, int]:
     """{table: rows a frame}, where there are several muscles."""
     mode = told["case"].get("mode", "coupled")
     muscles, touching = told.get("muscles"), told["case"].get("muscle_contact")
-    tables = {}
-    pairs = len(touching) if mode in ("coupled", "replay") and isinstance(touching, list) else 0
-    if mode == "coupled" and isinstance(muscles, list):
-        tables["muscles.csv"] = len(muscles)
-        pairs += len(muscles) * len(told["bones"])  # a replay tells of pairs of muscles only
-    return {**tables, "pairs.csv": pairs} if pairs > 0 else tables
+    if mode not in ("coupled", "replay") or not isinstance(muscles, list) or not muscles:
+        return {}
+    pairs = len(muscles) * len(told["bones"]) + (len(touching) if isinstance(touching, list) else 0)
+    return {"muscles.csv": len(muscles), "pairs.csv": pairs}
 
 
 def _expected_rows(told: dict) -> int | None:
