@@ -1,13 +1,17 @@
 """What `musclebench list --json` prints, from registry_fixture.json and the project's own studies. FAKE_REGISTRY names a
 file that is printed in its place."""
 
+from __future__ import annotations
+
 import json
 import os
 import tomllib
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from musclebench.cases.scene import Scene, told
-from musclebench.program.registry import Registry, parse_registry
+if TYPE_CHECKING:  # stand-ins for the program start a thousand times and need neither
+    from musclebench.cases.scene import Scene
+    from musclebench.program.registry import Registry
 
 NODES = {"adductor_brevis": 502, "gluteus_maximus": 9878, "gluteus_medius": 5313, "iliacus": 6931}
 OWN_EFFECTS = ("damping", "attachment", "edge_length", "volume", "bending")  # of the presets
@@ -42,6 +46,8 @@ def text() -> str:
 
 def registry() -> Registry:
     """Of the whole project."""
+    from musclebench.program.registry import parse_registry
+
     return parse_registry(json.dumps(listed()), "fixture")
 
 
@@ -63,6 +69,8 @@ def write_survey(folder: Path, scene: str, frames: int) -> None:
 
 def scene(name: str, frames: int | None = None) -> Scene:
     """As a survey tells it."""
+    from musclebench.cases.scene import Scene, told
+
     probed_on = "" if name.endswith(".toml") else f"{name.split('/')[0]}/{min(NODES)}"
     asked = Scene(name, frames_limit=frames, probed_on=probed_on, asks_preset=not name.endswith(".toml"))
     return told(asked, survey_record(name, frames or 314))

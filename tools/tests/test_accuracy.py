@@ -86,8 +86,24 @@ def sweep(tmp_path, monkeypatch, capfd):
     (tmp_path / "registry.json").write_text(fake_registry.with_studies(FEW))
     monkeypatch.setenv("FAKE_REGISTRY", str(tmp_path / "registry.json"))
     monkeypatch.setattr(accuracy.report, "write_report", lambda out_dir: [], raising=False)
-    monkeypatch.setattr("musclebench.cases.pool.POLL_SECONDS", 0.01)
     return Sweep(tmp_path, monkeypatch, capfd)
+
+
+@pytest.fixture(scope="module")
+def finished_once(tmp_path_factory):
+    return tmp_path_factory.mktemp("finished") / "out"
+
+
+@pytest.fixture
+def finished(sweep, finished_once):
+    """After `sweep()`, which runs for the first of these tests; the others get what it left."""
+    if finished_once.exists():
+        shutil.copytree(finished_once, sweep.out)
+    else:
+        code, _, errors, _ = sweep()
+        assert code == 0, errors
+        shutil.copytree(sweep.out, finished_once)
+    return sweep
 
 
 def wait_for(condition, seconds=20.0):
@@ -110,9 +126,8 @@ def test_every_case_runs_once_on_one_core_and_leaves_a_sealed_folder(sweep):
     assert sweep()[3] == []  # complete
 
 
-def test_what_is_too_long_is_a_row_with_its_estimate(sweep):
-    sweep()
-    row = sweep.record(TOO_LONG)
+def test_what_is_too_long_is_a_row_with_its_estimate(finished):
+    row = finished.record(TOO_LONG)
     assert row["status"] == "timeout" and row["status_detail"].startswith("not run: 942 steps of about 12 s")
     assert row["case"] == {"mode": "coupled", "scene": "synthetic/iliacus", "preset": "paper", "backend": "brute_force",
                            "parameters": {}, "threads": 1, "repetition": 0}
@@ -132,27 +147,25 @@ def test_a_probe_builds_what_the_others_load(sweep):
     assert not (sweep.out / "structures").exists()
 
 
-def test_a_changed_program_or_recording_is_measured_again(sweep):
-    sweep()
-    sealed = sweep.out / "raw" / "iliacus-coupled-null-r1" / "case.json"
+def test_a_changed_program_or_recording_is_measured_again(finished):
+    sealed = finished.out / "raw" / "iliacus-coupled-null-r1" / "case.json"
     sealed.write_text(json.dumps({**json.loads(sealed.read_text()), "binary_sha256": "of another build"}))
-    assert sweep()[3] == ["iliacus-coupled-null-r1"]
-    recording = sweep.out / "recordings" / "iliacus" / "iliacus.recording"
+    assert finished()[3] == ["iliacus-coupled-null-r1"]
+    recording = finished.out / "recordings" / "iliacus" / "iliacus.recording"
     recording.write_text("other positions")
-    assert sweep()[3] == [name for name in RUN_CASES if "-replay-" in name]
+    assert finished()[3] == [name for name in RUN_CASES if "-replay-" in name]
     recording.unlink()
     # The new recording is as the first one was, which the replays are not of any more.
-    assert sweep()[3] == ["iliacus", *[name for name in RUN_CASES if "-replay-" in name]]
+    assert finished()[3] == ["iliacus", *[name for name in RUN_CASES if "-replay-" in name]]
     recording.unlink()
-    assert sweep()[3] == ["iliacus"]  # the same positions again
-    assert sweep("--force")[3] == RUN_CASES
+    assert finished()[3] == ["iliacus"]  # the same positions again
+    assert finished("--force")[3] == RUN_CASES
 
 
-def test_a_folder_may_be_moved(sweep, tmp_path):
-    sweep()
+def test_a_folder_may_be_moved(finished, tmp_path):
     (tmp_path / "out").rename(tmp_path / "elsewhere")
-    sweep.out = tmp_path / "elsewhere"
-    assert sweep()[3] == []
+    finished.out = tmp_path / "elsewhere"
+    assert finished()[3] == []
 
 
 def test_failures_are_rows_and_the_others_go_on(sweep):
@@ -267,14 +280,16 @@ def test_a_dry_run_prints_the_cases_and_writes_nothing(sweep):
     code, text, _, called = sweep("--dry-run")
     assert code == 0 and called == [] and not sweep.out.exists()
     assert all(name in text for name in RUN_CASES) and f"{TOO_LONG}  (not run, too long)" in text
-    sweep()
-    assert "0 s of work left" in sweep("--dry-run")[1]
 
 
-def test_the_report_alone_runs_nothing(sweep):
-    assert sweep("--report-only")[0] == 2
-    sweep()
-    assert sweep("--report-only", behaviour="iliacus=crash")[::3] == (0, [])
+def test_a_dry_run_of_what_is_complete_leaves_no_work(finished):
+    assert "0 s of work left" in finished("--dry-run")[1]
+
+
+def test_the_report_alone_runs_nothing(finished):
+    assert finished("--report-only", behaviour="iliacus=crash")[::3] == (0, [])
+    shutil.rmtree(finished.out)
+    assert finished("--report-only")[0] == 2
 
 
 @pytest.mark.parametrize("arguments, words", [
@@ -306,11 +321,10 @@ def test_bad_input_is_one_line_and_exit_code_2(arguments, words, capsys, tmp_pat
     ("run.json", "[]", "run.json is no record of a run"),
     ("run.json", "{", "run.json is not JSON"),
 ])
-def test_a_damaged_folder_is_kept_apart_and_run_again(sweep, file, text, words):
-    sweep()
+def test_a_damaged_folder_is_kept_apart_and_run_again(finished, file, text, words):
     victim = f"{ONCE[6]}-r0"
-    (sweep.out / "raw" / victim / file).write_text(text)
-    code, _, errors, called = sweep()
+    (finished.out / "raw" / victim / file).write_text(text)
+    code, _, errors, called = finished()
     assert code == 0 and called == [victim] and words in errors and "Traceback" not in errors
-    assert (sweep.out / "damaged" / victim / file).read_text() == text
-    assert sweep()[3] == [] and sweep.record(victim)["status"] == "ok"
+    assert (finished.out / "damaged" / victim / file).read_text() == text
+    assert finished()[3] == [] and finished.record(victim)["status"] == "ok"

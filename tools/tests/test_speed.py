@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import subprocess
+from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
@@ -68,9 +69,35 @@ def table(tmp_path, monkeypatch, capfd) -> Table:
     return Table(tmp_path, monkeypatch, capfd)
 
 
-def test_the_table_has_every_bar_with_its_median_spread_and_verdict(table):
-    code, text, _, _ = table()
-    rows = table.rows()
+@dataclass
+class Measured:
+    """What the command has answered, and the folder that it left."""
+
+    out: Path
+    answer: tuple | None = None
+
+
+@pytest.fixture(scope="module")
+def once(tmp_path_factory) -> Measured:
+    return Measured(tmp_path_factory.mktemp("measured") / "out")
+
+
+@pytest.fixture
+def measured(table, once) -> Table:
+    """After `table()`, which runs for the first of these tests; the others get what it left. `answer`: what it said."""
+    if once.answer is None:
+        answer = table()
+        shutil.copytree(table.out, once.out)
+        once.answer = answer
+    else:
+        shutil.copytree(once.out, table.out)
+    table.answer = once.answer
+    return table
+
+
+def test_the_table_has_every_bar_with_its_median_spread_and_verdict(measured):
+    code, text, _, _ = measured.answer
+    rows = measured.rows()
     assert code == 0
     expected = {
         "collision time, bvh / voxel 64": (2.5, "no"),
@@ -113,20 +140,18 @@ def test_the_table_has_every_bar_with_its_median_spread_and_verdict(table):
     assert rows["sdf value + gradient / voxel test, near points, float"]["note"] == "femur"
 
 
-def test_all_forms_of_the_table_say_the_same(table):
-    table()
-    csv = pd.read_csv(table.out / "speed.csv")
-    written = json.loads((table.out / "speed.json").read_text())
+def test_all_forms_of_the_table_say_the_same(measured):
+    csv = pd.read_csv(measured.out / "speed.csv")
+    written = json.loads((measured.out / "speed.json").read_text())
     assert len(csv) == len(written["rows"]) and written["build"] == {"git": "abc"}
-    markdown = (table.out / "speed.md").read_text()
-    for what in table.rows():
+    markdown = (measured.out / "speed.md").read_text()
+    for what in measured.rows():
         assert f"| {what} |" in markdown
     assert (csv["part"].fillna("") == "bvh / voxel").sum() == len(MUSCLES)
 
 
-def test_kernels_tell_build_machine_and_its_state_as_the_program_does(table):
-    table()
-    raw = table.out / "raw"
+def test_kernels_tell_build_machine_and_its_state_as_the_program_does(measured):
+    raw = measured.out / "raw"
     kernels, race = (json.loads((raw / name / "run.json").read_text())
                      for name in ("kernels-queries-r0", "iliacus-bvh-r0"))
     assert all(kernels[key] == race[key] for key in ("schema_version", "build", "machine"))
@@ -135,18 +160,17 @@ def test_kernels_tell_build_machine_and_its_state_as_the_program_does(table):
         "load_average_1m": {"before": 0.5, "after": 0.5}, "cpu_mhz": {"before": 2500.0, "after": 2500.0}}
 
 
-def test_rows_of_a_busy_machine_are_marked(table):
+def test_rows_of_a_busy_machine_are_marked(measured):
     """Of a race, the set-up and kernels; not of counts, which other work does not change."""
-    table()
     for name in ("kernels-queries-r0", "kernels-allocations-r0", "iliacus-bvh-r0"):
-        path = table.out / "raw" / name / "run.json"
+        path = measured.out / "raw" / name / "run.json"
         busy = {"wall_ns": 1e9, "machine_state": {"involuntary_context_switches": 900}}
         path.write_text(json.dumps(json.loads(path.read_text()) | busy))
-    table("--report-only")
-    marked = {what for what, row in table.rows().items() if (row["note"] or "").endswith("*")}
+    measured("--report-only")
+    marked = {what for what, row in measured.rows().items() if (row["note"] or "").endswith("*")}
     near = "sdf value + gradient / voxel test, near points, float"
     assert near in marked and not any("allocations" in what or "two threads" in what for what in marked)
-    parts = {row["part"] for row in json.loads((table.out / "speed.json").read_text())["rows"]
+    parts = {row["part"] for row in json.loads((measured.out / "speed.json").read_text())["rows"]
              if row["part"] and (row["note"] or "").endswith("*")}
     assert {"bvh / voxel", "set-up / run, bvh"} <= parts
 
@@ -158,9 +182,9 @@ def test_the_mark_of_a_row_is_that_of_what_it_shows():
     assert targets.worst("row", parts[:1], "<= 2", at_most=2).remark == "*"
 
 
-def test_what_is_not_built_or_not_known_says_so(table):
-    code, _, _, calls = table()
-    rows = table.rows()
+def test_what_is_not_built_or_not_known_says_so(measured):
+    code, _, _, calls = measured.answer
+    rows = measured.rows()
     near = rows["Embree's point query / cold bvh with sign, near"]
     assert code == 0 and near["measured"] is None and near["held"] == ""
     assert near["note"] == "not built: musclebench_embree" and not any("embree" in call for call in calls)
@@ -177,35 +201,37 @@ def test_a_backend_that_is_not_built_is_no_failure(table, tmp_path, monkeypatch)
     assert not any("--backend bvh" in call for call in calls)
 
 
-def test_a_failure_is_told_and_leaves_the_other_rows(table):
-    code, _, errors, _ = table(behaviour="voxel_test=crash")
+def test_a_failure_is_told_and_leaves_the_other_rows(measured):
+    for name in ("kernels-queries-r0", "iliacus-bvh-r0"):  # one to fail, one that comes after it
+        shutil.rmtree(measured.out / "raw" / name)
+    code, _, errors, _ = measured(behaviour="voxel_test=crash")
     assert code == 1 and "kernels-queries-r0: failed" in errors
-    row = table.rows()["sdf value + gradient / voxel test, near points, float"]
+    row = measured.rows()["sdf value + gradient / voxel test, near points, float"]
     assert row["measured"] is None and "something went wrong" in row["note"]
-    assert table.rows()["collision time, bvh / voxel 64"]["measured"] == pytest.approx(2.5)
+    assert measured.rows()["collision time, bvh / voxel 64"]["measured"] == pytest.approx(2.5)
 
 
-def test_complete_cases_are_not_run_again_and_failed_ones_are(table):
-    table(behaviour="allocations=crash")
-    code, text, _, calls = table()
+def test_complete_cases_are_not_run_again_and_failed_ones_are(measured):
+    shutil.rmtree(measured.out / "raw" / "kernels-allocations-r0")
+    assert measured(behaviour="allocations=crash")[0] == 1
+    code, text, _, calls = measured()
     assert code == 0 and len(calls) == 1 and "allocations" in calls[0] and "are complete already" in text
-    assert table()[3] == []
+    assert measured()[3] == []
 
 
-def test_cases_run_one_at_a_time_each_on_one_core_but_for_two_threads(table):
-    _, _, _, calls = table()
+def test_cases_run_one_at_a_time_each_on_one_core_but_for_two_threads(measured):
+    _, _, _, calls = measured.answer
     for call in calls:
         cores = [word for word in call.split("--")[0].split() if word.isdigit()]
         of_two = any(words in call for words in ("detect_threads", "^(loop", "^(muscles"))
         assert len(cores) == (2 if of_two else 1), call
 
 
-def test_the_report_alone_runs_nothing(table, tmp_path):
-    table()
-    before = table.rows()
-    assert table("--report-only")[3] == [] and table.rows() == before
-    shutil.rmtree(table.out)
-    code, _, errors, _ = table("--report-only")
+def test_the_report_alone_runs_nothing(measured):
+    before = measured.rows()
+    assert measured("--report-only")[3] == [] and measured.rows() == before
+    shutil.rmtree(measured.out)
+    code, _, errors, _ = measured("--report-only")
     assert code == 2 and "holds no measurement" in errors and len(errors.splitlines()) == 1
 
 

@@ -1,8 +1,8 @@
 """Runs cases side by side, one process a case."""
 
 import os
+import select
 import sys
-import time
 from dataclasses import dataclass
 
 from ..program.disk import DiskFull, is_disk_full
@@ -41,8 +41,8 @@ class _Pool:
         try:
             while self._queue:
                 self._start_cases()
-                if self._running:
-                    time.sleep(POLL_SECONDS)
+                if self._running:  # until one ends, or its progress may have grown
+                    select.select(self._running, [], [], POLL_SECONDS)
                 self._end_cases()
                 self._estimate.running = {w.case: (w.elapsed, w.fraction) for w in self._running}
                 bar.show()

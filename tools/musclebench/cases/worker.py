@@ -35,12 +35,17 @@ class Worker:
         self._hidden.mkdir(parents=True)
         experiment.prepare(case, self._hidden / "run")
         self._process = self._start(limits(memory_bytes) + experiment.command(case, self._hidden / "run"))
+        self._end = os.pidfd_open(self._process.pid)
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
     @property
     def elapsed(self) -> float:
         return time.monotonic() - self.started
+
+    def fileno(self) -> int:
+        """Can be read from when the process has ended."""
+        return self._end
 
     def is_running(self) -> bool:
         return self._process.poll() is None
@@ -90,6 +95,7 @@ class Worker:
     def _close(self) -> None:
         self._reader.join(GRACE_SECONDS)
         self._process.stderr.close()
+        os.close(self._end)
 
     def _failure(self, timed_out: bool) -> Refusal:
         if timed_out:
