@@ -18,10 +18,10 @@ from musclebench.cases.case import Folders
 from musclebench.cases.scene import chosen_names, survey
 from musclebench.cases.pool import Limits, run_cases
 from musclebench.cases.progress import duration
-from musclebench.program.cli import (
-    OneLineParser, Problem, add_scene_options, check_data, check_positive, check_program, chosen_cores, data_set_of,
-    out_name_of, run_command,
+from musclebench.cases.study_command import (
+    add_jobs_option, add_run_options, check_options, end, folders_of, missing, problem_of, require_results, study_parser,
 )
+from musclebench.program.cli import Problem, add_scene_options, chosen_cores, data_set_of, run_command
 from musclebench.program.disk import free_bytes
 from musclebench.program.out_folder import claimed
 from musclebench.program.registry import Registry, read_registry, save_registry
@@ -32,8 +32,6 @@ from musclebench.study.study_manifest import total_memory_bytes, write_manifest
 from musclebench.study.study_plan import Request, StudyCase, is_too_long, plan
 from musclebench.study.sweeps import configurations
 
-PROJECT = Path(__file__).resolve().parent.parent
-PROGRAM = PROJECT / "build" / "release" / "bench" / "musclebench"
 QUICK_MUSCLE = "iliacus"
 REPETITIONS = 3
 PRICE_LIST = "price_list.txt"
@@ -42,8 +40,7 @@ MEMORY_SHARE = 0.9
 
 
 def parse_arguments(arguments):
-    parser = OneLineParser(prog="tools/accuracy", description=__doc__,
-                           formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = study_parser("accuracy", __doc__)
     what = parser.add_argument_group("what is measured")
     what.add_argument("--quick", action="store_true",
                       help="a first picture in under 5 minutes: fewer configurations, frames and repetitions")
@@ -60,17 +57,12 @@ def parse_arguments(arguments):
                       help="run only the I-th of N parts, on machines of one kind with one build; copy the folders "
                            "together, then --report-only (default 1/1)")
     how = parser.add_argument_group("how it runs")
-    how.add_argument("--out", type=Path, metavar="DIR", help="default: reports/out/accuracy[-quick]-synthetic or -lhdl")
-    how.add_argument("--jobs", type=int, metavar="N",
-                     help="cases at a time, each on a core; 1 gives the quietest times (default: 2, or 1 on one core)")
-    how.add_argument("--timeout", type=float, default=1200.0, metavar="SECONDS", help="of one case (default 1200 s)")
+    add_run_options(how, timeout=1200.0)
+    add_jobs_option(how)
     how.add_argument("--memory-gb", type=float, metavar="GB",
                      help="of one case (default: its share of 90 %% of the machine's memory)")
-    how.add_argument("--force", action="store_true", help="run complete cases again")
     how.add_argument("--keep-structures", action="store_true",
                      help="keep the distance fields (about 0.7 GB), which otherwise go at the end")
-    how.add_argument("--musclebench", type=Path, default=PROGRAM, metavar="PROGRAM",
-                     help="the program to measure (default: the release build)")
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument("--dry-run", "--plan", action="store_true", help="print the cases with their guessed times")
     instead.add_argument("--report-only", action="store_true", help="draw what is there, run nothing")
@@ -84,14 +76,6 @@ def _shard(text: str) -> tuple[int, int]:
     return int(number), int(count)
 
 
-def check_input(options) -> None:
-    check_data(options.data)
-    for option in ("jobs", "repetitions", "frames_limit", "longest", "timeout", "band_mm", "memory_gb"):
-        check_positive(f"--{option.replace('_', '-')}", getattr(options, option))
-    if not options.report_only:
-        check_program(options.musclebench, "tools/accuracy")
-
-
 def request_of(options, registry: Registry, folders: Folders) -> Request:
     data_set = data_set_of(options)
     names = chosen_names(options.scene, options.muscle, data_set, registry, QUICK_MUSCLE if options.quick else None)
@@ -99,11 +83,6 @@ def request_of(options, registry: Registry, folders: Folders) -> Request:
     repetitions = options.repetitions or (1 if options.quick else REPETITIONS)
     return Request(tuple(scenes), data_set, repetitions, options.quick, options.frames_limit, options.band_mm,
                    options.shard, longest_seconds=options.longest)
-
-
-def out_dir_of(options) -> Path:
-    name = "-".join(["accuracy", *(["quick"] if options.quick else []), out_name_of(options)])
-    return (options.out or PROJECT / "reports" / "out" / name).absolute()
 
 
 def limits_of(options) -> Limits:
@@ -138,9 +117,7 @@ def check_space(cases: list[StudyCase], study: AccuracyStudy) -> None:
 def run_study(request: Request, study: AccuracyStudy, registry: Registry, options) -> list[str]:
     """Runs what is not complete yet; a line for each case that has no result."""
     cases = plan(request, configurations(registry))
-    todo = [case for case in cases if study.wants(case)]
-    if len(todo) < len(cases):
-        print(f"{len(cases) - len(todo)} of {len(cases)} cases are complete already (--force runs them again)")
+    todo = missing(cases, study)
     check_space(todo, study)
     with claimed(study.folders.out_dir, *RESULT_DIRS):
         save_registry(registry, study.folders.out_dir)
@@ -152,33 +129,28 @@ def run_study(request: Request, study: AccuracyStudy, registry: Registry, option
         if not failed and not options.keep_structures:
             study.remove_structures()
     ends = [(case, statuses.get(case, "failed")) for case in failed] + [(case, "nondeterministic") for case in marked]
-    return [f"{case.name}: {status}, see {study.folder(case) / 'run.json'}" for case, status in ends]
+    return [problem_of(case, status, study) for case, status in ends]
 
 
 def command_line() -> list[str]:
     return [shlex.quote(word) for word in sys.argv]
 
 
-def print_report(out_dir: Path) -> None:
+def write_report(out_dir: Path) -> list[Path]:
     files = report.write_report(out_dir)
     for path in files:
         if path.name == PRICE_LIST:
             print(f"\n{path.read_text().rstrip()}")
-    print("\nWritten:")
-    for path in files:
-        print(f"  {path}")
+    return files
 
 
 def measure_and_report(options) -> int:
-    check_input(options)
-    out_dir, started = out_dir_of(options), time.monotonic()
+    check_options(options, "accuracy")
+    folders, started = folders_of(options, "accuracy"), time.monotonic()
     if options.report_only:
-        if not (out_dir / "raw").is_dir():
-            raise Problem(f"{out_dir}: holds no study; run one, or name its folder with --out")
-        print_report(out_dir)
-        return 0
+        require_results(folders.out_dir)
+        return end("accuracy", write_report(folders.out_dir), [])
     registry = read_registry(options.musclebench)
-    folders = Folders(out_dir, options.data and options.data.resolve())
     request = request_of(options, registry, folders)
     study = AccuracyStudy(options.musclebench, folders, options.force)
     if options.dry_run:
@@ -186,11 +158,9 @@ def measure_and_report(options) -> int:
         return 0
     problems = run_study(request, study, registry, options)
     measured = time.monotonic()
-    print_report(out_dir)
+    files = write_report(folders.out_dir)
     print(f"\nMeasured in {duration(measured - started)}, drawn in {duration(time.monotonic() - measured)}.")
-    for problem in problems:
-        print(f"accuracy: {problem}", file=sys.stderr)
-    return 1 if problems else 0
+    return end("accuracy", files, problems)
 
 
 def main(arguments=None) -> int:

@@ -7,17 +7,16 @@ from pathlib import Path
 
 from musclebench.cases.case import Folders
 from musclebench.cases.experiment import Experiment
-from musclebench.cases.pool import Limits, run_cases
+from musclebench.cases.pool import Limits
 from musclebench.cases.scene import chosen_names, survey
+from musclebench.cases.study_command import (
+    add_jobs_option, add_run_options, check_options, end, folders_of, run_missing, study_parser,
+)
 from musclebench.figures import looks, paper_figures
 from musclebench.paper import paper_cases
 from musclebench.paper import published
 from musclebench.program.children import display, started
-from musclebench.program.cli import (
-    OneLineParser, Problem, add_scene_options, check_data, check_positive, check_program, chosen_cores, data_set_of,
-    out_name_of, run_command,
-)
-from musclebench.program.out_folder import claimed
+from musclebench.program.cli import Problem, add_scene_options, chosen_cores, data_set_of, run_command
 from musclebench.program.registry import Registry, read_registry, save_registry
 from musclebench.results import run_folder
 from musclebench.results.disturbance import note
@@ -25,43 +24,23 @@ from musclebench.tables import muscle_tables, paper_tables, table_formats
 from musclebench.results.status import MEASURED
 
 TOOLS = Path(__file__).resolve().parent
-PROJECT = TOOLS.parent
-PROGRAM = PROJECT / "build" / "release" / "bench" / "musclebench"
 
 
 def parse_arguments(arguments):
-    parser = OneLineParser(prog="tools/paper", description=__doc__)
-    parser.add_argument("--musclebench", type=Path, default=PROGRAM,
-                        help="the program to measure (default: that of the preset release)")
+    parser = study_parser("paper", __doc__)
     add_scene_options(parser, "default: all of the data set that have one muscle, the paper's four")
-    parser.add_argument("--out", type=Path, help="default: reports/out/paper-synthetic, -lhdl or -SCENE")
-    parser.add_argument("--jobs", type=int, help="cases at a time, each on a core (default: 2, or 1 on one core)")
     parser.add_argument("--frames-limit", type=int, metavar="N", help="only N frames a case, for a quick look")
-    parser.add_argument("--timeout", type=float, default=1800.0, metavar="SECONDS", help="of one case (default 1800)")
-    parser.add_argument("--force", action="store_true", help="run complete cases again")
+    add_run_options(parser, timeout=1800.0)
+    add_jobs_option(parser)
     return parser.parse_args(arguments)
 
 
-def check_input(options) -> None:
-    check_program(options.musclebench, "tools/paper")
-    check_data(options.data)
-    check_positive("--jobs", options.jobs)
-    check_positive("--frames-limit", options.frames_limit)
-    check_positive("--timeout", options.timeout)
-
-
-def run_experiment(options, registry: Registry, out_dir: Path) -> list[str]:
+def run_experiment(options, registry: Registry, folders: Folders) -> list[str]:
     """Runs what is not complete yet; the names of all runs of the plan."""
-    folders = Folders(out_dir, options.data and options.data.resolve())
     experiment = Experiment(options.musclebench, folders, options.force)
     names = chosen_names(options.scene, options.muscle, data_set_of(options), registry)
     plan = paper_cases.plan(survey(names, options.musclebench, registry, folders, options.frames_limit))
-    todo = [case for case in plan if experiment.wants(case)]
-    if len(todo) < len(plan):
-        print(f"{len(plan) - len(todo)} of {len(plan)} runs are complete already (--force runs them again)")
-    if todo:
-        with claimed(out_dir, "raw"):
-            run_cases(todo, experiment, Limits(chosen_cores(options.jobs), options.timeout))
+    run_missing(plan, experiment, Limits(chosen_cores(options.jobs), options.timeout))
     return [case.name for case in plan]
 
 
@@ -104,23 +83,21 @@ def draw_surfaces(out_dir: Path, names: list[str]) -> list[Path]:
     return files
 
 
-def print_report(runs: list[run_folder.Run], made: list[paper_tables.Table], files: list[Path]) -> None:
+def print_report(runs: list[run_folder.Run], made: list[paper_tables.Table]) -> None:
     for table in made:
         print(f"\n{table.caption}\n\n{table_formats.as_text(table)}")
     busy = note(paper_tables.disturbed_runs(runs), len(runs))
     print(f"\n{busy}" if busy else "")
-    print(f"{paper_figures.caption(runs)}\n\nWritten:")
-    for path in files:
-        print(f"  {path}")
+    print(paper_figures.caption(runs))
 
 
 def run_and_report(options) -> int:
-    check_input(options)
-    default_out = PROJECT / "reports" / "out" / f"paper-{out_name_of(options)}"
-    out_dir = (options.out or default_out).absolute()
+    check_options(options, "paper")
+    folders = folders_of(options, "paper")
+    out_dir = folders.out_dir
     registry = read_registry(options.musclebench)
     looks.know(registry)
-    names = run_experiment(options, registry, out_dir)
+    names = run_experiment(options, registry, folders)
     save_registry(registry, out_dir)
     runs, made, files = write_report(out_dir, names)
     problems = [f"{run.scene} with {run.backend}: {run.status}, {run.record.get('status_detail')}"
@@ -129,10 +106,8 @@ def run_and_report(options) -> int:
         files += draw_surfaces(out_dir, names)
     except Problem as problem:
         problems.append(str(problem))
-    print_report(runs, made, files)
-    for problem in problems:
-        print(f"paper: {problem}", file=sys.stderr)
-    return 1 if problems else 0
+    print_report(runs, made)
+    return end("paper", files, problems)
 
 
 def main(arguments=None) -> int:

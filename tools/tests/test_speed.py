@@ -232,7 +232,7 @@ def test_the_report_alone_runs_nothing(measured):
     assert measured("--report-only")[3] == [] and measured.rows() == before
     shutil.rmtree(measured.out)
     code, _, errors, _ = measured("--report-only")
-    assert code == 2 and "holds no measurement" in errors and len(errors.splitlines()) == 1
+    assert code == 2 and "holds no study" in errors and len(errors.splitlines()) == 1
 
 
 def test_a_round_has_everything_once_and_muscles_stay_together():

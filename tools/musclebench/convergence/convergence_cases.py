@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from ..cases.case import Folders, SceneCase
 from ..cases.scene import Scene
+from ..program.cli import Problem
 from ..program.registry import Backend, Registry
 
 PRESET = "standard"
@@ -55,3 +56,9 @@ def usual_backend(registry: Registry) -> Backend:
     exact = [backend for backend in registry.backends if backend.is_exact]
     cached = [backend for backend in exact if backend.of_role("clearance_cache")]
     return (cached or exact or list(registry.backends))[0]
+
+
+def backend_of(wanted: str | None, registry: Registry) -> str:
+    if wanted and not registry.has(wanted):
+        raise Problem(f"--backend {wanted}: not built; there are: {', '.join(registry.names)}")
+    return wanted or usual_backend(registry).name
