@@ -40,7 +40,7 @@ class DeformingModel {
 
   /// Whether the positions of the last update are: else there is nothing to collide.
   [[nodiscard]] bool finite() const { return m_finite; }
-  [[nodiscard]] fcl::CollisionObjectd& object() { return *m_object; }
+  [[nodiscard]] fcl::CollisionObjectd& object() const { return *m_object; }
 
   [[nodiscard]] std::size_t bytes() const {
     std::size_t sum = model_bytes(*m_model) + sizeof(fcl::CollisionObjectd);

@@ -5,7 +5,7 @@
 
 #include "backends/fcl/fcl_options.hpp"
 #include "backends/fcl/surfaces/met_triangles.hpp"
-#include "backends/fcl/surfaces/muscle_collider.hpp"
+#include "backends/fcl/surfaces/surface_collider.hpp"
 #include "core/base/input_error.hpp"
 #include "core/distance/pseudo_normals.hpp"
 
@@ -21,15 +21,16 @@ class FclMuscleDetector final : public MuscleContactDetector {
         m_normals(muscles.mesh),
         m_found(muscles.pairs.size()),
         m_pair_times(no_times(muscles.pairs)) {
+    std::vector<MuscleSurface> surfaces;
     for (const Body& body : muscles.bodies) {
-      m_is_alone.push_back(muscles_beside(muscles.pairs, static_cast<int>(m_surfaces.size())).empty());
-      m_surfaces.push_back(muscle_surface(muscles.mesh, body, "fcl: contact between muscles"));
+      m_is_alone.push_back(muscles_beside(muscles.pairs, static_cast<int>(surfaces.size())).empty());
+      surfaces.push_back(muscle_surface(muscles.mesh, body, "fcl: contact between muscles"));
     }
     for (std::size_t pair = 0; pair < muscles.pairs.size(); ++pair) {
       m_met.push_back(
           {MetTriangles(nodes_of(muscles.pairs[pair].first)), MetTriangles(nodes_of(muscles.pairs[pair].second))});
     }
-    m_collider = make_muscle_collider(options, m_surfaces);
+    m_collider = make_surface_collider(options, {}, std::move(surfaces), threads);
   }
 
   void detect(std::span<const Vec3> positions, std::vector<MuscleContact>& contacts) override {
@@ -37,11 +38,7 @@ class FclMuscleDetector final : public MuscleContactDetector {
     const auto bodies = static_cast<std::ptrdiff_t>(m_muscles.bodies.size());
 #pragma omp parallel for num_threads(m_threads) schedule(dynamic, 1)
     for (std::ptrdiff_t i = 0; i < bodies; ++i) {
-      if (m_is_alone[static_cast<std::size_t>(i)]) continue;
-      const Body& body = m_muscles.bodies[static_cast<std::size_t>(i)];
-      m_collider->update(static_cast<std::size_t>(i),
-                         positions.subspan(static_cast<std::size_t>(body.first_node),
-                                           static_cast<std::size_t>(body.last_node - body.first_node)));
+      if (!m_is_alone[static_cast<std::size_t>(i)]) m_collider->deform(static_cast<std::size_t>(i), positions);
     }
     const auto pairs = static_cast<std::ptrdiff_t>(m_muscles.pairs.size());
 #pragma omp parallel for num_threads(m_threads) schedule(dynamic, 1)
@@ -74,16 +71,12 @@ class FclMuscleDetector final : public MuscleContactDetector {
     m_pair_times[index].detect_ns = 0;
     const ScopedTimer timer(m_pair_times[index].detect_ns);
     const MusclePair& pair = m_muscles.pairs[index];
-    std::vector<IntersectingTriangles> met;
-    m_collider->collide(static_cast<std::size_t>(pair.first), static_cast<std::size_t>(pair.second), met);
-    const MuscleSurface& first = m_surfaces[static_cast<std::size_t>(pair.first)];
-    const MuscleSurface& second = m_surfaces[static_cast<std::size_t>(pair.second)];
+    std::vector<TrianglePair> met;
+    m_collider->collide_muscles(static_cast<std::size_t>(pair.first), static_cast<std::size_t>(pair.second), met);
     auto& [met_by_first, met_by_second] = m_met[index];
     met_by_first.start_round();
     met_by_second.start_round();
-    for (const IntersectingTriangles& triangles : met) {
-      const int of_first = first.triangles[static_cast<std::size_t>(triangles.of_first)];
-      const int of_second = second.triangles[static_cast<std::size_t>(triangles.of_second)];
+    for (const auto& [of_first, of_second] : met) {
       meet(pair.first, of_first, of_second, positions, met_by_first);
       meet(pair.second, of_second, of_first, positions, met_by_second);
     }
@@ -125,9 +118,8 @@ class FclMuscleDetector final : public MuscleContactDetector {
   TouchingMuscles m_muscles;
   [[maybe_unused]] int m_threads;
   MovingPseudoNormals m_normals;
-  std::vector<MuscleSurface> m_surfaces;  ///< by muscle
-  std::vector<bool> m_is_alone;           ///< by muscle: touches no other
-  std::unique_ptr<MuscleCollider> m_collider;
+  std::vector<bool> m_is_alone;  ///< by muscle: touches no other
+  std::unique_ptr<SurfaceCollider> m_collider;
   std::vector<std::pair<MetTriangles, MetTriangles>> m_met;  ///< by pair, of its first and its second muscle
   std::vector<std::vector<MuscleContact>> m_found;           ///< by pair
   std::vector<PairTime> m_pair_times;
@@ -137,7 +129,7 @@ class FclMuscleDetector final : public MuscleContactDetector {
 
 std::unique_ptr<MuscleContactDetector> make_fcl_muscle_detector(const Parameters& parameters,
                                                                 const TouchingMuscles& muscles, int threads) {
-  const FclOptions options = fcl_options(parameters);
+  FclOptions options = fcl_options(parameters);
   if (options.query != Query::surfaces) {
     throw InputError("fcl: query",
                      "asks single nodes about a tree that never deforms; contact between muscles needs "
@@ -146,6 +138,7 @@ std::unique_ptr<MuscleContactDetector> make_fcl_muscle_detector(const Parameters
   if (options.broad_phase != FclOptions{}.broad_phase) {
     throw InputError("fcl: manager", "finds the bones near a muscle; leave it out between muscles");
   }
+  options.broad_phase = BroadPhase::none;  // there are no bones
   return std::make_unique<FclMuscleDetector>(options, muscles, threads);
 }
 

@@ -19,7 +19,8 @@ MuscleSurface muscle_surface(const TriangleMesh& mesh, const Body& muscle, const
     surface.local_triangles.push_back({ia - muscle.first_node, ib - muscle.first_node, ic - muscle.first_node});
   }
   if (surface.triangles.empty()) {
-    throw InputError(what, "none of its triangles has an area; give a surface");
+    throw InputError(muscle.name.empty() ? what : what + (" '" + muscle.name + "'"),
+                     "none of its triangles has an area; give a surface");
   }
   surface.rest_positions.assign(mesh.vertices.begin() + muscle.first_node, mesh.vertices.begin() + muscle.last_node);
   return surface;

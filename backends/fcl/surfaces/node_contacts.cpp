@@ -47,10 +47,10 @@ void NodeContacts::append(int bone, const RigidMotion& pose, std::span<const Tri
 void NodeContacts::measure_pairs(const TriangleMesh& bone, const RigidMotion& pose, std::span<const TrianglePair> pairs,
                                  std::span<const Vec3> positions) {
   for (const TrianglePair& pair : pairs) {
-    const auto& [a, b, c] = bone.triangles[static_cast<std::size_t>(pair.bone_triangle)];
+    const auto& [a, b, c] = bone.triangles[static_cast<std::size_t>(pair.other_triangle)];
     for (const int node : m_triangles[static_cast<std::size_t>(pair.muscle_triangle)]) {
       m_met.meet(
-          node, [&] { return pose.apply_inverse(positions[static_cast<std::size_t>(node)]); }, pair.bone_triangle,
+          node, [&] { return pose.apply_inverse(positions[static_cast<std::size_t>(node)]); }, pair.other_triangle,
           bone.vertices[static_cast<std::size_t>(a)], bone.vertices[static_cast<std::size_t>(b)],
           bone.vertices[static_cast<std::size_t>(c)]);
     }

@@ -63,27 +63,30 @@ class SurfaceBackend final : public CollisionBackend {
   void do_update(std::span<const Vec3> positions) override {
     m_asked_poses.clear();
     for (const int bone : m_bones) m_asked_poses.push_back(poses()[static_cast<std::size_t>(bone)]);
-    m_collider->update(m_asked_poses, positions);
+    m_collider->move_bones(m_asked_poses);
+    for (std::size_t muscle = 0; muscle < count(); ++muscle) m_collider->deform(muscle, positions);
   }
 
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
     if (nodes.empty()) {
       return;
     }
-    m_collider->collide(m_pairs);
-    const std::size_t count = std::max<std::size_t>(1, muscles().size());
+    m_collider->collide_bones(m_pairs);
     for (std::size_t pair = 0; pair < m_pairs.size(); ++pair) {
       const Nanoseconds start_ns = monotonic_now_ns();
-      const std::size_t asked = pair / count;
+      const std::size_t asked = pair / count();
       const auto first = static_cast<std::ptrdiff_t>(contacts.size());
       m_contacts->append(static_cast<int>(asked), m_asked_poses[asked], m_pairs[pair], positions,
-                         nodes_of(pair % count, nodes), contacts);
+                         nodes_of(pair % count(), nodes), contacts);
       std::for_each(contacts.begin() + first, contacts.end(), [&](Contact& contact) { contact.bone = m_bones[asked]; });
       if (muscles().empty()) continue;
-      add_pair_time(static_cast<std::size_t>(m_bones[asked]), pair % count,
+      add_pair_time(static_cast<std::size_t>(m_bones[asked]), pair % count(),
                     m_collider->times()[pair] + monotonic_now_ns() - start_ns);
     }
   }
+
+  /// All are one where they are not told apart.
+  [[nodiscard]] std::size_t count() const { return std::max<std::size_t>(1, muscles().size()); }
 
   [[nodiscard]] std::span<const int> nodes_of(std::size_t index, std::span<const int> nodes) const {
     if (muscles().empty()) {

@@ -35,15 +35,14 @@ class FclSurfaceCollider final : public SurfaceCollider {
     m_times_ns.resize(m_results.size());
   }
 
-  void update(std::span<const RigidMotion> bone_poses, std::span<const Vec3> positions) override {
-    m_bones->move(bone_poses);
-    for (std::size_t muscle = 0; muscle < m_muscles.size(); ++muscle) {
-      m_models[muscle]->update(positions.subspan(static_cast<std::size_t>(m_muscles[muscle].first_node),
-                                                 m_muscles[muscle].rest_positions.size()));
-    }
+  void move_bones(std::span<const RigidMotion> poses) override { m_bones->move(poses); }
+
+  void deform(std::size_t muscle, std::span<const Vec3> positions) override {
+    m_models[muscle]->update(positions.subspan(static_cast<std::size_t>(m_muscles[muscle].first_node),
+                                               m_muscles[muscle].rest_positions.size()));
   }
 
-  void collide(std::vector<std::vector<TrianglePair>>& pairs) override {
+  void collide_bones(std::vector<std::vector<TrianglePair>>& pairs) override {
     pairs.resize(m_results.size());
     for (auto& list : pairs) {
       list.clear();
@@ -59,11 +58,26 @@ class FclSurfaceCollider final : public SurfaceCollider {
 #pragma omp parallel for num_threads(m_threads) schedule(dynamic, 1)
     for (std::ptrdiff_t i = 0; i < count; ++i) {
       const std::size_t pair = m_overlapping[static_cast<std::size_t>(i)];
-      collide_pair(pair, pairs[pair]);
+      const ScopedTimer timer(m_times_ns[pair]);
+      collide(pair % m_muscles.size(), m_bones->object(pair / m_muscles.size()), m_results[pair], pairs[pair]);
     }
   }
 
   [[nodiscard]] std::span<const Nanoseconds> times() const override { return m_times_ns; }
+
+  void collide_muscles(std::size_t first, std::size_t second, std::vector<TrianglePair>& pairs) override {
+    pairs.clear();
+    const DeformingModel<BoundingVolume>& one = *m_models[first];
+    const DeformingModel<BoundingVolume>& other = *m_models[second];
+    if (!one.finite() || !other.finite() || !one.object().getAABB().overlap(other.object().getAABB())) {
+      return;
+    }
+    fcl::CollisionResultd result;
+    collide(first, other.object(), result, pairs);
+    for (TrianglePair& pair : pairs) {
+      pair.other_triangle = m_muscles[second].triangles[static_cast<std::size_t>(pair.other_triangle)];
+    }
+  }
 
   [[nodiscard]] std::size_t bytes() const override {
     std::size_t sum = m_bones->bytes() + m_bone_model_bytes;
@@ -72,13 +86,12 @@ class FclSurfaceCollider final : public SurfaceCollider {
   }
 
  private:
-  /// Reads the models, and writes only what belongs to the pair: several threads may be in here, each with its pair.
-  void collide_pair(std::size_t pair, std::vector<TrianglePair>& list) {
-    const ScopedTimer timer(m_times_ns[pair]);
-    const std::size_t muscle = pair % m_muscles.size();
-    fcl::CollisionResultd& result = m_results[pair];
+  /// Appends triangles of a muscle and, as the other's model counts them, of `other`. Several threads may be in here,
+  /// each with a result and a list of its own.
+  void collide(std::size_t muscle, const fcl::CollisionObjectd& other, fcl::CollisionResultd& result,
+               std::vector<TrianglePair>& list) const {
     result.clear();
-    fcl::collide(&m_models[muscle]->object(), &m_bones->object(pair / m_muscles.size()), m_request, result);
+    fcl::collide(&m_models[muscle]->object(), &other, m_request, result);
     for (std::size_t i = 0; i < result.numContacts(); ++i) {
       // Only the indices: with boxes that are not oriented, o1 and o2 point to copies that FCL has deleted by now.
       const fcl::Contactd& contact = result.getContact(i);

@@ -142,13 +142,14 @@ void check_surfaces(const Configuration& configuration, Verdict verdict) {
   std::vector<std::vector<TrianglePair>> pairs;
   std::size_t lost = 0;
   for (int step = 0; step < steps; ++step) {
-    collider->update(scene.poses(step), scene.positions(step));
-    collider->collide(pairs);
+    collider->move_bones(scene.poses(step));
+    collider->deform(0, scene.positions(step));
+    collider->collide_bones(pairs);
     for (std::size_t bone = 0; bone < 2; ++bone) {
       const PairSet& expected = truth().pairs[static_cast<std::size_t>(step)][bone];
       PairSet found;
       for (const TrianglePair& pair : pairs[bone]) {
-        found.emplace(pair.muscle_triangle, pair.bone_triangle);
+        found.emplace(pair.muscle_triangle, pair.other_triangle);
       }
       EXPECT_EQ(pairs[bone].size(), found.size()) << "a pair came twice, step " << step << " bone " << bone;
       EXPECT_TRUE(std::includes(expected.begin(), expected.end(), found.begin(), found.end()));

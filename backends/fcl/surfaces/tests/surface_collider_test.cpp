@@ -17,7 +17,7 @@ constexpr BroadPhase managers[] = {BroadPhase::dynamic_aabb_tree, BroadPhase::sw
 PairSet as_set(const std::vector<TrianglePair>& pairs) {
   PairSet set;
   for (const TrianglePair& pair : pairs) {
-    set.emplace(pair.muscle_triangle, pair.bone_triangle);
+    set.emplace(pair.muscle_triangle, pair.other_triangle);
   }
   return set;
 }
@@ -56,13 +56,14 @@ TEST_P(EveryUpdate, SurvivesTrianglesThatCollapse) {
       }
     }
     EXPECT_GT(flat.size(), 20U);
-    collider->update(poses, positions);
-    collider->collide(pairs);
+    collider->move_bones(poses);
+    collider->deform(0, positions);
+    collider->collide_bones(pairs);
     for (std::size_t bone = 0; bone < 2; ++bone) {
       PairSet found;
       for (const TrianglePair& pair : pairs[bone]) {
         if (!flat.contains(pair.muscle_triangle)) {
-          found.emplace(pair.muscle_triangle, pair.bone_triangle);
+          found.emplace(pair.muscle_triangle, pair.other_triangle);
         }
       }
       PairSet expected =
@@ -105,8 +106,9 @@ TEST_P(EveryManager, FollowsABoxThatGrowsAtOneEndOrBoth) {
     for (Vec3& position : positions) {
       position.x() *= position.x() < 0 ? at_lower_end : at_upper_end;
     }
-    collider->update(apart, positions);
-    collider->collide(pairs);
+    collider->move_bones(apart);
+    collider->deform(0, positions);
+    collider->collide_bones(pairs);
     EXPECT_EQ(as_set(pairs[0]), intersecting_pairs(positions, muscle.triangles, bones[0].surface.mesh, apart[0]));
     return pairs[0].size();
   };
@@ -130,6 +132,18 @@ TEST(SurfaceCollider, UnknownVolumeNamesTheNearest) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("'OBBRSS'"), std::string::npos) << error.what();
+  }
+}
+
+TEST(MuscleSurface, OfAMuscleWithoutAreaNamesIt) {
+  TriangleMesh flat = make_sphere(0.05, 0);
+  for (Vec3& vertex : flat.vertices) vertex.y() = vertex.z() = 0;
+  const int nodes = static_cast<int>(flat.vertices.size());
+  try {
+    (void)muscle_surface(flat, {"psoas", 0, nodes, 0, flat.triangles.size()}, "fcl: muscle");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("fcl: muscle 'psoas'"), std::string::npos) << error.what();
   }
 }
 
