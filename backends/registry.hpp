@@ -16,8 +16,7 @@ struct BackendSource {
   std::string_view study;  ///< the text of its study.toml; empty: none
 };
 
-/// The folders that a program is built with (cmake/MusclebenchBackends.cmake writes it). A program of its own that
-/// defines this has other backends than the library.
+/// The folders that a program is built with (cmake/MusclebenchBackends.cmake writes it).
 std::span<const BackendSource> backend_table();
 
 /// All backends of this build.

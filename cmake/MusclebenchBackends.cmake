@@ -52,8 +52,6 @@ function(musclebench_write_backend_table file)
     string(APPEND rows "      BackendSource{\"${name}\", ${name}_entry, R\"study(${text})study\"},\n")
   endforeach()
   list(LENGTH ARGN count)
-  # Another table may take its place when a program is linked.
-  set_source_files_properties("${file}" PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   file(GENERATE OUTPUT "${file}" CONTENT "#include <array>
 
 #include \"backends/registry.hpp\"

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""A backend outside the project, from its folder to advice: run by CTest with a program that has it."""
+"""A backend outside the project, from its folder to figures: run by CTest, in the words of the README's recipe."""
 
 import argparse
 import csv
 import json
+import shutil
 import subprocess
 import tempfile
 from pathlib import Path
@@ -29,7 +30,24 @@ def call(*command: str | Path, code: int = 0) -> str:
     return done.stdout + done.stderr
 
 
-def is_listed(program: str) -> None:
+def configure(arguments: argparse.Namespace, backend: Path, build: Path, code: int = 0) -> str:
+    """Libraries that the build under test has are linked, not compiled once more."""
+    return call(arguments.cmake, "-S", arguments.source, "-B", build, *arguments.settings, "-DMUSCLEBENCH_WITH_MICRO=OFF",
+                "-DMUSCLEBENCH_PCH=OFF", f"-DMUSCLEBENCH_PREBUILT={arguments.build}",
+                f"-DMUSCLEBENCH_EXTRA_BACKENDS={backend}", code=code)
+
+
+def built_with_it(arguments: argparse.Namespace, folder: Path) -> Path:
+    """The program; the contract suite has passed."""
+    backend, build = folder / NAME, folder / "build"
+    shutil.copytree(Path(arguments.source) / "backends/tests" / NAME, backend)
+    configure(arguments, backend, build)
+    call(arguments.cmake, "--build", build, "-j", "2", "--target", "musclebench", "musclebench_backends_tests")
+    call(Path(arguments.cmake).with_name("ctest"), "--test-dir", build, "-R", NAME, "--no-tests=error")
+    return build / "bench/musclebench"
+
+
+def is_listed(program: Path) -> None:
     backends = {backend["name"]: backend for backend in json.loads(call(program, "list", "--json"))["backends"]}
     assert NAME in backends and len(backends) > 4, sorted(backends)
     assert backends[NAME]["study"]["series"][0]["sweep"] == {"radius_share": [0.8, 0.9, 1.0]}
@@ -37,7 +55,7 @@ def is_listed(program: str) -> None:
     assert NAME in call(program, "list")
 
 
-def runs_and_is_judged(program: str, folder: Path) -> None:
+def runs_and_is_judged(program: Path, folder: Path) -> None:
     call(program, "run", *SCENE, "--backend", NAME, "--param", "radius_share=0.9", "--out", folder / "run")
     case = json.loads((folder / "run/run.json").read_text())["case"]
     assert case["backend"] == NAME and case["response"] == "project"
@@ -45,15 +63,15 @@ def runs_and_is_judged(program: str, folder: Path) -> None:
     assert refused.count("\n") == 1 and "cells" in refused, refused
 
 
-def is_tried_by_advise(program: str) -> None:
+def is_tried_by_advise(program: Path) -> None:
     advice = call(program, "advise", *SCENE, "--depth-mm", "50", "--seconds", "100")
     assert f"{NAME} radius_share=0.9" in advice, advice
 
 
-def is_in_tables_and_figures_of_the_study(arguments: argparse.Namespace, folder: Path) -> None:
+def is_in_tables_and_figures_of_the_study(program: Path, source: str, folder: Path) -> None:
     out = folder / "study"
-    script = STUDY.format(tools=str(Path(arguments.source) / "tools"), program=arguments.program, name=NAME)
-    call("/usr/bin/python3", "-c", script, "--musclebench", arguments.program, "--out", out, "--muscle", "adductor_brevis",
+    script = STUDY.format(tools=str(Path(source) / "tools"), program=str(program), name=NAME)
+    call("/usr/bin/python3", "-c", script, "--musclebench", program, "--out", out, "--muscle", "adductor_brevis",
          "--quick", "--frames-limit", "4", "--jobs", "1")
     for table in ("accuracy.csv", "study.csv", "figures/pareto_replay.csv"):
         with open(out / table, newline="") as file:
@@ -61,33 +79,25 @@ def is_in_tables_and_figures_of_the_study(arguments: argparse.Namespace, folder:
     assert "#56b4e9" in (out / "figures/pareto_replay.svg").read_text().lower(), "its colour"
 
 
-def is_built_by_the_option(arguments: argparse.Namespace, folder: Path) -> None:
-    """Only configured: what is compiled then is what this program was made from."""
-    configure = [arguments.cmake, "-S", arguments.source, "-B", folder / "build", "-G", arguments.generator,
-                 f"-DCMAKE_CXX_COMPILER={arguments.compiler}", "-DMUSCLEBENCH_WITH_TESTS=OFF",
-                 "-DMUSCLEBENCH_WITH_MICRO=OFF", "-DMUSCLEBENCH_WITH_FCL=OFF"]
-    extra = folder / NAME
-    extra.mkdir()
-    for source in (Path(arguments.source) / "backends/tests" / NAME).iterdir():
-        (extra / source.name).write_bytes(source.read_bytes())
-    call(*configure, f"-DMUSCLEBENCH_EXTRA_BACKENDS={extra}")
-    table = (folder / "build/backends/backend_table.cpp").read_text()
-    assert f"{NAME}_entry()" in table and "radius_share = [0.8" in table
-    (extra / "CMakeLists.txt").unlink()
-    assert "has no CMakeLists.txt" in call(*configure, f"-DMUSCLEBENCH_EXTRA_BACKENDS={extra}", code=1)
+def a_folder_without_lists_is_refused(arguments: argparse.Namespace, folder: Path) -> None:
+    (folder / NAME / "CMakeLists.txt").unlink()
+    assert "has no CMakeLists.txt" in configure(arguments, folder / NAME, folder / "build", code=1)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    for option in ("program", "source", "cmake", "compiler", "generator"):
+    for option in ("source", "build", "cmake"):
         parser.add_argument(f"--{option}", required=True)
+    parser.add_argument("settings", nargs="*", help="of the build, for CMake")
     arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        is_listed(arguments.program)
-        runs_and_is_judged(arguments.program, Path(folder))
-        is_tried_by_advise(arguments.program)
-        is_in_tables_and_figures_of_the_study(arguments, Path(folder))
-        is_built_by_the_option(arguments, Path(folder))
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        program = built_with_it(arguments, folder)
+        is_listed(program)
+        runs_and_is_judged(program, folder)
+        is_tried_by_advise(program)
+        is_in_tables_and_figures_of_the_study(program, arguments.source, folder)
+        a_folder_without_lists_is_refused(arguments, folder)
 
 
 if __name__ == "__main__":
