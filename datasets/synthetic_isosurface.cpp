@@ -18,7 +18,9 @@ using Cell = std::array<int, 3>;
 using Tetrahedron = std::array<int, 4>;
 
 constexpr int block_cells = 8;
-/// Of a field, whose gradient may exceed 1 by a few per cent; a block is skipped where it proves that there is no zero.
+constexpr int part_cells = 2;
+constexpr int block_parts = block_cells / part_cells;
+/// Of a field, whose gradient may exceed 1 by a few per cent; cells are skipped where it proves that there is no zero.
 constexpr double lipschitz_bound = 1.3;
 /// Cuts keep off the ends of an edge, so that no triangle is born with an edge of length zero.
 constexpr double shortest_cut = 0.05;
@@ -70,15 +72,38 @@ class Marcher {
 
   void march_block(const Cell& block) {
     const Cell first = {block[0] * block_cells, block[1] * block_cells, block[2] * block_cells};
-    const Vec3 centre = position_m(first) + Vec3::Constant(0.5 * block_cells * m_cell_m);
-    const double reach = 0.5 * std::sqrt(3.0) * block_cells * m_cell_m;
+    m_may_cross.fill(false);
+    find_parts(first, block_cells);
+    for (int i = 0; i < block_cells * block_cells * block_cells; ++i) {
+      const Cell cell = {first[0] + i % block_cells, first[1] + i / block_cells % block_cells,
+                         first[2] + i / (block_cells * block_cells)};
+      if (m_may_cross[part_index(cell)]) {
+        march_cell(cell);
+      }
+    }
+  }
+
+  /// Marks the parts of a cube of cells that the surface may cross.
+  void find_parts(const Cell& first, int cells) {
+    const Vec3 centre = position_m(first) + Vec3::Constant(0.5 * cells * m_cell_m);
+    const double reach = 0.5 * std::sqrt(3.0) * cells * m_cell_m;
     if (std::abs(m_field(centre)) > lipschitz_bound * reach) {
       return;
     }
-    for (int i = 0; i < block_cells * block_cells * block_cells; ++i) {
-      march_cell({first[0] + i % block_cells, first[1] + i / block_cells % block_cells,
-                  first[2] + i / (block_cells * block_cells)});
+    if (cells == part_cells) {
+      m_may_cross[part_index(first)] = true;
+      return;
     }
+    const int half = cells / 2;
+    for (int i = 0; i < 8; ++i) {
+      find_parts({first[0] + half * (i & 1), first[1] + half * (i >> 1 & 1), first[2] + half * (i >> 2 & 1)}, half);
+    }
+  }
+
+  /// Of the part of its block that holds the cell.
+  static std::size_t part_index(const Cell& cell) {
+    const auto part = [&](std::size_t axis) { return cell[axis] % block_cells / part_cells; };
+    return static_cast<std::size_t>(part(0) + block_parts * (part(1) + block_parts * part(2)));
   }
 
   void march_cell(const Cell& cell) {
@@ -169,6 +194,7 @@ class Marcher {
   double m_cell_m;
   std::array<int, 3> m_blocks{};
   GridIndex m_nodes;
+  std::array<bool, block_parts * block_parts * block_parts> m_may_cross{};  ///< parts of the block that is marched
   std::unordered_map<std::int64_t, double> m_values;
   std::unordered_map<std::int64_t, int> m_cuts;
   TriangleMesh m_mesh;
