@@ -6,6 +6,8 @@ from __future__ import annotations
 import json
 import os
 import tomllib
+from copy import deepcopy
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,6 +29,11 @@ def listed() -> dict:
 
 
 def study_of(backend: str) -> dict:
+    return deepcopy(_read_study(backend))
+
+
+@cache
+def _read_study(backend: str) -> dict:
     return tomllib.loads((BACKENDS / backend / "study.toml").read_text())
 
 

@@ -108,21 +108,6 @@ def test_shares_of_a_frame_add_up_and_the_best_fcl_is_chosen(study):
     assert not {"frame_ns", "recording_ns", "judging_ns"} & set(rows.index.get_level_values("stage"))
 
 
-def test_every_figure_has_its_rows_and_its_caption(tmp_path):
-    small = {"lhdl/iliacus": 1.0}
-    fake_study.write_realistic_study(tmp_path, small, repetitions=1)
-    made = report.write_report(tmp_path)
-    stems = {path.stem for path in made if path.suffix == ".png"}
-    assert stems == {"pareto_replay", "pareto_coupled", "pareto_coupled_shape", "convergence", "convergence_cost",
-                     "stages"}
-    for stem in stems:
-        for suffix in (".png", ".svg", ".csv", ".md"):
-            assert (tmp_path / "figures" / f"{stem}{suffix}").stat().st_size > 0
-        caption = (tmp_path / "figures" / f"{stem}.md").read_text()
-        assert all(word in caption for word in ("A processor", "GNU 12.2.0", "-O2", "abc1234", "lhdl", "paper"))
-    assert "within 10 mm" in (tmp_path / "figures" / "pareto_replay.md").read_text()
-
-
 def test_tables_fit_a_terminal(study):
     for table in report.write_report(study).tables:
         assert max(map(len, table_formats.as_text(table).splitlines())) <= 110

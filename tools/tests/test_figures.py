@@ -23,22 +23,41 @@ from printed import check_print, keep_figures, overlaps
 
 @pytest.fixture(scope="module", params=[pytest.param(1, marks=pytest.mark.weekly, id="one muscle"),
                                         pytest.param(2, id="two muscles")])
-def drawn(request, tmp_path_factory):
-    """{stem: (figure, its files)} of a whole study."""
+def reported(request, tmp_path_factory):
+    """A whole study's folder, the files of its report, and {stem: (figure, its files)}."""
     scenes = {"lhdl/iliacus": 1.0, "lhdl/gluteus_maximus": 1.7}
     folder, kept = tmp_path_factory.mktemp("study"), {}
     looks.know(fake_registry.registry())
     fake_study.write_realistic_study(folder, dict(list(scenes.items())[:request.param]), repetitions=1)
     with pytest.MonkeyPatch.context() as patch:
         keep_figures(patch, kept)
-        report.write_report(folder)
-    return kept
+        made = report.write_report(folder)
+    return folder, list(made), kept
+
+
+@pytest.fixture(scope="module")
+def drawn(reported):
+    """{stem: (figure, its files)}"""
+    return reported[2]
 
 
 def test_a_study_is_drawn_for_print(drawn):
     assert {"pareto_replay", "pareto_coupled", "stages", "convergence"} <= set(drawn)
     for figure, paths in drawn.values():
         check_print(figure, paths)
+
+
+def test_every_figure_has_its_rows_and_its_caption(reported):
+    folder, made, _ = reported
+    stems = {path.stem for path in made if path.suffix == ".png"}
+    assert stems == {"pareto_replay", "pareto_coupled", "pareto_coupled_shape", "convergence", "convergence_cost",
+                     "stages"}
+    for stem in stems:
+        for suffix in (".png", ".svg", ".csv", ".md"):
+            assert (folder / "figures" / f"{stem}{suffix}").stat().st_size > 0
+        caption = (folder / "figures" / f"{stem}.md").read_text()
+        assert all(word in caption for word in ("A processor", "GNU 12.2.0", "-O2", "abc1234", "lhdl", "paper"))
+    assert "within 10 mm" in (folder / "figures" / "pareto_replay.md").read_text()
 
 
 def test_no_text_covers_another_or_a_panel_the_key(drawn):
@@ -97,7 +116,7 @@ def test_labels_find_room_where_an_interval_is_not_known():
 
 def colours_in(path) -> set[tuple]:
     with Image.open(path) as picture:
-        return {tuple(colour) for colour in np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0)}
+        return {colour for _, colour in picture.convert("RGB").getcolors(picture.width * picture.height)}
 
 
 def as_bytes(colour: str) -> tuple:
