@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "core/base/parallel_chunks.hpp"
@@ -44,6 +45,11 @@ struct Face {
 
   [[nodiscard]] Vec3 at(const Vec3& weights) const {
     return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
+  }
+
+  /// Of what may poke through it or is closer to it than `skin_m`.
+  [[nodiscard]] Eigen::AlignedBox3d surroundings(double skin_m) const {
+    return {centre.array() - (radius_m + skin_m), centre.array() + (radius_m + skin_m)};
   }
 
   [[nodiscard]] Vec3 weights_of(const Vec3& point) const {
@@ -112,6 +118,76 @@ std::pair<Vec3, Vec3> plane_at(const SignedSurface& surface, const Face& face, c
   return {deepest.at + crossings.front().share * length_m * out, out};
 }
 
+/// Collects the contacts of one face with one bone, each from where a descent began.
+class FaceSearch {
+ public:
+  /// `near` is a triangle of the bone, kept near the face. Appends to `found`.
+  FaceSearch(const SignedSurface& surface, const Face& face, double skin_m, int& near, std::vector<FaceContact>& found,
+             std::vector<PathCrossing>& crossings)
+      : m_surface(surface),
+        m_face(face),
+        m_skin_m(skin_m),
+        m_near(near),
+        m_found(found),
+        m_crossings(crossings),
+        m_first(static_cast<std::ptrdiff_t>(found.size())) {}
+
+  /// Whether it ends in the bone or within the skin.
+  bool descend_from(const Vec3& start, FaceContact contact) {
+    const DeepestPoint deepest = find_deepest(m_surface, m_face, start, m_near);
+    m_near = deepest.located.closest.triangle;
+    if (!(deepest.located.signed_distance_m() < m_skin_m)) return false;
+    contact.weights = m_face.weights_of(deepest.at);
+    if (!is_found(contact.weights)) {
+      std::tie(contact.point, contact.normal) = plane_at(m_surface, m_face, contact.weights, deepest, m_crossings);
+      m_found.push_back(contact);
+    }
+    return true;
+  }
+
+  [[nodiscard]] bool is_found(const Vec3& weights) const {
+    return std::any_of(m_found.begin() + m_first, m_found.end(), [&](const FaceContact& other) {
+      return (other.weights - weights).lpNorm<Eigen::Infinity>() < least_apart;
+    });
+  }
+
+ private:
+  const SignedSurface& m_surface;
+  const Face& m_face;
+  double m_skin_m;
+  int& m_near;
+  std::vector<FaceContact>& m_found;
+  std::vector<PathCrossing>& m_crossings;
+  std::ptrdiff_t m_first;
+};
+
+/// Appends the contacts of sharp vertices that poke through the face or nearly do. The bone comes from the side that
+/// the face looks to, so the face gives way into the muscle. Whether there are any about, whether or not they meet the
+/// face.
+bool collect_sharp_vertices(const SharpVertices& vertices, const Face& face, double skin_m, FaceContact contact,
+                            std::vector<FaceContact>& found) {
+  bool are_about = false;
+  contact.is_at_sharp_vertex = true;
+  contact.normal = -face.normal;
+  vertices.for_each_in(face.surroundings(skin_m), [&](const SharpVertices::Vertex& vertex) {
+    are_about = true;
+    const double height_m = face.normal.dot(vertex.position - face.centre);
+    contact.weights = face.weights_of(vertex.position - height_m * face.normal);
+    contact.point = vertex.position;
+    if (height_m < skin_m && contact.weights.minCoeff() >= 0 && vertex.normal.dot(face.normal) < 0) {
+      found.push_back(contact);
+    }
+  });
+  return are_about;
+}
+
+Face face_of(const Triangle& triangle, std::span<const Vec3> positions, const RigidMotion& pose) {
+  const auto corner = [&](std::size_t k) {
+    return pose.apply_inverse(positions[static_cast<std::size_t>(triangle[k])]);
+  };
+  return Face({corner(0), corner(1), corner(2)});
+}
+
 }  // namespace
 
 FaceContactFinder::FaceContactFinder(const StageInput& input, double skin_m)
@@ -127,7 +203,10 @@ FaceContactFinder::FaceContactFinder(const StageInput& input, double skin_m)
   }
   m_clearances.reset(input.bones, m_triangles.size());
   for (std::size_t bone = 0; bone < input.bones.size(); ++bone) {
-    m_bones.push_back({{input.bones[bone], input.is_untouched(bone)}, std::vector<int>(m_triangles.size(), 0)});
+    m_bones.push_back({{input.bones[bone], input.is_untouched(bone)},
+                       SharpVertices(input.bones[bone].surface.mesh),
+                       std::vector<int>(m_triangles.size(), 0),
+                       {}});
   }
 }
 
@@ -177,12 +256,16 @@ void FaceContactFinder::search_all(std::size_t bone, std::span<const Vec3> posit
   if (m_chunks.size() < chunks) m_chunks.resize(chunks);
   for_each_chunk(expired.size(), chunk_size, m_threads, [&](std::size_t chunk, std::size_t first, std::size_t last) {
     m_chunks[chunk].found.clear();
+    m_chunks[chunk].pointed_triangles.clear();
     for (const int triangle : expired.subspan(first, last - first)) {
       search(static_cast<std::size_t>(triangle), bone, positions, pose, m_chunks[chunk]);
     }
   });
+  std::vector<int>& pointed = m_bones[bone].pointed_triangles;
+  pointed.clear();
   for (const Chunk& chunk : std::span(m_chunks).first(chunks)) {
     m_found.insert(m_found.end(), chunk.found.begin(), chunk.found.end());
+    pointed.insert(pointed.end(), chunk.pointed_triangles.begin(), chunk.pointed_triangles.end());
   }
 }
 
@@ -221,32 +304,37 @@ void FaceContactFinder::search(std::size_t triangle, std::size_t bone, std::span
   const Clearance clearance = surface.tree().clearance_from(centre, near);
   if (clearance.distance_m > 0) near = clearance.triangle;
   if (clearance.distance_m > needed_m) return stored(clearance.distance_m - needed_m);  // or wholly inside
-  std::array<Vec3, 3> corners;
-  for (std::size_t k = 0; k < 3; ++k) {
-    corners[k] = pose.apply_inverse(positions[static_cast<std::size_t>(m_triangles[triangle][k])]);
+  const Face face = face_of(m_triangles[triangle], positions, pose);
+  const FaceContact contact{.triangle = triangle, .bone = bone};
+  if (collect_sharp_vertices(m_bones[bone].sharp_vertices, face, m_skin_m, contact, chunk.found)) {
+    chunk.pointed_triangles.push_back(static_cast<int>(triangle));
   }
-  const Face face(corners);
-  const std::size_t first = chunk.found.size();
-  const auto is_found = [&](const Vec3& weights) {
-    return std::any_of(
-        chunk.found.begin() + static_cast<std::ptrdiff_t>(first), chunk.found.end(),
-        [&](const FaceContact& other) { return (other.weights - weights).lpNorm<Eigen::Infinity>() < least_apart; });
-  };
-  const auto descend_from = [&](const Vec3& start) {
-    const DeepestPoint deepest = find_deepest(surface, face, start, near);
-    near = deepest.located.closest.triangle;
-    const bool is_near = deepest.located.signed_distance_m() < m_skin_m;
-    const Vec3 weights = face.weights_of(deepest.at);
-    if (is_near && !is_found(weights)) {
-      const auto [point, normal] = plane_at(surface, face, weights, deepest, chunk.crossings);
-      chunk.found.push_back({triangle, bone, weights, point, normal});
-    }
-    return is_near;
-  };
-  if (!descend_from(face.centre)) return;
-  for (const Vec3& corner : face.corners) (void)descend_from(0.3 * face.centre + 0.7 * corner);
+  FaceSearch face_search(surface, face, m_skin_m, near, chunk.found, chunk.crossings);
+  if (!face_search.descend_from(face.centre, contact)) return;
+  for (const Vec3& corner : face.corners) (void)face_search.descend_from(0.3 * face.centre + 0.7 * corner, contact);
   for (const FaceContact& last : known(bone, triangle)) {
-    if (!is_found(last.weights)) (void)descend_from(face.at(last.weights));
+    if (!face_search.is_found(last.weights)) (void)face_search.descend_from(face.at(last.weights), contact);
+  }
+}
+
+std::span<const FaceContact> FaceContactFinder::follow(std::span<const Vec3> positions,
+                                                       std::span<const RigidMotion> bone_poses) {
+  std::erase_if(m_found, [](const FaceContact& contact) { return contact.is_at_sharp_vertex; });
+  const auto others = static_cast<std::ptrdiff_t>(m_found.size());
+  for (std::size_t bone = 0; bone < m_bones.size(); ++bone) follow_all(bone, positions, bone_poses[bone]);
+  std::inplace_merge(m_found.begin(), m_found.begin() + others, m_found.end(),
+                     [](const FaceContact& a, const FaceContact& b) {
+                       return std::pair(a.bone, a.triangle) < std::pair(b.bone, b.triangle);
+                     });
+  return m_found;
+}
+
+void FaceContactFinder::follow_all(std::size_t bone, std::span<const Vec3> positions, const RigidMotion& pose) {
+  for (const int triangle : m_bones[bone].pointed_triangles) {
+    const auto t = static_cast<std::size_t>(triangle);
+    const Face face = face_of(m_triangles[t], positions, pose);
+    if (!face.centre.allFinite()) continue;
+    (void)collect_sharp_vertices(m_bones[bone].sharp_vertices, face, m_skin_m, {.triangle = t, .bone = bone}, m_found);
   }
 }
 

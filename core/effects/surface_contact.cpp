@@ -22,7 +22,8 @@ class SurfaceContact final : public ContactStage {
   [[nodiscard]] std::string_view name() const override { return "surface_contact"; }
 
   std::span<const int> after_bones(const ContactStageInput& input) override {
-    if (m_calls++ % m_interval == 0) m_contacts = m_finder.find(input.predicted, input.bone_poses);
+    m_contacts = m_calls++ % m_interval == 0 ? m_finder.find(input.predicted, input.bone_poses)
+                                             : m_finder.follow(input.predicted, input.bone_poses);
     m_rows.clear();
     for (const FaceContact& contact : m_contacts) m_rows.push_back(row_of(contact, input));
     m_solver.solve(m_rows, input.start, input.predicted);
@@ -65,7 +66,7 @@ std::unique_ptr<ContactStage> make_surface_contact(const StageInput& input, cons
 }
 
 std::vector<ParameterSpec> surface_contact_parameters() {
-  // LHDL gluteus maximus: more corrections than ten gain little of the depth.
+  // LHDL gluteus maximus: ten corrections leave 1.6 times the depth, and more than twenty gain little.
   return {parameter::integer({.name = "interval",
                               .default_value = 5,
                               .minimum = 1,
@@ -78,7 +79,7 @@ std::vector<ParameterSpec> surface_contact_parameters() {
                              .maximum = 0.1,
                              .help = "points so near a bone are watched until the next search"}),
           parameter::integer({.name = "steps",
-                              .default_value = 10,
+                              .default_value = 20,
                               .minimum = 1,
                               .maximum = 1000,
                               .help = "corrections a collision step"})};

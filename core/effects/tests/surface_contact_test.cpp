@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -44,6 +45,13 @@ TriangleMesh sheet(double z_m) {
   return mesh;
 }
 
+/// Lower side of a muscle.
+TriangleMesh sheet_facing_down(double z_m) {
+  TriangleMesh mesh = sheet(z_m);
+  for (Triangle& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  return mesh;
+}
+
 double deepest_m(const TriangleMesh& mesh, const std::vector<Vec3>& nodes) {
   double deepest = -1;
   constexpr int parts = 50;
@@ -66,6 +74,42 @@ TriangleMesh spike() {
       {-0.02, -0.02, -0.05}, {0.02, -0.02, -0.05}, {0.02, 0.02, -0.05}, {-0.02, 0.02, -0.05}, {0.001, 0.0002, 0}};
   mesh.triangles = {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
   return mesh;
+}
+
+/// The tip of a tower 0.4 mm high and as wide, on a plate whose upper side is at z = 0.
+const Vec3 tip(0.0013, 0.0021, 0.0004);
+
+TriangleMesh plate_with_tower() {
+  TriangleMesh mesh;
+  for (const double z : {-0.01, 0.0}) {
+    mesh.vertices.insert(mesh.vertices.end(), {{-0.05, -0.05, z}, {0.05, -0.05, z}, {0.05, 0.05, z}, {-0.05, 0.05, z}});
+  }
+  for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
+    mesh.vertices.emplace_back(tip.x() + 0.0002 * x, tip.y() + 0.0002 * y, 0);
+  }
+  mesh.vertices.push_back(tip);
+  mesh.triangles = {{0, 2, 1}, {0, 3, 2}};
+  for (int k = 0; k < 4; ++k) {
+    const int next = (k + 1) % 4;
+    for (const int below : {0, 4}) {  // the sides, and around the tower
+      mesh.triangles.push_back({below + k, below + next, below + 4 + next});
+      mesh.triangles.push_back({below + k, below + 4 + next, below + 4 + k});
+    }
+    mesh.triangles.push_back({8 + k, 8 + next, 12});
+  }
+  return mesh;
+}
+
+/// Height of a sheet, whose nodes have moved, above a point.
+double height_m(const TriangleMesh& mesh, const std::vector<Vec3>& nodes, const Vec3& at) {
+  for (const auto& [a, b, c] : mesh.triangles) {
+    Mat3 corners;
+    corners << nodes[a], nodes[b], nodes[c];
+    corners.row(2).setOnes();
+    const Vec3 weights = corners.inverse() * Vec3(at.x(), at.y(), 1);
+    if (weights.minCoeff() >= 0) return weights.dot(Vec3(nodes[a].z(), nodes[b].z(), nodes[c].z())) - at.z();
+  }
+  return -1;
 }
 
 struct Lying {
@@ -127,6 +171,29 @@ TEST(SurfaceContact, ASpikeLiftsTheFaceAndDoesNotPushItAside) {
   }
   EXPECT_GT(lifted_m, 0.0009);
   EXPECT_LT(aside_m, 0.1 * lifted_m);
+}
+
+TEST(SurfaceContact, ATowerFarNarrowerThanAFaceLiftsIt) {
+  Lying lying(sheet_facing_down(0.00015), {}, plate_with_tower());
+  ASSERT_NEAR(height_m(lying.mesh, lying.predicted, tip), -0.00025, 1e-9);
+  lying.step(30);
+  EXPECT_GT(height_m(lying.mesh, lying.predicted, tip), -2e-5);
+}
+
+TEST(SurfaceContact, ATowerUnderTheMusclesOtherSideIsNotHeldAgainstIt) {
+  Lying lying(sheet(0.00015), {}, plate_with_tower());
+  lying.step(30);
+  EXPECT_EQ(height_m(lying.mesh, lying.predicted, tip), height_m(lying.mesh, lying.mesh.vertices, tip));
+}
+
+TEST(SurfaceContact, ATowerThatSlidesUnderAFaceIsFollowedBetweenSearches) {
+  Lying lying(sheet_facing_down(0.00015), {{"interval", std::int64_t{1000}}}, plate_with_tower());
+  lying.step(10);
+  lying.poses[0] = RigidMotion{Mat3::Identity(), Vec3(0, -0.006, 0)};
+  const Vec3 moved = tip + lying.poses[0].translation_m;
+  ASSERT_LT(height_m(lying.mesh, lying.predicted, moved), -5e-5);
+  lying.step(30);
+  EXPECT_GT(height_m(lying.mesh, lying.predicted, moved), -2e-5);
 }
 
 TEST(SurfaceContact, NoBitDependsOnTheThreads) {
