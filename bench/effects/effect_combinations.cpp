@@ -3,6 +3,8 @@
 //   effect_combinations [--every N]
 #include <algorithm>
 #include <cstdint>
+#include <cstdio>
+#include <exception>
 #include <string>
 #include <vector>
 
@@ -12,7 +14,6 @@
 
 #include "bench/cases/build_backend.hpp"
 #include "bench/cases/tests/combination_scene.hpp"
-#include "core/base/input_error.hpp"
 #include "core/scene/prepare_simulation.hpp"
 
 namespace musclebench {
@@ -78,14 +79,14 @@ int run_combinations(std::uint64_t every) {
 }  // namespace musclebench
 
 int main(int argc, char** argv) {
-  CLI::App app("Runs a small scene with every combination of the effects.");
-  std::uint64_t every = 1;
-  app.add_option("--every", every, "Only every so many-th combination")->check(CLI::Range(1, 1000000));
-  CLI11_PARSE(app, argc, argv);
   try {
+    CLI::App app("Runs a small scene with every combination of the effects.");
+    std::uint64_t every = 1;
+    app.add_option("--every", every, "Only every so many-th combination")->check(CLI::Range(1, 1000000));
+    CLI11_PARSE(app, argc, argv);
     return musclebench::run_combinations(every);
-  } catch (const musclebench::InputError& error) {
-    fmt::print(stderr, "effect_combinations: {}\n", error.what());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "effect_combinations: %s\n", error.what());
     return 2;
   }
 }

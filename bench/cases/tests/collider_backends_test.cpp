@@ -57,7 +57,7 @@ TEST(ColliderBackends, HaveParametersOfTheirOwn) {
   const std::vector<StructureError> errors = backend->structure_errors();
   ASSERT_EQ(errors.size(), 2U);
   EXPECT_GT(errors[1].bytes, 0U);
-  const auto mistake = [&](std::string wrong) {
+  const auto mistake = [&](const std::string& wrong) {
     std::string of_bone = both();
     of_bone.replace(of_bone.find("mesh = \"synthetic:lid\""), 0, wrong + "\n");
     try {
