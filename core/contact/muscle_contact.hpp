@@ -32,6 +32,7 @@ struct MusclePair {
   int first = 0;
   int second = 0;
 
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy 14 takes the 0 that results are compared with for a pointer.
   friend auto operator<=>(const MusclePair&, const MusclePair&) = default;
 };
 

@@ -108,7 +108,7 @@ Vec3 direction_out(const Face& face, const Vec3& weights, const Vec3& gradient) 
 std::pair<Vec3, Vec3> plane_at(const SignedSurface& surface, const Face& face, const Vec3& weights,
                                const DeepestPoint& deepest, std::vector<PathCrossing>& crossings) {
   const Vec3 gradient = surface.outward(deepest.at, deepest.located);
-  const std::pair<Vec3, Vec3> tangent = {deepest.located.closest.point, gradient};
+  std::pair<Vec3, Vec3> tangent = {deepest.located.closest.point, gradient};
   if (!deepest.located.inside) return tangent;
   const Vec3 out = direction_out(face, weights, gradient);
   // The tangent plane is met at depth / (out . gradient); a ridge that pokes through ends before or a little behind it.

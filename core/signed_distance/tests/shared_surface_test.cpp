@@ -37,7 +37,7 @@ TEST(SharedSurface, ACopyStartsEmpty) {
   const RepairedMesh surface = shared_ball();
   const SharedSurface shared;
   const SignedSurface* exact = &shared.signed_distance(surface);
-  const SharedSurface copy(shared);
+  const SharedSurface copy(shared);  // NOLINT(performance-unnecessary-copy-initialization): it is what is tested
   EXPECT_NE(&copy.signed_distance(surface), exact);
   EXPECT_EQ(&shared.signed_distance(surface), exact);
 }
