@@ -82,3 +82,10 @@ def write_scene(folder: Path) -> Path:
     (folder / "box.off").write_text(off(*box(0.03)))
     (folder / "ball.off").write_text(off(*ball(0.02, [0.005, 0, 0.0485])))
     return folder / "scene.toml"
+
+
+def write_scene_of_balls(folder: Path) -> Path:
+    """On a bone that is round, fields and voxels err."""
+    scene = write_scene(folder)
+    (folder / "box.off").write_text(off(*ball(0.03, [0, 0, 0], rings=18, around=24)))
+    return scene

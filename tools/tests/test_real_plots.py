@@ -14,7 +14,7 @@ from PIL import Image
 
 import accuracy
 import paper
-from ball_on_box import ball, off, write_scene
+from ball_on_box import write_scene, write_scene_of_balls
 from musclebench.paper.paper_cases import BACKENDS as OF_THE_PAPER
 from musclebench.results.status import MEASURED
 from program import PROGRAM, call, needs_program
@@ -69,16 +69,9 @@ def both(tmp_path_factory, listed) -> dict[str, Done]:
     command = [sys.executable, paper.__file__, "--musclebench", PROGRAM, "--out", folder / "paper", *MUSCLE]
     with subprocess.Popen([*command, "--frames-limit", "10", "--jobs", "1"], stdout=subprocess.PIPE,
                           stderr=subprocess.PIPE, text=True) as process:
-        study = run_accuracy(folder / "accuracy", few_cases(listed), ball_on_ball(folder))
+        study = run_accuracy(folder / "accuracy", few_cases(listed), write_scene_of_balls(folder))
         text, errors = process.communicate(timeout=240)
     return {"paper": Done(process.returncode, text, errors, folder / "paper"), "accuracy": study}
-
-
-def ball_on_ball(folder: Path) -> Path:
-    """On a bone that is round, fields and voxels err."""
-    scene = write_scene(folder)
-    (folder / "box.off").write_text(off(*ball(0.03, [0, 0, 0], rings=18, around=24)))
-    return scene
 
 
 def few_cases(listed: dict) -> str:
