@@ -23,6 +23,7 @@ void BoneField::detect(const NodeBatch& batch, std::vector<Contact>& contacts) {
       store_left_out(batch, first, next, map, block);
     }
   }
+  if (block.found_left_out) m_found_left_out.store(true, std::memory_order_relaxed);
 }
 
 void BoneField::store_sampled(const NodeBatch& batch, const FieldAnswers& answers) const {

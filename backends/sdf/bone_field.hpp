@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -38,6 +39,10 @@ class BoneField : public BoneStructure {
 
   [[nodiscard]] bool is_from_file() const final { return m_is_from_file; }
   void detect(const NodeBatch& batch, std::vector<Contact>& contacts) final;
+  [[nodiscard]] double kept_share() const final {
+    return static_cast<double>(grid().cell_count()) / static_cast<double>(grid().whole().cell_count());
+  }
+  [[nodiscard]] bool found_left_out() const final { return m_found_left_out; }
 
   /// The frame that a CellMap of this field maps into.
   [[nodiscard]] virtual const GridShape& grid() const = 0;
@@ -60,6 +65,7 @@ class BoneField : public BoneStructure {
                       const FieldBlock& block) const;
 
   bool m_is_from_file;
+  std::atomic<bool> m_found_left_out = false;
 };
 
 /// Builds or loads the fields of a configured `sdf` backend.
@@ -78,9 +84,10 @@ class FieldSource {
   [[nodiscard]] virtual double contact_reach_m(const Bone& /*bone*/) const {
     return std::numeric_limits<double>::infinity();
   }
-  /// `progress`, where not empty, is called with the share that is done.
-  [[nodiscard]] virtual std::unique_ptr<BoneField> make(const Bone& bone, int threads,
-                                                        const ShareReport& progress) const = 0;
+  /// `progress`, where not empty, is called with the share that is done. What is outside of `expected` may be left out
+  /// (PointMethod::build_part).
+  [[nodiscard]] virtual std::unique_ptr<BoneField> make(const Bone& bone, int threads, const ShareReport& progress,
+                                                        const Eigen::AlignedBox3d& expected) const = 0;
 };
 
 /// Loads a field from `folder` / `file_name`, or builds it and saves it there; only builds it without a folder.

@@ -65,6 +65,11 @@ class GridBoneField final : public BoneField {
       clearance_m[n] =
           m_field.band() ? std::min(by_slope_m, m_field.band()->width_m() - facts.sign_error_distance_m) : by_slope_m;
     }
+    if (!grid().is_part()) return;
+    // Slopes are bounded in the part only; and whoever leaves it has to be asked again.
+    for (std::size_t n = 0; n < answers.block.count; ++n) {
+      clearance_m[n] = std::min(clearance_m[n], grid().distance_to_left_out_m(answers.block.cells(n)));
+    }
   }
 
   /// At the border of a cell rounding may take the point into the next one, by less than the slack of a clearance.
@@ -73,7 +78,8 @@ class GridBoneField final : public BoneField {
       return BoneField::clearance_m(cells);
     }
     const CellPosition at = grid().locate(cells);
-    return static_cast<double>(m_field.band()->far_m(at.i, at.j, at.k)) - m_field.facts().sign_error_distance_m;
+    const double far_m = static_cast<double>(m_field.band()->far_m(at.i, at.j, at.k));
+    return std::min(far_m - m_field.facts().sign_error_distance_m, grid().distance_to_left_out_m(cells));
   }
 
  private:
@@ -113,9 +119,11 @@ class GridFieldSource final : public FieldSource {
     return (box.min() - shape.lower_m).cwiseMax(shape.upper_m() - box.max()).norm();
   }
 
-  [[nodiscard]] std::unique_ptr<BoneField> make(const Bone& bone, int threads,
-                                                const ShareReport& progress) const override {
-    const GridShape shape = grid_over(bone.surface.mesh, m_grid, bone.name);
+  /// A file is of the whole field, so that every scene can use it.
+  [[nodiscard]] std::unique_ptr<BoneField> make(const Bone& bone, int threads, const ShareReport& progress,
+                                                const Eigen::AlignedBox3d& expected) const override {
+    const GridShape whole = grid_over(bone.surface.mesh, m_grid, bone.name);
+    const GridShape shape = m_folder.empty() ? whole.part(expected) : whole;
     const StoredField<CubicField> stored{
         [&] { return build_field(bone.signed_distance(), shape, m_settings, threads, progress); },
         [&](const std::filesystem::path& path, const std::string& digest) {
@@ -150,8 +158,8 @@ class DiscregridFieldSource final : public FieldSource {
 
   [[nodiscard]] bool needs_closed_surfaces() const override { return false; }
 
-  [[nodiscard]] std::unique_ptr<BoneField> make(const Bone& bone, int threads,
-                                                const ShareReport& /*progress*/) const override {
+  [[nodiscard]] std::unique_ptr<BoneField> make(const Bone& bone, int threads, const ShareReport& /*progress*/,
+                                                const Eigen::AlignedBox3d& /*expected*/) const override {
     const std::filesystem::path path = m_folder / (bone_file_name(bone.name) + ".cdf");
     CubicField field = read_discregrid(path, threads);
     const SignedSurface& surface = bone.signed_distance();

@@ -59,8 +59,8 @@ class OctreeFieldSource final : public FieldSource {
     return octree_reach_m(bone.surface.mesh, m_settings);
   }
 
-  [[nodiscard]] std::unique_ptr<BoneField> make(const Bone& bone, int threads,
-                                                const ShareReport& progress) const override {
+  [[nodiscard]] std::unique_ptr<BoneField> make(const Bone& bone, int threads, const ShareReport& progress,
+                                                const Eigen::AlignedBox3d& /*expected*/) const override {
     const StoredField<OctreeField> stored{
         [&] {
           return build_octree(bone.signed_distance(), bone.surface.mesh, m_settings, bone.name, threads, progress);

@@ -28,8 +28,10 @@ std::unique_ptr<CollisionBackend> make_sdf_backend(const Parameters& parameters)
        .cache_needs_closed_bones = source->needs_closed_surfaces(),
        .require_fit = [source](std::span<const Bone> bones) { source->require_fit(bones); },
        .contact_reach_m = [source](const Bone& bone) { return source->contact_reach_m(bone); },
-       .build = [source](const Bone& bone, int threads,
-                         const ShareReport& report) { return source->make(bone, threads, report); }});
+       .build_part =
+           [source](const Bone& bone, int threads, const ShareReport& report, const Eigen::AlignedBox3d& expected) {
+             return source->make(bone, threads, report, expected);
+           }});
 }
 
 }  // namespace musclebench

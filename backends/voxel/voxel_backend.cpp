@@ -1,5 +1,6 @@
 #include "backends/voxel/voxel_backend.hpp"
 
+#include <atomic>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -27,15 +28,23 @@ class VoxelStructure final : public BoneStructure {
     const Vec3 per_cell = m_grid.cell_size_m().cwiseInverse();
     const Mat3 linear = per_cell.asDiagonal() * batch.pose.rotation.transpose();
     const Vec3 offset = -(linear * batch.pose.translation_m) - per_cell.cwiseProduct(m_grid.lower());
+    const bool is_part = m_grid.kept_share() < 1;
     for (const int node : batch.nodes) {
-      if (m_grid.contains_scaled(linear * batch.positions[static_cast<std::size_t>(node)] + offset)) {
+      const Vec3 scaled = linear * batch.positions[static_cast<std::size_t>(node)] + offset;
+      if (m_grid.contains_scaled(scaled)) {
         contacts.push_back({node, batch.bone, 0, Vec3::Zero()});
+      } else if (is_part && m_grid.leaves_out_scaled(scaled)) {
+        m_found_left_out.store(true, std::memory_order_relaxed);
       }
     }
   }
 
+  [[nodiscard]] double kept_share() const override { return m_grid.kept_share(); }
+  [[nodiscard]] bool found_left_out() const override { return m_found_left_out; }
+
  private:
   VoxelGrid m_grid;
+  std::atomic<bool> m_found_left_out = false;
 };
 
 std::vector<ParameterSpec> voxel_parameters() {
@@ -64,12 +73,13 @@ std::unique_ptr<CollisionBackend> make_voxel_backend(const Parameters& parameter
            [size_m = parameters.number("voxel_size_m")](const Bone& bone) {
              return touching_distance_m(bone.surface.mesh) + std::numbers::sqrt3 * size_m;
            },
-       .build =
+       .build_part =
            [cells = static_cast<int>(parameters.integer("cells")), size_m = parameters.number("voxel_size_m")](
-               const Bone& bone, int /*threads*/, const ShareReport& /*report*/) {
+               const Bone& bone, int /*threads*/, const ShareReport& /*report*/, const Eigen::AlignedBox3d& expected) {
              const std::string name =
                  fmt::format("voxel: {} (bone '{}')", size_m > 0 ? "voxel_size_m" : "cells", bone.name);
-             return std::make_unique<VoxelStructure>(VoxelGrid(bone.surface.mesh, bone.tree(), cells, size_m, name));
+             return std::make_unique<VoxelStructure>(
+                 VoxelGrid(bone.surface.mesh, bone.tree(), cells, size_m, name, expected));
            }});
 }
 

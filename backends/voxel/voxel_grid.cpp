@@ -50,7 +50,7 @@ bool triangle_touches_box(const std::array<Vec3, 3>& triangle, const Vec3& centr
 }  // namespace
 
 VoxelGrid::VoxelGrid(const TriangleMesh& surface, const TriangleBvh& tree, int cells, double voxel_size_m,
-                     const std::string& name) {
+                     const std::string& name, const Eigen::AlignedBox3d& expected) {
   size_cells(surface, cells, voxel_size_m);
   const double total = m_counts_real.prod();
   constexpr double bytes_while_building = 2 * sizeof(Cell) + 1.0 / 8;
@@ -58,6 +58,7 @@ VoxelGrid::VoxelGrid(const TriangleMesh& surface, const TriangleBvh& tree, int c
     throw InputError(name, fmt::format("asks for {:.3g} voxels; choose larger cells", total));
   }
   require_memory(static_cast<std::size_t>(total * bytes_while_building), name, "choose fewer or larger cells");
+  keep_cells_in(expected);
 
   std::vector<Cell> states(m_cells.size(), Cell::unknown);
   mark_border(surface, states);
@@ -89,7 +90,19 @@ void VoxelGrid::size_cells(const TriangleMesh& surface, int cells, double voxel_
   }
   for (int axis = 0; axis < 3; ++axis) {
     m_counts[axis] = m_counts_real[axis] < 1e9 ? static_cast<int>(m_counts_real[axis]) : 0;
-    m_cells.count[axis] = static_cast<std::size_t>(m_counts[axis]);
+  }
+}
+
+void VoxelGrid::keep_cells_in(const Eigen::AlignedBox3d& expected) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double count = m_counts_real[axis];
+    const double low = std::floor((expected.min()[axis] - m_lower[axis]) / m_cell_size_m[axis]);
+    const double high = std::ceil((expected.max()[axis] - m_lower[axis]) / m_cell_size_m[axis]);
+    m_first_real[axis] = std::clamp(low, 0.0, count - 1);
+    m_end_real[axis] = std::clamp(high, m_first_real[axis] + 1, count);
+    m_first[axis] = static_cast<int>(m_first_real[axis]);
+    m_end[axis] = static_cast<int>(m_end_real[axis]);
+    m_cells.count[axis] = static_cast<std::size_t>(m_end[axis] - m_first[axis]);
   }
 }
 
@@ -104,8 +117,11 @@ void VoxelGrid::mark_border(const TriangleMesh& surface, std::vector<Cell>& stat
     std::array<int, 3> first{};
     std::array<int, 3> last{};
     for (int axis = 0; axis < 3; ++axis) {
-      first[axis] = std::clamp(static_cast<int>(low[axis] / m_cell_size_m[axis] - 1e-9), 0, m_counts[axis] - 1);
-      last[axis] = std::clamp(static_cast<int>(high[axis] / m_cell_size_m[axis] + 1e-9), 0, m_counts[axis] - 1);
+      const auto cell = [&](double along_m, double slack) {
+        return std::clamp(static_cast<int>(along_m / m_cell_size_m[axis] + slack), 0, m_counts[axis] - 1);
+      };
+      first[axis] = std::max(cell(low[axis], -1e-9), m_first[axis]);
+      last[axis] = std::min(cell(high[axis], 1e-9), m_end[axis] - 1);
     }
     for (int z = first[2]; z <= last[2]; ++z) {
       for (int y = first[1]; y <= last[1]; ++y) {
@@ -124,9 +140,9 @@ void VoxelGrid::mark_border(const TriangleMesh& surface, std::vector<Cell>& stat
 /// The cells that the surface does not touch form connected regions, each wholly inside or outside: one winding number
 /// decides. (A flood fill from a corner of the grid would take every enclosed cavity for inside.)
 void VoxelGrid::mark_inside(const TriangleBvh& tree, std::vector<Cell>& states) const {
-  for (int z = 0; z < m_counts[2]; ++z) {
-    for (int y = 0; y < m_counts[1]; ++y) {
-      for (int x = 0; x < m_counts[0]; ++x) {
+  for (int z = m_first[2]; z < m_end[2]; ++z) {
+    for (int y = m_first[1]; y < m_end[1]; ++y) {
+      for (int x = m_first[0]; x < m_end[0]; ++x) {
         if (states[index(x, y, z)] == Cell::unknown) {
           const Vec3 centre = m_lower + m_cell_size_m.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5));
           flood({x, y, z}, tree.winding_number(centre) > 0.5 ? Cell::inside : Cell::outside, states);
@@ -148,17 +164,17 @@ void VoxelGrid::flood(const std::array<int, 3>& seed, Cell region, std::vector<C
     }
     int first = x;
     int last = x;
-    while (first > 0 && unknown(first - 1, y, z)) {
+    while (first > m_first[0] && unknown(first - 1, y, z)) {
       --first;
     }
-    while (last + 1 < m_counts[0] && unknown(last + 1, y, z)) {
+    while (last + 1 < m_end[0] && unknown(last + 1, y, z)) {
       ++last;
     }
     std::fill_n(states.begin() + static_cast<std::ptrdiff_t>(index(first, y, z)), last - first + 1, region);
     for (const auto& [dy, dz] : {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)}) {
       const int ny = y + dy;
       const int nz = z + dz;
-      if (ny < 0 || nz < 0 || ny >= m_counts[1] || nz >= m_counts[2]) {
+      if (ny < m_first[1] || nz < m_first[2] || ny >= m_end[1] || nz >= m_end[2]) {
         continue;
       }
       for (int nx = first; nx <= last; ++nx) {

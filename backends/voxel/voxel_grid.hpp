@@ -8,33 +8,34 @@
 
 #include "core/base/grid_index.hpp"
 #include "core/bvh/triangle_bvh.hpp"
+#include "core/mesh/mesh_size.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 
 /// Occupancy grid of a closed surface, one bit a cell: set where the cell touches the surface or lies inside it. So
-/// every point inside the surface is in a set cell.
+/// every point inside the surface is in a set cell. It may keep a box of its cells only, each as in the whole grid.
 class VoxelGrid {
  public:
   /// `cells` along each axis of the surface's bounding box, so that cells are not cubes (as in the paper's public
-  /// code); or, if `voxel_size_m` > 0, cubes of that size. `surface` is closed. Throws InputError, which names `name`,
-  /// when the grid needs more memory than is available. `tree` is
-  /// that of the surface.
+  /// code); or, if `voxel_size_m` > 0, cubes of that size. `surface` is closed, and `tree` is its. Kept are the cells
+  /// that meet `expected`, at least one. Throws InputError, which names `name`, when the grid needs more memory than is
+  /// available.
   VoxelGrid(const TriangleMesh& surface, const TriangleBvh& tree, int cells, double voxel_size_m,
-            const std::string& name);
+            const std::string& name, const Eigen::AlignedBox3d& expected = unbounded_box());
   VoxelGrid(const TriangleMesh& surface, int cells, double voxel_size_m, const std::string& name)
       : VoxelGrid(surface, TriangleBvh(surface), cells, voxel_size_m, name) {}
 
-  /// `scaled` is a point in units of cells from `lower()`.
+  /// `scaled` is a point in units of cells from `lower()`; false where its cell is left out.
   [[nodiscard]] bool contains_scaled(const Vec3& scaled) const {
-    // Comparisons that a NaN fails.
-    if (!(scaled.x() >= 0 && scaled.y() >= 0 && scaled.z() >= 0 && scaled.x() < m_counts_real.x() &&
-          scaled.y() < m_counts_real.y() && scaled.z() < m_counts_real.z())) {
-      return false;
-    }
+    if (!is_between(scaled, m_first_real, m_end_real)) return false;
     const std::size_t cell =
         index(static_cast<int>(scaled.x()), static_cast<int>(scaled.y()), static_cast<int>(scaled.z()));
     return ((m_bits[cell / 64] >> (cell % 64)) & 1U) != 0;
+  }
+  /// Whether such a point is in a cell that is left out.
+  [[nodiscard]] bool leaves_out_scaled(const Vec3& scaled) const {
+    return is_between(scaled, Vec3::Zero(), m_counts_real) && !is_between(scaled, m_first_real, m_end_real);
   }
   [[nodiscard]] bool contains(const Vec3& point) const {
     return contains_scaled((point - m_lower).cwiseQuotient(m_cell_size_m));
@@ -43,14 +44,24 @@ class VoxelGrid {
   [[nodiscard]] const Vec3& lower() const { return m_lower; }
   [[nodiscard]] const Vec3& cell_size_m() const { return m_cell_size_m; }
   [[nodiscard]] const std::array<int, 3>& counts() const { return m_counts; }
+  /// Of all cells.
+  [[nodiscard]] double kept_share() const { return (m_end_real - m_first_real).prod() / m_counts_real.prod(); }
   [[nodiscard]] std::size_t bytes() const { return m_bits.size() * sizeof(std::uint64_t); }
 
  private:
   enum class Cell : std::uint8_t { unknown, border, inside, outside };
 
-  [[nodiscard]] std::size_t index(int x, int y, int z) const {
-    return m_cells.index(static_cast<std::size_t>(x), static_cast<std::size_t>(y), static_cast<std::size_t>(z));
+  /// Comparisons that a NaN fails.
+  [[nodiscard]] static bool is_between(const Vec3& scaled, const Vec3& first, const Vec3& end) {
+    return scaled.x() >= first.x() && scaled.y() >= first.y() && scaled.z() >= first.z() && scaled.x() < end.x() &&
+           scaled.y() < end.y() && scaled.z() < end.z();
   }
+  /// Of a cell that is kept.
+  [[nodiscard]] std::size_t index(int x, int y, int z) const {
+    return m_cells.index(static_cast<std::size_t>(x - m_first[0]), static_cast<std::size_t>(y - m_first[1]),
+                         static_cast<std::size_t>(z - m_first[2]));
+  }
+  void keep_cells_in(const Eigen::AlignedBox3d& expected);
   void size_cells(const TriangleMesh& surface, int cells, double voxel_size_m);
   void mark_border(const TriangleMesh& surface, std::vector<Cell>& states) const;
   void mark_inside(const TriangleBvh& tree, std::vector<Cell>& states) const;
@@ -60,6 +71,11 @@ class VoxelGrid {
   Vec3 m_cell_size_m = Vec3::Ones();
   Vec3 m_counts_real = Vec3::Zero();
   std::array<int, 3> m_counts{};
+  // The cells that are kept, from the first to before the end.
+  std::array<int, 3> m_first{};
+  std::array<int, 3> m_end{};
+  Vec3 m_first_real = Vec3::Zero();
+  Vec3 m_end_real = Vec3::Zero();
   GridIndex m_cells;
   std::vector<std::uint64_t> m_bits;
 };

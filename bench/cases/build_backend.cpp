@@ -9,7 +9,7 @@ BuiltBackend build_backend(const Case& resolved, const std::function<void(double
   if (resolved.scene.muscles.size() > 1) built.backend->tell_apart(resolved.scene.bodies());
   if (resolved.prune) {
     built.reach = predict_reach(resolved.scene);
-    built.backend->expect_untouched(untouched_bones(built.reach));
+    built.backend->expect_within(expected_boxes(built.reach));
   }
   for (const Bone& bone : resolved.scene.bones) {
     bone.shared.start_accounting();

@@ -64,9 +64,25 @@ RunResult run_and_write(const RunCase& run, const RunOptions& options, const std
   return result;
 }
 
+void print_pruned_part(const Scene& scene, const std::string& bone, const PrunedResult& each) {
+  const std::string kept =
+      fmt::format("musclebench: {}: over bone '{}' {:.0f} % of the grid were built, as far as muscles are expected",
+                  scene.name, bone, 100 * each.pruned.kept_share);
+  if (each.frame_back) {
+    fmt::print(stderr, "{}; in frame {} a node came elsewhere, and all of it was built in {:.3g} ms\n", kept,
+               *each.frame_back, 1e-6 * static_cast<double>(each.pruned.build_ns));
+  } else {
+    fmt::print(stderr, "{}\n", kept);
+  }
+}
+
 void print_pruned(const Scene& scene, const RunResult& result) {
   for (const PrunedResult& each : result.pruned) {
     const Bone& bone = scene.bones[static_cast<std::size_t>(each.pruned.bone)];
+    if (each.pruned.kept_share > 0) {
+      print_pruned_part(scene, bone.name, each);
+      continue;
+    }
     const std::string expected = fmt::format(
         "musclebench: {}: bone '{}' was pruned, {:.3g} mm from where muscles are expected ({:.3g} mm would do)",
         scene.name, bone.name, 1e3 * each.reach.distance_m, 1e3 * each.reach.margin_m);

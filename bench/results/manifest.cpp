@@ -213,12 +213,14 @@ Json json_of(const std::vector<PrunedResult>& pruned, const Scene& scene) {
   Json list = Json::array();
   for (const PrunedResult& each : pruned) {
     const Bone& bone = scene.bones[static_cast<std::size_t>(each.pruned.bone)];
+    const bool in_part = each.pruned.kept_share > 0;
     list.push_back({{"bone", bone.name},
-                    {"reason", "out_of_reach"},
+                    {"reason", in_part ? "partly_out_of_reach" : "out_of_reach"},
+                    {"kept_share", each.pruned.kept_share},
                     {"distance_m", each.reach.distance_m},
                     {"margin_m", each.reach.margin_m},
                     {"watch_m", each.pruned.reach_m},
-                    {"saved_triangles", each.pruned.is_back ? 0 : bone.surface.mesh.triangles.size()},
+                    {"saved_triangles", in_part || each.pruned.is_back ? 0 : bone.surface.mesh.triangles.size()},
                     {"saved_queries", each.pruned.saved_queries},
                     {"is_back", each.pruned.is_back},
                     {"frame_back", each.frame_back ? Json(*each.frame_back) : Json(nullptr)},

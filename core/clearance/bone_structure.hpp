@@ -38,6 +38,11 @@ class BoneStructure {
   [[nodiscard]] virtual std::optional<StructureError> error() const { return std::nullopt; }
   [[nodiscard]] virtual bool is_from_file() const { return false; }
 
+  /// Of the grid over the bone the share of cells that was built; less than 1 where a part is expected to do.
+  [[nodiscard]] virtual double kept_share() const { return 1; }
+  /// Whether `detect` was asked about a point in what is left out, so that its answers may lack contacts.
+  [[nodiscard]] virtual bool found_left_out() const { return false; }
+
   /// Empties the state that is kept of each node between detections, and makes room for this many nodes. Called with a
   /// clearance cache only.
   virtual void reset_nodes(std::size_t /*nodes*/) {}

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/mesh/mesh_size.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
@@ -39,6 +40,13 @@ class PointBackend final : public CollisionBackend {
     return std::ranges::any_of(m_structures, is_built) && std::ranges::all_of(m_structures, is_from_file);
   }
 
+  [[nodiscard]] std::vector<PrunedBone> pruned_bones() const override {
+    std::vector<PrunedBone> all = CollisionBackend::pruned_bones();
+    all.insert(all.end(), m_partial.begin(), m_partial.end());
+    std::ranges::sort(all, {}, &PrunedBone::bone);
+    return all;
+  }
+
   [[nodiscard]] std::vector<StructureError> structure_errors() const override {
     std::vector<StructureError> errors;
     for (std::size_t bone = 0; bone < m_structures.size(); ++bone) {
@@ -60,30 +68,56 @@ class PointBackend final : public CollisionBackend {
 
   [[nodiscard]] const BoneStructure& structure(int bone) const { return *m_structures[static_cast<std::size_t>(bone)]; }
 
+  [[nodiscard]] std::unique_ptr<BoneStructure> build_over(std::size_t bone, const Eigen::AlignedBox3d& expected,
+                                                          const ShareReport& report) const {
+    return m_method.build_part ? m_method.build_part(bones()[bone], threads(), report, expected)
+                               : m_method.build(bones()[bone], threads(), report);
+  }
+
   void do_build() override {
     m_structures.clear();
+    m_partial.clear();
     m_keeps_clearances = m_method.capabilities.has_cache &&
                          (!m_method.cache_needs_closed_bones ||
                           std::ranges::all_of(bones(), [](const Bone& bone) { return is_closed(bone.surface.mesh); }));
     if (m_method.require_fit) {
       m_method.require_fit(bones());
     }
-    for (const Bone& bone : bones()) {
-      const auto done = static_cast<double>(m_structures.size());
-      const auto report = [&](double share) { build_report()((done + share) / static_cast<double>(bones().size())); };
-      m_structures.push_back(is_pruned(m_structures.size())
-                                 ? nullptr
-                                 : m_method.build(bone, threads(), build_report() ? ShareReport(report) : nullptr));
+    for (std::size_t bone = 0; bone < bones().size(); ++bone) {
+      const auto report = [&](double share) {
+        build_report()((static_cast<double>(bone) + share) / static_cast<double>(bones().size()));
+      };
+      m_structures.push_back(
+          is_pruned(bone) ? nullptr
+                          : build_over(bone, expected_box(bone), build_report() ? ShareReport(report) : nullptr));
+      if (m_structures.back() && m_structures.back()->kept_share() < 1) {
+        m_partial.push_back({.bone = static_cast<int>(bone), .kept_share = m_structures.back()->kept_share()});
+      }
     }
     reset_nodes(muscle().vertices.size());
   }
 
-  void do_bring_back(std::size_t bone) override {
-    m_structures[bone] = m_method.build(bones()[bone], threads(), nullptr);
+  void do_bring_back(std::size_t bone) override { build_whole(bone); }
+
+  void build_whole(std::size_t bone) {
+    m_structures[bone] = build_over(bone, unbounded_box(), nullptr);
     if (m_keeps_clearances) {
       m_clearances.take_up(static_cast<int>(bone));
       m_structures[bone]->reset_nodes(m_clearances.nodes());
     }
+  }
+
+  /// Those that were asked about what they leave out; whether there were any.
+  bool complete_structures() {
+    bool any = false;
+    for (PrunedBone& partial : m_partial) {
+      const auto bone = static_cast<std::size_t>(partial.bone);
+      if (partial.is_back || !m_structures[bone]->found_left_out()) continue;
+      any = partial.is_back = true;
+      const ScopedTimer timer(partial.build_ns);
+      build_whole(bone);
+    }
+    return any;
   }
 
   void reset_nodes(std::size_t nodes) {
@@ -101,6 +135,13 @@ class PointBackend final : public CollisionBackend {
   }
 
   void do_detect(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) override {
+    detect_all(positions, nodes, contacts);
+    if (!complete_structures()) return;
+    contacts.clear();
+    detect_all(positions, nodes, contacts);
+  }
+
+  void detect_all(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) {
     if (m_keeps_clearances) {
       if (positions.size() != m_clearances.nodes()) {
         reset_nodes(positions.size());
@@ -189,6 +230,7 @@ class PointBackend final : public CollisionBackend {
   PointMethod m_method;
   bool m_keeps_clearances = false;
   std::vector<std::unique_ptr<BoneStructure>> m_structures;  ///< one a bone
+  std::vector<PrunedBone> m_partial;                         ///< bones of whose grid a part was built at first
   ClearanceCache m_clearances;
   // Scratch memory, kept so that a frame allocates nothing.
   std::vector<DealtBatch> m_batches;

@@ -26,6 +26,12 @@ struct PointMethod {
   /// Builds the structure over a bone, which outlives it; `report`, where not empty, is called with the share done.
   std::function<std::unique_ptr<BoneStructure>(const Bone& bone, int threads, const ShareReport& report)> build =
       nullptr;
+  /// Where not empty it is called in place of `build` with the box, in the bone's rest frame, in which nodes are
+  /// expected (CollisionBackend::expect_within); a structure over a part notices a point outside of it
+  /// (found_left_out).
+  std::function<std::unique_ptr<BoneStructure>(const Bone& bone, int threads, const ShareReport& report,
+                                               const Eigen::AlignedBox3d& expected)>
+      build_part = nullptr;
 };
 
 /// Loops over bones and nodes, deals them out to threads, keeps the clearance cache and the order of contacts: the same

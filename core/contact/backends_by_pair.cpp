@@ -95,12 +95,12 @@ std::vector<StructureError> BackendsByPair::structure_errors() const {
   return errors;
 }
 
-void BackendsByPair::expect_untouched(std::vector<char> bones) {
+void BackendsByPair::expect_within(std::vector<Eigen::AlignedBox3d> boxes) {
   for (const Part& part : m_parts) {
-    const auto first = bones.begin() + static_cast<std::ptrdiff_t>(part.first_bone);
-    part.backend->expect_untouched({first, first + static_cast<std::ptrdiff_t>(part.bones)});
+    const auto first = boxes.begin() + static_cast<std::ptrdiff_t>(part.first_bone);
+    part.backend->expect_within({first, first + static_cast<std::ptrdiff_t>(part.bones)});
   }
-  CollisionBackend::expect_untouched(std::move(bones));
+  CollisionBackend::expect_within(std::move(boxes));
 }
 
 std::vector<PrunedBone> BackendsByPair::pruned_bones() const {

@@ -35,7 +35,7 @@ class BackendsByPair final : public CollisionBackend {
   /// The smallest of those that answer for the bone and have cells.
   [[nodiscard]] double step_m(int bone) const override;
   /// The parts watch their bones.
-  void expect_untouched(std::vector<char> bones) override;
+  void expect_within(std::vector<Eigen::AlignedBox3d> boxes) override;
   /// A bone once a part that answers for it.
   [[nodiscard]] std::vector<PrunedBone> pruned_bones() const override;
 

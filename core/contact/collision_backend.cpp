@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "core/mesh/mesh_size.hpp"
 
@@ -17,6 +18,12 @@ void CollisionBackend::build(std::span<const Bone> bones, const TriangleMesh& mu
   m_pair_ns.assign(capabilities().times_pairs ? bones.size() * m_muscles.size() : 0, 0);
   start_watch();
   do_build();
+}
+
+void CollisionBackend::expect_within(std::vector<Eigen::AlignedBox3d> boxes) {
+  m_untouched.clear();
+  for (const Eigen::AlignedBox3d& box : boxes) m_untouched.push_back(box.isEmpty() ? 1 : 0);
+  m_expected = std::move(boxes);
 }
 
 void CollisionBackend::start_watch() {

@@ -14,6 +14,7 @@
 #include "core/contact/contact.hpp"
 #include "core/contact/reach_watch.hpp"
 #include "core/mesh/body.hpp"
+#include "core/mesh/mesh_size.hpp"
 #include "core/mesh/rigid_motion.hpp"
 
 namespace musclebench {
@@ -91,13 +92,14 @@ class CollisionBackend {
     return std::numeric_limits<double>::infinity();
   }
 
-  /// Before `build`: by bone, whether no node is expected to come near it. Nothing is built over such a bone where the
-  /// backend knows how far its contacts reach, until a node comes that near: then the structure is built within that
+  /// Before `build`: by bone, the box in its rest frame in which nodes are expected at any time; unbounded: anywhere.
+  /// Nothing is built over a bone whose box is empty where the backend knows how far its contacts reach, and of a grid
+  /// only the part in the box may be; until a node comes elsewhere: then what is lacking is built within that
   /// detection. So the contacts are the same, whatever was expected.
-  virtual void expect_untouched(std::vector<char> bones) { m_untouched = std::move(bones); }
-  /// What was expected; empty: nothing.
+  virtual void expect_within(std::vector<Eigen::AlignedBox3d> boxes);
+  /// By bone, whether no node is expected to come near it; empty: nothing was said.
   [[nodiscard]] std::span<const char> untouched() const { return m_untouched; }
-  /// Bones over which nothing was built at first, those among them that came back, too.
+  /// Bones over which nothing, or only a part, was built at first; those that were completed, too.
   [[nodiscard]] virtual std::vector<PrunedBone> pruned_bones() const {
     return {m_watch.bones().begin(), m_watch.bones().end()};
   }
@@ -136,6 +138,10 @@ class CollisionBackend {
   [[nodiscard]] const std::function<void(double share)>& build_report() const { return m_report_build; }
   /// Whether `do_build` leaves the bone out, and `do_detect` does not ask about it.
   [[nodiscard]] bool is_pruned(std::size_t bone) const { return m_watch.watches(static_cast<int>(bone)); }
+  /// Where nodes are expected, in the rest frame of `bone`.
+  [[nodiscard]] Eigen::AlignedBox3d expected_box(std::size_t bone) const {
+    return m_expected.empty() ? unbounded_box() : m_expected[bone];
+  }
 
  private:
   virtual void do_build() = 0;
@@ -156,6 +162,7 @@ class CollisionBackend {
   std::vector<RigidMotion> m_poses;
   int m_threads = 1;
   std::function<void(double share)> m_report_build;
+  std::vector<Eigen::AlignedBox3d> m_expected;  ///< by bone; none: anywhere
   std::vector<char> m_untouched;
   ReachWatch m_watch;
   std::vector<Body> m_muscles;

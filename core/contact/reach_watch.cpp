@@ -29,7 +29,7 @@ void ReachWatch::add(int bone, const Eigen::AlignedBox3d& rest_box, double reach
   const double grown_m = reach_m + slack * rest_box.diagonal().norm();
   Eigen::AlignedBox3d box(rest_box.min() - Vec3::Constant(grown_m), rest_box.max() + Vec3::Constant(grown_m));
   m_watched.push_back({m_bones.size(), box, RigidMotion{}, box});
-  m_bones.push_back({bone, grown_m});
+  m_bones.push_back({.bone = bone, .reach_m = grown_m});
 }
 
 bool ReachWatch::watches(int bone) const {

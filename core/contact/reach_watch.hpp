@@ -9,13 +9,14 @@
 
 namespace musclebench {
 
-/// A bone over which nothing was built, because no node was expected to come near it.
+/// A bone over which nothing, or only a part of a grid, was built because no node was expected near the rest of it.
 struct PrunedBone {
   int bone = 0;
-  double reach_m = 0;              ///< a node that comes closer to the bone's box than this brings the bone back
+  double reach_m = 0;     ///< where nothing was built: a node closer to the bone's box than this brings it back
+  double kept_share = 0;  ///< of its grid's cells that were built at first
   std::int64_t saved_queries = 0;  ///< nodes that it was not asked about
-  bool is_back = false;
-  Nanoseconds build_ns = 0;  ///< when it came back
+  bool is_back = false;            ///< it was built, or completed, when a node came where none was expected
+  Nanoseconds build_ns = 0;        ///< then
 };
 
 /// Notices the first node, or triangle, that comes near one of the pruned bones: until then none of them can be in

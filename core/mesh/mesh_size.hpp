@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include "core/mesh/triangle_mesh.hpp"
@@ -8,6 +9,12 @@ namespace musclebench {
 
 /// Axis-aligned bounding box of the points; empty for none.
 Eigen::AlignedBox3d bounding_box(std::span<const Vec3> points);
+
+/// Contains every point.
+inline Eigen::AlignedBox3d unbounded_box() {
+  const Vec3 infinite = Vec3::Constant(std::numeric_limits<double>::infinity());
+  return {-infinite, infinite};
+}
 
 /// A point closer to the surface than this counts as on it and not as inside, because its side is decided by rounding.
 /// (This includes faces inside the bone, where components overlap.) In metres: 1e-12 of the bounding box's diagonal.

@@ -19,6 +19,10 @@ Eigen::AlignedBox3d moved(const Eigen::AlignedBox3d& box, const RigidMotion& pos
   return {centre - half, centre + half};
 }
 
+Eigen::AlignedBox3d grown(const Eigen::AlignedBox3d& box, double by_m) {
+  return {box.min() - Vec3::Constant(by_m), box.max() + Vec3::Constant(by_m)};
+}
+
 double distance_m(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
   return a.isEmpty() || b.isEmpty() ? std::numeric_limits<double>::infinity() : a.exteriorDistance(b);
 }
@@ -83,14 +87,15 @@ std::vector<BoundNode> expected_bound_nodes(const Scene& scene) {
 
 std::vector<BoneReach> predict_reach(const Scene& scene) {
   // Without a motion for each bone, as of a scene put together for a replay, nothing is known of its poses.
-  if (scene.motions.size() != scene.bones.size()) return std::vector<BoneReach>(scene.bones.size(), {0, 0, false});
+  if (scene.motions.size() != scene.bones.size()) return std::vector<BoneReach>(scene.bones.size());
   std::vector<Eigen::AlignedBox3d> boxes;
   for (const Bone& bone : scene.bones) boxes.push_back(bounding_box(bone.surface.mesh.vertices));
   std::vector<ExpectedMuscle> muscles;
   const std::vector<BoundNode> bound = expected_bound_nodes(scene);
   for (const Body& body : scene.bodies()) muscles.emplace_back(scene, body, bound);
 
-  std::vector<BoneReach> reach(scene.bones.size(), {std::numeric_limits<double>::infinity(), 0, false});
+  std::vector<BoneReach> reach(scene.bones.size(),
+                               {std::numeric_limits<double>::infinity(), 0, false, Eigen::AlignedBox3d()});
   for (const ExpectedMuscle& muscle : muscles) {
     for (BoneReach& each : reach) each.margin_m = std::max(each.margin_m, muscle.margin_m());
   }
@@ -102,22 +107,24 @@ std::vector<BoneReach> predict_reach(const Scene& scene) {
       for (std::size_t bone = 0; bone < boxes.size(); ++bone) {
         reach[bone].distance_m =
             std::min(reach[bone].distance_m, distance_m(moved(boxes[bone], poses[bone]), expected));
+        reach[bone].box.extend(grown(moved(expected, poses[bone].inverse()), muscle.margin_m()));
       }
     }
   }
   for (std::size_t bone = 0; bone < reach.size(); ++bone) {
-    // Of an open bone the inside may extend beyond its box.
+    // Of an open bone the inside may extend beyond its box, and where it ends depends on what is asked.
     const RepairedMesh& surface = scene.bones[bone].surface;
-    reach[bone].is_untouched =
-        reach[bone].distance_m > reach[bone].margin_m && (surface.known_closed || is_closed(surface.mesh));
+    const bool closed = surface.known_closed || is_closed(surface.mesh);
+    reach[bone].is_untouched = closed && reach[bone].distance_m > reach[bone].margin_m;
+    if (!closed) reach[bone].box = unbounded_box();
   }
   return reach;
 }
 
-std::vector<char> untouched_bones(const std::vector<BoneReach>& reach) {
-  std::vector<char> untouched;
-  for (const BoneReach& each : reach) untouched.push_back(each.is_untouched ? 1 : 0);
-  return untouched;
+std::vector<Eigen::AlignedBox3d> expected_boxes(const std::vector<BoneReach>& reach) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const BoneReach& each : reach) boxes.push_back(each.is_untouched ? Eigen::AlignedBox3d() : each.box);
+  return boxes;
 }
 
 }  // namespace musclebench

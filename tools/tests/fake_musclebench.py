@@ -37,6 +37,7 @@ def parse_arguments():
     parser.add_argument("--progress", action="store_true")
     parser.add_argument("--no-referee", action="store_true")
     parser.add_argument("--bones-only", action="store_true")
+    parser.add_argument("--no-pruning", action="store_true")
     return parser.parse_args()
 
 

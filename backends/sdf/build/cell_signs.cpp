@@ -24,6 +24,7 @@ std::vector<BorderFace> border_faces(const CubicField& field) {
     const std::size_t p = (axis + 1) % 3;
     const std::size_t q = (axis + 2) % 3;
     for (const int side : {0, 1}) {
+      if ((side == 0 ? shape.cells_before : shape.cells_after)[axis] > 0) continue;
       for (std::size_t a = 0; a < shape.count(p); ++a) {
         for (std::size_t b = 0; b < shape.count(q); ++b) {
           std::array<std::size_t, 3> cell{};
@@ -38,6 +39,12 @@ std::vector<BorderFace> border_faces(const CubicField& field) {
     }
   }
   return faces;
+}
+
+/// Positive by a bound that falls by no edge that is made linear.
+bool is_clear(const CubicField& field, const BorderFace& face) {
+  const CubicCell cell = field.cell(face.cell[0], face.cell[1], face.cell[2]);
+  return cell.rough_lower_bound_on_face(face.axis, face.side) > 1e-9 * field.shape().cell_size_m.norm();
 }
 
 void straighten_edge(CubicField& field, std::array<std::size_t, 3> vertex, std::size_t axis) {
@@ -64,6 +71,20 @@ void straighten_face(CubicField& field, const BorderFace& face) {
 
 }  // namespace
 
+bool has_clear_rim(const CubicField& field) {
+  const GridShape& shape = field.shape();
+  if (!shape.is_part()) return true;
+  const std::vector<BorderFace> faces = border_faces(field);
+  return std::ranges::all_of(faces, [&](const BorderFace& face) {
+    bool in_rim = false;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      in_rim |= shape.cells_before[axis] > 0 && face.cell[axis] == 0;
+      in_rim |= shape.cells_after[axis] > 0 && face.cell[axis] + 1 == shape.count(axis);
+    }
+    return !in_rim || is_clear(field, face);
+  });
+}
+
 void keep_border_positive(CubicField& field) {
   // A face whose edges were made linear shares them with its neighbours, so the faces are checked until nothing
   // changes. Each is made linear at most once.
@@ -71,9 +92,9 @@ void keep_border_positive(CubicField& field) {
   for (std::size_t before = curved.size() + 1; before != curved.size();) {
     before = curved.size();
     std::erase_if(curved, [&](const BorderFace& face) {
-      const CubicCell cell = field.cell(face.cell[0], face.cell[1], face.cell[2]);
-      const bool clear = cell.rough_lower_bound() > 1e-9 * field.shape().cell_size_m.norm();
-      const bool crosses = !clear && cell.lower_bound_on_face(face.axis, face.side) <= 0;
+      const bool crosses =
+          !is_clear(field, face) &&
+          field.cell(face.cell[0], face.cell[1], face.cell[2]).lower_bound_on_face(face.axis, face.side) <= 0;
       if (crosses) {
         straighten_face(field, face);
       }

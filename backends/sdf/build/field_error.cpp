@@ -20,9 +20,9 @@ FieldError estimate_error(const CubicField& field, const SignedSurface& surface,
   for (long tries = 0; std::ssize(errors) < samples && tries < 1000L * samples; ++tries) {
     const Vec3 share(unit(), unit(), unit());
     const Vec3 point = shape.lower_m + share.cwiseProduct(shape.upper_m() - shape.lower_m);
-    const std::optional<double> exact = surface.distance(point, reach);
     const std::optional<double> approximate = field.value(point);
-    if (!exact || !approximate) {
+    const std::optional<double> exact = approximate ? surface.distance(point, reach) : std::nullopt;
+    if (!exact) {
       continue;
     }
     errors.push_back(std::abs(*exact - *approximate));

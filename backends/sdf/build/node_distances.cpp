@@ -79,7 +79,8 @@ class NodeWalk {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<Eigen::Index>(axis);
       for (std::size_t third = 0; third < 3 * (shape.count(axis) + 1); ++third) {
-        const double cells = static_cast<double>(third / 3) + static_cast<double>(third % 3) / 3;
+        const double cells =
+            shape.first_cell()[a] + static_cast<double>(third / 3) + static_cast<double>(third % 3) / 3;
         m_coordinate[axis].push_back(shape.lower_m[a] + shape.cell_size_m[a] * cells);
       }
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 namespace musclebench {
 
@@ -132,13 +133,22 @@ double CubicCell::lower_bound() const {
   return *std::min_element(coefficients.begin(), coefficients.end());
 }
 
-double CubicCell::rough_lower_bound() const {
-  double bound = axis[0].low.min(axis[0].high).minCoeff();
-  for (const Along& along : axis) {
-    const auto [first, second] = bubbles_of(along);
-    bound += std::min(first.min(second).minCoeff(), 0.0);
+double CubicCell::rough_lower_bound_on_face(std::size_t face_axis, int side) const {
+  double lowest_corner = std::numeric_limits<double>::infinity();
+  double lowest_bubbles = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (a == face_axis) continue;
+    const auto [first, second] = bubbles_of(axis[a]);
+    const int bit = others[a].p == static_cast<int>(face_axis) ? 1 : 0;
+    double lowest_bubble = 0;
+    for (int edge = 0; edge < 4; ++edge) {
+      if ((edge >> bit & 1) != side) continue;
+      lowest_corner = std::min({lowest_corner, axis[a].low[edge], axis[a].high[edge]});
+      lowest_bubble = std::min({lowest_bubble, first[edge], second[edge]});
+    }
+    lowest_bubbles += lowest_bubble;
   }
-  return bound;
+  return lowest_corner + lowest_bubbles;
 }
 
 double CubicCell::lower_bound_on_face(std::size_t face_axis, int side) const {

@@ -158,7 +158,7 @@ std::size_t CubicField::sample(const CellMap& map, std::span<const Vec3> positio
     bits = m_negative.data();
   }
   const FieldView field = view();
-  const std::size_t next = first + gather_nodes(field.cells, map, bits, positions, nodes.subspan(first), first, block);
+  const std::size_t next = first + gather_nodes(m_shape, map, bits, positions, nodes.subspan(first), first, block);
   evaluate_block(field, block);
   return next;
 }

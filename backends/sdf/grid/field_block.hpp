@@ -36,7 +36,8 @@ struct FieldBlock {
   struct alignas(64) Lanes : std::array<Scalar, capacity + most_lanes> {};
 
   std::size_t count = 0;
-  Lanes<double> x, y, z;  ///< in units of the field's cells
+  bool found_left_out = false;  ///< a query in a cell that the grid leaves out (GridShape)
+  Lanes<double> x, y, z;        ///< in units of the field's cells
   Lanes<double> value_m;
   Lanes<double> slope_x, slope_y, slope_z;  ///< by metres along the field's axes
   Lanes<std::uint64_t> query;               ///< index of the query; ascending

@@ -1,6 +1,8 @@
 #include "backends/sdf/grid/gather_nodes.hpp"
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 
 // Includes this file once for every kind of SIMD; highway.h has to come after it.
 // clang-format off
@@ -14,6 +16,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
 namespace {
+
+std::array<double, 3> to_doubles(const std::array<std::int32_t, 3>& counts) {
+  return {static_cast<double>(counts[0]), static_cast<double>(counts[1]), static_cast<double>(counts[2])};
+}
 
 /// The first `count` of the nodes' positions; the other lanes hold that of the first.
 HWY_INLINE Vec3Lanes load_positions(const double* positions, const int* nodes, std::size_t count) {
@@ -35,7 +41,9 @@ HWY_INLINE Vec3Lanes load_positions(const double* positions, const int* nodes, s
 
 HWY_INLINE Vec turned(const CellMap& map, Eigen::Index row, const Vec3Lanes& p) {
   const auto entry = [&](Eigen::Index column) HWY_ATTR { return set(map.to_cells(row, column)); };
-  return hn::Add(sum_of_products(entry(0), p.x, entry(1), p.y), hn::Add(hn::Mul(entry(2), p.z), set(map.offset[row])));
+  const Vec in_domain =
+      hn::Add(sum_of_products(entry(0), p.x, entry(1), p.y), hn::Add(hn::Mul(entry(2), p.z), set(map.offset[row])));
+  return hn::Sub(in_domain, set(map.first_cell[row]));
 }
 
 /// Whether the bit of each point's cell is set. All points are in the field.
@@ -52,19 +60,36 @@ HWY_INLINE hn::Mask<Lanes> is_wanted(const std::array<double, 3>& cells, const s
   return hn::RebindMask(d, hn::TestBit(word, bit));
 }
 
-std::size_t gather(const std::array<double, 3>& cells, const CellMap& map, const std::uint64_t* wanted,
-                   const double* positions, const int* nodes, std::size_t count, std::size_t first, FieldBlock& block) {
+HWY_INLINE hn::Mask<Lanes> is_in_domain(const GridShape& shape, const Vec3Lanes& at) {
+  const std::array<double, 3> before = to_doubles(shape.cells_before);
+  const std::array<double, 3> cells = to_doubles(shape.cells);
+  const std::array<double, 3> after = to_doubles(shape.cells_after);
+  const auto is_within = [&](Vec v, std::size_t axis) HWY_ATTR {
+    return hn::And(hn::Ge(v, set(-before[axis])), hn::Le(v, set(cells[axis] + after[axis])));
+  };
+  return hn::And(hn::And(is_within(at.x, 0), is_within(at.y, 1)), is_within(at.z, 2));
+}
+
+std::size_t gather(const GridShape& shape, const CellMap& map, const std::uint64_t* wanted, const double* positions,
+                   const int* nodes, std::size_t count, std::size_t first, FieldBlock& block) {
+  const std::array<double, 3> cells = to_doubles(shape.cells);
+  const std::array<double, 3> lowest = shape.lowest();
+  const std::array<double, 3> highest = shape.highest();
   const Lanes d;
   const hn::RebindToUnsigned<Lanes> integers;
-  const Vec zero = hn::Zero(d);
   std::size_t i = 0;
   for (; i < count && block.count + lane_count <= FieldBlock::capacity; i += lane_count) {
     const std::size_t here = HWY_MIN(lane_count, count - i);
     const Vec3Lanes p = load_positions(positions, nodes + i, here);
     Vec3Lanes at{turned(map, 0, p), turned(map, 1, p), turned(map, 2, p)};
-    const auto inside = [&](Vec v, double most) HWY_ATTR { return hn::And(hn::Ge(v, zero), hn::Le(v, set(most))); };
-    auto wanted_lanes = hn::And(hn::And(inside(at.x, cells[0]), inside(at.y, cells[1])),
-                                hn::And(inside(at.z, cells[2]), hn::FirstN(d, here)));
+    const auto inside = [&](Vec v, std::size_t axis)
+                            HWY_ATTR { return hn::And(hn::Ge(v, set(lowest[axis])), hn::Le(v, set(highest[axis]))); };
+    auto wanted_lanes =
+        hn::And(hn::And(inside(at.x, 0), inside(at.y, 1)), hn::And(inside(at.z, 2), hn::FirstN(d, here)));
+    if (shape.is_part()) {
+      const auto left_out = hn::AndNot(wanted_lanes, hn::And(is_in_domain(shape, at), hn::FirstN(d, here)));
+      block.found_left_out |= !hn::AllFalse(d, left_out);
+    }
     if (hn::AllFalse(d, wanted_lanes)) {
       continue;
     }
@@ -90,10 +115,10 @@ HWY_EXPORT(gather);
 
 static_assert(sizeof(Vec3) == 3 * sizeof(double), "positions are read as a row of numbers");
 
-std::size_t gather_nodes(const std::array<double, 3>& cells, const CellMap& map, const std::uint64_t* wanted,
+std::size_t gather_nodes(const GridShape& shape, const CellMap& map, const std::uint64_t* wanted,
                          std::span<const Vec3> positions, std::span<const int> nodes, std::size_t first,
                          FieldBlock& block) {
-  return HWY_DYNAMIC_DISPATCH(gather)(cells, map, wanted, positions.data()->data(), nodes.data(), nodes.size(), first,
+  return HWY_DYNAMIC_DISPATCH(gather)(shape, map, wanted, positions.data()->data(), nodes.data(), nodes.size(), first,
                                       block);
 }
 

@@ -31,7 +31,7 @@ std::size_t OctreeField::sample(const CellMap& map, std::span<const Vec3> positi
                                 std::size_t first, FieldBlock& block, LeafBlock& leaves) const {
   const OctreeView field = view();
   const std::size_t next =
-      first + gather_nodes(field.roots, map, nullptr, positions, nodes.subspan(first), first, block);
+      first + gather_nodes(m_shape.grid(), map, nullptr, positions, nodes.subspan(first), first, block);
   evaluate_block(field, block, leaves);
   return next;
 }

@@ -44,6 +44,32 @@ TEST(VoxelGrid, CellsFollowTheBoxOrAreCubes) {
   EXPECT_EQ(cubes.counts(), (std::array<int, 3>{7, 14, 27}));
 }
 
+TEST(VoxelGrid, APartHoldsWhatTheWholeHoldsThere) {
+  const TriangleMesh bone = make_capsule(0.01, 0.04, 16);
+  const TriangleBvh tree(bone);
+  for (const double voxel_size_m : {0.0, 0.0017}) {
+    const VoxelGrid whole(bone, 19, voxel_size_m, "test");
+    EXPECT_EQ(whole.kept_share(), 1);
+    for (const Eigen::AlignedBox3d& box : {Eigen::AlignedBox3d(Vec3(-0.004, -1, 0.01), Vec3(0.002, 1, 0.02)),
+                                           Eigen::AlignedBox3d(Vec3(1, 1, 1), Vec3(2, 2, 2))}) {
+      const VoxelGrid part(bone, tree, 19, voxel_size_m, "test", box);
+      EXPECT_GT(part.kept_share(), 0);
+      EXPECT_LT(part.kept_share(), 0.3);
+      EXPECT_LT(part.bytes(), whole.bytes());
+      int left_out = 0;
+      for (int n = 0; n < 20000; ++n) {
+        const Vec3 scaled =
+            1.2 * Vec3(n % 29, n / 29 % 27, n / 29 / 27).cwiseProduct(Vec3(0.9, 1.1, 1.7)) - Vec3::Ones();
+        const Vec3 point = whole.lower() + scaled.cwiseProduct(whole.cell_size_m());
+        left_out += part.leaves_out_scaled(scaled) ? 1 : 0;
+        EXPECT_FALSE(part.leaves_out_scaled(scaled) && box.contains(point)) << point.transpose();
+        EXPECT_EQ(part.contains_scaled(scaled), whole.contains_scaled(scaled) && !part.leaves_out_scaled(scaled));
+      }
+      EXPECT_GT(left_out, 1000);
+    }
+  }
+}
+
 TEST(VoxelGrid, OneBitACell) { EXPECT_EQ(VoxelGrid(make_sphere(1, 2), 64, 0, "test").bytes(), 32768U); }
 
 TEST(VoxelGrid, AnEnclosedPocketOfFreeSpaceIsFree) {

@@ -69,7 +69,23 @@ TriangleMesh moved_to(TriangleMesh mesh, const Vec3& by_m) {
   return mesh;
 }
 
+std::string pressed_beside_long_rod() {
+  std::string text = pressed_beside_block;
+  const std::string rod = "synthetic:rod";
+  return text.replace(text.find(rod), rod.size(), "synthetic:long_rod");
+}
+
+/// Its lower end is where the rod's is; it leans, so that it touches the sides of its box at its ends only.
+TriangleMesh long_rod() {
+  const Vec3 end(0.034, 0, 0.02);
+  const RigidMotion lean = RigidMotion::about_axis(Vec3(1, -1, 0).normalized(), end, 0.5);
+  TriangleMesh mesh = moved_to(make_capsule(0.01, 0.2, 16), Vec3(0.034, 0, 0.2));
+  for (Vec3& vertex : mesh.vertices) vertex = lean.apply(vertex);
+  return mesh;
+}
+
 TriangleMesh mesh_named(const std::string& name) {
+  if (name == "long_rod") return long_rod();
   if (name == "plate") return moved_to(make_box(Vec3(0.04, 0.04, 0.01), 4), Vec3(0, 0, -0.01));
   if (name == "block") return moved_to(make_box(Vec3(0.04, 0.04, 0.01), 4), Vec3(0.5, 0, 0));
   if (name == "rod") return moved_to(make_capsule(0.01, 0.02, 16), Vec3(0.034, 0, 0.03));
@@ -121,7 +137,7 @@ bool is_served(const Scene& scene, const BackendEntry& backend) {
 bool can_prune(const Scene& scene, const BackendEntry& backend) {
   const RunCase run = case_of(scene, backend, 1, true);
   const auto made = backend.make(run.parameters);
-  made->expect_untouched(std::vector<char>(scene.bones.size(), 1));
+  made->expect_within(std::vector<Eigen::AlignedBox3d>(scene.bones.size()));
   made->build(scene.bones, scene.muscle_mesh, 1);
   return !made->pruned_bones().empty();
 }
@@ -173,33 +189,75 @@ TEST(Pruning, AMuscleThatFliesFartherThanExpectedBringsTheBoneBack) {
   }
 }
 
-/// Positions after the run of a scene of which all bones are expected untouched or none.
-std::vector<Vec3> positions_where(const Scene& scene, const BackendEntry& backend, bool untouched) {
+struct Outcome {
+  std::vector<Vec3> positions;
+  std::vector<PrunedBone> pruned;
+};
+
+/// Of a run where nodes are expected within this box of each bone's rest frame.
+Outcome outcome_where(const Scene& scene, const BackendEntry& backend, const Eigen::AlignedBox3d& expected) {
   const RunCase run = case_of(scene, backend, 1, false);
   const auto made = make_backend(scene, backend, run.parameters, run.colliders);
-  if (untouched) made->expect_untouched(std::vector<char>(scene.bones.size(), 1));
+  made->expect_within(std::vector<Eigen::AlignedBox3d>(scene.bones.size(), expected));
   made->build(scene.bones, scene.muscle_mesh, run.threads);
   const PreparedSimulation prepared = prepare_simulation(scene, *made, run.responses, run.threads);
   for (int frame = 1; frame <= scene.loop.frames; ++frame) prepared.simulation->step_frame(frame);
-  for (const PrunedBone& pruned : made->pruned_bones()) {
-    const std::string& name = scene.bones[static_cast<std::size_t>(pruned.bone)].name;
-    EXPECT_EQ(pruned.is_back, name != "block") << backend.name << ": " << name;
-  }
-  return prepared.simulation->positions();
+  return {prepared.simulation->positions(), made->pruned_bones()};
+}
+
+/// Whether a part of what it builds may do.
+bool has_grid(const BackendEntry& backend) {
+  return std::ranges::any_of(backend.parameters,
+                             [](const auto& each) { return each.role == ParameterRole::resolution; });
 }
 
 /// However wrong the expectation is, with bones that move in and stages that keep surfaces of their own.
 TEST(Pruning, AWrongExpectationCostsNoBit) {
+  std::int64_t completed = 0;
   for (const char* effects : {"", contact_effects, "[effects.tunnelling_guard]\nrule = \"angle\"\n"}) {
     for (const char* text : {pressed_beside_block, falling}) {
       const Scene scene = read(std::string(text) + plain_effects + effects);
       for (const BackendEntry& backend : backend_registry()) {
         if (!is_served(scene, backend)) continue;
-        EXPECT_EQ(positions_where(scene, backend, true), positions_where(scene, backend, false))
-            << backend.name << " with " << effects;
+        const Outcome whole = outcome_where(scene, backend, unbounded_box());
+        EXPECT_TRUE(whole.pruned.empty());
+        const Outcome untouched = outcome_where(scene, backend, Eigen::AlignedBox3d());
+        EXPECT_EQ(untouched.positions, whole.positions) << backend.name << " with " << effects;
+        for (const PrunedBone& pruned : untouched.pruned) {
+          const std::string& name = scene.bones[static_cast<std::size_t>(pruned.bone)].name;
+          EXPECT_EQ(pruned.is_back, name != "block") << backend.name << ": " << name;
+        }
+        // Across the bones of both scenes, and the places where the ball touches them.
+        const Outcome in_part = outcome_where(scene, backend, {Vec3(0.002, -0.1, -0.1), Vec3(0.1, 0.1, 0.1)});
+        EXPECT_EQ(in_part.positions, whole.positions) << backend.name << " with " << effects;
+        EXPECT_EQ(in_part.pruned.empty(), !has_grid(backend)) << backend.name;
+        completed += std::ranges::count(in_part.pruned, true, &PrunedBone::is_back);
       }
     }
   }
+  EXPECT_GT(completed, 0) << "no node came where none was expected";
+}
+
+/// The rod turns about the ball's side, so that its far end is out of reach.
+TEST(Pruning, OfAGridThePartInReachIsBuiltAndNoBitDependsOnIt) {
+  const Scene scene = read(std::string(pressed_beside_long_rod()) + plain_effects);
+  int with_grids = 0;
+  for (const BackendEntry& backend : backend_registry()) {
+    if (!is_served(scene, backend)) continue;
+    const RunResult whole = result_of(case_of(scene, backend, 1, false));
+    for (const int threads : {1, 2}) {
+      const RunResult result = result_of(case_of(scene, backend, threads, true));
+      EXPECT_EQ(result.state_hash, whole.state_hash) << backend.name << " on " << threads;
+      const auto rod = std::ranges::find_if(result.pruned, [](const auto& each) { return each.pruned.kept_share > 0; });
+      if (rod == result.pruned.end()) continue;
+      ++with_grids;
+      EXPECT_EQ(scene.bones[static_cast<std::size_t>(rod->pruned.bone)].name, "rod");
+      EXPECT_LT(rod->pruned.kept_share, 0.5) << backend.name;
+      EXPECT_FALSE(rod->frame_back) << backend.name;
+      EXPECT_LT(result.structure_bytes, whole.structure_bytes) << backend.name;
+    }
+  }
+  EXPECT_GE(with_grids, 4) << "two backends, twice";
 }
 
 TEST(Pruning, BonesWithBackendsOfTheirOwnArePrunedEach) {

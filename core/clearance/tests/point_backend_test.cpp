@@ -66,7 +66,7 @@ class PointBackendTest : public testing::Test {
       return std::make_unique<BallStructure>(m_log, from_file[next++]);
     };
     auto backend = make_point_backend(std::move(method));
-    if (m_expect_right_untouched) backend->expect_untouched({0, 1});
+    if (m_expect_right_untouched) backend->expect_within({unbounded_box(), Eigen::AlignedBox3d()});
     backend->report_build_to([this](double share) { m_shares.push_back(share); });
     backend->build(m_bones, m_muscle, threads);
     return backend;

@@ -31,7 +31,8 @@ TEST(Reach, ABoneFartherThanTheMarginIsUntouched) {
   add_bone(scene, "near", Vec3(0.15 + margin_m - 0.001, 0, 0));
   add_bone(scene, "far", Vec3(0.15 + margin_m + 0.001, 0, 0));
   const std::vector<BoneReach> reach = predict_reach(scene);
-  EXPECT_EQ(untouched_bones(reach), (std::vector<char>{0, 1}));
+  EXPECT_FALSE(reach[0].is_untouched);
+  EXPECT_TRUE(expected_boxes(reach)[1].isEmpty());
   EXPECT_NEAR(reach[1].distance_m, margin_m + 0.001, 1e-9);
   EXPECT_NEAR(reach[1].margin_m, margin_m, 1e-9);
 }
@@ -75,6 +76,23 @@ TEST(Reach, AnOpenBoneIsNeverUntouched) {
   EXPECT_TRUE(predict_reach(scene)[0].is_untouched);
   scene.bones[0].surface.mesh.triangles.pop_back();
   EXPECT_FALSE(predict_reach(scene)[0].is_untouched);
+}
+
+TEST(Reach, MusclesAreExpectedInTheirBoxesWithTheMarginAsTheBoneSeesThem) {
+  Scene scene = scene_of_ball();
+  const double half_m = 0.1 + 0.25 * 0.2 * std::numbers::sqrt3;
+  add_bone(scene, "still", Vec3(0.1, 0, 0));
+  const BoneMotion half_turn{Vec3::UnitY(), Vec3(0, 0, 0.5), {0, 1}, {0, std::numbers::pi}, false};
+  add_bone(scene, "turns", Vec3(0.1, 0, 0), half_turn);
+  const std::vector<BoneReach> reach = predict_reach(scene);
+  EXPECT_LT((reach[0].box.min() - Vec3::Constant(-half_m)).norm(), 1e-3 * half_m);
+  EXPECT_LT((reach[0].box.max() - Vec3::Constant(half_m)).norm(), 1e-3 * half_m);
+  // Seen from the bone the ball goes half around (0, 0, 0.5).
+  EXPECT_NEAR(reach[1].box.max().z(), 1 + half_m, 2e-3);
+  EXPECT_NEAR(reach[1].box.min().z(), -half_m, 2e-3);
+  EXPECT_GT(reach[1].box.sizes().x(), 0.5 + 2 * half_m - 1e-3);
+  scene.bones[0].surface.mesh.triangles.pop_back();
+  EXPECT_FALSE(expected_boxes(predict_reach(scene))[0].sizes().array().isFinite().any()) << "it is open";
 }
 
 TEST(Reach, OfSeveralMusclesTheNearestCounts) {

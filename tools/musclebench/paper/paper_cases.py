@@ -33,6 +33,7 @@ class PaperCase(SceneCase):
 
     def arguments(self, folders: Folders) -> list[str]:
         words = ["run", self.scene.name, "--backend", self.backend, *self.scene.preset_arguments(), "--threads", "1"]
+        words.append("--no-pruning")  # table 1 is the memory of structures over whole bones
         words += ["--snapshots", ",".join(map(str, self.snapshot_frames))]
         return [*words, *self.scene.data_arguments(folders), *self.scene.frames_arguments()]
 

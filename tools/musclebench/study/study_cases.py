@@ -201,6 +201,7 @@ class CoupledCase(MeasuredCase):
 
     def arguments(self, folders: Folders) -> list[str]:
         words = ["run", self.scene.name, *self.backend_arguments(folders), *self.scene.preset_arguments()]
+        words.append("--no-pruning")  # structures over whole bones, as replays and probes have
         words += [*self.scene.data_arguments(folders), *self.scene.frames_arguments(), *self.repetition_arguments()]
         return words + (["--snapshots", ",".join(map(str, self.snapshot_frames))] if self.is_judged else [])
 
