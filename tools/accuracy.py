@@ -52,7 +52,7 @@ def parse_arguments(arguments):
     what.add_argument("--longest", type=float, default=LONGEST_SECONDS, metavar="SECONDS",
                       help="a case that is guessed to take longer is a row with its estimate (default 360 s)")
     what.add_argument("--frames-limit", type=int, metavar="N",
-                      help="frames of the whole motion (default: the preset's 314)")
+                      help="frames of the whole run (default: the preset's 314)")
     what.add_argument("--shard", type=_shard, default=(1, 1), metavar="I/N",
                       help="run only the I-th of N parts, on machines of one kind with one build; copy the folders "
                            "together, then --report-only (default 1/1)")

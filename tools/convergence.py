@@ -34,7 +34,7 @@ def parse_arguments(arguments):
     parser.add_argument("--substeps", type=_counts, default=list(SUBSTEPS), metavar="N,N,...",
                         help=f"numbers to compare (default: {','.join(map(str, SUBSTEPS))})")
     parser.add_argument("--backend", metavar="NAME", help="of all runs (default: an exact one)")
-    parser.add_argument("--frames-limit", type=int, metavar="N", help="frames of the whole motion, for a quick look")
+    parser.add_argument("--frames-limit", type=int, metavar="N", help="frames of the whole run, for a quick look")
     add_run_options(parser, timeout=3600.0)
     add_jobs_option(parser)
     return parser.parse_args(arguments)

@@ -1,8 +1,9 @@
 #!/usr/bin/python3
-"""What each effect costs a frame and what it changes, and what a wanted property costs.
+"""What each effect costs a frame and what it changes, what a wanted property costs, and whether a muscle comes back.
 
 Runs scenes with the `standard` preset: with their own effects, with all, with each of all left out and with each added to
-their own; and the small scenes that show one effect each. Writes tables (costs, changes, a price list) and figures.
+their own; with the effects that they call for and a rest after the motion; and the small scenes that show one effect each.
+Writes tables (costs, changes, a price list, returns) and figures.
 
 A study goes on where it was stopped: complete runs are skipped until their arguments, the program or the data change.
 """
@@ -19,6 +20,7 @@ from musclebench.cases.study_command import (
 from musclebench.convergence.convergence_cases import backend_of
 from musclebench.effects.effect_cases import PRESET, EffectCase, ShownCase, plan, shown_names
 from musclebench.effects.effect_report import write_report
+from musclebench.effects.returns import ReturnCase
 from musclebench.program.cli import add_scene_options, chosen_cores, data_set_of, run_command
 from musclebench.program.registry import Registry, read_registry
 from musclebench.results.disturbance import disturbed, note
@@ -36,7 +38,7 @@ def parse_arguments(arguments):
     add_scene_options(parser, f"default: all of the data set that have one muscle; with --quick {QUICK_MUSCLE}")
     parser.add_argument("--repetitions", type=int, default=1, metavar="N", help="of each case (default 1)")
     parser.add_argument("--backend", metavar="NAME", help="of all runs (default: an exact one)")
-    parser.add_argument("--frames-limit", type=int, metavar="N", help="frames of the whole motion, for a quick look")
+    parser.add_argument("--frames-limit", type=int, metavar="N", help="frames of the whole run, for a quick look")
     add_run_options(parser, timeout=3600.0)
     add_jobs_option(parser)
     return parser.parse_args(arguments)
@@ -46,7 +48,8 @@ class EffectStudy(Experiment):
     final_statuses = MEASURED | {"diverged"}  # without an effect to diverge is an answer
 
 
-def planned(options, registry: Registry, folders: Folders) -> tuple[list[EffectCase], list[ShownCase]]:
+def planned(options, registry: Registry,
+            folders: Folders) -> tuple[list[EffectCase], list[ReturnCase], list[ShownCase]]:
     names = chosen_names(options.scene, options.muscle, data_set_of(options), registry,
                          QUICK_MUSCLE if options.quick else None)
     frames = options.frames_limit or (QUICK_FRAMES if options.quick else None)
@@ -54,18 +57,18 @@ def planned(options, registry: Registry, folders: Folders) -> tuple[list[EffectC
     backend = backend_of(options.backend, registry)
     shown = survey(shown_names(registry), options.musclebench, registry, Folders(folders.out_dir))
     return (plan(scenes, registry, backend, options.repetitions, options.quick),
-            [ShownCase(scene, backend) for scene in shown])
+            [ReturnCase(scene, backend) for scene in scenes], [ShownCase(scene, backend) for scene in shown])
 
 
 def run_and_report(options) -> int:
     check_options(options, "effects")
     folders = folders_of(options, "effects")
-    cases, shown = planned(options, read_registry(options.musclebench), folders)
+    cases, returns, shown = planned(options, read_registry(options.musclebench), folders)
     study = EffectStudy(options.musclebench, folders, options.force)
-    problems = run_missing([*cases, *shown], study, Limits(chosen_cores(options.jobs), options.timeout))
-    done = {case: study.folder(case) for case in cases if study.is_complete(case)}
-    tables, files = write_report(done, {case: study.folder(case) for case in shown if study.is_complete(case)},
-                                 folders.out_dir)
+    problems = run_missing([*returns, *cases, *shown], study, Limits(chosen_cores(options.jobs), options.timeout))
+    done, returned, drawn = ({case: study.folder(case) for case in some if study.is_complete(case)}
+                             for some in (cases, returns, shown))
+    tables, files = write_report(done, returned, drawn, folders.out_dir)
     for table in tables:
         print(f"\n{table.caption}\n\n{as_text(table)}")
     busy = disturbed({case.name: read_run(folder).record for case, folder in done.items()})

@@ -20,7 +20,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--preset", options.choice.preset, "Loop and effects: paper or standard (default: the scene's)");
   command.add_option("--loop", options.loop, "Parameter of the loop, key=value, over scene and preset");
   command.add_option("--data", options.choice.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
-  command.add_option("--frames", options.frames, "Frames of the whole motion (default: the preset's)")
+  command.add_option("--frames", options.frames, "Frames of the whole run (default: the preset's)")
       ->check(CLI::Range(1, 10000000));
 }
 

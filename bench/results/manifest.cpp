@@ -30,6 +30,7 @@ Json json_of_effects(const Scene& scene) {
 
 Json json_of_loop(const LoopParameters& loop) {
   return {{"frames", loop.frames},
+          {"rest_frames", loop.rest_frames},
           {"substeps", loop.substeps},
           {"iterations", loop.iterations},
           {"time_step_s", loop.time_step_s},

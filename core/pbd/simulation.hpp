@@ -23,6 +23,7 @@ namespace musclebench {
 /// the constraints, each followed by detection and response, and one velocity update.
 struct LoopParameters {
   int frames = 1;
+  int rest_frames = 0;  ///< of them the last ones, in which bones stand still where their motion ended
   int substeps = 1;
   int iterations = 1;
   double time_step_s = 1e-3;       ///< of one substep

@@ -381,6 +381,14 @@ toml::table parse_scene(const SceneRequest& request) {
   }
 }
 
+void require_motion(const SceneRequest& request, const std::optional<TomlTable>& own, const LoopParameters& loop) {
+  if (loop.rest_frames < loop.frames) return;
+  const bool is_in_file = own && own->has("rest_frames") && !request.loop_overrides.contains("rest_frames");
+  throw InputError(is_in_file ? own->location("rest_frames") : "--loop rest_frames",
+                   fmt::format("{} of {} frames leave none for the motion; rest in fewer, or run more",
+                               loop.rest_frames, loop.frames));
+}
+
 }  // namespace
 
 Scene read_scene(const SceneRequest& request) {
@@ -410,6 +418,7 @@ Scene read_scene(const SceneRequest& request) {
     loop_values[key] = value;
   }
   scene.loop = loop_from(Parameters(loop_parameters(), loop_values, "--loop"));
+  require_motion(request, root.table("loop"), scene.loop);
   const auto contact = root.table("contact");
   read_response(contact, scene);
   scene.auto_effects.wanted = request.auto_effects;

@@ -5,17 +5,21 @@
 
 namespace musclebench {
 
+double Scene::progress_at(double frame_position) const {
+  return std::min(1.0, frame_position / (loop.frames - loop.rest_frames));
+}
+
 void Scene::poses_at(double frame_position, std::vector<RigidMotion>& poses) const {
   poses.resize(motions.size());
   for (std::size_t i = 0; i < motions.size(); ++i) {
-    poses[i] = motions[i].pose(frame_position / loop.frames);
+    poses[i] = motions[i].pose(progress_at(frame_position));
   }
 }
 
 double Scene::angle_rad(double frame_position) const {
   double largest = 0;
   for (const BoneMotion& motion : motions) {
-    const double angle = motion.angle_rad(frame_position / loop.frames);
+    const double angle = motion.angle_rad(progress_at(frame_position));
     largest = std::abs(angle) > std::abs(largest) ? angle : largest;
   }
   return largest;
@@ -117,7 +121,12 @@ std::vector<ParameterSpec> loop_parameters() {
                           .default_value = 314,
                           .minimum = 1,
                           .maximum = 10'000'000,
-                          .help = "frames of the whole motion"}),
+                          .help = "frames of the whole run"}),
+      parameter::integer({.name = "rest_frames",
+                          .default_value = 0,
+                          .minimum = 0,
+                          .maximum = 10'000'000,
+                          .help = "of them the last ones, in which bones stand still where their motion ended"}),
       parameter::integer({.name = "substeps",
                           .default_value = 3,
                           .minimum = 1,
@@ -160,6 +169,7 @@ bool has_effect(const Scene& scene, std::string_view name) {
 LoopParameters loop_from(const Parameters& parameters) {
   LoopParameters loop;
   loop.frames = static_cast<int>(parameters.integer("frames"));
+  loop.rest_frames = static_cast<int>(parameters.integer("rest_frames"));
   loop.substeps = static_cast<int>(parameters.integer("substeps"));
   loop.iterations = static_cast<int>(parameters.integer("iterations"));
   loop.time_step_s = parameters.number("time_step_s");
@@ -171,6 +181,7 @@ LoopParameters loop_from(const Parameters& parameters) {
 
 std::map<std::string, ParameterValue> loop_values(const LoopParameters& loop) {
   return {{"frames", std::int64_t{loop.frames}},
+          {"rest_frames", std::int64_t{loop.rest_frames}},
           {"substeps", std::int64_t{loop.substeps}},
           {"iterations", std::int64_t{loop.iterations}},
           {"time_step_s", loop.time_step_s},

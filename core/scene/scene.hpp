@@ -118,6 +118,8 @@ struct Scene {
   /// What keeps the scene from being run, where its reader was told to go on all the same (SceneRequest).
   std::vector<std::string> obstacles;
 
+  /// Of the motion, from 0 to 1, at `frame_position` (0 at rest, `loop.frames` at the end).
+  [[nodiscard]] double progress_at(double frame_position) const;
   /// Poses at `frame_position` (0 at rest, `loop.frames` at the end).
   void poses_at(double frame_position, std::vector<RigidMotion>& poses) const;
   /// Largest flexion angle over the bones at `frame_position`, rad: what the frame is labelled with.

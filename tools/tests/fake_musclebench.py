@@ -25,7 +25,7 @@ def parse_arguments():
     parser.add_argument("command", choices=["run", "record", "replay", "probe", "list"])
     parser.add_argument("input", nargs="?")
     parser.add_argument("--json", action="store_true")
-    for option in ("--backend", "--preset", "--out", "--data", "--snapshots", "--threads", "--frames", "--stride",
+    for option in ("--backend", "--preset", "--out", "--data", "--snapshots", "--threads", "--frames", "--stride", "--effects",
                    "--band-mm", "--points"):
         parser.add_argument(option)
     parser.add_argument("--repetition", type=int)
@@ -71,7 +71,7 @@ def write_paper_run(options, status: str) -> None:
                         {"femur": {"axis": [-1, 0, 0], "centre_m": [0, 0, 0], "angles_rad": [0, 1.57]}})
     if options.loop:
         told = Path(options.out) / "run.json"
-        loop = {"substeps": int(dict(word.split("=") for word in options.loop)["substeps"])}
+        loop = {key: int(value) for key, value in (word.split("=") for word in options.loop) if key.endswith("s")}
         record = json.loads(told.read_text())
         told.write_text(json.dumps(record | {"case": record["case"] | {"loop": loop}}))
 

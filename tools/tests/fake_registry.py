@@ -64,7 +64,7 @@ def survey_record(scene: str, frames: int) -> dict:
               "there_and_back": True}
     return {"schema_version": 2, "build": {"git": "abc"}, "machine": {"cpu": "A processor", "cores": 2},
             "case": {"scene": scene, "preset": "paper", "effects": dict.fromkeys(OWN_EFFECTS, {}), "loop": {
-        "frames": frames, "substeps": 3, "iterations": 1, "time_step_s": 1e-3}},
+        "frames": frames, "rest_frames": 0, "substeps": 3, "iterations": 1, "time_step_s": 1e-3}},
             "muscle": {"vertices": NODES.get(scene.split("/")[-1], 1000), "mesh_sha256": "00aa"},
             "bones": [{"name": "pelvis", "motion": {"angles_rad": []}}, {"name": "femur", "motion": motion}]}
 

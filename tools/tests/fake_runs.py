@@ -20,6 +20,7 @@ COLUMNS = [
     "frame", "angle_deg", "warm_up", "edge_length_ns", "bending_ns", "volume_ns", "attachment_ns", "predict_ns",
     "update_ns", "detect_ns", "respond_ns", "finish_ns", "frame_ns", "recording_ns", "judging_ns", "contacts", "nodes_inside",
     "max_depth_m", "p99_depth_m", "mean_depth_m", "missed_contacts", "false_contacts", "volume_m3", "resident_bytes",
+    "self_intersecting_triangles",
 ]
 MUSCLE_COLUMNS = [
     "frame", "angle_deg", "muscle", "contacts", "nodes_inside", "max_depth_m", "p99_depth_m", "mean_depth_m",
@@ -81,7 +82,7 @@ def frame_rows(backend: str, frames: int) -> list[dict]:
             "predict_ns": 0, "finish_ns": 0, "recording_ns": 1000, "judging_ns": 9_000_000, "detect_ns": DETECT_NS[backend], "respond_ns": 0, "frame_ns": DETECT_NS[backend] + OTHER_NS,
             "contacts": 10, "nodes_inside": 5, "max_depth_m": repr(0.002 * flexion),
             "mean_depth_m": repr(0.001 * flexion),
-            "p99_depth_m": repr(0.0015 * flexion), "missed_contacts": 1, "false_contacts": 2,
+            "p99_depth_m": repr(0.0015 * flexion), "missed_contacts": 1, "false_contacts": 2, "self_intersecting_triangles": 0,
             "resident_bytes": FIRST_BYTES[backend] + 1000 * frame,
         }
         rows.append(row)

@@ -4,6 +4,7 @@ import json
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import effects
@@ -13,7 +14,9 @@ from musclebench.effects.effect_cases import EffectCase, plan, shown_names
 from musclebench.effects.effect_report import measured_sets, write_report
 from musclebench.effects.effect_sets import ALL, KEPT, LOADS, OWN, EffectSet, effect_sets
 from musclebench.effects.effect_tables import cost_table, price_table
+from musclebench.effects.returns import ReturnCase, own_stretch, return_table
 from musclebench.figures import effect_figures, style
+from musclebench.results.ply import PlyMesh
 from printed import check_print, keep_figures, overlaps
 
 PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
@@ -63,16 +66,33 @@ def test_complete_runs_are_kept_and_every_set_has_a_row(study, tmp_path):
     code, text, errors, called = study("--quick")
     assert code == 0, errors
     expected = {case.name for case in plan([fake_registry.scene("synthetic/iliacus", 12)], fake_registry.registry(), "bvh",
-                                           1, True)}
+                                           1, True)} | {"iliacus-returns"}
     assert {name for name in called if name.startswith("iliacus-")} == expected
     assert [name for name in called if name.startswith("shown-")] == ["shown-activation", "shown-attachment"]
     rows = (tmp_path / "out" / "tables" / "effect_changes.csv").read_text().splitlines()
-    assert len(rows) == 1 + len(expected)
+    assert len(rows) == len(expected)
     assert "own+margin" in text and "effect_scenes.png" in text
     for figure in ("effect_costs", "effect_changes", "effect_scenes"):
         assert (tmp_path / "out" / "figures" / f"{figure}.pdf").is_file()
     assert study("--quick")[3] == []
     assert {name.split("-r")[-1] for name in study("--quick", "--repetitions", "2")[3]} == {"1"}
+
+
+def test_a_muscle_that_moved_has_not_come_back(tmp_path):
+    scene = fake_registry.scene("synthetic/iliacus", 12)
+    case, ball = ReturnCase(scene, "bvh"), fake_runs.sphere((0, 0, 0), 0.05)
+    assert case.rest_frames == 167 and case.snapshot_frames == [0, 6, 12, 179]  # half a second of frames of 3 ms
+    attached = (np.abs(ball.vertices_m[:, 2]) > 0.049).astype("u1")
+    apart = ball.vertices_m + np.where(ball.vertices_m[:, 2:] > 0, [0, 0, 0.05], [0, 0, 0])
+    moved = ball.vertices_m + [0.003, 0, 0.004]
+    shots = [fake_runs.Snapshot(frame, 0.0, shape, 0 * shape[:, 0], attached)
+             for frame, shape in ((0, ball.vertices_m), (6, apart), (12, moved), (179, moved))]
+    folder = fake_runs.write_run(tmp_path / "run", scene.name, "bvh", 179, triangles=ball.triangles, snapshots=shots)
+    row = return_table({case: folder}).rows.iloc[0]
+    assert row.rms_mm == pytest.approx(5, abs=1e-3) and row.largest_mm == pytest.approx(5, abs=1e-3)
+    assert row.own_stretch == pytest.approx(1.5, abs=0.01)
+    assert np.isnan(own_stretch(*(PlyMesh(shape, ball.triangles, {"attached": 0 * attached})
+                                  for shape in (ball.vertices_m, apart))))
 
 
 def test_the_small_scenes_are_those_of_the_program():
@@ -157,7 +177,7 @@ def test_costs_are_columns_and_differences(measured):
 
 
 def test_shapes_are_compared_with_that_of_all_effects(measured, tmp_path):
-    tables, _ = write_report(measured({OWN: (10, {}), ALL: (12, {})}), {}, tmp_path / "out")
+    tables, _ = write_report(measured({OWN: (10, {}), ALL: (12, {})}), {}, {}, tmp_path / "out")
     changes = next(table for table in tables if table.name == "effect_changes").rows.set_index("set")
     assert changes.loc[OWN, "shape_mm"] == pytest.approx(2) and changes.loc[ALL, "shape_mm"] == 0
 

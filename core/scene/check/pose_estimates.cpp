@@ -39,8 +39,9 @@ void PoseEstimates::choose_poses(const Scene& scene) {
     for (const BoneMotion& motion : scene.motions) angles.push_back(motion.angle_rad(progress));
     if (std::ranges::any_of(seen, [&](const auto& other) { return same_angles(angles, other); })) continue;
     seen.push_back(std::move(angles));
-    m_angles_rad.push_back(scene.angle_rad(progress * scene.loop.frames));
-    scene.poses_at(progress * scene.loop.frames, m_bone_poses.emplace_back());
+    const double frame_position = progress * (scene.loop.frames - scene.loop.rest_frames);
+    m_angles_rad.push_back(scene.angle_rad(frame_position));
+    scene.poses_at(frame_position, m_bone_poses.emplace_back());
   }
 }
 

@@ -15,7 +15,7 @@ double largest_step_rad(const Scene& scene, const BoneMotion& motion) {
   double largest = 0;
   double last = motion.angle_rad(0);
   for (int frame = 1; frame <= scene.loop.frames; ++frame) {
-    const double next = motion.angle_rad(static_cast<double>(frame) / scene.loop.frames);
+    const double next = motion.angle_rad(scene.progress_at(frame));
     largest = std::max(largest, std::abs(next - last));
     last = next;
   }

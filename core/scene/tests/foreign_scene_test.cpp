@@ -287,6 +287,15 @@ TEST(ForeignScene, AWrongParameterNamesItsOwnLine) {
                   {"test.toml:19: loop", "substeps"});
 }
 
+TEST(ForeignScene, ARestThatLeavesNoFrameForTheMotionIsRefusedWhereItIsSaid) {
+  const std::string loop = "[loop]\nframes = 3\nrest_frames = ";
+  expect_mentions(error_of(request(plain_text() + loop + "3\n")), {"test.toml:18: loop.rest_frames", "3 of 3 frames"});
+  EXPECT_EQ(error_of(request(plain_text() + loop + "2\n")), "no error");
+  SceneRequest told = request(plain_text() + loop + "2\n");
+  told.loop_overrides["rest_frames"] = std::int64_t{7};
+  expect_mentions(error_of(told), {"--loop rest_frames", "7 of 3 frames"});
+}
+
 TEST(ForeignScene, KeysOfThousandsOfPartsAreRefused) {
   std::string key = "a";
   for (int i = 0; i < 50000; ++i) {

@@ -101,11 +101,16 @@ TEST(ReadScene, AnEffectThatTheSceneTakesAwayDoesNotExist) {
 }
 
 TEST(ReadScene, TheMotionGoesThereAndBack) {
-  const Scene scene = read_scene(request_of(std::string("preset = \"soft\"\n") + bones_and_muscle));
+  Scene scene = read_scene(request_of(std::string("preset = \"soft\"\n") + bones_and_muscle));
   EXPECT_NEAR(scene.angle_rad(0), 0, 1e-15);
   EXPECT_NEAR(scene.angle_rad(5), std::numbers::pi / 2, 1e-15);
   EXPECT_NEAR(scene.angle_rad(2.5), std::numbers::pi / 4, 1e-15);
   EXPECT_NEAR(scene.angle_rad(10), 0, 1e-15);
+  scene.loop.frames = 14;
+  scene.loop.rest_frames = 4;
+  EXPECT_NEAR(scene.angle_rad(2.5), std::numbers::pi / 4, 1e-15);
+  EXPECT_NEAR(scene.angle_rad(5), std::numbers::pi / 2, 1e-15);
+  for (const double at_rest : {10.0, 11.5, 14.0}) EXPECT_NEAR(scene.angle_rad(at_rest), 0, 1e-15);
   std::vector<RigidMotion> poses;
   scene.poses_at(5, poses);
   EXPECT_LT((poses[0].apply(Vec3(1, 0, 0)) - Vec3(0, 1, 0)).norm(), 1e-15);

@@ -141,14 +141,15 @@ def _asked(scene: Scene, program: Path, registry: Registry, folders: Folders) ->
 def told(scene: Scene, record: dict) -> Scene:
     loop, bones = record["case"]["loop"], record["bones"]
     motions = [bone.get("motion") or {} for bone in bones]
+    moving_frames = loop["frames"] - loop["rest_frames"]
     meshes = [part.get("mesh_sha256", "") for part in (record["muscle"], *bones)]
     digest = fingerprint.text_digest(fingerprint.file_digest(Path(scene.name)), *meshes) if scene.is_file else ""
     return replace(
         scene, nodes=record["muscle"]["vertices"], frames=loop["frames"],
         iterations=loop["substeps"] * loop["iterations"],
         muscles=len(record.get("muscles", [])) or 1, effects=tuple(record["case"].get("effects") or ()),
-        full_flexion_frame=full_flexion_frame(motions, loop["frames"]),
-        half_flexion_frame=half_flexion_frame(motions, loop["frames"]),
+        full_flexion_frame=full_flexion_frame(motions, moving_frames),
+        half_flexion_frame=half_flexion_frame(motions, moving_frames),
         preset=record["case"].get("preset") or "", digest=digest, frame_time_s=loop["substeps"] * loop["time_step_s"],
         origin={key: record[key] for key in ORIGIN_KEYS if key in record})
 

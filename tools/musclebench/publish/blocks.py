@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pandas as pd
 
 from ..convergence import convergence_report
-from ..effects import effect_tables
+from ..effects import effect_tables, returns
 from ..program.cli import Problem
 from ..results.disturbance import MARK
 from ..tables import choices, muscle_tables, outcomes, paper_tables, prices
@@ -27,6 +27,8 @@ OUTCOME_KEYS = ("muscle", "configuration", "node_depth_mm", "p99_surface_depth_m
 DEPTH_KEYS = ("muscle", "backend", "bone_depth_mm", "bone_nodes", "muscle_depth_mm", "muscle_nodes",
               "volume_change_percent", "edge_stretch")
 PAIR_KEYS = ("muscle", "backend", "detect_ms", "contacts")
+RETURN_KEYS = ("muscle", "status", "added", "rms_mm", "surface_depth_mm", "tunnelled", "volume_percent", "folded_percent",
+               "folded_at_end", "stretch", "own_stretch")
 SUBSTEP_KEYS = ("scene", "backend", "substeps", "status", "rms_mm", "p99_mm", "largest_mm", "volume_error_percent",
                 "largest_depth_mm")
 EFFECT_COST_KEYS = ("muscle", "effect", "own_ms", "share_percent", "added_ms", "saved_ms")
@@ -117,5 +119,6 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "effect_costs": _from("effect_costs", effect_tables.COST_COLUMNS, EFFECT_COST_KEYS),
     "effect_changes": _from("effect_changes", effect_tables.CHANGE_COLUMNS, EFFECT_CHANGE_KEYS),
     "effect_prices": _from("effect_prices", effect_tables.PRICE_COLUMNS, EFFECT_PRICE_KEYS),
+    "returns": _from("returns", returns.RETURN_COLUMNS, RETURN_KEYS),
     "substeps": _from("substeps", convergence_report.COLUMNS, SUBSTEP_KEYS),
 }

@@ -20,7 +20,8 @@ TABLES = {
               "tables/table_4_depths.csv", "tables/table_5_pairs.csv"),  # from 3 on: of scenes of several muscles
     "speed": ("speed.csv",),
     "convergence": ("tables/substeps.csv",),
-    "effects": ("tables/effect_costs.csv", "tables/effect_changes.csv", "tables/effect_prices.csv"),
+    "effects": ("tables/effect_costs.csv", "tables/effect_changes.csv", "tables/effect_prices.csv",
+                "tables/returns.csv"),
     "accuracy": ("tables/price_list.csv", "tables/*_factors.csv", "tables/coupled_outcomes.csv", "study.csv"),
 }
 
