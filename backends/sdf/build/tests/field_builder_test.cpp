@@ -308,6 +308,34 @@ TEST(BuildField, APartThatCutsTheBorderWhereTheBoneTouchesItIsTheWhole) {
   EXPECT_EQ(shape.part({Vec3::Constant(5), Vec3::Constant(6)}).whole(), shape);
 }
 
+/// At its corners, which touch the border, edges become linear, those of cells beside the cut among them.
+TEST(BuildField, APartThatEndsBesideATouchedBorderHoldsWhatTheWholeHoldsThere) {
+  TriangleMesh octahedron{{{1.1, 0.03, 0}, {-1, 0, 0.02}, {0, 1.2, 0.07}, {0.05, -1, 0}, {0, 0.02, 1.3}, {0.04, 0, -1}},
+                          {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}};
+  const RepairedMesh bone = surface_of(std::move(octahedron));
+  const SignedSurface surface(bone);
+  int parts = 0;
+  for (const int cells : {10, 11, 13}) {
+    const GridShape shape = grid_over(bone.mesh, {.cells = cells}, "bone");
+    const CubicField whole = build_field(surface, shape, double_precision, 1);
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      for (double cut = -0.9; cut < 0.95; cut += 0.13) {
+        Eigen::AlignedBox3d below = unbounded_box();
+        below.max()[axis] = cut;
+        Eigen::AlignedBox3d above = unbounded_box();
+        above.min()[axis] = cut;
+        for (const Eigen::AlignedBox3d& box : {below, above}) {
+          const CubicField part = build_field(surface, shape.part(box), double_precision, 1);
+          if (!part.shape().is_part()) continue;
+          ++parts;
+          expect_part_of(whole, part, box);
+        }
+      }
+    }
+  }
+  EXPECT_GT(parts, 25);
+}
+
 TEST(BuildField, ASearchOfAPartSaysWhereItLeavesOutAPoint) {
   const RepairedMesh bone = leaning_capsule();
   const SignedSurface surface(bone);
