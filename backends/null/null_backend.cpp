@@ -26,15 +26,11 @@ class NullBackend final : public CollisionBackend {
 
 }  // namespace
 
-std::unique_ptr<CollisionBackend> make_null_backend(const Parameters& /*parameters*/) {
-  return std::make_unique<NullBackend>();
-}
-
 BackendEntry null_entry() {
   return {.name = "null",
           .help = "no collision: the cost of the loop alone",
           .default_response = ResponseKind::project,
-          .make = make_null_backend};
+          .make = [](const Parameters& /*parameters*/) { return std::make_unique<NullBackend>(); }};
 }
 
 }  // namespace musclebench
