@@ -60,6 +60,10 @@ void TriangleBvhBuilder::build() {
     m_boxes[t].negated_upper.head<3>() = -to_tree_frame(a.cwiseMax(b).cwiseMax(c)).cast<float>().array();
     m_order[t] = static_cast<int>(t);
   }
+  // About as many as there will be, so that growing copies little: memory that is not written costs nothing.
+  m_tree.m_nodes.reserve(m_order.size() / 16);
+  m_tree.m_clusters.reserve(m_order.size() / 16);
+  m_noted.reserve(m_order.size() / 4);
   (void)add({0, static_cast<int>(m_order.size())}, 0);
   m_tree.m_nodes.shrink_to_fit();
   m_tree.m_clusters.shrink_to_fit();

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstdint>
 #include <numeric>
+#include <tuple>
 
 namespace musclebench {
 namespace {
@@ -87,20 +88,30 @@ void RefereeTreeBuilder::find_boundary() {
     std::uint64_t edge;  // the undirected edge in the upper bits, its direction in the lowest one
     int from, to;        // vertices
   };
-  std::vector<Side> sides;
-  sides.reserve(3 * m_mesh.triangles.size());
-  for (const Triangle& triangle : m_mesh.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const int from = triangle[k];
-      const int to = triangle[(k + 1) % 3];
-      const std::uint64_t start = ids[static_cast<std::size_t>(from)];
-      const std::uint64_t end = ids[static_cast<std::size_t>(to)];
-      const std::uint64_t edge = std::min(start, end) << 32U | std::max(start, end) << 1U | (start < end ? 1U : 0U);
-      if (start != end) sides.push_back({edge, from, to});
+  const auto for_each_side = [&](const auto& visit) {
+    for (const Triangle& triangle : m_mesh.triangles) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const int from = triangle[k];
+        const int to = triangle[(k + 1) % 3];
+        const std::uint64_t start = ids[static_cast<std::size_t>(from)];
+        const std::uint64_t end = ids[static_cast<std::size_t>(to)];
+        const std::uint64_t edge = std::min(start, end) << 32U | std::max(start, end) << 1U | (start < end ? 1U : 0U);
+        if (start != end) visit(static_cast<std::size_t>(std::min(start, end)), Side{edge, from, to});
+      }
     }
+  };
+  // Sorted by their lower vertex in two passes, and then those of a vertex, which are few.
+  std::vector<std::size_t> end_of(ids.size() + 1, 0);
+  for_each_side([&](std::size_t lower, const Side& /*side*/) { ++end_of[lower + 1]; });
+  std::partial_sum(end_of.begin(), end_of.end(), end_of.begin());
+  std::vector<Side> sides(end_of.back());
+  for_each_side([&](std::size_t lower, const Side& side) { sides[end_of[lower]++] = side; });
+  for (std::size_t lower = 0, begin = 0; lower < ids.size(); begin = end_of[lower++]) {
+    std::sort(sides.begin() + static_cast<std::ptrdiff_t>(begin),
+              sides.begin() + static_cast<std::ptrdiff_t>(end_of[lower]), [](const Side& one, const Side& other) {
+                return std::tie(one.edge, one.from, one.to) < std::tie(other.edge, other.from, other.to);
+              });
   }
-  std::stable_sort(sides.begin(), sides.end(),
-                   [](const Side& one, const Side& other) { return one.edge < other.edge; });
   std::size_t k = 0;
   while (k < sides.size()) {
     const std::uint64_t edge = sides[k].edge >> 1U;
