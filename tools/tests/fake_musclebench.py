@@ -71,7 +71,8 @@ def write_paper_run(options, status: str) -> None:
                         {"femur": {"axis": [-1, 0, 0], "centre_m": [0, 0, 0], "angles_rad": [0, 1.57]}})
     if options.loop:
         told = Path(options.out) / "run.json"
-        loop = {key: int(value) for key, value in (word.split("=") for word in options.loop) if key.endswith("s")}
+        loop = {key: int(value) for key, value in (word.split("=") for word in options.loop)
+                if key in ("substeps", "rest_frames")}
         record = json.loads(told.read_text())
         told.write_text(json.dumps(record | {"case": record["case"] | {"loop": loop}}))
 
