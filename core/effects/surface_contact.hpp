@@ -12,11 +12,10 @@ namespace musclebench {
 /// correction is shared among the corners by their barycentric weights and inverse masses (ContactRowSolver). A bone's
 /// vertex that pokes through a face is such a point.
 ///
-/// Points are searched for every `interval` collision steps; in between the planes move with their bones,
-/// but for those at sharp vertices, which are followed. Depth that
-/// was there when the substep began gives no velocity. The distance is exact, whatever the backend: only triangles near
-/// a bone are queried (ClearanceCache). Searches start at a few points of a triangle, and so may miss one between them
-/// where a bone is narrower than a fraction of the triangle.
+/// Points are searched for every `interval` collision steps; in between the planes move with their bones, but for those
+/// at sharp vertices, which are followed. Depth that was there when the substep began gives no velocity. The distance
+/// is exact, whatever the backend: only triangles near a bone are queried (ClearanceCache). Searches start at a few
+/// points of a triangle, and so may miss one between them where a bone is narrower than a fraction of the triangle.
 std::unique_ptr<ContactStage> make_surface_contact(const StageInput& input, const Parameters& parameters);
 std::vector<ParameterSpec> surface_contact_parameters();
 

@@ -364,7 +364,7 @@ TEST(TunnellingGuard, ACutCornerDoesNotStopTheNode) {
   EXPECT_FALSE(node.step({-0.05, 0.01, 0.2}));
 }
 
-/// What counts is each passage, not the first entry and the last exit.
+/// What counts is each way through, not the first entry and the last exit.
 TEST(TunnellingGuard, ABulletThatCutsACornerStopsAtThePlateBehind) {
   TriangleMesh mesh = make_box({0.1, 0.1, 0.1}, 3);
   const int first = static_cast<int>(mesh.vertices.size());

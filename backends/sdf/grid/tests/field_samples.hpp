@@ -1,6 +1,8 @@
 #pragma once
 
 #include <functional>
+#include <random>
+#include <vector>
 
 #include "backends/sdf/grid/cubic_field.hpp"
 
@@ -33,6 +35,19 @@ inline CubicField interpolate(const GridShape& shape, FieldPrecision precision,
   CubicField field(shape, precision);
   for_each_node(shape, [&](std::size_t offset, const Vec3& position) { field.store(offset, function(position)); });
   return field;
+}
+
+/// Random points of the whole domain, the same in every call.
+inline std::vector<Vec3> points_over(const GridShape& shape, int count) {
+  std::mt19937 generator(13);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<Vec3> points;
+  for (int n = 0; n < count; ++n) {
+    const double x = unit(generator);
+    const double y = unit(generator);
+    points.push_back(shape.lower_m + Vec3(x, y, unit(generator)).cwiseProduct(shape.upper_m() - shape.lower_m));
+  }
+  return points;
 }
 
 }  // namespace musclebench
