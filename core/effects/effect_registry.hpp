@@ -10,7 +10,7 @@
 #include "core/base/parameters.hpp"
 #include "core/contact/bone.hpp"
 #include "core/contact/response.hpp"
-#include "core/effects/fibres.hpp"
+#include "core/fibres/fibre_segments.hpp"
 #include "core/mesh/body.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/pbd/contact_stage.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/effects/fibres.hpp"
+#include "core/fibres/fibre_segments.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {

@@ -12,6 +12,8 @@ struct FibreSegment {
   Vec3 end = Vec3::Zero();
 };
 
+double squared_distance(const FibreSegment& segment, const Vec3& point);
+
 /// |cos| of the angle between `direction` and the fibre segment closest to `point`; 0 without fibres and for a
 /// direction or a fibre of length 0.
 double alignment_with_nearest_fibre(const std::vector<FibreSegment>& fibres, const Vec3& point, const Vec3& direction);

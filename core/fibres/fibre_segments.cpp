@@ -1,4 +1,4 @@
-#include "core/effects/fibres.hpp"
+#include "core/fibres/fibre_segments.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,13 +10,6 @@
 namespace musclebench {
 
 namespace {
-
-double squared_distance_to(const FibreSegment& segment, const Vec3& point) {
-  const Vec3 along = segment.end - segment.start;
-  const double length2 = along.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((point - segment.start).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (segment.start + t * along - point).squaredNorm();
-}
 
 /// The harmonic function of the surface with the given boundary values; empty where the system has no unique solution.
 std::vector<double> harmonic_function(const TriangleMesh& mesh, const std::vector<int>& origin,
@@ -93,11 +86,18 @@ Vec3 gradient_direction(const std::array<Vec3, 3>& corners, const std::array<dou
 
 }  // namespace
 
+double squared_distance(const FibreSegment& segment, const Vec3& point) {
+  const Vec3 along = segment.end - segment.start;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0 ? std::clamp((point - segment.start).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (segment.start + t * along - point).squaredNorm();
+}
+
 double alignment_with_nearest_fibre(const std::vector<FibreSegment>& fibres, const Vec3& point, const Vec3& direction) {
   double nearest2 = std::numeric_limits<double>::infinity();
   const FibreSegment* nearest = nullptr;
   for (const FibreSegment& fibre : fibres) {
-    const double distance2 = squared_distance_to(fibre, point);
+    const double distance2 = squared_distance(fibre, point);
     if (distance2 < nearest2) {
       nearest2 = distance2;
       nearest = &fibre;

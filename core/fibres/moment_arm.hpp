@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace musclebench {
+
+/// The change of a muscle's length with the angle of a joint, r = dL / d(theta) (virtual work, An et al. 1984).
+struct MomentArm {
+  double arm_m = 0;    ///< positive where the muscle grows longer as the angle grows
+  double error_m = 0;  ///< one standard error, see moment_arms
+};
+
+/// The moment arm at each of the samples of a motion: the slope of the parabola that fits the lengths of the nearest
+/// seven samples best (Savitzky and Golay 1964), within a part of the motion in which the angle only grows or only
+/// falls; nothing where that part has fewer than three samples or the angle stands still. Of two parts a sample in
+/// which the motion turns belongs to the first.
+///
+/// The error is that of the slope by the samples' scatter about the parabola, and, for what the angle between samples
+/// hides, by how far the slope differs from that of the five nearest.
+std::vector<std::optional<MomentArm>> moment_arms(std::span<const double> angles_rad,
+                                                  std::span<const double> lengths_m);
+
+}  // namespace musclebench
