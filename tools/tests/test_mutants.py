@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from musclebench.mutants.campaign import Campaign, summary
-from musclebench.mutants.faults import Fault, FaultListError, problems_of, read_faults
+from musclebench.mutants.faults import Fault, FaultListError, problems_of, read_faults, stale_keys
 from musclebench.mutants.scratch_build import BuildFailed, ProgramRun, ScratchBuild, nearest_first
 
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -77,9 +77,30 @@ def test_a_fault_that_does_not_apply_is_told(root):
 
 
 def test_no_more_than_two_may_survive(root):
-    excused = [fault(str(i), may_survive="can't be seen") for i in range(80)]
-    assert problems_of(excused[:2] + [fault(str(i)) for i in range(2, 80)], root) == []
+    excused = [fault(str(i), replaced_by=f"return {10 + i};", may_survive="can't be seen") for i in range(80)]
+    assert problems_of(excused[:2] + [fault(str(i), replaced_by=f"return {10 + i};") for i in range(2, 80)], root) == []
     assert "80 faults may survive" in problems_of(excused, root)[0]
+
+
+def test_the_same_fault_twice_is_told(root):
+    """Also where the two name a line with more and with less around it."""
+    problems = problems_of([fault(), fault("again"), fault("longer", "{ return 3; }", "{ return 2; }"),
+                            fault("other", replaced_by="return 1;")], root)
+    assert problems[:2] == ["again: is three once more; remove one", "longer: is three once more; remove one"]
+    assert "needs 80" in problems[2] and len(problems) == 3
+
+
+def test_a_seen_fault_that_is_not_listed_is_told(tmp_path):
+    seen = tmp_path / "list_seen.json"
+    assert stale_keys([fault()], seen) == []
+    seen.write_text(json.dumps({fault().key: "near_tests", fault(line="return 9;").key: "near_tests"}))
+    told = stale_keys([fault()], seen)
+    assert len(told) == 1 and "return 9;" in told[0] and "no such fault" in told[0]
+    listed = tmp_path / "list.toml"
+    listed.write_text('[[fault]]\nname = "a"\nfile = "f"\nline = "l"\nfault = "x"\n')
+    done = subprocess.run([str(ROOT / "tools/mutants"), "--check", "--faults", str(listed)], capture_output=True,
+                          text=True, check=False)
+    assert done.returncode == 1 and "return 9;" in done.stderr
 
 
 @pytest.mark.parametrize("text, word", [

@@ -51,20 +51,20 @@ class Campaign:
         self._write_verdicts()
 
     def judge_all(self, faults: list[Fault]) -> None:
-        left = [fault for fault in faults if _key(fault) not in self.verdicts]
+        left = [fault for fault in faults if fault.key not in self.verdicts]
         if len(left) < len(faults):
             _tell(f"{len(faults) - len(left)} of {len(faults)} faults were judged before")
         start = time.monotonic()
         for number, fault in enumerate(left, 1):
             verdict = self._judge(fault)
-            self.verdicts[_key(fault)] = verdict
+            self.verdicts[fault.key] = verdict
             self._write_verdicts()
             left_s = (time.monotonic() - start) / number * (len(left) - number)
             _tell(f"[{number}/{len(left)}] {fault.name}: {verdict.outcome} ({verdict.detail or 'by no test'}), "
                   f"{verdict.seconds:.0f} s; about {left_s / 60:.0f} min left")
 
     def verdict(self, fault: Fault) -> Verdict:
-        return self.verdicts[_key(fault)]
+        return self.verdicts[fault.key]
 
     def _programs(self) -> list[str]:
         return [program for program in self._build.programs() if fnmatch(program, self._pattern)]
@@ -138,10 +138,6 @@ def _write_whole(file: Path, content: dict) -> None:
     part = file.with_suffix(".part")
     part.write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n")
     part.replace(file)
-
-
-def _key(fault: Fault) -> str:
-    return json.dumps([fault.file, fault.line, fault.fault])
 
 
 def _tell(text: str) -> None:

@@ -1,5 +1,6 @@
 """The list of faults: what each replaces where, and whether it still applies to a tree of the sources."""
 
+import json
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,11 @@ class Fault:
     line: str
     fault: str
     may_survive: str = ""  # why no test can see it; empty: it has to be seen
+
+    @property
+    def key(self) -> str:
+        """Under which its verdict is kept."""
+        return json.dumps([self.file, self.line, self.fault])
 
     def problem(self, root: Path) -> str | None:
         """Why it can't be put into the tree at `root`."""
@@ -70,11 +76,25 @@ def _fault_of(row: dict, number: int, path: Path) -> Fault:
 
 
 def problems_of(faults: list[Fault], root: Path) -> list[str]:
-    """One line each; empty when every fault applies and the list is as long as it has to be."""
-    found = [f"{fault.name}: {problem}" for fault in faults if (problem := fault.problem(root))]
+    """One line each; empty when every fault applies, makes a program of its own, and the list is as long as it has to be."""
+    found, first = [], {}
+    for fault in faults:
+        if problem := fault.problem(root):
+            found.append(f"{fault.name}: {problem}")
+            continue
+        made = (fault.file, fault.put_into((root / fault.file).read_text()))
+        if first.setdefault(made, fault.name) != fault.name:
+            found.append(f"{fault.name}: is {first[made]} once more; remove one")
     if len(faults) < LEAST_FAULTS:
         found.append(f"the list has {len(faults)} faults; it needs {LEAST_FAULTS}")
     excused = [fault.name for fault in faults if fault.may_survive]
     if len(excused) > MOST_SURVIVORS:
         found.append(f"{len(excused)} faults may survive ({', '.join(excused)}); at most {MOST_SURVIVORS} may")
     return found
+
+
+def stale_keys(faults: list[Fault], seen: Path) -> list[str]:
+    """A line for each key of a file of seen faults that no listed fault has; a file that isn't there has none."""
+    listed = {fault.key for fault in faults}
+    kept = json.loads(seen.read_text()) if seen.is_file() else {}
+    return [f"{seen}: {key}: no such fault is listed; remove it" for key in kept if key not in listed]
