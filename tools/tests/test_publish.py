@@ -130,7 +130,7 @@ def test_a_quoted_number_is_found_with_its_line():
 @pytest.mark.parametrize("specification, text", [
     ("paper-lhdl/table_2_times[backend=fcl].ratio", "361 to 689"),
     ("paper-lhdl/table_2_times[backend=fcl,muscle=iliacus].ratio .1f", "361.2"),
-    ("paper-lhdl/table_2_times.collision_ms max", "70.0"), ("paper-lhdl/table_2_times.collision_ms max /1e3", "0.0700"),
+    ("paper-lhdl/table_2_times.collision_ms max", "70.0"), ("paper-lhdl/table_2_times.collision_ms max /1e3", "0.0700"), ("paper-lhdl/table_2_times.collision_ms max /1e-3", "70000"),
     ("paper-lhdl/table_2_times[muscle=iliacus].backend", "voxel, fcl"),
 ])
 def test_values_are_cells_or_ranges(small, specification, text):
@@ -142,6 +142,8 @@ def test_values_are_cells_or_ranges(small, specification, text):
     ("paper-lhdl/table_2_times.nothing", "no column 'nothing'"),
     ("paper-lhdl/table_9.ratio", "table_9.csv"), ("nonsense", "not like"),
     ("paper-lhdl/table_2_times[what=1].ratio", "no column 'what'"),
+    ("paper-lhdl/table_2_times.ratio max", "1 of its 4 rows have none"),
+    ("paper-lhdl/table_2_times[muscle=gluteus_medius].ratio", "1 of its 2 rows have none"),
 ])
 def test_a_value_that_is_not_there_is_named(small, specification, words):
     with pytest.raises(Problem, match=re.escape(words)):
@@ -179,7 +181,7 @@ def test_a_marker_without_an_end_is_told(small):
 
 def test_what_cannot_be_written_stays_and_is_told(small):
     table, problems = "paper-lhdl/table_2_times", []
-    page = f"<!-- value: {table}.no -->1<!-- end --> <!-- value: {table}.ratio min -->0<!-- end -->"
+    page = f"<!-- value: {table}.no -->1<!-- end --> <!-- value: {table}[muscle=iliacus].ratio min -->0<!-- end -->"
     assert written(page, small, "page.md", problems) == page.replace("0<!--", "1.00<!--")
     assert len(problems) == 1 and "page.md" in problems[0]
 

@@ -11,12 +11,13 @@ from .measured import Measured
 
 FORM = re.compile(
     r"(?P<table>[\w-]+/\w+)(\[(?P<filters>[^\]]*)\])?\.(?P<column>\w+)( (?P<pick>min|max|range|sum))?"
-    r"( /(?P<unit>[\d.e]+))?( (?P<format>\.\d[fg]))?")
+    r"( /(?P<unit>[\d.e-]+))?( (?P<format>\.\d[fg]))?")
 
 
 def value_text(measured: Measured, specification: str) -> str:
     """Three digits unless a format such as .1f is told; of several rows the smallest and the largest. `/1e6`: in units
-    of that many."""
+    of that many. Of what timed out a row is empty: its name has to be filtered out, else one muscle's figure passes for
+    all."""
     match = FORM.fullmatch(specification.strip())
     if match is None:
         raise Problem(f"value '{specification}': not like STUDY/TABLE[COLUMN=VALUE,...].COLUMN [min|max|range|sum] "
@@ -25,9 +26,12 @@ def value_text(measured: Measured, specification: str) -> str:
     if match["column"] not in rows:
         raise Problem(f"value '{specification}': the table has no column '{match['column']}'; it has "
                       f"{', '.join(rows.columns)}")
-    values = rows[match["column"]].dropna()
-    if values.empty:
+    values = rows[match["column"]]
+    if values.isna().all():
         raise Problem(f"value '{specification}': no row of the table has it")
+    if values.isna().any():
+        raise Problem(f"value '{specification}': {values.isna().sum()} of its {len(values)} rows have none; filter for the "
+                      "others by name, and name them in the sentence")
     scaled = values / float(match["unit"]) if match["unit"] else values
     return _text(scaled, match["pick"] or "range", match["format"])
 
