@@ -117,6 +117,10 @@ def test_readme_is_short():
     ("in 0.76 and", ["0.76"]), ("one half to three quarters of it", ["one half", "three quarters"]),
     ("1,169 nodes, 64 cells, 90 degrees, 2022", []), ("option `0.1 mm` and ```\nrun 5 s\n```", []), ("FCL 0.7", []),
     ("see [x](a/1.5-2.png) and $2h \\sqrt5$", []), ("CC BY-NC-SA 2.0 BE", []), ("max(0, s)", []),
+    ("four times as fast, hundreds\nof times", ["four times", "hundreds\nof times"]), ("Twice as fast", ["Twice as"]),
+    ("more than two hundred times", ["hundred times"]), ("half as much", ["half as"]),
+    ("the three times of a row; half-space; one half sphere; half of the edge; two threads over one", []),
+    ("at most twice the displacement, two thirds of $h$, many times", []),
     ("<!-- value: a/b.c -->0.96<!-- end --> ms", []), ("frames of 20 ms each", ["20 ms"]),
 ])
 def test_what_counts_as_quoted(text, found):
