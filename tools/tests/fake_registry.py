@@ -7,6 +7,7 @@ import json
 import os
 import tomllib
 from copy import deepcopy
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -35,6 +36,35 @@ def study_of(backend: str) -> dict:
 @cache
 def _read_study(backend: str) -> dict:
     return tomllib.loads((BACKENDS / backend / "study.toml").read_text())
+
+
+@dataclass(frozen=True)
+class Roles:
+    """Names of backends by what they are to an experiment."""
+
+    control: str  # the loop without collision
+    unit: str  # by whose time the others' are divided; a grid without a depth of its own
+    field: str  # has a resolution and a clearance cache
+    exact: str  # with a clearance cache
+    reference: str  # exact without anything that makes it fast
+    choices: str  # no resolution, but many choices
+
+
+@cache
+def roles() -> Roles:
+    backends = {backend["name"]: backend for backend in listed()["backends"]}
+    parameter_roles = {name: {one["role"] for one in about["parameters"]} for name, about in backends.items()}
+
+    def first(fits) -> str:
+        return next(name for name in backends if fits(name, backends[name], parameter_roles[name]))
+
+    return Roles(first(lambda name, about, has: about["study"].get("control")),
+                 first(lambda name, about, has: "unit_of_price" in about["study"].get("advise", {})),
+                 first(lambda name, about, has: {"resolution", "clearance_cache"} <= has),
+                 first(lambda name, about, has: about["exact"] and "clearance_cache" in has),
+                 first(lambda name, about, has: about["exact"] and not about["parameters"]),
+                 first(lambda name, about, has: "choice" in {one["kind"] for one in about["parameters"]}
+                       and not about["exact"] and "resolution" not in has))
 
 
 def with_studies(studies: dict[str, dict]) -> str:

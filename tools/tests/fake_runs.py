@@ -9,11 +9,26 @@ from types import MappingProxyType
 
 import numpy as np
 
-MUSCLES = {"adductor_brevis": 502, "gluteus_maximus": 9878, "gluteus_medius": 5313, "iliacus": 6931}
-BACKENDS = ["null", "voxel", "sdf", "fcl"]  # of the paper
-DETECT_NS = {"null": 0, "voxel": 1_000_000, "sdf": 3_000_000, "fcl": 200_000_000, "bvh": 20_000_000}
-STRUCTURE_BYTES = {"null": 0, "voxel": 70_000, "sdf": 15_000_000, "fcl": 90_000_000, "bvh": 20_000_000}
-FIRST_BYTES = {"null": 100_000_000, "voxel": 110_000_000, "sdf": 125_000_000, "fcl": 200_000_000, "bvh": 130_000_000}
+import fake_registry
+from musclebench.paper.paper_cases import BACKENDS  # noqa: F401  (those that fake_raw writes runs of)
+
+
+@dataclass(frozen=True)
+class Costs:
+    detect_ns: int
+    structure_bytes: int
+    first_bytes: int  # of the process, before the first frame
+
+
+MUSCLES = fake_registry.NODES
+ROLES = fake_registry.roles()
+COSTS = {
+    ROLES.control: Costs(0, 0, 100_000_000),
+    ROLES.unit: Costs(1_000_000, 70_000, 110_000_000),
+    ROLES.field: Costs(3_000_000, 15_000_000, 125_000_000),
+    ROLES.choices: Costs(200_000_000, 90_000_000, 200_000_000),
+    ROLES.exact: Costs(20_000_000, 20_000_000, 130_000_000),
+}
 OTHER_NS = 1_000_000
 STATIC = {"axis": [1, 0, 0], "centre_m": [0, 0, 0], "angles_rad": []}
 COLUMNS = [
@@ -71,19 +86,20 @@ def turn_about_x(angle_deg: float, centre_m) -> tuple[np.ndarray, np.ndarray]:
 
 
 def frame_rows(backend: str, frames: int) -> list[dict]:
-    """Detection takes DETECT_NS in every frame; the rest of the loop OTHER_NS; depths grow to the middle."""
-    rows = []
+    """Detection takes what COSTS says in every frame; the rest of the loop OTHER_NS; depths grow to the middle."""
+    rows, costs = [], COSTS[backend]
     for frame in range(1, frames + 1):
         flexion = 1 - abs(2 * frame / frames - 1)
         row = dict.fromkeys(COLUMNS, "")
         row |= {
             "frame": frame, "angle_deg": repr(90.0 * flexion), "warm_up": int(frame <= 2), "update_ns": 0,
             "edge_length_ns": OTHER_NS - 400_000, "bending_ns": 400_000, "volume_ns": 0, "attachment_ns": 0,
-            "predict_ns": 0, "finish_ns": 0, "recording_ns": 1000, "judging_ns": 9_000_000, "detect_ns": DETECT_NS[backend], "respond_ns": 0, "frame_ns": DETECT_NS[backend] + OTHER_NS,
+            "predict_ns": 0, "finish_ns": 0, "recording_ns": 1000, "judging_ns": 9_000_000,
+            "detect_ns": costs.detect_ns, "respond_ns": 0, "frame_ns": costs.detect_ns + OTHER_NS,
             "contacts": 10, "nodes_inside": 5, "max_depth_m": repr(0.002 * flexion),
             "mean_depth_m": repr(0.001 * flexion),
             "p99_depth_m": repr(0.0015 * flexion), "missed_contacts": 1, "false_contacts": 2, "self_intersecting_triangles": 0,
-            "resident_bytes": FIRST_BYTES[backend] + 1000 * frame,
+            "resident_bytes": costs.first_bytes + 1000 * frame,
         }
         rows.append(row)
     return rows
@@ -127,7 +143,7 @@ def write_rows(path: Path, columns: list[str], rows: list[dict]) -> None:
 
 
 def run_record(scene: str, backend: str, frames: int, status: str = "ok", detail: str = "") -> dict:
-    muscle = scene.split("/")[-1]
+    muscle, costs = scene.split("/")[-1], COSTS[backend]
     case = {"scene": scene, "preset": "paper", "backend": backend, "parameters": {},
             "threads": 1, "repetition": 0}
     return {
@@ -139,11 +155,11 @@ def run_record(scene: str, backend: str, frames: int, status: str = "ok", detail
                         {"name": "insertion", "bone": "femur", "nodes": 3}],
         "build": {"git": "abc1234", "compiler": "GNU 12.2.0", "flags": "-O2", "type": "Release"},
         "machine": {"cpu": "A processor", "cores": 2, "governor": "performance"},
-        "structure_bytes": STRUCTURE_BYTES[backend], "build_ns": 5_000_000,
+        "structure_bytes": costs.structure_bytes, "build_ns": 5_000_000,
         "cpu_ns": {"before_first_frame": 900_000_000, "after_last_frame": 2_000_000_000},
-        "memory": {"before_first_frame_bytes": FIRST_BYTES[backend],
-                   "after_last_frame_bytes": FIRST_BYTES[backend] + 20_000_000,
-                   "peak_bytes": FIRST_BYTES[backend] + 30_000_000},
+        "memory": {"before_first_frame_bytes": costs.first_bytes,
+                   "after_last_frame_bytes": costs.first_bytes + 20_000_000,
+                   "peak_bytes": costs.first_bytes + 30_000_000},
         "state_hash": "00ff", "wall_ns": 1_000_000_000, "frames": frames, "snapshots": [],
     }
 

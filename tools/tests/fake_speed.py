@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Stands in for the program and for its kernels, with known numbers: `list`, `probe` and `run` as musclebench, else as a Google
-Benchmark program. FAKE_BEHAVIOUR maps words of the command line to misbehaviour, such as "bvh=crash allocations=empty";
+Benchmark program. FAKE_BEHAVIOUR maps words of the command line to misbehaviour, such as "voxel_test=crash allocations=empty";
 FAKE_LOG gets one line a call."""
 
 import json
@@ -13,12 +13,13 @@ sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve
 
 import fake_registry  # noqa: E402  (found through the path that is set above)
 
+ROLES = fake_registry.roles()
 # Collision time a frame, ns, of each backend; the clearance cache saves most of it.
-COLLISION_NS = {"voxel": 50_000, "sdf": 60_000, "bvh": 125_000}
+COLLISION_NS = {ROLES.unit: 50_000, ROLES.field: 60_000, ROLES.exact: 125_000}
 SLOWER_WITHOUT_CACHE = 4
 HEAD = "frame,angle_deg,warm_up,update_ns,detect_ns,respond_ns,frame_ns,contacts,nodes_inside,max_depth_m," \
        "mean_depth_m,missed_contacts,false_contacts,resident_bytes\n"
-# (kernel, counter, value, unit of the time); a counter real_time is the time itself
+# (kernel as the program calls it, counter, value, unit of the time); a counter real_time is the time itself
 KERNELS = [
     *[(f"voxel_test/{bone}", "ns_a_point", 6.0) for bone in ("pelvis", "femur")],
     ("sdf_value_and_gradient/float/pelvis", "ns_a_point", 24.0),
@@ -28,7 +29,7 @@ KERNELS = [
     ("sdf_build_threads/femur/1", "real_time", 190.0), ("sdf_build_threads/femur/2", "real_time", 100.0),
     ("detect_threads/bvh/1", "real_time", 900.0), ("detect_threads/bvh/2", "real_time", 500.0),
     ("detect_threads/sdf/1", "real_time", 300.0), ("detect_threads/sdf/2", "real_time", 200.0),
-    *[(f"muscle_size/{backend}/{10**n}", "real_time", 2.0 * 10**n) for backend in ("bvh", "sdf", "voxel")
+    *[(f"muscle_size/{backend}/{10**n}", "real_time", 2.0 * 10**n) for backend in COLLISION_NS
       for n in (3, 4, 5)],
     *[(f"bone_size/bvh_locate/{20 * 4**n}", "ns_a_point", 100.0 * n) for n in (4, 5, 6, 7)],
     *[(f"bone_size/bvh_step/{20 * 4**n}", "real_time", 70.0) for n in (4, 5, 6, 7)],

@@ -13,6 +13,7 @@ from musclebench.accuracy import cases
 from musclebench.accuracy.aggregates import Aggregate, aggregates_of, of_mode
 from musclebench.program.registry import save_registry
 
+ROLES = fake_registry.roles()
 FRAMES = 40
 BAND_M = 0.01
 TRUE_CONTACTS = 10_000
@@ -51,7 +52,7 @@ NOT_OF_A_PROBE = (*NOT_OF_A_REPLAY, "wall_ns", "frames")
 def record(mode: str, scene: str, backend: str, truth: Truth, repetition: int = 0, status: str = "ok",
            detail: str = "") -> dict:
     """run.json without what only one mode has."""
-    made = fake_runs.run_record(scene, "sdf", FRAMES, status, detail)
+    made = fake_runs.run_record(scene, ROLES.field, FRAMES, status, detail)
     made["case"] |= {"mode": mode, "backend": backend, "parameters": truth.parameters, "threads": truth.threads,
                      "repetition": repetition}
     made |= {"structure_bytes": truth.structure_bytes, "build_ns": round(1e9 * truth.build_s),
@@ -148,7 +149,7 @@ def write_probe(folder: Path, scene: str, backend: str, truth: Truth) -> Path:
     rows = []
     for bone, edge in EDGES_M.items():
         cell = edge / truth.parameters["cells"]
-        orders = {"smooth": SMOOTH_ORDER, "sharp": SHARP_ORDER} if backend == "sdf" else \
+        orders = {"smooth": SMOOTH_ORDER, "sharp": SHARP_ORDER} if backend == ROLES.field else \
             {"smooth": VOXEL_ORDER, "sharp": VOXEL_ORDER}
         for region, order in (orders | {"all": min(orders.values())}).items():
             error = 0.5 * cell * (cell / edge) ** (order - 1)
@@ -191,19 +192,19 @@ SCENES = ("lhdl/iliacus", "lhdl/gluteus_medius")
 SIZES = {"lhdl/iliacus": 1.0, "lhdl/gluteus_medius": 0.5}
 GRID_64 = {"cells": 64, "voxel_size_m": 0.0}
 REPLAYED = {  # ms and p99 error in mm on the iliacus
-    "voxel": Truth(0.2, 3.0, false=5000, structure_bytes=65_536, build_s=0.3, noise=0, parameters=GRID_64),
-    "sdf 64": Truth(0.3, 0.25, noise=0, structure_bytes=15_000_000, build_s=12, parameters={"cells": 64}),
-    "sdf 128": Truth(0.4, 0.08, noise=0, build_s=90, parameters={"cells": 128, "precision": "float"}),
-    "fcl": Truth(72, 0.02, missed=50, noise=0, parameters=SURFACES),
-    "fcl OBB": Truth(36, 0.02, missed=50, noise=0, parameters=SURFACES | {"bounding_volume": "OBB"}),
-    "fcl RSS": Truth(10, 0.02, missed=9990, noise=0, parameters=SURFACES | {"bounding_volume": "RSS"}),
-    "fcl threads": Truth(20, 0.02, missed=50, noise=0, parameters=SURFACES, threads=2),
-    "bvh": Truth(15, 1e-14, noise=0, build_s=0.4),
+    ROLES.unit: Truth(0.2, 3.0, false=5000, structure_bytes=65_536, build_s=0.3, noise=0, parameters=GRID_64),
+    f"{ROLES.field} 64": Truth(0.3, 0.25, noise=0, structure_bytes=15_000_000, build_s=12, parameters={"cells": 64}),
+    f"{ROLES.field} 128": Truth(0.4, 0.08, noise=0, build_s=90, parameters={"cells": 128, "precision": "float"}),
+    ROLES.choices: Truth(72, 0.02, missed=50, noise=0, parameters=SURFACES),
+    f"{ROLES.choices} OBB": Truth(36, 0.02, missed=50, noise=0, parameters=SURFACES | {"bounding_volume": "OBB"}),
+    f"{ROLES.choices} RSS": Truth(10, 0.02, missed=9990, noise=0, parameters=SURFACES | {"bounding_volume": "RSS"}),
+    f"{ROLES.choices} threads": Truth(20, 0.02, missed=50, noise=0, parameters=SURFACES, threads=2),
+    ROLES.exact: Truth(15, 1e-14, noise=0, build_s=0.4),
 }
 
 
 def write_two_muscles(out_dir: Path) -> None:
-    """`REPLAYED` on both scenes, twice each; the RSS of fcl is fast and wrong."""
+    """`REPLAYED` on both scenes, twice each; the RSS of the one with choices is fast and wrong."""
     for scene in SCENES:
         for name, truth in REPLAYED.items():
             scaled = Truth(**{**vars(truth), "ms": truth.ms * SIZES[scene]})
@@ -218,34 +219,34 @@ def replays_of(out_dir: Path) -> list[Aggregate]:
 
 def realistic_truths() -> list[tuple[str, Truth]]:
     """About what the iliacus of the LHDL data gives: (backend, truth) of each configuration."""
-    made = [("null", Truth(0.0005, 11.0, structure_bytes=0, remaining_mm=9.0, shift_mm=4.0))]
+    made = [(ROLES.control, Truth(0.0005, 11.0, structure_bytes=0, remaining_mm=9.0, shift_mm=4.0))]
     for cells in (16, 32, 64, 128, 256):
         mm = 3.0 * (64 / cells) ** 0.9
-        made.append(("voxel", Truth(0.22 * (cells / 64) ** 0.1, mm, false=5000, structure_bytes=2 * cells**3 // 8,
-                                    build_s=3e-7 * cells**3, remaining_mm=mm, shift_mm=mm / 2,
-                                    parameters={"cells": cells, "voxel_size_m": 0.0})))
+        made.append((ROLES.unit, Truth(0.22 * (cells / 64) ** 0.1, mm, false=5000, structure_bytes=2 * cells**3 // 8,
+                                       build_s=3e-7 * cells**3, remaining_mm=mm, shift_mm=mm / 2,
+                                       parameters={"cells": cells, "voxel_size_m": 0.0})))
     for edge in (8e-3, 4e-3, 2e-3, 1e-3):
-        made.append(("voxel", Truth(0.2 * (2e-3 / edge) ** 0.1, 900 * edge, structure_bytes=round(0.0125 / edge**3 / 8),
-                                    remaining_mm=900 * edge, shift_mm=500 * edge,
-                                    parameters={"cells": 64, "voxel_size_m": edge})))
+        made.append((ROLES.unit, Truth(0.2 * (2e-3 / edge) ** 0.1, 900 * edge, structure_bytes=round(0.0125 / edge**3 / 8),
+                                       remaining_mm=900 * edge, shift_mm=500 * edge,
+                                       parameters={"cells": 64, "voxel_size_m": edge})))
     for cells in (8, 16, 32, 64, 128):
         for precision, width in (("float", 1), ("double", 2)):
             mm = 0.3 * (64 / cells) ** 1.4
-            made.append(("sdf", Truth(0.2 * (cells / 64) ** 0.32 * (1 + 0.15 * (width - 1)), mm,
-                                      structure_bytes=60 * width * cells**3, build_s=4.6e-5 * cells**3,
-                                      remaining_mm=mm / 3, shift_mm=mm / 2, parameters={
-                                          "cells": cells, "cell_size_m": 0.0, "precision": precision,
-                                          "margin": 0.001})))
+            made.append((ROLES.field, Truth(0.2 * (cells / 64) ** 0.32 * (1 + 0.15 * (width - 1)), mm,
+                                            structure_bytes=60 * width * cells**3, build_s=4.6e-5 * cells**3,
+                                            remaining_mm=mm / 3, shift_mm=mm / 2, parameters={
+                                                "cells": cells, "cell_size_m": 0.0, "precision": precision,
+                                                "margin": 0.001})))
     for edge in (8e-3, 4e-3, 2e-3):
         mm = 0.25 * (edge / 2e-3) ** 1.4
-        made.append(("sdf", Truth(0.21 * (2e-3 / edge) ** 0.3, mm, structure_bytes=round(0.375 / edge**3),
-                                  remaining_mm=mm / 3, shift_mm=mm / 2, parameters={
-                                      "cells": 64, "cell_size_m": edge, "precision": "float", "margin": 0.001})))
+        made.append((ROLES.field, Truth(0.21 * (2e-3 / edge) ** 0.3, mm, structure_bytes=round(0.375 / edge**3),
+                                        remaining_mm=mm / 3, shift_mm=mm / 2, parameters={
+                                            "cells": 64, "cell_size_m": edge, "precision": "float", "margin": 0.001})))
     for wanted in (0.3, 0.1, 0.03):
-        made.append(("sdf", Truth(0.2, 1.1 * wanted, structure_bytes=round(3.6e5 / wanted), build_s=0.4 / wanted,
-                                  remaining_mm=wanted, shift_mm=wanted, parameters={
-                                      "cells": 64, "max_error_mm": wanted, "precision": "float"})))
-    made.append(("sdf", Truth(0.3, 0.3, structure_bytes=15_000_000, remaining_mm=0.1, shift_mm=0.2, parameters={
+        made.append((ROLES.field, Truth(0.2, 1.1 * wanted, structure_bytes=round(3.6e5 / wanted), build_s=0.4 / wanted,
+                                        remaining_mm=wanted, shift_mm=wanted, parameters={
+                                            "cells": 64, "max_error_mm": wanted, "precision": "float"})))
+    made.append((ROLES.field, Truth(0.3, 0.3, structure_bytes=15_000_000, remaining_mm=0.1, shift_mm=0.2, parameters={
         "cells": 64, "cell_size_m": 0.0, "precision": "float", "clearance_cache": "off"})))
     for ms, mm, missed, threads, choices in (
         (72, 0.02, 150, 1, {}), (40, 0.02, 150, 1, {"bounding_volume": "OBB"}),
@@ -260,12 +261,12 @@ def realistic_truths() -> list[tuple[str, Truth]]:
         (700, 1e-14, 0, 1, {"query": "node_distance", "bounding_volume": "RSS"}),
         (60, 1.9, 8100, 1, {"query": "node_collide"}), (38, 0.02, 150, 2, {}),
     ):
-        made.append(("fcl", Truth(ms, mm, missed, structure_bytes=200_000_000, build_s=2.0, remaining_mm=max(mm, 0.05),
-                                  shift_mm=mm, parameters=SURFACES | choices, threads=threads)))
+        made.append((ROLES.choices, Truth(ms, mm, missed, structure_bytes=200_000_000, build_s=2.0,
+                                          remaining_mm=max(mm, 0.05), shift_mm=mm, parameters=SURFACES | choices, threads=threads)))
     for ms, choices in ((0.3, {}), (15, {"clearance_cache": "off"})):
-        made.append(("bvh", Truth(ms, 1e-14, structure_bytes=23_000_000, build_s=0.4, remaining_mm=0.02,
-                                  parameters=choices)))
-    made.append(("brute_force", Truth(75_000, 1e-14, structure_bytes=11_000_000, build_s=0.05, remaining_mm=0.02)))
+        made.append((ROLES.exact, Truth(ms, 1e-14, structure_bytes=23_000_000, build_s=0.4, remaining_mm=0.02,
+                                        parameters=choices)))
+    made.append((ROLES.reference, Truth(75_000, 1e-14, structure_bytes=11_000_000, build_s=0.05, remaining_mm=0.02)))
     return made
 
 
@@ -279,18 +280,18 @@ def write_realistic_study(out_dir: Path, scenes: dict[str, float], repetitions: 
             name, many = f"{muscle}-{{}}-{backend}-{number}", 1 if truth.ms > 1000 else repetitions
             for repetition in range(many):
                 end = f"-r{repetition}"
-                if backend != "null":
+                if backend != ROLES.control:
                     write_replay(raw / (name.format("replay") + end), scene, backend, truth, repetition,
                                  stride=8 if truth.ms > 1000 else 1)
                 if truth.ms < 1000 and truth.threads == 1:
                     write_coupled(raw / (name.format("coupled") + end), scene, backend, truth, repetition)
-            if backend in ("voxel", "sdf") and not math.prod(
+            if backend in (ROLES.unit, ROLES.field) and not math.prod(
                     truth.parameters.get(key, 0) for key in ("voxel_size_m", "cell_size_m")) and not any(
                     truth.parameters.get(key) for key in ("voxel_size_m", "cell_size_m", "clearance_cache")):
                 write_probe(raw / name.format("probe"), scene, backend, truth)
         refused = Truth(parameters=SURFACES | {"bounding_volume": "RSS", "update": "refit_top_down"})
-        write_failure(raw / f"{muscle}-refused", "replay", scene, "fcl", "unsupported", refused)
-        write_failure(raw / f"{muscle}-slow", "coupled", scene, "brute_force", "timeout")
+        write_failure(raw / f"{muscle}-refused", "replay", scene, ROLES.choices, "unsupported", refused)
+        write_failure(raw / f"{muscle}-slow", "coupled", scene, ROLES.reference, "timeout")
     first = next(iter(scenes))
-    write_plan(out_dir, [{"name": "not-yet", "mode": "replay", "scene": first, "backend": "voxel", "threads": 1,
+    write_plan(out_dir, [{"name": "not-yet", "mode": "replay", "scene": first, "backend": ROLES.unit, "threads": 1,
                           "parameters": {"cells": 48}, "repetition": 0}])

@@ -1,4 +1,6 @@
-"""No file outside a backend's own folder, the table of backends and the paper's own experiment names a backend."""
+"""No file outside a backend's own folder, the table of backends and the paper's own experiment names a backend; nor do
+the tests' stand-ins, which ask the registry's fixture for the backend of a role. Exempt are tests: those of the paper's
+experiment, whose backends are the paper's, and those that need one concrete backend, its parameters or its numbers."""
 
 import re
 from pathlib import Path
@@ -21,16 +23,24 @@ def is_of_the_paper(path: Path) -> bool:
     return "paper" in path.parts or path.name.startswith("paper_")
 
 
+def is_cache(path: Path) -> bool:
+    return any(part == "__pycache__" or part.startswith(".") for part in path.parts)
+
+
 def product_files(names: list[str]) -> list[Path]:
     files = [ROOT / "CMakeLists.txt"] + [path for room in ROOMS for path in sorted((ROOT / room).rglob("*"))]
     found = []
     for path in files:
         inside = path.relative_to(ROOT)
         of_backend = inside.parts[0] == "backends" and inside.parts[1] in names
-        skipped = of_backend or "tests" in inside.parts or "__pycache__" in inside.parts or is_of_the_paper(inside)
+        skipped = of_backend or "tests" in inside.parts or is_cache(inside) or is_of_the_paper(inside)
         if path.is_file() and path.suffix in SUFFIXES and not skipped and inside not in {TABLE, *MADE_FOR_ONE}:
             found.append(path)
     return found
+
+
+def stand_ins() -> list[Path]:
+    return sorted((ROOT / "tools/tests").glob("fake_*.py"))
 
 
 def naming(names: list[str]) -> re.Pattern[str]:
@@ -43,12 +53,12 @@ def naming_lines(text: str, pattern: re.Pattern[str]) -> list[str]:
     return [f"{number}: {line.strip()}" for number, line in enumerate(text.splitlines(), 1) if pattern.search(line)]
 
 
-def test_product_code_names_no_backend():
+def test_neither_product_code_nor_stand_ins_name_a_backend():
     names = backend_names()
     files = product_files(names)
-    assert len(names) > 3 and len(files) > 300
+    assert len(names) > 3 and len(files) > 300 and len(stand_ins()) > 3
     pattern = naming(names)
-    named = [f"{path.relative_to(ROOT)}:{line}" for path in files
+    named = [f"{path.relative_to(ROOT)}:{line}" for path in files + stand_ins()
              for line in naming_lines(path.read_text(encoding="utf-8", errors="replace"), pattern)]
     assert not named, "\n".join(named)
 
