@@ -139,7 +139,7 @@ def adaptive_field(axes) -> None:
     axes.set(xlim=(-1.75, 1.75), ylim=(-1.3, 1.3))
 
 
-def packets(axes) -> None:
+def batched_points(axes) -> None:
     """A block of nodes, the list of leaves that they share, and what single nodes look at."""
     axes.add_patch(Polygon([(-1.5, -0.6), (1.6, -0.6), (1.6, 0.05), (0.6, 0.3), (-0.4, 0.15), (-1.5, 0.35)],
                            facecolor=BONE, edgecolor=LINE))
@@ -266,7 +266,7 @@ DIAGRAMS = {
     "clearance_cache": ((safe_sphere, candidate_list, order_of_questions), 7.4, 2.6),
     "distance_field": ((distance_field,), 6.2, 2.9),
     "adaptive_field": ((adaptive_field,), 4.4, 3.2),
-    "batched_closest_point": ((packets,), 4.8, 2.6),
+    "batched_closest_point": ((batched_points,), 4.8, 2.6),
 }
 
 

@@ -74,7 +74,7 @@ Index coordinates_in_block(std::size_t number) {
 class NodeWalk {
  public:
   NodeWalk(const SignedSurface& surface, CubicField& field)
-      : m_surface(surface), m_search(surface.tree()), m_field(field), m_packets(block_size) {
+      : m_surface(surface), m_search(surface.tree()), m_field(field), m_batches(block_size) {
     const GridShape& shape = field.shape();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<Eigen::Index>(axis);
@@ -93,7 +93,7 @@ class NodeWalk {
     m_box.setEmpty();
     for (std::size_t number = 0; number < block_size; ++number) {
       const Index at = coordinates_in_block(number);
-      m_packets[number].count = 0;
+      m_batches[number].count = 0;
       add_record({first[0] + at[0], first[1] + at[1], first[2] + at[2]}, number);
     }
     if (m_box.isEmpty()) {
@@ -101,9 +101,9 @@ class NodeWalk {
     }
     const int last = std::max(m_last.closest.triangle, 0);
     m_search.begin(m_box, m_surface.tree().closest_point_from(m_box.center(), last).triangle);
-    m_search.closest_points(m_packets);
+    m_search.closest_points(m_batches);
     for (std::size_t number = 0; number < block_size; ++number) {
-      store(m_packets[number], m_records[number]);
+      store(m_batches[number], m_records[number]);
     }
   }
 
@@ -124,17 +124,17 @@ class NodeWalk {
     if (!begin) {
       return;
     }
-    PointPacket& packet = m_packets[number];
+    PointBatch& batch = m_batches[number];
     Record& record = m_records[number];
     record.begin = *begin;
     const auto at = [&](std::size_t axis, std::size_t thirds) { return m_coordinate[axis][3 * vertex[axis] + thirds]; };
     const auto add = [&](std::size_t offset) {
       const std::array<std::size_t, 3>& away = thirds_away[offset];
-      record.offset[packet.count] = offset;
-      packet.add({at(0, away[0]), at(1, away[1]), at(2, away[2])});
+      record.offset[batch.count] = offset;
+      batch.add({at(0, away[0]), at(1, away[1]), at(2, away[2])});
     };
     add(0);
-    m_box.extend(packet.point[0]);
+    m_box.extend(batch.point[0]);
     for (std::size_t edge = 0; edge < edge_axis.size(); ++edge) {
       const std::size_t axis = edge_axis[edge];
       if (has_cell_at_edge(m_field, vertex, axis)) {
@@ -146,13 +146,13 @@ class NodeWalk {
     }
   }
 
-  void store(const PointPacket& packet, const Record& record) {
-    for (std::size_t n = 0; n < packet.count; ++n) {
-      const ClosestPoint& closest = packet.closest[n];
-      const bool inside = is_inside(packet.point[n], closest);
+  void store(const PointBatch& batch, const Record& record) {
+    for (std::size_t n = 0; n < batch.count; ++n) {
+      const ClosestPoint& closest = batch.closest[n];
+      const bool inside = is_inside(batch.point[n], closest);
       m_field.store(record.begin + record.offset[n], inside ? -closest.distance_m : closest.distance_m);
       if (n == 0) {
-        m_last = {packet.point[n], closest, inside};  // the others of the record are next to it, too
+        m_last = {batch.point[n], closest, inside};  // the others of the record are next to it, too
         m_has_signed_node = true;
       }
     }
@@ -171,7 +171,7 @@ class NodeWalk {
   CubicField& m_field;
   std::array<std::vector<double>, 3> m_coordinate;  ///< along each axis: a vertex, the two thirds that follow it
   Eigen::AlignedBox3d m_box;                        ///< of the block's nodes
-  std::vector<PointPacket> m_packets;
+  std::vector<PointBatch> m_batches;
   std::array<Record, block_size> m_records;
   Node m_last;
   bool m_has_signed_node = false;

@@ -198,12 +198,12 @@ class SiblingSamples {
 }  // namespace
 
 void SampleBlock::add(const Vec3& point, const KnownPoint& known, DistanceSample& answer) {
-  if (m_count == 0 || m_packets[m_count - 1].count == PointPacket::capacity) {
-    m_packets[m_count++].count = 0;
+  if (m_count == 0 || m_batches[m_count - 1].count == PointBatch::capacity) {
+    m_batches[m_count++].count = 0;
   }
-  PointPacket& packet = m_packets[m_count - 1];
-  m_queries[m_count - 1][packet.count] = {known, &answer};
-  packet.add(point);
+  PointBatch& batch = m_batches[m_count - 1];
+  m_queries[m_count - 1][batch.count] = {known, &answer};
+  batch.add(point);
 }
 
 void SampleBlock::begin(const OctreeCell& cell) {
@@ -215,12 +215,12 @@ void SampleBlock::query() {
   if (m_count == 0) {
     return;
   }
-  m_search.closest_points({m_packets.data(), m_count});
+  m_search.closest_points({m_batches.data(), m_count});
   for (std::size_t p = 0; p < m_count; ++p) {
-    for (std::size_t n = 0; n < m_packets[p].count; ++n) {
+    for (std::size_t n = 0; n < m_batches[p].count; ++n) {
       const auto& [known, answer] = m_queries[p][n];
-      const Vec3& point = m_packets[p].point[n];
-      const ClosestPoint& closest = m_packets[p].closest[n];
+      const Vec3& point = m_batches[p].point[n];
+      const ClosestPoint& closest = m_batches[p].closest[n];
       const double step = (point - known.point).norm() * (1 + 1e-9);
       const bool unsure = !m_surface.closed() || std::max(closest.distance_m, std::abs(known.distance_m)) <= step;
       const bool inside = unsure ? m_surface.is_inside(point, closest) : known.distance_m < 0;

@@ -77,7 +77,7 @@ class SampleBlock {
 
  private:
   /// Of the 125 samples that siblings share at least 9 are known: the centres of their parent and of its octants.
-  static constexpr std::size_t most_packets = 15;
+  static constexpr std::size_t most_batches = 15;
 
   struct Query {
     KnownPoint known;
@@ -86,9 +86,9 @@ class SampleBlock {
 
   const SignedSurface& m_surface;
   BatchedClosestPoint m_search;
-  std::size_t m_count = 0;  ///< of packets; all but the last one are full
-  std::array<PointPacket, most_packets> m_packets;
-  std::array<std::array<Query, PointPacket::capacity>, most_packets> m_queries;
+  std::size_t m_count = 0;  ///< of batches; all but the last one are full
+  std::array<PointBatch, most_batches> m_batches;
+  std::array<std::array<Query, PointBatch::capacity>, most_batches> m_queries;
 };
 
 /// Of the cells of the same size beyond the six faces of a cell, -x, +x, -y and so on, the first of the eight children;

@@ -10,13 +10,13 @@ namespace musclebench {
 
 namespace {
 
-constexpr std::size_t most_points = BatchedClosestPoint::bundle * PointPacket::capacity;
+constexpr std::size_t most_points = BatchedClosestPoint::bundle * PointBatch::capacity;
 
-Eigen::AlignedBox3d box_about(std::span<const PointPacket> packets) {
+Eigen::AlignedBox3d box_about(std::span<const PointBatch> batches) {
   Eigen::AlignedBox3d box;
-  for (const PointPacket& packet : packets) {
-    for (std::size_t n = 0; n < packet.count; ++n) {
-      box.extend(packet.point[n]);
+  for (const PointBatch& batch : batches) {
+    for (std::size_t n = 0; n < batch.count; ++n) {
+      box.extend(batch.point[n]);
     }
   }
   return box;
@@ -84,14 +84,14 @@ void BatchedClosestPoint::begin(const Eigen::AlignedBox3d& box, int triangle) {
   list_nodes(m_view, m_box, m_nodes);
 }
 
-void BatchedClosestPoint::closest_points(std::span<PointPacket> packets) {
-  for (std::size_t first = 0; first < packets.size(); first += bundle) {
-    search_bundle(packets.subspan(first, std::min(bundle, packets.size() - first)));
+void BatchedClosestPoint::closest_points(std::span<PointBatch> batches) {
+  for (std::size_t first = 0; first < batches.size(); first += bundle) {
+    search_bundle(batches.subspan(first, std::min(bundle, batches.size() - first)));
   }
 }
 
-void BatchedClosestPoint::search_bundle(std::span<PointPacket> packets) {
-  const Eigen::AlignedBox3d about = box_about(packets);
+void BatchedClosestPoint::search_bundle(std::span<PointBatch> batches) {
+  const Eigen::AlignedBox3d about = box_about(batches);
   if (about.isEmpty()) {
     return;
   }
@@ -100,28 +100,28 @@ void BatchedClosestPoint::search_bundle(std::span<PointPacket> packets) {
   list_leaves(m_view, m_nodes, m_box, box, m_near, m_leaves);
   m_candidates.count = 0;
   m_batch.count = 0;
-  for (std::size_t p = 0; p < packets.size(); ++p) {
-    if (m_batch.count + packets[p].count > QueryBatch::capacity) {
+  for (std::size_t p = 0; p < batches.size(); ++p) {
+    if (m_batch.count + batches[p].count > QueryBatch::capacity) {
       search_points(box);
     }
-    add_points(packets[p], p);
+    add_points(batches[p], p);
   }
   search_points(box);
-  decide(packets);
+  decide(batches);
 }
 
-void BatchedClosestPoint::add_points(const PointPacket& packet, std::size_t number) {
+void BatchedClosestPoint::add_points(const PointBatch& added, std::size_t number) {
   const double scale = m_bvh->m_scale;
   const Vec3 centre = m_bvh->m_centre_m;
   if (m_batch.count == 0) {
-    m_batch.first_count = packet.count;
+    m_batch.first_count = added.count;
   }
-  for (std::size_t n = 0; n < packet.count; ++n) {
+  for (std::size_t n = 0; n < added.count; ++n) {
     const std::size_t index = m_batch.count++;
-    m_batch.number[index] = static_cast<std::int32_t>(number * PointPacket::capacity + n);
+    m_batch.number[index] = static_cast<std::int32_t>(number * PointBatch::capacity + n);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<Eigen::Index>(axis);
-      m_batch.at[axis][index] = static_cast<float>(scale * (packet.point[n][a] - centre[a]));
+      m_batch.at[axis][index] = static_cast<float>(scale * (added.point[n][a] - centre[a]));
     }
   }
 }
@@ -134,13 +134,13 @@ void BatchedClosestPoint::search_points(const QueryBox& box) {
   m_batch.count = 0;
 }
 
-void BatchedClosestPoint::decide(std::span<PointPacket> packets) {
+void BatchedClosestPoint::decide(std::span<PointBatch> batches) {
   constexpr std::size_t width = ClosestOnTriangles::width;
   assert(m_candidates.count > 0);
   std::array<Vec3, most_points> points;
-  for (std::size_t p = 0; p < packets.size(); ++p) {
-    std::copy_n(packets[p].point.begin(), packets[p].count,
-                points.begin() + static_cast<std::ptrdiff_t>(p * PointPacket::capacity));
+  for (std::size_t p = 0; p < batches.size(); ++p) {
+    std::copy_n(batches[p].point.begin(), batches[p].count,
+                points.begin() + static_cast<std::ptrdiff_t>(p * PointBatch::capacity));
   }
   const std::size_t rounded_up = (m_candidates.count + width - 1) / width * width;
   m_candidates.make_room(rounded_up - m_candidates.count);
@@ -168,13 +168,13 @@ void BatchedClosestPoint::decide(std::span<PointPacket> packets) {
     first[point] =
         std::min(first[point], static_cast<std::uint64_t>(m_candidates.triangle[pair]) << 32U | pair | not_least);
   }
-  for (std::size_t p = 0; p < packets.size(); ++p) {
-    for (std::size_t n = 0; n < packets[p].count; ++n) {
-      assert(first[p * PointPacket::capacity + n] != none);
-      const auto pair = static_cast<std::uint32_t>(first[p * PointPacket::capacity + n]);
+  for (std::size_t p = 0; p < batches.size(); ++p) {
+    for (std::size_t n = 0; n < batches[p].count; ++n) {
+      assert(first[p * PointBatch::capacity + n] != none);
+      const auto pair = static_cast<std::uint32_t>(first[p * PointBatch::capacity + n]);
       const ClosestOnTriangles& eight = m_found[pair / width];
       const std::size_t lane = pair % width;
-      ClosestPoint& closest = packets[p].closest[n];
+      ClosestPoint& closest = batches[p].closest[n];
       closest.point = {eight.x[lane], eight.y[lane], eight.z[lane]};
       closest.distance_m = std::sqrt(eight.squared_distance_m2[lane]);
       closest.triangle = m_candidates.triangle[pair];

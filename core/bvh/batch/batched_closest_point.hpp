@@ -15,7 +15,7 @@
 namespace musclebench {
 
 /// A few query points that lie close together, and their closest points.
-struct PointPacket {
+struct PointBatch {
   static constexpr std::size_t capacity = 8;
 
   std::size_t count = 0;
@@ -28,13 +28,13 @@ struct PointPacket {
 /// Finds the closest points of many query points that lie close together in one traversal of a TriangleBvh: linear
 /// bounds of the squared distance hold for all points of a box, and are the tighter the farther the surface is
 /// (reports/performance/batched_closest_point.md). Culled in three levels: nodes once a query box, leaves once a
-/// bundle, triangles once per two packets.
+/// bundle, triangles once per two batches of points.
 ///
 /// Single precision only prunes; `closest_on_triangle` decides. So the answers are those of TriangleBvh::closest_point,
 /// to the bit. One thread at a time: the lists are reused by the next call.
 class BatchedClosestPoint {
  public:
-  /// Packets that follow each other and should lie close together; some may be empty.
+  /// Batches that follow each other and should lie close together; some may be empty.
   static constexpr std::size_t bundle = 8;
 
   explicit BatchedClosestPoint(const TriangleBvh& bvh);
@@ -43,17 +43,17 @@ class BatchedClosestPoint {
   /// search is the faster the nearer it is to the middle of the box.
   void begin(const Eigen::AlignedBox3d& box, int triangle);
 
-  void closest_points(std::span<PointPacket> packets);
+  void closest_points(std::span<PointBatch> batches);
 
  private:
   /// A triangle that is no sliver, near the given one where there is one, as leaf number * bvh_width + lane; negative
   /// where the mesh has none.
   [[nodiscard]] std::int32_t bounding_triangle(int triangle) const;
-  void search_bundle(std::span<PointPacket> packets);
-  /// Adds to the points of the next batch; `number`: index of the packet in its bundle.
-  void add_points(const PointPacket& packet, std::size_t number);
+  void search_bundle(std::span<PointBatch> batches);
+  /// Adds to the points of the query batch; `number`: index of the added ones in their bundle.
+  void add_points(const PointBatch& added, std::size_t number);
   void search_points(const QueryBox& box);
-  void decide(std::span<PointPacket> packets);
+  void decide(std::span<PointBatch> batches);
   [[nodiscard]] QueryBox query_box(const Eigen::AlignedBox3d& box) const;
   [[nodiscard]] std::array<float, 3> to_tree_frame(const Vec3& point) const;
   [[nodiscard]] BvhView view_from(const Eigen::AlignedBox3d& box) const;

@@ -120,8 +120,8 @@ HWY_INLINE std::array<float, 3> offset_of_midpoint(const QueryBatch& batch, std:
   return offset;
 }
 
-/// The leaf with the lowest bound for the first packet's points and the one for the others'; where these are the same,
-/// a leaf that is nearly as near, or the same twice where the list has only one.
+/// The leaf with the lowest bound for the first points, as many as `first_count`, and the one for the others'; where
+/// these are the same, a leaf that is nearly as near, or the same twice where the list has only one.
 HWY_INLINE std::array<std::int32_t, 2> nearest_leaves(const BvhView& bvh, const BoundList& leaves, const QueryBox& box,
                                                       const QueryBatch& batch) {
   const std::size_t others = batch.first_count == batch.count ? 0 : batch.first_count;

@@ -18,7 +18,7 @@
 namespace musclebench {
 namespace {
 
-/// Blocks of packets of all sizes and distances, some of them empty: all points are answered as one by one, to the bit.
+/// Blocks of batches of all sizes and distances, some of them empty: all points are answered as one by one, to the bit.
 void expect_answers_of_single_queries(const TriangleMesh& mesh, int blocks) {
   const TriangleBvh tree(mesh);
   Vec3 lower = mesh.vertices.front();
@@ -39,17 +39,17 @@ void expect_answers_of_single_queries(const TriangleMesh& mesh, int blocks) {
     const double away = size * std::pow(10.0, -5 * unit(generator));
     const double width = block % 5 == 0 ? 0 : size * std::pow(10.0, -4 * unit(generator) - 0.5);
     const Vec3 middle = mesh.vertices[vertices(generator)] + (block % 3 == 0 ? Vec3(Vec3::Zero()) : away * noise());
-    std::vector<PointPacket> packets(block % 2 == 0 ? 1 : 1 + static_cast<std::size_t>(block) % 19);
-    for (std::size_t p = 0; p < packets.size(); ++p) {
+    std::vector<PointBatch> batches(block % 2 == 0 ? 1 : 1 + static_cast<std::size_t>(block) % 19);
+    for (std::size_t p = 0; p < batches.size(); ++p) {
       const Vec3 own_middle = middle + width * noise();
-      for (std::size_t n = 0; n < (static_cast<std::size_t>(block) + 5 * p) % (PointPacket::capacity + 1); ++n) {
-        packets[p].add(own_middle + 0.3 * width * noise());
+      for (std::size_t n = 0; n < (static_cast<std::size_t>(block) + 5 * p) % (PointBatch::capacity + 1); ++n) {
+        batches[p].add(own_middle + 0.3 * width * noise());
       }
     }
     Eigen::AlignedBox3d box;
-    for (const PointPacket& packet : packets) {
-      for (std::size_t n = 0; n < packet.count; ++n) {
-        box.extend(packet.point[n]);
+    for (const PointBatch& batch : batches) {
+      for (std::size_t n = 0; n < batch.count; ++n) {
+        box.extend(batch.point[n]);
       }
     }
     if (box.isEmpty()) {
@@ -57,15 +57,15 @@ void expect_answers_of_single_queries(const TriangleMesh& mesh, int blocks) {
     }
     const Vec3 more = block % 7 == 0 ? Vec3(0.1 * width * Vec3::Ones()) : Vec3(Vec3::Zero());
     search.begin({box.min() - more, box.max() + more}, block % 4 == 0 ? triangles(generator) : seed);
-    const std::span<PointPacket> all(packets);
+    const std::span<PointBatch> all(batches);
     const std::size_t first_asked = static_cast<std::size_t>(block) % (all.size() + 1);
     search.closest_points(all.first(first_asked));
     search.closest_points(all.subspan(first_asked));
-    for (const PointPacket& packet : packets) {
-      for (std::size_t n = 0; n < packet.count; ++n) {
+    for (const PointBatch& batch : batches) {
+      for (std::size_t n = 0; n < batch.count; ++n) {
         SCOPED_TRACE(block);
-        expect_equal(packet.closest[n], tree.closest_point(packet.point[n]).value());
-        seed = packet.closest[n].triangle;
+        expect_equal(batch.closest[n], tree.closest_point(batch.point[n]).value());
+        seed = batch.closest[n].triangle;
       }
     }
     if (testing::Test::HasFailure()) {
