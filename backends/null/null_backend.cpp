@@ -10,7 +10,7 @@ class NullBackend final : public CollisionBackend {
  public:
   /// There is no contact that a response could miss something of, so it can be paired with any.
   [[nodiscard]] Capabilities capabilities() const override {
-    return {.has_step = true, .steady_memory = true, .times_pairs = true};
+    return {.finds_contacts = false, .has_step = true, .steady_memory = true, .times_pairs = true};
   }
   [[nodiscard]] double step_m(int /*bone*/) const override { return 1; }
   [[nodiscard]] AnswerBound answer_bound(int /*bone*/) const override {

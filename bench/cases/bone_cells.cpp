@@ -24,7 +24,8 @@ std::vector<BoneCells> bone_cells(const Case& resolved, const std::function<void
         measured_m = std::max(measured_m.value_or(0), error.p99_m);
       }
     }
-    of_bone.error_m = measured_m.value_or(of_bone.cell_m);
+    const bool finds_contacts = choice.make()->capabilities().finds_contacts;
+    of_bone.error_m = measured_m.value_or(finds_contacts ? of_bone.cell_m : 0);
     // Exact backends miss what rounding can't tell; a cell is larger by far.
     of_bone.misses = built.backend->answer_bound(static_cast<int>(bone)).missed_depth_m > 1e-3 * of_bone.cell_m;
     const ParameterSpec* finer = find_parameter(choice.entry->parameters, ParameterRole::resolution);

@@ -9,6 +9,16 @@
 
 namespace musclebench {
 
+namespace {
+
+/// For messages: the location, where it is known, else the scene's file or name.
+std::string place_of(const Scene& scene, const std::string& location) {
+  if (!location.empty()) return location;
+  return scene.file.empty() ? scene.name : scene.file;
+}
+
+}  // namespace
+
 std::vector<ResponseKind> choose_responses(const std::string& option, const Scene& scene, const BackendEntry& backend,
                                            const Parameters& parameters, const ColliderBackends& colliders) {
   std::optional<ResponseKind> for_all = scene.response;
@@ -29,7 +39,7 @@ std::vector<ResponseKind> choose_responses(const std::string& option, const Scen
     if (!lacking.empty()) {
       const std::string location = own               ? contact.response_location
                                    : !option.empty() ? "--response " + option
-                                                     : fmt::format("{}: contact.response", scene.name);
+                                                     : fmt::format("{}: contact.response", place_of(scene, {}));
       throw InputError(location, fmt::format("'{}' has no {}; take '{}', or another backend", entry.name, lacking,
                                              name_of(entry.default_response)));
     }
@@ -37,7 +47,7 @@ std::vector<ResponseKind> choose_responses(const std::string& option, const Scen
   // Backtracking queries the backends of all bones at positions between p and x, a node at a time.
   const auto mute = std::ranges::find(can, false, &Capabilities::point_queries);
   if (mute != can.end() && std::ranges::find(kinds, ResponseKind::backtrack) != kinds.end()) {
-    throw InputError(fmt::format("{}: bone '{}'", scene.name,
+    throw InputError(fmt::format("{}: bone '{}'", place_of(scene, {}),
                                  scene.bones[static_cast<std::size_t>(mute - can.begin()) % scene.bones.size()].name),
                      "its backend can't answer about single nodes, which backtracking out of another bone asks of all; "
                      "take 'project' there, or another backend here");
@@ -48,12 +58,26 @@ std::vector<ResponseKind> choose_responses(const std::string& option, const Scen
   return kinds;
 }
 
+std::vector<std::string> effects_without_contacts(const Scene& scene, const BackendEntry& backend,
+                                                  const Parameters& parameters, const ColliderBackends& colliders) {
+  for (std::size_t pair = 0; pair < std::max<std::size_t>(scene.bone_pairs(), 1); ++pair) {
+    if (backend_of_pair(pair, backend, parameters, colliders).make()->capabilities().finds_contacts) return {};
+  }
+  std::vector<std::string> lines;
+  for (const SceneEffect& effect : scene.effects) {
+    if (!find_effect(effect.name)->needs_normals) continue;
+    lines.push_back(fmt::format("{}: effects.{}: looks at contacts with bones, and '{}' finds none: it changes nothing",
+                                place_of(scene, effect.location), effect.name, backend.name));
+  }
+  return lines;
+}
+
 void require_what_effects_need(const Scene& scene, const BackendEntry& backend, const Parameters& parameters,
                                const std::vector<ResponseKind>& responses, const ColliderBackends& colliders) {
   for (const SceneEffect& effect : scene.effects) {
     const EffectEntry& needs = *find_effect(effect.name);
     const auto refuse = [&](std::string_view reason) {
-      throw InputError(fmt::format("{}: effects.{}", scene.name, effect.name),
+      throw InputError(fmt::format("{}: effects.{}", place_of(scene, effect.location), effect.name),
                        fmt::format("{}; or write `{} = false`", reason, effect.name));
     };
     for (std::size_t pair = 0; needs.needs_normals && pair < std::max<std::size_t>(scene.bone_pairs(), 1); ++pair) {

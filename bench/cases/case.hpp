@@ -27,6 +27,10 @@ struct Case {
 std::vector<ResponseKind> choose_responses(const std::string& option, const Scene& scene, const BackendEntry& backend,
                                            const Parameters& parameters, const ColliderBackends& colliders = {});
 
+/// A line for each effect that looks at contacts with bones where no backend finds any.
+std::vector<std::string> effects_without_contacts(const Scene& scene, const BackendEntry& backend,
+                                                  const Parameters& parameters, const ColliderBackends& colliders = {});
+
 /// Throws InputError where an effect of the scene needs what a backend or a response has not.
 void require_what_effects_need(const Scene& scene, const BackendEntry& backend, const Parameters& parameters,
                                const std::vector<ResponseKind>& responses, const ColliderBackends& colliders = {});

@@ -234,7 +234,10 @@ class CaseRunner {
     if (m_run.count_self_intersections) {
       m_result.outcome.self_intersecting_triangles_at_rest = count_self_intersecting_triangles(m_scene.muscle_mesh);
     }
-    const std::vector<std::string> reasons = suspicions(m_result.outcome, m_result.rest);
+    std::vector<std::string> reasons = suspicions(m_result.outcome, m_result.rest);
+    if (m_scene.attach_at_first_contact && m_result.bound_nodes.empty()) {
+      reasons.emplace_back("no node touches a bone at rest, and so none is bound (attachment = \"first_contact\")");
+    }
     if (m_result.status == "ok" && !reasons.empty()) {
       m_result.status = "suspect";
       m_result.status_detail = fmt::format("{}", fmt::join(reasons, "; "));

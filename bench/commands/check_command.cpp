@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -74,7 +75,8 @@ void note_backends(Scene& scene) {
 }
 
 /// `report` shows what is not done in a moment.
-CheckOptions check_options(const CheckRequest& request, Scene& scene, Progress& progress) {
+CheckOptions check_options(const CheckRequest& request, Scene& scene, std::vector<std::string>& warnings,
+                           Progress& progress) {
   CheckOptions options;
   options.report = [&progress](int done, int total) { progress.show(done * check_steps / total); };
   if (request.backend.backend.empty()) {
@@ -88,6 +90,7 @@ CheckOptions check_options(const CheckRequest& request, Scene& scene, Progress& 
     const std::vector<ResponseKind> responses =
         choose_responses(request.backend.response, scene, backend, parameters, colliders);
     require_what_effects_need(scene, backend, parameters, responses, colliders);
+    std::ranges::copy(effects_without_contacts(scene, backend, parameters, colliders), std::back_inserter(warnings));
   } catch (const InputError& obstacle) {
     scene.obstacles.emplace_back(obstacle.what());
   }
@@ -138,23 +141,25 @@ void print_verdict(const Scene& scene, const std::vector<std::string>& warnings,
   }
 }
 
-void check_scene_of(const CheckRequest& request) {
+/// Whether the scene can be run.
+bool check_scene_of(const CheckRequest& request) {
   Scene scene = load_scene(request.scene);
-  const std::vector<std::string> warnings = scene_warnings(scene);
+  std::vector<std::string> warnings = scene_warnings(scene);
   Findings findings;
   {
     Progress progress(progress_style(false), "check " + scene.name, check_steps);
-    findings = check_scene(scene, check_options(request, scene, progress));
+    findings = check_scene(scene, check_options(request, scene, warnings, progress));
   }
   if (request.json) {
     fmt::print("{}\n", text_of(json_of_check(scene, warnings, findings), 2));
-    return;
+    return scene.obstacles.empty();
   }
   fmt::print("scene {}: {} (preset {})\n", scene.name, scene.title, scene.preset.empty() ? "none" : scene.preset);
   print_meshes(scene);
   print_overlaps(scene);
   print_attachments(scene);
   print_verdict(scene, warnings, findings);
+  return scene.obstacles.empty();
 }
 
 /// Of a mesh there is its report only.
@@ -192,12 +197,12 @@ void add_check_command(CLI::App& app, int& exit_code) {
   command->add_flag("--json", request->json, "Print warnings and findings as JSON");
   command->callback([request, &exit_code] {
     request->scene.notes_obstacles = true;
+    exit_code = 0;
     if (names_scene(request->scene.scene)) {
-      check_scene_of(*request);
+      if (!check_scene_of(*request)) exit_code = exit_bad_input;
     } else {
       check_mesh_of(*request);
     }
-    exit_code = 0;
   });
 }
 

@@ -120,6 +120,9 @@ int run(RunOptions options) {
   const std::vector<ResponseKind> responses =
       choose_responses(options.backend.response, scene, backend, parameters, colliders);
   require_what_effects_need(scene, backend, parameters, responses, colliders);
+  for (const std::string& line : effects_without_contacts(scene, backend, parameters, colliders)) {
+    fmt::print(stderr, "musclebench: warning: {}\n", line);
+  }
   RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, responses, colliders},
                  2,
                  !options.unjudged,

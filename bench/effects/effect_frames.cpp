@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -41,7 +42,10 @@ void run_and_print(std::vector<std::string> effects) {
   const RunCase run = combination_case(scene);
   const BuiltBackend built = build_backend(run);
   const HeapUse before = heap_use();
-  const PreparedSimulation prepared = counted_run(run, *built.backend, one_frame ? 1 : scene.loop.frames);
+  PreparedSimulation prepared;
+  // A thread has an arena of its own. How long malloc searches depends on what was freed before, and what the table of
+  // effects frees differs between programs.
+  std::thread([&] { prepared = counted_run(run, *built.backend, one_frame ? 1 : scene.loop.frames); }).join();
   const HeapUse after = heap_use();
   std::vector<std::string> columns = prepared.effect_names;
   columns.insert(columns.end(), prepared.stage_names.begin(), prepared.stage_names.end());

@@ -5,10 +5,9 @@ namespace musclebench {
 Json json_of(const Finding& finding) {
   Json figures = Json::object();
   for (const Figure& figure : finding.figures) figures[figure.name] = figure.value;
-  Json json = {{"id", finding.id},        {"kind", name_of(finding.kind)},
-               {"where", finding.where},  {"what", finding.what},
-               {"figures", figures},      {"add", finding.add},
-               {"remove", finding.remove}};
+  Json json = {{"id", finding.id},       {"kind", name_of(finding.kind)}, {"place", finding.place},
+               {"where", finding.where}, {"what", finding.what},          {"figures", figures},
+               {"add", finding.add},     {"remove", finding.remove}};
   json["effect"] = finding.effect ? Json(finding.effect->name) : Json(nullptr);
   return json;
 }

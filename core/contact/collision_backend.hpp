@@ -25,6 +25,8 @@ struct Capabilities {
   bool depth = true;
   /// `detect` accepts a subset of the nodes, at any positions (false: it needs the whole muscle surface).
   bool point_queries = true;
+  /// Contacts are found at all: false is the loop without collision.
+  bool finds_contacts = true;
   /// State of the detection of the step before makes the next one cheaper.
   bool has_cache = false;
   /// Once built, `step_m` is positive: the step of the backtracking response.

@@ -25,6 +25,40 @@ void ContactRowSolver::collect_moved(std::span<const ContactRow> rows) {
   std::ranges::sort(m_moved);
 }
 
+/// Of the moduli of the row of J M^-1 J^T.
+double ContactRowSolver::row_sum(const ContactRow& row) const {
+  double sum = 0;
+  for (std::size_t k = 0; k < row.nodes.size(); ++k) {
+    if (row.weights[k] == 0) continue;
+    const auto node = static_cast<std::size_t>(row.nodes[k]);
+    sum += m_inverse_masses[node] * std::abs(row.weights[k]) * m_loads[node];
+  }
+  return sum;
+}
+
+/// Moves the row's points by `change` times what their nodes weigh in it.
+void ContactRowSolver::add_to_all(const ContactRow& row, const Vec3& change, std::vector<Vec3>& corrections) const {
+  for (std::size_t k = 0; k < row.nodes.size(); ++k) {
+    if (row.weights[k] == 0) continue;
+    const auto node = static_cast<std::size_t>(row.nodes[k]);
+    corrections[node] += (m_inverse_masses[node] * row.weights[k]) * change;
+  }
+}
+
+void ContactRowSolver::displace(std::span<const ContactRow> rows, std::span<const Vec3> undone,
+                                std::span<Vec3> predicted) {
+  collect_moved(rows);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double sum = row_sum(rows[i]);
+    if (sum > 0) add_to_all(rows[i], -undone[i] / sum, m_corrections);
+  }
+  for (const int node : m_moved) {
+    const auto i = static_cast<std::size_t>(node);
+    predicted[i] += std::exchange(m_corrections[i], Vec3::Zero());
+    m_loads[i] = 0;
+  }
+}
+
 bool ContactRowSolver::correct(const ContactRow& row, std::span<const Vec3> start, std::span<const Vec3> predicted) {
   Vec3 sum = Vec3::Zero();
   Vec3 start_sum = Vec3::Zero();

@@ -38,6 +38,10 @@ class ContactRowSolver {
   /// Corrects `predicted` (p) and `start` (x), both of all nodes, world frame, m. Ends early once no row is violated.
   void solve(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted);
 
+  /// Takes away what the points of each row have moved against each other, as far as several rows of a node allow it
+  /// (as in `solve`): `undone` has one displacement a row. `rows` are those of the last `solve`.
+  void displace(std::span<const ContactRow> rows, std::span<const Vec3> undone, std::span<Vec3> predicted);
+
   /// The nodes that the last `solve` may have moved, ascending.
   [[nodiscard]] std::span<const int> moved_nodes() const { return m_moved; }
   /// How many rows the step of the last `solve` that had most of them corrected.
@@ -47,6 +51,8 @@ class ContactRowSolver {
 
  private:
   void collect_moved(std::span<const ContactRow> rows);
+  [[nodiscard]] double row_sum(const ContactRow& row) const;
+  void add_to_all(const ContactRow& row, const Vec3& change, std::vector<Vec3>& corrections) const;
   bool correct(const ContactRow& row, std::span<const Vec3> start, std::span<const Vec3> predicted);
 
   std::vector<double> m_inverse_masses;

@@ -32,6 +32,11 @@ class MuscleContactResponse {
   /// corrections of the contacts of one detection, each of the depth that the ones before have left.
   MuscleContactResponse(std::span<const Triangle> triangles, std::vector<double> inverse_masses, PairSteps steps);
 
+  /// Coulomb friction, >= 0: of what a contact's two points slide on each other in a substep, the part up to the
+  /// coefficient times their push apart is undone (Macklin et al. 2014, "Unified particle physics for real-time
+  /// applications"), by inverse mass on both sides, so that it changes no momentum.
+  void set_friction(double coefficient) { m_friction = coefficient; }
+
   /// Corrects `predicted` (p) and `start` (x), both of all nodes.
   void resolve(std::span<const MuscleContact> contacts, std::span<Vec3> start, std::span<Vec3> predicted);
 
@@ -39,10 +44,17 @@ class MuscleContactResponse {
   [[nodiscard]] std::span<const int> moved_nodes() const { return m_solver.moved_nodes(); }
 
  private:
+  void find_approaches(std::span<const Vec3> start, std::span<const Vec3> predicted);
+  void rub(std::span<const Vec3> start, std::span<Vec3> predicted);
+
   std::span<const Triangle> m_triangles;
   PairSteps m_steps;
   ContactRowSolver m_solver;
+  double m_friction = 0;
   std::vector<ContactRow> m_rows;
+  // Of friction.
+  std::vector<double> m_approaches_m;  ///< along each row's normal since the substep began, before the correction
+  std::vector<Vec3> m_slides;          ///< by row
 };
 
 }  // namespace musclebench

@@ -71,7 +71,7 @@ std::vector<ParameterSpec> bending_parameters() {
                          .unit = "rad",
                          .default_value = 0,
                          .minimum = 0,
-                         .maximum = 3.2,
+                         .maximum = 1.6,
                          .help = "leave out pairs that are flatter than this at rest; 0: none"}),
   };
 }

@@ -9,6 +9,7 @@
 
 #include "core/base/parameters.hpp"
 #include "core/contact/bone.hpp"
+#include "core/contact/muscle_contact_response.hpp"
 #include "core/contact/response.hpp"
 #include "core/fibres/fibre_segments.hpp"
 #include "core/mesh/body.hpp"
@@ -58,7 +59,8 @@ struct EffectEntry {
   std::function<std::unique_ptr<Effect>(const EffectInput&, const Parameters&)> make;
   std::function<std::unique_ptr<ContactStage>(const StageInput&, const Parameters&)> make_stage = {};  ///< or this
   std::function<void(Response&, const Parameters&)> set_response = {};                                 ///< or this
-  bool needs_normals = false;     ///< of contacts with bones
+  std::function<void(MuscleContactResponse&, const Parameters&)> set_muscle_response = {};  ///< beside one of these
+  bool needs_normals = false;                                                               ///< of contacts with bones
   bool needs_projection = false;  ///< the response that moves nodes by their depths
 };
 

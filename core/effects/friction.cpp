@@ -76,6 +76,10 @@ std::unique_ptr<ContactStage> make_friction(const StageInput& input, const Param
   return std::make_unique<Friction>(input, parameters.number("coefficient"));
 }
 
+void set_muscle_friction(MuscleContactResponse& response, const Parameters& parameters) {
+  response.set_friction(parameters.number("coefficient"));
+}
+
 std::vector<ParameterSpec> friction_parameters() {
   return {parameter::number({.name = "coefficient",
                              .default_value = 0.1,

@@ -21,7 +21,6 @@ namespace {
 /// Thickness over the mean length of an edge, where none is given: folds of a mesh are no sharper.
 constexpr double thickness_over_edge = 0.2;
 /// What is closer at rest than so many thicknesses is left out.
-constexpr double left_out_at_rest = 4;
 /// A node and a triangle that are farther apart than so many thicknesses do not meet within a substep.
 constexpr double watched = 2;
 /// A larger distance, over the thickness, need not be told: clearances last long enough.
@@ -84,7 +83,8 @@ class SelfContact final : public ContactStage {
     const MovingSurfaceTree& tree = m_trees[body_of(m_bodies, static_cast<int>(node))];
     std::vector<int> near;
     for (;;) {
-      const ClosestPoint next = tree.closest_point(m_mesh.vertices[node], -1, left_out_at_rest * m_thickness_m, near);
+      const ClosestPoint next =
+          tree.closest_point(m_mesh.vertices[node], -1, self_contact_rest_factor * m_thickness_m, near);
       if (next.triangle < 0) return near;
       near.insert(std::ranges::lower_bound(near, next.triangle), next.triangle);
     }

@@ -7,6 +7,9 @@
 
 namespace musclebench {
 
+/// What is closer at rest, in thicknesses, is left out for good.
+inline constexpr double self_contact_rest_factor = 4;
+
 /// Keeps a muscle from folding through itself: a node and a triangle of the same muscle stay a thickness apart, on the
 /// side on which they were when the substep began (proximity constraints: Bridson, Fedkiw and Anderson 2002, "Robust
 /// treatment of collisions, contact and friction for cloth animation"). Both sides give way by inverse mass

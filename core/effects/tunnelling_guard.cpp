@@ -248,7 +248,7 @@ std::vector<ParameterSpec> tunnelling_guard_parameters() {
                          .unit = "deg",
                          .default_value = 135,
                          .minimum = 0,
-                         .maximum = 180,
+                         .maximum = 175,
                          .help = "directions that differ by more mean another side (rule `angle`)"})};
 }
 

@@ -1,5 +1,7 @@
 #include "core/scene/landmarks.hpp"
 
+#include <string_view>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -18,6 +20,12 @@ nlohmann::json read_json(const std::filesystem::path& path) {
   } catch (const nlohmann::json::exception& error) {
     throw InputError(path.string(), fmt::format("is not valid JSON ({})", error.what()));
   }
+}
+
+std::string not_a_landmark_file(std::string_view wanted, const nlohmann::json::exception& error) {
+  return fmt::format(
+      "is not a landmark file: it has to be a JSON object with a list of {}; see datasets/README.md ({})", wanted,
+      error.what());
 }
 
 Vec3 point_of(const nlohmann::json& value) {
@@ -49,7 +57,7 @@ std::vector<Vec3> read_landmark_outline(const std::filesystem::path& path, const
     throw InputError(path.string(), fmt::format("has no attachment '{}'; did you mean '{}'?", selector,
                                                 nearest_word(selector, known)));
   } catch (const nlohmann::json::exception& error) {
-    throw InputError(path.string(), fmt::format("is not a landmark file ({})", error.what()));
+    throw InputError(path.string(), not_a_landmark_file("attachments (muscle, role, points_m)", error));
   }
 }
 
@@ -77,7 +85,7 @@ std::vector<FibreSegment> read_landmark_fibres(const std::filesystem::path& path
                                                   : fmt::format("has no fibres of '{}'; did you mean '{}'?", muscle,
                                                                 nearest_word(muscle, known)));
   } catch (const nlohmann::json::exception& error) {
-    throw InputError(path.string(), fmt::format("is not a landmark file ({})", error.what()));
+    throw InputError(path.string(), not_a_landmark_file("fibres (muscle, polylines_m)", error));
   }
 }
 

@@ -40,6 +40,17 @@ std::vector<BoundNode> bind_nodes(const Scene& scene, CollisionBackend& backend,
   return bound;
 }
 
+struct NamedEffect {
+  const EffectEntry* entry;
+  const Parameters* parameters;
+};
+
+std::vector<NamedEffect> named_effects(const Scene& scene) {
+  std::vector<NamedEffect> named;
+  for (const SceneEffect& effect : scene.effects) named.push_back({find_effect(effect.name), &effect.parameters});
+  return named;
+}
+
 Particles particles_of(const Scene& scene, const std::vector<BoundNode>& bound) {
   Particles particles;
   particles.positions = scene.muscle_mesh.vertices;
@@ -69,17 +80,15 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
   const std::vector<std::vector<FibreSegment>> fibres = scene.fibres_with(prepared.bound_nodes);
   NodeOrder order(scene.muscle_mesh.vertices, bodies);
   const EffectInput input{scene.muscle_mesh, bodies, order, fibres, prepared.bound_nodes, rest_poses};
-  for (const SceneEffect& effect : scene.effects) {
-    if (const EffectEntry* entry = find_effect(effect.name); entry->make) {
-      effects.push_back(entry->make(input, effect.parameters));
-      prepared.effect_names.push_back(effect.name);
-    }
+  const std::vector<NamedEffect> named = named_effects(scene);
+  for (const auto& [entry, parameters] : named) {
+    if (!entry->make) continue;
+    effects.push_back(entry->make(input, *parameters));
+    prepared.effect_names.push_back(entry->name);
   }
   Response response(scene.responses(responses), bodies);
-  for (const SceneEffect& effect : scene.effects) {
-    if (const EffectEntry* entry = find_effect(effect.name); entry->set_response) {
-      entry->set_response(response, effect.parameters);
-    }
+  for (const auto& [entry, parameters] : named) {
+    if (entry->set_response) entry->set_response(response, *parameters);
   }
   const Particles particles = particles_of(scene, prepared.bound_nodes);
   prepared.simulation = std::make_unique<Simulation>(
@@ -92,17 +101,20 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
       pairs.push_back(pair.muscles);
       steps.push_back(pair.response_steps.value_or(scene.response_steps));
     }
-    prepared.simulation->add_stage(std::make_unique<MuscleContactStage>(
-        std::move(muscle_detectors), MuscleContactResponse(scene.muscle_mesh.triangles, particles.inverse_masses,
-                                                           PairSteps(bodies, std::move(pairs), std::move(steps)))));
-  }
-  for (const SceneEffect& effect : scene.effects) {
-    if (const EffectEntry* entry = find_effect(effect.name); entry->make_stage) {
-      prepared.simulation->add_stage(entry->make_stage(
-          {scene.bones, scene.muscle_mesh.vertices.size(), scene.muscle_mesh.triangles, particles.inverse_masses,
-           prepared.bound_nodes, threads, &scene.muscle_mesh, bodies, backend.untouched()},
-          effect.parameters));
+    MuscleContactResponse muscle_response(scene.muscle_mesh.triangles, particles.inverse_masses,
+                                          PairSteps(bodies, std::move(pairs), std::move(steps)));
+    for (const auto& [entry, parameters] : named) {
+      if (entry->set_muscle_response) entry->set_muscle_response(muscle_response, *parameters);
     }
+    prepared.simulation->add_stage(
+        std::make_unique<MuscleContactStage>(std::move(muscle_detectors), std::move(muscle_response)));
+  }
+  for (const auto& [entry, parameters] : named) {
+    if (!entry->make_stage) continue;
+    prepared.simulation->add_stage(entry->make_stage(
+        {scene.bones, scene.muscle_mesh.vertices.size(), scene.muscle_mesh.triangles, particles.inverse_masses,
+         prepared.bound_nodes, threads, &scene.muscle_mesh, bodies, backend.untouched()},
+        *parameters));
   }
   for (const auto& stage : prepared.simulation->stages()) {
     prepared.stage_names.emplace_back(stage->name());

@@ -176,6 +176,7 @@ void read_response(const std::optional<TomlTable>& contact, Scene& scene) {
   contact->allow_only({"response", "steps", "muscle_contact", "muscle_backend"});
   scene.response = response_in(*contact);
   scene.response_steps = steps_in(*contact).value_or(default_projection_steps);
+  if (contact->has("steps")) scene.response_steps_location = contact->location("steps");
 }
 
 SceneBoneContact read_bone_contact(const TomlTable& table) {

@@ -1,6 +1,7 @@
 #include "core/scene/read_scene.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <numbers>
@@ -216,6 +217,7 @@ void read_attachments(const SceneRequest& request, const TomlTable& root, Scene&
     table.allow_only({"name", "bone", "muscle", "outline", "outline_m", "distance_m", "margin_m"});
     Attachment attachment;
     attachment.name = table.word("name");
+    attachment.location = table.place();
     attachment.bone = static_cast<int>(find_bone(scene, table.word("bone"), table.location("bone")));
     attachment.muscle = muscle_index(scene, table);
     attachment.area = read_area(request, table);
@@ -319,6 +321,18 @@ std::optional<TomlTable> effects_table(const TomlTable& root, AutoEffects& chose
   return table;
 }
 
+/// What the literature calls an effect and has its place elsewhere in a scene.
+void refuse_names_of_other_places(const TomlTable& effects) {
+  constexpr std::array other_places{
+      std::pair{"muscle_contact",
+                "is contact between muscles: write [contact] with muscle_contact = true, or a [[pair]]"},
+      std::pair{"contact", "is always there: choose the backend by --backend and the response in [contact]"},
+      std::pair{"fibre_anisotropy", "is a parameter: write [effects.edge_length] with anisotropy_exponent"}};
+  for (const auto& [name, cure] : other_places) {
+    if (effects.has(name)) throw InputError(effects.location(name), cure);
+  }
+}
+
 void read_effects(const std::optional<TomlTable>& preset, const std::optional<TomlTable>& own, Scene& scene) {
   std::vector<std::string> known;
   for (const EffectEntry& entry : effect_registry()) {
@@ -326,7 +340,10 @@ void read_effects(const std::optional<TomlTable>& preset, const std::optional<To
   }
   if (preset) preset->allow_only(known);
   known.emplace_back("auto");
-  if (own) own->allow_only(known);
+  if (own) {
+    refuse_names_of_other_places(*own);
+    own->allow_only(known);
+  }
   for (const EffectEntry& entry : effect_registry()) {
     // `bending = false` in the scene takes away what the preset names, and keeps out what the checker would add.
     if (own && own->is_false(entry.name)) {
@@ -336,7 +353,9 @@ void read_effects(const std::optional<TomlTable>& preset, const std::optional<To
     const auto of_preset = preset ? preset->table(entry.name) : std::nullopt;
     const auto of_scene = own ? own->table(entry.name) : std::nullopt;
     if (of_preset || of_scene) {
-      scene.effects.push_back({entry.name, checked(entry.parameters, of_preset, of_scene)});
+      scene.effects.push_back({entry.name, checked(entry.parameters, of_preset, of_scene),
+                               of_scene ? of_scene->place() : of_preset->place(),
+                               of_scene ? of_scene->keys() : std::vector<std::string>{}, of_scene.has_value()});
     }
   }
 }
@@ -398,6 +417,7 @@ Scene read_scene(const SceneRequest& request) {
 
   Scene scene;
   scene.name = request.name;
+  scene.file = request.file;
   scene.title = root.word_or("title", request.name);
   scene.preset = request.preset_override.empty() ? root.word_or("preset", "") : request.preset_override;
   toml::table preset_text;

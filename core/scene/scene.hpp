@@ -24,12 +24,16 @@ struct Attachment {
   int bone = 0;
   std::size_t muscle = 0;
   AttachmentArea area;
-  std::vector<int> nodes;  ///< ascending
+  std::vector<int> nodes;     ///< ascending
+  std::string location = {};  ///< file and line, for messages
 };
 
 struct SceneEffect {
   std::string name;
   Parameters parameters;
+  std::string location = {};               ///< file (or preset) and line, for messages
+  std::vector<std::string> own_keys = {};  ///< parameters that the scene gives itself, not its preset
+  bool is_own = false;                     ///< has a table in the scene
 };
 
 struct SceneMesh {
@@ -96,6 +100,7 @@ struct AutoEffects {
 /// A complete, checked description of what is simulated: all files read, all parameters known.
 struct Scene {
   std::string name;
+  std::string file;  ///< for messages
   std::string title;
   std::string preset;
   std::vector<Bone> bones;             ///< repaired, numbered coherently, rest pose
@@ -113,6 +118,7 @@ struct Scene {
   LoopParameters loop;
   std::optional<ResponseKind> response;           ///< nothing: the backend's own
   int response_steps = default_projection_steps;  ///< of projecting, and of the corrections between muscles
+  std::string response_steps_location = {};       ///< where the scene gives them, for messages
   std::vector<SceneMusclePair> muscle_pairs;      ///< ascending; none: muscles pass through each other
   std::vector<SceneBoneContact> bone_contacts;    ///< one a muscle and bone (bone_pair)
   /// What keeps the scene from being run, where its reader was told to go on all the same (SceneRequest).

@@ -118,7 +118,8 @@ void warn_of_muscle_pairs(const Scene& scene, Lines& warnings) {
 void warn_of_attachments(const Scene& scene, Lines& warnings) {
   for (const Attachment& attachment : scene.attachments) {
     if (attachment.nodes.empty()) {
-      warnings.push_back(describe_empty_attachment(scene, attachment));
+      const std::string place = attachment.location.empty() ? "" : attachment.location + ": ";
+      warnings.push_back(place + describe_empty_attachment(scene, attachment));
     }
   }
 }

@@ -30,9 +30,9 @@ std::string TomlTable::line_of(std::string_view key) const {
   return fmt::format("{}:{}: {}", m_file, line, m_prefix);
 }
 
-std::string TomlTable::location() const {
-  return fmt::format("{}:{}: {}", m_file, m_table->source().begin.line, m_prefix);
-}
+std::string TomlTable::location() const { return fmt::format("{}: {}", place(), m_prefix); }
+
+std::string TomlTable::place() const { return fmt::format("{}:{}", m_file, m_table->source().begin.line); }
 
 std::vector<std::string> TomlTable::keys() const {
   std::vector<std::string> keys;

@@ -50,6 +50,8 @@ class TomlTable {
   [[nodiscard]] std::string line_of(std::string_view key) const;
   /// "file:line: dotted.prefix".
   [[nodiscard]] std::string location() const;
+  /// "file:line" of the table.
+  [[nodiscard]] std::string place() const;
 
  private:
   [[nodiscard]] const toml::node& node(std::string_view key) const;

@@ -421,7 +421,7 @@ distance_m = 0.00001
     (folder / "scene.toml").write_text(SCENE.replace('"ball.off"', '"ball.off"\nfibres = "between_attachments"')
                                        + attachments)
     done = call("check", folder / "scene.toml")
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 2, done.stderr
     for words in ("attachment 'foot' binds no node: the nearest is", "can't be run:", "attachment foot: 0 nodes"):
         assert words in done.stdout
     assert_refused(run(folder), folder, "between_attachments", "attachment 'foot' binds no node")
@@ -445,8 +445,9 @@ def test_check_and_list_speak(folder):
     assert told["scene"] == "scene" and told["obstacles"] == [] and told["added_effects"] == []
     assert {finding["id"] for finding in told["findings"]} >= {"surface_contact", "grid_cells"}
     for finding in told["findings"]:
-        assert set(finding) == {"id", "kind", "where", "what", "figures", "add", "remove", "effect"}
-        assert f"[{finding['id']}]: {finding['where']}: " in call("check", folder / "scene.toml", "--backend", "voxel",
+        assert set(finding) == {"id", "kind", "place", "where", "what", "figures", "add", "remove", "effect"}
+        assert finding["place"].startswith(str(folder / "scene.toml"))
+        assert f"[{finding['id']}]: {finding['place']}: {finding['where']}: " in call("check", folder / "scene.toml", "--backend", "voxel",
                                                                   "--param", "cells=8").stdout
     assert call("check", folder / "box.off", "--json").returncode == 2
     mesh = call("check", folder / "box.off")

@@ -130,5 +130,21 @@ TEST(RequireWhatEffectsNeed, WhatABackendOrAResponseLacksIsSaidWithACure) {
   EXPECT_NE(refused("sdf", ResponseKind::project).find("'voxel' tells none"), std::string::npos);
 }
 
+TEST(EffectsWithoutContacts, AreThoseThatLookAtContactsWhereNoneIsFound) {
+  TwoBones knee;
+  for (const char* name : {"bending", "friction"}) {
+    knee.scene.effects.push_back({name, Parameters(find_effect(name)->parameters, {}, "test")});
+  }
+  const auto idle = [&](const std::string& backend) {
+    const auto [entry, parameters] = default_choice(backend);
+    return effects_without_contacts(knee.scene, *entry, parameters, knee.colliders);
+  };
+  EXPECT_EQ(idle("null"), std::vector<std::string>{"knee: effects.friction: looks at contacts with bones, and 'null' "
+                                                   "finds none: it changes nothing"});
+  EXPECT_TRUE(idle("bvh").empty());
+  knee.colliders.with_bones = {std::nullopt, default_choice("bvh")};
+  EXPECT_TRUE(idle("null").empty());
+}
+
 }  // namespace
 }  // namespace musclebench

@@ -155,6 +155,57 @@ TEST_F(ManyContacts, OfAnyDepthConvergeKeepMomentumAndHaveNoOrder) {
   }
 }
 
+/// A node that comes down on a triangle and slides along it.
+struct Sliding {
+  std::vector<Vec3> start = corners();
+  std::vector<Vec3> predicted = corners();
+  MuscleContact one = contact(3, Vec3(0.5, 0.2, 0.3), 0.01);
+
+  explicit Sliding(double slide_m) {
+    start.emplace_back(0.2, 0.3, 0.02);
+    predicted.emplace_back(0.2 + slide_m, 0.3, -0.01);
+  }
+
+  /// What is left of the slide between the node and its point of the triangle, m.
+  double slide_left_m(double friction, const std::vector<double>& inverse_masses) {
+    MuscleContactResponse response(triangles, inverse_masses, 5);
+    response.set_friction(friction);
+    response.resolve({&one, 1}, start, predicted);
+    const auto apart = [&](const std::vector<Vec3>& at) {
+      return Vec3(at[3] - 0.5 * at[0] - 0.2 * at[1] - 0.3 * at[2]);
+    };
+    return (apart(predicted) - apart(start)).x();
+  }
+};
+
+/// The push is 10 mm: friction undoes the coefficient times that, and a smaller slide whole.
+TEST(MuscleContactResponse, FrictionUndoesASlideByThePush) {
+  for (const std::vector<double>& inverse_masses : {std::vector<double>{0, 0, 0, 1}, std::vector<double>{1, 2, 3, 4}}) {
+    EXPECT_NEAR(Sliding(0.05).slide_left_m(0, inverse_masses), 0.05, 1e-15);
+    EXPECT_NEAR(Sliding(0.05).slide_left_m(0.5, inverse_masses), 0.045, 1e-15);
+    EXPECT_NEAR(Sliding(0.004).slide_left_m(0.5, inverse_masses), 0, 1e-15);
+  }
+}
+
+TEST(MuscleContactResponse, FrictionKeepsMomentum) {
+  const std::vector<double> inverse_masses = {1, 2, 3, 4};
+  Sliding sliding(0.05);
+  const std::vector<Vec3> old = sliding.predicted;
+  (void)sliding.slide_left_m(1, inverse_masses);
+  Vec3 momentum = Vec3::Zero();
+  for (std::size_t i = 0; i < 4; ++i) momentum += (sliding.predicted[i] - old[i]) / inverse_masses[i];
+  EXPECT_LT(momentum.norm(), 1e-16);
+  EXPECT_LT(sliding.predicted[3].x(), old[3].x());
+  EXPECT_GT(sliding.predicted[0].x(), old[0].x());
+}
+
+/// What overlapped when the substep began is laid apart without force, and rubs against nothing.
+TEST(MuscleContactResponse, FrictionIsNotOfAnOverlapFromBefore) {
+  Sliding sliding(0.05);
+  sliding.start[3].z() = -0.01;
+  EXPECT_NEAR(sliding.slide_left_m(0.5, {0, 0, 0, 1}), 0.05, 1e-15);
+}
+
 /// A response is kept over a run: nothing of one substep is left in the next.
 TEST(MuscleContactResponse, ASecondResolutionIsThatOfANewResponse) {
   const MuscleContact one = contact(3, Vec3(0.5, 0.2, 0.3), 0.1);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/mesh/mesh_size.hpp"
 #include "core/scene/check/scene_check.hpp"
 
 namespace musclebench {
@@ -15,6 +16,11 @@ namespace {
 const SceneEffect* find_named(const Scene& scene, std::string_view name) {
   const auto found = std::ranges::find(scene.effects, name, &SceneEffect::name);
   return found == scene.effects.end() ? nullptr : &*found;
+}
+
+/// By the scene itself and not by its preset.
+bool is_given_by_scene(const SceneEffect& effect, std::string_view parameter) {
+  return std::ranges::find(effect.own_keys, parameter) != effect.own_keys.end();
 }
 
 bool has_fibres(const Muscle& muscle) { return muscle.fibres_between_attachments || !muscle.fibres.empty(); }
@@ -70,7 +76,7 @@ void find_effects_without_fibres(CheckContext& context, Findings& findings) {
       findings.back().add = {"fibres = \"between_attachments\""};
     }
     // Presets give every scene the exponent; one that asks for it itself would see it.
-    if (exponent != 0 && lengths->parameters.given("anisotropy_exponent") && context.scene.preset.empty()) {
+    if (exponent != 0 && is_given_by_scene(*lengths, "anisotropy_exponent")) {
       findings.push_back(cannot_act(key_of("edge_length", "anisotropy_exponent"), what));
       findings.back().figures = {{"anisotropy_exponent", exponent}};
       findings.back().add = {"fibres = \"between_attachments\""};
@@ -87,6 +93,22 @@ void find_ignored_fibres(CheckContext& context, Findings& findings) {
       findings.emplace_back(cannot_act("muscle.fibres", "nothing looks at them: edge_length.anisotropy_exponent is 0"));
   finding.figures = {{"anisotropy_exponent", 0}};
   finding.remove = {"anisotropy_exponent = 0"};
+}
+
+long collision_steps(const LoopParameters& loop) {
+  return static_cast<long>(loop.frames) * loop.substeps * loop.iterations;
+}
+
+void find_late_surface_contact(CheckContext& context, Findings& findings) {
+  const SceneEffect* contact = find_named(context.scene, "surface_contact");
+  if (contact == nullptr) return;
+  const auto interval = static_cast<double>(contact->parameters.integer("interval"));
+  const auto steps = static_cast<double>(collision_steps(context.scene.loop));
+  if (interval < steps) return;
+  Finding& finding = findings.emplace_back(cannot_act(
+      key_of("surface_contact", "interval"),
+      fmt::format("lets {:.0f} collision steps pass between two searches, and the run has {:.0f}", interval, steps)));
+  finding.figures = {{"interval", interval}, {"steps", steps}};
 }
 
 void find_late_activation(CheckContext& context, Findings& findings) {
@@ -120,6 +142,8 @@ void find_attachments(CheckContext& context, Findings& findings) {
 
 void find_lacking_lengths(CheckContext& context, Findings& findings) {
   if (has_effect(context.scene, "edge_length")) return;
+  // Activation gives every edge a length, too, by its angle to the fibres.
+  if (has_effect(context.scene, "activation") && std::ranges::all_of(context.scene.muscles, has_fibres)) return;
   findings.push_back({.where = "muscle",
                       .what = "nothing holds its surface together",
                       .add = {"[effects.edge_length]"},
@@ -144,7 +168,11 @@ void find_two_volumes(CheckContext& context, Findings& findings) {
   if (!has_effect(context.scene, "volume") || !has_effect(context.scene, "local_volume")) return;
   findings.push_back(
       cannot_act(key_of("volume"), "adds nothing beside local_volume, whose regions add up to the whole"));
-  findings.back().add = {"[effects] volume = false"};
+  if (find_named(context.scene, "volume")->is_own) {
+    findings.back().remove = {"[effects.volume]"};
+  } else {
+    findings.back().add = {"volume = false under [effects]"};
+  }
 }
 
 void find_ignored_guard_angle(CheckContext& context, Findings& findings) {
@@ -160,6 +188,70 @@ void find_multi_bone_of_one(CheckContext& context, Findings& findings) {
   if (!has_effect(context.scene, "multi_bone") || context.scene.bones.size() > 1) return;
   findings.push_back(cannot_act(key_of("multi_bone"), "is for nodes in several bones, and the scene has one"));
   findings.back().remove = {"[effects.multi_bone]"};
+}
+
+void find_overruled_steps(CheckContext& context, Findings& findings) {
+  const Scene& scene = context.scene;
+  if (!has_effect(scene, "multi_bone") || scene.response_steps_location.empty() || !scene.muscle_pairs.empty()) return;
+  Finding& finding = findings.emplace_back(
+      cannot_act("contact.steps", "multi_bone takes as many steps as leaving all bones at once needs"));
+  finding.figures = {{"steps", static_cast<double>(scene.response_steps)}};
+  finding.remove = {fmt::format("steps = {}", scene.response_steps)};
+}
+
+/// Effects that need projection refuse a run that backtracks, whatever the backend.
+void find_backtracking(CheckContext& context, Findings& findings) {
+  if (context.scene.response != ResponseKind::backtrack) return;
+  for (const SceneEffect& effect : context.scene.effects) {
+    if (!find_effect(effect.name)->needs_projection) continue;
+    Finding& finding = findings.emplace_back(Finding{.kind = FindingKind::contradiction,
+                                                     .where = key_of(effect.name),
+                                                     .what = "moves nodes by their depths, and [contact] has the "
+                                                             "response 'backtrack': the scene can't be run"});
+    finding.remove = {"response = \"backtrack\""};
+  }
+}
+
+void find_all_bound(CheckContext& context, Findings& findings) {
+  if (context.scene.attach_at_first_contact || context.free_node_count() > 0) return;
+  findings.push_back(
+      cannot_act("attachment",
+                 "all nodes are bound to bones: nothing is left that effects or contacts could move; outline "
+                 "smaller areas"));
+}
+
+void find_foreign_fibres(CheckContext& context, Findings& findings) {
+  for (const Muscle& muscle : context.scene.muscles) {
+    if (muscle.fibres.empty()) continue;
+    Eigen::AlignedBox3d box = bounding_box(context.scene.vertices_of(muscle.body));
+    const double slack_m = 0.1 * box.diagonal().norm();  // fibres of a muscle end at its bones, a little outside
+    const auto without_length = std::ranges::count_if(
+        muscle.fibres, [](const FibreSegment& fibre) { return !((fibre.end - fibre.start).squaredNorm() > 0); });
+    const auto outside = std::ranges::count_if(muscle.fibres, [&](const FibreSegment& fibre) {
+      return box.squaredExteriorDistance(Vec3(0.5 * (fibre.start + fibre.end))) > slack_m * slack_m;
+    });
+    const auto share_of = [&](auto count) {
+      return static_cast<double>(count) / static_cast<double>(muscle.fibres.size());
+    };
+    const std::string where = fmt::format("muscle '{}', fibres", muscle.body.name);
+    constexpr double least_share = 0.5;
+    if (share_of(without_length) > least_share) {
+      findings.push_back({.kind = FindingKind::contradiction,
+                          .where = where,
+                          .what = fmt::format("{:.0f} % of their segments have no length, and so no direction; check "
+                                              "the file",
+                                              100 * share_of(without_length)),
+                          .figures = {{"without_length_share", share_of(without_length)}}});
+    } else if (share_of(outside) > least_share) {
+      findings.push_back({.kind = FindingKind::contradiction,
+                          .where = where,
+                          .what = fmt::format("{:.0f} % of their segments lie outside the muscle's box: they are "
+                                              "another muscle's, or in another unit; check the file and the name "
+                                              "after '#'",
+                                              100 * share_of(outside)),
+                          .figures = {{"outside_share", share_of(outside)}}});
+    }
+  }
 }
 
 void find_standstill(CheckContext& context, Findings& findings) {
@@ -210,12 +302,17 @@ const std::vector<SceneRule>& effect_rules() {
       {"no_fibres", find_effects_without_fibres},
       {"ignored_fibres", find_ignored_fibres},
       {"late_activation", find_late_activation},
+      {"late_surface_contact", find_late_surface_contact},
       {"attachment", find_attachments},
       {"edge_length", find_lacking_lengths},
       {"open_volume", find_volumes_of_open_muscles},
       {"two_volumes", find_two_volumes},
       {"ignored_guard_angle", find_ignored_guard_angle},
       {"one_bone", find_multi_bone_of_one},
+      {"overruled_steps", find_overruled_steps},
+      {"backtracking", find_backtracking},
+      {"all_bound", find_all_bound},
+      {"foreign_fibres", find_foreign_fibres},
       {"standstill", find_standstill},
       {"idle_exclusion", find_idle_exclusions},
       {"claimed_attachment", find_claimed_attachments},

@@ -32,8 +32,8 @@ std::string_view name_of(FindingKind kind) {
 }
 
 std::string text_of(const Finding& finding) {
-  std::string text =
-      fmt::format("{} [{}]: {}: {}", beginning_of(finding.kind), finding.id, finding.where, finding.what);
+  std::string text = fmt::format("{} [{}]: {}{}{}: {}", beginning_of(finding.kind), finding.id, finding.place,
+                                 finding.place.empty() ? "" : ": ", finding.where, finding.what);
   std::vector<std::string> cures;
   if (!finding.add.empty()) cures.push_back(fmt::format("add {}", fmt::join(finding.add, " ")));
   if (!finding.remove.empty()) cures.push_back(fmt::format("take out {}", fmt::join(finding.remove, " ")));

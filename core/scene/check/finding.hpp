@@ -37,6 +37,7 @@ struct AdvisedEffect {
 struct Finding {
   std::string id = {};  ///< stable: of the rule
   FindingKind kind = FindingKind::lacking;
+  std::string place = {};                      ///< file, and line where one is meant
   std::string where;                           ///< "bone 'femur'", "effects.damping"
   std::string what;                            ///< one clause with its figures
   std::vector<Figure> figures = {};            ///< SI units
@@ -46,7 +47,7 @@ struct Finding {
   std::optional<MusclePair> muscle_pair = {};  ///< the same
 };
 
-/// "the scene calls for [id]: where: what; add ..."
+/// "the scene calls for [id]: place: where: what; add ..."
 std::string text_of(const Finding& finding);
 
 }  // namespace musclebench

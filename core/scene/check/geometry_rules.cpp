@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "core/mesh/mesh_size.hpp"
+#include "core/base/percentile.hpp"
+#include "core/effects/self_contact.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
 #include "core/scene/check/compression.hpp"
 #include "core/scene/check/muscle_gap.hpp"
@@ -18,7 +20,7 @@ namespace musclebench {
 
 namespace {
 
-std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
+std::string percent(double share) { return fmt::format("{:.{}f} %", 100 * share, share < 0.1 ? 1 : 0); }
 std::string mm(double metres) { return fmt::format("{:.2g} mm", 1e3 * metres); }
 
 const std::string& bone_name(const Scene& scene, std::size_t bone) { return scene.bones[bone].name; }
@@ -160,7 +162,7 @@ void find_compressed_surfaces(CheckContext& context, Findings& findings) {
     findings.push_back(
         {.where = fmt::format("muscle '{}'", muscle_name(context.scene, found.muscle)),
          .what = fmt::format("one in twenty of its edges is shorter than {} of its length at rest when the bones are "
-                             "turned by {:.0f} degrees (estimated): the surface buckles and may fold through itself",
+                             "turned by {:.2g} degrees (estimated): the surface buckles and may fold through itself",
                              percent(found.edge_ratio), degrees),
          .figures = {{"edge_ratio", found.edge_ratio}, {"angle_rad", found.angle_rad}},
          .add = {fmt::format("[effects.{}]", effect)},
@@ -212,33 +214,59 @@ void find_contact_out_of_reach(CheckContext& context, Findings& findings) {
   }
 }
 
-void find_foreign_fibres(CheckContext& context, Findings& findings) {
-  for (const Muscle& muscle : context.scene.muscles) {
-    if (muscle.fibres.empty()) continue;
-    Eigen::AlignedBox3d box = bounding_box(context.scene.vertices_of(muscle.body));
-    const double slack_m = 0.1 * box.diagonal().norm();  // fibres of a muscle end at its bones, a little outside
-    const auto outside = std::ranges::count_if(muscle.fibres, [&](const FibreSegment& fibre) {
-      return box.squaredExteriorDistance(Vec3(0.5 * (fibre.start + fibre.end))) > slack_m * slack_m;
-    });
-    const double share = static_cast<double>(outside) / static_cast<double>(muscle.fibres.size());
-    if (share <= 0.5) continue;
-    findings.push_back({.kind = FindingKind::contradiction,
-                        .where = fmt::format("muscle '{}', fibres", muscle.body.name),
-                        .what = fmt::format("{} of their segments lie outside the muscle's box: they are another "
-                                            "muscle's, or in another unit; check the file and the name after '#'",
-                                            percent(share)),
-                        .figures = {{"outside_share", share}}});
-  }
+/// That three quarters of the nodes exceed, m; nothing where no thickness can be told.
+std::optional<double> usual_thickness_m(CheckContext& context) {
+  std::vector<double> known;
+  std::ranges::copy_if(context.thickness_m(), std::back_inserter(known),
+                       [](double thickness) { return thickness > 0; });
+  if (known.empty()) return std::nullopt;
+  return percentile(std::move(known), 0.25);
+}
+
+void find_thick_margin(CheckContext& context, Findings& findings) {
+  const auto margin = std::ranges::find(context.scene.effects, "margin", &SceneEffect::name);
+  if (margin == context.scene.effects.end()) return;
+  const double margin_m = margin->parameters.number("thickness_m");
+  const std::optional<double> thickness_m = usual_thickness_m(context);
+  if (!thickness_m || margin_m <= *thickness_m) return;
+  Finding& finding = findings.emplace_back(
+      Finding{.kind = FindingKind::contradiction,
+              .where = "effects.margin.thickness_m",
+              .what = fmt::format("a skin of {} on the bones is thicker than a quarter of the muscle is ({}): between "
+                                  "two bones it leaves no room for it; a skin is a millimetre or less",
+                                  mm(margin_m), mm(*thickness_m))});
+  finding.figures = {{"margin_m", margin_m}, {"muscle_thickness_m", *thickness_m}};
+}
+
+void find_thick_self_contact(CheckContext& context, Findings& findings) {
+  const auto contact = std::ranges::find(context.scene.effects, "self_contact", &SceneEffect::name);
+  if (contact == context.scene.effects.end()) return;
+  const double kept_m = contact->parameters.number("thickness_m");
+  const std::optional<double> thickness_m = usual_thickness_m(context);
+  // What is nearer at rest than a few times the distance does not count as a fold.
+  if (!thickness_m || self_contact_rest_factor * kept_m <= *thickness_m) return;
+  Finding& finding = findings.emplace_back(Finding{
+      .kind = FindingKind::cannot_act,
+      .where = "effects.self_contact.thickness_m",
+      .what = fmt::format("what is nearer at rest than {:.0f} times these {} never counts as a fold, and a quarter of "
+                          "the muscle is no thicker than {}: most of it is left out; 0 takes a fifth of the mean edge",
+                          self_contact_rest_factor, mm(kept_m), mm(*thickness_m))});
+  finding.figures = {{"thickness_m", kept_m}, {"muscle_thickness_m", *thickness_m}};
 }
 
 }  // namespace
 
 const std::vector<SceneRule>& geometry_rules() {
   static const std::vector<SceneRule> rules = {
-      {"foreign_fibres", find_foreign_fibres},   {"out_of_reach", find_contact_out_of_reach},
-      {"volume", find_lacking_volume},           {"tunnelling_guard", find_thin_bones},
-      {"surface_contact", find_ridges},          {"multi_bone", find_pinches},
-      {"muscle_contact", find_touching_muscles}, {"self_contact", find_compressed_surfaces},
+      {"thick_margin", find_thick_margin},
+      {"thick_self_contact", find_thick_self_contact},
+      {"out_of_reach", find_contact_out_of_reach},
+      {"volume", find_lacking_volume},
+      {"tunnelling_guard", find_thin_bones},
+      {"surface_contact", find_ridges},
+      {"multi_bone", find_pinches},
+      {"muscle_contact", find_touching_muscles},
+      {"self_contact", find_compressed_surfaces},
       {"grid_cells", find_coarse_cells},
   };
   return rules;

@@ -21,6 +21,23 @@ const std::vector<BoneNearness>& CheckContext::nearness() {
 
 std::size_t CheckContext::free_node_count() { return scene.muscle_mesh.vertices.size() - scene.bound_nodes().size(); }
 
+namespace {
+
+/// The line of what the finding is about; the file where no line is.
+std::string place_of(const Scene& scene, const std::string& where) {
+  for (const SceneEffect& effect : scene.effects) {
+    const std::string key = "effects." + effect.name;
+    const bool is_meant = where == key || where.starts_with(key + ".");
+    if (is_meant && !effect.location.empty()) return effect.location;
+  }
+  for (const Attachment& attachment : scene.attachments) {
+    if (where == "attachment '" + attachment.name + "'" && !attachment.location.empty()) return attachment.location;
+  }
+  return scene.file;
+}
+
+}  // namespace
+
 Findings check_scene(const Scene& scene, const CheckOptions& options) {
   CheckContext context(scene, options);
   std::vector<SceneRule> rules = effect_rules();
@@ -30,7 +47,10 @@ Findings check_scene(const Scene& scene, const CheckOptions& options) {
   for (const SceneRule& rule : rules) {
     const std::size_t before = findings.size();
     rule.look(context, findings);
-    for (std::size_t i = before; i < findings.size(); ++i) findings[i].id = rule.id;
+    for (std::size_t i = before; i < findings.size(); ++i) {
+      findings[i].id = rule.id;
+      findings[i].place = place_of(scene, findings[i].where);
+    }
     if (options.report) options.report(++done, static_cast<int>(rules.size()));
   }
   return findings;

@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <set>
+#include <utility>
 
+#include "core/base/input_error.hpp"
 #include "core/scene/check/tests/check_fixture.hpp"
 
 namespace musclebench {
@@ -95,7 +98,11 @@ TEST(EffectRules, FindVolumesThatMeanNothing) {
     EXPECT_TRUE(is_found(with_volume("bowl", effect), "open_volume", fmt::format("effects.{}", effect)));
     EXPECT_FALSE(is_found(with_volume("ball", effect), "open_volume"));
   }
-  EXPECT_TRUE(is_found(scene_with("[effects.volume]\n[effects.local_volume]\n"), "two_volumes"));
+  const Findings both = check_scene(scene_with("[effects.volume]\n[effects.local_volume]\n"), {.only_quick = true});
+  const Finding* two = find_finding(both, "two_volumes");
+  ASSERT_NE(two, nullptr);
+  EXPECT_EQ(two->remove, std::vector<std::string>{"[effects.volume]"});
+  EXPECT_TRUE(two->add.empty());
   EXPECT_FALSE(is_found(scene_with("[effects.local_volume]\n"), "two_volumes"));
 }
 
@@ -104,6 +111,78 @@ TEST(EffectRules, FindParametersThatAnotherOneSwitchesOff) {
   EXPECT_TRUE(is_found(scene_with(guard), "ignored_guard_angle"));
   EXPECT_FALSE(is_found(scene_with(guard + "rule = \"angle\"\n"), "ignored_guard_angle"));
   EXPECT_FALSE(is_found(scene_with("[effects.tunnelling_guard]\n"), "ignored_guard_angle"));
+}
+
+TEST(EffectRules, FindSearchesThatNeverComeAgain) {
+  const auto every = [](int steps) { return fmt::format("[effects.surface_contact]\ninterval = {}\n", steps); };
+  EXPECT_TRUE(is_found(scene_with(every(10)), "late_surface_contact", "effects.surface_contact.interval"));
+  EXPECT_FALSE(is_found(scene_with(every(9)), "late_surface_contact"));
+}
+
+TEST(EffectRules, FindStepsThatSeveralBonesOverrule) {
+  const std::string bones = "[effects.multi_bone]\n" + bone_text("lid");
+  EXPECT_TRUE(is_found(scene_with(bones + "[contact]\nsteps = 2\n"), "overruled_steps", "contact.steps"));
+  EXPECT_FALSE(is_found(scene_with(bones), "overruled_steps"));
+  EXPECT_FALSE(is_found(scene_with("[contact]\nsteps = 2\n"), "overruled_steps"));
+}
+
+TEST(EffectRules, FindThatBacktrackingContradictsEffectsThatProject) {
+  const std::string backtrack = "[contact]\nresponse = \"backtrack\"\n";
+  EXPECT_TRUE(is_found(scene_with("[effects.margin]\n" + backtrack), "backtracking", "effects.margin"));
+  EXPECT_FALSE(is_found(scene_with("[effects.margin]\n"), "backtracking"));
+  EXPECT_FALSE(is_found(scene_with(backtrack), "backtracking"));
+}
+
+TEST(EffectRules, FindThatNoNodeIsFree) {
+  const std::string attached = "[effects.attachment]\n" + attachment_text("plate", "ball", 0.05);
+  EXPECT_TRUE(is_found(scene_with(attached), "all_bound", "attachment"));
+  EXPECT_FALSE(is_found(scene_with("[effects.attachment]\n" + attachment_text("plate", "ball", 0.004)), "all_bound"));
+}
+
+TEST(EffectRules, LetActivationHoldASurface) {
+  const auto scene = [](const std::string& fibres) {
+    return check_scene_of(short_loop + bone_text("plate") + bone_text("lid", turning(1)) + muscle_text("ball", fibres) +
+                          attachment_text("plate", "ball", 0.003) + attachment_text("lid", "ball", 0.003, 0.024) +
+                          "[effects.attachment]\n[effects.activation]\n");
+  };
+  EXPECT_FALSE(is_found(scene("fibres = \"between_attachments\"\n"), "edge_length"));
+  EXPECT_TRUE(is_found(scene(""), "edge_length"));
+}
+
+TEST(EffectRules, TellTheFileAndLine) {
+  const Findings findings = check_scene(scene_with("[effects.damping]\nrate_per_s = 0\n"), {.only_quick = true});
+  const Finding* zero = find_finding(findings, "zero_parameter");
+  ASSERT_NE(zero, nullptr);
+  const std::string text = short_loop + bone_text("plate", turning(10)) + muscle_text("ball") +
+                           "[effects.edge_length]\nanisotropy_exponent = 0\n";
+  EXPECT_EQ(zero->place, fmt::format("test.toml:{}", std::ranges::count(text, '\n') + 1));
+  EXPECT_NE(text_of(*zero).find("test.toml:"), std::string::npos);
+}
+
+TEST(EffectRules, FindFibresOfAnotherMuscle) {
+  const auto finds = [](const Vec3& at, double length_m) {
+    Scene scene = scene_with("");
+    scene.muscles[0].fibres = {{at, at + Vec3(length_m, 0, 0)}, {at, at + Vec3(0, length_m, 0)}};
+    const Findings findings = check_scene(scene, {.only_quick = true});
+    const Finding* found = find_finding(findings, "foreign_fibres", "muscle 'ball'");
+    return found == nullptr ? std::string() : found->what;
+  };
+  EXPECT_EQ(finds(Vec3(0, 0, 0.0125), 0.001), "");
+  EXPECT_TRUE(finds(Vec3(0.1, 0, 0), 0.001).starts_with("100 % of their segments lie outside"));
+  EXPECT_TRUE(finds(Vec3(0, 0, 0.0125), 0).starts_with("100 % of their segments have no length"));
+}
+
+TEST(ReadEffects, NamesOfTheLiteratureAreShownTheirPlace) {
+  for (const auto& [name, place] : {std::pair{"muscle_contact", "[contact]"},
+                                    {"contact", "--backend"},
+                                    {"fibre_anisotropy", "anisotropy_exponent"}}) {
+    try {
+      (void)scene_with(fmt::format("[effects.{}]\n", name));
+      ADD_FAILURE() << name;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(place), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST(EffectRules, FindSeveralBonesOfOne) {
@@ -159,7 +238,8 @@ TEST(SceneRules, FindingsAreOneLineEach) {
   for (const Finding& finding : findings) {
     const std::string line = text_of(finding);
     EXPECT_EQ(line.find('\n'), std::string::npos) << line;
-    EXPECT_NE(line.find(fmt::format("[{}]: {}: ", finding.id, finding.where)), std::string::npos) << line;
+    EXPECT_NE(line.find(fmt::format("[{}]: {}: {}: ", finding.id, finding.place, finding.where)), std::string::npos)
+        << line;
     for (const std::string& words : finding.add) EXPECT_NE(line.find(words), std::string::npos) << line;
     for (const std::string& words : finding.remove) EXPECT_NE(line.find(words), std::string::npos) << line;
   }

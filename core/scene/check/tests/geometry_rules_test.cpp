@@ -247,14 +247,23 @@ TEST(GeometryRules, FindContactThatCanNotBe) {
   EXPECT_FALSE(out_of_reach("far", ""));
 }
 
-TEST(GeometryRules, FindFibresOfAnotherMuscle) {
-  const auto finds = [](const Vec3& at) {
-    Scene scene = plate_beside_a_ball(1, "");
-    scene.muscles[0].fibres = {{at, at + Vec3(0.001, 0, 0)}, {at, at + Vec3(0, 0.001, 0)}};
-    return is_found(scene, "foreign_fibres", "muscle 'ball'");
+TEST(GeometryRules, FindASkinThickerThanTheMuscle) {
+  const auto thick = [](double thickness_m) {
+    return is_found(plate_beside_a_ball(1, fmt::format("[effects.margin]\nthickness_m = {}\n", thickness_m)),
+                    "thick_margin", "effects.margin.thickness_m");
   };
-  EXPECT_TRUE(finds(Vec3(0.1, 0, 0)));
-  EXPECT_FALSE(finds(Vec3(0, 0, 0.0125)));
+  EXPECT_TRUE(thick(0.03));
+  EXPECT_FALSE(thick(0.001));
+}
+
+TEST(GeometryRules, FindASelfContactThatLeavesTheMuscleOut) {
+  const auto thick = [](double thickness_m) {
+    return is_found(plate_beside_a_ball(1, fmt::format("[effects.self_contact]\nthickness_m = {}\n", thickness_m)),
+                    "thick_self_contact", "effects.self_contact.thickness_m");
+  };
+  EXPECT_TRUE(thick(0.006));
+  EXPECT_FALSE(thick(0.001));
+  EXPECT_FALSE(thick(0));
 }
 
 }  // namespace
