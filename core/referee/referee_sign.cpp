@@ -14,19 +14,23 @@ constexpr double unit_roundoff = std::numeric_limits<double>::epsilon() / 2;
 
 int sign_of(double value) { return (value > 0) - (value < 0); }
 
-/// A sum without rounding: components that do not overlap, the smallest first (Shewchuk 1997, grow-expansion).
+/// A sum without rounding: components that do not overlap, the smallest first (Shewchuk 1997, grow-expansion with zero
+/// elimination: of points that lie on a plane or nearly so, few components are left at any time).
 class ExactSum {
  public:
   void add(double value) {
     double carry = value;
+    int kept = 0;
     for (int i = 0; i < m_size; ++i) {
       const double sum = carry + m_parts[i];
       const double virtual_part = sum - carry;
-      m_parts[i] = (carry - (sum - virtual_part)) + (m_parts[i] - virtual_part);
+      const double rest = (carry - (sum - virtual_part)) + (m_parts[i] - virtual_part);
+      if (rest != 0) m_parts[kept++] = rest;
       carry = sum;
     }
-    assert(m_size < static_cast<int>(m_parts.size()));
-    m_parts[m_size++] = carry;
+    assert(kept < static_cast<int>(m_parts.size()));
+    if (carry != 0) m_parts[kept++] = carry;
+    m_size = kept;
   }
   void add_product(double a, double b) {
     const double product = a * b;
@@ -38,12 +42,7 @@ class ExactSum {
     add_product(std::fma(a, b, -product), c);
     add_product(product, c);
   }
-  [[nodiscard]] int sign() const {
-    for (int i = m_size - 1; i >= 0; --i) {
-      if (m_parts[i] != 0) return sign_of(m_parts[i]);
-    }
-    return 0;
-  }
+  [[nodiscard]] int sign() const { return m_size > 0 ? sign_of(m_parts[m_size - 1]) : 0; }
 
  private:
   std::array<double, 96> m_parts;  // the largest use: 24 triple products of 4 parts
@@ -98,6 +97,52 @@ AxialView view_along(const Vec3& vector, AxisRay ray) {
   return view;
 }
 
+/// A value in two doubles, the second below the rounding of the first (Dekker 1971): relative errors of an operation
+/// are a few times 2^-106.
+struct DoubleDouble {
+  double high = 0;
+  double low = 0;
+};
+
+DoubleDouble exact_sum(double a, double b) {
+  const double sum = a + b;
+  const double virtual_part = sum - a;
+  return {sum, (a - (sum - virtual_part)) + (b - virtual_part)};
+}
+
+DoubleDouble operator*(const DoubleDouble& a, const DoubleDouble& b) {
+  const double product = a.high * b.high;
+  const double rest = std::fma(a.high, b.high, -product) + (a.high * b.low + a.low * b.high);
+  return exact_sum(product, rest);
+}
+
+DoubleDouble operator-(const DoubleDouble& a, const DoubleDouble& b) {
+  const DoubleDouble high = exact_sum(a.high, -b.high);
+  const DoubleDouble low = exact_sum(a.low, -b.low);
+  const DoubleDouble sum = exact_sum(high.high, high.low + low.high);
+  return exact_sum(sum.high, sum.low + low.low);
+}
+
+using DoubleDoubles = std::array<DoubleDouble, 3>;
+
+DoubleDoubles difference(const Vec3& a, const Vec3& b) {
+  return {exact_sum(a.x(), -b.x()), exact_sum(a.y(), -b.y()), exact_sum(a.z(), -b.z())};
+}
+
+/// Of the determinant of three differences, whose products sum to `magnitude` in size; 0 where two doubles cannot tell.
+/// They can for points that rounding has moved off a plane; of points that lie on it the exact sum decides.
+int double_double_sign(const DoubleDoubles& u, const DoubleDoubles& v, const DoubleDoubles& w, double magnitude) {
+  DoubleDouble determinant;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    const std::size_t k = (i + 2) % 3;
+    const DoubleDouble part = u[i] * (v[j] * w[k] - v[k] * w[j]);
+    determinant = determinant - DoubleDouble{-part.high, -part.low};
+  }
+  // Ten operations, each with less than eight units of rounding, 2^-106.
+  return std::abs(determinant.high) > 0x1p-98 * magnitude ? sign_of(determinant.high) : 0;
+}
+
 /// Adds the six signed triple products of det(u, v, w), times `factor` (+-1).
 void add_determinant(ExactSum& sum, const Vec3& u, const Vec3& v, const Vec3& w, double factor) {
   for (int i = 0; i < 3; ++i) {
@@ -140,7 +185,8 @@ int plane_side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
     magnitude += std::abs(u[i]) * (std::abs(first) + std::abs(second));
   }
   if (std::abs(determinant) > 16 * unit_roundoff * magnitude) return -sign_of(determinant);
-  return exact_plane_side(a, b, c, p);
+  const int sign = double_double_sign(difference(a, p), difference(b, p), difference(c, p), magnitude);
+  return sign != 0 ? -sign : exact_plane_side(a, b, c, p);
 }
 
 int segment_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& from, const Vec3& to) {

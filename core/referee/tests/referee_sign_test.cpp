@@ -1,5 +1,9 @@
 #include "core/referee/referee_sign.hpp"
 
+#include <array>
+#include <cstdint>
+#include <random>
+
 #include <gtest/gtest.h>
 
 namespace musclebench {
@@ -71,6 +75,73 @@ TEST(RayCrossing, DecidesTheSideOfThePlaneExactly) {
     EXPECT_EQ(ray_crossing(a, b, c, behind, up), 1) << step;
     EXPECT_EQ(ray_crossing(a, b, c, behind, down), 0) << step;
   }
+}
+
+__extension__ using Wide = __int128;
+
+/// Of whole numbers that doubles hold and 128 bits can multiply.
+int side_in_integers(const std::array<std::array<std::int64_t, 3>, 4>& points) {
+  std::array<std::array<Wide, 3>, 3> from{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) from[i][axis] = Wide{points[i][axis]} - points[3][axis];
+  }
+  Wide determinant = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    const std::size_t k = (i + 2) % 3;
+    determinant += from[0][i] * (from[1][j] * from[2][k] - from[1][k] * from[2][j]);
+  }
+  return determinant > 0 ? -1 : determinant < 0 ? 1 : 0;
+}
+
+/// On a plane, beside it by the last bit of a coordinate, and anywhere.
+TEST(PlaneSide, IsThatOfExactArithmetic) {
+  std::mt19937_64 random(5);
+  std::array<int, 3> seen{};
+  for (int sample = 0; sample < 100'000; ++sample) {
+    std::uniform_int_distribution<std::int64_t> coordinate(-(std::int64_t{1} << 36), std::int64_t{1} << 36);
+    std::uniform_int_distribution<std::int64_t> share(-3, 3);
+    std::array<std::array<std::int64_t, 3>, 4> points{};
+    const std::int64_t along_b = share(random);
+    const std::int64_t along_c = share(random);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (std::size_t i = 0; i < 3; ++i) points[i][axis] = coordinate(random);
+      points[3][axis] = points[0][axis] + along_b * (points[1][axis] - points[0][axis]) +
+                        along_c * (points[2][axis] - points[0][axis]);
+    }
+    if (sample % 3 > 0) points[3][sample % 3] += sample % 2 == 0 ? 1 : -1;
+    std::array<Vec3, 4> corners;
+    for (std::size_t i = 0; i < 4; ++i) {
+      corners[i] = Vec3(static_cast<double>(points[i][0]), static_cast<double>(points[i][1]),
+                        static_cast<double>(points[i][2])) *
+                   0x1p-50;
+    }
+    const int wanted = side_in_integers(points);
+    ASSERT_EQ(plane_side(corners[0], corners[1], corners[2], corners[3]), wanted) << sample;
+    ++seen[static_cast<std::size_t>(wanted + 1)];
+  }
+  for (const int count : seen) EXPECT_GT(count, 10'000);
+}
+
+/// Coordinates whose differences are not doubles: whichever of the four points is looked from, the answer is the same.
+TEST(PlaneSide, DoesNotDependOnThePointItIsSeenFrom) {
+  std::mt19937_64 random(6);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const auto point = [&] { return Vec3(uniform(random), 1e-3 * uniform(random), 1e3 * uniform(random)); };
+  int decided_late = 0;
+  for (int sample = 0; sample < 100'000; ++sample) {
+    const Vec3 a = point();
+    const Vec3 b = point();
+    const Vec3 c = point();
+    const Vec3 p = a + uniform(random) * (b - a) + uniform(random) * (c - a);
+    const int side = plane_side(a, b, c, p);
+    ASSERT_EQ(plane_side(b, a, c, p), -side);
+    ASSERT_EQ(plane_side(p, b, c, a), -side);
+    ASSERT_EQ(plane_side(a, p, c, b), -side);
+    ASSERT_EQ(plane_side(a, b, p, c), -side);
+    decided_late += side != 0 ? 1 : 0;
+  }
+  EXPECT_GT(decided_late, 90'000);
 }
 
 TEST(RayCrossing, TrianglesSeenEdgeOnAreMissed) {
