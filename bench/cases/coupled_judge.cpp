@@ -147,6 +147,17 @@ std::vector<double> CoupledJudge::depths(const Simulation& simulation) {
   return depths_m;
 }
 
+double CoupledJudge::share_inside_bones(std::span<const Vec3> points, std::span<const RigidMotion> poses) const {
+  const auto is_inside = [&](const Vec3& point) {
+    for (std::size_t bone = 0; bone < poses.size(); ++bone) {
+      const RefereeTree& tree = m_referee.tree(static_cast<int>(bone));
+      if (tree.winding_number(poses[bone].apply_inverse(point) - tree.centre_m()) > 0.5) return true;
+    }
+    return false;
+  };
+  return static_cast<double>(std::ranges::count_if(points, is_inside)) / static_cast<double>(points.size());
+}
+
 long judging_budget(const Scene& scene, int threads) {
   const auto nodes = static_cast<long>(scene.muscle_mesh.vertices.size());
   const auto effects = static_cast<long>(scene.effects.size());

@@ -35,6 +35,9 @@ class CoupledJudge {
   /// Of every node, m: > 0 inside a bone, its largest; 0 for free and bound nodes.
   [[nodiscard]] std::vector<double> depths(const Simulation& simulation);
 
+  /// Of these points, the share that is truly inside a bone.
+  [[nodiscard]] double share_inside_bones(std::span<const Vec3> points, std::span<const RigidMotion> poses) const;
+
   /// Of the free nodes before the first frame.
   [[nodiscard]] const DepthStatistics& depth_at_rest() const { return m_at_rest; }
   /// Of nodes in other muscles before the first frame; nothing where no muscles touch.

@@ -42,6 +42,7 @@ class CaseRunner {
     const Nanoseconds start_ns = monotonic_now_ns();
     m_result.machine.before = machine_load();
     m_result.cpu_before_ns = process_cpu_ns();
+    watch_fibres(0);
     keep_snapshot(0);
     for (int frame = 1; frame <= m_scene.loop.frames && m_result.status == "ok"; ++frame) {
       step(frame);
@@ -89,14 +90,21 @@ class CaseRunner {
     m_result.rest = muscle_at_rest();
     m_result.records.reserve(static_cast<std::size_t>(std::min(m_scene.loop.frames, 100000)));
     malloc_trim(0);  // what only the building needed shall not count as the structures' memory
+    const std::size_t before_watching_bytes = resident_memory_bytes();
+    if (m_scene.fibre_count > 0) {
+      m_fibres = std::make_unique<FibreWatch>(m_scene, m_result.bound_nodes, m_run.threads);
+      m_result.followed_fibres = m_fibres->followed();
+      m_result.fibre_bytes = m_fibres->bytes();
+    }
     if (m_run.judge) {
-      const std::size_t before_bytes = resident_memory_bytes();
       reserve_huge_pages(usual_referee_bytes);
       m_judge = std::make_unique<CoupledJudge>(m_scene, m_result.bound_nodes, *m_simulation, m_run.threads);
       m_result.rest.depth = m_judge->depth_at_rest();
       m_result.rest.in_muscles = m_judge->muscle_depth_at_rest();
+    }
+    if (m_judge || m_fibres) {
       malloc_trim(0);
-      m_result.referee_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_bytes);
+      m_result.referee_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_watching_bytes);
     }
     m_result.memory_before_bytes = memory_needed_bytes();
     const std::size_t before_bytes = resident_memory_bytes();
@@ -142,6 +150,7 @@ class CaseRunner {
     }
     m_result.records.push_back(record);
     if (lost.empty()) {
+      watch_fibres(frame);
       keep_snapshot(frame);
     }
   }
@@ -244,6 +253,16 @@ class CaseRunner {
     }
   }
 
+  void watch_fibres(int frame) {
+    if (!m_fibres) return;
+    m_fibre_points = m_fibres->points(m_simulation->positions());
+    FibreFrame watched = m_fibres->frame(frame, m_scene.angle_rad(frame), m_fibre_points);
+    for (std::size_t i = 0; m_judge && i < watched.muscles.size(); ++i) {
+      watched.muscles[i].inside_share = m_judge->share_inside_bones(m_fibre_points[i], m_simulation->bone_poses());
+    }
+    m_result.fibres.push_back(std::move(watched));
+  }
+
   void keep_snapshot(int frame) {
     if (!is_kept(frame)) {
       return;
@@ -253,10 +272,12 @@ class CaseRunner {
                       m_scene.angle_rad(frame) * degrees_per_radian,
                       m_simulation->positions(),
                       std::vector<double>(m_simulation->positions().size(), 0.0),
-                      {poses.begin(), poses.end()}};
+                      {poses.begin(), poses.end()},
+                      {}};
     if (m_judge) {
       snapshot.depths_m = m_judge->depths(*m_simulation);
     }
+    if (m_fibres) snapshot.fibres = m_fibre_points;
     m_result.snapshots.push_back(std::move(snapshot));
   }
 
@@ -267,6 +288,8 @@ class CaseRunner {
   std::unique_ptr<CollisionBackend> m_backend;
   std::unique_ptr<Simulation> m_simulation;
   MuscleContactStage* m_muscle_contact = nullptr;  ///< of the simulation, where muscles touch
+  std::unique_ptr<FibreWatch> m_fibres;            ///< where the scene asks for them
+  std::vector<std::vector<Vec3>> m_fibre_points;   ///< of each muscle, at the end of the last frame
   std::unique_ptr<CoupledJudge> m_judge;
   LastDetection m_last_detection;
   Divergence m_divergence;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bench/cases/build_backend.hpp"
+#include "bench/cases/fibre_watch.hpp"
 #include "core/base/machine_state.hpp"
 #include "core/measure/outcome.hpp"
 #include "core/measure/step_record.hpp"
@@ -26,6 +27,7 @@ struct Snapshot {
   std::vector<Vec3> positions;
   std::vector<double> depths_m;  ///< a node: > 0 inside a bone; 0 for free and bound nodes
   std::vector<RigidMotion> bone_poses;
+  std::vector<std::vector<Vec3>> fibres;  ///< of each muscle, fibre after fibre; none where none are followed
 };
 
 struct RunResult {
@@ -38,6 +40,9 @@ struct RunResult {
   std::vector<std::string> stage_names;
   std::vector<StepRecord> records;
   std::vector<Snapshot> snapshots;
+  std::vector<FibreFrame> fibres;  ///< of rest and each frame, where the scene asks for them
+  std::vector<FollowedFibres> followed_fibres;
+  std::size_t fibre_bytes = 0;
   std::vector<BoundNode> bound_nodes;
   std::size_t structure_bytes = 0;
   std::size_t muscle_structure_bytes = 0;        ///< of what detects contacts between muscles
@@ -52,7 +57,7 @@ struct RunResult {
   std::size_t memory_after_bytes = 0;   ///< the same
   std::size_t huge_page_bytes = 0;      ///< padding of huge pages; in none of the others but the peak
   std::size_t memory_peak_bytes = 0;    ///< of the whole process
-  std::size_t referee_bytes = 0;        ///< resident memory of judging
+  std::size_t referee_bytes = 0;        ///< resident memory of judging and of following fibres
   std::string state_hash;               ///< of all positions and velocities at the end
 };
 

@@ -93,6 +93,8 @@ Scene load_scene(const SceneChoice& choice) {
   request.data_folder = data_folder(choice.data);
   request.loop_overrides = choice.loop_overrides;
   request.effect_overrides = choice.effect_overrides;
+  request.motion_overrides = choice.motion_overrides;
+  request.fibre_count = choice.fibre_count;
   request.notes_obstacles = choice.notes_obstacles;
   request.auto_effects = choice.auto_effects;
   if (const EmbeddedFile* file = find_file(embedded_scenes(), choice.scene)) {

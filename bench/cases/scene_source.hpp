@@ -19,6 +19,8 @@ struct SceneChoice {
   std::string data;    ///< folder of the anatomical data; empty: $MUSCLEBENCH_DATA
   std::map<std::string, ParameterValue> loop_overrides;
   std::vector<EffectOverride> effect_overrides = {};
+  std::map<std::string, ParameterValue> motion_overrides = {};
+  std::optional<int> fibre_count = {};                         ///< over the scene's
   bool notes_obstacles = false;                                ///< see SceneRequest
   bool auto_effects = false;                                   ///< as if the scene said `effects = "auto"`
   std::function<void(int done, int total)> check_report = {};  ///< of the check that such a scene asks for

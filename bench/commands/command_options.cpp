@@ -11,6 +11,7 @@
 #include "bench/process/progress.hpp"
 #include "core/base/input_error.hpp"
 #include "core/scene/check/scene_check.hpp"
+#include "core/scene/read_scene.hpp"
 #include "core/scene/scene_warnings.hpp"
 
 namespace musclebench {
@@ -19,6 +20,8 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("scene", options.choice.scene, "Name of an embedded scene or path of a .toml file")->required();
   command.add_option("--preset", options.choice.preset, "Loop and effects: paper or standard (default: the scene's)");
   command.add_option("--loop", options.loop, "Parameter of the loop, key=value, over scene and preset");
+  command.add_option("--motion", options.motion,
+                     "Of the bones that turn, over the scene: from_deg=, to_deg= or course=there|there_and_back");
   command.add_option("--data", options.choice.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
   command.add_option("--frames", options.frames, "Frames of the whole run (default: the preset's)")
       ->check(CLI::Range(1, 10000000));
@@ -38,6 +41,7 @@ std::map<std::string, ParameterValue> loop_overrides(const SceneOptions& options
 Scene load_scene(const SceneOptions& options) {
   SceneChoice choice = options.choice;
   choice.loop_overrides = loop_overrides(options);
+  choice.motion_overrides = parse_assignments(options.motion, "--motion", motion_parameters());
   std::optional<Progress> progress;
   choice.check_report = [&](int done, int total) {
     if (!progress) progress.emplace(progress_style(false), "check " + choice.scene, total);

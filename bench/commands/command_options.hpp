@@ -16,6 +16,7 @@ namespace musclebench {
 struct SceneOptions {
   SceneChoice choice;
   std::vector<std::string> loop;
+  std::vector<std::string> motion;
   int frames = 0;  ///< 0: the preset's
 };
 

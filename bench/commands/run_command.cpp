@@ -36,6 +36,7 @@ struct RunOptions {
   bool self_intersections = false;
   bool strict = false;
   bool unpruned = false;
+  int fibres = -1;  ///< below 0: the scene's
 };
 
 RunResult run_and_write(const RunCase& run, const RunOptions& options, const std::string& out) {
@@ -114,6 +115,7 @@ int run(RunOptions options) {
   const BackendEntry& backend = find_backend(options.backend.backend);
   const Parameters parameters = backend_parameters(backend, options.backend.parameters);
   options.scene.choice.effect_overrides = effect_overrides(options.effects);
+  if (options.fibres >= 0) options.scene.choice.fibre_count = options.fibres;
   const Scene scene = load_scene(options.scene);
   std::sort(options.snapshots.begin(), options.snapshots.end());
   const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
@@ -186,6 +188,10 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_flag("--no-referee", options->unjudged, "Do not judge: depths, missed and false contacts stay empty");
   command->add_flag("--self-intersections", options->self_intersections,
                     "Count triangles that pass through others: at rest, in the frames of --snapshots, in the last");
+  command
+      ->add_option("--fibres", options->fibres,
+                   "Follow so many fibres of each muscle: lengths and moment arms (default: the scene's, or none)")
+      ->check(CLI::Range(0, 100000));
   command->add_flag("--strict", options->strict, "Exit code 1 when the run ends 'suspect': an outcome beyond a limit");
   command->add_flag("--no-pruning", options->unpruned,
                     "Build structures over all bones, those too that the muscles are not expected to touch");

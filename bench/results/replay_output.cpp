@@ -9,6 +9,7 @@
 #include "bench/results/manifest.hpp"
 #include "bench/results/result_folder.hpp"
 #include "core/base/output_file.hpp"
+#include "core/base/table_file.hpp"
 
 namespace musclebench {
 
@@ -233,13 +234,6 @@ std::vector<PairReplayRow> pair_rows(const ReplayResult& result) {
   return rows;
 }
 
-template <typename Row>
-void write_rows(const fs::path& file, std::span<const Column<Row>> columns, std::span<const Row> rows) {
-  OutputFile table(file);
-  write_table(table.stream(), columns, rows);
-  table.close();
-}
-
 }  // namespace
 
 std::span<const Column<ReplayRecord>> replay_columns() { return columns_of_replay; }
@@ -253,10 +247,11 @@ std::string replay_id(const ReplayCase& replay) { return id_of(json_of_replay(re
 void write_replay(const fs::path& folder, const ReplayCase& replay, const ReplayResult& result,
                   const RecordingHeader& header, const fs::path& recording) {
   write_result_folder(folder, [&](const fs::path& part) {
-    write_rows(part / "frames.csv", replay_columns(), std::span<const ReplayRecord>(result.records));
+    write_table_file(part / "frames.csv", replay_columns(), std::span<const ReplayRecord>(result.records));
     if (replay.scene.muscles.size() > 1) {
-      write_rows(part / "muscles.csv", replay_muscle_columns(), std::span<const MuscleReplayRow>(muscle_rows(result)));
-      write_rows(part / "pairs.csv", replay_pair_columns(), std::span<const PairReplayRow>(pair_rows(result)));
+      write_table_file(part / "muscles.csv", replay_muscle_columns(),
+                       std::span<const MuscleReplayRow>(muscle_rows(result)));
+      write_table_file(part / "pairs.csv", replay_pair_columns(), std::span<const PairReplayRow>(pair_rows(result)));
     }
     OutputFile json(part / "run.json");
     json.stream() << text_of(manifest(replay, result, header, recording), 2) << '\n';

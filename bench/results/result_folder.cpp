@@ -101,6 +101,17 @@ WrittenRows rows_in(const fs::path& table) {
   return rows;
 }
 
+/// Rest and each frame, of each muscle and of each of its fibres.
+bool has_all_fibres(const Json& manifest, const fs::path& folder) {
+  if (!manifest.contains("fibres") || !manifest.at("fibres").is_array()) return true;
+  const std::int64_t states = integer_at(manifest, "frames").value_or(0) + 1;
+  std::int64_t fibres = 0;
+  for (const Json& muscle : manifest.at("fibres")) fibres += integer_at(muscle, "followed").value_or(0);
+  const auto muscles = static_cast<std::int64_t>(manifest.at("fibres").size());
+  return rows_in(folder / "fibres.csv").count == states * muscles &&
+         rows_in(folder / "fibre_lengths.csv").count == states * fibres;
+}
+
 /// Whether tables have the rows that run.json tells of: a full disk or a copy that was stopped may have cut it.
 bool has_all_rows(const Json& manifest, const fs::path& table) {
   constexpr std::int64_t rows_of_a_probed_bone = 3;  // smooth, sharp and all
@@ -120,7 +131,8 @@ bool has_all_rows(const Json& manifest, const fs::path& table) {
                              muscles * length_at(manifest, "bones");
   return frames && last_frame && is_whole(table, 1) &&
          (muscles == 0 || is_whole(table.parent_path() / "muscles.csv", muscles)) &&
-         (pairs == 0 || is_whole(table.parent_path() / "pairs.csv", pairs));
+         (pairs == 0 || is_whole(table.parent_path() / "pairs.csv", pairs)) &&
+         has_all_fibres(manifest, table.parent_path());
 }
 
 /// A folder is replaced only when it is empty or holds a run and nothing else.
@@ -135,8 +147,8 @@ void require_replaceable(const fs::path& folder) {
   if (current == folder || current.string().starts_with(folder.string() + "/")) {
     throw InputError(folder.string(), "holds the current folder and can't be replaced; choose another --out");
   }
-  static const std::set<std::string> of_a_run = {"run.json",  "frames.csv", "muscles.csv",
-                                                 "pairs.csv", "probe.csv",  "snapshots",
+  static const std::set<std::string> of_a_run = {"run.json",  "frames.csv", "muscles.csv",        "pairs.csv",
+                                                 "probe.csv", "snapshots",  "fibres.csv",         "fibre_lengths.csv",
                                                  "meshes",    "case.json",  "resolved_scene.toml"};
   const bool foreign = std::any_of(fs::directory_iterator(folder), fs::directory_iterator(), [](const auto& entry) {
     return of_a_run.count(entry.path().filename().string()) == 0;

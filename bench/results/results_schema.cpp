@@ -4,6 +4,7 @@
 
 #include "bench/results/probe_output.hpp"
 #include "bench/results/replay_output.hpp"
+#include "core/measure/fibre_record.hpp"
 #include "core/measure/muscle_record.hpp"
 #include "core/measure/outcome_limits.hpp"
 #include "core/measure/pair_record.hpp"
@@ -62,6 +63,7 @@ constexpr auto keys = std::to_array<ManifestKey>({
     of_run("case.snapshots[]", "", "frames whose shape was kept"),
     of_run("case.self_intersections", "", "whether self-intersecting triangles were counted"),
     of_run("case.pruning", "", "whether bones that muscles are not expected to touch were left out at first"),
+    of_run("case.fibres", "", "of each muscle, asked for; absent where none are"),
     of_replay("case.stride", "", "every so many-th frame is replayed"),
     of_replay("case.band_m", "m", "errors are measured so far from the surface"),
     of_replay("case.recording_sha256", "", "of the recording"),
@@ -184,6 +186,11 @@ constexpr auto keys = std::to_array<ManifestKey>({
     of_run("snapshots[].frame", "", "whose shape was kept"),
     of_run("snapshots[].angle_deg", "deg", "of the bone that turns most"),
     of_run("snapshots[].file", "", "the shape"),
+    of_run("snapshots[].fibres", "", "their fibres as lines, where they are followed"),
+    of_run("fibres[].muscle", "", "whose fibres are followed"),
+    of_run("fibres[].asked", "", "how many were asked for"),
+    of_run("fibres[].followed", "", "how many reach from one attachment to the other"),
+    of_run("memory.fibre_bytes", "bytes", "of what binds fibres to the surface; a part of memory.referee_bytes"),
     of_run("snapshots[].bone_poses[].rotation[]", "", "by rows"),
     of_run("snapshots[].bone_poses[].translation_m[]", "m", "after the rotation"),
     of_replay("recording.file", "", "as it was named"),
@@ -287,6 +294,8 @@ Json results_schema_json() {
           {"run", json_of_columns(run_columns())},
           {"muscles", json_of_columns(muscle_columns())},
           {"pairs", json_of_columns(pair_columns())},
+          {"fibres", json_of_columns(fibre_columns())},
+          {"fibre_lengths", json_of_columns(fibre_length_columns())},
           {"replay", json_of_columns(replay_columns())},
           {"replay_muscles", json_of_columns(replay_muscle_columns())},
           {"replay_pairs", json_of_columns(replay_pair_columns())},

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/results/fibre_output.hpp"
 #include "bench/results/findings_json.hpp"
 #include "bench/results/manifest.hpp"
 #include "bench/results/result_folder.hpp"
@@ -32,6 +33,7 @@ Json json_of_run(const RunCase& run) {
   json["snapshots"] = run.snapshots;
   json["self_intersections"] = run.count_self_intersections;
   json["pruning"] = run.prune;
+  if (run.scene.fibre_count > 0) json["fibres"] = run.scene.fibre_count;
   return json;
 }
 
@@ -70,6 +72,7 @@ Json json_of_snapshots(const RunResult& result) {
                          {"angle_deg", snapshot.angle_deg},
                          {"file", snapshot_file(snapshot)},
                          {"bone_poses", poses}});
+    if (!snapshot.fibres.empty()) snapshots.back()["fibres"] = fibre_file(snapshot);
   }
   return snapshots;
 }
@@ -147,6 +150,10 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["outcome"] = json_of_outcome(result);
   json["limits"] = json_of_limits();
   json["snapshots"] = json_of_snapshots(result);
+  if (!result.followed_fibres.empty()) {
+    json["fibres"] = json_of_fibres(result);
+    json["memory"]["fibre_bytes"] = result.fibre_bytes;
+  }
   return json;
 }
 
@@ -232,6 +239,7 @@ void write_files(const fs::path& folder, const RunCase& run, const RunResult& re
       write_ply(bone.surface.mesh, folder / "meshes" / (bone.name + ".ply"));
     }
   }
+  if (!result.followed_fibres.empty()) write_fibres(folder, run, result);
   if (run.scene.auto_effects.wanted) {
     OutputFile scene(folder / "resolved_scene.toml");
     scene.stream() << run.scene.auto_effects.resolved_text;

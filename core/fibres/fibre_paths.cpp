@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "core/mesh/mesh_size.hpp"
+#include "core/mesh/morton_order.hpp"
 
 namespace musclebench {
 
@@ -13,8 +15,10 @@ namespace {
 constexpr double step_cells = 0.5;
 /// A streamline that ends farther than this from its area, in cells, has lost its way.
 constexpr double farthest_end_cells = 4;
-/// So near to an area the flow is that of the grid: the rest of a streamline is straight.
-constexpr double last_cells = 1.5;
+/// So far below the origin a streamline begins: nearer the flow is that of the grid.
+constexpr double first_cells = 1;
+/// So near to the insertion the rest of a streamline is straight.
+constexpr double last_cells = 1;
 
 class Tracer {
  public:
@@ -24,22 +28,20 @@ class Tracer {
         m_step_m(step_cells * potential.cell_size_m()),
         m_most_steps(static_cast<int>(20 * bounding_box(muscle.vertices).diagonal().norm() / m_step_m)) {}
 
-  /// From `seed` to near an area. `sense`: 1 towards the insertion, -1 towards the origin.
-  [[nodiscard]] std::vector<Vec3> trace(const Vec3& seed, double sense) const {
-    const double end = sense > 0 ? 1 : 0;
-    std::vector<Vec3> points;
-    Vec3 point = seed;
+  /// From `seed`, which is inside, to the insertion, as far as the flow leads.
+  [[nodiscard]] std::vector<Vec3> trace(const Vec3& seed, const std::vector<char>& is_insertion) const {
+    std::vector<Vec3> points{seed};
     double potential = m_potential.at(seed).potential;
     for (int step = 0; step < m_most_steps; ++step) {
-      const Vec3 next = kept_inside(advanced(point, sense));
+      const Vec3 next = kept_inside(advanced(points.back()));
       const double there = m_potential.at(next).potential;
       // Beside a wall a streamline may slide along it, but it never turns back.
-      if (!(sense * (there - potential) > 0)) break;
+      if (!(there > potential)) break;
       points.push_back(next);
-      const double steps_left = (end - there) / (there - potential);
-      if (steps_left * step_cells < last_cells) break;
-      point = next;
       potential = there;
+      const ClosestPoint closest = m_surface.locate(next).closest;
+      const bool is_near = closest.distance_m < last_cells * m_potential.cell_size_m();
+      if (is_near && is_insertion[static_cast<std::size_t>(closest.triangle)] != 0) break;
     }
     return points;
   }
@@ -54,18 +56,18 @@ class Tracer {
   }
 
  private:
-  [[nodiscard]] Vec3 direction(const Vec3& point, double sense) const {
+  [[nodiscard]] Vec3 direction(const Vec3& point) const {
     const Vec3 flow = m_potential.at(point).flow;
     const double speed = flow.norm();
-    return speed > 0 ? Vec3(sense * flow / speed) : Vec3::Zero();
+    return speed > 0 ? Vec3(flow / speed) : Vec3::Zero();
   }
 
   /// By the classical Runge-Kutta method.
-  [[nodiscard]] Vec3 advanced(const Vec3& point, double sense) const {
-    const Vec3 a = direction(point, sense);
-    const Vec3 b = direction(point + 0.5 * m_step_m * a, sense);
-    const Vec3 c = direction(point + 0.5 * m_step_m * b, sense);
-    const Vec3 d = direction(point + m_step_m * c, sense);
+  [[nodiscard]] Vec3 advanced(const Vec3& point) const {
+    const Vec3 a = direction(point);
+    const Vec3 b = direction(point + 0.5 * m_step_m * a);
+    const Vec3 c = direction(point + 0.5 * m_step_m * b);
+    const Vec3 d = direction(point + m_step_m * c);
     return point + m_step_m / 6 * (a + 2 * b + 2 * c + d);
   }
 
@@ -93,6 +95,45 @@ End nearest_end(const Vec3& point, const TriangleMesh& muscle, const std::vector
   return nearest;
 }
 
+struct Start {
+  Vec3 point = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();  ///< unit, out of the muscle
+  int triangle = -1;
+};
+
+/// `count` points that share the triangles' area evenly: in Morton order, each in the middle of its share.
+std::vector<Start> starts_on(const TriangleMesh& muscle, const std::vector<int>& triangles, int count) {
+  std::vector<Vec3> middles;
+  std::vector<double> areas;
+  for (const int t : triangles) {
+    const auto& [a, b, c] = muscle.triangles[static_cast<std::size_t>(t)];
+    const auto corner = [&](int node) { return muscle.vertices[static_cast<std::size_t>(node)]; };
+    middles.emplace_back((corner(a) + corner(b) + corner(c)) / 3);
+    areas.push_back(0.5 * (corner(b) - corner(a)).cross(corner(c) - corner(a)).norm());
+  }
+  const double total = std::accumulate(areas.begin(), areas.end(), 0.0);
+  std::vector<Start> starts;
+  double passed = 0;
+  for (const int index : morton_order(middles)) {
+    const auto at = static_cast<std::size_t>(index);
+    const double before = passed;
+    passed += areas[at];
+    while (starts.size() < static_cast<std::size_t>(count)) {
+      const double wanted = total * (static_cast<double>(starts.size()) + 0.5) / count;
+      if (!(wanted < passed)) break;
+      // Of several on one triangle each has a line of its own between a corner and the opposite edge.
+      const double along = (wanted - before) / (passed - before);
+      const Triangle& nodes = muscle.triangles[static_cast<std::size_t>(triangles[at])];
+      const auto corner = [&](std::size_t i) { return muscle.vertices[static_cast<std::size_t>(nodes[i])]; };
+      const Vec3 on_edge = corner(1) + along * (corner(2) - corner(1));
+      const Vec3 point = corner(0) + 2.0 / 3 * (on_edge - corner(0));
+      const Vec3 normal = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+      starts.push_back({point, normal, triangles[at]});
+    }
+  }
+  return starts;
+}
+
 std::vector<Vec3> resampled(const std::vector<Vec3>& line, int segments) {
   std::vector<double> passed{0};
   for (std::size_t i = 1; i < line.size(); ++i) passed.push_back(passed.back() + (line[i] - line[i - 1]).norm());
@@ -115,20 +156,17 @@ FibrePaths trace_fibres(const VolumePotential& potential, const TriangleMesh& mu
                         const FibreAreas& areas, int count, int segments) {
   const Tracer tracer(potential, muscle, surface);
   const double farthest_m = farthest_end_cells * potential.cell_size_m();
+  std::vector<char> is_insertion(muscle.triangles.size(), 0);
+  for (const int triangle : areas.insertion) is_insertion[static_cast<std::size_t>(triangle)] = 1;
   FibrePaths paths;
-  for (const Vec3& middle : potential.seeds(count)) {
-    const Vec3 seed = tracer.kept_inside(middle);
-    std::vector<Vec3> line = tracer.trace(seed, -1);
-    std::reverse(line.begin(), line.end());
-    line.push_back(seed);
-    const std::vector<Vec3> onwards = tracer.trace(seed, 1);
-    line.insert(line.end(), onwards.begin(), onwards.end());
-    const End origin = nearest_end(line.front(), muscle, areas.origin);
+  for (const Start& start : potential.flows() ? starts_on(muscle, areas.origin, count) : std::vector<Start>{}) {
+    const Vec3 below = start.point - first_cells * potential.cell_size_m() * start.normal;
+    std::vector<Vec3> line = tracer.trace(tracer.kept_inside(below), is_insertion);
     const End insertion = nearest_end(line.back(), muscle, areas.insertion);
-    if (!(origin.distance_m <= farthest_m && insertion.distance_m <= farthest_m)) continue;
-    line.insert(line.begin(), origin.point);
+    if (!(insertion.distance_m <= farthest_m)) continue;
+    line.insert(line.begin(), start.point);
     line.push_back(insertion.point);
-    paths.fibres.push_back({resampled(line, segments), origin.triangle, insertion.triangle});
+    paths.fibres.push_back({resampled(line, segments), start.triangle, insertion.triangle});
   }
   paths.lost = count - static_cast<int>(paths.fibres.size());
   return paths;

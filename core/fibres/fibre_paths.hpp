@@ -20,7 +20,8 @@ struct FibrePaths {
   int lost = 0;  ///< asked for, and ended away from the areas
 };
 
-/// Streamlines of the potential's flow through the middle of the muscle, `count` at most, each of `segments` segments.
+/// Streamlines of the potential's flow from points that share the origin area evenly, `count` at most, each of
+/// `segments` segments.
 FibrePaths trace_fibres(const VolumePotential& potential, const TriangleMesh& muscle, const SignedSurface& surface,
                         const FibreAreas& areas, int count, int segments);
 

@@ -20,13 +20,15 @@ struct FibreAreas {
 FibreAreas fibre_areas(const TriangleMesh& muscle, const std::vector<int>& origin_nodes,
                        const std::vector<int>& insertion_nodes);
 
-/// The function that is 0 on the origin, 1 on the insertion and harmonic in between, inside the muscle, whose
-/// remaining surface nothing flows through: fascicles follow its gradient (Choi and Blemker 2013). Solved with
-/// trilinear finite elements on a regular grid; a cell that the surface cuts counts by the share of it that is inside
-/// (the finite cell method, Parvizian, Duester and Rank 2007). Exact to about a cell at the areas.
+/// The potential of a flow through the muscle, evenly in at the origin and evenly out at the insertion, through nothing
+/// else of its surface: fascicles follow it (Choi and Blemker 2013, who solve the same Laplace equation). So every part
+/// of an area has its fibres; with a fixed potential on the areas nearly all would crowd at the rims that look at each
+/// other. Solved with trilinear finite elements on a regular grid; a cell that the surface cuts counts by the share of
+/// it that is inside (the finite cell method, Parvizian, Duester and Rank 2007).
 ///
-/// Measured fibres guide it: along them (their direction between them by inverse squared distance) a muscle conducts
-/// better than across, so that the flow keeps to their direction.
+/// Measured fibres guide it: on them the flow is turned to their direction, and between them by as much, by inverse
+/// squared distance (Shepard 1968), less the farther the nearest is (by 1 / e at a tenth of the muscle's diagonal), and
+/// never by more than 60 degrees.
 class VolumePotential {
  public:
   /// `cells`: inside the muscle, about. `surface` is that of `muscle` and need not outlive the potential.
@@ -34,28 +36,35 @@ class VolumePotential {
                   const std::vector<FibreSegment>& guides, int cells = 60'000);
 
   struct Value {
-    double potential = 0;
+    double potential = 0;      ///< mean 0 at the origin, mean 1 at the insertion
     Vec3 flow = Vec3::Zero();  ///< towards the insertion; zero where there is no potential
   };
   [[nodiscard]] Value at(const Vec3& point) const;
 
   [[nodiscard]] double cell_size_m() const { return m_cell_m; }
 
-  /// Points at which the potential is about a half, each of them standing for the same share of the flow; fewer or none
-  /// where there is no flow.
-  [[nodiscard]] std::vector<Vec3> seeds(int count) const;
+  /// Whether anything flows: not where no way leads through the muscle from one area to the other.
+  [[nodiscard]] bool flows() const { return !m_flow.empty(); }
 
  private:
   void place_grid(const TriangleMesh& muscle, int cells);
   void find_inner_cells(const SignedSurface& surface);
-  void set_boundary_values(const SignedSurface& surface, const FibreAreas& areas);
-  void find_conductivities(const std::vector<FibreSegment>& guides);
-  void solve();
+  [[nodiscard]] std::vector<double> shares_of(const TriangleMesh& muscle, const std::vector<int>& triangles) const;
+  [[nodiscard]] bool keep_what_joins(const std::vector<double>& inflow, const std::vector<double>& outflow);
+  void find_turns(const std::vector<FibreSegment>& guides);
+  void solve(const std::vector<double>& inflow, const std::vector<double>& outflow);
   void find_flow();
 
+  /// What a measured fibre adds to the flow's unit direction.
+  struct Turn {
+    FibreSegment guide;
+    double length_m = 0;
+    Vec3 change = Vec3::Zero();
+  };
+  [[nodiscard]] Value unguided(const Vec3& point) const;
+  [[nodiscard]] Vec3 turned(const Vec3& flow, const Vec3& point) const;
   [[nodiscard]] std::array<std::size_t, 8> nodes_of(std::size_t cell) const;
   [[nodiscard]] Vec3 centre_of(std::size_t cell) const;
-  [[nodiscard]] Vec3 node_at(std::size_t node) const;
 
   Vec3 m_corner = Vec3::Zero();
   double m_cell_m = 0;
@@ -63,10 +72,10 @@ class VolumePotential {
   GridIndex m_nodes;
   std::vector<std::size_t> m_inner;  // cells, ascending
   std::vector<double> m_share;       // inside the muscle, of each of them
-  std::vector<Mat3> m_conductivity;  // of each of them; empty: 1
   std::vector<double> m_potential;   // by node; NaN: not of an inner cell
-  std::vector<char> m_is_given;      // by node
   std::vector<Vec3> m_flow;          // by node
+  std::vector<Turn> m_turns;
+  double m_reach_m = 0;  // of measured fibres
 };
 
 }  // namespace musclebench

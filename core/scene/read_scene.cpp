@@ -17,6 +17,7 @@
 #include "core/scene/attachment_area.hpp"
 #include "core/scene/landmarks.hpp"
 #include "core/scene/read_contact.hpp"
+#include "core/scene/read_measure.hpp"
 #include "core/scene/scene_warnings.hpp"
 #include "core/scene/toml_table.hpp"
 
@@ -25,6 +26,7 @@ namespace musclebench {
 namespace {
 
 constexpr double radians_per_degree = std::numbers::pi / 180;
+constexpr double most_degrees = 3600;
 
 std::string sha256_of(const TriangleMesh& mesh) {
   Sha256 hash;
@@ -106,12 +108,20 @@ BoneMotion read_motion(const SceneRequest& request, const TomlTable& table) {
   if (!(motion.centre_m.cwiseAbs().maxCoeff() <= farthest_m)) {
     throw InputError(table.location("centre_m"), "is so far away that nothing turns about it; give metres");
   }
-  const std::string course = table.word_or("course", "there_and_back");
+  const Parameters changed(motion_parameters(), request.motion_overrides, "--motion");
+  const std::string course =
+      changed.given("course") ? changed.word("course") : table.word_or("course", "there_and_back");
   if (course != "there" && course != "there_and_back") {
     throw InputError(table.location("course"), fmt::format("'{}' is not one of there, there_and_back", course));
   }
   motion.there_and_back = course == "there_and_back";
   if (table.has("table")) {
+    if (changed.given("from_deg") || changed.given("to_deg")) {
+      throw InputError("--motion",
+                       fmt::format("{} has a table of angles, which from_deg and to_deg can't change; leave "
+                                   "them out",
+                                   table.location()));
+    }
     if (table.has("from_deg") || table.has("to_deg")) {
       throw InputError(table.location("table"), "stands beside from_deg or to_deg; give either a table or two angles");
     }
@@ -124,10 +134,12 @@ BoneMotion read_motion(const SceneRequest& request, const TomlTable& table) {
       motion.angles_rad.push_back((value - zero) * radians_per_degree);
     }
   } else {
-    constexpr double limit_deg = 3600;
+    const auto angle_rad = [&](const char* key) {
+      const double degrees = changed.given(key) ? changed.number(key) : table.number(key, -most_degrees, most_degrees);
+      return degrees * radians_per_degree;
+    };
     motion.times = {0, 1};
-    motion.angles_rad = {table.number("from_deg", -limit_deg, limit_deg) * radians_per_degree,
-                         table.number("to_deg", -limit_deg, limit_deg) * radians_per_degree};
+    motion.angles_rad = {angle_rad("from_deg"), angle_rad("to_deg")};
   }
   return motion;
 }
@@ -410,10 +422,24 @@ void require_motion(const SceneRequest& request, const std::optional<TomlTable>&
 
 }  // namespace
 
+std::vector<ParameterSpec> motion_parameters() {
+  const auto angle = [](const char* name, const char* help) {
+    return parameter::number({.name = name,
+                              .unit = "deg",
+                              .default_value = 0,
+                              .minimum = -most_degrees,
+                              .maximum = most_degrees,
+                              .help = help});
+  };
+  return {angle("from_deg", "where the bones begin to turn"), angle("to_deg", "where they turn to"),
+          parameter::choice(
+              {.name = "course", .choices = {"there_and_back", "there"}, .help = "whether the motion returns"})};
+}
+
 Scene read_scene(const SceneRequest& request) {
   const toml::table text = parse_scene(request);
   const TomlTable root(text, request.file, "");
-  root.allow_only({"title", "preset", "bone", "muscle", "pair", "attachment", "contact", "effects", "loop"});
+  root.allow_only({"title", "preset", "bone", "muscle", "pair", "attachment", "contact", "effects", "loop", "measure"});
 
   Scene scene;
   scene.name = request.name;
@@ -450,6 +476,7 @@ Scene read_scene(const SceneRequest& request) {
   read_bones(request, root, scene);
   read_muscles(request, root, scene);
   read_pairs(root, contact, scene);
+  read_measure(request, root.table("measure"), scene);
   return scene;
 }
 

@@ -23,10 +23,15 @@ struct SceneRequest {
   std::function<TriangleMesh(const std::string& name)> synthetic_mesh;  ///< throws InputError for an unknown name
   std::map<std::string, ParameterValue> loop_overrides;                 ///< such as `frames`, from the command line
   std::vector<EffectOverride> effect_overrides;                         ///< the same of effects
+  std::map<std::string, ParameterValue> motion_overrides = {};          ///< of all bones that move
+  std::optional<int> fibre_count = {};                                  ///< over `[measure] fibres`
   bool auto_effects = false;                                            ///< as if the scene said `effects = "auto"`
   /// Goes on past what only a run minds, which is noted in `Scene::obstacles`: for a look at the scene.
   bool notes_obstacles = false;
 };
+
+/// What may be changed of the motion of all bones that move.
+std::vector<ParameterSpec> motion_parameters();
 
 /// Reads a scene with all its files. Throws InputError that names file, line and key.
 Scene read_scene(const SceneRequest& request);

@@ -92,6 +92,18 @@ std::string Scene::muscle_names() const {
   return names;
 }
 
+EndNodes Scene::end_nodes(std::size_t muscle, const std::vector<BoundNode>& bound) const {
+  const Body& body = muscles[muscle].body;
+  const auto first = std::ranges::find(attachments, muscle, &Attachment::muscle);
+  const int origin_bone = first == attachments.end() ? 0 : first->bone;
+  EndNodes ends;
+  for (const BoundNode& node : bound) {
+    if (!body.has_node(node.node)) continue;
+    (node.bone == origin_bone ? ends.origin : ends.insertion).push_back(node.node - body.first_node);
+  }
+  return ends;
+}
+
 std::vector<std::vector<FibreSegment>> Scene::fibres_with(const std::vector<BoundNode>& bound) const {
   constexpr int most_segments = 1000;
   std::vector<std::vector<FibreSegment>> fibres;
@@ -101,16 +113,8 @@ std::vector<std::vector<FibreSegment>> Scene::fibres_with(const std::vector<Boun
       fibres.push_back(muscle.fibres);
       continue;
     }
-    const auto first = std::ranges::find(attachments, i, &Attachment::muscle);
-    const int origin_bone = first == attachments.end() ? 0 : first->bone;
-    std::vector<int> origin;
-    std::vector<int> insertion;
-    for (const BoundNode& node : bound) {
-      if (muscle.body.has_node(node.node)) {
-        (node.bone == origin_bone ? origin : insertion).push_back(node.node - muscle.body.first_node);
-      }
-    }
-    fibres.push_back(fibres_between(mesh_of(muscle.body), origin, insertion, most_segments));
+    const EndNodes ends = end_nodes(i, bound);
+    fibres.push_back(fibres_between(mesh_of(muscle.body), ends.origin, ends.insertion, most_segments));
   }
   return fibres;
 }

@@ -97,6 +97,12 @@ struct AutoEffects {
   std::string resolved_text = {};  ///< a scene file that names all of them, once they are added
 };
 
+/// Bound nodes of one muscle, numbered from its first: those on the bone of its first attachment, and all others.
+struct EndNodes {
+  std::vector<int> origin;
+  std::vector<int> insertion;
+};
+
 /// A complete, checked description of what is simulated: all files read, all parameters known.
 struct Scene {
   std::string name;
@@ -121,6 +127,7 @@ struct Scene {
   std::string response_steps_location = {};       ///< where the scene gives them, for messages
   std::vector<SceneMusclePair> muscle_pairs;      ///< ascending; none: muscles pass through each other
   std::vector<SceneBoneContact> bone_contacts;    ///< one a muscle and bone (bone_pair)
+  int fibre_count = 0;                            ///< of each muscle, to be followed; 0: none
   /// What keeps the scene from being run, where its reader was told to go on all the same (SceneRequest).
   std::vector<std::string> obstacles;
 
@@ -146,6 +153,7 @@ struct Scene {
   /// By muscle: its fibres, given the nodes that are bound. Those between attachments run from the bone of the muscle's
   /// first attachment to the others.
   [[nodiscard]] std::vector<std::vector<FibreSegment>> fibres_with(const std::vector<BoundNode>& bound) const;
+  [[nodiscard]] EndNodes end_nodes(std::size_t muscle, const std::vector<BoundNode>& bound) const;
   [[nodiscard]] std::vector<Vec3> vertices_of(const Body& body) const;
   /// The surface of one muscle, its nodes numbered from 0.
   [[nodiscard]] TriangleMesh mesh_of(const Body& body) const;

@@ -126,9 +126,26 @@ std::string pair_texts(const Scene& scene) {
 
 }  // namespace
 
+namespace {
+
+/// As the command line has it.
+void change_motions(toml::table& root, const std::map<std::string, ParameterValue>& overrides) {
+  toml::array* bones = root["bone"].as_array();
+  for (std::size_t i = 0; bones != nullptr && i < bones->size(); ++i) {
+    toml::table* motion = (*bones->get(i)->as_table())["motion"].as_table();
+    if (motion == nullptr) continue;
+    for (const auto& [key, value] : overrides) {
+      std::visit([&, &name = key](const auto& held) { motion->insert_or_assign(name, held); }, value);
+    }
+  }
+}
+
+}  // namespace
+
 std::string resolved_scene_text(const SceneRequest& request, const Scene& scene) {
   toml::table root = parse_toml(request.text, request.file);
   make_paths_absolute(root, request.folder);
+  change_motions(root, request.motion_overrides);
   std::ostringstream text;
   text << fmt::format("# {}{}, with all effects by name: those of scene and preset, and those that its check added.\n",
                       scene.name, scene.preset.empty() ? "" : fmt::format(" (preset {})", scene.preset));
@@ -138,6 +155,7 @@ std::string resolved_scene_text(const SceneRequest& request, const Scene& scene)
   }
   text << "\n[loop]\n";
   for (const auto& [key, value] : loop_values(scene.loop)) text << fmt::format("{} = {}\n", key, toml_text_of(value));
+  if (scene.fibre_count > 0) text << fmt::format("\n[measure]\nfibres = {}\n", scene.fibre_count);
   for (const SceneEffect& effect : scene.effects) text << effect_text(scene, effect);
   for (const char* key : {"contact", "bone", "muscle", "attachment", "pair"}) text << tables_text(root, key);
   text << pair_texts(scene);

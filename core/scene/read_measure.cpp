@@ -1,0 +1,86 @@
+#include "core/scene/read_measure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/base/input_error.hpp"
+#include "core/scene/scene_warnings.hpp"
+
+namespace musclebench {
+
+namespace {
+
+/// The slope of a length over an angle takes three.
+constexpr int least_frames = 3;
+constexpr double most_fibres = 100'000;
+
+bool turns(const BoneMotion& motion) {
+  return std::ranges::any_of(motion.angles_rad, [&](double angle) { return angle != motion.angles_rad.front(); });
+}
+
+void require_one_axis(const Scene& scene, const std::string& location) {
+  std::vector<std::string> turning;
+  for (std::size_t bone = 0; bone < scene.bones.size(); ++bone) {
+    if (turns(scene.motions[bone])) turning.push_back("'" + scene.bones[bone].name + "'");
+  }
+  if (turning.empty()) {
+    throw InputError(location,
+                     "needs a motion: moment arms are about the axis that a bone turns about, and none turns; "
+                     "give one a [bone.motion], or leave fibres out");
+  }
+  if (turning.size() > 1) {
+    throw InputError(location, fmt::format("needs one axis for moment arms, and bones {} turn; let one of them stand, "
+                                           "or leave fibres out",
+                                           fmt::join(turning, " and ")));
+  }
+}
+
+void require_frames(const Scene& scene, const std::string& location) {
+  const int frames = scene.loop.frames - scene.loop.rest_frames;
+  if (frames >= least_frames) return;
+  throw InputError(location,
+                   fmt::format("needs {} frames of motion or more for a moment arm, and the run has {}; raise "
+                               "loop.frames",
+                               least_frames, frames));
+}
+
+void require_two_areas(const Scene& scene, const std::string& location) {
+  if (scene.attach_at_first_contact) return;  // known once a backend was asked
+  const std::vector<BoundNode> bound = scene.bound_nodes();
+  for (std::size_t muscle = 0; muscle < scene.muscles.size(); ++muscle) {
+    const EndNodes ends = scene.end_nodes(muscle, bound);
+    if (!ends.origin.empty() && !ends.insertion.empty()) continue;
+    throw InputError(location, fmt::format("muscle '{}' has no two ends that fibres could run between: {}",
+                                           scene.muscles[muscle].body.name, describe_missing_fibres(scene, muscle)));
+  }
+}
+
+}  // namespace
+
+void read_measure(const SceneRequest& request, const std::optional<TomlTable>& table, Scene& scene) {
+  if (table) {
+    table->allow_only({"fibres"});
+    const double fibres = table->has("fibres") ? table->number("fibres", 0, most_fibres) : 0;
+    if (fibres != std::floor(fibres)) throw InputError(table->location("fibres"), "has to be a whole number");
+    scene.fibre_count = static_cast<int>(fibres);
+  }
+  scene.fibre_count = request.fibre_count.value_or(scene.fibre_count);
+  if (scene.fibre_count == 0) return;
+  const std::string location = table && !request.fibre_count ? table->location("fibres") : std::string("--fibres");
+  for (const auto& require : {require_one_axis, require_frames, require_two_areas}) {
+    try {
+      require(scene, location);
+    } catch (const InputError& obstacle) {
+      if (!request.notes_obstacles) throw;
+      scene.obstacles.emplace_back(obstacle.what());
+    }
+  }
+}
+
+}  // namespace musclebench
