@@ -121,8 +121,8 @@ def test_their_rows_follow_the_schema_and_theory(folder):
     assert float(muscles[0]["mean_length_m"]) == pytest.approx(0.1, abs=1e-4)
     # The axis goes through the middle of the insertion: fibres on one side of it grow longer, on the other shorter.
     assert abs(float(muscles[5]["mean_moment_arm_m"])) < 0.005
-    assert float(muscles[5]["max_moment_arm_m"]) > 0.005
-    assert float(muscles[5]["min_moment_arm_m"]) < -0.005
+    assert float(muscles[5]["max_moment_arm_m"]) > 0.003
+    assert float(muscles[5]["min_moment_arm_m"]) < -0.003
     assert all(float(row["inside_share"]) <= 1 for row in muscles)
     lines = (folder / "out" / "snapshots" / "fibres_0010.vtk").read_text()
     assert f"POINTS {20 * 17} double" in lines and "SCALARS stretch" in lines

@@ -120,12 +120,26 @@ std::string names_in(const Json& columns, const std::vector<std::string>& effect
   return names.substr(1);
 }
 
+/// As if one fibre of each muscle had been followed: the muscles here hang on no bone.
+void add_fibres(Scene& scene, RunResult& result) {
+  scene.fibre_count = 1;
+  for (int frame = 0; frame <= static_cast<int>(result.records.size()); ++frame) {
+    result.fibres.push_back({frame, 0.1 * frame, {}});
+  }
+  for (const Muscle& muscle : scene.muscles) {
+    result.followed_fibres.push_back({muscle.body.name, 1, 1});
+    for (FibreFrame& frame : result.fibres) frame.muscles.push_back({{0.1}, 0.0});
+    for (Snapshot& snapshot : result.snapshots) snapshot.fibres.push_back({Vec3::Zero(), Vec3::UnitX()});
+  }
+}
+
 TEST(ResultsSchema, HoldsForARun) {
-  const Scene scene = scene_of_two();
+  Scene scene = scene_of_two();
   RunCase run = approximate_case(scene);
   run.snapshots = {0, 2};
   run.count_self_intersections = true;
-  const RunResult result = result_of(run);
+  RunResult result = result_of(run);
+  add_fibres(scene, result);
   for (const StepRecord& record : result.records) {
     ASSERT_EQ(record.pairs.size(), 2 * scene.bones.size() + 1);
     const PairRecord& touching = record.pairs.back();
@@ -141,6 +155,9 @@ TEST(ResultsSchema, HoldsForARun) {
             names_in(results_schema_json()["run"], result.effect_names, result.stage_names));
   EXPECT_EQ(header_of(folder.path() / "out" / "muscles.csv"), names_in(results_schema_json()["muscles"]));
   EXPECT_EQ(header_of(folder.path() / "out" / "pairs.csv"), names_in(results_schema_json()["pairs"]));
+  for (const char* table : {"fibres", "fibre_lengths"}) {
+    EXPECT_EQ(header_of(folder.path() / "out" / (std::string(table) + ".csv")), names_in(results_schema_json()[table]));
+  }
   expect_schema(manifest_in(folder.path() / "out"), ResultKind::run);
 }
 
