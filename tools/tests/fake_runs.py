@@ -189,6 +189,16 @@ def write_run(folder: Path, scene: str, backend: str, frames: int = 20, status: 
     return folder
 
 
+def add_fibres(folder: Path, muscle: str, stretches) -> None:
+    """One fibre of the muscle, with its largest stretch at rest and in each frame."""
+    record = json.loads((folder / "run.json").read_text())
+    record["fibres"] = [{"muscle": muscle, "asked": 1, "followed": 1}]
+    (folder / "run.json").write_text(json.dumps(record))
+    rows = [{"frame": frame, "muscle": muscle, "max_stretch": stretch} for frame, stretch in enumerate(stretches)]
+    write_rows(folder / "fibres.csv", ["frame", "muscle", "max_stretch"], rows)
+    write_rows(folder / "fibre_lengths.csv", ["frame", "muscle"], [{key: row[key] for key in ("frame", "muscle")} for row in rows])
+
+
 def _write_snapshot(folder: Path, snapshot: Snapshot, triangles) -> dict:
     name = f"snapshots/frame_{snapshot.frame:04d}.ply"
     (folder / "snapshots").mkdir(exist_ok=True)

@@ -88,7 +88,9 @@ def test_a_muscle_that_moved_has_not_come_back(tmp_path):
     shots = [fake_runs.Snapshot(frame, 0.0, shape, 0 * shape[:, 0], attached)
              for frame, shape in ((0, ball.vertices_m), (6, apart), (12, moved), (179, moved))]
     folder = fake_runs.write_run(tmp_path / "run", scene.name, "bvh", 179, triangles=ball.triangles, snapshots=shots)
+    fake_runs.add_fibres(folder, "iliacus", stretches=np.linspace(1, 1.25, 180))
     row = return_table({case: folder}).rows.iloc[0]
+    assert row.fibre_stretch == 1.25
     assert row.rms_mm == pytest.approx(5, abs=1e-3) and row.largest_mm == pytest.approx(5, abs=1e-3)
     assert row.own_stretch == pytest.approx(1.5, abs=0.01)
     assert np.isnan(own_stretch(*(PlyMesh(shape, ball.triangles, {"attached": 0 * attached})

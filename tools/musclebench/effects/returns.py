@@ -16,6 +16,7 @@ from .effect_cases import SECONDS_A_STEP
 from .effect_runs import NAN, rms_mm
 
 REST_S = 0.5
+FIBRES = 100
 MOST_NODES = 400  # of the attached ones, between which lengths are measured
 
 RETURN_COLUMNS = [
@@ -28,11 +29,13 @@ RETURN_COLUMNS = [
     Column("folded_at_end", "at the end", 0, "at\nend"),
     Column("stretch", "edge stretch, p99", 3, "edge\nstretch"),
     Column("own_stretch", "most stretched line between attached nodes", 3, "own\nstretch"),
+    Column("fibre_stretch", "most stretched fibre", 3, "fibre\nstretch"),
 ]
 CAPTION = (
     "Whether a muscle comes back: the scene's motion with `effects = \"auto\"` and half a second of rest after it. Distances "
     "of the nodes at the end from where they were at rest; depths, volume error and stretch are the largest of the run. Own "
-    "stretch: of all lines between two attached nodes the one that is stretched most at full flexion."
+    f"stretch: of all lines between two attached nodes the one that is stretched most at full flexion; fibre stretch: of "
+    f"{FIBRES} fibres through the muscle, from its origin to its insertion."
 )
 
 
@@ -67,7 +70,7 @@ class ReturnCase(SceneCase):
     def arguments(self, folders: Folders) -> list[str]:
         return ["run", self.scene.name, "--backend", self.backend, *self.scene.preset_arguments(), "--threads", "1",
                 "--effects", "auto", "--frames", str(self.scene.frames + self.rest_frames),
-                "--loop", f"rest_frames={self.rest_frames}", "--self-intersections",
+                "--loop", f"rest_frames={self.rest_frames}", "--self-intersections", "--fibres", str(FIBRES),
                 "--snapshots", ",".join(map(str, self.snapshot_frames)), *self.scene.data_arguments(folders)]
 
     def record(self) -> dict:
@@ -99,6 +102,7 @@ def _row(case: ReturnCase, run: Run) -> dict:
         "folded_at_end": folded.get(case.scene.frames + case.rest_frames, NAN),
         "stretch": _outcome(run, "p99_edge_stretch"),
         "own_stretch": own_stretch(rest, full) if rest and full else NAN,
+        "fibre_stretch": NAN if run.fibres.empty else float(run.fibres["max_stretch"].max()),
     }
 
 

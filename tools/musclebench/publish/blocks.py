@@ -28,7 +28,7 @@ DEPTH_KEYS = ("muscle", "backend", "bone_depth_mm", "bone_nodes", "muscle_depth_
               "volume_change_percent", "edge_stretch")
 PAIR_KEYS = ("muscle", "backend", "detect_ms", "contacts")
 RETURN_KEYS = ("muscle", "status", "added", "rms_mm", "surface_depth_mm", "tunnelled", "volume_percent", "folded_percent",
-               "folded_at_end", "stretch", "own_stretch")
+               "folded_at_end", "stretch", "own_stretch", "fibre_stretch")
 SUBSTEP_KEYS = ("scene", "backend", "substeps", "status", "rms_mm", "p99_mm", "largest_mm", "volume_error_percent",
                 "largest_depth_mm")
 EFFECT_COST_KEYS = ("muscle", "effect", "own_ms", "share_percent", "added_ms", "saved_ms")

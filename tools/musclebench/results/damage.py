@@ -28,7 +28,17 @@ def damage(folder: Path) -> str:
         fault = _damage_of_table(folder / name, expected * rows_of_a_frame, last_frame)
         if fault:
             return fault
-    return ""
+    return _damage_of_fibres(folder, told)
+
+
+def _damage_of_fibres(folder: Path, told: dict) -> str:
+    """Their tables have rest beside the frames."""
+    followed = told.get("fibres")
+    if not isinstance(followed, list):
+        return ""
+    states, fibres = told["frames"] + 1, sum(muscle.get("followed", 0) for muscle in followed)
+    return (_damage_of_table(folder / "fibres.csv", states * len(followed), told["frames"])
+            or _damage_of_table(folder / "fibre_lengths.csv", states * fibres, told["frames"]))
 
 
 def _damage_of_table(table: Path, expected: int, last_frame: int | None) -> str:

@@ -1,4 +1,4 @@
-"""Finished runs: run.json, frames.csv, muscles.csv and pairs.csv of each case, and runs.csv with one row a run."""
+"""Finished runs: run.json, frames.csv, muscles.csv, pairs.csv and fibres.csv of each case, and runs.csv with one row a run."""
 
 import json
 from dataclasses import dataclass, field
@@ -32,6 +32,7 @@ class Run:
     frames: pd.DataFrame  # frames.csv and collision_ns; empty where the run left none
     muscles: pd.DataFrame = field(default_factory=pd.DataFrame)  # muscles.csv; empty for a scene of one muscle
     pairs: pd.DataFrame = field(default_factory=pd.DataFrame)  # pairs.csv; empty for one muscle
+    fibres: pd.DataFrame = field(default_factory=pd.DataFrame)  # fibres.csv; empty where none are followed
     shares_muscle: bool = False  # with another scene of the experiment: then it goes by the scene's name
 
     @property
@@ -75,9 +76,9 @@ def read_run(folder: Path) -> Run:
     if fault:
         raise ResultProblem(f"{folder}: {fault}; run the case again")
     columns = COLUMNS_OF_MODE.get(record["case"].get("mode"), FRAME_COLUMNS)
-    muscles, pairs = (pd.read_csv(path) if path.is_file() else pd.DataFrame()
-                      for path in (folder / "muscles.csv", folder / "pairs.csv"))
-    return Run(folder, record, read_frames(folder / "frames.csv", columns), muscles, pairs)
+    muscles, pairs, fibres = (pd.read_csv(path) if path.is_file() else pd.DataFrame()
+                              for path in (folder / "muscles.csv", folder / "pairs.csv", folder / "fibres.csv"))
+    return Run(folder, record, read_frames(folder / "frames.csv", columns), muscles, pairs, fibres=fibres)
 
 
 def read_frames(path: Path, columns: list[str]) -> pd.DataFrame:
