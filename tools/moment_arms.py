@@ -1,0 +1,85 @@
+#!/usr/bin/python3
+"""Moment arms of hip muscles in flexion, beside published ones.
+
+Turns each muscle's joint from rest to both ends of its range (-10 and 90 degrees) with the `standard` preset and the effects
+that the scene calls for, in exact contact, follows 100 fibres through the muscle, and writes their moment arms dL/d(angle)
+with their band over the fibres. With --data they stand beside those of the same hip (Modenese and Kohout 2020), of finite
+elements (Blemker and Delp 2005) and measurements; of the synthetic hip nothing is published.
+
+A study goes on where it was stopped: complete runs are skipped until their arguments, the program or the data change.
+"""
+
+import sys
+
+from musclebench.cases.case import Folders
+from musclebench.cases.experiment import Experiment
+from musclebench.cases.pool import Limits
+from musclebench.cases.scene import chosen_names, survey
+from musclebench.cases.study_command import (
+    add_jobs_option, add_run_options, check_options, end, folders_of, run_missing, study_parser,
+)
+from musclebench.convergence.convergence_cases import backend_of
+from musclebench.figures.moment_arms import draw_moment_arms
+from musclebench.moment_arms.moment_cases import DEGREES_A_FRAME, PRESET, MomentCase, plan
+from musclebench.moment_arms.moment_report import arm_table, course_files, course_of
+from musclebench.moment_arms.published import read_published
+from musclebench.program.cli import add_scene_options, chosen_cores, data_set_of, run_command
+from musclebench.program.registry import Registry, read_registry
+from musclebench.results.run_folder import ResultProblem, Run, read_all
+from musclebench.results.status import MEASURED
+from musclebench.tables.table_formats import as_text, write_table
+
+
+def parse_arguments(arguments):
+    parser = study_parser("moment-arms", __doc__)
+    add_scene_options(parser, "default: all of the data set that have one muscle")
+    parser.add_argument("--fibres", type=int, default=100, metavar="N", help="of each muscle (default 100)")
+    parser.add_argument("--degrees", type=float, default=DEGREES_A_FRAME, metavar="DEG",
+                        help=f"that the joint turns in a frame (default {DEGREES_A_FRAME:g})")
+    parser.add_argument("--backend", metavar="NAME", help="of all runs (default: an exact one)")
+    add_run_options(parser, timeout=3600.0)
+    add_jobs_option(parser)
+    return parser.parse_args(arguments)
+
+
+class MomentArmStudy(Experiment):
+    final_statuses = MEASURED
+
+
+def planned(options, registry: Registry, folders: Folders) -> list[MomentCase]:
+    names = chosen_names(options.scene, options.muscle, data_set_of(options), registry)
+    scenes = survey(names, options.musclebench, registry, folders, None, PRESET)
+    return plan(scenes, backend_of(options.backend, registry), options.fibres, options.degrees)
+
+
+def runs_by_muscle(runs: list[Run]) -> dict[str, list[Run]]:
+    return {muscle: [run for run in runs if run.muscle == muscle] for muscle in sorted({run.muscle for run in runs})}
+
+
+def run_and_report(options) -> int:
+    check_options(options, "moment-arms")
+    folders = folders_of(options, "moment-arms")
+    cases = planned(options, read_registry(options.musclebench), folders)
+    published = read_published(folders.data_dir)
+    study = MomentArmStudy(options.musclebench, folders, options.force)
+    problems = run_missing(cases, study, Limits(chosen_cores(options.jobs), options.timeout))
+    runs = read_all([study.folder(case) for case in cases if study.is_complete(case)])
+    courses = {muscle: course_of(some) for muscle, some in runs_by_muscle(runs).items()}
+    if not courses:
+        return end("moment-arms", [], problems)
+    table = arm_table(courses, published)
+    for name in ("tables", "figures"):
+        (folders.out_dir / name).mkdir(parents=True, exist_ok=True)
+    files = [*write_table(table, folders.out_dir / "tables"), *course_files(courses, folders.out_dir / "tables"),
+             *draw_moment_arms(courses, published, folders.out_dir / "figures" / "moment_arms")]
+    print(f"\n{table.caption}\n\n{as_text(table)}")
+    return end("moment-arms", files, problems)
+
+
+def main(arguments=None) -> int:
+    return run_command("moment-arms", lambda: run_and_report(parse_arguments(arguments)),
+                       "complete runs are kept, unfinished ones removed", ResultProblem)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Moment arms of a muscle's fibres over a joint's range, beside published ones."""

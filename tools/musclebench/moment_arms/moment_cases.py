@@ -1,0 +1,60 @@
+"""The cases of the moment arms: each muscle is turned from rest to both ends of the joint's range."""
+
+from dataclasses import dataclass
+
+from ..cases.case import Folders, SceneCase
+from ..cases.scene import Scene
+
+PRESET = "standard"
+ENDS_DEG = (-10.0, 90.0)
+DEGREES_A_FRAME = 2.0
+SHOWN_DEG = (0, 45, 90)  # of the pictures
+SECONDS_A_FRAME = 0.3  # of the reference muscle, with its fibres: a first guess, which the progress bar corrects
+
+
+@dataclass(frozen=True)
+class MomentCase(SceneCase):
+    scene: Scene
+    backend: str
+    to_deg: float
+    fibres: int
+    degrees_a_frame: float = DEGREES_A_FRAME
+
+    @property
+    def name(self) -> str:
+        return f"{self.scene.key}-to={self.to_deg:g}"
+
+    @property
+    def kind(self) -> str:
+        return "moment_arms"
+
+    @property
+    def frames(self) -> int:
+        """Three at least: a slope takes as many."""
+        return max(3, round(abs(self.to_deg) / self.degrees_a_frame))
+
+    @property
+    def guessed_seconds(self) -> float:
+        return 4.0 + SECONDS_A_FRAME * self.scene.size * self.frames
+
+    @property
+    def snapshot_frames(self) -> list[int]:
+        """Those nearest to the angles that are shown."""
+        share = [degrees / self.to_deg for degrees in SHOWN_DEG]
+        return sorted({round(self.frames * part) for part in share if 0 <= part <= 1})
+
+    def arguments(self, folders: Folders) -> list[str]:
+        return ["run", self.scene.name, "--backend", self.backend, *self.scene.preset_arguments(), "--threads", "1",
+                "--effects", "auto", "--motion", "course=there", "--motion", f"to_deg={self.to_deg!r}",
+                "--frames", str(self.frames), "--fibres", str(self.fibres),
+                "--snapshots", ",".join(map(str, self.snapshot_frames)), *self.scene.data_arguments(folders)]
+
+    def record(self) -> dict:
+        return {"mode": "coupled", "scene": self.scene.name, "preset": self.scene.preset, "backend": self.backend,
+                "parameters": {}, "threads": 1}
+
+
+def plan(scenes: list[Scene], backend: str, fibres: int, degrees_a_frame: float) -> list[MomentCase]:
+    """The longest first, so that none runs alone at the end."""
+    cases = [MomentCase(scene, backend, end, fibres, degrees_a_frame) for scene in scenes for end in ENDS_DEG]
+    return sorted(cases, key=lambda case: -case.guessed_seconds)
