@@ -195,7 +195,11 @@ class ScalarBending final : public ScalarEffect {
     if (!(weighted > 0)) {
       return;
     }
-    const double change = m_stiffness * (error_rad - compliance * multiplier) / (weighted + compliance);
+    const double least = (0.05 * error_rad * error_rad + 1e-6) *
+                         (inverse_masses[constraint.start] + inverse_masses[constraint.end]) *
+                         (left_per_height.squaredNorm() + right_per_height.squaredNorm());
+    const double change =
+        m_stiffness * (error_rad - compliance * multiplier) / (std::max(weighted, least) + compliance);
     multiplier += change;
     left -= (change * inverse_masses[constraint.left]) * left_per_height;
     right -= (change * inverse_masses[constraint.right]) * right_per_height;
