@@ -210,16 +210,24 @@ TEST(Volume, BoundNodesDoNotMove) {
   EXPECT_NE(p.predicted[8], f.mesh.vertices[8]);
 }
 
-TEST(Attachment, BoundNodesFollowTheirBone) {
-  Fixture f(make_sphere(0.05, 1), {}, {{3, 0}});
-  f.poses[0] = RigidMotion::about_axis(Vec3::UnitZ(), Vec3(0.01, 0, 0), 0.3);
-  const auto attachment = f.make("attachment");
-  const RigidMotion further = RigidMotion::about_axis(Vec3::UnitX(), Vec3(0, 0.02, 0), 1.0);
-  f.poses[0] = further * f.poses[0];
-  Nodes p = f.particles();
-  f.project(*attachment, p);
-  EXPECT_LT((p.predicted[3] - further.apply(f.mesh.vertices[3])).norm(), 1e-15);
-  EXPECT_EQ(p.predicted[4], f.mesh.vertices[4]);
+TEST(Attachment, BoundNodesMoveRigidlyWithTheirBoneToTheBit) {
+  for (const RigidMotion& rest :
+       {RigidMotion{}, RigidMotion::about_axis(Vec3(1, 2, 3).normalized(), Vec3(0.01, 0, 0.02), 0.3)}) {
+    const std::vector<BoundNode> bound = {{3, 0}, {8, 0}, {11, 0}};
+    Fixture f(make_sphere(0.05, 1), {}, bound);
+    f.poses[0] = rest;
+    const auto attachment = f.make("attachment");
+    Nodes p = f.particles();
+    for (int step = 1; step <= 100; ++step) {
+      f.poses[0] = RigidMotion::about_axis(Vec3(2, -1, 1).normalized(), Vec3(0, 0.02, 0), 0.05 * step) * rest;
+      f.project(*attachment, p);
+      for (const BoundNode& node : bound) {
+        const Vec3 at_rest = rest.apply_inverse(f.mesh.vertices[node.node]);
+        EXPECT_EQ(p.predicted[node.node], f.poses[0].apply(at_rest)) << "node " << node.node << ", step " << step;
+      }
+    }
+    EXPECT_EQ(p.predicted[4], f.mesh.vertices[4]);
+  }
 }
 
 TEST(Gravity, AcceleratesFreeNodesOnly) {
