@@ -98,22 +98,27 @@ void project_angles(AngleSlots slots, std::size_t first, std::size_t last, NodeR
     const VecLanes start_gradient = (left_per_height + right_per_height) - end_gradient;
     const Lane left_per_height2 = hn::Mul(edge_norm2, hn::Mul(per_norms2, right_norm2));
     const Lane right_per_height2 = hn::Mul(edge_norm2, hn::Mul(per_norms2, left_norm2));
-    const Lane sum = hn::Add(
+    Lane sum = hn::Add(
         hn::Add(hn::Add(hn::Mul(left.inverse_mass, left_per_height2), hn::Mul(right.inverse_mass, right_per_height2)),
                 hn::Mul(start.inverse_mass, dot(start_gradient, start_gradient))),
         hn::Mul(end.inverse_mass, dot(end_gradient, end_gradient)));
-    acts = hn::And(acts, hn::Gt(sum, hn::Zero(d)));
-    const Lane least_share = hn::Add(hn::Mul(hn::Set(d, 0.05), hn::Mul(error_rad, error_rad)), hn::Set(d, 1e-6));
-    const Lane least_sum = hn::Mul(hn::Mul(least_share, hn::Add(start.inverse_mass, end.inverse_mass)),
-                                   hn::Add(left_per_height2, right_per_height2));
+    const Lane tip = hn::Max(left.inverse_mass, right.inverse_mass);
+    const Lane both_of_edge = hn::Add(start.inverse_mass, end.inverse_mass);
+    const LaneMask tips_move = hn::Gt(hn::Add(tip, tip), hn::Mul(hn::Set(d, 0.9), both_of_edge));
+    if (!hn::AllTrue(d, tips_move)) {
+      const Lane least_share = hn::Add(hn::Mul(hn::Set(d, 0.05), hn::Mul(error_rad, error_rad)), hn::Set(d, 1e-6));
+      const Lane least_sum = hn::Mul(hn::Mul(least_share, both_of_edge), hn::Add(left_per_height2, right_per_height2));
+      sum = hn::IfThenElse(tips_move, sum, hn::Max(sum, least_sum));
+      acts = hn::And(acts, hn::Gt(sum, hn::Zero(d)));
+    }
     const Lane multiplier = slots.has_multipliers ? hn::LoadU(d, slots.multiplier + i) : hn::Zero(d);
     if (hn::AllFalse(d, acts)) {
       if (is_compliant) hn::StoreU(multiplier, d, slots.multiplier + i);
       continue;
     }
     const Lane error = hn::Sub(error_rad, hn::Mul(compliance, multiplier));
-    const Lane divisor = hn::Add(hn::Max(sum, least_sum), compliance);
-    const Lane change = hn::IfThenElseZero(acts, hn::Div(hn::Mul(hn::Set(d, slots.stiffness), error), divisor));
+    const Lane change =
+        hn::IfThenElseZero(acts, hn::Div(hn::Mul(hn::Set(d, slots.stiffness), error), hn::Add(sum, compliance)));
     if (is_compliant) hn::StoreU(hn::Add(multiplier, change), d, slots.multiplier + i);
     const Lane back = hn::Neg(change);
     add_to_nodes(hn::Mul(change, start.inverse_mass) * start_gradient, rows, slots.start + i);

@@ -9,8 +9,9 @@ namespace musclebench {
 
 /// Contact of the muscle's faces and edges with bones, not only of its nodes: a bone's ridge can cut through a triangle
 /// whose corners are all outside. The deepest points of faces (FaceContactFinder) are kept out of the bone; a
-/// correction is shared among the corners by their barycentric weights and inverse masses (ContactRowSolver). A bone's
-/// vertex that pokes through a face is such a point.
+/// correction is shared among the corners by their barycentric weights and inverse masses (ContactRowSolver; as the
+/// impulses of Bridson, Fedkiw and Anderson 2002, "Robust treatment of collisions, contact and friction for cloth
+/// animation"). A bone's vertex that pokes through a face is such a point.
 ///
 /// Points are searched for every `interval` collision steps; in between the planes move with their bones, but for those
 /// at sharp vertices, which are followed. Depth that was there when the substep began gives no velocity. The distance

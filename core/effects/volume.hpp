@@ -7,7 +7,8 @@
 
 namespace musclebench {
 
-/// Keeps the volume inside each muscle's closed surface (VolumeConstraints).
+/// Keeps the volume inside each muscle's closed surface (VolumeConstraints), or `pressure` times it, as the balloons of
+/// Mueller et al. 2007 ("Position based dynamics").
 std::unique_ptr<Effect> make_volume(const EffectInput& input, const Parameters& parameters);
 std::vector<ParameterSpec> volume_parameters();
 

@@ -195,9 +195,12 @@ class ScalarBending final : public ScalarEffect {
     if (!(weighted > 0)) {
       return;
     }
-    const double least = (0.05 * error_rad * error_rad + 1e-6) *
-                         (inverse_masses[constraint.start] + inverse_masses[constraint.end]) *
-                         (left_per_height.squaredNorm() + right_per_height.squaredNorm());
+    const double tip = std::max(inverse_masses[constraint.left], inverse_masses[constraint.right]);
+    const bool tips_move = 2 * tip > 0.9 * (inverse_masses[constraint.start] + inverse_masses[constraint.end]);
+    const double least = tips_move ? 0
+                                   : (0.05 * error_rad * error_rad + 1e-6) *
+                                         (inverse_masses[constraint.start] + inverse_masses[constraint.end]) *
+                                         (left_per_height.squaredNorm() + right_per_height.squaredNorm());
     const double change =
         m_stiffness * (error_rad - compliance * multiplier) / (std::max(weighted, least) + compliance);
     multiplier += change;
