@@ -2,8 +2,8 @@
 """What each effect costs a frame and what it changes, what a wanted property costs, and whether a muscle comes back.
 
 Runs scenes with the `standard` preset: with their own effects, with all, with each of all left out and with each added to
-their own; with the effects that they call for and a rest after the motion; and the small scenes that show one effect each.
-Writes tables (costs, changes, a price list, returns) and figures.
+their own; with the effects that they call for and a rest after the motion; in few large steps with either rule of the tunnelling guard;
+and the small scenes that show one effect each. Writes tables (costs, changes, a price list, returns, guards) and figures.
 
 A study goes on where it was stopped: complete runs are skipped until their arguments, the program or the data change.
 """
@@ -20,6 +20,7 @@ from musclebench.cases.study_command import (
 from musclebench.convergence.convergence_cases import backend_of
 from musclebench.effects.effect_cases import PRESET, EffectCase, ShownCase, plan, shown_names
 from musclebench.effects.effect_report import write_report
+from musclebench.effects.guards import GuardCase, plan_guards
 from musclebench.effects.returns import ReturnCase
 from musclebench.program.cli import add_scene_options, chosen_cores, data_set_of, run_command
 from musclebench.program.registry import Registry, read_registry
@@ -49,7 +50,7 @@ class EffectStudy(Experiment):
 
 
 def planned(options, registry: Registry,
-            folders: Folders) -> tuple[list[EffectCase], list[ReturnCase], list[ShownCase]]:
+            folders: Folders) -> tuple[list[EffectCase], list[ReturnCase], list[GuardCase], list[ShownCase]]:
     names = chosen_names(options.scene, options.muscle, data_set_of(options), registry,
                          QUICK_MUSCLE if options.quick else None)
     frames = options.frames_limit or (QUICK_FRAMES if options.quick else None)
@@ -57,18 +58,19 @@ def planned(options, registry: Registry,
     backend = backend_of(options.backend, registry)
     shown = survey(shown_names(registry), options.musclebench, registry, Folders(folders.out_dir))
     return (plan(scenes, registry, backend, options.repetitions, options.quick),
-            [ReturnCase(scene, backend) for scene in scenes], [ShownCase(scene, backend) for scene in shown])
+            [ReturnCase(scene, backend) for scene in scenes], plan_guards(scenes, registry, backend),
+            [ShownCase(scene, backend) for scene in shown])
 
 
 def run_and_report(options) -> int:
     check_options(options, "effects")
     folders = folders_of(options, "effects")
-    cases, returns, shown = planned(options, read_registry(options.musclebench), folders)
+    cases, returns, guards, shown = planned(options, read_registry(options.musclebench), folders)
     study = EffectStudy(options.musclebench, folders, options.force)
-    problems = run_missing([*returns, *cases, *shown], study, Limits(chosen_cores(options.jobs), options.timeout))
-    done, returned, drawn = ({case: study.folder(case) for case in some if study.is_complete(case)}
-                             for some in (cases, returns, shown))
-    tables, files = write_report(done, returned, drawn, folders.out_dir)
+    problems = run_missing([*returns, *cases, *guards, *shown], study, Limits(chosen_cores(options.jobs), options.timeout))
+    done, returned, guarded, drawn = ({case: study.folder(case) for case in some if study.is_complete(case)}
+                                      for some in (cases, returns, guards, shown))
+    tables, files = write_report(done, returned, guarded, drawn, folders.out_dir)
     for table in tables:
         print(f"\n{table.caption}\n\n{as_text(table)}")
     busy = disturbed({case.name: read_run(folder).record for case, folder in done.items()})

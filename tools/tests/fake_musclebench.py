@@ -65,8 +65,8 @@ def write_paper_run(options, status: str) -> None:
     import fake_runs
     bones = {"pelvis": fake_runs.sphere((0, 0, 0.03), 0.03), "femur": fake_runs.sphere((0, 0, -0.05), 0.04)}
     muscle = fake_runs.sphere((0, -0.05, 0.0), 0.06)
-    wanted = [int(frame) for frame in options.snapshots.split(",")]
-    shots = [] if status == "diverged" else list(paper_snapshots(muscle, wanted))
+    wanted = [int(frame) for frame in (options.snapshots or "").split(",") if frame]
+    shots = [] if status == "diverged" or not wanted else list(paper_snapshots(muscle, wanted))
     fake_runs.write_run(Path(options.out), options.input, options.backend, int(options.frames or 314), status,
                         "frame 3" if status == "diverged" else "", bones, muscle.triangles, shots,
                         {"femur": {"axis": [-1, 0, 0], "centre_m": [0, 0, 0], "angles_rad": [0, 1.57]}})

@@ -10,10 +10,12 @@ import pytest
 import effects
 import fake_registry
 import fake_runs
+from musclebench.cases.case import Folders
 from musclebench.effects.effect_cases import EffectCase, plan, shown_names
 from musclebench.effects.effect_report import measured_sets, write_report
 from musclebench.effects.effect_sets import ALL, KEPT, LOADS, OWN, EffectSet, effect_sets
 from musclebench.effects.effect_tables import cost_table, price_table
+from musclebench.effects.guards import guard_table, plan_guards
 from musclebench.effects.returns import ReturnCase, own_stretch, return_table
 from musclebench.figures import effect_figures, style
 from musclebench.results.ply import PlyMesh
@@ -65,12 +67,13 @@ def test_a_set_is_told_to_the_program_as_a_difference():
 def test_complete_runs_are_kept_and_every_set_has_a_row(study, tmp_path):
     code, text, errors, called = study("--quick")
     assert code == 0, errors
-    expected = {case.name for case in plan([fake_registry.scene("synthetic/iliacus", 12)], fake_registry.registry(), "bvh",
-                                           1, True)} | {"iliacus-returns"}
+    scenes, registry = [fake_registry.scene("synthetic/iliacus", 12)], fake_registry.registry()
+    sets = {case.name for case in plan(scenes, registry, "bvh", 1, True)} | {"iliacus-returns"}
+    expected = sets | {case.name for case in plan_guards(scenes, registry, "bvh")}
     assert {name for name in called if name.startswith("iliacus-")} == expected
     assert [name for name in called if name.startswith("shown-")] == ["shown-activation", "shown-attachment"]
     rows = (tmp_path / "out" / "tables" / "effect_changes.csv").read_text().splitlines()
-    assert len(rows) == len(expected)
+    assert len(rows) == len(sets)
     assert "own+margin" in text and "effect_scenes.png" in text
     for figure in ("effect_costs", "effect_changes", "effect_scenes"):
         assert (tmp_path / "out" / "figures" / f"{figure}.pdf").is_file()
@@ -95,6 +98,21 @@ def test_a_muscle_that_moved_has_not_come_back(tmp_path):
     assert row.own_stretch == pytest.approx(1.5, abs=0.01)
     assert np.isnan(own_stretch(*(PlyMesh(shape, ball.triangles, {"attached": 0 * attached})
                                   for shape in (ball.vertices_m, apart))))
+
+
+def test_a_guard_is_told_by_what_it_keeps(tmp_path):
+    cases = plan_guards([fake_registry.scene("synthetic/iliacus", 12)], fake_registry.registry(), "bvh")
+    assert [(case.frames, case.rule) for case in cases] == [(frames, rule) for frames in (6, 24) for rule in ("", "angle", "crossing")]
+    assert "--effect" not in cases[0].arguments(Folders(tmp_path))
+    assert "tunnelling_guard:rule=angle" in cases[1].arguments(Folders(tmp_path))
+    folders = {}
+    for case, tunnelled in zip(cases, (200, 50, 0, 0, 0, 3)):
+        folders[case] = fake_runs.write_run(tmp_path / case.name, case.scene.name, "bvh", case.frames)
+        told = folders[case] / "run.json"
+        told.write_text(json.dumps(json.loads(told.read_text()) | {"outcome": {"tunnelled_nodes": tunnelled}}))
+    few, many = guard_table(folders).rows.to_dict("records")
+    assert (few["without"], few["angle_recall"], few["crossing_recall"]) == (200, 75, 100)
+    assert np.isnan(many["angle_recall"]) and many["crossing"] == 3
 
 
 def test_the_small_scenes_are_those_of_the_program():
@@ -179,7 +197,7 @@ def test_costs_are_columns_and_differences(measured):
 
 
 def test_shapes_are_compared_with_that_of_all_effects(measured, tmp_path):
-    tables, _ = write_report(measured({OWN: (10, {}), ALL: (12, {})}), {}, {}, tmp_path / "out")
+    tables, _ = write_report(measured({OWN: (10, {}), ALL: (12, {})}), {}, {}, {}, tmp_path / "out")
     changes = next(table for table in tables if table.name == "effect_changes").rows.set_index("set")
     assert changes.loc[OWN, "shape_mm"] == pytest.approx(2) and changes.loc[ALL, "shape_mm"] == 0
 

@@ -10,6 +10,7 @@ from ..tables.table_formats import Table, write_table
 from .effect_cases import EffectCase, ShownCase
 from .effect_runs import MeasuredSet
 from .effect_tables import change_table, cost_table, price_table
+from .guards import GuardCase, guard_table
 from .returns import ReturnCase, return_table
 
 
@@ -22,11 +23,12 @@ def measured_sets(folders: dict[EffectCase, Path]) -> list[MeasuredSet]:
     return [MeasuredSet(scene, group[0].muscle, chosen, group) for (scene, chosen), group in groups.items()]
 
 
-def write_report(folders: dict[EffectCase, Path], returned: dict[ReturnCase, Path], shown: dict[ShownCase, Path],
-                 out_dir: Path) -> tuple[list[Table], list[Path]]:
-    """`folders`, `returned` and `shown`: of the complete cases."""
+def write_report(folders: dict[EffectCase, Path], returned: dict[ReturnCase, Path], guarded: dict[GuardCase, Path],
+                 shown: dict[ShownCase, Path], out_dir: Path) -> tuple[list[Table], list[Path]]:
+    """All of them: of the complete cases."""
     measured = measured_sets(folders)
-    tables = [cost_table(measured), change_table(measured), price_table(measured), return_table(returned)]
+    tables = [cost_table(measured), change_table(measured), price_table(measured), return_table(returned),
+              guard_table(guarded)]
     for name in ("tables", "figures"):
         (out_dir / name).mkdir(parents=True, exist_ok=True)
     files = [path for table in tables for path in write_table(table, out_dir / "tables")]

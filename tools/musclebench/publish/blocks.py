@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pandas as pd
 
 from ..convergence import convergence_report
-from ..effects import effect_tables, returns
+from ..effects import effect_tables, guards, returns
 from ..program.cli import Problem
 from ..results.disturbance import MARK
 from ..tables import choices, muscle_tables, outcomes, paper_tables, prices
@@ -29,6 +29,7 @@ DEPTH_KEYS = ("muscle", "backend", "bone_depth_mm", "bone_nodes", "muscle_depth_
 PAIR_KEYS = ("muscle", "backend", "detect_ms", "contacts")
 RETURN_KEYS = ("muscle", "status", "added", "rms_mm", "surface_depth_mm", "tunnelled", "volume_percent", "folded_percent",
                "folded_at_end", "stretch", "own_stretch", "fibre_stretch")
+GUARD_KEYS = ("muscle", "frames", "step_deg", "without", "angle", "angle_recall", "crossing", "crossing_recall")
 SUBSTEP_KEYS = ("scene", "backend", "substeps", "status", "rms_mm", "p99_mm", "largest_mm", "volume_error_percent",
                 "largest_depth_mm")
 EFFECT_COST_KEYS = ("muscle", "effect", "own_ms", "share_percent", "added_ms", "saved_ms")
@@ -120,5 +121,6 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "effect_changes": _from("effect_changes", effect_tables.CHANGE_COLUMNS, EFFECT_CHANGE_KEYS),
     "effect_prices": _from("effect_prices", effect_tables.PRICE_COLUMNS, EFFECT_PRICE_KEYS),
     "returns": _from("returns", returns.RETURN_COLUMNS, RETURN_KEYS),
+    "guards": _from("guards", guards.GUARD_COLUMNS, GUARD_KEYS),
     "substeps": _from("substeps", convergence_report.COLUMNS, SUBSTEP_KEYS),
 }
