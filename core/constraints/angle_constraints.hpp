@@ -26,9 +26,9 @@ struct AngleSettings {
 /// and Grinspun 2013), which are regular for flat and for folded pairs; pairs with a degenerate triangle are skipped.
 ///
 /// Where only nodes of the edge can move, or tips are much heavier, the edge's gradients cancel as the triangles fold
-/// onto each other, and the step of XPBD grows without bound. So the sum that divides it, S = sum_i w_i |grad_i C|^2, counts there as at least
-/// (w_start + w_end) (1 / h_left^2 + 1 / h_right^2) (0.05 C^2 + 1e-6), h the heights over the edge: no node is moved by
-/// more than sqrt(20) of its triangles' smaller height.
+/// onto each other, and the step of XPBD grows without bound. So the sum that divides it, S = sum_i w_i |grad_i C|^2,
+/// counts there as at least (w_start + w_end) (1 / h_left^2 + 1 / h_right^2) (0.05 C^2 + 1e-6), h the heights over the
+/// edge: no node is moved by more than sqrt(20) of its triangles' smaller height.
 class AngleConstraints {
  public:
   AngleConstraints(std::span<const AngleConstraint> constraints, const NodeOrder& order, const AngleSettings& settings);
