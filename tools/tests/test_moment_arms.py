@@ -1,0 +1,120 @@
+"""Moment arms beside published ones: reading them, comparing, the command."""
+
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import fake_registry
+import fake_runs
+import moment_arms
+from musclebench.cases.case import Folders
+from musclebench.figures.moment_arms import draw_moment_arms
+from musclebench.moment_arms.moment_cases import MomentCase, plan
+from musclebench.moment_arms.moment_report import arm_table, course_of
+from musclebench.moment_arms.published import read_published
+from musclebench.program.cli import Problem
+from musclebench.results.run_folder import Run
+
+SAME_HIP = "muscle,hip_flexion_deg,fibres,min_mm,p10_mm,mean_mm,p90_mm,max_mm\n" \
+           "iliacus,0,100,-40,-35,-30,-25,-20\niliacus,50,100,-50,-45,-40,-35,-30\ngluteus_maximus,0,100,30,40,60,80,90\n"
+ELEMENTS = "muscle,hip_flexion_deg,bound,moment_arm_mm\niliacus,0,upper,32\niliacus,60,upper,50\niliacus,0,lower,20\n" \
+           "iliacus,60,lower,25\ngluteus_maximus,0,upper,66\ngluteus_maximus,0,lower,14\n"
+MEASURED = "hip_flexion_deg,gluteus_maximus_mm\n0,76.8\n60,51.1\n"
+DOSTAL = "hip_flexion_deg,gluteus_medius_flexion_mm\n0,-8.8\n"
+
+
+@pytest.fixture
+def data(tmp_path):
+    folder = tmp_path / "data" / "moment_arms"
+    folder.mkdir(parents=True)
+    for name, text in (("modenese_kohout_2020.csv", SAME_HIP), ("blemker_delp_2005.csv", ELEMENTS),
+                       ("nemeth_ohlsen_1985.csv", MEASURED), ("dostal_1986.csv", DOSTAL)):
+        (folder / name).write_text(text)
+    return folder.parent
+
+
+def band(angles, mean):
+    """fibres.csv of a muscle whose fibres differ by 10 mm either way."""
+    mean = np.asarray(mean, dtype=float)
+    columns = {f"{name}_moment_arm_m": 1e-3 * (mean + off) for name, off in
+               (("min", -10), ("p10", -8), ("mean", 0), ("p90", 8), ("max", 10))}
+    return pd.DataFrame({"frame": range(len(mean)), "angle_deg": angles, "moment_arm_error_m": 1e-4} | columns)
+
+
+def run_with(fibres):
+    return Run(Path("nowhere"), {"status": "ok", "case": {"scene": "lhdl/iliacus"}}, pd.DataFrame(), fibres=fibres)
+
+
+def test_published_arms_have_the_sign_of_the_program(data):
+    published = read_published(data)
+    iliacus = published["iliacus"]
+    assert iliacus.same_hip["mean"].at(25) == pytest.approx(-35)
+    assert np.isnan(iliacus.same_hip["mean"].at(51))
+    # Flexion positive as published; a flexor grows shorter in flexion.
+    assert iliacus.finite_elements["lower"].at(0) == -32 and iliacus.finite_elements["upper"].at(0) == -20
+    assert published["gluteus_maximus"].finite_elements["lower"].at(0) == 14
+    assert published["gluteus_maximus"].measured.at(0) == 76.8
+    assert iliacus.measured is None
+
+
+def test_without_data_nothing_is_published(tmp_path):
+    assert read_published(None) == {} and read_published(tmp_path) == {}
+    table = arm_table({"iliacus": course_of([run_with(band([0, 2, 4], [1, 2, 3]))])}, {})
+    assert "nothing is published" in table.caption and set(table.rows["holds"]) == {"-"}
+
+
+@pytest.mark.parametrize("text, words", [("muscle,angle\niliacus,0\n", "lacks the columns hip_flexion_deg"), (None, "can't be read")])
+def test_a_damaged_file_is_one_line(data, text, words):
+    file = data / "moment_arms" / "modenese_kohout_2020.csv"
+    file.write_text(text) if text else file.unlink()
+    with pytest.raises(Problem, match="modenese_kohout_2020.csv: .*" + words):
+        read_published(data)
+
+
+def test_a_course_joins_both_ways_from_rest():
+    course = course_of([run_with(band([0, 2, 4], [1, 2, 3])), run_with(band([0, -2], [9, 0]))])
+    assert list(course["angle_deg"]) == [-2, 0, 2, 4] and list(course["mean_mm"]) == [0, 1, 2, 3]
+    assert course["p10_mm"].iloc[1] == pytest.approx(-7)
+
+
+def test_the_goal_is_five_millimetres_or_fifteen_percent(data, tmp_path):
+    angles = np.arange(-10, 61, 5)
+    courses = {"iliacus": course_of([run_with(band(angles, -33.0 - 0.25 * angles))]),
+               "gluteus_maximus": course_of([run_with(band(angles, 51.5 + 0 * angles))])}
+    published = read_published(data)
+    rows = arm_table(courses, published).rows.set_index(["muscle", "angle_deg"])
+    assert rows.loc[("iliacus", 0), "difference_mm"] == pytest.approx(-3) and rows.loc[("iliacus", 0), "holds"] == "yes"
+    assert rows.loc[("iliacus", 50), "difference_percent"] == pytest.approx(-13.75)
+    assert rows.loc[("iliacus", 50), "holds"] == "yes" and rows.loc[("iliacus", 60), "holds"] == "-"
+    assert rows.loc[("gluteus_maximus", 0), "holds"] == "yes"  # 8.5 mm, and 14 % of 60
+    assert all(path.is_file() for path in draw_moment_arms(courses, published, tmp_path / "figure"))
+
+
+def test_cases_go_from_rest_to_both_ends(tmp_path):
+    cases = plan([fake_registry.scene("synthetic/iliacus", 12)], "bvh", 7, 2.0)
+    assert [case.to_deg for case in cases] == [90, -10]
+    words = cases[0].arguments(Folders(tmp_path))
+    assert "to_deg=90.0" in words and words[words.index("--fibres") + 1] == "7" and words[words.index("--frames") + 1] == "45"
+    assert cases[0].snapshot_frames == [0, 22, 45] and cases[1].snapshot_frames == [0]
+    assert MomentCase(cases[0].scene, "bvh", -1.0, 7).frames == 3
+
+
+@pytest.mark.parametrize("arguments, words", [(["--fibres", "0"], "--fibres 0"), (["--degrees", "0"], "--degrees 0"),
+                                              (["--muscle", "biceps"], "'biceps'")])
+def test_bad_input_is_one_line(tmp_path, capfd, arguments, words):
+    program = Path(__file__).resolve().parent / "fake_musclebench.py"
+    code = moment_arms.main(["--musclebench", str(program), "--out", str(tmp_path / "out"), *arguments])
+    errors = capfd.readouterr().err
+    assert code == 2 and errors.count("\n") == 1 and words in errors
+
+
+def test_the_shell_wrapper_answers_for_help_without_building():
+    wrapper = Path(moment_arms.__file__).with_name("moment-arms")
+    done = subprocess.run([wrapper, "--help"], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0 and "usage: tools/moment-arms [" in done.stdout
+
+
+assert fake_runs  # its folder makes the stand-ins importable
