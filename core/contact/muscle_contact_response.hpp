@@ -26,7 +26,7 @@ struct PairSteps {
 /// Moves nodes out of other muscles. A contact between a node p and the closest point q = sum b_i q_i of a triangle is
 /// the constraint n . (p - q) >= 0; the node moves along the normal n and the triangle's corners against it, each by
 /// its inverse mass and its weight (ContactRowSolver; the point-triangle constraint of Mueller et al. 2007, "Position
-/// based dynamics"). Muscles that overlap at rest separate without being accelerated.
+/// based dynamics", sections 3.4 and 4.3). Muscles that overlap at rest separate without being accelerated.
 class MuscleContactResponse {
  public:
   /// `triangles` of the mesh of all muscles, which outlive this; `inverse_masses` of all nodes, 1/kg. `steps`:

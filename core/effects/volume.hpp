@@ -8,7 +8,7 @@
 namespace musclebench {
 
 /// Keeps the volume inside each muscle's closed surface (VolumeConstraints), or `pressure` times it, as the balloons of
-/// Mueller et al. 2007 ("Position based dynamics").
+/// Mueller et al. 2007 ("Position based dynamics", section 4.4).
 std::unique_ptr<Effect> make_volume(const EffectInput& input, const Parameters& parameters);
 std::vector<ParameterSpec> volume_parameters();
 
