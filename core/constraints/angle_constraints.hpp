@@ -28,7 +28,8 @@ struct AngleSettings {
 /// Where only nodes of the edge can move, or tips are much heavier, the edge's gradients cancel as the triangles fold
 /// onto each other, and the step of XPBD grows without bound. So the sum that divides it, S = sum_i w_i |grad_i C|^2,
 /// counts there as at least (w_start + w_end) (1 / h_left^2 + 1 / h_right^2) (0.05 C^2 + 1e-6), h the heights over the
-/// edge: no node is moved by more than sqrt(20) of its triangles' smaller height.
+/// edge: no node is moved by more than sqrt(20) of its triangles' smaller height. Elsewhere the lighter tip's part of S
+/// bounds a step to 4.7 of the larger height.
 class AngleConstraints {
  public:
   AngleConstraints(std::span<const AngleConstraint> constraints, const NodeOrder& order, const AngleSettings& settings);
