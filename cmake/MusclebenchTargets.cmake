@@ -56,6 +56,11 @@ function(musclebench_compile_simd_alone)
   endforeach()
 endfunction()
 
+# Sources in whose place a program may link functions of its own (bench/effects: what an effect costs that is absent).
+function(musclebench_replaceable)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 # musclebench_library(NAME SOURCES file... [DEPENDS target...] [PRIVATE target...])
 # DEPENDS shows in the headers of NAME; PRIVATE does not, so its users cannot include it by mistake.
 # MUSCLEBENCH_PREBUILT=BUILD, for a test: what that build has is linked from there, but for the table of backends.

@@ -96,6 +96,54 @@ INSTANTIATE_TEST_SUITE_P(Few, InstructionsOfAbsentEffect, testing::ValuesIn(few_
 INSTANTIATE_TEST_SUITE_P(DISABLED_Others, InstructionsOfAbsentEffect, testing::ValuesIn(other_effects()),
                          [](const auto& effect) { return effect.param; });
 
+/// What acts without a row of the registry: as soon as a scene has bones, fibres or muscles that touch.
+class AbsentByScene : public testing::TestWithParam<std::string> {
+ protected:
+  /// All effects that a scene can have without it.
+  [[nodiscard]] std::string scene() const {
+    std::vector<std::string> names;
+    for (const EffectEntry& entry : effect_registry()) {
+      const bool calls_for_it = GetParam() == "contact"
+                                    ? entry.needs_normals
+                                    : GetParam() == "fibre_anisotropy" && entry.name == "activation";
+      if (!calls_for_it) names.push_back(entry.name);
+    }
+    return fmt::format(" {}", fmt::join(names, " "));
+  }
+  [[nodiscard]] std::string scene_without() const { return fmt::format(" --without={}{}", GetParam(), scene()); }
+};
+
+TEST_P(AbsentByScene, CostsNeitherBitsNorMemoryNorColumns) {
+  const Answer with = call(program_with_all() + scene_without());
+  const Answer without = call(program_without(GetParam()) + scene_without());
+  ASSERT_EQ(with.exit_code, 0) << with.text;
+  ASSERT_EQ(without.exit_code, 0) << without.text;
+  for (const char* key : {"state", "allocations", "bytes", "columns"}) {
+    EXPECT_FALSE(with.of(key).empty()) << key;
+    EXPECT_EQ(with.of(key), without.of(key)) << key;
+  }
+  EXPECT_NE(with.of("state"), call(program_with_all() + scene()).of("state")) << "the scene does not show it";
+}
+
+TEST_P(AbsentByScene, CostsNoInstructions) {
+  if (const std::string why = why_not_counted(); !why.empty()) GTEST_SKIP() << why;
+  const double with = count_instructions(program_with_all() + scene_without()).instructions;
+  const double without = count_instructions(program_without(GetParam()) + scene_without()).instructions;
+  EXPECT_NEAR(with / without, 1, 1e-3);
+}
+
+TEST_P(AbsentByScene, IsNotInTheProgramThatIsBuiltWithoutIt) {
+  const std::string program = program_without(GetParam());
+  if (GetParam() == "contact") {
+    EXPECT_EQ(call(program + scene()).of("state"), call(program + scene_without()).of("state"));
+  } else {
+    EXPECT_NE(call(program + scene()).exit_code, 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, AbsentByScene, testing::Values("contact", "fibre_anisotropy", "muscle_contact"),
+                         [](const auto& effect) { return effect.param; });
+
 /// The figures that are compared tell an effect that is there.
 TEST(PresentEffect, IsSeenInAllFigures) {
   for (const std::string& name : {std::string("volume"), std::string("friction")}) {

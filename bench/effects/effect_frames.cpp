@@ -1,5 +1,6 @@
 // Runs a small scene with the effects that are named and prints what absent_effects_test compares between programs.
-//   effect_frames [--one-frame] [EFFECT...]
+//   effect_frames [--one-frame] [--without=contact|fibre_anisotropy|muscle_contact] [EFFECT...]
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -36,10 +37,24 @@ std::string trajectory_hash(const Simulation& simulation) {
   return hash.hex_digest();
 }
 
-void run_and_print(std::vector<std::string> effects) {
-  const bool one_frame = std::erase(effects, "--one-frame") > 0;
-  const Scene scene = combination_scene(effects, coarse);
-  const RunCase run = combination_case(scene);
+const BackendEntry& backend_without_contacts() {
+  return *std::ranges::find_if(backend_registry(), [](const BackendEntry& entry) {
+    return !entry.make(Parameters(entry.parameters, {}, entry.name))->capabilities().finds_contacts;
+  });
+}
+
+void run_and_print(std::vector<std::string> arguments) {
+  const bool one_frame = std::erase(arguments, "--one-frame") > 0;
+  const auto leaves_out = [&](const char* effect) {
+    return std::erase(arguments, fmt::format("--without={}", effect)) > 0;
+  };
+  const bool no_contact = leaves_out("contact");
+  const bool no_fibres = leaves_out("fibre_anisotropy");
+  const bool no_muscle_contact = leaves_out("muscle_contact");
+  Scene scene = combination_scene(arguments, coarse);
+  if (no_fibres) scene.muscles[0].fibres.clear();
+  if (no_muscle_contact) scene.muscle_pairs.clear();
+  const RunCase run = combination_case(scene, no_contact ? backend_without_contacts() : exact_backend());
   const BuiltBackend built = build_backend(run);
   const HeapUse before = heap_use();
   PreparedSimulation prepared;

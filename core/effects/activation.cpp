@@ -5,6 +5,7 @@
 
 #include "core/constraints/length_constraints.hpp"
 #include "core/effects/surface_edges.hpp"
+#include "core/fibres/fibre_alignment.hpp"
 
 namespace musclebench {
 

@@ -6,8 +6,18 @@
 #include "core/effects/constraint_effect.hpp"
 #include "core/effects/fixed_nodes.hpp"
 #include "core/effects/surface_edges.hpp"
+#include "core/fibres/fibre_alignment.hpp"
 
 namespace musclebench {
+
+namespace {
+
+double across_fibres(const std::vector<FibreSegment>& fibres, const Vec3& start, const Vec3& end, double exponent) {
+  const double alignment = alignment_with_nearest_fibre(fibres, 0.5 * (start + end), end - start);
+  return portable::pow(1 - alignment, exponent);
+}
+
+}  // namespace
 
 std::vector<LengthConstraint> edge_length_constraints(const EffectInput& input, const Parameters& parameters) {
   const double stiffness = parameters.number("stiffness");
@@ -20,8 +30,7 @@ std::vector<LengthConstraint> edge_length_constraints(const EffectInput& input, 
     const Vec3& start = input.mesh.vertices[edge.start];
     const Vec3& end = input.mesh.vertices[edge.end];
     const std::vector<FibreSegment>& fibres = input.fibres[body_of(input.bodies, edge.start)];
-    const double alignment = alignment_with_nearest_fibre(fibres, 0.5 * (start + end), end - start);
-    const double across = fibres.empty() ? 1 : portable::pow(1 - alignment, exponent);
+    const double across = fibres.empty() ? 1 : across_fibres(fibres, start, end, exponent);
     if (stiffness * across > 0) {
       // A compliant edge is softened by its compliance alone, else it would be softened twice.
       constraints.push_back({{edge.start, edge.end},

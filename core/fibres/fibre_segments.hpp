@@ -14,10 +14,6 @@ struct FibreSegment {
 
 double squared_distance(const FibreSegment& segment, const Vec3& point);
 
-/// |cos| of the angle between `direction` and the fibre segment closest to `point`; 0 without fibres and for a
-/// direction or a fibre of length 0.
-double alignment_with_nearest_fibre(const std::vector<FibreSegment>& fibres, const Vec3& point, const Vec3& direction);
-
 /// Fibres along the surface from an origin area to an insertion area: the direction field is the gradient of the
 /// harmonic function that is 0 on `origin` and 1 on `insertion` (Choi and Blemker 2013 reconstruct fascicles from such
 /// a field), here solved on the surface with cotangent weights. One segment a triangle, evenly thinned to at most

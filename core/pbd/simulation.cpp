@@ -180,15 +180,7 @@ void Simulation::collide(bool last_of_frame, CollisionObserver* observer) {
     const ScopedTimer timer(m_times.recording_ns);
     observer->before_detection(step);
   }
-  {
-    const ScopedTimer timer(m_times.update_ns);
-    m_backend.update(m_poses, m_predicted);
-  }
-  {
-    const ScopedTimer timer(m_times.detect_ns);
-    m_backend.detect(m_predicted, m_free_nodes, m_contacts);
-  }
-  std::ranges::transform(m_backend.pair_times(), m_times.pairs_ns, m_times.pairs_ns.begin(), std::plus<>());
+  find_contacts();
   if (observer != nullptr) {
     const ScopedTimer timer(m_times.recording_ns);
     observer->after_detection(step, m_contacts);
@@ -201,13 +193,7 @@ void Simulation::collide(bool last_of_frame, CollisionObserver* observer) {
     const ScopedTimer timer(m_times.stages_ns[i]);
     m_stages[i]->before_response(stage_input(m_contacts));
   }
-  {
-    const ScopedTimer timer(m_times.respond_ns);
-    m_response.resolve(m_backend, {m_positions, m_previous_poses, m_poses}, m_contacts, m_predicted);
-    for (const Contact& contact : m_contacts) {
-      m_rows[m_order.row_of(contact.node)].set_position(m_predicted[contact.node]);
-    }
-  }
+  respond();
   run_stages(&ContactStage::after_bones, m_contacts);
 }
 

@@ -124,6 +124,8 @@ class Simulation {
     return {m_positions, m_predicted, m_free_nodes, m_previous_poses, m_poses, contacts};
   }
   void collide(bool last_of_frame, CollisionObserver* observer);
+  void find_contacts();
+  void respond();
   void finish_substep(const Team& team);
 
   LoopParameters m_loop;

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/mesh/mesh_size.hpp"
-#include "core/pbd/muscle_contact_stage.hpp"
+#include "core/scene/muscle_contact.hpp"
 
 namespace musclebench {
 
@@ -95,19 +95,8 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
       scene.loop, particles, std::move(order), std::move(effects), backend, std::move(response),
       [&scene](double position, std::vector<RigidMotion>& poses) { scene.poses_at(position, poses); }, threads);
   if (!muscle_detectors.empty()) {
-    std::vector<MusclePair> pairs;
-    std::vector<int> steps;
-    for (const SceneMusclePair& pair : scene.muscle_pairs) {
-      pairs.push_back(pair.muscles);
-      steps.push_back(pair.response_steps.value_or(scene.response_steps));
-    }
-    MuscleContactResponse muscle_response(scene.muscle_mesh.triangles, particles.inverse_masses,
-                                          PairSteps(bodies, std::move(pairs), std::move(steps)));
-    for (const auto& [entry, parameters] : named) {
-      if (entry->set_muscle_response) entry->set_muscle_response(muscle_response, *parameters);
-    }
     prepared.simulation->add_stage(
-        std::make_unique<MuscleContactStage>(std::move(muscle_detectors), std::move(muscle_response)));
+        make_muscle_contact_stage(scene, particles.inverse_masses, std::move(muscle_detectors)));
   }
   for (const auto& [entry, parameters] : named) {
     if (!entry->make_stage) continue;

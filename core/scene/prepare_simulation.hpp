@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "core/contact/collision_backend.hpp"
-#include "core/contact/muscle_contact.hpp"
 #include "core/contact/response.hpp"
 #include "core/pbd/simulation.hpp"
+#include "core/scene/muscle_contact.hpp"
 #include "core/scene/scene.hpp"
 
 namespace musclebench {
@@ -19,8 +19,6 @@ struct PreparedSimulation {
   std::vector<std::string> stage_names;   ///< the same of its contact stages
   std::unique_ptr<Simulation> simulation;
 };
-
-using MuscleContactDetectors = std::vector<std::unique_ptr<MuscleContactDetector>>;
 
 /// `scene` and `backend`, which is built over the scene's bones, outlive the simulation. `responses`: one for all,
 /// or one a muscle and bone. `muscle_detectors` see to all `muscle_pairs` of the scene. Throws std::invalid_argument

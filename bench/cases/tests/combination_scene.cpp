@@ -28,8 +28,7 @@ Scene combination_scene(const std::vector<std::string>& effects, int subdivision
   return scene;
 }
 
-RunCase combination_case(const Scene& scene) {
-  const BackendEntry& backend = exact_backend();
+RunCase combination_case(const Scene& scene, const BackendEntry& backend) {
   RunCase run{{scene, backend, Parameters(backend.parameters, {}, backend.name)}};
   run.colliders = choose_collider_backends({}, scene, backend);
   run.judge = false;

@@ -12,7 +12,7 @@ namespace musclebench {
 /// by a rod. `effects` have their default parameters. `subdivisions`: of the balls.
 Scene combination_scene(const std::vector<std::string>& effects, int subdivisions = 2);
 
-/// Its run with the exact backend, not judged.
-RunCase combination_case(const Scene& scene);
+/// Its run, not judged.
+RunCase combination_case(const Scene& scene, const BackendEntry& backend = exact_backend());
 
 }  // namespace musclebench

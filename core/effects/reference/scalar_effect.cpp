@@ -6,6 +6,7 @@
 #include "core/base/portable_math.hpp"
 #include "core/effects/reference/scalar_local_volume.hpp"
 #include "core/effects/surface_edges.hpp"
+#include "core/fibres/fibre_alignment.hpp"
 
 namespace musclebench {
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/fibres/fibre_alignment.hpp"
+
 namespace musclebench {
 namespace {
 
