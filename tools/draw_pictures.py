@@ -1,27 +1,32 @@
 #!/usr/bin/python3
-"""Draws the surface figures of an experiment's runs. A process of its own, because VTK needs a display."""
+"""Draws the pictures in space of an experiment's runs. A process of its own, because VTK needs a display."""
 
 import sys
 from pathlib import Path
 
 from musclebench.figures import looks
-from musclebench.pictures import surface_figures
+from musclebench.pictures.fibre_figure import draw_fibres
+from musclebench.pictures.surface_figures import draw_surface_figures
 from musclebench.program.cli import Problem
 from musclebench.program.registry import saved_registry
 from musclebench.results import run_folder
 
+KINDS = {
+    "surfaces": lambda runs, folder, say: draw_surface_figures(runs, folder, say),
+    "fibres": lambda runs, folder, say: draw_fibres({run.muscle: run for run in runs}, folder / "fibres", say),
+}
+
 
 def main(arguments: list[str]) -> int:
-    """Arguments: the experiment's folder and the names of its runs. Prints `drawing WHAT` and `file PATH` lines."""
-    out_dir, names = Path(arguments[0]), arguments[1:]
+    """Arguments: what is drawn, the experiment's folder, the names of its runs. Prints `drawing WHAT` and `file PATH`
+    lines."""
+    kind, out_dir, names = arguments[0], Path(arguments[1]), arguments[2:]
     try:
         looks.know(saved_registry(out_dir))
         runs = run_folder.read_all([out_dir / "raw" / name for name in names])
-        files = surface_figures.draw_surface_figures(
-            runs, out_dir / "figures", lambda text: print(f"drawing {text}", flush=True)
-        )
+        files = KINDS[kind](runs, out_dir / "figures", lambda text: print(f"drawing {text}", flush=True))
     except (Problem, run_folder.ResultProblem, OSError) as problem:
-        print(f"draw_surfaces: {problem}", file=sys.stderr)
+        print(f"draw_pictures: {problem}", file=sys.stderr)
         return 2
     for path in files:
         print(f"file {path}")
