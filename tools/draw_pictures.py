@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from musclebench.figures import looks
-from musclebench.pictures.fibre_figure import draw_fibres
+from musclebench.pictures.fibre_figure import draw_fibres, name_of
 from musclebench.pictures.surface_figures import draw_surface_figures
 from musclebench.program.cli import Problem
 from musclebench.program.registry import saved_registry
@@ -13,7 +13,7 @@ from musclebench.results import run_folder
 
 KINDS = {
     "surfaces": lambda runs, folder, say: draw_surface_figures(runs, folder, say),
-    "fibres": lambda runs, folder, say: draw_fibres({run.muscle: run for run in runs}, folder / "fibres", say),
+    "fibres": lambda runs, folder, say: draw_fibres({name_of(run): run for run in runs}, folder / "fibres", say),
 }
 
 

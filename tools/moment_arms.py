@@ -61,10 +61,12 @@ def runs_by_muscle(runs: list[Run]) -> dict[str, list[Run]]:
     return {muscle: [run for run in runs if run.muscle == muscle] for muscle in sorted({run.muscle for run in runs})}
 
 
-def pictured(runs: list[Run]) -> list[str]:
-    """Of each muscle the run that turns farther."""
-    return [max(some, key=lambda run: run.fibres["angle_deg"].abs().max()).folder.name
-            for some in runs_by_muscle(runs).values()]
+def pictured(passive: list[Run], active: list[Run]) -> list[str]:
+    """Of each muscle the run that turns farther, of either kind."""
+    kinds = [runs_by_muscle(runs) for runs in (passive, active)]
+    chosen = [max(kind[muscle], key=lambda run: run.fibres["angle_deg"].abs().max())
+              for muscle in kinds[0] for kind in kinds if muscle in kind]
+    return [run.folder.name for run in chosen]
 
 
 def run_and_report(options) -> int:
@@ -91,7 +93,7 @@ def run_and_report(options) -> int:
     files = [*write_table(table, tables), *course_files(courses, tables), *course_files(tense, tables, "_active"),
              *draw_moment_arms(courses, tense, published, folders.out_dir / "figures" / "moment_arms")]
     try:
-        files += draw_in_display("fibres", folders.out_dir, pictured(passive))
+        files += draw_in_display("fibres", folders.out_dir, pictured(passive, active))
     except Problem as problem:
         problems.append(str(problem))
     print(f"\n{table.caption}\n\n{as_text(table)}")

@@ -8,6 +8,7 @@ from ..cases.scene import Scene
 PRESET = "standard"
 ENDS_DEG = (-10.0, 90.0)
 DEGREES_A_FRAME = 2.0
+SHORTENING = 0.5  # of free fibres: active force ends at half of their best length (Gordon, Huxley, Julian 1966; Zajac 1989)
 SHOWN_DEG = (0, 45, 90)  # of the pictures
 SECONDS_A_FRAME = 0.3  # of the reference muscle, with its fibres: a first guess, which the progress bar corrects
 
@@ -52,7 +53,8 @@ class MomentCase(SceneCase):
 
     def _effects(self) -> list[str]:
         """From the first frame on: a muscle that takes up its tension while it is turned has lengths of both."""
-        return ["--effect", f"activation:level={self.activation!r},rise_s=0.0"] if self.activation else []
+        told = f"activation:level={self.activation!r},shortening={SHORTENING!r},rise_s=0.0"
+        return ["--effect", told] if self.activation else []
 
     def record(self) -> dict:
         return {"mode": "coupled", "scene": self.scene.name, "preset": self.scene.preset, "backend": self.backend,

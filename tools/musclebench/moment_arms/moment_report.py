@@ -24,13 +24,14 @@ ARM_COLUMNS = [
     Column("lower_mm", "finite elements, lower mm", 1), Column("upper_mm", "upper mm", 1),
     Column("measured_mm", "measured mm", 1),
 ]
-CONTRACTING_DEG = 8.0  # that the joint turns while an active muscle still takes up its tension
+CONTRACTING_DEG = 15.0  # that the joint turns while an active muscle still takes up its tension
 CAPTION = (
     "Moment arms r = dL / d(flexion) of the fibres of each muscle, positive where they grow longer in flexion, beside those of "
     "the same hip (Modenese and Kohout 2020), of finite elements of another subject (Blemker and Delp 2005, unscaled) and of "
     f"measurements. Goal: the mean within {GOAL_MM:g} mm or {GOAL_PERCENT:g} % of that of the same hip. A passive muscle falls slack where "
     "its ends come closer, as relaxed muscles do (Hoang et al. 2007, Herbert et al. 2015), and its fibres then keep their "
-    "length; published arms are those of taut lines. Active: the same with activation."
+    "length; published arms are those of taut lines. Active: the same with activation; it has to "
+    f"contract first, so that nothing is said within {CONTRACTING_DEG:g} degrees of rest."
 )
 NOTHING_PUBLISHED = (
     "Moment arms r = dL / d(flexion) of the fibres of each muscle, positive where they grow longer in flexion. Of the synthetic "

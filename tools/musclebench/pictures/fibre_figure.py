@@ -60,8 +60,13 @@ def stretch_scale(stretches: list[np.ndarray]) -> colors.Normalize:
     return colors.Normalize(1 - most, 1 + most)
 
 
+def name_of(run: Run) -> str:
+    """Its muscle, and whether it is active."""
+    return f"{run.muscle}, active" if "activation" in run.record["case"]["effects"] else run.muscle
+
+
 def draw_fibres(runs: dict[str, Run], stem: Path, say: Callable[[str], None]) -> list[Path]:
-    """`runs`: by muscle, with snapshots; those without fibres are left out."""
+    """`runs`: by name, with snapshots; those without fibres are left out."""
     shown = {muscle: (read_snapshots(run), fibres_of(run)) for muscle, run in runs.items()}
     shown = {muscle: found for muscle, found in shown.items() if found[0] and found[1]}
     if not shown:
@@ -98,9 +103,8 @@ def draw_fibres(runs: dict[str, Run], stem: Path, say: Callable[[str], None]) ->
 
 def _draw(panel, studio: Studio, muscle: str, snapshot: Snapshot, fibres: Fibres, scale: colors.Normalize) -> dict:
     panel.imshow(studio.fibres(snapshot, fibres.lines, stretch_colours(fibres.stretch, scale)), interpolation="antialiased")
-    panel.set_title(f"{round(snapshot.angle_deg, 1) + 0.0:g}°", fontsize=7)
     least, middle, most = fibres.stretch.min(), float(np.mean(fibres.stretch)), fibres.stretch.max()
-    panel.text(0.5, -0.01, f"stretch {least:.2f} to {most:.2f}", ha="center", va="top", fontsize=7,
-               transform=panel.transAxes)
+    panel.text(0.5, -0.01, f"{round(snapshot.angle_deg, 1) + 0.0:g}°, stretch {least:.2f} to {most:.2f}", ha="center",
+               va="top", fontsize=7, transform=panel.transAxes)
     return {"muscle": muscle, "frame": snapshot.frame, "angle_deg": snapshot.angle_deg, "fibres": len(fibres.lines),
             "min_stretch": least, "mean_stretch": middle, "max_stretch": most}
