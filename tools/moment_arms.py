@@ -3,7 +3,7 @@
 
 Turns each muscle's joint from rest to both ends of its range (-10 and 90 degrees) with the `standard` preset and the effects
 that the scene calls for, in exact contact, follows 100 fibres through the muscle, and writes their moment arms dL/d(angle)
-with their band over the fibres. With --data they stand beside those of the same hip (Modenese and Kohout 2020), of finite
+with their band over the fibres, of the muscle as it is and of the activated one. With --data they stand beside those of the same hip (Modenese and Kohout 2020), of finite
 elements (Blemker and Delp 2005) and measurements; of the synthetic hip nothing is published.
 
 A study goes on where it was stopped: complete runs are skipped until their arguments, the program or the data change.
@@ -23,8 +23,9 @@ from musclebench.figures.moment_arms import draw_moment_arms
 from musclebench.moment_arms.moment_cases import DEGREES_A_FRAME, PRESET, MomentCase, plan
 from musclebench.moment_arms.moment_report import arm_table, course_files, course_of
 from musclebench.moment_arms.published import read_published
-from musclebench.program.cli import add_scene_options, chosen_cores, data_set_of, run_command
-from musclebench.program.registry import Registry, read_registry
+from musclebench.pictures.in_display import draw_in_display
+from musclebench.program.cli import Problem, add_scene_options, chosen_cores, data_set_of, run_command
+from musclebench.program.registry import Registry, read_registry, save_registry
 from musclebench.results.run_folder import ResultProblem, Run, read_all
 from musclebench.results.status import MEASURED
 from musclebench.tables.table_formats import as_text, write_table
@@ -36,6 +37,9 @@ def parse_arguments(arguments):
     parser.add_argument("--fibres", type=int, default=100, metavar="N", help="of each muscle (default 100)")
     parser.add_argument("--degrees", type=float, default=DEGREES_A_FRAME, metavar="DEG",
                         help=f"that the joint turns in a frame (default {DEGREES_A_FRAME:g})")
+    parser.add_argument("--activation", type=float, default=1.0, metavar="LEVEL",
+                        help="of the active muscle, up to 1 (default 1)")
+    parser.add_argument("--passive-only", action="store_true", help="run no active muscle")
     parser.add_argument("--backend", metavar="NAME", help="of all runs (default: an exact one)")
     add_run_options(parser, timeout=3600.0)
     add_jobs_option(parser)
@@ -49,29 +53,49 @@ class MomentArmStudy(Experiment):
 def planned(options, registry: Registry, folders: Folders) -> list[MomentCase]:
     names = chosen_names(options.scene, options.muscle, data_set_of(options), registry)
     scenes = survey(names, options.musclebench, registry, folders, None, PRESET)
-    return plan(scenes, backend_of(options.backend, registry), options.fibres, options.degrees)
+    return plan(scenes, backend_of(options.backend, registry), options.fibres, options.degrees,
+                0.0 if options.passive_only else options.activation)
 
 
 def runs_by_muscle(runs: list[Run]) -> dict[str, list[Run]]:
     return {muscle: [run for run in runs if run.muscle == muscle] for muscle in sorted({run.muscle for run in runs})}
 
 
+def pictured(passive: list[Run], active: list[Run]) -> list[str]:
+    """Of each muscle the run that turns farther, of either kind."""
+    kinds = [runs_by_muscle(runs) for runs in (passive, active)]
+    chosen = [max(kind[muscle], key=lambda run: run.fibres["angle_deg"].abs().max())
+              for muscle in kinds[0] for kind in kinds if muscle in kind]
+    return [run.folder.name for run in chosen]
+
+
 def run_and_report(options) -> int:
     check_options(options, "moment-arms")
+    if options.activation > 1:
+        raise Problem(f"--activation {options.activation:g}: has to be at most 1, that of a whole contraction")
     folders = folders_of(options, "moment-arms")
-    cases = planned(options, read_registry(options.musclebench), folders)
+    registry = read_registry(options.musclebench)
+    cases = planned(options, registry, folders)
     published = read_published(folders.data_dir)
     study = MomentArmStudy(options.musclebench, folders, options.force)
     problems = run_missing(cases, study, Limits(chosen_cores(options.jobs), options.timeout))
-    runs = read_all([study.folder(case) for case in cases if study.is_complete(case)])
-    courses = {muscle: course_of(some) for muscle, some in runs_by_muscle(runs).items()}
+    passive, active = (read_all([study.folder(case) for case in cases if study.is_complete(case)
+                                 and bool(case.activation) == wanted]) for wanted in (False, True))
+    courses = {muscle: course_of(some) for muscle, some in runs_by_muscle(passive).items()}
+    tense = {muscle: course_of(some, is_active=True) for muscle, some in runs_by_muscle(active).items()}
     if not courses:
         return end("moment-arms", [], problems)
-    table = arm_table(courses, published)
+    table = arm_table(courses, tense, published)
     for name in ("tables", "figures"):
         (folders.out_dir / name).mkdir(parents=True, exist_ok=True)
-    files = [*write_table(table, folders.out_dir / "tables"), *course_files(courses, folders.out_dir / "tables"),
-             *draw_moment_arms(courses, published, folders.out_dir / "figures" / "moment_arms")]
+    save_registry(registry, folders.out_dir)
+    tables = folders.out_dir / "tables"
+    files = [*write_table(table, tables), *course_files(courses, tables), *course_files(tense, tables, "_active"),
+             *draw_moment_arms(courses, tense, published, folders.out_dir / "figures" / "moment_arms")]
+    try:
+        files += draw_in_display("fibres", folders.out_dir, pictured(passive, active))
+    except Problem as problem:
+        problems.append(str(problem))
     print(f"\n{table.caption}\n\n{as_text(table)}")
     return end("moment-arms", files, problems)
 

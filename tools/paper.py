@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """Runs the paper's experiment (4 muscles, 3 backends and a control without collision); makes its tables and figures."""
 
-import subprocess
 import sys
 from pathlib import Path
 
@@ -15,16 +14,13 @@ from musclebench.cases.study_command import (
 from musclebench.figures import looks, paper_figures
 from musclebench.paper import paper_cases
 from musclebench.paper import published
-from musclebench.program.children import display, started
+from musclebench.pictures.in_display import draw_in_display
 from musclebench.program.cli import Problem, add_scene_options, chosen_cores, data_set_of, run_command
 from musclebench.program.registry import Registry, read_registry, save_registry
 from musclebench.results import run_folder
 from musclebench.results.disturbance import note
 from musclebench.tables import muscle_tables, paper_tables, table_formats
 from musclebench.results.status import MEASURED
-
-TOOLS = Path(__file__).resolve().parent
-
 
 def parse_arguments(arguments):
     parser = study_parser("paper", __doc__)
@@ -62,27 +58,6 @@ def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run],
     return runs, made, files + paper_figures.draw_figures(runs, paper, out_dir / "figures")
 
 
-def draw_surfaces(out_dir: Path, names: list[str]) -> list[Path]:
-    """Pictures of the surfaces; raises Problem where they can't be drawn."""
-    command = [sys.executable, str(TOOLS / "draw_surfaces.py"), str(out_dir), *names]
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    files = []
-    with display() as environment, started(command, env=environment, **pipes) as process:
-        for line in process.stdout:
-            kind, _, text = line.rstrip().partition(" ")
-            if kind == "file":
-                files.append(Path(text))
-            elif kind == "drawing" and sys.stderr.isatty():
-                print(f"\rdrawing {text}\x1b[K", end="", file=sys.stderr, flush=True)
-        errors = process.communicate()[1]
-    if sys.stderr.isatty():
-        print("\r\x1b[K", end="", file=sys.stderr)
-    if process.returncode != 0:
-        reason = errors.strip().splitlines()[-1] if errors.strip() else f"exit code {process.returncode}"
-        raise Problem(f"surface figures: {reason}")
-    return files
-
-
 def print_report(runs: list[run_folder.Run], made: list[paper_tables.Table]) -> None:
     for table in made:
         print(f"\n{table.caption}\n\n{table_formats.as_text(table)}")
@@ -103,7 +78,7 @@ def run_and_report(options) -> int:
     problems = [f"{run.scene} with {run.backend}: {run.status}, {run.record.get('status_detail')}"
                 for run in runs if run.status not in MEASURED]
     try:
-        files += draw_surfaces(out_dir, names)
+        files += draw_in_display("surfaces", out_dir, names)
     except Problem as problem:
         problems.append(str(problem))
     print_report(runs, made)

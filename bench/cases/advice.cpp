@@ -47,7 +47,7 @@ class Search {
 
  private:
   [[nodiscard]] double spent_s() const { return static_cast<double>(monotonic_now_ns() - m_start_ns) * 1e-9; }
-  [[nodiscard]] bool holds(const Assessment& assessment) const { return assessment.p99_error_m <= m_request.depth_m; }
+  [[nodiscard]] bool holds(const Assessment& assessment) const { return assessment.error_m <= m_request.wanted_m; }
 
   std::optional<std::size_t> try_one(const Configuration& configuration, double predicted_s = 0) {
     for (std::size_t i = 0; i < m_advice.measured.size(); ++i) {
@@ -138,11 +138,11 @@ class Search {
     const Assessment fine = m_advice.measured[steps.back()];
     const double at_coarse = fineness(of, coarse);
     const double at_fine = fineness(of, fine);
-    if (fine.p99_error_m <= 0 || fine.p99_error_m >= coarse.p99_error_m || m_request.depth_m <= 0) {
+    if (fine.error_m <= 0 || fine.error_m >= coarse.error_m || m_request.wanted_m <= 0) {
       return;
     }
-    const double order = std::log(coarse.p99_error_m / fine.p99_error_m) / std::log(at_fine / at_coarse);
-    const double wanted = prediction_margin * at_fine * std::pow(fine.p99_error_m / m_request.depth_m, 1 / order);
+    const double order = std::log(coarse.error_m / fine.error_m) / std::log(at_fine / at_coarse);
+    const double wanted = prediction_margin * at_fine * std::pow(fine.error_m / m_request.wanted_m, 1 / order);
     const bool finer_is_known = holds(fine);
     if (finer_is_known ? wanted > worthwhile_step * at_fine : !(wanted < 2 * fineness(of, of.to))) {
       return;
@@ -153,10 +153,10 @@ class Search {
 
   /// Coarse ones first: what they cost to build says whether there is time for the fine one.
   void adapt(const std::string& backend, const WantedErrorSteps& of) {
-    if (!(m_request.depth_m > 0)) {
+    if (!(m_request.wanted_m > 0)) {
       return;
     }
-    double error_m = std::min(m_request.depth_m, of.coarsest_m);
+    double error_m = std::min(m_request.wanted_m, of.coarsest_m);
     while (error_m * of.factor <= of.coarsest_m) {
       error_m *= of.factor;
     }
@@ -168,14 +168,13 @@ class Search {
         return;
       }
       const Assessment& measured = m_advice.measured[*index];
-      const bool is_last = error_m <= m_request.depth_m;
-      if (holds(measured) || error_m < m_request.depth_m) {
+      const bool is_last = error_m <= m_request.wanted_m;
+      if (holds(measured) || error_m < m_request.wanted_m) {
         return;
       }
       // The wanted error is that of all points near the surface; of this scene's contacts it may be a little more.
-      const double finer_m = is_last
-                                 ? m_request.depth_m * m_request.depth_m / (prediction_margin * measured.p99_error_m)
-                                 : std::max(m_request.depth_m, error_m / of.factor);
+      const double finer_m = is_last ? m_request.wanted_m * m_request.wanted_m / (prediction_margin * measured.error_m)
+                                     : std::max(m_request.wanted_m, error_m / of.factor);
       const double build_s = static_cast<double>(measured.build_ns) * 1e-9;
       predicted_s = std::max(0.0, m_last_s - build_s) + build_s * std::pow(error_m / finer_m, of.build_order);
       error_m = finer_m;
@@ -186,7 +185,7 @@ class Search {
     const auto& measured = m_advice.measured;
     std::optional<std::size_t> fastest;
     for (std::size_t i = 0; i < measured.size(); ++i) {
-      if (!m_advice.best || measured[i].p99_error_m < measured[*m_advice.best].p99_error_m) {
+      if (!m_advice.best || measured[i].error_m < measured[*m_advice.best].error_m) {
         m_advice.best = i;
       }
       if (holds(measured[i]) &&
@@ -236,15 +235,15 @@ std::vector<std::string> explain(const Advice& advice, const AdviceRequest& requ
     lines.push_back(why_chosen(advice.measured[*advice.chosen], advice.measured[*advice.fastest]));
   }
   for (const Assessment& row : advice.measured) {
-    const bool nearly = row.p99_error_m > request.depth_m && row.p99_error_m <= nearly_held * request.depth_m;
+    const bool nearly = row.error_m > request.wanted_m && row.error_m <= nearly_held * request.wanted_m;
     const bool cheaper = !advice.chosen ||
                          row.collision_ns.median < advice.measured[*advice.chosen].collision_ns.median ||
                          row.structure_bytes < advice.measured[*advice.chosen].structure_bytes;
     if (nearly && cheaper && frames.asked < frames.all) {
       lines.push_back(fmt::format(
-          "{} would be cheaper and misses the depth narrowly ({:.3g} mm), by {} of {} frames: over all of them its "
-          "error may be another; record the scene and replay it to be sure.",
-          row.configuration.text(), row.p99_error_m * 1e3, frames.asked, frames.all));
+          "{} would be cheaper and misses it narrowly ({:.3g} mm), by {} of {} frames: over all of them its "
+          "error may be another.",
+          row.configuration.text(), row.error_m * 1e3, frames.asked, frames.all));
     }
   }
   return lines;

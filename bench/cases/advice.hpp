@@ -31,15 +31,19 @@ struct MedianInterval {
 /// 95 of 100 samples of independent values (sign test, normal approximation; below 6 values the whole range).
 MedianInterval median_interval(std::vector<double> values);
 
+struct ContactCounts {
+  long missed = 0;
+  long wrong = 0;  ///< reported and not there
+  long real = 0;
+};
+
 /// What a configuration was measured to cost and to err on one scene.
 struct Assessment {
   Configuration configuration;
-  double p99_error_m = 0;  ///< 99th percentile of the depth error over the measured contacts
+  double error_m = 0;  ///< what has to hold: see AdviceRequest
   double max_error_m = 0;
-  long missed = 0;
-  long false_contacts = 0;
-  long true_contacts = 0;
-  MedianInterval collision_ns;  ///< a frame
+  std::optional<ContactCounts> contacts = {};  ///< of replayed frames
+  MedianInterval collision_ns;                 ///< a frame
   Nanoseconds build_ns = 0;
   std::size_t structure_bytes = 0;
 };
@@ -54,8 +58,10 @@ struct Omission {
 using Assess = std::function<std::optional<Assessment>(const Configuration&, std::string& reason)>;
 
 struct AdviceRequest {
-  double depth_m = 1e-4;  ///< wanted: p99 of the depth error at most this
-  double seconds = 90;    ///< for building and measuring; a configuration that would take longer is left out
+  /// The largest Assessment::error_m that holds: of the depth error its 99th percentile over the contacts, of the
+  /// moment arm its RMS over the motion.
+  double wanted_m = 1e-4;
+  double seconds = 90;  ///< for building and measuring; a configuration that would take longer is left out
   std::vector<AdvisePlan> plans = {};  ///< a backend each
 };
 
@@ -63,13 +69,13 @@ struct Advice {
   std::vector<Assessment> measured;  ///< in the order of measuring
   std::vector<Omission> omitted;
   std::optional<Configuration> unit_of_price;
-  std::optional<std::size_t> chosen;   ///< in `measured`; nothing when none holds the wanted depth
+  std::optional<std::size_t> chosen;   ///< in `measured`; nothing when none holds
   std::optional<std::size_t> fastest;  ///< of those that hold
-  std::optional<std::size_t> best;     ///< the smallest p99 error; nothing when nothing could be measured
+  std::optional<std::size_t> best;     ///< the smallest error; nothing when nothing could be measured
 };
 
 /// Measures what the plans name, the exact backends first: single configurations, resolutions from coarse to fine until
-/// one holds the wanted depth, one between two of them that is predicted from the observed order, and structures that
+/// one holds, one between two of them that is predicted from the observed order, and structures that
 /// adapt to a wanted error.
 /// Chosen is the fastest that holds; of those as fast (intervals that overlap, or no more than a tenth slower) the one
 /// with the least bytes.

@@ -103,9 +103,7 @@ std::optional<Assessment> assess(const Scene& scene, const Configuration& config
   return Assessment{configuration,
                     errors.p99,
                     errors.max,
-                    accuracy.missed_contacts,
-                    accuracy.false_contacts,
-                    accuracy.true_contacts,
+                    ContactCounts{accuracy.missed_contacts, accuracy.false_contacts, accuracy.true_contacts},
                     collision_time(replay, result),
                     result.build_ns,
                     result.structure_bytes};

@@ -10,6 +10,7 @@
 #include "bench/cases/coupled_judge.hpp"
 #include "bench/cases/divergence.hpp"
 #include "core/base/huge_pages.hpp"
+#include "core/base/input_error.hpp"
 #include "core/base/sha256.hpp"
 #include "core/base/system_memory.hpp"
 #include "core/measure/outcome_limits.hpp"
@@ -91,11 +92,7 @@ class CaseRunner {
     m_result.records.reserve(static_cast<std::size_t>(std::min(m_scene.loop.frames, 100000)));
     malloc_trim(0);  // what only the building needed shall not count as the structures' memory
     const std::size_t before_watching_bytes = resident_memory_bytes();
-    if (m_scene.fibre_count > 0) {
-      m_fibres = std::make_unique<FibreWatch>(m_scene, m_result.bound_nodes, m_run.threads);
-      m_result.followed_fibres = m_fibres->followed();
-      m_result.fibre_bytes = m_fibres->bytes();
-    }
+    follow_fibres();
     if (m_run.judge) {
       reserve_huge_pages(usual_referee_bytes);
       m_judge = std::make_unique<CoupledJudge>(m_scene, m_result.bound_nodes, *m_simulation, m_run.threads);
@@ -110,6 +107,20 @@ class CaseRunner {
     const std::size_t before_bytes = resident_memory_bytes();
     move_to_huge_pages();
     m_result.huge_page_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_bytes);
+  }
+
+  void follow_fibres() {
+    m_result.fibres_refused = m_scene.fibres_refused;
+    if (m_scene.fibre_count == 0) return;
+    try {
+      m_fibres = std::make_unique<FibreWatch>(m_scene, m_result.bound_nodes, m_run.threads);
+    } catch (const InputError& refused) {
+      if (m_scene.fibres_are_required) throw;
+      m_result.fibres_refused = refused.what();
+      return;
+    }
+    m_result.followed_fibres = m_fibres->followed();
+    m_result.fibre_bytes = m_fibres->bytes();
   }
 
   /// Resident memory without the Referee and huge-page padding.

@@ -42,6 +42,7 @@ struct RunResult {
   std::vector<Snapshot> snapshots;
   std::vector<FibreFrame> fibres;  ///< of rest and each frame, where the scene asks for them
   std::vector<FollowedFibres> followed_fibres;
+  std::string fibres_refused;  ///< why there are none where they were asked for and could be left out
   std::size_t fibre_bytes = 0;
   std::vector<BoundNode> bound_nodes;
   std::size_t structure_bytes = 0;

@@ -94,7 +94,7 @@ Scene load_scene(const SceneChoice& choice) {
   request.loop_overrides = choice.loop_overrides;
   request.effect_overrides = choice.effect_overrides;
   request.motion_overrides = choice.motion_overrides;
-  request.fibre_count = choice.fibre_count;
+  request.fibres = choice.fibres;
   request.notes_obstacles = choice.notes_obstacles;
   request.auto_effects = choice.auto_effects;
   if (const EmbeddedFile* file = find_file(embedded_scenes(), choice.scene)) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/scene/effect_override.hpp"
+#include "core/scene/fibre_request.hpp"
 #include "core/scene/scene.hpp"
 
 namespace musclebench {
@@ -20,7 +21,7 @@ struct SceneChoice {
   std::map<std::string, ParameterValue> loop_overrides;
   std::vector<EffectOverride> effect_overrides = {};
   std::map<std::string, ParameterValue> motion_overrides = {};
-  std::optional<int> fibre_count = {};                         ///< over the scene's
+  std::optional<FibreRequest> fibres = {};                     ///< over the scene's
   bool notes_obstacles = false;                                ///< see SceneRequest
   bool auto_effects = false;                                   ///< as if the scene said `effects = "auto"`
   std::function<void(int done, int total)> check_report = {};  ///< of the check that such a scene asks for

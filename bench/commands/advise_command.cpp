@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <new>
 #include <optional>
@@ -6,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "bench/cases/advise_arms.hpp"
 #include "bench/cases/advise_case.hpp"
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
@@ -20,12 +22,19 @@ constexpr double recording_share = 0.4;
 /// What is left of an exact answer is rounding.
 constexpr double exact_below_m = 1e-9;
 
+/// Of each muscle, followed for its moment arm.
+constexpr int fibres = 100;
+
 struct AdviseOptions {
   SceneOptions scene;
   double depth_mm = 0;
+  double moment_arm_mm = 0;  ///< 0: the depth is asked about
   double seconds = 90;
   double band_mm = 10;
   int threads = 1;
+
+  [[nodiscard]] bool asks_for_arms() const { return moment_arm_mm > 0; }
+  [[nodiscard]] double wanted_mm() const { return asks_for_arms() ? moment_arm_mm : depth_mm; }
 };
 
 std::string millimetres(double metres) {
@@ -36,20 +45,26 @@ std::string accuracy_in_words(double error_m) {
   return error_m < exact_below_m ? "exact" : fmt::format("right to {} mm", millimetres(error_m));
 }
 
-void print_table(const Advice& advice) {
+std::string count_in_words(const std::optional<ContactCounts>& contacts, long ContactCounts::*count) {
+  return contacts ? fmt::format("{}", (*contacts).*count) : "";
+}
+
+void print_table(const Advice& advice, bool is_of_arms) {
   const std::string unit_name = advice.unit_of_price ? advice.unit_of_price->text() : "";
   const auto unit = std::find_if(advice.measured.begin(), advice.measured.end(),
                                  [&](const Assessment& a) { return a.configuration.text() == unit_name; });
-  fmt::print("  {:<30} {:>9} {:>9} {:>8} {:>8} {:>11} {:>20} {:>7} {:>8} {:>9}\n", "configuration", "p99 mm", "max mm",
-             "missed", "false", "ms a frame", "(95 % interval)", "x unit", "build s", "MB");
+  fmt::print("  {:<30} {:>9} {:>9} {:>8} {:>8} {:>11} {:>20} {:>7} {:>8} {:>9}\n", "configuration",
+             is_of_arms ? "RMS mm" : "p99 mm", "max mm", is_of_arms ? "" : "missed", is_of_arms ? "" : "false",
+             "ms a frame", "(95 % interval)", "x unit", "build s", "MB");
   for (std::size_t i = 0; i < advice.measured.size(); ++i) {
     const Assessment& row = advice.measured[i];
     const MedianInterval& time = row.collision_ns;
     const std::string ratio =
         unit == advice.measured.end() ? "" : fmt::format("{:.3g}", time.median / unit->collision_ns.median);
     fmt::print("{} {:<30} {:>9} {:>9} {:>8} {:>8} {:>11.4g} {:>20} {:>7} {:>8.2f} {:>9.3g}\n",
-               advice.chosen == i ? '*' : ' ', row.configuration.text(), millimetres(row.p99_error_m),
-               millimetres(row.max_error_m), row.missed, row.false_contacts, time.median * 1e-6,
+               advice.chosen == i ? '*' : ' ', row.configuration.text(), millimetres(row.error_m),
+               millimetres(row.max_error_m), count_in_words(row.contacts, &ContactCounts::missed),
+               count_in_words(row.contacts, &ContactCounts::wrong), time.median * 1e-6,
                fmt::format("({:.4g} to {:.4g})", time.low * 1e-6, time.high * 1e-6), ratio,
                static_cast<double>(row.build_ns) * 1e-9, static_cast<double>(row.structure_bytes) * 1e-6);
   }
@@ -61,12 +76,12 @@ void print_table(const Advice& advice) {
   }
 }
 
-/// The fastest of the others that hold the depth.
-const Assessment* runner_up(const Advice& advice, double depth_m) {
+/// The fastest of the others that hold.
+const Assessment* runner_up(const Advice& advice, double wanted_m) {
   const Assessment* next = nullptr;
   for (std::size_t i = 0; i < advice.measured.size(); ++i) {
     const Assessment& row = advice.measured[i];
-    if (i != advice.chosen && row.p99_error_m <= depth_m &&
+    if (i != advice.chosen && row.error_m <= wanted_m &&
         (next == nullptr || row.collision_ns.median < next->collision_ns.median)) {
       next = &row;
     }
@@ -109,76 +124,133 @@ void print_verdict(const Advice& advice, const AdviseOptions& options, const std
   if (!advice.chosen) {
     const Assessment& best = advice.measured[*advice.best];
     fmt::print(
-        "\nNo configuration holds {} mm. The best found is {}: {:.3g} mm (99th percentile), largest {:.3g} mm, "
-        "{:.4g} ms a frame.\n",
-        options.depth_mm, best.configuration.text(), best.p99_error_m * 1e3, best.max_error_m * 1e3,
+        "\nNo configuration holds {} mm. The best found is {}: {:.3g} mm ({}), largest {:.3g} mm, {:.4g} ms a frame.\n",
+        options.wanted_mm(), best.configuration.text(), best.error_m * 1e3,
+        options.asks_for_arms() ? "RMS over the motion" : "99th percentile", best.max_error_m * 1e3,
         best.collision_ns.median * 1e-6);
     print_lines(reasons);
     return;
   }
   const Assessment& chosen = advice.measured[*advice.chosen];
-  fmt::print("\nTake {}: 99 of 100 contacts are {}, at {:.4g} ms a frame and {:.3g} MB.\n", chosen.configuration.text(),
-             accuracy_in_words(chosen.p99_error_m), chosen.collision_ns.median * 1e-6,
+  fmt::print("\nTake {}: {} {}, at {:.4g} ms a frame and {:.3g} MB.\n", chosen.configuration.text(),
+             options.asks_for_arms() ? "its moment arms are" : "99 of 100 contacts are",
+             accuracy_in_words(chosen.error_m), chosen.collision_ns.median * 1e-6,
              static_cast<double>(chosen.structure_bytes) * 1e-6);
-  if (const Assessment* next = runner_up(advice, options.depth_mm * 1e-3)) {
-    fmt::print("The next that holds {} mm is {}: {:.3g} times its time, {:.3g} MB.\n", options.depth_mm,
+  if (const Assessment* next = runner_up(advice, options.wanted_mm() * 1e-3)) {
+    fmt::print("The next that holds {} mm is {}: {:.3g} times its time, {:.3g} MB.\n", options.wanted_mm(),
                next->configuration.text(), next->collision_ns.median / chosen.collision_ns.median,
                static_cast<double>(next->structure_bytes) * 1e-6);
   } else {
-    fmt::print("No other configuration that was measured holds {} mm.\n", options.depth_mm);
+    fmt::print("No other configuration that was measured holds {} mm.\n", options.wanted_mm());
   }
   print_lines(reasons);
   fmt::print("  {}\n", command_for(options, chosen.configuration));
 }
 
-AdviceInput run_with_progress(const Scene& scene, double seconds) {
-  Progress progress(progress_style(false), "exact run of " + scene.name, scene.loop.frames);
-  return run_exactly(scene, seconds, [&](int done) { progress.show(done); });
-}
-
-/// Nothing, with the reason, for a configuration that can't be measured.
-std::optional<Assessment> try_out(const Scene& scene, const Configuration& configuration, const AdviseOptions& options,
-                                  KeptFrames& frames, std::string& reason) {
-  std::optional<Progress> progress;
-  const auto report = [&](int done, int total) {
-    if (!progress) progress.emplace(progress_style(false), "trying " + configuration.text(), total);
+/// The progress of what takes long, by a name that is known when it begins.
+std::function<void(int done)> reported(std::optional<Progress>& progress, const std::string& what, int total) {
+  return [&progress, what, total](int done) {
+    if (!progress) progress.emplace(progress_style(false), what, total);
     progress->show(done);
   };
-  try {
-    return assess(scene, configuration, {options.band_mm * 1e-3, options.threads}, frames, reason, report);
-  } catch (const InputError& refused) {
-    reason = refused.what();
-  } catch (const std::bad_alloc&) {
-    reason = "there is not enough memory";
+}
+
+/// How a configuration is measured; nothing, with the reason, for one that can't be.
+using Measure = std::function<std::optional<Assessment>(const Configuration& configuration, std::string& reason,
+                                                        const std::function<void(int done, int total)>& report)>;
+
+Advice find_with_progress(const AdviceRequest& request, const Measure& measure) {
+  return find_advice(request, [&](const Configuration& configuration, std::string& reason) {
+    std::optional<Progress> progress;
+    const auto report = [&](int done, int total) { reported(progress, "trying " + configuration.text(), total)(done); };
+    try {
+      return measure(configuration, reason, report);
+    } catch (const InputError& refused) {
+      reason = refused.what();
+    } catch (const std::bad_alloc&) {
+      reason = "there is not enough memory";
+    }
+    return std::optional<Assessment>();
+  });
+}
+
+/// What the advice rests on.
+struct Basis {
+  int frames = 0;      ///< that were asked
+  int frames_run = 0;  ///< by the exact run
+};
+
+std::string cut_short(const Scene& scene, const Basis& basis) {
+  return basis.frames_run < scene.loop.frames ? fmt::format(" (only its first {}: the time was up)", basis.frames_run)
+                                              : "";
+}
+
+std::string threads_in_words(int threads) { return fmt::format("{} thread{}", threads, threads == 1 ? "" : "s"); }
+
+void print_advice(const Scene& scene, const AdviseOptions& options, const AdviceRequest& request, const Advice& advice,
+                  const Basis& basis) {
+  print_table(advice, options.asks_for_arms());
+  print_verdict(advice, options, explain(advice, request, {basis.frames, scene.loop.frames}));
+}
+
+Advice advise_on_depth(const Scene& scene, const AdviseOptions& options, AdviceRequest request, Nanoseconds start_ns) {
+  std::optional<Progress> progress;
+  const double run_s = options.seconds * recording_share;
+  const AdviceInput input =
+      run_exactly(scene, run_s, reported(progress, "exact run of " + scene.name, scene.loop.frames));
+  progress.reset();
+  if (input.frames->header().frames() == 0) {
+    throw InputError("--seconds",
+                     fmt::format("no frame of the exact run could be kept within {:.0f} s; give more", run_s));
   }
-  return std::nullopt;
+  request.seconds -= static_cast<double>(monotonic_now_ns() - start_ns) * 1e-9;
+  Advice advice = find_with_progress(request, [&](const Configuration& configuration, std::string& reason,
+                                                  const std::function<void(int, int)>& report) {
+    return assess(scene, configuration, {options.band_mm * 1e-3, options.threads}, *input.frames, reason, report);
+  });
+  const Basis basis{input.frames->header().frames(), input.frames_run};
+  const bool is_known = !advice.measured.empty() && advice.measured.front().contacts;
+  fmt::print("{}: wanted is a depth error of at most {} mm in 99 of 100 contacts\n", scene.name, options.depth_mm);
+  fmt::print("Asked were {} of {} frames of the exact run{}, {} true contacts; {}\n\n", basis.frames, scene.loop.frames,
+             cut_short(scene, basis), is_known ? advice.measured.front().contacts->real : 0,
+             threads_in_words(options.threads));
+  print_advice(scene, options, request, advice, basis);
+  return advice;
+}
+
+Advice advise_on_arms(const Scene& scene, const AdviseOptions& options, AdviceRequest request, Nanoseconds start_ns) {
+  std::optional<Progress> progress;
+  const ArmInput input = run_for_arms(scene, options.seconds * recording_share,
+                                      reported(progress, "exact run of " + scene.name, scene.loop.frames));
+  progress.reset();
+  request.seconds -= static_cast<double>(monotonic_now_ns() - start_ns) * 1e-9;
+  Advice advice = find_with_progress(request, [&](const Configuration& configuration, std::string& reason,
+                                                  const std::function<void(int, int)>& report) {
+    return assess_arms(scene, configuration, options.threads, input, reason,
+                       [&](int done) { report(done, input.frames_run); });
+  });
+  const Basis basis{input.frames_run, input.frames_run};
+  fmt::print("{}: wanted are moment arms within {} mm (RMS over the motion) of the exact run's\n", scene.name,
+             options.moment_arm_mm);
+  fmt::print("Each configuration moved the muscle for {} of {} frames{}; {}\n", basis.frames, scene.loop.frames,
+             cut_short(scene, basis), threads_in_words(options.threads));
+  fmt::print("Rounding alone moves the exact run's by {:.2g} mm{}\n\n", input.floor_m * 1e3,
+             input.floor_m > request.wanted_m
+                 ? ": more than is wanted, so that what holds it here may not hold it in another run"
+                 : "");
+  print_advice(scene, options, request, advice, basis);
+  return advice;
 }
 
 int advise(const AdviseOptions& options) {
   const Nanoseconds start_ns = monotonic_now_ns();
-  std::vector<AdvisePlan> plans = advise_plans();
-  const Scene scene = load_scene(options.scene);
+  const AdviceRequest request{options.wanted_mm() * 1e-3, options.seconds, advise_plans()};
+  SceneOptions named = options.scene;
+  if (options.asks_for_arms()) named.choice.fibres = {fibres, "--moment-arm-mm"};
+  const Scene scene = load_scene(named);
   require_a_choice(scene);
-  const AdviceInput input = run_with_progress(scene, options.seconds * recording_share);
-  if (input.frames->header().frames() == 0) {
-    throw InputError("--seconds", fmt::format("no frame of the exact run could be kept within {:.0f} s; give more",
-                                              options.seconds * recording_share));
-  }
-  const double left_s = options.seconds - static_cast<double>(monotonic_now_ns() - start_ns) * 1e-9;
-  const AdviceRequest request{options.depth_mm * 1e-3, left_s, std::move(plans)};
-  const Advice advice = find_advice(request, [&](const Configuration& configuration, std::string& reason) {
-    return try_out(scene, configuration, options, *input.frames, reason);
-  });
-  fmt::print("{}: wanted is a depth error of at most {} mm in 99 of 100 contacts\n", scene.name, options.depth_mm);
-  fmt::print("Asked were {} of {} frames of the exact run{}, {} true contacts; {} thread{}\n\n",
-             input.frames->header().frames(), scene.loop.frames,
-             input.frames_run < scene.loop.frames
-                 ? fmt::format(" (only its first {}: the time was up)", input.frames_run)
-                 : "",
-             advice.measured.empty() ? 0 : advice.measured.front().true_contacts, options.threads,
-             options.threads == 1 ? "" : "s");
-  print_table(advice);
-  print_verdict(advice, options, explain(advice, request, {input.frames->header().frames(), scene.loop.frames}));
+  const Advice advice = options.asks_for_arms() ? advise_on_arms(scene, options, request, start_ns)
+                                                : advise_on_depth(scene, options, request, start_ns);
   return advice.chosen ? 0 : exit_not_held;
 }
 
@@ -187,16 +259,24 @@ int advise(const AdviseOptions& options) {
 void add_advise_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<AdviseOptions>();
   CLI::App* command = app.add_subcommand(
-      "advise", "Measure which backend and resolution hold a wanted depth error on a scene, and name the one to take");
+      "advise", "Measure which backend and resolution hold a wanted error on a scene, and name the one to take");
   add_scene_options(*command, options->scene);
-  command->add_option("--depth-mm", options->depth_mm, "Wanted: the 99th percentile of the depth error, mm")
-      ->required()
-      ->check(positive_and_finite());
+  CLI::Option* depth =
+      command->add_option("--depth-mm", options->depth_mm, "Wanted: the 99th percentile of the depth error, mm")
+          ->check(positive_and_finite());
+  CLI::Option* arm = command
+                         ->add_option("--moment-arm-mm", options->moment_arm_mm,
+                                      "Wanted instead: the error of the muscle's moment arm, RMS over the motion, mm")
+                         ->check(positive_and_finite())
+                         ->excludes(depth);
   command->add_option("--seconds", options->seconds, "Time for all of it (default: 90)")->check(positive_and_finite());
   command->add_option("--band-mm", options->band_mm, "Errors count so far from a bone's surface (default: 10)")
       ->check(positive_and_finite());
   add_threads_option(*command, options->threads);
-  command->callback([options, &exit_code] { exit_code = advise(*options); });
+  command->callback([options, depth, arm, &exit_code] {
+    if (depth->empty() && arm->empty()) throw CLI::RequiredError("--depth-mm or --moment-arm-mm");
+    exit_code = advise(*options);
+  });
 }
 
 }  // namespace musclebench

@@ -36,7 +36,8 @@ struct RunOptions {
   bool self_intersections = false;
   bool strict = false;
   bool unpruned = false;
-  int fibres = -1;  ///< below 0: the scene's
+  int fibres = -1;              ///< below 0: the scene's
+  int fibres_if_possible = -1;  ///< the same
 };
 
 RunResult run_and_write(const RunCase& run, const RunOptions& options, const std::string& out) {
@@ -115,7 +116,10 @@ int run(RunOptions options) {
   const BackendEntry& backend = find_backend(options.backend.backend);
   const Parameters parameters = backend_parameters(backend, options.backend.parameters);
   options.scene.choice.effect_overrides = effect_overrides(options.effects);
-  if (options.fibres >= 0) options.scene.choice.fibre_count = options.fibres;
+  if (options.fibres >= 0) options.scene.choice.fibres = {options.fibres, "--fibres"};
+  if (options.fibres_if_possible >= 0) {
+    options.scene.choice.fibres = {options.fibres_if_possible, "--fibres-if-possible", false};
+  }
   const Scene scene = load_scene(options.scene);
   std::sort(options.snapshots.begin(), options.snapshots.end());
   const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
@@ -151,6 +155,9 @@ int run(RunOptions options) {
 
   const RunResult result = run_and_write(run_of, options, out);
   print_pruned(scene, result);
+  if (!result.fibres_refused.empty()) {
+    fmt::print(stderr, "musclebench: warning: no fibres are followed: {}\n", result.fibres_refused);
+  }
   fmt::print("{}  written to {}\n", run_summary(run_of, result), out);
   if (result.status == "diverged") {
     fmt::print(stderr, "musclebench: {}: diverged: {}\n", scene.name, result.status_detail);
@@ -188,10 +195,16 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_flag("--no-referee", options->unjudged, "Do not judge: depths, missed and false contacts stay empty");
   command->add_flag("--self-intersections", options->self_intersections,
                     "Count triangles that pass through others: at rest, in the frames of --snapshots, in the last");
+  CLI::Option* fibres =
+      command
+          ->add_option("--fibres", options->fibres,
+                       "Follow so many fibres of each muscle: lengths and moment arms (default: the scene's, or none)")
+          ->check(CLI::Range(0, 100000));
   command
-      ->add_option("--fibres", options->fibres,
-                   "Follow so many fibres of each muscle: lengths and moment arms (default: the scene's, or none)")
-      ->check(CLI::Range(0, 100000));
+      ->add_option("--fibres-if-possible", options->fibres_if_possible,
+                   "The same, but a scene where none can run goes on without, and says why")
+      ->check(CLI::Range(0, 100000))
+      ->excludes(fibres);
   command->add_flag("--strict", options->strict, "Exit code 1 when the run ends 'suspect': an outcome beyond a limit");
   command->add_flag("--no-pruning", options->unpruned,
                     "Build structures over all bones, those too that the muscles are not expected to touch");

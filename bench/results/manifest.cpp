@@ -36,6 +36,7 @@ Json json_of_loop(const LoopParameters& loop) {
           {"time_step_s", loop.time_step_s},
           {"node_mass_kg", loop.node_mass_kg},
           {"density_kg_per_m3", loop.density_kg_per_m3},
+          {"start_noise_m", loop.start_noise_m},
           {"bone_motion", loop.interpolate_poses ? "interpolated" : "per_frame"}};
 }
 

@@ -190,6 +190,7 @@ constexpr auto keys = std::to_array<ManifestKey>({
     of_run("fibres[].muscle", "", "whose fibres are followed"),
     of_run("fibres[].asked", "", "how many were asked for"),
     of_run("fibres[].followed", "", "how many reach from one attachment to the other"),
+    of_run("fibres_refused", "", "why none are followed where they were asked for if possible"),
     of_run("memory.fibre_bytes", "bytes", "of what binds fibres to the surface; a part of memory.referee_bytes"),
     of_run("snapshots[].bone_poses[].rotation[]", "", "by rows"),
     of_run("snapshots[].bone_poses[].translation_m[]", "m", "after the rotation"),

@@ -150,6 +150,7 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["outcome"] = json_of_outcome(result);
   json["limits"] = json_of_limits();
   json["snapshots"] = json_of_snapshots(result);
+  if (!result.fibres_refused.empty()) json["fibres_refused"] = result.fibres_refused;
   if (!result.followed_fibres.empty()) {
     json["fibres"] = json_of_fibres(result);
     json["memory"]["fibre_bytes"] = result.fibre_bytes;

@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "core/mesh/rigid_motion.hpp"
+
 namespace musclebench {
 
 namespace {
@@ -33,17 +35,30 @@ Slope parabola_slope(std::span<const double> angles, std::span<const double> len
   return {parabola[1] / reach, std::sqrt(scatter2 * inverse(1, 1)) / reach};
 }
 
-/// The `count` samples about `at`, or as many as there are between `first` and `last`.
-std::pair<std::size_t, std::size_t> window(std::size_t first, std::size_t last, std::size_t at, std::size_t count) {
-  count = std::min(count, last - first);
-  const std::size_t from = std::clamp(at, first + count / 2, last - count + count / 2) - count / 2;
-  return {from, from + count};
+/// What a slope is taken over: so many samples, or those within an angle where they are more.
+struct Reach {
+  std::size_t samples;
+  double angle_rad;  ///< to either side
+};
+constexpr Reach wide_reach{7, 5 / degrees_per_radian};
+constexpr Reach narrow_reach{5, 5.0 / 7 * wide_reach.angle_rad};
+
+/// The samples about `at`, between `first` and `last`: as many as there are.
+std::pair<std::size_t, std::size_t> window(std::span<const double> angles, std::size_t first, std::size_t last,
+                                           std::size_t at, const Reach& reach) {
+  const std::size_t count = std::min(reach.samples, last - first);
+  std::size_t from = std::clamp(at, first + count / 2, last - count + count / 2) - count / 2;
+  std::size_t to = from + count;
+  const auto is_near = [&](std::size_t sample) { return std::abs(angles[sample] - angles[at]) <= reach.angle_rad; };
+  while (from > first && is_near(from - 1)) --from;
+  while (to < last && is_near(to)) ++to;
+  return {from, to};
 }
 
 MomentArm arm_within(std::span<const double> angles, std::span<const double> lengths, std::size_t first,
                      std::size_t last, std::size_t at) {
-  const auto [wide_first, wide_last] = window(first, last, at, 7);
-  const auto [narrow_first, narrow_last] = window(first, last, at, 5);
+  const auto [wide_first, wide_last] = window(angles, first, last, at, wide_reach);
+  const auto [narrow_first, narrow_last] = window(angles, first, last, at, narrow_reach);
   const Slope wide = parabola_slope(angles, lengths, wide_first, wide_last, at);
   const Slope narrow = parabola_slope(angles, lengths, narrow_first, narrow_last, at);
   return {wide.value, std::hypot(wide.error, wide.value - narrow.value)};

@@ -13,12 +13,13 @@ struct MomentArm {
 };
 
 /// The moment arm at each of the samples of a motion: the slope of the parabola that fits the lengths of the nearest
-/// seven samples best (Savitzky and Golay 1964), within a part of the motion in which the angle only grows or only
-/// falls; nothing where that part has fewer than three samples or the angle stands still. Of two parts a sample in
-/// which the motion turns belongs to the first.
+/// seven samples best, or of all within 5 degrees where they are more (Savitzky and Golay 1964), because a slope over
+/// less is that of the frames' jitter. They lie within a part of the motion in which the angle only grows or only
+/// falls; there is nothing where that part has fewer than three samples or the angle stands still. Of two parts a
+/// sample in which the motion turns belongs to the first.
 ///
 /// The error is that of the slope by the samples' scatter about the parabola, and, for what the angle between samples
-/// hides, by how far the slope differs from that of the five nearest.
+/// hides, by how far the slope differs from that over five sevenths of the samples.
 std::vector<std::optional<MomentArm>> moment_arms(std::span<const double> angles_rad,
                                                   std::span<const double> lengths_m);
 

@@ -57,7 +57,7 @@ Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest
   std::vector<double> depths;
   std::vector<double> surface_depths;
   for (const StepRecord& record : records) {
-    outcome.collision_ns += record.times.update_ns + record.times.detect_ns + record.times.respond_ns;
+    outcome.collision_ns += record.times.collision_ns();
     outcome.loop_ns += record.times.frame_ns;
     raise(outcome.max_edge_stretch, record.edge_stretch.max);
     raise(outcome.p99_edge_stretch, record.edge_stretch.p99);

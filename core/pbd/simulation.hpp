@@ -29,6 +29,7 @@ struct LoopParameters {
   double time_step_s = 1e-3;       ///< of one substep
   double node_mass_kg = 1;         ///< of every node, unless a density is given
   double density_kg_per_m3 = 0;    ///< of the muscle, whose mass its nodes share evenly; 0: use node_mass_kg
+  double start_noise_m = 0;        ///< free nodes start displaced at random, by at most so much along each axis
   bool interpolate_poses = false;  ///< false: bones jump to the frame's pose in its first substep, as in the paper
 };
 
@@ -45,6 +46,8 @@ struct StageTimes {
   Nanoseconds finish_ns = 0;
   Nanoseconds frame_ns = 0;      ///< wall time of the frame's loop, without the recording
   Nanoseconds recording_ns = 0;  ///< taken by the observer
+
+  [[nodiscard]] Nanoseconds collision_ns() const { return update_ns + detect_ns + respond_ns; }
 };
 
 /// Input of one collision step of the loop: world frame, metres.

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/base/random_numbers.hpp"
 #include "core/mesh/mesh_size.hpp"
 #include "core/scene/muscle_contact.hpp"
 
@@ -51,6 +52,17 @@ std::vector<NamedEffect> named_effects(const Scene& scene) {
   return named;
 }
 
+/// The same on every machine.
+void add_noise(double most_m, Particles& particles) {
+  RandomNumbers random(1);
+  for (std::size_t node = 0; node < particles.size(); ++node) {
+    for (double& coordinate : particles.positions[node]) {
+      const double noise_m = most_m * (2 * random.share() - 1);
+      if (particles.inverse_masses[node] > 0) coordinate += noise_m;
+    }
+  }
+}
+
 Particles particles_of(const Scene& scene, const std::vector<BoundNode>& bound) {
   Particles particles;
   particles.positions = scene.muscle_mesh.vertices;
@@ -61,6 +73,7 @@ Particles particles_of(const Scene& scene, const std::vector<BoundNode>& bound) 
   for (const BoundNode& node : bound) {
     particles.inverse_masses[node.node] = 0;
   }
+  if (scene.loop.start_noise_m > 0) add_noise(scene.loop.start_noise_m, particles);
   return particles;
 }
 

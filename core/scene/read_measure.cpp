@@ -70,13 +70,21 @@ void read_measure(const SceneRequest& request, const std::optional<TomlTable>& t
     if (fibres != std::floor(fibres)) throw InputError(table->location("fibres"), "has to be a whole number");
     scene.fibre_count = static_cast<int>(fibres);
   }
-  scene.fibre_count = request.fibre_count.value_or(scene.fibre_count);
+  if (request.fibres) {
+    scene.fibre_count = request.fibres->count;
+    scene.fibres_are_required = request.fibres->is_required;
+  }
   if (scene.fibre_count == 0) return;
-  const std::string location = table && !request.fibre_count ? table->location("fibres") : std::string("--fibres");
+  const std::string location = request.fibres ? request.fibres->option : table->location("fibres");
   for (const auto& require : {require_one_axis, require_frames, require_two_areas}) {
     try {
       require(scene, location);
     } catch (const InputError& obstacle) {
+      if (!scene.fibres_are_required) {
+        scene.fibre_count = 0;
+        scene.fibres_refused = obstacle.what();
+        return;
+      }
       if (!request.notes_obstacles) throw;
       scene.obstacles.emplace_back(obstacle.what());
     }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/scene/effect_override.hpp"
+#include "core/scene/fibre_request.hpp"
 #include "core/scene/scene.hpp"
 
 namespace musclebench {
@@ -24,7 +25,7 @@ struct SceneRequest {
   std::map<std::string, ParameterValue> loop_overrides;                 ///< such as `frames`, from the command line
   std::vector<EffectOverride> effect_overrides;                         ///< the same of effects
   std::map<std::string, ParameterValue> motion_overrides = {};          ///< of all bones that move
-  std::optional<int> fibre_count = {};                                  ///< over `[measure] fibres`
+  std::optional<FibreRequest> fibres = {};                              ///< over `[measure] fibres`
   bool auto_effects = false;                                            ///< as if the scene said `effects = "auto"`
   /// Goes on past what only a run minds, which is noted in `Scene::obstacles`: for a look at the scene.
   bool notes_obstacles = false;

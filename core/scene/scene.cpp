@@ -159,6 +159,13 @@ std::vector<ParameterSpec> loop_parameters() {
                          .minimum = 0,
                          .maximum = 1e6,
                          .help = "density of the muscle, whose mass its nodes share evenly; 0: use node_mass_kg"}),
+      parameter::number({.name = "start_noise_m",
+                         .unit = "m",
+                         .default_value = 0,
+                         .minimum = 0,
+                         .maximum = 1,
+                         .help = "free nodes start displaced at random, by at most so much along each axis: what "
+                                 "rounding does to a run (1e-12)"}),
       parameter::choice({.name = "bone_motion",
                          .choices = {"per_frame", "interpolated"},
                          .help = "per_frame: bones jump to the frame's pose in its first substep (paper); "
@@ -179,6 +186,7 @@ LoopParameters loop_from(const Parameters& parameters) {
   loop.time_step_s = parameters.number("time_step_s");
   loop.node_mass_kg = parameters.number("node_mass_kg");
   loop.density_kg_per_m3 = parameters.number("density_kg_per_m3");
+  loop.start_noise_m = parameters.number("start_noise_m");
   loop.interpolate_poses = parameters.word("bone_motion") == "interpolated";
   return loop;
 }
@@ -191,6 +199,7 @@ std::map<std::string, ParameterValue> loop_values(const LoopParameters& loop) {
           {"time_step_s", loop.time_step_s},
           {"node_mass_kg", loop.node_mass_kg},
           {"density_kg_per_m3", loop.density_kg_per_m3},
+          {"start_noise_m", loop.start_noise_m},
           {"bone_motion", std::string(loop.interpolate_poses ? "interpolated" : "per_frame")}};
 }
 

@@ -128,6 +128,8 @@ struct Scene {
   std::vector<SceneMusclePair> muscle_pairs;      ///< ascending; none: muscles pass through each other
   std::vector<SceneBoneContact> bone_contacts;    ///< one a muscle and bone (bone_pair)
   int fibre_count = 0;                            ///< of each muscle, to be followed; 0: none
+  bool fibres_are_required = true;                ///< false: where none can run, the run goes on without
+  std::string fibres_refused = {};                ///< why it does; empty: it does not
   /// What keeps the scene from being run, where its reader was told to go on all the same (SceneRequest).
   std::vector<std::string> obstacles;
 

@@ -35,6 +35,7 @@ def parse_arguments():
     parser.add_argument("--no-effect", action="append", default=[])
     parser.add_argument("--self-intersections", action="store_true")
     parser.add_argument("--fibres", type=int, default=0)
+    parser.add_argument("--fibres-if-possible", type=int, default=0)
     parser.add_argument("--progress", action="store_true")
     parser.add_argument("--no-referee", action="store_true")
     parser.add_argument("--bones-only", action="store_true")

@@ -39,6 +39,7 @@ class Truth:
     build_s: float = 1.0
     remaining_mm: float = 0.1
     shift_mm: float = 0.0  # of the whole muscle against the exact run's
+    arm_off_mm: float | None = None  # of the moment arm against the exact run's; None: no fibres are followed
     noise: float = 0.02  # of times, relative
     parameters: dict = field(default_factory=dict)
     threads: int = 1
@@ -125,8 +126,22 @@ def write_coupled(folder: Path, scene: str, backend: str, truth: Truth, repetiti
                                       np.zeros(len(ball.vertices_m)))
             made["snapshots"].append(fake_runs._write_snapshot(folder, shot, ball.triangles))
     fake_runs.write_rows(folder / "frames.csv", fake_runs.COLUMNS, [_coupled_row(f, times[f - 1]) for f in range(1, FRAMES + 1)])
+    if truth.arm_off_mm is not None:
+        write_fibres(folder / "fibres.csv", scene, truth.arm_off_mm)
     (folder / "run.json").write_text(json.dumps(made))
     return folder
+
+
+def write_fibres(path: Path, scene: str, arm_off_mm: float) -> None:
+    """Of a muscle that lengthens by 50 mm and the error a radian; where the joint turns back the slope is nonsense."""
+    rows, before = [], 0.0
+    for frame in range(FRAMES + 1):
+        angle = 45 * (1 - math.cos(2 * math.pi * frame / FRAMES))
+        standing, before = abs(angle - before) < 1, angle
+        rows.append({"frame": frame, "angle_deg": angle, "muscle": scene.split("/")[-1],
+                     "mean_length_m": 0.2 + 1e-3 * (50 + arm_off_mm) * math.radians(angle),
+                     "mean_moment_arm_m": 9.0 * arm_off_mm if standing else 1e-3 * (50 + arm_off_mm)})
+    fake_runs.write_rows(path, list(rows[0]), rows)
 
 
 def _coupled_row(frame: int, ns: int) -> dict:

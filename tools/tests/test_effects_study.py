@@ -10,11 +10,12 @@ import pytest
 import effects
 import fake_registry
 import fake_runs
+import fake_study
 from musclebench.cases.case import Folders
 from musclebench.effects.effect_cases import EffectCase, plan, shown_names
 from musclebench.effects.effect_report import measured_sets, write_report
 from musclebench.effects.effect_sets import ALL, KEPT, LOADS, OWN, EffectSet, effect_sets
-from musclebench.effects.effect_tables import cost_table, price_table
+from musclebench.effects.effect_tables import ARM_MM, cost_table, price_table
 from musclebench.effects.guards import guard_table, plan_guards
 from musclebench.effects.returns import ReturnCase, own_stretch, return_table
 from musclebench.figures import effect_figures, style
@@ -179,6 +180,16 @@ def test_the_cheapest_set_that_holds_a_property_is_found(measured):
     assert prices["volume within 1 %"]["cheapest"] == OWN and prices["volume within 1 %"]["needs"] == "none alone"
     both = prices["all of these"]
     assert both["cheapest"] == "all-volume" and both["needs"] == "margin, local_volume"
+
+
+def test_effects_that_move_the_moment_arm_are_needed_for_it(measured):
+    folders = measured({OWN: (10, {}), ALL: (40, {}), "own+margin": (12, {}), "all-margin": (38, {}), "all-volume": (39, {})})
+    words = f"moment arm within {ARM_MM:g} mm of that with all"
+    assert words not in prices_of(folders)  # no fibres were followed
+    for case, folder in folders.items():
+        fake_study.write_fibres(folder / "fibres.csv", case.scene.name, 0.2 if "margin" in case.chosen.effects else 3.0)
+    row = prices_of(folders)[words]
+    assert row["cheapest"] == "own+margin" and row["needs"] == "margin"
 
 
 def test_what_no_set_holds_says_how_near_the_best_comes(measured):

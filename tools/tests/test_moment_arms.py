@@ -51,7 +51,7 @@ def test_published_arms_have_the_sign_of_the_program(data):
     published = read_published(data)
     iliacus = published["iliacus"]
     assert iliacus.same_hip["mean"].at(25) == pytest.approx(-35)
-    assert np.isnan(iliacus.same_hip["mean"].at(51))
+    assert np.isnan(iliacus.same_hip["mean"].at(53))
     # Flexion positive as published; a flexor grows shorter in flexion.
     assert iliacus.finite_elements["lower"].at(0) == -32 and iliacus.finite_elements["upper"].at(0) == -20
     assert published["gluteus_maximus"].finite_elements["lower"].at(0) == 14
@@ -61,7 +61,7 @@ def test_published_arms_have_the_sign_of_the_program(data):
 
 def test_without_data_nothing_is_published(tmp_path):
     assert read_published(None) == {} and read_published(tmp_path) == {}
-    table = arm_table({"iliacus": course_of([run_with(band([0, 2, 4], [1, 2, 3]))])}, {})
+    table = arm_table({"iliacus": course_of([run_with(band([0, 2, 4], [1, 2, 3]))])}, {}, {})
     assert "nothing is published" in table.caption and set(table.rows["holds"]) == {"-"}
 
 
@@ -84,24 +84,36 @@ def test_the_goal_is_five_millimetres_or_fifteen_percent(data, tmp_path):
     courses = {"iliacus": course_of([run_with(band(angles, -33.0 - 0.25 * angles))]),
                "gluteus_maximus": course_of([run_with(band(angles, 51.5 + 0 * angles))])}
     published = read_published(data)
-    rows = arm_table(courses, published).rows.set_index(["muscle", "angle_deg"])
+    active = course_of([run_with(band(angles, -33.0 - 0.25 * angles))], is_active=True)
+    rows = arm_table(courses, {}, published).rows.set_index(["muscle", "angle_deg"])
     assert rows.loc[("iliacus", 0), "difference_mm"] == pytest.approx(-3) and rows.loc[("iliacus", 0), "holds"] == "yes"
     assert rows.loc[("iliacus", 50), "difference_percent"] == pytest.approx(-13.75)
     assert rows.loc[("iliacus", 50), "holds"] == "yes" and rows.loc[("iliacus", 60), "holds"] == "-"
     assert rows.loc[("gluteus_maximus", 0), "holds"] == "yes"  # 8.5 mm, and 14 % of 60
-    assert all(path.is_file() for path in draw_moment_arms(courses, published, tmp_path / "figure"))
+    assert all(path.is_file() for path in draw_moment_arms(courses, {"iliacus": active}, published, tmp_path / "figure"))
+
+
+def test_an_active_muscle_has_no_arm_where_it_contracts(data):
+    angles = np.arange(-10, 61, 2)
+    courses = {"iliacus": course_of([run_with(band(angles, 0.0 * angles))])}
+    active = {"iliacus": course_of([run_with(band(angles, -33.0 - 0.25 * angles))], is_active=True)}
+    rows = arm_table(courses, active, read_published(data)).rows.set_index("angle_deg")
+    assert np.isnan(rows.loc[0, "active_mm"]) and rows.loc[0, "active_holds"] == "-" and rows.loc[0, "holds"] == "no"
+    assert rows.loc[20, "active_mm"] == pytest.approx(-38) and rows.loc[20, "active_holds"] == "yes"
+    assert np.isnan(rows.loc[10, "active_mm"]) and np.isnan(rows.loc[-10, "active_mm"])
 
 
 def test_cases_go_from_rest_to_both_ends(tmp_path):
-    cases = plan([fake_registry.scene("synthetic/iliacus", 12)], "bvh", 7, 2.0)
-    assert [case.to_deg for case in cases] == [90, -10]
+    cases = plan([fake_registry.scene("synthetic/iliacus", 12)], "bvh", 7, 2.0, 0.5)
+    assert [(case.to_deg, case.activation) for case in cases] == [(90, 0), (90, 0.5), (-10, 0), (-10, 0.5)]
+    assert "activation:level=0.5,shortening=0.5,rise_s=0.0" in cases[1].arguments(Folders(tmp_path))
     words = cases[0].arguments(Folders(tmp_path))
     assert "to_deg=90.0" in words and words[words.index("--fibres") + 1] == "7" and words[words.index("--frames") + 1] == "45"
-    assert cases[0].snapshot_frames == [0, 22, 45] and cases[1].snapshot_frames == [0]
+    assert cases[0].snapshot_frames == [0, 22, 45] and cases[2].snapshot_frames == [0]
     assert MomentCase(cases[0].scene, "bvh", -1.0, 7).frames == 3
 
 
-@pytest.mark.parametrize("arguments, words", [(["--fibres", "0"], "--fibres 0"), (["--degrees", "0"], "--degrees 0"),
+@pytest.mark.parametrize("arguments, words", [(["--fibres", "0"], "--fibres 0"), (["--degrees", "0"], "--degrees 0"), (["--activation", "2"], "--activation 2"),
                                               (["--muscle", "biceps"], "'biceps'")])
 def test_bad_input_is_one_line(tmp_path, capfd, arguments, words):
     program = Path(__file__).resolve().parent / "fake_musclebench.py"

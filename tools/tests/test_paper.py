@@ -47,7 +47,7 @@ def in_process(tmp_path, monkeypatch, capfd):
     """Runs paper.main with the stand-in on two muscles, without drawing; gives (exit code, standard output, standard
     error, cases that were run)."""
     log = tmp_path / "log"
-    monkeypatch.setattr(paper, "draw_surfaces", lambda out_dir, names: [])
+    monkeypatch.setattr(paper, "draw_in_display", lambda kind, out_dir, names: [])
     monkeypatch.setattr(paper.paper_figures, "draw_figures", lambda runs, paper, folder: [])
 
     def run(*more, behaviour=""):
@@ -211,7 +211,7 @@ def test_a_kill_while_surfaces_are_drawn_leaves_nobody_at_work(tmp_path):
     def started_from(parent) -> set[int]:
         lines = subprocess.run(["ps", "-eo", "pid,ppid,args"], capture_output=True, text=True).stdout.splitlines()[1:]
         return {int(line.split()[0]) for line in lines if line.split()[1] == str(parent)
-                and ("draw_surfaces.py" in line or "Xvfb" in line)}
+                and ("draw_pictures.py" in line or "Xvfb" in line)}
 
     deadline = time.monotonic() + 60
     while len(drawing := started_from(process.pid)) < 2:

@@ -92,6 +92,9 @@ def test_brute_force_is_run_where_it_is_affordable():
     too_long = [case.name for case in plan(Request(MUSCLES, "lhdl")) if is_too_long(case)]
     replays = [name for name in too_long if "-replay-" in name]
     assert len(too_long) - len(replays) == len(MUSCLES) and all("brute_force" in name for name in too_long)
+    floors = [case for case in plan(Request(MUSCLES, "lhdl")) if "-floor-" in case.name]
+    assert [case.configuration.label for case in floors] == ["bvh"] * len(MUSCLES)
+    assert "start_noise_m=1e-12" in floors[0].arguments(FOLDERS)
     assert replays and "adductor_brevis-replay-brute_force-r0" not in replays
 
 

@@ -24,7 +24,7 @@ std::optional<Assessment> modelled(const Configuration& configuration, std::stri
     assessment.collision_ns = {9e6, 8.9e6, 9.1e6};
     assessment.structure_bytes = 40'000'000;
   } else if (configuration.backend == "voxel") {
-    assessment.p99_error_m = 0.2 / cells;
+    assessment.error_m = 0.2 / cells;
     assessment.collision_ns = {2e5, 1.9e5, 2.1e5};
     assessment.structure_bytes = static_cast<std::size_t>(cells * cells * cells / 8);
   } else if (configuration.backend == "sdf") {
@@ -32,11 +32,11 @@ std::optional<Assessment> modelled(const Configuration& configuration, std::stri
       reason = "no memory";
       return std::nullopt;
     }
-    assessment.p99_error_m = 1e-4 * std::pow(64 / cells, 2);
+    assessment.error_m = 1e-4 * std::pow(64 / cells, 2);
     assessment.collision_ns = {3e5, 2.9e5, 3.1e5};
     assessment.structure_bytes = static_cast<std::size_t>(32 * cells * cells * cells);
   } else {
-    assessment.p99_error_m = 1e-3;
+    assessment.error_m = 1e-3;
     assessment.collision_ns = {5e7, 4e7, 6e7};
   }
   return assessment;
@@ -96,7 +96,7 @@ std::optional<Assessment> modelled_adaptive(const Configuration& configuration, 
   const double wanted_mm = std::get<double>(found->second);
   Assessment assessment;
   assessment.configuration = configuration;
-  assessment.p99_error_m = 1.25e-3 * wanted_mm;
+  assessment.error_m = 1.25e-3 * wanted_mm;
   assessment.collision_ns = {3e5, 2.9e5, 3.1e5};
   assessment.structure_bytes = static_cast<std::size_t>(1e5 / wanted_mm);
   assessment.build_ns = static_cast<Nanoseconds>(1e9 * std::pow(0.1 / wanted_mm, 1.6));
@@ -133,7 +133,7 @@ TEST(Advice, OfEquallyFastOnesTheSmallest) {
     std::optional<Assessment> assessment = modelled(configuration, reason);
     if (assessment) {
       assessment->collision_ns = {1e6, 0.9e6, 1.1e6};
-      assessment->p99_error_m = 0;
+      assessment->error_m = 0;
     }
     return assessment;
   };
@@ -211,7 +211,7 @@ TEST(Advice, WhatNoneReachesNamesTheBest) {
   const auto inexact = [](const Configuration& configuration, std::string& reason) {
     std::optional<Assessment> assessment = modelled(configuration, reason);
     if (assessment) {
-      assessment->p99_error_m += 1e-5;
+      assessment->error_m += 1e-5;
     }
     return assessment;
   };

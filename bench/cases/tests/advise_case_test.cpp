@@ -34,11 +34,11 @@ TEST(AdviseCase, TheExactBackendErrsByNothingAndCoarseVoxelsDo) {
   const auto exact = assessed(scene, {exact_backend().name, {}}, reason);
   ASSERT_TRUE(exact) << reason;
   EXPECT_LT(exact->max_error_m, 1e-12);
-  EXPECT_EQ(exact->missed + exact->false_contacts, 0);
-  EXPECT_GT(exact->true_contacts, 0);
+  EXPECT_EQ(exact->contacts->missed + exact->contacts->wrong, 0);
+  EXPECT_GT(exact->contacts->real, 0);
   const auto coarse = assessed(scene, {"voxel", {{"cells", std::int64_t{8}}}}, reason);
   ASSERT_TRUE(coarse) << reason;
-  EXPECT_GT(coarse->false_contacts, 0);
+  EXPECT_GT(coarse->contacts->wrong, 0);
 }
 
 TEST(AdviseCase, RowsOfFramesAndTheDeepestBendAreKept) {
@@ -58,7 +58,7 @@ TEST(AdviseCase, WhatTheSceneSettlesIsKept) {
   std::string reason;
   const auto exact_plate = assessed(settled, {exact_backend().name, {}}, reason);
   ASSERT_TRUE(exact_plate) << reason;
-  EXPECT_GT(exact_plate->false_contacts, 0);  // of the rod's voxels
+  EXPECT_GT(exact_plate->contacts->wrong, 0);  // of the rod's voxels
   Scene all_settled = settled;
   all_settled.bone_contacts[0].backend = all_settled.bone_contacts[1].backend;
   EXPECT_THROW(require_a_choice(all_settled), InputError);

@@ -51,6 +51,27 @@ TEST(RunCaseStatus, IsOkWhereNothingHappens) {
   EXPECT_EQ(result.records.size(), 3U);
 }
 
+TEST(StartNoise, MovesFreeNodesByNoMoreAndAlwaysTheSame) {
+  Scene scene = ball_against_ball(1, 0, 1);
+  const RunResult still = run_without_collision(scene, false);
+  scene.loop.start_noise_m = 1e-6;
+  const BackendEntry& backend = find_backend("null");
+  RunCase run{{scene, backend, Parameters(backend.parameters, {}, backend.name)}};
+  run.judge = false;
+  run.snapshots = {0, 1};
+  const RunResult moved = run_case(run, [](int) {});
+  EXPECT_NE(moved.state_hash, still.state_hash);
+  EXPECT_EQ(moved.state_hash, run_without_collision(scene, false).state_hash);
+  double largest_m = 0;
+  for (std::size_t node = 0; node < scene.muscle_mesh.vertices.size(); ++node) {
+    const Vec3 off_m = moved.snapshots[0].positions[node] - scene.muscle_mesh.vertices[node];
+    EXPECT_GT(off_m.norm(), 0);
+    largest_m = std::max(largest_m, off_m.cwiseAbs().maxCoeff());
+  }
+  EXPECT_LE(largest_m, 1e-6);
+  EXPECT_GT(largest_m, 0.9e-6);
+}
+
 TEST(RunCaseStatus, IsSuspectWhereTheBoneSwallowsTheMuscle) {
   const RunResult result = run_without_collision(ball_against_ball(1, -1, 4));
   EXPECT_EQ(result.status, "suspect");

@@ -51,6 +51,25 @@ TEST(MomentArm, OfABandOverACylinderIsItsRadius) {
   }
 }
 
+/// Frames close together: lengths that jitter by a tenth of a millimetre would give slopes that do by 10 mm.
+TEST(MomentArm, OfManyFramesIsNotTheirJitter) {
+  const auto theta = angles(161, 0.5);
+  std::mt19937 random(7);
+  const auto arms = moment_arms(theta, lengths(theta, [&](double angle) {
+                                  const double jitter_m = 1e-4 * (2 * static_cast<double>(random()) / 0xffffffff - 1);
+                                  return 0.1 + 0.03 * std::sin(angle) + jitter_m;
+                                }));
+  double squares_m2 = 0;
+  int beyond = 0;
+  for (std::size_t i = 10; i + 10 < theta.size(); ++i) {
+    const double off_m = arms[i]->arm_m - 0.03 * std::cos(theta[i]);
+    squares_m2 += off_m * off_m;
+    beyond += std::abs(off_m) > 3 * arms[i]->error_m ? 1 : 0;
+  }
+  EXPECT_LT(std::sqrt(squares_m2 / 141), 5e-4);
+  EXPECT_LT(beyond, 14);
+}
+
 TEST(MomentArm, OfARigidTurnIsNothing) {
   const auto theta = angles(20, 5);
   for (const auto& arm : moment_arms(theta, std::vector<double>(20, 0.1))) EXPECT_EQ(arm->arm_m, 0);

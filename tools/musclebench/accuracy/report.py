@@ -12,12 +12,14 @@ from ..figures.stages import draw_stages, stage_rows
 from ..program.registry import saved_registry
 from ..results.disturbance import note
 from ..tables import table_formats
+from ..tables.arm_prices import arm_price_list
 from ..tables.choices import choices_tables, rule
 from ..tables.outcomes import outcomes_table, shape_distances
 from ..tables.prices import price_list
 from ..tables.table_formats import Table
 from . import coupled_faults
 from .aggregates import Aggregate, aggregates_of, of_mode
+from .arm_errors import RULE, arm_errors
 from .cases import StudyCase, read_cases
 from .front import points_of
 from .orders import cost_rows, probe_rows
@@ -54,14 +56,17 @@ def write_report(out_dir: Path) -> AccuracyReport:
     files = _write_rows(cases, aggregates, builds, out_dir)
     replays, coupled = of_mode(aggregates, "replay"), of_mode(aggregates, "coupled")
     wrong = {(aggregate.scene, aggregate.configuration) for aggregate in replays if aggregate.is_wrong}
-    shapes = shape_distances(coupled)
-    made = [table for table in (price_list(replays, builds), *choices_tables(replays), outcomes_table(coupled, shapes))
-            if not table.rows.empty]
+    floors, shapes = of_mode(aggregates, "floor"), shape_distances(coupled)
+    arms, faults = arm_errors(coupled, floors), coupled_faults.faults_of(coupled, shapes)
+    made = [price_list(replays, builds), arm_price_list(coupled, arms, wrong | set(faults)), *choices_tables(replays),
+            outcomes_table(coupled, shapes, arms, floors)]
+    made = [table for table in made if not table.rows.empty]
     busy = note({case.name: case.disturbance for case in cases if case.disturbance}, len(cases))
     for table in made:
         files += _write_table(table, tables, busy)
     files += _draw_replay(replays, wrong, figures)
-    files += _draw_coupled(coupled, wrong, shapes, figures)
+    files += _draw_coupled(coupled, wrong, shapes, faults, figures)
+    files += _draw_arms(coupled, wrong | set(faults), arms, figures)
     files += _draw_convergence(aggregates, builds, figures)
     files += _draw_stages(coupled, replays, figures)
     return AccuracyReport(files, made)
@@ -99,11 +104,10 @@ def _draw_replay(replays: list[Aggregate], wrong: set, folder: Path) -> list[Pat
     return _with_caption(files, title, texts, _cases(replays))
 
 
-def _draw_coupled(coupled: list[Aggregate], wrong: set, shapes: dict, folder: Path) -> list[Path]:
+def _draw_coupled(coupled: list[Aggregate], wrong: set, shapes: dict, faults: dict, folder: Path) -> list[Path]:
     def distance(aggregate: Aggregate) -> float:
         return shapes.get((aggregate.scene, aggregate.configuration), {}).get("full_rms_mm", math.nan)
 
-    faults = coupled_faults.faults_of(coupled, shapes)
     wrong, why = wrong | set(faults), coupled_faults.told(faults)
     depths = points_of(coupled, lambda aggregate: aggregate.remaining_depth_mm, wrong)
     title = "What accuracy costs in time: every backend moves its own muscle (coupled)"
@@ -123,6 +127,21 @@ def _draw_coupled(coupled: list[Aggregate], wrong: set, shapes: dict, folder: Pa
     error = "The error is the root mean square over all nodes of their distance to the same nodes of the exact run."
     texts = [error, captions.TIME, FRONT_WORDS, coupled_faults.RULE, why, _left_out(coupled, distances)]
     return files + _with_caption(drawn, title, texts, _cases(coupled))
+
+
+def _draw_arms(coupled: list[Aggregate], wrong: set, arms: dict, folder: Path) -> list[Path]:
+    def error(aggregate: Aggregate) -> float:
+        return arms.get((aggregate.scene, aggregate.configuration), {}).get("arm_rms_mm", math.nan)
+
+    points = points_of(coupled, error, wrong)
+    title = "What a backend's accuracy is worth in moment arms (coupled)"
+    files = draw_pareto(points, folder / "pareto_moment_arm", title, "moment arm off by, RMS (mm)", "same moment arm")
+    floors = {one.muscle: arms[(one.scene, one.configuration)]["arm_floor_mm"] for one in coupled
+              if (one.scene, one.configuration) in arms}
+    told = ", ".join(f"{muscle.replace('_', ' ')} {floor:.2g} mm" for muscle, floor in floors.items() if floor == floor)
+    texts = [RULE, f"Floors: {told}." if told else "", captions.TIME, FRONT_WORDS, coupled_faults.RULE,
+             _left_out(coupled, points)]
+    return _with_caption(files, title, texts, _cases(coupled))
 
 
 def _draw_convergence(aggregates: list[Aggregate], builds: dict, folder: Path) -> list[Path]:

@@ -8,6 +8,7 @@ from ..program.registry import Registry
 from .effect_sets import EffectSet, effect_sets
 
 PRESET = "standard"
+FIBRES = 100  # of a muscle
 SHOWN_SCENES = "effects/"  # what the names of the small scenes begin with
 SECONDS_A_STEP = 0.004  # of the reference muscle with an effect or two more than the scene has; judging included
 
@@ -39,8 +40,8 @@ class EffectCase(SceneCase):
     def arguments(self, folders: Folders) -> list[str]:
         return ["run", self.scene.name, "--backend", self.backend, *self.scene.preset_arguments(), "--threads", "1",
                 *self.chosen.options(self.scene.effects), "--repetition", str(self.repetition), "--self-intersections",
-                "--snapshots", ",".join(map(str, self.snapshot_frames)), *self.scene.data_arguments(folders),
-                *self.scene.frames_arguments()]
+                "--snapshots", ",".join(map(str, self.snapshot_frames)), "--fibres-if-possible", str(FIBRES),
+                *self.scene.data_arguments(folders), *self.scene.frames_arguments()]
 
     def record(self) -> dict:
         return {"mode": "coupled", "scene": self.scene.name, "preset": self.scene.preset, "backend": self.backend,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from ..results.arms import RULE, arm_differences
 from ..tables.table_formats import Column, Table
 from .effect_runs import NAN, MeasuredSet, rms_mm
 from .effect_sets import ALL, OWN
@@ -25,7 +26,9 @@ CHANGE_COLUMNS = [
     Column("folded_at_rest", "at rest", 0, "at\nrest"), Column("tunnelled", "tunnelled nodes", 0, "tun-\nnelled"),
     Column("stretch", "edge stretch, p99", 3, "edge\nstretch"),
     Column("shape_mm", "RMS to all effects, full flexion mm", 3, "RMS\nto all"),
+    Column("arm_mm", "moment arm to all effects, RMS mm", 2, "arm\nto all"),
 ]
+ARM_MM = 1.0
 PRICE_COLUMNS = [
     Column("muscle", "muscle"), Column("wanted", "wanted"), Column("cheapest", "cheapest that holds it"),
     Column("time_ms", "ms a frame", 2, "ms a\nframe"), Column("ratio", "x own", 2, "x\nown", True),
@@ -44,6 +47,7 @@ PROPERTIES = (
     Property("no surface depth over 0.1 mm", "surface_depth_mm", lambda row: row["surface_depth_mm"] <= 0.1),
     Property("volume within 1 %", "volume_percent", lambda row: row["volume_percent"] <= 1),
     Property("no tunnelled node", "tunnelled", lambda row: row["tunnelled"] == 0),
+    Property(f"moment arm within {ARM_MM:g} mm of that with all", "arm_mm", lambda row: row["arm_mm"] <= ARM_MM),
     Property("no fold", "folded", lambda row: row["folded"] <= row["folded_at_rest"]),
 )
 
@@ -61,6 +65,7 @@ def _change_row(one: MeasuredSet, full: MeasuredSet | None) -> dict:
         "folded_at_rest": one.outcome("self_intersecting_triangles_at_rest"),
         "tunnelled": one.outcome("tunnelled_nodes"), "stretch": one.outcome("p99_edge_stretch"),
         "shape_mm": rms_mm(one.shape_m, full.shape_m) if full else NAN,
+        "arm_mm": arm_differences(one.runs[0], full.runs[0]).get("arm_rms_mm", NAN) if full else NAN,
     }
 
 
@@ -97,7 +102,8 @@ def change_table(measured: list[MeasuredSet]) -> Table:
     caption = (
         "What effects change. own: those of scene and preset; all: every effect but those that move the muscle; all-X: "
         "without X; own+X: with X. Depths, volume error, tunnelled nodes and stretch are the largest of the run; "
-        "triangles through others the most at rest, full flexion and the end. RMS over the nodes."
+        "triangles through others the most at rest, full flexion and the end. RMS over the nodes; of moment arms over the "
+        f"motion. {RULE}"
     )
     return _table("effect_changes", caption, CHANGE_COLUMNS, change_rows(measured))
 
@@ -107,12 +113,14 @@ def price_table(measured: list[MeasuredSet]) -> Table:
     for scene in dict.fromkeys(one.scene for one in measured):
         sets = [one for one in measured if one.scene == scene and one.is_measured and not one.chosen.is_loaded]
         by_name = {one.chosen.name: (one, row) for one, row in zip(sets, change_rows(sets))}
-        rows += [_price_row(wanted.words, [wanted], by_name) for wanted in PROPERTIES if by_name]
-        rows += [_price_row("all of these", list(PROPERTIES), by_name)] if by_name else []
+        told = [one for one in PROPERTIES if any(not math.isnan(row[one.key]) for _, row in by_name.values())]
+        rows += [_price_row(wanted.words, [wanted], by_name) for wanted in told]
+        rows += [_price_row("all of these", told, by_name)] if told else []
     caption = (
         "Price list. For each wanted property the fastest set of effects, of those that were run, that holds it through "
         "the whole motion; of those whose intervals overlap the fastest one's, the one with the fewest effects. Time as "
-        "a multiple of the scene's own effects. Needs: the effects without which all the others do not hold it."
+        "a multiple of the scene's own effects. Needs: the effects without which all the others do not hold it. Of a scene "
+        "without fibres nothing is said of moment arms."
     )
     return _table("effect_prices", caption, PRICE_COLUMNS, rows)
 

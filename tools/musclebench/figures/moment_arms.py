@@ -11,13 +11,16 @@ from .style import muscle_label, plt
 OURS, SAME_HIP, ELEMENTS, MEASURED = "#d55e00", "#0072b2", "#7f7f7f", "#000000"
 
 
-def draw_moment_arms(courses: dict[str, pd.DataFrame], published: dict[str, Published], stem: Path) -> list[Path]:
+def draw_moment_arms(courses: dict[str, pd.DataFrame], active: dict[str, pd.DataFrame],
+                     published: dict[str, Published], stem: Path) -> list[Path]:
     style.apply_style()
     figure, panels = plt.subplots(1, len(courses), figsize=(style.PAGE_INCHES, 3.4), squeeze=False, sharex=True)
     for axes, (muscle, course) in zip(panels[0], courses.items()):
         _draw_published(axes, published.get(muscle, Published()))
         axes.fill_between(course["angle_deg"], course["p10_mm"], course["p90_mm"], color=OURS, alpha=0.3, linewidth=0)
-        axes.plot(course["angle_deg"], course["mean_mm"], color=OURS, label="here, mean and 10th to 90th percentile")
+        axes.plot(course["angle_deg"], course["mean_mm"], color=OURS, label="here, passive: mean, 10th to 90th percentile")
+        if muscle in active:
+            _draw_active(axes, active[muscle])
         axes.axhline(0, color="0.7", linewidth=0.6, zorder=0)
         axes.set_title(muscle_label(muscle), loc="left")
         axes.set_xlabel("flexion (degrees)")
@@ -26,6 +29,13 @@ def draw_moment_arms(courses: dict[str, pd.DataFrame], published: dict[str, Publ
     figure.legend(handles.values(), handles.keys(), loc="upper left", ncol=2, frameon=False, fontsize=7)
     figure.tight_layout(rect=(0, 0, 1, 0.86))
     return style.save_figure(figure, stem)
+
+
+def _draw_active(axes, course: pd.DataFrame) -> None:
+    """Both sides of rest, about which it is not known."""
+    for number, side in enumerate((course[course["angle_deg"] < 0], course[course["angle_deg"] > 0])):
+        axes.plot(side["angle_deg"], side["mean_mm"], color=OURS, linestyle=(0, (4, 1.5)),
+                  label="here, active: mean" if number else None)
 
 
 def _draw_published(axes, published: Published) -> None:

@@ -1,4 +1,4 @@
-"""The cases of the moment arms: each muscle is turned from rest to both ends of the joint's range."""
+"""The cases of the moment arms: each muscle, passive and active, is turned from rest to both ends of the joint's range."""
 
 from dataclasses import dataclass
 
@@ -8,6 +8,7 @@ from ..cases.scene import Scene
 PRESET = "standard"
 ENDS_DEG = (-10.0, 90.0)
 DEGREES_A_FRAME = 2.0
+SHORTENING = 0.5  # of free fibres: active force ends at half of their best length (Gordon, Huxley, Julian 1966; Zajac 1989)
 SHOWN_DEG = (0, 45, 90)  # of the pictures
 SECONDS_A_FRAME = 0.3  # of the reference muscle, with its fibres: a first guess, which the progress bar corrects
 
@@ -19,10 +20,11 @@ class MomentCase(SceneCase):
     to_deg: float
     fibres: int
     degrees_a_frame: float = DEGREES_A_FRAME
+    activation: float = 0.0  # its level; 0: passive
 
     @property
     def name(self) -> str:
-        return f"{self.scene.key}-to={self.to_deg:g}"
+        return f"{self.scene.key}-to={self.to_deg:g}" + (f"-active={self.activation:g}" if self.activation else "")
 
     @property
     def kind(self) -> str:
@@ -46,15 +48,21 @@ class MomentCase(SceneCase):
     def arguments(self, folders: Folders) -> list[str]:
         return ["run", self.scene.name, "--backend", self.backend, *self.scene.preset_arguments(), "--threads", "1",
                 "--effects", "auto", "--motion", "course=there", "--motion", f"to_deg={self.to_deg!r}",
-                "--frames", str(self.frames), "--fibres", str(self.fibres),
+                "--frames", str(self.frames), "--fibres", str(self.fibres), *self._effects(),
                 "--snapshots", ",".join(map(str, self.snapshot_frames)), *self.scene.data_arguments(folders)]
+
+    def _effects(self) -> list[str]:
+        """From the first frame on: a muscle that takes up its tension while it is turned has lengths of both."""
+        told = f"activation:level={self.activation!r},shortening={SHORTENING!r},rise_s=0.0"
+        return ["--effect", told] if self.activation else []
 
     def record(self) -> dict:
         return {"mode": "coupled", "scene": self.scene.name, "preset": self.scene.preset, "backend": self.backend,
                 "parameters": {}, "threads": 1}
 
 
-def plan(scenes: list[Scene], backend: str, fibres: int, degrees_a_frame: float) -> list[MomentCase]:
-    """The longest first, so that none runs alone at the end."""
-    cases = [MomentCase(scene, backend, end, fibres, degrees_a_frame) for scene in scenes for end in ENDS_DEG]
+def plan(scenes: list[Scene], backend: str, fibres: int, degrees_a_frame: float, activation: float) -> list[MomentCase]:
+    """Passive and active; the longest first, so that none runs alone at the end."""
+    cases = [MomentCase(scene, backend, end, fibres, degrees_a_frame, level) for scene in scenes for end in ENDS_DEG
+             for level in dict.fromkeys((0.0, activation))]
     return sorted(cases, key=lambda case: -case.guessed_seconds)

@@ -19,13 +19,19 @@ ARM_COLUMNS = [
     Column("published_mm", "same hip, mean mm", 1), Column("published_min_mm", "least mm", 1),
     Column("published_max_mm", "largest mm", 1), Column("difference_mm", "difference mm", 1),
     Column("difference_percent", "difference %", 0), Column("holds", "goal"),
+    Column("active_mm", "active, mean mm", 1), Column("active_difference_mm", "difference mm", 1),
+    Column("active_holds", "goal"),
     Column("lower_mm", "finite elements, lower mm", 1), Column("upper_mm", "upper mm", 1),
     Column("measured_mm", "measured mm", 1),
 ]
+CONTRACTING_DEG = 15.0  # that the joint turns while an active muscle still takes up its tension
 CAPTION = (
     "Moment arms r = dL / d(flexion) of the fibres of each muscle, positive where they grow longer in flexion, beside those of "
     "the same hip (Modenese and Kohout 2020), of finite elements of another subject (Blemker and Delp 2005, unscaled) and of "
-    f"measurements. Goal: the mean within {GOAL_MM:g} mm or {GOAL_PERCENT:g} % of that of the same hip."
+    f"measurements. Goal: the mean within {GOAL_MM:g} mm or {GOAL_PERCENT:g} % of that of the same hip. A passive muscle falls slack where "
+    "its ends come closer, as relaxed muscles do (Hoang et al. 2007, Herbert et al. 2015), and its fibres then keep their "
+    "length; published arms are those of taut lines. Active: the same with activation; it has to "
+    f"contract first, so that nothing is said within {CONTRACTING_DEG:g} degrees of rest."
 )
 NOTHING_PUBLISHED = (
     "Moment arms r = dL / d(flexion) of the fibres of each muscle, positive where they grow longer in flexion. Of the synthetic "
@@ -33,50 +39,63 @@ NOTHING_PUBLISHED = (
 )
 
 
-def course_of(runs: list[Run]) -> pd.DataFrame:
-    """Of one muscle, whose runs begin at rest and go apart: angle_deg and the band in mm, ascending."""
+def course_of(runs: list[Run], is_active: bool = False) -> pd.DataFrame:
+    """Of one muscle, whose runs begin at rest and go apart: angle_deg and the band in mm, ascending. Of an active muscle
+    without the angles at which it contracts as it turns."""
     rows = pd.concat([run.fibres if i == 0 else run.fibres[run.fibres["frame"] > 0] for i, run in enumerate(runs)])
     course = pd.DataFrame({"angle_deg": rows["angle_deg"], "error_mm": 1e3 * rows["moment_arm_error_m"]})
     for name in BAND:
         course[f"{name}_mm"] = 1e3 * rows[f"{name}_moment_arm_m"]
-    return course.sort_values("angle_deg", kind="stable").reset_index(drop=True)
+    kept = course["angle_deg"].abs() >= (CONTRACTING_DEG if is_active else 0)
+    return course[kept].sort_values("angle_deg", kind="stable").reset_index(drop=True)
 
 
-def arm_table(courses: dict[str, pd.DataFrame], published: dict[str, Published]) -> Table:
-    rows = [_row(muscle, angle, course, published.get(muscle, Published()))
-            for muscle, course in courses.items() for angle in COMPARED_DEG]
+def arm_table(passive: dict[str, pd.DataFrame], active: dict[str, pd.DataFrame],
+              published: dict[str, Published]) -> Table:
+    """The courses by muscle; `active` may lack some."""
+    rows = [_row(muscle, angle, course, active.get(muscle), published.get(muscle, Published()))
+            for muscle, course in passive.items() for angle in COMPARED_DEG]
     keys = [column.key for column in ARM_COLUMNS]
     shown = [key for key in keys if key != "muscle"]
     return Table("moment_arms", CAPTION if published else NOTHING_PUBLISHED, ARM_COLUMNS, pd.DataFrame(rows, columns=keys), shown)
 
 
-def _row(muscle: str, angle: float, course: pd.DataFrame, published: Published) -> dict:
-    def ours(key: str) -> float:
-        known = course[course[key].notna()]
-        return Curve(known["angle_deg"].to_numpy(), known[key].to_numpy()).at(angle) if len(known) else np.nan
-
+def _row(muscle: str, angle: float, passive: pd.DataFrame, active: pd.DataFrame | None, published: Published) -> dict:
     def of(curves: dict[str, Curve] | None, name: str) -> float:
         return curves[name].at(angle) if curves else np.nan
 
-    mean, wanted = ours("mean_mm"), of(published.same_hip, "mean")
-    difference = mean - wanted
-    percent = 100 * difference / abs(wanted) if wanted else np.nan
-    held = abs(difference) <= GOAL_MM or abs(percent) <= GOAL_PERCENT
+    mean, wanted = _at(passive, "mean_mm", angle), of(published.same_hip, "mean")
+    with_tension = _at(active, "mean_mm", angle) if active is not None else np.nan
     return {
-        "muscle": muscle, "angle_deg": angle, "mean_mm": mean, "min_mm": ours("min_mm"), "max_mm": ours("max_mm"),
-        "error_mm": ours("error_mm"), "published_mm": wanted, "published_min_mm": of(published.same_hip, "min"),
-        "published_max_mm": of(published.same_hip, "max"), "difference_mm": difference, "difference_percent": percent,
-        "holds": "-" if np.isnan(difference) else "yes" if held else "no",
+        "muscle": muscle, "angle_deg": angle, "mean_mm": mean, "min_mm": _at(passive, "min_mm", angle),
+        "max_mm": _at(passive, "max_mm", angle), "error_mm": _at(passive, "error_mm", angle), "published_mm": wanted,
+        "published_min_mm": of(published.same_hip, "min"), "published_max_mm": of(published.same_hip, "max"),
+        "difference_mm": mean - wanted, "difference_percent": 100 * (mean - wanted) / abs(wanted) if wanted else np.nan,
+        "holds": _holds(mean, wanted), "active_mm": with_tension, "active_difference_mm": with_tension - wanted,
+        "active_holds": _holds(with_tension, wanted),
         "lower_mm": of(published.finite_elements, "lower"), "upper_mm": of(published.finite_elements, "upper"),
         "measured_mm": published.measured.at(angle) if published.measured else np.nan,
     }
 
 
-def course_files(courses: dict[str, pd.DataFrame], out_dir: Path) -> list[Path]:
-    """The whole courses, a file a muscle."""
+def _at(course: pd.DataFrame, key: str, angle: float) -> float:
+    """NaN beyond the angles that are known, and between two of which so many are left out."""
+    known = course[course[key].notna()]
+    if known.empty or abs(angle) < known["angle_deg"].abs().min():
+        return np.nan
+    return Curve(known["angle_deg"].to_numpy(), known[key].to_numpy()).at(angle)
+
+
+def _holds(mean: float, wanted: float) -> str:
+    off = abs(mean - wanted)
+    return "-" if np.isnan(off) else "yes" if off <= GOAL_MM or off <= GOAL_PERCENT / 100 * abs(wanted) else "no"
+
+
+def course_files(courses: dict[str, pd.DataFrame], out_dir: Path, word: str = "") -> list[Path]:
+    """The whole courses, a file a muscle; `word` ends its name."""
     files = []
     for muscle, course in courses.items():
-        path = out_dir / f"moment_arms_{muscle}.csv"
+        path = out_dir / f"moment_arms_{muscle}{word}.csv"
         course.to_csv(path, index=False)
         files.append(path)
     return files

@@ -11,6 +11,7 @@ from ..program.cli import Problem
 FOLDER = "moment_arms"
 SAME_HIP = "modenese_kohout_2020.csv"
 FINITE_ELEMENTS = "blemker_delp_2005.csv"
+NEAR_DEG = 2.0  # slopes end half a step before the lengths that they are of
 FLEXORS = ("iliacus", "psoas")  # whose published arms are positive in flexion
 # File, column and sign of single curves.
 MEASURED = {
@@ -21,13 +22,15 @@ MEASURED = {
 
 @dataclass(frozen=True)
 class Curve:
-    """A figure over the angle; NaN beyond the angles that were published."""
+    """A figure over the angle; NaN beyond the angles that were published, but for NEAR_DEG."""
 
     angles_deg: np.ndarray
     values_mm: np.ndarray
 
     def at(self, angle_deg: float) -> float:
-        return float(np.interp(angle_deg, self.angles_deg, self.values_mm, left=np.nan, right=np.nan))
+        first, last = self.angles_deg[0], self.angles_deg[-1]
+        is_known = first - NEAR_DEG <= angle_deg <= last + NEAR_DEG
+        return float(np.interp(angle_deg, self.angles_deg, self.values_mm)) if is_known else float("nan")
 
 
 @dataclass(frozen=True)

@@ -123,6 +123,26 @@ class Scene3d:
         actor.GetProperty().SetColor(*colour)
         self._add_temporary(actor)
 
+    def add_tubes(self, lines: list[np.ndarray], radius_m: float, colours: np.ndarray) -> None:
+        """A tube along each line of points (n, 3), of a colour of its own (0..255); stay until clear_muscle."""
+        data = vtk.vtkPolyData()
+        points, cells = vtk.vtkPoints(), vtk.vtkCellArray()
+        points.SetData(numpy_to_vtk(np.ascontiguousarray(np.vstack(lines), dtype=np.float64), deep=True))
+        first = 0
+        for line in lines:
+            cells.InsertNextCell(len(line), range(first, first + len(line)))
+            first += len(line)
+        data.SetPoints(points)
+        data.SetLines(cells)
+        data.GetCellData().SetScalars(numpy_to_vtk(np.ascontiguousarray(colours, dtype=np.uint8), deep=True))
+        tube = vtk.vtkTubeFilter()
+        tube.SetInputData(data)
+        tube.SetRadius(radius_m)
+        tube.SetNumberOfSides(8)
+        tube.CappingOn()
+        tube.Update()
+        self._add_temporary(_surface_actor(tube.GetOutput()))
+
     def clear_muscle(self) -> None:
         for actor in self._temporary:
             self._renderer.RemoveActor(actor)

@@ -17,7 +17,9 @@ DEPTH_COLOURS = LinearSegmentedColormap.from_list("depth", ["#9fe8f2", "#37a7d8"
 INSIDE_FROM_MM = 0.02  # shallower than this counts as touching
 SEE_THROUGH_BONE = 0.2
 SEE_THROUGH_MUSCLE = 0.35
+SEE_THROUGH_SKIN = 0.15
 BALL_SHARE = 0.011  # radius of a marked node, of half the picture's height
+TUBE_SHARE = 0.006  # the same of a fibre
 MUSCLE_COLOURS = np.array([[178, 88, 80], [214, 157, 76], [110, 150, 105], [120, 110, 170], [90, 150, 170]])
 ATTACHMENT_COLOURS = [(0.0, 0.45, 0.70), (0.90, 0.62, 0.0), (0.80, 0.47, 0.65), (0.0, 0.62, 0.45)]
 
@@ -101,6 +103,13 @@ class Studio:
         for number, nodes in enumerate(groups):
             colour = ATTACHMENT_COLOURS[number % len(ATTACHMENT_COLOURS)]
             self._scene.add_points(vertices[nodes], BALL_SHARE * self._overview.half_height_m, colour)
+        return self._scene.picture(self._overview)
+
+    def fibres(self, snapshot: Snapshot, lines: list[np.ndarray], colours: np.ndarray) -> np.ndarray:
+        """Lines of points (n, 3) as tubes, a colour each, seen through the muscle."""
+        self._show(snapshot, np.tile(MUSCLE_COLOUR, (len(snapshot.mesh.vertices_m), 1)), SEE_THROUGH_SKIN)
+        self._scene.set_bone_opacity(1.0)
+        self._scene.add_tubes(lines, TUBE_SHARE * self._overview.half_height_m, colours)
         return self._scene.picture(self._overview)
 
     def _show(self, snapshot: Snapshot, colours: np.ndarray, opacity: float = 1.0) -> None:

@@ -46,9 +46,9 @@ def display() -> Iterator[dict[str, str]]:
             with os.fdopen(numbers) as lines:
                 number = lines.readline().strip()
             if not number:
-                raise Problem("surface figures: Xvfb gives no display")
+                raise Problem("Xvfb gives no display")
             yield {**os.environ, "DISPLAY": f":{number}"}
     elif os.environ.get("DISPLAY"):
         yield dict(os.environ)
     else:
-        raise Problem("surface figures: no display and no Xvfb; install the package xvfb")
+        raise Problem("there is no display and no Xvfb; install the package xvfb")

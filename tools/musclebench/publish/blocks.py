@@ -9,7 +9,7 @@ from ..convergence import convergence_report
 from ..effects import effect_tables, guards, returns
 from ..program.cli import Problem
 from ..results.disturbance import MARK
-from ..tables import choices, muscle_tables, outcomes, paper_tables, prices
+from ..tables import arm_prices, choices, muscle_tables, outcomes, paper_tables, prices
 from ..tables.table_formats import Column, as_ratio, markdown_rows, with_unit
 from .measured import Measured
 from .selection import chosen_rows, plain
@@ -21,9 +21,11 @@ MEMORY_KEYS = ("muscle", "backend", "first_mb", "last_mb", "first_offset_mb", "l
                "paper_first_mb", "paper_last_mb", "paper_first_offset_mb", "paper_last_offset_mb")
 PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "ratio_low", "ratio_high", "build_s",
               "structure_mb", "p99_error_mm", "max_error_mm", "missed", "measured")
+ARM_PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "structure_mb", "arm_rms_mm", "arm_max_mm",
+                  "length_rms_mm", "arm_floor_mm", "note")
 FACTOR_KEYS = ("muscle", "choice", "time_ms", "factor", "ratio", "missed", "measured", "p99_error_mm")
 OUTCOME_KEYS = ("muscle", "configuration", "node_depth_mm", "p99_surface_depth_mm", "max_volume_percent",
-                "full_rms_mm", "full_hausdorff_mm", "tunnelled", "stuck", "collision_s")
+                "full_rms_mm", "full_hausdorff_mm", "arm_rms_mm", "arm_max_mm", "tunnelled", "stuck", "collision_s")
 DEPTH_KEYS = ("muscle", "backend", "bone_depth_mm", "bone_nodes", "muscle_depth_mm", "muscle_nodes",
               "volume_change_percent", "edge_stretch")
 PAIR_KEYS = ("muscle", "backend", "detect_ms", "contacts")
@@ -34,7 +36,7 @@ SUBSTEP_KEYS = ("scene", "backend", "substeps", "status", "rms_mm", "p99_mm", "l
                 "largest_depth_mm")
 EFFECT_COST_KEYS = ("muscle", "effect", "own_ms", "share_percent", "added_ms", "saved_ms")
 EFFECT_CHANGE_KEYS = ("muscle", "set", "status", "frame_ms", "node_depth_mm", "surface_depth_mm", "volume_percent", "folded",
-                      "folded_at_rest", "tunnelled", "stretch", "shape_mm")
+                      "folded_at_rest", "tunnelled", "stretch", "shape_mm", "arm_mm")
 EFFECT_PRICE_KEYS = ("muscle", "wanted", "cheapest", "time_ms", "ratio", "needs", "note")
 
 
@@ -113,6 +115,7 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "depths": _from("table_4_depths", muscle_tables.DEPTH_COLUMNS, DEPTH_KEYS),
     "pairs": _from("table_5_pairs", muscle_tables.PAIR_COLUMNS, PAIR_KEYS),
     "prices": _from("price_list", prices.COLUMNS, PRICE_KEYS),
+    "arm_prices": _from("arm_price_list", arm_prices.COLUMNS, ARM_PRICE_KEYS),
     "factors": _from("*_factors", choices.COLUMNS, FACTOR_KEYS),
     "outcomes": _from("coupled_outcomes", outcomes.COLUMNS, OUTCOME_KEYS),
     "coupled": _coupled,

@@ -13,6 +13,9 @@ LOADING_SECONDS = 1.0
 LOOP_SECONDS_A_FRAME = 0.008
 JUDGING_SECONDS_A_STEP = 0.008
 JUDGING_SECONDS_A_FRAME = 0.02
+START_NOISE_M = 1e-12
+FIBRES = 100  # of a muscle, that a judged coupled run follows
+FIBRES_SECONDS = 2.0
 PROBING_SECONDS = 3.0
 BYTES_A_NODE_AND_STEP = 8
 BYTES_A_JUDGED_RUN = 10e6
@@ -186,9 +189,9 @@ class CoupledCase(MeasuredCase):
     @property
     def guessed_seconds(self) -> float:
         a_step = self.configuration.step_ms * 1e-3
-        judging = JUDGING_SECONDS_A_FRAME if self.is_judged else 0.0
+        judging, fibres = (JUDGING_SECONDS_A_FRAME, FIBRES_SECONDS) if self.is_judged else (0.0, 0.0)
         moving = self.scene.frames * (LOOP_SECONDS_A_FRAME + judging) + self.scene.steps * a_step
-        return LOADING_SECONDS + self.building_seconds + self.scene.size * moving
+        return LOADING_SECONDS + self.building_seconds + fibres + self.scene.size * moving
 
     @property
     def guessed_bytes(self) -> float:
@@ -203,7 +206,19 @@ class CoupledCase(MeasuredCase):
         words = ["run", self.scene.name, *self.backend_arguments(folders), *self.scene.preset_arguments()]
         words.append("--no-pruning")  # structures over whole bones, as replays and probes have
         words += [*self.scene.data_arguments(folders), *self.scene.frames_arguments(), *self.repetition_arguments()]
-        return words + (["--snapshots", ",".join(map(str, self.snapshot_frames))] if self.is_judged else [])
+        if self.is_judged:
+            words += ["--snapshots", ",".join(map(str, self.snapshot_frames)), "--fibres-if-possible", str(FIBRES)]
+        return words
+
+
+@dataclass(frozen=True)
+class FloorCase(CoupledCase):
+    """The exact run once more, from a start that differs by rounding: what is as far apart can't be told apart."""
+
+    mode = "floor"
+
+    def arguments(self, folders: Folders) -> list[str]:
+        return [*super().arguments(folders), "--loop", f"start_noise_m={START_NOISE_M:g}"]
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import random
 from dataclasses import dataclass, replace
 
 from ..cases.scene import Scene
-from .study_cases import LONGEST_SECONDS, CoupledCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
+from .study_cases import LONGEST_SECONDS, CoupledCase, FloorCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
 from .sweeps import Configuration
 
 REPLAY_SECONDS = 4.0  # of the steps of one replay; the stride keeps to it
@@ -37,6 +37,9 @@ def plan(request: Request, configurations: list[Configuration]) -> list[StudyCas
     firsts = [ProbeCase(scene, one) for scene in probed for one in chosen if one.is_probed]
     firsts += [case for scene in request.scenes for configuration in chosen
                for case in _modes(scene, configuration, configurations, request)]
+    exact = min((one for one in chosen if one.is_exact and not one.parameters and one.threads == 1),
+                key=lambda one: one.step_ms, default=None)
+    firsts += [FloorCase(scene, exact, longest_seconds=request.longest_seconds) for scene in request.scenes if exact]
     measured = _rounds(in_shard(firsts, *request.shard), request)
     recorded = {case.recording for case in measured if isinstance(case, ReplayCase)}
     return [case for case in map(RecordCase, request.scenes) if case in recorded] + measured
@@ -106,8 +109,9 @@ def _rounds(firsts: list[MeasuredCase], request: Request) -> list[MeasuredCase]:
 
 
 def _repetitions(case: MeasuredCase, request: Request) -> int:
-    """Errors of a probe and estimates of what is too long don't vary; long runs average over themselves."""
-    if isinstance(case, ProbeCase) or is_too_long(case):
+    """Errors of a probe, what rounding does and estimates of what is too long don't vary; long runs average over
+    themselves."""
+    if isinstance(case, (ProbeCase, FloorCase)) or is_too_long(case):
         return 1
     another = replace(case, repetition=1).guessed_seconds
     fewest = [count for seconds, count in FEWER_REPETITIONS if another > seconds]

@@ -5,6 +5,7 @@ import math
 import pandas as pd
 
 from ..accuracy.aggregates import Aggregate, exact_aggregate
+from ..accuracy.arm_errors import RULE
 from ..accuracy.shapes import hausdorff_distance_m, rms_distance_m
 from ..results.ply import PlyMesh, read_ply
 from ..results.run_folder import ResultProblem, Run
@@ -22,21 +23,33 @@ COLUMNS = [
     Column("full_hausdorff_mm", "Hausdorff to exact, full flexion mm", 3, "Hausd.\nfull"),
     Column("final_rms_mm", "RMS to exact, final mm", 3, "RMS\nfinal"),
     Column("final_hausdorff_mm", "Hausdorff to exact, final mm", 3, "Hausd.\nfinal"),
+    Column("length_rms_mm", "fibre length to exact, RMS mm", 3, "length\nRMS"),
+    Column("length_max_mm", "fibre length to exact, largest mm", 3),
+    Column("arm_rms_mm", "moment arm to exact, RMS mm", 3, "arm\nRMS"),
+    Column("arm_max_mm", "moment arm to exact, largest mm", 3, "arm\nmost"),
+    Column("arm_floor_mm", "floor of the moment arm mm", 3),
     Column("tunnelled", "tunnelled nodes", 0, "tun-\nnelled"), Column("stuck", "stuck nodes", 0, "stuck"),
     Column("collision_s", "collision time of the run s", 3, "total\ns"), Column("detail", "detail"),
 ]
 SHOWN = ["configuration", "node_depth_mm", "p99_surface_depth_mm", "max_volume_percent", "full_rms_mm",
-         "full_hausdorff_mm", "final_rms_mm", "tunnelled", "stuck", "collision_s"]
+         "full_hausdorff_mm", "final_rms_mm", "arm_rms_mm", "arm_max_mm", "tunnelled", "stuck", "collision_s"]
 
 
-def outcomes_table(coupled: list[Aggregate], shapes: dict) -> Table:
-    """`shapes` as `shape_distances` gives them."""
-    rows = pd.DataFrame([_row(aggregate, shapes) for aggregate in coupled], columns=[column.key for column in COLUMNS])
+def outcomes_table(coupled: list[Aggregate], shapes: dict, arms: dict, floors: list[Aggregate]) -> Table:
+    """`shapes` as `shape_distances` gives them, `arms` as accuracy.arm_errors; `floors`: exact runs from a start that
+    differs by rounding, which have rows of their own."""
+    told = [_row(one, shapes.get((one.scene, one.configuration), {}) | arms.get((one.scene, one.configuration), {}))
+            for one in coupled]
+    told += [_row(one, floor_of(one, coupled)) | {"configuration": f"{one.configuration.name}, start off by rounding"}
+             for one in floors]
+    rows = pd.DataFrame(told, columns=[column.key for column in COLUMNS])
     caption = (
         "Coupled runs: each configuration moves its own muscle. Largest true depth over the run of nodes and of the "
         "surface (a muscle triangle in a bone, a bone's vertex in the muscle), the 99th percentile over frames of the "
-        "latter; RMS over nodes and symmetric Hausdorff distance (vertices to surface) to the exact run's shape; "
-        "collision time summed over the whole run, median of the repetitions."
+        "latter; RMS over nodes and symmetric Hausdorff distance (vertices to surface) to the exact run's shape; errors of "
+        f"mean fibre length and moment arm against the exact run. {RULE} Last, the "
+        "collision time summed over the whole run, median of the repetitions. Rows 'start off by rounding' are the exact run "
+        "from a start that differs by 1e-12 m: what is no farther from the exact shape can't be told from it."
     )
     return Table("coupled_outcomes", caption, COLUMNS, rows, SHOWN)
 
@@ -45,6 +58,11 @@ def shape_distances(coupled: list[Aggregate]) -> dict:
     """{(scene, configuration): {full_rms_mm, full_hausdorff_mm, final_rms_mm, final_hausdorff_mm}}; without what the
     snapshots don't tell."""
     return {(e.scene, e.configuration): _distances(e, exact_aggregate(coupled, e.scene)) for e in coupled if e.is_shown}
+
+
+def floor_of(floor: Aggregate, coupled: list[Aggregate]) -> dict:
+    """How far rounding alone takes the exact run's shape."""
+    return _distances(floor, exact_aggregate(coupled, floor.scene)) if floor.is_shown else {}
 
 
 def _distances(aggregate: Aggregate, exact: Aggregate | None) -> dict:
@@ -81,7 +99,7 @@ def _last_frame(run: Run) -> int:
     return int(run.frames["frame"].max()) if len(run.frames) else -1
 
 
-def _row(aggregate: Aggregate, shapes: dict) -> dict:
+def _row(aggregate: Aggregate, against_exact: dict) -> dict:
     return {
         "muscle": aggregate.muscle, "configuration": aggregate.configuration.name, "status": aggregate.status,
         "node_depth_mm": 1e3 * aggregate.number("outcome", "max_depth_m"),
@@ -89,7 +107,7 @@ def _row(aggregate: Aggregate, shapes: dict) -> dict:
         "p99_surface_depth_mm": 1e3 * aggregate.number("outcome", "p99_surface_depth_m"),
         "max_volume_percent": 100 * aggregate.number("outcome", "max_volume_error"),
         "final_volume_percent": 100 * aggregate.number("outcome", "final_volume_error"),
-        **shapes.get((aggregate.scene, aggregate.configuration), {}), "tunnelled": _most(aggregate, "tunnelled_nodes"),
+        **against_exact, "tunnelled": _most(aggregate, "tunnelled_nodes"),
         "stuck": aggregate.number("outcome", "stuck_nodes"), "collision_s": total_collision_seconds(aggregate),
         "detail": aggregate.detail,
     }

@@ -34,9 +34,10 @@ def price_list(replays: list[Aggregate], measured_builds: dict) -> Table:
     rows = []
     for scene in scenes:
         offers = [_offer([aggregate], replays, measured_builds) for aggregate in able if aggregate.scene == scene]
-        rows += _rows(scene.split("/")[-1], offers)
+        rows += price_rows(scene.split("/")[-1], offers, TARGETS_MM, "p99_error_mm")
     if len(scenes) > 1:
-        rows += _rows(ALL_MUSCLES, _offers_on_all(able, replays, scenes, measured_builds))
+        together = [_offer(group, replays, measured_builds) for group in on_all(able, scenes)]
+        rows += price_rows(ALL_MUSCLES, together, TARGETS_MM, "p99_error_mm")
     caption = (
         "Price list. For each depth error the fastest configuration whose error's 99th percentile over the measured "
         "contacts of the replayed frames is no larger (methods without a resolution only where they answer right); of "
@@ -48,19 +49,21 @@ def price_list(replays: list[Aggregate], measured_builds: dict) -> Table:
     return Table("price_list", caption, columns, pd.DataFrame(rows, columns=[c.key for c in columns]), SHOWN)
 
 
-def _rows(muscle: str, offers: list[dict]) -> list[dict]:
-    return [_row(muscle, target, offers) for target in TARGETS_MM]
+def price_rows(muscle: str, offers: list[dict], targets_mm: tuple[float, ...], error: str) -> list[dict]:
+    """A row a target: of the offers whose `error` is no larger the cheapest. An offer has time_ms, time_ms_low,
+    time_ms_high, structure_mb, configuration and `error`."""
+    return [_row(muscle, target, offers, error) for target in targets_mm]
 
 
-def _row(muscle: str, target_mm: float, offers: list[dict]) -> dict:
+def _row(muscle: str, target_mm: float, offers: list[dict], error: str) -> dict:
     row = {"muscle": muscle, "target_mm": f"{target_mm:g}"}
-    holding = [offer for offer in offers if max(offer["p99_error_mm"], EXACT_MM) <= target_mm]
+    holding = [offer for offer in offers if max(offer[error], EXACT_MM) <= target_mm]
     if holding:
         return row | _cheapest(holding) | {"note": ""}
     if not offers:
         return row | {"configuration": "none", "note": "nothing was measured"}
-    best = min(offers, key=lambda offer: (offer["p99_error_mm"], offer["time_ms"]))
-    note = f"none holds it; the best found: {best['configuration']} with {best['p99_error_mm']:.3g} mm"
+    best = min(offers, key=lambda offer: (offer[error], offer["time_ms"]))
+    note = f"none holds it; the best found: {best['configuration']} with {best[error]:.3g} mm"
     return row | {"configuration": "none", "note": note}
 
 
@@ -71,24 +74,29 @@ def _cheapest(offers: list[dict]) -> dict:
     return min(as_fast or [fastest], key=lambda offer: (offer["structure_mb"], offer["time_ms"]))
 
 
-def _offers_on_all(able: list[Aggregate], replays: list[Aggregate], scenes: list[str],
-                   measured_builds: dict) -> list[dict]:
+def on_all(able: list[Aggregate], scenes: list[str]) -> list[list[Aggregate]]:
+    """Those of each configuration that all scenes have."""
     groups: dict = {}
     for aggregate in able:
         groups.setdefault(aggregate.configuration, []).append(aggregate)
-    return [_offer(group, replays, measured_builds) for group in groups.values() if len(group) == len(scenes)]
+    return [group for group in groups.values() if len(group) == len(scenes)]
 
 
-def _offer(group: list[Aggregate], replays: list[Aggregate], measured_builds: dict) -> dict:
-    ratio = ratio_to(group[0], unit_of_price(replays, group[0])) if len(group) == 1 else _ratio_of_sums(group, replays)
+def cost_of(group: list[Aggregate], aggregates: list[Aggregate]) -> dict:
+    """Of one configuration on one scene, or on several together: sums of the times, the largest structures."""
+    ratio = ratio_to(group[0], unit_of_price(aggregates, group[0])) if len(group) == 1 else _ratio_of_sums(group, aggregates)
     time = total([aggregate.collision_ms for aggregate in group])
     return {
         "configuration": group[0].configuration.name + (MARK if any(one.is_disturbed for one in group) else ""),
-        "time_ms": time.value, "time_ms_low": time.low,
-        "time_ms_high": time.high,
+        "time_ms": time.value, "time_ms_low": time.low, "time_ms_high": time.high,
         "ratio": ratio.value, "ratio_low": ratio.low, "ratio_high": ratio.high,
-        "build_s": max(build_seconds(aggregate, measured_builds) for aggregate in group),
         "structure_mb": max(aggregate.structure_bytes for aggregate in group) / MEGABYTE,
+    }
+
+
+def _offer(group: list[Aggregate], replays: list[Aggregate], measured_builds: dict) -> dict:
+    return cost_of(group, replays) | {
+        "build_s": max(build_seconds(aggregate, measured_builds) for aggregate in group),
         "p99_error_mm": max(aggregate.p99_error_mm for aggregate in group),
         "max_error_mm": max(aggregate.max_error_mm for aggregate in group),
         "missed": sum(aggregate.number("accuracy", "missed_contacts") for aggregate in group),

@@ -1,0 +1,37 @@
+#!/usr/bin/python3
+"""Draws the pictures in space of an experiment's runs. A process of its own, because VTK needs a display."""
+
+import sys
+from pathlib import Path
+
+from musclebench.figures import looks
+from musclebench.pictures.fibre_figure import draw_fibres, name_of
+from musclebench.pictures.surface_figures import draw_surface_figures
+from musclebench.program.cli import Problem
+from musclebench.program.registry import saved_registry
+from musclebench.results import run_folder
+
+KINDS = {
+    "surfaces": lambda runs, folder, say: draw_surface_figures(runs, folder, say),
+    "fibres": lambda runs, folder, say: draw_fibres({name_of(run): run for run in runs}, folder / "fibres", say),
+}
+
+
+def main(arguments: list[str]) -> int:
+    """Arguments: what is drawn, the experiment's folder, the names of its runs. Prints `drawing WHAT` and `file PATH`
+    lines."""
+    kind, out_dir, names = arguments[0], Path(arguments[1]), arguments[2:]
+    try:
+        looks.know(saved_registry(out_dir))
+        runs = run_folder.read_all([out_dir / "raw" / name for name in names])
+        files = KINDS[kind](runs, out_dir / "figures", lambda text: print(f"drawing {text}", flush=True))
+    except (Problem, run_folder.ResultProblem, OSError) as problem:
+        print(f"draw_pictures: {problem}", file=sys.stderr)
+        return 2
+    for path in files:
+        print(f"file {path}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

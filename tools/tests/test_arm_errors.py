@@ -1,0 +1,81 @@
+"""What a backend's accuracy is worth in fibre lengths and moment arms."""
+
+import json
+import math
+
+import pytest
+
+import fake_study
+from fake_study import SCENES, Truth, write_coupled
+from musclebench.accuracy import cases, report
+from musclebench.accuracy.aggregates import aggregates_of, of_mode
+from musclebench.accuracy.arm_errors import arm_errors
+from musclebench.tables.arm_prices import arm_price_list
+from musclebench.tables.outcomes import outcomes_table, shape_distances
+
+FLOOR_MM = 0.7
+
+
+@pytest.fixture
+def study(tmp_path):
+    raw = tmp_path / "raw"
+    for scene in SCENES:
+        name = scene.split("/")[-1]
+        write_coupled(raw / f"{name}-e", scene, "bvh", Truth(15, arm_off_mm=0))
+        write_coupled(raw / f"{name}-s", scene, "sdf", Truth(0.3, arm_off_mm=1.5, parameters={"cells": 64}))
+        write_coupled(raw / f"{name}-v", scene, "voxel", Truth(0.2, arm_off_mm=-4))
+        write_coupled(raw / f"{name}-plain", scene, "sdf", Truth(0.1, parameters={"cells": 32}))
+        floor = write_coupled(raw / f"{name}-f", scene, "bvh", Truth(15, arm_off_mm=FLOOR_MM)) / "run.json"
+        record = json.loads(floor.read_text())
+        record["case"]["loop"] = {"start_noise_m": 1e-12}
+        floor.write_text(json.dumps(record))
+    return tmp_path
+
+
+def measured(study):
+    aggregates = aggregates_of(cases.read_cases(study))
+    coupled, floors = of_mode(aggregates, "coupled"), of_mode(aggregates, "floor")
+    return coupled, floors, arm_errors(coupled, floors)
+
+
+def by_name(errors, scene):
+    return {chosen.name: error for (where, chosen), error in errors.items() if where == scene}
+
+
+def test_errors_are_those_against_the_exact_run_where_the_joint_turns(study):
+    _, floors, errors = measured(study)
+    assert len(floors) == len(SCENES)
+    found = by_name(errors, SCENES[0])
+    assert found["bvh"]["arm_rms_mm"] == 0 and "sdf 32" not in found  # no fibres were followed
+    assert found["sdf 64"]["arm_rms_mm"] == found["sdf 64"]["arm_max_mm"] == pytest.approx(1.5)
+    assert found["voxel 64"]["arm_rms_mm"] == pytest.approx(4)
+    assert 0 < found["sdf 64"]["length_rms_mm"] < found["sdf 64"]["length_max_mm"] <= 1.5 * math.pi / 2 + 1e-9
+    assert all(error["arm_floor_mm"] == pytest.approx(FLOOR_MM) for error in found.values())
+
+
+def test_without_an_exact_run_nothing_is_known(study):
+    for path in study.glob("raw/*-e/run.json"):
+        path.write_text(json.dumps(json.loads(path.read_text()) | {"status": "diverged"}))
+    assert measured(study)[2] == {}
+
+
+def test_the_price_list_names_the_cheapest_that_holds(study):
+    coupled, _, errors = measured(study)
+    rows = arm_price_list(coupled, errors, set()).rows.set_index(["muscle", "target_mm"])
+    for muscle in (SCENES[0].split("/")[-1], "all"):
+        assert {target: rows.loc[(muscle, target), "configuration"] for target in ("5", "2", "1")} == {
+            "5": "voxel 64", "2": "sdf 64", "1": "bvh"}
+        assert "below what rounding does" in rows.loc[(muscle, "0.5"), "note"]
+    faulty = {key for key in errors if key[1].backend == "voxel"}
+    rows = arm_price_list(coupled, errors, faulty).rows.set_index(["muscle", "target_mm"])
+    assert rows.loc[("all", "5"), "configuration"] == "sdf 64"
+
+
+def test_the_floor_has_a_row_and_everything_is_drawn(study):
+    coupled, floors, errors = measured(study)
+    rows = outcomes_table(coupled, shape_distances(coupled), errors, floors).rows
+    told = rows[rows["configuration"] == "bvh, start off by rounding"]
+    assert len(told) == len(SCENES) and (told["full_rms_mm"] == 0).all()
+    names = {path.name for path in report.write_report(study)}
+    assert {"pareto_moment_arm.png", "arm_price_list.csv", "arm_price_list.txt"} <= names
+    assert fake_study.FRAMES > 20
