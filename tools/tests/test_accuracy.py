@@ -30,7 +30,7 @@ ONCE = ["iliacus-coupled-null", "iliacus-replay-voxel-cells=16", "iliacus-couple
         "iliacus-replay-sdf-cells=8,precision=float", "iliacus-coupled-sdf-cells=8,precision=float",
         "iliacus-replay-bvh", "iliacus-coupled-bvh"]
 TOO_LONG = "iliacus-coupled-brute_force-r0"
-RUN_CASES = sorted(["iliacus", *PROBES, "iliacus-replay-brute_force-r0",
+RUN_CASES = sorted(["iliacus", *PROBES, "iliacus-replay-brute_force-r0", "iliacus-floor-bvh-r0",
                     *[f"{name}-r{r}" for name in ONCE for r in (0, 1)]])
 # A program of its own, since the report can't be left out in another process from here.
 DRIVER = """

@@ -120,9 +120,10 @@ std::string names_in(const Json& columns, const std::vector<std::string>& effect
   return names.substr(1);
 }
 
-/// As if one fibre of each muscle had been followed: the muscles here hang on no bone.
+/// As if one fibre of each muscle had been followed, and others refused: the muscles here hang on no bone.
 void add_fibres(Scene& scene, RunResult& result) {
   scene.fibre_count = 1;
+  result.fibres_refused = "scene.toml: needs a motion";
   for (int frame = 0; frame <= static_cast<int>(result.records.size()); ++frame) {
     result.fibres.push_back({frame, 0.1 * frame, {}});
   }
