@@ -59,8 +59,8 @@ class OctreeFieldSource final : public FieldSource {
     return octree_reach_m(bone.surface.mesh, m_settings);
   }
 
-  /// Of the whole bone: cells are split until the error of all its surface is what was wanted, so that a part would have
-  /// other cells, and other bits.
+  /// Of the whole bone: cells are split until the error of all its surface is what was wanted, so that a part would
+  /// have other cells, and other bits.
   [[nodiscard]] std::unique_ptr<BoneField> make(const Bone& bone, int threads, const ShareReport& progress,
                                                 const Eigen::AlignedBox3d& /*expected*/) const override {
     const StoredField<OctreeField> stored{
