@@ -23,7 +23,7 @@ constexpr double recording_share = 0.4;
 constexpr double exact_below_m = 1e-9;
 
 /// Of each muscle, followed for its moment arm.
-constexpr int fibres = 100;
+constexpr int followed_fibres = 100;
 
 struct AdviseOptions {
   SceneOptions scene;
@@ -246,7 +246,7 @@ int advise(const AdviseOptions& options) {
   const Nanoseconds start_ns = monotonic_now_ns();
   const AdviceRequest request{options.wanted_mm() * 1e-3, options.seconds, advise_plans()};
   SceneOptions named = options.scene;
-  if (options.asks_for_arms()) named.choice.fibres = {fibres, "--moment-arm-mm"};
+  if (options.asks_for_arms()) named.choice.fibres = {followed_fibres, "--moment-arm-mm"};
   const Scene scene = load_scene(named);
   require_a_choice(scene);
   const Advice advice = options.asks_for_arms() ? advise_on_arms(scene, options, request, start_ns)
