@@ -27,7 +27,7 @@ from musclebench.program.out_folder import claimed
 from musclebench.program.registry import Registry, read_registry, save_registry
 from musclebench.results.run_folder import ResultProblem
 from musclebench.study.study import RESULT_DIRS, AccuracyStudy
-from musclebench.study.study_cases import LONGEST_SECONDS, ReplayCase
+from musclebench.study.study_cases import ARMS_PRESET, LONGEST_SECONDS, ReplayCase
 from musclebench.study.study_manifest import total_memory_bytes, write_manifest
 from musclebench.study.study_plan import Request, StudyCase, is_too_long, plan
 from musclebench.study.sweeps import configurations
@@ -80,9 +80,10 @@ def request_of(options, registry: Registry, folders: Folders) -> Request:
     data_set = data_set_of(options)
     names = chosen_names(options.scene, options.muscle, data_set, registry, QUICK_MUSCLE if options.quick else None)
     scenes = survey(names, options.musclebench, registry, folders, options.frames_limit)
+    arm_scenes = survey(names, options.musclebench, registry, folders, options.frames_limit, ARMS_PRESET, of_files=False)
     repetitions = options.repetitions or (1 if options.quick else REPETITIONS)
     return Request(tuple(scenes), data_set, repetitions, options.quick, options.frames_limit, options.band_mm,
-                   options.shard, longest_seconds=options.longest)
+                   options.shard, longest_seconds=options.longest, arm_scenes=tuple(arm_scenes))
 
 
 def limits_of(options) -> Limits:

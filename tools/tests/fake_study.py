@@ -127,6 +127,7 @@ def write_coupled(folder: Path, scene: str, backend: str, truth: Truth, repetiti
             made["snapshots"].append(fake_runs._write_snapshot(folder, shot, ball.triangles))
     fake_runs.write_rows(folder / "frames.csv", fake_runs.COLUMNS, [_coupled_row(f, times[f - 1]) for f in range(1, FRAMES + 1)])
     if truth.arm_off_mm is not None:
+        made["case"]["fibres"] = 100
         write_fibres(folder / "fibres.csv", scene, truth.arm_off_mm)
     (folder / "run.json").write_text(json.dumps(made))
     return folder

@@ -5,12 +5,11 @@ import math
 
 import pytest
 
-import fake_study
 from fake_study import SCENES, Truth, write_coupled
 from musclebench.accuracy import cases, report
 from musclebench.accuracy.aggregates import aggregates_of, of_mode
 from musclebench.accuracy.arm_errors import arm_errors
-from musclebench.tables.arm_prices import arm_price_list
+from musclebench.tables.arm_prices import arm_price_list, arm_table
 from musclebench.tables.outcomes import outcomes_table, shape_distances
 
 FLOOR_MM = 0.7
@@ -25,17 +24,22 @@ def study(tmp_path):
         write_coupled(raw / f"{name}-s", scene, "sdf", Truth(0.3, arm_off_mm=1.5, parameters={"cells": 64}))
         write_coupled(raw / f"{name}-v", scene, "voxel", Truth(0.2, arm_off_mm=-4))
         write_coupled(raw / f"{name}-plain", scene, "sdf", Truth(0.1, parameters={"cells": 32}))
-        floor = write_coupled(raw / f"{name}-f", scene, "bvh", Truth(15, arm_off_mm=FLOOR_MM)) / "run.json"
-        record = json.loads(floor.read_text())
-        record["case"]["loop"] = {"start_noise_m": 1e-12}
-        floor.write_text(json.dumps(record))
+        write_coupled(raw / f"{name}-c", scene, "bvh", Truth(15))
+        with_noise(write_coupled(raw / f"{name}-n", scene, "bvh", Truth(15)))
+        with_noise(write_coupled(raw / f"{name}-f", scene, "bvh", Truth(15, arm_off_mm=FLOOR_MM)))
     return tmp_path
+
+
+def with_noise(folder):
+    record = json.loads((folder / "run.json").read_text())
+    record["case"]["loop"] = {"start_noise_m": 1e-12}
+    (folder / "run.json").write_text(json.dumps(record))
 
 
 def measured(study):
     aggregates = aggregates_of(cases.read_cases(study))
-    coupled, floors = of_mode(aggregates, "coupled"), of_mode(aggregates, "floor")
-    return coupled, floors, arm_errors(coupled, floors)
+    armed, floors = of_mode(aggregates, "arms"), of_mode(aggregates, "arms_floor")
+    return armed, floors, arm_errors(armed, floors)
 
 
 def by_name(errors, scene):
@@ -47,6 +51,7 @@ def test_errors_are_those_against_the_exact_run_where_the_joint_turns(study):
     assert len(floors) == len(SCENES)
     found = by_name(errors, SCENES[0])
     assert found["bvh"]["arm_rms_mm"] == 0 and "sdf 32" not in found  # no fibres were followed
+    assert found["sdf 64"]["arm_percent"] == pytest.approx(3)
     assert found["sdf 64"]["arm_rms_mm"] == found["sdf 64"]["arm_max_mm"] == pytest.approx(1.5)
     assert found["voxel 64"]["arm_rms_mm"] == pytest.approx(4)
     assert 0 < found["sdf 64"]["length_rms_mm"] < found["sdf 64"]["length_max_mm"] <= 1.5 * math.pi / 2 + 1e-9
@@ -60,22 +65,25 @@ def test_without_an_exact_run_nothing_is_known(study):
 
 
 def test_the_price_list_names_the_cheapest_that_holds(study):
-    coupled, _, errors = measured(study)
-    rows = arm_price_list(coupled, errors, set()).rows.set_index(["muscle", "target_mm"])
+    armed, _, errors = measured(study)
+    rows = arm_price_list(armed, errors, set()).rows.set_index(["muscle", "target_mm"])
     for muscle in (SCENES[0].split("/")[-1], "all"):
         assert {target: rows.loc[(muscle, target), "configuration"] for target in ("5", "2", "1")} == {
             "5": "voxel 64", "2": "sdf 64", "1": "bvh"}
         assert "below what rounding does" in rows.loc[(muscle, "0.5"), "note"]
     faulty = {key for key in errors if key[1].backend == "voxel"}
-    rows = arm_price_list(coupled, errors, faulty).rows.set_index(["muscle", "target_mm"])
+    rows = arm_price_list(armed, errors, faulty).rows.set_index(["muscle", "target_mm"])
     assert rows.loc[("all", "5"), "configuration"] == "sdf 64"
 
 
-def test_the_floor_has_a_row_and_everything_is_drawn(study):
-    coupled, floors, errors = measured(study)
-    rows = outcomes_table(coupled, shape_distances(coupled), errors, floors).rows
+def test_the_floor_of_shapes_has_a_row_and_everything_is_drawn(study):
+    aggregates = aggregates_of(cases.read_cases(study))
+    coupled, floors = of_mode(aggregates, "coupled"), of_mode(aggregates, "floor")
+    rows = outcomes_table(coupled, shape_distances(coupled), floors).rows
     told = rows[rows["configuration"] == "bvh, start off by rounding"]
     assert len(told) == len(SCENES) and (told["full_rms_mm"] == 0).all()
     names = {path.name for path in report.write_report(study)}
-    assert {"pareto_moment_arm.png", "arm_price_list.csv", "arm_price_list.txt"} <= names
-    assert fake_study.FRAMES > 20
+    assert {"pareto_moment_arm.png", "arm_price_list.csv", "arm_price_list.txt", "arm_errors.csv"} <= names
+    armed, _, errors = measured(study)
+    rows = arm_table(armed, errors).rows.set_index(["muscle", "configuration"])
+    assert rows.loc[(SCENES[0].split("/")[-1], "voxel 64"), "arm_rms_mm"] == pytest.approx(4)

@@ -65,7 +65,7 @@ def coupled(tmp_path):
 
 def test_outcomes_are_compared_with_the_exact_runs_shape(coupled):
     aggregates = aggregates_of(cases.read_cases(coupled))
-    rows = outcomes.outcomes_table(aggregates, outcomes.shape_distances(aggregates), {}, []).rows.set_index("configuration")
+    rows = outcomes.outcomes_table(aggregates, outcomes.shape_distances(aggregates), []).rows.set_index("configuration")
     assert rows.loc["sdf 64", "full_rms_mm"] == pytest.approx(0.7) and rows.loc["bvh", "full_rms_mm"] == 0
     assert 0.55 < rows.loc["sdf 64", "final_hausdorff_mm"] <= 0.7 + 1e-9
     assert rows.loc["sdf 64", "node_depth_mm"] == pytest.approx(0.12)
@@ -77,7 +77,7 @@ def test_without_an_exact_run_shapes_stay_unknown(coupled):
     path = coupled / "raw" / "e" / "run.json"
     path.write_text(json.dumps(json.loads(path.read_text()) | {"status": "diverged"}))
     aggregates = aggregates_of(cases.read_cases(coupled))
-    rows = outcomes.outcomes_table(aggregates, outcomes.shape_distances(aggregates), {}, []).rows.set_index("configuration")
+    rows = outcomes.outcomes_table(aggregates, outcomes.shape_distances(aggregates), []).rows.set_index("configuration")
     assert math.isnan(rows.loc["sdf 64", "full_rms_mm"]) and rows.loc["bvh", "status"] == "diverged"
 
 
@@ -85,7 +85,7 @@ def test_a_snapshot_that_is_gone_costs_only_its_own_cells(coupled):
     for path in (coupled / "raw" / "s0" / "snapshots").iterdir():
         path.unlink()
     aggregates = aggregates_of(cases.read_cases(coupled))
-    rows = outcomes.outcomes_table(aggregates, outcomes.shape_distances(aggregates), {}, []).rows.set_index("configuration")
+    rows = outcomes.outcomes_table(aggregates, outcomes.shape_distances(aggregates), []).rows.set_index("configuration")
     assert math.isnan(rows.loc["sdf 64", "full_rms_mm"]) and rows.loc["sdf 64", "node_depth_mm"] > 0
 
 

@@ -1,6 +1,7 @@
 """Which cases the accuracy study has, in which order, and what may run beside what."""
 
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -92,10 +93,22 @@ def test_brute_force_is_run_where_it_is_affordable():
     too_long = [case.name for case in plan(Request(MUSCLES, "lhdl")) if is_too_long(case)]
     replays = [name for name in too_long if "-replay-" in name]
     assert len(too_long) - len(replays) == len(MUSCLES) and all("brute_force" in name for name in too_long)
+    assert replays and "adductor_brevis-replay-brute_force-r0" not in replays
     floors = [case for case in plan(Request(MUSCLES, "lhdl")) if "-floor-" in case.name]
     assert [case.configuration.label for case in floors] == ["bvh"] * len(MUSCLES)
     assert "start_noise_m=1e-12" in floors[0].arguments(FOLDERS)
-    assert replays and "adductor_brevis-replay-brute_force-r0" not in replays
+
+
+def test_moment_arms_are_of_runs_of_their_own():
+    scene = replace(ILIACUS, preset="standard")
+    cases = [case for case in plan(Request((ILIACUS,), "lhdl", arm_scenes=(scene,))) if "-arms" in case.name]
+    coupled = [case for case in plan(FULL) if "-coupled-" in case.name and case.repetition == 0 and case.threads == 1]
+    assert len(cases) == len(coupled) + 1 and all(case.repetition == 0 for case in cases)
+    words = next(case for case in cases if case.name == "iliacus-arms-bvh-r0").arguments(FOLDERS)
+    assert words[words.index("--preset") + 1] == "standard" and words[words.index("--fibres-if-possible") + 1] == "100"
+    assert "--no-referee" in words and "--snapshots" not in words
+    floor, = [case for case in cases if case.mode == "arms_floor"]
+    assert floor.name == "iliacus-arms_floor-bvh-r0" and "start_noise_m=1e-12" in floor.arguments(FOLDERS)
 
 
 @pytest.mark.parametrize("milliseconds", [0.0, 0.1, 10.0, 100.0, 1e4])

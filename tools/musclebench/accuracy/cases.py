@@ -25,11 +25,17 @@ class StudyCase:
     probe: pd.DataFrame  # probe.csv; empty but for probes
     disturbance: str = ""  # why the machine was too busy for its times to count; empty: it was not
 
+    planned_mode: str = ""  # empty: of a study whose plan is gone
+
     @property
     def mode(self) -> str:
-        """`floor`: a coupled run whose start is displaced by as much as rounding does."""
-        loop = self.run.record["case"].get("loop") or {}
-        return "floor" if loop.get("start_noise_m") else self.run.mode
+        """replay, probe, coupled; arms: coupled with fibres; floor, arms_floor: coupled, from a start that is displaced by
+        as much as rounding does."""
+        if self.planned_mode or self.run.mode != "coupled":
+            return self.planned_mode or self.run.mode
+        case = self.run.record["case"]
+        modes = ("arms", "arms_floor") if case.get("fibres") else ("coupled", "floor")
+        return modes[bool((case.get("loop") or {}).get("start_noise_m"))]
 
     @property
     def scene(self) -> str:
@@ -75,7 +81,7 @@ def _read_case(folder: Path, planned: dict | None, registry: Registry) -> StudyC
         run = read_run(folder)
         _complete(run.record["case"], planned)
         probe = _read_probe(folder / "probe.csv") if run.mode == "probe" else pd.DataFrame()
-        return _case(folder.name, run, probe, registry)
+        return _case(folder.name, run, probe, registry, (planned or {}).get("mode", ""))
     except (ResultProblem, KeyError) as problem:
         if planned is None:
             raise problem if isinstance(problem, ResultProblem) else ResultProblem(
@@ -90,11 +96,11 @@ def _complete(case: dict, planned: dict | None) -> None:
             case[key] = value
 
 
-def _case(name: str, run: Run, probe: pd.DataFrame, registry: Registry) -> StudyCase:
+def _case(name: str, run: Run, probe: pd.DataFrame, registry: Registry, planned_mode: str = "") -> StudyCase:
     told = run.record["case"]
     about, parameters = registry.backend(told["backend"]), told.get("parameters") or {}
     chosen = configuration(about, parameters, int(told.get("threads") or 1))
-    return StudyCase(name, run, chosen, probe)
+    return StudyCase(name, run, chosen, probe, planned_mode=planned_mode)
 
 
 def _absent(folder: Path, planned: dict, registry: Registry, status: str = MISSING,

@@ -12,7 +12,7 @@ from ..figures.stages import draw_stages, stage_rows
 from ..program.registry import saved_registry
 from ..results.disturbance import note
 from ..tables import table_formats
-from ..tables.arm_prices import arm_price_list
+from ..tables.arm_prices import arm_price_list, arm_table
 from ..tables.choices import choices_tables, rule
 from ..tables.outcomes import outcomes_table, shape_distances
 from ..tables.prices import price_list
@@ -57,16 +57,18 @@ def write_report(out_dir: Path) -> AccuracyReport:
     replays, coupled = of_mode(aggregates, "replay"), of_mode(aggregates, "coupled")
     wrong = {(aggregate.scene, aggregate.configuration) for aggregate in replays if aggregate.is_wrong}
     floors, shapes = of_mode(aggregates, "floor"), shape_distances(coupled)
-    arms, faults = arm_errors(coupled, floors), coupled_faults.faults_of(coupled, shapes)
-    made = [price_list(replays, builds), arm_price_list(coupled, arms, wrong | set(faults)), *choices_tables(replays),
-            outcomes_table(coupled, shapes, arms, floors)]
+    faults = coupled_faults.faults_of(coupled, shapes)
+    armed = of_mode(aggregates, "arms")
+    arms = arm_errors(armed, of_mode(aggregates, "arms_floor"))
+    made = [price_list(replays, builds), arm_price_list(armed, arms, wrong), arm_table(armed, arms),
+            *choices_tables(replays), outcomes_table(coupled, shapes, floors)]
     made = [table for table in made if not table.rows.empty]
     busy = note({case.name: case.disturbance for case in cases if case.disturbance}, len(cases))
     for table in made:
         files += _write_table(table, tables, busy)
     files += _draw_replay(replays, wrong, figures)
     files += _draw_coupled(coupled, wrong, shapes, faults, figures)
-    files += _draw_arms(coupled, wrong | set(faults), arms, figures)
+    files += _draw_arms(armed, wrong, arms, figures)
     files += _draw_convergence(aggregates, builds, figures)
     files += _draw_stages(coupled, replays, figures)
     return AccuracyReport(files, made)
@@ -129,19 +131,19 @@ def _draw_coupled(coupled: list[Aggregate], wrong: set, shapes: dict, faults: di
     return files + _with_caption(drawn, title, texts, _cases(coupled))
 
 
-def _draw_arms(coupled: list[Aggregate], wrong: set, arms: dict, folder: Path) -> list[Path]:
+def _draw_arms(armed: list[Aggregate], wrong: set, arms: dict, folder: Path) -> list[Path]:
     def error(aggregate: Aggregate) -> float:
         return arms.get((aggregate.scene, aggregate.configuration), {}).get("arm_rms_mm", math.nan)
 
-    points = points_of(coupled, error, wrong)
+    points = points_of(armed, error, wrong)
     title = "What a backend's accuracy is worth in moment arms (coupled)"
     files = draw_pareto(points, folder / "pareto_moment_arm", title, "moment arm off by, RMS (mm)", "same moment arm")
-    floors = {one.muscle: arms[(one.scene, one.configuration)]["arm_floor_mm"] for one in coupled
+    floors = {one.muscle: arms[(one.scene, one.configuration)]["arm_floor_mm"] for one in armed
               if (one.scene, one.configuration) in arms}
     told = ", ".join(f"{muscle.replace('_', ' ')} {floor:.2g} mm" for muscle, floor in floors.items() if floor == floor)
-    texts = [RULE, f"Floors: {told}." if told else "", captions.TIME, FRONT_WORDS, coupled_faults.RULE,
-             _left_out(coupled, points)]
-    return _with_caption(files, title, texts, _cases(coupled))
+    texts = [RULE, f"Floors: {told}." if told else "", captions.TIME, FRONT_WORDS, rule(),
+             _left_out(armed, points)]
+    return _with_caption(files, title, texts, _cases(armed))
 
 
 def _draw_convergence(aggregates: list[Aggregate], builds: dict, folder: Path) -> list[Path]:

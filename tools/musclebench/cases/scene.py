@@ -113,11 +113,13 @@ def _named(scene: str, known: list[str]) -> str:
 
 
 def survey(names: list[str], program: Path, registry: Registry, folders: Folders, frames_limit: int | None = None,
-           preset: str | None = None) -> list[Scene]:
-    """Asks the program how large each scene is and how it moves. `preset`: of all; else scene files have their own."""
+           preset: str | None = None, of_files: bool = True) -> list[Scene]:
+    """Asks the program how large each scene is and how it moves. `preset`: of all, or, not `of_files`, of the program's
+    own scenes; else scene files have their own."""
     short = [Scene(name).key for name in names]
     of_one_muscle = {scene.name for scene in registry.scenes if len(scene.muscles) == 1}
-    scenes = [Scene(name, preset=preset or PRESET, asks_preset=bool(preset) or name in of_one_muscle,
+    forced = {name for name in names if preset and (of_files or not name.endswith(".toml"))}
+    scenes = [Scene(name, preset=preset if name in forced else PRESET, asks_preset=name in forced | of_one_muscle,
                     frames_limit=frames_limit, probed_on=_probed_on(name, registry), has_long_key=short.count(key) > 1)
               for name, key in zip(names, short)]
     return [_asked(scene, program, registry, folders) for scene in scenes]

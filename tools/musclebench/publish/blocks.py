@@ -23,9 +23,11 @@ PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "ratio
               "structure_mb", "p99_error_mm", "max_error_mm", "missed", "measured")
 ARM_PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "structure_mb", "arm_rms_mm", "arm_max_mm",
                   "length_rms_mm", "arm_floor_mm", "note")
+ARM_ERROR_KEYS = ("muscle", "configuration", "time_ms", "arm_rms_mm", "arm_max_mm", "arm_percent", "length_rms_mm",
+                  "arm_floor_mm")
 FACTOR_KEYS = ("muscle", "choice", "time_ms", "factor", "ratio", "missed", "measured", "p99_error_mm")
 OUTCOME_KEYS = ("muscle", "configuration", "node_depth_mm", "p99_surface_depth_mm", "max_volume_percent",
-                "full_rms_mm", "full_hausdorff_mm", "arm_rms_mm", "arm_max_mm", "tunnelled", "stuck", "collision_s")
+                "full_rms_mm", "full_hausdorff_mm", "tunnelled", "stuck", "collision_s")
 DEPTH_KEYS = ("muscle", "backend", "bone_depth_mm", "bone_nodes", "muscle_depth_mm", "muscle_nodes",
               "volume_change_percent", "edge_stretch")
 PAIR_KEYS = ("muscle", "backend", "detect_ms", "contacts")
@@ -116,6 +118,7 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "pairs": _from("table_5_pairs", muscle_tables.PAIR_COLUMNS, PAIR_KEYS),
     "prices": _from("price_list", prices.COLUMNS, PRICE_KEYS),
     "arm_prices": _from("arm_price_list", arm_prices.COLUMNS, ARM_PRICE_KEYS),
+    "arm_errors": _from("arm_errors", arm_prices.ARM_COLUMNS, ARM_ERROR_KEYS),
     "factors": _from("*_factors", choices.COLUMNS, FACTOR_KEYS),
     "outcomes": _from("coupled_outcomes", outcomes.COLUMNS, OUTCOME_KEYS),
     "coupled": _coupled,

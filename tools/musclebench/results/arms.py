@@ -15,8 +15,8 @@ COMPARED = {"length": "mean_length_m", "arm": "mean_moment_arm_m"}
 
 
 def arm_differences(run: Run, reference: Run) -> dict[str, float]:
-    """{length_rms_mm, length_max_mm, arm_rms_mm, arm_max_mm} over the frames of all muscles; empty where one of the runs
-    followed no fibres or the joint did not turn."""
+    """{length_rms_mm, length_max_mm, arm_rms_mm, arm_max_mm, arm_percent} over the frames of all muscles; empty where one of
+    the runs followed no fibres or the joint did not turn. Percent of the reference's arm, RMS both."""
     if run.fibres.empty or reference.fibres.empty:
         return {}
     both = _course(run).join(_course(reference), rsuffix="_reference", how="inner").dropna()
@@ -27,7 +27,8 @@ def arm_differences(run: Run, reference: Run) -> dict[str, float]:
     for name, column in COMPARED.items():
         off_mm = 1e3 * (turning[column] - turning[f"{column}_reference"])
         found |= {f"{name}_rms_mm": float(np.sqrt(np.mean(off_mm**2))), f"{name}_max_mm": float(off_mm.abs().max())}
-    return found
+    usual_mm = 1e3 * float(np.sqrt(np.mean(turning[f"{COMPARED['arm']}_reference"] ** 2)))
+    return found | {"arm_percent": 100 * found["arm_rms_mm"] / usual_mm if usual_mm > 0 else float("nan")}
 
 
 def _course(run: Run) -> pd.DataFrame:

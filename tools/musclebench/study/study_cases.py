@@ -13,7 +13,8 @@ LOADING_SECONDS = 1.0
 LOOP_SECONDS_A_FRAME = 0.008
 JUDGING_SECONDS_A_STEP = 0.008
 JUDGING_SECONDS_A_FRAME = 0.02
-START_NOISE_M = 1e-12
+START_NOISE = ("--loop", "start_noise_m=1e-12")
+ARMS_PRESET = "standard"
 FIBRES = 100  # of a muscle, that a judged coupled run follows
 FIBRES_SECONDS = 2.0
 PROBING_SECONDS = 3.0
@@ -189,9 +190,9 @@ class CoupledCase(MeasuredCase):
     @property
     def guessed_seconds(self) -> float:
         a_step = self.configuration.step_ms * 1e-3
-        judging, fibres = (JUDGING_SECONDS_A_FRAME, FIBRES_SECONDS) if self.is_judged else (0.0, 0.0)
+        judging = JUDGING_SECONDS_A_FRAME if self.is_judged else 0.0
         moving = self.scene.frames * (LOOP_SECONDS_A_FRAME + judging) + self.scene.steps * a_step
-        return LOADING_SECONDS + self.building_seconds + fibres + self.scene.size * moving
+        return LOADING_SECONDS + self.building_seconds + self.scene.size * moving
 
     @property
     def guessed_bytes(self) -> float:
@@ -206,9 +207,7 @@ class CoupledCase(MeasuredCase):
         words = ["run", self.scene.name, *self.backend_arguments(folders), *self.scene.preset_arguments()]
         words.append("--no-pruning")  # structures over whole bones, as replays and probes have
         words += [*self.scene.data_arguments(folders), *self.scene.frames_arguments(), *self.repetition_arguments()]
-        if self.is_judged:
-            words += ["--snapshots", ",".join(map(str, self.snapshot_frames)), "--fibres-if-possible", str(FIBRES)]
-        return words
+        return words + (["--snapshots", ",".join(map(str, self.snapshot_frames))] if self.is_judged else [])
 
 
 @dataclass(frozen=True)
@@ -218,7 +217,33 @@ class FloorCase(CoupledCase):
     mode = "floor"
 
     def arguments(self, folders: Folders) -> list[str]:
-        return [*super().arguments(folders), "--loop", f"start_noise_m={START_NOISE_M:g}"]
+        return [*super().arguments(folders), *START_NOISE]
+
+
+@dataclass(frozen=True)
+class ArmsCase(CoupledCase):
+    """Coupled, and fibres are followed. Of the program's own scenes with the preset ARMS_PRESET: with the paper's
+    constants rounding alone moves a moment arm by 10 mm."""
+
+    mode = "arms"
+    is_judged = False
+
+    @property
+    def guessed_seconds(self) -> float:
+        return super().guessed_seconds + FIBRES_SECONDS
+
+    def arguments(self, folders: Folders) -> list[str]:
+        return [*super().arguments(folders), "--fibres-if-possible", str(FIBRES)]
+
+
+@dataclass(frozen=True)
+class ArmsFloorCase(ArmsCase):
+    """The exact one, from a start that differs by rounding."""
+
+    mode = "arms_floor"
+
+    def arguments(self, folders: Folders) -> list[str]:
+        return [*super().arguments(folders), *START_NOISE]
 
 
 @dataclass(frozen=True)

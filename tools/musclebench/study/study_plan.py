@@ -4,7 +4,7 @@ import random
 from dataclasses import dataclass, replace
 
 from ..cases.scene import Scene
-from .study_cases import LONGEST_SECONDS, CoupledCase, FloorCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
+from .study_cases import LONGEST_SECONDS, ArmsCase, ArmsFloorCase, CoupledCase, FloorCase, MeasuredCase, ProbeCase, RecordCase, ReplayCase
 from .sweeps import Configuration
 
 REPLAY_SECONDS = 4.0  # of the steps of one replay; the stride keeps to it
@@ -25,6 +25,7 @@ class Request:
     shard: tuple[int, int] = (1, 1)  # the i-th of n
     seed: int = 1
     longest_seconds: float = LONGEST_SECONDS
+    arm_scenes: tuple[Scene, ...] = ()  # the same, as moment arms are measured on them
 
 
 StudyCase = RecordCase | MeasuredCase
@@ -39,7 +40,11 @@ def plan(request: Request, configurations: list[Configuration]) -> list[StudyCas
                for case in _modes(scene, configuration, configurations, request)]
     exact = min((one for one in chosen if one.is_exact and not one.parameters and one.threads == 1),
                 key=lambda one: one.step_ms, default=None)
-    firsts += [FloorCase(scene, exact, longest_seconds=request.longest_seconds) for scene in request.scenes if exact]
+    limit = {"longest_seconds": request.longest_seconds}
+    firsts += [ArmsCase(scene, one, **limit) for scene in request.arm_scenes for one in chosen
+               if (one.drives_quick if request.quick else one.drives) and one.threads == 1]
+    firsts += [FloorCase(scene, exact, **limit) for scene in request.scenes if exact]
+    firsts += [ArmsFloorCase(scene, exact, **limit) for scene in request.arm_scenes if exact]
     measured = _rounds(in_shard(firsts, *request.shard), request)
     recorded = {case.recording for case in measured if isinstance(case, ReplayCase)}
     return [case for case in map(RecordCase, request.scenes) if case in recorded] + measured
@@ -109,9 +114,9 @@ def _rounds(firsts: list[MeasuredCase], request: Request) -> list[MeasuredCase]:
 
 
 def _repetitions(case: MeasuredCase, request: Request) -> int:
-    """Errors of a probe, what rounding does and estimates of what is too long don't vary; long runs average over
-    themselves."""
-    if isinstance(case, (ProbeCase, FloorCase)) or is_too_long(case):
+    """Errors of a probe, moment arms, what rounding does and estimates of what is too long don't vary; long runs average
+    over themselves."""
+    if isinstance(case, (ProbeCase, FloorCase, ArmsCase)) or is_too_long(case):
         return 1
     another = replace(case, repetition=1).guessed_seconds
     fewest = [count for seconds, count in FEWER_REPETITIONS if another > seconds]

@@ -5,7 +5,6 @@ import math
 import pandas as pd
 
 from ..accuracy.aggregates import Aggregate, exact_aggregate
-from ..accuracy.arm_errors import RULE
 from ..accuracy.shapes import hausdorff_distance_m, rms_distance_m
 from ..results.ply import PlyMesh, read_ply
 from ..results.run_folder import ResultProblem, Run
@@ -23,31 +22,24 @@ COLUMNS = [
     Column("full_hausdorff_mm", "Hausdorff to exact, full flexion mm", 3, "Hausd.\nfull"),
     Column("final_rms_mm", "RMS to exact, final mm", 3, "RMS\nfinal"),
     Column("final_hausdorff_mm", "Hausdorff to exact, final mm", 3, "Hausd.\nfinal"),
-    Column("length_rms_mm", "fibre length to exact, RMS mm", 3, "length\nRMS"),
-    Column("length_max_mm", "fibre length to exact, largest mm", 3),
-    Column("arm_rms_mm", "moment arm to exact, RMS mm", 3, "arm\nRMS"),
-    Column("arm_max_mm", "moment arm to exact, largest mm", 3, "arm\nmost"),
-    Column("arm_floor_mm", "floor of the moment arm mm", 3),
     Column("tunnelled", "tunnelled nodes", 0, "tun-\nnelled"), Column("stuck", "stuck nodes", 0, "stuck"),
     Column("collision_s", "collision time of the run s", 3, "total\ns"), Column("detail", "detail"),
 ]
 SHOWN = ["configuration", "node_depth_mm", "p99_surface_depth_mm", "max_volume_percent", "full_rms_mm",
-         "full_hausdorff_mm", "final_rms_mm", "arm_rms_mm", "arm_max_mm", "tunnelled", "stuck", "collision_s"]
+         "full_hausdorff_mm", "final_rms_mm", "tunnelled", "stuck", "collision_s"]
 
 
-def outcomes_table(coupled: list[Aggregate], shapes: dict, arms: dict, floors: list[Aggregate]) -> Table:
-    """`shapes` as `shape_distances` gives them, `arms` as accuracy.arm_errors; `floors`: exact runs from a start that
+def outcomes_table(coupled: list[Aggregate], shapes: dict, floors: list[Aggregate]) -> Table:
+    """`shapes` as `shape_distances` gives them; `floors`: exact runs from a start that
     differs by rounding, which have rows of their own."""
-    told = [_row(one, shapes.get((one.scene, one.configuration), {}) | arms.get((one.scene, one.configuration), {}))
-            for one in coupled]
+    told = [_row(one, shapes.get((one.scene, one.configuration), {})) for one in coupled]
     told += [_row(one, floor_of(one, coupled)) | {"configuration": f"{one.configuration.name}, start off by rounding"}
              for one in floors]
     rows = pd.DataFrame(told, columns=[column.key for column in COLUMNS])
     caption = (
         "Coupled runs: each configuration moves its own muscle. Largest true depth over the run of nodes and of the "
         "surface (a muscle triangle in a bone, a bone's vertex in the muscle), the 99th percentile over frames of the "
-        "latter; RMS over nodes and symmetric Hausdorff distance (vertices to surface) to the exact run's shape; errors of "
-        f"mean fibre length and moment arm against the exact run. {RULE} Last, the "
+        "latter; RMS over nodes and symmetric Hausdorff distance (vertices to surface) to the exact run's shape; "
         "collision time summed over the whole run, median of the repetitions. Rows 'start off by rounding' are the exact run "
         "from a start that differs by 1e-12 m: what is no farther from the exact shape can't be told from it."
     )
