@@ -14,6 +14,7 @@ import pytest
 
 import accuracy
 import fake_registry
+from musclebench.cases.worker import Worker
 from musclebench.program import fingerprint
 
 PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
@@ -224,6 +225,23 @@ def test_an_interrupt_removes_what_is_unfinished(sweep):
     _, errors = process.communicate(timeout=20)
     assert process.returncode == 130 and errors.splitlines()[-1].startswith("accuracy: interrupted")
     assert not sweep.hidden()
+
+
+@pytest.mark.parametrize("moment", ["_start", "finish"])
+def test_an_interrupt_while_a_case_starts_or_ends_leaves_nothing(sweep, monkeypatch, moment):
+    usual, interrupted = getattr(Worker, moment), []
+
+    def interrupting(worker, *arguments):
+        done = usual(worker, *arguments) if moment == "_start" else None
+        if not interrupted:
+            interrupted.append(done)
+            signal.raise_signal(signal.SIGINT)
+        return done if moment == "_start" else usual(worker, *arguments)
+
+    monkeypatch.setattr(Worker, moment, interrupting)
+    code, _, errors, _ = sweep()
+    assert code == 130 and errors.splitlines()[-1].startswith("accuracy: interrupted")
+    assert not sweep.hidden() and (moment == "finish" or interrupted[0].poll() is not None)
 
 
 def test_two_sweeps_do_not_share_a_folder(sweep):

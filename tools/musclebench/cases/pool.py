@@ -5,6 +5,7 @@ import select
 import sys
 from dataclasses import dataclass
 
+from ..program.children import uninterrupted
 from ..program.disk import DiskFull, is_disk_full
 from .case import Case
 from .case_queue import CaseQueue
@@ -68,7 +69,8 @@ class _Pool:
 
     def _start(self, case: Case) -> None:
         cores = sorted(os.sched_getaffinity(0))[: case.threads] if case.threads > 1 else [self._free.pop(0)]
-        self._running.append(Worker(case, self._experiment, cores, self._limits.memory_bytes))
+        with uninterrupted():
+            self._running.append(Worker(case, self._experiment, cores, self._limits.memory_bytes))
 
     def _refusal(self, case: Case) -> Refusal | None:
         cores = len(os.sched_getaffinity(0))
@@ -84,11 +86,12 @@ class _Pool:
 
     def _end_cases(self) -> None:
         for worker in [w for w in self._running if self._is_over(w)]:
-            self._running.remove(worker)
-            timed_out = worker.is_running()
-            if timed_out:
-                worker.kill_for_timeout()
-            self._statuses[worker.case] = worker.finish(timed_out)
+            with uninterrupted():
+                self._running.remove(worker)
+                timed_out = worker.is_running()
+                if timed_out:
+                    worker.kill_for_timeout()
+                self._statuses[worker.case] = worker.finish(timed_out)
             self._queue.end(worker.case)
             self._estimate.finished[worker.case] = worker.elapsed
             if worker.case.threads == 1:

@@ -33,8 +33,12 @@ class Worker:
         self._lines: deque[str] = deque(maxlen=KEPT_LINES)
         shutil.rmtree(self._hidden, ignore_errors=True)
         self._hidden.mkdir(parents=True)
-        experiment.prepare(case, self._hidden / "run")
-        self._process = self._start(limits(memory_bytes) + experiment.command(case, self._hidden / "run"))
+        try:
+            experiment.prepare(case, self._hidden / "run")
+            self._process = self._start(limits(memory_bytes) + experiment.command(case, self._hidden / "run"))
+        except OSError:
+            shutil.rmtree(self._hidden, ignore_errors=True)
+            raise
         self._end = os.pidfd_open(self._process.pid)
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()

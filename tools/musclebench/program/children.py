@@ -2,7 +2,9 @@
 
 import os
 import shutil
+import signal
 import subprocess
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -11,6 +13,7 @@ from .cli import Problem
 # A command in front of another: the kernel kills it when its parent is gone, even by kill -9.
 ENDS_WITH_PARENT = ["setpriv", "--pdeathsig", "KILL"]
 GRACE_SECONDS = 5.0
+INTERRUPTS = (signal.SIGINT, signal.SIGTERM)
 
 
 @contextmanager
@@ -32,6 +35,24 @@ def end(process: subprocess.Popen) -> None:
                 process.wait(GRACE_SECONDS)
             except subprocess.TimeoutExpired:
                 continue
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Interrupts wait until the block is done: what it starts is known to who ends it. (Blocked signals would stay blocked
+    in a child.) Only the main thread is interrupted."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    held: list[int] = []
+    usual = {number: signal.signal(number, lambda number, _: held.append(number)) for number in INTERRUPTS}
+    try:
+        yield
+    finally:
+        for number, handler in usual.items():
+            signal.signal(number, handler or signal.SIG_DFL)
+        for number in held[:1]:
+            signal.raise_signal(number)
 
 
 @contextmanager
