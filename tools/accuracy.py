@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Measures what accuracy costs in time: every backend over its resolutions and choices, fed with the same positions
-(replay) and driving the muscle (coupled). Draws figures and the price list from what it measured.
+(replay) and driving the muscle (coupled; once more with fibres, for moment arms). Draws figures and price lists from what
+it measured.
 
 A study goes on where it was stopped: complete cases are skipped until their arguments, the program or the data change;
 cases that failed, timed out or ran out of memory are tried again. Lengths are in mm, times in seconds.
