@@ -86,13 +86,6 @@ Vec3 gradient_direction(const std::array<Vec3, 3>& corners, const std::array<dou
 
 }  // namespace
 
-double squared_distance(const FibreSegment& segment, const Vec3& point) {
-  const Vec3 along = segment.end - segment.start;
-  const double length2 = along.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((point - segment.start).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (segment.start + t * along - point).squaredNorm();
-}
-
 std::vector<FibreSegment> fibres_between(const TriangleMesh& muscle, const std::vector<int>& origin,
                                          const std::vector<int>& insertion, int most_segments) {
   if (origin.empty() || insertion.empty()) {

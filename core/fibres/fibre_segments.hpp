@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "core/mesh/triangle_mesh.hpp"
@@ -12,7 +13,13 @@ struct FibreSegment {
   Vec3 end = Vec3::Zero();
 };
 
-double squared_distance(const FibreSegment& segment, const Vec3& point);
+/// Inline: each edge of a muscle asks for its distance to each segment.
+inline double squared_distance(const FibreSegment& segment, const Vec3& point) {
+  const Vec3 along = segment.end - segment.start;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0 ? std::clamp((point - segment.start).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (segment.start + t * along - point).squaredNorm();
+}
 
 /// Fibres along the surface from an origin area to an insertion area: the direction field is the gradient of the
 /// harmonic function that is 0 on `origin` and 1 on `insertion` (Choi and Blemker 2013 reconstruct fascicles from such
