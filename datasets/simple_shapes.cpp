@@ -110,6 +110,14 @@ constexpr std::array shapes = {
                [] {
                  return turned(box({0.02, 0.02, 0.01}, {0, 0, 0.01}, 6), 0.6, 0.8);
                }},
+    NamedShape{"resting_block",
+               [] {
+                 return box({0.02, 0.02, 0.01}, {0, 0, 0.01}, 6);
+               }},
+    NamedShape{"slab",
+               [] {
+                 return box({0.02, 0.02, 0.003}, {0, 0, 0.003}, 6);
+               }},
     NamedShape{"tube", [] { return moved(lying_capsule(0.01, 0.05, 32), Vec3(0, 0, 0.01)); }},
     NamedShape{"coarse_tube", [] { return moved(lying_capsule(0.01, 0.05, 12), Vec3(0, 0, 0.01)); }},
     // Bones.
@@ -117,6 +125,27 @@ constexpr std::array shapes = {
                [] {
                  return box({0.06, 0.06, 0.005}, {0, 0, -0.005});
                }},
+    NamedShape{"plate_1mm_up",
+               [] {
+                 return box({0.06, 0.06, 0.005}, {0, 0, -0.004});
+               }},
+    NamedShape{"plate_5mm_up",
+               [] {
+                 return box({0.06, 0.06, 0.005}, Vec3::Zero());
+               }},
+    NamedShape{"lower_jaw",
+               [] {
+                 return box({0.05, 0.05, 0.01}, {0, 0, -0.01});
+               }},
+    NamedShape{"upper_jaw",
+               [] {
+                 return box({0.05, 0.05, 0.01}, {0, 0, 0.018});
+               }},
+    NamedShape{"cave",
+               [] {
+                 return box({0.1, 0.1, 0.1}, {0, 0, 0.02});
+               }},
+    NamedShape{"core", [] { return moved(make_sphere(0.005, 3), Vec3(0, 0, 0.02)); }},
     NamedShape{"wall",
                [] {
                  return box({0.005, 0.06, 0.06}, {-0.06, 0, 0});

@@ -10,6 +10,7 @@
 #include "backends/voxel/voxel_grid.hpp"
 #include "core/clearance/point_backend.hpp"
 #include "core/mesh/mesh_size.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 
@@ -78,8 +79,9 @@ std::unique_ptr<CollisionBackend> make_voxel_backend(const Parameters& parameter
                const Bone& bone, int /*threads*/, const ShareReport& /*report*/, const Eigen::AlignedBox3d& expected) {
              const std::string name =
                  fmt::format("voxel: {} (bone '{}')", size_m > 0 ? "voxel_size_m" : "cells", bone.name);
+             const bool closed = bone.surface.known_closed || is_closed(bone.surface.mesh);
              return std::make_unique<VoxelStructure>(
-                 VoxelGrid(bone.surface.mesh, bone.tree(), cells, size_m, name, expected));
+                 VoxelGrid(bone.surface.mesh, bone.tree(), closed, cells, size_m, name, expected));
            }});
 }
 

@@ -49,8 +49,8 @@ bool triangle_touches_box(const std::array<Vec3, 3>& triangle, const Vec3& centr
 
 }  // namespace
 
-VoxelGrid::VoxelGrid(const TriangleMesh& surface, const TriangleBvh& tree, int cells, double voxel_size_m,
-                     const std::string& name, const Eigen::AlignedBox3d& expected) {
+VoxelGrid::VoxelGrid(const TriangleMesh& surface, const TriangleBvh& tree, bool is_closed, int cells,
+                     double voxel_size_m, const std::string& name, const Eigen::AlignedBox3d& expected) {
   size_cells(surface, cells, voxel_size_m);
   const double total = m_counts_real.prod();
   constexpr double bytes_while_building = 2 * sizeof(Cell) + 1.0 / 8;
@@ -62,7 +62,11 @@ VoxelGrid::VoxelGrid(const TriangleMesh& surface, const TriangleBvh& tree, int c
 
   std::vector<Cell> states(m_cells.size(), Cell::unknown);
   mark_border(surface, states);
-  mark_inside(tree, states);
+  if (is_closed) {
+    mark_regions(tree, states);
+  } else {
+    mark_cells_of_open(tree, states);
+  }
   m_bits.assign((states.size() + 63) / 64, 0);
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (states[i] == Cell::border || states[i] == Cell::inside) {
@@ -137,9 +141,9 @@ void VoxelGrid::mark_border(const TriangleMesh& surface, std::vector<Cell>& stat
   }
 }
 
-/// The cells that the surface does not touch form connected regions, each wholly inside or outside: one winding number
-/// decides. (A flood fill from a corner of the grid would take every enclosed cavity for inside.)
-void VoxelGrid::mark_inside(const TriangleBvh& tree, std::vector<Cell>& states) const {
+/// The cells that a closed surface does not touch form connected regions, each wholly inside or outside: one winding
+/// number decides. (A flood fill from a corner of the grid would take every enclosed cavity for inside.)
+void VoxelGrid::mark_regions(const TriangleBvh& tree, std::vector<Cell>& states) const {
   for (int z = m_first[2]; z < m_end[2]; ++z) {
     for (int y = m_first[1]; y < m_end[1]; ++y) {
       for (int x = m_first[0]; x < m_end[0]; ++x) {
@@ -150,6 +154,36 @@ void VoxelGrid::mark_inside(const TriangleBvh& tree, std::vector<Cell>& states) 
       }
     }
   }
+}
+
+/// Through a hole the inside goes on into the outside, so each cell is asked for itself. The next ones beyond those
+/// inside may hold points that are: elsewhere the surface lies between the two.
+void VoxelGrid::mark_cells_of_open(const TriangleBvh& tree, std::vector<Cell>& states) const {
+  const auto for_each_kept = [&](const auto& visit) {
+    for (int z = m_first[2]; z < m_end[2]; ++z) {
+      for (int y = m_first[1]; y < m_end[1]; ++y) {
+        for (int x = m_first[0]; x < m_end[0]; ++x) visit(x, y, z);
+      }
+    }
+  };
+  for_each_kept([&](int x, int y, int z) {
+    Cell& state = states[index(x, y, z)];
+    if (state != Cell::unknown) return;
+    const Vec3 centre = m_lower + m_cell_size_m.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5));
+    const bool is_inside = tree.winding_number(centre) > 0.5;
+    state = is_inside ? Cell::inside : Cell::outside;
+  });
+  for_each_kept([&](int x, int y, int z) {
+    if (states[index(x, y, z)] != Cell::inside) return;
+    for (int nz = std::max(z - 1, m_first[2]); nz <= std::min(z + 1, m_end[2] - 1); ++nz) {
+      for (int ny = std::max(y - 1, m_first[1]); ny <= std::min(y + 1, m_end[1] - 1); ++ny) {
+        for (int nx = std::max(x - 1, m_first[0]); nx <= std::min(x + 1, m_end[0] - 1); ++nx) {
+          Cell& neighbour = states[index(nx, ny, nz)];
+          if (neighbour == Cell::outside) neighbour = Cell::border;
+        }
+      }
+    }
+  });
 }
 
 /// Scan-line flood fill: fills whole runs along x, so that the stack holds runs instead of cells.

@@ -13,18 +13,19 @@
 
 namespace musclebench {
 
-/// Occupancy grid of a closed surface, one bit a cell: set where the cell touches the surface or lies inside it. So
-/// every point inside the surface is in a set cell. It may keep a box of its cells only, each as in the whole grid.
+/// Occupancy grid of a surface, one bit a cell: set where the cell touches the surface or lies inside it. So every
+/// point inside the surface is in a set cell. It may keep a box of its cells only, each as in the whole grid.
 class VoxelGrid {
  public:
   /// `cells` along each axis of the surface's bounding box, so that cells are not cubes (as in the paper's public
-  /// code); or, if `voxel_size_m` > 0, cubes of that size. `surface` is closed, and `tree` is its. Kept are the cells
-  /// that meet `expected`, at least one. Throws InputError, which names `name`, when the grid needs more memory than is
-  /// available.
-  VoxelGrid(const TriangleMesh& surface, const TriangleBvh& tree, int cells, double voxel_size_m,
+  /// code); or, if `voxel_size_m` > 0, cubes of that size. `tree` is that of `surface`; of one that is not closed each
+  /// cell is asked for its own winding number, which takes longer. Kept are the cells that meet `expected`, at least
+  /// one. Throws InputError, which names `name`, when the grid needs more memory than is available.
+  VoxelGrid(const TriangleMesh& surface, const TriangleBvh& tree, bool is_closed, int cells, double voxel_size_m,
             const std::string& name, const Eigen::AlignedBox3d& expected = unbounded_box());
+  /// Of a closed surface.
   VoxelGrid(const TriangleMesh& surface, int cells, double voxel_size_m, const std::string& name)
-      : VoxelGrid(surface, TriangleBvh(surface), cells, voxel_size_m, name) {}
+      : VoxelGrid(surface, TriangleBvh(surface), true, cells, voxel_size_m, name) {}
 
   /// `scaled` is a point in units of cells from `lower()`; false where its cell is left out.
   [[nodiscard]] bool contains_scaled(const Vec3& scaled) const {
@@ -64,7 +65,8 @@ class VoxelGrid {
   void keep_cells_in(const Eigen::AlignedBox3d& expected);
   void size_cells(const TriangleMesh& surface, int cells, double voxel_size_m);
   void mark_border(const TriangleMesh& surface, std::vector<Cell>& states) const;
-  void mark_inside(const TriangleBvh& tree, std::vector<Cell>& states) const;
+  void mark_regions(const TriangleBvh& tree, std::vector<Cell>& states) const;
+  void mark_cells_of_open(const TriangleBvh& tree, std::vector<Cell>& states) const;
   void flood(const std::array<int, 3>& seed, Cell region, std::vector<Cell>& states) const;
 
   Vec3 m_lower = Vec3::Zero();

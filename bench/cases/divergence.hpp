@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 
+#include "core/pbd/simulation.hpp"
 #include "core/scene/scene.hpp"
 
 namespace musclebench {
@@ -16,7 +18,15 @@ class Divergence {
   /// Which node is lost, in words; empty when all is well. A position that is no number counts as lost.
   [[nodiscard]] std::string describe(int frame, std::span<const Vec3> positions) const;
 
+  /// What moved the node lost in `frame` out of the scene, in words: steps `simulation`, which is at its start, there
+  /// again. Empty where it is not lost in that frame.
+  [[nodiscard]] std::string cause(Simulation& simulation, int frame, std::span<const std::string> effect_names) const;
+
  private:
+  /// The first node that is.
+  [[nodiscard]] std::optional<std::size_t> lost_node(std::span<const Vec3> positions) const;
+  [[nodiscard]] bool is_lost(std::size_t node, const Vec3& position) const;
+
   const Scene& m_scene;
   double m_range_m;
 };

@@ -151,7 +151,7 @@ class CaseRunner {
     const std::string lost = m_divergence.describe(frame, positions);
     if (!lost.empty()) {
       m_result.status = "diverged";
-      m_result.status_detail = lost;
+      m_result.status_detail = lost + cause_of_divergence(frame);
     } else if (m_judge) {
       m_judge->judge(*m_simulation, m_last_detection, record);
     }
@@ -164,6 +164,14 @@ class CaseRunner {
       watch_fibres(frame);
       keep_snapshot(frame);
     }
+  }
+
+  /// In words that follow those of what was lost. The run is made again for it: the same bits, watched.
+  [[nodiscard]] std::string cause_of_divergence(int frame) const {
+    PreparedSimulation again = prepare_simulation(m_scene, *m_backend, m_run.responses, m_run.threads,
+                                                  make_muscle_detectors(m_scene, m_run.colliders, m_run.threads));
+    const std::string cause = m_divergence.cause(*again.simulation, frame, again.effect_names);
+    return cause.empty() ? "" : ", moved out by " + cause;
   }
 
   void note_pruned_bones(int frame) {
@@ -255,6 +263,9 @@ class CaseRunner {
       m_result.outcome.self_intersecting_triangles_at_rest = count_self_intersecting_triangles(m_scene.muscle_mesh);
     }
     std::vector<std::string> reasons = suspicions(m_result.outcome, m_result.rest);
+    for (const StructureError& error : m_result.structure_errors) {
+      if (!error.warning.empty()) reasons.push_back(fmt::format("bone '{}': {}", error.bone, error.warning));
+    }
     if (m_scene.attach_at_first_contact && m_result.bound_nodes.empty()) {
       reasons.emplace_back("no node touches a bone at rest, and so none is bound (attachment = \"first_contact\")");
     }

@@ -34,6 +34,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_probe_command(app, exit_code);
   add_advise_command(app, exit_code);
   add_field_command(app, exit_code);
+  add_hard_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

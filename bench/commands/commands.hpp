@@ -16,5 +16,6 @@ void add_verify_command(CLI::App& app, int& exit_code);
 void add_probe_command(CLI::App& app, int& exit_code);
 void add_advise_command(CLI::App& app, int& exit_code);
 void add_field_command(CLI::App& app, int& exit_code);
+void add_hard_command(CLI::App& app, int& exit_code);
 
 }  // namespace musclebench

@@ -120,10 +120,12 @@ const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer)
         if (iteration == 1) {
           apply_forces(input, team);
           predict(input, team);
+          tell_watch(moved_by_velocity, team);
         }
         project(input, team);
       });
       collide(substep == m_loop.substeps && iteration == m_loop.iterations, observer);
+      tell_watch(moved_by_contacts, Team());
     }
     run_team(m_threads, m_barrier, [&](const Team& team) { finish_substep(team); });
   }
@@ -148,14 +150,23 @@ void Simulation::predict(const SubstepInput& input, const Team& team) {
 
 void Simulation::project(const SubstepInput& input, const Team& team) {
   for (std::size_t i = 0; i < m_effects.size(); ++i) {
-    const TeamTimer timer(m_times.effects_ns[i], team);
-    m_effects[i]->project(m_rows, input, team);
+    {
+      const TeamTimer timer(m_times.effects_ns[i], team);
+      m_effects[i]->project(m_rows, input, team);
+    }
+    tell_watch(static_cast<int>(i), team);
   }
   const TeamTimer timer(m_times.predict_ns, team);
   const auto [first, last] = team.share(m_rows.size());
   for (std::size_t row = first; row < last; ++row) {
     m_predicted[m_order.node_in(row)] = m_rows[row].position();
   }
+}
+
+void Simulation::tell_watch(int mover, const Team& team) const {
+  if (!m_watch) return;
+  if (team.is_first()) m_watch(mover);
+  team.wait();
 }
 
 void Simulation::run_stages(StageMoment moment, std::span<const Contact> contacts) {

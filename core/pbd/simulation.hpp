@@ -90,6 +90,12 @@ class LastDetection final : public CollisionObserver {
 /// Poses of all bones at a time in frames: 0 before the first frame, 1 at its end, fractions between.
 using PoseFunction = std::function<void(double frame_position, std::vector<RigidMotion>& poses)>;
 
+/// What has just moved the nodes of a `Simulation`, to find the cause of a fault: the index of an effect, or one of
+/// these.
+using MoverWatch = std::function<void(int mover)>;
+inline constexpr int moved_by_velocity = -1;
+inline constexpr int moved_by_contacts = -2;
+
 /// The shared position-based dynamics loop (Mueller et al. 2007): muscles, rigid moving bones, any backend. Muscles
 /// collide with bones; contact stages do the rest, such as contact between muscles.
 class Simulation {
@@ -106,6 +112,11 @@ class Simulation {
   /// Runs frame `frame` (1-based); allocates no memory unless the backend does. `observer`, if given, sees every
   /// collision step. The returned times are valid until the next frame.
   const StageTimes& step_frame(int frame, CollisionObserver* observer = nullptr);
+
+  /// Called after each part of each iteration. Not while anything is timed.
+  void watch_movers(MoverWatch watch) { m_watch = std::move(watch); }
+  /// Where the parts so far have moved the node in this substep, m.
+  [[nodiscard]] Vec3 predicted(int node) const { return m_rows[m_order.row_of(node)].position(); }
 
   /// Of all nodes, at the end of the last substep, m.
   [[nodiscard]] const std::vector<Vec3>& positions() const { return m_positions; }
@@ -130,6 +141,7 @@ class Simulation {
   void find_contacts();
   void respond();
   void finish_substep(const Team& team);
+  void tell_watch(int mover, const Team& team) const;
 
   LoopParameters m_loop;
   NodeOrder m_order;
@@ -146,6 +158,7 @@ class Simulation {
   CollisionBackend& m_backend;
   Response m_response;
   PoseFunction m_pose_function;
+  MoverWatch m_watch;
   std::vector<RigidMotion> m_poses;
   std::vector<RigidMotion> m_previous_poses;
   std::vector<Contact> m_contacts;

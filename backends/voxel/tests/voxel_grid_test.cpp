@@ -52,7 +52,7 @@ TEST(VoxelGrid, APartHoldsWhatTheWholeHoldsThere) {
     EXPECT_EQ(whole.kept_share(), 1);
     for (const Eigen::AlignedBox3d& box : {Eigen::AlignedBox3d(Vec3(-0.004, -1, 0.01), Vec3(0.002, 1, 0.02)),
                                            Eigen::AlignedBox3d(Vec3(1, 1, 1), Vec3(2, 2, 2))}) {
-      const VoxelGrid part(bone, tree, 19, voxel_size_m, "test", box);
+      const VoxelGrid part(bone, tree, true, 19, voxel_size_m, "test", box);
       EXPECT_GT(part.kept_share(), 0);
       EXPECT_LT(part.kept_share(), 0.3);
       EXPECT_LT(part.bytes(), whole.bytes());
@@ -67,6 +67,32 @@ TEST(VoxelGrid, APartHoldsWhatTheWholeHoldsThere) {
       }
       EXPECT_GT(left_out, 1000);
     }
+  }
+}
+
+/// A flood fill from the first cell would run out of the hole and take the whole ball for empty.
+TEST(VoxelGrid, AHoleLosesNothingOfTheInside) {
+  TriangleMesh open = make_sphere(1, 4);
+  std::erase_if(open.triangles, [&](const Triangle& triangle) {
+    return open.vertices[static_cast<std::size_t>(triangle[0])].x() > 0.985;
+  });
+  const TriangleBvh tree(open);
+  ASSERT_LT(open.triangles.size(), 5120U);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> coordinate(-1.2, 1.2);
+  for (const int cells : {8, 33, 64}) {
+    const VoxelGrid grid(open, tree, false, cells, 0, "test");
+    int inside = 0;
+    for (int i = 0; i < 5000; ++i) {
+      const Vec3 x(coordinate(random), coordinate(random), coordinate(random));
+      if (tree.winding_number(x) > 0.5) {
+        ++inside;
+        ASSERT_TRUE(grid.contains(x)) << cells << ": " << x.transpose();
+      } else if (x.norm() > 1) {
+        ASSERT_TRUE(!grid.contains(x) || x.norm() - 1 <= 2 * grid.cell_size_m().norm()) << x.transpose();
+      }
+    }
+    EXPECT_GT(inside, 1000);
   }
 }
 

@@ -34,16 +34,17 @@ def draw_scenes(runs: list[Run], stem: Path) -> list[Path]:
     rows = math.ceil(len(runs) / COLUMNS)
     figure, panels = plt.subplots(rows, COLUMNS, figsize=(style.PAGE_INCHES, rows * PANEL_INCHES), squeeze=False)
     for axes, run in zip(panels.flat, runs):
-        _draw_scene(axes, run)
+        draw_snapshot(axes, run, read_snapshots(run)[-1])
+        axes.set_title(run.scene.split("/")[-1].replace("_", " "), loc="left", fontsize=7.5)
     for axes in panels.flat[len(runs):]:
         axes.set_axis_off()
     figure.tight_layout(w_pad=0.3, h_pad=0.5)
     return style.save_figure(figure, stem)
 
 
-def _draw_scene(axes, run: Run) -> None:
-    snapshots = read_snapshots(run)
-    rest, end = snapshots[0], snapshots[-1]
+def draw_snapshot(axes, run: Run, end: Snapshot) -> None:
+    """With the outline of the run's first snapshot, in which nothing has moved."""
+    rest = read_snapshots(run)[0]
     bones = [_cut_finely((bone.vertices_m @ rotation.T + translation_m)[bone.triangles])
              for bone, (rotation, translation_m) in zip(read_bones(run).values(), end.poses)]
     muscle = end.mesh.vertices_m[end.mesh.triangles]
@@ -57,7 +58,6 @@ def _draw_scene(axes, run: Run) -> None:
     middle, reach = (shown.max(axis=0) + shown.min(axis=0)) / 2, AROUND * np.ptp(shown, axis=0).max() / 2
     axes.set(xlim=(middle[0] - reach, middle[0] + reach), ylim=(middle[1] - reach, middle[1] + reach), aspect="equal")
     axes.set_axis_off()
-    axes.set_title(run.scene.split("/")[-1].replace("_", " "), loc="left", fontsize=7.5)
 
 
 def _muscle_colours(run: Run, end: Snapshot) -> np.ndarray:

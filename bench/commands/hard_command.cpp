@@ -1,0 +1,184 @@
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "backends/registry.hpp"
+#include "bench/commands/command_options.hpp"
+#include "bench/commands/commands.hpp"
+#include "bench/hard/cell_process.hpp"
+#include "bench/hard/fuzz.hpp"
+#include "bench/hard/hard_case.hpp"
+#include "bench/hard/hard_matrix.hpp"
+#include "bench/process/progress.hpp"
+#include "core/base/input_error.hpp"
+
+namespace musclebench {
+
+namespace {
+
+struct HardOptions {
+  std::vector<std::string> backends;
+  std::vector<std::string> cases;
+  std::vector<std::string> parameters;
+  std::string out;
+  double seconds = 0;
+  int fuzz = 0;
+  std::uint64_t first_seed = 1;
+  bool whole = false;
+  bool list = false;
+  bool progress_lines = false;
+};
+
+std::vector<const BackendEntry*> chosen_backends(const HardOptions& options) {
+  std::vector<const BackendEntry*> chosen;
+  for (const std::string& name : options.backends) chosen.push_back(&find_backend(name));
+  if (chosen.empty()) {
+    for (const BackendEntry& entry : backend_registry()) chosen.push_back(&entry);
+  }
+  return chosen;
+}
+
+std::vector<HardCase> chosen_cases(const HardOptions& options) {
+  const std::vector<HardCase> all = hard_cases();
+  if (options.cases.empty()) return all;
+  std::vector<HardCase> chosen;
+  for (const std::string& id : options.cases) {
+    const auto found = std::ranges::find(all, id, &HardCase::id);
+    if (found == all.end()) {
+      std::vector<std::string> ids;
+      for (const HardCase& each : all) ids.emplace_back(each.id);
+      throw InputError("--case " + id,
+                       fmt::format("is unknown; did you mean '{}'? --list shows all", nearest_word(id, ids)));
+    }
+    chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+void print_cases(const std::vector<HardCase>& cases) {
+  for (const HardCase& each : cases) {
+    fmt::print("{}\n  {}\n  {}\n  Bar: {}.\n", each.id, each.what, each.why, each.bar);
+    if (!each.scene.empty()) fmt::print("  Scene: {}\n", each.scene);
+  }
+}
+
+HardMatrix run_cells(const HardOptions& options) {
+  using Clock = std::chrono::steady_clock;
+  const std::vector<const BackendEntry*> backends = chosen_backends(options);
+  HardMatrix matrix{{}, chosen_cases(options)};
+  for (const BackendEntry* entry : backends) matrix.backends.push_back(entry->name);
+  const int total = static_cast<int>(matrix.cases.size() * backends.size());
+  Progress progress(progress_style(options.progress_lines), "hard cases", total);
+  int done = 0;
+  for (const HardCase& each : matrix.cases) {
+    std::vector<HardCell>& row = matrix.cells.emplace_back();
+    std::vector<double>& seconds = matrix.seconds.emplace_back();
+    for (const BackendEntry* entry : backends) {
+      const HardRequest request{.backend = *entry,
+                                .given = parse_assignments(options.parameters, "--param", entry->parameters),
+                                .whole = options.whole};
+      const auto start = Clock::now();
+      row.push_back(run_in_process([&] { return each.run(request); }, options.seconds));
+      seconds.push_back(std::chrono::duration<double>(Clock::now() - start).count());
+      progress.show(++done);
+    }
+  }
+  return matrix;
+}
+
+std::string default_text(const std::string& text, const char* otherwise) { return text.empty() ? otherwise : text; }
+
+/// Random scenes; what is wrong is made as small as it stays wrong, and written as a scene that `run` takes.
+int run_fuzz(const HardOptions& options) {
+  std::vector<std::string> backends;
+  for (const BackendEntry* entry : chosen_backends(options)) backends.push_back(entry->name);
+  std::map<std::string, int> counts;
+  std::vector<std::string> wrong;
+  {
+    Progress progress(progress_style(options.progress_lines), "random scenes", options.fuzz);
+    for (int i = 0; i < options.fuzz; ++i) {
+      const FuzzScene scene = fuzz_scene(options.first_seed + static_cast<std::uint64_t>(i), backends);
+      const FuzzOutcome outcome = run_fuzz_scene(scene, options.seconds);
+      if (!outcome.wrong.empty()) {
+        const std::filesystem::path folder =
+            std::filesystem::path(default_text(options.out, "reports/out/fuzz")) / fmt::format("seed-{}", scene.seed);
+        const FuzzScene smallest = shrunk(scene, options.seconds);
+        write_fuzz_scene(smallest, folder);
+        wrong.push_back(fmt::format("seed {}: {}\n  musclebench run {} --backend {}", scene.seed, outcome.wrong,
+                                    (folder / "scene.toml").string(), scene.backend));
+      }
+      ++counts[!outcome.wrong.empty() ? "wrong" : !outcome.refused.empty() ? "refused" : outcome.status];
+      progress.show(i + 1);
+    }
+  }
+  fmt::print("{} random scenes from seed {}:", options.fuzz, options.first_seed);
+  for (const auto& [status, count] : counts) fmt::print(" {} {}", count, status);
+  fmt::print("\n");
+  for (const std::string& line : wrong) fmt::print("{}\n", line);
+  return wrong.empty() ? 0 : exit_not_held;
+}
+
+int run_hard(HardOptions& options) {
+  if (options.list) {
+    print_cases(chosen_cases(options));
+    return 0;
+  }
+  if (!options.parameters.empty()) {
+    if (options.backends.size() != 1) {
+      throw InputError("--param", "is of one backend; name it with --backend, and no other");
+    }
+    (void)backend_parameters(find_backend(options.backends.front()), options.parameters);
+  }
+  if (options.seconds == 0) options.seconds = options.whole ? 3600 : 300;
+  if (options.fuzz > 0) {
+    if (!options.cases.empty() || !options.parameters.empty()) {
+      throw InputError("--fuzz", "makes its own scenes, with backends as they are; leave out --case and --param");
+    }
+    return run_fuzz(options);
+  }
+  const HardMatrix matrix = run_cells(options);
+  fmt::print("{}", text_of(matrix));
+  if (!options.out.empty()) {
+    write_matrix(matrix, options.out);
+    fmt::print("written: {0}/matrix.csv and {0}/matrix.md\n", options.out);
+  }
+  return matrix.count(Verdict::breaks) > 0 ? exit_not_held : 0;
+}
+
+}  // namespace
+
+void add_hard_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<HardOptions>();
+  CLI::App* command = app.add_subcommand(
+      "hard", "Run cases that are hard to keep numerically stable over the backends, one process each");
+  command->add_option("--backend", options->backends, "Only this one; may be repeated (default: all)");
+  command->add_option("--case", options->cases, "Only this one; may be repeated (default: all)");
+  command->add_option("--param", options->parameters, "key=value of the backend, where one is named; may be repeated");
+  command->add_option("--out", options->out, "Folder for matrix.csv and matrix.md (default: none)");
+  command->add_option("--seconds", options->seconds, "After which a cell counts as hung (default: 300; --all: 3600)")
+      ->check(positive_and_finite());
+  command
+      ->add_option("--fuzz", options->fuzz,
+                   "So many random scenes in place of the cases; one that is wrong is made small and written to "
+                   "--out (default: reports/out/fuzz)")
+      ->check(CLI::Range(1, 10'000'000));
+  command->add_option("--seed", options->first_seed, "Of the first random scene; the next ones follow")
+      ->capture_default_str();
+  command->add_flag("--all", options->whole, "The long sweeps, too: many minutes");
+  command->add_flag("--list", options->list, "Only say what happens in each case, why it is hard and what its bar is");
+  command->add_flag("--progress", options->progress_lines, "Progress as lines on standard error");
+  command->footer(
+      "Exit code 0: every cell holds its bar, was refused as it may be, or is not applicable; 1: one breaks.");
+  command->callback([options, &exit_code] { exit_code = run_hard(*options); });
+}
+
+}  // namespace musclebench

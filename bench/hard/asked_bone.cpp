@@ -1,0 +1,87 @@
+#include "bench/hard/asked_bone.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "core/mesh/mesh_size.hpp"
+
+namespace musclebench {
+
+std::optional<std::string> why_not_points(const HardRequest& request) {
+  const Capabilities can = request.backend.make(request.parameters())->capabilities();
+  if (!can.finds_contacts) return "finds no contacts";
+  if (!can.point_queries) return "collides surfaces, and is asked about points here";
+  return std::nullopt;
+}
+
+AskedBone::AskedBone(const HardRequest& request, const TriangleMesh& mesh, std::size_t points,
+                     const std::map<std::string, ParameterValue>& more)
+    : m_nodes(points), m_backend(request.backend.make(request.parameters(more))) {
+  m_bones.push_back({"bone", repair_mesh(mesh, "bone")});
+  m_muscle.vertices.assign(points, Vec3::Zero());
+  std::iota(m_nodes.begin(), m_nodes.end(), 0);
+  m_backend->build(m_bones, m_muscle, request.threads);
+}
+
+std::vector<Contact> AskedBone::contacts(std::span<const Vec3> points, const RigidMotion& pose) {
+  std::vector<Vec3> positions;
+  positions.reserve(points.size());
+  for (const Vec3& point : points) positions.push_back(pose.apply(point));
+  std::vector<Contact> found;
+  m_backend->update(std::array{pose}, positions);
+  m_backend->detect(positions, m_nodes, found);
+  return found;
+}
+
+std::vector<double> AskedBone::depths(std::span<const Vec3> points, const RigidMotion& pose) {
+  std::vector<double> depths_m(points.size(), 0);
+  for (const Contact& contact : contacts(points, pose)) {
+    depths_m[static_cast<std::size_t>(contact.node)] = tells_depth() ? contact.depth_m : 1;
+  }
+  return depths_m;
+}
+
+double AskedBone::diagonal_m() const { return bounding_box(mesh().vertices).diagonal().norm(); }
+
+std::string AskedBone::said() const {
+  std::string all;
+  for (const StructureError& error : m_backend->structure_errors()) {
+    if (!error.warning.empty()) all += (all.empty() ? "" : "; ") + error.warning;
+  }
+  return all;
+}
+
+std::vector<double> true_distances(const TriangleMesh& mesh, std::span<const Vec3> points) {
+  const std::vector<Bone> bones = {{"bone", repair_mesh(mesh, "bone")}};
+  const Referee referee(bones, 1);
+  std::vector<double> distances_m;
+  distances_m.reserve(points.size());
+  for (const Vec3& point : points) distances_m.push_back(referee.signed_distance(0, point));
+  return distances_m;
+}
+
+WrongAnswers wrong_answers(std::span<const double> truth_m, const std::vector<Contact>& contacts,
+                           const AskedBone& asked, double slack_m) {
+  const AnswerBound bound = asked.bound();
+  std::vector<char> is_found(truth_m.size(), 0);
+  WrongAnswers wrong;
+  for (const Contact& contact : contacts) {
+    const auto point = static_cast<std::size_t>(contact.node);
+    is_found[point] = 1;
+    if (truth_m[point] > bound.false_distance_m + slack_m) ++wrong.invented;
+    if (truth_m[point] < 0 && asked.tells_depth()) {
+      wrong.largest_depth_error_m = std::max(wrong.largest_depth_error_m, std::abs(contact.depth_m + truth_m[point]));
+    }
+  }
+  for (std::size_t point = 0; point < truth_m.size(); ++point) {
+    if (truth_m[point] < 0) ++wrong.inside;
+    if (truth_m[point] < -bound.missed_depth_m - slack_m && is_found[point] == 0) ++wrong.missed;
+  }
+  return wrong;
+}
+
+}  // namespace musclebench

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/parameters.hpp"
+#include "core/contact/backend_entry.hpp"
+
+namespace musclebench {
+
+/// A figure beside its bar, which it may reach and not pass.
+struct HardFigure {
+  std::string name;
+  double value = 0;
+  double bar = 0;
+  std::string unit = {};
+
+  /// Not for NaN.
+  [[nodiscard]] bool holds() const { return value <= bar; }
+};
+
+enum class Verdict : std::uint8_t { holds, breaks, refused, not_applicable };
+
+std::string_view name_of(Verdict verdict);
+
+/// What one backend did in one case.
+struct HardCell {
+  Verdict verdict = Verdict::breaks;
+  std::string detail = {};  ///< why it is not applicable, or what the program said in place of an answer
+  std::vector<HardFigure> figures = {};
+};
+
+/// The figure farthest beyond its bar, or nearest to it; nullptr for none.
+const HardFigure* worst_figure(const HardCell& cell);
+
+/// Whether a backend that says in a status that it can't answer has done its duty: those that approximate, or all of
+/// them (a run whose step is too long for anybody).
+enum class MayRefuse : std::uint8_t { nobody, approximate, everybody };
+
+/// What a case is run with.
+struct HardRequest {
+  const BackendEntry& backend;
+  std::map<std::string, ParameterValue> given = {};  ///< parameters of the backend
+  bool whole = false;                                ///< the long sweeps, too
+  int threads = 1;
+
+  /// `more` goes before what was given. Throws InputError.
+  [[nodiscard]] Parameters parameters(const std::map<std::string, ParameterValue>& more = {}) const;
+};
+
+/// Of the figures, and of what the user was told beside them: beyond a bar a backend breaks, unless it `said` so and
+/// may.
+HardCell judged(std::vector<HardFigure> figures, const HardRequest& request, const std::string& said = "",
+                MayRefuse may_refuse = MayRefuse::approximate);
+
+HardCell not_applicable(std::string why);
+
+/// A case that has to stay numerically stable.
+struct HardCase {
+  std::string_view id;
+  std::string_view what;     ///< happens in it
+  std::string_view why;      ///< it is hard, and who tests so
+  std::string_view bar;      ///< in words
+  std::string_view scene;    ///< embedded scene that it moves; empty: it asks about points
+  bool asks_backend = true;  ///< false: the loop alone, which every backend would repeat
+  HardCell (*run)(const HardRequest& request);
+};
+
+/// All cases, in the order in which they are shown.
+std::vector<HardCase> hard_cases();
+
+// The parts of the table.
+std::span<const HardCase> point_cases();
+std::span<const HardCase> motion_cases();
+
+}  // namespace musclebench

@@ -1,0 +1,438 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "bench/cases/run_case.hpp"
+#include "bench/cases/scene_source.hpp"
+#include "bench/hard/hard_case.hpp"
+#include "core/base/input_error.hpp"
+#include "core/mesh/mesh_size.hpp"
+
+// Cases that move a muscle: embedded scenes `hard/...`, run as `musclebench run` does and judged by the Referee.
+namespace musclebench {
+
+namespace {
+
+struct MovedScene {
+  Scene scene;
+  RunResult result;
+
+  /// What the run's status says; empty for one that is ok.
+  [[nodiscard]] std::string said() const {
+    return result.status == "ok" ? "" : fmt::format("{}: {}", result.status, result.status_detail);
+  }
+  [[nodiscard]] double diagonal_m() const { return bounding_box(scene.muscle_mesh.vertices).diagonal().norm(); }
+  [[nodiscard]] const std::vector<Vec3>& positions(std::size_t frame) const {
+    return result.snapshots[frame].positions;
+  }
+  /// The largest move of a node between two frames.
+  [[nodiscard]] double largest_move_m(std::size_t from, std::size_t to) const {
+    double largest_m = 0;
+    for (std::size_t i = 0; i < positions(from).size(); ++i) {
+      // Not std::max: it passes over NaN.
+      const double moved_m = (positions(to)[i] - positions(from)[i]).norm();
+      if (!(moved_m <= largest_m)) largest_m = moved_m;
+    }
+    return largest_m;
+  }
+};
+
+SceneChoice scene_of(const std::string& name) {
+  SceneChoice choice;
+  choice.scene = name;
+  return choice;
+}
+
+using EditScene = std::function<void(Scene&)>;
+
+/// Runs the scene of the choice, every frame of it kept; `edit` changes it first.
+MovedScene moved(const HardRequest& request, const SceneChoice& choice, int threads = 1, const EditScene& edit = {}) {
+  MovedScene done{load_scene(choice), {}};
+  if (edit) edit(done.scene);
+  const Parameters parameters = request.parameters();
+  RunCase run{{done.scene, request.backend, parameters, threads}};
+  run.responses = choose_responses("", done.scene, request.backend, parameters);
+  require_what_effects_need(done.scene, request.backend, parameters, run.responses);
+  run.snapshots.resize(static_cast<std::size_t>(done.scene.loop.frames) + 1);
+  std::iota(run.snapshots.begin(), run.snapshots.end(), 0);
+  done.result = run_case(run, [](int) {});
+  return done;
+}
+
+/// What `watch` says. A scene whose effects the backend can't serve is not for it.
+template <typename Watch>
+HardCell watched(const HardRequest& request, bool asks_backend, const Watch& watch) {
+  if (request.backend.make(request.parameters())->capabilities().finds_contacts != asks_backend) {
+    return not_applicable(asks_backend ? "finds no contacts" : "asks the loop alone: see a column without contacts");
+  }
+  try {
+    return watch();
+  } catch (const InputError& unfit) {
+    return not_applicable(unfit.what());
+  }
+}
+
+/// How far out of its place a backend that approximates may push a node that lies on a bone.
+double declared_m(const MovedScene& run, const HardRequest& request) {
+  const auto backend = request.backend.make(request.parameters());
+  backend->build(run.scene.bones, run.scene.muscle_mesh, 1);
+  double largest_m = 0;
+  for (std::size_t bone = 0; bone < run.scene.bones.size(); ++bone) {
+    const AnswerBound bound = backend->answer_bound(static_cast<int>(bone));
+    largest_m = std::max({largest_m, bound.missed_depth_m, bound.false_distance_m});
+  }
+  return largest_m;
+}
+
+HardCell step_size(const HardRequest& request, bool with_guard) {
+  return watched(request, true, [&] {
+    SceneChoice choice = scene_of("hard/step_size");
+    if (with_guard) choice.effect_overrides.push_back({.location = "step-size", .name = "tunnelling_guard"});
+    std::vector<HardFigure> figures;
+    std::string said;
+    // 100 mm in so many frames.
+    for (const std::int64_t frames : request.whole ? std::vector<std::int64_t>{2, 4, 8, 16, 32, 64, 256, 1024}
+                                                   : std::vector<std::int64_t>{4, 16, 64}) {
+      choice.loop_overrides["frames"] = frames;
+      const MovedScene run = moved(request, choice);
+      const int tunnelled = run.result.outcome.tunnelled_nodes.value_or(-1);
+      figures.push_back(
+          {fmt::format("nodes on the wrong side at {:.3g} mm a frame", 100.0 / static_cast<double>(frames)),
+           tunnelled < 0 ? std::nan("") : tunnelled, 0, "nodes"});
+      if (tunnelled != 0 && said.empty()) said = run.said();
+    }
+    return judged(std::move(figures), request, said, with_guard ? MayRefuse::approximate : MayRefuse::everybody);
+  });
+}
+
+HardCell step_size_guarded(const HardRequest& request) { return step_size(request, true); }
+HardCell step_size_unguarded(const HardRequest& request) { return step_size(request, false); }
+
+HardCell initial_overlap(const HardRequest& request) {
+  return watched(request, true, [&] {
+    std::vector<HardFigure> figures;
+    std::string said;
+    for (const int depth_mm : {1, 5}) {
+      const MovedScene run = moved(request, scene_of(fmt::format("hard/initial_overlap_{}mm", depth_mm)));
+      const double depth_m = 1e-3 * depth_mm;
+      const double slack_m = 1e-6 * run.diagonal_m() + declared_m(run, request);
+      int risen = 0;
+      double before_m = depth_m;
+      for (const StepRecord& record : run.result.records) {
+        if (record.depth.max_depth_m > before_m + slack_m) ++risen;
+        before_m = record.depth.max_depth_m;
+      }
+      double fastest_m = 0;
+      double farthest_m = 0;
+      for (std::size_t frame = 1; frame < run.result.snapshots.size(); ++frame) {
+        fastest_m = std::max(fastest_m, run.largest_move_m(frame - 1, frame));
+        farthest_m = std::max(farthest_m, run.largest_move_m(0, frame));
+      }
+      figures.push_back(
+          {fmt::format("{} mm: frames in which the depth grows", depth_mm), static_cast<double>(risen), 0, "frames"});
+      figures.push_back({fmt::format("{} mm: largest move of a node in a frame", depth_mm), 1e3 * fastest_m,
+                         1e3 * (1.05 * depth_m + slack_m), "mm"});
+      figures.push_back({fmt::format("{} mm: largest move of a node in all", depth_mm), 1e3 * farthest_m,
+                         1e3 * (1.5 * depth_m + slack_m), "mm"});
+      figures.push_back({fmt::format("{} mm: depth after 10 frames", depth_mm),
+                         1e3 * run.result.records.at(9).depth.max_depth_m, 1e3 * slack_m, "mm"});
+      if (said.empty()) said = run.said();
+    }
+    return judged(std::move(figures), request, said);
+  });
+}
+
+HardCell pinch(const HardRequest& request) {
+  return watched(request, true, [&] {
+    const MovedScene run = moved(request, scene_of("hard/pinch"));
+    const MovedScene other = moved(request, scene_of("hard/pinch"), 1, [](Scene& scene) {
+      std::reverse(scene.bones.begin(), scene.bones.end());
+      std::reverse(scene.bone_meshes.begin(), scene.bone_meshes.end());
+      std::reverse(scene.motions.begin(), scene.motions.end());
+    });
+    if (run.result.status == "diverged") return HardCell{Verdict::breaks, run.said(), {}};
+    const std::size_t last = run.result.snapshots.size() - 1;
+    double jitter_m = 0;
+    for (std::size_t frame = last - 9; frame <= last; ++frame) {
+      jitter_m = std::max(jitter_m, run.largest_move_m(frame - 1, frame));
+    }
+    double order_m = 0;
+    for (std::size_t i = 0; i < run.positions(last).size(); ++i) {
+      order_m = std::max(order_m, (run.positions(last)[i] - other.positions(last)[i]).norm());
+    }
+    return judged({{"largest move of a node in one of the last 10 frames, in which bones stand still", 1e3 * jitter_m,
+                    1e-3, "mm"},
+                   {"difference by the order of the bones, over the diagonal", order_m / run.diagonal_m(), 1e-6}},
+                  request, run.said());
+  });
+}
+
+HardCell rest(const HardRequest& request) {
+  return watched(request, true, [&] {
+    SceneChoice choice = scene_of("hard/rest");
+    if (!request.whole) choice.loop_overrides["frames"] = std::int64_t{100};
+    const MovedScene run = moved(request, choice);
+    const std::size_t last = run.result.snapshots.size() - 1;
+    return judged(
+        {{"largest move of a node, over the diagonal", run.largest_move_m(0, last) / run.diagonal_m(), 1e-9},
+         {"contacts in the last frame", static_cast<double>(run.result.records.back().contacts), 0, "contacts"}},
+        request, run.said(), MayRefuse::nobody);
+  });
+}
+
+HardCell resting_contact(const HardRequest& request) {
+  return watched(request, true, [&] {
+    const MovedScene run = moved(request, scene_of("hard/resting_contact"));
+    const std::size_t last = run.result.snapshots.size() - 1;
+    const double declared = declared_m(run, request);
+    double later_m = 0;
+    for (std::size_t frame = 2; frame <= last; ++frame)
+      later_m = std::max(later_m, run.largest_move_m(frame - 1, frame));
+    return judged({{"largest move of a node in the first frame", 1e3 * run.largest_move_m(0, 1),
+                    1e3 * (declared + 1e-9 * run.diagonal_m()), "mm"},
+                   {"largest move of a node in a later frame, over the diagonal", later_m / run.diagonal_m(), 1e-9}},
+                  request, run.said());
+  });
+}
+
+HardCell face_over_edge(const HardRequest& request) {
+  return watched(request, true, [&] {
+    const MovedScene run = moved(request, scene_of("hard/face_over_edge"));
+    const double node_depth_m = run.result.outcome.max_depth_m.value_or(std::nan(""));
+    const double surface_depth_m = run.result.outcome.max_surface_depth_m.value_or(0);
+    return judged(
+        {{"runs in which faces are cut and the surface depth does not say so", surface_depth_m > 1e-4 ? 0.0 : 1.0, 0},
+         {"largest depth of a node", 1e3 * node_depth_m, 1e3 * (declared_m(run, request) + 1e-3 * run.diagonal_m()),
+          "mm"}},
+        request, run.said());
+  });
+}
+
+HardCell swallowed(const HardRequest& request) {
+  return watched(request, true, [&] {
+    const MovedScene in_bone = moved(request, scene_of("hard/swallowed"));
+    const MovedScene about_bone = moved(request, scene_of("hard/bone_in_muscle"));
+    const MovedScene inverted = moved(request, scene_of("hard/step_size"), 1, [](Scene& scene) {
+      for (Triangle& triangle : scene.muscle_mesh.triangles) std::swap(triangle[0], triangle[1]);
+    });
+    const auto ends_ok = [](const MovedScene& run) { return run.said().empty() ? 1.0 : 0.0; };
+    return judged({{"runs of a muscle in a bone that end with the status ok", ends_ok(in_bone), 0},
+                   {"runs of a bone in a muscle that do", ends_ok(about_bone), 0},
+                   {"runs of a muscle that is inside out that do", ends_ok(inverted), 0}},
+                  request, in_bone.said(), MayRefuse::nobody);
+  });
+}
+
+HardCell attached_inside(const HardRequest& request) {
+  return watched(request, true, [&] {
+    SceneChoice choice = scene_of("hard/attached_inside");
+    if (!request.whole) choice.loop_overrides["frames"] = std::int64_t{40};
+    const MovedScene run = moved(request, choice);
+    double drift_m = 0;
+    for (const Snapshot& snapshot : run.result.snapshots) {
+      for (const BoundNode& bound : run.result.bound_nodes) {
+        const auto node = static_cast<std::size_t>(bound.node);
+        const Vec3 in_place =
+            snapshot.bone_poses[static_cast<std::size_t>(bound.bone)].apply(run.scene.muscle_mesh.vertices[node]);
+        drift_m = std::max(drift_m, (snapshot.positions[node] - in_place).norm());
+      }
+    }
+    return judged(
+        {{"largest drift of an attached node in its bone, over the diagonal", drift_m / run.diagonal_m(), 1e-12},
+         {"attached nodes that there are none of", run.result.bound_nodes.size() > 5 ? 0.0 : 1.0, 0}},
+        request, "", MayRefuse::nobody);
+  });
+}
+
+HardCell extremes(const HardRequest& request) {
+  return watched(request, false, [&] {
+    std::vector<HardFigure> figures;
+    const Scene usual = load_scene(scene_of("hard/time_step"));
+    for (const SceneEffect& effect : usual.effects) {
+      for (const ParameterSpec& spec : find_effect(effect.name)->parameters) {
+        if (spec.kind != ParameterKind::number) continue;
+        for (const double value : {spec.minimum, spec.maximum}) {
+          SceneChoice choice = scene_of("hard/time_step");
+          choice.loop_overrides["frames"] = std::int64_t{20};
+          choice.effect_overrides.push_back(
+              {.location = "extremes", .name = effect.name, .values = {{spec.name, value}}});
+          const MovedScene run = moved(request, choice);
+          const bool is_finite = run.result.status != "diverged";
+          const std::string words = fmt::format("{}.{} = {:g}", effect.name, spec.name, value);
+          figures.push_back(
+              {words + ": farthest node from rest, in diagonals",
+               is_finite ? run.largest_move_m(0, run.result.snapshots.size() - 1) / run.diagonal_m() : std::nan(""),
+               10});
+        }
+      }
+    }
+    return judged(std::move(figures), request, "", MayRefuse::nobody);
+  });
+}
+
+HardCell blow_up(const HardRequest& request) {
+  return watched(request, false, [&] {
+    SceneChoice choice = scene_of("hard/time_step");
+    choice.effect_overrides.push_back(
+        {.location = "non-finite", .name = "gravity", .values = {{"z_m_per_s2", -1000.0}}});
+    choice.loop_overrides["time_step_s"] = 1e3;
+    const MovedScene run = moved(request, choice);
+    int not_finite = 0;
+    for (const StepRecord& record : run.result.records) {
+      for (const double volume_m3 : record.volumes_m3) not_finite += std::isfinite(volume_m3) ? 0 : 1;
+    }
+    return judged(
+        {{"runs that blow up and don't say in which frame",
+          run.result.status == "diverged" && run.result.status_detail.find("frame") != std::string::npos ? 0.0 : 1.0,
+          0},
+         {"rows with numbers that are none", static_cast<double>(not_finite), 0, "rows"}},
+        request, "", MayRefuse::nobody);
+  });
+}
+
+HardCell same_state_for_threads(const HardRequest& request) {
+  return watched(request, true, [&] {
+    SceneChoice choice = scene_of("hard/step_size");
+    const MovedScene alone = moved(request, choice, 1);
+    const MovedScene together = moved(request, choice, 2);
+    const MovedScene again = moved(request, choice, 1);
+    const bool is_same = alone.result.state_hash == together.result.state_hash;
+    const bool is_repeated = alone.result.state_hash == again.result.state_hash;
+    return judged({{"runs on two threads that end in other bits", is_same ? 0.0 : 1.0, 0},
+                   {"repetitions that end in other bits", is_repeated ? 0.0 : 1.0, 0}},
+                  request, "", MayRefuse::nobody);
+  });
+}
+
+HardCell time_step(const HardRequest& request) {
+  return watched(request, false, [&] {
+    std::vector<HardFigure> figures;
+    std::string said;
+    for (const double factor : {1.0, 10.0, 100.0, 1000.0}) {
+      for (const std::int64_t iterations :
+           request.whole ? std::vector<std::int64_t>{1, 10, 100} : std::vector<std::int64_t>{1, 100}) {
+        SceneChoice choice = scene_of("hard/time_step");
+        choice.loop_overrides["time_step_s"] = 1e-3 * factor;
+        choice.loop_overrides["iterations"] = iterations;
+        const MovedScene run = moved(request, choice);
+        double farthest_m = 0;
+        for (std::size_t frame = 1; frame < run.result.snapshots.size(); ++frame) {
+          farthest_m = std::max(farthest_m, run.largest_move_m(0, frame));
+        }
+        if (run.result.status == "diverged") farthest_m = std::nan("");
+        const std::string setting = fmt::format("{:g} ms, {} iterations", factor, iterations);
+        figures.push_back({setting + ": farthest node from rest, in diagonals", farthest_m / run.diagonal_m(), 10});
+        figures.push_back({setting + ": volume error at the end",
+                           run.result.outcome.final_volume_error.value_or(std::nan("")), 0.05});
+        if (said.empty()) said = run.said();
+      }
+    }
+    return judged(std::move(figures), request, said, MayRefuse::nobody);
+  });
+}
+
+constexpr std::array cases_of_motion = {
+    HardCase{.id = "step-size",
+             .what = "A plate of 4 mm sweeps a ball along, 1.6 to 25 mm a frame, with the tunnelling guard.",
+             .why = "A node that passes a bone within one step is found on the wrong side and pushed out there (paper, "
+                    "III-A; rigid-ipc).",
+             .bar = "no node on the wrong side",
+             .scene = "hard/step_size",
+             .run = step_size_guarded},
+    HardCase{.id = "step-size-unguarded",
+             .what = "The same without the guard.",
+             .why = "The same; here the program has to notice.",
+             .bar = "no node on the wrong side, or a status that says so",
+             .scene = "hard/step_size",
+             .run = step_size_unguarded},
+    HardCase{.id = "initial-overlap",
+             .what = "A ball starts 1 mm and 5 mm deep in a plate.",
+             .why = "All of the depth is undone in the first step, and the step makes it a velocity: the muscle pops "
+                    "out (paper, III-B).",
+             .bar = "depth never grows, no node moves by more than 1.05 depths a frame and 1.5 in all, out within 10 "
+                    "frames (grids: to their declared bound)",
+             .scene = "hard/initial_overlap_5mm",
+             .run = initial_overlap},
+    HardCase{.id = "pinch",
+             .what = "Two bones close on a slab until they overlap by 1 mm, and stand still.",
+             .why = "No place is outside of both: pushed out of one, a node is thrown back by the other (paper, Fig. "
+                    "4).",
+             .bar = "no node moves by more than 1e-3 mm a frame; the same within 1e-6 diagonals for any order of bones",
+             .scene = "hard/pinch",
+             .run = pinch},
+    HardCase{.id = "rest",
+             .what = "Nothing moves, for 1000 frames (100 in the short run).",
+             .why = "A force out of nothing adds up.",
+             .bar = "drift within 1e-9 of the diagonal",
+             .scene = "hard/rest",
+             .run = rest},
+    HardCase{.id = "resting-contact",
+             .what = "A block lies on a plate, and nothing moves.",
+             .why = "Its nodes are on the surface to the bit: within a grid's error they are inside.",
+             .bar = "no node moves by more than the declared bound, and none after the first frame",
+             .scene = "hard/resting_contact",
+             .run = resting_contact},
+    HardCase{.id = "face-over-edge",
+             .what = "A coarse ball lies with its faces on a sharp ridge; only nodes are pushed out.",
+             .why = "No node is inside, and a depth of nodes says that all is well (Macklin 2020).",
+             .bar = "the surface depth says how deep the faces are cut",
+             .scene = "hard/face_over_edge",
+             .run = face_over_edge},
+    HardCase{.id = "swallowed",
+             .what = "A muscle wholly inside a bone, a bone wholly inside a muscle, a muscle that is inside out.",
+             .why = "A backend that collides surfaces finds nothing, and a depth of 0 looks fine.",
+             .bar = "the status names it",
+             .scene = "hard/swallowed",
+             .run = swallowed},
+    HardCase{.id = "attached-inside",
+             .what = "A ball whose foot is 5 mm deep in the plate that it is attached to; the plate turns.",
+             .why =
+                 "Attached nodes overlap their bone in every anatomy. Pushed out they tear, counted as contacts they "
+                 "spoil every statistic of depth.",
+             .bar = "no drift in the bone's frame beyond 1e-12 of the diagonal",
+             .scene = "hard/attached_inside",
+             .run = attached_inside},
+    HardCase{.id = "determinism",
+             .what = "The same run on one thread, on two, and again.",
+             .why = "The loop amplifies rounding to millimetres: only the same bits can be compared.",
+             .bar = "the same bits at the end",
+             .scene = "hard/step_size",
+             .run = same_state_for_threads},
+    HardCase{.id = "time-step",
+             .what = "A ball whose nodes start up to 1 mm off springs back, with steps of 1 ms to 1 s and 1 to 100 "
+                     "iterations.",
+             .why = "Explicit forces blow up with the step; constraints must not (IPC sweeps dt).",
+             .bar = "no node farther than 10 diagonals from its rest, volume within 5 % at the end",
+             .scene = "hard/time_step",
+             .asks_backend = false,
+             .run = time_step},
+    HardCase{.id = "extremes",
+             .what = "The same ball with each number of each effect at both ends of its range, one at a time.",
+             .why = "Divisions without a guard show at the ends: no stiffness, all pressure, no compliance.",
+             .bar = "no node farther than 10 diagonals from its rest after 20 frames",
+             .scene = "hard/time_step",
+             .asks_backend = false,
+             .run = extremes},
+    HardCase{.id = "non-finite",
+             .what = "The same ball thrown by a gravity of 1000 m/s2 with steps of 1000 s.",
+             .why = "A run that has blown up goes on for hours, and its rows look like results.",
+             .bar = "ends as diverged and names the frame; no row holds what is no number",
+             .scene = "hard/time_step",
+             .asks_backend = false,
+             .run = blow_up},
+};
+
+}  // namespace
+
+std::span<const HardCase> motion_cases() { return cases_of_motion; }
+
+}  // namespace musclebench

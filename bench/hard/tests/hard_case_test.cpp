@@ -1,0 +1,197 @@
+#include "bench/hard/hard_case.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <functional>
+#include <memory>
+#include <set>
+#include <stdexcept>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "backends/registry.hpp"
+#include "bench/cases/scene_source.hpp"
+#include "bench/hard/cell_process.hpp"
+#include "bench/hard/hard_matrix.hpp"
+#include "core/base/input_error.hpp"
+
+namespace musclebench {
+namespace {
+
+HardRequest exact() { return {.backend = exact_backend()}; }
+
+/// The exact backend with answers that `spoil` makes wrong.
+BackendEntry spoilt(std::function<void(std::vector<Contact>&)> spoil) {
+  class Spoilt final : public CollisionBackend {
+   public:
+    Spoilt(std::unique_ptr<CollisionBackend> inner, std::function<void(std::vector<Contact>&)> change)
+        : m_inner(std::move(inner)), m_change(std::move(change)) {}
+    [[nodiscard]] Capabilities capabilities() const override { return m_inner->capabilities(); }
+    [[nodiscard]] AnswerBound answer_bound(int bone) const override { return m_inner->answer_bound(bone); }
+    [[nodiscard]] std::size_t structure_bytes() const override { return m_inner->structure_bytes(); }
+
+   private:
+    void do_build() override { m_inner->build(bones(), muscle(), threads()); }
+    void do_detect(std::span<const Vec3> positions, std::span<const int> nodes,
+                   std::vector<Contact>& contacts) override {
+      m_inner->update(poses(), positions);
+      m_inner->detect(positions, nodes, contacts);
+      m_change(contacts);
+    }
+    std::unique_ptr<CollisionBackend> m_inner;
+    std::function<void(std::vector<Contact>&)> m_change;
+  };
+  BackendEntry entry = exact_backend();
+  entry.name = "spoilt";
+  entry.make = [make = entry.make, spoil = std::move(spoil)](const Parameters& parameters) {
+    return std::make_unique<Spoilt>(make(parameters), spoil);
+  };
+  return entry;
+}
+
+const HardCase& case_of(const std::vector<HardCase>& all, std::string_view id) {
+  return *std::ranges::find(all, id, &HardCase::id);
+}
+
+TEST(HardCase, EachIsToldInWordsOnceAndItsSceneIsThere) {
+  std::set<std::string_view> ids;
+  for (const HardCase& each : hard_cases()) {
+    EXPECT_TRUE(ids.insert(each.id).second) << each.id;
+    EXPECT_TRUE(each.what.ends_with('.') && each.why.ends_with('.')) << each.id;
+    EXPECT_FALSE(each.bar.empty() || each.bar.ends_with('.')) << each.id;
+    if (each.scene.empty()) continue;
+    SceneChoice choice;
+    choice.scene = each.scene;
+    EXPECT_NO_THROW((void)load_scene(choice)) << each.id;
+  }
+}
+
+TEST(HardCase, AFigureBeyondItsBarBreaksUnlessItWasSaidAndMayBe) {
+  const HardRequest of_exact = exact();
+  const HardRequest of_voxel{.backend = find_backend("voxel")};
+  EXPECT_EQ(judged({{"f", 1, 1}}, of_exact).verdict, Verdict::holds);
+  EXPECT_EQ(judged({{"f", 1, 1}, {"g", 1.001, 1}}, of_exact).verdict, Verdict::breaks);
+  EXPECT_EQ(judged({{"f", std::nan(""), 1}}, of_exact).verdict, Verdict::breaks);
+  EXPECT_EQ(judged({{"f", 2, 1}}, of_exact, "suspect").verdict, Verdict::breaks);
+  EXPECT_EQ(judged({{"f", 2, 1}}, of_voxel, "suspect").verdict, Verdict::refused);
+  EXPECT_EQ(judged({{"f", 2, 1}}, of_voxel, "").verdict, Verdict::breaks);
+  EXPECT_EQ(judged({{"f", 2, 1}}, of_voxel, "suspect", MayRefuse::nobody).verdict, Verdict::breaks);
+  EXPECT_EQ(judged({{"f", 2, 1}}, of_exact, "suspect", MayRefuse::everybody).verdict, Verdict::refused);
+  EXPECT_EQ(judged({{"f", 1, 1}}, of_exact, "suspect", MayRefuse::everybody).verdict, Verdict::holds);
+}
+
+TEST(HardCase, TheWorstFigureIsTheOneFarthestBeyondItsBar) {
+  const HardCell cell{Verdict::breaks, "", {{"a", 0.5, 1}, {"b", 30, 10}, {"c", 2, 1}}};
+  EXPECT_EQ(worst_figure(cell)->name, "b");
+  EXPECT_EQ(worst_figure({Verdict::breaks, "", {{"a", 5, 1}, {"b", std::nan(""), 1}}})->name, "b");
+  EXPECT_EQ(worst_figure({Verdict::breaks, "", {{"a", 0.5, 1}, {"b", 1, 0}}})->name, "b");
+  EXPECT_EQ(worst_figure({}), nullptr);
+}
+
+TEST(HardCell, IsPackedIntoALineAndBack) {
+  const HardCell cell{Verdict::refused, "with \"quotes\"\nand lines", {{"a", 1.0 / 3, 1e-12, "mm"}, {"b", 1e308, 0}}};
+  const HardCell read = unpacked(packed(cell));
+  EXPECT_EQ(read.verdict, cell.verdict);
+  EXPECT_EQ(read.detail, cell.detail);
+  ASSERT_EQ(read.figures.size(), 2U);
+  EXPECT_EQ(read.figures[0].value, 1.0 / 3);
+  EXPECT_EQ(read.figures[0].bar, 1e-12);
+  EXPECT_EQ(read.figures[0].unit, "mm");
+  const HardCell nan = unpacked(packed({Verdict::breaks, "", {{"a", std::nan(""), 1}, {"b", -INFINITY, 1}}}));
+  EXPECT_TRUE(std::isnan(nan.figures[0].value));
+  EXPECT_EQ(nan.figures[1].value, -INFINITY);
+  EXPECT_THROW((void)unpacked("{}"), std::exception);
+}
+
+HardCell in_process(const std::function<HardCell()>& work) { return run_in_process(work, 60); }
+
+TEST(HardCell, HasAProcessOfItsOwn) {
+  const HardCell fine = in_process([]() -> HardCell {
+    return {Verdict::holds, std::string(200'000, 'x'), {}};  // more than a pipe holds
+  });
+  EXPECT_EQ(fine.verdict, Verdict::holds);
+  EXPECT_EQ(fine.detail.size(), 200'000U);
+  const HardCell refused = in_process([]() -> HardCell { throw InputError("scene.toml", "is odd"); });
+  EXPECT_EQ(refused.verdict, Verdict::refused);
+  EXPECT_EQ(refused.detail, "scene.toml: is odd");
+  const HardCell failed = in_process([]() -> HardCell { throw std::logic_error("oh"); });
+  EXPECT_EQ(failed.verdict, Verdict::breaks);
+  EXPECT_EQ(failed.detail, "unexpected failure: oh");
+}
+
+TEST(HardCell, BreaksWhereItsProcessCrashesOrHangs) {
+  const HardCell killed = in_process([]() -> HardCell {
+    (void)std::raise(SIGKILL);
+    return {};
+  });
+  EXPECT_EQ(killed.verdict, Verdict::breaks);
+  EXPECT_NE(killed.detail.find("Killed"), std::string::npos) << killed.detail;
+  const HardCell hung = run_in_process(
+      []() -> HardCell {
+        std::this_thread::sleep_for(std::chrono::hours(1));
+        return {};
+      },
+      0.2);
+  EXPECT_EQ(hung.verdict, Verdict::breaks);
+  EXPECT_EQ(hung.detail, "still at work after 0.2 s");
+}
+
+/// A case that can't fail tests nothing.
+TEST(HardCase, SeesABackendThatIsWrong) {
+  const std::vector<HardCase> all = hard_cases();
+  const auto verdict = [&](std::string_view id, std::function<void(std::vector<Contact>&)> spoil) {
+    const BackendEntry entry = spoilt(std::move(spoil));
+    return case_of(all, id).run({.backend = entry}).verdict;
+  };
+  const auto forgets = [](std::vector<Contact>& contacts) {
+    std::erase_if(contacts, [](const Contact& contact) { return contact.node % 7 == 3; });
+  };
+  const auto remembers = [seen = 0](std::vector<Contact>& contacts) mutable {
+    if (++seen > 1 && !contacts.empty()) contacts.pop_back();
+  };
+  const auto leans = [](std::vector<Contact>& contacts) {
+    for (Contact& contact : contacts) contact.normal = (contact.normal + 1e-6 * Vec3(1, 1, 1)).normalized();
+  };
+  const auto stretches = [](std::vector<Contact>& contacts) {
+    for (Contact& contact : contacts) contact.normal *= 1 + 1e-9;
+  };
+  const auto deepens = [](std::vector<Contact>& contacts) {
+    for (Contact& contact : contacts) contact.depth_m += 1e-6;
+  };
+  const auto faithful = [](std::vector<Contact>&) {};
+  for (const std::string_view id : {"soundness", "thin-plate", "small-hole", "degenerate", "inverted-normals"}) {
+    EXPECT_EQ(verdict(id, forgets), Verdict::breaks) << id;
+  }
+  EXPECT_EQ(verdict("stale-structure", remembers), Verdict::breaks);
+  EXPECT_EQ(verdict("internal-edge", leans), Verdict::breaks);
+  EXPECT_EQ(verdict("on-features", stretches), Verdict::breaks);
+  EXPECT_EQ(verdict("scale", deepens), Verdict::breaks);
+  for (const std::string_view id : {"soundness", "internal-edge", "on-features", "scale", "stale-structure"}) {
+    EXPECT_EQ(verdict(id, faithful), Verdict::holds) << id;
+  }
+}
+
+TEST(HardMatrix, ShowsWhatBreaksWithFigureAndBar) {
+  const std::vector<HardCase> all = hard_cases();
+  HardMatrix matrix{{"one", "other"}, {all[0], all[1]}};
+  matrix.cells = {
+      {{Verdict::holds, "", {{"f", 1e-13, 1e-12}}}, {Verdict::not_applicable, "finds no contacts", {}}},
+      {{Verdict::breaks, "", {{"missed", 3, 0, "points"}}}, {Verdict::refused, "a | b \"c\"", {{"g", 2, 1}}}}};
+  matrix.seconds = {{0.5, 0}, {1, 2}};
+  const std::string text = text_of(matrix);
+  EXPECT_NE(text.find("BREAKS"), std::string::npos);
+  EXPECT_NE(text.find("soundness, one: missed: 3 points (bar 0 points)"), std::string::npos) << text;
+  EXPECT_NE(text.find("1 hold, 1 break, 1 refused, 1 not applicable"), std::string::npos) << text;
+  const std::string csv = csv_of(matrix);
+  EXPECT_NE(csv.find("soundness,other,refused,\"g\",2,1,,\"a | b \"\"c\"\"\",2.000,\n"), std::string::npos) << csv;
+  EXPECT_NE(csv.find("oracle-brute-force,other,not applicable,,,,,\"finds no contacts\",0.000,\n"), std::string::npos);
+  const std::string page = markdown_of(matrix);
+  EXPECT_NE(page.find("**breaks**: 3 points (0 points)"), std::string::npos) << page;
+  EXPECT_EQ(page.find("a | b"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace musclebench

@@ -1,0 +1,1 @@
+"""The matrix of hard cases: which backend holds in which."""

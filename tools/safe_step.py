@@ -1,0 +1,123 @@
+#!/usr/bin/python3
+"""The largest step at which a run stays right: no node on the wrong side of a bone, and the volume within 5 %.
+
+Of each backend and response, with the tunnelling guard and without: the largest rotation a frame, at the scene's time step,
+and the largest time step, at the scene's rotation a frame; both by bisection, to a tenth.
+"""
+
+import argparse
+import math
+import sys
+import tempfile
+from pathlib import Path
+
+import pandas as pd
+
+from musclebench.cases.case import Folders
+from musclebench.cases.scene import Scene, chosen_names, survey
+from musclebench.cases.study_command import PROJECT, end
+from musclebench.program.cli import OneLineParser, Problem, check_data, check_program, run_command
+from musclebench.program.registry import Registry, read_registry
+from musclebench.safe_step.search import Limits, SafeStep, largest_safe
+from musclebench.safe_step.trials import Setting, Trials
+from musclebench.tables.table_formats import Column, Table, as_text, write_table
+
+FEWEST_FRAMES, MOST_FRAMES = 2, 2000
+SHORTEST_STEP_S, LONGEST_STEP_S = 1e-6, 1.0
+RESPONSES = ("project", "backtrack")
+COLUMNS = [
+    Column("backend", "backend"), Column("response", "response"), Column("guard", "guard"),
+    Column("turn_deg", "largest rotation a frame (deg)", is_ratio=True, digits=3, head="rotation\ndeg"),
+    Column("turn_wrong_deg", "wrong at (deg)", is_ratio=True, digits=3, head="wrong at\ndeg"),
+    Column("step_ms", "largest time step (ms)", is_ratio=True, digits=3, head="time step\nms"),
+    Column("step_wrong_ms", "wrong at (ms)", is_ratio=True, digits=3, head="wrong at\nms"),
+    Column("why", "why not"),
+]
+
+
+def parse_arguments(arguments):
+    parser = OneLineParser(prog="tools/safe-step", description=__doc__,
+                           formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scene", help="a .toml file of your own or a scene that 'musclebench list' names")
+    parser.add_argument("--data", type=Path, metavar="DIR", help="LHDL data folder, for lhdl/* scenes")
+    parser.add_argument("--preset", metavar="NAME", help="loop and effects (default: the scene's)")
+    parser.add_argument("--backend", action="append", metavar="NAME",
+                        help="only this one; may be repeated (default: all but the control and those too slow for it)")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="default: reports/out/safe-step-SCENE")
+    parser.add_argument("--musclebench", type=Path, metavar="PROGRAM",
+                        default=PROJECT / "build" / "release" / "bench" / "musclebench",
+                        help="the program to try (default: that of the preset release)")
+    return parser.parse_args(arguments)
+
+
+def settings_of(options, registry: Registry) -> list[Setting]:
+    # What is asked about every so many frames elsewhere would take hours here.
+    names = options.backend or [one.name for one in registry.backends
+                                if not one.is_control and "longest_stride" not in one.study]
+    for name in names:
+        if not registry.has(name):
+            raise Problem(f"--backend {name}: not built; there are: {', '.join(registry.names)}")
+    return [Setting(name, response, guard) for name in names for response in RESPONSES for guard in (False, True)]
+
+
+def searched(trials: Trials, setting: Setting, scene: Scene) -> dict:
+    """A row of the table."""
+    row = {"backend": setting.backend, "response": setting.response, "guard": "yes" if setting.guard else "no", "why": ""}
+    try:
+        usual_step_s, turn_deg = trials.usual(setting, scene.frames)
+
+        def frames_at(step: float) -> int:
+            """Steps are in those of the scene's own frames."""
+            return max(FEWEST_FRAMES, round(scene.frames / step))
+
+        turns = largest_safe(lambda step: trials.is_right(setting, frames_at(step)), 1.0,
+                             Limits(scene.frames / MOST_FRAMES, scene.frames / FEWEST_FRAMES))
+        steps = largest_safe(lambda step_s: trials.is_right(setting, scene.frames, step_s), usual_step_s,
+                             Limits(SHORTEST_STEP_S, LONGEST_STEP_S))
+    except Problem as problem:
+        return row | {"why": str(problem)}
+    return row | _of("turn", "deg", turns, turn_deg) | _of("step", "ms", steps, 1e3)
+
+
+def _of(name: str, unit: str, found: SafeStep, scale: float) -> dict:
+    return {f"{name}_{unit}": math.nan if found.largest is None else scale * found.largest,
+            f"{name}_wrong_{unit}": math.nan if found.wrong_at is None else scale * found.wrong_at}
+
+
+def run_and_report(options) -> int:
+    check_program(options.musclebench, "tools/safe-step")
+    check_data(options.data)
+    registry = read_registry(options.musclebench)
+    out = options.out or PROJECT / "reports" / "out" / f"safe-step-{Path(options.scene).stem}"
+    folders = Folders(out.absolute(), options.data and options.data.resolve())
+    name, = chosen_names([options.scene], None, "synthetic", registry)
+    scene, = survey([name], options.musclebench, registry, folders, None, options.preset)
+    arguments = [*(["--preset", options.preset] if options.preset else scene.preset_arguments()),
+                 *scene.data_arguments(folders)]
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        trials = Trials(options.musclebench, name, arguments, Path(folder),
+                        (registry.control or registry.backends[0]).name)
+        settings = settings_of(options, registry)
+        for number, setting in enumerate(settings, 1):
+            if sys.stderr.isatty():
+                print(f"\r{number} of {len(settings)}: {setting.backend}, {setting.response}, "
+                      f"{'guard' if setting.guard else 'no guard'}\x1b[K", end="", file=sys.stderr, flush=True)
+            rows.append(searched(trials, setting, scene))
+        if sys.stderr.isatty():
+            print("\r\x1b[K", end="", file=sys.stderr)
+    table = Table("safe_step", f"Largest steps at which {scene.label} stays right: no node on the wrong side of a bone, "
+                  "volume within 5 %", COLUMNS, pd.DataFrame(rows, columns=[column.key for column in COLUMNS]),
+                  [column.key for column in COLUMNS])
+    out.mkdir(parents=True, exist_ok=True)
+    files = write_table(table, out)
+    print(f"\n{table.caption}\n\n{as_text(table)}")
+    return end("safe-step", files, [])
+
+
+def main(arguments=None) -> int:
+    return run_command("safe-step", lambda: run_and_report(parse_arguments(arguments)), "nothing was written")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

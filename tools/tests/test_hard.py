@@ -1,0 +1,88 @@
+"""`musclebench hard`: the matrix of hard cases, as a user meets it."""
+
+import json
+import subprocess
+
+import hard
+import pandas as pd
+import pytest
+
+from musclebench.hard.strips import worst_frame
+from program import PROGRAM, call, needs_program
+
+pytestmark = needs_program
+
+# Each with its reason in reports or issues; what is mended leaves the list.
+KNOWN_TO_BREAK: set[tuple[str, str]] = set()
+
+
+@pytest.fixture(scope="module")
+def matrix(tmp_path_factory):
+    """The short run over every backend: (process, folder)."""
+    folder = tmp_path_factory.mktemp("hard") / "out"
+    done = subprocess.run([PROGRAM, "hard", "--out", folder], capture_output=True, text=True, timeout=900, check=False)
+    return done, folder
+
+
+def test_what_can_hold_does(matrix):
+    done, folder = matrix
+    rows = pd.read_csv(folder / "matrix.csv")
+    broken = rows[rows.verdict == "breaks"]
+    assert done.returncode == (1 if len(broken) else 0)
+    assert set(zip(broken.case, broken.backend)) == KNOWN_TO_BREAK
+
+
+def test_every_backend_has_a_cell_of_every_case(matrix):
+    done, folder = matrix
+    rows = pd.read_csv(folder / "matrix.csv")
+    listed = json.loads(call("list", "--json").stdout)
+    backends = [backend["name"] for backend in listed["backends"]]
+    cells = rows.groupby("case").backend.unique()
+    assert all(list(names) == backends for names in cells)
+    assert (rows[rows.verdict == "not applicable"].detail.str.len() > 5).all()
+    page = (folder / "matrix.md").read_text()
+    for case in cells.index:
+        assert f"## {case}" in page and case in done.stdout
+
+
+def test_the_cases_are_told(matrix):
+    done = call("hard", "--list", "--case", "pinch")
+    assert done.returncode == 0 and "Bar:" in done.stdout and "Scene: hard/pinch" in done.stdout
+
+
+@pytest.mark.parametrize(("arguments", "words"), [
+    (["--case", "pinsh"], "did you mean 'pinch'?"),
+    (["--backend", "bhv"], "did you mean 'bvh'?"),
+    (["--param", "cells=9"], "--backend"),
+    (["--backend", "sdf", "--param", "celsl=9"], "cells"),
+    (["--seconds", "-1"], "--seconds"),
+])
+def test_bad_input_is_one_line(arguments, words):
+    done = call("hard", *arguments)
+    assert done.returncode == 2 and done.stderr.count("\n") == 1 and words in done.stderr
+
+
+def test_a_parameter_of_the_users_is_tried():
+    done = call("hard", "--backend", "sdf", "--param", "cells=4", "--case", "soundness", "--case", "thin-plate")
+    assert "soundness" in done.stdout and done.returncode in (0, 1)
+
+
+def test_the_matrix_and_the_strips_are_drawn(tmp_path):
+    code = hard.main(["--musclebench", PROGRAM, "--out", str(tmp_path / "out"), "--case", "rest", "--case", "pinch",
+                      "--case", "soundness", "--backend", "bvh", "--backend", "voxel"])
+    assert code in (0, 1)
+    names = {path.name for path in (tmp_path / "out/figures").iterdir()}
+    assert {"matrix.png", "scenes.png"} <= names
+    frames = pd.DataFrame({"frame": [1, 2, 3], "max_depth_m": [0.0, 0.0, 0.0], "surface_depth_m": [0.0, 2.0, 1.0]})
+    assert worst_frame(frames) == 2
+
+
+def test_a_program_that_is_not_there_is_one_line(tmp_path, capsys):
+    assert hard.main(["--musclebench", "/no/such", "--out", str(tmp_path)]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_random_scenes_break_nothing(tmp_path):
+    done = call("hard", "--fuzz", "50", "--seed", "1000", "--out", tmp_path)
+    assert done.returncode == 0, done.stdout
+    assert "50 random scenes from seed 1000" in done.stdout and not list(tmp_path.iterdir())
