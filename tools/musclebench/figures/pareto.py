@@ -59,9 +59,10 @@ def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str, 
     for cell in cells[len(panels):]:
         cell.axis("off")
     figure.suptitle(title, x=0.01, ha="left")
-    figure.tight_layout(rect=(0, 0, 1, 0.99), w_pad=1.0, h_pad=1.0)
-    # Labels are laid out in pixels: the panels must have their final size before.
     axis = error_axis(points["error_mm"])
+    # Labels are laid out in pixels: the panels must have their final size before, with room for the numbers at their axes.
+    digits = max(0.0, -math.log10(axis.low_mm) - 2)
+    figure.tight_layout(rect=(0.012 * digits, 0, 1, 0.99), w_pad=1.0 + digits, h_pad=1.0)
     for cell, panel in zip(cells, panels):
         _draw_panel(cell, points[points["panel"] == panel], axis, numbers, nothing)
     # Below a panel the key may have the room of its axis' words.
