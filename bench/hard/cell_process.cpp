@@ -107,7 +107,7 @@ std::string packed(const HardCell& cell) {
   Json figures = Json::array();
   for (const HardFigure& figure : cell.figures) {
     // JSON has no NaN and no infinity.
-    figures.push_back({figure.name, fmt::format("{}", figure.value), figure.bar, figure.unit});
+    figures.push_back({figure.name, fmt::format("{}", figure.value), fmt::format("{}", figure.bar), figure.unit});
   }
   return Json{static_cast<int>(cell.verdict), cell.detail, figures}.dump(-1, ' ', false,
                                                                          Json::error_handler_t::replace);
@@ -118,7 +118,7 @@ HardCell unpacked(const std::string& text) {
   HardCell cell{static_cast<Verdict>(json.at(0).get<int>()), json.at(1).get<std::string>(), {}};
   for (const Json& figure : json.at(2)) {
     cell.figures.push_back({figure.at(0).get<std::string>(), std::stod(figure.at(1).get<std::string>()),
-                            figure.at(2).get<double>(), figure.at(3).get<std::string>()});
+                            std::stod(figure.at(2).get<std::string>()), figure.at(3).get<std::string>()});
   }
   return cell;
 }

@@ -100,9 +100,10 @@ TEST(HardCell, IsPackedIntoALineAndBack) {
   EXPECT_EQ(read.figures[0].value, 1.0 / 3);
   EXPECT_EQ(read.figures[0].bar, 1e-12);
   EXPECT_EQ(read.figures[0].unit, "mm");
-  const HardCell nan = unpacked(packed({Verdict::breaks, "", {{"a", std::nan(""), 1}, {"b", -INFINITY, 1}}}));
+  const HardCell nan = unpacked(packed({Verdict::breaks, "", {{"a", std::nan(""), 1}, {"b", -INFINITY, INFINITY}}}));
   EXPECT_TRUE(std::isnan(nan.figures[0].value));
   EXPECT_EQ(nan.figures[1].value, -INFINITY);
+  EXPECT_EQ(nan.figures[1].bar, INFINITY);
   EXPECT_THROW((void)unpacked("{}"), std::exception);
 }
 
