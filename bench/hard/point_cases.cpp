@@ -129,11 +129,13 @@ HardCell small_hole(const HardRequest& request) {
         resolutions.push_back({{"cells", cells}});
       }
     }
+    std::vector<Vec3> places = {Vec3(0.3, -0.2, 0.9)};
+    if (request.whole) places.insert(places.end(), {Vec3(1, 0, 0), Vec3(-0.6, 0.7, 0.4)});
     const TriangleMesh ball = make_sphere(0.025, 4);
     double worst_missed = 0;
     double worst_wrong = 0;
     for (const int triangles : {1, 10}) {
-      for (const Vec3& place : {Vec3(1, 0, 0), Vec3(0.3, -0.2, 0.9), Vec3(-0.6, 0.7, 0.4)}) {
+      for (const Vec3& place : places) {
         const TriangleMesh mesh = with_hole(ball, triangles, place);
         const std::vector<Vec3> points = points_about(mesh, usual_points, points_seed);
         const std::vector<double> truth_m = true_distances(mesh, points);
@@ -481,8 +483,8 @@ HardCell internal_edge(const HardRequest& request) {
   return about_points(request, [&] {
     const Vec3 half(0.03, 0.03, 0.01);
     std::vector<Vec3> points;
-    for (int i = 0; i < 4000; ++i) {  // a path over the whole face, 0.1 mm deep
-      points.emplace_back(0.05 * (i / 4000.0 - 0.5), 0.02 * std::sin(0.01 * i), half.z() - 1e-4);
+    for (int i = 0; i < 1500; ++i) {  // a path over the whole face, 0.1 mm deep
+      points.emplace_back(0.05 * (i / 1500.0 - 0.5), 0.02 * std::sin(0.01 * i), half.z() - 1e-4);
     }
     AskedBone coarse(request, make_box(half, 1), points.size());
     AskedBone fine(request, make_box(half, 64), points.size());
@@ -616,8 +618,9 @@ constexpr std::array cases_of_points = {
              .scene = "",
              .run = thin_plate},
     HardCase{.id = "small-hole",
-             .what = "A ball from which 1 and 10 of 5120 triangles are taken out, at three places to the grid, 16 to "
-                     "256 cells.",
+             .what =
+                 "A ball from which 1 and 10 of 5120 triangles are taken out, at one place to the grid or three, 16 to "
+                 "256 cells.",
              .why = "Scans have holes. A flood fill runs out of one and takes the whole bone for empty.",
              .bar = "no inner point missed beyond the declared bound, or refused",
              .scene = "",
