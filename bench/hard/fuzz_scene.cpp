@@ -227,14 +227,16 @@ std::vector<FuzzScene> smaller_scenes(const FuzzScene& scene) {
   for (std::size_t i = 0; i < scene.bones.size() && scene.bones.size() > 1; ++i) {
     without([&](FuzzScene& other) { other.bones.erase(other.bones.begin() + static_cast<std::ptrdiff_t>(i)); });
   }
-  for (const auto& [name, values] : scene.effects) {
-    without([&](FuzzScene& other) { other.effects.erase(name); });
-    for (const auto& [key, value] : values) without([&](FuzzScene& other) { other.effects[name].erase(key); });
+  for (const auto& effect : scene.effects) {
+    without([&](FuzzScene& other) { other.effects.erase(effect.first); });
+    for (const auto& given : effect.second) {
+      without([&](FuzzScene& other) { other.effects[effect.first].erase(given.first); });
+    }
   }
   const auto frames = std::get<std::int64_t>(scene.loop.at("frames"));
   if (frames > 2) without([&](FuzzScene& other) { other.loop["frames"] = frames / 2; });
-  for (const auto& [key, value] : scene.loop) {
-    if (key != "frames") without([&](FuzzScene& other) { other.loop.erase(key); });
+  for (const auto& given : scene.loop) {
+    if (given.first != "frames") without([&](FuzzScene& other) { other.loop.erase(given.first); });
   }
   if (!scene.muscle.defect.empty()) without([](FuzzScene& other) { other.muscle.defect.clear(); });
   for (std::size_t i = 0; i < scene.bones.size(); ++i) {
