@@ -106,7 +106,7 @@ def run_and_report(options) -> int:
             rows.append(searched(trials, setting, scene))
         if sys.stderr.isatty():
             print("\r\x1b[K", end="", file=sys.stderr)
-    table = Table("safe_step", f"Largest steps at which {scene.label} stays right: no node on the wrong side of a bone, "
+    table = Table("safe_step", f"Largest steps at which {scene.key} stays right: no node on the wrong side of a bone, "
                   "volume within 5 %", COLUMNS, pd.DataFrame(rows, columns=[column.key for column in COLUMNS]),
                   [column.key for column in COLUMNS])
     out.mkdir(parents=True, exist_ok=True)

@@ -50,7 +50,7 @@ class GridBoneField final : public BoneField {
                           error.samples,
                           error.largest_m,
                           error.p99_m,
-                          thin_feature(error, grid().cell_size_m.minCoeff())};
+                          thin_feature(error, grid().cell_size_m.maxCoeff())};
   }
   /// Half a cell: what a cubic field errs by at kinks, where it is of first order. Sheets thinner than a cell lie
   /// outside it.
