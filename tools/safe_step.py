@@ -20,7 +20,7 @@ from musclebench.program.cli import OneLineParser, Problem, check_data, check_pr
 from musclebench.program.registry import Registry, read_registry
 from musclebench.safe_step.search import Limits, SafeStep, largest_safe
 from musclebench.safe_step.trials import Setting, Trials
-from musclebench.tables.table_formats import Column, Table, as_text, write_table
+from musclebench.tables.table_formats import Column, Table, markdown_rows, write_table
 
 FEWEST_FRAMES, MOST_FRAMES = 2, 2000
 SHORTEST_STEP_S, LONGEST_STEP_S = 1e-6, 1.0
@@ -111,7 +111,7 @@ def run_and_report(options) -> int:
                   [column.key for column in COLUMNS])
     out.mkdir(parents=True, exist_ok=True)
     files = write_table(table, out)
-    print(f"\n{table.caption}\n\n{as_text(table)}")
+    print(f"\n{table.caption}\n\n{markdown_rows(COLUMNS, table.rows)}")
     return end("safe-step", files, [])
 
 

@@ -263,9 +263,6 @@ class CaseRunner {
       m_result.outcome.self_intersecting_triangles_at_rest = count_self_intersecting_triangles(m_scene.muscle_mesh);
     }
     std::vector<std::string> reasons = suspicions(m_result.outcome, m_result.rest);
-    for (const StructureError& error : m_result.structure_errors) {
-      if (!error.warning.empty()) reasons.push_back(fmt::format("bone '{}': {}", error.bone, error.warning));
-    }
     if (m_scene.attach_at_first_contact && m_result.bound_nodes.empty()) {
       reasons.emplace_back("no node touches a bone at rest, and so none is bound (attachment = \"first_contact\")");
     }
