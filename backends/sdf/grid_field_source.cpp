@@ -23,21 +23,6 @@ namespace {
 /// Samples for the error estimate of a field from another program.
 constexpr int samples_of_foreign = 2000;
 
-/// Where a sheet is thinner than a cell the field misses part of what is inside, within the bound that it declares. At
-/// kinks it has the wrong sign as deep, but at far fewer points; next to a smooth surface at more points, far less
-/// deep.
-std::string thin_feature(const FieldError& error, double cell_m) {
-  constexpr double least_share = 2e-3;
-  constexpr double least_depth = 0.05;  // of a cell
-  const double share = error.samples > 0 ? static_cast<double>(error.wrong_signs) / error.samples : 0;
-  if (!(share > least_share && error.deepest_wrong_sign_m > least_depth * cell_m)) return {};
-  return fmt::format(
-      "feature_thinner_than_cell: the field has the wrong sign at {:.2g} % of the points near the surface, up to "
-      "{:.3g} "
-      "mm deep; choose cells finer than {:.3g} mm",
-      100 * share, 1e3 * error.deepest_wrong_sign_m, 1e3 * cell_m);
-}
-
 class GridBoneField final : public BoneField {
  public:
   GridBoneField(CubicField field, bool from_file) : BoneField(from_file), m_field(std::move(field)) {}
@@ -45,12 +30,7 @@ class GridBoneField final : public BoneField {
   [[nodiscard]] std::size_t bytes() const override { return m_field.bytes(); }
   [[nodiscard]] std::optional<StructureError> error() const override {
     const FieldError& error = m_field.facts().error;
-    return StructureError{"",
-                          m_field.bytes(),
-                          error.samples,
-                          error.largest_m,
-                          error.p99_m,
-                          thin_feature(error, grid().cell_size_m.maxCoeff())};
+    return StructureError{"", m_field.bytes(), error.samples, error.largest_m, error.p99_m};
   }
   /// Half a cell: what a cubic field errs by at kinks, where it is of first order. Sheets thinner than a cell lie
   /// outside it.

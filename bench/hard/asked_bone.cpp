@@ -47,14 +47,6 @@ std::vector<double> AskedBone::depths(std::span<const Vec3> points, const RigidM
 
 double AskedBone::diagonal_m() const { return bounding_box(mesh().vertices).diagonal().norm(); }
 
-std::string AskedBone::said() const {
-  std::string all;
-  for (const StructureError& error : m_backend->structure_errors()) {
-    if (!error.warning.empty()) all += (all.empty() ? "" : "; ") + error.warning;
-  }
-  return all;
-}
-
 std::vector<double> true_distances(const TriangleMesh& mesh, std::span<const Vec3> points) {
   const std::vector<Bone> bones = {{"bone", repair_mesh(mesh, "bone")}};
   const Referee referee(bones, 1);

@@ -32,8 +32,6 @@ class AskedBone {
   [[nodiscard]] double diagonal_m() const;
   [[nodiscard]] AnswerBound bound() const { return m_backend->answer_bound(0); }
   [[nodiscard]] bool tells_depth() const { return m_backend->capabilities().depth; }
-  /// What the program tells the user of the structure; empty: nothing.
-  [[nodiscard]] std::string said() const;
 
  private:
   std::vector<Bone> m_bones;

@@ -52,7 +52,6 @@ struct StructureError {
   int samples = 0;
   double largest_m = 0;
   double p99_m = 0;
-  std::string warning = {};  ///< what a user has to know before trusting answers about this bone; empty: nothing
 };
 
 /// A collision backend: finds the nodes of one muscle surface that lie inside rigid bones.
