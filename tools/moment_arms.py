@@ -3,13 +3,15 @@
 
 Turns each muscle's joint from rest to both ends of its range (-10 and 90 degrees) with the `standard` preset and the effects
 that the scene calls for, in exact contact, follows 100 fibres through the muscle, and writes their moment arms dL/d(angle)
-with their band over the fibres, of the muscle as it is and of the activated one. With --data they stand beside those of the same hip (Modenese and Kohout 2020), of finite
-elements (Blemker and Delp 2005) and measurements; of the synthetic hip nothing is published.
+with their band over the fibres, of the muscle as it is and of the activated one, both laid to rest before the joint turns. With --data they stand beside those of the same
+hip (Modenese and Kohout 2020), of finite elements (Blemker and Delp 2005) and measurements; of the synthetic hip nothing is
+published.
 
 A study goes on where it was stopped: complete runs are skipped until their arguments, the program or the data change.
 """
 
 import sys
+from dataclasses import replace
 
 from musclebench.cases.case import Folders
 from musclebench.cases.experiment import Experiment
@@ -33,7 +35,7 @@ from musclebench.tables.table_formats import as_text, write_table
 
 def parse_arguments(arguments):
     parser = study_parser("moment-arms", __doc__)
-    add_scene_options(parser, "default: all of the data set that have one muscle")
+    add_scene_options(parser, "default: all of the data set that have one muscle, and those with muscles that no such scene has")
     parser.add_argument("--fibres", type=int, default=100, metavar="N", help="of each muscle (default 100)")
     parser.add_argument("--degrees", type=float, default=DEGREES_A_FRAME, metavar="DEG",
                         help=f"that the joint turns in a frame (default {DEGREES_A_FRAME:g})")
@@ -51,14 +53,38 @@ class MomentArmStudy(Experiment):
 
 
 def planned(options, registry: Registry, folders: Folders) -> list[MomentCase]:
-    names = chosen_names(options.scene, options.muscle, data_set_of(options), registry)
+    data_set = data_set_of(options)
+    names = chosen_names(options.scene, options.muscle, data_set, registry)
+    if not options.scene and not options.muscle:
+        names += scenes_with_other_muscles(names, data_set, registry)
     scenes = survey(names, options.musclebench, registry, folders, None, PRESET)
     return plan(scenes, backend_of(options.backend, registry), options.fibres, options.degrees,
                 0.0 if options.passive_only else options.activation)
 
 
+def scenes_with_other_muscles(names: list[str], data_set: str, registry: Registry) -> list[str]:
+    """Those of the data set in which a muscle moves that none of the named scenes has."""
+    known = {muscle for scene in registry.scenes if scene.name in names for muscle in scene.muscles}
+    return [scene.name for scene in registry.scenes
+            if scene.name.startswith(f"{data_set}/") and not known.issuperset(scene.muscles)]
+
+
 def runs_by_muscle(runs: list[Run]) -> dict[str, list[Run]]:
-    return {muscle: [run for run in runs if run.muscle == muscle] for muscle in sorted({run.muscle for run in runs})}
+    """With the fibres of that muscle only. A scene of several gives the muscles that have no scene of their own."""
+    found: dict[str, list[Run]] = {}
+    for run in runs:
+        if not is_of_several(run):
+            found.setdefault(run.muscle, []).append(run)
+    own = set(found)
+    for run in filter(is_of_several, runs):
+        for muscle, fibres in run.fibres.groupby("muscle"):
+            if muscle not in own:
+                found.setdefault(str(muscle), []).append(replace(run, fibres=fibres))
+    return dict(sorted(found.items()))
+
+
+def is_of_several(run: Run) -> bool:
+    return "muscle" in run.fibres and run.fibres["muscle"].nunique() > 1
 
 
 def pictured(passive: list[Run], active: list[Run]) -> list[str]:
@@ -66,7 +92,7 @@ def pictured(passive: list[Run], active: list[Run]) -> list[str]:
     kinds = [runs_by_muscle(runs) for runs in (passive, active)]
     chosen = [max(kind[muscle], key=lambda run: run.fibres["angle_deg"].abs().max())
               for muscle in kinds[0] for kind in kinds if muscle in kind]
-    return [run.folder.name for run in chosen]
+    return list(dict.fromkeys(run.folder.name for run in chosen))
 
 
 def run_and_report(options) -> int:
@@ -82,7 +108,7 @@ def run_and_report(options) -> int:
     passive, active = (read_all([study.folder(case) for case in cases if study.is_complete(case)
                                  and bool(case.activation) == wanted]) for wanted in (False, True))
     courses = {muscle: course_of(some) for muscle, some in runs_by_muscle(passive).items()}
-    tense = {muscle: course_of(some, is_active=True) for muscle, some in runs_by_muscle(active).items()}
+    tense = {muscle: course_of(some) for muscle, some in runs_by_muscle(active).items()}
     if not courses:
         return end("moment-arms", [], problems)
     table = arm_table(courses, tense, published)

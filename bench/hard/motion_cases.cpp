@@ -22,6 +22,17 @@ namespace musclebench {
 
 namespace {
 
+/// Between a node's two places; NaN where one has got lost.
+double largest_gap_m(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+  double largest_m = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    // Not std::max: it passes over NaN.
+    const double moved_m = (to[i] - from[i]).norm();
+    if (!(moved_m <= largest_m)) largest_m = moved_m;
+  }
+  return largest_m;
+}
+
 struct MovedScene {
   Scene scene;
   RunResult result;
@@ -36,13 +47,7 @@ struct MovedScene {
   }
   /// The largest move of a node between two frames.
   [[nodiscard]] double largest_move_m(std::size_t from, std::size_t to) const {
-    double largest_m = 0;
-    for (std::size_t i = 0; i < positions(from).size(); ++i) {
-      // Not std::max: it passes over NaN.
-      const double moved_m = (positions(to)[i] - positions(from)[i]).norm();
-      if (!(moved_m <= largest_m)) largest_m = moved_m;
-    }
-    return largest_m;
+    return largest_gap_m(positions(from), positions(to));
   }
 };
 
@@ -126,7 +131,7 @@ HardCell initial_overlap(const HardRequest& request) {
       const double depth_m = 1e-3 * depth_mm;
       const double slack_m = 1e-6 * run.diagonal_m() + declared_m(run, request);
       int risen = 0;
-      double before_m = depth_m;
+      double before_m = depth_m;  // as the mesh is, before the muscle is laid out of the bone
       for (const StepRecord& record : run.result.records) {
         if (record.depth.max_depth_m > before_m + slack_m) ++risen;
         before_m = record.depth.max_depth_m;
@@ -135,7 +140,9 @@ HardCell initial_overlap(const HardRequest& request) {
       double farthest_m = 0;
       for (std::size_t frame = 1; frame < run.result.snapshots.size(); ++frame) {
         fastest_m = std::max(fastest_m, run.largest_move_m(frame - 1, frame));
-        farthest_m = std::max(farthest_m, run.largest_move_m(0, frame));
+      }
+      for (const Snapshot& snapshot : run.result.snapshots) {
+        farthest_m = std::max(farthest_m, largest_gap_m(run.scene.muscle_mesh.vertices, snapshot.positions));
       }
       figures.push_back(
           {fmt::format("{} mm: frames in which the depth grows", depth_mm), static_cast<double>(risen), 0, "frames"});
@@ -358,11 +365,12 @@ constexpr std::array cases_of_motion = {
              .scene = "hard/step_size",
              .run = step_size_unguarded},
     HardCase{.id = "initial-overlap",
-             .what = "A ball starts 1 mm and 5 mm deep in a plate.",
+             .what = "A ball starts 1 mm and 5 mm deep in a plate; loop.settle_substeps lays it out before the first "
+                     "frame.",
              .why = "All of the depth is undone in the first step, and the step makes it a velocity: the muscle pops "
                     "out (paper, III-B).",
-             .bar = "depth never grows, no node moves by more than 1.05 depths a frame and 1.5 in all, out within 10 "
-                    "frames (grids: to their declared bound)",
+             .bar = "depth never grows, no node moves by more than 1.05 depths a frame and, from where the mesh has "
+                    "it, 1.5 in all, out within 10 frames (grids: to their declared bound)",
              .scene = "hard/initial_overlap_5mm",
              .run = initial_overlap},
     HardCase{.id = "pinch",

@@ -31,6 +31,7 @@ Json json_of_effects(const Scene& scene) {
 Json json_of_loop(const LoopParameters& loop) {
   return {{"frames", loop.frames},
           {"rest_frames", loop.rest_frames},
+          {"settle_substeps", loop.settle_substeps},
           {"substeps", loop.substeps},
           {"iterations", loop.iterations},
           {"time_step_s", loop.time_step_s},

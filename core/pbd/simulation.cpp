@@ -100,37 +100,53 @@ std::vector<Vec3> Simulation::velocities() const {
   return velocities;
 }
 
-const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer) {
+void Simulation::settle() {
+  start_times();
+  const std::vector<NodeRow> velocities = m_velocities;
+  for (int substep = 0; substep < m_loop.settle_substeps; ++substep) {
+    std::ranges::fill(m_velocities, NodeRow{});
+    step({m_loop.time_step_s, m_poses, 0}, false, nullptr);
+  }
+  m_velocities = velocities;
+}
+
+void Simulation::start_times() {
   m_times = StageTimes{.effects_ns = std::move(m_times.effects_ns),
                        .stages_ns = std::move(m_times.stages_ns),
                        .pairs_ns = std::move(m_times.pairs_ns)};
   m_times.effects_ns.assign(m_effects.size(), 0);
   m_times.stages_ns.assign(m_stages.size(), 0);
   m_times.pairs_ns.assign(m_backend.pair_times().size(), 0);
+}
+
+const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer) {
+  start_times();
   const Nanoseconds start_ns = monotonic_now_ns();
   for (int substep = 1; substep <= m_loop.substeps; ++substep) {
     m_previous_poses.swap(m_poses);
     const double part = m_loop.interpolate_poses ? static_cast<double>(substep) / m_loop.substeps : 1.0;
     m_pose_function(frame - 1 + part, m_poses);
     const double substeps_done = static_cast<double>(frame - 1) * m_loop.substeps + substep;
-    const SubstepInput input{m_loop.time_step_s, m_poses, substeps_done * m_loop.time_step_s};
-
-    for (int iteration = 1; iteration <= m_loop.iterations; ++iteration) {
-      run_team(m_threads, m_barrier, [&](const Team& team) {
-        if (iteration == 1) {
-          apply_forces(input, team);
-          predict(input, team);
-          tell_watch(moved_by_velocity, team);
-        }
-        project(input, team);
-      });
-      collide(substep == m_loop.substeps && iteration == m_loop.iterations, observer);
-      tell_watch(moved_by_contacts, Team());
-    }
-    run_team(m_threads, m_barrier, [&](const Team& team) { finish_substep(team); });
+    step({m_loop.time_step_s, m_poses, substeps_done * m_loop.time_step_s}, substep == m_loop.substeps, observer);
   }
   m_times.frame_ns = monotonic_now_ns() - start_ns - m_times.recording_ns;
   return m_times;
+}
+
+void Simulation::step(const SubstepInput& input, bool last_of_frame, CollisionObserver* observer) {
+  for (int iteration = 1; iteration <= m_loop.iterations; ++iteration) {
+    run_team(m_threads, m_barrier, [&](const Team& team) {
+      if (iteration == 1) {
+        apply_forces(input, team);
+        predict(input, team);
+        tell_watch(moved_by_velocity, team);
+      }
+      project(input, team);
+    });
+    collide(last_of_frame && iteration == m_loop.iterations, observer);
+    tell_watch(moved_by_contacts, Team());
+  }
+  run_team(m_threads, m_barrier, [&](const Team& team) { finish_substep(team); });
 }
 
 void Simulation::apply_forces(const SubstepInput& input, const Team& team) {

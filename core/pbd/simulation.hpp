@@ -24,6 +24,10 @@ namespace musclebench {
 struct LoopParameters {
   int frames = 1;
   int rest_frames = 0;  ///< of them the last ones, in which bones stand still where their motion ended
+  /// Before the first frame, with bones standing still and no velocity taken over from one to the next: nodes that the
+  /// meshes have inside a bone or another muscle are laid out of it and are not thrown (Macklin et al. 2014, section
+  /// 4.4, correct positions in the same sense before a step).
+  int settle_substeps = 0;
   int substeps = 1;
   int iterations = 1;
   double time_step_s = 1e-3;       ///< of one substep
@@ -109,6 +113,9 @@ class Simulation {
   /// Before the first frame. Stages run in the order that they are added in.
   void add_stage(std::unique_ptr<ContactStage> stage) { m_stages.push_back(std::move(stage)); }
 
+  /// Runs `LoopParameters::settle_substeps`; once, before the first frame and after the last `add_stage`.
+  void settle();
+
   /// Runs frame `frame` (1-based); allocates no memory unless the backend does. `observer`, if given, sees every
   /// collision step. The returned times are valid until the next frame.
   const StageTimes& step_frame(int frame, CollisionObserver* observer = nullptr);
@@ -129,6 +136,8 @@ class Simulation {
   [[nodiscard]] std::span<const std::unique_ptr<ContactStage>> stages() const { return m_stages; }
 
  private:
+  void start_times();
+  void step(const SubstepInput& input, bool last_of_frame, CollisionObserver* observer);
   void apply_forces(const SubstepInput& input, const Team& team);
   void predict(const SubstepInput& input, const Team& team);
   void project(const SubstepInput& input, const Team& team);

@@ -85,8 +85,11 @@ class FlatArea {
     m_hull = convex_hull(outline);
   }
 
+  [[nodiscard]] double distance_off_m(const Vec3& point) const {
+    return std::abs(m_plane.normal.dot(point - m_plane.centre));
+  }
   [[nodiscard]] bool is_on_its_side(const Vec3& point, double more_m = 0) const {
-    return std::abs(m_plane.normal.dot(point - m_plane.centre)) <= m_plane.extent_m + more_m;
+    return distance_off_m(point) <= m_plane.extent_m + more_m;
   }
   [[nodiscard]] double distance_beside_m(const Vec3& point) const {
     return distance_to_hull(m_hull, m_plane.flat(point));
@@ -97,10 +100,32 @@ class FlatArea {
   std::vector<Vec2> m_hull;
 };
 
+std::vector<int> nodes_near_outline(std::span<const Vec3> nodes, const FlatArea& flat, const AttachmentArea& area) {
+  std::vector<int> bound;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (flat.distance_off_m(nodes[i]) <= area.distance_m && flat.distance_beside_m(nodes[i]) <= area.margin_m) {
+      bound.push_back(static_cast<int>(i));
+    }
+  }
+  return bound;
+}
+
+/// Nothing where the node does not count.
+std::optional<DistanceToArea> distance_to_area(const Vec3& node, const TriangleBvh& bone, const FlatArea& flat,
+                                               AttachmentSurface surface) {
+  if (surface == AttachmentSurface::outline) {
+    return DistanceToArea{flat.distance_off_m(node), flat.distance_beside_m(node)};
+  }
+  const auto closest = bone.closest_point(node);
+  if (!closest || !flat.is_on_its_side(closest->point)) return std::nullopt;
+  return DistanceToArea{closest->distance_m, flat.distance_beside_m(closest->point)};
+}
+
 }  // namespace
 
 std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleMesh& bone, const AttachmentArea& area) {
   const FlatArea flat(area);
+  if (area.surface == AttachmentSurface::outline) return nodes_near_outline(nodes, flat, area);
   // A node is at most distance_m from its closest point, and so is what it is measured by in the area's plane.
   const double allowed_m = area.distance_m + 1e-9 * (1 + area.distance_m);
   std::vector<int> candidates;
@@ -129,13 +154,10 @@ std::optional<DistanceToArea> nearest_to_area(std::span<const Vec3> nodes, const
   std::optional<DistanceToArea> nearest;
   double least_lack_m = std::numeric_limits<double>::infinity();
   for (const Vec3& node : nodes) {
-    const auto closest = bone.closest_point(node);
-    if (!closest || !flat.is_on_its_side(closest->point)) {
-      continue;
-    }
-    const DistanceToArea distance{closest->distance_m, flat.distance_beside_m(closest->point)};
-    const double lack_m = std::hypot(std::max(0.0, distance.to_bone_m - area.distance_m),
-                                     std::max(0.0, distance.beside_area_m - area.margin_m));
+    const auto distance = distance_to_area(node, bone, flat, area.surface);
+    if (!distance) continue;
+    const double lack_m = std::hypot(std::max(0.0, distance->to_surface_m - area.distance_m),
+                                     std::max(0.0, distance->beside_area_m - area.margin_m));
     if (lack_m < least_lack_m) {
       least_lack_m = lack_m;
       nearest = distance;

@@ -1,8 +1,10 @@
 #include "core/scene/landmarks.hpp"
 
+#include <map>
 #include <string_view>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "core/base/input_error.hpp"
@@ -38,24 +40,31 @@ std::vector<Vec3> read_landmark_outline(const std::filesystem::path& path, const
   const nlohmann::json file = read_json(path);
   try {
     std::vector<std::string> known;
+    std::vector<std::string> matching;
+    std::vector<Vec3> points;
+    std::map<std::string, int> count_of_name;
     for (const auto& attachment : file.at("attachments")) {
-      std::string name =
+      const std::string site =
           fmt::format("{}/{}", attachment.at("muscle").get<std::string>(), attachment.at("role").get<std::string>());
-      const bool wanted_without_part = name == selector;
-      if (attachment.contains("part") && attachment.at("part").is_string()) {
-        name += fmt::format("/{}", attachment.at("part").get<std::string>());
-      }
+      const bool has_part = attachment.contains("part") && attachment.at("part").is_string();
+      std::string name = has_part ? fmt::format("{}/{}", site, attachment.at("part").get<std::string>()) : site;
+      const std::string numbered = fmt::format("{}/{}", name, ++count_of_name[name]);
       known.push_back(name);
-      if (wanted_without_part || name == selector) {
-        std::vector<Vec3> points;
-        for (const auto& point : attachment.at("points_m")) {
-          points.push_back(point_of(point));
-        }
-        return points;
+      if (selector != site && selector != name && selector != numbered) continue;
+      matching.push_back(has_part && selector == site ? name : numbered);
+      for (const auto& point : attachment.at("points_m")) {
+        points.push_back(point_of(point));
       }
     }
-    throw InputError(path.string(), fmt::format("has no attachment '{}'; did you mean '{}'?", selector,
-                                                nearest_word(selector, known)));
+    if (matching.size() > 1) {
+      throw InputError(path.string(), fmt::format("has {} attachments '{}'; name one of them, {}", matching.size(),
+                                                  selector, fmt::join(matching, " or ")));
+    }
+    if (matching.empty()) {
+      throw InputError(path.string(), fmt::format("has no attachment '{}'; did you mean '{}'?", selector,
+                                                  nearest_word(selector, known)));
+    }
+    return points;
   } catch (const nlohmann::json::exception& error) {
     throw InputError(path.string(), not_a_landmark_file("attachments (muscle, role, points_m)", error));
   }

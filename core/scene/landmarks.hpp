@@ -9,8 +9,9 @@
 
 namespace musclebench {
 
-/// The points of an attachment in a landmark file (the JSON beside the LHDL meshes): `selector` is `muscle/role` or
-/// `muscle/role/part`. Throws InputError with the nearest known selector.
+/// The points of an attachment in a landmark file (the JSON beside the LHDL meshes): `selector` is `muscle/role`,
+/// `muscle/role/part`, or either with `/1`, `/2` ... for the first, second ... of that name in the file. Throws
+/// InputError where none or several match, with the nearest or those that do.
 std::vector<Vec3> read_landmark_outline(const std::filesystem::path& path, const std::string& selector);
 
 /// The fibre polylines of `muscle` in a landmark file, as segments. Throws InputError with the nearest known muscle.

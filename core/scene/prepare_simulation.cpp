@@ -121,6 +121,7 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
   for (const auto& stage : prepared.simulation->stages()) {
     prepared.stage_names.emplace_back(stage->name());
   }
+  prepared.simulation->settle();
   return prepared;
 }
 

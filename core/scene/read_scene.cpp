@@ -14,8 +14,8 @@
 #include "core/mesh/morton_order.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/weld_mesh.hpp"
-#include "core/scene/attachment_area.hpp"
 #include "core/scene/landmarks.hpp"
+#include "core/scene/read_attachments.hpp"
 #include "core/scene/read_contact.hpp"
 #include "core/scene/read_measure.hpp"
 #include "core/scene/scene_warnings.hpp"
@@ -33,28 +33,6 @@ std::string sha256_of(const TriangleMesh& mesh) {
   hash.add(std::as_bytes(std::span(mesh.vertices)));
   hash.add(std::as_bytes(std::span(mesh.triangles)));
   return hash.hex_digest();
-}
-
-/// A path of the scene, or `file#selector` cut in two.
-struct Reference {
-  std::filesystem::path path;
-  std::string selector;
-};
-
-Reference resolve(const SceneRequest& request, const std::string& text, const std::string& location) {
-  const std::size_t hash = text.find('#');
-  Reference reference{text.substr(0, hash), hash == std::string::npos ? "" : text.substr(hash + 1)};
-  static const std::string data_prefix = "${data}/";
-  const std::string path = reference.path.string();
-  if (path.starts_with(data_prefix)) {
-    if (!request.data_folder) {
-      throw InputError(location, "needs the anatomical data: pass --data DIR or set MUSCLEBENCH_DATA (see the README)");
-    }
-    reference.path = *request.data_folder / path.substr(data_prefix.size());
-  } else if (reference.path.is_relative()) {
-    reference.path = request.folder / reference.path;
-  }
-  return reference;
 }
 
 std::string mesh_location(const TomlTable& table, const SceneMesh& mesh) {
@@ -79,7 +57,7 @@ SceneMesh read_scene_mesh(const SceneRequest& request, const TomlTable& table) {
   result.mesh = read_at(table.location("mesh"), [&] {
     return result.reference.starts_with(synthetic_prefix)
                ? request.synthetic_mesh(result.reference.substr(synthetic_prefix.size()))
-               : read_mesh(resolve(request, result.reference, table.location("mesh")).path);
+               : read_mesh(resolve_reference(request, result.reference, table.location("mesh")).path);
   });
   result.sha256 = sha256_of(result.mesh);
   return result;
@@ -125,7 +103,7 @@ BoneMotion read_motion(const SceneRequest& request, const TomlTable& table) {
     if (table.has("from_deg") || table.has("to_deg")) {
       throw InputError(table.location("table"), "stands beside from_deg or to_deg; give either a table or two angles");
     }
-    const auto path = resolve(request, table.word("table"), table.location("table")).path;
+    const auto path = resolve_reference(request, table.word("table"), table.location("table")).path;
     const MotionTable rows =
         read_at(table.location("table"), [&] { return read_motion_table(path, table.word("column")); });
     const double zero = table.flag_or("relative_to_first_row", true) ? rows.values.front() : 0;
@@ -181,68 +159,6 @@ void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene
   }
 }
 
-AttachmentArea read_area(const SceneRequest& request, const TomlTable& table) {
-  AttachmentArea area;
-  if (table.has("outline") == table.has("outline_m")) {
-    throw InputError(table.location(), "needs either outline (file#selector) or outline_m (points)");
-  }
-  if (table.has("outline")) {
-    const Reference reference = resolve(request, table.word("outline"), table.location("outline"));
-    area.outline_m = read_landmark_outline(reference.path, reference.selector);
-  } else {
-    area.outline_m = table.points("outline_m");
-  }
-  if (area.outline_m.size() < 3) {
-    throw InputError(table.location(), "outlines no area; give at least three points");
-  }
-  area.distance_m = table.number("distance_m", 0, 10);
-  area.margin_m = table.has("margin_m") ? table.number("margin_m", 0, 10) : 0;
-  return area;
-}
-
-/// The muscle that the attachment names; in a scene of one muscle it may leave it out.
-std::size_t muscle_index(const Scene& scene, const TomlTable& table) {
-  if (table.has("muscle")) {
-    return find_muscle(scene, table.word("muscle"), table.location("muscle"));
-  }
-  if (scene.muscles.size() > 1) {
-    std::vector<std::string> known;
-    for (const Muscle& muscle : scene.muscles) {
-      known.push_back(muscle.body.name);
-    }
-    throw InputError(table.location("muscle"), fmt::format("is missing: in a scene of several muscles an attachment "
-                                                           "names its own, {}",
-                                                           fmt::join(known, " or ")));
-  }
-  return 0;
-}
-
-void read_attachments(const SceneRequest& request, const TomlTable& root, Scene& scene) {
-  if (root.is_word("attachment")) {
-    if (root.word("attachment") != "first_contact") {
-      throw InputError(root.location("attachment"), "has to be \"first_contact\", or write [[attachment]] tables");
-    }
-    scene.attach_at_first_contact = true;
-    return;
-  }
-  for (const TomlTable& table : root.tables("attachment")) {
-    table.allow_only({"name", "bone", "muscle", "outline", "outline_m", "distance_m", "margin_m"});
-    Attachment attachment;
-    attachment.name = table.word("name");
-    attachment.location = table.place();
-    attachment.bone = static_cast<int>(find_bone(scene, table.word("bone"), table.location("bone")));
-    attachment.muscle = muscle_index(scene, table);
-    attachment.area = read_area(request, table);
-    const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
-    const Body& body = scene.muscles[attachment.muscle].body;
-    attachment.nodes = nodes_over_area(scene.vertices_of(body), bone.surface.mesh, attachment.area);
-    for (int& node : attachment.nodes) {
-      node += body.first_node;
-    }
-    scene.attachments.push_back(std::move(attachment));
-  }
-}
-
 void read_fibres(const SceneRequest& request, const TomlTable& table, std::size_t index, Scene& scene) {
   Muscle& muscle = scene.muscles[index];
   const std::string fibres = table.word_or("fibres", "none");
@@ -257,7 +173,7 @@ void read_fibres(const SceneRequest& request, const TomlTable& table, std::size_
     }
   } else if (fibres != "none") {
     const std::string location = table.location("fibres");
-    const Reference reference = resolve(request, fibres, location);
+    const SceneReference reference = resolve_reference(request, fibres, location);
     if (reference.selector.empty()) {
       throw InputError(location, fmt::format("'{}' has to be none, between_attachments or FILE#MUSCLE; did you mean "
                                              "'{}'?",

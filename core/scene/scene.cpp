@@ -131,6 +131,12 @@ std::vector<ParameterSpec> loop_parameters() {
                           .minimum = 0,
                           .maximum = 10'000'000,
                           .help = "of them the last ones, in which bones stand still where their motion ended"}),
+      parameter::integer({.name = "settle_substeps",
+                          .default_value = 0,
+                          .minimum = 0,
+                          .maximum = 1'000'000,
+                          .help = "substeps before the first frame, in which bones stand still and nothing takes up "
+                                  "speed: nodes that begin inside a bone are laid out of it and not thrown (30)"}),
       parameter::integer({.name = "substeps",
                           .default_value = 3,
                           .minimum = 1,
@@ -181,6 +187,7 @@ LoopParameters loop_from(const Parameters& parameters) {
   LoopParameters loop;
   loop.frames = static_cast<int>(parameters.integer("frames"));
   loop.rest_frames = static_cast<int>(parameters.integer("rest_frames"));
+  loop.settle_substeps = static_cast<int>(parameters.integer("settle_substeps"));
   loop.substeps = static_cast<int>(parameters.integer("substeps"));
   loop.iterations = static_cast<int>(parameters.integer("iterations"));
   loop.time_step_s = parameters.number("time_step_s");
@@ -194,6 +201,7 @@ LoopParameters loop_from(const Parameters& parameters) {
 std::map<std::string, ParameterValue> loop_values(const LoopParameters& loop) {
   return {{"frames", std::int64_t{loop.frames}},
           {"rest_frames", std::int64_t{loop.rest_frames}},
+          {"settle_substeps", std::int64_t{loop.settle_substeps}},
           {"substeps", std::int64_t{loop.substeps}},
           {"iterations", std::int64_t{loop.iterations}},
           {"time_step_s", loop.time_step_s},

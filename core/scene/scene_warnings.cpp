@@ -82,11 +82,12 @@ void warn_of_overlaps(const Scene& scene, Lines& warnings) {
   const std::vector<RestOverlap> overlaps = free_overlaps_at_rest(scene);
   for (std::size_t bone = 0; bone < overlaps.size(); ++bone) {
     if (overlaps[bone].nodes > 0) {
-      warnings.push_back(
-          fmt::format("{} of {} nodes begin inside bone '{}' without being bound, {:.3g} mm deep: the first contact "
-                      "throws them out",
-                      overlaps[bone].nodes, scene.muscle_mesh.vertices.size(), scene.bones[bone].name,
-                      1e3 * overlaps[bone].deepest_m));
+      warnings.push_back(fmt::format(
+          "{} of {} nodes begin inside bone '{}' without being bound, {:.3g} mm deep: {}", overlaps[bone].nodes,
+          scene.muscle_mesh.vertices.size(), scene.bones[bone].name, 1e3 * overlaps[bone].deepest_m,
+          scene.loop.settle_substeps > 0
+              ? "they are laid out of it before the first frame"
+              : "the first contact throws them out; [loop] settle_substeps = 30 lays them out of it"));
     }
   }
 }
@@ -157,12 +158,13 @@ std::string describe_empty_attachment(const Scene& scene, const Attachment& atta
         "attachment '{}' binds no node: the muscle is nowhere on its side of bone '{}'; check its outline",
         attachment.name, bone.name);
   }
+  const bool is_near_bone = attachment.area.surface == AttachmentSurface::bone;
   return fmt::format(
-      "attachment '{}' binds no node: the nearest is {:.4g} mm from bone '{}' (distance_m allows {:.4g} mm) and {:.4g} "
-      "mm "
+      "attachment '{}' binds no node: the nearest is {:.4g} mm from {} (distance_m allows {:.4g} mm) and {:.4g} mm "
       "beside the outlined area (margin_m allows {:.4g} mm); enlarge them or check its outline",
-      attachment.name, 1e3 * nearest->to_bone_m, bone.name, 1e3 * attachment.area.distance_m,
-      1e3 * nearest->beside_area_m, 1e3 * attachment.area.margin_m);
+      attachment.name, 1e3 * nearest->to_surface_m,
+      is_near_bone ? fmt::format("bone '{}'", bone.name) : std::string("the outline's plane"),
+      1e3 * attachment.area.distance_m, 1e3 * nearest->beside_area_m, 1e3 * attachment.area.margin_m);
 }
 
 std::string describe_missing_fibres(const Scene& scene, std::size_t muscle) {

@@ -18,9 +18,11 @@ from musclebench.program.cli import Problem
 from musclebench.results.run_folder import Run
 
 SAME_HIP = "muscle,hip_flexion_deg,fibres,min_mm,p10_mm,mean_mm,p90_mm,max_mm\n" \
-           "iliacus,0,100,-40,-35,-30,-25,-20\niliacus,50,100,-50,-45,-40,-35,-30\ngluteus_maximus,0,100,30,40,60,80,90\n"
+           "iliacus,0,100,-40,-35,-30,-25,-20\niliacus,50,100,-50,-45,-40,-35,-30\ngluteus_maximus,0,100,30,40,60,80,90\n" \
+           "psoas,0,100,-25,-24,-21,-18,-17\n"
 ELEMENTS = "muscle,hip_flexion_deg,bound,moment_arm_mm\niliacus,0,upper,32\niliacus,60,upper,50\niliacus,0,lower,20\n" \
            "iliacus,60,lower,25\ngluteus_maximus,0,upper,66\ngluteus_maximus,0,lower,14\n"
+ARNOLD = "hip_flexion_deg,psoas_subject_1_mm,psoas_subject_2_mm,psoas_subject_3_mm\n0,24,28,29\n"
 MEASURED = "hip_flexion_deg,gluteus_maximus_mm\n0,76.8\n60,51.1\n"
 DOSTAL = "hip_flexion_deg,gluteus_medius_flexion_mm\n0,-8.8\n"
 
@@ -30,7 +32,7 @@ def data(tmp_path):
     folder = tmp_path / "data" / "moment_arms"
     folder.mkdir(parents=True)
     for name, text in (("modenese_kohout_2020.csv", SAME_HIP), ("blemker_delp_2005.csv", ELEMENTS),
-                       ("nemeth_ohlsen_1985.csv", MEASURED), ("dostal_1986.csv", DOSTAL)):
+                       ("nemeth_ohlsen_1985.csv", MEASURED), ("dostal_1986.csv", DOSTAL), ("arnold_2000.csv", ARNOLD)):
         (folder / name).write_text(text)
     return folder.parent
 
@@ -56,7 +58,7 @@ def test_published_arms_have_the_sign_of_the_program(data):
     assert iliacus.finite_elements["lower"].at(0) == -32 and iliacus.finite_elements["upper"].at(0) == -20
     assert published["gluteus_maximus"].finite_elements["lower"].at(0) == 14
     assert published["gluteus_maximus"].measured.at(0) == 76.8
-    assert iliacus.measured is None
+    assert iliacus.measured is None and published["psoas"].measured.at(0) == -27
 
 
 def test_without_data_nothing_is_published(tmp_path):
@@ -79,12 +81,28 @@ def test_a_course_joins_both_ways_from_rest():
     assert course["p10_mm"].iloc[1] == pytest.approx(-7)
 
 
+def test_a_scene_of_several_gives_the_muscles_that_have_none_of_their_own():
+    alone = run_with(band([0, 2, 4], [1, 2, 3]).assign(muscle="iliacus"))
+    both = Run(Path("nowhere"), {"status": "ok", "case": {"scene": "lhdl/flexors"}}, pd.DataFrame(), fibres=pd.concat(
+        [band([0, 2, 4], [7, 8, 9]).assign(muscle="iliacus"), band([0, 2, 4], [4, 5, 6]).assign(muscle="psoas")]))
+    found = moment_arms.runs_by_muscle([both, alone])
+    assert list(found) == ["iliacus", "psoas"]
+    assert list(course_of(found["iliacus"])["mean_mm"]) == [1, 2, 3] and list(course_of(found["psoas"])["mean_mm"]) == [4, 5, 6]
+
+
+def test_scenes_with_other_muscles_are_taken_in():
+    registry = fake_registry.registry()
+    own = [f"lhdl/{muscle}" for muscle in ("adductor_brevis", "gluteus_maximus", "gluteus_medius", "iliacus")]
+    assert moment_arms.scenes_with_other_muscles(own, "lhdl", registry) == ["lhdl/flexors"]
+    assert moment_arms.scenes_with_other_muscles(["synthetic/hip"], "synthetic", registry) == []
+
+
 def test_the_goal_is_five_millimetres_or_fifteen_percent(data, tmp_path):
     angles = np.arange(-10, 61, 5)
     courses = {"iliacus": course_of([run_with(band(angles, -33.0 - 0.25 * angles))]),
                "gluteus_maximus": course_of([run_with(band(angles, 51.5 + 0 * angles))])}
     published = read_published(data)
-    active = course_of([run_with(band(angles, -33.0 - 0.25 * angles))], is_active=True)
+    active = course_of([run_with(band(angles, -33.0 - 0.25 * angles))])
     rows = arm_table(courses, {}, published).rows.set_index(["muscle", "angle_deg"])
     assert rows.loc[("iliacus", 0), "difference_mm"] == pytest.approx(-3) and rows.loc[("iliacus", 0), "holds"] == "yes"
     assert rows.loc[("iliacus", 50), "difference_percent"] == pytest.approx(-13.75)
@@ -93,23 +111,15 @@ def test_the_goal_is_five_millimetres_or_fifteen_percent(data, tmp_path):
     assert all(path.is_file() for path in draw_moment_arms(courses, {"iliacus": active}, published, tmp_path / "figure"))
 
 
-def test_an_active_muscle_has_no_arm_where_it_contracts(data):
-    angles = np.arange(-10, 61, 2)
-    courses = {"iliacus": course_of([run_with(band(angles, 0.0 * angles))])}
-    active = {"iliacus": course_of([run_with(band(angles, -33.0 - 0.25 * angles))], is_active=True)}
-    rows = arm_table(courses, active, read_published(data)).rows.set_index("angle_deg")
-    assert np.isnan(rows.loc[0, "active_mm"]) and rows.loc[0, "active_holds"] == "-" and rows.loc[0, "holds"] == "no"
-    assert rows.loc[20, "active_mm"] == pytest.approx(-38) and rows.loc[20, "active_holds"] == "yes"
-    assert np.isnan(rows.loc[10, "active_mm"]) and np.isnan(rows.loc[-10, "active_mm"])
-
-
 def test_cases_go_from_rest_to_both_ends(tmp_path):
     cases = plan([fake_registry.scene("synthetic/iliacus", 12)], "bvh", 7, 2.0, 0.5)
-    assert [(case.to_deg, case.activation) for case in cases] == [(90, 0), (90, 0.5), (-10, 0), (-10, 0.5)]
-    assert "activation:level=0.5,shortening=0.5,rise_s=0.0" in cases[1].arguments(Folders(tmp_path))
-    words = cases[0].arguments(Folders(tmp_path))
+    assert [(case.to_deg, case.activation) for case in cases] == [(90, 0.5), (-10, 0.5), (90, 0), (-10, 0)]
+    active = cases[0].arguments(Folders(tmp_path))
+    assert "activation:level=0.5,shortening=0.5,rise_s=0.0" in active and "settle_substeps=2000" in active
+    words = cases[2].arguments(Folders(tmp_path))
     assert "to_deg=90.0" in words and words[words.index("--fibres") + 1] == "7" and words[words.index("--frames") + 1] == "45"
-    assert cases[0].snapshot_frames == [0, 22, 45] and cases[2].snapshot_frames == [0]
+    assert "settle_substeps=100" in words
+    assert cases[2].snapshot_frames == [0, 22, 45] and cases[3].snapshot_frames == [0]
     assert MomentCase(cases[0].scene, "bvh", -1.0, 7).frames == 3
 
 

@@ -71,6 +71,27 @@ TEST(Simulation, PosesJumpOnceAFrameOrMoveInEverySubstep) {
   }
 }
 
+/// It would fly on by 1 m a frame; the velocity that it begins with is its own afterwards.
+TEST(Simulation, WhatBeginsInABoneIsLaidOutOfItAndNotThrown) {
+  for (const int settle_substeps : {0, 3}) {
+    HalfSpace backend;
+    const std::vector<Bone> bones(1);
+    backend.build(bones, {}, 1);
+    LoopParameters loop;
+    loop.time_step_s = 1;
+    loop.settle_substeps = settle_substeps;
+    Simulation simulation(loop, particles({Vec3(0, 0, -1)}), one_node, {}, backend, ResponseKind::project,
+                          [](double, std::vector<RigidMotion>& poses) { poses.assign(1, RigidMotion()); });
+    simulation.settle();
+    EXPECT_EQ(simulation.positions()[0], Vec3(0, 0, settle_substeps > 0 ? 0 : -1));
+    EXPECT_EQ(simulation.velocities()[0], Vec3(1, 0, 0));
+    simulation.step_frame(1);
+    simulation.step_frame(2);
+    EXPECT_EQ(simulation.positions()[0].z(), settle_substeps > 0 ? 0 : 1);
+    EXPECT_EQ(simulation.positions()[0].x(), 2);
+  }
+}
+
 TEST(Simulation, TheLastDetectionIsWhatTheBackendSaw) {
   HalfSpace backend;
   const std::vector<Bone> bones(1);

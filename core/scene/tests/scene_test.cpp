@@ -3,13 +3,11 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
-#include <random>
 
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
-#include "core/scene/attachment_area.hpp"
 #include "core/scene/read_scene.hpp"
 #include "core/scene/tests/scene_errors.hpp"
 
@@ -217,70 +215,6 @@ TEST(Fibres, FollowTheMuscleFromOriginToInsertion) {
   }
   EXPECT_GT(worst, 0.8);
   EXPECT_TRUE(scene.fibres_with({}).at(0).empty());
-}
-
-TEST(AttachmentArea, TheFarSideOfTheBoneDoesNotCount) {
-  const TriangleMesh plate = make_box(Vec3(0.03, 0.03, 0.02), 6);
-  const AttachmentArea area{{Vec3(-0.01, -0.01, 0.02), Vec3(0.01, -0.01, 0.02), Vec3(0.0, 0.012, 0.02)}, 0.005, 0.001};
-  const std::vector<Vec3> nodes = {{0, 0, 0.021}, {0, 0, -0.021}, {0.02, 0, 0.021}, {0, -0.0105, 0.024}, {0, 0, 0.03}};
-  EXPECT_EQ(nodes_over_area(nodes, plate, area), (std::vector<int>{0, 3}));
-}
-
-/// A square whose rim is exact: nodes just inside and just outside of what the margin adds, at sides and corners.
-TEST(AttachmentArea, GrowsByItsMarginOnAllSides) {
-  const TriangleMesh bone = make_box(Vec3(0.03, 0.03, 0.02), 6);
-  const double margin_m = 0.004;
-  const AttachmentArea area{
-      {Vec3(-0.01, -0.01, 0.02), Vec3(0.01, -0.01, 0.02), Vec3(0.01, 0.01, 0.02), Vec3(-0.01, 0.01, 0.02)},
-      0.001,
-      margin_m};
-  std::vector<Vec3> nodes;
-  for (const double part : {0.99, 1.01}) {
-    const double beside_m = 0.01 + part * margin_m;
-    const double corner_m = 0.01 + part * margin_m / std::sqrt(2.0);
-    nodes.insert(nodes.end(), {Vec3(beside_m, 0, 0.02), Vec3(-beside_m, 0.009, 0.02), Vec3(0, -beside_m, 0.02),
-                               Vec3(corner_m, corner_m, 0.02)});
-  }
-  EXPECT_EQ(nodes_over_area(nodes, bone, area), (std::vector<int>{0, 1, 2, 3}));
-}
-
-TEST(AttachmentArea, BindsWithinItsDistanceFromTheBone) {
-  const TriangleMesh bone = make_box(Vec3(0.03, 0.03, 0.02), 6);
-  const AttachmentArea area{{Vec3(-0.01, -0.01, 0.02), Vec3(0.01, -0.01, 0.02), Vec3(0, 0.01, 0.02)}, 0.002, 0};
-  const std::vector<Vec3> nodes = {Vec3(0, 0, 0.02 + 0.00198), Vec3(0, 0, 0.02 + 0.00202), Vec3(0, 0, 0.02 - 0.00198),
-                                   Vec3(0, 0, 0.02 - 0.00202)};
-  EXPECT_EQ(nodes_over_area(nodes, bone, area), (std::vector<int>{0, 2}));
-}
-
-/// Nodes that can't be bound are not asked about: what is bound is what a search over all nodes and triangles binds.
-TEST(AttachmentArea, BindsWhatASearchOverEverythingBinds) {
-  const TriangleMesh bone = make_sphere(0.03, 4);
-  const TriangleBvh tree(bone);
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> any(-0.04, 0.04);
-  std::vector<Vec3> nodes;
-  for (int i = 0; i < 4000; ++i) {
-    const double x = any(random);
-    const double y = any(random);
-    nodes.emplace_back(x, y, any(random));
-  }
-  for (const double distance_m : {0.0005, 0.004, 0.02}) {
-    const AttachmentArea area{
-        {Vec3(-0.01, -0.01, 0.026), Vec3(0.012, -0.01, 0.025), Vec3(0.0, 0.012, 0.027)}, distance_m, 0.002};
-    std::vector<int> near;
-    for (int node : nodes_over_area(nodes, bone, area)) near.push_back(node);
-    std::vector<int> expected;
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      const auto closest = tree.closest_point(nodes[i], distance_m);
-      if (!closest) continue;
-      // Its closest point, taken for a node at no distance, is bound where the node is.
-      AttachmentArea at_once = area;
-      at_once.distance_m = 1e-9;
-      if (!nodes_over_area(std::vector{closest->point}, bone, at_once).empty()) expected.push_back(static_cast<int>(i));
-    }
-    EXPECT_GT(near.size(), 2U) << distance_m;
-    EXPECT_EQ(near, expected) << distance_m;
-  }
 }
 
 class MotionTableFile : public testing::Test {

@@ -20,7 +20,8 @@ def draw_moment_arms(courses: dict[str, pd.DataFrame], active: dict[str, pd.Data
         axes.fill_between(course["angle_deg"], course["p10_mm"], course["p90_mm"], color=OURS, alpha=0.3, linewidth=0)
         axes.plot(course["angle_deg"], course["mean_mm"], color=OURS, label="here, passive: mean, 10th to 90th percentile")
         if muscle in active:
-            _draw_active(axes, active[muscle])
+            axes.plot(active[muscle]["angle_deg"], active[muscle]["mean_mm"], color=OURS, linestyle=(0, (4, 1.5)),
+                      label="here, active: mean")
         axes.axhline(0, color="0.7", linewidth=0.6, zorder=0)
         axes.set_title(muscle_label(muscle), loc="left")
         axes.set_xlabel("flexion (degrees)")
@@ -29,13 +30,6 @@ def draw_moment_arms(courses: dict[str, pd.DataFrame], active: dict[str, pd.Data
     figure.legend(handles.values(), handles.keys(), loc="upper left", ncol=2, frameon=False, fontsize=7)
     figure.tight_layout(rect=(0, 0, 1, 0.86))
     return style.save_figure(figure, stem)
-
-
-def _draw_active(axes, course: pd.DataFrame) -> None:
-    """Both sides of rest, about which it is not known."""
-    for number, side in enumerate((course[course["angle_deg"] < 0], course[course["angle_deg"] > 0])):
-        axes.plot(side["angle_deg"], side["mean_mm"], color=OURS, linestyle=(0, (4, 1.5)),
-                  label="here, active: mean" if number else None)
 
 
 def _draw_published(axes, published: Published) -> None:

@@ -24,14 +24,13 @@ ARM_COLUMNS = [
     Column("lower_mm", "finite elements, lower mm", 1), Column("upper_mm", "upper mm", 1),
     Column("measured_mm", "measured mm", 1),
 ]
-CONTRACTING_DEG = 15.0  # that the joint turns while an active muscle still takes up its tension
 CAPTION = (
     "Moment arms r = dL / d(flexion) of the fibres of each muscle, positive where they grow longer in flexion, beside those of "
     "the same hip (Modenese and Kohout 2020), of finite elements of another subject (Blemker and Delp 2005, unscaled) and of "
     f"measurements. Goal: the mean within {GOAL_MM:g} mm or {GOAL_PERCENT:g} % of that of the same hip. A passive muscle falls slack where "
     "its ends come closer, as relaxed muscles do (Hoang et al. 2007, Herbert et al. 2015), and its fibres then keep their "
-    "length; published arms are those of taut lines. Active: the same with activation; it has to "
-    f"contract first, so that nothing is said within {CONTRACTING_DEG:g} degrees of rest."
+    "length; published arms are those of taut lines. Active: the same with activation; it has "
+    "contracted before the joint turns."
 )
 NOTHING_PUBLISHED = (
     "Moment arms r = dL / d(flexion) of the fibres of each muscle, positive where they grow longer in flexion. Of the synthetic "
@@ -39,15 +38,13 @@ NOTHING_PUBLISHED = (
 )
 
 
-def course_of(runs: list[Run], is_active: bool = False) -> pd.DataFrame:
-    """Of one muscle, whose runs begin at rest and go apart: angle_deg and the band in mm, ascending. Of an active muscle
-    without the angles at which it contracts as it turns."""
+def course_of(runs: list[Run]) -> pd.DataFrame:
+    """Of one muscle, whose runs begin at rest and go apart: angle_deg and the band in mm, ascending."""
     rows = pd.concat([run.fibres if i == 0 else run.fibres[run.fibres["frame"] > 0] for i, run in enumerate(runs)])
     course = pd.DataFrame({"angle_deg": rows["angle_deg"], "error_mm": 1e3 * rows["moment_arm_error_m"]})
     for name in BAND:
         course[f"{name}_mm"] = 1e3 * rows[f"{name}_moment_arm_m"]
-    kept = course["angle_deg"].abs() >= (CONTRACTING_DEG if is_active else 0)
-    return course[kept].sort_values("angle_deg", kind="stable").reset_index(drop=True)
+    return course.sort_values("angle_deg", kind="stable").reset_index(drop=True)
 
 
 def arm_table(passive: dict[str, pd.DataFrame], active: dict[str, pd.DataFrame],
@@ -79,9 +76,9 @@ def _row(muscle: str, angle: float, passive: pd.DataFrame, active: pd.DataFrame 
 
 
 def _at(course: pd.DataFrame, key: str, angle: float) -> float:
-    """NaN beyond the angles that are known, and between two of which so many are left out."""
+    """NaN beyond the angles that are known."""
     known = course[course[key].notna()]
-    if known.empty or abs(angle) < known["angle_deg"].abs().min():
+    if known.empty:
         return np.nan
     return Curve(known["angle_deg"].to_numpy(), known[key].to_numpy()).at(angle)
 

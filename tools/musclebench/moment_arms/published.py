@@ -13,10 +13,11 @@ SAME_HIP = "modenese_kohout_2020.csv"
 FINITE_ELEMENTS = "blemker_delp_2005.csv"
 NEAR_DEG = 2.0  # slopes end half a step before the lengths that they are of
 FLEXORS = ("iliacus", "psoas")  # whose published arms are positive in flexion
-# File, column and sign of single curves.
+# File, columns (whose mean is taken) and sign of single curves.
 MEASURED = {
-    "gluteus_maximus": ("nemeth_ohlsen_1985.csv", "gluteus_maximus_mm", 1, "Nemeth and Ohlsen 1985"),
-    "gluteus_medius": ("dostal_1986.csv", "gluteus_medius_flexion_mm", -1, "Dostal et al. 1986"),
+    "gluteus_maximus": ("nemeth_ohlsen_1985.csv", ["gluteus_maximus_mm"], 1, "Nemeth and Ohlsen 1985"),
+    "gluteus_medius": ("dostal_1986.csv", ["gluteus_medius_flexion_mm"], -1, "Dostal et al. 1986"),
+    "psoas": ("arnold_2000.csv", [f"psoas_subject_{subject}_mm" for subject in (1, 2, 3)], -1, "Arnold et al. 2000, mean of three"),
 }
 
 
@@ -89,6 +90,6 @@ def _bounds(rows: pd.DataFrame, sign: int) -> dict[str, Curve] | None:
 def _measured(folder: Path, muscle: str) -> tuple[Curve | None, str]:
     if muscle not in MEASURED:
         return None, ""
-    name, column, sign, source = MEASURED[muscle]
-    rows = _read(folder / name, ["hip_flexion_deg", column])
-    return _curve(rows["hip_flexion_deg"], sign * rows[column]), source
+    name, columns, sign, source = MEASURED[muscle]
+    rows = _read(folder / name, ["hip_flexion_deg", *columns])
+    return _curve(rows["hip_flexion_deg"], sign * rows[columns].mean(axis=1)), source

@@ -1,0 +1,84 @@
+#include "core/scene/read_attachments.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/base/input_error.hpp"
+#include "core/scene/landmarks.hpp"
+#include "core/scene/read_contact.hpp"
+
+namespace musclebench {
+
+namespace {
+
+AttachmentArea read_area(const SceneRequest& request, const TomlTable& table) {
+  AttachmentArea area;
+  if (table.has("outline") == table.has("outline_m")) {
+    throw InputError(table.location(), "needs either outline (file#selector) or outline_m (points)");
+  }
+  if (table.has("outline")) {
+    const SceneReference reference = resolve_reference(request, table.word("outline"), table.location("outline"));
+    area.outline_m = read_landmark_outline(reference.path, reference.selector);
+  } else {
+    area.outline_m = table.points("outline_m");
+  }
+  if (area.outline_m.size() < 3) {
+    throw InputError(table.location(), "outlines no area; give at least three points");
+  }
+  area.distance_m = table.number("distance_m", 0, 10);
+  area.margin_m = table.has("margin_m") ? table.number("margin_m", 0, 10) : 0;
+  const std::string near = table.word_or("near", "bone");
+  if (near != "bone" && near != "outline") {
+    throw InputError(table.location("near"), fmt::format("'{}' has to be bone or outline; did you mean '{}'?", near,
+                                                         nearest_word(near, {"bone", "outline"})));
+  }
+  area.surface = near == "bone" ? AttachmentSurface::bone : AttachmentSurface::outline;
+  return area;
+}
+
+/// The muscle that the attachment names; in a scene of one muscle it may leave it out.
+std::size_t muscle_index(const Scene& scene, const TomlTable& table) {
+  if (table.has("muscle")) {
+    return find_muscle(scene, table.word("muscle"), table.location("muscle"));
+  }
+  if (scene.muscles.size() > 1) {
+    std::vector<std::string> known;
+    for (const Muscle& muscle : scene.muscles) {
+      known.push_back(muscle.body.name);
+    }
+    throw InputError(table.location("muscle"), fmt::format("is missing: in a scene of several muscles an attachment "
+                                                           "names its own, {}",
+                                                           fmt::join(known, " or ")));
+  }
+  return 0;
+}
+
+}  // namespace
+
+void read_attachments(const SceneRequest& request, const TomlTable& root, Scene& scene) {
+  if (root.is_word("attachment")) {
+    if (root.word("attachment") != "first_contact") {
+      throw InputError(root.location("attachment"), "has to be \"first_contact\", or write [[attachment]] tables");
+    }
+    scene.attach_at_first_contact = true;
+    return;
+  }
+  for (const TomlTable& table : root.tables("attachment")) {
+    table.allow_only({"name", "bone", "muscle", "near", "outline", "outline_m", "distance_m", "margin_m"});
+    Attachment attachment;
+    attachment.name = table.word("name");
+    attachment.location = table.place();
+    attachment.bone = static_cast<int>(find_bone(scene, table.word("bone"), table.location("bone")));
+    attachment.muscle = muscle_index(scene, table);
+    attachment.area = read_area(request, table);
+    const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
+    const Body& body = scene.muscles[attachment.muscle].body;
+    attachment.nodes = nodes_over_area(scene.vertices_of(body), bone.surface.mesh, attachment.area);
+    for (int& node : attachment.nodes) {
+      node += body.first_node;
+    }
+    scene.attachments.push_back(std::move(attachment));
+  }
+}
+
+}  // namespace musclebench

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/parameters.hpp"
+#include "core/mesh/triangle_mesh.hpp"
+#include "core/scene/effect_override.hpp"
+#include "core/scene/fibre_request.hpp"
+
+namespace musclebench {
+
+/// Where a scene comes from and where its references lead.
+struct SceneRequest {
+  std::string name;                                  ///< of the scene, for results
+  std::string file;                                  ///< of the scene, for messages
+  std::string text;                                  ///< TOML
+  std::filesystem::path folder;                      ///< relative mesh paths start here
+  std::string preset_override;                       ///< preset to use instead of the scene's; empty: the scene's own
+  std::optional<std::filesystem::path> data_folder;  ///< what `${data}` stands for
+  std::function<std::string(const std::string& preset)> preset_text;    ///< throws InputError for an unknown preset
+  std::function<TriangleMesh(const std::string& name)> synthetic_mesh;  ///< throws InputError for an unknown name
+  std::map<std::string, ParameterValue> loop_overrides;                 ///< such as `frames`, from the command line
+  std::vector<EffectOverride> effect_overrides;                         ///< the same of effects
+  std::map<std::string, ParameterValue> motion_overrides = {};          ///< of all bones that move
+  std::optional<FibreRequest> fibres = {};                              ///< over `[measure] fibres`
+  bool auto_effects = false;                                            ///< as if the scene said `effects = "auto"`
+  /// Goes on past what only a run minds, which is noted in `Scene::obstacles`: for a look at the scene.
+  bool notes_obstacles = false;
+};
+
+/// A path that a scene names, or its `file#selector` cut in two.
+struct SceneReference {
+  std::filesystem::path path;
+  std::string selector;  ///< empty without `#`
+};
+
+/// Relative to the scene's folder, `${data}` to the data folder. Throws InputError with `location` where that folder is
+/// needed and not known.
+SceneReference resolve_reference(const SceneRequest& request, const std::string& text, const std::string& location);
+
+}  // namespace musclebench
