@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +24,23 @@ namespace {
 /// Samples for the error estimate of a field from another program.
 constexpr int samples_of_foreign = 2000;
 
+/// By how much two fields of one bone differ in a depth because their values were rounded to what is stored. No value
+/// in a cell that reaches into the bone is larger than half of the domain's diagonal; interpolation enlarges an error
+/// by at most four (the weights of a cubic cell's nodes).
+double storage_rounding_m(const CubicField& field) {
+  constexpr double enlarged = 4;
+  constexpr double both = 2;
+  if (field.precision() == FieldPrecision::double_precision) return 0;
+  const GridShape& grid = field.shape();
+  const double largest_m = 0.5 * (grid.upper_m() - grid.lower_m).norm();
+  const double single_m = 0.5 * static_cast<double>(std::numeric_limits<float>::epsilon()) * largest_m;
+  if (field.precision() == FieldPrecision::single_precision) return both * enlarged * single_m;
+  const Vec3& cell_m = grid.cell_size_m;
+  const CompactSteps steps = compact_steps(cell_m.x(), cell_m.y(), cell_m.z());
+  const double half_step_m = 0.5 * static_cast<double>(*std::ranges::max_element(steps));
+  return both * enlarged * (single_m + half_step_m);
+}
+
 class GridBoneField final : public BoneField {
  public:
   GridBoneField(CubicField field, bool from_file) : BoneField(from_file), m_field(std::move(field)) {}
@@ -36,7 +54,7 @@ class GridBoneField final : public BoneField {
   /// outside it.
   [[nodiscard]] AnswerBound answer_bound() const override {
     const double half_cell_m = 0.5 * grid().cell_size_m.norm();
-    return {half_cell_m, half_cell_m};
+    return {half_cell_m, half_cell_m, storage_rounding_m(m_field)};
   }
   [[nodiscard]] double step_m() const override { return grid().cell_size_m.minCoeff(); }
   [[nodiscard]] const GridShape& grid() const override { return m_field.shape(); }

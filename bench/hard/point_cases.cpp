@@ -161,7 +161,7 @@ HardCell far_from_origin(const HardRequest& request) {
     std::vector<HardFigure> figures;
     for (const double offset_m : {1.0, 1e3, 1e6}) {
       const Vec3 offset = offset_m * Vec3(1, -0.5, 0.25);
-      const double rounding_m = 64 * epsilon * offset_m;
+      const double rounding_m = 64 * epsilon * offset.norm() + here.bound().storage_m;
       std::vector<Vec3> moved;
       for (const Vec3& point : points) moved.emplace_back(point + offset);
       AskedBone there(request, shifted(mesh, offset), points.size());
@@ -209,7 +209,8 @@ HardCell scale(const HardRequest& request) {
     }
     return judged(
         {{"answers with other bits at 1024 and 1/1024 of the size", static_cast<double>(changed_bits), 0, "points"},
-         {"largest change in mm for m, over the diagonal", largest_relative, 1e-9}},
+         {"largest change in mm for m, over the diagonal", largest_relative,
+          1e-9 + usual.bound().storage_m / usual.diagonal_m()}},
         request);
   });
 }
@@ -366,14 +367,14 @@ HardCell order_smooth(const HardRequest& request) {
   return about_points(request, [&] {
     if (!counts_cells(request)) return not_applicable("has no cells to halve");
     constexpr double radius_m = 0.025;
-    const TriangleMesh ball = make_sphere(radius_m, 6);  // its facets lie 1e-6 m below the sphere
+    const TriangleMesh ball = make_sphere(radius_m, 7);  // its facets lie 2.6e-7 m below the sphere
     const std::vector<Vec3> points = points_within(0.5, 0.95, [](const Vec3&) { return radius_m; });
     const std::vector<double> truth_m = true_distances(ball, points);
     if (!AskedBone(request, ball, 1).tells_depth()) return not_applicable("tells no depths");
     const std::vector<std::int64_t> cells = {4, 8, 16};
     const std::vector<double> errors_m = depth_errors_m(request, ball, points, truth_m, cells);
     // The distance to facets is itself not smooth, by about as much as they lie below the sphere.
-    constexpr double facets_m = 2e-6;
+    constexpr double facets_m = 5e-7;
     std::vector<HardFigure> figures;
     for (std::size_t i = 1; i < cells.size(); ++i) {
       figures.push_back(
@@ -627,13 +628,13 @@ constexpr std::array cases_of_points = {
              .what = "A bumpy ball and its points 1 m, 1 km and 1000 km from the origin.",
              .why = "Coordinates of a scanner or a motion lab are offset; digits are lost unless all is computed in a "
                     "frame of the bone's own.",
-             .bar = "depths change by at most 64 roundings of the offset",
+             .bar = "depths change by at most 64 roundings of the offset, and what the backend declares of its storage",
              .scene = "",
              .run = far_from_origin},
     HardCase{.id = "scale",
              .what = "The same ball 1024 times as large and as small, and in millimetres.",
              .why = "Absolute tolerances hide in every code of geometry.",
-             .bar = "the same bits; 1e-9 of the diagonal in millimetres",
+             .bar = "the same bits; 1e-9 of the diagonal in millimetres, and what the backend declares of its storage",
              .scene = "",
              .run = scale},
     HardCase{.id = "rigid-motion",

@@ -63,6 +63,7 @@ AnswerBound BackendsByPair::answer_bound(int bone) const {
     const AnswerBound own = backend.answer_bound(own_bone);
     loosest.missed_depth_m = std::max(loosest.missed_depth_m, own.missed_depth_m);
     loosest.false_distance_m = std::max(loosest.false_distance_m, own.false_distance_m);
+    loosest.storage_m = std::max(loosest.storage_m, own.storage_m);
   });
   return loosest;
 }

@@ -39,10 +39,13 @@ struct Capabilities {
 
 /// How far a backend's answer may be from the truth. A node closer to a surface than `touching_distance_m` is on it,
 /// for exact backends, too. A node inside a bone and deeper than `missed_depth_m` is reported; a node outside and
-/// farther than `false_distance_m` from the surface is not.
+/// farther than `false_distance_m` from the surface is not. A depth changes by at most `storage_m`, besides the
+/// rounding of coordinates, where everything is moved or given in another unit: what is stored is rounded, or laid out
+/// otherwise.
 struct AnswerBound {
   double missed_depth_m = 0;
   double false_distance_m = 0;
+  double storage_m = 0;
 };
 
 /// How far the structure over one bone is from the exact distance, at sampled points near the bone's surface.

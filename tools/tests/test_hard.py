@@ -14,11 +14,6 @@ pytestmark = needs_program
 
 # What is mended leaves the list.
 KNOWN_TO_BREAK = {
-    ("sdf-order-smooth", "sdf"),  # by 8 % of the bar
-    ("far-from-origin", "sdf"),   # by 9 % of the bar, at 1 km
-    ("scale", "sdf"),             # single precision: 9e-9 of the diagonal in millimetres
-    # All of the depth is undone in the first step, which makes it a velocity.
-    ("initial-overlap", "bvh"), ("initial-overlap", "brute_force"),
     # The slab has no volume effect: squeezed between bones that overlap it turns inside out.
     ("pinch", "bvh"), ("pinch", "brute_force"),
     ("resting-contact", "fcl"),
