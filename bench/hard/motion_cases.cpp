@@ -49,6 +49,15 @@ struct MovedScene {
   [[nodiscard]] double largest_move_m(std::size_t from, std::size_t to) const {
     return largest_gap_m(positions(from), positions(to));
   }
+  /// The largest distance of a node from the middle of where it was before the frame and where it is after it: 0 for
+  /// one that still creeps to its place, its amplitude for one that is thrown to and fro.
+  [[nodiscard]] double jitter_m(std::size_t frame) const {
+    std::vector<Vec3> middles;
+    for (std::size_t i = 0; i < positions(frame).size(); ++i) {
+      middles.emplace_back(0.5 * (positions(frame - 1)[i] + positions(frame + 1)[i]));
+    }
+    return largest_gap_m(positions(frame), middles);
+  }
 };
 
 SceneChoice scene_of(const std::string& name) {
@@ -168,16 +177,16 @@ HardCell pinch(const HardRequest& request) {
     });
     if (run.result.status == "diverged") return HardCell{Verdict::breaks, run.said(), {}};
     const std::size_t last = run.result.snapshots.size() - 1;
+    const double declared = declared_m(run, request);
+    const double of_normals_m = std::isfinite(declared) ? 0.01 * declared : 0;  // a promise of nothing is no excuse
     double jitter_m = 0;
-    for (std::size_t frame = last - 9; frame <= last; ++frame) {
-      jitter_m = std::max(jitter_m, run.largest_move_m(frame - 1, frame));
-    }
+    for (std::size_t frame = last - 9; frame < last; ++frame) jitter_m = std::max(jitter_m, run.jitter_m(frame));
     double order_m = 0;
     for (std::size_t i = 0; i < run.positions(last).size(); ++i) {
       order_m = std::max(order_m, (run.positions(last)[i] - other.positions(last)[i]).norm());
     }
-    return judged({{"largest move of a node in one of the last 10 frames, in which bones stand still", 1e3 * jitter_m,
-                    1e-3, "mm"},
+    return judged({{"largest jitter of a node in one of the last 10 frames, in which bones stand still", 1e3 * jitter_m,
+                    1e-3 + 1e3 * of_normals_m, "mm"},
                    {"difference by the order of the bones, over the diagonal", order_m / run.diagonal_m(), 1e-6}},
                   request, run.said());
   });
@@ -373,13 +382,15 @@ constexpr std::array cases_of_motion = {
                     "it, 1.5 in all, out within 10 frames (grids: to their declared bound)",
              .scene = "hard/initial_overlap_5mm",
              .run = initial_overlap},
-    HardCase{.id = "pinch",
-             .what = "Two bones close on a slab until they overlap by 1 mm, and stand still.",
-             .why = "No place is outside of both: pushed out of one, a node is thrown back by the other (paper, Fig. "
-                    "4).",
-             .bar = "no node moves by more than 1e-3 mm a frame; the same within 1e-6 diagonals for any order of bones",
-             .scene = "hard/pinch",
-             .run = pinch},
+    HardCase{
+        .id = "pinch",
+        .what = "Two round bones close on the middle of a slab until they overlap by 1 mm, and stand still.",
+        .why = "No place is outside of both: pushed out of one, a node is thrown back by the other (paper, Fig. "
+               "4).",
+        .bar = "no node is thrown to and fro by more than 1e-3 mm (grids: a hundredth of their declared bound more, as "
+               "normals jump between cells); the same within 1e-6 diagonals for any order of bones",
+        .scene = "hard/pinch",
+        .run = pinch},
     HardCase{.id = "rest",
              .what = "Nothing moves, for 1000 frames (100 in the short run).",
              .why = "A force out of nothing adds up.",
