@@ -38,10 +38,11 @@ def beyond(cells: pd.DataFrame) -> str:
 
 def unasked(cells: pd.DataFrame) -> str:
     """Why cells are not applicable; backends that give one reason for the same cases share a row."""
+    every = list(dict.fromkeys(cells["case"]))
     rows = cells[cells["verdict"] == "not applicable"]
     by_backend = rows.groupby(["said", "backend"], sort=False)["case"].agg(tuple).reset_index()
     shared = by_backend.groupby(["said", "case"], sort=False)["backend"].agg(", ".join).reset_index()
-    shown = [{"backends": row.backend, "said": _text(row.said), "cases": ", ".join(map(_link, row.case))}
+    shown = [{"backends": row.backend, "said": _text(row.said), "cases": _few(row.case, every)}
              for row in shared.itertuples()]
     return markdown_rows(UNASKED_COLUMNS, pd.DataFrame(shown, columns=["backends", "said", "cases"]))
 
@@ -53,6 +54,14 @@ def texts(cases: pd.DataFrame) -> str:
         scene = f" Scene: `{case.scene}`." if _text(case.scene) else ""
         parts.append(f"### {case.case}\n\n{_text(case.what)} {_text(case.why)} **Bar:** {_text(case.bar)}.{scene}")
     return "\n\n".join(parts)
+
+
+def _few(cases: tuple[str, ...], every: list[str]) -> str:
+    """The others are named where they are fewer."""
+    others = [case for case in every if case not in cases]
+    if len(others) >= len(cases):
+        return ", ".join(cases)
+    return f"all but {', '.join(others)}" if others else "all"
 
 
 def _link(case: str) -> str:
