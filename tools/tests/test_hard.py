@@ -75,13 +75,26 @@ def test_a_parameter_of_the_users_is_tried():
 
 
 def test_the_matrix_and_the_strips_are_drawn(tmp_path):
-    code = hard.main(["--musclebench", PROGRAM, "--out", str(tmp_path / "out"), "--case", "rest", "--case", "pinch",
-                      "--case", "soundness", "--backend", "bvh", "--backend", "voxel"])
-    assert code in (0, 1)
+    arguments = ["--musclebench", PROGRAM, "--out", str(tmp_path / "out"), "--case", "rest", "--case", "pinch",
+                 "--case", "soundness", "--backend", "bvh", "--backend", "voxel"]
+    assert hard.main(arguments) in (0, 1)
     names = {path.name for path in (tmp_path / "out/figures").iterdir()}
     assert {"matrix.png", "scenes.png"} <= names
+    cells, cases = (pd.read_csv(tmp_path / "out/tables" / f"{name}.csv") for name in ("cells", "cases"))
+    assert list(cases.case) == ["rest", "pinch", "soundness"] and len(cells) == 6 and cases.notna().iloc[:, :4].all(axis=None)
     frames = pd.DataFrame({"frame": [1, 2, 3], "max_depth_m": [0.0, 0.0, 0.0], "surface_depth_m": [0.0, 2.0, 1.0]})
     assert worst_frame(frames) == 2
+
+
+def test_what_breaks_is_a_result_where_it_is_published(tmp_path):
+    cell = ["--case", "step-size-unguarded", "--case", "soundness", "--backend", "null", "--backend", "bvh", "--no-pictures"]
+    broken = tmp_path / "breaks"  # a program whose matrix has a cell that breaks, whatever is mended
+    broken.write_text(f'#!/bin/sh\n{PROGRAM} "$@"\ncode=$?\n'
+                      'case "$*" in "hard --out "*) exit 1 ;; esac\nexit $code\n')
+    broken.chmod(0o755)
+    arguments = ["--musclebench", str(broken), "--out", str(tmp_path / "out"), *cell]
+    assert hard.main(arguments) == 1
+    assert hard.main([*arguments, "--breaks-are-results"]) == 0
 
 
 def test_a_program_that_is_not_there_is_one_line(tmp_path, capsys):

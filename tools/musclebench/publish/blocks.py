@@ -7,6 +7,7 @@ import pandas as pd
 
 from ..convergence import convergence_report
 from ..effects import effect_tables, guards, returns
+from ..hard import hard_tables
 from ..program.cli import Problem
 from ..results.disturbance import MARK
 from ..tables import arm_prices, choices, muscle_tables, outcomes, paper_tables, prices
@@ -105,6 +106,13 @@ def _frame_times(measured: Measured, study: str, filters: str) -> str:
     return markdown_rows([Column("backend", "backend"), *muscle_tables.stage_columns(stages)], rows)
 
 
+def _hard(file_name: str, shown: Callable[[pd.DataFrame], str]) -> Callable[[Measured, str, str], str]:
+    def made(measured: Measured, study: str, filters: str) -> str:
+        return shown(chosen_rows(measured.table(f"{study}/{file_name}"), filters, f"{file_name} {study} {filters}"))
+
+    return made
+
+
 def _three(value: float) -> str:
     return "-" if value is None or math.isnan(value) else as_ratio(value) if value else "0"
 
@@ -128,5 +136,9 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "effect_prices": _from("effect_prices", effect_tables.PRICE_COLUMNS, EFFECT_PRICE_KEYS),
     "returns": _from("returns", returns.RETURN_COLUMNS, RETURN_KEYS),
     "guards": _from("guards", guards.GUARD_COLUMNS, GUARD_KEYS),
+    "hard_matrix": _hard("cells", hard_tables.matrix),
+    "hard_beyond": _hard("cells", hard_tables.beyond),
+    "hard_unasked": _hard("cells", hard_tables.unasked),
+    "hard_cases": _hard("cases", hard_tables.texts),
     "substeps": _from("substeps", convergence_report.COLUMNS, SUBSTEP_KEYS),
 }

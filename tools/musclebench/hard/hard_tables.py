@@ -1,0 +1,77 @@
+"""What a page shows of the hard cases: the matrix, what is beyond its bar, what is not asked and why, each case in words."""
+
+import math
+
+import pandas as pd
+
+from ..tables.table_formats import Column, markdown_rows
+
+SHOWN = {"holds": "holds", "breaks": "**BREAKS**", "refused": "refused", "not applicable": "-"}
+BEYOND_COLUMNS = [Column("case", "case"), Column("backend", "backend"), Column("verdict", ""), Column("figure", "figure"),
+                  Column("measured", "measured"), Column("bar", "bar"), Column("said", "what the program says")]
+UNASKED_COLUMNS = [Column("backends", "backend"), Column("said", "why"), Column("cases", "cases")]
+
+
+def matrix(cells: pd.DataFrame) -> str:
+    """Cases down, each linked to its text; backends across."""
+    backends = list(dict.fromkeys(cells["backend"]))
+    columns = [Column("case", "case"), *(Column(name, name) for name in backends)]
+    rows = [{"case": _link(case), **{cell.backend: SHOWN[cell.verdict] for cell in row.itertuples()}}
+            for case, row in cells.groupby("case", sort=False)]
+    counts = cells["verdict"].value_counts()
+    totals = ", ".join(f"{counts.get(verdict, 0)} {words}" for verdict, words in (
+        ("holds", "hold"), ("breaks", "break"), ("refused", "refused"), ("not applicable", "not applicable")))
+    return f"{markdown_rows(columns, pd.DataFrame(rows))}\n\n{totals}."
+
+
+def beyond(cells: pd.DataFrame) -> str:
+    """Each cell that breaks or was refused, with the figure farthest beyond its bar."""
+    rows = cells[cells["verdict"].isin(["breaks", "refused"])]
+    if rows.empty:
+        return "Every cell holds."
+    shown = [{"case": _link(cell.case), "backend": cell.backend, "verdict": SHOWN[cell.verdict],
+              "figure": _text(cell.figure), "measured": _number(cell.value, cell.unit) if _text(cell.figure) else "",
+              "bar": _number(cell.bar, cell.unit) if _text(cell.figure) else "", "said": _text(cell.said)}
+             for cell in rows.sort_values("verdict", kind="stable").itertuples()]
+    return markdown_rows(BEYOND_COLUMNS, pd.DataFrame(shown))
+
+
+def unasked(cells: pd.DataFrame) -> str:
+    """Why cells are not applicable; backends that give one reason for the same cases share a row."""
+    every = list(dict.fromkeys(cells["case"]))
+    rows = cells[cells["verdict"] == "not applicable"]
+    by_backend = rows.groupby(["said", "backend"], sort=False)["case"].agg(tuple).reset_index()
+    shared = by_backend.groupby(["said", "case"], sort=False)["backend"].agg(", ".join).reset_index()
+    shown = [{"backends": row.backend, "said": _text(row.said), "cases": _few(row.case, every)}
+             for row in shared.itertuples()]
+    return markdown_rows(UNASKED_COLUMNS, pd.DataFrame(shown, columns=["backends", "said", "cases"]))
+
+
+def texts(cases: pd.DataFrame) -> str:
+    """A heading a case, to which the matrix links."""
+    parts = []
+    for case in cases.itertuples():
+        scene = f" Scene: `{case.scene}`." if _text(case.scene) else ""
+        parts.append(f"### {case.case}\n\n{_text(case.what)} {_text(case.why)} **Bar:** {_text(case.bar)}.{scene}")
+    return "\n\n".join(parts)
+
+
+def _few(cases: tuple[str, ...], every: list[str]) -> str:
+    """The others are named where they are fewer."""
+    others = [case for case in every if case not in cases]
+    if len(others) >= len(cases):
+        return ", ".join(cases)
+    return f"all but {', '.join(others)}" if others else "all"
+
+
+def _link(case: str) -> str:
+    return f"[{case}](#{case})"
+
+
+def _text(value) -> str:
+    """Without what a table of Markdown would take for its own."""
+    return value.replace("|", "/").replace("\n", " ") if isinstance(value, str) else ""
+
+
+def _number(value: float, unit) -> str:
+    return f"{'no number' if math.isnan(value) else f'{value:.3g}'} {_text(unit)}".strip()

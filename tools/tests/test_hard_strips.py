@@ -1,0 +1,53 @@
+"""Strips of the hard cases' scenes show what lies in a bone."""
+
+import numpy as np
+from matplotlib.colors import to_rgb
+from PIL import Image
+
+import fake_runs
+from musclebench.figures.cuts import cut
+from musclebench.figures.effect_scenes import MUSCLE_COLOURS
+from musclebench.figures.hard_cases import draw_strips
+from musclebench.results.run_folder import read_run
+from printed import check_print, keep_figures
+
+
+def test_a_cut_is_what_the_plane_meets():
+    ball = fake_runs.sphere((1, 2, 3), 0.5, rings=24)
+    (outline,) = cut(ball.vertices_m, ball.triangles, 2.3)
+    radii = np.linalg.norm(outline - [1, 3], axis=1)
+    assert radii.max() <= 0.4 + 1e-12 and radii.min() > 0.38  # sqrt(0.5^2 - 0.3^2), less than a facet's height below
+    assert np.array_equal(outline[0], outline[-1])
+    assert cut(ball.vertices_m, ball.triangles, 2.6) == []
+    inner = fake_runs.sphere((1, 2, 3), 0.2)
+    both = np.vstack([ball.triangles, inner.triangles + len(ball.vertices_m)])
+    assert len(cut(np.vstack([ball.vertices_m, inner.vertices_m]), both, 2.01)) == 2
+
+
+def test_an_open_surface_is_cut_from_border_to_border():
+    ball = fake_runs.sphere((0, 0, 0), 1.0)
+    middles = ball.vertices_m[ball.triangles].mean(axis=1)
+    (outline,) = cut(ball.vertices_m, ball.triangles[middles[:, 2] > 0], 0.01)
+    assert sorted(np.sign(outline[[0, -1], 0])) == [-1, 1] and abs(outline[[0, -1], 1]).max() < 0.3
+
+
+def test_a_muscle_in_a_bone_is_seen(tmp_path, monkeypatch):
+    """The bone hides nothing: at the start the muscle is wholly inside, at the end far outside."""
+    muscle, bone = fake_runs.sphere((0, 0, 0), 0.02), fake_runs.sphere((0, 0, 0), 0.06)
+    pose = (np.eye(3), np.zeros(3))
+    shapes = [fake_runs.Snapshot(frame, 0.0, muscle.vertices_m + [away_m, 0, 0], np.zeros(len(muscle.vertices_m)),
+                                 np.zeros(len(muscle.vertices_m)), [pose]) for frame, away_m in ((0, 0.0), (7, 0.01), (20, 0.4))]
+    folder = fake_runs.write_run(tmp_path / "run", "hard/pinch", "fcl", status="suspect", bones={"jaw": bone},
+                                 triangles=muscle.triangles, snapshots=shapes)
+    kept = {}
+    keep_figures(monkeypatch, kept)
+    png = draw_strips([read_run(folder)], tmp_path / "scenes")[0]
+    (figure, paths), = kept.values()
+    check_print(figure, paths)
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert titles == ["pinch: suspect\nstart, frame 0", "\nworst, frame 7", "\nend, frame 20"]
+    pixels = np.asarray(Image.open(png).convert("RGB"), dtype=float) / 255
+    red = np.abs(pixels - to_rgb(MUSCLE_COLOURS[0])).max(axis=2) < 0.02
+    for axes in figure.axes:
+        left, right = (int(x * red.shape[1]) for x in (axes.get_position().x0, axes.get_position().x1))
+        assert red[:, left:right].any(), axes.get_title(loc="left")
