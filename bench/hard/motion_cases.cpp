@@ -95,7 +95,8 @@ HardCell watched(const HardRequest& request, bool asks_backend, const Watch& wat
   }
 }
 
-/// How far out of its place a backend that approximates may push a node that lies on a bone.
+/// How far out of its place a backend that approximates may push a node that lies on a bone. One that promises nothing
+/// is held to what exact ones are: its figures are the result.
 double declared_m(const MovedScene& run, const HardRequest& request) {
   const auto backend = request.backend.make(request.parameters());
   backend->build(run.scene.bones, run.scene.muscle_mesh, 1);
@@ -104,7 +105,7 @@ double declared_m(const MovedScene& run, const HardRequest& request) {
     const AnswerBound bound = backend->answer_bound(static_cast<int>(bone));
     largest_m = std::max({largest_m, bound.missed_depth_m, bound.false_distance_m});
   }
-  return largest_m;
+  return std::isfinite(largest_m) ? largest_m : 0;
 }
 
 HardCell step_size(const HardRequest& request, bool with_guard) {
@@ -177,8 +178,7 @@ HardCell pinch(const HardRequest& request) {
     });
     if (run.result.status == "diverged") return HardCell{Verdict::breaks, run.said(), {}};
     const std::size_t last = run.result.snapshots.size() - 1;
-    const double declared = declared_m(run, request);
-    const double of_normals_m = std::isfinite(declared) ? 0.01 * declared : 0;  // a promise of nothing is no excuse
+    const double of_normals_m = 0.01 * declared_m(run, request);
     double jitter_m = 0;
     for (std::size_t frame = last - 9; frame < last; ++frame) jitter_m = std::max(jitter_m, run.jitter_m(frame));
     double order_m = 0;

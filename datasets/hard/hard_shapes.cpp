@@ -1,6 +1,7 @@
 #include "datasets/hard/hard_shapes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <deque>
@@ -79,6 +80,38 @@ TriangleMesh make_bumpy_ball(int subdivisions) {
 }
 
 TriangleMesh make_plate(double thickness_m) { return make_box({0.05, 0.05, 0.5 * thickness_m}, 8); }
+
+TriangleMesh make_winged_block(double thickness_m) {
+  constexpr double half_m = 0.05;
+  constexpr double wing_x_m = 0.0123;
+  const double left_m = wing_x_m - 0.5 * thickness_m;
+  const double right_m = wing_x_m + 0.5 * thickness_m;
+  // The outline in the plane of x and z, counter-clockwise, and the triangles of its inside.
+  const std::array<std::array<double, 2>, 8> outline{{{-half_m, 0},
+                                                      {half_m, 0},
+                                                      {half_m, 0.02},
+                                                      {right_m, 0.02},
+                                                      {right_m, 0.1},
+                                                      {left_m, 0.1},
+                                                      {left_m, 0.02},
+                                                      {-half_m, 0.02}}};
+  constexpr std::array<Triangle, 6> cap{{{0, 1, 2}, {0, 2, 3}, {0, 3, 6}, {0, 6, 7}, {3, 4, 5}, {3, 5, 6}}};
+  constexpr int corners = 8;
+  TriangleMesh mesh;
+  for (const double y_m : {-half_m, half_m}) {
+    for (const auto& [x_m, z_m] : outline) mesh.vertices.emplace_back(x_m, y_m, z_m);
+  }
+  for (const auto& [a, b, c] : cap) {
+    mesh.triangles.push_back({a, b, c});
+    mesh.triangles.push_back({a + corners, c + corners, b + corners});
+  }
+  for (int i = 0; i < corners; ++i) {
+    const int next = (i + 1) % corners;
+    mesh.triangles.push_back({i, i + corners, next + corners});
+    mesh.triangles.push_back({i, next + corners, next});
+  }
+  return mesh;
+}
 
 TriangleMesh with_hole(const TriangleMesh& mesh, int triangles, const Vec3& direction) {
   const std::map<Edge, int> by_edge = triangles_by_edge(mesh);

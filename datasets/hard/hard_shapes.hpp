@@ -16,6 +16,10 @@ TriangleMesh make_bumpy_ball(int subdivisions);
 /// A square of 100 mm, `thickness_m` thick along z.
 TriangleMesh make_plate(double thickness_m);
 
+/// A wing of that thickness that stands on a block of 100 x 100 x 20 mm, its middle at x = 12.3 mm, 20 to 100 mm up: as
+/// that of the ilium, thinner than the bone's box lets one see.
+TriangleMesh make_winged_block(double thickness_m);
+
 /// The mesh without `triangles` of its triangles that share edges, grown around the one farthest along `direction`.
 TriangleMesh with_hole(const TriangleMesh& mesh, int triangles, const Vec3& direction);
 

@@ -44,16 +44,16 @@ void find_thin_bones(CheckContext& context, Findings& findings) {
   if (has_effect(context.scene, "tunnelling_guard")) return;
   for (std::size_t bone = 0; bone < context.scene.bones.size(); ++bone) {
     const StepAgainstThickness found = step_against_thickness(context.scene, bone);
-    if (found.thinner_share <= least_share) continue;
+    if (found.thinner.share <= least_share) continue;
     findings.push_back(
         {.where = fmt::format("bone '{}'", bone_name(context.scene, bone)),
          .what = fmt::format("a step moves it and the muscle by up to {:.3g} mm against each other, and {} of its "
                              "surface near the muscle is thinner than that (down to {:.2g} mm): nodes can pass through "
                              "it (more substeps help, too)",
-                             1e3 * found.step_m, percent(found.thinner_share), 1e3 * found.thinnest_m),
+                             1e3 * found.step_m, percent(found.thinner.share), 1e3 * found.thinner.thinnest_m),
          .figures = {{"step_m", found.step_m},
-                     {"thinner_share", found.thinner_share},
-                     {"thinnest_m", found.thinnest_m}},
+                     {"thinner_share", found.thinner.share},
+                     {"thinnest_m", found.thinner.thinnest_m}},
          .add = {"[effects.tunnelling_guard]"},
          .effect = AdvisedEffect{"tunnelling_guard"}});
   }
@@ -197,6 +197,25 @@ void find_coarse_cells(CheckContext& context, Findings& findings) {
   }
 }
 
+/// A plate of one or two cells has its middle nearer to its faces than a field errs at kinks.
+void find_features_thinner_than_cells(CheckContext& context, Findings& findings) {
+  constexpr double least_share = 5e-3;  // of a bone's surface near a muscle; folds and slivers of a mesh are less
+  for (std::size_t bone = 0; bone < context.options.cells.size(); ++bone) {
+    const BoneCells& cells = context.options.cells[bone];
+    if (!cells.misses || !(cells.cell_m > 0)) continue;
+    const ThinShare thin = share_thinner_than(
+        2 * cells.cell_m, sample_thickness(context.scene.bones[bone], box_near_muscles(context.scene)));
+    if (thin.share <= least_share) continue;
+    findings.push_back(
+        {.where = fmt::format("bone '{}', backend '{}'", bone_name(context.scene, bone), cells.backend),
+         .what = fmt::format("{} of its surface near the muscle is thinner than two cells of {} (down to {}): nodes in "
+                             "it may not be found; take finer cells{}",
+                             percent(thin.share), mm(cells.cell_m), mm(thin.thinnest_m),
+                             cells.parameter.empty() ? "" : fmt::format(" (--param {}=...)", cells.parameter)),
+         .figures = {{"cell_m", cells.cell_m}, {"thinner_share", thin.share}, {"thinnest_m", thin.thinnest_m}}});
+  }
+}
+
 void find_contact_out_of_reach(CheckContext& context, Findings& findings) {
   constexpr std::array of_contact{"margin", "multi_bone", "friction", "surface_contact", "tunnelling_guard"};
   const Scene& scene = context.scene;
@@ -268,6 +287,7 @@ const std::vector<SceneRule>& geometry_rules() {
       {"muscle_contact", find_touching_muscles},
       {"self_contact", find_compressed_surfaces},
       {"grid_cells", find_coarse_cells},
+      {"feature_thinner_than_cell", find_features_thinner_than_cells},
   };
   return rules;
 }

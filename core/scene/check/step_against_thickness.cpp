@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/mesh/mesh_size.hpp"
 
@@ -42,60 +41,34 @@ double largest_step_of_bound_nodes_m(const Scene& scene) {
   return farthest_m;
 }
 
-Eigen::AlignedBox3d near_muscles(const Scene& scene, double margin_m) {
-  Eigen::AlignedBox3d box = bounding_box(scene.muscle_mesh.vertices);
-  box.min() -= Vec3::Constant(margin_m);
-  box.max() += Vec3::Constant(margin_m);
-  return box;
-}
-
 }  // namespace
 
 StepAgainstThickness step_against_thickness(const Scene& scene, std::size_t bone) {
-  constexpr std::size_t most_samples = 2000;
   const BoneMotion& motion = scene.motions[bone];
-  const TriangleMesh& mesh = scene.bones[bone].surface.mesh;
-  const double diagonal_m = bounding_box(mesh.vertices).diagonal().norm();
   StepAgainstThickness found;
-  const bool turns = !motion.angles_rad.empty();
-  const double step_rad = turns ? largest_step_rad(scene, motion) : 0;
-  found.step_m = turns ? 0 : largest_step_of_bound_nodes_m(scene);
-  const Eigen::AlignedBox3d box = near_muscles(scene, 0.1 * bounding_box(scene.muscle_mesh.vertices).diagonal().norm());
-  const auto corner = [&](std::size_t t, std::size_t k) -> const Vec3& {
-    return mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][k])];
-  };
-  const TriangleBvh& tree = scene.bones[bone].tree();
-  std::vector<std::size_t> near;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3 middle = (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3;
-    if (!box.contains(middle)) continue;
-    near.push_back(t);
-    if (turns) found.step_m = std::max(found.step_m, step_rad * distance_to_axis_m(motion, middle));
+  if (motion.angles_rad.empty()) {
+    found.step_m = largest_step_of_bound_nodes_m(scene);
+  } else {
+    const double step_rad = largest_step_rad(scene, motion);
+    const Eigen::AlignedBox3d box = box_near_muscles(scene);
+    const TriangleMesh& mesh = scene.bones[bone].surface.mesh;
+    for (const auto& [a, b, c] : mesh.triangles) {
+      const Vec3 middle = (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3;
+      if (box.contains(middle)) found.step_m = std::max(found.step_m, step_rad * distance_to_axis_m(motion, middle));
+    }
   }
-  if (near.empty() || !(found.step_m > 0)) return found;
-  found.thinnest_m = std::numeric_limits<double>::infinity();
-  double whole_area = 0;
-  double thinner_area = 0;
-  std::vector<PathCrossing> crossings;
-  const std::size_t stride = (near.size() + most_samples - 1) / most_samples;
-  for (std::size_t i = 0; i < near.size(); i += stride) {
-    const std::size_t t = near[i];
-    const Vec3 normal = (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)).stableNormalized();
-    const Vec3 middle = (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3;
-    // A little inside, so that the triangle itself is not met.
-    const Vec3 from = middle - 1e-7 * diagonal_m * normal;
-    tree.find_crossings(from, middle - diagonal_m * normal, crossings);
-    if (crossings.empty() || crossings.front().entering) continue;  // a hole, or a sheet: no thickness to tell
-    const double thickness_m = crossings.front().share * diagonal_m;
-    const double area = tree.area_normal(static_cast<int>(t)).norm();
-    ++found.samples;
-    whole_area += area;
-    thinner_area += thickness_m < found.step_m ? area : 0;
-    found.thinnest_m = std::min(found.thinnest_m, thickness_m);
+  if (found.step_m > 0) {
+    found.thinner = share_thinner_than(found.step_m, sample_thickness(scene.bones[bone], box_near_muscles(scene)));
   }
-  if (found.samples == 0) found.thinnest_m = 0;
-  if (whole_area > 0) found.thinner_share = thinner_area / whole_area;
   return found;
+}
+
+Eigen::AlignedBox3d box_near_muscles(const Scene& scene) {
+  Eigen::AlignedBox3d box = bounding_box(scene.muscle_mesh.vertices);
+  const double margin_m = 0.1 * box.diagonal().norm();
+  box.min() -= Vec3::Constant(margin_m);
+  box.max() += Vec3::Constant(margin_m);
+  return box;
 }
 
 }  // namespace musclebench

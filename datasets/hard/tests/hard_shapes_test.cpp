@@ -13,13 +13,14 @@ namespace {
 double volume_m3(const TriangleMesh& mesh) { return surface_volume_m3(mesh.vertices, mesh.triangles); }
 
 TEST(HardShapes, AreClosedAndOutward) {
-  for (const TriangleMesh& mesh : {make_spike(), make_bumpy_ball(3), make_plate(1e-4)}) {
+  for (const TriangleMesh& mesh : {make_spike(), make_bumpy_ball(3), make_plate(1e-4), make_winged_block(1e-3)}) {
     EXPECT_TRUE(repair_mesh(mesh, "shape").clean);
     EXPECT_GT(volume_m3(mesh), 0);
   }
   // Of a cone over a regular polygon of 24 sides.
   EXPECT_NEAR(volume_m3(make_spike()), 12 * std::sin(M_PI / 12) * 0.003 * 0.003 * 0.06 / 3, 1e-12);
   EXPECT_NEAR(volume_m3(make_plate(1e-4)), 1e-6, 1e-15);
+  EXPECT_NEAR(volume_m3(make_winged_block(1e-3)), 2.08e-4, 1e-15);
 }
 
 TEST(HardShapes, AHoleIsAsManyTrianglesAtItsPlace) {

@@ -17,11 +17,17 @@ Scene plate_beside_a_ball(double step_deg, const std::string& effects) {
 
 TEST(StepAgainstThickness, IsThatOfAPlate) {
   const StepAgainstThickness found = step_against_thickness(plate_beside_a_ball(1, ""), 0);
-  EXPECT_GT(found.samples, 20);
-  EXPECT_NEAR(found.thinnest_m, 0.004, 1e-6);
+  EXPECT_NEAR(found.thinner.thinnest_m, 0.004, 1e-6);
   // The part of the plate near the ball is about 60 mm from the axis.
   EXPECT_NEAR(found.step_m, 0.06 * 3.14159265 / 180, 2e-4);
-  EXPECT_EQ(found.thinner_share, 0);
+  EXPECT_EQ(found.thinner.share, 0);
+}
+
+TEST(ThinShare, IsThatOfTheArea) {
+  const std::vector<ThicknessSample> samples = {{0.001, 3}, {0.002, 1}, {0.004, 4}};
+  EXPECT_EQ(share_thinner_than(0.002, samples).share, 0.375);
+  EXPECT_EQ(share_thinner_than(0.002, samples).thinnest_m, 0.001);
+  EXPECT_EQ(share_thinner_than(1, {}).share, 0);
 }
 
 TEST(GeometryRules, AskForAGuardWhereAStepIsLongerThanABoneIsThick) {
@@ -233,6 +239,22 @@ TEST(GeometryRules, FindCellsLargerThanTheGap) {
   EXPECT_EQ(finds(0.0004, false), "nothing");
   EXPECT_EQ(finds(0.002, false), "finer cells");
   EXPECT_EQ(finds(0.002, true), "[effects.margin]");
+}
+
+TEST(GeometryRules, FindABoneThinnerThanTwoCells) {
+  const auto finds = [](double cell_m, bool misses) {
+    CheckOptions options;
+    options.cells = {{"grid", cell_m, 0, misses, "cells"}};
+    const Findings findings = check_scene(plate_beside_a_ball(1, "[effects.volume]\n"), options);
+    const Finding* finding = find_finding(findings, "feature_thinner_than_cell", "bone 'plate', backend 'grid'");
+    if (finding != nullptr) {
+      EXPECT_NEAR(figure_of(*finding, "thinnest_m"), 0.004, 1e-6);
+    }
+    return finding != nullptr;
+  };
+  EXPECT_TRUE(finds(0.003, true));
+  EXPECT_FALSE(finds(0.0019, true));
+  EXPECT_FALSE(finds(0.003, false)) << "cells that only sort exact answers";
 }
 
 TEST(GeometryRules, FindContactThatCanNotBe) {
