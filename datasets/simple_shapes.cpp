@@ -102,6 +102,8 @@ constexpr std::array shapes = {
     NamedShape{"ball", [] { return ball(0.02); }},
     NamedShape{"upper_ball", [] { return ball(0.061); }},
     NamedShape{"raised_ball", [] { return ball(0.03); }},
+    // Its lowest place between sides that fall by 3 in 4: radius over their cosine above the groove's bottom.
+    NamedShape{"groove_ball", [] { return ball(0.02 / 0.8); }},
     NamedShape{"tetrahedron", tetrahedron},
     NamedShape{"hinge", hinge},
     NamedShape{"coarse_ball", [] { return moved(make_sphere(0.02, 2), Vec3(0, 0, 0.02)); }},

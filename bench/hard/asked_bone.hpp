@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench/hard/hard_case.hpp"
+#include "core/base/input_error.hpp"
 #include "core/contact/collision_backend.hpp"
 #include "core/referee/referee.hpp"
 
@@ -53,5 +54,16 @@ struct WrongAnswers {
 
 WrongAnswers wrong_answers(std::span<const double> truth_m, const std::vector<Contact>& contacts,
                            const AskedBone& asked, double slack_m);
+
+/// What `ask` says, where the backend can be asked about points; a structure that was refused by the status given.
+template <typename Ask>
+HardCell about_points(const HardRequest& request, const Ask& ask) {
+  if (const std::optional<std::string> why = why_not_points(request)) return not_applicable(*why);
+  try {
+    return ask();
+  } catch (const InputError& refused) {
+    return {request.backend.exact ? Verdict::breaks : Verdict::refused, refused.what(), {}};
+  }
+}
 
 }  // namespace musclebench

@@ -75,6 +75,8 @@ std::vector<HardCase> hard_cases();
 
 // The parts of the table.
 std::span<const HardCase> point_cases();
+std::span<const HardCase> input_cases();
 std::span<const HardCase> motion_cases();
+std::span<const HardCase> course_cases();
 
 }  // namespace musclebench

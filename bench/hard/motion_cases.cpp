@@ -2,111 +2,20 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <functional>
-#include <numeric>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "bench/cases/run_case.hpp"
-#include "bench/cases/scene_source.hpp"
 #include "bench/hard/hard_case.hpp"
-#include "core/base/input_error.hpp"
-#include "core/mesh/mesh_size.hpp"
+#include "bench/hard/moved_scene.hpp"
+#include "core/effects/effect_registry.hpp"
 
 // Cases that move a muscle: embedded scenes `hard/...`, run as `musclebench run` does and judged by the Referee.
 namespace musclebench {
 
 namespace {
-
-/// Between a node's two places; NaN where one has got lost.
-double largest_gap_m(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
-  double largest_m = 0;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    // Not std::max: it passes over NaN.
-    const double moved_m = (to[i] - from[i]).norm();
-    if (!(moved_m <= largest_m)) largest_m = moved_m;
-  }
-  return largest_m;
-}
-
-struct MovedScene {
-  Scene scene;
-  RunResult result;
-
-  /// What the run's status says; empty for one that is ok.
-  [[nodiscard]] std::string said() const {
-    return result.status == "ok" ? "" : fmt::format("{}: {}", result.status, result.status_detail);
-  }
-  [[nodiscard]] double diagonal_m() const { return bounding_box(scene.muscle_mesh.vertices).diagonal().norm(); }
-  [[nodiscard]] const std::vector<Vec3>& positions(std::size_t frame) const {
-    return result.snapshots[frame].positions;
-  }
-  /// The largest move of a node between two frames.
-  [[nodiscard]] double largest_move_m(std::size_t from, std::size_t to) const {
-    return largest_gap_m(positions(from), positions(to));
-  }
-  /// The largest distance of a node from the middle of where it was before the frame and where it is after it: 0 for
-  /// one that still creeps to its place, its amplitude for one that is thrown to and fro.
-  [[nodiscard]] double jitter_m(std::size_t frame) const {
-    std::vector<Vec3> middles;
-    for (std::size_t i = 0; i < positions(frame).size(); ++i) {
-      middles.emplace_back(0.5 * (positions(frame - 1)[i] + positions(frame + 1)[i]));
-    }
-    return largest_gap_m(positions(frame), middles);
-  }
-};
-
-SceneChoice scene_of(const std::string& name) {
-  SceneChoice choice;
-  choice.scene = name;
-  return choice;
-}
-
-using EditScene = std::function<void(Scene&)>;
-
-/// Runs the scene of the choice, every frame of it kept; `edit` changes it first.
-MovedScene moved(const HardRequest& request, const SceneChoice& choice, int threads = 1, const EditScene& edit = {}) {
-  MovedScene done{load_scene(choice), {}};
-  if (edit) edit(done.scene);
-  const Parameters parameters = request.parameters();
-  RunCase run{{done.scene, request.backend, parameters, threads}};
-  run.responses = choose_responses("", done.scene, request.backend, parameters);
-  require_what_effects_need(done.scene, request.backend, parameters, run.responses);
-  run.snapshots.resize(static_cast<std::size_t>(done.scene.loop.frames) + 1);
-  std::iota(run.snapshots.begin(), run.snapshots.end(), 0);
-  done.result = run_case(run, [](int) {});
-  return done;
-}
-
-/// What `watch` says. A scene whose effects the backend can't serve is not for it.
-template <typename Watch>
-HardCell watched(const HardRequest& request, bool asks_backend, const Watch& watch) {
-  if (request.backend.make(request.parameters())->capabilities().finds_contacts != asks_backend) {
-    return not_applicable(asks_backend ? "finds no contacts" : "asks the loop alone: see a column without contacts");
-  }
-  try {
-    return watch();
-  } catch (const InputError& unfit) {
-    return not_applicable(unfit.what());
-  }
-}
-
-/// How far out of its place a backend that approximates may push a node that lies on a bone. One that promises nothing
-/// is held to what exact ones are: its figures are the result.
-double declared_m(const MovedScene& run, const HardRequest& request) {
-  const auto backend = request.backend.make(request.parameters());
-  backend->build(run.scene.bones, run.scene.muscle_mesh, 1);
-  double largest_m = 0;
-  for (std::size_t bone = 0; bone < run.scene.bones.size(); ++bone) {
-    const AnswerBound bound = backend->answer_bound(static_cast<int>(bone));
-    largest_m = std::max({largest_m, bound.missed_depth_m, bound.false_distance_m});
-  }
-  return std::isfinite(largest_m) ? largest_m : 0;
-}
 
 HardCell step_size(const HardRequest& request, bool with_guard) {
   return watched(request, true, [&] {

@@ -31,17 +31,6 @@ constexpr std::int64_t usual_points = 4000;
 constexpr std::uint64_t points_seed = 20;
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-/// What `ask` says, where the backend can be asked about points; a structure that was refused by the status given.
-template <typename Ask>
-HardCell about_points(const HardRequest& request, const Ask& ask) {
-  if (const std::optional<std::string> why = why_not_points(request)) return not_applicable(*why);
-  try {
-    return ask();
-  } catch (const InputError& refused) {
-    return {request.backend.exact ? Verdict::breaks : Verdict::refused, refused.what(), {}};
-  }
-}
-
 std::vector<TriangleMesh> usual_shapes() {
   return {make_bumpy_ball(4), make_spike(), make_box({0.02, 0.03, 0.025}, 4), make_plate(0.004)};
 }
@@ -462,42 +451,6 @@ HardCell open_or_crossing(const HardRequest& request) {
   });
 }
 
-/// The answers about a mesh that means the same surface as `clean` are those about the clean one.
-HardCell same_as(const TriangleMesh& other, const TriangleMesh& clean, const HardRequest& request) {
-  return about_points(request, [&] {
-    const std::vector<Vec3> points = points_about(clean, usual_points, points_seed);
-    const std::vector<double> truth_m = true_distances(clean, points);
-    AskedBone asked(request, other, points.size());
-    AskedBone usual(request, clean, points.size());
-    const double slack_m = 1e-12 * asked.diagonal_m();
-    const WrongAnswers wrong = wrong_answers(truth_m, asked.contacts(points), asked, slack_m);
-    const std::vector<double> depths_m = asked.depths(points);
-    const std::vector<double> usual_m = usual.depths(points);
-    double largest_share = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!std::isfinite(depths_m[i])) largest_share = std::numeric_limits<double>::infinity();
-      if ((depths_m[i] > 0) == (usual_m[i] > 0)) {
-        largest_share = std::max(largest_share, std::abs(depths_m[i] - usual_m[i]) / asked.diagonal_m());
-      }
-    }
-    return judged(
-        {{"inner points missed beyond its declared bound", static_cast<double>(wrong.missed), 0, "points"},
-         {"outer points found beyond it", static_cast<double>(wrong.invented), 0, "points"},
-         {"largest change of a depth, over the diagonal", largest_share, request.backend.exact ? 1e-12 : 1e-6}},
-        request, "", MayRefuse::nobody);
-  });
-}
-
-HardCell degenerate(const HardRequest& request) {
-  const TriangleMesh clean = make_bumpy_ball(3);
-  return same_as(with_bad_triangles(clean), clean, request);
-}
-
-HardCell inverted_normals(const HardRequest& request) {
-  const TriangleMesh right = make_bumpy_ball(3);
-  return same_as(inside_out(right), right, request);
-}
-
 HardCell internal_edge(const HardRequest& request) {
   return about_points(request, [&] {
     const Vec3 half(0.03, 0.03, 0.01);
@@ -682,18 +635,6 @@ constexpr std::array cases_of_points = {
              .bar = "the right side beyond 1e-12 of the diagonal and the declared bound",
              .scene = "",
              .run = near_touching},
-    HardCase{.id = "degenerate",
-             .what = "A bumpy ball with triangles without area, triangles twice, and slivers of aspect 1e8.",
-             .why = "Real bones have slivers of aspect 1148; a normal of no length spreads NaN.",
-             .bar = "depths within 1e-12 of the diagonal of the clean surface's (grids: 1e-6), all of them numbers",
-             .scene = "",
-             .run = degenerate},
-    HardCase{.id = "inverted-normals",
-             .what = "A bumpy ball that is wound inwards.",
-             .why = "A silent flip makes everything collide, or nothing.",
-             .bar = "found by its volume: the same answers as about the right one",
-             .scene = "",
-             .run = inverted_normals},
     HardCase{.id = "internal-edge",
              .what = "A path 0.1 mm under a plane of 2 triangles and of 8192.",
              .why = "Edges inside of a flat face make ghost contacts that throw a sliding node aside (FCL issue 106).",

@@ -1,0 +1,67 @@
+#include "bench/hard/moved_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "core/mesh/mesh_size.hpp"
+
+namespace musclebench {
+
+double largest_gap_m(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+  double largest_m = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    // Not std::max: it passes over NaN.
+    const double moved_m = (to[i] - from[i]).norm();
+    if (!(moved_m <= largest_m)) largest_m = moved_m;
+  }
+  return largest_m;
+}
+
+std::string MovedScene::said() const {
+  return result.status == "ok" ? "" : fmt::format("{}: {}", result.status, result.status_detail);
+}
+
+double MovedScene::diagonal_m() const { return bounding_box(scene.muscle_mesh.vertices).diagonal().norm(); }
+
+double MovedScene::jitter_m(std::size_t frame) const {
+  std::vector<Vec3> middles;
+  for (std::size_t i = 0; i < positions(frame).size(); ++i) {
+    middles.emplace_back(0.5 * (positions(frame - 1)[i] + positions(frame + 1)[i]));
+  }
+  return largest_gap_m(positions(frame), middles);
+}
+
+SceneChoice scene_of(const std::string& name) {
+  SceneChoice choice;
+  choice.scene = name;
+  return choice;
+}
+
+MovedScene moved(const HardRequest& request, const SceneChoice& choice, int threads, const EditScene& edit) {
+  MovedScene done{load_scene(choice), {}};
+  if (edit) edit(done.scene);
+  const Parameters parameters = request.parameters();
+  RunCase run{{done.scene, request.backend, parameters, threads}};
+  run.responses = choose_responses("", done.scene, request.backend, parameters);
+  require_what_effects_need(done.scene, request.backend, parameters, run.responses);
+  run.snapshots.resize(static_cast<std::size_t>(done.scene.loop.frames) + 1);
+  std::iota(run.snapshots.begin(), run.snapshots.end(), 0);
+  done.result = run_case(run, [](int) {});
+  return done;
+}
+
+double declared_m(const MovedScene& run, const HardRequest& request) {
+  const auto backend = request.backend.make(request.parameters());
+  backend->build(run.scene.bones, run.scene.muscle_mesh, 1);
+  double largest_m = 0;
+  for (std::size_t bone = 0; bone < run.scene.bones.size(); ++bone) {
+    const AnswerBound bound = backend->answer_bound(static_cast<int>(bone));
+    largest_m = std::max({largest_m, bound.missed_depth_m, bound.false_distance_m});
+  }
+  return std::isfinite(largest_m) ? largest_m : 0;
+}
+
+}  // namespace musclebench

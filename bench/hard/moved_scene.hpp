@@ -1,0 +1,63 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/cases/run_case.hpp"
+#include "bench/cases/scene_source.hpp"
+#include "bench/hard/hard_case.hpp"
+#include "core/base/input_error.hpp"
+
+namespace musclebench {
+
+/// Between a node's two places, m; NaN where one has got lost.
+double largest_gap_m(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
+
+/// A scene of the hard cases after its run, every frame of it kept.
+struct MovedScene {
+  Scene scene;
+  RunResult result;
+
+  /// What the run's status says; empty for one that is ok.
+  [[nodiscard]] std::string said() const;
+  [[nodiscard]] double diagonal_m() const;
+  [[nodiscard]] const std::vector<Vec3>& positions(std::size_t frame) const {
+    return result.snapshots[frame].positions;
+  }
+  /// The largest move of a node between two frames.
+  [[nodiscard]] double largest_move_m(std::size_t from, std::size_t to) const {
+    return largest_gap_m(positions(from), positions(to));
+  }
+  /// The largest distance of a node from the middle of where it was before the frame and where it is after it: 0 for
+  /// one that still creeps to its place, its amplitude for one that is thrown to and fro.
+  [[nodiscard]] double jitter_m(std::size_t frame) const;
+};
+
+/// An embedded scene as it is.
+SceneChoice scene_of(const std::string& name);
+
+using EditScene = std::function<void(Scene&)>;
+
+/// Runs the scene of the choice as `musclebench run` does; `edit` changes it first. Throws InputError where the backend
+/// can't serve its effects.
+MovedScene moved(const HardRequest& request, const SceneChoice& choice, int threads = 1, const EditScene& edit = {});
+
+/// How far out of its place a backend that approximates may push a node that lies on a bone. One that promises nothing
+/// is held to what exact ones are: its figures are the result.
+double declared_m(const MovedScene& run, const HardRequest& request);
+
+/// What `watch` says. A scene whose effects the backend can't serve is not for it.
+template <typename Watch>
+HardCell watched(const HardRequest& request, bool asks_backend, const Watch& watch) {
+  if (request.backend.make(request.parameters())->capabilities().finds_contacts != asks_backend) {
+    return not_applicable(asks_backend ? "finds no contacts" : "asks the loop alone: see a column without contacts");
+  }
+  try {
+    return watch();
+  } catch (const InputError& unfit) {
+    return not_applicable(unfit.what());
+  }
+}
+
+}  // namespace musclebench
