@@ -2,9 +2,14 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <stdexcept>
+#include <unistd.h>
 #include <utility>
 #include <zstd.h>
+
+#include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
 #include "core/base/sha256.hpp"
@@ -26,12 +31,37 @@ void read_obj_bytes(std::string_view bytes) { (void)read_mesh(TemporaryFile(byte
 void read_off_bytes(std::string_view bytes) { (void)read_mesh(TemporaryFile(bytes, ".off").path()); }
 void read_stl_bytes(std::string_view bytes) { (void)read_mesh(TemporaryFile(bytes, ".stl").path()); }
 
+/// What a scene may name: walk.mot, landmarks.json and ball.ply.
+class SceneFolder {
+ public:
+  SceneFolder() : m_path(std::filesystem::temp_directory_path() / fmt::format("musclebench-fuzz-{}", getpid())) {
+    std::filesystem::create_directories(m_path);
+    std::ofstream(m_path / "walk.mot") << "endheader\ntime hip\n0 0\n1 60\n";
+    std::ofstream(m_path / "landmarks.json")
+        << R"({"attachments": [{"muscle": "m", "role": "origin", "points_m": [[0, 0, 0], [0.03, 0, 0], [0, 0.03, 0]]}],
+               "fibres": [{"muscle": "m", "polylines_m": [[[0, 0, 0], [0, 0, 0.01]]]}]})";
+    write_ply(make_sphere(0.02, 1), m_path / "ball.ply");
+  }
+  SceneFolder(const SceneFolder&) = delete;
+  SceneFolder& operator=(const SceneFolder&) = delete;
+  ~SceneFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(m_path, ignored);
+  }
+  [[nodiscard]] const std::filesystem::path& path() const { return m_path; }
+
+ private:
+  std::filesystem::path m_path;
+};
+
 /// Every synthetic mesh that it names is a small ball.
 void read_scene_bytes(std::string_view bytes) {
+  static const SceneFolder folder;
   SceneRequest request;
   request.name = request.file = "scene.toml";
   request.text = bytes;
-  request.folder = "/nonexistent";
+  request.folder = folder.path();
+  request.data_folder = folder.path();
   request.preset_text = [](const std::string&) { return std::string("[effects.edge_length]\n[loop]\nframes = 9\n"); };
   request.synthetic_mesh = [](const std::string&) { return make_sphere(0.02, 1); };
   (void)read_scene(request);
