@@ -27,7 +27,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// What a message quotes from a file may have megabytes: the middle is left out.
+/// What a message quotes from a file, a key among it, may have megabytes: the middle is left out.
 std::string shortened(std::string_view text) {
   constexpr std::size_t longest = 2000;
   constexpr std::size_t end = 500;  // where the cure stands
@@ -45,7 +45,7 @@ std::string one_line(std::string text) {
 }  // namespace
 
 InputError::InputError(std::string_view location, std::string_view problem)
-    : std::runtime_error(one_line(std::string(location) + ": " + shortened(problem))) {}
+    : std::runtime_error(one_line(shortened(location) + ": " + shortened(problem))) {}
 
 std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates) {
   const auto nearest = std::min_element(

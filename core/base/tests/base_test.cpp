@@ -90,6 +90,7 @@ TEST(InputError, StaysReadableWhereItQuotesMegabytes) {
   EXPECT_LT(message.size(), 3000U);
   EXPECT_TRUE(message.starts_with("file.mot:3: '777"));
   EXPECT_TRUE(message.ends_with("777' is no number; mend it"));
+  EXPECT_LT(std::string(InputError(std::string(1 << 20, 'k'), "is unknown").what()).size(), 3000U) << "a key";
 }
 
 /// Comparing letter by letter would take the product of the lengths: hours.
