@@ -91,7 +91,7 @@ class PolygonMeshBuilder {
   PolygonMesh finish();
 
  private:
-  /// Cutting a polygon takes the square of its corners.
+  /// Cutting a polygon takes the square of its corners; of a spiral, more.
   static constexpr std::size_t most_corners = 1000;
 
   const std::string& m_location;

@@ -90,7 +90,7 @@ void RecordingReader::read(RecordedFrame& frame) {
   if (!unpack_frame(most_bytes_of_a_frame(m_header))) {
     refuse("holds a frame that cannot be read; record it again");
   }
-  require_room_for_steps();
+  require_room_for_steps(frame);
   frame.lead_in.reset();
   frame.frame = m_frames_read + 1;
   frame.angle_deg = m_header.angles_deg[static_cast<std::size_t>(m_frames_read)];
@@ -189,12 +189,13 @@ bool RecordingReader::unpack_frame(double most_bytes) {
 
 /// Before memory is taken for the steps of the frame in `m_bytes`. Those in which nothing moves take next to nothing in
 /// the file, and as much as any other here.
-void RecordingReader::require_room_for_steps() const {
-  if (m_bytes.size() / least_bytes_of_a_step < static_cast<std::size_t>(m_header.steps_per_frame())) {
-    refuse(fmt::format("has a header that claims {} steps a frame, which a frame does not hold; record it again",
-                       m_header.steps_per_frame()));
+void RecordingReader::require_room_for_steps(const RecordedFrame& frame) const {
+  const auto steps = static_cast<std::size_t>(m_header.steps_per_frame());
+  if (m_bytes.size() / least_bytes_of_a_step < steps) {
+    refuse(
+        fmt::format("has a header that claims {} steps a frame, which a frame does not hold; record it again", steps));
   }
-  if (m_frames_read == 0) {  // the next frame takes the place of the one before
+  if (frame.steps.size() != steps) {  // else they take the place of those of the frame before
     require_memory(static_cast<std::size_t>(most_bytes_of_a_frame(m_header)), m_path.string(),
                    "record it with fewer substeps or iterations");
   }

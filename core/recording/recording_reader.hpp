@@ -33,7 +33,7 @@ class RecordingReader final : public FrameSource {
   void read_header();
   void check_claim();
   bool unpack_frame(double most_bytes);
-  void require_room_for_steps() const;
+  void require_room_for_steps(const RecordedFrame& frame) const;
   void read_bytes(std::string& bytes, std::size_t size);
 
   std::filesystem::path m_path;
