@@ -144,7 +144,7 @@ void read_recording_parts(std::string_view bytes) {
 
 RecordingHeader small_recording_header(bool muscle_contact) {
   RecordingHeader header;
-  header.scene = "s";
+  header.scene = "a small scene";
   header.loop_overrides = {{"frames", std::int64_t{2}}, {"time_step_s", 0.5}, {"bone_motion", std::string("x")}};
   header.nodes = 3;
   header.muscles = 2;
