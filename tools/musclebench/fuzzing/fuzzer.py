@@ -133,5 +133,7 @@ class Campaign:
         self.log = log
         if code != 0:
             return  # a finding in the way: the corpus stays as it grew
+        whole = self.folder / ".corpus"  # what is left of an interrupted copy goes with the next run
+        shutil.copytree(least, whole)
         shutil.rmtree(self.corpus)
-        shutil.copytree(least, self.corpus)
+        whole.rename(self.corpus)
