@@ -4,11 +4,11 @@ include(CMakePackageConfigHelpers)
 
 set(musclebench_package_dir lib/cmake/musclebench)
 
-# Libraries of core, of backends and of backends outside the project; those of bench, datasets, tests and kernels are not
-# for others.
+# Libraries of core, of backends and of backends outside the project; those of bench, datasets, tests, kernels and fuzzers are
+# not for others.
 function(musclebench_install_library name)
   file(RELATIVE_PATH folder "${CMAKE_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
-  if(folder MATCHES "^(bench|datasets)" OR folder MATCHES "/micro$" OR (NOT folder MATCHES "^\\.\\." AND folder MATCHES "/tests/"))
+  if(folder MATCHES "^(bench|datasets)" OR folder MATCHES "/(micro|fuzz)$" OR (NOT folder MATCHES "^\\.\\." AND folder MATCHES "/tests/"))
     return()
   endif()
   string(REGEX REPLACE "^musclebench_" "" short "${name}")
@@ -21,7 +21,7 @@ function(musclebench_install_package)
   install(TARGETS musclebench_settings EXPORT musclebench)
   install(TARGETS musclebench RUNTIME DESTINATION bin)
   install(DIRECTORY core backends DESTINATION include/musclebench
-    FILES_MATCHING PATTERN "*.hpp" PATTERN tests EXCLUDE PATTERN micro EXCLUDE)
+    FILES_MATCHING PATTERN "*.hpp" PATTERN tests EXCLUDE PATTERN micro EXCLUDE PATTERN fuzz EXCLUDE)
   install(EXPORT musclebench NAMESPACE musclebench:: FILE musclebench-targets.cmake DESTINATION ${musclebench_package_dir})
   configure_package_config_file(cmake/musclebench-config.cmake.in "${CMAKE_BINARY_DIR}/musclebench-config.cmake"
     INSTALL_DESTINATION ${musclebench_package_dir})

@@ -7,7 +7,12 @@ namespace musclebench {
 
 namespace {
 
+/// Letters of a word that someone may have typed wrongly.
+constexpr std::size_t longest_word = 200;
+
+/// Of words that nobody types a bound: what a damaged file takes for one may have megabytes.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
+  if (std::max(a.size(), b.size()) > longest_word) return std::max(a.size(), b.size());
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
@@ -22,6 +27,14 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+/// What a message quotes from a file, a key among it, may have megabytes: the middle is left out.
+std::string shortened(std::string_view text) {
+  constexpr std::size_t longest = 2000;
+  constexpr std::size_t end = 500;  // where the cure stands
+  if (text.size() <= longest) return std::string(text);
+  return std::string(text.substr(0, longest - end)) + " ... " + std::string(text.substr(text.size() - end));
+}
+
 /// Names of files and keys may hold anything; the message stays one line.
 std::string one_line(std::string text) {
   std::replace_if(
@@ -32,7 +45,7 @@ std::string one_line(std::string text) {
 }  // namespace
 
 InputError::InputError(std::string_view location, std::string_view problem)
-    : std::runtime_error(one_line(std::string(location) + ": " + std::string(problem))) {}
+    : std::runtime_error(one_line(shortened(location) + ": " + shortened(problem))) {}
 
 std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates) {
   const auto nearest = std::min_element(

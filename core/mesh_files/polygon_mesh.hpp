@@ -91,7 +91,7 @@ class PolygonMeshBuilder {
   PolygonMesh finish();
 
  private:
-  /// Cutting a polygon takes the square of its corners.
+  /// Cutting a polygon takes the square of its corners; of a spiral, more.
   static constexpr std::size_t most_corners = 1000;
 
   const std::string& m_location;
@@ -101,8 +101,9 @@ class PolygonMeshBuilder {
   std::vector<std::size_t> m_face_of_polygon;  ///< its number in the file, for messages
 };
 
-/// The triangles of the polygons, in their order; a triangle is taken as it is. assimp cuts larger ones so that concave
-/// ones are right, too; one that it can't cut (no area, or crossing itself) becomes a fan.
+/// The triangles of the polygons, in their order; a triangle is taken as it is. Larger ones are cut so that concave
+/// ones are right, too; one that can't be cut (no area, or crossing itself) becomes a fan. assimp is not asked: it
+/// aborts the program on some polygons.
 std::vector<Triangle> split_into_triangles(const PolygonMesh& mesh);
 
 /// Hands out the lines of a text, and each line's words.

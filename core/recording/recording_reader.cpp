@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <optional>
 #include <zstd.h>
 
 #include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
 #include "core/base/sha256.hpp"
+#include "core/base/system_memory.hpp"
 #include "core/recording/recording_header.hpp"
 
 namespace musclebench {
@@ -27,8 +30,23 @@ Number number_of(std::string_view bytes) {
 
 /// What the steps of a frame take unpacked, generously: two poses a bone, three positions a node.
 double most_bytes_of_a_frame(const RecordingHeader& header) {
-  const double a_step = 64 + 2.0 * sizeof(RigidMotion) * header.bones + 3.0 * sizeof(Vec3) * header.nodes;
+  const double a_step =
+      sizeof(RecordedStep) + 2.0 * sizeof(RigidMotion) * header.bones + 3.0 * sizeof(Vec3) * header.nodes;
   return a_step * header.steps_per_frame();
+}
+
+/// A step that nothing moves in: an order and a width.
+constexpr std::size_t least_bytes_of_a_step = 2;
+
+/// What compressed bytes say that they unpack to; nothing where they say nothing, or more than they can: a block of
+/// Zstandard has four bytes or more and unpacks to 128 KiB or less.
+std::optional<std::size_t> claimed_bytes(std::string_view packed) {
+  constexpr unsigned long long least_block = 4;
+  constexpr unsigned long long most_unpacked = 128 << 10;
+  const unsigned long long size = ZSTD_getFrameContentSize(packed.data(), packed.size());
+  const bool is_told = size != ZSTD_CONTENTSIZE_ERROR && size != ZSTD_CONTENTSIZE_UNKNOWN;
+  return is_told && size <= (packed.size() / least_block + 1) * most_unpacked ? std::optional<std::size_t>(size)
+                                                                              : std::nullopt;
 }
 
 }  // namespace
@@ -69,18 +87,10 @@ void RecordingReader::read(RecordedFrame& frame) {
   if (m_frames_read == m_header.frames()) {
     refuse(fmt::format("has no more than {} frames", m_frames_read));
   }
-  read_bytes(m_block, sizeof(std::uint32_t));
-  read_bytes(m_block, number_of<std::uint32_t>(m_block));
-  const unsigned long long size = ZSTD_getFrameContentSize(m_block.data(), m_block.size());
-  // What a file claims is believed only as far as the header allows, before memory is taken for it.
-  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN ||
-      static_cast<double>(size) > most_bytes_of_a_frame(m_header)) {
+  if (!unpack_frame(most_bytes_of_a_frame(m_header))) {
     refuse("holds a frame that cannot be read; record it again");
   }
-  m_bytes.resize(size);
-  if (ZSTD_decompress(m_bytes.data(), m_bytes.size(), m_block.data(), m_block.size()) != size) {
-    refuse("holds a frame that cannot be read; record it again");
-  }
+  require_room_for_steps(frame);
   frame.lead_in.reset();
   frame.frame = m_frames_read + 1;
   frame.angle_deg = m_header.angles_deg[static_cast<std::size_t>(m_frames_read)];
@@ -157,15 +167,37 @@ void RecordingReader::read_header() {
 }
 
 /// The first step says where every node is, in at least a byte a coordinate, so that a header that claims more nodes
-/// than there are is told before memory is taken for them.
+/// than there are is told before memory is taken for them. What the frame itself claims proves nothing: it is unpacked.
 void RecordingReader::check_claim() {
-  read_bytes(m_block, sizeof(std::uint32_t));
-  read_bytes(m_block, number_of<std::uint32_t>(m_block));
-  const unsigned long long size = ZSTD_getFrameContentSize(m_block.data(), m_block.size());
-  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN ||
-      size < 3 * static_cast<unsigned long long>(m_header.nodes)) {
+  const auto least_bytes = 3 * static_cast<std::size_t>(m_header.nodes);
+  if (!unpack_frame(std::numeric_limits<double>::infinity()) || m_bytes.size() < least_bytes) {
     refuse(fmt::format("has a header that claims {} nodes, which its first frame does not hold; record it again",
                        m_header.nodes));
+  }
+}
+
+/// The next frame, into `m_bytes`; false where it can't be unpacked or claims more than `most_bytes`, before memory is
+/// taken for it.
+bool RecordingReader::unpack_frame(double most_bytes) {
+  read_bytes(m_block, sizeof(std::uint32_t));
+  read_bytes(m_block, number_of<std::uint32_t>(m_block));
+  const std::optional<std::size_t> size = claimed_bytes(m_block);
+  if (!size || static_cast<double>(*size) > most_bytes) return false;
+  m_bytes.resize(*size);
+  return ZSTD_decompress(m_bytes.data(), m_bytes.size(), m_block.data(), m_block.size()) == *size;
+}
+
+/// Before memory is taken for the steps of the frame in `m_bytes`. Those in which nothing moves take next to nothing in
+/// the file, and as much as any other here.
+void RecordingReader::require_room_for_steps(const RecordedFrame& frame) const {
+  const auto steps = static_cast<std::size_t>(m_header.steps_per_frame());
+  if (m_bytes.size() / least_bytes_of_a_step < steps) {
+    refuse(
+        fmt::format("has a header that claims {} steps a frame, which a frame does not hold; record it again", steps));
+  }
+  if (frame.steps.size() != steps) {  // else they take the place of those of the frame before
+    require_memory(static_cast<std::size_t>(most_bytes_of_a_frame(m_header)), m_path.string(),
+                   "record it with fewer substeps or iterations");
   }
 }
 

@@ -32,6 +32,8 @@ class RecordingReader final : public FrameSource {
   void check_hash();
   void read_header();
   void check_claim();
+  bool unpack_frame(double most_bytes);
+  void require_room_for_steps(const RecordedFrame& frame) const;
   void read_bytes(std::string& bytes, std::size_t size);
 
   std::filesystem::path m_path;

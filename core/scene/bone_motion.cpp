@@ -50,6 +50,10 @@ double number_at(const std::string& word, const std::string& location) {
   if (used != word.size() || !std::isfinite(value)) {
     throw InputError(location, fmt::format("'{}' is not a finite number", word));
   }
+  constexpr double most = 1e9;  // seconds, degrees or radians: differences stay finite
+  if (std::abs(value) > most) {
+    throw InputError(location, fmt::format("'{}' is beyond {:g} in size; is the file damaged?", word, most));
+  }
   return value;
 }
 

@@ -134,8 +134,19 @@ std::string checked_name(const TomlTable& table) {
   return name;
 }
 
+/// Every muscle has a row with every bone, and two muscles may touch: memory grows with the square of what a file of a
+/// few megabytes can list.
+std::vector<TomlTable> few_enough(std::vector<TomlTable> bodies, const TomlTable& root, std::string_view key) {
+  constexpr std::size_t most_bodies = 1000;
+  if (bodies.size() > most_bodies) {
+    throw InputError(root.location(key), fmt::format("lists {} of them, and a scene has at most {}; leave some out",
+                                                     bodies.size(), most_bodies));
+  }
+  return bodies;
+}
+
 void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene) {
-  for (const TomlTable& table : root.tables("bone")) {
+  for (const TomlTable& table : few_enough(root.tables("bone"), root, "bone")) {
     table.allow_only({"name", "mesh", "motion", "backend", "parameters", "response", "steps"});
     const std::string name = checked_name(table);
     for (const Bone& bone : scene.bones) {
@@ -184,7 +195,7 @@ void read_fibres(const SceneRequest& request, const TomlTable& table, std::size_
 }
 
 void read_muscles(const SceneRequest& request, const TomlTable& root, Scene& scene) {
-  const std::vector<TomlTable> tables = root.table_or_tables("muscle");
+  const std::vector<TomlTable> tables = few_enough(root.table_or_tables("muscle"), root, "muscle");
   for (const TomlTable& table : tables) {
     table.allow_only({"name", "mesh", "fibres"});
     const std::string name = checked_name(table);

@@ -84,5 +84,22 @@ TEST(SystemMemory, KnowsTheProcessAndRefusesTooMuch) {
   EXPECT_THROW(require_memory(std::size_t{1} << 60, "cells", "choose fewer"), InputError);
 }
 
+TEST(InputError, StaysReadableWhereItQuotesMegabytes) {
+  const std::string message =
+      InputError("file.mot:3", "'" + std::string(1 << 20, '7') + "' is no number; mend it").what();
+  EXPECT_LT(message.size(), 3000U);
+  EXPECT_TRUE(message.starts_with("file.mot:3: '777"));
+  EXPECT_TRUE(message.ends_with("777' is no number; mend it"));
+  EXPECT_LT(std::string(InputError(std::string(1 << 20, 'k'), "is unknown").what()).size(), 3000U) << "a key";
+}
+
+/// Comparing letter by letter would take the product of the lengths: hours.
+TEST(InputError, NearestWordPassesOverWhatNobodyTypes) {
+  const std::string endless(1 << 24, 'x');
+  EXPECT_EQ(nearest_word(endless, {"axis", "outline"}), "axis");
+  EXPECT_EQ(nearest_word("axes", {endless, "axis"}), "axis");
+  EXPECT_EQ(nearest_word(endless, {endless + "y", "axis"}), "axis");
+}
+
 }  // namespace
 }  // namespace musclebench

@@ -86,6 +86,27 @@ class Recording : public testing::Test {
     return "";
   }
 
+  /// With the hash that the changed bytes have.
+  void replace_sealed(std::string bytes) const {
+    bytes.resize(bytes.size() - recording_hash_digits);
+    Sha256 hash;
+    hash.add(bytes.substr(0, bytes.size() - recording_hash_mark.size()));
+    replace_content(bytes + hash.hex_digest());
+  }
+  /// Replaces words of the header.
+  void claim(const std::string& words, const std::string& others) const {
+    std::string bytes = content();
+    const std::size_t offset = bytes.find(words);
+    ASSERT_NE(offset, std::string::npos);
+    bytes.replace(offset, words.size(), others);
+    std::uint64_t size = 0;
+    constexpr std::size_t size_offset = recording_magic.size() + recording_version.size();
+    std::memcpy(&size, bytes.data() + size_offset, sizeof size);
+    size += others.size() - words.size();
+    std::memcpy(bytes.data() + size_offset, &size, sizeof size);
+    replace_sealed(bytes);
+  }
+
   [[nodiscard]] long files() const { return std::distance(fs::directory_iterator(m_folder), fs::directory_iterator()); }
 
   fs::path m_folder;
@@ -268,21 +289,33 @@ TEST_F(Recording, AForeignFileIsNotReplaced) {
 
 TEST_F(Recording, AHeaderThatClaimsMoreNodesThanThereAreIsRefusedBeforeMemoryIsTaken) {
   (void)write();
-  std::string bytes = content();
-  const std::string claim = "\"nodes\":1000000000";
-  const std::size_t offset = bytes.find("\"nodes\":5");
-  ASSERT_NE(offset, std::string::npos);
-  bytes.replace(offset, 9, claim);
-  std::uint64_t size = 0;
-  const std::size_t size_place = recording_magic.size() + recording_version.size();
-  std::memcpy(&size, bytes.data() + size_place, sizeof size);
-  size += claim.size() - 9;
-  std::memcpy(bytes.data() + size_place, &size, sizeof size);
-  bytes.resize(bytes.size() - recording_hash_digits);
-  Sha256 hash;
-  hash.add(bytes.substr(0, bytes.size() - recording_hash_mark.size()));
-  replace_content(bytes + hash.hex_digest());
+  claim("\"nodes\":5", "\"nodes\":1000000000");
   EXPECT_NE(complaint().find("claims 1000000000 nodes"), std::string::npos) << complaint();
+}
+
+/// The size that a frame claims was believed, and 24 GB were taken for the nodes.
+TEST_F(Recording, AFrameThatClaimsMoreThanItHoldsProvesNoNodes) {
+  (void)write();
+  claim("\"nodes\":5", "\"nodes\":1000000000");
+  std::string bytes = content();
+  const std::size_t frame = bytes.find("\x28\xb5\x2f\xfd");  // where Zstandard begins
+  ASSERT_NE(frame, std::string::npos);
+  ASSERT_EQ(bytes[frame + 4] & '\xc0', '\x40') << "a claim of two bytes, which begins after the flags";
+  bytes[frame + 4] = static_cast<char>(bytes[frame + 4] | '\xc0');  // of eight
+  bytes.replace(frame + 5, 2, std::string("\0\0\0\x00\x01\0\0\0", 8));
+  std::uint32_t size = 0;
+  std::memcpy(&size, bytes.data() + frame - sizeof size, sizeof size);
+  size += 6;
+  std::memcpy(bytes.data() + frame - sizeof size, &size, sizeof size);
+  replace_sealed(bytes);
+  EXPECT_NE(complaint().find("claims 1000000000 nodes"), std::string::npos) << complaint();
+}
+
+/// Memory for so many steps was taken before a frame was asked for them.
+TEST_F(Recording, AHeaderThatClaimsMoreStepsThanAFrameHoldsIsRefused) {
+  (void)write();
+  claim("\"substeps\":2", "\"substeps\":1000000000");
+  EXPECT_NE(complaint().find("claims 2000000000 steps a frame"), std::string::npos) << complaint();
 }
 
 TEST_F(Recording, AHeaderThatContradictsItselfIsRefused) {

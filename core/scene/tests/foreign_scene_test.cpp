@@ -312,6 +312,15 @@ TEST(ForeignScene, KeysOfThousandsOfPartsAreRefused) {
   EXPECT_EQ(error_of(request(text + "]\n")), "no error");
 }
 
+TEST(ForeignScene, MoreBodiesThanAnySceneHasAreRefusedBeforeOneIsRead) {
+  for (const std::string kind : {"bone", "muscle"}) {
+    std::string text = kind == "bone" ? "" : "[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n";
+    for (int i = 0; i < 1001; ++i) text += "[[" + kind + "]]\nname = \"" + kind + std::to_string(i) + "\"\n";
+    const std::string message = error_of(request(text));
+    EXPECT_NE(message.find(kind + ": lists 1001 of them"), std::string::npos) << message;
+  }
+}
+
 TEST(ForeignScene, ATableThatIsAPipeIsRefused) {
   const std::string pipe = testing::TempDir() + "musclebench_pipe.mot";
   (void)std::remove(pipe.c_str());

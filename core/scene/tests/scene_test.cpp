@@ -256,6 +256,9 @@ TEST_F(MotionTableFile, RefusesDamage) {
   expect_one_line(error_of_table("endheader\ntime\thipp\n0 1\n1 2\n"), {":2", "hipp"});
   expect_one_line(error_of_table("endheader\ntime\thip\n0 1\n1 nan\n"), {":4", "nan"});
   expect_one_line(error_of_table("endheader\ntime\thip\n0 1\n0 2\n"), {":4", "ascend"});
+  // The angle between them would be no number.
+  expect_one_line(error_of_table("endheader\ntime\thip\n-1e308 1\n1e308 2\n"), {":3", "-1e308", "beyond"});
+  expect_one_line(error_of_table("inDegrees=no\nendheader\ntime\thip\n0 1\n1 1e308\n"), {":5", "1e308", "beyond"});
   expect_one_line(error_of_table("endheader\ntime\thip\n0 1\n1\n"), {":4", "values"});
   expect_one_line(error_of_table("endheader\ntime\thip\n0 1\n"), {"two rows"});
   expect_one_line(error_of_table(""), {"two rows"});

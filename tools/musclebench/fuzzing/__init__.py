@@ -1,0 +1,1 @@
+"""libFuzzer over the readers of files."""
