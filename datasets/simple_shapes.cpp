@@ -135,8 +135,8 @@ constexpr std::array shapes = {
                [] {
                  return box({0.06, 0.06, 0.005}, Vec3::Zero());
                }},
-    NamedShape{"lower_jaw", [] { return moved(make_sphere(0.012, 3), Vec3(0, 0, -0.012)); }},
-    NamedShape{"upper_jaw", [] { return moved(make_sphere(0.012, 3), Vec3(0, 0, 0.02)); }},
+    NamedShape{"lower_jaw", [] { return moved(make_sphere(0.012, 2), Vec3(0, 0, -0.012)); }},
+    NamedShape{"upper_jaw", [] { return moved(make_sphere(0.012, 2), Vec3(0, 0, 0.02)); }},
     NamedShape{"cave",
                [] {
                  return box({0.1, 0.1, 0.1}, {0, 0, 0.02});

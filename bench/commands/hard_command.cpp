@@ -1,10 +1,11 @@
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
+#include <sched.h>
 #include <string>
 #include <vector>
 
@@ -25,12 +26,18 @@ namespace musclebench {
 
 namespace {
 
+int usable_cores() {
+  cpu_set_t allowed;
+  return sched_getaffinity(0, sizeof(allowed), &allowed) == 0 ? std::max(1, CPU_COUNT(&allowed)) : 1;
+}
+
 struct HardOptions {
   std::vector<std::string> backends;
   std::vector<std::string> cases;
   std::vector<std::string> parameters;
   std::string out;
   double seconds = 0;
+  int jobs = usable_cores();
   int fuzz = 0;
   std::uint64_t first_seed = 1;
   bool whole = false;
@@ -72,25 +79,37 @@ void print_cases(const std::vector<HardCase>& cases) {
 }
 
 HardMatrix run_cells(const HardOptions& options) {
-  using Clock = std::chrono::steady_clock;
   const std::vector<const BackendEntry*> backends = chosen_backends(options);
   HardMatrix matrix{{}, chosen_cases(options)};
   for (const BackendEntry* entry : backends) matrix.backends.push_back(entry->name);
   const int total = static_cast<int>(matrix.cases.size() * backends.size());
   Progress progress(progress_style(options.progress_lines), "hard cases", total);
+  std::vector<HardCell> cells(static_cast<std::size_t>(total));
+  std::deque<CellProcess> at_work;
+  std::deque<std::size_t> cell_of;  // that is at work
+  std::size_t started = 0;
   int done = 0;
+  const auto take_one = [&] {
+    const std::size_t ended = CellProcess::wait_for_any(at_work);
+    cells[cell_of[ended]] = at_work[ended].result();
+    at_work.erase(at_work.begin() + static_cast<std::ptrdiff_t>(ended));
+    cell_of.erase(cell_of.begin() + static_cast<std::ptrdiff_t>(ended));
+    progress.show(++done);
+  };
   for (const HardCase& each : matrix.cases) {
-    std::vector<HardCell>& row = matrix.cells.emplace_back();
-    std::vector<double>& seconds = matrix.seconds.emplace_back();
     for (const BackendEntry* entry : backends) {
       const HardRequest request{.backend = *entry,
                                 .given = parse_assignments(options.parameters, "--param", entry->parameters),
                                 .whole = options.whole};
-      const auto start = Clock::now();
-      row.push_back(run_in_process([&] { return each.run(request); }, options.seconds));
-      seconds.push_back(std::chrono::duration<double>(Clock::now() - start).count());
-      progress.show(++done);
+      if (static_cast<int>(at_work.size()) >= options.jobs) take_one();
+      at_work.emplace_back([&] { return each.run(request); }, options.seconds);
+      cell_of.push_back(started++);
     }
+  }
+  while (!at_work.empty()) take_one();
+  for (std::size_t first = 0; first < cells.size(); first += backends.size()) {
+    const auto row = cells.begin() + static_cast<std::ptrdiff_t>(first);
+    matrix.cells.emplace_back(row, row + static_cast<std::ptrdiff_t>(backends.size()));
   }
   return matrix;
 }
@@ -166,6 +185,7 @@ void add_hard_command(CLI::App& app, int& exit_code) {
   command->add_option("--out", options->out, "Folder for matrix.csv and matrix.md (default: none)");
   command->add_option("--seconds", options->seconds, "After which a cell counts as hung (default: 300; --all: 3600)")
       ->check(positive_and_finite());
+  command->add_option("--jobs", options->jobs, "Cells at a time (default: a core each)")->check(CLI::Range(1, 1024));
   command
       ->add_option("--fuzz", options->fuzz,
                    "So many random scenes in place of the cases; one that is wrong is made small and written to "

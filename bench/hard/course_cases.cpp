@@ -16,6 +16,8 @@ namespace musclebench {
 namespace {
 
 constexpr const char* flexed_muscle = "synthetic/adductor_brevis";
+constexpr int moving_frames = 40;
+constexpr int resting_frames = 25;  // half a second of the preset: the muscle comes to rest
 
 double rms_gap_m(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
   double sum_m2 = 0;
@@ -36,9 +38,6 @@ SceneChoice flexion(std::int64_t frames) {
   return choice;
 }
 
-constexpr int moving_frames = 40;
-constexpr int resting_frames = 25;  // half a second of the preset: the muscle comes to rest
-
 /// The motion of each bone so many times one after the other, each with its rest.
 void repeat_motions(Scene& scene, int times) {
   for (BoneMotion& motion : scene.motions) {
@@ -58,12 +57,15 @@ void repeat_motions(Scene& scene, int times) {
 }
 
 /// Of the short run, which ends within two minutes for all backends: a cell in which one alone would take a good part
-/// of that, by what its first frame takes.
+/// of that, by what one substep takes.
 std::optional<HardCell> unless_short(const HardRequest& request, SceneChoice choice, int frames) {
   constexpr double most_s = 20;
   if (request.whole) return std::nullopt;
+  const int substeps = load_scene(choice).loop.substeps;
   choice.loop_overrides["frames"] = std::int64_t{1};
-  const double frame_s = 1e-9 * static_cast<double>(moved(request, choice).result.records.front().times.frame_ns);
+  choice.loop_overrides["substeps"] = std::int64_t{1};
+  const double frame_s =
+      1e-9 * substeps * static_cast<double>(moved(request, choice).result.records.front().times.frame_ns);
   if (frame_s * frames <= most_s) return std::nullopt;
   return not_applicable(fmt::format("would take {:.0f} s: in the long run only (--all)", frame_s * frames));
 }
@@ -90,8 +92,8 @@ HardCell long_run(const HardRequest& request) {
 
 HardCell sensitivity(const HardRequest& request) {
   return watched(request, true, [&] {
-    SceneChoice choice = flexion(request.whole ? 60 : 20);
-    if (const std::optional<HardCell> left_out = unless_short(request, choice, 40)) return *left_out;
+    SceneChoice choice = flexion(moving_frames);
+    if (const std::optional<HardCell> left_out = unless_short(request, choice, 2 * moving_frames)) return *left_out;
     const MovedScene run = moved(request, choice);
     choice.loop_overrides["start_noise_m"] = 1e-12;
     const MovedScene other = moved(request, choice);

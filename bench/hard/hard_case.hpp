@@ -32,6 +32,7 @@ struct HardCell {
   Verdict verdict = Verdict::breaks;
   std::string detail = {};  ///< why it is not applicable, or what the program said in place of an answer
   std::vector<HardFigure> figures = {};
+  double seconds = 0;  ///< that it took, where it ran in a process of its own to its end
 };
 
 /// The figure farthest beyond its bar, or nearest to it; nullptr for none.

@@ -133,8 +133,7 @@ std::string csv_of(const HardMatrix& matrix) {
     const HardCell& cell = matrix.cells[row][column];
     const std::string head =
         fmt::format("{},{},{}", matrix.cases[row].id, matrix.backends[column], name_of(cell.verdict));
-    const std::string tail =
-        fmt::format("{},{:.3f},{}", in_quotes(cell.detail), matrix.seconds[row][column], matrix.cases[row].scene);
+    const std::string tail = fmt::format("{},{:.3f},{}", in_quotes(cell.detail), cell.seconds, matrix.cases[row].scene);
     if (cell.figures.empty()) text += fmt::format("{},,,,,{}\n", head, tail);
     for (const HardFigure& figure : cell.figures) {
       text +=

@@ -13,7 +13,6 @@ struct HardMatrix {
   std::vector<std::string> backends;
   std::vector<HardCase> cases;
   std::vector<std::vector<HardCell>> cells = {};  ///< by case, by backend
-  std::vector<std::vector<double>> seconds = {};  ///< the same
 
   [[nodiscard]] int count(Verdict verdict) const;
 };

@@ -140,6 +140,24 @@ TEST(HardCell, BreaksWhereItsProcessCrashesOrHangs) {
   EXPECT_EQ(hung.detail, "still at work after 0.2 s");
 }
 
+TEST(HardCell, TheFirstToEndIsTakenFirst) {
+  const auto after = [](std::chrono::milliseconds time, const char* words) {
+    return [=]() -> HardCell {
+      std::this_thread::sleep_for(time);
+      return {Verdict::holds, words};
+    };
+  };
+  std::deque<CellProcess> at_work;
+  at_work.emplace_back(after(std::chrono::hours(1), "never"), 60.0);
+  at_work.emplace_back(after(std::chrono::milliseconds(1), "soon"), 60.0);
+  EXPECT_EQ(CellProcess::wait_for_any(at_work), 1U);
+  EXPECT_EQ(at_work[1].result().detail, "soon");
+  at_work.pop_back();
+  at_work.emplace_back(after(std::chrono::hours(1), "late"), 0.1);
+  EXPECT_EQ(CellProcess::wait_for_any(at_work), 1U);
+  EXPECT_EQ(at_work[1].result().detail, "still at work after 0.1 s");
+}
+
 /// A case that can't fail tests nothing.
 TEST(HardCase, SeesABackendThatIsWrong) {
   const std::vector<HardCase> all = hard_cases();
@@ -180,8 +198,7 @@ TEST(HardMatrix, ShowsWhatBreaksWithFigureAndBar) {
   HardMatrix matrix{{"one", "other"}, {all[0], all[1]}};
   matrix.cells = {
       {{Verdict::holds, "", {{"f", 1e-13, 1e-12}}}, {Verdict::not_applicable, "finds no contacts", {}}},
-      {{Verdict::breaks, "", {{"missed", 3, 0, "points"}}}, {Verdict::refused, "a | b \"c\"", {{"g", 2, 1}}}}};
-  matrix.seconds = {{0.5, 0}, {1, 2}};
+      {{Verdict::breaks, "", {{"missed", 3, 0, "points"}}}, {Verdict::refused, "a | b \"c\"", {{"g", 2, 1}}, 2}}};
   const std::string text = text_of(matrix);
   EXPECT_NE(text.find("BREAKS"), std::string::npos);
   EXPECT_NE(text.find("soundness, one: missed: 3 points (bar 0 points)"), std::string::npos) << text;
