@@ -8,7 +8,7 @@
 namespace musclebench {
 
 std::vector<ThicknessSample> sample_thickness(const Bone& bone, const Eigen::AlignedBox3d& within) {
-  constexpr std::size_t most_samples = 2000;
+  constexpr std::size_t most_thicknesses = 2000;
   const TriangleMesh& mesh = bone.surface.mesh;
   const double diagonal_m = bounding_box(mesh.vertices).diagonal().norm();
   const auto corner = [&](std::size_t t, std::size_t k) -> const Vec3& {
@@ -22,7 +22,7 @@ std::vector<ThicknessSample> sample_thickness(const Bone& bone, const Eigen::Ali
   const TriangleBvh& tree = bone.tree();
   std::vector<ThicknessSample> samples;
   std::vector<PathCrossing> crossings;
-  const std::size_t stride = (near.size() + most_samples - 1) / most_samples;
+  const std::size_t stride = (near.size() + most_thicknesses - 1) / most_thicknesses;
   for (std::size_t i = 0; i < near.size(); i += stride) {
     const std::size_t t = near[i];
     const Vec3 normal = (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)).stableNormalized();
