@@ -81,9 +81,9 @@ TEST(AttachmentArea, BindsWhatASearchOverEverythingBinds) {
 TEST(AttachmentArea, OfAnOutlineNeedsNoBoneNearIt) {
   const TriangleMesh far_bone = make_box(Vec3(0.03, 0.03, 0.02), 2);
   AttachmentArea area{{Vec3(1, 1, 0), Vec3(1.02, 1, 0), Vec3(1.02, 1.02, 0), Vec3(1, 1.02, 0)}, 0.005, 0.001};
-  const std::vector<Vec3> nodes = {Vec3(1.01, 1.01, 0.0049), Vec3(1.01, 1.01, -0.0049), Vec3(1.01, 1.01, 0.0051),
-                                   Vec3(1.01, 1.0209, 0),    Vec3(1.01, 1.0211, 0),     Vec3(0, 0, 0.02),
-                                   Vec3(0.9991, 1.01, 0),    Vec3(0.9989, 1.01, -0.001)};
+  const std::vector<Vec3> nodes = {Vec3(1.01, 1.01, 0.0049), Vec3(1.01, 1.01, -0.0049),  Vec3(1.01, 1.01, 0.0051),
+                                   Vec3(1.01, 1.0209, 0),    Vec3(1.01, 1.0211, 0),      Vec3(0, 0, 0.02),
+                                   Vec3(0.9991, 1.01, 0),    Vec3(0.9989, 1.01, -0.001), Vec3(1.01, 1.01, -0.0051)};
   EXPECT_TRUE(nodes_over_area(nodes, far_bone, area).empty());
   area.surface = AttachmentSurface::outline;
   EXPECT_EQ(nodes_over_area(nodes, far_bone, area), (std::vector<int>{0, 1, 3, 6}));
