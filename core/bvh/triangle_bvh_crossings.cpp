@@ -63,9 +63,14 @@ void TriangleBvh::find_crossings(const Vec3& from, const Vec3& to, std::vector<P
     return;
   }
   BvhBox box;
+  // All triangles are within 1 of the centre; a longer box would reach unused slots.
+  const auto coordinate = [&](const Vec3& point, Eigen::Index i) {
+    constexpr auto farthest = static_cast<double>(bvh_horizon);
+    return std::clamp(m_scale * (point[i] - m_centre_m[i]), -farthest, farthest);
+  };
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
-    const auto [low, high] = std::minmax({m_scale * (from[i] - m_centre_m[i]), m_scale * (to[i] - m_centre_m[i])});
+    const auto [low, high] = std::minmax({coordinate(from, i), coordinate(to, i)});
     box.lower[axis] = bvh_round_down(low) - bvh_box_padding;
     box.upper[axis] = bvh_round_up(high) + bvh_box_padding;
   }

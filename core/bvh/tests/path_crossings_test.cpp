@@ -59,6 +59,18 @@ TEST(PathCrossings, ThroughAnEdgeOrACornerThereIsOne) {
   }
 }
 
+/// One that reached the places of unused slots overran the stack of the search.
+TEST(PathCrossings, APathMayBeOfAnyLength) {
+  const TriangleBvh tree(make_sphere(1, 2));
+  std::vector<PathCrossing> crossings;
+  for (const double length : {1e6, 1e19, 1e30, 1e60, 1e300}) {
+    tree.find_crossings({0.01, 0.02, 0.03}, {length, 0.9 * length, -0.8 * length}, crossings);
+    EXPECT_EQ(crossings.size(), 1U) << length;
+    tree.find_crossings({-length, -length, -length}, {length, length, length}, crossings);
+    EXPECT_LE(crossings.size(), 4U) << length;
+  }
+}
+
 TEST(PathCrossings, OfAPathWithoutLengthOrEndThereAreNone) {
   const TriangleBvh tree(make_box({1, 1, 1}, 2));
   std::vector<PathCrossing> crossings(1);
