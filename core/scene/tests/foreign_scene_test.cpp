@@ -312,6 +312,16 @@ TEST(ForeignScene, KeysOfThousandsOfPartsAreRefused) {
   EXPECT_EQ(error_of(request(text + "]\n")), "no error");
 }
 
+TEST(ForeignScene, AnAttachmentSaysWhatItsNodesAreNear) {
+  // The outline lies in the plane of the box's top: with enough distance, as many nodes as the box binds, or more.
+  const std::string text = plain_text() + attachment("top", "box", 0.004);
+  const std::size_t near_bone = scene_of(text).attachments[0].nodes.size();
+  EXPECT_GT(near_bone, 0U);
+  EXPECT_GE(scene_of(text + "near = \"outline\"\n").attachments[0].nodes.size(), near_bone);
+  expect_mentions(error_of(request(text + "near = \"otline\"\n")),
+                  {"test.toml:22: attachment[1].near", "'otline' has to be bone or outline; did you mean 'outline'?"});
+}
+
 TEST(ForeignScene, MoreBodiesThanAnySceneHasAreRefusedBeforeOneIsRead) {
   for (const std::string kind : {"bone", "muscle"}) {
     std::string text = kind == "bone" ? "" : "[[bone]]\nname = \"b\"\nmesh = \"synthetic:box\"\n";
