@@ -6,6 +6,7 @@
 
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
+#include "datasets/sharp_shapes.hpp"
 
 namespace musclebench {
 
@@ -122,7 +123,28 @@ constexpr std::array shapes = {
                }},
     NamedShape{"tube", [] { return moved(lying_capsule(0.01, 0.05, 32), Vec3(0, 0, 0.01)); }},
     NamedShape{"coarse_tube", [] { return moved(lying_capsule(0.01, 0.05, 12), Vec3(0, 0, 0.01)); }},
+    // Their lowest corner, edge or face half a millimetre above z = 0.
+    NamedShape{"soft_spike", [] { return moved(refined(make_cone(0.008, 0.025, 12, -1), 2), Vec3(0, 0, 0.0005)); }},
+    NamedShape{"soft_wedge", [] { return moved(refined(make_wedge(0.008, 0.02, 0.015, -1), 3), Vec3(0, 0, 0.0005)); }},
+    NamedShape{"soft_cube",
+               [] {
+                 return box({0.01, 0.01, 0.01}, {0, 0, 0.0105}, 6);
+               }},
+    // Fills the groove of grooved_block to the bit.
+    NamedShape{"groove_filling", [] { return moved(refined(make_wedge(0.02, 0.02, 0.03, -1), 3), Vec3(0, 0, -0.02)); }},
     // Bones.
+    NamedShape{"spike", [] { return make_cone(0.01, 0.04, 24, 1); }},
+    NamedShape{"cracked_block", [] { return make_cracked_block(0.006, 0.02); }},
+    NamedShape{"grooved_block", [] { return refined(make_cracked_block(0.02, 0.02), 2); }},
+    NamedShape{"holed_plate", make_holed_plate},
+    NamedShape{"fine_plate",
+               [] {
+                 return box({0.06, 0.06, 0.005}, {0, 0, -0.005}, 10);
+               }},
+    NamedShape{"cliff",
+               [] {
+                 return box({0.03, 0.05, 0.02}, {-0.03, 0, -0.02});
+               }},
     NamedShape{"plate",
                [] {
                  return box({0.06, 0.06, 0.005}, {0, 0, -0.005});

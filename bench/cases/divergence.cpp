@@ -24,8 +24,11 @@ std::string Divergence::describe(int frame, std::span<const Vec3> positions) con
   return fmt::format("frame {}: node {} left the scene by more than {:.3g} m", frame, *node, m_range_m);
 }
 
-std::string Divergence::cause(Simulation& simulation, int frame, std::span<const std::string> effect_names) const {
-  for (int earlier = 1; earlier < frame; ++earlier) simulation.step_frame(earlier);
+std::string Divergence::cause(Simulation& simulation, int frame, std::span<const std::string> effect_names,
+                              CollisionObserver& observe_last) const {
+  for (int earlier = 1; earlier < frame; ++earlier) {
+    simulation.step_frame(earlier, earlier >= frame - kept_frames ? &observe_last : nullptr);
+  }
   std::vector<std::string> told;  // of each node, the first time that it is lost
   told.resize(m_scene.muscle_mesh.vertices.size());
   int iteration = 0;

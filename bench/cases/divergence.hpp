@@ -19,8 +19,11 @@ class Divergence {
   [[nodiscard]] std::string describe(int frame, std::span<const Vec3> positions) const;
 
   /// What moved the node lost in `frame` out of the scene, in words: steps `simulation`, which is at its start, there
-  /// again. Empty where it is not lost in that frame.
-  [[nodiscard]] std::string cause(Simulation& simulation, int frame, std::span<const std::string> effect_names) const;
+  /// again. Empty where it is not lost in that frame. `observe_last` sees the collision steps of the up to
+  /// `kept_frames` frames before it.
+  [[nodiscard]] std::string cause(Simulation& simulation, int frame, std::span<const std::string> effect_names,
+                                  CollisionObserver& observe_last) const;
+  static constexpr int kept_frames = 3;
 
  private:
   /// The first node that is.

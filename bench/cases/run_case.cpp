@@ -9,6 +9,7 @@
 #include "bench/cases/build_backend.hpp"
 #include "bench/cases/coupled_judge.hpp"
 #include "bench/cases/divergence.hpp"
+#include "bench/cases/kept_steps.hpp"
 #include "core/base/huge_pages.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/sha256.hpp"
@@ -167,10 +168,12 @@ class CaseRunner {
   }
 
   /// In words that follow those of what was lost. The run is made again for it: the same bits, watched.
-  [[nodiscard]] std::string cause_of_divergence(int frame) const {
+  [[nodiscard]] std::string cause_of_divergence(int frame) {
     PreparedSimulation again = prepare_simulation(m_scene, *m_backend, m_run.responses, m_run.threads,
                                                   make_muscle_detectors(m_scene, m_run.colliders, m_run.threads));
-    const std::string cause = m_divergence.cause(*again.simulation, frame, again.effect_names);
+    KeptSteps steps(!m_scene.muscle_pairs.empty());
+    const std::string cause = m_divergence.cause(*again.simulation, frame, again.effect_names, steps);
+    m_result.last_steps = steps.take();
     return cause.empty() ? "" : ", moved out by " + cause;
   }
 

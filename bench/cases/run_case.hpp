@@ -9,6 +9,7 @@
 #include "core/base/machine_state.hpp"
 #include "core/measure/outcome.hpp"
 #include "core/measure/step_record.hpp"
+#include "core/recording/recording.hpp"
 
 namespace musclebench {
 
@@ -60,6 +61,8 @@ struct RunResult {
   std::size_t memory_peak_bytes = 0;    ///< of the whole process
   std::size_t referee_bytes = 0;        ///< resident memory of judging and of following fibres
   std::string state_hash;               ///< of all positions and velocities at the end
+  /// Of a run that diverged: the collision steps of the last whole frames before, up to Divergence::kept_frames.
+  std::vector<RecordedStep> last_steps = {};
 };
 
 /// Runs the case. `report` is called after each frame, `report_build` now and then before the first. A run that blows

@@ -85,7 +85,9 @@ std::optional<std::filesystem::path> data_folder(const std::string& option) {
   return variable;
 }
 
-Scene load_scene(const SceneChoice& choice) {
+namespace {
+
+SceneRequest request_of(const SceneChoice& choice) {
   SceneRequest request;
   request.preset_override = choice.preset;
   request.preset_text = preset_text;
@@ -109,12 +111,23 @@ Scene load_scene(const SceneChoice& choice) {
   } else {
     refuse_name(choice.scene);
   }
+  return request;
+}
+
+}  // namespace
+
+Scene load_scene(const SceneChoice& choice) {
+  const SceneRequest request = request_of(choice);
   Scene scene = read_scene(request);
   if (scene.auto_effects.wanted) {
     add_advised_effects(scene, choice.check_report);
     scene.auto_effects.resolved_text = resolved_scene_text(request, scene);
   }
   return scene;
+}
+
+std::string resolved_scene(const SceneChoice& choice, const Scene& scene) {
+  return resolved_scene_text(request_of(choice), scene);
 }
 
 }  // namespace musclebench

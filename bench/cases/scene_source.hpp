@@ -30,6 +30,9 @@ struct SceneChoice {
 /// Reads the scene. Throws InputError; an unknown name is answered with the list of embedded scenes.
 Scene load_scene(const SceneChoice& choice);
 
+/// `scene`, which was loaded from `choice`, as a file that names loop, effects and pairs in full (resolved_scene_text).
+std::string resolved_scene(const SceneChoice& choice, const Scene& scene);
+
 /// The folder of the anatomical data: `option`, else $MUSCLEBENCH_DATA, else nothing.
 std::optional<std::filesystem::path> data_folder(const std::string& option);
 

@@ -11,7 +11,7 @@
 #include "bench/process/progress.hpp"
 #include "core/base/input_error.hpp"
 #include "core/scene/check/scene_check.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/scene/read_motion.hpp"
 #include "core/scene/scene_warnings.hpp"
 
 namespace musclebench {
@@ -38,10 +38,15 @@ std::map<std::string, ParameterValue> loop_overrides(const SceneOptions& options
   return overrides;
 }
 
-Scene load_scene(const SceneOptions& options) {
+SceneChoice choice_of(const SceneOptions& options) {
   SceneChoice choice = options.choice;
   choice.loop_overrides = loop_overrides(options);
   choice.motion_overrides = parse_assignments(options.motion, "--motion", motion_parameters());
+  return choice;
+}
+
+Scene load_scene(const SceneOptions& options) {
+  SceneChoice choice = choice_of(options);
   std::optional<Progress> progress;
   choice.check_report = [&](int done, int total) {
     if (!progress) progress.emplace(progress_style(false), "check " + choice.scene, total);

@@ -25,6 +25,8 @@ void add_scene_options(CLI::App& command, SceneOptions& options);
 
 /// All that the options change of the loop. Throws InputError.
 std::map<std::string, ParameterValue> loop_overrides(const SceneOptions& options);
+/// With all that the options say of it. Throws InputError.
+SceneChoice choice_of(const SceneOptions& options);
 
 /// Reads the scene and prints its warnings. Throws InputError.
 Scene load_scene(const SceneOptions& options);

@@ -36,6 +36,7 @@ struct HardOptions {
   std::vector<std::string> cases;
   std::vector<std::string> parameters;
   std::string out;
+  std::string data;
   double seconds = 0;
   int jobs = usable_cores();
   int fuzz = 0;
@@ -100,7 +101,8 @@ HardMatrix run_cells(const HardOptions& options) {
     for (const BackendEntry* entry : backends) {
       const HardRequest request{.backend = *entry,
                                 .given = parse_assignments(options.parameters, "--param", entry->parameters),
-                                .whole = options.whole};
+                                .whole = options.whole,
+                                .data = options.data};
       if (static_cast<int>(at_work.size()) >= options.jobs) take_one();
       at_work.emplace_back([&] { return each.run(request); }, options.seconds);
       cell_of.push_back(started++);
@@ -182,6 +184,8 @@ void add_hard_command(CLI::App& app, int& exit_code) {
   command->add_option("--backend", options->backends, "Only this one; may be repeated (default: all)");
   command->add_option("--case", options->cases, "Only this one; may be repeated (default: all)");
   command->add_option("--param", options->parameters, "key=value of the backend, where one is named; may be repeated");
+  command->add_option("--data", options->data,
+                      "Folder of the anatomical data, for the cases of real muscles (default: $MUSCLEBENCH_DATA)");
   command->add_option("--out", options->out, "Folder for matrix.csv and matrix.md (default: none)");
   command->add_option("--seconds", options->seconds, "After which a cell counts as hung (default: 300; --all: 3600)")
       ->check(positive_and_finite());

@@ -8,6 +8,7 @@
 #include "bench/cases/record_case.hpp"
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
+#include "bench/commands/recording_header_of.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/process/signals.hpp"
 #include "bench/results/build_info.hpp"
@@ -27,35 +28,6 @@ struct RecordOptions {
   std::string out;
   bool progress_lines = false;
 };
-
-/// An embedded scene by its name, a file by its absolute path.
-std::string source_of(const SceneChoice& choice) {
-  return choice.scene.ends_with(".toml") ? fs::absolute(choice.scene).lexically_normal().string() : choice.scene;
-}
-
-RecordingHeader header_of(const Case& resolved, const SceneOptions& options, std::span<const int> free_nodes) {
-  const Scene& scene = resolved.scene;
-  RecordingHeader header;
-  header.scene = scene.name;
-  header.scene_source = source_of(options.choice);
-  header.preset = options.choice.preset;
-  header.loop_overrides = loop_overrides(options);
-  header.scene_sha256 = scene_hash(scene);
-  header.backend = resolved.backend.name;
-  header.build = build_info().git;
-  header.nodes = static_cast<int>(scene.muscle_mesh.vertices.size());
-  header.muscles = static_cast<int>(scene.muscles.size());
-  header.muscle_contact = !scene.muscle_pairs.empty();
-  header.bones = static_cast<int>(scene.bones.size());
-  header.substeps = scene.loop.substeps;
-  header.iterations = scene.loop.iterations;
-  header.rounding_m = rounding_step_m(scene_diagonal_m(scene));
-  for (int frame = 1; frame <= scene.loop.frames; ++frame) {
-    header.angles_deg.push_back(scene.angle_rad(frame) * degrees_per_radian);
-  }
-  header.free_nodes.assign(free_nodes.begin(), free_nodes.end());
-  return header;
-}
 
 void print_summary(const RecordingHeader& header, const RecordingFile& file, Nanoseconds wall_ns,
                    const std::string& out) {
@@ -93,7 +65,8 @@ int record(const RecordOptions& options) {
       prepare_simulation(resolved.scene, *built.backend, resolved.responses, resolved.threads,
                          make_muscle_detectors(scene, resolved.colliders, resolved.threads));
   release_shared(scene);
-  const RecordingHeader header = header_of(resolved, options.scene, prepared.simulation->free_nodes());
+  const RecordingHeader header =
+      recording_header(resolved, options.scene, {1, scene.loop.frames}, prepared.simulation->free_nodes());
   std::optional<RecordingWriter> writer;
   {
     const HeldSignals held;

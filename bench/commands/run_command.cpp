@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -9,6 +11,7 @@
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
 #include "bench/commands/effect_options.hpp"
+#include "bench/commands/recording_header_of.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/process/signals.hpp"
 #include "bench/results/other_case.hpp"
@@ -16,6 +19,8 @@
 #include "bench/results/run_output.hpp"
 #include "bench/results/summary.hpp"
 #include "core/base/input_error.hpp"
+#include "core/base/output_file.hpp"
+#include "core/recording/recording_writer.hpp"
 
 namespace musclebench {
 
@@ -40,6 +45,41 @@ struct RunOptions {
   int fibres_if_possible = -1;  ///< the same
 };
 
+constexpr const char* before_divergence = "before_divergence.recording";
+
+std::vector<int> free_nodes(const RunCase& run, const RunResult& result) {
+  std::vector<int> nodes;
+  auto bound = result.bound_nodes.begin();
+  for (int node = 0; node < static_cast<int>(run.scene.muscle_mesh.vertices.size()); ++node) {
+    while (bound != result.bound_nodes.end() && bound->node < node) ++bound;
+    if (bound == result.bound_nodes.end() || bound->node != node) nodes.push_back(node);
+  }
+  return nodes;
+}
+
+/// The frames before a divergence, as a recording for `replay`, and beside it the scene with all that the command line
+/// changed in it. False for none, or where a position can't be stored.
+bool write_last_steps(const std::filesystem::path& file, const RunCase& run, const RunOptions& options,
+                      const RunResult& result) {
+  if (result.last_steps.empty()) return false;
+  const int last = result.records.back().frame - 1;
+  const int frames = static_cast<int>(result.last_steps.size()) / (run.scene.loop.substeps * run.scene.loop.iterations);
+  SceneOptions as_resolved;
+  as_resolved.choice.scene = std::filesystem::path(file).replace_extension(".toml").string();
+  OutputFile scene(as_resolved.choice.scene);
+  scene.stream() << resolved_scene(choice_of(options.scene), run.scene);
+  scene.close();
+  RecordingWriter writer(file, recording_header(run, as_resolved, {last - frames + 1, last}, free_nodes(run, result)));
+  for (const RecordedStep& step : result.last_steps) {
+    if (!writer.add_step(step.substep_start, step.previous_bone_poses, step.positions, step.bone_poses,
+                         step.muscle_positions)) {
+      return false;
+    }
+  }
+  writer.finish();
+  return true;
+}
+
 RunResult run_and_write(const RunCase& run, const RunOptions& options, const std::string& out) {
   std::optional<EndAtOnce> until_written(std::in_place);
   RunResult result;
@@ -62,6 +102,11 @@ RunResult run_and_write(const RunCase& run, const RunOptions& options, const std
   }
   const HeldSignals held;
   write_run(out, run, result);
+  if (write_last_steps(std::filesystem::path(out) / before_divergence, run, options, result)) {
+    fmt::print(stderr,
+               "musclebench: {}: the collision steps of the frames before are in {}/{}, for `musclebench replay`\n",
+               run.scene.name, out, before_divergence);
+  }
   until_written.reset();
   return result;
 }

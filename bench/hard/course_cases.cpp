@@ -2,13 +2,16 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <hwy/targets.h>
 
+#include "bench/hard/courses.hpp"
 #include "bench/hard/moved_scene.hpp"
 
 // Cases of whole courses: what adds up over many frames, and what a run may not depend on.
@@ -17,14 +20,7 @@ namespace musclebench {
 namespace {
 
 constexpr const char* flexed_muscle = "synthetic/adductor_brevis";
-constexpr int moving_frames = 40;
-constexpr int resting_frames = 25;  // half a second of the preset: the muscle comes to rest
-
-double rms_gap_m(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
-  double sum_m2 = 0;
-  for (std::size_t i = 0; i < from.size(); ++i) sum_m2 += (to[i] - from[i]).squaredNorm();
-  return std::sqrt(sum_m2 / static_cast<double>(from.size()));
-}
+constexpr CourseFrames course_frames{.moving = 40, .resting = 25};
 
 Vec3 centre_of(const std::vector<Vec3>& positions) {
   Vec3 sum = Vec3::Zero();
@@ -39,47 +35,15 @@ SceneChoice flexion(std::int64_t frames) {
   return choice;
 }
 
-/// The motion of each bone so many times one after the other, each with its rest.
-void repeat_motions(Scene& scene, int times) {
-  for (BoneMotion& motion : scene.motions) {
-    if (motion.angles_rad.empty()) continue;
-    const double rest_rad = motion.angles_rad.front();
-    const double flexed_rad = motion.angles_rad.back();
-    motion.there_and_back = false;
-    motion.times = {0};
-    motion.angles_rad = {rest_rad};
-    for (int i = 0; i < times; ++i) {
-      const double start = i * (moving_frames + resting_frames);
-      motion.times.insert(motion.times.end(),
-                          {start + 0.5 * moving_frames, start + moving_frames, start + moving_frames + resting_frames});
-      motion.angles_rad.insert(motion.angles_rad.end(), {flexed_rad, rest_rad, rest_rad});
-    }
-  }
-}
-
-/// Of the short run, which ends within two minutes for all backends: a cell in which one alone would take a good part
-/// of that, by what one substep takes.
-std::optional<HardCell> unless_short(const HardRequest& request, SceneChoice choice, int frames) {
-  constexpr double most_s = 20;
-  if (request.whole) return std::nullopt;
-  const int substeps = load_scene(choice).loop.substeps;
-  choice.loop_overrides["frames"] = std::int64_t{1};
-  choice.loop_overrides["substeps"] = std::int64_t{1};
-  const double frame_s =
-      1e-9 * substeps * static_cast<double>(moved(request, choice).result.records.front().times.frame_ns);
-  if (frame_s * frames <= most_s) return std::nullopt;
-  return not_applicable(fmt::format("would take {:.0f} s: in the long run only (--all)", frame_s * frames));
-}
-
 HardCell long_run(const HardRequest& request) {
   return watched(request, true, [&] {
     const int flexions = request.whole ? 50 : 2;
-    constexpr int frames_of_one = moving_frames + resting_frames;
+    constexpr int frames_of_one = course_frames.all();
     if (const std::optional<HardCell> left_out = unless_short(request, flexion(1), frames_of_one * flexions)) {
       return *left_out;
     }
     const MovedScene run = moved(request, flexion(std::int64_t{frames_of_one} * flexions), 1,
-                                 [&](Scene& scene) { repeat_motions(scene, flexions); });
+                                 [&](Scene& scene) { repeat_motions(scene, course_frames, flexions); });
     if (run.result.status == "diverged") return HardCell{Verdict::breaks, run.said(), {}};
     const std::vector<Vec3>& first = run.positions(frames_of_one);
     const std::vector<Vec3>& last = run.positions(run.result.snapshots.size() - 1);
@@ -93,8 +57,9 @@ HardCell long_run(const HardRequest& request) {
 
 HardCell sensitivity(const HardRequest& request) {
   return watched(request, true, [&] {
-    SceneChoice choice = flexion(moving_frames);
-    if (const std::optional<HardCell> left_out = unless_short(request, choice, 2 * moving_frames)) return *left_out;
+    SceneChoice choice = flexion(course_frames.moving);
+    if (const std::optional<HardCell> left_out = unless_short(request, choice, 2 * course_frames.moving))
+      return *left_out;
     const MovedScene run = moved(request, choice);
     choice.loop_overrides["start_noise_m"] = 1e-12;
     const MovedScene other = moved(request, choice);
@@ -118,6 +83,52 @@ HardCell groove(const HardRequest& request) {
     const double gone_m = (centre_of(run.positions(last)) - centre_of(run.positions(0))).y();
     return judged({{"share of the free path that the ball's centre lacks", 1 - gone_m / free_m, 0.1}}, request,
                   run.said());
+  });
+}
+
+/// CPU time of all frames, judged or not: the shorter of two.
+Nanoseconds frames_ns(const HardRequest& request, bool judge, const EditScene& edit, bool* says_bound = nullptr) {
+  Nanoseconds shortest_ns = std::numeric_limits<Nanoseconds>::max();
+  for (int i = 0; i < 2; ++i) {
+    Scene scene = load_scene(scene_of("hard/flush"));
+    if (edit) edit(scene);
+    const Parameters parameters = request.parameters();
+    RunCase run{{scene, request.backend, parameters, 1}};
+    run.responses = choose_responses("", scene, request.backend, parameters);
+    run.judge = judge;
+    const RunResult result = run_case(run, [](int) {});
+    shortest_ns = std::min(shortest_ns, result.cpu_after_ns - result.cpu_before_ns);
+    if (says_bound == nullptr) continue;
+    for (const StepRecord& record : result.records) {
+      const bool has_bound = record.surface_depth_bound_m >= record.surface_depth_m;
+      *says_bound = *says_bound && has_bound;
+    }
+  }
+  return shortest_ns;
+}
+
+HardCell judge_flush(const HardRequest& request) {
+  return watched(request, true, [&] {
+    std::vector<HardFigure> figures;
+    const auto open = [](Scene& scene) {
+      // Every tenth triangle is missing.
+      std::vector<Triangle> kept;
+      for (std::size_t t = 0; t < scene.muscle_mesh.triangles.size(); ++t) {
+        if (t % 10 != 0) kept.push_back(scene.muscle_mesh.triangles[t]);
+      }
+      scene.muscle_mesh.triangles = kept;
+      scene.muscles.front().body.last_triangle = kept.size();
+    };
+    for (const auto& [words, edit] :
+         {std::pair<std::string, EditScene>("closed", {}), std::pair<std::string, EditScene>("open", open)}) {
+      bool says_bound = true;
+      const auto judged_ns = static_cast<double>(frames_ns(request, true, edit, &says_bound));
+      const auto plain_ns = static_cast<double>(frames_ns(request, false, edit));
+      figures.push_back(
+          {words + " muscle: time of a frame with its judgement over that without", judged_ns / plain_ns, 20});
+      figures.push_back({words + " muscle: frames whose surface depth has no bound", says_bound ? 0.0 : 1.0, 0});
+    }
+    return judged(std::move(figures), request, "", MayRefuse::nobody);
   });
 }
 
@@ -158,6 +169,15 @@ constexpr std::array cases_of_courses = {
         .bar = "shapes within 0.1 mm at full flexion and after the return",
         .scene = flexed_muscle,
         .run = sensitivity},
+    HardCase{.id = "judge-flush",
+             .what =
+                 "A muscle fills the groove of a bone, its faces on the bone's; once more with every tenth triangle "
+                 "missing.",
+             .why = "No part of such a face is clearly inside or outside, and a judge that splits faces until one is "
+                    "never ends (review 13).",
+             .bar = "judging a frame costs at most 20 times the frame, and says the bound that is left",
+             .scene = "hard/flush",
+             .run = judge_flush},
     HardCase{
         .id = "other-cpu",
         .what =

@@ -47,6 +47,7 @@ struct HardRequest {
   const BackendEntry& backend;
   std::map<std::string, ParameterValue> given = {};  ///< parameters of the backend
   bool whole = false;                                ///< the long sweeps, too
+  std::string data = {};                             ///< folder of the anatomical data; empty: $MUSCLEBENCH_DATA
   int threads = 1;
 
   /// `more` goes before what was given. Throws InputError.
@@ -79,5 +80,7 @@ std::span<const HardCase> point_cases();
 std::span<const HardCase> input_cases();
 std::span<const HardCase> motion_cases();
 std::span<const HardCase> course_cases();
+std::span<const HardCase> loop_cases();
+std::span<const HardCase> anatomy_cases();
 
 }  // namespace musclebench

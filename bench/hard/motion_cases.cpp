@@ -10,7 +10,6 @@
 
 #include "bench/hard/hard_case.hpp"
 #include "bench/hard/moved_scene.hpp"
-#include "core/effects/effect_registry.hpp"
 
 // Cases that move a muscle: embedded scenes `hard/...`, run as `musclebench run` does and judged by the Referee.
 namespace musclebench {
@@ -178,51 +177,28 @@ HardCell attached_inside(const HardRequest& request) {
   });
 }
 
-HardCell extremes(const HardRequest& request) {
-  return watched(request, false, [&] {
-    std::vector<HardFigure> figures;
-    const Scene usual = load_scene(scene_of("hard/time_step"));
-    for (const SceneEffect& effect : usual.effects) {
-      for (const ParameterSpec& spec : find_effect(effect.name)->parameters) {
-        if (spec.kind != ParameterKind::number) continue;
-        for (const double value : {spec.minimum, spec.maximum}) {
-          SceneChoice choice = scene_of("hard/time_step");
-          choice.loop_overrides["frames"] = std::int64_t{20};
-          choice.effect_overrides.push_back(
-              {.location = "extremes", .name = effect.name, .values = {{spec.name, value}}});
-          const MovedScene run = moved(request, choice);
-          const bool is_finite = run.result.status != "diverged";
-          const std::string words = fmt::format("{}.{} = {:g}", effect.name, spec.name, value);
-          figures.push_back(
-              {words + ": farthest node from rest, in diagonals",
-               is_finite ? run.largest_move_m(0, run.result.snapshots.size() - 1) / run.diagonal_m() : std::nan(""),
-               10});
-        }
-      }
-    }
-    return judged(std::move(figures), request, "", MayRefuse::nobody);
-  });
-}
+constexpr std::array sharp_pairs = {"spike_on_spike", "spike_on_wedge",     "wedge_on_wedge", "spike_in_crack",
+                                    "wedge_in_crack", "sliding_spike",      "sliding_wedge",  "over_hole",
+                                    "on_cliff",       "over_internal_edges"};
 
-HardCell blow_up(const HardRequest& request) {
-  return watched(request, false, [&] {
-    SceneChoice choice = scene_of("hard/time_step");
-    choice.effect_overrides.push_back(
-        {.location = "non-finite", .name = "gravity", .values = {{"z_m_per_s2", -1000.0}}});
-    // Whose rate times the step would stop the fall.
-    choice.effect_overrides.push_back({.location = "non-finite", .name = "damping", .is_removed = true});
-    choice.loop_overrides["time_step_s"] = 1e3;
-    const MovedScene run = moved(request, choice);
-    int not_finite = 0;
-    for (const StepRecord& record : run.result.records) {
-      for (const double volume_m3 : record.volumes_m3) not_finite += std::isfinite(volume_m3) ? 0 : 1;
+HardCell sharp_pairs_of_erleben(const HardRequest& request) {
+  return watched(request, true, [&] {
+    std::vector<HardFigure> figures;
+    std::string said;
+    for (const char* pair : sharp_pairs) {
+      const MovedScene run = moved(request, scene_of(fmt::format("hard/{}", pair)));
+      const bool is_finite = run.result.status != "diverged";
+      const double lost = std::nan("");
+      const double slack_m = 1e-6 * run.diagonal_m() + declared_m(run, request);
+      const HardFigure tunnelled{fmt::format("{}: tunnelled nodes", pair),
+                                 is_finite ? run.result.outcome.tunnelled_nodes.value_or(-1) : lost, 0, "nodes"};
+      const HardFigure depth{fmt::format("{}: largest depth of a node", pair),
+                             is_finite ? 1e3 * run.result.outcome.max_depth_m.value_or(lost) : lost, 1e3 * slack_m,
+                             "mm"};
+      if (said.empty() && !(tunnelled.holds() && depth.holds())) said = run.said();
+      figures.insert(figures.end(), {tunnelled, depth});
     }
-    return judged(
-        {{"runs that blow up and don't say in which frame",
-          run.result.status == "diverged" && run.result.status_detail.find("frame") != std::string::npos ? 0.0 : 1.0,
-          0},
-         {"rows with numbers that are none", static_cast<double>(not_finite), 0, "rows"}},
-        request, "", MayRefuse::nobody);
+    return judged(std::move(figures), request, said);
   });
 }
 
@@ -237,33 +213,6 @@ HardCell same_state_for_threads(const HardRequest& request) {
     return judged({{"runs on two threads that end in other bits", is_same ? 0.0 : 1.0, 0},
                    {"repetitions that end in other bits", is_repeated ? 0.0 : 1.0, 0}},
                   request, "", MayRefuse::nobody);
-  });
-}
-
-HardCell time_step(const HardRequest& request) {
-  return watched(request, false, [&] {
-    std::vector<HardFigure> figures;
-    std::string said;
-    for (const double factor : {1.0, 10.0, 100.0, 1000.0}) {
-      for (const std::int64_t iterations :
-           request.whole ? std::vector<std::int64_t>{1, 10, 100} : std::vector<std::int64_t>{1, 100}) {
-        SceneChoice choice = scene_of("hard/time_step");
-        choice.loop_overrides["time_step_s"] = 1e-3 * factor;
-        choice.loop_overrides["iterations"] = iterations;
-        const MovedScene run = moved(request, choice);
-        double farthest_m = 0;
-        for (std::size_t frame = 1; frame < run.result.snapshots.size(); ++frame) {
-          farthest_m = std::max(farthest_m, run.largest_move_m(0, frame));
-        }
-        if (run.result.status == "diverged") farthest_m = std::nan("");
-        const std::string setting = fmt::format("{:g} ms, {} iterations", factor, iterations);
-        figures.push_back({setting + ": farthest node from rest, in diagonals", farthest_m / run.diagonal_m(), 10});
-        figures.push_back({setting + ": volume error at the end",
-                           run.result.outcome.final_volume_error.value_or(std::nan("")), 0.05});
-        if (said.empty()) said = run.said();
-      }
-    }
-    return judged(std::move(figures), request, said, MayRefuse::nobody);
   });
 }
 
@@ -332,34 +281,23 @@ constexpr std::array cases_of_motion = {
              .bar = "no drift in the bone's frame beyond 1e-12 of the diagonal",
              .scene = "hard/attached_inside",
              .run = attached_inside},
+    HardCase{
+        .id = "erleben-ten",
+        .what = "Ten pairs of a soft muscle on a hard bone, with the tunnelling guard: spike on spike, spike and "
+                "wedge on wedge, spike and wedge in a crack, sliding spike and wedge, over a hole, on a cliff, over "
+                "internal edges.",
+        .why = "At sharp tips and edges the closest point jumps from side to side, and so does the way out (Erleben "
+               "2018; the test set of IPC).",
+        .bar = "finite, no node through the bone, none deeper than 1e-6 diagonals (grids: their declared bound "
+               "more) at the end of a step",
+        .scene = "hard/spike_on_spike",
+        .run = sharp_pairs_of_erleben},
     HardCase{.id = "determinism",
              .what = "The same run on one thread, on two, and again.",
              .why = "The loop amplifies rounding to millimetres: only the same bits can be compared.",
              .bar = "the same bits at the end",
              .scene = "hard/step_size",
              .run = same_state_for_threads},
-    HardCase{.id = "time-step",
-             .what = "A ball whose nodes start up to 1 mm off springs back, with steps of 1 ms to 1 s and 1 to 100 "
-                     "iterations.",
-             .why = "Explicit forces blow up with the step; constraints must not (IPC sweeps dt).",
-             .bar = "no node farther than 10 diagonals from its rest, volume within 5 % at the end",
-             .scene = "hard/time_step",
-             .asks_backend = false,
-             .run = time_step},
-    HardCase{.id = "extremes",
-             .what = "The same ball with each number of each effect at both ends of its range, one at a time.",
-             .why = "Divisions without a guard show at the ends: no stiffness, all pressure, no compliance.",
-             .bar = "no node farther than 10 diagonals from its rest after 20 frames",
-             .scene = "hard/time_step",
-             .asks_backend = false,
-             .run = extremes},
-    HardCase{.id = "non-finite",
-             .what = "The same ball thrown by a gravity of 1000 m/s2 with steps of 1000 s.",
-             .why = "A run that has blown up goes on for hours, and its rows look like results.",
-             .bar = "ends as diverged and names the frame; no row holds what is no number",
-             .scene = "hard/time_step",
-             .asks_backend = false,
-             .run = blow_up},
 };
 
 }  // namespace

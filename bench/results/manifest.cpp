@@ -29,28 +29,41 @@ Json json_of_effects(const Scene& scene) {
 }
 
 Json json_of_loop(const LoopParameters& loop) {
-  return {{"frames", loop.frames},
-          {"rest_frames", loop.rest_frames},
-          {"settle_substeps", loop.settle_substeps},
-          {"substeps", loop.substeps},
-          {"iterations", loop.iterations},
-          {"time_step_s", loop.time_step_s},
-          {"node_mass_kg", loop.node_mass_kg},
-          {"density_kg_per_m3", loop.density_kg_per_m3},
-          {"start_noise_m", loop.start_noise_m},
-          {"bone_motion", loop.interpolate_poses ? "interpolated" : "per_frame"}};
+  Json json = {{"frames", loop.frames},
+               {"rest_frames", loop.rest_frames},
+               {"settle_substeps", loop.settle_substeps},
+               {"substeps", loop.substeps},
+               {"iterations", loop.iterations},
+               {"time_step_s", loop.time_step_s},
+               {"node_mass_kg", loop.node_mass_kg},
+               {"density_kg_per_m3", loop.density_kg_per_m3},
+               {"start_noise_m", loop.start_noise_m},
+               {"bone_motion", loop.interpolate_poses ? "interpolated" : "per_frame"}};
+  for (const TimeStepChange& change : loop.time_step_changes) {
+    json["time_step_changes"].push_back({{"from_frame", change.from_frame}, {"time_step_s", change.time_step_s}});
+  }
+  return json;
 }
 
 std::string_view attachment_mode(const Scene& scene) {
   return scene.attach_at_first_contact ? "first_contact" : "areas";
 }
 
+Json json_of(const BoneRotation& rotation) {
+  return {{"axis", {rotation.axis.x(), rotation.axis.y(), rotation.axis.z()}},
+          {"centre_m", {rotation.centre_m.x(), rotation.centre_m.y(), rotation.centre_m.z()}},
+          {"times", rotation.times},
+          {"angles_rad", rotation.angles_rad},
+          {"there_and_back", rotation.there_and_back}};
+}
+
+/// One rotation, of no angles where the bone stands still, or a list of several.
 Json json_of(const BoneMotion& motion) {
-  return {{"axis", {motion.axis.x(), motion.axis.y(), motion.axis.z()}},
-          {"centre_m", {motion.centre_m.x(), motion.centre_m.y(), motion.centre_m.z()}},
-          {"times", motion.times},
-          {"angles_rad", motion.angles_rad},
-          {"there_and_back", motion.there_and_back}};
+  if (motion.rotations.empty()) return json_of(BoneRotation());
+  if (motion.rotations.size() == 1) return json_of(motion.rotations.front());
+  Json rotations = Json::array();
+  for (const BoneRotation& rotation : motion.rotations) rotations.push_back(json_of(rotation));
+  return rotations;
 }
 
 Json json_of(const std::string& name, const SceneMesh& mesh) {
@@ -64,6 +77,8 @@ Json json_of(const std::string& name, const SceneMesh& mesh) {
 Json json_of(const Muscle& muscle) {
   Json json = json_of(muscle.body.name, muscle.file);
   json["nodes"] = muscle.body.last_node - muscle.body.first_node;
+  if (muscle.density_kg_per_m3) json["density_kg_per_m3"] = *muscle.density_kg_per_m3;
+  if (const Vec3& v = muscle.velocity_m_per_s; !v.isZero(0)) json["velocity_m_per_s"] = {v.x(), v.y(), v.z()};
   json["repairs"] = muscle.changes;
   return json;
 }

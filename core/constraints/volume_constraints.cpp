@@ -1,6 +1,7 @@
 #include "core/constraints/volume_constraints.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <numeric>
 #include <utility>
@@ -174,9 +175,8 @@ VolumeConstraints::VolumeConstraints(const TriangleMesh& mesh, std::span<const B
   for (Region& region : m_regions) {
     const BodyRegions& body = m_bodies[region.body];
     const bool is_whole = body.last_region - body.first_region == 1;
-    region.target_m3 =
-        settings.pressure *
-        (is_whole ? body_volume_m3(mesh.vertices, mesh.triangles, bodies[region.body]) : volume_of(region));
+    region.rest_m3 = is_whole ? body_volume_m3(mesh.vertices, mesh.triangles, bodies[region.body]) : volume_of(region);
+    region.target_m3 = settings.pressure * region.rest_m3;
   }
 }
 
@@ -237,7 +237,10 @@ double VolumeConstraints::volume_of(const Region& region) const {
 /// Of gradients that are six times too long; 0 where nothing can move.
 double VolumeConstraints::multiplier_of(const Region& region) const {
   const double weighted = total(m_weighted, region.entry_chunks) / 36;
-  return weighted > 0 ? m_projection_scale * (volume_of(region) - region.target_m3) / weighted / 6 : 0;
+  if (!(weighted > 0)) return 0;
+  const double volume_m3 = volume_of(region);
+  const double most_gain_m3 = std::abs(volume_m3) + region.rest_m3;
+  return m_projection_scale * std::max(volume_m3 - region.target_m3, -most_gain_m3) / weighted / 6;
 }
 
 void VolumeConstraints::add_body(const TriangleMesh& mesh, const Body& body, const NodeOrder& order,

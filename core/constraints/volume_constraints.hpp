@@ -26,7 +26,9 @@ struct VolumeSettings {
 /// 2007, section 4.4): C = V - pressure * V_rest, with V = 1/6 sum p0 . (p1 x p2). Positions are relative to a point of
 /// the surface, so that no digits are lost far from the origin. All regions are corrected from the same positions; a
 /// node that k regions share counts k times in the sum that divides a correction, so that the sum of corrections never
-/// goes too far. Sums are made in an order that depends on neither threads nor vectors.
+/// goes too far. A step that is linear in the displacement inflates by more than it is asked to (a ball that is to gain
+/// n times its volume, (1 + n / 3)^3 - 1 times), so that no step asks for more than the volume there is and that of
+/// rest. Sums are made in an order that depends on neither threads nor vectors.
 class VolumeConstraints {
  public:
   /// `regions`: by triangle, its region in its body, from 0 on without a gap; empty: bodies are whole. An open body is
@@ -62,6 +64,7 @@ class VolumeConstraints {
  private:
   struct Region {
     std::size_t body;
+    double rest_m3 = 0;
     double target_m3 = 0;
     int lower_cut = -1;  ///< to the region before; -1: none
     int upper_cut = -1;

@@ -69,7 +69,7 @@ void read_scene_bytes(std::string_view bytes) {
 
 void read_motion_bytes(std::string_view bytes) {
   const TemporaryFile file(bytes, ".mot");
-  BoneMotion motion;
+  BoneRotation motion;
   motion.centre_m = Vec3(0.1, 0, 0);
   const MotionTable table = read_motion_table(file.path(), "hip_flexion_r");
   motion.times = table.times;

@@ -45,6 +45,25 @@ void run_team([[maybe_unused]] int threads, [[maybe_unused]] Barrier& barrier, c
 
 }  // namespace
 
+double LoopParameters::time_step_of_s(int frame) const {
+  double step_s = time_step_s;
+  for (const TimeStepChange& change : time_step_changes) {
+    if (change.from_frame <= frame) step_s = change.time_step_s;
+  }
+  return step_s;
+}
+
+double LoopParameters::time_s(int frame, int substep) const {
+  double steps = static_cast<double>(frame - 1) * substeps + substep;
+  double changed_s = 0;
+  for (auto change = time_step_changes.rbegin(); change != time_step_changes.rend(); ++change) {
+    const double later_steps = std::max(0.0, steps - static_cast<double>(change->from_frame - 1) * substeps);
+    changed_s += later_steps * change->time_step_s;
+    steps -= later_steps;
+  }
+  return steps * time_step_s + changed_s;
+}
+
 void LastDetection::before_detection(const CollisionStep& step) {
   if (!step.last_of_frame) {
     return;
@@ -105,7 +124,7 @@ void Simulation::settle() {
   const std::vector<NodeRow> velocities = m_velocities;
   for (int substep = 0; substep < m_loop.settle_substeps; ++substep) {
     std::ranges::fill(m_velocities, NodeRow{});
-    step({m_loop.time_step_s, m_poses, 0}, false, nullptr);
+    step({m_loop.time_step_of_s(1), m_poses, 0}, false, nullptr);
   }
   m_velocities = velocities;
 }
@@ -122,12 +141,12 @@ void Simulation::start_times() {
 const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer) {
   start_times();
   const Nanoseconds start_ns = monotonic_now_ns();
+  const double time_step_s = m_loop.time_step_of_s(frame);
   for (int substep = 1; substep <= m_loop.substeps; ++substep) {
     m_previous_poses.swap(m_poses);
     const double part = m_loop.interpolate_poses ? static_cast<double>(substep) / m_loop.substeps : 1.0;
     m_pose_function(frame - 1 + part, m_poses);
-    const double substeps_done = static_cast<double>(frame - 1) * m_loop.substeps + substep;
-    step({m_loop.time_step_s, m_poses, substeps_done * m_loop.time_step_s}, substep == m_loop.substeps, observer);
+    step({time_step_s, m_poses, m_loop.time_s(frame, substep)}, substep == m_loop.substeps, observer);
   }
   m_times.frame_ns = monotonic_now_ns() - start_ns - m_times.recording_ns;
   return m_times;
@@ -146,7 +165,7 @@ void Simulation::step(const SubstepInput& input, bool last_of_frame, CollisionOb
     collide(last_of_frame && iteration == m_loop.iterations, observer);
     tell_watch(moved_by_contacts, Team());
   }
-  run_team(m_threads, m_barrier, [&](const Team& team) { finish_substep(team); });
+  run_team(m_threads, m_barrier, [&](const Team& team) { finish_substep(input.time_step_s, team); });
 }
 
 void Simulation::apply_forces(const SubstepInput& input, const Team& team) {
@@ -224,9 +243,9 @@ void Simulation::collide(bool last_of_frame, CollisionObserver* observer) {
   run_stages(&ContactStage::after_bones, m_contacts);
 }
 
-void Simulation::finish_substep(const Team& team) {
+void Simulation::finish_substep(double time_step_s, const Team& team) {
   const TeamTimer timer(m_times.finish_ns, team);
-  const double per_time_step = 1.0 / m_loop.time_step_s;
+  const double per_time_step = 1.0 / time_step_s;
   const auto [first, last] = team.share(m_rows.size());
   for (std::size_t row = first; row < last; ++row) {
     if (m_rows[row].inverse_mass > 0) {

@@ -19,6 +19,12 @@
 
 namespace musclebench {
 
+/// From the first substep of a frame on.
+struct TimeStepChange {
+  int from_frame;  ///< 1: the first
+  double time_step_s;
+};
+
 /// How the shared loop runs. One frame is `substeps` substeps; one substep is one prediction, `iterations` passes over
 /// the constraints, each followed by detection and response, and one velocity update.
 struct LoopParameters {
@@ -30,11 +36,16 @@ struct LoopParameters {
   int settle_substeps = 0;
   int substeps = 1;
   int iterations = 1;
-  double time_step_s = 1e-3;       ///< of one substep
+  double time_step_s = 1e-3;       ///< of one substep, unless the frame is one of those below
   double node_mass_kg = 1;         ///< of every node, unless a density is given
   double density_kg_per_m3 = 0;    ///< of the muscle, whose mass its nodes share evenly; 0: use node_mass_kg
   double start_noise_m = 0;        ///< free nodes start displaced at random, by at most so much along each axis
   bool interpolate_poses = false;  ///< false: bones jump to the frame's pose in its first substep, as in the paper
+  std::vector<TimeStepChange> time_step_changes = {};  ///< ascending by frame
+
+  [[nodiscard]] double time_step_of_s(int frame) const;
+  /// From the start of the run to the end of a substep (1: the first of the frame).
+  [[nodiscard]] double time_s(int frame, int substep) const;
 };
 
 /// The time of each stage of one frame.
@@ -149,7 +160,7 @@ class Simulation {
   void collide(bool last_of_frame, CollisionObserver* observer);
   void find_contacts();
   void respond();
-  void finish_substep(const Team& team);
+  void finish_substep(double time_step_s, const Team& team);
   void tell_watch(int mover, const Team& team) const;
 
   LoopParameters m_loop;

@@ -12,7 +12,7 @@
 
 namespace musclebench {
 
-double BoneMotion::angle_rad(double progress) const {
+double BoneRotation::angle_rad(double progress) const {
   if (angles_rad.empty()) {
     return 0;
   }
@@ -24,9 +24,31 @@ double BoneMotion::angle_rad(double progress) const {
   return (1 - weight) * angles_rad[i - 1] + weight * angles_rad[i];
 }
 
-RigidMotion BoneMotion::pose(double progress) const {
+RigidMotion BoneRotation::pose(double progress) const {
   return angles_rad.empty() ? RigidMotion{} : RigidMotion::about_axis(axis, centre_m, angle_rad(progress));
 }
+
+bool BoneRotation::turns() const {
+  return std::ranges::any_of(angles_rad, [&](double angle) { return angle != angles_rad.front(); });
+}
+
+RigidMotion BoneMotion::pose(double progress) const {
+  if (rotations.empty()) return {};
+  RigidMotion pose = rotations.front().pose(progress);
+  for (std::size_t i = 1; i < rotations.size(); ++i) pose = pose * rotations[i].pose(progress);
+  return pose;
+}
+
+double BoneMotion::largest_angle_rad(double progress) const {
+  double largest_rad = 0;
+  for (const BoneRotation& rotation : rotations) {
+    const double angle_rad = rotation.angle_rad(progress);
+    if (std::abs(angle_rad) > std::abs(largest_rad)) largest_rad = angle_rad;
+  }
+  return largest_rad;
+}
+
+bool BoneMotion::turns() const { return std::ranges::any_of(rotations, &BoneRotation::turns); }
 
 namespace {
 

@@ -195,11 +195,12 @@ void warn_of_far_centres(const Scene& scene, const std::vector<MeasuredMesh>& me
   }
   constexpr double far = 10;  // sizes
   for (std::size_t bone = 0; bone < scene.motions.size() && !all.isEmpty(); ++bone) {
-    const BoneMotion& motion = scene.motions[bone];
-    const double distance_m = motion.angles_rad.empty() ? 0 : all.exteriorDistance(motion.centre_m);
-    if (distance_m > far * all.diagonal().norm()) {
-      warnings.push_back(fmt::format("bone '{}' turns about a point {:.3g} m away from all meshes: check centre_m",
-                                     scene.bones[bone].name, distance_m));
+    for (const BoneRotation& rotation : scene.motions[bone].rotations) {
+      const double distance_m = all.exteriorDistance(rotation.centre_m);
+      if (distance_m > far * all.diagonal().norm()) {
+        warnings.push_back(fmt::format("bone '{}' turns about a point {:.3g} m away from all meshes: check centre_m",
+                                       scene.bones[bone].name, distance_m));
+      }
     }
   }
 }

@@ -69,6 +69,8 @@ Particles particles_of(const Scene& scene, const std::vector<BoundNode>& bound) 
   particles.velocities.assign(particles.size(), Vec3::Zero());
   for (const Muscle& muscle : scene.muscles) {
     particles.inverse_masses.resize(static_cast<std::size_t>(muscle.body.last_node), 1 / node_mass_kg(scene, muscle));
+    std::fill(particles.velocities.begin() + muscle.body.first_node,
+              particles.velocities.begin() + muscle.body.last_node, muscle.velocity_m_per_s);
   }
   for (const BoundNode& node : bound) {
     particles.inverse_masses[node.node] = 0;
@@ -129,7 +131,7 @@ double node_mass_kg(const Scene& scene, const Muscle& muscle) {
   const double volume_m3 =
       std::abs(body_volume_m3(scene.muscle_mesh.vertices, scene.muscle_mesh.triangles, muscle.body));
   const double nodes = muscle.body.last_node - muscle.body.first_node;
-  const double shared_mass_kg = scene.loop.density_kg_per_m3 * volume_m3 / nodes;
+  const double shared_mass_kg = muscle.density_kg_per_m3.value_or(scene.loop.density_kg_per_m3) * volume_m3 / nodes;
   return shared_mass_kg > 0 ? shared_mass_kg : scene.loop.node_mass_kg;
 }
 

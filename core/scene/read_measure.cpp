@@ -20,14 +20,17 @@ namespace {
 constexpr int least_frames = 3;
 constexpr double most_fibres = 100'000;
 
-bool turns(const BoneMotion& motion) {
-  return std::ranges::any_of(motion.angles_rad, [&](double angle) { return angle != motion.angles_rad.front(); });
-}
-
 void require_one_axis(const Scene& scene, const std::string& location) {
   std::vector<std::string> turning;
   for (std::size_t bone = 0; bone < scene.bones.size(); ++bone) {
-    if (turns(scene.motions[bone])) turning.push_back("'" + scene.bones[bone].name + "'");
+    if (!scene.motions[bone].turns()) continue;
+    turning.push_back("'" + scene.bones[bone].name + "'");
+    if (std::ranges::count_if(scene.motions[bone].rotations, &BoneRotation::turns) > 1) {
+      throw InputError(location,
+                       fmt::format("needs one axis for moment arms, and bone {} turns about several; keep one "
+                                   "of its [[bone.motion]], or leave fibres out",
+                                   turning.back()));
+    }
   }
   if (turning.empty()) {
     throw InputError(location,

@@ -4,7 +4,6 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,15 +17,13 @@
 #include "core/scene/read_attachments.hpp"
 #include "core/scene/read_contact.hpp"
 #include "core/scene/read_measure.hpp"
+#include "core/scene/read_motion.hpp"
 #include "core/scene/scene_warnings.hpp"
 #include "core/scene/toml_table.hpp"
 
 namespace musclebench {
 
 namespace {
-
-constexpr double radians_per_degree = std::numbers::pi / 180;
-constexpr double most_degrees = 3600;
 
 std::string sha256_of(const TriangleMesh& mesh) {
   Sha256 hash;
@@ -37,17 +34,6 @@ std::string sha256_of(const TriangleMesh& mesh) {
 
 std::string mesh_location(const TomlTable& table, const SceneMesh& mesh) {
   return fmt::format("{} ({})", table.location("mesh"), mesh.reference);
-}
-
-/// What `read` returns; its complaints of another file begin with the line of the scene that names that file.
-template <typename Read>
-auto read_at(const std::string& location, const Read& read) {
-  try {
-    return read();
-  } catch (const InputError& error) {
-    const std::string message = error.what();
-    throw message.starts_with(location) ? error : InputError(location, message);
-  }
 }
 
 SceneMesh read_scene_mesh(const SceneRequest& request, const TomlTable& table) {
@@ -61,65 +47,6 @@ SceneMesh read_scene_mesh(const SceneRequest& request, const TomlTable& table) {
   });
   result.sha256 = sha256_of(result.mesh);
   return result;
-}
-
-/// A unit vector; the largest component is brought to 1 first where the square would be too large or small for a
-/// double.
-Vec3 read_axis(const TomlTable& table) {
-  Vec3 axis = table.point("axis");
-  const double largest = axis.cwiseAbs().maxCoeff();
-  if (!(largest > 0)) {
-    throw InputError(table.location("axis"), "has no length; give the direction of the rotation axis");
-  }
-  if (!std::isnormal(axis.squaredNorm())) {
-    axis /= largest;
-  }
-  return axis.normalized();
-}
-
-BoneMotion read_motion(const SceneRequest& request, const TomlTable& table) {
-  table.allow_only({"axis", "centre_m", "from_deg", "to_deg", "course", "table", "column", "relative_to_first_row"});
-  BoneMotion motion;
-  motion.axis = read_axis(table);
-  motion.centre_m = table.point("centre_m");
-  constexpr double farthest_m = 1e9;  // beyond it rounding moves the bones by more than a micrometre
-  if (!(motion.centre_m.cwiseAbs().maxCoeff() <= farthest_m)) {
-    throw InputError(table.location("centre_m"), "is so far away that nothing turns about it; give metres");
-  }
-  const Parameters changed(motion_parameters(), request.motion_overrides, "--motion");
-  const std::string course =
-      changed.given("course") ? changed.word("course") : table.word_or("course", "there_and_back");
-  if (course != "there" && course != "there_and_back") {
-    throw InputError(table.location("course"), fmt::format("'{}' is not one of there, there_and_back", course));
-  }
-  motion.there_and_back = course == "there_and_back";
-  if (table.has("table")) {
-    if (changed.given("from_deg") || changed.given("to_deg")) {
-      throw InputError("--motion",
-                       fmt::format("{} has a table of angles, which from_deg and to_deg can't change; leave "
-                                   "them out",
-                                   table.location()));
-    }
-    if (table.has("from_deg") || table.has("to_deg")) {
-      throw InputError(table.location("table"), "stands beside from_deg or to_deg; give either a table or two angles");
-    }
-    const auto path = resolve_reference(request, table.word("table"), table.location("table")).path;
-    const MotionTable rows =
-        read_at(table.location("table"), [&] { return read_motion_table(path, table.word("column")); });
-    const double zero = table.flag_or("relative_to_first_row", true) ? rows.values.front() : 0;
-    motion.times = rows.times;
-    for (const double value : rows.values) {
-      motion.angles_rad.push_back((value - zero) * radians_per_degree);
-    }
-  } else {
-    const auto angle_rad = [&](const char* key) {
-      const double degrees = changed.given(key) ? changed.number(key) : table.number(key, -most_degrees, most_degrees);
-      return degrees * radians_per_degree;
-    };
-    motion.times = {0, 1};
-    motion.angles_rad = {angle_rad("from_deg"), angle_rad("to_deg")};
-  }
-  return motion;
 }
 
 /// Names become file names.
@@ -162,8 +89,7 @@ void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene
     scene.bones.push_back(std::move(bone));
     scene.bone_meshes.push_back(std::move(mesh));
     scene.bone_contacts.push_back(read_bone_contact(table));
-    const auto motion = table.table("motion");
-    scene.motions.push_back(motion ? read_motion(request, *motion) : BoneMotion{});
+    scene.motions.push_back(read_motion(request, table));
   }
   if (scene.bones.empty()) {
     throw InputError(fmt::format("{}: bone", request.file), "is missing; a scene needs at least one [[bone]]");
@@ -194,10 +120,21 @@ void read_fibres(const SceneRequest& request, const TomlTable& table, std::size_
   }
 }
 
+void read_mass_and_velocity(const TomlTable& table, Muscle& muscle) {
+  if (table.has("density_kg_per_m3")) muscle.density_kg_per_m3 = table.number("density_kg_per_m3", 1e-6, 1e12);
+  if (!table.has("velocity_m_per_s")) return;
+  constexpr double fastest_m_per_s = 1e6;
+  muscle.velocity_m_per_s = table.point("velocity_m_per_s");
+  if (!(muscle.velocity_m_per_s.norm() <= fastest_m_per_s)) {
+    throw InputError(table.location("velocity_m_per_s"),
+                     fmt::format("is faster than {:g} m/s; give metres a second", fastest_m_per_s));
+  }
+}
+
 void read_muscles(const SceneRequest& request, const TomlTable& root, Scene& scene) {
   const std::vector<TomlTable> tables = few_enough(root.table_or_tables("muscle"), root, "muscle");
   for (const TomlTable& table : tables) {
-    table.allow_only({"name", "mesh", "fibres"});
+    table.allow_only({"name", "mesh", "fibres", "density_kg_per_m3", "velocity_m_per_s"});
     const std::string name = checked_name(table);
     if (std::ranges::any_of(scene.muscles, [&](const Muscle& other) { return other.body.name == name; })) {
       throw InputError(table.location("name"),
@@ -213,6 +150,7 @@ void read_muscles(const SceneRequest& request, const TomlTable& root, Scene& sce
     muscle.file = std::move(file);
     muscle.changes = std::move(welded.changes);
     muscle.node_of_vertex = std::move(welded.welded_vertex);
+    read_mass_and_velocity(table, muscle);
     for (int& node : muscle.node_of_vertex) {
       node += node < 0 ? 0 : muscle.body.first_node;
     }
@@ -339,6 +277,21 @@ toml::table parse_scene(const SceneRequest& request) {
   }
 }
 
+void read_time_step_changes(const TomlTable& root, LoopParameters& loop) {
+  if (!root.has("time_step_change")) return;
+  for (const TomlTable& table : root.table_or_tables("time_step_change")) {
+    table.allow_only({"from_frame", "time_step_s"});
+    const double frame = table.number("from_frame", 1, 1e7);
+    if (frame != std::floor(frame)) throw InputError(table.location("from_frame"), "has to be a whole number");
+    const TimeStepChange change{static_cast<int>(frame), table.number("time_step_s", 1e-9, 1e3)};
+    if (!loop.time_step_changes.empty() && change.from_frame <= loop.time_step_changes.back().from_frame) {
+      throw InputError(table.location("from_frame"), fmt::format("has to be after {}, that of the change before",
+                                                                 loop.time_step_changes.back().from_frame));
+    }
+    loop.time_step_changes.push_back(change);
+  }
+}
+
 void require_motion(const SceneRequest& request, const std::optional<TomlTable>& own, const LoopParameters& loop) {
   if (loop.rest_frames < loop.frames) return;
   const bool is_in_file = own && own->has("rest_frames") && !request.loop_overrides.contains("rest_frames");
@@ -349,24 +302,11 @@ void require_motion(const SceneRequest& request, const std::optional<TomlTable>&
 
 }  // namespace
 
-std::vector<ParameterSpec> motion_parameters() {
-  const auto angle = [](const char* name, const char* help) {
-    return parameter::number({.name = name,
-                              .unit = "deg",
-                              .default_value = 0,
-                              .minimum = -most_degrees,
-                              .maximum = most_degrees,
-                              .help = help});
-  };
-  return {angle("from_deg", "where the bones begin to turn"), angle("to_deg", "where they turn to"),
-          parameter::choice(
-              {.name = "course", .choices = {"there_and_back", "there"}, .help = "whether the motion returns"})};
-}
-
 Scene read_scene(const SceneRequest& request) {
   const toml::table text = parse_scene(request);
   const TomlTable root(text, request.file, "");
-  root.allow_only({"title", "preset", "bone", "muscle", "pair", "attachment", "contact", "effects", "loop", "measure"});
+  root.allow_only({"title", "preset", "bone", "muscle", "pair", "attachment", "contact", "effects", "loop", "measure",
+                   "time_step_change"});
 
   Scene scene;
   scene.name = request.name;
@@ -391,6 +331,7 @@ Scene read_scene(const SceneRequest& request) {
     loop_values[key] = value;
   }
   scene.loop = loop_from(Parameters(loop_parameters(), loop_values, "--loop"));
+  read_time_step_changes(root, scene.loop);
   require_motion(request, root.table("loop"), scene.loop);
   const auto contact = root.table("contact");
   read_response(contact, scene);

@@ -19,7 +19,7 @@ void Scene::poses_at(double frame_position, std::vector<RigidMotion>& poses) con
 double Scene::angle_rad(double frame_position) const {
   double largest = 0;
   for (const BoneMotion& motion : motions) {
-    const double angle = motion.angle_rad(progress_at(frame_position));
+    const double angle = motion.largest_angle_rad(progress_at(frame_position));
     largest = std::abs(angle) > std::abs(largest) ? angle : largest;
   }
   return largest;

@@ -50,6 +50,8 @@ struct Muscle {
   std::vector<std::string> changes;  ///< what welding did
   std::vector<FibreSegment> fibres;  ///< from a file; none where they run between the attachments
   bool fibres_between_attachments = false;
+  std::optional<double> density_kg_per_m3 = {};  ///< its own, in place of the loop's
+  Vec3 velocity_m_per_s = Vec3::Zero();          ///< of its free nodes as the run begins
 };
 
 /// A backend that a scene names.

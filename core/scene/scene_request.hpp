@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/input_error.hpp"
 #include "core/base/parameters.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/scene/effect_override.hpp"
@@ -42,5 +43,16 @@ struct SceneReference {
 /// Relative to the scene's folder, `${data}` to the data folder. Throws InputError with `location` where that folder is
 /// needed and not known.
 SceneReference resolve_reference(const SceneRequest& request, const std::string& text, const std::string& location);
+
+/// What `read` returns; its complaints of another file begin with the line of the scene that names that file.
+template <typename Read>
+auto read_at(const std::string& location, const Read& read) {
+  try {
+    return read();
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    throw message.starts_with(location) ? error : InputError(location, message);
+  }
+}
 
 }  // namespace musclebench

@@ -133,16 +133,14 @@ void warn_of_motions(const Scene& scene, Lines& warnings) {
                     scene.angle_rad(0) * degrees_per_radian));
   }
   for (std::size_t bone = 0; bone < scene.motions.size(); ++bone) {
-    const std::vector<double>& angles = scene.motions[bone].angles_rad;
-    if (angles.empty()) {
-      continue;
-    }
-    const auto [least, largest] = std::minmax_element(angles.begin(), angles.end());
-    if (*largest - *least > 2 * std::numbers::pi * (1 + 1e-9)) {
-      warnings.push_back(fmt::format(
-          "bone '{}' turns by {:.4g} degrees, more than a full turn: check its angles (of a table, that its line "
-          "inDegrees tells their unit)",
-          scene.bones[bone].name, (*largest - *least) * degrees_per_radian));
+    for (const BoneRotation& rotation : scene.motions[bone].rotations) {
+      const auto [least, largest] = std::ranges::minmax(rotation.angles_rad);
+      if (largest - least > 2 * std::numbers::pi * (1 + 1e-9)) {
+        warnings.push_back(fmt::format(
+            "bone '{}' turns by {:.4g} degrees, more than a full turn: check its angles (of a table, that its line "
+            "inDegrees tells their unit)",
+            scene.bones[bone].name, (largest - least) * degrees_per_radian));
+      }
     }
   }
 }

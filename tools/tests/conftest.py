@@ -1,6 +1,5 @@
 """Shared fixtures; the tools folder goes on the path as it does for the scripts in it."""
 
-import os
 import signal
 import sys
 from pathlib import Path
@@ -15,16 +14,15 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 import ball_on_box  # noqa: E402  (found through the path that is set above)
 import fake_registry  # noqa: E402
 import fake_runs  # noqa: E402
+from program import find_lhdl  # noqa: E402
 from musclebench.figures import looks  # noqa: E402
 
 
 @pytest.fixture(scope="session")
 def lhdl_folder() -> Path:
     """The LHDL data folder; skips where it is absent."""
-    candidates = [os.environ.get("MUSCLEBENCH_DATA"), TOOLS.parent.parent / "shared" / "data" / "lhdl"]
-    for candidate in candidates:
-        if candidate and (Path(candidate) / "lhdl.json").is_file():
-            return Path(candidate)
+    if folder := find_lhdl():
+        return folder
     pytest.skip("LHDL data not found: set MUSCLEBENCH_DATA to the folder with lhdl.json (README: how to get it)")
 
 

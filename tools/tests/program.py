@@ -21,3 +21,9 @@ def call(*arguments, **options) -> subprocess.CompletedProcess:
 def complaint(done: subprocess.CompletedProcess) -> str:
     """What the program says beside its warnings."""
     return "".join(line for line in done.stderr.splitlines(keepends=True) if "warning: " not in line)
+
+
+def find_lhdl() -> Path | None:
+    """The LHDL data folder, where there is one."""
+    candidates = [os.environ.get("MUSCLEBENCH_DATA"), Path(__file__).resolve().parents[3] / "shared" / "data" / "lhdl"]
+    return next((Path(folder) for folder in candidates if folder and (Path(folder) / "lhdl.json").is_file()), None)

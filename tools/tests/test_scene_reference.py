@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parent.parent.parent
-READERS = [PROJECT / "core/scene" / name for name in ("read_scene.cpp", "read_contact.cpp", "read_attachments.cpp")]
+READERS = [PROJECT / "core/scene" / name for name in ("read_scene.cpp", "read_motion.cpp", "read_contact.cpp", "read_attachments.cpp")]
 
 
 def keys_of_the_reader() -> set[str]:

@@ -25,11 +25,11 @@ Scene falling_ball(double acceleration_m_per_s2) {
   scene.name = "falling ball";
   scene.bones.push_back(bone_of(make_sphere(0.05, 2)));
   scene.bone_meshes.push_back({"bone", "", scene.bones[0].surface.mesh});
-  BoneMotion motion;
+  BoneRotation motion;
   motion.axis = Vec3::UnitZ();
   motion.times = {0, 1};
   motion.angles_rad = {0, 1};
-  scene.motions.push_back(motion);
+  scene.motions.push_back({{motion}});
   scene.add_muscle("muscle", moved(make_sphere(0.02, 2), Vec3(0.2, 0, 0)));
   scene.loop.frames = frame_count;
   scene.loop.substeps = 2;

@@ -24,12 +24,12 @@ Scene ball_against_ball(double start_rad, double turn_rad, int frames) {
   const RigidMotion start = RigidMotion::about_axis(Vec3::UnitZ(), Vec3::Zero(), start_rad);
   scene.bones.push_back(bone_of(moved(moved(make_sphere(0.05, 3), Vec3(0.2, 0, 0)), start)));
   scene.bone_meshes.push_back({"bone", "", scene.bones[0].surface.mesh});
-  BoneMotion motion;
+  BoneRotation motion;
   motion.axis = Vec3::UnitZ();
   motion.times = {0, 1};
   motion.angles_rad = {0, turn_rad};
   motion.there_and_back = false;
-  scene.motions.push_back(motion);
+  scene.motions.push_back({{motion}});
   scene.add_muscle("muscle", moved(make_sphere(0.02, 3), Vec3(0.2, 0, 0)));
   scene.loop.frames = frames;
   return scene;

@@ -52,6 +52,22 @@ TEST(Simulation, AFreeNodeFliesOn) {
   EXPECT_NEAR(simulation.positions()[0].x(), 0.05, 1e-12);
 }
 
+/// Without forces a velocity is the same whatever the step: 2 steps of 0.01 s, then 2 of 0.1 s.
+TEST(Simulation, TheTimeStepOfTheFrameIsTheOneThatCounts) {
+  HalfSpace backend;
+  backend.build({}, {}, 1);
+  LoopParameters loop;
+  loop.substeps = 2;
+  loop.time_step_s = 0.01;
+  loop.time_step_changes = {{2, 0.1}};
+  Simulation simulation(loop, particles({Vec3(0, 0, 1)}), one_node, {}, backend, ResponseKind::project,
+                        [](double, std::vector<RigidMotion>& poses) { poses.clear(); });
+  simulation.step_frame(1);
+  simulation.step_frame(2);
+  EXPECT_NEAR(simulation.velocities()[0].x(), 1, 1e-12);
+  EXPECT_NEAR(simulation.positions()[0].x(), 0.22, 1e-12);
+}
+
 TEST(Simulation, PosesJumpOnceAFrameOrMoveInEverySubstep) {
   for (const bool interpolate : {false, true}) {
     HalfSpace backend;

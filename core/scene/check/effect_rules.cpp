@@ -115,7 +115,7 @@ void find_late_activation(CheckContext& context, Findings& findings) {
   const SceneEffect* activation = find_named(context.scene, "activation");
   if (activation == nullptr) return;
   const LoopParameters& loop = context.scene.loop;
-  const double end_s = loop.time_step_s * loop.substeps * loop.frames;
+  const double end_s = loop.time_s(loop.frames, loop.substeps);
   const double start_s = activation->parameters.number("start_s");
   if (start_s < end_s) return;
   Finding& finding = findings.emplace_back(
@@ -256,10 +256,12 @@ void find_foreign_fibres(CheckContext& context, Findings& findings) {
 
 void find_standstill(CheckContext& context, Findings& findings) {
   const Scene& scene = context.scene;
-  const auto turns = [](const BoneMotion& motion) {
-    return std::ranges::any_of(motion.angles_rad, [](double angle) { return angle != 0; });
+  const auto leaves_rest = [](const BoneRotation& rotation) {
+    return std::ranges::any_of(rotation.angles_rad, [](double angle) { return angle != 0; });
   };
-  if (std::ranges::any_of(scene.motions, turns)) return;
+  for (const BoneMotion& motion : scene.motions) {
+    if (std::ranges::any_of(motion.rotations, leaves_rest)) return;
+  }
   if (has_effect(scene, "gravity") || has_effect(scene, "activation")) return;
   for (const char* volume : {"volume", "local_volume"}) {
     const SceneEffect* inflated = find_named(scene, volume);

@@ -29,14 +29,18 @@ PoseEstimates::PoseEstimates(const Scene& scene)
 }
 
 void PoseEstimates::choose_poses(const Scene& scene) {
+  std::size_t rotations = 0;
+  for (const BoneMotion& motion : scene.motions) rotations += motion.rotations.size();
   std::vector<std::vector<double>> seen;
   m_bone_poses.emplace_back(m_bones);
-  seen.emplace_back(m_bones, 0.0);
+  seen.emplace_back(rotations, 0.0);
   m_angles_rad.push_back(0);
   for (int i = 0; i <= motion_intervals; ++i) {
     const double progress = static_cast<double>(i) / motion_intervals;
     std::vector<double> angles;
-    for (const BoneMotion& motion : scene.motions) angles.push_back(motion.angle_rad(progress));
+    for (const BoneMotion& motion : scene.motions) {
+      for (const BoneRotation& rotation : motion.rotations) angles.push_back(rotation.angle_rad(progress));
+    }
     if (std::ranges::any_of(seen, [&](const auto& other) { return same_angles(angles, other); })) continue;
     seen.push_back(std::move(angles));
     const double frame_position = progress * (scene.loop.frames - scene.loop.rest_frames);

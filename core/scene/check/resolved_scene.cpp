@@ -38,7 +38,7 @@ void for_each_table(toml::table& root, std::string_view key, const Change& chang
 void make_paths_absolute(toml::table& root, const std::filesystem::path& folder) {
   for_each_table(root, "bone", [&](toml::table& bone) {
     make_absolute(&bone, "mesh", folder);
-    make_absolute(bone.get_as<toml::table>("motion"), "table", folder);
+    for_each_table(bone, "motion", [&](toml::table& motion) { make_absolute(&motion, "table", folder); });
   });
   for_each_table(root, "muscle", [&](toml::table& muscle) {
     make_absolute(&muscle, "mesh", folder);
@@ -132,6 +132,7 @@ namespace {
 void change_motions(toml::table& root, const std::map<std::string, ParameterValue>& overrides) {
   toml::array* bones = root["bone"].as_array();
   for (std::size_t i = 0; bones != nullptr && i < bones->size(); ++i) {
+    // Of several [[bone.motion]] none can be meant (read_motion).
     toml::table* motion = (*bones->get(i)->as_table())["motion"].as_table();
     if (motion == nullptr) continue;
     for (const auto& [key, value] : overrides) {
@@ -157,7 +158,8 @@ std::string resolved_scene_text(const SceneRequest& request, const Scene& scene)
   for (const auto& [key, value] : loop_values(scene.loop)) text << fmt::format("{} = {}\n", key, toml_text_of(value));
   if (scene.fibre_count > 0) text << fmt::format("\n[measure]\nfibres = {}\n", scene.fibre_count);
   for (const SceneEffect& effect : scene.effects) text << effect_text(scene, effect);
-  for (const char* key : {"contact", "bone", "muscle", "attachment", "pair"}) text << tables_text(root, key);
+  for (const char* key : {"time_step_change", "contact", "bone", "muscle", "attachment", "pair"})
+    text << tables_text(root, key);
   text << pair_texts(scene);
   return text.str();
 }

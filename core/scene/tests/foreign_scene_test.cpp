@@ -223,7 +223,7 @@ TEST(ForeignScene, AnAxisOfAnyLengthIsADirection) {
   for (const char* axis : {"[0, 0, 1e200]", "[0, 0, 1e-200]", "[0, 0, 3]"}) {
     std::string text = plain_text();
     text.replace(text.find("[0, 0, 1]"), 9, axis);
-    EXPECT_EQ(scene_of(text).motions[0].axis, Vec3(0, 0, 1)) << axis;
+    EXPECT_EQ(scene_of(text).motions[0].rotations[0].axis, Vec3(0, 0, 1)) << axis;
   }
 }
 

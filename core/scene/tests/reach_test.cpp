@@ -41,10 +41,10 @@ TEST(Reach, ABoneThatMovesInIsNot) {
   Scene scene = scene_of_ball();
   const Vec3 far(0, 0, 1);
   add_bone(scene, "still", far);
-  BoneMotion half_turn{Vec3::UnitY(), Vec3(0, 0, 0.5), {0, 1}, {0, std::numbers::pi}, false};
-  add_bone(scene, "comes", far, half_turn);
+  BoneRotation half_turn{Vec3::UnitY(), Vec3(0, 0, 0.5), {0, 1}, {0, std::numbers::pi}, false};
+  add_bone(scene, "comes", far, {{half_turn}});
   half_turn.there_and_back = true;
-  add_bone(scene, "comes and goes", far, half_turn);
+  add_bone(scene, "comes and goes", far, {{half_turn}});
   const std::vector<BoneReach> reach = predict_reach(scene);
   EXPECT_TRUE(reach[0].is_untouched);
   EXPECT_FALSE(reach[1].is_untouched);
@@ -56,7 +56,7 @@ TEST(Reach, ABoneThatTheMuscleIsCarriedToIsNot) {
   Scene scene = scene_of_ball();
   add_bone(scene, "carrier", Vec3(0.08, 0, 0));
   add_bone(scene, "target", Vec3(0, 0, 1));
-  const BoneMotion half_turn{Vec3::UnitY(), Vec3(0, 0, 0.5), {0, 1}, {0, std::numbers::pi}, false};
+  const BoneMotion half_turn{{{Vec3::UnitY(), Vec3(0, 0, 0.5), {0, 1}, {0, std::numbers::pi}, false}}};
   scene.motions[0] = half_turn;
   EXPECT_TRUE(predict_reach(scene)[1].is_untouched) << "nothing is bound";
   Attachment attachment{"all", 0, 0, {}, {}};
@@ -82,7 +82,7 @@ TEST(Reach, MusclesAreExpectedInTheirBoxesWithTheMarginAsTheBoneSeesThem) {
   Scene scene = scene_of_ball();
   const double half_m = 0.1 + 0.25 * 0.2 * std::numbers::sqrt3;
   add_bone(scene, "still", Vec3(0.1, 0, 0));
-  const BoneMotion half_turn{Vec3::UnitY(), Vec3(0, 0, 0.5), {0, 1}, {0, std::numbers::pi}, false};
+  const BoneMotion half_turn{{{Vec3::UnitY(), Vec3(0, 0, 0.5), {0, 1}, {0, std::numbers::pi}, false}}};
   add_bone(scene, "turns", Vec3(0.1, 0, 0), half_turn);
   const std::vector<BoneReach> reach = predict_reach(scene);
   EXPECT_LT((reach[0].box.min() - Vec3::Constant(-half_m)).norm(), 1e-3 * half_m);

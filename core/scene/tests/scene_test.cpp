@@ -114,6 +114,61 @@ TEST(ReadScene, TheMotionGoesThereAndBack) {
   EXPECT_LT((poses[0].apply(Vec3(1, 0, 0)) - Vec3(0, 1, 0)).norm(), 1e-15);
 }
 
+constexpr const char* box_without_motion = "[[bone]]\nname = \"box\"\nmesh = \"synthetic:box\"\n";
+constexpr const char* ball = "[muscle]\nname = \"ball\"\nmesh = \"synthetic:ball\"\n";
+
+/// The second axis is carried along by the first rotation, as in OpenSim's joints: z by 90 degrees, then the x axis of
+/// the bone, which points along y by then.
+TEST(ReadScene, EachRotationCarriesTheAxesOfThoseAfterIt) {
+  const auto rotation = [](const char* axis) {
+    return std::string(
+               "[[bone.motion]]\ncentre_m = [0, 0, 0]\nfrom_deg = 0\nto_deg = 90\ncourse = \"there\"\naxis = ") +
+           axis + "\n";
+  };
+  const std::string text =
+      std::string("[loop]\nframes = 10\n") + box_without_motion + rotation("[0, 0, 1]") + rotation("[1, 0, 0]") + ball;
+  const Scene scene = read_scene(request_of(text));
+  std::vector<RigidMotion> poses;
+  scene.poses_at(10, poses);
+  EXPECT_LT((poses[0].apply(Vec3(1, 0, 0)) - Vec3(0, 1, 0)).norm(), 1e-15);
+  EXPECT_LT((poses[0].apply(Vec3(0, 1, 0)) - Vec3(0, 0, 1)).norm(), 1e-15);
+  EXPECT_NEAR(scene.angle_rad(5), std::numbers::pi / 4, 1e-15);
+
+  SceneRequest overridden = request_of(text);
+  overridden.motion_overrides = {{"to_deg", 10.0}};
+  expect_one_line(error_of(overridden), {"--motion", "bone", "several rotations"});
+  expect_one_line(error_of(text + "[measure]\nfibres = 10\n"), {"test.toml:", "fibres", "'box'", "several"});
+}
+
+TEST(ReadScene, AMuscleHasADensityAndAVelocityOfItsOwn) {
+  const Scene scene = read_scene(request_of(std::string(box_without_motion) + ball +
+                                            "density_kg_per_m3 = 500.0\nvelocity_m_per_s = [0, 0, -3]\n"));
+  EXPECT_EQ(scene.muscles.front().density_kg_per_m3, 500.0);
+  EXPECT_EQ(scene.muscles.front().velocity_m_per_s, Vec3(0, 0, -3));
+  expect_one_line(error_of(std::string(box_without_motion) + ball + "velocity_m_per_s = [0, 0, -1e7]\n"),
+                  {"velocity_m_per_s", "1e+06 m/s"});
+  expect_one_line(error_of(std::string(box_without_motion) + ball + "density_kg_per_m3 = 0\n"), {"density_kg_per_m3"});
+}
+
+TEST(ReadScene, TheTimeStepMayChangeDuringTheRun) {
+  const auto with = [](const std::string& tables) {
+    return std::string("[loop]\nframes = 9\nsubsteps = 2\ntime_step_s = 1.0\n") + box_without_motion + ball + tables;
+  };
+  const std::string coarse = "[[time_step_change]]\nfrom_frame = 3\ntime_step_s = 10.0\n";
+  const LoopParameters loop =
+      read_scene(request_of(with(coarse + "[[time_step_change]]\nfrom_frame = 5\ntime_step_s = 1.0\n"))).loop;
+  EXPECT_EQ(loop.time_step_of_s(2), 1);
+  EXPECT_EQ(loop.time_step_of_s(3), 10);
+  EXPECT_EQ(loop.time_step_of_s(5), 1);
+  EXPECT_EQ(loop.time_s(2, 2), 4);
+  EXPECT_EQ(loop.time_s(3, 1), 14);
+  EXPECT_EQ(loop.time_s(4, 2), 44);
+  EXPECT_EQ(loop.time_s(6, 1), 47);
+  expect_one_line(error_of(with(coarse + coarse)), {"test.toml:", "from_frame", "after 3"});
+  expect_one_line(error_of(with("[[time_step_change]]\nfrom_frame = 2.5\ntime_step_s = 1.0\n")), {"whole number"});
+  expect_one_line(error_of(with("[[time_step_change]]\nfrom_frame = 2\n")), {"time_step_s", "missing"});
+}
+
 TEST(ReadScene, NamesFileLineKeyAndNearestKnownKey) {
   expect_one_line(error_of(std::string(bones_and_muscle) + "[loop]\nframse = 3\n"), {"test.toml:", "frames", "framse"});
   expect_one_line(error_of(std::string(bones_and_muscle) + "[effects.bendin]\n"), {"test.toml:", "bendin", "bending"});
@@ -241,7 +296,7 @@ TEST_F(MotionTableFile, ReadsAColumnWhateverTheHeaderAnnounces) {
       read_motion_table(write("name\nnRows=99\nendheader\ntime\tknee\thip\n0\t1\t-10\n0.5\t2\t0\n1\t3\t20\n"), "hip");
   EXPECT_EQ(table.times, (std::vector<double>{0, 0.5, 1}));
   EXPECT_EQ(table.values, (std::vector<double>{-10, 0, 20}));
-  BoneMotion motion{Vec3::UnitX(), Vec3::Zero(), table.times, table.values, false};
+  BoneRotation motion{Vec3::UnitX(), Vec3::Zero(), table.times, table.values, false};
   EXPECT_NEAR(motion.angle_rad(0.25), -5, 1e-15);
   EXPECT_NEAR(motion.angle_rad(1), 20, 1e-15);
   EXPECT_NEAR(motion.angle_rad(0), -10, 1e-15);

@@ -142,7 +142,7 @@ def _asked(scene: Scene, program: Path, registry: Registry, folders: Folders) ->
 
 def told(scene: Scene, record: dict) -> Scene:
     loop, bones = record["case"]["loop"], record["bones"]
-    motions = [bone.get("motion") or {} for bone in bones]
+    motions = [rotation for bone in bones for rotation in _rotations(bone.get("motion") or {})]
     moving_frames = loop["frames"] - loop["rest_frames"]
     meshes = [part.get("mesh_sha256", "") for part in (record["muscle"], *bones)]
     digest = fingerprint.text_digest(fingerprint.file_digest(Path(scene.name)), *meshes) if scene.is_file else ""
@@ -154,6 +154,11 @@ def told(scene: Scene, record: dict) -> Scene:
         half_flexion_frame=half_flexion_frame(motions, moving_frames),
         preset=record["case"].get("preset") or "", digest=digest, frame_time_s=loop["substeps"] * loop["time_step_s"],
         origin={key: record[key] for key in ORIGIN_KEYS if key in record})
+
+
+def _rotations(motion: dict | list[dict]) -> list[dict]:
+    """A bone turns about one axis or about several."""
+    return motion if isinstance(motion, list) else [motion]
 
 
 def full_flexion_frame(motions: list[dict], frames: int) -> int:

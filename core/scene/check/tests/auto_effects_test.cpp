@@ -128,8 +128,9 @@ TEST(ResolvedScene, IsTheSameSceneWithoutPresetOrAuto) {
   ASSERT_EQ(read.muscle_pairs.size(), 1U);
   EXPECT_EQ(read.attachments.front().nodes, scene.attachments.front().nodes);
   EXPECT_EQ(read.muscle_mesh.vertices, scene.muscle_mesh.vertices);
-  EXPECT_EQ(read.motions.front().angles_rad, scene.motions.front().angles_rad);
-  EXPECT_TRUE(read.motions.front().axis == scene.motions.front().axis);
+  const BoneRotation& read_back = read.motions.front().rotations.front();
+  EXPECT_EQ(read_back.angles_rad, scene.motions.front().rotations.front().angles_rad);
+  EXPECT_TRUE(read_back.axis == scene.motions.front().rotations.front().axis);
 }
 
 TEST(ResolvedScene, KeepsFirstContactAndTellsItsReasons) {

@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "bench/cases/scene_source.hpp"
+#include "bench/hard/courses.hpp"
+#include "core/measure/self_intersections.hpp"
+
+// Cases of real muscles, for which the anatomical data are needed.
+namespace musclebench {
+
+namespace {
+
+constexpr CourseFrames whole_course{.moving = 90, .resting = 25};
+
+/// Nothing where the data are there.
+std::optional<HardCell> unless_data(const HardRequest& request) {
+  if (data_folder(request.data)) return std::nullopt;
+  return not_applicable("needs the real anatomy: --data (README: Real anatomy)");
+}
+
+SceneChoice flexion_of(const std::string& muscle, const HardRequest& request, int flexions) {
+  SceneChoice choice = scene_of("lhdl/" + muscle);
+  choice.preset = "standard";
+  choice.data = request.data;
+  choice.loop_overrides["frames"] = std::int64_t{flexions} * whole_course.all();
+  choice.effect_overrides.push_back({.location = "hard cases", .name = "self_contact"});
+  return choice;
+}
+
+/// Runs so many flexions of each muscle; `figures_of(muscle, run)` of each.
+template <typename Figures>
+HardCell flexed(const HardRequest& request, const std::vector<std::string>& muscles, int flexions,
+                const Figures& figures_of) {
+  if (std::optional<HardCell> left_out = unless_data(request)) return *left_out;
+  return watched(request, true, [&] {
+    std::vector<HardFigure> figures;
+    std::string said;
+    for (const std::string& muscle : muscles) {
+      const SceneChoice choice = flexion_of(muscle, request, flexions);
+      if (std::optional<HardCell> left_out = unless_short(request, choice, flexions * whole_course.all())) {
+        return *left_out;
+      }
+      const MovedScene run =
+          moved(request, choice, 1, [&](Scene& scene) { repeat_motions(scene, whole_course, flexions); });
+      if (run.result.status == "diverged") return HardCell{Verdict::breaks, run.said(), {}};
+      if (said.empty()) said = run.said();
+      for (HardFigure& figure : figures_of(muscle, run)) figures.push_back(std::move(figure));
+    }
+    return judged(std::move(figures), request, said);
+  });
+}
+
+HardCell return_to_rest(const HardRequest& request) {
+  const int flexions = request.whole ? 50 : 1;
+  const std::vector<std::string> muscles =
+      request.whole ? std::vector<std::string>{"adductor_brevis", "iliacus", "gluteus_medius", "gluteus_maximus"}
+                    : std::vector<std::string>{"adductor_brevis"};
+  return flexed(request, muscles, flexions, [&](const std::string& muscle, const MovedScene& run) {
+    const std::vector<Vec3>& first = run.positions(whole_course.all());
+    std::vector<HardFigure> figures{{fmt::format("{}: difference (RMS) of the first return from rest", muscle),
+                                     1e3 * rms_gap_m(run.positions(0), first), 2, "mm"}};
+    if (flexions > 1) {
+      figures.push_back(
+          {fmt::format("{}: difference (RMS) of return {} from the first, over the diagonal", muscle, flexions),
+           rms_gap_m(first, run.positions(run.result.snapshots.size() - 1)) / run.diagonal_m(), 1e-3});
+    }
+    return figures;
+  });
+}
+
+HardCell self_intersection(const HardRequest& request) {
+  const std::vector<std::string> muscles =
+      request.whole ? std::vector<std::string>{"adductor_brevis", "iliacus", "gluteus_medius", "gluteus_maximus"}
+                    : std::vector<std::string>{"iliacus"};
+  return flexed(request, muscles, 1, [](const std::string& muscle, const MovedScene& run) {
+    const auto count = [&](std::size_t frame) {
+      return static_cast<double>(
+          count_self_intersecting_triangles({run.positions(frame), run.scene.muscle_mesh.triangles}));
+    };
+    const auto triangles = static_cast<double>(run.scene.muscle_mesh.triangles.size());
+    return std::vector<HardFigure>{
+        {fmt::format("{}: share of triangles that pass through others at full flexion", muscle),
+         count(whole_course.moving / 2) / triangles, 1e-3},
+        {fmt::format("{}: triangles that do after the return, beyond those at rest", muscle),
+         std::max(0.0, count(whole_course.all()) - count(0)), 0, "triangles"}};
+  });
+}
+
+constexpr std::array cases_of_anatomy = {
+    HardCase{
+        .id = "return-to-rest",
+        .what = "The real adductor brevis (in the long run all four muscles, 50 times) is flexed there and back, "
+                "preset standard with self-contact, and rests for half a second.",
+        .why = "Folds that lock and nodes on the wrong side do not come back (15 mm on the gluteus maximus, once).",
+        .bar = "RMS to rest 2 mm; from the first to the 50th return 1e-3 of the diagonal",
+        .scene = "",
+        .run = return_to_rest},
+    HardCase{.id = "self-intersection",
+             .what = "The real iliacus (in the long run all four muscles) in the same flexion.",
+             .why = "Folds of a muscle pass through each other (436 of 13,858 triangles, once), and then they lock.",
+             .bar = "at full flexion at most 0.1 % of the triangles, none more after the return than at rest",
+             .scene = "",
+             .run = self_intersection},
+};
+
+}  // namespace
+
+std::span<const HardCase> anatomy_cases() { return cases_of_anatomy; }
+
+}  // namespace musclebench

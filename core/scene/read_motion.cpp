@@ -1,0 +1,106 @@
+#include "core/scene/read_motion.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "core/base/input_error.hpp"
+
+namespace musclebench {
+
+namespace {
+
+constexpr double radians_per_degree = std::numbers::pi / 180;
+constexpr double most_degrees = 3600;
+
+/// A unit vector; the largest component is brought to 1 first where the square would be too large or small for a
+/// double.
+Vec3 read_axis(const TomlTable& table) {
+  Vec3 axis = table.point("axis");
+  const double largest = axis.cwiseAbs().maxCoeff();
+  if (!(largest > 0)) {
+    throw InputError(table.location("axis"), "has no length; give the direction of the rotation axis");
+  }
+  if (!std::isnormal(axis.squaredNorm())) {
+    axis /= largest;
+  }
+  return axis.normalized();
+}
+
+BoneRotation read_rotation(const SceneRequest& request, const TomlTable& table) {
+  table.allow_only({"axis", "centre_m", "from_deg", "to_deg", "course", "table", "column", "relative_to_first_row"});
+  BoneRotation motion;
+  motion.axis = read_axis(table);
+  motion.centre_m = table.point("centre_m");
+  constexpr double farthest_m = 1e9;  // beyond it rounding moves the bones by more than a micrometre
+  if (!(motion.centre_m.cwiseAbs().maxCoeff() <= farthest_m)) {
+    throw InputError(table.location("centre_m"), "is so far away that nothing turns about it; give metres");
+  }
+  const Parameters changed(motion_parameters(), request.motion_overrides, "--motion");
+  const std::string course =
+      changed.given("course") ? changed.word("course") : table.word_or("course", "there_and_back");
+  if (course != "there" && course != "there_and_back") {
+    throw InputError(table.location("course"), fmt::format("'{}' is not one of there, there_and_back", course));
+  }
+  motion.there_and_back = course == "there_and_back";
+  if (table.has("table")) {
+    if (changed.given("from_deg") || changed.given("to_deg")) {
+      throw InputError("--motion",
+                       fmt::format("{} has a table of angles, which from_deg and to_deg can't change; leave "
+                                   "them out",
+                                   table.location()));
+    }
+    if (table.has("from_deg") || table.has("to_deg")) {
+      throw InputError(table.location("table"), "stands beside from_deg or to_deg; give either a table or two angles");
+    }
+    const auto path = resolve_reference(request, table.word("table"), table.location("table")).path;
+    const MotionTable rows =
+        read_at(table.location("table"), [&] { return read_motion_table(path, table.word("column")); });
+    const double zero = table.flag_or("relative_to_first_row", true) ? rows.values.front() : 0;
+    motion.times = rows.times;
+    for (const double value : rows.values) {
+      motion.angles_rad.push_back((value - zero) * radians_per_degree);
+    }
+  } else {
+    const auto angle_rad = [&](const char* key) {
+      const double degrees = changed.given(key) ? changed.number(key) : table.number(key, -most_degrees, most_degrees);
+      return degrees * radians_per_degree;
+    };
+    motion.times = {0, 1};
+    motion.angles_rad = {angle_rad("from_deg"), angle_rad("to_deg")};
+  }
+  return motion;
+}
+
+}  // namespace
+
+std::vector<ParameterSpec> motion_parameters() {
+  const auto angle = [](const char* name, const char* help) {
+    return parameter::number({.name = name,
+                              .unit = "deg",
+                              .default_value = 0,
+                              .minimum = -most_degrees,
+                              .maximum = most_degrees,
+                              .help = help});
+  };
+  return {angle("from_deg", "where the bones begin to turn"), angle("to_deg", "where they turn to"),
+          parameter::choice(
+              {.name = "course", .choices = {"there_and_back", "there"}, .help = "whether the motion returns"})};
+}
+
+BoneMotion read_motion(const SceneRequest& request, const TomlTable& bone) {
+  BoneMotion motion;
+  if (!bone.has("motion")) return motion;
+  const std::vector<TomlTable> tables = bone.table_or_tables("motion");
+  if (tables.size() > 1 && !request.motion_overrides.empty()) {
+    throw InputError("--motion",
+                     fmt::format("{} has several rotations, and which is meant can't be told; change them in "
+                                 "the scene",
+                                 bone.location()));
+  }
+  for (const TomlTable& table : tables) motion.rotations.push_back(read_rotation(request, table));
+  return motion;
+}
+
+}  // namespace musclebench
