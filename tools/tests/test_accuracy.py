@@ -59,6 +59,7 @@ class Sweep:
         """(exit code, standard output, standard error, names of the cases that the program was started for)"""
         self._monkeypatch.setenv("FAKE_BEHAVIOUR", behaviour)
         self._monkeypatch.setenv("FAKE_LOG", str(self._log))
+        self._monkeypatch.setenv("FAKE_LIGHT", "1")
         self._log.write_text("")
         code = accuracy.main([*self.arguments, *more])
         text, errors = self._capfd.readouterr()
@@ -68,7 +69,7 @@ class Sweep:
         """In a process of its own."""
         tools = Path(accuracy.__file__).resolve().parent
         driver = DRIVER.format(tools=str(tools), tests=str(tools / "tests"))
-        environment = {**os.environ, "FAKE_BEHAVIOUR": behaviour, "FAKE_LOG": f"{self._log}-of-another"}
+        environment = {**os.environ, "FAKE_BEHAVIOUR": behaviour, "FAKE_LOG": f"{self._log}-of-another", "FAKE_LIGHT": "1"}
         return subprocess.Popen([sys.executable, "-c", driver, *self.arguments], env=environment,
                                 stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
 

@@ -1,0 +1,128 @@
+"""From an experiment file to its cases, and their order."""
+
+import random
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import product
+
+from ..cases.case import Case
+from ..cases.scene import Scene
+from ..effects.effect_sets import EffectSet, effect_sets
+from ..program.cli import Problem
+from ..program.registry import Registry
+from ..study.study_cases import RecordCase
+from .experiment_file import CaseGroup, ExperimentFile
+from .selection import Scenes, configurations_of
+from .swept_case import AxisValue, SweptCase
+
+FEWER_REPETITIONS = ((60.0, 1), (8.0, 2))  # of more seconds a repetition there are no more
+
+
+@dataclass(frozen=True)
+class Expansion:
+    experiment: ExperimentFile
+    registry: Registry
+    scenes: Scenes
+
+    def firsts(self) -> list[SweptCase]:
+        """As the file lists them, without repetitions."""
+        return [case for group in self.experiment.groups for case in self.of_group(group)]
+
+    def cases(self, firsts: list[SweptCase]) -> list[SweptCase | RecordCase]:
+        """Recordings first, then round by round; the cases of a round are shuffled, so that what slows the machine for a
+        while meets all alike."""
+        return with_recordings(rounds(firsts, self.experiment))
+
+    def of_group(self, group: CaseGroup) -> list[SweptCase]:
+        """Without repetitions."""
+        found = []
+        for scene in self.scenes.of(group, self.experiment):
+            if group.adds_effect and (group.adds_effect in scene.effects or group.adds_effect not in self.registry.effects):
+                continue  # a scene's own would be in all; or this build has none
+            for configuration in configurations_of(group, self.experiment, self.registry):
+                found += [self._case(scene, group, configuration, point) for point in self._points(scene, group)]
+        return found
+
+    def _case(self, scene: Scene, group: CaseGroup, configuration, point: tuple[AxisValue, ...]) -> SweptCase:
+        frames = next((int(one.value) for one in point if one.axis == "frames"), None)
+        return SweptCase(scene if frames is None else self.scenes.limited(scene, frames), group, configuration, point)
+
+    def _points(self, scene: Scene, group: CaseGroup) -> list[tuple[AxisValue, ...]]:
+        axes: list[list[AxisValue]] = []
+        if group.effects:
+            axes.append([AxisValue("effects", one.name, tuple(one.options(scene.effects)), one)
+                         for one in chosen_sets(scene, group, self.registry)])
+        if group.substeps:  # the time of a frame stays the same
+            axes.append([AxisValue("substeps", str(count), (
+                "--loop", f"substeps={count}", "--loop", f"time_step_s={scene.frame_time_s / count!r}"))
+                for count in group.substeps])
+        if group.frames:
+            axes.append([AxisValue("frames", str(count)) for count in group.frames])
+        axes += [[AxisValue(axis, value, words) for value, words in values] for axis, values in group.vary]
+        return list(product(*axes))
+
+
+def chosen_sets(scene: Scene, group: CaseGroup, registry: Registry) -> list[EffectSet]:
+    def is_wanted(one: EffectSet) -> bool:
+        kind = "all-each" if one.left_out else "own+each" if one.added else one.name
+        return kind in group.effects
+    return [one for one in effect_sets(scene.effects, registry.effects) if is_wanted(one)]
+
+
+def rounds(firsts: list[SweptCase], experiment: ExperimentFile) -> list[SweptCase]:
+    order = random.Random(experiment.seed)
+    most = max((repetitions(case, experiment) for case in firsts), default=0)
+    cases = []
+    for number in range(most):
+        of_round = [replace(case, repetition=number) for case in firsts if number < repetitions(case, experiment)]
+        order.shuffle(of_round)
+        cases += of_round
+    return cases
+
+
+def repetitions(case: SweptCase, experiment: ExperimentFile) -> int:
+    """Estimates of what is too long don't vary; long runs average over themselves."""
+    wanted = case.group.repetitions or experiment.repetitions
+    if case.is_too_long:
+        return 1
+    if not case.group.fewer_repetitions:
+        return wanted
+    another = replace(case, repetition=1).guessed_seconds
+    return min([wanted, *[count for seconds, count in FEWER_REPETITIONS if another > seconds]])
+
+
+def with_recordings(cases: list[SweptCase]) -> list[SweptCase | RecordCase]:
+    """Each that a replay reads, before all others. Raises Problem where two would have one name."""
+    recordings = list(dict.fromkeys(case.recording for case in cases if case.group.mode == "replay"))
+    every = [*recordings, *cases]
+    names: set[str] = set()
+    for case in every:
+        if case.name in names:
+            raise Problem(f"two cases would be named '{case.name}'; tell them apart by 'named' or the scenes' presets")
+        names.add(case.name)
+    return every
+
+
+def filtered(cases: list[SweptCase | RecordCase], keep: Callable[[str], bool]) -> list[SweptCase | RecordCase]:
+    """Those whose name is kept, and what they need."""
+    return with_recordings([case for case in cases if isinstance(case, SweptCase) and keep(case.name)])
+
+
+def in_shard(cases: list[SweptCase | RecordCase], number: int, count: int) -> list[SweptCase | RecordCase]:
+    """The number-th (from 1) of `count` parts of about the same time, each with the recordings that it needs. What shares
+    structures, and the repetitions of a case, stay on one machine."""
+    swept = [case for case in cases if isinstance(case, SweptCase)]
+    groups: dict[tuple, list[SweptCase]] = {}
+    for case in swept:
+        groups.setdefault(case.shares, []).append(case)
+    loads, mine = [0.0] * count, set()
+    for key, group in sorted(groups.items(), key=lambda item: (-_seconds(item[1]), item[0])):
+        lightest = loads.index(min(loads))
+        loads[lightest] += _seconds(group)
+        if lightest == number - 1:
+            mine.add(key)
+    return with_recordings([case for case in swept if case.shares in mine])
+
+
+def _seconds(cases: list[Case]) -> float:
+    return sum(case.guessed_seconds for case in cases if not case.is_too_long)

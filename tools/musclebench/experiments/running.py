@@ -1,0 +1,67 @@
+"""What every command that runs an experiment file does: reads it, makes its cases, runs what is missing."""
+
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ..cases.case import Case, Folders
+from ..cases.pool import Limits
+from ..cases.scene import chosen_names
+from ..cases.study_command import run_missing
+from ..program.cli import chosen_cores, data_set_of
+from ..program.registry import Registry, save_registry
+from .expansion import Expansion
+from .experiment_file import ExperimentFile
+from .manifest import write_manifest
+from .selection import Scenes
+from .swept_case import SweptCase
+from .swept_experiment import RESULT_DIRS, SweptExperiment
+
+
+@dataclass
+class Sweep:
+    """An experiment file as this command line wants it, on this program."""
+
+    file: ExperimentFile
+    cases: list[Case]  # of the whole experiment
+    order: dict[SweptCase, int]  # of first repetitions, as the file lists them
+    experiment: SweptExperiment
+    registry: Registry
+
+    def of(self, *groups: str) -> list[SweptCase]:
+        """Cases of these [[cases]] in the order of the file's lists, round by round."""
+        chosen = [case for case in self.cases if isinstance(case, SweptCase) and case.group.name in groups]
+        return sorted(chosen, key=lambda case: (case.repetition, self.order[replace(case, repetition=0)]))
+
+    def done(self, *groups: str) -> dict[SweptCase, Path]:
+        """{case: folder} of the complete ones."""
+        return {case: self.experiment.folder(case) for case in self.of(*groups) if self.experiment.is_complete(case)}
+
+    def run(self, cases: list[Case], limits: Limits) -> list[str]:
+        """A line for each case that has no result. `cases`: those to run here, all or some."""
+        out_dir = self.experiment.folders.out_dir
+
+        def begin() -> None:
+            save_registry(self.registry, out_dir)
+            write_manifest(out_dir, self.file, self.cases, sys.argv)
+
+        return run_missing(cases, self.experiment, limits, RESULT_DIRS, begin)
+
+
+def sweep_of(file: ExperimentFile, options, registry: Registry, folders: Folders, quick_muscle: str | None = None) -> Sweep:
+    """`options`: data, scene, muscle, musclebench, force; frames_limit and repetitions where a command has them."""
+    data_set = data_set_of(options)
+    if options.scene or options.muscle or quick_muscle:
+        file = replace(file, scenes=tuple(chosen_names(options.scene, options.muscle, data_set, registry, quick_muscle)))
+    if getattr(options, "repetitions", None):
+        file = replace(file, repetitions=options.repetitions)
+    scenes = Scenes(options.musclebench, registry, folders, data_set, getattr(options, "frames_limit", None))
+    experiment = SweptExperiment(options.musclebench, folders, file.answers, options.force)
+    expansion = Expansion(file, registry, scenes)
+    firsts = expansion.firsts()
+    return Sweep(file, expansion.cases(firsts), {case: place for place, case in enumerate(firsts)}, experiment, registry)
+
+
+def limits_of(options) -> Limits:
+    memory_gb = getattr(options, "memory_gb", None)
+    return Limits(chosen_cores(options.jobs), options.timeout, int(memory_gb * 1e9) if memory_gb else None)

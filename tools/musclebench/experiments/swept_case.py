@@ -1,0 +1,171 @@
+"""One case of an experiment file: what the program is asked, and what that may cost."""
+
+import math
+from dataclasses import dataclass, field
+
+from ..cases.case import Folders, SceneCase
+from ..cases.scene import Scene
+from ..study.study_cases import (
+    BYTES_A_JUDGED_RUN, BYTES_A_NODE_AND_STEP, BYTES_A_RUN, JUDGING_SECONDS_A_FRAME, JUDGING_SECONDS_A_STEP, LOADING_SECONDS,
+    PROBING_SECONDS, RecordCase,
+)
+from ..study.sweeps import Configuration
+from .experiment_file import CaseGroup
+
+LOOP_SECONDS_A_STEP = 0.003  # of the reference muscle, beside collision
+
+
+@dataclass(frozen=True)
+class AxisValue:
+    """What a case has on one of the axes that its group is multiplied over."""
+
+    axis: str
+    value: str
+    words: tuple[str, ...] = ()  # options of the program
+    meaning: object = field(default=None, compare=False)  # of effects: the EffectSet
+
+
+@dataclass(frozen=True)
+class SweptCase(SceneCase):
+    scene: Scene
+    group: CaseGroup
+    configuration: Configuration
+    point: tuple[AxisValue, ...] = ()
+    repetition: int = 0
+
+    def at(self, axis: str) -> AxisValue:
+        return next(one for one in self.point if one.axis == axis)
+
+    @property
+    def name(self) -> str:
+        told = {one.axis: one.value for one in self.point}
+        return self.group.named.format(scene=self.scene.key, group=self.group.name, backend=self.configuration.backend,
+                                       configuration=self.configuration.label, repetition=self.repetition, **told)
+
+    @property
+    def kind(self) -> str:
+        return f"{self.group.name} {self.configuration.backend}"
+
+    @property
+    def mode(self) -> str:
+        """As run.json names it."""
+        return {"run": "coupled"}.get(self.group.mode, self.group.mode)
+
+    @property
+    def threads(self) -> int:
+        return self.configuration.threads
+
+    @property
+    def is_judged(self) -> bool:
+        return self.group.judged == "always" or (self.group.judged == "first" and self.repetition == 0)
+
+    @property
+    def recording(self) -> RecordCase:
+        """Which a replay reads."""
+        return RecordCase(self.scene)
+
+    @property
+    def stores(self) -> bool:
+        """Whether a probe builds its structures, so that their building is timed once; the others load them."""
+        return self.configuration.stores
+
+    @property
+    def structures(self) -> str:
+        """Folder of the structures of the configuration, below the experiment's."""
+        return f"structures/{self.scene.probed.key}/{self.configuration.label}"
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        return (self.recording.name,) if self.group.mode == "replay" else ()
+
+    @property
+    def shares(self) -> tuple[str, ...]:
+        """Cases with the same stay on one machine: repetitions, and what loads the structures that another one built."""
+        if self.stores:
+            return self.scene.probed.key, self.configuration.label
+        return self.group.name, self.scene.key, self.configuration.label, *(one.value for one in self.point)
+
+    @property
+    def rest_frames(self) -> int:
+        return math.ceil(self.group.rest_s / self.scene.frame_time_s - 1e-9) if self.group.rest_s else 0
+
+    @property
+    def frames(self) -> int:
+        """That are run or replayed: of a replay every stride-th and the last."""
+        frames = self.scene.frames + self.rest_frames
+        return -(-frames // self.stride) if self.group.mode == "replay" else frames
+
+    @property
+    def stride(self) -> int:
+        return self.group.stride if isinstance(self.group.stride, int) else 1
+
+    @property
+    def steps(self) -> int:
+        substeps = next((int(one.value) for one in self.point if one.axis == "substeps"), None)
+        return self.frames * (self.scene.iterations if substeps is None else substeps)
+
+    @property
+    def snapshot_frames(self) -> list[int]:
+        moments = {"rest": 0, "half": self.scene.half_flexion_frame, "full": self.scene.full_flexion_frame,
+                   "end": self.scene.frames, "after_rest": self.scene.frames + self.rest_frames}
+        return sorted({moments[moment] for moment in self.group.snapshots}) if self.is_judged else []
+
+    @property
+    def guessed_seconds(self) -> float:
+        building = self.configuration.build_seconds
+        if self.group.mode == "probe":
+            return LOADING_SECONDS + building + PROBING_SECONDS
+        a_step = 1e-3 * self.configuration.step_ms
+        if self.group.mode == "replay":
+            seconds = self.steps * (2 * a_step + JUDGING_SECONDS_A_STEP if self.is_judged else a_step)
+        else:
+            seconds = self.steps * (a_step + LOOP_SECONDS_A_STEP) + self.frames * JUDGING_SECONDS_A_FRAME * self.is_judged
+        return LOADING_SECONDS + building + self.scene.size * seconds
+
+    @property
+    def is_too_long(self) -> bool:
+        """True for a case that is shown as a row with its estimate and never run."""
+        return 0 < self.group.longest_s < self.guessed_seconds
+
+    @property
+    def guessed_bytes(self) -> float:
+        stored = self.configuration.stored_bytes if self.group.mode == "probe" else 0.0
+        return stored + (BYTES_A_JUDGED_RUN if self.snapshot_frames else BYTES_A_RUN)
+
+    def arguments(self, folders: Folders) -> list[str]:
+        words = [*self._asked(folders), *self._backend_words(folders), *self.scene.data_arguments(folders)]
+        words += [word for one in self.point for word in one.words] + list(self.group.options)
+        words += ["--repetition", str(self.repetition)]
+        return words + ([] if self.is_judged or self.group.mode == "probe" else ["--no-referee"])
+
+    def record(self) -> dict:
+        configuration = self.configuration
+        return {"mode": self.mode, "scene": self.scene.name, "preset": self.scene.preset,
+                "backend": configuration.backend, "parameters": dict(configuration.parameters),
+                "threads": configuration.threads, "repetition": self.repetition}
+
+    def _asked(self, folders: Folders) -> list[str]:
+        if self.group.mode == "replay":
+            return ["replay", str(folders.out_dir / self.recording.file), "--stride", str(self.stride),
+                    "--band-mm", f"{self.group.band_mm:g}"]
+        if self.group.mode == "probe":
+            return ["probe", self.scene.name, "--points", str(self.group.points),
+                    "--band-mm", f"{self.configuration.probe_band_mm:g}"]
+        words = ["run", self.scene.name, *self.scene.preset_arguments(), *self._frames_words()]
+        if self.snapshot_frames:
+            words += ["--snapshots", ",".join(map(str, self.snapshot_frames))]
+        return words
+
+    def _frames_words(self) -> list[str]:
+        if not self.group.rest_s:
+            return self.scene.frames_arguments()
+        return ["--frames", str(self.frames), "--loop", f"rest_frames={self.rest_frames}"]
+
+    def _backend_words(self, folders: Folders) -> list[str]:
+        configuration = self.configuration
+        words = ["--backend", configuration.backend]
+        for key, value in configuration.parameters:
+            words += ["--param", f"{key}={value}"]
+        if self.stores:
+            words += ["--param", f"{configuration.storage}={folders.out_dir / self.structures}"]
+        return [*words, "--threads", str(configuration.threads)]
