@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from musclebench.cases.study_command import add_jobs_option, add_run_options, check_options, end, folders_of, study_parser
-from musclebench.experiments.experiment_file import experiment_path, read_experiment
+from musclebench.experiments.experiment_file import of_project
 from musclebench.experiments.running import limits_of, sweep_of
 from musclebench.figures import looks, paper_figures
 from musclebench.paper import published
@@ -58,7 +58,7 @@ def run_and_report(options) -> int:
     out_dir = folders.out_dir
     registry = read_registry(options.musclebench)
     looks.know(registry)
-    sweep = sweep_of(read_experiment(experiment_path("paper")), options, registry, folders)
+    sweep = sweep_of(of_project("paper"), options, registry, folders)
     sweep.run(sweep.cases, limits_of(options))
     names = [case.name for case in sweep.of("paper")]
     runs, made, files = write_report(out_dir, names)

@@ -22,7 +22,7 @@ class FakeScenes:
         if not group.scenes:
             return [replace(scene, preset=preset) for scene in self.scenes]
         known = [entry.name for entry in fake_registry.registry().scenes]
-        return [fake_registry.scene(name) for name in known if any(name.startswith(one.rstrip("*")) for one in group.scenes)]
+        return [replace(fake_registry.scene(name), asks_preset=bool(group.preset)) for name in known if any(name.startswith(one.rstrip("*")) for one in group.scenes)]
 
     def limited(self, scene, frames):
         return replace(fake_registry.scene(scene.name, frames), preset=scene.preset)

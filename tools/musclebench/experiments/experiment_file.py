@@ -92,6 +92,10 @@ def experiment_path(wanted: str) -> Path:
     return FOLDER / f"{wanted}.toml"
 
 
+def of_project(name: str) -> ExperimentFile:
+    return read_experiment(experiment_path(name))
+
+
 def read_experiment(path: Path) -> ExperimentFile:
     """Raises Problem: file, line, key, cure."""
     try:

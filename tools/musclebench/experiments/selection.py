@@ -24,6 +24,11 @@ def check_backend(wanted: str, registry: Registry, option: str = "--backend") ->
     return wanted
 
 
+def backend_of(wanted: str | None, registry: Registry) -> str:
+    """That of an option, else the usual one."""
+    return check_backend(wanted, registry) if wanted else usual_backend(registry).name
+
+
 def backends_of(group: CaseGroup, experiment: ExperimentFile, registry: Registry) -> list[Backend]:
     if group.backends == "all":
         return list(registry.backends)
@@ -81,10 +86,10 @@ class Scenes:
         self._known: dict[tuple, list[Scene]] = {}
 
     def of(self, group: CaseGroup, experiment: ExperimentFile) -> list[Scene]:
-        """Those of its own are as they are: frames are limited and presets forced of the experiment's only."""
+        """Those of its own are as they are, but for a preset of its own: frames are limited of the experiment's only."""
         preset = group.preset or experiment.preset or None
         if group.scenes:
-            return self._survey(self._names(group.scenes), group.preset or None, None)
+            return self._survey(self._names(group.scenes), group.preset or None, None, own_presets=True)
         names = experiment.scenes if isinstance(experiment.scenes, tuple) else (experiment.scenes,)
         return self._survey(self._names(names), preset, self._frames_limit)
 
@@ -104,8 +109,9 @@ class Scenes:
                 names += chosen_names([word.replace("{data}", self._data_set)], None, self._data_set, self._registry)
         return list(dict.fromkeys(names))
 
-    def _survey(self, names: list[str], preset: str | None, frames: int | None) -> list[Scene]:
-        key = (tuple(names), preset, frames)
+    def _survey(self, names: list[str], preset: str | None, frames: int | None, own_presets: bool = False) -> list[Scene]:
+        key = (tuple(names), preset, frames, own_presets)
         if key not in self._known:
-            self._known[key] = survey(names, self._program, self._registry, self._folders, frames, preset)
+            self._known[key] = survey(names, self._program, self._registry, self._folders, frames, preset,
+                                      own_presets=own_presets)
         return self._known[key]

@@ -1,10 +1,8 @@
 """The backends of the paper's experiment."""
 
-from ..experiments.experiment_file import experiment_path, read_experiment
-
-NAME = "paper"
+from ..experiments.experiment_file import of_project
 
 
 def paper_backends() -> list[str]:
     """In the order of its tables and figures."""
-    return list(read_experiment(experiment_path(NAME)).groups[0].backends)
+    return list(of_project("paper").groups[0].backends)
