@@ -13,6 +13,10 @@ class CaseQueue:
     def __bool__(self) -> bool:
         return bool(self._waiting or self._running)
 
+    @property
+    def waiting(self) -> int:
+        return len(self._waiting)
+
     def take(self) -> Case | None:
         """The first case that has what it needs, if it may start beside those that run; None when there is none."""
         pending = {case.name for case in self._waiting} | {case.name for case in self._running}

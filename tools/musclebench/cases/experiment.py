@@ -19,6 +19,7 @@ class Refusal:
 
     status: str
     detail: str
+    last_lines: tuple[str, ...] = ()  # the end of what a process that failed said
 
 
 class Experiment:

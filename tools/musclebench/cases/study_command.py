@@ -72,7 +72,7 @@ def run_missing(cases: list[Case], experiment: Experiment, limits: Limits, resul
         begin()
         statuses = run_cases(todo, experiment, limits)
     return [problem_of(case, status, experiment) for case, status in statuses.items()
-            if status not in experiment.final_statuses]
+            if status not in experiment.final_statuses and experiment.is_ever_run(case)]
 
 
 def problem_of(case: Case, status: str, experiment: Experiment) -> str:

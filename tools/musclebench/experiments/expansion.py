@@ -11,6 +11,7 @@ from ..effects.effect_sets import EffectSet, effect_sets
 from ..program.cli import Problem
 from ..program.registry import Registry
 from ..study.study_cases import RecordCase
+from ..study.sweeps import Configuration
 from .experiment_file import CaseGroup, ExperimentFile
 from .selection import Scenes, configurations_of
 from .swept_case import AxisValue, SweptCase
@@ -39,8 +40,10 @@ class Expansion:
         for scene in self.scenes.of(group, self.experiment):
             if group.adds_effect and (group.adds_effect in scene.effects or group.adds_effect not in self.registry.effects):
                 continue  # a scene's own would be in all; or this build has none
-            for configuration in configurations_of(group, self.experiment, self.registry):
-                found += [self._case(scene, group, configuration, point) for point in self._points(scene, group)]
+            configurations = configurations_of(group, self.experiment, self.registry)
+            for configuration in configurations:
+                cases = [self._case(scene, group, configuration, point) for point in self._points(scene, group)]
+                found += [replace(case, stride=stride_of(case, configurations)) for case in cases]
         return found
 
     def _case(self, scene: Scene, group: CaseGroup, configuration, point: tuple[AxisValue, ...]) -> SweptCase:
@@ -67,6 +70,25 @@ def chosen_sets(scene: Scene, group: CaseGroup, registry: Registry) -> list[Effe
         kind = "all-each" if one.left_out else "own+each" if one.added else one.name
         return kind in group.effects
     return [one for one in effect_sets(scene.effects, registry.effects) if is_wanted(one)]
+
+
+def stride_of(case: SweptCase, configurations: list[Configuration]) -> int:
+    """A power of two, so that the frames of a longer stride are among those of a shorter one. All frames with a
+    clearance cache; without, the same for all configurations of a backend, so that their errors are of the same
+    contacts."""
+    if case.group.mode != "replay":
+        return 1
+    if case.group.stride != "auto":
+        return case.group.stride
+    own = case.configuration
+    if own.has_cache:
+        return 1
+    alike = [one for one in configurations if one.backend == own.backend and not one.has_cache]
+    slowest = replace(case, configuration=max([*alike, own], key=lambda one: one.step_ms))
+    stride = 1
+    while stride < own.longest_stride and replace(slowest, stride=stride).guessed_step_seconds > case.group.replay_s:
+        stride *= 2
+    return stride
 
 
 def rounds(firsts: list[SweptCase], experiment: ExperimentFile) -> list[SweptCase]:

@@ -41,7 +41,8 @@ class CaseGroup:
     rest_s: float = 0.0
     vary: tuple[tuple[str, tuple[tuple[str, tuple[str, ...]], ...]], ...] = ()
     options: tuple[str, ...] = ()
-    stride: str | int = 1
+    stride: str | int = 1  # of replays; auto: a power of two that keeps to replay_s
+    replay_s: float = 4.0
     band_mm: float = 10.0
     points: int = 100_000
     longest_s: float = 0.0  # 0: as long as it takes
@@ -63,6 +64,7 @@ class ExperimentFile:
     seed: int = 1
     timeout_s: float = 1800.0
     jobs: int = 2
+    frames_limit: int = 0  # frames of a whole run; 0: as many as scene and preset have
     answers: tuple[str, ...] = ()  # statuses beside ok and suspect with which a case has ended well
 
     @property
@@ -250,6 +252,7 @@ SCENES = _words("one_muscle")
 EXPERIMENT_KEYS: dict[str, tuple[bool, Callable]] = {
     "title": (True, _text), "scenes": (False, SCENES), "preset": (False, _text), "repetitions": (False, _number(int, 1)),
     "seed": (False, _number(int, 0)), "timeout_s": (False, _number(float, 0.001)), "jobs": (False, _number(int, 1)),
+    "frames_limit": (False, _number(int, 1)),
     "answers": (False, _list(_choice("diverged", "unsupported", "nondeterministic"))), "cases": (True, _tables),
 }
 GROUP_KEYS: dict[str, tuple[bool, Callable]] = {
@@ -262,6 +265,7 @@ GROUP_KEYS: dict[str, tuple[bool, Callable]] = {
     "frames": (False, _list(_number(int, 1))), "effects": (False, _list(_choice(*EFFECT_SETS))),
     "adds_effect": (False, _text), "substeps": (False, _list(_number(int, 1))), "rest_s": (False, _number(float, 0)),
     "vary": (False, _table(_table(_words_or_none))), "options": (False, _list(_text)), "stride": (False, _stride),
-    "band_mm": (False, _number(float, 0.001)), "points": (False, _number(int, 1)), "longest_s": (False, _number(float, 0.001)),
+    "band_mm": (False, _number(float, 0.001)), "points": (False, _number(int, 1)), "replay_s": (False, _number(float, 0.001)),
+    "longest_s": (False, _number(float, 0.001)),
 }
 assert set(GROUP_KEYS) == {one.name for one in fields(CaseGroup)}

@@ -55,7 +55,8 @@ def sweep_of(file: ExperimentFile, options, registry: Registry, folders: Folders
         file = replace(file, scenes=tuple(chosen_names(options.scene, options.muscle, data_set, registry, quick_muscle)))
     if getattr(options, "repetitions", None):
         file = replace(file, repetitions=options.repetitions)
-    scenes = Scenes(options.musclebench, registry, folders, data_set, getattr(options, "frames_limit", None))
+    scenes = Scenes(options.musclebench, registry, folders, data_set, 
+                    getattr(options, "frames_limit", None) or file.frames_limit or None)
     experiment = SweptExperiment(options.musclebench, folders, file.answers, options.force)
     expansion = Expansion(file, registry, scenes)
     firsts = expansion.firsts()

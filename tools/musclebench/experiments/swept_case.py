@@ -32,6 +32,7 @@ class SweptCase(SceneCase):
     configuration: Configuration
     point: tuple[AxisValue, ...] = ()
     repetition: int = 0
+    stride: int = 1  # of a replay
 
     def at(self, axis: str) -> AxisValue:
         return next(one for one in self.point if one.axis == axis)
@@ -96,10 +97,6 @@ class SweptCase(SceneCase):
         return -(-frames // self.stride) if self.group.mode == "replay" else frames
 
     @property
-    def stride(self) -> int:
-        return self.group.stride if isinstance(self.group.stride, int) else 1
-
-    @property
     def steps(self) -> int:
         substeps = next((int(one.value) for one in self.point if one.axis == "substeps"), None)
         return self.frames * (self.scene.iterations if substeps is None else substeps)
@@ -115,12 +112,16 @@ class SweptCase(SceneCase):
         building = self.configuration.build_seconds
         if self.group.mode == "probe":
             return LOADING_SECONDS + building + PROBING_SECONDS
+        return LOADING_SECONDS + building + self.guessed_step_seconds
+
+    @property
+    def guessed_step_seconds(self) -> float:
+        """A judged replay goes through the steps twice, first undisturbed."""
         a_step = 1e-3 * self.configuration.step_ms
         if self.group.mode == "replay":
-            seconds = self.steps * (2 * a_step + JUDGING_SECONDS_A_STEP if self.is_judged else a_step)
-        else:
-            seconds = self.steps * (a_step + LOOP_SECONDS_A_STEP) + self.frames * JUDGING_SECONDS_A_FRAME * self.is_judged
-        return LOADING_SECONDS + building + self.scene.size * seconds
+            return self.scene.size * self.steps * (2 * a_step + JUDGING_SECONDS_A_STEP if self.is_judged else a_step)
+        judging = self.frames * JUDGING_SECONDS_A_FRAME if self.is_judged else 0.0
+        return self.scene.size * (self.steps * (a_step + LOOP_SECONDS_A_STEP) + judging)
 
     @property
     def is_too_long(self) -> bool:
