@@ -6,16 +6,15 @@ import random
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
-import experiment
 import fake_registry
 from fake_sweep import swept
+from fake_trial import QUICK, ROLES, TRIAL, answers, call, command, wait_for
 from musclebench.cases.case import Folders
 from musclebench.cases.pool import Limits
 from musclebench.cases.worker import Worker
@@ -27,23 +26,7 @@ from musclebench.results.damage import damage
 from musclebench.results.status import MEASURED
 from program import PROGRAM, needs_program
 
-TESTS = Path(__file__).resolve().parent
-QUICK = TESTS / "fake_quick.sh"
-ROLES = fake_registry.roles()
 KILLS, FEWEST_CASES = 50, 24
-TRIAL = f"""title = "A trial"
-scenes = ["synthetic/iliacus", "synthetic/gluteus_medius"]
-repetitions = 3
-
-[[cases]]
-name = "replay"
-mode = "replay"
-backends = ["{ROLES.unit}", "{ROLES.exact}"]
-
-[[cases]]
-name = "run"
-backends = ["{ROLES.unit}", "{ROLES.field}"]
-"""
 HAS_NAMESPACES = subprocess.run(["unshare", "-m", "true"], capture_output=True, check=False).returncode == 0
 
 
@@ -52,15 +35,6 @@ def trial(tmp_path):
     path = tmp_path / "trial.toml"
     path.write_text(TRIAL)
     return path
-
-
-def command(trial: Path, out: Path, *more, program=QUICK) -> list[str]:
-    return [sys.executable, experiment.__file__, str(trial), "--musclebench", str(program), "--out", str(out), *map(str, more)]
-
-
-def call(trial: Path, out: Path, *more, program=QUICK, **environment) -> subprocess.CompletedProcess:
-    return subprocess.run(command(trial, out, *more, program=program), capture_output=True, text=True, timeout=120,
-                          check=False, env={**os.environ, **environment})
 
 
 def run_here(trial: Path, out: Path) -> list[str]:
@@ -95,18 +69,6 @@ def complete(out: Path) -> dict[str, str]:
 
 def hidden(out: Path) -> list[Path]:
     return [path for path in (*out.glob("raw/.*"), *out.glob("recordings/.*"))]
-
-
-def answers(out: Path) -> bytes:
-    write_tables(out)
-    return (out / "answers.csv").read_bytes()
-
-
-def wait_for(condition, seconds=60.0):
-    deadline = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < deadline, "waited in vain"
-        time.sleep(0.02)
 
 
 @pytest.fixture

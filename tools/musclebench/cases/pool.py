@@ -3,10 +3,11 @@
 import os
 import select
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..program.children import uninterrupted
 from ..program.cli import Interrupted
+from ..program.cores import own_cores
 from ..program.disk import DiskFull, is_disk_full
 from .case import Case
 from .case_log import CaseLog
@@ -20,7 +21,7 @@ POLL_SECONDS = 0.1
 
 @dataclass
 class Limits:
-    cores: list[int]  # one running case on each
+    cores: list[int]  # one running case on each; others where another run has these
     timeout_seconds: float
     memory_bytes: int | None = None  # of one case; None: as much as there is
 
@@ -30,7 +31,8 @@ def run_cases(cases: list[Case], experiment: Experiment, limits: Limits) -> dict
     as Interrupted, which says what is kept. Each case that ends is a line of LOG_NAME in the experiment's folder."""
     for line in filter(None, map(experiment.quarantine, cases)):
         print(line, file=sys.stderr)
-    return _Pool(cases, experiment, limits).run()
+    with own_cores(limits.cores) as cores:
+        return _Pool(cases, experiment, replace(limits, cores=cores)).run()
 
 
 class _Pool:
