@@ -7,22 +7,18 @@ on where it was stopped: complete cases are skipped until their arguments, the p
 which is the same on every machine and however the cases were split, and times.csv. Times are in seconds, memory in GB.
 """
 
-import argparse
-import fnmatch
 import sys
 from pathlib import Path
 
-from musclebench.cases.case import Case
-from musclebench.cases.progress import duration
 from musclebench.cases.study_command import (
     add_jobs_option, add_run_options, check_options, end, folders_of, require_results, study_parser,
 )
 from musclebench.experiments.case_tables import write_tables
-from musclebench.experiments.expansion import filtered, in_shard
+from musclebench.experiments.command import add_memory_option, add_shard_option, chosen, print_plan
 from musclebench.experiments.experiment_file import FOLDER, experiment_path, read_experiment
 from musclebench.experiments.merging import merge
-from musclebench.experiments.running import Sweep, limits_of, sweep_of
-from musclebench.program.cli import Problem, add_scene_options, run_command
+from musclebench.experiments.running import limits_of, sweep_of
+from musclebench.program.cli import add_scene_options, run_command
 from musclebench.program.registry import read_registry
 from musclebench.results.run_folder import ResultProblem
 
@@ -37,12 +33,11 @@ def parse_arguments(arguments):
     what.add_argument("--frames-limit", type=int, metavar="N", help="frames of the whole run, for a quick look")
     what.add_argument("--filter", action="append", metavar="WORDS",
                       help="only cases with this in their names; * and ? stand for what they do in file names; may be repeated")
-    what.add_argument("--shard", type=shard, default=(1, 1), metavar="I/N",
-                      help="run only the I-th of N parts, on machines of one kind with one build; then --merge (default 1/1)")
+    add_shard_option(what)
     how = parser.add_argument_group("how it runs")
     add_run_options(how, timeout=None)
     add_jobs_option(how)
-    how.add_argument("--memory-gb", type=float, metavar="GB", help="of one case (default: as much as there is)")
+    add_memory_option(how)
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument("--list-cases", action="store_true", help="print the names of the cases, one a line, and no more")
     instead.add_argument("--dry-run", action="store_true", help="print the cases with their guessed times and what is complete")
@@ -50,35 +45,6 @@ def parse_arguments(arguments):
     instead.add_argument("--merge", nargs="+", type=Path, metavar="DIR",
                          help="put the results of these parts into --out and make the tables")
     return parser.parse_args(arguments)
-
-
-def shard(text: str) -> tuple[int, int]:
-    number, _, count = text.partition("/")
-    if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
-        raise argparse.ArgumentTypeError(f"'{text}' is not like 2/3, the second of three parts")
-    return int(number), int(count)
-
-
-def chosen(sweep: Sweep, options) -> list[Case]:
-    """Those to run here."""
-    patterns = [words if set(words) & set("*?[") else f"*{words}*" for words in options.filter or []]
-    cases = sweep.cases
-    if patterns:
-        cases = filtered(cases, lambda name: any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns))
-        if not cases:
-            raise Problem(f"--filter {options.filter[0]}: no case has that in its name; --list-cases names them")
-    return in_shard(cases, *options.shard) if options.shard != (1, 1) else cases
-
-
-def print_plan(cases: list[Case], sweep: Sweep, jobs: int) -> None:
-    print("  seconds  threads  case")
-    left = 0.0
-    for case in cases:
-        note = "not run, too long" if not sweep.experiment.is_ever_run(case) else \
-            "" if sweep.experiment.wants(case) else "complete"
-        left += 0.0 if note else case.guessed_seconds
-        print(f"{case.guessed_seconds:9.1f}  {case.threads:7}  {case.name}{f'  ({note})' if note else ''}")
-    print(f"{len(cases)} cases; about {duration(left)} of work left, {duration(left / jobs)} with {jobs} at a time")
 
 
 def report(out_dir: Path, problems: list[str]) -> int:
@@ -99,7 +65,7 @@ def run_and_report(options) -> int:
         return report(folders.out_dir, merge(options.merge, folders.out_dir))
     options.jobs, options.timeout = options.jobs or file.jobs, options.timeout or file.timeout_s
     sweep = sweep_of(file, options, read_registry(options.musclebench), folders)
-    cases = chosen(sweep, options)
+    cases = chosen(sweep, options.shard, options.filter)
     if options.list_cases:
         print(*(case.name for case in cases), sep="\n")
         return 0

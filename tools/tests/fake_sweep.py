@@ -7,7 +7,7 @@ import fake_registry
 from musclebench.cases.scene import Scene
 from musclebench.experiments.expansion import Expansion
 from musclebench.experiments.experiment_file import ExperimentFile, experiment_path, read_experiment
-from musclebench.study.study_cases import RecordCase
+from musclebench.experiments.record_case import RecordCase
 from musclebench.experiments.swept_case import SweptCase
 
 

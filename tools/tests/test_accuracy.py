@@ -15,6 +15,7 @@ import pytest
 import accuracy
 import fake_registry
 from musclebench.cases.worker import Worker
+from musclebench.experiments import running
 from musclebench.program import fingerprint
 
 PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
@@ -125,7 +126,7 @@ def test_every_case_runs_once_on_one_core_and_leaves_a_sealed_folder(sweep):
     rows = {folder.name for folder in (sweep.out / "raw").iterdir()}
     assert rows == {*RUN_CASES, *TOO_LONG} - {"iliacus"}
     assert (sweep.out / "recordings" / "iliacus" / "iliacus.recording").is_file()
-    planned = json.loads((sweep.out / "study.json").read_text())["cases"]
+    planned = json.loads((sweep.out / "experiment.json").read_text())["cases"]
     assert {case["name"] for case in planned} == rows
     assert sweep()[3] == []  # complete
 
@@ -281,7 +282,7 @@ def test_a_full_disk_that_the_sweep_meets_leaves_nothing_half_written(sweep, mon
 
 
 def test_space_is_checked_before_anything_runs(sweep, monkeypatch):
-    monkeypatch.setattr(accuracy, "free_bytes", lambda folder: 1e6)
+    monkeypatch.setattr(running, "free_bytes", lambda folder: 1e6)
     code, _, errors, called = sweep()
     assert code == 2 and called == [] and "GB are needed and 0.0 GB are free" in errors and not sweep.out.exists()
 

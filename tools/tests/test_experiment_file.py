@@ -13,7 +13,7 @@ from musclebench.experiments.expansion import filtered, in_shard
 from musclebench.experiments.experiment_file import FOLDER, experiment_path, read_experiment
 from musclebench.experiments.toml_lines import key_lines, line_of
 from musclebench.program.cli import Problem
-from musclebench.study.study_cases import RecordCase
+from musclebench.experiments.record_case import RecordCase
 
 FAKE = Path(__file__).resolve().parent / "fake_musclebench.py"
 ROLES = fake_registry.roles()

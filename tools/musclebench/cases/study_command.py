@@ -64,11 +64,11 @@ def missing(cases: list[Case], experiment: Experiment) -> list[Case]:
     return todo
 
 
-def run_missing(cases: list[Case], experiment: Experiment, limits: Limits, result_dirs: tuple[str, ...] = ("raw",),
+def run_missing(cases: list[Case], experiment: Experiment, limits: Limits,
                 begin: Callable[[], None] = lambda: None) -> list[str]:
     """A line for each case that failed. `begin`: called when the folder is this process's own."""
     todo, out_dir = missing(cases, experiment), experiment.folders.out_dir
-    with claimed(out_dir, *result_dirs):
+    with claimed(out_dir, "raw"):
         begin()
         statuses = run_cases(todo, experiment, limits)
     return [problem_of(case, status, experiment) for case, status in statuses.items()

@@ -9,10 +9,10 @@ from ..program.fingerprint import write_whole
 from ..results.disturbance import disturbed
 from ..results.run_folder import ResultProblem, Run, read_run
 from .manifest import read_manifest
+from .swept_experiment import HASH_OF_MODE
 
 MISSING, DAMAGED = "missing", "damaged"
 ANSWERS, TIMES = "answers.csv", "times.csv"
-HASH_OF_MODE = {"replay": "contact_hash", "coupled": "state_hash"}
 SUMS = ("contacts", "missed_contacts", "false_contacts")
 LARGEST = ("max_depth_m", "p99_depth_m", "max_depth_error_m", "p99_depth_error_m")
 

@@ -10,8 +10,8 @@ from ..cases.scene import Scene
 from ..effects.effect_sets import EffectSet, effect_sets
 from ..program.cli import Problem
 from ..program.registry import Registry
-from ..study.study_cases import RecordCase
-from ..study.sweeps import Configuration
+from .record_case import RecordCase
+from .sweeps import Configuration
 from .experiment_file import CaseGroup, ExperimentFile
 from .selection import Scenes, configurations_of
 from .swept_case import AxisValue, SweptCase
@@ -27,7 +27,7 @@ class Expansion:
 
     def firsts(self) -> list[SweptCase]:
         """As the file lists them, without repetitions."""
-        return [case for group in self.experiment.groups for case in self.of_group(group)]
+        return with_builders([case for group in self.experiment.groups for case in self.of_group(group)])
 
     def cases(self, firsts: list[SweptCase]) -> list[SweptCase | RecordCase]:
         """Recordings first, then round by round; the cases of a round are shuffled, so that what slows the machine for a
@@ -37,7 +37,10 @@ class Expansion:
     def of_group(self, group: CaseGroup) -> list[SweptCase]:
         """Without repetitions."""
         found = []
-        for scene in self.scenes.of(group, self.experiment):
+        scenes = self.scenes.of(group, self.experiment)
+        if group.mode == "probe":  # about bones: scenes with the same ones are probed once
+            scenes = list({scene.probed.name: scene.probed for scene in scenes}.values())
+        for scene in scenes:
             if group.adds_effect and (group.adds_effect in scene.effects or group.adds_effect not in self.registry.effects):
                 continue  # a scene's own would be in all; or this build has none
             configurations = configurations_of(group, self.experiment, self.registry)
@@ -63,6 +66,13 @@ class Expansion:
             axes.append([AxisValue("frames", str(count)) for count in group.frames])
         axes += [[AxisValue(axis, value, words) for value, words in values] for axis, values in group.vary]
         return list(product(*axes))
+
+
+def with_builders(cases: list[SweptCase]) -> list[SweptCase]:
+    """A probe builds the structures of its configuration for all; what no case builds is not stored."""
+    builders = {(case.scene.name, case.configuration.label): case.name for case in cases
+                if case.group.mode == "probe" and case.configuration.stores}
+    return [replace(case, builder=builders.get((case.scene.probed.name, case.configuration.label), "")) for case in cases]
 
 
 def chosen_sets(scene: Scene, group: CaseGroup, registry: Registry) -> list[EffectSet]:
@@ -115,7 +125,7 @@ def repetitions(case: SweptCase, experiment: ExperimentFile) -> int:
 
 def with_recordings(cases: list[SweptCase]) -> list[SweptCase | RecordCase]:
     """Each that a replay reads, before all others. Raises Problem where two would have one name."""
-    recordings = list(dict.fromkeys(case.recording for case in cases if case.group.mode == "replay"))
+    recordings = sorted({case.recording for case in cases if case.group.mode == "replay"}, key=lambda case: case.name)
     every = [*recordings, *cases]
     names: set[str] = set()
     for case in every:

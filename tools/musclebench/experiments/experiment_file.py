@@ -25,9 +25,10 @@ class CaseGroup:
     named: str = NAMED  # folder of a case; placeholders are PLACEHOLDERS and the axes
     scenes: str | tuple[str, ...] = ""  # empty: those of the experiment
     preset: str = ""  # empty: that of the experiment
+    file_presets: bool = False  # scene files keep their own
     backends: str | tuple[str, ...] = "all"
     configurations: str = "default"
-    only: str = ""
+    only: tuple[str, ...] = ()
     parameters: tuple[tuple[str, tuple], ...] = ()
     threads: tuple[int, ...] = (1,)
     repetitions: int = 0  # 0: those of the experiment
@@ -257,8 +258,10 @@ EXPERIMENT_KEYS: dict[str, tuple[bool, Callable]] = {
 }
 GROUP_KEYS: dict[str, tuple[bool, Callable]] = {
     "name": (True, _text), "mode": (False, _choice(*MODES)), "named": (False, _text),
-    "scenes": (False, SCENES), "preset": (False, _text), "backends": (False, _words("all", "exact", "control")),
-    "configurations": (False, _choice("default", "study", "study_quick")), "only": (False, _choice("replays", "drives", "probed")),
+    "scenes": (False, SCENES), "preset": (False, _text), "file_presets": (False, _flag),
+    "backends": (False, _words("all", "exact", "control")),
+    "configurations": (False, _choice("default", "study", "study_quick")), 
+    "only": (False, _list(_choice("replays", "drives", "probed", "one_thread"))),
     "parameters": (False, _table(_values_of_parameter)), "threads": (False, _list(_number(int, 1))),
     "repetitions": (False, _number(int, 1)), "fewer_repetitions": (False, _flag),
     "judged": (False, _choice("always", "first", "never")), "snapshots": (False, _list(_choice(*MOMENTS))),

@@ -5,9 +5,9 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from ..cases.case import Case
+from ..program.machine import machine
 from ..program.fingerprint import file_digest, write_whole
 from ..results.run_folder import ResultProblem
-from ..study.study_manifest import machine
 from .experiment_file import ExperimentFile
 from .swept_case import SweptCase
 

@@ -7,7 +7,7 @@ from ..cases.case import Folders
 from ..cases.scene import Scene, chosen_names, survey
 from ..program.cli import Problem
 from ..program.registry import Backend, Registry
-from ..study.sweeps import Configuration, configurations
+from .sweeps import Configuration, configurations
 from .experiment_file import CaseGroup, ExperimentFile
 
 
@@ -59,7 +59,8 @@ def configurations_of(group: CaseGroup, experiment: ExperimentFile, registry: Re
 
 def _is_asked(one: Configuration, group: CaseGroup) -> bool:
     drives = one.drives_quick if group.configurations == "study_quick" else one.drives
-    return {"": True, "replays": one.replays, "drives": drives, "probed": one.is_probed}[group.only]
+    holds = {"replays": one.replays, "drives": drives, "probed": one.is_probed, "one_thread": one.threads == 1}
+    return all(holds[word] for word in group.only)
 
 
 def _grid(group: CaseGroup, experiment: ExperimentFile, backend: Backend) -> list[tuple]:
@@ -91,7 +92,7 @@ class Scenes:
         if group.scenes:
             return self._survey(self._names(group.scenes), group.preset or None, None, own_presets=True)
         names = experiment.scenes if isinstance(experiment.scenes, tuple) else (experiment.scenes,)
-        return self._survey(self._names(names), preset, self._frames_limit)
+        return self._survey(self._names(names), preset, self._frames_limit, of_files=not group.file_presets)
 
     def limited(self, scene: Scene, frames: int) -> Scene:
         return self._survey([scene.name], scene.preset if scene.asks_preset else None, frames)[0]
@@ -109,9 +110,8 @@ class Scenes:
                 names += chosen_names([word.replace("{data}", self._data_set)], None, self._data_set, self._registry)
         return list(dict.fromkeys(names))
 
-    def _survey(self, names: list[str], preset: str | None, frames: int | None, own_presets: bool = False) -> list[Scene]:
-        key = (tuple(names), preset, frames, own_presets)
+    def _survey(self, names: list[str], preset: str | None, frames: int | None, **which: bool) -> list[Scene]:
+        key = (tuple(names), preset, frames, tuple(which.items()))
         if key not in self._known:
-            self._known[key] = survey(names, self._program, self._registry, self._folders, frames, preset,
-                                      own_presets=own_presets)
+            self._known[key] = survey(names, self._program, self._registry, self._folders, frames, preset, **which)
         return self._known[key]

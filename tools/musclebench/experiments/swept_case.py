@@ -5,14 +5,18 @@ from dataclasses import dataclass, field
 
 from ..cases.case import Folders, SceneCase
 from ..cases.scene import Scene
-from ..study.study_cases import (
-    BYTES_A_JUDGED_RUN, BYTES_A_NODE_AND_STEP, BYTES_A_RUN, JUDGING_SECONDS_A_FRAME, JUDGING_SECONDS_A_STEP, LOADING_SECONDS,
-    PROBING_SECONDS, RecordCase,
-)
-from ..study.sweeps import Configuration
+from .sweeps import Configuration
 from .experiment_file import CaseGroup
+from .record_case import LOADING_SECONDS, RecordCase
 
-LOOP_SECONDS_A_STEP = 0.003  # of the reference muscle, beside collision
+# Seconds of the parts of a case: first guesses for the reference muscle, which the progress bar corrects.
+LOOP_SECONDS_A_STEP = 0.003  # beside collision
+JUDGING_SECONDS_A_STEP = 0.008
+JUDGING_SECONDS_A_FRAME = 0.02
+LOADING_STRUCTURES_SECONDS = 0.2
+PROBING_SECONDS = 3.0
+BYTES_A_JUDGED_RUN = 10e6
+BYTES_A_RUN = 0.3e6
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,7 @@ class SweptCase(SceneCase):
     point: tuple[AxisValue, ...] = ()
     repetition: int = 0
     stride: int = 1  # of a replay
+    builder: str = ""  # the case that builds and stores its structures, so that their building is timed once
 
     def at(self, axis: str) -> AxisValue:
         return next(one for one in self.point if one.axis == axis)
@@ -66,23 +71,19 @@ class SweptCase(SceneCase):
         return RecordCase(self.scene)
 
     @property
-    def stores(self) -> bool:
-        """Whether a probe builds its structures, so that their building is timed once; the others load them."""
-        return self.configuration.stores
-
-    @property
     def structures(self) -> str:
         """Folder of the structures of the configuration, below the experiment's."""
         return f"structures/{self.scene.probed.key}/{self.configuration.label}"
 
     @property
     def needs(self) -> tuple[str, ...]:
-        return (self.recording.name,) if self.group.mode == "replay" else ()
+        recording = (self.recording.name,) if self.group.mode == "replay" else ()
+        return recording + ((self.builder,) if self.builder not in ("", self.name) else ())
 
     @property
     def shares(self) -> tuple[str, ...]:
         """Cases with the same stay on one machine: repetitions, and what loads the structures that another one built."""
-        if self.stores:
+        if self.builder:
             return self.scene.probed.key, self.configuration.label
         return self.group.name, self.scene.key, self.configuration.label, *(one.value for one in self.point)
 
@@ -109,7 +110,8 @@ class SweptCase(SceneCase):
 
     @property
     def guessed_seconds(self) -> float:
-        building = self.configuration.build_seconds
+        loads = self.builder not in ("", self.name)
+        building = LOADING_STRUCTURES_SECONDS if loads else self.configuration.build_seconds
         if self.group.mode == "probe":
             return LOADING_SECONDS + building + PROBING_SECONDS
         return LOADING_SECONDS + building + self.guessed_step_seconds
@@ -126,7 +128,7 @@ class SweptCase(SceneCase):
     @property
     def is_too_long(self) -> bool:
         """True for a case that is shown as a row with its estimate and never run."""
-        return 0 < self.group.longest_s < self.guessed_seconds
+        return self.group.mode != "probe" and 0 < self.group.longest_s < self.guessed_seconds
 
     @property
     def guessed_bytes(self) -> float:
@@ -136,8 +138,9 @@ class SweptCase(SceneCase):
     def arguments(self, folders: Folders) -> list[str]:
         words = [*self._asked(folders), *self._backend_words(folders), *self.scene.data_arguments(folders)]
         words += [word for one in self.point for word in one.words] + list(self.group.options)
-        words += ["--repetition", str(self.repetition)]
-        return words + ([] if self.is_judged or self.group.mode == "probe" else ["--no-referee"])
+        if self.group.mode == "probe":  # asks the same points each time, and is the judge itself
+            return words
+        return [*words, "--repetition", str(self.repetition), *([] if self.is_judged else ["--no-referee"])]
 
     def record(self) -> dict:
         configuration = self.configuration
@@ -167,6 +170,6 @@ class SweptCase(SceneCase):
         words = ["--backend", configuration.backend]
         for key, value in configuration.parameters:
             words += ["--param", f"{key}={value}"]
-        if self.stores:
+        if self.builder:
             words += ["--param", f"{configuration.storage}={folders.out_dir / self.structures}"]
         return [*words, "--threads", str(configuration.threads)]

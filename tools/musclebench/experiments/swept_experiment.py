@@ -1,6 +1,8 @@
 """The rules of cases from an experiment file: recordings that replays share, what has ended well, what is not run."""
 
 import json
+import shutil
+from dataclasses import replace
 from pathlib import Path
 
 from ..cases.case import Case, Folders
@@ -8,10 +10,12 @@ from ..cases.experiment import Experiment, Refusal
 from ..cases.progress import duration
 from ..program import fingerprint
 from ..results.status import MEASURED
-from ..study.study_cases import RecordCase
+from .record_case import RecordCase
 from .swept_case import SweptCase
 
 RESULT_DIRS = ("raw", "recordings")
+STRUCTURES_DIR = "structures"
+HASH_OF_MODE = {"replay": "contact_hash", "coupled": "state_hash"}
 
 
 class SweptExperiment(Experiment):
@@ -31,20 +35,26 @@ class SweptExperiment(Experiment):
         return {"recording_sha256": self._recording_digest(case.recording)} if is_replay else {}
 
     def is_ever_run(self, case: Case) -> bool:
-        return isinstance(case, RecordCase) or not case.is_too_long
+        return not case.is_too_long
 
     def refusal(self, case: Case) -> Refusal | None:
         if not self.is_ever_run(case):
-            return Refusal("timeout", f"not run: {case.steps} steps would take about {duration(case.guessed_seconds)}, over "
-                                      f"{duration(case.group.longest_s)}")
+            a_step = f"{case.configuration.step_ms * case.scene.size / 1e3:.2g} s"
+            whole, longest = duration(case.guessed_seconds), duration(case.group.longest_s)
+            return Refusal("timeout", f"not run: {case.steps} steps of about {a_step} would take about {whole}, over {longest}")
         if isinstance(case, SweptCase) and case.group.mode == "replay" and not self.is_complete(case.recording):
             return Refusal("failed", f"not run: there is no recording; {self._reason(case.recording)}")
         return None
 
     def prepare(self, case: Case, folder: Path) -> None:
-        """A recording is a file and wants its folder."""
+        """A recording is a file and wants its folder. A builder finds nothing built: its building time is real."""
         if isinstance(case, RecordCase):
             folder.mkdir()
+        elif case.builder:
+            structures = self.folders.out_dir / case.structures
+            if case.builder == case.name:
+                shutil.rmtree(structures, ignore_errors=True)
+            structures.mkdir(parents=True, exist_ok=True)
 
     def complete(self, case: Case, folder: Path) -> None:
         """`musclebench record` leaves a recording; its row is written here."""
@@ -55,6 +65,29 @@ class SweptExperiment(Experiment):
         record = {"schema_version": 1, "status": "ok", "status_detail": "", "case": case.record(), "recording": told}
         (folder / "run.json").write_text(json.dumps(record) + "\n")
         self._recordings.pop(case.file, None)
+
+    def remove_structures(self) -> None:
+        """They can be built again at any time, and are large."""
+        shutil.rmtree(self.folders.out_dir / STRUCTURES_DIR, ignore_errors=True)
+
+    def mark_nondeterministic(self, cases: list[SweptCase]) -> list[SweptCase]:
+        """Marks the repetitions that answered something else than the first, and returns them."""
+        firsts = {replace(case, repetition=0): case for case in cases if case.repetition == 0}
+        return [case for case in cases if case.repetition > 0
+                and (first := firsts.get(replace(case, repetition=0))) is not None and self._mark(first, case)]
+
+    def _mark(self, first: SweptCase, case: SweptCase) -> bool:
+        key = HASH_OF_MODE.get(case.mode)
+        expected, record = self.run_record(first), self.run_record(case)
+        if key is None or expected.get("status") not in MEASURED or record.get("status") not in MEASURED | {"nondeterministic"}:
+            return False
+        if record.get(key) == expected.get(key):
+            return False
+        words = key.replace("_", " ")
+        record |= {"status": "nondeterministic",
+                   "status_detail": f"{words} {record.get(key)}, but {expected.get(key)} in repetition 0"}
+        fingerprint.write_whole(self.folder(case) / "run.json", json.dumps(record) + "\n")
+        return True
 
     def run_record(self, case: Case) -> dict:
         """Its run.json; empty where there is none."""
