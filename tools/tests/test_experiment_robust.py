@@ -6,6 +6,7 @@ import random
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -27,6 +28,14 @@ from musclebench.results.status import MEASURED
 from program import PROGRAM, needs_program
 
 KILLS, FEWEST_CASES = 50, 24
+WITHOUT_LOOKING_AHEAD = """import runpy, sys
+from pathlib import Path
+sys.path.insert(0, str(Path(sys.argv[1]).parent))
+from musclebench.experiments import running
+running.SPARE_BYTES = -1e12
+sys.argv = sys.argv[1:]
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
 HAS_NAMESPACES = subprocess.run(["unshare", "-m", "true"], capture_output=True, check=False).returncode == 0
 
 
@@ -107,7 +116,8 @@ def test_tables_say_what_was_not_run(trial, tmp_path, undisturbed):
 @pytest.mark.skipif(not HAS_NAMESPACES, reason="no mount namespaces here (unshare -m)")
 def test_a_full_disk_keeps_what_is_complete(trial, tmp_path, undisturbed):
     (tmp_path / "disk").mkdir()
-    run = " ".join(command(trial, tmp_path / "disk" / "out"))
+    (tmp_path / "driver.py").write_text(WITHOUT_LOOKING_AHEAD)
+    run = " ".join([sys.executable, "driver.py", *command(trial, tmp_path / "disk" / "out")[1:]])
     script = f"""cd {tmp_path}
         mount -t tmpfs -o size=140k small disk && {run} 2>errors; echo $? >code
         ls disk/out/raw >kept; ls -A disk/out/raw | grep -c '^[.]' >hidden
@@ -131,7 +141,7 @@ def test_a_read_only_folder_is_one_line(trial, tmp_path):
 def test_two_runners_do_not_share_a_folder_and_ctrl_c_says_what_is_kept(trial, tmp_path, undisturbed):
     out = tmp_path / "out"
     first = subprocess.Popen(command(trial, out), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                             env={**os.environ, "FAKE_HANGS": "--repetition 2"})
+                             env={**os.environ, "FAKE_HANGS": "2"})
     wait_for(lambda: len(list(out.glob("raw/.*/run/frames.csv"))) == 2 and len(list(out.glob("raw/*/case.json"))) == 16)
     second = call(trial, out)
     assert second.returncode == 2 and "another run writes there" in second.stderr
@@ -170,7 +180,7 @@ def test_what_the_system_killed_for_want_of_memory_is_told_apart(trial, tmp_path
     case = next(case for case in swept(trial, fake_registry.scene("synthetic/iliacus")) if "-run-" in case.name)
     for kills, status in (([3, 3], "failed"), ([3, 4], "out_of_memory")):
         monkeypatch.setattr("musclebench.cases.worker.oom_kills", lambda told=iter(kills): next(told))
-        monkeypatch.setenv("FAKE_HANGS", "--repetition 0")
+        monkeypatch.setenv("FAKE_HANGS", "0")
         worker = Worker(case, SweptExperiment(QUICK, Folders(tmp_path)), [0])
         worker.kill_for_timeout()
         assert worker.finish() == status
