@@ -1,5 +1,6 @@
 """Experiment files: what is multiplied, what a wrong one is told, and how cases are ordered and split."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import fake_registry
 from fake_sweep import swept
 from musclebench.cases.case import Folders
 from musclebench.experiments.expansion import filtered, in_shard
-from musclebench.experiments.experiment_file import FOLDER, experiment_path, read_experiment
+from musclebench.experiments.experiment_file import EXPERIMENT_KEYS, FOLDER, GROUP_KEYS, experiment_path, read_experiment
 from musclebench.experiments.toml_lines import key_lines, line_of
 from musclebench.program.cli import Problem
 from musclebench.experiments.record_case import RecordCase
@@ -133,6 +134,17 @@ def test_the_files_of_the_project_expand_to_cases_of_different_names(path):
     cases = swept(path)
     assert len(cases) > 5 and len({case.name for case in cases}) == len(cases)
     assert all(case.guessed_seconds > 0 for case in cases)
+
+
+def test_every_key_is_told_in_the_folder_of_the_experiments():
+    told = (FOLDER / "README.md").read_text()
+    cells = {word for line in told.splitlines() if line.startswith("| `") for word in re.findall(r"`(\w+)`", line.split("|")[1])}
+    assert cells == {*EXPERIMENT_KEYS, *GROUP_KEYS} - {"cases"}
+
+
+def test_the_example_of_the_folder_is_an_experiment(written):
+    example = (FOLDER / "README.md").read_text().split("```toml\n")[1].split("```")[0]
+    assert {case.group.name for case in swept(written(example)) if not isinstance(case, RecordCase)} == {"grids", "threads"}
 
 
 def test_lines_of_keys_are_found_in_the_table_they_are_in():
