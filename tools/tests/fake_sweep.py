@@ -24,6 +24,9 @@ class FakeScenes:
         known = [entry.name for entry in fake_registry.registry().scenes]
         return [replace(fake_registry.scene(name), asks_preset=bool(group.preset)) for name in known if any(name.startswith(one.rstrip("*")) for one in group.scenes)]
 
+    def hard_cases(self, wanted):
+        return list(wanted or ("rest", "pinch", "thin-plate"))
+
     def limited(self, scene, frames):
         return replace(fake_registry.scene(scene.name, frames), preset=scene.preset)
 

@@ -69,8 +69,9 @@ class Worker:
         self._close()
         written = self._hidden / "run"
         try:
-            if self._process.returncode == 0:
-                self._experiment.complete(self.case, written)
+            code = self._process.returncode
+            if self._experiment.ended_well(self.case, code):
+                self._experiment.complete(self.case, written, code)
             if timed_out or not (written / "run.json").is_file():
                 write_refusal(self.case, self._failure(timed_out), written)
             return put_in_place(self.case, self._experiment, written)

@@ -16,6 +16,7 @@ from .experiment_file import CaseGroup, ExperimentFile
 from .selection import Scenes, configurations_of
 from .swept_case import AxisValue, SweptCase
 
+NO_SCENE = "hard"  # in place of one: each hard case has its own
 FEWER_REPETITIONS = ((60.0, 1), (8.0, 2))  # of more seconds a repetition there are no more
 
 
@@ -37,7 +38,7 @@ class Expansion:
     def of_group(self, group: CaseGroup) -> list[SweptCase]:
         """Without repetitions."""
         found = []
-        scenes = self.scenes.of(group, self.experiment)
+        scenes = self.scenes.of(group, self.experiment) if group.mode != "hard" else [Scene(NO_SCENE, asks_preset=False)]
         if group.mode == "probe":  # about bones: scenes with the same ones are probed once
             scenes = list({scene.probed.name: scene.probed for scene in scenes}.values())
         for scene in scenes:
@@ -64,6 +65,8 @@ class Expansion:
                 for count in group.substeps])
         if group.frames:
             axes.append([AxisValue("frames", str(count)) for count in group.frames])
+        if group.mode == "hard":
+            axes.append([AxisValue("case", case, ("--case", case)) for case in self.scenes.hard_cases(group.hard_cases)])
         axes += [[AxisValue(axis, value, words) for value, words in values] for axis, values in group.vary]
         return list(product(*axes))
 

@@ -10,7 +10,7 @@ from ..program.cli import Problem
 from .toml_lines import key_lines, line_of
 
 FOLDER = Path(__file__).resolve().parents[3] / "bench" / "experiments"
-MODES = ("run", "replay", "probe")
+MODES = ("run", "replay", "probe", "hard")
 MOMENTS = ("rest", "half", "full", "end", "after_rest")
 EFFECT_SETS = ("own", "all", "all-each", "own+each")
 NAMED = "{scene}-{group}-{configuration}-r{repetition}"
@@ -46,12 +46,14 @@ class CaseGroup:
     replay_s: float = 4.0
     band_mm: float = 10.0
     points: int = 100_000
+    hard_cases: tuple[str, ...] = ()  # empty: all
     longest_s: float = 0.0  # 0: as long as it takes
 
     @property
     def axes(self) -> list[str]:
         """Names of what its points differ in beside scene, configuration and repetition."""
-        return [name for name in ("effects", "substeps", "frames") if getattr(self, name)] + [key for key, _ in self.vary]
+        own = [name for name in ("effects", "substeps", "frames") if getattr(self, name)]
+        return own + (["case"] if self.mode == "hard" else []) + [key for key, _ in self.vary]
 
 
 @dataclass(frozen=True)
@@ -269,6 +271,6 @@ GROUP_KEYS: dict[str, tuple[bool, Callable]] = {
     "adds_effect": (False, _text), "substeps": (False, _list(_number(int, 1))), "rest_s": (False, _number(float, 0)),
     "vary": (False, _table(_table(_words_or_none))), "options": (False, _list(_text)), "stride": (False, _stride),
     "band_mm": (False, _number(float, 0.001)), "points": (False, _number(int, 1)), "replay_s": (False, _number(float, 0.001)),
-    "longest_s": (False, _number(float, 0.001)),
+    "longest_s": (False, _number(float, 0.001)), "hard_cases": (False, _list(_text)),
 }
 assert set(GROUP_KEYS) == {one.name for one in fields(CaseGroup)}

@@ -1,10 +1,12 @@
 """Which scenes and which configurations of the backends a group of cases names."""
 
+import subprocess
 from dataclasses import replace
 from itertools import product
 
 from ..cases.case import Folders
 from ..cases.scene import Scene, chosen_names, survey
+from ..hard.cells import cases_of
 from ..program.cli import Problem
 from ..program.registry import Backend, Registry
 from .sweeps import Configuration, configurations
@@ -96,6 +98,15 @@ class Scenes:
 
     def limited(self, scene: Scene, frames: int) -> Scene:
         return self._survey([scene.name], scene.preset if scene.asks_preset else None, frames)[0]
+
+    def hard_cases(self, wanted: tuple[str, ...]) -> list[str]:
+        """Of the program, in its order. Raises Problem where it has not one of the wanted."""
+        words = [word for case in wanted for word in ("--case", case)]
+        told = subprocess.run([str(self._program), "hard", "--list", *words], capture_output=True, text=True, check=False)
+        if told.returncode != 0:
+            lines = told.stderr.strip().splitlines() or [f"'hard --list' ended with exit code {told.returncode}"]
+            raise Problem(lines[-1].removeprefix("musclebench: "))
+        return list(cases_of(told.stdout)["case"])
 
     def _names(self, wanted: str | tuple[str, ...]) -> list[str]:
         """`one_muscle`: all of the data set that have one; PREFIX/*: all that begin so; {data} is the data set."""

@@ -112,8 +112,8 @@ class SweptCase(SceneCase):
     def guessed_seconds(self) -> float:
         loads = self.builder not in ("", self.name)
         building = LOADING_STRUCTURES_SECONDS if loads else self.configuration.build_seconds
-        if self.group.mode == "probe":
-            return LOADING_SECONDS + building + PROBING_SECONDS
+        if self.group.mode in ("probe", "hard"):
+            return LOADING_SECONDS + building + (PROBING_SECONDS if self.group.mode == "probe" else 0.0)
         return LOADING_SECONDS + building + self.guessed_step_seconds
 
     @property
@@ -136,8 +136,10 @@ class SweptCase(SceneCase):
         return stored + (BYTES_A_JUDGED_RUN if self.snapshot_frames else BYTES_A_RUN)
 
     def arguments(self, folders: Folders) -> list[str]:
+        if self.group.mode == "hard":
+            return ["hard", *self._backend_words(folders)[:-2], "--jobs", "1", *self._axis_words, *self.group.options]
         words = [*self._asked(folders), *self._backend_words(folders), *self.scene.data_arguments(folders)]
-        words += [word for one in self.point for word in one.words] + list(self.group.options)
+        words += [*self._axis_words, *self.group.options]
         if self.group.mode == "probe":  # asks the same points each time, and is the judge itself
             return words
         return [*words, "--repetition", str(self.repetition), *([] if self.is_judged else ["--no-referee"])]
@@ -147,6 +149,10 @@ class SweptCase(SceneCase):
         return {"mode": self.mode, "scene": self.scene.name, "preset": self.scene.preset,
                 "backend": configuration.backend, "parameters": dict(configuration.parameters),
                 "threads": configuration.threads, "repetition": self.repetition}
+
+    @property
+    def _axis_words(self) -> list[str]:
+        return [word for one in self.point for word in one.words]
 
     def _asked(self, folders: Folders) -> list[str]:
         if self.group.mode == "replay":

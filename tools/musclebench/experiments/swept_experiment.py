@@ -8,6 +8,7 @@ from pathlib import Path
 from ..cases.case import Case, Folders
 from ..cases.experiment import Experiment, Refusal
 from ..cases.progress import duration
+from ..hard import cell_folder
 from ..program import fingerprint
 from ..results.status import MEASURED
 from .record_case import RecordCase
@@ -46,6 +47,10 @@ class SweptExperiment(Experiment):
             return Refusal("failed", f"not run: there is no recording; {self._reason(case.recording)}")
         return None
 
+    def ended_well(self, case: Case, exit_code: int) -> bool:
+        """A hard case that breaks is an answer."""
+        return exit_code == 0 or (_is_hard(case) and exit_code in cell_folder.STATUS)
+
     def prepare(self, case: Case, folder: Path) -> None:
         """A recording is a file and wants its folder. A builder finds nothing built: its building time is real."""
         if isinstance(case, RecordCase):
@@ -56,8 +61,10 @@ class SweptExperiment(Experiment):
                 shutil.rmtree(structures, ignore_errors=True)
             structures.mkdir(parents=True, exist_ok=True)
 
-    def complete(self, case: Case, folder: Path) -> None:
-        """`musclebench record` leaves a recording; its row is written here."""
+    def complete(self, case: Case, folder: Path, exit_code: int) -> None:
+        """`musclebench record` leaves a recording and `hard` a matrix; their rows are written here."""
+        if _is_hard(case):
+            cell_folder.describe(folder, case.record(), exit_code)
         if not isinstance(case, RecordCase) or not (folder / case.file_name).is_file():
             return
         recording = folder / case.file_name
@@ -106,3 +113,7 @@ class SweptExperiment(Experiment):
 
     def _reason(self, case: RecordCase) -> str:
         return self.run_record(case).get("status_detail") or f"see {self.folder(case)}"
+
+
+def _is_hard(case: Case) -> bool:
+    return isinstance(case, SweptCase) and case.group.mode == "hard"
