@@ -56,11 +56,14 @@ def asked(file: ExperimentFile, options, registry: Registry) -> ExperimentFile:
 
 def write_tables(sweep: Sweep, options, out_dir: Path) -> tuple[pd.DataFrame, pd.DataFrame, list[Path]]:
     """The rows, a figure each; the cells; the files, of which tools/publish takes over a row a cell and a row a case."""
-    write_whole(out_dir / "matrix.csv", joined(list(sweep.done("hard").values())))
-    rows = pd.read_csv(out_dir / "matrix.csv", keep_default_na=False)
     words = [word for case in options.case or [] for word in ("--case", case)]
     listed = subprocess.run([str(options.musclebench), "hard", "--list", *words], capture_output=True, text=True, check=False)
-    cells, cases = cells_of(rows), cases_of(listed.stdout)
+    cases, done = cases_of(listed.stdout), sweep.done("hard")
+    order = list(cases["case"])  # cases down, backends across
+    folders = [done[case] for case in sorted(done, key=lambda case: order.index(case.at("case").value))]
+    write_whole(out_dir / "matrix.csv", joined(folders))
+    rows = pd.read_csv(out_dir / "matrix.csv", keep_default_na=False)
+    cells = cells_of(rows)
     files = [out_dir / "matrix.csv", out_dir / "matrix.md"]
     page = [f"# {sweep.file.title}", *(made(cells) for made in (hard_tables.matrix, hard_tables.beyond, hard_tables.unasked)),
             hard_tables.texts(cases)]
