@@ -97,13 +97,13 @@ def run_and_report(arguments) -> int:
     problems = sweep.run(sweep.cases, limits_of(options))
     if not sweep.done("hard"):
         return end("hard", [], problems)
-    for name in ("tables", "figures", "scenes"):
+    for name in ("tables", "figures", "raw/scenes"):
         (folders.out_dir / name).mkdir(exist_ok=True)
     rows, cells, files = write_tables(sweep, options, folders.out_dir)
     print(f"\n{hard_tables.as_text(cells)}")
     files += draw_matrix(rows, folders.out_dir / "figures" / "matrix")
     if not options.no_pictures:
-        runs, more = strips(rows, options, registry, folders.out_dir / "scenes")
+        runs, more = strips(rows, options, registry, folders.out_dir / "raw" / "scenes")
         problems += more
         files += draw_strips(runs, folders.out_dir / "figures" / "scenes")
     code = BROKEN if (rows["verdict"] == "breaks").any() and not options.breaks_are_results else HELD

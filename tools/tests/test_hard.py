@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from musclebench.hard.strips import worst_frame
+from musclebench.publish.measured import source_of
 from program import PROGRAM, call, needs_program
 
 pytestmark = needs_program
@@ -81,6 +82,7 @@ def test_the_matrix_and_the_strips_are_drawn(tmp_path):
     assert hard.main(arguments) in (0, 1)
     names = {path.name for path in (tmp_path / "out/figures").iterdir()}
     assert {"matrix.png", "scenes.png"} <= names
+    assert source_of(tmp_path / "out", "tools/hard").commit  # which tools/publish notes
     cells, cases = (pd.read_csv(tmp_path / "out/tables" / f"{name}.csv") for name in ("cells", "cases"))
     assert list(cases.case) == ["rest", "pinch", "soundness"] and len(cells) == 6 and cases.notna().iloc[:, :4].all(axis=None)
     frames = pd.DataFrame({"frame": [1, 2, 3], "max_depth_m": [0.0, 0.0, 0.0], "surface_depth_m": [0.0, 2.0, 1.0]})
