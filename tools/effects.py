@@ -10,29 +10,22 @@ A study goes on where it was stopped: complete runs are skipped until their argu
 
 import sys
 
-from musclebench.cases.case import Folders
-from musclebench.cases.experiment import Experiment
-from musclebench.cases.pool import Limits
-from musclebench.cases.scene import chosen_names, survey
-from musclebench.cases.study_command import (
-    add_jobs_option, add_run_options, check_options, end, folders_of, run_missing, study_parser,
-)
-from musclebench.convergence.convergence_cases import backend_of
-from musclebench.effects.effect_cases import PRESET, EffectCase, ShownCase, plan, shown_names
+from musclebench.cases.study_command import add_jobs_option, add_run_options, check_options, end, folders_of, study_parser
 from musclebench.effects.effect_report import write_report
-from musclebench.effects.guards import GuardCase, plan_guards
-from musclebench.effects.returns import ReturnCase
-from musclebench.program.cli import add_scene_options, chosen_cores, data_set_of, run_command
-from musclebench.program.registry import Registry, read_registry
+from musclebench.experiments.experiment_file import ExperimentFile, of_project
+from musclebench.experiments.running import limits_of, sweep_of
+from musclebench.experiments.selection import backend_of
+from musclebench.program.cli import add_scene_options, run_command
+from musclebench.program.registry import read_registry
 from musclebench.results.disturbance import disturbed, note
 from musclebench.results.run_folder import ResultProblem, read_run
-from musclebench.results.status import MEASURED
 from musclebench.tables.table_formats import as_text
 
 QUICK_MUSCLE, QUICK_FRAMES = "adductor_brevis", 20
+QUICK_SETS = ("own", "all", "own+each")
 
 
-def parse_arguments(arguments):
+def parse_arguments(arguments, file: ExperimentFile):
     parser = study_parser("effects", __doc__)
     parser.add_argument("--quick", action="store_true",
                         help=f"a first picture: {QUICK_FRAMES} frames, no effect left out of all")
@@ -40,36 +33,23 @@ def parse_arguments(arguments):
     parser.add_argument("--repetitions", type=int, default=1, metavar="N", help="of each case (default 1)")
     parser.add_argument("--backend", metavar="NAME", help="of all runs (default: an exact one)")
     parser.add_argument("--frames-limit", type=int, metavar="N", help="frames of the whole run, for a quick look")
-    add_run_options(parser, timeout=3600.0)
+    add_run_options(parser, timeout=file.timeout_s)
     add_jobs_option(parser)
     return parser.parse_args(arguments)
 
 
-class EffectStudy(Experiment):
-    final_statuses = MEASURED | {"diverged"}  # without an effect to diverge is an answer
-
-
-def planned(options, registry: Registry,
-            folders: Folders) -> tuple[list[EffectCase], list[ReturnCase], list[GuardCase], list[ShownCase]]:
-    names = chosen_names(options.scene, options.muscle, data_set_of(options), registry,
-                         QUICK_MUSCLE if options.quick else None)
-    frames = options.frames_limit or (QUICK_FRAMES if options.quick else None)
-    scenes = survey(names, options.musclebench, registry, folders, frames, PRESET)
-    backend = backend_of(options.backend, registry)
-    shown = survey(shown_names(registry), options.musclebench, registry, Folders(folders.out_dir))
-    return (plan(scenes, registry, backend, options.repetitions, options.quick),
-            [ReturnCase(scene, backend) for scene in scenes], plan_guards(scenes, registry, backend),
-            [ShownCase(scene, backend) for scene in shown])
-
-
-def run_and_report(options) -> int:
+def run_and_report(arguments) -> int:
+    file = of_project("effects")
+    options = parse_arguments(arguments, file)
     check_options(options, "effects")
-    folders = folders_of(options, "effects")
-    cases, returns, guards, shown = planned(options, read_registry(options.musclebench), folders)
-    study = EffectStudy(options.musclebench, folders, options.force)
-    problems = run_missing([*returns, *cases, *guards, *shown], study, Limits(chosen_cores(options.jobs), options.timeout))
-    done, returned, guarded, drawn = ({case: study.folder(case) for case in some if study.is_complete(case)}
-                                      for some in (cases, returns, guards, shown))
+    folders, registry = folders_of(options, "effects"), read_registry(options.musclebench)
+    file = file.with_groups(backends=(backend_of(options.backend, registry),))
+    if options.quick:
+        file = file.with_groups(effects=QUICK_SETS)
+        options.frames_limit = options.frames_limit or QUICK_FRAMES
+    sweep = sweep_of(file, options, registry, folders, QUICK_MUSCLE if options.quick else None)
+    problems = sweep.run(sweep.cases, limits_of(options))
+    done, returned, guarded, drawn = (sweep.done(group) for group in ("sets", "returns", "guards", "shown"))
     tables, files = write_report(done, returned, guarded, drawn, folders.out_dir)
     for table in tables:
         print(f"\n{table.caption}\n\n{as_text(table)}")
@@ -80,7 +60,7 @@ def run_and_report(options) -> int:
 
 
 def main(arguments=None) -> int:
-    return run_command("effects", lambda: run_and_report(parse_arguments(arguments)),
+    return run_command("effects", lambda: run_and_report(arguments),
                        "complete runs are kept, unfinished ones removed", ResultProblem)
 
 

@@ -1,91 +1,117 @@
 #!/usr/bin/python3
 """Which backend stays numerically stable in which hard case.
 
-Runs `musclebench hard` (its --list tells what happens in each case, why it is hard and what its bar is), writes the matrix
-as CSV, Markdown and a picture, and draws a strip of each scene that the cases move: at its start, in its worst frame, at its
-end.
+Runs each cell of `musclebench hard` (its --list tells what happens in each case, why it is hard and what its bar is) as a
+process of its own, writes the matrix as CSV, Markdown and a picture, and draws a strip of each scene that the cases move: at
+its start, in its worst frame, at its end. It goes on where it was stopped: complete cells are skipped until the program changes.
 """
 
-import argparse
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 
-from musclebench.cases.study_command import PROJECT, end
+from musclebench.cases.case import Folders
+from musclebench.cases.study_command import PROJECT, add_jobs_option, add_run_options, check_options, end, study_parser
+from musclebench.experiments.experiment_file import ExperimentFile, of_project
+from musclebench.experiments.running import Sweep, limits_of, sweep_of
+from musclebench.experiments.selection import check_backend
 from musclebench.figures.hard_cases import draw_matrix, draw_strips
+from musclebench.hard import hard_tables
+from musclebench.hard.cell_folder import BROKEN, HELD, joined
 from musclebench.hard.cells import cases_of, cells_of
 from musclebench.hard.strips import run_scene
-from musclebench.program.cli import OneLineParser, Problem, check_program, run_command
-from musclebench.program.out_folder import claimed
-from musclebench.program.registry import read_registry
-from musclebench.results.run_folder import ResultProblem
+from musclebench.program.cli import Problem, run_command
+from musclebench.program.fingerprint import write_whole
+from musclebench.program.registry import Registry, read_registry
+from musclebench.results.run_folder import ResultProblem, Run
 
-HELD, BROKEN = 0, 1
+OUT = PROJECT / "reports" / "out" / "hard"
+ALL_SECONDS = 4000.0  # of a cell of the long sweeps, a little over the program's own
 
 
-def parse_arguments(arguments):
-    parser = OneLineParser(prog="tools/hard", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def parse_arguments(arguments, file: ExperimentFile):
+    parser = study_parser("hard", __doc__)
     parser.add_argument("--all", action="store_true", help="with the long sweeps: many minutes")
     parser.add_argument("--backend", action="append", metavar="NAME", help="only this one; may be repeated")
     parser.add_argument("--case", action="append", metavar="ID", help="only this one; may be repeated")
     parser.add_argument("--no-pictures", action="store_true", help="only the matrix")
     parser.add_argument("--breaks-are-results", action="store_true",
                         help="exit code 0 where cells break, too: the matrix is to be published as it is")
-    parser.add_argument("--out", type=Path, metavar="DIR", default=PROJECT / "reports" / "out" / "hard",
-                        help="default: reports/out/hard")
-    parser.add_argument("--musclebench", type=Path, metavar="PROGRAM",
-                        default=PROJECT / "build" / "release" / "bench" / "musclebench",
-                        help="the program to try (default: that of the preset release)")
+    add_run_options(parser, timeout=file.timeout_s)
+    add_jobs_option(parser)
+    parser.set_defaults(data=None, scene=None, muscle=None)
     return parser.parse_args(arguments)
 
 
-def run_matrix(options) -> int:
-    """The exit code of the program, whose progress and matrix the user sees."""
-    command = [str(options.musclebench), "hard", "--out", str(options.out), *(["--all"] if options.all else [])]
-    for option, values in (("--backend", options.backend), ("--case", options.case)):
-        command += [word for value in values or [] for word in (option, value)]
-    code = subprocess.run(command, check=False).returncode
-    if code not in (HELD, BROKEN):
-        raise Problem(f"{options.musclebench}: 'hard' ended with exit code {code}")
-    return code
+def asked(file: ExperimentFile, options, registry: Registry) -> ExperimentFile:
+    """The experiment as the options want it."""
+    group = replace(file.groups[0], hard_cases=tuple(options.case or ()), options=("--all",) if options.all else ())
+    if options.backend:
+        group = replace(group, backends=tuple(check_backend(name, registry) for name in options.backend))
+    return replace(file, groups=(group,))
 
 
-def write_tables(rows: pd.DataFrame, options) -> list[Path]:
-    """What tools/publish takes over: a row a cell, a row a case."""
+def write_tables(sweep: Sweep, options, out_dir: Path) -> tuple[pd.DataFrame, pd.DataFrame, list[Path]]:
+    """The rows, a figure each; the cells; the files, of which tools/publish takes over a row a cell and a row a case."""
     words = [word for case in options.case or [] for word in ("--case", case)]
     listed = subprocess.run([str(options.musclebench), "hard", "--list", *words], capture_output=True, text=True, check=False)
-    files = []
-    for name, table in (("cells", cells_of(rows)), ("cases", cases_of(listed.stdout))):
-        files.append(options.out / "tables" / f"{name}.csv")
+    cases, done = cases_of(listed.stdout), sweep.done("hard")
+    order = list(cases["case"])  # cases down, backends across
+    folders = [done[case] for case in sorted(done, key=lambda case: order.index(case.at("case").value))]
+    write_whole(out_dir / "matrix.csv", joined(folders))
+    rows = pd.read_csv(out_dir / "matrix.csv", keep_default_na=False)
+    cells = cells_of(rows)
+    files = [out_dir / "matrix.csv", out_dir / "matrix.md"]
+    page = [f"# {sweep.file.title}", *(made(cells) for made in (hard_tables.matrix, hard_tables.beyond, hard_tables.unasked)),
+            hard_tables.texts(cases)]
+    write_whole(files[1], "\n\n".join(page) + "\n")
+    for name, table in (("cells", cells), ("cases", cases)):
+        files.append(out_dir / "tables" / f"{name}.csv")
         table.to_csv(files[-1], index=False)
-    return files
+    return rows, cells, files
 
 
-def run_and_report(options) -> int:
-    check_program(options.musclebench, "tools/hard")
+def strips(rows: pd.DataFrame, options, registry: Registry, folder: Path) -> tuple[list[Run], list[str]]:
+    """A run of each scene that the cases move; a line for each that can't be."""
+    runs, problems = [], []
+    for scene in dict.fromkeys(name for name in rows["scene"] if name):
+        try:
+            runs.append(run_scene(options.musclebench, scene, registry, folder / Path(scene).name))
+        except Problem as problem:
+            problems.append(str(problem))
+    return runs, problems
+
+
+def run_and_report(arguments) -> int:
+    file = of_project("hard")
+    options = parse_arguments(arguments, file)
+    check_options(options, "hard")
+    if options.all:
+        options.timeout = max(options.timeout, ALL_SECONDS)
     registry = read_registry(options.musclebench)
-    with claimed(options.out.absolute(), "raw", "figures", "tables"):
-        code = run_matrix(options)
-        rows = pd.read_csv(options.out / "matrix.csv", keep_default_na=False)
-        figures = options.out / "figures"
-        files = [options.out / "matrix.csv", options.out / "matrix.md", *write_tables(rows, options),
-                 *draw_matrix(rows, figures / "matrix")]
-        problems = []
-        if not options.no_pictures:
-            runs = []
-            for scene in dict.fromkeys(name for name in rows["scene"] if name):
-                try:
-                    runs.append(run_scene(options.musclebench, scene, registry, options.out / "raw" / Path(scene).name))
-                except Problem as problem:
-                    problems.append(str(problem))
-            files += draw_strips(runs, figures / "scenes")
-    return max(HELD if options.breaks_are_results else code, end("hard", files, problems))
+    folders = Folders((options.out or OUT).absolute())
+    sweep = sweep_of(asked(file, options, registry), options, registry, folders)
+    problems = sweep.run(sweep.cases, limits_of(options))
+    if not sweep.done("hard"):
+        return end("hard", [], problems)
+    for name in ("tables", "figures", "raw/scenes"):
+        (folders.out_dir / name).mkdir(exist_ok=True)
+    rows, cells, files = write_tables(sweep, options, folders.out_dir)
+    print(f"\n{hard_tables.as_text(cells)}")
+    files += draw_matrix(rows, folders.out_dir / "figures" / "matrix")
+    if not options.no_pictures:
+        runs, more = strips(rows, options, registry, folders.out_dir / "raw" / "scenes")
+        problems += more
+        files += draw_strips(runs, folders.out_dir / "figures" / "scenes")
+    code = BROKEN if (rows["verdict"] == "breaks").any() and not options.breaks_are_results else HELD
+    return max(code, end("hard", files, problems))
 
 
 def main(arguments=None) -> int:
-    return run_command("hard", lambda: run_and_report(parse_arguments(arguments)), "the matrix is whole or not there",
+    return run_command("hard", lambda: run_and_report(arguments), "complete cells are kept, unfinished ones removed",
                        ResultProblem)
 
 

@@ -20,7 +20,7 @@ from musclebench.cases.scene import chosen_names, survey
 from musclebench.cases.study_command import (
     add_jobs_option, add_run_options, check_options, end, folders_of, run_missing, study_parser,
 )
-from musclebench.convergence.convergence_cases import backend_of
+from musclebench.experiments.selection import backend_of
 from musclebench.figures.moment_arms import draw_moment_arms
 from musclebench.moment_arms.moment_cases import DEGREES_A_FRAME, PRESET, MomentCase, plan
 from musclebench.moment_arms.moment_report import arm_table, course_files, course_of

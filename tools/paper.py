@@ -4,19 +4,14 @@
 import sys
 from pathlib import Path
 
-from musclebench.cases.case import Folders
-from musclebench.cases.experiment import Experiment
-from musclebench.cases.pool import Limits
-from musclebench.cases.scene import chosen_names, survey
-from musclebench.cases.study_command import (
-    add_jobs_option, add_run_options, check_options, end, folders_of, run_missing, study_parser,
-)
+from musclebench.cases.study_command import add_jobs_option, add_run_options, check_options, end, folders_of, study_parser
+from musclebench.experiments.experiment_file import of_project
+from musclebench.experiments.running import limits_of, sweep_of
 from musclebench.figures import looks, paper_figures
-from musclebench.paper import paper_cases
 from musclebench.paper import published
 from musclebench.pictures.in_display import draw_in_display
-from musclebench.program.cli import Problem, add_scene_options, chosen_cores, data_set_of, run_command
-from musclebench.program.registry import Registry, read_registry, save_registry
+from musclebench.program.cli import Problem, add_scene_options, run_command
+from musclebench.program.registry import read_registry
 from musclebench.results import run_folder
 from musclebench.results.disturbance import note
 from musclebench.tables import muscle_tables, paper_tables, table_formats
@@ -29,15 +24,6 @@ def parse_arguments(arguments):
     add_run_options(parser, timeout=1800.0)
     add_jobs_option(parser)
     return parser.parse_args(arguments)
-
-
-def run_experiment(options, registry: Registry, folders: Folders) -> list[str]:
-    """Runs what is not complete yet; the names of all runs of the plan."""
-    experiment = Experiment(options.musclebench, folders, options.force)
-    names = chosen_names(options.scene, options.muscle, data_set_of(options), registry)
-    plan = paper_cases.plan(survey(names, options.musclebench, registry, folders, options.frames_limit))
-    run_missing(plan, experiment, Limits(chosen_cores(options.jobs), options.timeout))
-    return [case.name for case in plan]
 
 
 def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run], list[paper_tables.Table], list[Path]]:
@@ -72,8 +58,9 @@ def run_and_report(options) -> int:
     out_dir = folders.out_dir
     registry = read_registry(options.musclebench)
     looks.know(registry)
-    names = run_experiment(options, registry, folders)
-    save_registry(registry, out_dir)
+    sweep = sweep_of(of_project("paper"), options, registry, folders)
+    sweep.run(sweep.cases, limits_of(options))
+    names = [case.name for case in sweep.of("paper")]
     runs, made, files = write_report(out_dir, names)
     problems = [f"{run.scene} with {run.backend}: {run.status}, {run.record.get('status_detail')}"
                 for run in runs if run.status not in MEASURED]

@@ -7,6 +7,7 @@ A measurement goes on where it was stopped: complete cases are skipped until the
 change.
 """
 
+import shutil
 import sys
 from pathlib import Path
 
@@ -79,7 +80,9 @@ def run(cases: list[Case], experiment: SpeedExperiment, options) -> list[str]:
     """Runs what is not complete yet; a line for each case that failed."""
     # One case at a time: a second one takes cache and memory bandwidth away, and the clock with it. Fields of another
     # build may be in another format, or another field.
-    return run_missing(cases, experiment, Limits([last_core()], options.timeout), stale=(STRUCTURES_DIR,))
+    stale = experiment.folders.out_dir / STRUCTURES_DIR
+    return run_missing(cases, experiment, Limits([last_core()], options.timeout),
+                       begin=lambda: shutil.rmtree(stale, ignore_errors=True))
 
 
 def measure_and_report(options) -> int:

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Stands in for the program: writes what `musclebench run`, `record`, `replay` and `probe` write. FAKE_BEHAVIOUR maps
-cases to misbehaviour, such as "iliacus-voxel=crash iliacus-sdf=diverge"; FAKE_LOG gets one line a call."""
+cases to misbehaviour, such as "iliacus-voxel=crash iliacus-sdf=diverge"; FAKE_LOG gets one line a call;
+with FAKE_LIGHT runs hold no more than what a sweep looks at."""
 
 import argparse
 import json
@@ -140,7 +141,7 @@ def main() -> int:
         write_recording(options)
     elif options.self_intersections:
         write_effect_run(options, status)
-    elif options.command == "run" and options.repetition is None:
+    elif options.command == "run" and "FAKE_LIGHT" not in os.environ:
         write_paper_run(options, status)
     else:
         write_study_case(options, status, "another answer" if behaviour == "differ" else "the answer")

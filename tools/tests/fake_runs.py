@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 import fake_registry
-from musclebench.paper.paper_cases import BACKENDS  # noqa: F401  (those that fake_raw writes runs of)
+from musclebench.paper.paper_backends import paper_backends
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,7 @@ class Costs:
 
 
 MUSCLES = fake_registry.NODES
+BACKENDS = paper_backends()  # those that fake_raw writes runs of
 ROLES = fake_registry.roles()
 COSTS = {
     ROLES.control: Costs(0, 0, 100_000_000),

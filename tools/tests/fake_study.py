@@ -193,7 +193,7 @@ def note_registry(out_dir: Path) -> None:
 
 def write_plan(out_dir: Path, cases: list[dict]) -> None:
     note_registry(out_dir)
-    (out_dir / "study.json").write_text(json.dumps({"cases": cases}))
+    (out_dir / "experiment.json").write_text(json.dumps({"schema_version": 1, "cases": cases}))
 
 
 def _angle(frame: int) -> float:

@@ -15,6 +15,7 @@ import pytest
 import accuracy
 import fake_registry
 from musclebench.cases.worker import Worker
+from musclebench.experiments import running
 from musclebench.program import fingerprint
 
 PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
@@ -59,6 +60,7 @@ class Sweep:
         """(exit code, standard output, standard error, names of the cases that the program was started for)"""
         self._monkeypatch.setenv("FAKE_BEHAVIOUR", behaviour)
         self._monkeypatch.setenv("FAKE_LOG", str(self._log))
+        self._monkeypatch.setenv("FAKE_LIGHT", "1")
         self._log.write_text("")
         code = accuracy.main([*self.arguments, *more])
         text, errors = self._capfd.readouterr()
@@ -68,7 +70,7 @@ class Sweep:
         """In a process of its own."""
         tools = Path(accuracy.__file__).resolve().parent
         driver = DRIVER.format(tools=str(tools), tests=str(tools / "tests"))
-        environment = {**os.environ, "FAKE_BEHAVIOUR": behaviour, "FAKE_LOG": f"{self._log}-of-another"}
+        environment = {**os.environ, "FAKE_BEHAVIOUR": behaviour, "FAKE_LOG": f"{self._log}-of-another", "FAKE_LIGHT": "1"}
         return subprocess.Popen([sys.executable, "-c", driver, *self.arguments], env=environment,
                                 stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
 
@@ -124,7 +126,7 @@ def test_every_case_runs_once_on_one_core_and_leaves_a_sealed_folder(sweep):
     rows = {folder.name for folder in (sweep.out / "raw").iterdir()}
     assert rows == {*RUN_CASES, *TOO_LONG} - {"iliacus"}
     assert (sweep.out / "recordings" / "iliacus" / "iliacus.recording").is_file()
-    planned = json.loads((sweep.out / "study.json").read_text())["cases"]
+    planned = json.loads((sweep.out / "experiment.json").read_text())["cases"]
     assert {case["name"] for case in planned} == rows
     assert sweep()[3] == []  # complete
 
@@ -280,7 +282,7 @@ def test_a_full_disk_that_the_sweep_meets_leaves_nothing_half_written(sweep, mon
 
 
 def test_space_is_checked_before_anything_runs(sweep, monkeypatch):
-    monkeypatch.setattr(accuracy, "free_bytes", lambda folder: 1e6)
+    monkeypatch.setattr(running, "free_bytes", lambda folder: 1e6)
     code, _, errors, called = sweep()
     assert code == 2 and called == [] and "GB are needed and 0.0 GB are free" in errors and not sweep.out.exists()
 

@@ -56,8 +56,8 @@ def test_a_broken_folder_that_no_plan_names_stops_with_its_location(tmp_path):
 
 
 def test_a_broken_plan_is_named(tmp_path):
-    (tmp_path / "study.json").write_text("[]")
-    with pytest.raises(run_folder.ResultProblem, match="study.json"):
+    (tmp_path / "experiment.json").write_text("[]")
+    with pytest.raises(run_folder.ResultProblem, match="experiment.json"):
         cases.read_cases(tmp_path)
 
 

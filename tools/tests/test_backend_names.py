@@ -20,7 +20,7 @@ def backend_names() -> list[str]:
 
 
 def is_of_the_paper(path: Path) -> bool:
-    return "paper" in path.parts or path.name.startswith("paper_")
+    return "paper" in path.parts or path.name.startswith("paper_") or path.name == "paper.toml"
 
 
 def is_cache(path: Path) -> bool:

@@ -8,8 +8,10 @@ import pytest
 import convergence
 import fake_registry
 import fake_runs
-from musclebench.convergence.convergence_cases import plan, usual_backend
+from fake_sweep import swept
+from musclebench.cases.case import Folders
 from musclebench.convergence.convergence_report import write_report
+from musclebench.experiments.selection import usual_backend
 
 PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
 
@@ -53,8 +55,9 @@ def test_bad_input_is_one_line(study, arguments, words):
 
 
 def test_the_time_of_a_frame_stays_the_same(tmp_path):
-    for case in plan([fake_registry.scene("lhdl/iliacus")], "any", [1, 2, 40]):
-        told = dict(word.split("=") for word in case.arguments(convergence.Folders(tmp_path)) if "=" in word)
+    for case in swept("convergence", fake_registry.scene("lhdl/iliacus")):
+        told = dict(word.split("=") for word in case.arguments(Folders(tmp_path)) if "=" in word)
+        assert told["substeps"] == case.at("substeps").value
         assert int(told["substeps"]) * float(told["time_step_s"]) == pytest.approx(3e-3)
 
 

@@ -2,6 +2,7 @@
 
 import json
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +12,14 @@ import effects
 import fake_registry
 import fake_runs
 import fake_study
+from fake_sweep import expansion, one_of, swept
 from musclebench.cases.case import Folders
-from musclebench.effects.effect_cases import EffectCase, plan, shown_names
 from musclebench.effects.effect_report import measured_sets, write_report
 from musclebench.effects.effect_sets import ALL, KEPT, LOADS, OWN, EffectSet, effect_sets
 from musclebench.effects.effect_tables import ARM_MM, cost_table, price_table
-from musclebench.effects.guards import guard_table, plan_guards
-from musclebench.effects.returns import ReturnCase, own_stretch, return_table
+from musclebench.effects.guards import guard_table
+from musclebench.effects.returns import own_stretch, return_table
+from musclebench.experiments.swept_case import AxisValue
 from musclebench.figures import effect_figures, style
 from musclebench.results.ply import PlyMesh
 from printed import check_print, keep_figures, overlaps
@@ -30,7 +32,11 @@ STANDARD = ("damping", "attachment", "edge_length", "volume", "bending")
 @pytest.fixture
 def study(tmp_path, monkeypatch, capfd):
     log = tmp_path / "log"
-    monkeypatch.setattr(effects, "shown_names", lambda registry: shown_names(registry)[:2])  # each is a process
+    listed = fake_registry.listed()  # each small scene is a process
+    small = [scene["name"] for scene in listed["scenes"] if scene["name"].startswith("effects/")]
+    listed["scenes"] = [scene for scene in listed["scenes"] if scene["name"] not in small[2:]]
+    (tmp_path / "registry.json").write_text(json.dumps(listed))
+    monkeypatch.setenv("FAKE_REGISTRY", str(tmp_path / "registry.json"))
 
     def run(*more):
         monkeypatch.setenv("FAKE_LOG", str(log))
@@ -51,7 +57,6 @@ def test_sets_are_the_own_all_each_left_out_and_each_added():
     assert {name for name, one in sets.items() if one.is_loaded} == {f"own+{load}" for load in LOADS}
     assert set(sets["all-volume"].effects) == every - {"volume"}
     assert all(list(one.effects) == [name for name in KNOWN if name in one.effects] for one in sets.values())
-    assert not any(one.left_out for one in effect_sets(STANDARD, KNOWN, quick=True))
 
 
 def test_a_load_that_the_scene_has_is_among_all():
@@ -68,10 +73,10 @@ def test_a_set_is_told_to_the_program_as_a_difference():
 def test_complete_runs_are_kept_and_every_set_has_a_row(study, tmp_path):
     code, text, errors, called = study("--quick")
     assert code == 0, errors
-    scenes, registry = [fake_registry.scene("synthetic/iliacus", 12)], fake_registry.registry()
-    sets = {case.name for case in plan(scenes, registry, "bvh", 1, True)} | {"iliacus-returns"}
-    expected = sets | {case.name for case in plan_guards(scenes, registry, "bvh")}
-    assert {name for name in called if name.startswith("iliacus-")} == expected
+    every = swept("effects", fake_registry.scene("synthetic/iliacus", 12))
+    cases = [case.name for case in every if "-all-" not in case.name or case.name.endswith("-all-r0")]
+    assert {name for name in called if name.startswith("iliacus-")} == {name for name in cases if name.startswith("iliacus-")}
+    sets = [name for name in cases if name.startswith("iliacus-") and "-guard=" not in name]
     assert [name for name in called if name.startswith("shown-")] == ["shown-activation", "shown-attachment"]
     rows = (tmp_path / "out" / "tables" / "effect_changes.csv").read_text().splitlines()
     assert len(rows) == len(sets)
@@ -84,7 +89,7 @@ def test_complete_runs_are_kept_and_every_set_has_a_row(study, tmp_path):
 
 def test_a_muscle_that_moved_has_not_come_back(tmp_path):
     scene = fake_registry.scene("synthetic/iliacus", 12)
-    case, ball = ReturnCase(scene, "bvh"), fake_runs.sphere((0, 0, 0), 0.05)
+    case, ball = one_of("effects", scene, "-returns"), fake_runs.sphere((0, 0, 0), 0.05)
     assert case.rest_frames == 167 and case.snapshot_frames == [0, 6, 12, 179]  # half a second of frames of 3 ms
     attached = (np.abs(ball.vertices_m[:, 2]) > 0.049).astype("u1")
     apart = ball.vertices_m + np.where(ball.vertices_m[:, 2:] > 0, [0, 0, 0.05], [0, 0, 0])
@@ -102,8 +107,10 @@ def test_a_muscle_that_moved_has_not_come_back(tmp_path):
 
 
 def test_a_guard_is_told_by_what_it_keeps(tmp_path):
-    cases = plan_guards([fake_registry.scene("synthetic/iliacus", 12)], fake_registry.registry(), "bvh")
-    assert [(case.frames, case.rule) for case in cases] == [(frames, rule) for frames in (6, 24) for rule in ("", "angle", "crossing")]
+    whole = expansion("effects", fake_registry.scene("synthetic/iliacus", 12))
+    cases = [case for case in whole.firsts() if case.group.name == "guards"]
+    assert [(case.frames, case.at("rule").value) for case in cases] == [
+        (frames, rule) for frames in (6, 24) for rule in ("none", "angle", "crossing")]
     assert "--effect" not in cases[0].arguments(Folders(tmp_path))
     assert "tunnelling_guard:rule=angle" in cases[1].arguments(Folders(tmp_path))
     folders = {}
@@ -117,8 +124,9 @@ def test_a_guard_is_told_by_what_it_keeps(tmp_path):
 
 
 def test_the_small_scenes_are_those_of_the_program():
-    names = shown_names(fake_registry.registry())
-    assert len(names) > 10 and all(name.startswith("effects/") for name in names)
+    shown = [case for case in swept("effects", fake_registry.scene("synthetic/iliacus")) if case.name.startswith("shown-")]
+    assert len(shown) > 10 and all(case.scene.name.startswith("effects/") for case in shown)
+    assert not any("--preset" in case.arguments(Folders(Path("out"))) for case in shown)  # as they are
 
 
 @pytest.mark.parametrize("arguments, words", [
@@ -158,7 +166,8 @@ def measured(tmp_path):
             rows = [line.split(",") for line in lines[1:]]
             lines[1:] = [",".join([*row[:column], str(int(ms * 1e6)), *row[column + 1:]]) for row in rows]
             (folder / "frames.csv").write_text("\n".join(lines) + "\n")
-            folders[EffectCase(scene, "bvh", sets[name])] = folder
+            of_set = AxisValue("effects", name, (), sets[name])
+            folders[replace(one_of("effects", scene, "-own-r0"), point=(of_set,))] = folder
         return folders
 
     return made
@@ -187,7 +196,7 @@ def test_effects_that_move_the_moment_arm_are_needed_for_it(measured):
     words = f"moment arm within {ARM_MM:g} mm of that with all"
     assert words not in prices_of(folders)  # no fibres were followed
     for case, folder in folders.items():
-        fake_study.write_fibres(folder / "fibres.csv", case.scene.name, 0.2 if "margin" in case.chosen.effects else 3.0)
+        fake_study.write_fibres(folder / "fibres.csv", case.scene.name, 0.2 if "margin" in case.at("effects").meaning.effects else 3.0)
     row = prices_of(folders)[words]
     assert row["cheapest"] == "own+margin" and row["needs"] == "margin"
 

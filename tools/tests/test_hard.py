@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from musclebench.hard.strips import worst_frame
+from musclebench.publish.measured import source_of
 from program import PROGRAM, call, find_lhdl, needs_program
 
 pytestmark = needs_program
@@ -81,21 +82,41 @@ def test_the_matrix_and_the_strips_are_drawn(tmp_path):
     assert hard.main(arguments) in (0, 1)
     names = {path.name for path in (tmp_path / "out/figures").iterdir()}
     assert {"matrix.png", "scenes.png"} <= names
+    assert source_of(tmp_path / "out", "tools/hard").commit  # which tools/publish notes
     cells, cases = (pd.read_csv(tmp_path / "out/tables" / f"{name}.csv") for name in ("cells", "cases"))
     assert list(cases.case) == ["rest", "pinch", "soundness"] and len(cells) == 6 and cases.notna().iloc[:, :4].all(axis=None)
     frames = pd.DataFrame({"frame": [1, 2, 3], "max_depth_m": [0.0, 0.0, 0.0], "surface_depth_m": [0.0, 2.0, 1.0]})
     assert worst_frame(frames) == 2
 
 
-def test_what_breaks_is_a_result_where_it_is_published(tmp_path):
+def test_what_breaks_is_a_result_where_it_is_published(tmp_path, capsys):
     cell = ["--case", "step-size-unguarded", "--case", "soundness", "--backend", "null", "--backend", "bvh", "--no-pictures"]
     broken = tmp_path / "breaks"  # a program whose matrix has a cell that breaks, whatever is mended
     broken.write_text(f'#!/bin/sh\n{PROGRAM} "$@"\ncode=$?\n'
-                      'case "$*" in "hard --out "*) exit 1 ;; esac\nexit $code\n')
+                      'case "$*" in *soundness*" --out "*) ;; *) exit $code ;; esac\n'
+                      'for word; do [ "$last" = --out ] && sed -i s/,holds,/,breaks,/ "$word/matrix.csv"; last=$word; done\nexit 1\n')
     broken.chmod(0o755)
     arguments = ["--musclebench", str(broken), "--out", str(tmp_path / "out"), *cell]
-    assert hard.main(arguments) == 1
+    assert hard.main(arguments) == 1 and "BREAKS" in capsys.readouterr().out
     assert hard.main([*arguments, "--breaks-are-results"]) == 0
+    assert "4 of 4 cases are complete already" in capsys.readouterr().out
+    done = {path.parent.name: json.loads(path.read_text())["status"] for path in (tmp_path / "out/raw").glob("*/run.json")}
+    assert done["soundness-bvh"] == "suspect" and len(done) == 4
+
+
+def test_cells_run_one_by_one_are_the_matrix_of_the_program(tmp_path):
+    cells = ["--case", "rest", "--case", "pinch", "--case", "soundness", "--backend", "bvh", "--backend", "voxel"]
+    assert call("hard", "--out", tmp_path / "whole", *cells).returncode in (0, 1)
+    assert hard.main(["--musclebench", PROGRAM, "--out", str(tmp_path / "out"), "--no-pictures", *cells]) in (0, 1)
+    whole, joined = (pd.read_csv(tmp_path / name / "matrix.csv").drop(columns="seconds") for name in ("whole", "out"))
+    assert whole.equals(joined)
+
+
+@pytest.mark.parametrize(("arguments", "words"), [(["--case", "pinsh"], "did you mean 'pinch'?"), (["--backend", "bhv"], "--backend bhv: not built")])
+def test_bad_input_of_the_tool_is_one_line(tmp_path, capsys, arguments, words):
+    assert hard.main(["--musclebench", PROGRAM, "--out", str(tmp_path / "out"), *arguments]) == 2
+    errors = capsys.readouterr().err
+    assert errors.count("\n") == 1 and words in errors and not (tmp_path / "out").exists()
 
 
 def test_a_program_that_is_not_there_is_one_line(tmp_path, capsys):

@@ -16,10 +16,10 @@ import pytest
 
 import fake_registry
 import paper
+from fake_sweep import one_of, swept
 from musclebench.cases.case import Folders
 from musclebench.cases.experiment import Experiment
 from musclebench.cases.pool import Limits, run_cases
-from musclebench.paper.paper_cases import PaperCase, plan
 from musclebench.pictures import surface_figures, surface_pictures
 from musclebench.results import run_folder
 
@@ -65,7 +65,7 @@ def in_process(tmp_path, monkeypatch, capfd):
 def test_every_case_runs_once_on_a_core_of_its_own(finished):
     _, log, done = finished
     calls = [line.split() for line in log.read_text().splitlines()]
-    assert sorted(call[0] for call in calls) == sorted(case.name for case in plan(fake_registry.scenes("synthetic")))
+    assert sorted(call[0] for call in calls) == sorted(case.name for case in swept("paper"))
     assert all(len(call) == 2 for call in calls)
 
 
@@ -131,13 +131,13 @@ def test_failures_become_rows_and_the_others_go_on(in_process, tmp_path):
 
 def test_a_case_that_hangs_is_stopped_and_said_so(tmp_path, monkeypatch):
     monkeypatch.setenv("FAKE_BEHAVIOUR", "iliacus-sdf=hang")
-    case = PaperCase(fake_registry.scene("synthetic/iliacus", 12), "sdf")
+    case = one_of("paper", fake_registry.scene("synthetic/iliacus", 12), "sdf")
     assert run_cases([case], Experiment(PROGRAM, Folders(tmp_path)), Limits([0], 1.0)) == {case: "timeout"}
     assert run_folder.read_run(tmp_path / "raw" / case.name).record["status_detail"].startswith("stopped after")
 
 
 def test_an_interrupt_ends_the_children_and_leaves_no_half_folder(tmp_path):
-    environment = {**os.environ, "FAKE_BEHAVIOUR": " ".join(f"{case.name}=hang" for case in plan(fake_registry.scenes("synthetic"))),
+    environment = {**os.environ, "FAKE_BEHAVIOUR": " ".join(f"{case.name}=hang" for case in swept("paper")),
                    "FAKE_LOG": str(tmp_path / "log")}
     command = [sys.executable, paper.__file__, "--musclebench", str(PROGRAM), "--out", str(tmp_path / "out")]
     process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)

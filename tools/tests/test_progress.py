@@ -1,24 +1,25 @@
 """The estimate counts work: what is measured beats what was guessed."""
 
 import io
+from dataclasses import replace
 
 import pytest
 
 import fake_registry
 from musclebench.cases.case import Folders
+from musclebench.experiments.experiment_file import experiment_path, read_experiment
 from musclebench.cases.progress import Estimate, ProgressBar, duration
-from musclebench.paper.paper_cases import PaperCase, plan
+from fake_sweep import one_of, swept
 
-SCENES = fake_registry.scenes("synthetic")
 ILIACUS = fake_registry.scene("lhdl/iliacus")
-VOXEL, FCL = PaperCase(ILIACUS, "voxel"), PaperCase(ILIACUS, "fcl")
-SMALL_FCL = PaperCase(fake_registry.scene("lhdl/adductor_brevis"), "fcl")
+VOXEL, FCL = one_of("paper", ILIACUS, "voxel"), one_of("paper", ILIACUS, "fcl")
+SMALL_FCL = one_of("paper", fake_registry.scene("lhdl/adductor_brevis"), "fcl")
 
 
 def test_nothing_measured_counts_by_guessed_seconds():
     estimate = Estimate([VOXEL, FCL])
     assert estimate.seconds(VOXEL) == VOXEL.guessed_seconds
-    assert estimate.seconds(FCL) == FCL.guessed_seconds > 5 * VOXEL.guessed_seconds
+    assert estimate.seconds(FCL) == FCL.guessed_seconds > 2 * VOXEL.guessed_seconds
     assert estimate.fraction() == 0.0
 
 
@@ -80,20 +81,21 @@ def test_durations_read_well(seconds, text):
     assert duration(seconds) == text
 
 
-def test_the_plan_has_every_case_once_shuffled_with_long_ones_first():
-    cases = plan(SCENES)
-    assert len(cases) == len(set(cases)) == 16
-    assert {case.backend for case in cases[:3]} == {"fcl"}
-    assert plan(SCENES) == cases != plan(SCENES, seed=2)
+def test_the_plan_has_every_case_once_and_shuffled_by_its_seed():
+    cases = swept("paper")
+    assert len(cases) == len({case.name for case in cases}) == 16
+    assert swept("paper") == cases
+    reseeded = swept(replace(read_experiment(experiment_path("paper")), seed=2))
+    assert reseeded != cases and set(reseeded) == set(cases)
 
 
-def test_snapshots_are_rest_half_and_full_flexion():
-    assert VOXEL.snapshot_frames == [0, 79, 157]
-    assert PaperCase(fake_registry.scene("lhdl/iliacus", 20), "sdf").snapshot_frames == [0, 5, 10]
-    assert PaperCase(fake_registry.scene("lhdl/iliacus", 1), "sdf").snapshot_frames == [0, 1]
+def test_snapshots_are_rest_half_and_full_flexion_and_the_end():
+    assert VOXEL.snapshot_frames == [0, 79, 157, 314]
+    assert one_of("paper", fake_registry.scene("lhdl/iliacus", 20), "sdf").snapshot_frames == [0, 5, 10, 20]
+    assert one_of("paper", fake_registry.scene("lhdl/iliacus", 1), "sdf").snapshot_frames == [0, 1]
 
 
 def test_the_command_names_the_case(tmp_path):
-    words = PaperCase(fake_registry.scene("lhdl/iliacus", 20), "sdf").arguments(Folders(tmp_path / "out", tmp_path))
-    assert words[:4] == ["run", "lhdl/iliacus", "--backend", "sdf"]
+    words = one_of("paper", fake_registry.scene("lhdl/iliacus", 20), "sdf").arguments(Folders(tmp_path / "out", tmp_path))
+    assert words[:2] == ["run", "lhdl/iliacus"] and words[words.index("--backend") + 1] == "sdf"
     assert words[words.index("--data") + 1] == str(tmp_path) and words[words.index("--frames") + 1] == "20"

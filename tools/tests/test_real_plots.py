@@ -15,7 +15,7 @@ from PIL import Image
 import accuracy
 import paper
 from ball_on_box import write_scene, write_scene_of_balls
-from musclebench.paper.paper_cases import BACKENDS as OF_THE_PAPER
+from musclebench.paper.paper_backends import paper_backends
 from musclebench.results.status import MEASURED
 from program import PROGRAM, call, needs_program
 from test_paper import CAN_DRAW
@@ -129,7 +129,7 @@ def test_every_backend_has_answered_and_stands_in_a_table(both, listed):
     replayed = set(rows[rows["mode"] == "replay"]["backend"])
     assert replayed == {one["name"] for one in listed["backends"] if not (one["study"] or {}).get("control")}
     runs = pd.read_csv(both["paper"].out / "runs.csv", converters=AS_WRITTEN)
-    assert set(runs["backend"]) == set(OF_THE_PAPER) and (runs["frames"] == 10).all()
+    assert set(runs["backend"]) == set(paper_backends()) and (runs["frames"] == 10).all()
     assert set(runs["status"]) <= MEASURED
-    for backend in OF_THE_PAPER:
+    for backend in paper_backends():
         assert f"\n  {backend} " in both["paper"].text

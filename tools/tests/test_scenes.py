@@ -14,9 +14,7 @@ from musclebench.cases import scene
 from musclebench.cases.case import Folders
 from musclebench.cases.scene import Scene, chosen_names, full_flexion_frame, half_flexion_frame, survey
 from musclebench.program.cli import Problem
-from musclebench.study.study_cases import ProbeCase
-from musclebench.study.study_plan import Request, plan
-from musclebench.study.sweeps import configurations
+from fake_sweep import swept
 from program import PROGRAM, needs_program
 
 FAKE = Path(__file__).resolve().parent / "fake_musclebench.py"
@@ -61,7 +59,7 @@ def test_scenes_are_chosen_by_name_by_file_or_by_muscle(knee):
 @pytest.mark.parametrize("command", [accuracy, convergence, paper, speed])
 def test_help_says_which_scenes_are_the_default(command, capsys):
     with pytest.raises(SystemExit):
-        command.parse_arguments(["--help"])
+        command.main(["--help"])
     assert "all of the data set that have one muscle" in " ".join(capsys.readouterr().out.split())
 
 
@@ -90,11 +88,11 @@ def test_scenes_of_one_muscle_have_keys_of_their_own(tmp_path):
 def test_a_scene_file_is_planned_with_its_own_preset_and_probed_on_its_own_bones(knee, tmp_path):
     mine, = survey([str(knee)], FAKE, REGISTRY, Folders(tmp_path))
     assert mine.key == "my_knee" and mine.nodes == 1000 and mine.digest
-    cases = plan(Request((mine, fake_registry.scene("synthetic/iliacus")), quick=True), configurations(REGISTRY))
+    cases = swept("accuracy", mine, fake_registry.scene("synthetic/iliacus"))
     mine_only = [case for case in cases if case.name.startswith("my_knee")]
     assert all(str(knee) in case.arguments(Folders(tmp_path)) for case in mine_only if "-replay-" not in case.name)
     assert not any("--preset" in case.arguments(Folders(tmp_path)) for case in mine_only)
-    probed = {case.scene.name for case in cases if isinstance(case, ProbeCase)}
+    probed = {case.scene.name for case in cases if "-probe-" in case.name}
     assert probed == {str(knee), "synthetic/adductor_brevis"}
 
 

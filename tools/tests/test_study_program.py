@@ -10,10 +10,10 @@ import fake_registry
 from musclebench.accuracy.configurations import configuration
 from musclebench.cases.case import Folders
 from musclebench.program.registry import parse_registry, read_registry
-from musclebench.study import study_plan
-from musclebench.study.study_cases import ReplayCase
-from musclebench.study.sweeps import configurations
+from musclebench.experiments.expansion import Expansion
+from musclebench.experiments.experiment_file import of_project
 from musclebench.results.status import MEASURED
+from fake_sweep import FakeScenes
 from program import PROGRAM, call, needs_program
 
 pytestmark = needs_program
@@ -29,9 +29,9 @@ def registry():
 
 def test_the_program_takes_every_configuration(tmp_path):
     """Parameters are checked before the recording is looked for."""
-    cases = [case for case in study_plan.plan(study_plan.Request((fake_registry.scene("synthetic/iliacus"),)), configurations(registry())) if isinstance(case, ReplayCase)]
-    chosen = {case.configuration: case for case in cases}
-    for case in chosen.values():
+    scenes = FakeScenes((fake_registry.scene("synthetic/iliacus"),))
+    cases = Expansion(of_project("accuracy"), registry(), scenes).firsts()
+    for case in [case for case in cases if case.group.mode == "replay"]:
         done = call(*case.arguments(Folders(tmp_path)))
         assert done.returncode == 2 and done.stderr.startswith(f"musclebench: {tmp_path / case.recording.file}:"), (
             f"{case.name}: {done.stderr}")

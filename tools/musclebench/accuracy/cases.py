@@ -1,11 +1,11 @@
-"""Cases of an accuracy study: what each folder under raw/ measured, and what study.json planned and has no folder."""
+"""Cases of an accuracy study: what each folder under raw/ measured, and what was planned and has no folder."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
 
+from ..experiments.manifest import FILE_NAME, read_manifest
 from ..program.registry import Registry, saved_registry
 from ..results.disturbance import disturbed
 from ..results.run_folder import REPLAY_COLUMNS, ResultProblem, Run, no_frames, read_run
@@ -66,14 +66,11 @@ def read_cases(out_dir: Path) -> list[StudyCase]:
 
 
 def read_plan(out_dir: Path) -> list[dict]:
-    """`cases` of study.json: name, mode, scene, backend, parameters, threads, repetition of each. Empty without."""
-    path = out_dir / "study.json"
-    if not path.is_file():
+    """Name, mode, scene, backend, parameters, threads, repetition of each planned case. Empty without a plan. The groups of
+    the experiment are named by their modes."""
+    if not (out_dir / FILE_NAME).is_file():
         return []
-    try:
-        return json.loads(path.read_text())["cases"]
-    except (ValueError, KeyError, TypeError) as problem:
-        raise ResultProblem(f"{path}: not the plan of a study ({problem}); start tools/accuracy again") from None
+    return [case | {"mode": case.get("group", case["mode"])} for case in read_manifest(out_dir)["cases"]]
 
 
 def _read_case(folder: Path, planned: dict | None, registry: Registry) -> StudyCase:

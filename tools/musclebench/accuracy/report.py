@@ -43,7 +43,7 @@ class AccuracyReport:
 
 
 def write_report(out_dir: Path) -> AccuracyReport:
-    """Of out_dir/raw and out_dir/study.json, however much of the study there is. Cases that failed or are missing stand
+    """Of out_dir/raw and out_dir/experiment.json, however much of the study there is. Cases that failed or are missing stand
     in accuracy.csv and study.csv with their status."""
     cases = read_cases(out_dir)
     if cases:

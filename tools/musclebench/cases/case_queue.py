@@ -9,14 +9,18 @@ class CaseQueue:
     def __init__(self, cases: list[Case]):
         self._waiting = list(cases)
         self._running: list[Case] = []
+        self._pending = {case.name for case in cases}
 
     def __bool__(self) -> bool:
         return bool(self._waiting or self._running)
 
+    @property
+    def waiting(self) -> int:
+        return len(self._waiting)
+
     def take(self) -> Case | None:
         """The first case that has what it needs, if it may start beside those that run; None when there is none."""
-        pending = {case.name for case in self._waiting} | {case.name for case in self._running}
-        ready = next((case for case in self._waiting if pending.isdisjoint(case.needs)), None)
+        ready = next((case for case in self._waiting if self._pending.isdisjoint(case.needs)), None)
         # Nobody overtakes it: a case that wants the machine for itself would otherwise have its turn after all others.
         if ready is None or not self._has_room(ready):
             return None
@@ -26,6 +30,7 @@ class CaseQueue:
 
     def end(self, case: Case) -> None:
         self._running.remove(case)
+        self._pending.discard(case.name)
 
     def _has_room(self, case: Case) -> bool:
         alone = case.threads > 1 or any(running.threads > 1 for running in self._running)

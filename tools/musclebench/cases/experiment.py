@@ -19,6 +19,7 @@ class Refusal:
 
     status: str
     detail: str
+    last_lines: tuple[str, ...] = ()  # the end of what a process that failed said
 
 
 class Experiment:
@@ -81,5 +82,8 @@ class Experiment:
     def prepare(self, case: Case, folder: Path) -> None:
         """Called just before a case starts; `folder` is not there yet, and `musclebench` makes it."""
 
-    def complete(self, case: Case, folder: Path) -> None:
+    def ended_well(self, case: Case, exit_code: int) -> bool:
+        return exit_code == 0
+
+    def complete(self, case: Case, folder: Path, exit_code: int) -> None:
         """Adds to the folder of a process that ended well what the process did not write."""

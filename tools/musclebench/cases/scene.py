@@ -113,13 +113,13 @@ def _named(scene: str, known: list[str]) -> str:
 
 
 def survey(names: list[str], program: Path, registry: Registry, folders: Folders, frames_limit: int | None = None,
-           preset: str | None = None, of_files: bool = True) -> list[Scene]:
+           preset: str | None = None, of_files: bool = True, own_presets: bool = False) -> list[Scene]:
     """Asks the program how large each scene is and how it moves. `preset`: of all, or, not `of_files`, of the program's
-    own scenes; else scene files have their own."""
+    own scenes; else scene files have their own, and with `own_presets` all."""
     short = [Scene(name).key for name in names]
     of_one_muscle = {scene.name for scene in registry.scenes if len(scene.muscles) == 1}
     forced = {name for name in names if preset and (of_files or not name.endswith(".toml"))}
-    scenes = [Scene(name, preset=preset if name in forced else PRESET, asks_preset=name in forced | of_one_muscle,
+    scenes = [Scene(name, preset=preset if name in forced else PRESET, asks_preset=name in forced or (name in of_one_muscle and not own_presets),
                     frames_limit=frames_limit, probed_on=_probed_on(name, registry), has_long_key=short.count(key) > 1)
               for name, key in zip(names, short)]
     return [_asked(scene, program, registry, folders) for scene in scenes]

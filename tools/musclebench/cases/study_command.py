@@ -1,9 +1,8 @@
 """What the commands that run a study share: options and their checks, the folder, the cases that are missing, the end."""
 
 import argparse
-import shutil
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from ..cases.case import Case, Folders
@@ -20,11 +19,12 @@ def study_parser(name: str, description: str) -> OneLineParser:
                          formatter_class=argparse.RawDescriptionHelpFormatter)
 
 
-def add_run_options(group, timeout: float, preset: str = "release") -> None:
+def add_run_options(group, timeout: float | None, preset: str = "release") -> None:
+    """`timeout`: None is the experiment's own."""
     group.add_argument("--out", type=Path, metavar="DIR",
                        help="default: reports/out/STUDY-synthetic, -lhdl or -SCENE; STUDY-quick-... with --quick")
     group.add_argument("--timeout", type=float, default=timeout, metavar="SECONDS",
-                       help=f"of one case (default {timeout:g} s)")
+                       help=f"of one case (default: {'the experiment' + chr(39) + 's' if timeout is None else f'{timeout:g} s'})")
     group.add_argument("--force", action="store_true", help="run complete cases again")
     group.add_argument("--musclebench", type=Path, default=PROJECT / "build" / preset / "bench" / "musclebench",
                        metavar="PROGRAM", help=f"the program to measure (default: that of the preset {preset})")
@@ -41,7 +41,7 @@ def check_options(options, name: str) -> None:
     for option, value in vars(options).items():
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             check_positive(f"--{option.replace('_', '-')}", value)
-    if not getattr(options, "report_only", False):
+    if not getattr(options, "report_only", False) and not getattr(options, "merge", None):
         check_program(options.musclebench, f"tools/{name}")
 
 
@@ -64,15 +64,15 @@ def missing(cases: list[Case], experiment: Experiment) -> list[Case]:
     return todo
 
 
-def run_missing(cases: list[Case], experiment: Experiment, limits: Limits, stale: tuple[str, ...] = ()) -> list[str]:
-    """A line for each case that failed. `stale`: folders beside the results that no case may find."""
+def run_missing(cases: list[Case], experiment: Experiment, limits: Limits,
+                begin: Callable[[], None] = lambda: None) -> list[str]:
+    """A line for each case that failed. `begin`: called when the folder is this process's own."""
     todo, out_dir = missing(cases, experiment), experiment.folders.out_dir
     with claimed(out_dir, "raw"):
-        for name in stale:
-            shutil.rmtree(out_dir / name, ignore_errors=True)
+        begin()
         statuses = run_cases(todo, experiment, limits)
     return [problem_of(case, status, experiment) for case, status in statuses.items()
-            if status not in experiment.final_statuses]
+            if status not in experiment.final_statuses and experiment.is_ever_run(case)]
 
 
 def problem_of(case: Case, status: str, experiment: Experiment) -> str:

@@ -8,16 +8,19 @@ import subprocess
 import threading
 import time
 from collections import deque
+from contextlib import suppress
 from pathlib import Path
 
 from ..program.children import ENDS_WITH_PARENT, GRACE_SECONDS, end
 from ..program.disk import DiskFull, says_disk_full
+from ..program.machine_state import oom_kills
 from ..results.damage import damage
 from .case import Case
 from .experiment import Experiment, Refusal
 
 KEPT_LINES = 20
 BAD_INPUT = 2  # exit code of musclebench
+NO_MEMORY_WORDS = ("memory", "bad_alloc")
 
 
 class Worker:
@@ -25,7 +28,7 @@ class Worker:
 
     def __init__(self, case: Case, experiment: Experiment, cores: list[int], memory_bytes: int | None = None):
         self.case, self.cores = case, cores
-        self.started = time.monotonic()
+        self.started, self._oom_kills = time.monotonic(), oom_kills()
         self.fraction = 0.0
         self._experiment = experiment
         self._final = experiment.folder(case)
@@ -66,8 +69,9 @@ class Worker:
         self._close()
         written = self._hidden / "run"
         try:
-            if self._process.returncode == 0:
-                self._experiment.complete(self.case, written)
+            code = self._process.returncode
+            if self._experiment.ended_well(self.case, code):
+                self._experiment.complete(self.case, written, code)
             if timed_out or not (written / "run.json").is_file():
                 write_refusal(self.case, self._failure(timed_out), written)
             return put_in_place(self.case, self._experiment, written)
@@ -97,19 +101,25 @@ class Worker:
                 self._lines.append(line.strip())
 
     def _close(self) -> None:
+        # What the process has started and left behind would keep its core and its standard error.
+        with suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
         self._reader.join(GRACE_SECONDS)
         self._process.stderr.close()
         os.close(self._end)
 
     def _failure(self, timed_out: bool) -> Refusal:
+        lines = tuple(self._lines)
         if timed_out:
-            return Refusal("timeout", f"stopped after {self.elapsed:.0f} s")
-        code, last = self._process.returncode, self._lines[-1] if self._lines else ""
+            return Refusal("timeout", f"stopped after {self.elapsed:.0f} s", lines)
+        code, last = self._process.returncode, lines[-1] if lines else ""
         if says_disk_full(last):
             raise DiskFull(self._experiment.folders.out_dir)
         ending = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-        status = "out_of_memory" if code == BAD_INPUT and "memory" in last else "failed"
-        return Refusal(status, f"{ending}: {last or 'no message'}")
+        if code == -signal.SIGKILL and oom_kills() > self._oom_kills:
+            return Refusal("out_of_memory", f"{ending}: the system had no memory left", lines)
+        has_no_memory = code in (BAD_INPUT, -signal.SIGABRT) and any(words in last for words in NO_MEMORY_WORDS)
+        return Refusal("out_of_memory" if has_no_memory else "failed", f"{ending}: {last or 'no message'}", lines)
 
 
 def limits(memory_bytes: int | None) -> list[str]:
@@ -119,7 +129,8 @@ def limits(memory_bytes: int | None) -> list[str]:
 
 def write_refusal(case: Case, refusal: Refusal, folder: Path) -> None:
     """The run.json of a case that has none of its own."""
-    record = {"schema_version": 1, "status": refusal.status, "status_detail": refusal.detail, "case": case.record()}
+    record = {"schema_version": 1, "status": refusal.status, "status_detail": refusal.detail, "case": case.record(),
+              "last_lines": list(refusal.last_lines)}
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     (folder / "run.json").write_text(json.dumps(record) + "\n")

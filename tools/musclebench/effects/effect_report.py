@@ -2,29 +2,29 @@
 
 from pathlib import Path
 
+from ..experiments.swept_case import SweptCase
 from ..figures.effect_figures import draw_changes, draw_costs
 from ..figures.effect_scenes import draw_scenes
 from ..results.run_folder import read_all
 from ..results.status import MEASURED
 from ..tables.table_formats import Table, write_table
-from .effect_cases import EffectCase, ShownCase
 from .effect_runs import MeasuredSet
 from .effect_tables import change_table, cost_table, price_table
-from .guards import GuardCase, guard_table
-from .returns import ReturnCase, return_table
+from .guards import guard_table
+from .returns import return_table
 
 
-def measured_sets(folders: dict[EffectCase, Path]) -> list[MeasuredSet]:
+def measured_sets(folders: dict[SweptCase, Path]) -> list[MeasuredSet]:
     """One a scene and set, in the order of the plan."""
     runs = dict(zip(folders, read_all(list(folders.values()))))
     groups: dict[tuple, list] = {}
     for case, run in runs.items():
-        groups.setdefault((case.scene.name, case.chosen), []).append(run)
+        groups.setdefault((case.scene.name, case.at("effects").meaning), []).append(run)
     return [MeasuredSet(scene, group[0].muscle, chosen, group) for (scene, chosen), group in groups.items()]
 
 
-def write_report(folders: dict[EffectCase, Path], returned: dict[ReturnCase, Path], guarded: dict[GuardCase, Path],
-                 shown: dict[ShownCase, Path], out_dir: Path) -> tuple[list[Table], list[Path]]:
+def write_report(folders: dict[SweptCase, Path], returned: dict[SweptCase, Path], guarded: dict[SweptCase, Path],
+                 shown: dict[SweptCase, Path], out_dir: Path) -> tuple[list[Table], list[Path]]:
     """All of them: of the complete cases."""
     measured = measured_sets(folders)
     tables = [cost_table(measured), change_table(measured), price_table(measured), return_table(returned),

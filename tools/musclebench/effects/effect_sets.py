@@ -37,12 +37,11 @@ class EffectSet:
         return added + [word for name in of_scene if name not in self.effects for word in ("--no-effect", name)]
 
 
-def effect_sets(own: tuple[str, ...], known: tuple[str, ...], quick: bool = False) -> list[EffectSet]:
-    """`known`: all of the program, in its order. A quick look leaves none out of all."""
+def effect_sets(own: tuple[str, ...], known: tuple[str, ...]) -> list[EffectSet]:
+    """`known`: all of the program, in its order."""
     every = tuple(name for name in known if name in own or name not in LOADS)
     sets = [EffectSet(OWN, tuple(name for name in known if name in own)), EffectSet(ALL, every)]
-    if not quick:
-        sets += [EffectSet(f"{ALL}-{gone}", tuple(name for name in every if name != gone))
-                 for gone in every if gone not in KEPT]
+    sets += [EffectSet(f"{ALL}-{gone}", tuple(name for name in every if name != gone))
+             for gone in every if gone not in KEPT]
     return sets + [EffectSet(f"{OWN}+{new}", tuple(name for name in known if name in own or name == new))
                    for new in known if new not in own]

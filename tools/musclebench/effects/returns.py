@@ -1,22 +1,16 @@
 """Whether a muscle comes back: the scene's motion with the effects that it calls for, and a rest after it."""
 
-import math
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from ..cases.case import Folders, SceneCase
-from ..cases.scene import Scene
+from ..experiments.swept_case import SweptCase
 from ..results.ply import PlyMesh, read_ply
 from ..results.run_folder import Run, read_all
 from ..tables.table_formats import Column, Table
-from .effect_cases import SECONDS_A_STEP
 from .effect_runs import NAN, rms_mm
 
-REST_S = 0.5
-FIBRES = 100
 MOST_NODES = 400  # of the attached ones, between which lengths are measured
 
 RETURN_COLUMNS = [
@@ -34,58 +28,19 @@ RETURN_COLUMNS = [
 CAPTION = (
     "Whether a muscle comes back: the scene's motion with `effects = \"auto\"` and half a second of rest after it. Distances "
     "of the nodes at the end from where they were at rest; depths, volume error and stretch are the largest of the run. Own "
-    f"stretch: of all lines between two attached nodes the one that is stretched most at full flexion; fibre stretch: of "
-    f"{FIBRES} fibres through the muscle, from its origin to its insertion."
+    "stretch: of all lines between two attached nodes the one that is stretched most at full flexion; fibre stretch: of "
+    "100 fibres through the muscle, from its origin to its insertion."
 )
 
 
-@dataclass(frozen=True)
-class ReturnCase(SceneCase):
-    scene: Scene
-    backend: str
-
-    @property
-    def name(self) -> str:
-        return f"{self.scene.key}-returns"
-
-    @property
-    def kind(self) -> str:
-        return "returns"
-
-    @property
-    def rest_frames(self) -> int:
-        return math.ceil(REST_S / self.scene.frame_time_s - 1e-9)
-
-    @property
-    def guessed_seconds(self) -> float:
-        frames = self.scene.frames + self.rest_frames
-        return 2.0 + 2 * SECONDS_A_STEP * self.scene.size * self.scene.iterations * frames
-
-    @property
-    def snapshot_frames(self) -> list[int]:
-        """Rest, full flexion, the end of the motion, the end."""
-        end = self.scene.frames + self.rest_frames
-        return sorted({0, self.scene.full_flexion_frame, self.scene.frames, end})
-
-    def arguments(self, folders: Folders) -> list[str]:
-        return ["run", self.scene.name, "--backend", self.backend, *self.scene.preset_arguments(), "--threads", "1",
-                "--effects", "auto", "--frames", str(self.scene.frames + self.rest_frames),
-                "--loop", f"rest_frames={self.rest_frames}", "--self-intersections", "--fibres", str(FIBRES),
-                "--snapshots", ",".join(map(str, self.snapshot_frames)), *self.scene.data_arguments(folders)]
-
-    def record(self) -> dict:
-        return {"mode": "coupled", "scene": self.scene.name, "preset": self.scene.preset, "backend": self.backend,
-                "parameters": {}, "threads": 1}
-
-
-def return_table(folders: dict[ReturnCase, Path]) -> Table:
+def return_table(folders: dict[SweptCase, Path]) -> Table:
     """`folders`: of the complete cases."""
     rows = [_row(case, run) for case, run in zip(folders, read_all(list(folders.values())))]
     keys = [column.key for column in RETURN_COLUMNS]
     return Table("returns", CAPTION, RETURN_COLUMNS, pd.DataFrame(rows, columns=keys), [key for key in keys if key != "muscle"])
 
 
-def _row(case: ReturnCase, run: Run) -> dict:
+def _row(case: SweptCase, run: Run) -> dict:
     shapes = {shot["frame"]: read_ply(run.folder / shot["file"]) for shot in run.record.get("snapshots") or []}
     rest, full = shapes.get(0), shapes.get(case.scene.full_flexion_frame)
     end = shapes.get(case.scene.frames + case.rest_frames)

@@ -24,6 +24,14 @@ def matrix(cells: pd.DataFrame) -> str:
     return f"{markdown_rows(columns, pd.DataFrame(rows))}\n\n{totals}."
 
 
+def as_text(cells: pd.DataFrame) -> str:
+    """For a terminal."""
+    shown = cells.assign(verdict=cells["verdict"].map(SHOWN).str.strip("*"))
+    wide = shown.pivot(index="case", columns="backend", values="verdict")
+    ordered = wide.loc[list(dict.fromkeys(cells["case"])), list(dict.fromkeys(cells["backend"]))].fillna("")
+    return ordered.rename_axis(index=None, columns=None).to_string()
+
+
 def beyond(cells: pd.DataFrame) -> str:
     """Each cell that breaks or was refused, with the figure farthest beyond its bar."""
     rows = cells[cells["verdict"].isin(["breaks", "refused"])]

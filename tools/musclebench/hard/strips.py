@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from ..convergence.convergence_cases import usual_backend
+from ..experiments.selection import usual_backend
 from ..program.cli import Problem
 from ..program.registry import Registry
 from ..results.run_folder import Run, read_run

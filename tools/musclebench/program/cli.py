@@ -15,6 +15,10 @@ class Problem(Exception):
     """The experiment can't go on; one line with location, problem and cure."""
 
 
+class Interrupted(KeyboardInterrupt):
+    """Says what is kept."""
+
+
 class OneLineParser(argparse.ArgumentParser):
     """Raises Problem where argparse prints its usage and ends the process."""
 
@@ -82,6 +86,6 @@ def run_command(name: str, work: Callable[[], int], interrupted: str, *problems:
     except (Problem, DiskFull, FolderInUse, OSError, *problems) as problem:
         print(f"{name}: {problem}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print(f"\n{name}: interrupted; {interrupted}", file=sys.stderr)
+    except KeyboardInterrupt as problem:
+        print(f"\n{name}: interrupted; {str(problem) or interrupted}", file=sys.stderr)
         return 130

@@ -8,7 +8,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-CPU_INFO, LOAD = Path("/proc/cpuinfo"), Path("/proc/loadavg")
+CPU_INFO, LOAD, MEMORY_EVENTS = Path("/proc/cpuinfo"), Path("/proc/loadavg"), Path("/proc/vmstat")
 MHZ_OF_CORE = re.compile(r"^processor\s*:\s*(\d+)$.*?^cpu MHz\s*:\s*([\d.]+)", re.MULTILINE | re.DOTALL)
 
 
@@ -27,6 +27,12 @@ class Reading:
 def last_core() -> int:
     """On which one case at a time is measured: the first core has the interrupts."""
     return sorted(os.sched_getaffinity(0))[-1]
+
+
+def oom_kills() -> int:
+    """Processes that the system has killed so far for want of memory; 0 where it does not tell."""
+    told = dict(line.split() for line in _text(MEMORY_EVENTS).splitlines())
+    return int(told.get("oom_kill", 0))
 
 
 def reading(core: int) -> Reading:

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from .status import MEASURED
 
-TABLE_OF_MODE = {"coupled": "frames.csv", "replay": "frames.csv", "probe": "probe.csv"}
+TABLE_OF_MODE = {"coupled": "frames.csv", "replay": "frames.csv", "probe": "probe.csv", "hard": "matrix.csv"}
 ROWS_OF_A_PROBED_BONE = 3  # smooth, sharp and all
 
 
@@ -65,12 +65,13 @@ def _expected_rows(told: dict) -> int | None:
     if told["case"].get("mode") == "probe":
         probed = told.get("probed")
         return ROWS_OF_A_PROBED_BONE * len(probed) if isinstance(probed, list) else None
-    return told["frames"] if isinstance(told.get("frames"), int) else None
+    rows = told.get("rows" if told["case"].get("mode") == "hard" else "frames")
+    return rows if isinstance(rows, int) else None
 
 
 def _last_frame(told: dict) -> int | None:
     """A replay may leave frames of its recording out, but never the last; None where rows are no frames."""
-    if told["case"].get("mode") == "probe":
+    if told["case"].get("mode") in ("probe", "hard"):
         return None
     recording = told.get("recording")
     return recording.get("frames") if isinstance(recording, dict) else told["frames"]

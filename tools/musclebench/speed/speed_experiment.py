@@ -47,7 +47,7 @@ class SpeedExperiment(Experiment):
             folder.mkdir()
             self._before[case] = reading(last_core())
 
-    def complete(self, case: Case, folder: Path) -> None:
+    def complete(self, case: Case, folder: Path, exit_code: int) -> None:
         """Google Benchmark leaves numbers; how the case ended, and on what, is written here as the program does.
         Kernels are built along with it, and one case runs at a time."""
         if isinstance(case, RaceCase) or not (folder / KERNELS_FILE).is_file():

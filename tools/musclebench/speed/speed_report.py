@@ -10,7 +10,7 @@ from ..program.fingerprint import write_whole
 from ..program.registry import saved_registry
 from ..results.disturbance import disturbed, note
 from ..results.run_folder import ResultProblem, read_runs
-from ..study.study_manifest import machine
+from ..program.machine import machine
 from ..tables.table_formats import as_ratio
 
 from .kernel_results import read_kernels

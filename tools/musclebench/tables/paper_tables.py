@@ -3,7 +3,7 @@
 import pandas as pd
 
 from ..figures.style import in_order
-from ..paper.paper_cases import BACKENDS
+from ..paper.paper_backends import paper_backends
 from ..paper.published import Published
 from ..results.disturbance import MARK, disturbed
 from ..results.run_folder import Run
@@ -44,7 +44,7 @@ def by_case(runs: list[Run]) -> dict[tuple[str, str], Run]:
     """{(muscle, backend): run}, in the order in which figures and tables list them."""
     cases = {(run.muscle, run.backend): run for run in runs}
     muscles = sorted({muscle for muscle, _ in cases})
-    backends = in_order((backend for _, backend in cases), BACKENDS)
+    backends = in_order((backend for _, backend in cases), paper_backends())
     return {(m, b): cases[m, b] for m in muscles for b in backends if (m, b) in cases}
 
 

@@ -1,4 +1,4 @@
-"""The configurations of the accuracy study, as the backends' study.toml tell them, and what each may cost.
+"""The configurations that studies sweep, as the backends' study.toml tell them, and what each may cost.
 
 Times are guesses for a muscle of 6,931 nodes between two bones on one thread of a 2.5 GHz core. They choose strides and
 repetitions, deal the parts of a split study, and feed the progress bar, which corrects them.

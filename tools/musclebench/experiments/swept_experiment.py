@@ -1,28 +1,29 @@
-"""The accuracy study as an experiment: recordings and structures that cases share, and what its cases must agree on."""
+"""The rules of cases from an experiment file: recordings that replays share, what has ended well, what is not run."""
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 from ..cases.case import Case, Folders
 from ..cases.experiment import Experiment, Refusal
 from ..cases.progress import duration
+from ..hard import cell_folder
 from ..program import fingerprint
-from .study_cases import MeasuredCase, ProbeCase, RecordCase, ReplayCase
-from .study_plan import StudyCase, is_too_long
 from ..results.status import MEASURED
+from .record_case import RecordCase
+from .swept_case import SweptCase
 
 RESULT_DIRS = ("raw", "recordings")
 STRUCTURES_DIR = "structures"
 HASH_OF_MODE = {"replay": "contact_hash", "coupled": "state_hash"}
 
 
-class AccuracyStudy(Experiment):
-    # A case that failed, ran out of time or out of memory is tried again at the next start.
-    final_statuses = MEASURED | {"diverged", "unsupported", "nondeterministic"}
-
-    def __init__(self, binary: Path, folders: Folders, force: bool = False):
+class SweptExperiment(Experiment):
+    def __init__(self, binary: Path, folders: Folders, answers: tuple[str, ...] = (), force: bool = False):
+        """`answers`: statuses beside those of measured cases that are not run again."""
         super().__init__(binary, folders, force)
+        self.final_statuses = MEASURED | set(answers)
         self._recordings: dict[str, str] = {}  # digest by path
 
     def is_complete(self, case: Case) -> bool:
@@ -31,35 +32,39 @@ class AccuracyStudy(Experiment):
         return super().is_complete(case)
 
     def more_inputs(self, case: Case) -> dict[str, str]:
-        if not isinstance(case, ReplayCase):
-            return {}
-        return {"recording_sha256": self._recording_digest(case.recording)}
+        is_replay = isinstance(case, SweptCase) and case.group.mode == "replay"
+        return {"recording_sha256": self._recording_digest(case.recording)} if is_replay else {}
 
     def is_ever_run(self, case: Case) -> bool:
-        return not is_too_long(case)
+        return not case.is_too_long
 
     def refusal(self, case: Case) -> Refusal | None:
-        if is_too_long(case):
+        if not self.is_ever_run(case):
             a_step = f"{case.configuration.step_ms * case.scene.size / 1e3:.2g} s"
-            whole = duration(case.guessed_seconds)
-            return Refusal("timeout", f"not run: {case.steps} steps of about {a_step} would take about {whole}, over "
-                                      f"{duration(case.longest_seconds)}")
-        if isinstance(case, ReplayCase) and not super().is_complete(case.recording):
+            whole, longest = duration(case.guessed_seconds), duration(case.group.longest_s)
+            return Refusal("timeout", f"not run: {case.steps} steps of about {a_step} would take about {whole}, over {longest}")
+        if isinstance(case, SweptCase) and case.group.mode == "replay" and not self.is_complete(case.recording):
             return Refusal("failed", f"not run: there is no recording; {self._reason(case.recording)}")
         return None
 
+    def ended_well(self, case: Case, exit_code: int) -> bool:
+        """A hard case that breaks is an answer."""
+        return exit_code == 0 or (_is_hard(case) and exit_code in cell_folder.STATUS)
+
     def prepare(self, case: Case, folder: Path) -> None:
-        """A recording is a file and wants its folder. A probe finds nothing built: its building time is real."""
+        """A recording is a file and wants its folder. A builder finds nothing built: its building time is real."""
         if isinstance(case, RecordCase):
             folder.mkdir()
-        elif case.configuration.stores:
+        elif case.builder:
             structures = self.folders.out_dir / case.structures
-            if isinstance(case, ProbeCase):
+            if case.builder == case.name:
                 shutil.rmtree(structures, ignore_errors=True)
             structures.mkdir(parents=True, exist_ok=True)
 
-    def complete(self, case: Case, folder: Path) -> None:
-        """`musclebench record` leaves a recording; its row is written here."""
+    def complete(self, case: Case, folder: Path, exit_code: int) -> None:
+        """`musclebench record` leaves a recording and `hard` a matrix; their rows are written here."""
+        if _is_hard(case):
+            cell_folder.describe(folder, case.record(), exit_code)
         if not isinstance(case, RecordCase) or not (folder / case.file_name).is_file():
             return
         recording = folder / case.file_name
@@ -72,27 +77,27 @@ class AccuracyStudy(Experiment):
         """They can be built again at any time, and are large."""
         shutil.rmtree(self.folders.out_dir / STRUCTURES_DIR, ignore_errors=True)
 
-    def mark_nondeterministic(self, cases: list[StudyCase]) -> list[StudyCase]:
+    def mark_nondeterministic(self, cases: list[SweptCase]) -> list[SweptCase]:
         """Marks the repetitions that answered something else than the first, and returns them."""
-        firsts = {_group(case): case for case in cases if isinstance(case, MeasuredCase) and case.repetition == 0}
-        repeated = [case for case in cases if isinstance(case, MeasuredCase) and case.repetition > 0]
-        return [case for case in repeated if _group(case) in firsts and self._mark(firsts[_group(case)], case)]
+        firsts = {replace(case, repetition=0): case for case in cases if case.repetition == 0}
+        return [case for case in cases if case.repetition > 0
+                and (first := firsts.get(replace(case, repetition=0))) is not None and self._mark(first, case)]
 
-    def _mark(self, first: MeasuredCase, case: MeasuredCase) -> bool:
+    def _mark(self, first: SweptCase, case: SweptCase) -> bool:
         key = HASH_OF_MODE.get(case.mode)
-        expected, record = self._run_record(first), self._run_record(case)
-        if expected.get("status") not in MEASURED or record.get("status") not in MEASURED | {"nondeterministic"}:
+        expected, record = self.run_record(first), self.run_record(case)
+        if key is None or expected.get("status") not in MEASURED or record.get("status") not in MEASURED | {"nondeterministic"}:
             return False
         if record.get(key) == expected.get(key):
             return False
         words = key.replace("_", " ")
         record |= {"status": "nondeterministic",
                    "status_detail": f"{words} {record.get(key)}, but {expected.get(key)} in repetition 0"}
-        path = self.folder(case) / "run.json"
-        fingerprint.write_whole(path, json.dumps(record) + "\n")
+        fingerprint.write_whole(self.folder(case) / "run.json", json.dumps(record) + "\n")
         return True
 
-    def _run_record(self, case: StudyCase) -> dict:
+    def run_record(self, case: Case) -> dict:
+        """Its run.json; empty where there is none."""
         try:
             told = json.loads((self.folder(case) / "run.json").read_text())
         except (OSError, ValueError):
@@ -107,8 +112,8 @@ class AccuracyStudy(Experiment):
         return self._recordings[case.file]
 
     def _reason(self, case: RecordCase) -> str:
-        return self._run_record(case).get("status_detail") or f"see {self.folder(case)}"
+        return self.run_record(case).get("status_detail") or f"see {self.folder(case)}"
 
 
-def _group(case: MeasuredCase) -> tuple:
-    return case.mode, case.scene.name, case.configuration.label
+def _is_hard(case: Case) -> bool:
+    return isinstance(case, SweptCase) and case.group.mode == "hard"

@@ -1,0 +1,128 @@
+"""Which scenes and which configurations of the backends a group of cases names."""
+
+import subprocess
+from dataclasses import replace
+from itertools import product
+
+from ..cases.case import Folders
+from ..cases.scene import Scene, chosen_names, survey
+from ..hard.cells import cases_of
+from ..program.cli import Problem
+from ..program.registry import Backend, Registry
+from .sweeps import Configuration, configurations
+from .experiment_file import CaseGroup, ExperimentFile
+
+
+def usual_backend(registry: Registry) -> Backend:
+    """An exact one, so that what is swept is all that differs; one with a clearance cache, since that is fast."""
+    exact = [backend for backend in registry.backends if backend.is_exact]
+    cached = [backend for backend in exact if backend.of_role("clearance_cache")]
+    return (cached or exact or list(registry.backends))[0]
+
+
+def check_backend(wanted: str, registry: Registry, option: str = "--backend") -> str:
+    if not registry.has(wanted):
+        raise Problem(f"{option} {wanted}: not built; there are: {', '.join(registry.names)}")
+    return wanted
+
+
+def backend_of(wanted: str | None, registry: Registry) -> str:
+    """That of an option, else the usual one."""
+    return check_backend(wanted, registry) if wanted else usual_backend(registry).name
+
+
+def backends_of(group: CaseGroup, experiment: ExperimentFile, registry: Registry) -> list[Backend]:
+    if group.backends == "all":
+        return list(registry.backends)
+    if group.backends == "exact":
+        return [usual_backend(registry)]
+    if group.backends == "control":
+        return [registry.control or registry.backends[0]]
+    where = f"{experiment.path}: [[cases]] '{group.name}': backends"
+    return [registry.backend(check_backend(name, registry, where)) for name in group.backends]
+
+
+def configurations_of(group: CaseGroup, experiment: ExperimentFile, registry: Registry) -> list[Configuration]:
+    """Of each backend its defaults, or what its study.toml sweeps; times the group's parameters and threads."""
+    every = configurations(registry)
+    found = []
+    for backend in backends_of(group, experiment, registry):
+        own = [one for one in every if one.backend == backend.name]
+        if group.configurations == "default":
+            # Its guesses are those of the study's own default.
+            plain = [replace(one, storage="") for one in own if not one.parameters and one.threads == 1]
+            own = plain or [replace(own[0], parameters=(), storage="", threads=1, has_cache=backend.uses_cache({}))]
+        elif group.configurations == "study_quick":
+            own = [one for one in own if one.in_quick]
+        found += [one for one in own if _is_asked(one, group)]
+    return [_with(one, chosen, threads) for one in found for chosen in _grid(group, experiment, registry.backend(one.backend))
+            for threads in (group.threads if group.threads != (1,) else (one.threads,))]
+
+
+def _is_asked(one: Configuration, group: CaseGroup) -> bool:
+    drives = one.drives_quick if group.configurations == "study_quick" else one.drives
+    holds = {"replays": one.replays, "drives": drives, "probed": one.is_probed, "one_thread": one.threads == 1}
+    return all(holds[word] for word in group.only)
+
+
+def _grid(group: CaseGroup, experiment: ExperimentFile, backend: Backend) -> list[tuple]:
+    known = {parameter.name for parameter in backend.parameters}
+    for key, _ in group.parameters:
+        if key not in known:
+            raise Problem(f"{experiment.path}: [[cases]] '{group.name}': parameters: '{key}' is none of {backend.name}; "
+                          f"there are: {', '.join(sorted(known)) or 'none'}")
+    keys = [key for key, _ in group.parameters]
+    return [tuple(zip(keys, values)) for values in product(*(values for _, values in group.parameters))]
+
+
+def _with(one: Configuration, chosen: tuple, threads: int) -> Configuration:
+    told = dict(one.parameters) | dict(chosen)
+    return replace(one, parameters=tuple(told.items()), threads=threads)
+
+
+class Scenes:
+    """Asks the program about each scene once."""
+
+    def __init__(self, program, registry: Registry, folders: Folders, data_set: str, frames_limit: int | None = None):
+        self._program, self._registry, self._folders = program, registry, folders
+        self._data_set, self._frames_limit = data_set, frames_limit
+        self._known: dict[tuple, list[Scene]] = {}
+
+    def of(self, group: CaseGroup, experiment: ExperimentFile) -> list[Scene]:
+        """Those of its own are as they are, but for a preset of its own: frames are limited of the experiment's only."""
+        preset = group.preset or experiment.preset or None
+        if group.scenes:
+            return self._survey(self._names(group.scenes), group.preset or None, None, own_presets=True)
+        names = experiment.scenes if isinstance(experiment.scenes, tuple) else (experiment.scenes,)
+        return self._survey(self._names(names), preset, self._frames_limit, of_files=not group.file_presets)
+
+    def limited(self, scene: Scene, frames: int) -> Scene:
+        return self._survey([scene.name], scene.preset if scene.asks_preset else None, frames)[0]
+
+    def hard_cases(self, wanted: tuple[str, ...]) -> list[str]:
+        """Of the program, in its order. Raises Problem where it has not one of the wanted."""
+        words = [word for case in wanted for word in ("--case", case)]
+        told = subprocess.run([str(self._program), "hard", "--list", *words], capture_output=True, text=True, check=False)
+        if told.returncode != 0:
+            lines = told.stderr.strip().splitlines() or [f"'hard --list' ended with exit code {told.returncode}"]
+            raise Problem(lines[-1].removeprefix("musclebench: "))
+        return list(cases_of(told.stdout)["case"])
+
+    def _names(self, wanted: str | tuple[str, ...]) -> list[str]:
+        """`one_muscle`: all of the data set that have one; PREFIX/*: all that begin so; {data} is the data set."""
+        words = (wanted,) if isinstance(wanted, str) else wanted
+        names: list[str] = []
+        for word in words:
+            if word == "one_muscle":
+                names += chosen_names(None, None, self._data_set, self._registry)
+            elif word.endswith("/*"):
+                names += [scene.name for scene in self._registry.scenes if scene.name.startswith(word[:-1])]
+            else:
+                names += chosen_names([word.replace("{data}", self._data_set)], None, self._data_set, self._registry)
+        return list(dict.fromkeys(names))
+
+    def _survey(self, names: list[str], preset: str | None, frames: int | None, **which: bool) -> list[Scene]:
+        key = (tuple(names), preset, frames, tuple(which.items()))
+        if key not in self._known:
+            self._known[key] = survey(names, self._program, self._registry, self._folders, frames, preset, **which)
+        return self._known[key]

@@ -1,1 +1,0 @@
-"""The accuracy study: what is swept, planned, run and written down."""

@@ -1,0 +1,202 @@
+"""Whatever ends an experiment, nothing complete is lost or half-written, and the rerun's results equal an undisturbed run's."""
+
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import fake_registry
+from fake_sweep import swept
+from fake_trial import QUICK, ROLES, TRIAL, answers, call, command, wait_for
+from musclebench.cases.case import Folders
+from musclebench.cases.pool import Limits
+from musclebench.cases.worker import Worker
+from musclebench.experiments.case_tables import write_tables
+from musclebench.experiments.experiment_file import read_experiment
+from musclebench.experiments.running import Sweep
+from musclebench.experiments.swept_experiment import SweptExperiment
+from musclebench.results.damage import damage
+from musclebench.results.status import MEASURED
+from program import PROGRAM, needs_program
+
+KILLS, FEWEST_CASES = 50, 24
+WITHOUT_LOOKING_AHEAD = """import runpy, sys
+from pathlib import Path
+sys.path.insert(0, str(Path(sys.argv[1]).parent))
+from musclebench.experiments import running
+running.SPARE_BYTES = -1e12
+sys.argv = sys.argv[1:]
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
+HAS_NAMESPACES = subprocess.run(["unshare", "-m", "true"], capture_output=True, check=False).returncode == 0
+
+
+@pytest.fixture
+def trial(tmp_path):
+    path = tmp_path / "trial.toml"
+    path.write_text(TRIAL)
+    return path
+
+
+def run_here(trial: Path, out: Path) -> list[str]:
+    """In this process; the survey is left out."""
+    cases = swept(trial, *(fake_registry.scene(f"synthetic/{name}") for name in ("iliacus", "gluteus_medius")))
+    assert len(cases) >= FEWEST_CASES
+    sweep = Sweep(read_experiment(trial), cases, {}, SweptExperiment(QUICK, Folders(out)), fake_registry.registry())
+    return sweep.run(cases, Limits(sorted(os.sched_getaffinity(0))[:2], 60.0))
+
+
+def fork_and_kill(trial: Path, out: Path, after_seconds: float) -> bool:
+    """False where it had ended before."""
+    child = os.fork()
+    if child == 0:
+        silent = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(silent, 1)
+        os.dup2(silent, 2)
+        try:
+            run_here(trial, out)
+        finally:
+            os._exit(0)
+    time.sleep(after_seconds)
+    os.kill(child, signal.SIGKILL)
+    return os.WIFSIGNALED(os.waitpid(child, 0)[1])
+
+
+def complete(out: Path) -> dict[str, str]:
+    """{name: run.json} of what is sealed."""
+    return {path.parent.name: (path.parent / "run.json").read_text() for name in ("raw", "recordings")
+            for path in out.glob(f"{name}/[!.]*/case.json")}
+
+
+def hidden(out: Path) -> list[Path]:
+    return [path for path in (*out.glob("raw/.*"), *out.glob("recordings/.*"))]
+
+
+@pytest.fixture
+def undisturbed(trial, tmp_path):
+    assert run_here(trial, tmp_path / "undisturbed") == []
+    return answers(tmp_path / "undisturbed")
+
+
+def test_kill_9_at_fifty_random_moments_loses_nothing_complete(trial, tmp_path, undisturbed, capfd):
+    moments, kills, ended = random.Random(3), 0, 0
+    out, before = tmp_path / "out-0", {}
+    while kills < KILLS:
+        kills += was_killed if (was_killed := fork_and_kill(trial, out, moments.uniform(0.0, 0.2))) else 0
+        now = complete(out)
+        assert before.items() <= now.items()
+        for name in ("raw", "recordings"):
+            folders = [path for path in out.glob(f"{name}/[!.]*")]
+            assert all((path / "case.json").is_file() and not damage(path) for path in folders)
+        before = now
+        if not was_killed:
+            assert answers(out) == undisturbed and not hidden(out)
+            ended += 1
+            out, before = tmp_path / f"out-{ended}", {}
+    run_here(trial, out)
+    assert answers(out) == undisturbed and not hidden(out) and (out / "cases.log").read_text().endswith("\n")
+
+
+def test_tables_say_what_was_not_run(trial, tmp_path, undisturbed):
+    out = tmp_path / "undisturbed"
+    shutil.rmtree(next(out.glob("raw/iliacus-run-*-r1")))
+    (next(out.glob("raw/iliacus-run-*-r2")) / "frames.csv").write_text("frame\n")
+    counts = write_tables(out)[0]["status"].value_counts()
+    assert counts.to_dict() == {"ok": 22, "missing": 1, "damaged": 1}
+
+
+@pytest.mark.skipif(not HAS_NAMESPACES, reason="no mount namespaces here (unshare -m)")
+def test_a_full_disk_keeps_what_is_complete(trial, tmp_path, undisturbed):
+    (tmp_path / "disk").mkdir()
+    (tmp_path / "driver.py").write_text(WITHOUT_LOOKING_AHEAD)
+    run = " ".join([sys.executable, "driver.py", *command(trial, tmp_path / "disk" / "out")[1:]])
+    script = f"""cd {tmp_path}
+        mount -t tmpfs -o size=140k small disk && {run} 2>errors; echo $? >code
+        ls disk/out/raw >kept; ls -A disk/out/raw | grep -c '^[.]' >hidden
+        mount -o remount,size=9m disk && {run} 2>again; echo $? >>code; cp disk/out/answers.csv answers.csv"""
+    subprocess.run(["unshare", "-m", "sh", "-c", script], check=False, timeout=120, stdout=subprocess.DEVNULL)
+    assert (tmp_path / "code").read_text().split() == ["2", "0"], (tmp_path / "errors").read_text()
+    told = [line for line in (tmp_path / "errors").read_text().splitlines() if not line.startswith("[")]
+    assert len(told) == 1 and "the disk is full; complete cases are kept" in told[0]
+    assert len((tmp_path / "kept").read_text().split()) > 2 and (tmp_path / "hidden").read_text().strip() == "0"
+    assert (tmp_path / "answers.csv").read_bytes() == undisturbed
+
+
+@pytest.mark.skipif(not HAS_NAMESPACES, reason="no mount namespaces here (unshare -m)")
+def test_a_read_only_folder_is_one_line(trial, tmp_path):
+    (tmp_path / "disk").mkdir()
+    script = f"mount -t tmpfs -o ro small {tmp_path}/disk && exec {' '.join(command(trial, tmp_path / 'disk' / 'out'))}"
+    done = subprocess.run(["unshare", "-m", "sh", "-c", script], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 2 and done.stderr.count("\n") == 1 and "Read-only file system" in done.stderr
+
+
+def test_two_runners_do_not_share_a_folder_and_ctrl_c_says_what_is_kept(trial, tmp_path, undisturbed):
+    out = tmp_path / "out"
+    first = subprocess.Popen(command(trial, out), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                             env={**os.environ, "FAKE_HANGS": "2"})
+    wait_for(lambda: len(list(out.glob("raw/.*/run/frames.csv"))) == 2 and len(list(out.glob("raw/*/case.json"))) == 16)
+    second = call(trial, out)
+    assert second.returncode == 2 and "another run writes there" in second.stderr
+    first.send_signal(signal.SIGINT)
+    errors = first.communicate(timeout=60)[1]
+    assert first.returncode == 130
+    assert errors.splitlines()[-1] == (f"experiment: interrupted; 18 of the 26 cases of this run have ended and are kept in {out}, "
+                                       "2 unfinished ones are removed; the same command goes on")
+    assert not hidden(out)
+    assert call(trial, out).returncode == 0 and (out / "answers.csv").read_bytes() == undisturbed
+
+
+def test_what_fails_is_a_row_with_its_reason_and_its_last_words(trial, tmp_path):
+    def program(words: str) -> Path:
+        path = tmp_path / "program.sh"
+        path.write_text(f'#!/bin/sh\ncase "$*" in *"run "*"--backend {ROLES.field} "*) {words} ;; esac\nexec {QUICK} "$@"\n')
+        path.chmod(0o755)
+        return path
+
+    for number, (words, status, detail) in enumerate([
+            ("echo first >&2; echo 'key x: no such thing' >&2; exit 2", "failed", "exit code 2: key x: no such thing"),
+            ("echo in flight >&2; kill -SEGV $$", "failed", "signal SIGSEGV: in flight"),
+            ("echo std::bad_alloc >&2; kill -ABRT $$", "out_of_memory", "signal SIGABRT: std::bad_alloc"),
+            ("echo slow >&2; sleep 60", "timeout", "stopped after 1 s")]):
+        out = tmp_path / str(number)
+        done = call(trial, out, "--repetitions", "1", "--timeout", "1", program=program(words))
+        rows = pd.read_csv(out / "times.csv").set_index("name")
+        name = f"iliacus-run-{ROLES.field}-r0"
+        assert done.returncode == 1 and rows.loc[name, "status"] == status and rows.loc[name, "status_detail"] == detail
+        assert (rows["status"] == "ok").sum() == len(rows) - 2
+        assert json.loads((out / "raw" / name / "run.json").read_text())["last_lines"][-1] in words
+        assert f"{status:<14}" in (out / "cases.log").read_text()
+
+
+def test_what_the_system_killed_for_want_of_memory_is_told_apart(trial, tmp_path, monkeypatch):
+    case = next(case for case in swept(trial, fake_registry.scene("synthetic/iliacus")) if "-run-" in case.name)
+    for kills, status in (([3, 3], "failed"), ([3, 4], "out_of_memory")):
+        monkeypatch.setattr("musclebench.cases.worker.oom_kills", lambda told=iter(kills): next(told))
+        monkeypatch.setenv("FAKE_HANGS", "0")
+        worker = Worker(case, SweptExperiment(QUICK, Folders(tmp_path)), [0])
+        worker.kill_for_timeout()
+        assert worker.finish() == status
+
+
+@needs_program
+def test_a_kill_of_the_real_program_changes_no_answer(trial, tmp_path):
+    trial.write_text(TRIAL.replace('"synthetic/iliacus", ', "").replace("gluteus_medius", "adductor_brevis"))
+    more = ("--frames-limit", "12", "--repetitions", "1", "--filter", ROLES.unit)
+    assert call(trial, tmp_path / "undisturbed", *more, program=PROGRAM).returncode == 0
+    process = subprocess.Popen(command(trial, tmp_path / "out", *more, program=PROGRAM), stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    wait_for(lambda: complete(tmp_path / "out") or process.poll() is not None)
+    process.kill()
+    process.wait(60)
+    assert call(trial, tmp_path / "out", *more, program=PROGRAM).returncode == 0
+    rows = pd.read_csv(tmp_path / "out" / "answers.csv")
+    assert rows["status"].isin(MEASURED).sum() == 2
+    assert (tmp_path / "out" / "answers.csv").read_bytes() == (tmp_path / "undisturbed" / "answers.csv").read_bytes()
