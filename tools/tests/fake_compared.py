@@ -1,6 +1,6 @@
-#!/usr/bin/python3
-"""Stands in for a program that is compared: writes what `list --json` and `run` write, with the times, answers and
-misbehaviour of the JSON file beside it (THIS_FILE.json): {"slower": {backend: factor}, "hash": {backend: text}, ...}."""
+#!/usr/bin/python3 -IS
+"""Stands in for a program that is compared: writes what `list --json`, `run` and `hard` write. A copy's last line has its
+times, answers and misbehaviour: # {"slower": {backend: factor}, "hash": {backend: text}, ...}."""
 
 import json
 import random
@@ -42,7 +42,7 @@ def run(words: list[str], told: dict) -> None:
 
 
 def main() -> int:
-    told = json.loads(Path(f"{__file__}.json").read_text())
+    told = json.loads(Path(__file__).read_text().splitlines()[-1].removeprefix("# "))
     if sys.argv[1] == "list":
         print(json.dumps(listed()))
     elif sys.argv[1] == "hard":

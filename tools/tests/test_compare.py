@@ -22,8 +22,7 @@ def program(folder: Path, name: str, **told) -> str:
     """A stand-in that behaves so."""
     path = folder / f"{name}.py"
     shutil.copy(FAKE, path)
-    path.write_text(path.read_text() + f"# {name}\n")  # another program has another digest
-    Path(f"{path}.json").write_text(json.dumps(told))
+    path.write_text(f"{path.read_text()}# {name}\n# {json.dumps(told)}\n")  # another name has another digest
     return str(path)
 
 

@@ -21,7 +21,7 @@ LEVEL = 0.01  # of any false alarm in a comparison
 FEWEST_RUNS = 5  # on either side; fewer can't be told from noise
 WIDEST = 1.25  # upper end over lower end of an interval that still says something
 FEWEST_FOR_MACHINE = 4  # cases; the median of fewer is that of one backend
-SIDES = ("before", "after")
+PROGRAM_SIDES = ("before", "after")
 CHANGED = ("slower", "faster", "more", "fewer", "changed", "gone")
 
 
@@ -79,7 +79,7 @@ class Comparison:
 def compare(before: ResultSet, after: ResultSet, with_times: bool = True) -> Comparison:
     is_interleaved = _invocations(before) == _invocations(after) != {""}
     busy = disturbed({f"{side}/{sample.run.folder.name}": sample.run.record
-                      for side, one in zip(SIDES, (before, after)) for sample in one.samples})
+                      for side, one in zip(PROGRAM_SIDES, (before, after)) for sample in one.samples})
     found = Comparison(before, after, [], is_interleaved, disturbed=busy)
     if with_times and not is_interleaved:
         found.machine = _machine_factors(before, after)
@@ -139,7 +139,7 @@ def _distrust(row: Row, runs: int, sides, comparison: Comparison) -> str:
         return f"{runs} runs, {FEWEST_RUNS} are the fewest"
     if not row.ratio.high <= WIDEST * row.ratio.low:
         return "varies too much"
-    names = {f"{side}/{sample.run.folder.name}" for side, samples in zip(SIDES, sides) for sample in samples}
+    names = {f"{side}/{sample.run.folder.name}" for side, samples in zip(PROGRAM_SIDES, sides) for sample in samples}
     if row.metric.kind == TIME and not comparison.is_interleaved and names & comparison.disturbed.keys():
         return "the machine was busy"
     return ""

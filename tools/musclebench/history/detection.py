@@ -1,0 +1,94 @@
+"""What changed over the nights of one machine.
+
+A time has two parts: what all cases share in a night, which is the machine's or that of code that all of them run, and what
+is the case's own. Both are series of logarithms, and each is searched for change points."""
+
+import numpy as np
+import pandas as pd
+
+from ..comparison.metrics import COUNTER, EXACT, METRICS, TIME
+from .change_points import ChangePoint, change_points
+from .history import Finding
+
+LEVEL = 0.001  # of any false alarm in the series of a night: a month looks at them thirty times
+WINDOW = 60  # nights that are looked at; older ones tell little of the machine of today
+FEWEST_NIGHTS = 4
+FEWEST_CASES = 4  # that tell what they share
+SAME_STEP = 2  # nights; a change point may move by so many when later nights become known
+ALL_CASES = "all cases"
+
+
+def step_findings(measures: pd.DataFrame) -> list[Finding]:
+    """Steps of times and counters. `measures`: of History.measures, of one machine."""
+    found = []
+    all_series = _series(measures)
+    for (case, metric), series in all_series.items():
+        # The smallest change of the rule counts, either way.
+        smallest = np.log1p(METRICS[metric].smallest)
+        for point in change_points(series.to_numpy(), LEVEL / len(all_series), smallest):
+            found.append(_finding(case, metric, series, point, measures))
+    return found
+
+
+def answer_findings(measures: pd.DataFrame) -> list[Finding]:
+    """Answers of the last night that are not those of the night before that had them."""
+    if measures.empty:
+        return []
+    last, found = measures["night"].iloc[-1], []
+    for (case, metric), rows in measures[measures["kind"] == EXACT].groupby(["case", "metric"], sort=False):
+        if len(rows) > 1 and rows["night"].iloc[-1] == last and rows["text"].iloc[-2] != rows["text"].iloc[-1]:
+            found.append(Finding(case, metric, int(last), "not the same", rows["text"].iloc[-2], rows["text"].iloc[-1]))
+    return found
+
+
+def counter_findings(measures: pd.DataFrame) -> list[Finding]:
+    """Counters that did not vary in the night before nor in the last, but from one to the other: found the same night."""
+    if measures.empty:
+        return []
+    last, found = measures["night"].iloc[-1], []
+    for (case, metric), rows in measures[measures["kind"] == COUNTER].groupby(["case", "metric"], sort=False):
+        before, after = rows["value"].iloc[-2:].tolist() if len(rows) > 1 else (0, 0)
+        steady = rows["variation"].iloc[-2:].fillna(0).max() < METRICS[metric].smallest / 10
+        if rows["night"].iloc[-1] == last and before > 0 and steady and abs(after / before - 1) >= METRICS[metric].smallest:
+            found.append(Finding(case, metric, int(last), "counted", f"{before:.12g}", f"{after:.12g}", after / before))
+    return found
+
+
+def new_ones(found: list[Finding], known: list[Finding], nights: list[int]) -> list[Finding]:
+    """Without those that were reported before: of the same case and metric, at most SAME_STEP nights away."""
+    order = {night: number for number, night in enumerate(nights)}
+    steps: dict[tuple[str, str], list[int]] = {}
+    for one in known:
+        steps.setdefault((one.case, one.metric), []).append(order.get(one.changed_in, -10 * SAME_STEP))
+    return [one for one in found if all(abs(order[one.changed_in] - step) > SAME_STEP
+                                        for step in steps.get((one.case, one.metric), []))]
+
+
+def shared_part(table: pd.DataFrame) -> pd.Series:
+    """Of logarithms, a row a night and a column a case: by how much the cases together are above their medians."""
+    if len(table.columns) < FEWEST_CASES:
+        return pd.Series(0.0, table.index)
+    return (table - table.median()).median(axis=1)
+
+
+def _series(measures: pd.DataFrame) -> dict[tuple[str, str], pd.Series]:
+    """{(case, metric): logarithms by night}"""
+    found = {}
+    numbers = measures[(measures["kind"] != EXACT) & (measures["value"] > 0)]
+    for metric, rows in numbers.groupby("metric", sort=False):
+        table = np.log(rows.pivot(index="night", columns="case", values="value"))
+        table = table.loc[list(dict.fromkeys(measures["night"]))[-WINDOW:]] if len(table) else table
+        if METRICS[metric].kind == TIME and len(table.columns) >= FEWEST_CASES:
+            shared = shared_part(table)
+            found[ALL_CASES, metric] = shared
+            table = table.sub(shared, axis=0)
+        found |= {(case, metric): table[case].dropna() for case in table}
+    return {key: series for key, series in found.items() if len(series) >= FEWEST_NIGHTS}
+
+
+def _finding(case: str, metric: str, series: pd.Series, point: ChangePoint, measures: pd.DataFrame) -> Finding:
+    ratio, low, high = (float(np.exp(value)) for value in (point.difference, point.low, point.high))
+    rows = measures[(measures["case"] == case) & (measures["metric"] == metric)].set_index("night")["value"]
+    told = ["", ""] if case == ALL_CASES else [f"{rows.loc[part].median():.6g} {METRICS[metric].unit}".strip()
+                                               for part in (series.index[:point.index], series.index[point.index:])]
+    return Finding(case, metric, int(series.index[point.index]), "change point", *told, ratio, low, high, point.chance)
