@@ -17,7 +17,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from musclebench.cases.study_command import PROJECT
-from musclebench.comparison.usual_cases import usual_cases
+from musclebench.comparison.usual_cases import chosen_cases
 from musclebench.history import simulation
 from musclebench.history.detection import answer_findings, counter_findings, new_ones, step_findings
 from musclebench.history.exchange import bencher_metrics, write_otava
@@ -44,6 +44,9 @@ def parse_arguments(arguments):
                         default=PROJECT / "build" / "release" / "bench" / "musclebench",
                         help="the program to measure (default: that of the preset release)")
     parser.add_argument("--repetitions", type=int, default=REPETITIONS, metavar="N", help=f"processes a case (default {REPETITIONS})")
+    parser.add_argument("--scene", action="append", metavar="SCENE",
+                        help="one that 'musclebench list' names, or a .toml file, in place of those two; may be repeated")
+    parser.add_argument("--backend", action="append", metavar="NAME", help="may be repeated (default: all)")
     parser.add_argument("--timeout", type=float, default=120.0, metavar="SECONDS", help="of one process (default 120 s)")
     parser.add_argument("--hard-seconds", type=float, default=300.0, metavar="SECONDS",
                         help="for the matrix of hard cases, which is left out when it takes longer (default 300 s)")
@@ -66,7 +69,7 @@ def measured(options, history_file: Path) -> MeasuredNight:
     kept = kept_program(nights[-1].program_sha256, options.musclebench, options.out) if nights else None
     started = datetime.now(timezone.utc).strftime(STARTED)
     folder = options.out / "nights" / started.replace(":", "")
-    wanted = usual_cases(registry, options.repetitions)
+    wanted = chosen_cases(registry, options.repetitions, options.scene, options.backend)
     if not wanted:
         raise Problem(f"{options.musclebench}: has none of the scenes that are measured by night")
     return measure_night(folder, started, options.musclebench, kept, wanted, options.timeout,

@@ -21,7 +21,7 @@ def night(number: int, machine: str = MACHINE) -> Night:
     return Night(f"2026-01-01T{number // 60:02}:{number % 60:02}:00Z", f"commit{number}", "digest", machine, "cc")
 
 
-MEASURES = [Measure("ball-tree", "frame_ns", "time", "ns", 5.0, None, 4.0, 6.0, 10, 0.01),
+MEASURES = [Measure("ball-tree", "frame_ns", "time", "ns", 5.0, None, 4.0, 6.0, 4.5, 10, 0.01),
             Measure("ball-tree", "state_hash", "exact", "", text="0123")]
 
 
@@ -37,7 +37,7 @@ def test_what_was_appended_is_read_in_order_of_time_and_by_machine(tmp_path):
         assert [one.git for one in history.nights(MACHINE)] == ["commit1", "commit2"] and len(history.nights()) == 3
         rows = history.measures(MACHINE)
         assert list(rows["night"]) == [2, 2, 1, 1] and set(rows["text"].dropna()) == {"0123"}
-        assert rows.loc[0, ["value", "low", "high", "runs", "variation"]].tolist() == [5.0, 4.0, 6.0, 10, 0.01]
+        assert rows.loc[0, ["value", "low", "high", "quartile", "runs", "variation"]].tolist() == [5.0, 4.0, 6.0, 4.5, 10, 0.01]
         assert history.has(night(1).started) and not history.has(night(9).started)
 
 

@@ -126,7 +126,7 @@ def test_a_build_without_optimisation_and_a_folder_without_a_night_are_refused(t
 
 
 def nights(values: dict[str, np.ndarray], metric: str = "frame_ns", kind: str = "time") -> pd.DataFrame:
-    rows = [{"night": night, "case": case, "metric": metric, "kind": kind, "unit": "", "value": value, "text": None,
+    rows = [{"night": night, "case": case, "metric": metric, "kind": kind, "unit": "", "value": value, "quartile": value, "text": None,
              "variation": 0.0} for case, series in values.items() for night, value in enumerate(series, 1)]
     return pd.DataFrame(rows).sort_values("night", kind="stable")
 

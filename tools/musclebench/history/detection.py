@@ -1,7 +1,7 @@
 """What changed over the nights of one machine.
 
 A time has two parts: what all cases share in a night, which is the machine's or that of code that all of them run, and what
-is the case's own. Both are series of logarithms, and each is searched for change points."""
+is the case's own. Both are series of logarithms of a night's lower quartile, and each is searched for change points."""
 
 import numpy as np
 import pandas as pd
@@ -74,9 +74,9 @@ def shared_part(table: pd.DataFrame) -> pd.Series:
 def _series(measures: pd.DataFrame) -> dict[tuple[str, str], pd.Series]:
     """{(case, metric): logarithms by night}"""
     found = {}
-    numbers = measures[(measures["kind"] != EXACT) & (measures["value"] > 0)]
+    numbers = measures[(measures["kind"] != EXACT) & (measures["quartile"] > 0)]
     for metric, rows in numbers.groupby("metric", sort=False):
-        table = np.log(rows.pivot(index="night", columns="case", values="value"))
+        table = np.log(rows.pivot(index="night", columns="case", values="quartile"))
         table = table.loc[list(dict.fromkeys(measures["night"]))[-WINDOW:]] if len(table) else table
         if METRICS[metric].kind == TIME and len(table.columns) >= FEWEST_CASES:
             shared = shared_part(table)

@@ -21,7 +21,7 @@ CREATE TABLE night (
   machine TEXT NOT NULL, compiler TEXT NOT NULL, busy_runs INTEGER NOT NULL, runs INTEGER NOT NULL);
 CREATE TABLE measure (
   night INTEGER NOT NULL REFERENCES night(id), case_name TEXT NOT NULL, metric TEXT NOT NULL, kind TEXT NOT NULL,
-  unit TEXT NOT NULL, value REAL, text TEXT, low REAL, high REAL, runs INTEGER, variation REAL,
+  unit TEXT NOT NULL, value REAL, text TEXT, low REAL, high REAL, quartile REAL, runs INTEGER, variation REAL,
   PRIMARY KEY (night, case_name, metric)) WITHOUT ROWID;
 CREATE TABLE finding (
   night INTEGER NOT NULL REFERENCES night(id), case_name TEXT NOT NULL, metric TEXT NOT NULL,
@@ -49,10 +49,11 @@ class Measure:
     metric: str
     kind: str
     unit: str
-    value: float | None = None
+    value: float | None = None  # median over the runs
     text: str | None = None  # of an answer that has to be the same
-    low: float | None = None  # 95 % interval of the median over the runs
+    low: float | None = None  # 95 % interval of the median
     high: float | None = None
+    quartile: float | None = None  # the lower one: other work on the machine only adds time, and adds less to it
     runs: int | None = None
     variation: float | None = None  # standard deviation over mean, from run to run
 
@@ -84,7 +85,7 @@ class History:
         cursor = self._connection.execute(
             "INSERT INTO night (started, git, program_sha256, machine, compiler, busy_runs, runs) VALUES (?, ?, ?, ?, ?, ?, ?)",
             astuple(night)[:7])
-        self._connection.executemany("INSERT INTO measure VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        self._connection.executemany("INSERT INTO measure VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                                      [(cursor.lastrowid, *astuple(measure)) for measure in measures])
         return cursor.lastrowid
 
@@ -104,12 +105,13 @@ class History:
         return bool(self._connection.execute("SELECT 1 FROM night WHERE started = ?", (started,)).fetchone())
 
     def measures(self, machine: str) -> pd.DataFrame:
-        """Columns night (id), case, metric, kind, unit, value, text, low, high, runs, variation; the oldest night first."""
+        """Columns night (id), case, metric, kind, unit, value, text, low, high, quartile, runs, variation; the oldest night
+        first."""
         rows = self._connection.execute(
-            "SELECT night, case_name, metric, kind, unit, value, text, low, high, measure.runs, variation FROM measure "
+            "SELECT night, case_name, metric, kind, unit, value, text, low, high, quartile, measure.runs, variation FROM measure "
             "JOIN night ON night.id = measure.night WHERE machine = ? ORDER BY started, case_name, metric", (machine,))
         return pd.DataFrame(rows.fetchall(), columns=["night", "case", "metric", "kind", "unit", "value", "text", "low", "high",
-                                                      "runs", "variation"])
+                                                      "quartile", "runs", "variation"])
 
     def findings(self) -> list[Finding]:
         rows = self._connection.execute("SELECT case_name, metric, changed_in, found_by, before, after, ratio, low, high, "

@@ -11,6 +11,7 @@ from ..hard.cells import cells_of
 from ..program.cli import Problem
 from ..results import samples as statistics
 from ..results.disturbance import disturbed
+from ..results.statistics import percentile
 from .history import Measure, Night
 
 HARD = "hard"  # begins the names of cells of the matrix
@@ -55,5 +56,5 @@ def _measure(case: str, metric: Metric, samples: list[Sample]) -> Measure | None
     median = statistics.median(values)
     low, high = (None if pd.isna(end) else end for end in (median.low, median.high))
     variation = statistics.variation(values)
-    return Measure(case, metric.name, metric.kind, metric.unit, median.value, None, low, high, len(values),
-                   None if pd.isna(variation) else variation)
+    return Measure(case, metric.name, metric.kind, metric.unit, median.value, None, low, high,
+                   float(percentile(values, 25)), len(values), None if pd.isna(variation) else variation)

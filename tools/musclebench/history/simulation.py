@@ -11,6 +11,7 @@ from ..comparison.metrics import METRICS
 from ..comparison.result_set import ResultSet, Sample
 from ..comparison.verdicts import PROGRAM_SIDES, compare
 from ..results.run_folder import Run
+from ..results.statistics import percentile
 from .detection import new_ones, step_findings
 from .history import Finding
 
@@ -41,15 +42,17 @@ def read_noise(path: Path = RECORDED) -> dict[tuple[str, str], np.ndarray]:
 
 
 def drawn_nights(noise: dict, nights: int, random: np.random.Generator) -> pd.DataFrame:
-    """Of each night the medians of REPETITIONS that were recorded one after the other, from the same moment for all cases."""
+    """Of each night the lower quartiles of REPETITIONS that were recorded one after the other, from the same moment for all
+    cases."""
     rows = []
     for night in range(1, nights + 1):
         moment, machine = random.random(), np.exp(random.normal(0, MACHINE_SPREAD))
         for (case, metric), values in noise.items():
             first = int(moment * (len(values) - REPETITIONS + 1))
             rows.append({"night": night, "case": case, "metric": metric, "kind": METRICS[metric].kind, "unit": "ns",
-                         "value": 1e5 * machine * np.median(values[first:first + REPETITIONS]), "text": None})
-    return pd.DataFrame(rows)
+                         "quartile": 1e5 * machine * percentile(values[first:first + REPETITIONS], 25), "text": None})
+    measures = pd.DataFrame(rows)
+    return measures.assign(value=measures["quartile"])
 
 
 def alarms(measures: pd.DataFrame, first: int = 2) -> list[tuple[int, Finding]]:
@@ -73,7 +76,7 @@ def simulate(noise: dict, trials: int, nights: int, slowdown: float, since: int,
         measures = drawn_nights(noise, nights, random)
         false_alarms += bool(alarms(measures))
         slowed = cases[(CASE_STRIDE * trial) % len(cases)]
-        measures.loc[(measures["case"] == slowed) & (measures["night"] >= since), "value"] *= slowdown
+        measures.loc[(measures["case"] == slowed) & (measures["night"] >= since), ["value", "quartile"]] *= slowdown
         told = alarms(measures[measures["night"] < since + 5], since)
         found_after += [night - since + 1 for night, one in told if one.case == slowed][:1]
         wrong += any(one.case != slowed for _, one in told)
