@@ -11,6 +11,7 @@ import pytest
 
 import compare as command
 from musclebench.comparison import instructions, interleaved, revisions
+from musclebench.comparison.metrics import values_of
 from musclebench.comparison.result_set import read_set
 from musclebench.comparison.verdicts import compare
 from program import PROGRAM, needs_program
@@ -212,6 +213,12 @@ def test_counted_instructions_are_those_of_the_loop_and_repeat(tmp_path):
                         "--no-referee", "--force", "--out", str(tmp_path / "run")], check=True, capture_output=True)
         counts.append(instructions.read_callgrind(tmp_path))
     assert math.isclose(counts[0], counts[1], rel_tol=1e-3) and math.isclose(counts[2], 2 * counts[0], rel_tol=0.2)
+
+
+def test_a_run_that_counting_slowed_tells_no_times(sets):
+    sample = read_set(sets / "before").cases["resting_contact-tree"][-1]
+    told = values_of(sample.run, {"is_slowed": True, "counters": {"instructions": 7}})
+    assert told == {"status": "ok", "instructions": 7} and "frame_ns" in values_of(sample.run)
 
 
 def test_nothing_counted_is_unknown(tmp_path):

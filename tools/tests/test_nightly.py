@@ -53,7 +53,7 @@ def test_three_nights_with_a_slowdown_on_the_third(tmp_path, capsys):
     assert "nothing changed" in capsys.readouterr().out
     assert run(tmp_path, program(tmp_path, "b", git="bbb", slower={"tree": 1.1})) == 1
     text = capsys.readouterr().out
-    assert "| resting_contact-tree | collision_ns | 2026-01-04T00:00:00Z |" in text
+    assert "| resting_contact-tree | collision_ns | 2026-01-04T00:00:00Z | " in text and " us | 1.1" in text
     assert "Commits between 2026-01-03T00:00:00Z (aaa) and 2026-01-04T00:00:00Z (bbb)" in text
     found = findings(tmp_path)
     assert {one.case for one in found} == {"resting_contact-tree"}
@@ -146,10 +146,18 @@ def test_what_all_cases_share_is_told_apart_from_a_cases_own():
     assert {(one.case, one.changed_in) for one in step_findings(nights(slower))} == {(ALL_CASES, 11)}
 
 
+def test_a_metric_that_a_night_lacks_is_looked_at_where_it_is():
+    table = nights({"a": noisy(1) * np.repeat([1, 1.2], 10), "b": noisy(2)})
+    gappy = table[~((table["case"] == "a") & table["night"].isin([3, 20]))]
+    assert [(one.case, one.changed_in) for one in step_findings(gappy)] == [("a", 11)]
+    assert [one.case for one in step_findings(gappy[(gappy["case"] != "b") | (gappy["night"] < 5)])] == ["a"]
+
+
 def test_a_step_is_reported_once_although_its_place_moves():
     known = [Finding("a", "frame_ns", 10, "change point", "", "")]
     again, another = (Finding("a", "frame_ns", night, "change point", "", "") for night in (11, 15))
-    assert new_ones([again, another], known, list(range(1, 20))) == [another]
+    the_same_night = Finding("a", "frame_ns", 11, "counted", "", "")
+    assert new_ones([again, another, the_same_night], known, list(range(1, 20))) == [another, the_same_night]
 
 
 @pytest.mark.parametrize(("last", "is_found"), [(1.02e6, True), (1.002e6, False)])

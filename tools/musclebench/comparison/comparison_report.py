@@ -56,6 +56,12 @@ def as_time(ns: float) -> str:
     return f"{ns / scale:.4g} {unit}"
 
 
+def shown(value: float | str, metric: Metric) -> str:
+    if isinstance(value, str):
+        return value[:HASH_LETTERS] if metric.name.endswith("_hash") and " or " not in value else value or UNKNOWN
+    return as_time(value) if metric.kind == TIME else f"{value:.12g}"
+
+
 def as_ratio(value: float) -> str:
     return f"{value:.3f}" if value < 100 else f"{value:.4g}"
 
@@ -68,16 +74,10 @@ def _cells(row: Row) -> dict:
     doubt = "" if row.is_trusted else MARK
     ratio = UNKNOWN if math.isnan(row.ratio.value) else as_ratio(row.ratio.value) + doubt
     verdict = f"**{row.verdict}**" if row.is_change else row.verdict
-    return {"case": row.case, "metric": row.metric.name, "before": _value(row.before, row.metric),
-            "after": _value(row.after, row.metric), "ratio": f"({ratio})" if doubt and ratio != UNKNOWN else ratio,
+    return {"case": row.case, "metric": row.metric.name, "before": shown(row.before, row.metric),
+            "after": shown(row.after, row.metric), "ratio": f"({ratio})" if doubt and ratio != UNKNOWN else ratio,
             "interval": _interval(row.ratio, as_ratio), "chance": UNKNOWN if math.isnan(row.chance) else f"{row.chance:.2g}",
             "verdict": f"{verdict} ({row.why})" if row.why else verdict}
-
-
-def _value(value: float | str, metric: Metric) -> str:
-    if isinstance(value, str):
-        return value[:HASH_LETTERS] if metric.name.endswith("_hash") and " or " not in value else value or UNKNOWN
-    return as_time(value) if metric.kind == TIME else f"{value:.12g}"
 
 
 def _interval(estimate, form) -> str:

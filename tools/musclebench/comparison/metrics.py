@@ -47,15 +47,15 @@ METRICS = {metric.name: metric for metric in (
 
 
 def values_of(run: Run, measured: dict | None = None) -> dict[str, float | str]:
-    """{metric: value} of what the run tells. `measured`: what was noted beside it, such as counted instructions."""
+    """{metric: value} of what the run tells. `measured`: what was noted beside it, such as counted instructions; a run that
+    counting slowed tells nothing else."""
     measured = measured or {}
     found: dict[str, float | str | None] = {"status": run.status}
     if run.status in MEASURED:
-        found |= _answers(run) | {"structure_bytes": run.record.get("structure_bytes"),
-                                  "contacts": _sum(run.frames, "contacts")}
         found |= measured.get("counters", {})
         if not measured.get("is_slowed"):
-            found |= _times(run)
+            found |= _answers(run) | _times(run) | {"structure_bytes": run.record.get("structure_bytes"),
+                                                    "contacts": _sum(run.frames, "contacts")}
     return {name: value for name, value in found.items() if name in METRICS and value is not None and not pd.isna(value)}
 
 

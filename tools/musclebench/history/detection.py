@@ -6,6 +6,7 @@ is the case's own. Both are series of logarithms of a night's lower quartile, an
 import numpy as np
 import pandas as pd
 
+from ..comparison.comparison_report import shown
 from ..comparison.metrics import COUNTER, EXACT, METRICS, TIME
 from .change_points import ChangePoint, change_points
 from .history import Finding
@@ -16,6 +17,7 @@ FEWEST_NIGHTS = 4
 FEWEST_CASES = 4  # that tell what they share
 SAME_STEP = 2  # nights; a change point may move by so many when later nights become known
 ALL_CASES = "all cases"
+CHANGE_POINT = "change point"  # found by it, some nights later
 
 
 def step_findings(measures: pd.DataFrame) -> list[Finding]:
@@ -50,18 +52,20 @@ def counter_findings(measures: pd.DataFrame) -> list[Finding]:
         before, after = rows["value"].iloc[-2:].tolist() if len(rows) > 1 else (0, 0)
         steady = rows["variation"].iloc[-2:].fillna(0).max() < METRICS[metric].smallest / 10
         if rows["night"].iloc[-1] == last and before > 0 and steady and abs(after / before - 1) >= METRICS[metric].smallest:
-            found.append(Finding(case, metric, int(last), "counted", f"{before:.12g}", f"{after:.12g}", after / before))
+            found.append(Finding(case, metric, int(last), "counted", *(shown(value, METRICS[metric]) for value in (before, after)),
+                                 after / before))
     return found
 
 
 def new_ones(found: list[Finding], known: list[Finding], nights: list[int]) -> list[Finding]:
-    """Without those that were reported before: of the same case and metric, at most SAME_STEP nights away."""
+    """Without the change points that were reported before: of the same case and metric, at most SAME_STEP nights away. What
+    was found the same night is new."""
     order = {night: number for number, night in enumerate(nights)}
     steps: dict[tuple[str, str], list[int]] = {}
     for one in known:
         steps.setdefault((one.case, one.metric), []).append(order.get(one.changed_in, -10 * SAME_STEP))
-    return [one for one in found if all(abs(order[one.changed_in] - step) > SAME_STEP
-                                        for step in steps.get((one.case, one.metric), []))]
+    return [one for one in found if one.found_by != CHANGE_POINT or all(
+        abs(order[one.changed_in] - step) > SAME_STEP for step in steps.get((one.case, one.metric), []))]
 
 
 def shared_part(table: pd.DataFrame) -> pd.Series:
@@ -74,10 +78,11 @@ def shared_part(table: pd.DataFrame) -> pd.Series:
 def _series(measures: pd.DataFrame) -> dict[tuple[str, str], pd.Series]:
     """{(case, metric): logarithms by night}"""
     found = {}
-    numbers = measures[(measures["kind"] != EXACT) & (measures["quartile"] > 0)]
+    looked_at = list(dict.fromkeys(measures["night"]))[-WINDOW:]
+    numbers = measures[(measures["kind"] != EXACT) & (measures["quartile"] > 0) & measures["night"].isin(looked_at)]
     for metric, rows in numbers.groupby("metric", sort=False):
         table = np.log(rows.pivot(index="night", columns="case", values="quartile"))
-        table = table.loc[list(dict.fromkeys(measures["night"]))[-WINDOW:]] if len(table) else table
+        table = table.reindex([night for night in looked_at if night in table.index])
         if METRICS[metric].kind == TIME and len(table.columns) >= FEWEST_CASES:
             shared = shared_part(table)
             found[ALL_CASES, metric] = shared
@@ -89,6 +94,6 @@ def _series(measures: pd.DataFrame) -> dict[tuple[str, str], pd.Series]:
 def _finding(case: str, metric: str, series: pd.Series, point: ChangePoint, measures: pd.DataFrame) -> Finding:
     ratio, low, high = (float(np.exp(value)) for value in (point.difference, point.low, point.high))
     rows = measures[(measures["case"] == case) & (measures["metric"] == metric)].set_index("night")["value"]
-    told = ["", ""] if case == ALL_CASES else [f"{rows.loc[part].median():.6g} {METRICS[metric].unit}".strip()
+    told = ["", ""] if case == ALL_CASES else [shown(rows.loc[part].median(), METRICS[metric])
                                                for part in (series.index[:point.index], series.index[point.index:])]
-    return Finding(case, metric, int(series.index[point.index]), "change point", *told, ratio, low, high, point.chance)
+    return Finding(case, metric, int(series.index[point.index]), CHANGE_POINT, *told, ratio, low, high, point.chance)

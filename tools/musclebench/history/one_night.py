@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..cases.case import Folders
+from ..comparison.comparison_report import shown
 from ..comparison.metrics import EXACT
 from ..comparison.interleaved import PROGRAM_NAMES, InterleavedExperiment, measure, plan
 from ..comparison.result_set import ResultSet, read_set
@@ -42,7 +43,8 @@ class MeasuredNight:
         if not (self.folder / BEFORE / "raw").is_dir():
             return []
         compared = compare(read_set(self.folder / BEFORE, "the last night's program"), self.results)
-        return [Finding(row.case, row.metric.name, night, "beside the last night's program", str(row.before), str(row.after),
+        return [Finding(row.case, row.metric.name, night, "beside the last night's program", shown(row.before, row.metric),
+                        shown(row.after, row.metric),
                         *((row.ratio.value, row.ratio.low, row.ratio.high, row.chance) if row.ratio.frames else ()))
                 for row in compared.changes if row.metric.kind != EXACT]
 
