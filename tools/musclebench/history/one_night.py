@@ -91,7 +91,7 @@ def kept_program(digest: str, program: Path, out_dir: Path) -> Path | None:
 def _run_matrix(program: Path, folder: Path, seconds: float) -> list[str]:
     folder.mkdir(parents=True, exist_ok=True)
     try:
-        done = subprocess.run([str(program), "hard", "--out", str(folder), "--jobs", "1"], capture_output=True, text=True,
+        done = subprocess.run([str(program), "hard", "--out", str(folder)], capture_output=True, text=True,
                               check=False, timeout=seconds)
     except subprocess.TimeoutExpired:
         return [f"the matrix of hard cases took longer than {seconds:g} s and is left out (--hard-seconds)"]
