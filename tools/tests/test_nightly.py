@@ -160,9 +160,12 @@ def test_a_step_is_reported_once_although_its_place_moves():
     assert new_ones([again, another, the_same_night], known, list(range(1, 20))) == [another, the_same_night]
 
 
-@pytest.mark.parametrize(("last", "is_found"), [(1.02e6, True), (1.002e6, False)])
-def test_a_counter_that_does_not_vary_is_found_the_same_night(last, is_found):
-    assert bool(counter_findings(nights({"a": [1e6, 1e6, last]}, "instructions", "counter"))) is is_found
+@pytest.mark.parametrize(("last", "variation", "is_found"), [
+    (1.02e6, 0.0, True), (1.02e6, np.nan, True), (1.002e6, 0.0, False), (1.02e6, 0.01, False),
+])
+def test_a_counter_that_does_not_vary_is_found_the_same_night(last, variation, is_found):
+    table = nights({"a": [1e6, 1e6, last]}, "instructions", "counter").assign(variation=variation)
+    assert bool(counter_findings(table)) is is_found
 
 
 def test_recorded_noise_alarms_in_no_month_and_a_slowdown_is_found_in_three_nights():

@@ -3,6 +3,8 @@
 A time has two parts: what all cases share in a night, which is the machine's or that of code that all of them run, and what
 is the case's own. Both are series of logarithms of a night's lower quartile, and each is searched for change points."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import pandas as pd
 
@@ -34,27 +36,31 @@ def step_findings(measures: pd.DataFrame) -> list[Finding]:
 
 def answer_findings(measures: pd.DataFrame) -> list[Finding]:
     """Answers of the last night that are not those of the night before that had them."""
-    if measures.empty:
-        return []
-    last, found = measures["night"].iloc[-1], []
-    for (case, metric), rows in measures[measures["kind"] == EXACT].groupby(["case", "metric"], sort=False):
-        if len(rows) > 1 and rows["night"].iloc[-1] == last and rows["text"].iloc[-2] != rows["text"].iloc[-1]:
-            found.append(Finding(case, metric, int(last), "not the same", rows["text"].iloc[-2], rows["text"].iloc[-1]))
-    return found
+    return [Finding(case, metric, night, "not the same", before["text"], after["text"])
+            for case, metric, night, before, after in _last_two(measures, EXACT) if before["text"] != after["text"]]
 
 
 def counter_findings(measures: pd.DataFrame) -> list[Finding]:
     """Counters that did not vary in the night before nor in the last, but from one to the other: found the same night."""
-    if measures.empty:
-        return []
-    last, found = measures["night"].iloc[-1], []
-    for (case, metric), rows in measures[measures["kind"] == COUNTER].groupby(["case", "metric"], sort=False):
-        before, after = rows["value"].iloc[-2:].tolist() if len(rows) > 1 else (0, 0)
-        steady = rows["variation"].iloc[-2:].fillna(0).max() < METRICS[metric].smallest / 10
-        if rows["night"].iloc[-1] == last and before > 0 and steady and abs(after / before - 1) >= METRICS[metric].smallest:
-            found.append(Finding(case, metric, int(last), "counted", *(shown(value, METRICS[metric]) for value in (before, after)),
-                                 after / before))
+    found = []
+    for case, metric, night, before, after in _last_two(measures, COUNTER):
+        smallest = METRICS[metric].smallest
+        varied = any(row["variation"] > smallest / 10 for row in (before, after))  # false where one run tells none
+        if not varied and before["value"] > 0 and abs(after["value"] / before["value"] - 1) >= smallest:
+            told = (shown(row["value"], METRICS[metric]) for row in (before, after))
+            found.append(Finding(case, metric, night, "counted", *told, after["value"] / before["value"]))
     return found
+
+
+def _last_two(measures: pd.DataFrame, kind: str) -> Iterator[tuple[str, str, int, dict, dict]]:
+    """(case, metric, last night, row before, row of it) of what the last night has and an earlier one had."""
+    if measures.empty:
+        return
+    last = measures["night"].iloc[-1]
+    for (case, metric), rows in measures[measures["kind"] == kind].groupby(["case", "metric"], sort=False):
+        if len(rows) > 1 and rows["night"].iloc[-1] == last:
+            before, after = rows.iloc[-2:].to_dict("records")
+            yield case, metric, int(last), before, after
 
 
 def new_ones(found: list[Finding], known: list[Finding], nights: list[int]) -> list[Finding]:

@@ -110,8 +110,9 @@ class History:
         rows = self._connection.execute(
             "SELECT night, case_name, metric, kind, unit, value, text, low, high, quartile, measure.runs, variation FROM measure "
             "JOIN night ON night.id = measure.night WHERE machine = ? ORDER BY started, case_name, metric", (machine,))
-        return pd.DataFrame(rows.fetchall(), columns=["night", "case", "metric", "kind", "unit", "value", "text", "low", "high",
-                                                      "quartile", "runs", "variation"])
+        table = pd.DataFrame(rows.fetchall(), columns=["night", "case", "metric", "kind", "unit", "value", "text", "low", "high",
+                                                       "quartile", "runs", "variation"])
+        return table.astype(dict.fromkeys(("value", "low", "high", "quartile", "variation"), float))  # unknown is NaN
 
     def findings(self) -> list[Finding]:
         rows = self._connection.execute("SELECT case_name, metric, changed_in, found_by, before, after, ratio, low, high, "
