@@ -48,8 +48,10 @@ def parse_arguments(arguments):
                         help="one that 'musclebench list' names, or a .toml file, in place of those two; may be repeated")
     parser.add_argument("--backend", action="append", metavar="NAME", help="may be repeated (default: all)")
     parser.add_argument("--timeout", type=float, default=120.0, metavar="SECONDS", help="of one process (default 120 s)")
+    parser.add_argument("--minutes", type=float, default=15.0, metavar="N",
+                        help="for the night: after that no repetition beyond the fifth begins (default 15 min)")
     parser.add_argument("--hard-seconds", type=float, default=300.0, metavar="SECONDS",
-                        help="for the matrix of hard cases, which is left out when it takes longer (default 300 s)")
+                        help="of them for the matrix of hard cases, which is left out when it takes longer (default 300 s)")
     parser.add_argument("--no-hard", action="store_true", help="without that matrix")
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument("--append", type=Path, metavar="NIGHT", help="add a night's folder that could not be added; run nothing")
@@ -73,7 +75,7 @@ def measured(options, history_file: Path) -> MeasuredNight:
     if not wanted:
         raise Problem(f"{options.musclebench}: has none of the scenes that are measured by night")
     return measure_night(folder, started, options.musclebench, kept, wanted, options.timeout,
-                         0 if options.no_hard else options.hard_seconds)
+                         60 * options.minutes, 0 if options.no_hard else options.hard_seconds)
 
 
 def append(night: MeasuredNight, history_file: Path) -> tuple[list[Night], list[Finding], list[Finding]]:
@@ -114,7 +116,7 @@ def write_files(options, nights: list[Night], history_file: Path, report: str) -
 
 
 def run_night(options) -> int:
-    for name in ("repetitions", "timeout", "hard_seconds", "simulate"):
+    for name in ("repetitions", "timeout", "minutes", "hard_seconds", "simulate"):
         check_positive(f"--{name.replace('_', '-')}", getattr(options, name))
     if options.simulate:
         return print_rates(options.simulate)

@@ -82,6 +82,13 @@ def test_answers_and_cells_that_change_are_found_the_same_night(tmp_path, capsys
     }
 
 
+def test_when_time_is_up_five_repetitions_are_whole_and_the_rest_is_left_out(tmp_path, capsys):
+    assert run(tmp_path, program(tmp_path, "a"), "--backend", "tree", "--minutes", "1e-6", "--no-hard") == 0
+    assert "5 of 8 repetitions: time was up" in capsys.readouterr().out
+    runs = {path.name for path in (tmp_path / "out").glob("nights/*/after/raw/*")}
+    assert runs == {"resting_contact-tree-judged", *(f"resting_contact-tree-r{number}" for number in range(5))}
+
+
 def test_a_night_whose_history_was_locked_is_added_later(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("musclebench.history.history.WAIT_SECONDS", 0.1)
     one = program(tmp_path, "a")

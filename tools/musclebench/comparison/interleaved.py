@@ -3,7 +3,9 @@ machine in the same state."""
 
 import hashlib
 import json
+import math
 import random
+import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -20,6 +22,8 @@ from .usual_cases import What
 
 TIMED, JUDGED, COUNTED = "timed", "judged", "counted"
 PROGRAM_NAMES = ("before", "after")
+FEWEST_REPETITIONS = 5
+LEFT_OUT = "complete"  # as the pool calls what is not wanted
 
 
 @dataclass(frozen=True)
@@ -73,28 +77,42 @@ class Plan:
 
 
 def plan(wanted: list[What], programs: tuple[str, ...], seed: int = 1) -> Plan:
-    """Repetition by repetition; within one the cases in random order, and the programs of a case next to each other."""
-    order, cases = random.Random(seed), []
-    why_not = why_not_by_callgrind()
+    """What is run once first; then repetition by repetition, within one the cases in random order, and the programs of a
+    case next to each other."""
+    order, why_not = random.Random(seed), why_not_by_callgrind()
+    cases = [InterleavedCase(what, program, purpose) for purpose in (JUDGED, COUNTED) for what in wanted for program in programs
+             if (what.is_judged if purpose == JUDGED else what.counted_frames and not why_not)]
     for repetition in range(max(what.repetitions for what in wanted)):
         due = [what for what in wanted if repetition < what.repetitions]
         order.shuffle(due)
         for what in due:
             cases += [InterleavedCase(what, program, TIMED, repetition) for program in order.sample(programs, len(programs))]
-    for purpose, is_wanted in ((JUDGED, lambda what: what.is_judged), (COUNTED, lambda what: what.counted_frames and not why_not)):
-        cases += [InterleavedCase(what, program, purpose) for what in wanted if is_wanted(what) for program in programs]
     return Plan(cases, [f"instructions are not counted: {why_not}"] if why_not else [])
 
 
 class InterleavedExperiment(Experiment):
-    """Of programs by name."""
+    """Of programs by name. `seconds`: after them no repetition begins beyond the fewest that can be judged."""
 
-    def __init__(self, programs: dict[str, Path], folders: Folders, invocation: str):
+    def __init__(self, programs: dict[str, Path], folders: Folders, invocation: str, seconds: float = math.inf):
         super().__init__(next(iter(programs.values())), folders)
         self._programs = {name: path.resolve() for name, path in programs.items()}
         self._digests = {name: fingerprint.file_digest(path) for name, path in self._programs.items()}
         self._invocation = invocation
         self._counter: ChildCounter | None = None
+        self._end, self._begun = time.monotonic() + seconds, set(range(FEWEST_REPETITIONS))
+
+    def wants(self, case: InterleavedCase) -> bool:
+        """Asked when its turn comes. A repetition that has begun is ended, so that programs have equally many."""
+        if case.purpose == TIMED and case.repetition not in self._begun:
+            if time.monotonic() > self._end:
+                return False
+            self._begun.add(case.repetition)
+        return super().wants(case)
+
+    @property
+    def repetitions(self) -> int:
+        """That were begun, of a plan with at least the fewest."""
+        return len(self._begun)
 
     def command(self, case: InterleavedCase, folder: Path) -> list[str]:
         prefix = callgrind_prefix(folder.parent) if case.purpose == COUNTED else []
@@ -131,7 +149,7 @@ def measure(cases: list[InterleavedCase], experiment: InterleavedExperiment, tim
     """Runs what is not complete yet, one case at a time; a line for each that failed."""
     names = sorted({case.program for case in cases})
     with claimed(experiment.folders.out_dir, *(f"{name}/raw" for name in names)):
-        todo = [case for case in cases if experiment.wants(case)]
+        todo = [case for case in cases if not experiment.is_complete(case)]
         statuses = run_cases(todo, experiment, Limits([last_core()], timeout))
     return [problem_of(case, status, experiment) for case, status in statuses.items()
-            if status not in experiment.final_statuses]
+            if status not in experiment.final_statuses and status != LEFT_OUT]

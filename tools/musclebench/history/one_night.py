@@ -50,13 +50,17 @@ class MeasuredNight:
 
 
 def measure_night(folder: Path, started: str, program: Path, kept: Path | None, wanted: list[What], timeout: float,
-                  hard_seconds: float) -> MeasuredNight:
-    """`kept`: the last night's program; None: it is the same, or not there. `hard_seconds`: for the matrix; 0: without."""
+                  seconds: float, hard_seconds: float) -> MeasuredNight:
+    """`kept`: the last night's program; None: it is the same, or not there. `seconds`: for all, of which `hard_seconds` are
+    for the matrix; 0: without."""
     night = MeasuredNight(folder, started)
     programs = {BEFORE: kept, AFTER: program} if kept else {AFTER: program}
     planned = plan(wanted, tuple(programs))
-    experiment = InterleavedExperiment(programs, Folders(folder.absolute()), uuid.uuid4().hex)
+    experiment = InterleavedExperiment(programs, Folders(folder.absolute()), uuid.uuid4().hex, seconds - hard_seconds)
     night.notes = planned.notes + measure(planned.cases, experiment, timeout)
+    asked = max(what.repetitions for what in wanted)
+    if experiment.repetitions < asked:
+        night.notes.append(f"{experiment.repetitions} of {asked} repetitions: time was up (--minutes)")
     if hard_seconds:
         night.notes += _run_matrix(program, night.matrix.parent, hard_seconds)
     write_whole(folder / NIGHT_FILE, json.dumps({"started": started, "notes": night.notes}) + "\n")
