@@ -5,6 +5,7 @@ times, answers and misbehaviour: # {"slower": {backend: factor}, "hash": {backen
 import json
 import random
 import sys
+import time
 from pathlib import Path
 
 COLUMNS = "frame,angle_deg,warm_up,update_ns,detect_ns,respond_ns,frame_ns,contacts,nodes_inside,max_depth_m,mean_depth_m," \
@@ -46,6 +47,7 @@ def main() -> int:
     if sys.argv[1] == "list":
         print(json.dumps(listed()))
     elif sys.argv[1] == "hard":
+        time.sleep(told.get("hard_seconds", 0))
         folder = Path(sys.argv[sys.argv.index("--out") + 1])
         folder.mkdir(parents=True, exist_ok=True)
         rows = [f"thin-plate,{name},{told.get('cells', {}).get(name, 'holds')},missed,0,0,,,1," for name in BACKENDS]

@@ -89,6 +89,12 @@ def test_when_time_is_up_five_repetitions_are_whole_and_the_rest_is_left_out(tmp
     assert runs == {"resting_contact-tree-judged", *(f"resting_contact-tree-r{number}" for number in range(5))}
 
 
+def test_a_matrix_that_takes_too_long_is_left_out(tmp_path, capsys):
+    assert run(tmp_path, program(tmp_path, "a", hard_seconds=60), "--backend", "tree", "--repetitions", "1",
+               "--hard-seconds", "0.1") == 0
+    assert "the matrix of hard cases took longer than 0.1 s" in capsys.readouterr().out
+
+
 def test_a_night_whose_history_was_locked_is_added_later(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("musclebench.history.history.WAIT_SECONDS", 0.1)
     one = program(tmp_path, "a")

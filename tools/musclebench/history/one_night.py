@@ -15,6 +15,7 @@ from ..comparison.interleaved import PROGRAM_NAMES, InterleavedExperiment, measu
 from ..comparison.result_set import ResultSet, read_set
 from ..comparison.usual_cases import What
 from ..comparison.verdicts import compare
+from ..program import children
 from ..program.fingerprint import file_digest, write_whole
 from .history import Finding
 
@@ -94,11 +95,13 @@ def kept_program(digest: str, program: Path, out_dir: Path) -> Path | None:
 
 def _run_matrix(program: Path, folder: Path, seconds: float) -> list[str]:
     folder.mkdir(parents=True, exist_ok=True)
-    try:
-        done = subprocess.run([str(program), "hard", "--out", str(folder)], capture_output=True, text=True,
-                              check=False, timeout=seconds)
-    except subprocess.TimeoutExpired:
-        return [f"the matrix of hard cases took longer than {seconds:g} s and is left out (--hard-seconds)"]
-    if done.returncode not in (0, 1):  # held, broken
-        return [f"the matrix of hard cases is left out: {(done.stderr.strip().splitlines() or ['no message'])[-1]}"]
+    # Ended politely, it ends the processes of its cells.
+    with children.started([str(program), "hard", "--out", str(folder)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                 text=True) as process:
+        try:
+            _, told = process.communicate(timeout=seconds)
+        except subprocess.TimeoutExpired:
+            return [f"the matrix of hard cases took longer than {seconds:g} s and is left out (--hard-seconds)"]
+    if process.returncode not in (0, 1):  # held, broken
+        return [f"the matrix of hard cases is left out: {(told.strip().splitlines() or ['no message'])[-1]}"]
     return []
