@@ -17,16 +17,18 @@ from musclebench.cases.study_command import PROJECT
 from musclebench.comparison.comparison_report import report
 from musclebench.comparison.interleaved import PROGRAM_NAMES, InterleavedExperiment, measure, plan
 from musclebench.comparison.instructions import why_not_by_cpu
+from musclebench.comparison.release_build import check_release
 from musclebench.comparison.result_set import ResultSet, read_set
 from musclebench.comparison.revisions import commit_of, program_of
 from musclebench.comparison.usual_cases import chosen_cases
 from musclebench.comparison.verdicts import compare
 from musclebench.program.cli import OneLineParser, Problem, check_positive, check_program, run_command
-from musclebench.program.fingerprint import write_whole
+from musclebench.program.fingerprint import file_digest, write_whole
 from musclebench.program.registry import read_registry
 from musclebench.results.run_folder import ResultProblem
 
 REPETITIONS = 10
+DIGEST_LETTERS = 12
 
 
 def parse_arguments(arguments):
@@ -84,8 +86,14 @@ def run_both(options) -> tuple[ResultSet, ResultSet, list[str]]:
         check_program(programs[name], "tools/build")
     registry = read_registry(programs[PROGRAM_NAMES[0]])
     cases = chosen_cases(registry, options.repetitions, options.scene, options.backend, options.frames)
+    if not cases:
+        raise Problem(f"{programs[PROGRAM_NAMES[0]]}: has none of the scenes that are compared; name one with --scene")
+    if not options.accuracy_only:
+        for program in programs.values():
+            check_release(program, cases[0])
     planned = plan(cases, PROGRAM_NAMES)
-    folders = Folders(options.out.absolute() / "runs" / "-".join(Path(given).name for given in (options.before, options.after)))
+    digests = [file_digest(program)[:DIGEST_LETTERS] for program in programs.values()]
+    folders = Folders(options.out.absolute() / "runs" / "-".join(digests))  # results of other programs stay apart
     experiment = InterleavedExperiment(programs, folders, _invocation(folders.out_dir))
     problems = measure(planned.cases, experiment, options.timeout)
     why_not = why_not_by_cpu()

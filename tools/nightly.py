@@ -17,6 +17,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from musclebench.cases.study_command import PROJECT
+from musclebench.comparison.release_build import check_release
 from musclebench.comparison.usual_cases import chosen_cases
 from musclebench.history import simulation
 from musclebench.history.detection import answer_findings, counter_findings, new_ones, step_findings
@@ -74,6 +75,7 @@ def measured(options, history_file: Path) -> MeasuredNight:
     wanted = chosen_cases(registry, options.repetitions, options.scene, options.backend)
     if not wanted:
         raise Problem(f"{options.musclebench}: has none of the scenes that are measured by night")
+    check_release(options.musclebench, wanted[0])
     return measure_night(folder, started, options.musclebench, kept, wanted, options.timeout,
                          60 * options.minutes, 0 if options.no_hard else options.hard_seconds)
 

@@ -134,6 +134,7 @@ def test_what_is_no_history_is_told_before_anything_is_measured(prepare, words, 
 def test_a_build_without_optimisation_and_a_folder_without_a_night_are_refused(tmp_path, capsys):
     assert run(tmp_path, program(tmp_path, "a", type="Debug"), "--repetitions", "1", "--no-hard") == 2
     assert "times of a build of type Debug say nothing" in capsys.readouterr().err
+    assert not list((tmp_path / "out").glob("nights/*/*"))  # before anything was measured
     assert nightly.main(["--out", str(tmp_path / "out"), "--append", str(tmp_path)]) == 2
     assert "no measured night" in capsys.readouterr().err
 
