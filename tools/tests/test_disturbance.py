@@ -12,6 +12,7 @@ from fake_study import REPLAYED, SCENES, replays_of
 from musclebench.accuracy import report
 from musclebench.figures import paper_figures
 from musclebench.paper import published
+from musclebench.program import machine_state
 from musclebench.program.machine_state import last_core, reading, told_between
 from musclebench.results import disturbance, run_folder
 from musclebench.tables import paper_tables
@@ -25,6 +26,20 @@ def state(**changes) -> dict:
     return QUIET | {"machine_state": QUIET["machine_state"] | changes}
 
 
+def test_what_a_time_depends_on_is_read_where_the_system_tells(tmp_path, monkeypatch):
+    monkeypatch.setattr(machine_state, "CPU_FOLDER", tmp_path)
+    unknown = machine_state.settings_of(1)
+    assert (unknown["core"], unknown["turbo"], unknown["smt"], unknown["governor"]) == (1, None, None, None)
+    for name, text in (("smt/active", "1"), ("intel_pstate/no_turbo", "1"), ("cpu1/cpufreq/scaling_governor", "powersave")):
+        (tmp_path / name).parent.mkdir(parents=True)
+        (tmp_path / name).write_text(f"{text}\n")
+    told = machine_state.settings_of(1)
+    assert (told["turbo"], told["smt"], told["governor"]) == (False, True, "powersave")
+    (tmp_path / "cpufreq").mkdir()
+    (tmp_path / "cpufreq/boost").write_text("1\n")
+    assert machine_state.settings_of(1)["turbo"] is True
+
+
 def note_state(folder, **changes) -> None:
     record = json.loads((folder / "run.json").read_text())
     told = state(**changes)
@@ -34,6 +49,8 @@ def note_state(folder, **changes) -> None:
 @pytest.mark.parametrize("record, words", [
     (QUIET, ""), ({}, ""), ({"machine_state": None}, ""),
     (state(involuntary_context_switches=3000), "interrupted 300 times a second"),
+    (state(involuntary_context_switches=4) | {"wall_ns": 1e7}, ""),
+    (state(involuntary_context_switches=5) | {"wall_ns": 1e7}, "interrupted 500 times a second"),
     (state(load_average_1m={"before": 0.5, "after": 4.0}), "load 4.0 on 2 cores"),
     (state(cpu_mhz={"before": 1200.0, "after": None}), "clock 1200 MHz, usually 2500"),
 ])

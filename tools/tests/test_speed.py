@@ -19,7 +19,8 @@ import speed
 from musclebench.cases.case import Folders
 from musclebench.program.machine_state import Reading
 from musclebench.results.run_folder import read_runs
-from musclebench.speed import samples, speed_experiment, targets
+from musclebench.results import samples
+from musclebench.speed import speed_experiment, targets
 from musclebench.speed.kernel_results import read_kernels
 from musclebench.speed.speed_cases import MICRO_PROGRAM, KernelCase, RaceCase
 from musclebench.speed import speed_plan

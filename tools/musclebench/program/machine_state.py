@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 CPU_INFO, LOAD, MEMORY_EVENTS = Path("/proc/cpuinfo"), Path("/proc/loadavg"), Path("/proc/vmstat")
+CPU_FOLDER = Path("/sys/devices/system/cpu")
 MHZ_OF_CORE = re.compile(r"^processor\s*:\s*(\d+)$.*?^cpu MHz\s*:\s*([\d.]+)", re.MULTILINE | re.DOTALL)
 
 
@@ -38,7 +39,7 @@ def oom_kills() -> int:
 def reading(core: int) -> Reading:
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     clocks = {int(number): float(mhz) for number, mhz in MHZ_OF_CORE.findall(_text(CPU_INFO))}
-    governor = _text(Path(f"/sys/devices/system/cpu/cpu{core}/cpufreq/scaling_governor")).strip()
+    governor = _text(CPU_FOLDER / f"cpu{core}/cpufreq/scaling_governor").strip()
     load = _text(LOAD).split()
     return Reading(time.monotonic_ns(), usage.ru_nivcsw, usage.ru_nvcsw, float(load[0]) if load else None,
                    clocks.get(core), governor or None)
@@ -59,3 +60,14 @@ def _text(path: Path) -> str:
         return path.read_text()
     except OSError:
         return ""
+
+
+def settings_of(core: int) -> dict:
+    """What a time on this core depends on beside the program: set by who runs the machine. None: the system does not tell,
+    as virtual machines do not."""
+    boost, no_turbo = _text(CPU_FOLDER / "cpufreq/boost").strip(), _text(CPU_FOLDER / "intel_pstate/no_turbo").strip()
+    threads = _text(CPU_FOLDER / "smt/active").strip()
+    governor = _text(CPU_FOLDER / f"cpu{core}/cpufreq/scaling_governor").strip()
+    return {"core": core, "nice": os.nice(0), "governor": governor or None,
+            "turbo": boost == "1" if boost else no_turbo == "0" if no_turbo else None,
+            "smt": threads == "1" if threads else None}

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import pandas as pd
 
 BUSY_SWITCHES_A_SECOND = 20.0  # involuntary; a machine that is quiet has a few
+FEWEST_SWITCHES = 5  # of a run of milliseconds a single one is many a second
 SLOWEST_CLOCK_SHARE = 0.8  # of the median of the runs that are compared
 NEIGHBOUR_FRAMES = 15
 SLICE_MS = 1.0  # a slice of the scheduler is some milliseconds; what the method itself needs varies by less
@@ -20,7 +21,7 @@ def disturbance(record: dict, usual_mhz: float | None = None) -> str:
     seconds = (record.get("wall_ns") or 0) / 1e9
     cores = (record.get("machine") or {}).get("cores")
     words = []
-    if switches is not None and seconds > 0 and switches / seconds > BUSY_SWITCHES_A_SECOND:
+    if switches is not None and switches >= FEWEST_SWITCHES and 0 < seconds < switches / BUSY_SWITCHES_A_SECOND:
         words.append(f"interrupted {switches / seconds:.0f} times a second")
     if load is not None and cores and load > cores + 0.5:
         words.append(f"load {load:.1f} on {cores} cores")

@@ -8,10 +8,10 @@ import pandas as pd
 
 from ..accuracy.configurations import configuration
 from ..program.registry import Registry
+from ..results import samples
 from ..results.disturbance import MARK
 from ..results.run_folder import Run
 from ..results.statistics import Estimate, paired_ratio
-from . import samples
 from .kernel_results import Kernels
 from .speed_plan import KERNEL_GROUPS, Setting, settings, targets
 from ..results.status import MEASURED

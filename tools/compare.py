@@ -1,0 +1,142 @@
+#!/usr/bin/python3
+"""What changed from BEFORE to AFTER: two folders of results, or two git revisions, which are then built in scratch folders
+and run with their repetitions interleaved on one core.
+
+Of each case times (5 % count) and counters (1 %) are compared by their ratio with its 95 % interval and by Mann and
+Whitney's U, at a level of 1 % for all of them together; state hash, 99th percentile of the depth, missed contacts and
+verdicts have to be the same. Prints Markdown. Exit code 0: no change, 1: something changed, 2: it can't be compared.
+"""
+
+import argparse
+import sys
+import uuid
+from pathlib import Path
+
+from musclebench.cases.case import Folders
+from musclebench.cases.study_command import PROJECT
+from musclebench.comparison.comparison_report import report
+from musclebench.comparison.interleaved import PROGRAM_NAMES, InterleavedExperiment, measure, plan
+from musclebench.comparison.instructions import why_not_by_cpu
+from musclebench.comparison.release_build import check_release
+from musclebench.comparison.result_set import ResultSet, read_set
+from musclebench.comparison.revisions import commit_of, program_of
+from musclebench.comparison.usual_cases import chosen_cases
+from musclebench.comparison.verdicts import compare
+from musclebench.program.cli import OneLineParser, Problem, check_positive, check_program, run_command
+from musclebench.program.fingerprint import file_digest, write_whole
+from musclebench.program.registry import read_registry
+from musclebench.results.run_folder import ResultProblem
+
+REPETITIONS = 10
+DIGEST_LETTERS = 12
+
+
+def parse_arguments(arguments):
+    parser = OneLineParser(prog="tools/compare", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("before", metavar="BEFORE", help="a folder of results, a git revision, or a program")
+    parser.add_argument("after", metavar="AFTER", help="the same")
+    parser.add_argument("--accuracy-only", action="store_true", help="compare no times: then builds need not be Release")
+    parser.add_argument("--force", action="store_true", help="compare results of different hardware all the same")
+    parser.add_argument("--out", type=Path, metavar="DIR", default=PROJECT / "reports" / "out" / "compare",
+                        help="compare.md, and of revisions their builds and runs (default: reports/out/compare)")
+    runs = parser.add_argument_group("of revisions and programs")
+    runs.add_argument("--repetitions", type=int, default=REPETITIONS, metavar="N",
+                      help=f"processes a case and program; below 5 times are not judged (default {REPETITIONS})")
+    runs.add_argument("--scene", action="append", metavar="SCENE",
+                      help="one that 'musclebench list' names, or a .toml file; may be repeated (default: a small scene and "
+                           "a muscle of the synthetic hip)")
+    runs.add_argument("--backend", action="append", metavar="NAME", help="may be repeated (default: all)")
+    runs.add_argument("--frames", type=int, metavar="N", help="of each run (default: 12 to 60)")
+    runs.add_argument("--timeout", type=float, default=300.0, metavar="SECONDS", help="of one process (default 300 s)")
+    return parser.parse_args(arguments)
+
+
+def check_comparable(before: ResultSet, after: ResultSet, with_times: bool, force: bool) -> None:
+    """Times of other hardware or of a build without optimisation say nothing."""
+    schemas = [one.told("schema_version") for one in (before, after)]
+    if all(schemas) and schemas[0] != schemas[1]:
+        raise Problem(f"{before.name} has results of schema {_list(schemas[0])}, {after.name} of {_list(schemas[1])}; run "
+                      "one of them again with the other's version")
+    if not with_times:
+        return
+    for one in (before, after):
+        others = [kind for kind in one.told("build", "type") if kind != "Release"]
+        if others:
+            raise Problem(f"{one.name}: times of a build of type {others[0] or 'none'} say nothing; build Release, or take "
+                          "--accuracy-only")
+    for key, what in (("cpu", "CPU"), ("cores", "number of cores")):
+        told = [one.told("machine", key) for one in (before, after)]
+        if not force and all(told) and (told[0] != told[1] or len(told[0]) > 1):
+            raise Problem(f"{before.name} and {after.name} were measured on different hardware ({what} {_list(told[0])}, "
+                          f"{_list(told[1])}); measure on one machine, or take --force")
+
+
+def _list(values: list) -> str:
+    return " and ".join(map(str, values)) or "unknown"
+
+
+def run_both(options) -> tuple[ResultSet, ResultSet, list[str]]:
+    """Builds what is a revision; runs both, interleaved."""
+    programs = {}
+    for name, given in zip(PROGRAM_NAMES, (options.before, options.after)):
+        commit = None if Path(given).is_file() else commit_of(given, PROJECT)
+        if commit is None and not Path(given).is_file():
+            raise Problem(f"{given}: neither a folder of results nor a revision of {PROJECT} nor a program")
+        programs[name] = program_of(commit, PROJECT, options.out.absolute() / "builds") if commit else Path(given)
+        check_program(programs[name], "tools/build")
+    registry = read_registry(programs[PROGRAM_NAMES[0]])
+    cases = chosen_cases(registry, options.repetitions, options.scene, options.backend, options.frames)
+    if not cases:
+        raise Problem(f"{programs[PROGRAM_NAMES[0]]}: has none of the scenes that are compared; name one with --scene")
+    if not options.accuracy_only:
+        for program in programs.values():
+            check_release(program, cases[0])
+    planned = plan(cases, PROGRAM_NAMES)
+    digests = [file_digest(program)[:DIGEST_LETTERS] for program in programs.values()]
+    folders = Folders(options.out.absolute() / "runs" / "-".join(digests))  # results of other programs stay apart
+    experiment = InterleavedExperiment(programs, folders, _invocation(folders.out_dir))
+    problems = measure(planned.cases, experiment, options.timeout)
+    why_not = why_not_by_cpu()
+    notes = planned.notes + problems + ([f"The CPU's counter of instructions can't be read: {why_not}."] if why_not else [])
+    sets = [read_set(folders.out_dir / name, given) for name, given in zip(PROGRAM_NAMES, (options.before, options.after))]
+    return *sets, notes
+
+
+def _invocation(out_dir: Path) -> str:
+    """One that was stopped goes on as the same."""
+    path = out_dir / "invocation"
+    if not path.is_file():
+        out_dir.mkdir(parents=True, exist_ok=True)
+        write_whole(path, uuid.uuid4().hex)
+    return path.read_text()
+
+
+def compare_and_report(options) -> int:
+    check_positive("--repetitions", options.repetitions)
+    check_positive("--frames", options.frames)
+    check_positive("--timeout", options.timeout)
+    given = [Path(options.before), Path(options.after)]
+    if all(path.is_dir() for path in given):
+        before, after = (read_set(path) for path in given)
+        notes: list[str] = []
+    elif any(path.is_dir() for path in given):
+        raise Problem(f"{options.before} and {options.after}: one is a folder of results, the other is not; name two of a kind")
+    else:
+        before, after, notes = run_both(options)
+    check_comparable(before, after, not options.accuracy_only, options.force)
+    found = compare(before, after, not options.accuracy_only)
+    text = report(found, notes)
+    options.out.mkdir(parents=True, exist_ok=True)
+    write_whole(options.out / "compare.md", text)
+    print(text)
+    print(f"Written: {options.out / 'compare.md'}", file=sys.stderr)
+    return 1 if found.changes else 0
+
+
+def main(arguments=None) -> int:
+    return run_command("compare", lambda: compare_and_report(parse_arguments(arguments)),
+                       "complete runs are kept; the same command goes on", ResultProblem)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

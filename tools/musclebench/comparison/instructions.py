@@ -1,0 +1,84 @@
+"""Instructions, which noise does not touch: by the CPU's own counter where the system allows it (perf_event_open(2)), else
+by callgrind, under which a program is some fifty times slower."""
+
+import ctypes
+import os
+import platform
+import re
+import shutil
+import struct
+from pathlib import Path
+
+SYSCALL = {"x86_64": 298, "aarch64": 241}
+HARDWARE, INSTRUCTIONS = 0, 1  # perf_event_attr: type and config
+SOFTWARE, TASK_CLOCK = 1, 1
+ATTRIBUTE_BYTES = 112  # of version 5 of the structure; older kernels take it where the rest is zero
+DISABLED, INHERIT, NO_KERNEL, NO_HYPERVISOR, ENABLE_ON_EXEC = 1 << 0, 1 << 1, 1 << 5, 1 << 6, 1 << 12
+# The loop only: reading, building and writing take some per cent more or less from run to run.
+COUNTED = "musclebench::Simulation::step_frame(*"
+CALLGRIND_FILE = "callgrind.out"
+TOTALS = re.compile(r"^(?:totals|summary): (\d+)", re.MULTILINE)
+
+
+class NotCounted(Exception):
+    """Why the system does not count, in one line."""
+
+
+class ChildCounter:
+    """What the children that are started from now on count, once they have ended. Not of this process."""
+
+    def __init__(self, kind: int = HARDWARE, event: int = INSTRUCTIONS):
+        number = SYSCALL.get(platform.machine())
+        if number is None:
+            raise NotCounted(f"perf_event_open is not known here on {platform.machine()}")
+        attribute = bytearray(ATTRIBUTE_BYTES)
+        struct.pack_into("IIQQQQQ", attribute, 0, kind, ATTRIBUTE_BYTES, event, 0, 0, 0,
+                         DISABLED | INHERIT | NO_KERNEL | NO_HYPERVISOR | ENABLE_ON_EXEC)
+        library = ctypes.CDLL(None, use_errno=True)
+        self._file = library.syscall(number, ctypes.c_char_p(bytes(attribute)), 0, -1, -1, ctypes.c_ulong(8))  # close on exec
+        if self._file < 0:
+            raise NotCounted(f"perf_event_open: {os.strerror(ctypes.get_errno())}{_advice()}")
+
+    def read(self) -> int:
+        """Ends the count."""
+        value, = struct.unpack("q", os.read(self._file, 8))
+        os.close(self._file)
+        return value
+
+
+def why_not_by_cpu() -> str:
+    """Empty where the CPU's counter can be read."""
+    try:
+        ChildCounter().read()
+    except NotCounted as problem:
+        return str(problem)
+    return ""
+
+
+def why_not_by_callgrind() -> str:
+    return "" if shutil.which("valgrind") else "valgrind is missing; tools/setup --all installs it"
+
+
+def callgrind_prefix(folder: Path) -> list[str]:
+    """In front of a command; the counts go into the folder."""
+    return ["valgrind", "--tool=callgrind", f"--callgrind-out-file={folder / CALLGRIND_FILE}", "--collect-atstart=no",
+            f"--toggle-collect={COUNTED}"]
+
+
+def read_callgrind(folder: Path) -> int | None:
+    """None where nothing was counted: a program without the function, or without its name."""
+    try:
+        found = TOTALS.search((folder / CALLGRIND_FILE).read_text(errors="replace"))
+    except OSError:
+        return None
+    return int(found.group(1)) or None if found else None
+
+
+def _advice() -> str:
+    try:
+        level = int(Path("/proc/sys/kernel/perf_event_paranoid").read_text())
+    except (OSError, ValueError):
+        return ""
+    if level > 2 and os.geteuid() != 0:
+        return f" (kernel.perf_event_paranoid is {level}; 2 allows it)"
+    return "; a virtual machine often has no counter" if not list(Path("/sys/bus/event_source/devices").glob("cpu*")) else ""

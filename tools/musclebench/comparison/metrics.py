@@ -1,0 +1,90 @@
+"""What is compared of a run: times, counters, and answers that have to be the same."""
+
+from dataclasses import dataclass
+
+import pandas as pd
+
+from ..results.run_folder import Run
+from ..results.status import MEASURED
+
+TIME, COUNTER, EXACT = "time", "counter", "exact"
+SMALLEST = {TIME: 0.05, COUNTER: 0.01, EXACT: 0.0}  # relative change that counts
+SHORTEST_NS = 2000.0  # a shorter time is that of reading the clock
+FEWEST_FRAMES = 5
+WAITED = "involuntary_switches"  # column: times that the scheduler took the core away while the frame was timed
+
+
+@dataclass(frozen=True)
+class Metric:
+    name: str
+    kind: str
+    unit: str = ""
+    what: str = ""
+
+    @property
+    def smallest(self) -> float:
+        return SMALLEST[self.kind]
+
+
+METRICS = {metric.name: metric for metric in (
+    Metric("collision_ns", TIME, "ns", "collision of a frame, median over the frames that nothing interrupted"),
+    Metric("frame_ns", TIME, "ns", "a frame of the loop, median over the frames that nothing interrupted"),
+    Metric("cpu_ns", TIME, "ns", "CPU time of a frame, mean over all frames: waiting does not count"),
+    Metric("build_ns", TIME, "ns", "building the structures"),
+    Metric("instructions", COUNTER, "", "in all frames of the loop, by callgrind"),
+    Metric("process_instructions", COUNTER, "", "of the whole process in user space, by the CPU's counter"),
+    Metric("structure_bytes", COUNTER, "bytes", "of the structures"),
+    Metric("contacts", COUNTER, "", "answered, over all frames"),
+    Metric("status", EXACT, "", "how the run ended"),
+    Metric("state_hash", EXACT, "", "of all positions and velocities at the end"),
+    Metric("contact_hash", EXACT, "", "of all contacts of a replay"),
+    Metric("p99_depth_m", EXACT, "m", "99th percentile of the depth; of a replay of the error of depth"),
+    Metric("max_depth_m", EXACT, "m", "largest depth; of a replay largest error of depth"),
+    Metric("missed_contacts", EXACT, "", "true ones that were not answered"),
+    Metric("false_contacts", EXACT, "", "answered ones that are not true"),
+    Metric("verdict", EXACT, "", "of a cell of the matrix of hard cases"),
+)}
+
+
+def values_of(run: Run, measured: dict | None = None) -> dict[str, float | str]:
+    """{metric: value} of what the run tells. `measured`: what was noted beside it, such as counted instructions; a run that
+    counting slowed tells nothing else."""
+    measured = measured or {}
+    found: dict[str, float | str | None] = {"status": run.status}
+    if run.status in MEASURED:
+        found |= measured.get("counters", {})
+        if not measured.get("is_slowed"):
+            found |= _answers(run) | _times(run) | {"structure_bytes": run.record.get("structure_bytes"),
+                                                    "contacts": _sum(run.frames, "contacts")}
+    return {name: value for name, value in found.items() if name in METRICS and value is not None and not pd.isna(value)}
+
+
+def quiet_frames(run: Run) -> pd.DataFrame:
+    """Timed frames during which the process kept its core; all timed ones where the program does not tell."""
+    timed = run.timed_frames
+    return timed[timed[WAITED] == 0] if WAITED in timed and timed[WAITED].notna().any() else timed
+
+
+def _times(run: Run) -> dict[str, float | None]:
+    """Of a judged run none: the Referee leaves colder caches, and its own time is in that of the process."""
+    if run.record["case"].get("judged"):
+        return {}
+    quiet, cpu, frames = quiet_frames(run), run.record.get("cpu_ns") or {}, run.record.get("frames")
+    found: dict[str, float | None] = {"build_ns": run.record.get("build_ns")}
+    if len(quiet) >= FEWEST_FRAMES:
+        found |= {name: quiet[name].median() for name in ("collision_ns", "frame_ns") if name in quiet}
+    if frames and {"before_first_frame", "after_last_frame"} <= cpu.keys():
+        found["cpu_ns"] = (cpu["after_last_frame"] - cpu["before_first_frame"]) / frames
+    return {name: value for name, value in found.items() if value is not None and value >= SHORTEST_NS}
+
+
+def _answers(run: Run) -> dict[str, float | str | None]:
+    outcome, accuracy = run.record.get("outcome") or {}, run.record.get("accuracy") or {}
+    return {"state_hash": run.record.get("state_hash"), "contact_hash": run.record.get("contact_hash"),
+            "p99_depth_m": accuracy.get("p99_depth_error_m", outcome.get("p99_depth_m")),
+            "max_depth_m": accuracy.get("max_depth_error_m", outcome.get("max_depth_m")),
+            "missed_contacts": _sum(run.frames, "missed_contacts"), "false_contacts": _sum(run.frames, "false_contacts")}
+
+
+def _sum(frames: pd.DataFrame, column: str) -> float | None:
+    return frames[column].sum(min_count=1) if column in frames else None

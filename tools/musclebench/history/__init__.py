@@ -1,0 +1,1 @@
+"""What was measured night by night: the history, its change points, what is reported of them."""

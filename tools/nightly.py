@@ -1,0 +1,178 @@
+#!/usr/bin/python3
+"""Measures the program, adds a night to the history, and reports what changed: when, by how much, how sure, with the
+commits between.
+
+All backends run on a small scene and on a muscle of the synthetic hip, repetitions in random order on one core; where the
+program is another one than in the last night, that one runs beside it. Reported are steps of times (5 %) and counters (1 %)
+over the nights (E-divisive, at a level of 0.1 % for all series of a night), what differs from the last night's program, and
+answers that are not the same: state hash, depth, missed contacts, cells of the matrix of hard cases.
+
+Exit code 0: nothing new, 1: something changed, 2: it could not be done.
+"""
+
+import argparse
+import json
+import sys
+from datetime import datetime, timezone
+from pathlib import Path
+
+from musclebench.cases.study_command import PROJECT
+from musclebench.comparison.release_build import check_release
+from musclebench.comparison.usual_cases import chosen_cases
+from musclebench.history import simulation
+from musclebench.history.detection import answer_findings, counter_findings, new_ones, step_findings
+from musclebench.history.exchange import bencher_metrics, write_otava
+from musclebench.history.history import Finding, Night, opened
+from musclebench.history.night_report import night_report
+from musclebench.history.nights import cells_measures, measures_of, night_of
+from musclebench.history.one_night import MeasuredNight, keep_program, kept_program, measure_night, read_night
+from musclebench.program.cli import OneLineParser, Problem, check_positive, check_program, run_command
+from musclebench.program.fingerprint import write_whole
+from musclebench.program.out_folder import claimed
+from musclebench.program.registry import read_registry
+from musclebench.results.run_folder import ResultProblem
+
+REPETITIONS = 10
+STARTED = "%Y-%m-%dT%H:%M:%SZ"
+
+
+def parse_arguments(arguments):
+    parser = OneLineParser(prog="tools/nightly", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, metavar="DIR", default=PROJECT / "reports" / "out" / "nightly",
+                        help="nights, and what other tools read: otava/, bencher.json (default: reports/out/nightly)")
+    parser.add_argument("--history", type=Path, metavar="FILE", help="SQLite (default: history.sqlite in --out)")
+    parser.add_argument("--musclebench", type=Path, metavar="PROGRAM",
+                        default=PROJECT / "build" / "release" / "bench" / "musclebench",
+                        help="the program to measure (default: that of the preset release)")
+    parser.add_argument("--repetitions", type=int, default=REPETITIONS, metavar="N", help=f"processes a case (default {REPETITIONS})")
+    parser.add_argument("--scene", action="append", metavar="SCENE",
+                        help="one that 'musclebench list' names, or a .toml file, in place of those two; may be repeated")
+    parser.add_argument("--backend", action="append", metavar="NAME", help="may be repeated (default: all)")
+    parser.add_argument("--timeout", type=float, default=120.0, metavar="SECONDS", help="of one process (default 120 s)")
+    parser.add_argument("--minutes", type=float, default=15.0, metavar="N",
+                        help="for the night: after that no repetition beyond the fifth begins (default 15 min)")
+    parser.add_argument("--hard-seconds", type=float, default=300.0, metavar="SECONDS",
+                        help="of them for the matrix of hard cases, which is left out when it takes longer (default 300 s)")
+    parser.add_argument("--no-hard", action="store_true", help="without that matrix")
+    instead = parser.add_mutually_exclusive_group()
+    instead.add_argument("--append", type=Path, metavar="NIGHT", help="add a night's folder that could not be added; run nothing")
+    instead.add_argument("--report-only", action="store_true", help="report on the last night of the history; run nothing")
+    instead.add_argument("--simulate", type=int, metavar="N",
+                         help="of N histories drawn from recorded noise: how many alarm without a change, and after how many "
+                              "nights a slowdown of 10 %% is found (half a second each)")
+    return parser.parse_args(arguments)
+
+
+def measured(options, history_file: Path) -> MeasuredNight:
+    """Asks the history first: what can't be added to it need not be measured."""
+    check_program(options.musclebench, "tools/build")
+    registry = read_registry(options.musclebench)
+    with opened(history_file) as history:
+        nights = history.nights()
+    kept = kept_program(nights[-1].program_sha256, options.musclebench, options.out) if nights else None
+    started = datetime.now(timezone.utc).strftime(STARTED)
+    folder = options.out / "nights" / started.replace(":", "")
+    wanted = chosen_cases(registry, options.repetitions, options.scene, options.backend)
+    if not wanted:
+        raise Problem(f"{options.musclebench}: has none of the scenes that are measured by night")
+    check_release(options.musclebench, wanted[0])
+    return measure_night(folder, started, options.musclebench, kept, wanted, options.timeout,
+                         60 * options.minutes, 0 if options.no_hard else options.hard_seconds)
+
+
+def append(night: MeasuredNight, history_file: Path) -> tuple[list[Night], list[Finding], list[Finding]]:
+    """(nights of the machine, new findings, those reported before)"""
+    results = night.results
+    row = night_of(results, night.started)
+    measures = measures_of(results)
+    if night.matrix.is_file():
+        try:
+            measures += cells_measures(night.matrix)
+        except Problem as problem:
+            night.notes.append(f"left out: {problem}")
+    with opened(history_file) as history:
+        if history.has(night.started):
+            raise Problem(f"{history_file}: has the night {night.started} already")
+        number = history.append(row, measures)
+        nights, table = history.nights(row.machine), history.measures(row.machine)
+        known = history.findings()
+        found = [*answer_findings(table), *counter_findings(table), *night.same_night_findings(number), *step_findings(table)]
+        new = new_ones(_each_once(found), known, [one.id for one in nights])
+        history.note(number, new)
+    return nights, new, known
+
+
+def _each_once(found: list[Finding]) -> list[Finding]:
+    """The first of each case and metric in each night: that found in the most certain way."""
+    return list({(one.case, one.metric, one.changed_in): one for one in reversed(found)}.values())[::-1]
+
+
+def write_files(options, nights: list[Night], history_file: Path, report: str) -> list[Path]:
+    with opened(history_file, is_written=False) as history:
+        table = history.measures(nights[-1].machine)
+    files = write_otava(table, nights, options.out / "otava")[:1]
+    for name, text in (("bencher.json", json.dumps(bencher_metrics(table, nights[-1].id), indent=2) + "\n"), ("report.md", report)):
+        files.append(options.out / name)
+        write_whole(files[-1], text)
+    return files
+
+
+def run_night(options) -> int:
+    for name in ("repetitions", "timeout", "minutes", "hard_seconds", "simulate"):
+        check_positive(f"--{name.replace('_', '-')}", getattr(options, name))
+    if options.simulate:
+        return print_rates(options.simulate)
+    history_file = options.history or options.out / "history.sqlite"
+    if options.report_only:
+        return report_again(options, history_file)
+    with claimed(options.out.absolute(), "nights"):
+        night = _read(options.append) if options.append else measured(options, history_file)
+        nights, new, known = append(night, history_file)
+        if not options.append:
+            keep_program(options.musclebench, options.out)
+        text = night_report(nights, new, known, night.results, night.notes, PROJECT)
+        files = write_files(options, nights, history_file, text)
+    print(text)
+    print("Written:", history_file, *files, sep="\n  ", file=sys.stderr)
+    return 1 if new else 0
+
+
+def report_again(options, history_file: Path) -> int:
+    with opened(history_file, is_written=False) as history:
+        every, known = history.nights(), history.findings()
+    if not every:
+        raise Problem(f"{history_file}: has no night yet")
+    nights = [night for night in every if night.machine == every[-1].machine]
+    text = night_report(nights, [], known, None, [], PROJECT)
+    write_files(options, nights, history_file, text)
+    print(text)
+    return 0
+
+
+def _read(folder: Path) -> MeasuredNight:
+    try:
+        return read_night(folder)
+    except (OSError, ValueError, KeyError) as problem:
+        raise Problem(f"{folder}: no measured night ({problem}); its night.json is missing or broken") from None
+
+
+def print_rates(trials: int, nights: int = 30, slowdown: float = 1.1, since: int = 16) -> int:
+    noise = simulation.read_noise()
+    rates = simulation.simulate(noise, trials, nights, slowdown, since)
+    print(f"{trials} histories of {nights} nights without a change: {rates.false_alarms} alarmed.")
+    print(f"{trials} with one case slower by {100 * (slowdown - 1):.0f} % since night {since}: found the same night "
+          f"{rates.found_within(1)}, within two nights {rates.found_within(2)}, within three {rates.found_within(3)}, "
+          f"within five {rates.found_within(5)}; in {rates.wrong} another case alarmed.")
+    false_alarms, found, wrong = simulation.compared(noise, trials, slowdown)
+    print(f"{trials} comparisons of interleaved programs: {false_alarms} alarmed where they were the same; {found} found the "
+          f"slowdown; in {wrong} another case alarmed.")
+    return 0
+
+
+def main(arguments=None) -> int:
+    return run_command("nightly", lambda: run_night(parse_arguments(arguments)),
+                       "the history is as it was; what was measured stays in --out", ResultProblem)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

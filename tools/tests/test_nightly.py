@@ -1,0 +1,191 @@
+"""tools/nightly: three nights of a stand-in with a slowdown on the third; answers, cells and counters that change; what
+goes wrong; and nights drawn from noise that was recorded."""
+
+import csv
+import json
+import sqlite3
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import nightly
+from musclebench.comparison import interleaved
+from musclebench.history import simulation
+from musclebench.history.detection import ALL_CASES, counter_findings, new_ones, step_findings
+from musclebench.history.history import Finding, opened
+from test_compare import program
+
+
+@pytest.fixture(scope="module", autouse=True)
+def nothing_is_counted():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(interleaved, "why_not_by_callgrind", lambda: "left out of this test")
+        yield
+
+
+@pytest.fixture(autouse=True)
+def clock(monkeypatch):
+    """A night a call."""
+    class Clock:
+        now_ = pd.Timestamp("2026-01-01", tz="UTC")
+
+        @classmethod
+        def now(cls, _):
+            cls.now_ += pd.Timedelta(days=1)
+            return cls.now_.to_pydatetime()
+    monkeypatch.setattr(nightly, "datetime", Clock)
+
+
+def run(folder: Path, one: str, *more) -> int:
+    return nightly.main(["--out", str(folder / "out"), "--musclebench", one, "--repetitions", "8", *more])
+
+
+def findings(folder: Path) -> list[Finding]:
+    with opened(folder / "out" / "history.sqlite", is_written=False) as history:
+        return history.findings()
+
+
+def test_three_nights_with_a_slowdown_on_the_third(tmp_path, capsys):
+    first = program(tmp_path, "a", git="aaa")
+    assert [run(tmp_path, first, "--repetitions", "1", "--no-hard") for _ in range(2)] == [0, 0]
+    assert "nothing changed" in capsys.readouterr().out
+    assert run(tmp_path, program(tmp_path, "b", git="bbb", slower={"tree": 1.1})) == 1
+    text = capsys.readouterr().out
+    assert "| resting_contact-tree | collision_ns | 2026-01-04T00:00:00Z | " in text and " us | 1.1" in text
+    assert "Commits between 2026-01-03T00:00:00Z (aaa) and 2026-01-04T00:00:00Z (bbb)" in text
+    found = findings(tmp_path)
+    assert {one.case for one in found} == {"resting_contact-tree"}
+    assert {one.found_by for one in found} == {"beside the last night's program"}
+    assert next(one for one in found if one.metric == "collision_ns").ratio == pytest.approx(1.1, abs=0.02)
+    # What other tools read of the three nights.
+    out = tmp_path / "out"
+    rows = list(csv.DictReader((out / "otava" / "resting_contact-tree.csv").open()))
+    assert [row["commit"] for row in rows] == ["aaa", "aaa", "bbb"] and float(rows[2]["collision_ns"]) > 1e5
+    told = (out / "otava" / "otava.yaml").read_text()
+    assert "type: csv" in told and "time_column: time" in told and "attributes: [commit]" in told
+    metric = json.loads((out / "bencher.json").read_text())["resting_contact-tree"]["collision_ns"]
+    assert metric["lower_value"] <= metric["value"] <= metric["upper_value"]
+    # The same change is not new again.
+    assert nightly.main(["--out", str(out), "--report-only"]) == 0
+    assert "### Reported before" in capsys.readouterr().out
+
+
+def test_answers_and_cells_that_change_are_found_the_same_night(tmp_path, capsys):
+    assert run(tmp_path, program(tmp_path, "a"), "--repetitions", "1") == 0
+    assert run(tmp_path, program(tmp_path, "b", hash={"grid": "99"}, depth={"tree": 0.0010000001}, cells={"plain": "breaks"}),
+               "--repetitions", "1") == 1
+    assert {(one.case, one.metric, one.before, one.after) for one in findings(tmp_path)} == {
+        ("resting_contact-grid", "state_hash", "0123", "99"), ("resting_contact-tree", "p99_depth_m", "0.001", "0.0010000001"),
+        ("hard/thin-plate/plain", "verdict", "holds", "breaks"),
+    }
+
+
+def test_when_time_is_up_five_repetitions_are_whole_and_the_rest_is_left_out(tmp_path, capsys):
+    assert run(tmp_path, program(tmp_path, "a"), "--backend", "tree", "--minutes", "1e-6", "--no-hard") == 0
+    assert "5 of 8 repetitions: time was up" in capsys.readouterr().out
+    runs = {path.name for path in (tmp_path / "out").glob("nights/*/after/raw/*")}
+    assert runs == {"resting_contact-tree-judged", *(f"resting_contact-tree-r{number}" for number in range(5))}
+
+
+def test_a_matrix_that_takes_too_long_is_left_out(tmp_path, capsys):
+    assert run(tmp_path, program(tmp_path, "a", hard_seconds=60), "--backend", "tree", "--repetitions", "1",
+               "--hard-seconds", "0.1") == 0
+    assert "the matrix of hard cases took longer than 0.1 s" in capsys.readouterr().out
+
+
+def test_a_night_whose_history_was_locked_is_added_later(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("musclebench.history.history.WAIT_SECONDS", 0.1)
+    one = program(tmp_path, "a")
+    assert run(tmp_path, one, "--repetitions", "1", "--no-hard") == 0
+    other = sqlite3.connect(tmp_path / "out" / "history.sqlite", isolation_level=None)
+    measure = nightly.measure_night
+
+    def locked_meanwhile(*arguments):
+        night = measure(*arguments)
+        other.execute("BEGIN IMMEDIATE")
+        return night
+    monkeypatch.setattr(nightly, "measure_night", locked_meanwhile)
+    capsys.readouterr()
+    assert run(tmp_path, one, "--repetitions", "1", "--no-hard") == 2
+    assert "another process writes it" in capsys.readouterr().err
+    other.close()
+    last = sorted((tmp_path / "out" / "nights").iterdir())[-1]
+    assert nightly.main(["--out", str(tmp_path / "out"), "--append", str(last)]) == 0
+    assert nightly.main(["--out", str(tmp_path / "out"), "--append", str(last)]) == 2
+    assert "has the night" in capsys.readouterr().err
+    with opened(tmp_path / "out" / "history.sqlite") as history:
+        assert len(history.nights()) == 2
+
+
+@pytest.mark.parametrize(("prepare", "words"), [
+    (lambda path: path.write_text("no history\n" * 100), "no SQLite file"),
+    (lambda path: sqlite3.connect(path).executescript("CREATE TABLE a (b)"), "a database of something else"),
+])
+def test_what_is_no_history_is_told_before_anything_is_measured(prepare, words, tmp_path, capsys):
+    (tmp_path / "out").mkdir()
+    prepare(tmp_path / "out" / "history.sqlite")
+    assert run(tmp_path, program(tmp_path, "a")) == 2
+    captured = capsys.readouterr()
+    assert words in captured.err and not list((tmp_path / "out").glob("nights/*/*"))
+
+
+def test_a_build_without_optimisation_and_a_folder_without_a_night_are_refused(tmp_path, capsys):
+    assert run(tmp_path, program(tmp_path, "a", type="Debug"), "--repetitions", "1", "--no-hard") == 2
+    assert "times of a build of type Debug say nothing" in capsys.readouterr().err
+    assert not list((tmp_path / "out").glob("nights/*/*"))  # before anything was measured
+    assert nightly.main(["--out", str(tmp_path / "out"), "--append", str(tmp_path)]) == 2
+    assert "no measured night" in capsys.readouterr().err
+
+
+def nights(values: dict[str, np.ndarray], metric: str = "frame_ns", kind: str = "time") -> pd.DataFrame:
+    rows = [{"night": night, "case": case, "metric": metric, "kind": kind, "unit": "", "value": value, "quartile": value, "text": None,
+             "variation": 0.0} for case, series in values.items() for night, value in enumerate(series, 1)]
+    return pd.DataFrame(rows).sort_values("night", kind="stable")
+
+
+def noisy(seed: int, count: int = 20) -> np.ndarray:
+    return 1e6 * np.exp(np.random.default_rng(seed).normal(0, 0.005, count))
+
+
+def test_what_all_cases_share_is_told_apart_from_a_cases_own():
+    steps = {name: noisy(seed) for seed, name in enumerate("abcde")}
+    steps["c"][15:] *= 1.1
+    for series in steps.values():
+        series *= np.exp(0.05 * np.sin(np.arange(20)))  # a machine of good and bad nights
+    (found,) = step_findings(nights(steps))
+    assert (found.case, found.changed_in) == ("c", 16) and found.low < 1.1 < found.high
+    slower = {name: noisy(seed) * np.repeat([1, 1.2], 10) for seed, name in enumerate("abcde")}
+    assert {(one.case, one.changed_in) for one in step_findings(nights(slower))} == {(ALL_CASES, 11)}
+
+
+def test_a_metric_that_a_night_lacks_is_looked_at_where_it_is():
+    table = nights({"a": noisy(1) * np.repeat([1, 1.2], 10), "b": noisy(2)})
+    gappy = table[~((table["case"] == "a") & table["night"].isin([3, 20]))]
+    assert [(one.case, one.changed_in) for one in step_findings(gappy)] == [("a", 11)]
+    assert [one.case for one in step_findings(gappy[(gappy["case"] != "b") | (gappy["night"] < 5)])] == ["a"]
+
+
+def test_a_step_is_reported_once_although_its_place_moves():
+    known = [Finding("a", "frame_ns", 10, "change point", "", "")]
+    again, another = (Finding("a", "frame_ns", night, "change point", "", "") for night in (11, 15))
+    the_same_night = Finding("a", "frame_ns", 11, "counted", "", "")
+    assert new_ones([again, another, the_same_night], known, list(range(1, 20))) == [another, the_same_night]
+
+
+@pytest.mark.parametrize(("last", "variation", "is_found"), [
+    (1.02e6, 0.0, True), (1.02e6, np.nan, True), (1.002e6, 0.0, False), (1.02e6, 0.01, False),
+])
+def test_a_counter_that_does_not_vary_is_found_the_same_night(last, variation, is_found):
+    table = nights({"a": [1e6, 1e6, last]}, "instructions", "counter").assign(variation=variation)
+    assert bool(counter_findings(table)) is is_found
+
+
+def test_recorded_noise_alarms_in_no_month_and_a_slowdown_is_found_in_three_nights():
+    noise = simulation.read_noise()
+    assert len(noise) >= 10
+    rates = simulation.simulate(noise, trials=3, nights=30, slowdown=1.1, since=16)
+    assert rates.false_alarms == 0 and rates.found_within(3) >= 2
+    false_alarms, found, _ = simulation.compared(noise, trials=4, slowdown=1.1)
+    assert false_alarms == 0 and found >= 2
