@@ -1,0 +1,47 @@
+"""Which sections a folder of results gives. A new kind of results, such as a history of nights, is a row here."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..figures import looks
+from ..program.cli import Problem
+from ..program.registry import FILE_NAME, saved_registry
+from .paper_part import is_paper, paper_section
+from .parts import Section
+
+
+@dataclass(frozen=True)
+class Kind:
+    name: str
+    is_there: Callable[[Path], bool]
+    section: Callable[[Path], Section]
+
+
+KINDS = (
+    Kind("tools/paper", is_paper, paper_section),
+)
+
+
+def sections_of(folders: list[Path]) -> list[Section]:
+    """In the order of the folders. Raises Problem for a folder that holds no results."""
+    made: list[Section] = []
+    for folder in folders:
+        kinds = [kind for kind in KINDS if kind.is_there(folder)]
+        if not kinds:
+            raise Problem(f"{folder}: holds no results of {', '.join(kind.name for kind in KINDS)}; name the folder that such a "
+                          "command wrote (its --out)")
+        if (folder / FILE_NAME).is_file():
+            looks.know(saved_registry(folder))
+        made += [kind.section(folder) for kind in kinds]
+    return _apart(made, folders)
+
+
+def _apart(sections: list[Section], folders: list[Path]) -> list[Section]:
+    """Links and titles that tell sections of one kind apart."""
+    names = [section.name for section in sections]
+    for number, section in enumerate(sections):
+        if names.count(section.name) > 1:
+            section.title += f" ({section.folder.name})"
+            section.name += f"-{number + 1}"
+    return sections
