@@ -22,11 +22,12 @@ export async function startChart(figure, choice) {
   const rows = await rowsOf(figure.dataset.rows);
   const heard = figure.querySelector(".heard");
   const chart = init(box, null, { renderer: "svg" });
-  let drawn = null;
+  let drawn = null, withApart = true;
 
   const draw = () => {
     const mine = rows.filter((row) => row.muscle === undefined || row.muscle === choice.muscle);
-    const shown = mine.filter((row) => row.backend === undefined || choice.shows(row.backend));
+    const isApart = (row) => spec.apart && row[spec.apart] !== "here";
+    const shown = mine.filter((row) => (row.backend === undefined || choice.shows(row.backend)) && (withApart || !isApart(row)));
     figure.classList.toggle("empty", shown.length === 0);
     drawn = KINDS[spec.kind](spec, shown, choice);
     if (drawn.height) box.style.height = `${drawn.height}px`;
@@ -35,6 +36,12 @@ export async function startChart(figure, choice) {
     chart.dispatchAction({ type: "takeGlobalCursor", key: "dataZoomSelect", dataZoomSelectActive: drawsWithMouse() });
   };
 
+  const apart = figure.querySelector(".show-apart");
+  apart?.addEventListener("click", () => {
+    withApart = !withApart;
+    apart.setAttribute("aria-pressed", String(withApart));
+    draw();
+  });
   choice.addEventListener("change", draw);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   new ResizeObserver(() => chart.resize()).observe(box);

@@ -1,5 +1,7 @@
 // What is chosen in a section: one muscle, and which backends are shown. Charts and views of the section follow it.
 
+const LIGHTER = 0.3;
+
 export class Choice extends EventTarget {
   constructor(muscle, looks) {
     super();
@@ -12,8 +14,12 @@ export class Choice extends EventTarget {
     return !this.hidden.has(backend);
   }
 
+  // On a dark page lighter.
   colour(backend) {
-    return this.looks[backend]?.colour ?? "#888888";
+    const colour = this.looks[backend]?.colour ?? "#888888";
+    if (!matchMedia("(prefers-color-scheme: dark)").matches) return colour;
+    const parts = [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16));
+    return `#${parts.map((part) => Math.round(part + LIGHTER * (255 - part)).toString(16).padStart(2, "0")).join("")}`;
   }
 
   change() {

@@ -18,6 +18,7 @@ export function linesOf(spec, rows, choice) {
       series.push({
         name: backend, type: "line", data, showSymbol: mine.length < 3, symbolSize: 5, connectNulls: true, color,
         lineStyle: { width: 1.8, type: choice.looks[backend]?.dash ?? "solid" }, emphasis: { disabled: true },
+        endLabel: { show: true, formatter: label(backend), color, fontSize: 12 }, labelLayout: { moveOverlap: "shiftY" },
       });
       const faint = mine.filter((row) => spec.faint && row[spec.faint] && y(row) !== null);
       if (faint.length) {
@@ -30,7 +31,7 @@ export function linesOf(spec, rows, choice) {
     } else {
       series.push({
         name: `${backend}, ${kind}`, type: "line", data, symbol: "diamond", symbolSize: 11, color,
-        itemStyle: { color: ink("page"), borderColor: color, borderWidth: 1.6 }, lineStyle: { width: 0.8, type: "dotted" },
+        itemStyle: { color: ink("page"), borderColor: color, borderWidth: 1.6 }, lineStyle: { width: 1, type: "dotted", color },
       });
     }
   }
@@ -38,6 +39,7 @@ export function linesOf(spec, rows, choice) {
   return {
     option: {
       series,
+      grid: { right: 70 },
       tooltip: { trigger: "axis", axisPointer: { type: "line" }, formatter: (found) => told(found.map((one) => one.data.row)).html },
       xAxis: { type: "value", min: "dataMin", max: "dataMax" },
       yAxis: {

@@ -19,5 +19,9 @@ for (const section of document.querySelectorAll("section.results")) {
   for (const figure of section.querySelectorAll("figure.has-chart")) whenNear(figure, () => startChart(figure, choice));
   for (const figure of section.querySelectorAll("figure.has-view")) whenNear(figure, () => startView(figure, choice));
   for (const figure of section.querySelectorAll("figure.has-table")) bindRows(figure, choice);
+  for (const cell of section.querySelectorAll(".cell-of-matrix")) {
+    const tell = () => { cell.closest("figure").querySelector(".readout").textContent = cell.dataset.words; };
+    for (const event of ["mouseenter", "focus", "click"]) cell.addEventListener(event, tell);
+  }
 }
 document.documentElement.dataset.ready = "yes";

@@ -2,7 +2,7 @@
 // exact has no logarithm: it lies in a band at the bottom, whose heights mean nothing.
 import { escaped, figure, ink, label } from "./words.js";
 
-const SYMBOLS = ["circle", "rect", "diamond", "triangle", "pin", "arrow"];
+const SYMBOLS = ["circle", "rect", "diamond", "triangle", "roundRect", "arrow"];
 const CROSS = "path://M-1,-1L1,1M-1,1L1,-1";
 const LANES = 5;
 const BAND_DECADES = 1.2;
@@ -104,7 +104,7 @@ function marksOf(sorted, place, choice) {
         value: place(row), row, symbolSize: sizeOf(row.structure_bytes),
         symbol: row.is_wrong ? CROSS : SYMBOLS[Math.max(0, styleOf(sorted, row)) % SYMBOLS.length],
         itemStyle: row.is_wrong ? { color: "none", borderColor: color, borderWidth: 2 }
-          : { color, borderColor: row.on_front ? ink("text") : ink("page"), borderWidth: row.on_front ? 1.8 : 0.6 },
+          : { color, opacity: 1, borderColor: row.on_front ? ink("text") : ink("page"), borderWidth: row.on_front ? 1.8 : 0.6 },
         label: { show: Boolean(row.on_front), formatter: label(row.label ?? row.configuration), position: "top", fontSize: 11, color: ink("text"),
           textBorderColor: ink("page"), textBorderWidth: 3 },
       })),

@@ -1,7 +1,7 @@
 // Draws runs side by side in one canvas: a cell a run, one camera for all.
 import {
   BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, HemisphereLight, Matrix4, Mesh, MeshLambertMaterial, MeshBasicMaterial,
-  OrthographicCamera, Raycaster, Scene, SphereGeometry, Vector2, Vector3, WebGLRenderer,
+  OrthographicCamera, Plane, Raycaster, Scene, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
@@ -19,6 +19,7 @@ export class Stage {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.renderer.setScissorTest(true);
+    this.renderer.localClippingEnabled = true;
     this.box = box;
     this.camera = new OrthographicCamera();
     this.controls = new OrbitControls(this.camera, box);
@@ -26,6 +27,7 @@ export class Stage {
     box.style.touchAction = "pan-y"; // a finger that goes up or down scrolls the page
     this.cells = [];
     this.seeThrough = false;
+    this.isCut = true;
   }
 
   // A cell has an element that tells where it is, and the run that it shows.
@@ -33,12 +35,15 @@ export class Stage {
     for (const cell of this.cells) cell.dispose();
     this.data = data;
     this.cells = cells.map(({ element, run }) => new Cell(element, run, data));
-    this.seeBones(this.seeThrough);
+    const { origin_m: origin, normal } = data.told.cut;
+    this.cut = new Plane().setFromNormalAndCoplanarPoint(new Vector3(...normal), new Vector3(...origin));
+    this.seeBones(this.seeThrough, this.isCut);
   }
 
-  seeBones(isSeeThrough) {
-    this.seeThrough = isSeeThrough;
-    for (const cell of this.cells) cell.seeBones(isSeeThrough);
+  seeBones(isSeeThrough, isCut) {
+    Object.assign(this, { seeThrough: isSeeThrough, isCut });
+    for (const cell of this.cells) cell.seeBones(isSeeThrough, isCut ? [this.cut] : []);
+    this.draw();
   }
 
   setFrame(frame, marked) {
@@ -46,12 +51,14 @@ export class Stage {
     this.draw();
   }
 
-  resetCamera() {
-    const { focus_m: focus, eye, up, half_height_m: half } = this.data.told.camera;
+  // `side`: 1 for that of the muscle, -1 for the opposite one.
+  resetCamera(side) {
+    const { focus_m: focus, eye, up, half_height_m: high, half_width_m: wide } = this.data.told.camera;
+    const half = Math.max(high, wide);
     this.markRadius = 0.022 * half;
     this.camera.up.set(...up);
     this.controls.target.set(...focus);
-    this.camera.position.set(...focus).addScaledVector(new Vector3(...eye), FAR * half);
+    this.camera.position.set(...focus).addScaledVector(new Vector3(...eye), side * FAR * half);
     this.camera.near = 0.01 * half;
     this.camera.far = 2 * FAR * half;
     this.camera.zoom = 1;
@@ -105,7 +112,8 @@ export class Stage {
 
   // The whole of what the view holds, however narrow a cell is.
   aim(aspect) {
-    const high = this.half / Math.min(1, aspect);
+    const { half_height_m: half, half_width_m: wide } = this.data.told.camera;
+    const high = Math.max(half, wide / aspect);
     Object.assign(this.camera, { left: -high * aspect, right: high * aspect, top: high, bottom: -high });
     this.camera.updateProjectionMatrix();
   }
@@ -119,7 +127,9 @@ export class Stage {
       this.aim(inner.width / inner.height);
       const ray = new Raycaster();
       ray.setFromCamera(new Vector2(2 * x - 1, 1 - 2 * y), this.camera);
-      const [hit] = ray.intersectObjects(this.seeThrough ? [cell.muscle] : [cell.muscle, ...cell.bones]);
+      const hits = ray.intersectObjects(this.seeThrough ? [cell.muscle] : [cell.muscle, ...cell.bones]);
+      const isSeen = (hit) => hit.object === cell.muscle || !this.isCut || this.cut.distanceToPoint(hit.point) >= 0;
+      const hit = hits.find(isSeen);
       if (!hit) return null;
       return hit.object === cell.muscle ? { cell, node: cell.nearestCorner(hit) } : { cell, bone: hit.object.name };
     }
@@ -153,9 +163,9 @@ class Cell {
     this.muscle.geometry.dispose();
   }
 
-  seeBones(isSeeThrough) {
+  seeBones(isSeeThrough, clippingPlanes) {
     for (const bone of this.bones) {
-      Object.assign(bone.material, { transparent: isSeeThrough, opacity: isSeeThrough ? 0.25 : 1, depthWrite: !isSeeThrough });
+      Object.assign(bone.material, { clippingPlanes, transparent: isSeeThrough, opacity: isSeeThrough ? 0.25 : 1, depthWrite: !isSeeThrough });
       bone.renderOrder = isSeeThrough ? 1 : 0;
     }
   }

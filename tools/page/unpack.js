@@ -17,6 +17,8 @@ export async function unpackWords(text, bits) {
   for (let plane = 0; plane < bytes; ++plane) {
     for (let i = 0; i < words.length; ++i) words[i] |= planes[plane * words.length + i] << (8 * plane);
   }
+  // 0, 1, 2, 3 stand for 0, -1, 1, -2.
+  for (let i = 0; i < words.length; ++i) words[i] = (words[i] >>> 1) ^ -(words[i] & 1);
   return words;
 }
 

@@ -20,7 +20,7 @@ class View {
   constructor(element, choice, told) {
     Object.assign(this, { element, choice, told, marked: null });
     const part = (name) => element.querySelector(`.${name}`);
-    this.parts = Object.fromEntries(["stage", "cells", "slider", "frame", "play", "node", "bones", "readout", "scale-top", "missing"]
+    this.parts = Object.fromEntries(["stage", "cells", "slider", "frame", "play", "node", "bones", "cut", "readout", "scale-top", "missing"]
       .map((name) => [name, part(name)]));
     try {
       this.stage = new Stage(element.querySelector("canvas"), this.parts.cells);
@@ -33,15 +33,13 @@ class View {
   }
 
   bind(part) {
-    const { slider, play, node, bones, cells } = this.parts;
+    const { slider, play, node, bones, cut, cells } = this.parts;
     slider.addEventListener("input", () => this.setFrame());
     play.addEventListener("click", () => this.togglePlay());
-    bones.addEventListener("change", () => {
-      this.stage.seeBones(bones.checked);
-      this.stage.draw();
-    });
+    for (const box of [bones, cut]) box.addEventListener("change", () => this.stage.seeBones(bones.checked, cut.checked));
     node.addEventListener("change", () => this.mark(this.data.order.indexOf(Number(node.value))));
-    part("reset").addEventListener("click", () => this.stage.resetCamera());
+    part("reset").addEventListener("click", () => this.stage.resetCamera(1));
+    part("behind-it").addEventListener("click", () => this.stage.resetCamera(-1));
     part("closer").addEventListener("click", () => this.stage.zoom(1.25));
     part("farther").addEventListener("click", () => this.stage.zoom(0.8));
     this.bindMouse(cells);
@@ -67,7 +65,7 @@ class View {
     if (turns[event.key]) this.stage.turn(...turns[event.key]);
     else if (event.key === "+" || event.key === "=") this.stage.zoom(1.25);
     else if (event.key === "-") this.stage.zoom(0.8);
-    else if (event.key === "0") this.stage.resetCamera();
+    else if (event.key === "0") this.stage.resetCamera(1);
     else if (event.key === " ") this.togglePlay();
     else return;
     event.preventDefault();
@@ -88,7 +86,8 @@ class View {
       this.parts["scale-top"].textContent = `${figure(told.deepest_mm)} mm or more`;
     }
     this.layOut();
-    if (isNew) this.stage.resetCamera();
+    if (isNew) this.stage.resetCamera(1);
+    this.stage.seeBones(this.parts.bones.checked, this.parts.cut.checked);
     this.setFrame();
     this.element.dataset.drawn = told.muscle;
   }

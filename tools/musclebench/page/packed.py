@@ -12,7 +12,7 @@ from ..results.ply import PlyMesh
 STEP_M = 2e-5  # of positions; of larger ones the smallest with which they fit
 DEPTH_STEP_M = 1e-6
 STEPS = 65535
-LEVEL = 9
+LEVEL = 6
 
 
 @dataclass
@@ -25,13 +25,17 @@ class PackedShapes:
 
 
 def packed_bytes(data: bytes) -> str:
-    return base64.b64encode(zlib.compress(data, LEVEL)).decode()
+    packer = zlib.compressobj(LEVEL, strategy=zlib.Z_FILTERED)
+    return base64.b64encode(packer.compress(data) + packer.flush()).decode()
 
 
 def packed_words(values: np.ndarray, bits: int) -> str:
-    """Whole numbers modulo 2**bits: all low bytes, then all next ones."""
-    words = np.ascontiguousarray(values.astype(np.int64) & ((1 << bits) - 1)).astype("<u8")
-    planes = words.reshape(-1, 1).view(np.uint8)[:, :bits // 8]
+    """Whole numbers modulo 2**bits: all low bytes, then all next ones; of small numbers of either sign (0, -1, 1, -2, ...)
+    only low bytes differ from zero."""
+    half = 1 << (bits - 1)
+    signed = (values.astype(np.int64) + half) % (2 * half) - half
+    words = np.where(signed >= 0, 2 * signed, -2 * signed - 1).astype("<u8")
+    planes = np.ascontiguousarray(words).reshape(-1, 1).view(np.uint8)[:, :bits // 8]
     return packed_bytes(np.ascontiguousarray(planes.T).tobytes())
 
 

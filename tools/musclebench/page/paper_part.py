@@ -6,6 +6,7 @@ import pandas as pd
 
 from ..figures import looks
 from ..figures.paper_figures import caption, frame_rows, muscle_of_figures
+from ..figures.style import muscle_label
 from ..paper.published import Published, read_published
 from ..results.disturbance import note, waits
 from ..results.run_folder import Run, read_runs
@@ -17,6 +18,7 @@ from .parts import Axis, Chart, Section, table_part
 from .views import views_of
 
 MILLISECONDS, MEGABYTES, MILLIMETRES = 1e-6, 1e-6, 1e3
+NAN = float("nan")
 FRAME = Axis("frame", "frame")
 ANGLE = {"angle_deg": "joint angle (deg)"}
 
@@ -63,16 +65,28 @@ def time_chart(cases: dict[tuple[str, str], Run], paper: Published) -> Chart:
     rows = frame_rows(shown, ["update_ns", "detect_ns", "respond_ns", "collision_ns"])
     rows["waited"] = pd.concat([waits(run.frames["collision_ns"]) for run in shown.values()], ignore_index=True).astype(int)
     rows = in_units(rows, {f"{stage}_ns": (f"{stage}_ms", MILLISECONDS) for stage in ("update", "detect", "respond", "collision")})
-    ratios = []
-    for muscle, backend in shown:
-        ours, theirs = paper_tables.collision_ratio(cases, muscle, backend).value, paper.time_ratio(backend)
-        ratios.append({"muscle": muscle, "backend": backend, "here": as_ratio(ours) if ours == ours else "-", "paper": theirs})
     return Chart("fig_7_collision_time", "Fig. 7: collision time of each frame",
                  "Time of update, detection and response a frame of one thread, on a log scale. Crosses: frames in which the "
                  "process waited for the processor. The paper names ratios over the frames; they stand beside the measured ones.",
                  "lines", rows, FRAME, Axis("collision_ms", "collision time a frame (ms)", True),
                  {**ANGLE, "update_ms": "update (ms)", "detect_ms": "detect (ms)", "respond_ms": "respond (ms)"},
-                 {"faint": "waited"}, {"title": "Collision time over that of voxel, median over the frames", "rows": ratios})
+                 {"faint": "waited"}, ratios_beside(cases, list(shown), paper))
+
+
+def ratios_beside(cases: dict[tuple[str, str], Run], shown: list[tuple[str, str]], paper: Published) -> dict:
+    """A line a muscle."""
+    backends = list(dict.fromkeys(backend for _, backend in shown))
+    lines = []
+    for muscle in dict.fromkeys(muscle for muscle, _ in shown):
+        ratios = {backend: paper_tables.collision_ratio(cases, muscle, backend).value
+                  for backend in backends if (muscle, backend) in cases}
+        lines.append([muscle_label(muscle), *(_with_paper(ratios.get(backend, NAN), paper.time_ratio(backend)) for backend in backends)])
+    return {"caption": "Collision time over that of voxel, median over the frames; in brackets the paper's ratio.",
+            "heads": ["muscle", *backends], "lines": lines}
+
+
+def _with_paper(ours: float, theirs: str) -> str:
+    return f"{as_ratio(ours) if ours == ours else '-'} ({theirs or 'none'})"
 
 
 def memory_chart(cases: dict[tuple[str, str], Run], paper: Published) -> Chart:

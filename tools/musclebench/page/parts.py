@@ -32,7 +32,8 @@ class Chart:
     y: Axis
     hover: dict[str, str] = field(default_factory=dict)  # {column: title with unit} of what else a point tells
     options: dict = field(default_factory=dict)  # of the kind, as tools/page/lines.js, points.js and bars.js read them
-    beside: dict = field(default_factory=dict)  # a small table under it: title, rows of muscle, backend, here, paper
+    beside: dict = field(default_factory=dict)  # a small table under it: caption, heads, lines of cells
+    more: list[str] = field(default_factory=list)  # paragraphs for whom wants to know
     kind_of_part: str = "chart"
 
     @property

@@ -7,6 +7,9 @@ from pathlib import Path
 from ..figures import looks
 from ..program.cli import Problem
 from ..program.registry import FILE_NAME, saved_registry
+from .accuracy_part import accuracy_section, is_accuracy
+from .effects_part import effects_section, is_effects
+from .hard_part import hard_section, is_hard
 from .paper_part import is_paper, paper_section
 from .parts import Section
 
@@ -20,6 +23,9 @@ class Kind:
 
 KINDS = (
     Kind("tools/paper", is_paper, paper_section),
+    Kind("tools/accuracy", is_accuracy, accuracy_section),
+    Kind("tools/effects", is_effects, effects_section),
+    Kind("tools/hard", is_hard, hard_section),
 )
 
 

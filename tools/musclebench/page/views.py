@@ -7,13 +7,16 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..figures import looks
+from ..pictures.rendering import View
 from ..pictures.surface_figures import DEEPEST_SHOWN_MM
-from ..pictures.surface_pictures import Snapshot, first_view, read_bones, read_snapshots
+from ..pictures.surface_pictures import Snapshot, first_view, read_bones, read_snapshots, sight_cut
 from ..results.ply import PlyMesh
 from ..results.run_folder import Run
+from ..results.statistics import percentile
 from .packed import neighbours_order, packed_depths, packed_mesh, packed_shapes, packed_triangles, packed_words
 
-BUDGET_CHARACTERS = 6_000_000  # of all moments of a page; beyond it every second moment goes
+MARGIN, SEEN_PERCENTS = 1.12, [0.5, 99.5]
+BUDGET_CHARACTERS = 7_000_000  # of all moments of a page; beyond it every second moment goes
 WORDS = (
     "Drag to turn, + and - to come closer (or turn the wheel with Ctrl, or after a click); all runs have one camera. From the "
     "keyboard: arrow keys turn, 0 is the first view, space plays. A click on a node tells its depth in a bone, by the Referee, "
@@ -71,17 +74,31 @@ def _scene(muscle: str, runs: dict[str, Run], shots: dict[str, list[Snapshot]], 
     surface, bones = shots[first][0].mesh, read_bones(runs[first])
     same = {backend: kept for backend, kept in shots.items() if np.array_equal(kept[0].mesh.triangles, surface.triangles)}
     order = neighbours_order(len(surface.vertices_m), surface.triangles)
-    view = first_view(runs[first], bones, shots[first])
+    shapes_m = np.concatenate([np.stack([shot.mesh.vertices_m for shot in kept]) for kept in same.values()])
     return {
         "muscle": muscle, "vertices": len(order), "triangles": len(surface.triangles),
         "corners": packed_triangles(surface.triangles, order), "order": packed_words(np.diff(order, prepend=0), 32),
         "attached": packed_words(surface.extra["attached"][order], 8),
         "bones": [{"name": name, "mesh": _shared(mesh, meshes)} for name, mesh in bones.items()],
         "deepest_mm": _deepest_mm(same),
-        "camera": {"focus_m": view.focus_m.tolist(), "eye": view.towards_eye.tolist(), "up": view.up.tolist(),
-                   "half_height_m": view.half_height_m},
+        "camera": _camera(first_view(runs[first], bones, shots[first]), shapes_m), "cut": _cut(runs[first], bones, shots[first]),
         "runs": [_run(backend, runs[backend], kept, order) for backend, kept in same.items()],
     }
+
+
+def _camera(view: View, shapes_m: np.ndarray) -> dict:
+    """With the half extents that hold nearly all nodes at all moments, across and upwards."""
+    seen = shapes_m.reshape(-1, 3) - view.focus_m
+    right = np.cross(view.up, view.towards_eye)
+    half_m = [MARGIN * float(np.abs(percentile(seen @ direction, SEEN_PERCENTS)).max()) for direction in (right, view.up)]
+    return {"focus_m": view.focus_m.tolist(), "eye": view.towards_eye.tolist(), "up": view.up.tolist(),
+            "half_width_m": half_m[0], "half_height_m": half_m[1]}
+
+
+def _cut(run: Run, bones: dict[str, PlyMesh], shots: list[Snapshot]) -> dict:
+    """As in Fig. 6: where bones are drawn while they are cut."""
+    plane = sight_cut(run, bones, shots)
+    return {"origin_m": plane.origin_m.tolist(), "normal": plane.normal.tolist()}
 
 
 def _run(backend: str, run: Run, shots: list[Snapshot], order: np.ndarray) -> dict:
