@@ -16,6 +16,7 @@ BUILT = PROJECT / "build" / "page"
 LOCKED = ("package.json", "package-lock.json")
 INSTALL_SECONDS, BUNDLE_SECONDS = 600, 120
 KEPT_BUNDLES = 4
+IMPATIENT = ("--fetch-retries=1", "--fetch-timeout=30000")  # without a network it shall say so soon
 
 
 def page_script(sources: Path = SOURCES, built: Path = BUILT) -> str:
@@ -43,7 +44,8 @@ def installed(sources: Path = SOURCES, built: Path = BUILT, with_tests: bool = F
         with tempfile.TemporaryDirectory(prefix=".installing-", dir=built) as folder:
             for name in LOCKED:
                 shutil.copy(sources / name, folder)
-            words = ["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund", *([] if with_tests else ["--omit=dev"])]
+            words = ["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--prefer-offline", *IMPATIENT,
+                     *([] if with_tests else ["--omit=dev"])]
             _run(words, INSTALL_SECONDS, "'npm ci' can't get the libraries of tools/page/package-lock.json", Path(folder))
             try:
                 os.rename(folder, home)

@@ -103,10 +103,11 @@ def table_part(table: Table, title: str) -> TablePart:
             groups.append((muscle_label(muscle), []))
         groups[-1][1].append(row)
     return TablePart(table.name, title, table.caption, [column.title for column in columns],
-                     [column.digits is not None for column in columns], groups, csv_of(table.rows))
+                     [column.digits is not None for column in columns], groups, table.rows.to_csv(index=False))
 
 
 def csv_of(rows: pd.DataFrame) -> str:
+    """Of many frames: digits beyond those of a measurement would double the page."""
     return rows.to_csv(index=False, float_format=_number)
 
 
