@@ -16,7 +16,7 @@ export function barsOf(spec, rows) {
     height: Math.max(140, 70 + BAR_PIXELS * sorted.length),
     option: {
       series,
-      grid: { left: 132, right: 60, outerBoundsMode: "none" },
+      grid: { left: 132, right: 60 },
       tooltip: { trigger: "item", formatter: (one) => told(one.data.row).map(escaped).join("<br>") },
       xAxis: { type: "value", axisLabel: { color: ink("text"), hideOverlap: true } },
       yAxis: { type: "category", name: "", data: sorted.map((row) => label(row[spec.y.column])), axisLabel: { color: ink("text"), interval: 0 } },

@@ -14,6 +14,7 @@ use([BarChart, CustomChart, LineChart, ScatterChart, DataZoomComponent, GridComp
   TooltipComponent, SVGRenderer]);
 
 const KINDS = { lines: linesOf, points: pointsOf, bars: barsOf };
+const NAME_PIXELS = 14;
 const ZOOM_STEP = 0.25; // of what is seen, at either end
 
 export async function startChart(figure, choice) {
@@ -33,6 +34,7 @@ export async function startChart(figure, choice) {
     if (drawn.height) box.style.height = `${drawn.height}px`;
     chart.resize();
     chart.setOption(framed(drawn.option, spec), { notMerge: true });
+    if (drawn.ends) spreadEnds(chart, drawn.ends);
     chart.dispatchAction({ type: "takeGlobalCursor", key: "dataZoomSelect", dataZoomSelectActive: drawsWithMouse() });
   };
 
@@ -53,6 +55,17 @@ export async function startChart(figure, choice) {
   figure.dataset.drawn = "yes";
 }
 
+// The names at the right ends of lines, pushed apart so that none covers another.
+function spreadEnds(chart, ends) {
+  const placed = ends.map((end) => ({ ...end, y: chart.convertToPixel({ gridIndex: 0 }, end.at)[1] })).sort((a, b) => a.y - b.y);
+  const bottom = chart.getHeight() - 48;
+  let lowest = -Infinity;
+  for (const end of placed) end.wanted = lowest = Math.max(end.y, lowest + NAME_PIXELS);
+  let highest = bottom + 0.9 * NAME_PIXELS;
+  for (const end of placed.reverse()) end.wanted = highest = Math.min(end.wanted, highest - NAME_PIXELS);
+  chart.setOption({ series: placed.map(({ id, wanted, y }) => ({ id, endLabel: { offset: [0, wanted - y] } })) });
+}
+
 // A rectangle drawn with a finger would take the page's scrolling away.
 const drawsWithMouse = () => matchMedia("(pointer: fine)").matches;
 
@@ -66,12 +79,12 @@ function framed(option, spec) {
   };
   const zoom = { type: "inside", filterMode: "none", zoomOnMouseWheel: "ctrl", moveOnMouseMove: false, moveOnMouseWheel: false };
   return {
+    ...option,
     animation: false,
     textStyle: { fontFamily: "system-ui, sans-serif", fontSize: 12, color: ink("text") },
-    grid: { left: 72, right: 20, top: 14, bottom: 48, ...option.grid },
+    grid: { left: 72, right: 20, top: 14, bottom: 48, outerBoundsMode: "none", ...option.grid },
     toolbox: { show: true, itemSize: 0, left: -99, feature: { dataZoom: { filterMode: "none", brushStyle: { opacity: 0.2 } } } },
     dataZoom: [{ ...zoom, xAxisIndex: 0 }, { ...zoom, yAxisIndex: 0 }],
-    ...option,
     tooltip: {
       confine: true, backgroundColor: ink("card"), borderColor: ink("quiet"), textStyle: { color: ink("text"), fontSize: 13 },
       ...option.tooltip,

@@ -16,9 +16,9 @@ export function linesOf(spec, rows, choice) {
     const data = mine.map((row) => ({ value: [row[spec.x.column], row[spec.faint] ? null : y(row)], row }));
     if (kind === "here") {
       series.push({
-        name: backend, type: "line", data, showSymbol: mine.length < 3, symbolSize: 5, connectNulls: true, color,
+        id: backend, name: backend, type: "line", data, showSymbol: mine.length < 3, symbolSize: 5, connectNulls: true, color,
         lineStyle: { width: 1.8, type: choice.looks[backend]?.dash ?? "solid" }, emphasis: { disabled: true },
-        endLabel: { show: true, formatter: label(backend), color, fontSize: 12 }, labelLayout: { moveOverlap: "shiftY" },
+        endLabel: { show: true, formatter: label(backend), color, fontSize: 12 },
       });
       const faint = mine.filter((row) => spec.faint && row[spec.faint] && y(row) !== null);
       if (faint.length) {
@@ -36,7 +36,9 @@ export function linesOf(spec, rows, choice) {
     }
   }
   const told = (found) => textOf(spec, found, choice);
+  const ends = series.filter((one) => one.endLabel).map((one) => ({ id: one.id, at: one.data.findLast((point) => point.value[1] !== null)?.value }));
   return {
+    ends: ends.filter((end) => end.at),
     option: {
       series,
       grid: { right: 70 },

@@ -13,7 +13,7 @@ from .parts import Section
 TEMPLATE = "page.html.j2"
 
 
-def page_html(sections: list[Section], folders: list[Path], script: str, title: str = "") -> str:
+def page_html(sections: list[Section], folders: list[Path], script: str) -> str:
     """`script`: of bundle.page_script."""
     engine = jinja2.Environment(loader=jinja2.FileSystemLoader(SOURCES), autoescape=True, trim_blocks=True, lstrip_blocks=True,
                                 undefined=jinja2.StrictUndefined)
@@ -23,4 +23,4 @@ def page_html(sections: list[Section], folders: list[Path], script: str, title: 
     safe = jinja2.utils.markupsafe.Markup
     return engine.get_template(TEMPLATE).render(
         sections=sections, folders=[folder.name for folder in folders], script=safe(script), css=safe(css), made=made,
-        title=title or f"musclebench: {', '.join(section.title for section in sections)}") + "\n"
+        title=sections[0].title if len(sections) == 1 else "Results of musclebench") + "\n"
