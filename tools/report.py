@@ -18,17 +18,28 @@ from musclebench.results.run_folder import ResultProblem
 def parse_arguments(arguments):
     parser = OneLineParser(prog="tools/report", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("results", nargs="+", type=Path, metavar="RESULTS_DIR", help="a folder of results")
-    parser.add_argument("--out", type=Path, metavar="FILE", help=f"default: {FILE_NAME} in the first folder")
+    parser.add_argument("--export", choices=["vtk"],
+                        help="instead of a page, the runs that kept their shape as .pvd series for ParaView: muscle with depth and "
+                             "attachment of each node, bones in their poses, in metres, times are frames; RESULTS_DIR may be one run's folder")
+    parser.add_argument("--out", type=Path, metavar="PATH",
+                        help=f"the page (default: {FILE_NAME} in the first folder), or the folder of the export (default: vtk in it)")
     return parser.parse_args(arguments)
 
 
-def make_page(options) -> int:
-    write_page(options.results, options.out)
+def make(options) -> int:
+    if options.export is None:
+        write_page(options.results, options.out)
+        return 0
+    from musclebench.export.paraview import export_runs, runs_of  # VTK takes a second to load
+
+    runs = [run for folder in options.results for run in runs_of(folder)]
+    for path in export_runs(runs, options.out or options.results[0] / options.export):
+        print(path)
     return 0
 
 
 def main(arguments=None) -> int:
-    return run_command("report", lambda: make_page(parse_arguments(arguments)), "the page is whole or not there", ResultProblem)
+    return run_command("report", lambda: make(parse_arguments(arguments)), "the page is whole or not there", ResultProblem)
 
 
 if __name__ == "__main__":

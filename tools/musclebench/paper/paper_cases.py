@@ -12,6 +12,8 @@ GUESSED_SECONDS = {"null": (7e-4, 0.5), "voxel": (8e-4, 1.0), "sdf": (8e-4, 15.0
 
 BACKENDS = list(GUESSED_SECONDS)  # in the order of its tables and figures
 
+MOMENTS = 20  # of a motion, for the page's view in space
+
 
 @dataclass(frozen=True)
 class PaperCase(SceneCase):
@@ -42,10 +44,11 @@ class PaperCase(SceneCase):
 
     @property
     def snapshot_frames(self) -> list[int]:
-        """Rest, half and full flexion; of several muscles also where the motion ends."""
+        """Rest, half and full flexion, the end, and what shows the motion between them."""
         flexions = {self.scene.half_flexion_frame, self.scene.full_flexion_frame}
-        last = {self.scene.frames} if self.scene.muscles > 1 else set()
-        return sorted({0} | flexions | last)
+        frames = self.scene.frames
+        between = {round(moment * frames / MOMENTS) for moment in range(MOMENTS)}
+        return sorted(between | flexions | {frames})
 
 
 def plan(scenes: list[Scene], seed: int = 1) -> list[PaperCase]:
