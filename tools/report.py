@@ -2,8 +2,9 @@
 """Makes one HTML file of any folder of results, which needs no network: what was run and on what, tables, charts with the
 rows behind them, and the runs in space.
 
-RESULTS_DIR: what tools/paper, tools/accuracy, tools/effects or tools/hard wrote (its --out), or `musclebench hard --out`.
-Several folders make one page.
+RESULTS_DIR: what tools/paper, tools/accuracy, tools/effects or tools/hard wrote (its --out), `musclebench hard --out`, or a
+folder of `musclebench run`, or several beside each other. Several folders make one page; of no more than 10 MB where runs kept
+many shapes.
 """
 
 import argparse

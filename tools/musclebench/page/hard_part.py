@@ -7,8 +7,11 @@ from pathlib import Path
 import pandas as pd
 
 from ..hard.cells import cells_of
+from ..results.run_folder import read_runs
 from .effects_part import tables_in
+from .looks_of import looks_of_names
 from .parts import Section
+from .views import views_of
 from .written import read_rows
 
 VERDICTS = (("holds", "hold"), ("breaks", "break"), ("refused", "refused"), ("not applicable", "not applicable"))
@@ -43,7 +46,12 @@ def hard_section(folder: Path) -> Section:
     totals = ", ".join(f"{counts.get(verdict, 0)} {words}" for verdict, words in VERDICTS)
     what = [("Cells", f"{len(cells)}: {totals}"), ("Cases", str(cells["case"].nunique())),
             ("Backends", ", ".join(dict.fromkeys(cells["backend"])))]
-    return Section("hard", "Cases that are hard to keep stable", what, _broken(cells), [matrix_part(cells, _texts(folder))], {}, folder)
+    parts = [matrix_part(cells, _texts(folder))]
+    runs = {(run.scene.split("/")[-1], run.backend): run for run in read_runs(folder / "raw")}
+    if runs:
+        parts.append(views_of(runs, "The scenes that move, in space"))
+    looks = looks_of_names(backend for _, backend in runs)
+    return Section("hard", "Cases that are hard to keep stable", what, _broken(cells), parts, looks, folder)
 
 
 def matrix_part(cells: pd.DataFrame, texts: dict[str, str]) -> MatrixPart:

@@ -12,6 +12,7 @@ from .effects_part import effects_section, is_effects
 from .hard_part import hard_section, is_hard
 from .paper_part import is_paper, paper_section
 from .parts import Section
+from .runs_part import is_runs, runs_section
 
 
 @dataclass(frozen=True)
@@ -27,20 +28,28 @@ KINDS = (
     Kind("tools/effects", is_effects, effects_section),
     Kind("tools/hard", is_hard, hard_section),
 )
+OF_RUNS = Kind("musclebench run", is_runs, runs_section)  # of a folder that is nothing else
 
 
 def sections_of(folders: list[Path]) -> list[Section]:
     """In the order of the folders. Raises Problem for a folder that holds no results."""
     made: list[Section] = []
     for folder in folders:
-        kinds = [kind for kind in KINDS if kind.is_there(folder)]
+        kinds = [kind for kind in KINDS if kind.is_there(folder)] or [kind for kind in (OF_RUNS,) if kind.is_there(folder)]
         if not kinds:
-            raise Problem(f"{folder}: holds no results of {', '.join(kind.name for kind in KINDS)}; name the folder that such a "
-                          "command wrote (its --out)")
-        if (folder / FILE_NAME).is_file():
-            looks.know(saved_registry(folder))
+            raise Problem(f"{folder}: holds no results of {', '.join(kind.name for kind in (*KINDS, OF_RUNS))}; name the folder that "
+                          "such a command wrote (its --out)")
+        _know_looks(folder)
         made += [kind.section(folder) for kind in kinds]
     return _apart(made, folders)
+
+
+def _know_looks(folder: Path) -> None:
+    """From the registry beside the results, or beside the folder `raw` that a run lies in."""
+    for place in (folder, folder.resolve().parent.parent):
+        if (place / FILE_NAME).is_file():
+            looks.know(saved_registry(place))
+            return
 
 
 def _apart(sections: list[Section], folders: list[Path]) -> list[Section]:

@@ -50,6 +50,8 @@ def views_of(cases: dict[tuple[str, str], Run], title: str) -> Views:
     """`cases`: {(muscle, backend): run}, of which those without snapshots are left out; a scene a muscle."""
     shots = {case: read_snapshots(run) for case, run in cases.items() if run.record.get("snapshots")}
     shots = {case: kept for case, kept in shots.items() if kept}
+    if not shots:
+        return Views(title, WORDS)
     stride = 1
     while True:
         views = Views(title, WORDS)
