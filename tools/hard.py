@@ -19,7 +19,7 @@ from musclebench.hard.cells import cases_of, cells_of
 from musclebench.hard.strips import run_scene
 from musclebench.program.cli import OneLineParser, Problem, check_program, run_command
 from musclebench.program.out_folder import claimed
-from musclebench.program.registry import read_registry
+from musclebench.program.registry import read_registry, save_registry
 from musclebench.results.run_folder import ResultProblem
 
 HELD, BROKEN = 0, 1
@@ -67,6 +67,7 @@ def run_and_report(options) -> int:
     check_program(options.musclebench, "tools/hard")
     registry = read_registry(options.musclebench)
     with claimed(options.out.absolute(), "raw", "figures", "tables"):
+        save_registry(registry, options.out)
         code = run_matrix(options)
         rows = pd.read_csv(options.out / "matrix.csv", keep_default_na=False)
         figures = options.out / "figures"

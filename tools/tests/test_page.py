@@ -182,3 +182,16 @@ def test_without_npm_one_line_says_what_is_missing(results, monkeypatch, capsys,
     monkeypatch.setattr(page_file, "page_script", lambda: bundle.page_script(built=tmp_path))
     assert paper.page_of(results) == []
     assert "left out" in capsys.readouterr().err and not (results / "report.html").exists()
+
+
+def test_runs_of_no_study_stand_beside_each_other(tmp_path):
+    """Of one backend: told apart by their folders, in colours of their own."""
+    for name in ("before", "after"):
+        fake_runs.write_run(tmp_path / name, "synthetic/iliacus", ROLES.unit, fake_page.FRAMES, bones=fake_page.BONES,
+                            triangles=fake_page.MUSCLE.triangles, snapshots=fake_page.snapshots(), motions=fake_page.MOTIONS)
+    section = sections_of([tmp_path])[0]
+    assert section.backends == ["after", "before"] and len({look["colour"] for look in section.colours.values()}) == 2
+    assert set(parts_of(section, Chart)["memory"].rows["backend"]) == {"after", "before"}
+    assert [run["name"] for run in parts_of(section, views.Views)["view"].scenes[0]["runs"]] == ["after", "before"]
+    one = sections_of([tmp_path / "before"])[0]
+    assert one.backends == [ROLES.unit]

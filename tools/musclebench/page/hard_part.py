@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from ..hard.cells import cells_of
@@ -11,9 +12,10 @@ from ..results.run_folder import read_runs
 from .effects_part import tables_in
 from .looks_of import looks_of_names
 from .parts import Section
-from .views import views_of
+from .views import Sight, views_of
 from .written import read_rows
 
+SIDE = Sight(np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]))  # as their strips are cut
 VERDICTS = (("holds", "hold"), ("breaks", "break"), ("refused", "refused"), ("not applicable", "not applicable"))
 
 
@@ -49,7 +51,7 @@ def hard_section(folder: Path) -> Section:
     parts = [matrix_part(cells, _texts(folder))]
     runs = {(run.scene.split("/")[-1], run.backend): run for run in read_runs(folder / "raw")}
     if runs:
-        parts.append(views_of(runs, "The scenes that move, in space"))
+        parts.append(views_of(runs, "The scenes that move, in space", SIDE))
     looks = looks_of_names(backend for _, backend in runs)
     return Section("hard", "Cases that are hard to keep stable", what, _broken(cells), parts, looks, folder)
 

@@ -2,13 +2,19 @@
 
 from ..figures import looks
 
+# Of Okabe and Ito, one after the other for runs that are told apart by other names than those of backends.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+
 
 def looks_of(runs) -> dict[str, dict]:
-    """{backend: {label, colour, dash, control}} of those that were run, in the registry's order."""
+    """{backend: {label, colour, dash}} of those that were run, in the registry's order."""
     return looks_of_names(run.backend for run in runs)
 
 
 def looks_of_names(names) -> dict[str, dict]:
-    return {name: {"label": looks.backend(name).label, "colour": looks.colour(name),
-                   "dash": looks.backend(name).dash or "solid", "control": looks.backend(name).is_control}
-            for name in looks.backends_in_order(names)}
+    """{name: {label, colour, dash}}"""
+    found = looks.backends_in_order(names)
+    unknown = [name for name in found if not looks.knows(name)]
+    return {name: {"label": looks.backend(name).label, "dash": looks.backend(name).dash or "solid",
+                   "colour": COLOURS[unknown.index(name) % len(COLOURS)] if name in unknown else looks.colour(name)}
+            for name in found}

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..figures import looks
-from ..pictures.rendering import View
 from ..pictures.surface_figures import DEEPEST_SHOWN_MM
 from ..pictures.surface_pictures import Snapshot, first_view, read_bones, read_snapshots, sight_cut
 from ..results.ply import PlyMesh
@@ -15,7 +14,7 @@ from ..results.run_folder import Run
 from ..results.statistics import percentile
 from .packed import neighbours_order, packed_depths, packed_mesh, packed_shapes, packed_triangles, packed_words
 
-MARGIN, SEEN_PERCENTS = 1.12, [0.5, 99.5]
+MARGIN, SEEN_PERCENTS = 1.3, [0.5, 99.5]
 BUDGET_CHARACTERS = 7_000_000  # of all moments of a page; beyond it every second moment goes
 WORDS = (
     "Drag to turn, + and - to come closer (or turn the wheel with Ctrl, or after a click); all runs have one camera. From the "
@@ -23,6 +22,16 @@ WORDS = (
     "and its distance from the nearest bone, by the meshes shown; positions are rounded to 0.02 mm. Bound nodes and those that "
     "are free have no depth."
 )
+
+
+@dataclass(frozen=True)
+class Sight:
+    """Where the first look comes from: unit vectors, `eye` from the muscle towards it."""
+
+    eye: np.ndarray
+    up: np.ndarray
+    cut_normal: np.ndarray  # bones are drawn where (x - cut_m) . cut_normal >= 0
+    cut_m: np.ndarray | None = None  # through the middle of the muscle unless told
 
 
 @dataclass
@@ -46,8 +55,9 @@ class Views:
         return sum(len(run[key]) for scene in self.scenes for run in scene["runs"] for key in ("positions", "depths"))
 
 
-def views_of(cases: dict[tuple[str, str], Run], title: str) -> Views:
-    """`cases`: {(muscle, backend): run}, of which those without snapshots are left out; a scene a muscle."""
+def views_of(cases: dict[tuple[str, str], Run], title: str, sight: Sight | None = None) -> Views:
+    """`cases`: {(muscle, backend): run}, of which those without snapshots are left out; a scene a muscle. `sight`: by
+    default that of Fig. 6, from where the muscle lies on its bones."""
     shots = {case: read_snapshots(run) for case, run in cases.items() if run.record.get("snapshots")}
     shots = {case: kept for case, kept in shots.items() if kept}
     if not shots:
@@ -58,7 +68,7 @@ def views_of(cases: dict[tuple[str, str], Run], title: str) -> Views:
         for muscle in dict.fromkeys(muscle for muscle, _ in shots):
             mine = {case: _thinned(kept, stride) for case, kept in shots.items() if case[0] == muscle}
             views.scenes.append(_scene(muscle, {backend: cases[muscle, backend] for _, backend in mine},
-                                       {backend: kept for (_, backend), kept in mine.items()}, views.meshes))
+                                       {backend: kept for (_, backend), kept in mine.items()}, views.meshes, sight))
         if views.characters <= BUDGET_CHARACTERS or max(map(len, shots.values())) <= 3 * stride:
             return views
         stride *= 2
@@ -71,7 +81,8 @@ def _thinned(shots: list[Snapshot], stride: int) -> list[Snapshot]:
     return [shots[index] for index in sorted(kept)]
 
 
-def _scene(muscle: str, runs: dict[str, Run], shots: dict[str, list[Snapshot]], meshes: dict) -> dict:
+def _scene(muscle: str, runs: dict[str, Run], shots: dict[str, list[Snapshot]], meshes: dict,
+           sight: Sight | None) -> dict:
     first = next(iter(shots))
     surface, bones = shots[first][0].mesh, read_bones(runs[first])
     same = {backend: kept for backend, kept in shots.items() if np.array_equal(kept[0].mesh.triangles, surface.triangles)}
@@ -83,24 +94,28 @@ def _scene(muscle: str, runs: dict[str, Run], shots: dict[str, list[Snapshot]], 
         "attached": packed_words(surface.extra["attached"][order], 8),
         "bones": [{"name": name, "mesh": _shared(mesh, meshes)} for name, mesh in bones.items()],
         "deepest_mm": _deepest_mm(same),
-        "camera": _camera(first_view(runs[first], bones, shots[first]), shapes_m), "cut": _cut(runs[first], bones, shots[first]),
+        **_seen(sight or _usual_sight(runs[first], bones, shots[first]), shapes_m),
         "runs": [_run(backend, runs[backend], kept, order) for backend, kept in same.items()],
     }
 
 
-def _camera(view: View, shapes_m: np.ndarray) -> dict:
-    """With the half extents that hold nearly all nodes at all moments, across and upwards."""
-    seen = shapes_m.reshape(-1, 3) - view.focus_m
-    right = np.cross(view.up, view.towards_eye)
-    half_m = [MARGIN * float(np.abs(percentile(seen @ direction, SEEN_PERCENTS)).max()) for direction in (right, view.up)]
-    return {"focus_m": view.focus_m.tolist(), "eye": view.towards_eye.tolist(), "up": view.up.tolist(),
-            "half_width_m": half_m[0], "half_height_m": half_m[1]}
+def _usual_sight(run: Run, bones: dict[str, PlyMesh], shots: list[Snapshot]) -> Sight:
+    view, plane = first_view(run, bones, shots), sight_cut(run, bones, shots)
+    return Sight(view.towards_eye, view.up, plane.normal, plane.origin_m)
 
 
-def _cut(run: Run, bones: dict[str, PlyMesh], shots: list[Snapshot]) -> dict:
-    """As in Fig. 6: where bones are drawn while they are cut."""
-    plane = sight_cut(run, bones, shots)
-    return {"origin_m": plane.origin_m.tolist(), "normal": plane.normal.tolist()}
+def _seen(sight: Sight, shapes_m: np.ndarray) -> dict:
+    """A camera on nearly all nodes at all moments, and the plane before which bones are cut away."""
+    nodes, across = shapes_m.reshape(-1, 3), np.cross(sight.up, sight.eye)
+    focus, half_m = nodes.mean(axis=0), []
+    for direction in (across, sight.up):
+        low, high = percentile(nodes @ direction, SEEN_PERCENTS)
+        focus = focus + direction * ((low + high) / 2 - focus @ direction)
+        half_m.append(MARGIN * (high - low) / 2)
+    cut_m = focus if sight.cut_m is None else sight.cut_m
+    return {"camera": {"focus_m": focus.tolist(), "eye": sight.eye.tolist(), "up": sight.up.tolist(),
+                       "half_width_m": float(half_m[0]), "half_height_m": float(half_m[1])},
+            "cut": {"origin_m": cut_m.tolist(), "normal": sight.cut_normal.tolist()}}
 
 
 def _run(backend: str, run: Run, shots: list[Snapshot], order: np.ndarray) -> dict:
