@@ -34,7 +34,7 @@ export async function startChart(figure, choice) {
     if (drawn.height) box.style.height = `${drawn.height}px`;
     chart.resize();
     chart.setOption(framed(drawn.option, spec), { notMerge: true });
-    if (drawn.ends) spreadEnds(chart, drawn.ends);
+    if (drawn.ends) nameEnds(chart, drawn.ends);
     chart.dispatchAction({ type: "takeGlobalCursor", key: "dataZoomSelect", dataZoomSelectActive: drawsWithMouse() });
   };
 
@@ -47,6 +47,7 @@ export async function startChart(figure, choice) {
   choice.addEventListener("change", draw);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   new ResizeObserver(() => chart.resize()).observe(box);
+  chart.on("datazoom", () => drawn.ends && nameEnds(chart, drawn.ends));
   bindZoom(figure, chart);
   bindKeys(box, chart, () => drawn.stops, heard);
   bindRows(figure, choice);
@@ -55,15 +56,20 @@ export async function startChart(figure, choice) {
   figure.dataset.drawn = "yes";
 }
 
-// The names at the right ends of lines, pushed apart so that none covers another.
-function spreadEnds(chart, ends) {
+// The names at the right ends of lines, pushed apart so that none covers another; none while only a part is seen.
+function nameEnds(chart, ends) {
+  const isWhole = chart.getOption().dataZoom.every((zoom) => zoom.start === 0 && zoom.end === 100);
+  if (!isWhole) {
+    chart.setOption({ series: ends.map(({ id }) => ({ id, endLabel: { show: false } })) });
+    return;
+  }
   const placed = ends.map((end) => ({ ...end, y: chart.convertToPixel({ gridIndex: 0 }, end.at)[1] })).sort((a, b) => a.y - b.y);
   const bottom = chart.getHeight() - 48;
   let lowest = -Infinity;
   for (const end of placed) end.wanted = lowest = Math.max(end.y, lowest + NAME_PIXELS);
   let highest = bottom + 0.9 * NAME_PIXELS;
   for (const end of placed.reverse()) end.wanted = highest = Math.min(end.wanted, highest - NAME_PIXELS);
-  chart.setOption({ series: placed.map(({ id, wanted, y }) => ({ id, endLabel: { offset: [0, wanted - y] } })) });
+  chart.setOption({ series: placed.map(({ id, wanted, y }) => ({ id, endLabel: { show: true, offset: [0, wanted - y] } })) });
 }
 
 // A rectangle drawn with a finger would take the page's scrolling away.

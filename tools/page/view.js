@@ -159,7 +159,7 @@ class View {
     this.parts.readout.innerHTML = `<table><caption>Node ${this.data.order[this.marked]}${bound}, frame ${this.frame}</caption><thead><tr><th>backend</th>` +
       "<th>depth in a bone (mm)</th><th>distance to the nearest bone (mm)</th><th>bone</th></tr></thead><tbody>" +
       lines.map((line) => `<tr><th scope="row">${escaped(line.backend)}</th><td class="number">${figure(line.depth)}</td>` +
-        `<td class="number">${figure(line.distance)}</td><td>${escaped(line.bone)}</td></tr>`).join("") + "</tbody></table>";
+        `<td class="number">${line.distance.toFixed(2)}</td><td>${escaped(line.bone)}</td></tr>`).join("") + "</tbody></table>";
   }
 
   nodeOf(cell) {

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..results.ply import PlyMesh
 
-STEP_M = 2e-5  # of positions; of larger ones the smallest with which they fit
+STEP_M, BONE_STEP_M = 3e-5, 5e-6  # of positions; of larger ones the smallest with which they fit
 DEPTH_STEP_M = 1e-6
 STEPS = 65535
 LEVEL = 6
@@ -71,10 +71,10 @@ def packed_triangles(triangles: np.ndarray, order: np.ndarray) -> str:
     return packed_words(np.diff(corners, prepend=0), 32)
 
 
-def packed_shapes(shapes_m: np.ndarray, order: np.ndarray) -> PackedShapes:
+def packed_shapes(shapes_m: np.ndarray, order: np.ndarray, finest_m: float = STEP_M) -> PackedShapes:
     """`shapes_m`: (moments, vertices, 3). Differences to the moment before, then to the vertex before."""
     low, high = shapes_m.min(axis=(0, 1)), shapes_m.max(axis=(0, 1))
-    step_m = max(STEP_M, float((high - low).max()) / STEPS)
+    step_m = max(finest_m, float((high - low).max()) / STEPS)
     steps = np.rint((shapes_m[:, order] - low) / step_m).astype(np.int64).transpose(0, 2, 1)
     steps = np.diff(steps, axis=0, prepend=0)
     return PackedShapes(step_m, low.tolist(), packed_words(np.diff(steps, axis=2, prepend=0), 16))
@@ -90,6 +90,6 @@ def packed_depths(depths_m: np.ndarray, order: np.ndarray) -> tuple[float, str]:
 def packed_mesh(mesh: PlyMesh) -> dict:
     """A surface that does not change its shape."""
     order = neighbours_order(len(mesh.vertices_m), mesh.triangles)
-    shape = packed_shapes(mesh.vertices_m[None], order)
+    shape = packed_shapes(mesh.vertices_m[None], order, BONE_STEP_M)
     return {"vertices": len(order), "triangles": len(mesh.triangles), "corners": packed_triangles(mesh.triangles, order),
             "step_m": shape.step_m, "origin_m": shape.origin_m, "positions": shape.text}

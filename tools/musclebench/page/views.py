@@ -19,7 +19,7 @@ BUDGET_CHARACTERS = 7_000_000  # of all moments of a page; beyond it every secon
 WORDS = (
     "Drag to turn, + and - to come closer (or turn the wheel with Ctrl, or after a click); all runs have one camera. From the "
     "keyboard: arrow keys turn, 0 is the first view, space plays. A click on a node tells its depth in a bone, by the Referee, "
-    "and its distance from the nearest bone, by the meshes shown; positions are rounded to 0.02 mm. Bound nodes and those that "
+    "and its distance from the nearest bone, by the meshes shown; positions are rounded to 0.03 mm. Bound nodes and those that "
     "are free have no depth."
 )
 
