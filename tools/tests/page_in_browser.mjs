@@ -82,14 +82,34 @@ const stream = await (await saved).createReadStream();
 found.file = "";
 for await (const part of stream) found.file += part;
 
+// The Pareto picture tells of the point under the mouse, one muscle at a time; so do the bars of effects.
+const pareto = "#accuracy-pareto_replay", bars = "#effects-effect_costs_chart";
+const hover = async (id, pick) => {
+  await drawn(page, id);
+  const spot = await page.locator(id).evaluate((figure, [name, at]) => {
+    const series = figure.chart.getOption().series.find((one) => one.type === name && one.data.length > at);
+    const box = figure.querySelector(".chart").getBoundingClientRect(), { value } = series.data[at];
+    const [x, y] = figure.chart.convertToPixel({ gridIndex: 0 }, name === "bar" ? [value / 2, at] : value);
+    return { x: box.left + x, y: box.top + y };
+  }, pick);
+  await page.mouse.move(spot.x - 30, spot.y - 30);
+  await page.mouse.move(spot.x, spot.y);
+  await page.waitForTimeout(300);
+  return page.locator(`${id} .chart > div`).last().innerText();
+};
+found.point = await hover(pareto, ["scatter", 1]);
+await page.locator("#accuracy .choose-muscle").selectOption({ index: 1 });
+found.pointOfOther = await hover(pareto, ["scatter", 1]);
+found.bar = await hover(bars, ["bar", 1]);
+
 // A backend is clicked away, in charts and views; another muscle comes.
 const names = () => page.locator(chart).evaluate((figure) => [...new Set(figure.chart.getOption().series.map((one) => one.name))]);
 found.shown = await names();
-await page.locator(`.choose-backend[value="${found.shown[0]}"]`).click();
+await page.locator(`#paper .choose-backend[value="${found.shown[0]}"]`).click();
 found.without = await names();
 found.cells = await page.locator(`${view} .cell`).count();
-await page.locator(".choose-muscle").selectOption({ index: 1 });
-await page.locator(`${view}[data-drawn="${await page.locator(".choose-muscle").inputValue()}"]`).waitFor({ timeout: 30000 });
+await page.locator("#paper .choose-muscle").selectOption({ index: 1 });
+await page.locator(`${view}[data-drawn="${await page.locator("#paper .choose-muscle").inputValue()}"]`).waitFor({ timeout: 30000 });
 found.muscle = await page.locator(view).evaluate((figure) => figure.view.data.told.muscle);
 
 // Arrow keys say what the mouse shows.
@@ -107,7 +127,7 @@ await page.close();
 // A phone, and a dark screen.
 for (const [name, options] of Object.entries({ phone: { viewport: { width: 360, height: 740 } }, dark: { viewport: { width: 1200, height: 900 }, colorScheme: "dark" } })) {
   const other = await open(options);
-  for (const id of [view, chart]) await drawn(other, id);
+  for (const id of [view, chart, pareto, bars]) await drawn(other, id);
   found[name] = await other.evaluate(() => ({ sideways: document.documentElement.scrollWidth - innerWidth, page: getComputedStyle(document.body).backgroundColor }));
   await other.screenshot({ path: `${folder}/${name}.png`, fullPage: true });
   await other.close();

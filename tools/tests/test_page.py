@@ -166,6 +166,13 @@ def test_what_a_study_wrote_is_shown_as_it_is(study):
     assert set(section.backends) <= set(drawn["backend"]) and section.muscles
 
 
+def test_what_failed_is_told_before_anything_else(tmp_path):
+    accuracy, effects = sections_of([fake_page.write_accuracy(tmp_path)])
+    assert accuracy.problems == ["b: failed, out of luck"] and accuracy.muscles == list(fake_page.MUSCLES)
+    assert parts_of(accuracy, TablePart)["price_list"].groups == [("iliacus", [["0.1", "grid 64"]])]
+    assert "effect_costs_chart" in parts_of(effects, Chart)
+
+
 @pytest.mark.parametrize(("folder", "words"), [("nowhere", "no such folder"), (".", "holds no results")])
 def test_a_folder_without_results_is_one_line(tmp_path, folder, words, capsys, monkeypatch):
     monkeypatch.setattr(page_file, "page_script", lambda: "")

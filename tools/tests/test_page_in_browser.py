@@ -27,7 +27,7 @@ def found(tmp_path_factory) -> dict:
     folder = tmp_path_factory.mktemp("browser")
     try:
         libraries = bundle.installed(with_tests=True)
-        page = write_page([fake_page.write_paper(folder / "paper")])
+        page = write_page([fake_page.write_paper(folder / "paper"), fake_page.write_accuracy(folder / "accuracy")])
     except Problem as problem:
         pytest.skip(f"the page is not opened: {problem}")
     words = ["node", str(SCRIPT), str(libraries), BROWSER, str(page), str(folder)]
@@ -66,6 +66,13 @@ def test_hovering_shows_what_the_file_holds(found):
     told = {name: float(value) for name, value in re.findall(r"^(\w+): ([\d.]+)$", found["tip"], re.MULTILINE)}
     wanted = rows[(rows["muscle"] == "iliacus") & (rows["frame"] == frame)].set_index("backend")["collision_ms"]
     assert frame == 7 and told == pytest.approx(wanted.to_dict()) and len(told) == 3
+
+
+def test_the_pareto_picture_tells_of_the_point_under_the_mouse(found):
+    assert found["point"].splitlines()[:3] == [f"{ROLES.field} 64", "collision time a frame (ms): 0.3 (95 % interval 0.27 to 0.36)",
+                                               "depth error, 99th percentile (mm): 0.05"]
+    assert "on the Pareto front" in found["point"] and "collision time a frame (ms): 0.6 " in found["pointOfOther"]
+    assert found["bar"].splitlines()[0] == "self contact: 1.5 ms a frame"
 
 
 def test_a_backend_is_clicked_away(found):
