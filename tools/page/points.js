@@ -1,6 +1,6 @@
 // Time against error, both log: a point a configuration, a curve over a backend's resolutions, the front in grey. What is
 // exact has no logarithm: it lies in a band at the bottom, whose heights mean nothing.
-import { escaped, figure, ink, label } from "./words.js";
+import { escaped, figure, ink } from "./words.js";
 
 const SYMBOLS = ["circle", "rect", "diamond", "triangle", "roundRect", "arrow"];
 const CROSS = "path://M-1,-1L1,1M-1,1L1,-1";
@@ -99,14 +99,11 @@ function marksOf(sorted, place, choice) {
     const mine = sorted.filter((row) => row.backend === backend);
     return {
       name: backend, type: "scatter", z: 4,
-      labelLayout: { hideOverlap: true },
       data: mine.map((row) => ({
         value: place(row), row, symbolSize: sizeOf(row.structure_bytes),
         symbol: row.is_wrong ? CROSS : SYMBOLS[Math.max(0, styleOf(sorted, row)) % SYMBOLS.length],
         itemStyle: row.is_wrong ? { color: "none", borderColor: color, borderWidth: 2 }
           : { color, opacity: 1, borderColor: row.on_front ? ink("text") : ink("page"), borderWidth: row.on_front ? 1.8 : 0.6 },
-        label: { show: Boolean(row.on_front), formatter: label(row.label ?? row.configuration), position: "top", fontSize: 11, color: ink("text"),
-          textBorderColor: ink("page"), textBorderWidth: 3 },
       })),
     };
   });
