@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Runs the paper's experiment (4 muscles, 3 backends and a control without collision); makes its tables and figures."""
+"""Runs the paper's experiment (4 muscles, 3 backends and a control without collision); makes its tables, figures and page."""
 
 import sys
 from pathlib import Path
@@ -8,6 +8,7 @@ from musclebench.cases.study_command import add_jobs_option, add_run_options, ch
 from musclebench.experiments.experiment_file import of_project
 from musclebench.experiments.running import limits_of, sweep_of
 from musclebench.figures import looks, paper_figures
+from musclebench.page.page_file import FILE_NAME, write_page
 from musclebench.paper import published
 from musclebench.pictures.in_display import draw_in_display
 from musclebench.program.cli import Problem, add_scene_options, run_command
@@ -52,6 +53,15 @@ def print_report(runs: list[run_folder.Run], made: list[paper_tables.Table]) -> 
     print(paper_figures.caption(runs))
 
 
+def page_of(out_dir: Path) -> list[Path]:
+    """Says what it left out where the page can't be made: figures and tables are complete without it."""
+    try:
+        return [write_page([out_dir])]
+    except Problem as problem:
+        print(f"paper: left out {out_dir / FILE_NAME}, the page with charts and runs in space: {problem}", file=sys.stderr)
+        return []
+
+
 def run_and_report(options) -> int:
     check_options(options, "paper")
     folders = folders_of(options, "paper")
@@ -69,6 +79,7 @@ def run_and_report(options) -> int:
     except Problem as problem:
         problems.append(str(problem))
     print_report(runs, made)
+    files += page_of(out_dir)
     return end("paper", files, problems)
 
 

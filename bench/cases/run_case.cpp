@@ -93,6 +93,7 @@ class CaseRunner {
     m_result.records.reserve(static_cast<std::size_t>(std::min(m_scene.loop.frames, 100000)));
     malloc_trim(0);  // what only the building needed shall not count as the structures' memory
     const std::size_t before_watching_bytes = resident_memory_bytes();
+    make_room_for_snapshots();
     follow_fibres();
     if (m_run.judge) {
       reserve_huge_pages(usual_referee_bytes);
@@ -100,7 +101,7 @@ class CaseRunner {
       m_result.rest.depth = m_judge->depth_at_rest();
       m_result.rest.in_muscles = m_judge->muscle_depth_at_rest();
     }
-    if (m_judge || m_fibres) {
+    if (m_judge || m_fibres || !m_room.empty()) {
       malloc_trim(0);
       m_result.referee_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_watching_bytes);
     }
@@ -108,6 +109,14 @@ class CaseRunner {
     const std::size_t before_bytes = resident_memory_bytes();
     move_to_huge_pages();
     m_result.huge_page_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_bytes);
+  }
+
+  /// Before the first frame and written to, so that the memory of the run does not grow by them.
+  void make_room_for_snapshots() {
+    const std::size_t nodes = m_simulation->positions().size();
+    for (std::size_t i = 0; i < m_run.snapshots.size(); ++i) {
+      m_room.push_back({0, 0, std::vector<Vec3>(nodes, Vec3::Zero()), std::vector<double>(nodes, 0.0), {}, {}});
+    }
   }
 
   void follow_fibres() {
@@ -289,16 +298,14 @@ class CaseRunner {
     if (!is_kept(frame)) {
       return;
     }
+    Snapshot snapshot = std::move(m_room.back());
+    m_room.pop_back();
+    snapshot.frame = frame;
+    snapshot.angle_deg = m_scene.angle_rad(frame) * degrees_per_radian;
+    std::ranges::copy(m_simulation->positions(), snapshot.positions.begin());
+    if (m_judge) std::ranges::copy(m_judge->depths(*m_simulation), snapshot.depths_m.begin());
     const auto poses = m_simulation->bone_poses();
-    Snapshot snapshot{frame,
-                      m_scene.angle_rad(frame) * degrees_per_radian,
-                      m_simulation->positions(),
-                      std::vector<double>(m_simulation->positions().size(), 0.0),
-                      {poses.begin(), poses.end()},
-                      {}};
-    if (m_judge) {
-      snapshot.depths_m = m_judge->depths(*m_simulation);
-    }
+    snapshot.bone_poses.assign(poses.begin(), poses.end());
     if (m_fibres) snapshot.fibres = m_fibre_points;
     m_result.snapshots.push_back(std::move(snapshot));
   }
@@ -306,6 +313,7 @@ class CaseRunner {
   const RunCase& m_run;
   const Scene& m_scene;
   RunResult m_result;
+  std::vector<Snapshot> m_room;    ///< for those that are still to be kept
   std::vector<BoneReach> m_reach;  ///< by bone
   std::unique_ptr<CollisionBackend> m_backend;
   std::unique_ptr<Simulation> m_simulation;

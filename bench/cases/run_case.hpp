@@ -59,7 +59,7 @@ struct RunResult {
   std::size_t memory_after_bytes = 0;   ///< the same
   std::size_t huge_page_bytes = 0;      ///< padding of huge pages; in none of the others but the peak
   std::size_t memory_peak_bytes = 0;    ///< of the whole process
-  std::size_t referee_bytes = 0;        ///< resident memory of judging and of following fibres
+  std::size_t referee_bytes = 0;        ///< resident memory of judging, of following fibres and of snapshots
   std::string state_hash;               ///< of all positions and velocities at the end
   /// Of a run that diverged: the collision steps of the last whole frames before, up to Divergence::kept_frames.
   std::vector<RecordedStep> last_steps = {};

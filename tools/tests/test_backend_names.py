@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 ROOMS = ("core", "backends", "bench", "datasets", "tools", "cmake")
-SUFFIXES = {".cpp", ".hpp", ".in", ".txt", ".cmake", ".py", ".sh", ".toml", ""}
+SUFFIXES = {".cpp", ".hpp", ".in", ".txt", ".cmake", ".py", ".sh", ".toml", ".js", ".j2", ""}
 TABLE = Path("backends/CMakeLists.txt")
 # Faults and golden states are made for one backend each.
 MADE_FOR_ONE = {Path("tools/mutants.toml")}

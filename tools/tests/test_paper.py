@@ -48,6 +48,7 @@ def in_process(tmp_path, monkeypatch, capfd):
     error, cases that were run)."""
     log = tmp_path / "log"
     monkeypatch.setattr(paper, "draw_in_display", lambda kind, out_dir, names: [])
+    monkeypatch.setattr(paper, "write_page", lambda folders: folders[0] / "report.html")
     monkeypatch.setattr(paper.paper_figures, "draw_figures", lambda runs, paper, folder: [])
 
     def run(*more, behaviour=""):

@@ -144,6 +144,15 @@ distance_m = {}
     assert len(ids) == 2
 
 
+def test_shapes_that_are_kept_are_no_memory_of_the_run(tmp_path):
+    """Some 6 MB of them: room for them is made before the first frame, where the Referee's is."""
+    done = call("run", "synthetic/gluteus_maximus", "--backend", "voxel", "--preset", "paper", "--frames", 20, "--snapshots",
+                ",".join(map(str, range(21))), "--out", tmp_path / "run")
+    assert done.returncode == 0, done.stderr
+    frames = pd.read_csv(tmp_path / "run" / "frames.csv")
+    assert frames["resident_bytes"].iloc[-1] - frames["resident_bytes"].iloc[0] < 1e6
+
+
 def test_numbers_read_back_to_the_same_bits(folder):
     assert run(folder).returncode == 0
     text = (folder / "out/frames.csv").read_text().splitlines()

@@ -11,7 +11,7 @@ from .toml_lines import key_lines, line_of
 
 FOLDER = Path(__file__).resolve().parents[3] / "bench" / "experiments"
 MODES = ("run", "replay", "probe", "hard")
-MOMENTS = ("rest", "half", "full", "end", "after_rest")
+MOMENTS = ("rest", "half", "full", "end", "after_rest", "motion")
 EFFECT_SETS = ("own", "all", "all-each", "own+each")
 NAMED = "{scene}-{group}-{configuration}-r{repetition}"
 

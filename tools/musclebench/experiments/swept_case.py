@@ -18,6 +18,8 @@ PROBING_SECONDS = 3.0
 BYTES_A_JUDGED_RUN = 10e6
 BYTES_A_RUN = 0.3e6
 
+SHOWN_OF_A_MOTION = 20  # moments, for the page's view in space
+
 
 @dataclass(frozen=True)
 class AxisValue:
@@ -104,9 +106,11 @@ class SweptCase(SceneCase):
 
     @property
     def snapshot_frames(self) -> list[int]:
-        moments = {"rest": 0, "half": self.scene.half_flexion_frame, "full": self.scene.full_flexion_frame,
-                   "end": self.scene.frames, "after_rest": self.scene.frames + self.rest_frames}
-        return sorted({moments[moment] for moment in self.group.snapshots}) if self.is_judged else []
+        frames = self.scene.frames
+        moments = {"rest": {0}, "half": {self.scene.half_flexion_frame}, "full": {self.scene.full_flexion_frame},
+                   "end": {frames}, "after_rest": {frames + self.rest_frames},
+                   "motion": {round(shown * frames / SHOWN_OF_A_MOTION) for shown in range(SHOWN_OF_A_MOTION)}}
+        return sorted(set().union(*(moments[moment] for moment in self.group.snapshots))) if self.is_judged else []
 
     @property
     def guessed_seconds(self) -> float:

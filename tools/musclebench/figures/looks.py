@@ -21,6 +21,10 @@ def backend(name: str) -> Backend:
     return _known.backend(name)
 
 
+def knows(name: str) -> bool:
+    return _known.has(name)
+
+
 def backends_in_order(names) -> list[str]:
     """Names without repetition, in the program's order; those that it doesn't know last."""
     names = set(names)

@@ -120,7 +120,7 @@ def _draw_depths(cases, folder: Path) -> list[Path]:
     runs = list(cases.values())
     _footnote(figure, runs)
     columns = ["nodes_inside", "max_depth_m", "p99_depth_m", "mean_depth_m"]
-    return _save(figure, _rows_of_cases(cases, columns), folder / "depth_by_frame")
+    return _save(figure, frame_rows(cases, columns), folder / "depth_by_frame")
 
 
 def _column_axes():
@@ -165,10 +165,11 @@ def _footnote(figure: Figure, runs: list[Run], more: str = "") -> None:
 
 
 def _rows(runs: dict[str, Run], columns: list[str]) -> pd.DataFrame:
-    return _rows_of_cases({(run.muscle, backend): run for backend, run in runs.items()}, columns)
+    return frame_rows({(run.muscle, backend): run for backend, run in runs.items()}, columns)
 
 
-def _rows_of_cases(cases, columns: list[str]) -> pd.DataFrame:
+def frame_rows(cases: dict[tuple[str, str], Run], columns: list[str]) -> pd.DataFrame:
+    """Of {(muscle, backend): run}: one row a run and frame."""
     parts = []
     for (muscle, backend), run in cases.items():
         part = run.frames.reindex(columns=["frame", "angle_deg", "warm_up", *columns])

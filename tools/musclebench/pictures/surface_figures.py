@@ -131,8 +131,10 @@ def _best_shaped(runs: list[Run]) -> Run:
 
 
 def _draw_several(studio: Studio, scene: str, run: Run, folder: Path, say) -> list[Path]:
-    """Each muscle in its colour, from both sides, in all snapshots of one run."""
-    snapshots = read_snapshots(run)
+    """Each muscle in its colour, from both sides: at rest, half and full flexion and at the end of one run."""
+    kept = read_snapshots(run)
+    chosen = choose_moments(kept)
+    snapshots = list({shot.frame: shot for shot in (chosen.rest, chosen.half, chosen.full, kept[-1])}.values())
     muscles = run.record["muscles"]
     counts = [muscle["vertices"] for muscle in muscles]
     figure, panels = plt.subplots(2, len(snapshots), squeeze=False,

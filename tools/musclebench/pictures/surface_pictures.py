@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from ..results.ply import PlyMesh, read_ply
 from ..results.run_folder import ResultProblem, Run
 from . import views
-from .rendering import Scene3d
+from .rendering import CutPlane, Scene3d, View
 
 PICTURE_PIXELS = 620
 MUSCLE_COLOUR = np.array([178, 88, 80])
@@ -64,13 +64,12 @@ class Studio:
         self._scene = Scene3d(PICTURE_PIXELS, PICTURE_PIXELS)
         for name, bone in self.bones.items():
             self._scene.set_bone(name, bone.vertices_m, bone.triangles)
-        shapes = [snapshot.mesh.vertices_m for snapshot in read_snapshots(run)]
+        snapshots = read_snapshots(run)
+        shapes = [snapshot.mesh.vertices_m for snapshot in snapshots]
         joint = _joint(run, self.bones, shapes[0])
-        all_bones_m = np.vstack([bone.vertices_m for bone in self.bones.values()])
-        eye = views.side_of_muscle(joint, shapes[0], all_bones_m)
-        self._overview = views.overview(joint, eye, [part for shape in shapes for part in shapes_of_muscles(run, shape)])
-        self._close_up = views.close_up(joint, eye, shapes[0])
-        self._cut = views.cut_beside(joint, shapes[0], all_bones_m)
+        self._overview = first_view(run, self.bones, snapshots)
+        self._close_up = views.close_up(joint, self._overview.towards_eye, shapes[0])
+        self._cut = sight_cut(run, self.bones, snapshots)
         self._scene.cut_bones(self._cut)
 
     def overview(self, snapshot: Snapshot, deepest_mm: float) -> np.ndarray:
@@ -117,6 +116,21 @@ class Studio:
             self._scene.pose_bone(name, rotation, translation_m)
         self._scene.clear_muscle()
         self._scene.add_muscle(snapshot.mesh.vertices_m, snapshot.mesh.triangles, colours, opacity)
+
+
+def first_view(run: Run, bones: dict[str, PlyMesh], snapshots: list[Snapshot]) -> View:
+    """A camera on the muscle's side that holds every one of these shapes."""
+    shapes = [snapshot.mesh.vertices_m for snapshot in snapshots]
+    joint = _joint(run, bones, shapes[0])
+    eye = views.side_of_muscle(joint, shapes[0], np.vstack([bone.vertices_m for bone in bones.values()]))
+    return views.overview(joint, eye, [part for shape in shapes for part in shapes_of_muscles(run, shape)])
+
+
+def sight_cut(run: Run, bones: dict[str, PlyMesh], snapshots: list[Snapshot]) -> CutPlane:
+    """Beside the muscle at rest."""
+    rest_m = snapshots[0].mesh.vertices_m
+    bones_m = np.vstack([bone.vertices_m for bone in bones.values()])
+    return views.cut_beside(_joint(run, bones, rest_m), rest_m, bones_m)
 
 
 def shapes_of_muscles(run: Run, vertices_m: np.ndarray) -> list[np.ndarray]:

@@ -55,7 +55,7 @@ def as_markdown(table: Table) -> str:
 def markdown_rows(columns: list[Column], rows: pd.DataFrame) -> str:
     lines = ["| " + " | ".join(column.title for column in columns) + " |"]
     lines.append("| " + " | ".join("---" if c.digits is None else "---:" for c in columns) + " |")
-    lines += ["| " + " | ".join(cells) + " |" for cells in _cells(Table("", "", columns, rows, []), columns)]
+    lines += ["| " + " | ".join(cells) + " |" for cells in as_cells(Table("", "", columns, rows, []), columns)]
     return "\n".join(lines)
 
 
@@ -84,7 +84,7 @@ def latex_column_groups(table: Table, columns: list[Column]) -> list[list[Column
 
 
 def _latex_width(table: Table, column: Column) -> float:
-    cells = [cells[0] for cells in _cells(table, [column])]
+    cells = [cells[0] for cells in as_cells(table, [column])]
     return LATEX_LETTER * max(map(len, (*_two_lines(column.head or column.title), *cells))) + LATEX_GAP
 
 
@@ -99,7 +99,7 @@ def _latex_part(table: Table, rows: pd.DataFrame, columns: list[Column]) -> str:
              f"\\begin{{tabular}}{{{layout}}}", "\\toprule"]
     lines += [" & ".join(_latex(head[line]) for head in heads) + " \\\\" for line in (0, 1)]
     muscle = None
-    for (_, row), cells in zip(rows.iterrows(), _cells(Table(table.name, "", table.columns, rows, []), columns)):
+    for (_, row), cells in zip(rows.iterrows(), as_cells(Table(table.name, "", table.columns, rows, []), columns)):
         if row.get("muscle") != muscle:
             muscle = row["muscle"]
             heading = f"\\emph{{{_latex(muscle_label(muscle))}}}"
@@ -111,7 +111,7 @@ def _latex_part(table: Table, rows: pd.DataFrame, columns: list[Column]) -> str:
 def as_text(table: Table) -> str:
     """Aligned columns for a terminal, two lines of titles, the muscle as a heading over its backends."""
     columns = [column for column in table.columns if column.key in table.shown]
-    rows = [[f"  {cells[0]}", *cells[1:]] for cells in _cells(table, columns)]
+    rows = [[f"  {cells[0]}", *cells[1:]] for cells in as_cells(table, columns)]
     heads = [_two_lines(column.head or column.title) for column in columns]
     widths = [max(len(text) for text in (*head, *(row[i] for row in rows))) for i, head in enumerate(heads)]
     lines = [_aligned([head[line] for head in heads], columns, widths) for line in (0, 1)]
@@ -135,7 +135,8 @@ def _two_lines(head: str) -> tuple[str, str]:
     return first, second
 
 
-def _cells(table: Table, columns: list[Column]) -> list[list[str]]:
+def as_cells(table: Table, columns: list[Column]) -> list[list[str]]:
+    """Texts with the digits that people read."""
     return [[_cell(row[column.key], column) for column in columns] for _, row in table.rows.iterrows()]
 
 

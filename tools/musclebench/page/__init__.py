@@ -1,0 +1,1 @@
+"""The page of results: one HTML file with tables, charts and views in space, and all rows behind them."""

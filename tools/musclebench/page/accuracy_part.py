@@ -1,0 +1,65 @@
+"""What accuracy costs: the Pareto pictures, one muscle at a time, and the price lists."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+
+from ..accuracy.front import EXACT_MM
+from ..results.disturbance import note
+from ..results.status import MEASURED
+from .looks_of import looks_of_names
+from .parts import Chart, Section
+from .written import caption_of, pareto_chart, read_rows, written_table
+
+PARETO = (
+    ("pareto_replay", "depth error, 99th percentile (mm)", "exact"),
+    ("pareto_coupled", "remaining depth, 99th percentile (mm)", "none left"),
+    ("pareto_coupled_shape", "distance to exact shape, RMS (mm)", "same shape"),
+    ("pareto_moment_arm", "moment arm off by, RMS (mm)", "same moment arm"),
+)
+TABLES = (
+    ("price_list", "Price list: what a depth error costs"),
+    ("arm_price_list", "Price list: what an error of the moment arm costs"),
+    ("coupled_outcomes", "Each backend moving its own muscle"),
+    ("arm_errors", "Moment arms and fibre lengths"),
+)
+
+
+def is_accuracy(folder: Path) -> bool:
+    return (folder / "study.json").is_file() and (folder / "accuracy.csv").is_file()
+
+
+def accuracy_section(folder: Path) -> Section:
+    figures, tables = folder / "figures", folder / "tables"
+    charts = [chart for name, title, exact in PARETO for chart in pareto_chart(figures, name, title, EXACT_MM, exact)]
+    made = [part for name, title in TABLES for part in written_table(tables, name, title)]
+    known = {name for name, _ in TABLES}
+    for path in sorted(tables.glob("*.csv")):
+        if path.stem not in known:
+            made += written_table(tables, path.stem, path.stem.replace("_", " ").capitalize())
+    cases = read_rows(folder / "accuracy.csv")
+    what, problems = what_was_run(folder, cases, figures), problems_of(cases)
+    return Section("accuracy", "What accuracy costs", what, problems, [*charts[:1], *made[:1], *charts[1:], *made[1:]],
+                   looks_of_names(backends_of(charts)), folder)
+
+
+def backends_of(charts: list[Chart]) -> set[str]:
+    return {name for chart in charts for name in chart.rows["backend"]}
+
+
+def what_was_run(folder: Path, cases: pd.DataFrame, figures: Path) -> list[tuple[str, str]]:
+    study = json.loads((folder / "study.json").read_text())
+    counts = cases["status"].value_counts()
+    told = [("Runs", f"{len(cases)}: " + ", ".join(f"{count} {status}" for status, count in counts.items())),
+            ("What and on what", caption_of(figures, "pareto_replay")[-1]),
+            ("Scenes", ", ".join(study.get("scenes", []))),
+            ("Begun", str(study.get("started", "unknown")))]
+    return told + ([("Quick", "fewer configurations, frames and repetitions than the study has")] if study.get("quick") else [])
+
+
+def problems_of(cases: pd.DataFrame) -> list[str]:
+    failed = cases[~cases["status"].isin(MEASURED)]
+    reasons = [f"{row.case}: {row.status}, {row.status_detail}" for row in failed.itertuples()]
+    busy = cases.dropna(subset=["disturbance"]).set_index("case")["disturbance"].to_dict()
+    return [*reasons, *([note(busy, len(cases))] if busy else [])]

@@ -1,0 +1,20 @@
+"""Labels, colours and dashes of backends, as the registry beside the results tells them."""
+
+from ..figures import looks
+
+# Of Okabe and Ito, one after the other for runs that are told apart by other names than those of backends.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+
+
+def looks_of(runs) -> dict[str, dict]:
+    """{backend: {label, colour, dash}} of those that were run, in the registry's order."""
+    return looks_of_names(run.backend for run in runs)
+
+
+def looks_of_names(names) -> dict[str, dict]:
+    """{name: {label, colour, dash}}"""
+    found = looks.backends_in_order(names)
+    unknown = [name for name in found if not looks.knows(name)]
+    return {name: {"label": looks.backend(name).label, "dash": looks.backend(name).dash or "solid",
+                   "colour": COLOURS[unknown.index(name) % len(COLOURS)] if name in unknown else looks.colour(name)}
+            for name in found}

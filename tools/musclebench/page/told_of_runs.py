@@ -1,0 +1,26 @@
+"""What was run and on what, and what went wrong, of coupled runs."""
+
+import pandas as pd
+
+from ..figures import looks
+from ..figures.paper_figures import caption
+from ..results.disturbance import note
+from ..results.run_folder import Run
+from ..results.status import MEASURED
+from ..tables.paper_tables import disturbed_runs
+
+
+def what_was_run(runs: list[Run]) -> list[tuple[str, str]]:
+    counts = pd.Series([run.status for run in runs]).value_counts()
+    return [("Runs", f"{len(runs)}: " + ", ".join(f"{count} {status}" for status, count in counts.items())),
+            ("What and on what", caption(runs)),
+            ("Scenes", ", ".join(dict.fromkeys(run.scene for run in runs))),
+            ("Backends", ", ".join(looks.backends_in_order(run.backend for run in runs))),
+            ("Results schema", str(runs[0].record.get("schema_version", "unknown")))]
+
+
+def problems_of(runs: list[Run]) -> list[str]:
+    failed = [f"{run.scene} with {run.backend}: {run.status}, {run.record.get('status_detail')}"
+              for run in runs if run.status not in MEASURED]
+    busy = note(disturbed_runs(runs), len(runs))
+    return [*failed, *([busy] if busy else [])]

@@ -1,0 +1,115 @@
+// Time against error, both log: a point a configuration, a curve over a backend's resolutions, the front in grey. What is
+// exact has no logarithm: it lies in a band at the bottom, whose heights mean nothing.
+import { escaped, figure, ink } from "./words.js";
+
+const SYMBOLS = ["circle", "rect", "diamond", "triangle", "roundRect", "arrow"];
+const CROSS = "path://M-1,-1L1,1M-1,1L1,-1";
+const LANES = 5;
+const BAND_DECADES = 1.2;
+
+export function pointsOf(spec, rows, choice) {
+  const { exact_mm: exact, exact_words: exactWords } = spec;
+  const points = rows.filter((row) => !row.is_control && row[spec.x.column] > 0);
+  const errors = points.map((row) => row[spec.y.column]).filter((error) => error >= exact);
+  const low = 10 ** Math.floor(Math.log10(errors.length ? Math.min(...errors) : 1e-3) - 1e-9);
+  const high = 2.5 * (errors.length ? Math.max(...errors) : 1);
+  const hasBand = points.some((row) => row[spec.y.column] < exact);
+  const bottom = hasBand ? low / 10 ** BAND_DECADES : low;
+  const sorted = [...points].sort((a, b) => a[spec.x.column] - b[spec.x.column]);
+  let lane = 0;
+  const heights = new Map(sorted.map((row) => [row, row[spec.y.column] >= exact ? row[spec.y.column]
+    : low * (bottom / low) ** ((lane++ % LANES + 0.7) / (LANES + 0.4))]));
+  const place = (row) => [row[spec.x.column], heights.get(row)];
+  const series = [...frontOf(sorted, spec, low), ...curvesOf(points, place, choice), barsOf(points, spec, heights, choice)];
+  const first = series.length;
+  series.push(...marksOf(sorted, place, choice));
+  if (hasBand) {
+    series[first].markArea = {
+      silent: true, itemStyle: { color: ink("band") }, label: { position: "insideBottomLeft", color: ink("quiet"), fontSize: 11 },
+      data: [[{ name: exactWords, yAxis: bottom }, { yAxis: low }]],
+    };
+  }
+  const times = points.map((row) => row[spec.x.column]);
+  const told = (row) => tellOf(spec, row, exact, exactWords);
+  return {
+    option: {
+      series,
+      tooltip: { trigger: "item", formatter: (one) => (one.data?.row ? told(one.data.row).map(escaped).join("<br>") : "") },
+      xAxis: { type: "log", min: times.length ? 0.6 * Math.min(...times) : undefined, max: times.length ? 1.6 * Math.max(...times) : undefined,
+        axisLabel: { color: ink("text"), formatter: decade, hideOverlap: true } },
+      yAxis: { type: "log", min: bottom, max: high, nameGap: 54,
+        axisLabel: { color: ink("text"), formatter: (value) => (value < 0.99 * low ? "" : decade(value)) } },
+    },
+    stops: sorted.map((row) => {
+      const at = series.findIndex((one, index) => index >= first && one.data.some((point) => point.row === row));
+      return { series: at, index: series[at].data.findIndex((point) => point.row === row), words: told(row).join("; ") };
+    }),
+  };
+}
+
+const decade = (value) => (Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-6 ? String(Number(value.toPrecision(6))) : "");
+
+function tellOf(spec, row, exact, exactWords) {
+  const error = row[spec.y.column] < exact ? exactWords : `${figure(row[spec.y.column])}`;
+  const interval = row.time_ms_low === null ? "" : ` (95 % interval ${figure(row.time_ms_low)} to ${figure(row.time_ms_high)})`;
+  return [row.configuration, `${spec.x.title}: ${figure(row[spec.x.column])}${interval}`, `${spec.y.title}: ${error}`,
+    ...Object.entries(spec.hover).map(([column, title]) => `${title}: ${figure(row[column])}`),
+    ...(row.is_wrong ? ["answers wrongly"] : []), ...(row.on_front ? ["on the Pareto front"] : [])];
+}
+
+function frontOf(sorted, spec, low) {
+  const front = sorted.filter((row) => row.on_front).map((row) => [row[spec.x.column], Math.max(row[spec.y.column], low)]);
+  if (!front.length) return [];
+  const end = [2 * Math.max(...sorted.map((row) => row[spec.x.column])), front.at(-1)[1]];
+  return [{ type: "line", step: "end", data: [...front, end], silent: true, showSymbol: false, color: ink("quiet"), z: 1,
+    lineStyle: { width: 5, opacity: 0.3 } }];
+}
+
+function curvesOf(points, place, choice) {
+  const names = [...new Set(points.filter((row) => row.series).map((row) => row.series))];
+  return names.map((name) => {
+    const mine = points.filter((row) => row.series === name).sort((a, b) => a.fineness - b.fineness);
+    return { type: "line", data: mine.map(place), silent: true, showSymbol: false, color: choice.colour(mine[0].backend), z: 2,
+      lineStyle: { width: 1, type: styleOf(points, mine[0]) ? "dashed" : "solid" } };
+  });
+}
+
+// The number of a curve among those of its backend.
+function styleOf(points, row) {
+  return [...new Set(points.filter((one) => one.backend === row.backend && one.series).map((one) => one.series))].indexOf(row.series);
+}
+
+function barsOf(points, spec, heights, choice) {
+  const known = points.filter((row) => row.time_ms_low > 0 && row.time_ms_high > 0);
+  return {
+    type: "custom", silent: true, z: 3,
+    data: known.map((row) => [row.time_ms_low, heights.get(row), row.time_ms_high]),
+    renderItem: (params, api) => {
+      const [x1, y1] = api.coord([api.value(0), api.value(1)]);
+      const [x2] = api.coord([api.value(2), api.value(1)]);
+      return { type: "line", shape: { x1, y1, x2, y2: y1 }, style: { stroke: choice.colour(known[params.dataIndex].backend), lineWidth: 1.4 } };
+    },
+  };
+}
+
+function marksOf(sorted, place, choice) {
+  const backends = [...new Set(sorted.map((row) => row.backend))];
+  return backends.map((backend) => {
+    const color = choice.colour(backend);
+    const mine = sorted.filter((row) => row.backend === backend);
+    return {
+      name: backend, type: "scatter", z: 4,
+      data: mine.map((row) => ({
+        value: place(row), row, symbolSize: sizeOf(row.structure_bytes),
+        symbol: row.is_wrong ? CROSS : SYMBOLS[Math.max(0, styleOf(sorted, row)) % SYMBOLS.length],
+        itemStyle: row.is_wrong ? { color: "none", borderColor: color, borderWidth: 2 }
+          : { color, opacity: 1, borderColor: row.on_front ? ink("text") : ink("page"), borderWidth: row.on_front ? 1.8 : 0.6 },
+      })),
+    };
+  });
+}
+
+// A step a factor of ten of bytes.
+function sizeOf(bytes) {
+  return 7 + 1.6 * (bytes > 1e3 ? Math.log10(bytes / 1e3) : 0);
+}

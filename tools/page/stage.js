@@ -1,0 +1,219 @@
+// Draws runs side by side in one canvas: a cell a run, one camera for all.
+import {
+  BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, HemisphereLight, Matrix4, Mesh, MeshLambertMaterial, MeshBasicMaterial,
+  OrthographicCamera, Plane, Raycaster, Scene, SphereGeometry, Vector2, Vector3, WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+import { placeVertices } from "./unpack.js";
+
+const MUSCLE = new Color().setRGB(178 / 255, 88 / 255, 80 / 255, "srgb");
+const SCALE = ["#9fe8f2", "#37a7d8", "#1f4fb0", "#120a5c"].map((text) => new Color(text)); // as in Fig. 6
+const BONE = "#ede3c7";
+const TOUCHING_MM = 0.02; // shallower than this counts as touching
+const FAR = 20; // half heights of the view between the camera and what it sees
+const TURN_RADIANS = 0.15;
+
+export class Stage {
+  constructor(canvas, box) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+    this.renderer.setScissorTest(true);
+    this.renderer.localClippingEnabled = true;
+    this.box = box;
+    this.camera = new OrthographicCamera();
+    this.controls = new OrbitControls(this.camera, box);
+    this.controls.addEventListener("change", () => this.draw());
+    box.style.touchAction = "pan-y"; // a finger that goes up or down scrolls the page
+    this.cells = [];
+    this.seeThrough = false;
+    this.isCut = true;
+  }
+
+  // A cell has an element that tells where it is, and the run that it shows.
+  show(data, cells) {
+    for (const cell of this.cells) cell.dispose();
+    this.data = data;
+    this.cells = cells.map(({ element, run }) => new Cell(element, run, data));
+    const { origin_m: origin, normal } = data.told.cut;
+    this.cut = new Plane().setFromNormalAndCoplanarPoint(new Vector3(...normal), new Vector3(...origin));
+    this.seeBones(this.seeThrough, this.isCut);
+  }
+
+  seeBones(isSeeThrough, isCut) {
+    Object.assign(this, { seeThrough: isSeeThrough, isCut });
+    for (const cell of this.cells) cell.seeBones(isSeeThrough, isCut ? [this.cut] : []);
+    this.draw();
+  }
+
+  setFrame(frame, marked) {
+    for (const cell of this.cells) cell.setFrame(frame, marked, this.markRadius);
+    this.draw();
+  }
+
+  // `side`: 1 for that of the muscle, -1 for the opposite one.
+  resetCamera(side) {
+    const { focus_m: focus, eye, up, half_height_m: high, half_width_m: wide } = this.data.told.camera;
+    const half = Math.max(high, wide);
+    this.markRadius = 0.022 * half;
+    this.camera.up.set(...up);
+    this.controls.target.set(...focus);
+    this.camera.position.set(...focus).addScaledVector(new Vector3(...eye), side * FAR * half);
+    this.camera.near = 0.01 * half;
+    this.camera.far = 2 * FAR * half;
+    this.camera.zoom = 1;
+    this.half = half;
+    this.controls.update();
+    this.draw();
+  }
+
+  turn(right, up) {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    offset.applyAxisAngle(this.camera.up, -TURN_RADIANS * right);
+    const side = new Vector3().crossVectors(this.camera.up, offset).normalize();
+    const lifted = offset.clone().applyAxisAngle(side, -TURN_RADIANS * up);
+    if (Math.abs(lifted.clone().normalize().dot(this.camera.up)) < 0.99) offset.copy(lifted);
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.controls.update();
+    this.draw();
+  }
+
+  zoom(factor) {
+    this.camera.zoom = Math.min(40, Math.max(0.2, this.camera.zoom * factor));
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  draw() {
+    if (!this.data || this.isWaiting) return;
+    this.isWaiting = true;
+    requestAnimationFrame(() => {
+      this.isWaiting = false;
+      this.drawNow();
+    });
+  }
+
+  drawNow() {
+    const outer = this.box.getBoundingClientRect();
+    if (!outer.width) return;
+    this.renderer.setSize(outer.width, outer.height, false);
+    this.renderer.setScissor(0, 0, outer.width, outer.height);
+    this.renderer.clear();
+    for (const cell of this.cells) {
+      const inner = cell.element.getBoundingClientRect();
+      const at = [inner.left - outer.left, outer.bottom - inner.bottom, inner.width, inner.height];
+      this.aim(inner.width / inner.height);
+      this.renderer.setViewport(...at);
+      this.renderer.setScissor(...at);
+      cell.light.position.copy(this.camera.position).addScaledVector(this.camera.up, 0.4 * FAR * this.half);
+      this.renderer.render(cell.scene, this.camera);
+    }
+  }
+
+  // The whole of what the view holds, however narrow a cell is.
+  aim(aspect) {
+    const { half_height_m: half, half_width_m: wide } = this.data.told.camera;
+    const high = Math.max(half, wide / aspect);
+    Object.assign(this.camera, { left: -high * aspect, right: high * aspect, top: high, bottom: -high });
+    this.camera.updateProjectionMatrix();
+  }
+
+  // {cell, node} of the muscle, {cell, bone} or null.
+  pick(event) {
+    for (const cell of this.cells) {
+      const inner = cell.element.getBoundingClientRect();
+      const x = (event.clientX - inner.left) / inner.width, y = (event.clientY - inner.top) / inner.height;
+      if (x < 0 || x > 1 || y < 0 || y > 1) continue;
+      this.aim(inner.width / inner.height);
+      const ray = new Raycaster();
+      ray.setFromCamera(new Vector2(2 * x - 1, 1 - 2 * y), this.camera);
+      const hits = ray.intersectObjects(this.seeThrough ? [cell.muscle] : [cell.muscle, ...cell.bones]);
+      const isSeen = (hit) => hit.object === cell.muscle || !this.isCut || this.cut.distanceToPoint(hit.point) >= 0;
+      const hit = hits.find(isSeen);
+      if (!hit) return null;
+      return hit.object === cell.muscle ? { cell, node: cell.nearestCorner(hit) } : { cell, bone: hit.object.name };
+    }
+    return null;
+  }
+}
+
+class Cell {
+  constructor(element, run, data) {
+    Object.assign(this, { element, run, data });
+    this.scene = new Scene();
+    this.light = new DirectionalLight("#ffffff", 2.2);
+    this.scene.add(new HemisphereLight("#ffffff", "#8d8d99", 1.5), this.light);
+    this.bones = data.bones.map((bone) => {
+      const mesh = new Mesh(bone.geometry, new MeshLambertMaterial({ color: BONE, side: DoubleSide }));
+      Object.assign(mesh, { name: bone.name, matrixAutoUpdate: false });
+      return mesh;
+    });
+    const count = data.told.vertices;
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(new Float32Array(3 * count), 3));
+    geometry.setAttribute("color", new BufferAttribute(new Float32Array(3 * count), 3));
+    geometry.setIndex(new BufferAttribute(data.corners, 1));
+    this.muscle = new Mesh(geometry, new MeshLambertMaterial({ vertexColors: true, side: DoubleSide }));
+    this.mark = new Mesh(new SphereGeometry(1, 16, 12), new MeshBasicMaterial({ color: "#ffe600", depthTest: false }));
+    this.mark.renderOrder = 2;
+    this.scene.add(...this.bones, this.muscle, this.mark);
+  }
+
+  dispose() {
+    this.muscle.geometry.dispose();
+  }
+
+  seeBones(isSeeThrough, clippingPlanes) {
+    for (const bone of this.bones) {
+      Object.assign(bone.material, { clippingPlanes, transparent: isSeeThrough, opacity: isSeeThrough ? 0.25 : 1, depthWrite: !isSeeThrough });
+      bone.renderOrder = isSeeThrough ? 1 : 0;
+    }
+  }
+
+  // Which of the run's moments a frame is; -1 where the run had ended.
+  momentOf(frame) {
+    return this.run.told.frames.indexOf(frame);
+  }
+
+  setFrame(frame, marked, markRadius) {
+    const moment = this.momentOf(frame), { vertices } = this.data.told;
+    this.muscle.visible = moment >= 0;
+    this.mark.visible = moment >= 0 && marked !== null;
+    if (moment < 0) return;
+    this.run.told.poses[moment].forEach((pose, i) => {
+      const [a, b, c, d, e, f, g, h, k, x, y, z] = pose;
+      this.bones[i].matrix.copy(new Matrix4().set(a, b, c, x, d, e, f, y, g, h, k, z, 0, 0, 0, 1));
+      this.bones[i].updateMatrixWorld(true);
+    });
+    const { position, color } = this.muscle.geometry.attributes;
+    placeVertices(position.array, this.run.steps, moment, vertices, this.run.told);
+    this.paint(color.array, moment);
+    position.needsUpdate = color.needsUpdate = true;
+    this.muscle.geometry.computeVertexNormals();
+    this.muscle.geometry.computeBoundingSphere();
+    if (marked !== null) {
+      this.mark.position.fromBufferAttribute(position, marked);
+      this.mark.scale.setScalar(markRadius);
+    }
+  }
+
+  paint(colours, moment) {
+    const { vertices, deepest_mm: deepest } = this.data.told;
+    const step_mm = 1e3 * this.run.told.depth_step_m, mixed = new Color();
+    for (let i = 0; i < vertices; ++i) {
+      const depth = step_mm * this.run.depths[moment * vertices + i];
+      if (depth > TOUCHING_MM) {
+        const at = Math.min(1, depth / deepest) * (SCALE.length - 1), from = Math.min(SCALE.length - 2, Math.floor(at));
+        mixed.copy(SCALE[from]).lerp(SCALE[from + 1], at - from).toArray(colours, 3 * i);
+      } else {
+        MUSCLE.toArray(colours, 3 * i);
+      }
+    }
+  }
+
+  nearestCorner(hit) {
+    const { position } = this.muscle.geometry.attributes, corner = new Vector3();
+    const away = (node) => corner.fromBufferAttribute(position, node).distanceToSquared(hit.point);
+    return [hit.face.a, hit.face.b, hit.face.c].reduce((best, node) => (away(node) < away(best) ? node : best));
+  }
+}

@@ -1,0 +1,191 @@
+// A view in space with its controls: frames, play, bones, a node and what is known of it in each run.
+import { closestDistance, intoRestPose } from "./closest.js";
+import { deepestMm, depthMm, sceneData } from "./run_data.js";
+import { Stage } from "./stage.js";
+import { escaped, figure, label } from "./words.js";
+
+const FRAME_MS = 120;
+const CLICK_PIXELS = 5;
+
+export async function startView(element, choice) {
+  const told = JSON.parse(document.getElementById(element.dataset.views).textContent);
+  const view = new View(element, choice, told);
+  if (!view.stage) return;
+  choice.addEventListener("change", () => view.choose());
+  await view.choose();
+  element.view = view;
+}
+
+class View {
+  constructor(element, choice, told) {
+    Object.assign(this, { element, choice, told, marked: null });
+    const part = (name) => element.querySelector(`.${name}`);
+    this.parts = Object.fromEntries(["stage", "cells", "slider", "frame", "play", "node", "bones", "cut", "readout", "scale-top", "missing"]
+      .map((name) => [name, part(name)]));
+    try {
+      this.stage = new Stage(element.querySelector("canvas"), this.parts.cells);
+    } catch {
+      this.parts.missing.hidden = false;
+      this.parts.stage.hidden = true;
+      return;
+    }
+    this.bind(part);
+  }
+
+  bind(part) {
+    const { slider, play, node, bones, cut, cells } = this.parts;
+    slider.addEventListener("input", () => this.setFrame());
+    play.addEventListener("click", () => this.togglePlay());
+    for (const box of [bones, cut]) box.addEventListener("change", () => this.stage.seeBones(bones.checked, cut.checked));
+    node.addEventListener("change", () => this.mark(this.data.order.indexOf(Number(node.value))));
+    part("reset").addEventListener("click", () => this.stage.resetCamera(1));
+    part("behind-it").addEventListener("click", () => this.stage.resetCamera(-1));
+    part("closer").addEventListener("click", () => this.stage.zoom(1.25));
+    part("farther").addEventListener("click", () => this.stage.zoom(0.8));
+    this.bindMouse(cells);
+    cells.addEventListener("keydown", (event) => this.onKey(event));
+    new ResizeObserver(() => this.stage.draw()).observe(cells);
+  }
+
+  bindMouse(cells) {
+    let down = null;
+    cells.addEventListener("pointerdown", (event) => { down = [event.clientX, event.clientY]; });
+    cells.addEventListener("pointerup", (event) => {
+      const isClick = down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < CLICK_PIXELS;
+      if (isClick) this.onPick(this.stage.pick(event));
+    });
+    // A wheel that turns over the picture scrolls the page, unless it was asked for.
+    cells.addEventListener("wheel", (event) => {
+      if (!event.ctrlKey && document.activeElement !== cells) event.stopImmediatePropagation();
+    }, { capture: true });
+  }
+
+  onKey(event) {
+    const turns = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+    if (turns[event.key]) this.stage.turn(...turns[event.key]);
+    else if (event.key === "+" || event.key === "=") this.stage.zoom(1.25);
+    else if (event.key === "-") this.stage.zoom(0.8);
+    else if (event.key === "0") this.stage.resetCamera(1);
+    else if (event.key === " ") this.togglePlay();
+    else return;
+    event.preventDefault();
+  }
+
+  async choose() {
+    const told = this.told.scenes.find((scene) => scene.muscle === this.choice.muscle);
+    this.element.classList.toggle("empty", !told);
+    if (!told) return;
+    const isNew = this.data?.told !== told;
+    if (isNew) {
+      this.stop();
+      this.marked = null;
+      this.data = await sceneData(told, this.told.meshes);
+      if (this.choice.muscle !== told.muscle) return;
+      Object.assign(this.parts.slider, { max: this.data.frames.length - 1, value: this.firstMoment() });
+      Object.assign(this.parts.node, { value: "", max: told.vertices - 1 });
+      this.parts["scale-top"].textContent = `${figure(told.deepest_mm)} mm or more`;
+    }
+    this.layOut();
+    if (isNew) this.stage.resetCamera(1);
+    this.stage.seeBones(this.parts.bones.checked, this.parts.cut.checked);
+    this.setFrame();
+    this.element.dataset.drawn = told.muscle;
+  }
+
+  // Where the motion is farthest: there is most to be seen.
+  firstMoment() {
+    const { frames, angles_deg: angles } = this.data.told.runs.reduce((a, b) => (b.told?.frames.length > a.frames.length ? b : a));
+    const farthest = angles.reduce((best, angle, i) => (Math.abs(angle - angles[0]) > Math.abs(angles[best] - angles[0]) ? i : best), 0);
+    return this.data.frames.indexOf(frames[farthest]);
+  }
+
+  layOut() {
+    const shown = this.data.runs.filter((run) => this.choice.shows(run.told.backend));
+    const cells = shown.map((run) => {
+      const element = document.createElement("div");
+      element.className = "cell";
+      const name = this.choice.looks[run.told.backend]?.label ?? run.told.backend;
+      element.innerHTML = `<span class="cell-name"><span class="dot" style="background:${escaped(this.choice.colour(run.told.backend))}"></span>` +
+        `${escaped(name)}</span><span class="cell-depth"></span>`;
+      return { element, run };
+    });
+    this.parts.cells.style.setProperty("--columns", String(Math.min(4, Math.max(1, shown.length))));
+    this.parts.cells.replaceChildren(...cells.map((cell) => cell.element));
+    this.stage.show(this.data, cells);
+  }
+
+  get frame() {
+    return this.data.frames[Number(this.parts.slider.value)];
+  }
+
+  setFrame() {
+    const { vertices } = this.data.told;
+    this.stage.setFrame(this.frame, this.marked);
+    const angle = this.data.runs.map(({ told }) => told.angles_deg[told.frames.indexOf(this.frame)]).find((one) => one !== undefined);
+    this.parts.frame.textContent = `frame ${this.frame}, joint at ${figure(Math.round(10 * angle) / 10)}°`;
+    this.parts.slider.setAttribute("aria-valuetext", this.parts.frame.textContent);
+    const told = this.stage.cells.map((cell) => {
+      const moment = cell.momentOf(this.frame);
+      const text = moment < 0 ? `ended: ${cell.run.told.status}` : `deepest ${figure(deepestMm(cell.run, moment, vertices))} mm`;
+      cell.element.querySelector(".cell-depth").textContent = text;
+      return `${label(cell.run.told.backend)}: ${text}`;
+    });
+    this.parts.cells.setAttribute("aria-label", `${label(this.data.told.muscle)} on its bones, ${this.parts.frame.textContent}; ${told.join("; ")}`);
+    this.tellNode();
+  }
+
+  onPick(found) {
+    if (found?.node !== undefined) this.mark(found.node);
+    else if (found) this.parts.readout.textContent = `That is the ${label(found.bone)}; click on the muscle, or see through the bones.`;
+  }
+
+  mark(node) {
+    if (node < 0 || node >= this.data.told.vertices) {
+      this.parts.readout.textContent = `Nodes are numbered from 0 to ${this.data.told.vertices - 1}.`;
+      return;
+    }
+    this.marked = node;
+    this.parts.node.value = this.data.order[node];
+    this.setFrame();
+  }
+
+  tellNode() {
+    if (this.marked === null) {
+      this.parts.readout.textContent = "Click on a node of a muscle, or type its number: its depth and its distance from the nearest bone.";
+      return;
+    }
+    const lines = this.stage.cells.filter((cell) => cell.momentOf(this.frame) >= 0).map((cell) => this.nodeOf(cell));
+    const bound = this.data.attached[this.marked] ? ", bound to a bone" : "";
+    this.parts.readout.innerHTML = `<table><caption>Node ${this.data.order[this.marked]}${bound}, frame ${this.frame}</caption><thead><tr><th>backend</th>` +
+      "<th>depth in a bone (mm)</th><th>distance to the nearest bone (mm)</th><th>bone</th></tr></thead><tbody>" +
+      lines.map((line) => `<tr><th scope="row">${escaped(line.backend)}</th><td class="number">${figure(line.depth)}</td>` +
+        `<td class="number">${line.distance.toFixed(2)}</td><td>${escaped(line.bone)}</td></tr>`).join("") + "</tbody></table>";
+  }
+
+  nodeOf(cell) {
+    const { position } = cell.muscle.geometry.attributes, moment = cell.momentOf(this.frame);
+    const point = [position.getX(this.marked), position.getY(this.marked), position.getZ(this.marked)];
+    const found = this.data.bones.map((bone, i) => ({ bone: label(bone.name),
+      distance: 1e3 * closestDistance(intoRestPose(point, cell.run.told.poses[moment][i]), bone.positions, bone.corners) }));
+    const nearest = found.reduce((a, b) => (b.distance < a.distance ? b : a));
+    return { backend: label(cell.run.told.backend), depth: depthMm(cell.run, moment, this.marked, this.data.told.vertices), ...nearest };
+  }
+
+  togglePlay() {
+    if (this.timer) {
+      this.stop();
+      return;
+    }
+    this.parts.play.textContent = "Pause";
+    this.timer = setInterval(() => {
+      this.parts.slider.value = (Number(this.parts.slider.value) + 1) % this.data.frames.length;
+      this.setFrame();
+    }, FRAME_MS);
+  }
+
+  stop() {
+    clearInterval(this.timer);
+    this.timer = null;
+    this.parts.play.textContent = "Play";
+  }
+}

@@ -1,0 +1,136 @@
+// Opens a page of results in a headless browser and tells as JSON what it found there. Arguments: node_modules, the browser,
+// the page, a folder for screenshots.
+import { createRequire } from "node:module";
+
+const [modules, browserPath, file, folder] = process.argv.slice(2);
+const { chromium } = createRequire(`${modules}/`)("playwright-core");
+const SOFTWARE = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
+const browser = await chromium.launch({ executablePath: browserPath, args: SOFTWARE });
+const found = { errors: [] };
+
+async function open(options) {
+  const page = await browser.newPage(options);
+  page.on("console", (message) => { if (message.type() === "error") found.errors.push(message.text()); });
+  page.on("pageerror", (error) => found.errors.push(String(error)));
+  page.on("request", (request) => { if (!request.url().startsWith("file:") && !/^(blob|data):/.test(request.url())) found.errors.push(request.url()); });
+  await page.goto(`file://${file}`);
+  return page;
+}
+
+async function drawn(page, selector) {
+  await page.locator(selector).scrollIntoViewIfNeeded();
+  await page.locator(`${selector}[data-drawn]`).waitFor({ timeout: 30000 });
+}
+
+const page = await open({ viewport: { width: 1200, height: 900 }, acceptDownloads: true });
+const view = "#paper-view", chart = "#paper-fig_7_collision_time";
+
+// The slider moves the muscle, in the data and on the screen.
+await drawn(page, view);
+const moment = async (at) => {
+  await page.locator(`${view} .slider`).evaluate((slider, value) => { slider.value = value; slider.dispatchEvent(new Event("input")); }, String(at));
+  await page.waitForTimeout(200);
+  const lowest = await page.locator(view).evaluate((figure) => {
+    const { array } = figure.view.stage.cells[0].muscle.geometry.attributes.position;
+    return Math.min(...array.filter((_, i) => i % 3 === 2));
+  });
+  return { lowest, words: await page.locator(`${view} .frame`).textContent(), picture: (await page.locator(`${view} .cells`).screenshot()).toString("base64") };
+};
+found.start = await moment(0);
+found.middle = await moment(2);
+
+// A click on the middle of a muscle marks the node that lies there.
+const cell = await page.locator(`${view} .cell`).nth(1).boundingBox();
+const spot = await page.locator(view).evaluate((figure) => {
+  const { stage } = figure.view, one = stage.cells[1], { position } = one.muscle.geometry.attributes, inner = one.element.getBoundingClientRect();
+  stage.aim(inner.width / inner.height);
+  stage.seeBones(true, false);
+  for (let node = 0; node < position.count; node += 7) {
+    const point = stage.camera.position.clone().fromBufferAttribute(position, node).project(stage.camera);
+    const event = { clientX: inner.left + (point.x + 1) / 2 * inner.width, clientY: inner.top + (1 - point.y) / 2 * inner.height };
+    if (stage.pick(event)?.node === node) return { x: event.clientX, y: event.clientY, node: figure.view.data.order[node] };
+  }
+  return null;
+});
+found.spot = spot;
+await page.mouse.click(spot.x, spot.y);
+found.clicked = Number(await page.locator(`${view} .node`).inputValue());
+found.readout = await page.locator(`${view} .readout`).innerText();
+found.cellWidth = cell.width;
+
+// From the keyboard.
+const eye = () => page.locator(view).evaluate((figure) => figure.view.stage.camera.position.toArray());
+const before = await eye();
+await page.locator(`${view} .cells`).focus();
+await page.keyboard.press("ArrowRight");
+found.turned = (await eye()).some((value, i) => Math.abs(value - before[i]) > 1e-4);
+
+// Hovering tells what the file holds.
+await drawn(page, chart);
+const at = await page.locator(chart).evaluate((figure) => {
+  const box = figure.querySelector(".chart").getBoundingClientRect();
+  const [x, y] = figure.chart.convertToPixel({ gridIndex: 0 }, [7, 3]);
+  return { x: box.left + x, y: box.top + y };
+});
+await page.mouse.move(at.x - 5, at.y - 5);
+await page.mouse.move(at.x, at.y);
+await page.waitForTimeout(300);
+found.tip = await page.locator(`${chart} .chart > div`).last().innerText();
+const saved = page.waitForEvent("download");
+await page.locator(`${chart} .save-rows`).click();
+const stream = await (await saved).createReadStream();
+found.file = "";
+for await (const part of stream) found.file += part;
+
+// The Pareto picture tells of the point under the mouse, one muscle at a time; so do the bars of effects.
+const pareto = "#accuracy-pareto_replay", bars = "#effects-effect_costs_chart";
+const hover = async (id, pick) => {
+  await drawn(page, id);
+  const spot = await page.locator(id).evaluate((figure, [name, at]) => {
+    const series = figure.chart.getOption().series.find((one) => one.type === name && one.data.length > at);
+    const box = figure.querySelector(".chart").getBoundingClientRect(), { value } = series.data[at];
+    const [x, y] = figure.chart.convertToPixel({ gridIndex: 0 }, name === "bar" ? [value / 2, at] : value);
+    return { x: box.left + x, y: box.top + y };
+  }, pick);
+  await page.mouse.move(spot.x - 30, spot.y - 30);
+  await page.mouse.move(spot.x, spot.y);
+  await page.waitForTimeout(300);
+  return page.locator(`${id} .chart > div`).last().innerText();
+};
+found.point = await hover(pareto, ["scatter", 1]);
+await page.locator("#accuracy .choose-muscle").selectOption({ index: 1 });
+found.pointOfOther = await hover(pareto, ["scatter", 1]);
+found.bar = await hover(bars, ["bar", 1]);
+
+// A backend is clicked away, in charts and views; another muscle comes.
+const names = () => page.locator(chart).evaluate((figure) => [...new Set(figure.chart.getOption().series.map((one) => one.name))]);
+found.shown = await names();
+await page.locator(`#paper .choose-backend[value="${found.shown[0]}"]`).click();
+found.without = await names();
+found.cells = await page.locator(`${view} .cell`).count();
+await page.locator("#paper .choose-muscle").selectOption({ index: 1 });
+await page.locator(`${view}[data-drawn="${await page.locator("#paper .choose-muscle").inputValue()}"]`).waitFor({ timeout: 30000 });
+found.muscle = await page.locator(view).evaluate((figure) => figure.view.data.told.muscle);
+
+// Arrow keys say what the mouse shows.
+await page.locator(`${chart} .chart`).focus();
+await page.keyboard.press("Home");
+found.heard = await page.locator(`${chart} .heard`).textContent();
+await page.locator(`${chart} .zoom-in`).click();
+found.zoomed = await page.locator(chart).evaluate((figure) => figure.chart.getOption().dataZoom[0].end);
+await page.locator(`${chart} summary`).click();
+await page.locator(`${chart} .behind-rows tbody tr`).first().waitFor({ timeout: 10000 });
+found.rowsBehind = await page.locator(`${chart} .behind-rows tbody tr`).count();
+await page.screenshot({ path: `${folder}/light.png`, fullPage: true });
+await page.close();
+
+// A phone, and a dark screen.
+for (const [name, options] of Object.entries({ phone: { viewport: { width: 360, height: 740 } }, dark: { viewport: { width: 1200, height: 900 }, colorScheme: "dark" } })) {
+  const other = await open(options);
+  for (const id of [view, chart, pareto, bars]) await drawn(other, id);
+  found[name] = await other.evaluate(() => ({ sideways: document.documentElement.scrollWidth - innerWidth, page: getComputedStyle(document.body).backgroundColor }));
+  await other.screenshot({ path: `${folder}/${name}.png`, fullPage: true });
+  await other.close();
+}
+await browser.close();
+console.log(JSON.stringify(found));

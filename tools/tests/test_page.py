@@ -1,0 +1,204 @@
+"""The page of results without a browser: what it carries, and that it needs nothing else."""
+
+import base64
+import re
+import zlib
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import fake_page
+import fake_registry
+import fake_runs
+import paper
+import report
+from musclebench.accuracy import report as accuracy_report
+from musclebench.page import bundle, packed, page_file, views
+from musclebench.page.html import page_html
+from musclebench.page.paper_part import paper_section
+from musclebench.page.parts import Chart, TablePart
+from musclebench.page.sections import sections_of
+from musclebench.paper.published import read_published
+from musclebench.program.cli import Problem
+from musclebench.results.run_folder import read_runs
+from musclebench.tables import paper_tables
+
+ROLES = fake_registry.roles()
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    return fake_page.write_paper(tmp_path_factory.mktemp("page") / "paper")
+
+
+def page_of(*folders) -> str:
+    return page_html(sections_of(list(folders)), list(folders), "/* program */")
+
+
+def parts_of(section, kind) -> dict:
+    return {part.name: part for part in section.parts if isinstance(part, kind)}
+
+
+def unpacked(text: str, bits: int) -> np.ndarray:
+    """As tools/page/unpack.js does it."""
+    planes = np.frombuffer(zlib.decompress(base64.b64decode(text)), np.uint8).reshape(bits // 8, -1).astype(np.int64)
+    words = sum(plane << (8 * number) for number, plane in enumerate(planes))
+    return np.where(words % 2 == 0, words // 2, -(words + 1) // 2)
+
+
+@pytest.mark.parametrize("bits", [8, 16, 32])
+def test_whole_numbers_come_back(bits):
+    half = 1 << (bits - 1)
+    values = np.array([0, 1, -1, half - 1, -half, 17])
+    assert (unpacked(packed.packed_words(values, bits), bits) == values).all()
+
+
+def test_an_order_of_neighbours_has_every_vertex_once():
+    ball = fake_page.MUSCLE
+    order = packed.neighbours_order(len(ball.vertices_m) + 2, ball.triangles)  # two of no triangle
+    assert sorted(order) == list(range(len(ball.vertices_m) + 2)) and set(order[-2:]) == {len(order) - 2, len(order) - 1}
+    steps = np.linalg.norm(np.diff(ball.vertices_m[order[:-2]], axis=0), axis=1)
+    shuffled = np.random.default_rng(1).permutation(ball.vertices_m)
+    assert steps.mean() < 0.5 * np.linalg.norm(np.diff(shuffled, axis=0), axis=1).mean()
+
+
+@pytest.mark.parametrize("reach_m", [0.05, 300.0])
+def test_positions_come_back_within_half_a_step(reach_m):
+    """Even of a run that threw its muscle far away."""
+    random = np.random.default_rng(3)
+    shapes = random.uniform(-reach_m, reach_m, (4, 50, 3))
+    order = random.permutation(50)
+    made = packed.packed_shapes(shapes, order)
+    steps = unpacked(made.text, 16).reshape(4, 3, 50).cumsum(axis=2).cumsum(axis=0) % 65536
+    back = np.array(made.origin_m)[:, None] + made.step_m * steps
+    assert np.abs(back - shapes[:, order].transpose(0, 2, 1)).max() <= 0.5001 * made.step_m
+    assert made.step_m == pytest.approx(max(packed.STEP_M, 2 * reach_m / packed.STEPS), rel=0.1)
+
+
+def test_triangles_come_back_as_the_same_surface():
+    ball = fake_page.MUSCLE
+    order = packed.neighbours_order(len(ball.vertices_m), ball.triangles)
+    corners = unpacked(packed.packed_triangles(ball.triangles, order), 32).cumsum().reshape(-1, 3)
+
+    def turned(triangles):
+        return {tuple(np.roll(triangle, -int(np.argmin(triangle)))) for triangle in triangles.tolist()}
+
+    assert turned(order[corners]) == turned(ball.triangles)
+
+
+def test_charts_hold_the_rows_of_the_runs(results):
+    charts = parts_of(paper_section(results), Chart)
+    times = charts["fig_7_collision_time"].rows
+    assert set(times["muscle"]) == set(fake_page.MUSCLES) and ROLES.control not in set(times["backend"])
+    assert (times.loc[times["backend"] == ROLES.field, "collision_ms"] == 3.0).all() and len(times) == 2 * 3 * fake_page.FRAMES
+    memory = charts["fig_8_memory"].rows
+    ours = memory[(memory["backend"] == ROLES.unit) & (memory["muscle"] == "iliacus") & (memory["source"] == "here")]
+    assert ours["resident_mb"].iloc[0] == pytest.approx(110.001)
+    theirs = memory[(memory["backend"] == ROLES.unit) & (memory["muscle"] == "iliacus") & (memory["source"] == "paper")]
+    assert list(theirs["resident_mb"]) == [537, 688]  # of reports/published
+    assert charts["depth_by_frame"].rows["max_depth_mm"].max() == pytest.approx(2.0)
+
+
+def test_tables_are_those_of_the_experiment(results):
+    table = paper_tables.time_table(read_runs(results / "raw"), read_published())
+    shown = parts_of(paper_section(results), TablePart)["table_2_times"]
+    assert [group for group, _ in shown.groups] == ["gluteus medius", "iliacus"]
+    assert shown.csv == table.rows.to_csv(index=False)
+
+
+def test_views_hold_shape_depth_and_poses(results):
+    told = fake_page.data_of_views(page_of(results), "paper-view")
+    scene = next(scene for scene in told["scenes"] if scene["muscle"] == "iliacus")
+    run = scene["runs"][0]
+    assert run["frames"] == list(fake_page.KEPT) and run["angles_deg"] == [0, 45, 90, 45, 0]
+    assert [run["backend"] for run in scene["runs"]] == fake_runs.BACKENDS
+    count = scene["vertices"]
+    order = unpacked(scene["order"], 32).cumsum()
+    depths = unpacked(run["depths"], 16).reshape(5, count).cumsum(axis=1) * run["depth_step_m"]
+    wanted = np.array([shot.depth_m for shot in fake_page.snapshots()])[:, order]
+    assert np.abs(depths - wanted).max() < 1e-6 and wanted.max() > 3e-3
+    assert np.reshape(run["poses"][2][1][:9], (3, 3)) == pytest.approx(fake_runs.turn_about_x(90, (0, 0, 0))[0])
+    assert len(told["meshes"]) == 2 and len(told["scenes"]) == 2  # bones are shared by the scenes
+
+
+def test_moments_are_left_out_where_a_page_would_grow_too_large(results, monkeypatch):
+    monkeypatch.setattr(views, "BUDGET_CHARACTERS", 1000)
+    made = views.views_of(paper_tables.by_case(read_runs(results / "raw")), "")
+    assert made.scenes[0]["runs"][0]["frames"] == [0, 6, 12]  # where it starts, is turned farthest and ends
+
+
+def test_a_page_needs_no_other_file(results, tmp_path):
+    page = page_of(results, fake_page.write_hard(tmp_path / "hard"))
+    assert not re.search(r"""(src|href)\s*=\s*["'](?!#)""", page) and "@import" not in page and "url(" not in page
+    for name in ("paper-fig_7_collision_time", "paper-fig_8_memory", "paper-depth_by_frame", "paper-table_1_memory", "hard-cells"):
+        assert len(fake_page.embedded(page, name).splitlines()) > 2, name
+    assert page.count("<figure") == page.count("class=\"save-rows\"") + 1  # each figure but the view
+
+
+def test_every_picture_has_words_for_a_screen_reader(results):
+    page = page_of(results)
+    ids = set(re.findall(r'id="([^"]+)"', page))
+    for figure in re.findall(r'<div class="chart"[^>]*>', page):
+        assert 'role="img"' in figure and 'tabindex="0"' in figure
+        assert set(re.findall(r'aria-(?:labelledby|describedby)="([^"]+)"', figure)) <= ids
+    assert re.search(r'<html lang="en">', page) and page.count("<th") == len(re.findall(r"<th[^>]* scope=", page)) + page.count("<thead")
+
+
+def test_words_of_results_are_no_html(tmp_path):
+    page = page_of(fake_page.write_hard(tmp_path / "hard"))
+    assert "<b>no</b>" not in page and "&lt;b&gt;no" in page
+
+
+def test_a_backend_called_null_is_a_backend(tmp_path):
+    page = page_of(fake_page.write_hard(tmp_path / "hard"))
+    assert f'<th scope="col">{ROLES.control}</th>' in page and "thin breaks with grid: breaks; depth 0.25 mm, bar 0.1 mm" in page
+
+
+def test_what_a_study_wrote_is_shown_as_it_is(study):
+    accuracy_report.write_report(study)
+    (study / "study.json").write_text('{"scenes": ["lhdl/iliacus"]}')
+    section = sections_of([study])[0]
+    charts, tables = parts_of(section, Chart), parts_of(section, TablePart)
+    assert tables["price_list"].csv == (study / "tables" / "price_list.csv").read_text()
+    drawn = pd.read_csv(study / "figures" / "pareto_replay.csv", keep_default_na=False, na_values=[""])
+    assert list(charts["pareto_replay"].rows["error_mm"]) == list(drawn["error_mm"])
+    assert set(section.backends) <= set(drawn["backend"]) and section.muscles
+
+
+def test_what_failed_is_told_before_anything_else(tmp_path):
+    accuracy, effects = sections_of([fake_page.write_accuracy(tmp_path)])
+    assert accuracy.problems == ["b: failed, out of luck"] and accuracy.muscles == list(fake_page.MUSCLES)
+    assert parts_of(accuracy, TablePart)["price_list"].groups == [("iliacus", [["0.1", "grid 64"]])]
+    assert "effect_costs_chart" in parts_of(effects, Chart)
+
+
+@pytest.mark.parametrize(("folder", "words"), [("nowhere", "no such folder"), (".", "holds no results")])
+def test_a_folder_without_results_is_one_line(tmp_path, folder, words, capsys, monkeypatch):
+    monkeypatch.setattr(page_file, "page_script", lambda: "")
+    assert report.main([str(tmp_path / folder)]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1 and words in told and str(tmp_path) in told
+    assert not list(tmp_path.glob("*.html"))
+
+
+def test_without_npm_one_line_says_what_is_missing(results, monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(bundle.shutil, "which", lambda name: None)
+    with pytest.raises(Problem, match="npm is missing"):
+        bundle.page_script(built=tmp_path)
+    monkeypatch.setattr(page_file, "page_script", lambda: bundle.page_script(built=tmp_path))
+    assert paper.page_of(results) == []
+    assert "left out" in capsys.readouterr().err and not (results / "report.html").exists()
+
+
+def test_runs_of_no_study_stand_beside_each_other(tmp_path):
+    """Of one backend: told apart by their folders, in colours of their own."""
+    for name in ("before", "after"):
+        fake_runs.write_run(tmp_path / name, "synthetic/iliacus", ROLES.unit, fake_page.FRAMES, bones=fake_page.BONES,
+                            triangles=fake_page.MUSCLE.triangles, snapshots=fake_page.snapshots(), motions=fake_page.MOTIONS)
+    section = sections_of([tmp_path])[0]
+    assert section.backends == ["after", "before"] and len({look["colour"] for look in section.colours.values()}) == 2
+    assert set(parts_of(section, Chart)["memory"].rows["backend"]) == {"after", "before"}
+    assert [run["name"] for run in parts_of(section, views.Views)["view"].scenes[0]["runs"]] == ["after", "before"]
+    one = sections_of([tmp_path / "before"])[0]
+    assert one.backends == [ROLES.unit]

@@ -1,0 +1,94 @@
+"""The page of results in a headless browser: it opens without a complaint, and what the mouse and the keyboard do."""
+
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import fake_page
+import fake_registry
+from musclebench.page import bundle
+from musclebench.page.page_file import write_page
+from musclebench.program.cli import Problem
+
+SCRIPT = Path(__file__).resolve().parent / "page_in_browser.mjs"
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
+ROLES = fake_registry.roles()
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory) -> dict:
+    if not BROWSER:
+        pytest.skip("chromium is missing (tools/setup chromium): the page is not opened")
+    folder = tmp_path_factory.mktemp("browser")
+    try:
+        libraries = bundle.installed(with_tests=True)
+        page = write_page([fake_page.write_paper(folder / "paper"), fake_page.write_accuracy(folder / "accuracy")])
+    except Problem as problem:
+        pytest.skip(f"the page is not opened: {problem}")
+    words = ["node", str(SCRIPT), str(libraries), BROWSER, str(page), str(folder)]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=240, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def test_it_opens_without_a_complaint_and_asks_no_network(found):
+    assert found["errors"] == []
+
+
+def test_the_slider_moves_the_muscle(found):
+    assert "frame 0," in found["start"]["words"] and "frame 6, joint at 90" in found["middle"]["words"]
+    assert found["middle"]["lowest"] - found["start"]["lowest"] == pytest.approx(6e-3, abs=3e-5)
+    assert found["middle"]["picture"] != found["start"]["picture"]
+
+
+def test_a_click_on_a_node_tells_its_depth_and_distance(found):
+    node = found["clicked"]
+    assert node == found["spot"]["node"] and found["cellWidth"] > 200
+    depth_mm = 1e3 * fake_page.snapshots()[2].depth_m[node]
+    lines = [re.split(r"\t", line) for line in found["readout"].splitlines() if "\t" in line][1:]
+    assert len(lines) == 4 and all(float(line[1]) == pytest.approx(depth_mm, abs=1e-3) for line in lines)
+    moved = fake_page.snapshots()[2].vertices_m[node]
+    ball = fake_page.BONES["pelvis"].vertices_m.mean(axis=0)
+    assert {line[3] for line in lines} <= {"pelvis", "femur"} and all(0 <= float(line[2]) < 100 for line in lines)
+    if lines[0][3] == "pelvis":  # a sphere of 30 mm
+        away_mm = abs(1e3 * sum((moved - ball) ** 2) ** 0.5 - 30)
+        assert float(lines[0][2]) == pytest.approx(away_mm, abs=1.0)
+
+
+def test_hovering_shows_what_the_file_holds(found):
+    rows = pd.read_csv(pd.io.common.StringIO(found["file"]))
+    frame = int(re.search(r"frame (\d+)", found["tip"])[1])
+    told = {name: float(value) for name, value in re.findall(r"^(\w+): ([\d.]+)$", found["tip"], re.MULTILINE)}
+    wanted = rows[(rows["muscle"] == "iliacus") & (rows["frame"] == frame)].set_index("backend")["collision_ms"]
+    assert frame == 7 and told == pytest.approx(wanted.to_dict()) and len(told) == 3
+
+
+def test_the_pareto_picture_tells_of_the_point_under_the_mouse(found):
+    assert found["point"].splitlines()[:3] == [f"{ROLES.field} 64", "collision time a frame (ms): 0.3 (95 % interval 0.27 to 0.36)",
+                                               "depth error, 99th percentile (mm): 0.05"]
+    assert "on the Pareto front" in found["point"] and "collision time a frame (ms): 0.6 " in found["pointOfOther"]
+    assert found["bar"].splitlines()[0] == "self contact: 1.5 ms a frame"
+
+
+def test_a_backend_is_clicked_away(found):
+    assert set(found["shown"]) - set(found["without"]) == {found["shown"][0]} and found["cells"] == 3
+
+
+def test_another_muscle_comes(found):
+    assert found["muscle"] == "gluteus_medius"
+
+
+def test_the_keyboard_does_what_the_mouse_does(found):
+    assert found["turned"] and found["zoomed"] < 100
+    assert "frame 1" in found["heard"] and f"{ROLES.field}: 3" in found["heard"]
+    assert found["rowsBehind"] == 3 * fake_page.FRAMES
+
+
+def test_it_fits_a_phone_and_a_dark_screen(found):
+    assert found["phone"]["sideways"] <= 0 and found["dark"]["sideways"] <= 0
+    assert found["phone"]["page"] != found["dark"]["page"]
