@@ -2,10 +2,12 @@
 """The largest step at which a run stays right: no node on the wrong side of a bone, and the volume within 5 %.
 
 Of each backend and response, with the tunnelling guard and without: the largest rotation a frame, at the scene's time step,
-and the largest time step, at the scene's rotation a frame; both by bisection, to a tenth.
+and the largest time step, at the scene's rotation a frame; both by bisection, to a tenth. `musclebench check` and `advise`
+take safe_step.json with --safe-step.
 """
 
 import argparse
+import json
 import math
 import sys
 import tempfile
@@ -17,6 +19,7 @@ from musclebench.cases.case import Folders
 from musclebench.cases.scene import Scene, chosen_names, survey
 from musclebench.cases.study_command import PROJECT, end
 from musclebench.program.cli import OneLineParser, Problem, check_data, check_program, run_command
+from musclebench.program.fingerprint import write_whole
 from musclebench.program.registry import Registry, read_registry
 from musclebench.safe_step.search import Limits, SafeStep, largest_safe
 from musclebench.safe_step.trials import Setting, Trials
@@ -84,6 +87,22 @@ def _of(name: str, unit: str, found: SafeStep, scale: float) -> dict:
             f"{name}_wrong_{unit}": math.nan if found.wrong_at is None else scale * found.wrong_at}
 
 
+def write_steps(rows: list[dict], scene: str, path: Path) -> Path:
+    """What `musclebench check` and `advise` read with --safe-step. Null: nothing was right, or nothing was seen to be wrong."""
+
+    def known(row: dict, key: str, scale: float = 1.0) -> float | None:
+        value = row.get(key, math.nan)
+        return None if math.isnan(value) else scale * value
+
+    steps = [{"backend": row["backend"], "response": row["response"], "guard": row["guard"] == "yes",
+              "turn_deg": known(row, "turn_deg"), "turn_wrong_deg": known(row, "turn_wrong_deg"),
+              "time_step_s": known(row, "step_ms", 1e-3), "time_step_wrong_s": known(row, "step_wrong_ms", 1e-3)}
+             for row in rows]
+    name = Path(scene).stem if scene.endswith(".toml") else scene
+    write_whole(path, json.dumps({"schema": 1, "scene": name, "steps": steps}, indent=1) + "\n")
+    return path
+
+
 def run_and_report(options) -> int:
     check_program(options.musclebench, "tools/safe-step")
     check_data(options.data)
@@ -110,7 +129,7 @@ def run_and_report(options) -> int:
                   "volume within 5 %", COLUMNS, pd.DataFrame(rows, columns=[column.key for column in COLUMNS]),
                   [column.key for column in COLUMNS])
     out.mkdir(parents=True, exist_ok=True)
-    files = write_table(table, out)
+    files = [*write_table(table, out), write_steps(rows, name, out / "safe_step.json")]
     print(f"\n{table.caption}\n\n{markdown_rows(COLUMNS, table.rows)}")
     return end("safe-step", files, [])
 

@@ -9,6 +9,7 @@
 
 #include "bench/cases/advise_arms.hpp"
 #include "bench/cases/advise_case.hpp"
+#include "bench/cases/safe_steps.hpp"
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
 #include "bench/process/progress.hpp"
@@ -32,6 +33,7 @@ struct AdviseOptions {
   double seconds = 90;
   double band_mm = 10;
   int threads = 1;
+  std::string safe_steps;
 
   [[nodiscard]] bool asks_for_arms() const { return moment_arm_mm > 0; }
   [[nodiscard]] double wanted_mm() const { return asks_for_arms() ? moment_arm_mm : depth_mm; }
@@ -159,8 +161,23 @@ std::function<void(int done)> reported(std::optional<Progress>& progress, const 
 using Measure = std::function<std::optional<Assessment>(const Configuration& configuration, std::string& reason,
                                                         const std::function<void(int done, int total)>& report)>;
 
-Advice find_with_progress(const AdviceRequest& request, const Measure& measure) {
+/// Why the configuration's runs go wrong at the scene's step; nothing where it is not known that they do.
+using SafetyDoubt = std::function<std::optional<std::string>(const Configuration& configuration)>;
+
+SafetyDoubt doubts_of(const Scene& scene, const AdviseOptions& options) {
+  if (options.safe_steps.empty()) return [](const Configuration&) { return std::nullopt; };
+  return [&scene, known = read_safe_steps(options.safe_steps)](const Configuration& configuration) {
+    const BackendEntry& backend = find_backend(configuration.backend);
+    return why_unsafe(known, scene, backend.name, name_of(scene.response.value_or(backend.default_response)));
+  };
+}
+
+Advice find_with_progress(const AdviceRequest& request, const SafetyDoubt& doubt, const Measure& measure) {
   return find_advice(request, [&](const Configuration& configuration, std::string& reason) {
+    if (const std::optional<std::string> unsafe = doubt(configuration)) {
+      reason = *unsafe;
+      return std::optional<Assessment>();
+    }
     std::optional<Progress> progress;
     const auto report = [&](int done, int total) { reported(progress, "trying " + configuration.text(), total)(done); };
     try {
@@ -204,10 +221,12 @@ Advice advise_on_depth(const Scene& scene, const AdviseOptions& options, AdviceR
                      fmt::format("no frame of the exact run could be kept within {:.0f} s; give more", run_s));
   }
   request.seconds -= static_cast<double>(monotonic_now_ns() - start_ns) * 1e-9;
-  Advice advice = find_with_progress(request, [&](const Configuration& configuration, std::string& reason,
-                                                  const std::function<void(int, int)>& report) {
-    return assess(scene, configuration, {options.band_mm * 1e-3, options.threads}, *input.frames, reason, report);
-  });
+  const SafetyDoubt doubt = doubts_of(scene, options);
+  Advice advice = find_with_progress(
+      request, doubt,
+      [&](const Configuration& configuration, std::string& reason, const std::function<void(int, int)>& report) {
+        return assess(scene, configuration, {options.band_mm * 1e-3, options.threads}, *input.frames, reason, report);
+      });
   const Basis basis{input.frames->header().frames(), input.frames_run};
   const bool is_known = !advice.measured.empty() && advice.measured.front().contacts;
   fmt::print("{}: wanted is a depth error of at most {} mm in 99 of 100 contacts\n", scene.name, options.depth_mm);
@@ -224,11 +243,13 @@ Advice advise_on_arms(const Scene& scene, const AdviseOptions& options, AdviceRe
                                       reported(progress, "exact run of " + scene.name, scene.loop.frames));
   progress.reset();
   request.seconds -= static_cast<double>(monotonic_now_ns() - start_ns) * 1e-9;
-  Advice advice = find_with_progress(request, [&](const Configuration& configuration, std::string& reason,
-                                                  const std::function<void(int, int)>& report) {
-    return assess_arms(scene, configuration, options.threads, input, reason,
-                       [&](int done) { report(done, input.frames_run); });
-  });
+  const SafetyDoubt doubt = doubts_of(scene, options);
+  Advice advice = find_with_progress(
+      request, doubt,
+      [&](const Configuration& configuration, std::string& reason, const std::function<void(int, int)>& report) {
+        return assess_arms(scene, configuration, options.threads, input, reason,
+                           [&](int done) { report(done, input.frames_run); });
+      });
   const Basis basis{input.frames_run, input.frames_run};
   fmt::print("{}: wanted are moment arms within {} mm (RMS over the motion) of the exact run's\n", scene.name,
              options.moment_arm_mm);
@@ -273,6 +294,8 @@ void add_advise_command(CLI::App& app, int& exit_code) {
   command->add_option("--band-mm", options->band_mm, "Errors count so far from a bone's surface (default: 10)")
       ->check(positive_and_finite());
   add_threads_option(*command, options->threads);
+  command->add_option("--safe-step", options->safe_steps,
+                      "safe_step.json of tools/safe-step: leave out backends whose runs go wrong at the scene's step");
   command->callback([options, depth, arm, &exit_code] {
     if (depth->empty() && arm->empty()) throw CLI::RequiredError("--depth-mm or --moment-arm-mm");
     exit_code = advise(*options);

@@ -7,6 +7,7 @@
 
 #include "bench/cases/bone_cells.hpp"
 #include "bench/cases/collider_backends.hpp"
+#include "bench/cases/safe_steps.hpp"
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
 #include "bench/process/progress.hpp"
@@ -61,6 +62,7 @@ void print_muscle(const Scene& scene, const Muscle& muscle) {
 struct CheckRequest {
   SceneChoice scene;
   BackendOptions backend;
+  std::string safe_steps;
   bool json = false;
 };
 
@@ -150,6 +152,10 @@ bool check_scene_of(const CheckRequest& request) {
     Progress progress(progress_style(false), "check " + scene.name, check_steps);
     findings = check_scene(scene, check_options(request, scene, warnings, progress));
   }
+  if (!request.safe_steps.empty()) {
+    const Findings beyond = safe_step_findings(read_safe_steps(request.safe_steps), scene, request.backend.backend);
+    findings.insert(findings.end(), beyond.begin(), beyond.end());
+  }
   if (request.json) {
     fmt::print("{}\n", text_of(json_of_check(scene, warnings, findings), 2));
     return scene.obstacles.empty();
@@ -164,8 +170,10 @@ bool check_scene_of(const CheckRequest& request) {
 
 /// Of a mesh there is its report only.
 void check_mesh_of(const CheckRequest& request) {
-  if (request.json || !request.backend.backend.empty() || !request.scene.preset.empty()) {
-    throw InputError(request.scene.scene, "is a mesh; --json, --preset and --backend are for scenes; leave them out");
+  if (request.json || !request.backend.backend.empty() || !request.scene.preset.empty() ||
+      !request.safe_steps.empty()) {
+    throw InputError(request.scene.scene,
+                     "is a mesh; --json, --preset, --backend and --safe-step are for scenes; leave them out");
   }
   print_report(request.scene.scene, read_mesh(request.scene.scene));
 }
@@ -194,6 +202,8 @@ void add_check_command(CLI::App& app, int& exit_code) {
   command->get_option("--backend")
       ->required(false)
       ->description("Check that its cells are finer than gaps, and that it serves the effects");
+  command->add_option("--safe-step", request->safe_steps,
+                      "safe_step.json of tools/safe-step: compare the scene's step with the largest that stayed right");
   command->add_flag("--json", request->json, "Print warnings and findings as JSON");
   command->callback([request, &exit_code] {
     request->scene.notes_obstacles = true;

@@ -132,6 +132,40 @@ HardCell judge_flush(const HardRequest& request) {
   });
 }
 
+/// All lengths of the scene times `factor`, and what it has per length.
+void scale_scene(Scene& scene, double factor) {
+  const auto scaled = [&](std::vector<Vec3>& vertices) {
+    for (Vec3& vertex : vertices) vertex *= factor;
+  };
+  scaled(scene.muscle_mesh.vertices);
+  for (Muscle& muscle : scene.muscles) scaled(muscle.file.mesh.vertices);
+  for (std::size_t bone = 0; bone < scene.bones.size(); ++bone) {
+    scaled(scene.bones[bone].surface.mesh.vertices);
+    scaled(scene.bone_meshes[bone].mesh.vertices);
+    for (BoneRotation& rotation : scene.motions[bone].rotations) rotation.centre_m *= factor;
+  }
+}
+
+HardCell scaled_run(const HardRequest& request) {
+  return watched(request, true, [&] {
+    SceneChoice choice = scene_of("hard/step_size");
+    choice.loop_overrides["frames"] = std::int64_t{64};
+    const MovedScene usual = moved(request, choice);
+    const std::size_t last = usual.result.snapshots.size() - 1;
+    std::vector<HardFigure> figures;
+    for (const double factor : {0x1p10, 0x1p-10, 1e3, 1e-3}) {
+      const MovedScene other = moved(request, choice, 1, [&](Scene& scene) { scale_scene(scene, factor); });
+      std::vector<Vec3> back = other.positions(last);
+      for (Vec3& position : back) position /= factor;
+      int exponent = 0;
+      const bool is_power_of_two = std::frexp(factor, &exponent) == 0.5;
+      figures.push_back({fmt::format("scaled by {:g}: largest difference of the shapes, over the diagonal", factor),
+                         largest_gap_m(usual.positions(last), back) / usual.diagonal_m(), is_power_of_two ? 0 : 1e-3});
+    }
+    return judged(std::move(figures), request, usual.said(), MayRefuse::nobody);
+  });
+}
+
 HardCell same_state_for_targets(const HardRequest& request) {
   return watched(request, true, [&] {
     std::vector<std::string> hashes;
@@ -169,6 +203,12 @@ constexpr std::array cases_of_courses = {
         .bar = "shapes within 0.1 mm at full flexion and after the return",
         .scene = flexed_muscle,
         .run = sensitivity},
+    HardCase{.id = "scaled-run",
+             .what = "A ball that a plate sweeps along, and both a thousand times as large and as small.",
+             .why = "A tolerance in metres anywhere in the loop, its effects or a backend shows.",
+             .bar = "for 2^10 and 2^-10 the same bits, for 1e3 and 1e-3 within 1e-3 of the diagonal",
+             .scene = "hard/step_size",
+             .run = scaled_run},
     HardCase{.id = "judge-flush",
              .what =
                  "A muscle fills the groove of a bone, its faces on the bone's; once more with every tenth triangle "

@@ -1,11 +1,15 @@
 """tools/safe-step: the search, and the table of a small scene."""
 
+import json
+import re
+from pathlib import Path
+
 import pandas as pd
 import pytest
 
 import safe_step
 from musclebench.safe_step.search import RATIO, Limits, largest_safe
-from program import PROGRAM, needs_program
+from program import PROGRAM, call, complaint, needs_program
 
 
 @pytest.mark.parametrize("limit", [0.013, 0.9, 1.0, 7.3, 55.0])
@@ -31,6 +35,42 @@ def test_a_guard_allows_steps_as_long_as_none_at_least(tmp_path):
     assert list(table["guard"]) == ["no", "yes", "no", "yes"]
     projected = table[table.response == "project"].set_index("guard")
     assert 0 < projected["turn_deg"]["no"] <= projected["turn_deg"]["yes"]
+    checked = call("check", "hard/step_size", "--backend", "bvh", "--safe-step", tmp_path / "out/safe_step.json", "--json")
+    assert checked.returncode == 0, checked.stderr
+
+
+def known_steps(folder: Path, **changes) -> Path:
+    step = {"backend": "bvh", "response": "project", "guard": False, "turn_deg": 1e-5, "turn_wrong_deg": 2e-5,
+            "time_step_s": 1.0, "time_step_wrong_s": None}
+    guarded = {**step, "guard": True, "turn_deg": 90.0, "turn_wrong_deg": None}
+    file = folder / "safe_step.json"
+    file.write_text(json.dumps({"schema": 1, "scene": "hard/step_size", "steps": [step, guarded], **changes}))
+    return file
+
+
+@needs_program
+def test_check_names_a_step_beyond_the_safe_one_and_what_mends_it(tmp_path):
+    checked = json.loads(call("check", "hard/step_size", "--safe-step", known_steps(tmp_path), "--json").stdout)
+    finding, = [one for one in checked["findings"] if one["id"] == "step_beyond_safe"]
+    assert finding["where"] == "bvh with response project" and finding["figures"]["safe_turn_deg"] == 1e-5
+    assert finding["figures"]["turn_deg"] > 1e-5 and finding["add"] == ["[effects.tunnelling_guard]"]
+    other = call("check", "hard/step_size", "--backend", "sdf", "--safe-step", known_steps(tmp_path), "--json")
+    assert "step_beyond_safe" not in other.stdout
+
+
+@needs_program
+def test_advise_leaves_out_what_goes_wrong_at_the_scenes_step(tmp_path):
+    done = call("advise", "hard/step_size", "--depth-mm", "1", "--seconds", "20", "--safe-step", known_steps(tmp_path))
+    assert re.search(r"bvh +not measured: bones turn by .* degrees a frame, and runs stay right up to 1e-05", done.stdout)
+
+
+@needs_program
+@pytest.mark.parametrize(("changes", "words"), [
+    ({"schema": 2}, "schema 2"), ({"scene": "hard/rest"}, "hard/rest"), ({"steps": [{}]}, "tools/safe-step writes"),
+])
+def test_steps_that_are_of_something_else_are_refused(tmp_path, changes, words):
+    done = call("check", "hard/step_size", "--safe-step", known_steps(tmp_path, **changes))
+    assert done.returncode == 2 and complaint(done).count("\n") == 1 and words in done.stderr
 
 
 @needs_program
