@@ -132,7 +132,7 @@ class InterleavedExperiment(Experiment):
             except NotCounted:
                 pass  # callgrind counts
 
-    def complete(self, case: InterleavedCase, folder: Path) -> None:
+    def complete(self, case: InterleavedCase, folder: Path, exit_code: int) -> None:
         counters = {"instructions": read_callgrind(folder.parent)} if case.purpose == COUNTED else {}
         if self._counter is not None:
             counters["process_instructions"] = self._counter.read() or None
