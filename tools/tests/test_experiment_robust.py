@@ -54,20 +54,23 @@ def run_here(trial: Path, out: Path) -> list[str]:
     return sweep.run(cases, Limits(sorted(os.sched_getaffinity(0))[:2], 60.0))
 
 
-def fork_and_kill(trial: Path, out: Path, after_seconds: float) -> bool:
-    """False where it had ended before."""
+def fork_and_kill(trial: Path, out: Path, after_seconds: float) -> str:
+    """"killed"; "ended" before; "refused" where a case of a runner that was killed before still holds the folder."""
     child = os.fork()
     if child == 0:
         silent = os.open(os.devnull, os.O_WRONLY)
         os.dup2(silent, 1)
         os.dup2(silent, 2)
+        code = 1
         try:
             run_here(trial, out)
+            code = 0
         finally:
-            os._exit(0)
+            os._exit(code)
     time.sleep(after_seconds)
     os.kill(child, signal.SIGKILL)
-    return os.WIFSIGNALED(os.waitpid(child, 0)[1])
+    status = os.waitpid(child, 0)[1]
+    return "killed" if os.WIFSIGNALED(status) else "refused" if os.waitstatus_to_exitcode(status) else "ended"
 
 
 def complete(out: Path) -> dict[str, str]:
@@ -80,6 +83,13 @@ def hidden(out: Path) -> list[Path]:
     return [path for path in (*out.glob("raw/.*"), *out.glob("recordings/.*"))]
 
 
+def cleared(trial: Path, out: Path) -> bool:
+    """What a case of a runner that was killed left behind after the next one had cleaned up goes with the one after that."""
+    if hidden(out):
+        run_here(trial, out)
+    return not hidden(out)
+
+
 @pytest.fixture
 def undisturbed(trial, tmp_path):
     assert run_here(trial, tmp_path / "undisturbed") == []
@@ -87,22 +97,31 @@ def undisturbed(trial, tmp_path):
 
 
 def test_kill_9_at_fifty_random_moments_loses_nothing_complete(trial, tmp_path, undisturbed, capfd):
-    moments, kills, ended = random.Random(3), 0, 0
+    moments, kills, ended, refusals = random.Random(3), 0, 0, 0
     out, before = tmp_path / "out-0", {}
     while kills < KILLS:
-        kills += was_killed if (was_killed := fork_and_kill(trial, out, moments.uniform(0.0, 0.2))) else 0
+        outcome = fork_and_kill(trial, out, moments.uniform(0.0, 0.2))
+        kills, refusals = kills + (outcome == "killed"), refusals + (outcome == "refused")
+        assert refusals < KILLS
         now = complete(out)
         assert before.items() <= now.items()
         for name in ("raw", "recordings"):
             folders = [path for path in out.glob(f"{name}/[!.]*")]
             assert all((path / "case.json").is_file() and not damage(path) for path in folders)
         before = now
-        if not was_killed:
-            assert answers(out) == undisturbed and not hidden(out)
+        if outcome == "ended":
+            assert answers(out) == undisturbed
             ended += 1
             out, before = tmp_path / f"out-{ended}", {}
+    time.sleep(1)  # the longest case
     run_here(trial, out)
-    assert answers(out) == undisturbed and not hidden(out) and (out / "cases.log").read_text().endswith("\n")
+    assert answers(out) == undisturbed and (out / "cases.log").read_text().endswith("\n")
+
+
+def test_what_a_killed_case_left_late_goes_with_the_next_run(trial, tmp_path, undisturbed):
+    out = tmp_path / "undisturbed"
+    (out / "raw" / ".iliacus-run-voxel-r1.999999").mkdir()
+    assert cleared(trial, out) and answers(out) == undisturbed
 
 
 def test_tables_say_what_was_not_run(trial, tmp_path, undisturbed):
