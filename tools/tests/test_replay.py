@@ -212,3 +212,14 @@ def test_a_blow_up_is_not_recorded(scene, tmp_path):
     assert done.returncode == 3
     assert "diverged" in done.stderr
     assert not list(tmp_path.iterdir())
+
+
+def test_a_run_that_diverges_leaves_what_can_be_replayed(tmp_path):
+    run = call("run", "hard/time_step", "--backend", "null", "--effect", "gravity:z_m_per_s2=-1000", "--no-effect", "damping",
+               "--loop", "time_step_s=0.002", "--frames", "60", "--out", tmp_path / "run")
+    assert run.returncode == 3 and "before_divergence.recording" in run.stderr
+    record = json.loads((tmp_path / "run/run.json").read_text())
+    assert record["status"] == "diverged" and (tmp_path / "run/frames.csv").read_text().count("\n") == 31
+    replayed = call("replay", tmp_path / "run/before_divergence.recording", "--backend", "bvh", "--out", tmp_path / "replay")
+    assert replayed.returncode == 0, replayed.stderr
+    assert (tmp_path / "replay/frames.csv").read_text().count("\n") == 4  # a header, three frames
