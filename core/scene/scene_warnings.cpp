@@ -125,6 +125,14 @@ void warn_of_attachments(const Scene& scene, Lines& warnings) {
   }
 }
 
+void warn_of_late_time_steps(const Scene& scene, Lines& warnings) {
+  for (const TimeStepChange& change : scene.loop.time_step_changes) {
+    if (change.from_frame <= scene.loop.frames) continue;
+    warnings.push_back(fmt::format("the time step changes from frame {} on, and the run has {}: it never does",
+                                   change.from_frame, scene.loop.frames));
+  }
+}
+
 void warn_of_motions(const Scene& scene, Lines& warnings) {
   if (std::abs(scene.angle_rad(0)) > 1e-9) {
     warnings.push_back(
@@ -208,6 +216,7 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
   warn_of_muscle_pairs(scene, warnings);
   warn_of_muscle_surfaces(scene, warnings);
   warn_of_motions(scene, warnings);
+  warn_of_late_time_steps(scene, warnings);
   return warnings;
 }
 

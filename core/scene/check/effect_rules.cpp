@@ -262,6 +262,8 @@ void find_standstill(CheckContext& context, Findings& findings) {
   for (const BoneMotion& motion : scene.motions) {
     if (std::ranges::any_of(motion.rotations, leaves_rest)) return;
   }
+  if (std::ranges::any_of(scene.muscles, [](const Muscle& muscle) { return !muscle.velocity_m_per_s.isZero(0); }))
+    return;
   if (has_effect(scene, "gravity") || has_effect(scene, "activation")) return;
   for (const char* volume : {"volume", "local_volume"}) {
     const SceneEffect* inflated = find_named(scene, volume);

@@ -9,6 +9,7 @@
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/scene/read_scene.hpp"
+#include "core/scene/scene_warnings.hpp"
 #include "core/scene/tests/scene_errors.hpp"
 
 namespace musclebench {
@@ -164,6 +165,9 @@ TEST(ReadScene, TheTimeStepMayChangeDuringTheRun) {
   EXPECT_EQ(loop.time_s(3, 1), 14);
   EXPECT_EQ(loop.time_s(4, 2), 44);
   EXPECT_EQ(loop.time_s(6, 1), 47);
+  const std::vector<std::string> late =
+      scene_warnings(read_scene(request_of(with("[[time_step_change]]\nfrom_frame = 10\ntime_step_s = 2.0\n"))));
+  EXPECT_TRUE(std::ranges::any_of(late, [](const std::string& line) { return line.find("frame 10 on") < 99; }));
   expect_one_line(error_of(with(coarse + coarse)), {"test.toml:", "from_frame", "after 3"});
   expect_one_line(error_of(with("[[time_step_change]]\nfrom_frame = 2.5\ntime_step_s = 1.0\n")), {"whole number"});
   expect_one_line(error_of(with("[[time_step_change]]\nfrom_frame = 2\n")), {"time_step_s", "missing"});

@@ -203,6 +203,9 @@ TEST(EffectRules, FindAStandstill) {
   EXPECT_FALSE(still("", "[effects.activation]\n"));
   EXPECT_TRUE(still("", "[effects.volume]\n"));
   EXPECT_FALSE(still("", "[effects.volume]\npressure = 1.1\n"));
+  EXPECT_FALSE(is_found(check_scene_of(bone_text("plate", "") + muscle_text("ball") +
+                                       "velocity_m_per_s = [0, 0, 1]\n[effects.edge_length]\n"),
+                        "standstill"));
 }
 
 TEST(EffectRules, FindExclusionsOfNothing) {
