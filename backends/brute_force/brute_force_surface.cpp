@@ -2,8 +2,8 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "core/distance/solid_angle_sum.hpp"
 #include "core/distance/triangle_distance.hpp"
 
 namespace musclebench {
@@ -12,7 +12,7 @@ SurfacePoint locate_by_brute_force(const TriangleMesh& mesh, const Vec3& point) 
   ClosestOnTriangle closest;
   closest.squared_distance_m2 = std::numeric_limits<double>::infinity();
   Vec3 face_normal = Vec3::UnitZ();
-  double angle_sum = 0;
+  SolidAngleSum angles(point);
   for (const Triangle& triangle : mesh.triangles) {
     const Vec3& a = mesh.vertices[triangle[0]];
     const Vec3& b = mesh.vertices[triangle[1]];
@@ -22,10 +22,10 @@ SurfacePoint locate_by_brute_force(const TriangleMesh& mesh, const Vec3& point) 
       closest = candidate;
       face_normal = (b - a).cross(c - a);
     }
-    angle_sum += solid_angle(point, a, b, c);
+    angles.add(a, b, c);
   }
   SurfacePoint result;
-  result.inside = angle_sum > 2 * std::numbers::pi;  // winding number above one half
+  result.inside = angles.winding_number() > 0.5;
   result.distance_m = std::sqrt(closest.squared_distance_m2);
   const Vec3 to_closest = closest.point - point;
   const double length = to_closest.norm();

@@ -2,10 +2,11 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "core/clearance/deforming_structure.hpp"
+#include "core/distance/solid_angle_sum.hpp"
+#include "core/distance/triangle_distance.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
@@ -28,7 +29,7 @@ class AllMovingTriangles final : public DeformingStructure {
     }
     MuscleAnswer nearest;
     nearest.closest.squared_distance_m2 = std::numeric_limits<double>::infinity();
-    double angle_sum = 0;
+    SolidAngleSum angles(point);
     for (std::size_t t = m_body.first_triangle; t < m_body.last_triangle; ++t) {
       const auto& [a, b, c] = m_mesh.triangles[t];
       const Vec3& pa = m_positions[static_cast<std::size_t>(a)];
@@ -39,9 +40,9 @@ class AllMovingTriangles final : public DeformingStructure {
         nearest.closest = found;
         nearest.triangle = static_cast<int>(t);
       }
-      angle_sum += solid_angle(point, pa, pb, pc);
+      angles.add(pa, pb, pc);
     }
-    const bool is_inside = angle_sum > 2 * std::numbers::pi;  // winding number above one half
+    const bool is_inside = angles.winding_number() > 0.5;
     if (!is_inside || !(nearest.closest.squared_distance_m2 > wanted.touching_m * wanted.touching_m)) {
       return {std::sqrt(nearest.closest.squared_distance_m2)};
     }

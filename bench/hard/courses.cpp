@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -55,20 +56,19 @@ double detection_s(const HardRequest& request, const Scene& scene) {
 
 }  // namespace
 
-std::optional<HardCell> unless_short(const HardRequest& request, SceneChoice choice, int frames) {
-  const double most_s = request.whole ? 3600 : 20;
-  const Scene scene = load_scene(choice);
-  const int substeps = scene.loop.substeps;
+std::optional<HardCell> unless_short(const HardRequest& request, const Scene& scene, int frames) {
+  const double most_s = request.whole ? 3600 : 4;
   constexpr double too_long_s = 2;  // to be tried whole
   if (const double once_s = detection_s(request, scene); once_s > too_long_s) {
     return not_applicable(fmt::format("would take some {:.0f} s a detection", once_s));
   }
-  choice.loop_overrides["frames"] = std::int64_t{3};
-  choice.loop_overrides["substeps"] = std::int64_t{1};
-  choice.motion_overrides = {{"from_deg", 0.0}, {"to_deg", 0.0}};  // the whole motion in three frames is another work
+  Scene tried = scene;
+  tried.loop.frames = 3;
+  tried.loop.substeps = 1;
+  for (BoneMotion& motion : tried.motions) motion = {};  // the whole motion in three frames is another work
   // The first one fills the caches.
-  const Nanoseconds substep_ns = moved(request, choice).result.records.back().times.frame_ns;
-  const double whole_s = 1e-9 * static_cast<double>(substep_ns) * substeps * frames;
+  const Nanoseconds substep_ns = moved(request, std::move(tried)).result.records.back().times.frame_ns;
+  const double whole_s = 1e-9 * static_cast<double>(substep_ns) * scene.loop.substeps * frames;
   if (whole_s <= most_s) return std::nullopt;
   return not_applicable(
       fmt::format("would take {:.0f} s{}", whole_s, request.whole ? "" : ": in the long run only (--all)"));

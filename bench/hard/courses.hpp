@@ -23,6 +23,6 @@ double rms_gap_m(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
 
 /// A cell that would take too long by what one substep takes: in the short run, which ends within two minutes for all
 /// backends, a good part of that; in the long one an hour.
-std::optional<HardCell> unless_short(const HardRequest& request, SceneChoice choice, int frames);
+std::optional<HardCell> unless_short(const HardRequest& request, const Scene& scene, int frames);
 
 }  // namespace musclebench

@@ -78,8 +78,13 @@ HardCell initial_overlap(const HardRequest& request) {
 
 HardCell pinch(const HardRequest& request) {
   return watched(request, true, [&] {
-    const MovedScene run = moved(request, scene_of("hard/pinch"));
-    const MovedScene other = moved(request, scene_of("hard/pinch"), 1, [](Scene& scene) {
+    SceneChoice choice = scene_of("hard/pinch");
+    if (!request.whole) {
+      choice.loop_overrides["frames"] = std::int64_t{90};
+      choice.loop_overrides["rest_frames"] = std::int64_t{60};
+    }
+    const MovedScene run = moved(request, choice);
+    const MovedScene other = moved(request, choice, 1, [](Scene& scene) {
       std::reverse(scene.bones.begin(), scene.bones.end());
       std::reverse(scene.bone_meshes.begin(), scene.bone_meshes.end());
       std::reverse(scene.motions.begin(), scene.motions.end());

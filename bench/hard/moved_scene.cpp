@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -40,9 +41,8 @@ SceneChoice scene_of(const std::string& name) {
   return choice;
 }
 
-MovedScene moved(const HardRequest& request, const SceneChoice& choice, int threads, const EditScene& edit) {
-  MovedScene done{load_scene(choice), {}};
-  if (edit) edit(done.scene);
+MovedScene moved(const HardRequest& request, Scene scene, int threads) {
+  MovedScene done{std::move(scene), {}};
   const Parameters parameters = request.parameters();
   RunCase run{{done.scene, request.backend, parameters, threads}};
   run.responses = choose_responses("", done.scene, request.backend, parameters);
@@ -51,6 +51,12 @@ MovedScene moved(const HardRequest& request, const SceneChoice& choice, int thre
   std::iota(run.snapshots.begin(), run.snapshots.end(), 0);
   done.result = run_case(run, [](int) {});
   return done;
+}
+
+MovedScene moved(const HardRequest& request, const SceneChoice& choice, int threads, const EditScene& edit) {
+  Scene scene = load_scene(choice);
+  if (edit) edit(scene);
+  return moved(request, std::move(scene), threads);
 }
 
 double declared_m(const MovedScene& run, const HardRequest& request) {

@@ -39,8 +39,10 @@ SceneChoice scene_of(const std::string& name);
 
 using EditScene = std::function<void(Scene&)>;
 
-/// Runs the scene of the choice as `musclebench run` does; `edit` changes it first. Throws InputError where the backend
-/// can't serve its effects.
+/// Runs the scene as `musclebench run` does. Throws InputError where the backend can't serve its effects.
+MovedScene moved(const HardRequest& request, Scene scene, int threads = 1);
+
+/// The scene of the choice, which `edit` changes first. Throws InputError as above and where it can't be read.
 MovedScene moved(const HardRequest& request, const SceneChoice& choice, int threads = 1, const EditScene& edit = {});
 
 /// How far out of its place a backend that approximates may push a node that lies on a bone. One that promises nothing

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/bvh/triangle_bvh.hpp"
+#include "core/distance/solid_angle_sum.hpp"
 
 namespace musclebench {
 
@@ -15,12 +16,12 @@ constexpr double safe_margin = 0.25;
 }  // namespace
 
 double TriangleBvh::leaf_winding(const BvhLeaf& leaf, const Vec3& point) const {
-  double angle = 0;
+  SolidAngleSum angles(point);
   for (std::size_t lane = 0; lane < static_cast<std::size_t>(leaf.count); ++lane) {
     const auto& [a, b, c] = m_corners[static_cast<std::size_t>(leaf.triangle[lane])];
-    angle += solid_angle(point, a, b, c);
+    angles.add(a, b, c);
   }
-  return angle / (4 * std::numbers::pi);
+  return angles.winding_number();
 }
 
 double TriangleBvh::winding_number(const Vec3& point, double opening) const {

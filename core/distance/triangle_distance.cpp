@@ -48,16 +48,19 @@ ClosestOnTriangle closest_on_edges(const Vec3& point, const Vec3& a, const Vec3&
   return best;
 }
 
-double solid_angle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c) {
+HalfAngleTangent half_solid_angle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 pa = a - point;
   const Vec3 pb = b - point;
   const Vec3 pc = c - point;
   const double la = pa.norm();
   const double lb = pb.norm();
   const double lc = pc.norm();
-  const double volume = pa.dot(pb.cross(pc));
-  const double projected = la * lb * lc + pa.dot(pb) * lc + pb.dot(pc) * la + pc.dot(pa) * lb;
-  return volume == 0 ? 0.0 : 2 * arc_tangent2(volume, projected);
+  return {pa.dot(pb.cross(pc)), la * lb * lc + pa.dot(pb) * lc + pb.dot(pc) * la + pc.dot(pa) * lb};
+}
+
+double solid_angle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const auto [opposite, adjacent] = half_solid_angle(point, a, b, c);
+  return opposite == 0 ? 0.0 : 2 * arc_tangent2(opposite, adjacent);
 }
 
 Vec3 barycentric(const Vec3& point, const std::array<Vec3, 3>& corners, const Vec3& flat) {

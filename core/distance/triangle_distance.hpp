@@ -62,6 +62,15 @@ inline ClosestOnTriangle closest_on_triangle(const Vec3& point, const Vec3& a, c
   return closest_on_edges(point, a, b, c);
 }
 
+/// The tangent of an angle as its quotient, in m^3.
+struct HalfAngleTangent {
+  double opposite;
+  double adjacent;
+};
+
+/// Of half the signed solid angle of the triangle a b c; see `solid_angle`.
+HalfAngleTangent half_solid_angle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c);
+
 /// Signed solid angle of the triangle a b c seen from `point`, in steradians (van Oosterom and Strackee 1983). Positive
 /// where `point` sees the back of the triangle, so that the angles of a closed surface wound outwards sum to 4 pi at a
 /// point inside. 0 for a degenerate triangle and in the triangle's plane.

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <utility>
 
 #include <Eigen/Geometry>
 
 #include "core/bvh/triangle_bvh.hpp"
-#include "core/distance/triangle_distance.hpp"
+#include "core/distance/solid_angle_sum.hpp"
 
 namespace musclebench {
 
@@ -127,17 +126,16 @@ class NestingTest {
   /// for building it.
   [[nodiscard]] double winding_number(const Vec3& point) {
     constexpr int asked_without_tree = 4;
-    return ++m_asked > asked_without_tree ? tree().winding_number(point)
-                                          : sum_of_angles(point) / (4 * std::numbers::pi);
+    return ++m_asked > asked_without_tree ? tree().winding_number(point) : winding_without_tree(point);
   }
 
-  [[nodiscard]] double sum_of_angles(const Vec3& point) const {
-    double angle = 0;
+  [[nodiscard]] double winding_without_tree(const Vec3& point) const {
+    SolidAngleSum angles(point);
     for (const int t : m_outer.triangles) {
       const auto& [a, b, c] = m_mesh.triangles[t];
-      angle += solid_angle(point, m_mesh.vertices[a], m_mesh.vertices[b], m_mesh.vertices[c]);
+      angles.add(m_mesh.vertices[a], m_mesh.vertices[b], m_mesh.vertices[c]);
     }
-    return m_outer.is_inward ? -angle : angle;
+    return m_outer.is_inward ? -angles.winding_number() : angles.winding_number();
   }
 
   [[nodiscard]] const TriangleBvh& tree() {
