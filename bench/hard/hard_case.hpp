@@ -81,6 +81,7 @@ std::span<const HardCase> input_cases();
 std::span<const HardCase> motion_cases();
 std::span<const HardCase> course_cases();
 std::span<const HardCase> loop_cases();
+std::span<const HardCase> limit_cases();
 std::span<const HardCase> anatomy_cases();
 
 }  // namespace musclebench

@@ -81,6 +81,21 @@ TriangleMesh make_bumpy_ball(int subdivisions) {
 
 TriangleMesh make_plate(double thickness_m) { return make_box({0.05, 0.05, 0.5 * thickness_m}, 8); }
 
+TriangleMesh make_shrinking_row(int parts, double factor) {
+  TriangleMesh mesh;
+  double place_m = 0.1;
+  for (int part = 0; part < parts; ++part, place_m *= factor) {
+    const double size_m = 0.004 * place_m;
+    const Vec3 first(place_m, 0, 0);
+    const int v = static_cast<int>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), {first, first + size_m * Vec3::UnitX(), first + size_m * Vec3::UnitY(),
+                                               first + size_m * Vec3::UnitZ()});
+    mesh.triangles.insert(mesh.triangles.end(),
+                          {{v, v + 2, v + 1}, {v, v + 1, v + 3}, {v, v + 3, v + 2}, {v + 1, v + 2, v + 3}});
+  }
+  return mesh;
+}
+
 TriangleMesh make_winged_block(double thickness_m) {
   constexpr double half_m = 0.05;
   constexpr double wing_x_m = 0.0123;

@@ -20,6 +20,10 @@ TriangleMesh make_plate(double thickness_m);
 /// that of the ilium, thinner than the bone's box lets one see.
 TriangleMesh make_winged_block(double thickness_m);
 
+/// `parts` tetrahedra in a row along x, four vertices each and wound outwards, the first 0.4 mm large at 0.1 m: each is
+/// `factor` times as large as the one before it and as far from the origin.
+TriangleMesh make_shrinking_row(int parts, double factor);
+
 /// The mesh without `triangles` of its triangles that share edges, grown around the one farthest along `direction`.
 TriangleMesh with_hole(const TriangleMesh& mesh, int triangles, const Vec3& direction);
 
