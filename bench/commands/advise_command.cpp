@@ -13,6 +13,7 @@
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
 #include "bench/process/progress.hpp"
+#include "bench/results/advice_json.hpp"
 #include "core/base/input_error.hpp"
 
 namespace musclebench {
@@ -34,6 +35,7 @@ struct AdviseOptions {
   double band_mm = 10;
   int threads = 1;
   std::string safe_steps;
+  bool json = false;
 
   [[nodiscard]] bool asks_for_arms() const { return moment_arm_mm > 0; }
   [[nodiscard]] double wanted_mm() const { return asks_for_arms() ? moment_arm_mm : depth_mm; }
@@ -204,10 +206,24 @@ std::string cut_short(const Scene& scene, const Basis& basis) {
 
 std::string threads_in_words(int threads) { return fmt::format("{} thread{}", threads, threads == 1 ? "" : "s"); }
 
+/// `said` goes before the table.
 void print_advice(const Scene& scene, const AdviseOptions& options, const AdviceRequest& request, const Advice& advice,
-                  const Basis& basis) {
-  print_table(advice, options.asks_for_arms());
-  print_verdict(advice, options, explain(advice, request, {basis.frames, scene.loop.frames}));
+                  const Basis& basis, const std::string& said) {
+  const std::vector<std::string> reasons = explain(advice, request, {basis.frames, scene.loop.frames});
+  if (!options.json) {
+    fmt::print("{}\n", said);
+    print_table(advice, options.asks_for_arms());
+    print_verdict(advice, options, reasons);
+    return;
+  }
+  Json json = {{"scene", scene.name},
+               {"wanted", {{"of", options.asks_for_arms() ? "moment_arm_rms" : "depth_p99"}, {"m", request.wanted_m}}},
+               {"frames", {{"asked", basis.frames}, {"run", basis.frames_run}, {"all", scene.loop.frames}}},
+               {"threads", options.threads}};
+  json.update(json_of(advice, request.wanted_m));
+  json["command"] = advice.chosen ? Json(command_for(options, advice.measured[*advice.chosen].configuration)) : Json();
+  json["reasons"] = reasons;
+  fmt::print("{}\n", text_of(json, 2));
 }
 
 Advice advise_on_depth(const Scene& scene, const AdviseOptions& options, AdviceRequest request, Nanoseconds start_ns) {
@@ -229,11 +245,13 @@ Advice advise_on_depth(const Scene& scene, const AdviseOptions& options, AdviceR
       });
   const Basis basis{input.frames->header().frames(), input.frames_run};
   const bool is_known = !advice.measured.empty() && advice.measured.front().contacts;
-  fmt::print("{}: wanted is a depth error of at most {} mm in 99 of 100 contacts\n", scene.name, options.depth_mm);
-  fmt::print("Asked were {} of {} frames of the exact run{}, {} true contacts; {}\n\n", basis.frames, scene.loop.frames,
-             cut_short(scene, basis), is_known ? advice.measured.front().contacts->real : 0,
-             threads_in_words(options.threads));
-  print_advice(scene, options, request, advice, basis);
+  const std::string said =
+      fmt::format("{}: wanted is a depth error of at most {} mm in 99 of 100 contacts\n", scene.name,
+                  options.depth_mm) +
+      fmt::format("Asked were {} of {} frames of the exact run{}, {} true contacts; {}\n", basis.frames,
+                  scene.loop.frames, cut_short(scene, basis), is_known ? advice.measured.front().contacts->real : 0,
+                  threads_in_words(options.threads));
+  print_advice(scene, options, request, advice, basis, said);
   return advice;
 }
 
@@ -251,15 +269,16 @@ Advice advise_on_arms(const Scene& scene, const AdviseOptions& options, AdviceRe
                            [&](int done) { report(done, input.frames_run); });
       });
   const Basis basis{input.frames_run, input.frames_run};
-  fmt::print("{}: wanted are moment arms within {} mm (RMS over the motion) of the exact run's\n", scene.name,
-             options.moment_arm_mm);
-  fmt::print("Each configuration moved the muscle for {} of {} frames{}; {}\n", basis.frames, scene.loop.frames,
-             cut_short(scene, basis), threads_in_words(options.threads));
-  fmt::print("Rounding alone moves the exact run's by {:.2g} mm{}\n\n", input.floor_m * 1e3,
-             input.floor_m > request.wanted_m
-                 ? ": more than is wanted, so that what holds it here may not hold it in another run"
-                 : "");
-  print_advice(scene, options, request, advice, basis);
+  const std::string said =
+      fmt::format("{}: wanted are moment arms within {} mm (RMS over the motion) of the exact run's\n", scene.name,
+                  options.moment_arm_mm) +
+      fmt::format("Each configuration moved the muscle for {} of {} frames{}; {}\n", basis.frames, scene.loop.frames,
+                  cut_short(scene, basis), threads_in_words(options.threads)) +
+      fmt::format("Rounding alone moves the exact run's by {:.2g} mm{}\n", input.floor_m * 1e3,
+                  input.floor_m > request.wanted_m
+                      ? ": more than is wanted, so that what holds it here may not hold it in another run"
+                      : "");
+  print_advice(scene, options, request, advice, basis, said);
   return advice;
 }
 
@@ -296,6 +315,7 @@ void add_advise_command(CLI::App& app, int& exit_code) {
   add_threads_option(*command, options->threads);
   command->add_option("--safe-step", options->safe_steps,
                       "safe_step.json of tools/safe-step: leave out backends whose runs go wrong at the scene's step");
+  command->add_flag("--json", options->json, "Print the advice as JSON");
   command->callback([options, depth, arm, &exit_code] {
     if (depth->empty() && arm->empty()) throw CLI::RequiredError("--depth-mm or --moment-arm-mm");
     exit_code = advise(*options);

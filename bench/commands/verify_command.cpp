@@ -8,6 +8,7 @@
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
 #include "bench/process/progress.hpp"
+#include "bench/results/verification_json.hpp"
 
 namespace musclebench {
 
@@ -17,6 +18,7 @@ struct VerifyOptions {
   SceneChoice choice;
   VerificationSettings settings;
   bool progress_lines = false;
+  bool json = false;
 };
 
 /// One bar a stage.
@@ -51,32 +53,42 @@ void print_row(const std::string& bone, const char* surface, const Agreement& ag
   }
 }
 
-bool verify(const Bone& bone, const char* surface, const VerifyOptions& options) {
-  SurfaceVerification result;
-  {
-    StageProgress progress(progress_style(options.progress_lines), fmt::format("{} {}", bone.name, surface));
-    result = verify_surface(bone, options.settings, [&](const auto&... work) { progress.show(work...); });
-  }
-  for (const Agreement& pair : result.pairs) {
-    print_row(bone.name, surface, pair, result);
-  }
-  std::fflush(stdout);
-  return result.held();
+SurfaceVerification verify(const Bone& bone, const char* surface, const VerifyOptions& options) {
+  StageProgress progress(progress_style(options.progress_lines), fmt::format("{} {}", bone.name, surface));
+  return verify_surface(bone, options.settings, [&](const auto&... work) { progress.show(work...); });
 }
 
 int verify_scene(const VerifyOptions& options) {
   const Scene scene = load_scene(options.choice);
-  fmt::print("{:<12} {:<10} {:<21} {:>9} {:>9} {:>12} {:>12} {:>9}\n", "bone", "surface", "pair", "points", "inside",
-             "difference", "signs differ", "seconds");
-  bool held = true;
-  for (std::size_t i = 0; i < scene.bones.size(); ++i) {
-    held = verify(scene.bones[i], "repaired", options) && held;
-    held = verify({scene.bones[i].name, {scene.bone_meshes[i].mesh, false, {}}}, "as shipped", options) && held;
+  if (!options.json) {
+    fmt::print("{:<12} {:<10} {:<21} {:>9} {:>9} {:>12} {:>12} {:>9}\n", "bone", "surface", "pair", "points", "inside",
+               "difference", "signs differ", "seconds");
   }
-  fmt::print(
-      "difference: of the distances, as a share of the bone's diagonal; signs: of points farther than {:g} of it, and "
-      "{:g} roundings of the largest coordinate, from the surface; seconds: of all\n{}\n",
-      agreed_share, agreed_roundings, held ? "held" : "NOT held");
+  bool held = true;
+  Json surfaces = Json::array();
+  const auto take = [&](const Bone& bone, const char* surface) {
+    const SurfaceVerification result = verify(bone, surface, options);
+    held = result.held() && held;
+    if (options.json) {
+      surfaces.push_back(json_of(result, bone.name, surface));
+      return;
+    }
+    for (const Agreement& pair : result.pairs) print_row(bone.name, surface, pair, result);
+    std::fflush(stdout);
+  };
+  for (std::size_t i = 0; i < scene.bones.size(); ++i) {
+    take(scene.bones[i], "repaired");
+    take({scene.bones[i].name, {scene.bone_meshes[i].mesh, false, {}}}, "as shipped");
+  }
+  if (options.json) {
+    fmt::print("{}\n", text_of({{"scene", scene.name}, {"held", held}, {"surfaces", surfaces}}, 2));
+  } else {
+    fmt::print(
+        "difference: of the distances, as a share of the bone's diagonal; signs: of points farther than {:g} of it, "
+        "and "
+        "{:g} roundings of the largest coordinate, from the surface; seconds: of all\n{}\n",
+        agreed_share, agreed_roundings, held ? "held" : "NOT held");
+  }
   return held ? 0 : exit_not_held;
 }
 
@@ -101,6 +113,7 @@ void add_verify_command(CLI::App& app, int& exit_code) {
   command->add_option("--seed", options->settings.seed, "Of the points")->capture_default_str();
   add_threads_option(*command, options->settings.threads);
   command->add_option("--data", options->choice.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
+  command->add_flag("--json", options->json, "Print the rows as JSON, at the end");
   command->add_flag("--progress", options->progress_lines, "Progress as lines on standard error");
   command->callback([options, &exit_code] { exit_code = verify_scene(*options); });
 }

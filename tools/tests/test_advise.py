@@ -1,5 +1,6 @@
 """`musclebench advise` as a user meets it."""
 
+import json
 import re
 
 import pytest
@@ -30,3 +31,21 @@ def test_what_is_no_depth_is_refused(depth_mm):
     answer = advise("--depth-mm", depth_mm)
     assert answer.returncode == 2
     assert len(answer.stderr.strip().splitlines()) == 1 and "--depth-mm" in answer.stderr
+
+
+def test_json_is_the_same_advice_for_scripts():
+    answer = advise("--depth-mm", "5", "--seconds", "60", "--json")
+    assert answer.returncode == 0, answer.stderr
+    advice = json.loads(answer.stdout)
+    chosen = next(row for row in advice["measured"] if row["configuration"] == advice["chosen"])
+    assert chosen["holds"] and chosen["error_m"] <= advice["wanted"]["m"] == 0.005
+    assert chosen["collision_ns"]["low"] <= chosen["collision_ns"]["median"] <= chosen["collision_ns"]["high"]
+    assert advice["command"].startswith("musclebench run synthetic/adductor_brevis --backend " + chosen["backend"])
+    assert all(row["holds"] == (row["error_m"] <= 0.005) for row in advice["measured"])
+    assert advice["frames"] == {"asked": 12, "run": 12, "all": 12} and advice["reasons"]
+
+
+def test_json_says_that_nothing_holds():
+    answer = advise("--depth-mm", "1e-30", "--seconds", "30", "--json")
+    advice = json.loads(answer.stdout)
+    assert answer.returncode == 1 and advice["chosen"] is None and advice["command"] is None and advice["best"]

@@ -23,6 +23,18 @@ def test_verify_holds_and_says_so(folder):
     assert lines[-1] == "held"
 
 
+def test_verify_json_has_the_rows_of_the_table(folder):
+    arguments = ["verify", folder / "scene.toml", "--points", "2000", "--brute-force-points", "500"]
+    done, table = call(*arguments, "--json"), call(*arguments)
+    assert done.returncode == 0, done.stderr
+    printed = json.loads(done.stdout)
+    pairs = [(surface["bone"], str(pair["points"]), str(pair["inside"]), str(pair["sign_differences"]))
+             for surface in printed["surfaces"] for pair in surface["pairs"]]
+    rows = [line.split() for line in table.stdout.splitlines() if line.startswith("box ")]
+    assert pairs == [(row[0], row[-5], row[-4], row[-2]) for row in rows] and len(pairs) == 6
+    assert printed["held"] and all(surface["held"] for surface in printed["surfaces"])
+
+
 def test_verify_reports_progress_in_lines(folder):
     done = call("verify", folder / "scene.toml", "--points", "60000", "--brute-force-points", "60000", "--progress")
     assert done.returncode == 0
