@@ -35,9 +35,9 @@ class BoneField : public BoneStructure {
   /// Which points are evaluated: those that may be inside the bone, or all for which the field has coefficients.
   enum class Wanted : std::uint8_t { contacts, clearances };
 
-  explicit BoneField(bool from_file) : m_is_from_file(from_file) {}
+  explicit BoneField(const StructureOrigin& origin) : m_origin(origin) {}
 
-  [[nodiscard]] bool is_from_file() const final { return m_is_from_file; }
+  [[nodiscard]] StructureOrigin origin() const final { return m_origin; }
   void detect(const NodeBatch& batch, std::vector<Contact>& contacts) final;
   [[nodiscard]] double kept_share() const final {
     return static_cast<double>(grid().cell_count()) / static_cast<double>(grid().whole().cell_count());
@@ -64,7 +64,7 @@ class BoneField : public BoneStructure {
   void store_left_out(const NodeBatch& batch, std::size_t first, std::size_t end, const CellMap& map,
                       const FieldBlock& block) const;
 
-  bool m_is_from_file;
+  StructureOrigin m_origin;
   std::atomic<bool> m_found_left_out = false;
 };
 
@@ -88,30 +88,6 @@ class FieldSource {
   /// (PointMethod::build_part).
   [[nodiscard]] virtual std::unique_ptr<BoneField> make(const Bone& bone, int threads, const ShareReport& progress,
                                                         const Eigen::AlignedBox3d& expected) const = 0;
-};
-
-/// Loads a field from `folder` / `file_name`, or builds it and saves it there; only builds it without a folder.
-template <typename Field>
-struct StoredField {
-  std::function<Field()> build;
-  std::function<std::optional<Field>(const std::filesystem::path&, const std::string& digest)> load;
-  std::function<void(const Field&, const std::filesystem::path&, const std::string& digest)> save;
-
-  [[nodiscard]] Field load_or_build(const std::filesystem::path& folder, const std::string& file_name, const Bone& bone,
-                                    bool& from_file) const {
-    from_file = false;
-    if (folder.empty()) {
-      return build();
-    }
-    const std::string digest = surface_digest(bone.surface);
-    if (std::optional<Field> loaded = load(folder / file_name, digest)) {
-      from_file = true;
-      return *std::move(loaded);
-    }
-    Field built = build();
-    save(built, folder / file_name, digest);
-    return built;
-  }
 };
 
 }  // namespace musclebench

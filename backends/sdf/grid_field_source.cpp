@@ -13,6 +13,7 @@
 #include "backends/sdf/build/field_memory.hpp"
 #include "backends/sdf/files/discregrid_file.hpp"
 #include "backends/sdf/files/foreign_field.hpp"
+#include "backends/sdf/files/kept_fields.hpp"
 #include "backends/sdf/grid/cubic_field.hpp"
 #include "backends/sdf/sdf_settings.hpp"
 #include "core/mesh/mesh_size.hpp"
@@ -43,7 +44,7 @@ double storage_rounding_m(const CubicField& field) {
 
 class GridBoneField final : public BoneField {
  public:
-  GridBoneField(CubicField field, bool from_file) : BoneField(from_file), m_field(std::move(field)) {}
+  GridBoneField(CubicField field, const StructureOrigin& origin) : BoneField(origin), m_field(std::move(field)) {}
 
   [[nodiscard]] std::size_t bytes() const override { return m_field.bytes(); }
   [[nodiscard]] std::optional<StructureError> error() const override {
@@ -142,7 +143,7 @@ class GridFieldSource final : public FieldSource {
                                                 const Eigen::AlignedBox3d& expected) const override {
     const GridShape whole = grid_over(bone.surface.mesh, m_grid, bone.name);
     const GridShape shape = m_folder.empty() ? whole.part(expected) : whole;
-    const StoredField<CubicField> stored{
+    const KeptFields<CubicField> kept{
         [&] { return build_field(bone.signed_distance(), shape, m_settings, threads, progress); },
         [&](const std::filesystem::path& path, const std::string& digest) {
           return load_field(path, digest, shape, m_settings);
@@ -150,18 +151,16 @@ class GridFieldSource final : public FieldSource {
         [](const CubicField& field, const std::filesystem::path& path, const std::string& digest) {
           save_field(field, digest, path);
         }};
-    bool from_file = false;
-    CubicField field = stored.load_or_build(m_folder, file_name(bone), bone, from_file);
-    return std::make_unique<GridBoneField>(std::move(field), from_file);
+    auto [field, origin] = kept.load_or_build(m_folder, built_with(), "field", bone.surface, threads);
+    return std::make_unique<GridBoneField>(std::move(field), origin);
   }
 
  private:
-  [[nodiscard]] std::string file_name(const Bone& bone) const {
+  [[nodiscard]] std::string built_with() const {
     const std::string grid =
         m_grid.cell_size_m > 0 ? fmt::format("{}m", m_grid.cell_size_m) : fmt::format("{}cells", m_grid.cells);
     const std::string band = m_settings.band_m ? fmt::format("-band{}m", *m_settings.band_m) : "";
-    return fmt::format("{}-{}{}{}-{}.field", bone_file_name(bone.name), grid, band, margin_file_name(m_grid.margin),
-                       m_precision_name);
+    return fmt::format("{}{}{}-{}", grid, band, margin_file_name(m_grid.margin), m_precision_name);
   }
 
   GridSettings m_grid;
@@ -183,7 +182,7 @@ class DiscregridFieldSource final : public FieldSource {
     const SignedSurface& surface = bone.signed_distance();
     require_field_of(field, bone.surface.mesh, surface, bone.name, path);
     field.facts().error = estimate_error(field, surface, samples_of_foreign);
-    return std::make_unique<GridBoneField>(std::move(field), true);
+    return std::make_unique<GridBoneField>(std::move(field), StructureOrigin{true});
   }
 
  private:

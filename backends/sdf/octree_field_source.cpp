@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "backends/sdf/build/octree_builder.hpp"
+#include "backends/sdf/files/kept_fields.hpp"
 #include "backends/sdf/files/octree_file.hpp"
 #include "backends/sdf/sdf_settings.hpp"
 
@@ -16,8 +17,8 @@ namespace {
 
 class OctreeBoneField final : public BoneField {
  public:
-  OctreeBoneField(OctreeField field, bool from_file)
-      : BoneField(from_file), m_field(std::move(field)), m_grid(m_field.shape().grid()) {}
+  OctreeBoneField(OctreeField field, const StructureOrigin& origin)
+      : BoneField(origin), m_field(std::move(field)), m_grid(m_field.shape().grid()) {}
 
   [[nodiscard]] std::size_t bytes() const override { return m_field.bytes(); }
   [[nodiscard]] std::optional<StructureError> error() const override {
@@ -64,7 +65,7 @@ class OctreeFieldSource final : public FieldSource {
   /// have other cells, and other bits.
   [[nodiscard]] std::unique_ptr<BoneField> make(const Bone& bone, int threads, const ShareReport& progress,
                                                 const Eigen::AlignedBox3d& /*expected*/) const override {
-    const StoredField<OctreeField> stored{
+    const KeptFields<OctreeField> kept{
         [&] {
           return build_octree(bone.signed_distance(), bone.surface.mesh, m_settings, bone.name, threads, progress);
         },
@@ -74,11 +75,9 @@ class OctreeFieldSource final : public FieldSource {
         [&](const OctreeField& field, const std::filesystem::path& path, const std::string& digest) {
           save_octree(field, digest, m_settings, path);
         }};
-    const std::string file_name =
-        fmt::format("{}-{}mm{}.octree", bone_file_name(bone.name), m_error_name, margin_file_name(m_settings.margin));
-    bool from_file = false;
-    OctreeField field = stored.load_or_build(m_folder, file_name, bone, from_file);
-    return std::make_unique<OctreeBoneField>(std::move(field), from_file);
+    const std::string built_with = fmt::format("{}mm{}", m_error_name, margin_file_name(m_settings.margin));
+    auto [field, origin] = kept.load_or_build(m_folder, built_with, "octree", bone.surface, threads);
+    return std::make_unique<OctreeBoneField>(std::move(field), origin);
   }
 
  private:

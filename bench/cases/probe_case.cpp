@@ -93,7 +93,7 @@ class Probe {
     m_backend->build(m_what.scene.bones, m_what.scene.muscle_mesh, m_what.threads);
     m_result.build_ns = monotonic_now_ns() - start_ns;
     m_result.structure_bytes = m_backend->structure_bytes();
-    m_result.structures_loaded = m_backend->built_from_file();
+    m_result.structures = m_backend->structure_origin();
     const Referee referee(m_what.scene.bones, 0);
     for (std::size_t bone = 0; bone < m_what.scene.bones.size(); ++bone) {
       probe_bone(static_cast<int>(bone), referee);

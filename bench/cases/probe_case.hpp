@@ -42,9 +42,9 @@ struct ProbeResult {
   std::vector<ProbeRow> rows;
   std::vector<ProbedBone> bones;
   std::size_t structure_bytes = 0;
-  bool structures_loaded = false;  ///< from a file; built otherwise
-  Nanoseconds build_ns = 0;        ///< building or loading
-  Nanoseconds detect_ns = 0;       ///< of all points against all bones
+  StructureOrigin structures = {};
+  Nanoseconds build_ns = 0;   ///< building or loading
+  Nanoseconds detect_ns = 0;  ///< of all points against all bones
 };
 
 /// Queries the backend at points that are spread evenly over each bone's area, each moved along its face's normal:

@@ -31,7 +31,7 @@ class Replayer {
     m_backend = std::move(built.backend);
     m_result.build_ns = built.build_ns;
     m_reach = std::move(built.reach);
-    m_result.structures_loaded = m_backend->built_from_file();
+    m_result.structures = m_backend->structure_origin();
     move_to_huge_pages();
 
     const Nanoseconds start_ns = monotonic_now_ns();

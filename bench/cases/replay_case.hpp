@@ -30,7 +30,7 @@ struct ReplayResult {
   std::string contact_hash;                   ///< of all contacts of all steps, in their order, to the last bit
   std::size_t structure_bytes = 0;
   std::vector<PrunedResult> pruned;
-  bool structures_loaded = false;       ///< from a file; built otherwise
+  StructureOrigin structures = {};
   Nanoseconds build_ns = 0;             ///< building or loading
   Nanoseconds wall_ns = 0;              ///< of all passes
   MachineState machine;                 ///< in the timed pass

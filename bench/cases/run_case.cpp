@@ -71,7 +71,7 @@ class CaseRunner {
     m_result.build_ns = built.build_ns;
     m_result.structure_bytes = m_backend->structure_bytes();
     m_result.structure_errors = m_backend->structure_errors();
-    m_result.structures_loaded = m_backend->built_from_file();
+    m_result.structures = m_backend->structure_origin();
     m_reach = std::move(built.reach);
     auto muscle_detectors = make_muscle_detectors(m_scene, m_run.colliders, m_run.threads);
     for (const auto& detector : muscle_detectors) {

@@ -50,7 +50,7 @@ struct RunResult {
   std::size_t muscle_structure_bytes = 0;        ///< of what detects contacts between muscles
   std::vector<StructureError> structure_errors;  ///< of backends that approximate
   std::vector<PrunedResult> pruned;
-  bool structures_loaded = false;       ///< from a file; built otherwise
+  StructureOrigin structures = {};
   Nanoseconds build_ns = 0;             ///< building or loading
   Nanoseconds wall_ns = 0;              ///< from the first frame to the last, with judging
   Nanoseconds cpu_before_ns = 0;        ///< of all threads of the process before the first frame

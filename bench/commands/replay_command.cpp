@@ -111,7 +111,7 @@ void print_summary(const ReplayCase& replay, const ReplayResult& result, const s
              result.records.empty() ? 0 : result.records.front().iterations);
   fmt::print("  collision a frame, median     {}\n", median_ms(std::move(collision_ns)));
   fmt::print("  structures                    {:>10.3f} MB, {} in {:.2f} s\n",
-             static_cast<double>(result.structure_bytes) * 1e-6, result.structures_loaded ? "loaded" : "built",
+             static_cast<double>(result.structure_bytes) * 1e-6, result.structures.is_from_file ? "loaded" : "built",
              static_cast<double>(result.build_ns) * 1e-9);
   if (result.accuracy) {
     print_accuracy(*result.accuracy, replay.band_m);

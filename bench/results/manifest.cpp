@@ -217,6 +217,11 @@ Json json_of_build() {
           {"type", build.type}};
 }
 
+void add_origin(Json& json, const StructureOrigin& origin) {
+  json["structures"] = origin.is_from_file ? "loaded" : "built";
+  json["kept_build_ns"] = origin.kept_build_ns ? Json(*origin.kept_build_ns) : Json(nullptr);
+}
+
 Json json_of(const MachineState& state) {
   const auto figure = [](const auto& value) { return value ? Json(*value) : Json(nullptr); };
   return {{"involuntary_context_switches", state.switches.involuntary},

@@ -35,6 +35,8 @@ Json json_of_inputs(const Scene& scene);
 Json json_of_build();
 
 Json json_of(const MachineState& state);
+/// `structures`, and where they were loaded `kept_build_ns`.
+void add_origin(Json& json, const StructureOrigin& origin);
 Json json_of(const std::vector<PrunedResult>& pruned, const Scene& scene);
 
 /// What every run.json begins with: schema version, status, run id, case, inputs, build and machine.

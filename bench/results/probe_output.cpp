@@ -41,7 +41,8 @@ Json manifest(const ProbeCase& what, const ProbeResult& result) {
   Json json = manifest_head(result.status, result.status_detail, json_of_probe(what), what.scene);
   const bool built = result.status == "ok";
   json["structure_bytes"] = built ? Json(result.structure_bytes) : Json(nullptr);
-  json["structures"] = built ? Json(result.structures_loaded ? "loaded" : "built") : Json(nullptr);
+  add_origin(json, result.structures);
+  if (!built) json["structures"] = nullptr;
   json["build_ns"] = built ? Json(result.build_ns) : Json(nullptr);
   json["detect_ns"] = built ? Json(result.detect_ns) : Json(nullptr);
   json["probed"] = json_of_probed_bones(result);

@@ -86,7 +86,7 @@ Json manifest(const ReplayCase& replay, const ReplayResult& result, const Record
   json["machine_state"] = json_of(result.machine);
   json["structure_bytes"] = result.structure_bytes;
   json["pruned"] = json_of(result.pruned, replay.scene);
-  json["structures"] = result.structures_loaded ? "loaded" : "built";
+  add_origin(json, result.structures);
   json["build_ns"] = result.build_ns;
   json["accuracy"] = result.accuracy ? json_of(*result.accuracy) : Json(nullptr);
   json["accuracy_of_muscles"] = json_of_muscles(replay, result.accuracy_of_muscles);

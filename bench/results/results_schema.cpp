@@ -148,6 +148,7 @@ constexpr auto keys = std::to_array<ManifestKey>({
     of_run("structure_errors[].largest_m", "m", "largest error there"),
     everywhere("structures", "", "built, or loaded from a file"),
     everywhere("build_ns", "ns", "building or loading them"),
+    everywhere("kept_build_ns", "ns", "of loaded ones: what building them took once, where that is noted beside them"),
     of_run("cpu_ns.before_first_frame", "ns", "CPU time of all threads: reading, checking, building"),
     of_run("cpu_ns.after_last_frame", "ns", "the same after the last frame"),
     of_run("memory.before_first_frame_bytes", "bytes", "resident, without the Referee and huge pages"),

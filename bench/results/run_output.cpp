@@ -136,7 +136,7 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["muscle_structure_bytes"] = result.muscle_structure_bytes;
   json["pruned"] = json_of(result.pruned, run.scene);
   json["structure_errors"] = json_of_structure_errors(result);
-  json["structures"] = result.structures_loaded ? "loaded" : "built";
+  add_origin(json, result.structures);
   json["build_ns"] = result.build_ns;
   json["cpu_ns"] = {{"before_first_frame", result.cpu_before_ns}, {"after_last_frame", result.cpu_after_ns}};
   json["memory"] = {{"before_first_frame_bytes", result.memory_before_bytes},

@@ -36,7 +36,7 @@ class BoneStructure {
   [[nodiscard]] virtual double step_m() const { return 0; }
   /// Of a structure that approximates; without the bone's name.
   [[nodiscard]] virtual std::optional<StructureError> error() const { return std::nullopt; }
-  [[nodiscard]] virtual bool is_from_file() const { return false; }
+  [[nodiscard]] virtual StructureOrigin origin() const { return {}; }
 
   /// Of the grid over the bone the share of cells that was built; less than 1 where a part is expected to do.
   [[nodiscard]] virtual double kept_share() const { return 1; }

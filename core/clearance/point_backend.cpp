@@ -34,10 +34,12 @@ class PointBackend final : public CollisionBackend {
     return bytes;
   }
 
-  [[nodiscard]] bool built_from_file() const override {
-    const auto is_built = [](const auto& each) { return each != nullptr; };
-    const auto is_from_file = [](const auto& each) { return each == nullptr || each->is_from_file(); };
-    return std::ranges::any_of(m_structures, is_built) && std::ranges::all_of(m_structures, is_from_file);
+  [[nodiscard]] StructureOrigin structure_origin() const override {
+    std::optional<StructureOrigin> all;
+    for (const auto& each : m_structures) {
+      if (each != nullptr) all = all ? all->with(each->origin()) : each->origin();
+    }
+    return all.value_or(StructureOrigin{});
   }
 
   [[nodiscard]] std::vector<PrunedBone> pruned_bones() const override {

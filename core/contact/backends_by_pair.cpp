@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <optional>
 #include <utility>
 
 namespace musclebench {
@@ -83,8 +84,13 @@ std::size_t BackendsByPair::structure_bytes() const {
   return bytes;
 }
 
-bool BackendsByPair::built_from_file() const {
-  return std::all_of(m_parts.begin(), m_parts.end(), [](const Part& part) { return part.backend->built_from_file(); });
+StructureOrigin BackendsByPair::structure_origin() const {
+  std::optional<StructureOrigin> all;
+  for (const Part& part : m_parts) {
+    const StructureOrigin own = part.backend->structure_origin();
+    all = all ? all->with(own) : own;
+  }
+  return all.value_or(StructureOrigin{});
 }
 
 std::vector<StructureError> BackendsByPair::structure_errors() const {

@@ -30,7 +30,7 @@ class BackendsByPair final : public CollisionBackend {
   [[nodiscard]] AnswerBound answer_bound(int bone) const override;
   [[nodiscard]] std::size_t structure_bytes() const override;
   /// Whether all parts were, which have something to read.
-  [[nodiscard]] bool built_from_file() const override;
+  [[nodiscard]] StructureOrigin structure_origin() const override;
   [[nodiscard]] std::vector<StructureError> structure_errors() const override;
   /// The smallest of those that answer for the bone and have cells.
   [[nodiscard]] double step_m(int bone) const override;

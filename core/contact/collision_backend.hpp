@@ -13,6 +13,7 @@
 #include "core/contact/bone.hpp"
 #include "core/contact/contact.hpp"
 #include "core/contact/reach_watch.hpp"
+#include "core/contact/structure_origin.hpp"
 #include "core/mesh/body.hpp"
 #include "core/mesh/mesh_size.hpp"
 #include "core/mesh/rigid_motion.hpp"
@@ -78,8 +79,8 @@ class CollisionBackend {
   /// Bytes of the structures made by `build`, counted from their sizes (deterministic), without the input meshes.
   [[nodiscard]] virtual std::size_t structure_bytes() const = 0;
 
-  /// Whether `build` read the structures from a file instead of computing them.
-  [[nodiscard]] virtual bool built_from_file() const { return false; }
+  /// Whether `build` found the structures in files instead of computing them.
+  [[nodiscard]] virtual StructureOrigin structure_origin() const { return {}; }
 
   /// Errors that a backend that approximates has measured when it built its structures, a bone each; empty for others.
   [[nodiscard]] virtual std::vector<StructureError> structure_errors() const { return {}; }

@@ -1,5 +1,6 @@
 """`field`: distance fields in files, as a user meets them."""
 
+import json
 import re
 import resource
 import struct
@@ -81,17 +82,22 @@ def test_leaves_nothing_where_the_file_may_not_grow_so_large(folder):
     assert not list(out.parent.iterdir())
 
 
-def test_writes_an_adaptive_field_that_a_backend_finds_again(folder):
-    out = folder / "structures" / "box-0.2mm.octree"
+def test_writes_the_adaptive_field_that_a_backend_keeps(folder):
+    out, kept = folder / "box-0.2mm.octree", folder / "structures"
     done = call("field", folder / "scene.toml", "--param", "max_error_mm=0.2", "--out", out, "--threads", "2")
     assert done.returncode == 0, done.stderr
     error_mm = float(re.search(r"surface +(\d\.\d+) mm", done.stdout).group(1))
     assert 0 < error_mm <= 0.2
-    before = out.read_bytes()
-    done = call("probe", folder / "scene.toml", "--backend", "sdf", "--param", "max_error_mm=0.2", "--param",
-                f"structures={out.parent}", "--points", "500", "--out", folder / "probe")
-    assert done.returncode == 0, done.stderr
-    assert list(out.parent.iterdir()) == [out] and out.read_bytes() == before
+    manifests = []
+    for name in ("first", "second"):
+        done = call("probe", folder / "scene.toml", "--backend", "sdf", "--param", "max_error_mm=0.2", "--param",
+                    f"structures={kept}", "--points", "500", "--out", folder / name)
+        assert done.returncode == 0, done.stderr
+        manifests.append(json.loads((folder / name / "run.json").read_text()))
+    field, note = sorted(kept.iterdir())
+    assert field.read_bytes() == out.read_bytes() and note.name == field.name + ".json"
+    assert [one["structures"] for one in manifests] == ["built", "loaded"]
+    assert [one["kept_build_ns"] for one in manifests] == [None, json.loads(note.read_text())["build_ns"]]
 
 
 def test_writes_a_field_with_a_band(folder):

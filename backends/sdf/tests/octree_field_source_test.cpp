@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "backends/sdf/files/kept_fields.hpp"
 #include "backends/sdf/sdf_backend.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
@@ -126,10 +127,11 @@ TEST(OctreeFieldSource, FindsItsFieldsAgain) {
   for (const bool again : {false, true}) {
     const auto backend = make_adaptive(given);
     backend->build(bones(), {}, 1);
-    EXPECT_EQ(backend->built_from_file(), again);
+    EXPECT_EQ(backend->structure_origin().is_from_file, again);
     EXPECT_GT(backend->structure_bytes(), 1000U);
   }
-  EXPECT_TRUE(std::filesystem::exists(folder / "box_of_2-0.5mm.octree"));
+  EXPECT_TRUE(
+      std::filesystem::exists(folder / content_address("0.5mm", surface_digest(bones().front().surface), "octree")));
   std::filesystem::remove_all(folder);
 }
 

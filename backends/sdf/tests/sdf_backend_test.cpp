@@ -4,12 +4,14 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "backends/sdf/files/kept_fields.hpp"
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh/tests/random_points.hpp"
@@ -293,7 +295,7 @@ TEST(SdfBackend, KeepsItsStructuresAndChecksThem) {
   for (int run = 0; run < 2; ++run) {
     const auto backend = make_grid(given);
     backend->build(bones, {}, 1);
-    EXPECT_EQ(backend->built_from_file(), run == 1);
+    EXPECT_EQ(backend->structure_origin().is_from_file, run == 1);
     answers.push_back(contacts_of(*backend, positions));
   }
   ASSERT_EQ(answers[0].size(), answers[1].size());
@@ -302,34 +304,34 @@ TEST(SdfBackend, KeepsItsStructuresAndChecksThem) {
     EXPECT_EQ(answers[0][i].depth_m, answers[1][i].depth_m);
     EXPECT_EQ(answers[0][i].normal, answers[1][i].normal);
   }
-  ASSERT_TRUE(std::filesystem::exists(folder / "box_of_2-8cells-float.field"));
-  std::ofstream(folder / "box_of_2-8cells-float.field") << "rubbish";
+  const std::filesystem::path kept =
+      folder / content_address("8cells-float", surface_digest(bones[0].surface), "field");
+  ASSERT_TRUE(std::filesystem::exists(kept));
+  std::ofstream(kept) << "rubbish";
   EXPECT_THROW(make_grid(given)->build(bones, {}, 1), InputError);
   std::filesystem::remove_all(folder);
 }
 
-TEST(SdfBackend, KeepsBonesOfLikeNamesAndMarginsApart) {
+TEST(SdfBackend, KeepsMarginsApartAndSharesFieldsByTheirContent) {
   const auto folder = std::filesystem::path(testing::TempDir()) / "sdf_backend_names";
   std::filesystem::remove_all(folder);
-  std::vector<Bone> bones;
-  for (const char* name : {"hip-1", "hip_1", "hip.1"}) {
-    bones.push_back({name, {make_sphere(0.1 + 0.01 * static_cast<double>(bones.size()), 2), true, {}}});
-  }
   for (const Given& kind : {Given{{"cells", std::int64_t{4}}}, Given{{"max_error_mm", 5.0}}}) {
-    for (const bool again : {false, true}) {
+    bool is_kept = false;
+    for (const char* name : {"hip-1", "hip_1", "../hip"}) {
       for (const double margin : {1e-3, 0.05, 0.2}) {
         Given given = kind;
         given["margin"] = margin;
         given["structures"] = folder.string();
         const auto backend = make_grid(given);
-        backend->build(bones, {}, 1);
-        EXPECT_EQ(backend->built_from_file(), again);
+        backend->build(std::vector<Bone>{{name, {make_sphere(0.1, 2), true, {}}}}, {}, 1);
+        EXPECT_EQ(backend->structure_origin().is_from_file, is_kept) << name << ", " << margin;
+        EXPECT_EQ(backend->structure_origin().kept_build_ns.value_or(0) > 0, is_kept);
       }
+      is_kept = true;
     }
   }
-  EXPECT_TRUE(std::filesystem::exists(folder / "hip-1-4cells-float.field"));
-  EXPECT_TRUE(std::filesystem::exists(folder / "hip.1-4cells-margin0.05-float.field"));
-  EXPECT_TRUE(std::filesystem::exists(folder / "hip_1-5mm-margin0.2.octree"));
+  const auto files = std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator());
+  EXPECT_EQ(files, 12) << "a field and its note for each of two kinds and three margins";
   std::filesystem::remove_all(folder);
 }
 

@@ -33,7 +33,9 @@ class BallStructure final : public BoneStructure {
   [[nodiscard]] std::optional<StructureError> error() const override {
     return m_from_file ? std::optional(StructureError{"", 100, 1, 0.5, 0.25}) : std::nullopt;
   }
-  [[nodiscard]] bool is_from_file() const override { return m_from_file; }
+  [[nodiscard]] StructureOrigin origin() const override {
+    return m_from_file ? StructureOrigin{true, 7} : StructureOrigin{};
+  }
   void reset_nodes(std::size_t /*nodes*/) override { ++m_log.resets; }
 
   void detect(const NodeBatch& batch, std::vector<Contact>& contacts) override {
@@ -147,7 +149,7 @@ TEST_F(PointBackendTest, OverAPrunedBoneNothingIsBuiltAndNothingIsAskedUntilANod
   for (const bool has_cache : {false, true}) {
     m_expect_right_untouched = true;
     const auto backend = made({.capabilities = {.has_cache = has_cache}, .contact_reach_m = reach_m}, {true, true});
-    EXPECT_TRUE(backend->built_from_file()) << "what there is";
+    EXPECT_TRUE(backend->structure_origin().is_from_file) << "what there is";
     const std::size_t bytes = backend->structure_bytes();
     m_log.queried = 0;
     EXPECT_EQ(contacts(*backend, apart).size(), 1U);
@@ -167,16 +169,18 @@ TEST_F(PointBackendTest, OverAPrunedBoneNothingIsBuiltAndNothingIsAskedUntilANod
 
 TEST_F(PointBackendTest, TellsWhatItsStructuresTell) {
   const auto both = made({}, {true, true});
-  EXPECT_TRUE(both->built_from_file());
+  EXPECT_TRUE(both->structure_origin().is_from_file);
+  EXPECT_EQ(both->structure_origin().kept_build_ns, 14);
   EXPECT_EQ(both->structure_bytes(), 200U);
   EXPECT_EQ(both->step_m(1), 0.125);
   EXPECT_EQ(both->answer_bound(0).missed_depth_m, 0.5);
   EXPECT_EQ(m_shares, (std::vector{0.25, 0.75}));
   const auto one = made({}, {false, true});
-  EXPECT_FALSE(one->built_from_file());
+  EXPECT_FALSE(one->structure_origin().is_from_file);
+  EXPECT_FALSE(one->structure_origin().kept_build_ns) << "only one of them was loaded";
   ASSERT_EQ(one->structure_errors().size(), 1U);
   EXPECT_EQ(one->structure_errors()[0].bone, "right");
-  EXPECT_FALSE(made({}, {false, false})->built_from_file());
+  EXPECT_FALSE(made({}, {false, false})->structure_origin().is_from_file);
 }
 
 }  // namespace
