@@ -71,7 +71,7 @@ def sweep_of(file: ExperimentFile, options, registry: Registry, folders: Folders
     """`options`: data, scene, muscle, musclebench, force; frames_limit and repetitions where a command has them."""
     data_set = data_set_of(options)
     if options.scene or options.muscle or quick_muscle:
-        file = replace(file, scenes=tuple(chosen_names(options.scene, options.muscle, data_set, registry, quick_muscle)))
+        file = file.on(tuple(chosen_names(options.scene, options.muscle, data_set, registry, quick_muscle)))
     if getattr(options, "repetitions", None):
         file = replace(file, repetitions=options.repetitions)
     scenes = Scenes(options.musclebench, registry, folders, data_set, 
