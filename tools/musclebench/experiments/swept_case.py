@@ -68,6 +68,11 @@ class SweptCase(SceneCase):
         return self.group.judged == "always" or (self.group.judged == "first" and self.repetition == 0)
 
     @property
+    def is_timed(self) -> bool:
+        """Probes and hard cases are asked for their answers."""
+        return self.mode in ("coupled", "replay")
+
+    @property
     def recording(self) -> RecordCase:
         """Which a replay reads."""
         return RecordCase(self.scene)
