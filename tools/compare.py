@@ -15,39 +15,31 @@ from pathlib import Path
 from musclebench.cases.case import Folders
 from musclebench.cases.study_command import PROJECT
 from musclebench.comparison.comparison_report import report
+from musclebench.comparison.compared_cases import add_case_options, asked_experiment, first_cases
 from musclebench.comparison.interleaved import PROGRAM_NAMES, InterleavedExperiment, measure, plan
 from musclebench.comparison.instructions import why_not_by_cpu
-from musclebench.comparison.release_build import check_release
 from musclebench.comparison.result_set import ResultSet, read_set
 from musclebench.comparison.revisions import commit_of, program_of
-from musclebench.comparison.usual_cases import chosen_cases
 from musclebench.comparison.verdicts import compare
 from musclebench.program.cli import OneLineParser, Problem, check_positive, check_program, run_command
 from musclebench.program.fingerprint import file_digest, write_whole
 from musclebench.program.registry import read_registry
+from musclebench.program.release_build import RELEASE, check_release, refusal
 from musclebench.results.run_folder import ResultProblem
 
-REPETITIONS = 10
 DIGEST_LETTERS = 12
+WITHOUT_TIMES = "--accuracy-only"
 
 
 def parse_arguments(arguments):
     parser = OneLineParser(prog="tools/compare", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("before", metavar="BEFORE", help="a folder of results, a git revision, or a program")
     parser.add_argument("after", metavar="AFTER", help="the same")
-    parser.add_argument("--accuracy-only", action="store_true", help="compare no times: then builds need not be Release")
+    parser.add_argument(WITHOUT_TIMES, action="store_true", help="compare no times: then builds need not be Release")
     parser.add_argument("--force", action="store_true", help="compare results of different hardware all the same")
     parser.add_argument("--out", type=Path, metavar="DIR", default=PROJECT / "reports" / "out" / "compare",
                         help="compare.md, and of revisions their builds and runs (default: reports/out/compare)")
-    runs = parser.add_argument_group("of revisions and programs")
-    runs.add_argument("--repetitions", type=int, default=REPETITIONS, metavar="N",
-                      help=f"processes a case and program; below 5 times are not judged (default {REPETITIONS})")
-    runs.add_argument("--scene", action="append", metavar="SCENE",
-                      help="one that 'musclebench list' names, or a .toml file; may be repeated (default: a small scene and "
-                           "a muscle of the synthetic hip)")
-    runs.add_argument("--backend", action="append", metavar="NAME", help="may be repeated (default: all)")
-    runs.add_argument("--frames", type=int, metavar="N", help="of each run (default: 12 to 60)")
-    runs.add_argument("--timeout", type=float, default=300.0, metavar="SECONDS", help="of one process (default 300 s)")
+    add_case_options(parser.add_argument_group("of revisions and programs"))
     return parser.parse_args(arguments)
 
 
@@ -60,10 +52,9 @@ def check_comparable(before: ResultSet, after: ResultSet, with_times: bool, forc
     if not with_times:
         return
     for one in (before, after):
-        others = [kind for kind in one.told("build", "type") if kind != "Release"]
+        others = [kind for kind in one.told("build", "type") if kind != RELEASE]
         if others:
-            raise Problem(f"{one.name}: times of a build of type {others[0] or 'none'} say nothing; build Release, or take "
-                          "--accuracy-only")
+            raise refusal(one.name, others[0], WITHOUT_TIMES)
     for key, what in (("cpu", "CPU"), ("cores", "number of cores")):
         told = [one.told("machine", key) for one in (before, after)]
         if not force and all(told) and (told[0] != told[1] or len(told[0]) > 1):
@@ -84,18 +75,16 @@ def run_both(options) -> tuple[ResultSet, ResultSet, list[str]]:
             raise Problem(f"{given}: neither a folder of results nor a revision of {PROJECT} nor a program")
         programs[name] = program_of(commit, PROJECT, options.out.absolute() / "builds") if commit else Path(given)
         check_program(programs[name], "tools/build")
-    registry = read_registry(programs[PROGRAM_NAMES[0]])
-    cases = chosen_cases(registry, options.repetitions, options.scene, options.backend, options.frames)
-    if not cases:
-        raise Problem(f"{programs[PROGRAM_NAMES[0]]}: has none of the scenes that are compared; name one with --scene")
     if not options.accuracy_only:
         for program in programs.values():
-            check_release(program, cases[0])
-    planned = plan(cases, PROGRAM_NAMES)
+            check_release(program, WITHOUT_TIMES)
     digests = [file_digest(program)[:DIGEST_LETTERS] for program in programs.values()]
     folders = Folders(options.out.absolute() / "runs" / "-".join(digests))  # results of other programs stay apart
+    first, registry = programs[PROGRAM_NAMES[0]], read_registry(programs[PROGRAM_NAMES[0]])
+    file = asked_experiment(options, registry)
+    planned = plan(first_cases(file, first, registry, folders, options.backend), file, PROGRAM_NAMES)
     experiment = InterleavedExperiment(programs, folders, _invocation(folders.out_dir))
-    problems = measure(planned.cases, experiment, options.timeout)
+    problems = measure(planned.cases, experiment, file.timeout_s)
     why_not = why_not_by_cpu()
     notes = planned.notes + problems + ([f"The CPU's counter of instructions can't be read: {why_not}."] if why_not else [])
     sets = [read_set(folders.out_dir / name, given) for name, given in zip(PROGRAM_NAMES, (options.before, options.after))]

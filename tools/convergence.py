@@ -29,7 +29,7 @@ def parse_arguments(arguments, file: ExperimentFile):
                         help=f"numbers to compare (default: {','.join(map(str, usual))})")
     parser.add_argument("--backend", metavar="NAME", help="of all runs (default: an exact one)")
     parser.add_argument("--frames-limit", type=int, metavar="N", help="frames of the whole run, for a quick look")
-    add_run_options(parser, timeout=file.timeout_s)
+    add_run_options(parser, timeout=file.timeout_s, is_timed=False)
     add_jobs_option(parser)
     return parser.parse_args(arguments)
 

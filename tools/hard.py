@@ -40,7 +40,7 @@ def parse_arguments(arguments, file: ExperimentFile):
     parser.add_argument("--no-pictures", action="store_true", help="only the matrix")
     parser.add_argument("--breaks-are-results", action="store_true",
                         help="exit code 0 where cells break, too: the matrix is to be published as it is")
-    add_run_options(parser, timeout=file.timeout_s)
+    add_run_options(parser, timeout=file.timeout_s, is_timed=False)
     add_jobs_option(parser)
     parser.set_defaults(data=None, scene=None, muscle=None)
     return parser.parse_args(arguments)

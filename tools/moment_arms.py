@@ -43,7 +43,7 @@ def parse_arguments(arguments):
                         help="of the active muscle, up to 1 (default 1)")
     parser.add_argument("--passive-only", action="store_true", help="run no active muscle")
     parser.add_argument("--backend", metavar="NAME", help="of all runs (default: an exact one)")
-    add_run_options(parser, timeout=3600.0)
+    add_run_options(parser, timeout=3600.0, is_timed=False)
     add_jobs_option(parser)
     return parser.parse_args(arguments)
 

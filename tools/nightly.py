@@ -2,8 +2,8 @@
 """Measures the program, adds a night to the history, and reports what changed: when, by how much, how sure, with the
 commits between.
 
-All backends run on a small scene and on a muscle of the synthetic hip, repetitions in random order on one core; where the
-program is another one than in the last night, that one runs beside it. Reported are steps of times (5 %) and counters (1 %)
+The experiment nightly, all backends on a small scene and on a muscle of the synthetic hip, runs on one core, its
+repetitions in random order; where the program is another one than in the last night, that one runs beside it. Reported are steps of times (5 %) and counters (1 %)
 over the nights (E-divisive, at a level of 0.1 % for all series of a night), what differs from the last night's program, and
 answers that are not the same: state hash, depth, missed contacts, cells of the matrix of hard cases.
 
@@ -16,9 +16,9 @@ import sys
 from datetime import datetime, timezone
 from pathlib import Path
 
+from musclebench.cases.case import Folders
 from musclebench.cases.study_command import PROJECT
-from musclebench.comparison.release_build import check_release
-from musclebench.comparison.usual_cases import chosen_cases
+from musclebench.comparison.compared_cases import add_case_options, asked_experiment, first_cases
 from musclebench.history import simulation
 from musclebench.history.detection import answer_findings, counter_findings, new_ones, step_findings
 from musclebench.history.exchange import bencher_metrics, write_otava
@@ -30,9 +30,9 @@ from musclebench.program.cli import OneLineParser, Problem, check_positive, chec
 from musclebench.program.fingerprint import write_whole
 from musclebench.program.out_folder import claimed
 from musclebench.program.registry import read_registry
+from musclebench.program.release_build import check_release
 from musclebench.results.run_folder import ResultProblem
 
-REPETITIONS = 10
 STARTED = "%Y-%m-%dT%H:%M:%SZ"
 
 
@@ -44,11 +44,7 @@ def parse_arguments(arguments):
     parser.add_argument("--musclebench", type=Path, metavar="PROGRAM",
                         default=PROJECT / "build" / "release" / "bench" / "musclebench",
                         help="the program to measure (default: that of the preset release)")
-    parser.add_argument("--repetitions", type=int, default=REPETITIONS, metavar="N", help=f"processes a case (default {REPETITIONS})")
-    parser.add_argument("--scene", action="append", metavar="SCENE",
-                        help="one that 'musclebench list' names, or a .toml file, in place of those two; may be repeated")
-    parser.add_argument("--backend", action="append", metavar="NAME", help="may be repeated (default: all)")
-    parser.add_argument("--timeout", type=float, default=120.0, metavar="SECONDS", help="of one process (default 120 s)")
+    add_case_options(parser)
     parser.add_argument("--minutes", type=float, default=15.0, metavar="N",
                         help="for the night: after that no repetition beyond the fifth begins (default 15 min)")
     parser.add_argument("--hard-seconds", type=float, default=300.0, metavar="SECONDS",
@@ -72,12 +68,11 @@ def measured(options, history_file: Path) -> MeasuredNight:
     kept = kept_program(nights[-1].program_sha256, options.musclebench, options.out) if nights else None
     started = datetime.now(timezone.utc).strftime(STARTED)
     folder = options.out / "nights" / started.replace(":", "")
-    wanted = chosen_cases(registry, options.repetitions, options.scene, options.backend)
-    if not wanted:
-        raise Problem(f"{options.musclebench}: has none of the scenes that are measured by night")
-    check_release(options.musclebench, wanted[0])
-    return measure_night(folder, started, options.musclebench, kept, wanted, options.timeout,
-                         60 * options.minutes, 0 if options.no_hard else options.hard_seconds)
+    check_release(options.musclebench, "")
+    file = asked_experiment(options, registry)
+    firsts = first_cases(file, options.musclebench, registry, Folders(folder.absolute()), options.backend)
+    return measure_night(folder, started, options.musclebench, kept, firsts, file, 60 * options.minutes,
+                         0 if options.no_hard else options.hard_seconds)
 
 
 def append(night: MeasuredNight, history_file: Path) -> tuple[list[Night], list[Finding], list[Finding]]:
@@ -118,7 +113,7 @@ def write_files(options, nights: list[Night], history_file: Path, report: str) -
 
 
 def run_night(options) -> int:
-    for name in ("repetitions", "timeout", "minutes", "hard_seconds", "simulate"):
+    for name in ("repetitions", "frames", "timeout", "minutes", "hard_seconds", "simulate"):
         check_positive(f"--{name.replace('_', '-')}", getattr(options, name))
     if options.simulate:
         return print_rates(options.simulate)

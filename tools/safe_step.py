@@ -56,7 +56,7 @@ def parse_arguments(arguments):
 def settings_of(options, registry: Registry) -> list[Setting]:
     # What is asked about every so many frames elsewhere would take hours here.
     names = options.backend or [one.name for one in registry.backends
-                                if not one.is_control and "longest_stride" not in one.study]
+                                if not one.is_control and not one.is_slow]
     for name in names:
         if not registry.has(name):
             raise Problem(f"--backend {name}: not built; there are: {', '.join(registry.names)}")

@@ -21,6 +21,7 @@ from musclebench.cases.study_command import (
 from musclebench.program.cli import add_scene_options, check_program, data_set_of, run_command
 from musclebench.program.machine_state import last_core
 from musclebench.program.registry import Registry, read_registry, save_registry
+from musclebench.program.release_build import check_release
 from musclebench.results.run_folder import ResultProblem
 from musclebench.speed import speed_report
 from musclebench.speed.speed_cases import MICRO_PROGRAM, STRUCTURES_DIR
@@ -98,6 +99,8 @@ def measure_and_report(options) -> int:
         if options.dry_run:
             print_plan(cases, experiment)
             return 0
+        if not options.any_build:
+            check_release(options.musclebench)
         problems = run(cases, experiment, options)
         save_registry(registry, out_dir)
     table, files = speed_report.write_report(out_dir)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3 -IS
-"""Stands in for a program that is compared: writes what `list --json`, `run` and `hard` write. A copy's last line has its
+"""Stands in for a program that is compared: writes what `list --json`, `--version`, `probe`, `run` and `hard` write. A copy's last line has its
 times, answers and misbehaviour: # {"slower": {backend: factor}, "hash": {backend: text}, ...}."""
 
 import json
@@ -11,12 +11,22 @@ from pathlib import Path
 COLUMNS = "frame,angle_deg,warm_up,update_ns,detect_ns,respond_ns,frame_ns,contacts,nodes_inside,max_depth_m,mean_depth_m," \
           "missed_contacts,false_contacts,resident_bytes,involuntary_switches"
 BACKENDS = ("plain", "tree", "grid", "slow")
+SCENES = ("hard/resting_contact", "synthetic/iliacus")
 
 
 def listed() -> dict:
-    return {"schema": 1, "scenes": [{"name": "hard/resting_contact"}], "presets": [{"name": "paper"}],
+    return {"schema": 1, "scenes": [{"name": name} for name in SCENES], "presets": [{"name": "paper"}],
             "backends": [{"name": name, "exact": True, "parameters": [],
                           "study": {"longest_stride": 8} if name == "slow" else {}} for name in BACKENDS]}
+
+
+def probe(words: list[str]) -> None:
+    """What a survey reads."""
+    folder = Path(words[words.index("--out") + 1])
+    folder.mkdir(parents=True)
+    preset = words[words.index("--preset") + 1] if "--preset" in words else ""
+    loop = {"frames": 60, "rest_frames": 0, "substeps": 1, "iterations": 3, "time_step_s": 0.003}
+    (folder / "run.json").write_text(json.dumps({"case": {"loop": loop, "preset": preset}, "bones": [], "muscle": {"vertices": 100}}))
 
 
 def run(words: list[str], told: dict) -> None:
@@ -46,6 +56,10 @@ def main() -> int:
     told = json.loads(Path(__file__).read_text().splitlines()[-1].removeprefix("# "))
     if sys.argv[1] == "list":
         print(json.dumps(listed()))
+    elif sys.argv[1] == "--version":
+        print(f"musclebench 0 (abc, cc, {told.get('type', 'Release')})")
+    elif sys.argv[1] == "probe":
+        probe(sys.argv[1:])
     elif sys.argv[1] == "hard":
         time.sleep(told.get("hard_seconds", 0))
         folder = Path(sys.argv[sys.argv.index("--out") + 1])

@@ -6,7 +6,7 @@ from pathlib import Path
 import fake_registry
 from musclebench.cases.scene import Scene
 from musclebench.experiments.expansion import Expansion
-from musclebench.experiments.experiment_file import ExperimentFile, experiment_path, read_experiment
+from musclebench.experiments.experiment_file import ASKED, ExperimentFile, experiment_path, read_experiment
 from musclebench.experiments.record_case import RecordCase
 from musclebench.experiments.swept_case import SweptCase
 
@@ -19,6 +19,8 @@ class FakeScenes:
 
     def of(self, group, experiment):
         preset = group.preset or experiment.preset or "paper"
+        if group.scenes == ASKED:
+            return []
         if not group.scenes:
             return [replace(scene, preset=preset) for scene in self.scenes]
         known = [entry.name for entry in fake_registry.registry().scenes]

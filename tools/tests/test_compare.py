@@ -16,6 +16,7 @@ from musclebench.comparison.result_set import read_set
 from musclebench.comparison.verdicts import compare
 from program import PROGRAM, needs_program
 
+SCENE = "hard/resting_contact"
 FAKE = Path(__file__).resolve().parent / "fake_compared.py"
 
 
@@ -28,7 +29,7 @@ def program(folder: Path, name: str, **told) -> str:
 
 
 def run(folder: Path, before: str, after: str, *more) -> int:
-    return command.main([before, after, "--out", str(folder / "out"), "--repetitions", "6", *more])
+    return command.main([before, after, "--out", str(folder / "out"), "--repetitions", "6", "--scene", SCENE, *more])
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -129,6 +129,22 @@ def test_an_unknown_experiment_is_told_its_neighbour():
         experiment_path("papper")
 
 
+def test_scenes_that_are_asked_take_the_cases_that_name_them(written):
+    text = 'title = "A trial"\n' + "".join(f'[[cases]]\nname = "{name}"\nscenes = {scenes}\n' for name, scenes in (
+        ("both", '["a", "b"]'), ("one", '["b"]'), ("rest", '"asked"')))
+    file = read_experiment(written(text))
+    kept = {words: {group.name: group.scenes for group in file.on(words).groups} for words in (("b",), ("a", "c"))}
+    assert kept == {("b",): {"both": ("b",), "one": ("b",)}, ("a", "c"): {"both": ("a",), "rest": ("c",)}}
+    assert read_experiment(written(GOOD)).on(("c",)).scenes == ("c",)
+
+
+def test_backends_are_fast_or_slow(written):
+    def names(word: str) -> set[str]:
+        return {case.configuration.backend for case in swept(written(GOOD.replace(f'["{ROLES.unit}", "{ROLES.exact}"]', word)), ILIACUS)
+                if case.group.name == "small"}
+    assert names('"slow"') and names('"slow"').isdisjoint(names('"fast"')) and names('"slow"') | names('"fast"') == names('"all"')
+
+
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.toml")), ids=lambda path: path.stem)
 def test_the_files_of_the_project_expand_to_cases_of_different_names(path):
     cases = swept(path)

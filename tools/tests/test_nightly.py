@@ -15,7 +15,7 @@ from musclebench.comparison import interleaved
 from musclebench.history import simulation
 from musclebench.history.detection import ALL_CASES, counter_findings, new_ones, step_findings
 from musclebench.history.history import Finding, opened
-from test_compare import program
+from test_compare import SCENE, program
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -39,7 +39,7 @@ def clock(monkeypatch):
 
 
 def run(folder: Path, one: str, *more) -> int:
-    return nightly.main(["--out", str(folder / "out"), "--musclebench", one, "--repetitions", "8", *more])
+    return nightly.main(["--out", str(folder / "out"), "--musclebench", one, "--repetitions", "8", "--scene", SCENE, *more])
 
 
 def findings(folder: Path) -> list[Finding]:

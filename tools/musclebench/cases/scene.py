@@ -16,6 +16,7 @@ from ..program.registry import Registry
 from .case import Folders
 
 REFERENCE_NODES = 6931  # of the muscle that guessed times are of
+REFERENCE_TRIANGLES = 87_996  # of its bones
 PRESET = "paper"  # of the program's own scenes of one muscle; others name theirs
 SURVEY_SECONDS = 300
 SAME_ANGLE_RAD = 1e-9
@@ -28,6 +29,7 @@ class Scene:
 
     name: str  # as the program takes it: one of its own, or the path of a .toml file
     nodes: int = REFERENCE_NODES
+    triangles: int = REFERENCE_TRIANGLES  # of all bones
     frames: int = 314
     iterations: int = 3  # collision steps a frame
     full_flexion_frame: int = 157  # the largest angle either way
@@ -66,6 +68,11 @@ class Scene:
     def size(self) -> float:
         """Nodes over those of the reference muscle."""
         return self.nodes / REFERENCE_NODES
+
+    @property
+    def bone_size(self) -> float:
+        """Triangles over those of the reference bones."""
+        return self.triangles / REFERENCE_TRIANGLES
 
     def preset_arguments(self) -> list[str]:
         return ["--preset", self.preset] if self.asks_preset else []
@@ -122,10 +129,11 @@ def survey(names: list[str], program: Path, registry: Registry, folders: Folders
     scenes = [Scene(name, preset=preset if name in forced else PRESET, asks_preset=name in forced or (name in of_one_muscle and not own_presets),
                     frames_limit=frames_limit, probed_on=_probed_on(name, registry), has_long_key=short.count(key) > 1)
               for name, key in zip(names, short)]
-    return [_asked(scene, program, registry, folders) for scene in scenes]
+    return [asked(scene, program, registry, folders) for scene in scenes]
 
 
-def _asked(scene: Scene, program: Path, registry: Registry, folders: Folders) -> Scene:
+def asked(scene: Scene, program: Path, registry: Registry, folders: Folders) -> Scene:
+    """With what the program tells of it."""
     backend = registry.control or registry.backends[0]
     with tempfile.TemporaryDirectory() as folder:
         # The cheapest command that reads a scene and tells what it has read: one point, and no collision.
@@ -147,7 +155,8 @@ def told(scene: Scene, record: dict) -> Scene:
     meshes = [part.get("mesh_sha256", "") for part in (record["muscle"], *bones)]
     digest = fingerprint.text_digest(fingerprint.file_digest(Path(scene.name)), *meshes) if scene.is_file else ""
     return replace(
-        scene, nodes=record["muscle"]["vertices"], frames=loop["frames"],
+        scene, nodes=record["muscle"]["vertices"],
+        triangles=sum(bone.get("triangles", 0) for bone in bones) or REFERENCE_TRIANGLES, frames=loop["frames"],
         iterations=loop["substeps"] * loop["iterations"],
         muscles=len(record.get("muscles", [])) or 1, effects=tuple(record["case"].get("effects") or ()),
         full_flexion_frame=full_flexion_frame(motions, moving_frames),

@@ -10,6 +10,7 @@ from ..cases.experiment import Experiment
 from ..cases.pool import Limits, run_cases
 from ..program.cli import OneLineParser, Problem, check_data, check_positive, check_program, out_name_of
 from ..program.out_folder import claimed
+from ..program.release_build import add_build_option
 
 PROJECT = Path(__file__).resolve().parents[3]
 
@@ -19,8 +20,8 @@ def study_parser(name: str, description: str) -> OneLineParser:
                          formatter_class=argparse.RawDescriptionHelpFormatter)
 
 
-def add_run_options(group, timeout: float | None, preset: str = "release") -> None:
-    """`timeout`: None is the experiment's own."""
+def add_run_options(group, timeout: float | None, preset: str = "release", is_timed: bool = True) -> None:
+    """`timeout`: None is the experiment's own. `is_timed`: times of the cases are used."""
     group.add_argument("--out", type=Path, metavar="DIR",
                        help="default: reports/out/STUDY-synthetic, -lhdl or -SCENE; STUDY-quick-... with --quick")
     group.add_argument("--timeout", type=float, default=timeout, metavar="SECONDS",
@@ -28,6 +29,8 @@ def add_run_options(group, timeout: float | None, preset: str = "release") -> No
     group.add_argument("--force", action="store_true", help="run complete cases again")
     group.add_argument("--musclebench", type=Path, default=PROJECT / "build" / preset / "bench" / "musclebench",
                        metavar="PROGRAM", help=f"the program to measure (default: that of the preset {preset})")
+    if is_timed:
+        add_build_option(group)
 
 
 def add_jobs_option(group) -> None:

@@ -6,36 +6,45 @@ import json
 import math
 import random
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ..cases.case import Case, Folders
 from ..cases.experiment import Experiment
 from ..cases.pool import Limits, run_cases
 from ..cases.study_command import problem_of
+from ..experiments.expansion import rounds
+from ..experiments.experiment_file import ExperimentFile
+from ..experiments.swept_case import SweptCase
 from ..program import fingerprint
 from ..program.machine_state import last_core, settings_of
 from ..program.out_folder import claimed
 from .instructions import ChildCounter, NotCounted, callgrind_prefix, read_callgrind, why_not_by_callgrind
-from .result_set import MEASURED_FILE
-from .usual_cases import What
+from .result_set import MEASURED_FILE, REPETITION
 
 TIMED, JUDGED, COUNTED = "timed", "judged", "counted"
 PROGRAM_NAMES = ("before", "after")
 FEWEST_REPETITIONS = 5
+SLOWER_COUNTED = 3  # a process, most of which is start and building
 LEFT_OUT = "complete"  # as the pool calls what is not wanted
 
 
 @dataclass(frozen=True)
 class InterleavedCase(Case):
-    what: What
+    """A case of the runner's, asked of one of several programs."""
+
+    asked: SweptCase
     program: str  # one of PROGRAM_NAMES
     purpose: str = TIMED
-    repetition: int = 0
+
+    @property
+    def base(self) -> str:
+        """Name of what its repetitions and purposes share."""
+        return REPETITION.sub("", replace(self.asked, repetition=0).name)
 
     @property
     def name(self) -> str:
-        return f"{self.what.name}-{f'r{self.repetition}' if self.purpose == TIMED else self.purpose}"
+        return f"{self.base}-{f'r{self.asked.repetition}' if self.purpose == TIMED else self.purpose}"
 
     @property
     def folder(self) -> str:
@@ -43,29 +52,33 @@ class InterleavedCase(Case):
 
     @property
     def kind(self) -> str:
-        return f"{self.purpose} {self.what.name}"
+        return f"{self.purpose} {self.base}"
+
+    @property
+    def threads(self) -> int:
+        return self.asked.threads
 
     @property
     def guessed_seconds(self) -> float:
-        return self.what.seconds * (1 if self.purpose == TIMED else 3)
+        return self.asked.guessed_seconds * (SLOWER_COUNTED if self.purpose == COUNTED else 1)
 
     def arguments(self, folders: Folders) -> list[str]:
-        frames = self.what.counted_frames if self.purpose == COUNTED else self.what.frames
-        words = ["run", self.what.scene, "--backend", self.what.backend, "--threads", "1", "--frames", str(frames),
-                 "--repetition", str(self.repetition)]
-        words += ["--preset", self.what.preset] if self.what.preset else []
-        words += [] if self.purpose == JUDGED else ["--no-referee"]
-        for key, value in self.what.parameters:
-            words += ["--param", f"{key}={value}"]
-        return words + (["--data", str(folders.data_dir)] if folders.data_dir is not None else [])
+        return self.asked.arguments(folders)
 
     def input_digests(self) -> dict[str, str]:
-        scene = Path(self.what.scene)
-        return {"scene_sha256": fingerprint.file_digest(scene)} if scene.suffix == ".toml" else {}
+        return self.asked.input_digests()
 
     def record(self) -> dict:
-        return {"mode": "coupled", "scene": self.what.scene, "preset": self.what.preset, "backend": self.what.backend,
-                "parameters": dict(self.what.parameters), "threads": 1, "repetition": self.repetition}
+        return self.asked.record()
+
+
+def asked_for(case: SweptCase, purpose: str) -> SweptCase:
+    """The Referee judges in a run of its own, so that all repetitions are alike."""
+    group = replace(case.group, judged="always" if purpose == JUDGED else "never", snapshots=())
+    scene = case.scene
+    if purpose == COUNTED:
+        scene = replace(scene, frames=group.counted_frames, frames_limit=group.counted_frames)
+    return replace(case, group=group, scene=scene)
 
 
 @dataclass
@@ -75,18 +88,21 @@ class Plan:
     cases: list[InterleavedCase]
     notes: list[str] = field(default_factory=list)  # what can't be measured here, and why
 
+    @property
+    def repetitions(self) -> int:
+        return 1 + max(case.asked.repetition for case in self.cases)
 
-def plan(wanted: list[What], programs: tuple[str, ...], seed: int = 1) -> Plan:
-    """What is run once first; then repetition by repetition, within one the cases in random order, and the programs of a
-    case next to each other."""
-    order, why_not = random.Random(seed), why_not_by_callgrind()
-    cases = [InterleavedCase(what, program, purpose) for purpose in (JUDGED, COUNTED) for what in wanted for program in programs
-             if (what.is_judged if purpose == JUDGED else what.counted_frames and not why_not)]
-    for repetition in range(max(what.repetitions for what in wanted)):
-        due = [what for what in wanted if repetition < what.repetitions]
-        order.shuffle(due)
-        for what in due:
-            cases += [InterleavedCase(what, program, TIMED, repetition) for program in order.sample(programs, len(programs))]
+
+def plan(firsts: list[SweptCase], file: ExperimentFile, programs: tuple[str, ...]) -> Plan:
+    """What is run once first; then the runner's rounds, with the programs of a case next to each other in random order.
+    `firsts`: cases of the file without repetitions."""
+    order, why_not = random.Random(file.seed), why_not_by_callgrind()
+    wanted = {JUDGED: [case for case in firsts if case.group.judged != "never"],
+              COUNTED: [case for case in firsts if case.group.counted_frames and not why_not]}
+    cases = [InterleavedCase(asked_for(case, purpose), program, purpose)
+             for purpose, some in wanted.items() for case in some for program in programs]
+    for case in rounds(firsts, file):
+        cases += [InterleavedCase(asked_for(case, TIMED), program) for program in order.sample(programs, len(programs))]
     return Plan(cases, [f"instructions are not counted: {why_not}"] if why_not else [])
 
 
@@ -103,10 +119,10 @@ class InterleavedExperiment(Experiment):
 
     def wants(self, case: InterleavedCase) -> bool:
         """Asked when its turn comes. A repetition that has begun is ended, so that programs have equally many."""
-        if case.purpose == TIMED and case.repetition not in self._begun:
+        if case.purpose == TIMED and case.asked.repetition not in self._begun:
             if time.monotonic() > self._end:
                 return False
-            self._begun.add(case.repetition)
+            self._begun.add(case.asked.repetition)
         return super().wants(case)
 
     @property

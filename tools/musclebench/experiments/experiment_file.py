@@ -14,6 +14,7 @@ MODES = ("run", "replay", "probe", "hard")
 MOMENTS = ("rest", "half", "full", "end", "after_rest", "motion")
 EFFECT_SETS = ("own", "all", "all-each", "own+each")
 NAMED = "{scene}-{group}-{configuration}-r{repetition}"
+ASKED = "asked"  # in place of scenes: those that the command line names and no other group has
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class CaseGroup:
     judged: str = "always"
     snapshots: tuple[str, ...] = ()
     frames: tuple[int, ...] = ()
+    counted_frames: int = 0  # of a run more, whose instructions are counted where programs are compared
     effects: tuple[str, ...] = ()
     adds_effect: str = ""
     substeps: tuple[int, ...] = ()
@@ -54,6 +56,10 @@ class CaseGroup:
         """Names of what its points differ in beside scene, configuration and repetition."""
         own = [name for name in ("effects", "substeps", "frames") if getattr(self, name)]
         return own + (["case"] if self.mode == "hard" else []) + [key for key, _ in self.vary]
+
+    def is_single(self, axis: str) -> bool:
+        """Whether cases can't differ in it."""
+        return axis in ("substeps", "frames") and len(getattr(self, axis)) == 1
 
 
 @dataclass(frozen=True)
@@ -79,6 +85,16 @@ class ExperimentFile:
         return replace(self, groups=tuple(
             replace(group, **{key: value for key, value in changes.items() if getattr(group, key)})
             for group in self.groups))
+
+    def on(self, scenes: tuple[str, ...]) -> "ExperimentFile":
+        """In place of its scenes. One with [[cases]] for what is asked runs nothing else: others keep of their own scenes
+        those that are asked, and these take the rest."""
+        if all(group.scenes != ASKED for group in self.groups):
+            return replace(self, scenes=scenes)
+        own = {scene for group in self.groups if group.scenes != ASKED for scene in group.scenes}
+        kept = [tuple(scene for scene in scenes if (scene not in own if group.scenes == ASKED else scene in group.scenes))
+                for group in self.groups]
+        return replace(self, groups=tuple(replace(group, scenes=some) for group, some in zip(self.groups, kept) if some))
 
 
 PLACEHOLDERS = ("scene", "group", "backend", "configuration", "repetition")
@@ -136,7 +152,7 @@ class _Reader:
             if word not in known:
                 self._refuse(("cases", index, "named"),
                              f"'{{{word}}}' stands for nothing;{_nearest(word, known)} there are: {', '.join(sorted(known))}")
-        left_out = [axis for axis in group.axes if f"{{{axis}}}" not in group.named]
+        left_out = [axis for axis in group.axes if f"{{{axis}}}" not in group.named and not group.is_single(axis)]
         if left_out:
             self._refuse(("cases", index, "named"), f"cases that differ in '{left_out[0]}' would have one name; put "
                                                     f"'{{{left_out[0]}}}' into it")
@@ -260,14 +276,15 @@ EXPERIMENT_KEYS: dict[str, tuple[bool, Callable]] = {
 }
 GROUP_KEYS: dict[str, tuple[bool, Callable]] = {
     "name": (True, _text), "mode": (False, _choice(*MODES)), "named": (False, _text),
-    "scenes": (False, SCENES), "preset": (False, _text), "file_presets": (False, _flag),
-    "backends": (False, _words("all", "exact", "control")),
+    "scenes": (False, _words("one_muscle", ASKED)), "preset": (False, _text), "file_presets": (False, _flag),
+    "backends": (False, _words("all", "exact", "control", "fast", "slow")),
     "configurations": (False, _choice("default", "study", "study_quick")), 
     "only": (False, _list(_choice("replays", "drives", "probed", "one_thread"))),
     "parameters": (False, _table(_values_of_parameter)), "threads": (False, _list(_number(int, 1))),
     "repetitions": (False, _number(int, 1)), "fewer_repetitions": (False, _flag),
     "judged": (False, _choice("always", "first", "never")), "snapshots": (False, _list(_choice(*MOMENTS))),
-    "frames": (False, _list(_number(int, 1))), "effects": (False, _list(_choice(*EFFECT_SETS))),
+    "frames": (False, _list(_number(int, 1))),
+    "counted_frames": (False, _number(int, 1)), "effects": (False, _list(_choice(*EFFECT_SETS))),
     "adds_effect": (False, _text), "substeps": (False, _list(_number(int, 1))), "rest_s": (False, _number(float, 0)),
     "vary": (False, _table(_table(_words_or_none))), "options": (False, _list(_text)), "stride": (False, _stride),
     "band_mm": (False, _number(float, 0.001)), "points": (False, _number(int, 1)), "replay_s": (False, _number(float, 0.001)),

@@ -13,6 +13,7 @@ from ..program.disk import free_bytes
 from ..program.machine import total_memory_bytes
 from ..program.out_folder import claimed
 from ..program.registry import Registry, save_registry
+from ..program.release_build import check_release
 from .expansion import Expansion
 from .experiment_file import ExperimentFile
 from .manifest import write_manifest
@@ -33,6 +34,7 @@ class Sweep:
     order: dict[SweptCase, int]  # of first repetitions, as the file lists them
     experiment: SweptExperiment
     registry: Registry
+    any_build: bool = True  # else what is timed has to be of a Release build
 
     def of(self, *groups: str) -> list[SweptCase]:
         """Cases of these [[cases]] in the order of the file's lists, round by round."""
@@ -46,6 +48,8 @@ class Sweep:
     def run(self, cases: list[Case], limits: Limits, keep_structures: bool = False) -> list[str]:
         """A line for each case that has no result. `cases`: those to run here, all or some."""
         todo, out_dir = missing(cases, self.experiment), self.experiment.folders.out_dir
+        if not self.any_build and any(isinstance(case, SweptCase) and case.is_timed for case in todo):
+            check_release(self.experiment.binary)
         check_space(todo, out_dir)
         with claimed(out_dir, *RESULT_DIRS):
             save_registry(self.registry, out_dir)
@@ -68,10 +72,11 @@ def check_space(cases: list[Case], out_dir: Path) -> None:
 
 
 def sweep_of(file: ExperimentFile, options, registry: Registry, folders: Folders, quick_muscle: str | None = None) -> Sweep:
-    """`options`: data, scene, muscle, musclebench, force; frames_limit and repetitions where a command has them."""
+    """`options`: data, scene, muscle, musclebench, force; frames_limit, repetitions, any_build where a command has them;
+    one without any_build uses no times."""
     data_set = data_set_of(options)
     if options.scene or options.muscle or quick_muscle:
-        file = replace(file, scenes=tuple(chosen_names(options.scene, options.muscle, data_set, registry, quick_muscle)))
+        file = file.on(tuple(chosen_names(options.scene, options.muscle, data_set, registry, quick_muscle)))
     if getattr(options, "repetitions", None):
         file = replace(file, repetitions=options.repetitions)
     scenes = Scenes(options.musclebench, registry, folders, data_set, 
@@ -79,7 +84,8 @@ def sweep_of(file: ExperimentFile, options, registry: Registry, folders: Folders
     experiment = SweptExperiment(options.musclebench, folders, file.answers, options.force)
     expansion = Expansion(file, registry, scenes)
     firsts = expansion.firsts()
-    return Sweep(file, expansion.cases(firsts), {case: place for place, case in enumerate(firsts)}, experiment, registry)
+    order = {case: place for place, case in enumerate(firsts)}
+    return Sweep(file, expansion.cases(firsts), order, experiment, registry, getattr(options, "any_build", True))
 
 
 def limits_of(options) -> Limits:

@@ -5,12 +5,12 @@ from dataclasses import replace
 from itertools import product
 
 from ..cases.case import Folders
-from ..cases.scene import Scene, chosen_names, survey
+from ..cases.scene import Scene, asked, chosen_names, survey
 from ..hard.cells import cases_of
 from ..program.cli import Problem
 from ..program.registry import Backend, Registry
 from .sweeps import Configuration, configurations
-from .experiment_file import CaseGroup, ExperimentFile
+from .experiment_file import ASKED, CaseGroup, ExperimentFile
 
 
 def usual_backend(registry: Registry) -> Backend:
@@ -38,6 +38,8 @@ def backends_of(group: CaseGroup, experiment: ExperimentFile, registry: Registry
         return [usual_backend(registry)]
     if group.backends == "control":
         return [registry.control or registry.backends[0]]
+    if group.backends in ("fast", "slow"):
+        return [backend for backend in registry.backends if backend.is_slow == (group.backends == "slow")]
     where = f"{experiment.path}: [[cases]] '{group.name}': backends"
     return [registry.backend(check_backend(name, registry, where)) for name in group.backends]
 
@@ -91,13 +93,19 @@ class Scenes:
     def of(self, group: CaseGroup, experiment: ExperimentFile) -> list[Scene]:
         """Those of its own are as they are, but for a preset of its own: frames are limited of the experiment's only."""
         preset = group.preset or experiment.preset or None
+        if group.scenes == ASKED:
+            return []
         if group.scenes:
             return self._survey(self._names(group.scenes), group.preset or None, None, own_presets=True)
         names = experiment.scenes if isinstance(experiment.scenes, tuple) else (experiment.scenes,)
         return self._survey(self._names(names), preset, self._frames_limit, of_files=not group.file_presets)
 
     def limited(self, scene: Scene, frames: int) -> Scene:
-        return self._survey([scene.name], scene.preset if scene.asks_preset else None, frames)[0]
+        """The same with so many frames of its motion."""
+        key = (scene, frames)
+        if key not in self._known:
+            self._known[key] = [asked(replace(scene, frames_limit=frames), self._program, self._registry, self._folders)]
+        return self._known[key][0]
 
     def hard_cases(self, wanted: tuple[str, ...]) -> list[str]:
         """Of the program, in its order. Raises Problem where it has not one of the wanted."""

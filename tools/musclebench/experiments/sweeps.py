@@ -30,6 +30,7 @@ class Configuration:
     has_cache: bool = False  # caches are used up by motion: they are worth nothing where steps are left out
     longest_stride: int = LONGEST_STRIDE
     is_exact: bool = False  # what is left of its errors is rounding
+    is_slow: bool = False  # its time grows with the bones' triangles
 
     @property
     def label(self) -> str:
@@ -66,7 +67,7 @@ def _configuration(backend: Backend, series: dict, swept: str, value, index: int
         value in quick if isinstance(quick, list) else quick, series.get("replays", True), series.get("drives", True),
         series.get("drives_quick", series.get("drives", True)), series.get("probed", False),
         backend.study.get("probe_band_mm", PROBE_BAND_MM), backend.uses_cache(parameters),
-        backend.study.get("longest_stride", LONGEST_STRIDE), backend.is_exact)
+        backend.study.get("longest_stride", LONGEST_STRIDE), backend.is_exact, backend.is_slow)
 
 
 def _at(guess, index: int) -> float:

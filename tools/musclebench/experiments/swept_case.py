@@ -68,6 +68,11 @@ class SweptCase(SceneCase):
         return self.group.judged == "always" or (self.group.judged == "first" and self.repetition == 0)
 
     @property
+    def is_timed(self) -> bool:
+        """Probes and hard cases are asked for their answers."""
+        return self.mode in ("coupled", "replay")
+
+    @property
     def recording(self) -> RecordCase:
         """Which a replay reads."""
         return RecordCase(self.scene)
@@ -121,13 +126,18 @@ class SweptCase(SceneCase):
         return LOADING_SECONDS + building + self.guessed_step_seconds
 
     @property
+    def guessed_collision_seconds(self) -> float:
+        """Of one step."""
+        return 1e-3 * self.configuration.step_ms * self.scene.size * (self.scene.bone_size if self.configuration.is_slow else 1.0)
+
+    @property
     def guessed_step_seconds(self) -> float:
         """A judged replay goes through the steps twice, first undisturbed."""
-        a_step = 1e-3 * self.configuration.step_ms
+        a_step, size = self.guessed_collision_seconds, self.scene.size
         if self.group.mode == "replay":
-            return self.scene.size * self.steps * (2 * a_step + JUDGING_SECONDS_A_STEP if self.is_judged else a_step)
+            return self.steps * (2 * a_step + size * JUDGING_SECONDS_A_STEP if self.is_judged else a_step)
         judging = self.frames * JUDGING_SECONDS_A_FRAME if self.is_judged else 0.0
-        return self.scene.size * (self.steps * (a_step + LOOP_SECONDS_A_STEP) + judging)
+        return self.steps * (a_step + size * LOOP_SECONDS_A_STEP) + size * judging
 
     @property
     def is_too_long(self) -> bool:

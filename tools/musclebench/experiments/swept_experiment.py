@@ -40,7 +40,7 @@ class SweptExperiment(Experiment):
 
     def refusal(self, case: Case) -> Refusal | None:
         if not self.is_ever_run(case):
-            a_step = f"{case.configuration.step_ms * case.scene.size / 1e3:.2g} s"
+            a_step = f"{case.guessed_collision_seconds:.2g} s"
             whole, longest = duration(case.guessed_seconds), duration(case.group.longest_s)
             return Refusal("timeout", f"not run: {case.steps} steps of about {a_step} would take about {whole}, over {longest}")
         if isinstance(case, SweptCase) and case.group.mode == "replay" and not self.is_complete(case.recording):

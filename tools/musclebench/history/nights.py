@@ -9,6 +9,7 @@ from ..comparison.result_set import ResultSet, Sample
 from ..comparison.verdicts import numbers
 from ..hard.cells import cells_of
 from ..program.cli import Problem
+from ..program.release_build import RELEASE, refusal
 from ..results import samples as statistics
 from ..results.disturbance import disturbed
 from ..results.statistics import percentile
@@ -22,8 +23,8 @@ def night_of(results: ResultSet, started: str) -> Night:
     told = {key: results.told(*key) for key in (("build", "git"), ("build", "compiler"), ("build", "type"),
                                                 ("machine", "cpu"), ("machine", "cores"))}
     git, compiler, kind, cpu, cores = (values[0] if values else "unknown" for values in told.values())
-    if kind != "Release":
-        raise Problem(f"{results.name}: times of a build of type {kind or 'none'} say nothing; build Release")
+    if kind != RELEASE:
+        raise refusal(results.name, kind, "")
     busy = disturbed({sample.run.folder.name: sample.run.record for sample in results.samples})
     programs = sorted(results.programs())
     return Night(started, str(git), programs[0] if programs else "", f"{cpu}, {cores} cores", str(compiler), len(busy),

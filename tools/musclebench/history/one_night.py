@@ -13,8 +13,9 @@ from ..comparison.comparison_report import shown
 from ..comparison.metrics import EXACT
 from ..comparison.interleaved import PROGRAM_NAMES, InterleavedExperiment, measure, plan
 from ..comparison.result_set import ResultSet, read_set
-from ..comparison.usual_cases import What
 from ..comparison.verdicts import compare
+from ..experiments.experiment_file import ExperimentFile
+from ..experiments.swept_case import SweptCase
 from ..program import children
 from ..program.fingerprint import file_digest, write_whole
 from .history import Finding
@@ -50,18 +51,17 @@ class MeasuredNight:
                 for row in compared.changes if row.metric.kind != EXACT]
 
 
-def measure_night(folder: Path, started: str, program: Path, kept: Path | None, wanted: list[What], timeout: float,
-                  seconds: float, hard_seconds: float) -> MeasuredNight:
-    """`kept`: the last night's program; None: it is the same, or not there. `seconds`: for all, of which `hard_seconds` are
+def measure_night(folder: Path, started: str, program: Path, kept: Path | None, firsts: list[SweptCase],
+                  file: ExperimentFile, seconds: float, hard_seconds: float) -> MeasuredNight:
+    """`firsts`: cases of the file without repetitions. `kept`: the last night's program; None: it is the same, or not there. `seconds`: for all, of which `hard_seconds` are
     for the matrix; 0: without."""
     night = MeasuredNight(folder, started)
     programs = {BEFORE: kept, AFTER: program} if kept else {AFTER: program}
-    planned = plan(wanted, tuple(programs))
+    planned = plan(firsts, file, tuple(programs))
     experiment = InterleavedExperiment(programs, Folders(folder.absolute()), uuid.uuid4().hex, seconds - hard_seconds)
-    night.notes = planned.notes + measure(planned.cases, experiment, timeout)
-    asked = max(what.repetitions for what in wanted)
-    if experiment.repetitions < asked:
-        night.notes.append(f"{experiment.repetitions} of {asked} repetitions: time was up (--minutes)")
+    night.notes = planned.notes + measure(planned.cases, experiment, file.timeout_s)
+    if experiment.repetitions < planned.repetitions:
+        night.notes.append(f"{experiment.repetitions} of {planned.repetitions} repetitions: time was up (--minutes)")
     if hard_seconds:
         night.notes += _run_matrix(program, night.matrix.parent, hard_seconds)
     write_whole(folder / NIGHT_FILE, json.dumps({"started": started, "notes": night.notes}) + "\n")

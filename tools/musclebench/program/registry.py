@@ -43,6 +43,11 @@ class Backend:
         return bool(self.study.get("control"))
 
     @property
+    def is_slow(self) -> bool:
+        """It goes through every triangle, so that its study asks it about few frames; all would take hours."""
+        return "longest_stride" in self.study
+
+    @property
     def has_resolution(self) -> bool:
         """Its answers get better the finer it is; those of the others are right or wrong."""
         return any(parameter.role in SIZE_ROLES for parameter in self.parameters)
