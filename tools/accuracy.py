@@ -15,7 +15,7 @@ from pathlib import Path
 from musclebench.accuracy import report
 from musclebench.cases.progress import duration
 from musclebench.cases.study_command import (
-    add_jobs_option, add_run_options, check_options, end, folders_of, require_results, study_parser,
+    add_jobs_option, add_run_options, add_structures_option, check_options, end, folders_of, require_results, study_parser,
 )
 from musclebench.experiments.command import add_memory_option, add_shard_option, chosen, print_plan
 from musclebench.experiments.experiment_file import CaseGroup, ExperimentFile, of_project
@@ -46,6 +46,7 @@ def parse_arguments(arguments, file: ExperimentFile):
     how = parser.add_argument_group("how it runs")
     add_run_options(how, timeout=file.timeout_s)
     add_jobs_option(how)
+    add_structures_option(how)
     add_memory_option(how)
     how.add_argument("--keep-structures", action="store_true",
                      help="keep the distance fields (about 0.7 GB), which otherwise go at the end")

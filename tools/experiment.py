@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 from musclebench.cases.study_command import (
-    add_jobs_option, add_run_options, check_options, end, folders_of, require_results, study_parser,
+    add_jobs_option, add_run_options, add_structures_option, check_options, end, folders_of, require_results, study_parser,
 )
 from musclebench.experiments.case_tables import write_tables
 from musclebench.experiments.command import add_memory_option, add_shard_option, chosen, print_plan
@@ -37,6 +37,7 @@ def parse_arguments(arguments):
     how = parser.add_argument_group("how it runs")
     add_run_options(how, timeout=None)
     add_jobs_option(how)
+    add_structures_option(how)
     add_memory_option(how)
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument("--list-cases", action="store_true", help="print the names of the cases, one a line, and no more")

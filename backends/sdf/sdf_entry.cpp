@@ -43,7 +43,8 @@ std::vector<ParameterSpec> sdf_parameters() {
                          .help = "how far the field reaches beyond the bone's box, as a share of its diagonal"}),
       parameter::path({.name = "structures",
                        .role = ParameterRole::storage,
-                       .help = "folder where built fields are kept and found again; empty: none"}),
+                       .help = "folder where built fields are kept and found again by their content, by any "
+                               "number of runs; empty: none"}),
       parameter::path({.name = "discregrid",
                        .help = "folder with a field BONE.cdf (Discregrid's format) for each bone, used in place of "
                                "building; empty: none"}),

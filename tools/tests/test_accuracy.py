@@ -152,6 +152,17 @@ def test_a_probe_builds_what_the_others_load(sweep):
     assert not (sweep.out / "structures").exists()
 
 
+def test_experiments_share_structures_that_one_has_built(sweep, tmp_path):
+    shared = tmp_path / "shared"
+    sweep("--structures", str(shared))
+    assert sweep.record(PROBES[0])["structures"] == "built" and any(shared.iterdir())
+    assert not (sweep.out / "structures").exists()
+    assert sweep()[3] == []  # where structures are kept makes no case another one
+    shutil.rmtree(sweep.out / "raw")
+    sweep("--structures", str(shared))
+    assert sweep.record(PROBES[0])["structures"] == "loaded"
+
+
 def test_a_changed_program_or_recording_is_measured_again(finished):
     sealed = finished.out / "raw" / "iliacus-coupled-null-r1" / "case.json"
     sealed.write_text(json.dumps({**json.loads(sealed.read_text()), "binary_sha256": "of another build"}))

@@ -95,6 +95,14 @@ def test_a_field_that_was_loaded_has_the_build_time_of_the_case_that_built_it(tm
     assert rows.set_index("mode").loc["replay", "build_s"] == 12
 
 
+def test_a_field_that_all_loaded_has_the_build_time_that_is_noted_beside_it(tmp_path):
+    write_probe(tmp_path / "raw" / "p", SCENES[0], "sdf", Truth(build_s=0.1, structures="loaded", parameters={"cells": 64}))
+    path = tmp_path / "raw" / "p" / "run.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"kept_build_ns": 12_000_000_000}))
+    aggregates = aggregates_of(cases.read_cases(tmp_path))
+    assert study_rows(aggregates, build_seconds_of(aggregates)).build_s.tolist() == [12]
+
+
 def test_shares_of_a_frame_add_up_and_the_best_fcl_is_chosen(study):
     for number, name in enumerate(("voxel", "fcl", "fcl OBB", "fcl RSS")):
         write_coupled(study / "raw" / f"c{number}", SCENES[0], name.split()[0], REPLAYED[name])

@@ -30,15 +30,18 @@ def study_rows(aggregates: list[Aggregate], build_seconds: dict) -> pd.DataFrame
 
 
 def build_seconds_of(aggregates: list[Aggregate]) -> dict:
-    """{(bones, configuration): median seconds}. A field that one case built and the others loaded counts as built; a
-    scene's bones are those of another scene where their meshes are the same."""
+    """{(bones, configuration): median seconds}. A field that one case built and the others loaded counts as built, and
+    where all loaded it, what is noted beside it; a scene's bones are those of another scene where their meshes are the
+    same."""
     measured: dict[tuple, list[float]] = {}
+    noted: dict[tuple, list[float]] = {}
     for aggregate in aggregates:
         for case in aggregate.ok:
-            seconds = number(case.run.record, "build_ns") / 1e9
-            if case.run.record.get("structures") != "loaded" and not math.isnan(seconds):
-                measured.setdefault(_build_key(aggregate), []).append(seconds)
-    return {key: float(pd.Series(seconds).median()) for key, seconds in measured.items()}
+            is_loaded = case.run.record.get("structures") == "loaded"
+            seconds = number(case.run.record, "kept_build_ns" if is_loaded else "build_ns") / 1e9
+            if not math.isnan(seconds):
+                (noted if is_loaded else measured).setdefault(_build_key(aggregate), []).append(seconds)
+    return {key: float(pd.Series(seconds).median()) for key, seconds in (noted | measured).items()}
 
 
 def build_seconds(aggregate: Aggregate, measured: dict) -> float:

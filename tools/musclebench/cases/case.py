@@ -11,9 +11,11 @@ class Folders:
 
     out_dir: Path
     data_dir: Path | None = None  # None: no anatomical data are wanted
+    structures_dir: Path | None = None  # shared with other experiments; None: each has its own, in out_dir
 
     def symbolic(self) -> "Folders":
-        """Stands for these folders in a fingerprint, so that results may be moved and merged."""
+        """Stands for these folders in a fingerprint, so that results may be moved and merged. Where structures are kept
+        changes no answer."""
         return Folders(Path("OUT"), Path("DATA") if self.data_dir else None)
 
 

@@ -33,6 +33,12 @@ def add_run_options(group, timeout: float | None, preset: str = "release", is_ti
         add_build_option(group)
 
 
+def add_structures_option(group) -> None:
+    group.add_argument("--structures", type=Path, metavar="DIR",
+                       help="keep built structures here, with the time that building took, where every experiment that names "
+                            "the folder finds them by their content (default: in --out, until all cases are complete)")
+
+
 def add_jobs_option(group) -> None:
     group.add_argument("--jobs", type=int, metavar="N",
                        help="cases at a time, each on a core; 1 gives the quietest times (default: 2, or 1 on one core)")
@@ -51,7 +57,8 @@ def check_options(options, name: str) -> None:
 def folders_of(options, name: str) -> Folders:
     words = [name, *(["quick"] if getattr(options, "quick", False) else []), out_name_of(options)]
     out_dir = options.out or PROJECT / "reports" / "out" / "-".join(words)
-    return Folders(out_dir.absolute(), options.data and options.data.resolve())
+    structures_dir = getattr(options, "structures", None)
+    return Folders(out_dir.absolute(), options.data and options.data.resolve(), structures_dir and structures_dir.absolute())
 
 
 def require_results(out_dir: Path) -> None:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from ..cases.case import Folders, SceneCase
 from ..cases.scene import Scene
@@ -77,10 +78,10 @@ class SweptCase(SceneCase):
         """Which a replay reads."""
         return RecordCase(self.scene)
 
-    @property
-    def structures(self) -> str:
-        """Folder of the structures of the configuration, below the experiment's."""
-        return f"structures/{self.scene.probed.key}/{self.configuration.label}"
+    def structures(self, folders: Folders) -> Path:
+        """Folder of the structures of the configuration. In one that is shared they are told apart by their content."""
+        own = folders.out_dir / "structures" / self.scene.probed.key / self.configuration.label
+        return folders.structures_dir or own
 
     @property
     def needs(self) -> tuple[str, ...]:
@@ -191,5 +192,5 @@ class SweptCase(SceneCase):
         for key, value in configuration.parameters:
             words += ["--param", f"{key}={value}"]
         if self.builder:
-            words += ["--param", f"{configuration.storage}={folders.out_dir / self.structures}"]
+            words += ["--param", f"{configuration.storage}={self.structures(folders)}"]
         return [*words, "--threads", str(configuration.threads)]

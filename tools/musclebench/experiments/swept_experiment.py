@@ -52,12 +52,13 @@ class SweptExperiment(Experiment):
         return exit_code == 0 or (_is_hard(case) and exit_code in cell_folder.STATUS)
 
     def prepare(self, case: Case, folder: Path) -> None:
-        """A recording is a file and wants its folder. A builder finds nothing built: its building time is real."""
+        """A recording is a file and wants its folder. A builder finds nothing built, so that its building time is real;
+        in a shared folder that time is noted beside what it finds."""
         if isinstance(case, RecordCase):
             folder.mkdir()
         elif case.builder:
-            structures = self.folders.out_dir / case.structures
-            if case.builder == case.name:
+            structures = case.structures(self.folders)
+            if case.builder == case.name and self.folders.structures_dir is None:
                 shutil.rmtree(structures, ignore_errors=True)
             structures.mkdir(parents=True, exist_ok=True)
 
