@@ -224,12 +224,17 @@ void add_origin(Json& json, const StructureOrigin& origin) {
 
 Json json_of(const MachineState& state) {
   const auto figure = [](const auto& value) { return value ? Json(*value) : Json(nullptr); };
+  const CpuSettings settings = cpu_settings();
   return {{"involuntary_context_switches", state.switches.involuntary},
           {"voluntary_context_switches", state.switches.voluntary},
           {"load_average_1m",
            {{"before", figure(state.before.load_average_1m)}, {"after", figure(state.after.load_average_1m)}}},
           {"cpu_mhz", {{"before", figure(state.before.cpu_mhz)}, {"after", figure(state.after.cpu_mhz)}}},
-          {"governor", figure(state.after.governor)}};
+          {"governor", figure(state.after.governor)},
+          {"allowed_cores", settings.allowed_cores},
+          {"nice", settings.nice},
+          {"turbo", figure(settings.turbo)},
+          {"smt", figure(settings.smt)}};
 }
 
 Json json_of(const std::vector<PrunedResult>& pruned, const Scene& scene) {

@@ -32,7 +32,10 @@ std::string shortened(std::string_view text) {
   constexpr std::size_t longest = 2000;
   constexpr std::size_t end = 500;  // where the cure stands
   if (text.size() <= longest) return std::string(text);
-  return std::string(text.substr(0, longest - end)) + " ... " + std::string(text.substr(text.size() - end));
+  std::string kept(text.substr(0, longest - end));
+  kept += " ... ";
+  kept += text.substr(text.size() - end);
+  return kept;
 }
 
 /// Names of files and keys may hold anything; the message stays one line.

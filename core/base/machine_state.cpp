@@ -47,6 +47,22 @@ Nanoseconds process_cpu_ns() {
   return Nanoseconds{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
 }
 
+CpuSettings cpu_settings() {
+  CpuSettings settings;
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) settings.allowed_cores = CPU_COUNT(&allowed);
+  settings.nice = getpriority(PRIO_PROCESS, 0);
+  const std::string cpus = "/sys/devices/system/cpu/";
+  if (const auto boost = first_word_of<int>(cpus + "cpufreq/boost")) {
+    settings.turbo = *boost == 1;
+  } else if (const auto no_turbo = first_word_of<int>(cpus + "intel_pstate/no_turbo")) {
+    settings.turbo = *no_turbo == 0;
+  }
+  if (const auto active = first_word_of<int>(cpus + "smt/active")) settings.smt = *active == 1;
+  return settings;
+}
+
 MachineLoad machine_load() {
   const int core = sched_getcpu();
   return {first_word_of<double>("/proc/loadavg"), mhz_of(core),

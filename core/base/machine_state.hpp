@@ -36,6 +36,16 @@ struct MachineLoad {
 
 MachineLoad machine_load();
 
+/// What a time depends on beside the program and the load: set by who runs the machine.
+struct CpuSettings {
+  int allowed_cores = 0;  ///< that the process may run on; 1: it is pinned
+  int nice = 0;
+  std::optional<bool> turbo;
+  std::optional<bool> smt;  ///< two threads share a core
+};
+
+CpuSettings cpu_settings();
+
 /// The machine during the timed part of a measurement: what tells a disturbed one.
 struct MachineState {
   ContextSwitches switches;  ///< within the timed regions
