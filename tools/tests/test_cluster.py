@@ -14,7 +14,7 @@ from one_node_slurm import is_installed, one_node, wait_for_jobs
 
 PROJECT = Path(__file__).resolve().parents[2]
 CLUSTER = PROJECT / "bench" / "experiments" / "cluster"
-PARTS = 3
+PARTS, JOBS = 3, 2  # of the command, of what runs it
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +89,7 @@ def test_parts_of_other_plans_or_no_parts_are_refused(trial, tmp_path, parts, ca
 
 @pytest.mark.skipif(not shutil.which("snakemake"), reason="snakemake is not installed")
 def test_snakemake_gives_the_bytes_of_one_machine(trial, tmp_path, local):
-    config = [f"experiment={trial}", f"out={tmp_path}/snake", f"parts={PARTS}", f"musclebench={QUICK}"]
+    config = [f"experiment={trial}", f"out={tmp_path}/snake", f"parts={JOBS}", f"musclebench={QUICK}"]
     done = subprocess.run(["snakemake", "-s", str(CLUSTER / "Snakefile"), "--cores", "2", "--config", *config], cwd=PROJECT,
                           capture_output=True, text=True, timeout=300, check=False, env=os.environ | {"HOME": str(tmp_path)})
     assert done.returncode == 0, done.stderr[-2000:]
@@ -101,8 +101,8 @@ def test_a_slurm_job_array_gives_the_bytes_of_one_machine(trial, tmp_path, local
     (tmp_path / "slurm").mkdir()
     out = tmp_path / "array"
     with one_node(tmp_path / "slurm") as environment:
-        told = environment | {"EXPERIMENT": str(trial), "PARTS": str(PARTS), "OUT": str(out), "MUSCLEBENCH": str(QUICK)}
-        done = subprocess.run(["sbatch", f"--array=1-{PARTS}", f"--output={tmp_path}/%a.log", str(CLUSTER / "slurm.sh")],
+        told = environment | {"EXPERIMENT": str(trial), "PARTS": str(JOBS), "OUT": str(out), "MUSCLEBENCH": str(QUICK)}
+        done = subprocess.run(["sbatch", f"--array=1-{JOBS}", f"--output={tmp_path}/%a.log", str(CLUSTER / "slurm.sh")],
                               cwd=PROJECT, env=told, capture_output=True, text=True, timeout=60, check=False)
         assert done.returncode == 0, done.stderr
         wait_for_jobs(environment, 300)

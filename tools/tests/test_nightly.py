@@ -48,10 +48,10 @@ def findings(folder: Path) -> list[Finding]:
 
 
 def test_three_nights_with_a_slowdown_on_the_third(tmp_path, capsys):
-    first = program(tmp_path, "a", git="aaa")
-    assert [run(tmp_path, first, "--repetitions", "1", "--no-hard") for _ in range(2)] == [0, 0]
+    first, two = program(tmp_path, "a", git="aaa"), ("--backend", "tree", "--backend", "grid", "--no-hard")
+    assert [run(tmp_path, first, "--repetitions", "1", *two) for _ in range(2)] == [0, 0]
     assert "nothing changed" in capsys.readouterr().out
-    assert run(tmp_path, program(tmp_path, "b", git="bbb", slower={"tree": 1.1})) == 1
+    assert run(tmp_path, program(tmp_path, "b", git="bbb", slower={"tree": 1.1}), *two) == 1
     text = capsys.readouterr().out
     assert "| resting_contact-tree | collision_ns | 2026-01-04T00:00:00Z | " in text and " us | 1.1" in text
     assert "Commits between 2026-01-03T00:00:00Z (aaa) and 2026-01-04T00:00:00Z (bbb)" in text
@@ -98,7 +98,7 @@ def test_a_matrix_that_takes_too_long_is_left_out(tmp_path, capsys):
 def test_a_night_whose_history_was_locked_is_added_later(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("musclebench.history.history.WAIT_SECONDS", 0.1)
     one = program(tmp_path, "a")
-    assert run(tmp_path, one, "--repetitions", "1", "--no-hard") == 0
+    assert run(tmp_path, one, "--repetitions", "1", "--no-hard", "--backend", "tree") == 0
     other = sqlite3.connect(tmp_path / "out" / "history.sqlite", isolation_level=None)
     measure = nightly.measure_night
 
@@ -108,7 +108,7 @@ def test_a_night_whose_history_was_locked_is_added_later(tmp_path, capsys, monke
         return night
     monkeypatch.setattr(nightly, "measure_night", locked_meanwhile)
     capsys.readouterr()
-    assert run(tmp_path, one, "--repetitions", "1", "--no-hard") == 2
+    assert run(tmp_path, one, "--repetitions", "1", "--no-hard", "--backend", "tree") == 2
     assert "another process writes it" in capsys.readouterr().err
     other.close()
     last = sorted((tmp_path / "out" / "nights").iterdir())[-1]
