@@ -61,7 +61,7 @@ function dots(mine) {
   return {
     name: "nights", type: "line", color, lineStyle: { width: 1, opacity: 0.5 }, showSymbol: true, showAllSymbol: true, z: 5,
     data: mine.map(({ at, row }) => ({ value: [at, row.value], row, symbol: row.changed ? "diamond" : "circle", symbolSize: row.changed ? 13 : 7,
-      itemStyle: row.changed ? { color: ink("breaks"), borderColor: ink("card"), borderWidth: 1 } : { color } })),
+      itemStyle: row.changed ? { color: ink("change"), borderColor: ink("card"), borderWidth: 1 } : { color } })),
   };
 }
 
@@ -88,7 +88,7 @@ function steps(changes) {
   return {
     name: "changes", type: "custom", silent: true, z: 2, clip: false, data: lines.map((line) => [line.at]),
     renderItem: ({ dataIndex, coordSys: { x: left, y: top, width, height } }, api) => {
-      const [x] = api.coord([api.value(0), 0]), { lane, words } = lines[dataIndex], color = ink("breaks");
+      const [x] = api.coord([api.value(0), 0]), { lane, words } = lines[dataIndex], color = ink("change");
       if (x < left || x > left + width) return null;
       const isRight = x > left + 0.75 * width;
       return { type: "group", children: [

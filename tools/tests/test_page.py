@@ -19,6 +19,7 @@ from musclebench.accuracy import report as accuracy_report
 from musclebench.history.history import Finding, Measure, Night, opened
 from musclebench.page import bundle, packed, page_file, views
 from musclebench.page.html import page_html
+from musclebench.page.page_file import write_page
 from musclebench.page.paper_part import paper_section
 from musclebench.page.parts import Chart, TablePart
 from musclebench.page.sections import sections_of
@@ -129,6 +130,28 @@ def test_moments_are_left_out_where_a_page_would_grow_too_large(results, monkeyp
     monkeypatch.setattr(views, "BUDGET_CHARACTERS", 1000)
     made = views.views_of(paper_tables.by_case(read_runs(results / "raw")), "")
     assert made.scenes[0]["runs"][0]["frames"] == [0, 6, 12]  # where it starts, is turned farthest and ends
+    assert "Of up to 5 moments that a run kept, those here are every" in made.words
+    assert views.views_of(made.cases, "").words == made.words
+
+
+def test_all_moments_stay_where_they_fit(results):
+    made = views.views_of(paper_tables.by_case(read_runs(results / "raw")), "")
+    assert made.scenes[0]["runs"][0]["frames"] == list(fake_page.KEPT) and "Of up to" not in made.words
+    every = [entry["frame"] for entry in views.kept_moments(next(iter(made.cases.values())), 2)]
+    assert every == [0, 6, 12]
+
+
+def test_a_page_of_several_folders_stays_small(results, tmp_path, monkeypatch):
+    """Its moments go, evenly, and its tables stay; where there is room for all but a few, it is used."""
+    monkeypatch.setattr(page_file, "page_script", lambda: "")
+    whole = write_page([results, results], tmp_path / "whole.html").stat().st_size
+    monkeypatch.setattr(page_file, "LARGEST_BYTES", whole - 1000)
+    small = write_page([results, results], tmp_path / "small.html")
+    assert whole - 1000 >= small.stat().st_size
+    for name in ("paper-1-view", "paper-2-view"):
+        run = fake_page.data_of_views(small.read_text(), name)["scenes"][0]["runs"][0]
+        assert run["frames"] == [0, 6, 12], name
+    assert small.read_text().count("tools/report --export vtk has all") == 2
 
 
 def test_a_page_needs_no_other_file(results, tmp_path):

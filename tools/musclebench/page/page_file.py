@@ -8,9 +8,12 @@ from ..program.cli import Problem
 from ..program.fingerprint import write_whole
 from .bundle import page_script
 from .html import page_html
+from .parts import Section
 from .sections import sections_of
+from .views import Views, fit_together
 
 FILE_NAME = "report.html"
+LARGEST_BYTES = 9_900_000
 MEGABYTE = 1e6
 
 
@@ -27,7 +30,18 @@ def write_page(folders: list[Path], out: Path | None = None) -> Path:
     for section in sections:
         if section.is_left_out:
             print(f"report: left out {section.problems[0]}", file=sys.stderr)
-    text = page_html(sections, [folder.absolute() for folder in folders], script)
+    text = small_page(sections, [folder.absolute() for folder in folders], script)
     write_whole(out, text)
     print(f"{out}: {len(text.encode()) / MEGABYTE:.1f} MB, made in {time.monotonic() - started:.0f} s")
     return out
+
+
+def small_page(sections: list[Section], folders: list[Path], script: str) -> str:
+    """With as many moments of runs in space as fit."""
+    text = page_html(sections, folders, script)
+    views = [part for section in sections for part in section.parts if isinstance(part, Views) and part.scenes]
+    more = len(text.encode()) - LARGEST_BYTES
+    if more <= 0 or not views:
+        return text
+    fit_together(views, more)
+    return page_html(sections, folders, script)
