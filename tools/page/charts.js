@@ -6,6 +6,7 @@ import { SVGRenderer } from "echarts/renderers";
 
 import { barsOf } from "./bars.js";
 import { linesOf } from "./lines.js";
+import { nightsOf } from "./nights.js";
 import { pointsOf } from "./points.js";
 import { fillTable, rowsOf, saveCsv } from "./rows.js";
 import { ink } from "./words.js";
@@ -13,7 +14,7 @@ import { ink } from "./words.js";
 use([BarChart, CustomChart, LineChart, ScatterChart, DataZoomComponent, GridComponent, MarkAreaComponent, ToolboxComponent,
   TooltipComponent, SVGRenderer]);
 
-const KINDS = { lines: linesOf, points: pointsOf, bars: barsOf };
+const KINDS = { lines: linesOf, points: pointsOf, bars: barsOf, nights: nightsOf };
 const NAME_PIXELS = 14;
 const ZOOM_STEP = 0.25; // of what is seen, at either end
 
@@ -26,7 +27,7 @@ export async function startChart(figure, choice) {
   let drawn = null, withApart = true;
 
   const draw = () => {
-    const mine = rows.filter((row) => row.muscle === undefined || row.muscle === choice.muscle);
+    const mine = rows.filter((row) => isChosen(figure, choice, row));
     const isApart = (row) => spec.apart && row[spec.apart] !== "here";
     const shown = mine.filter((row) => (row.backend === undefined || choice.shows(row.backend)) && (withApart || !isApart(row)));
     figure.classList.toggle("empty", shown.length === 0);
@@ -35,6 +36,7 @@ export async function startChart(figure, choice) {
     chart.resize();
     chart.setOption(framed(drawn.option, spec), { notMerge: true });
     if (drawn.ends) nameEnds(chart, drawn.ends);
+    if (drawn.chosen) figure.querySelector(".chosen").textContent = drawn.chosen;
     chart.dispatchAction({ type: "takeGlobalCursor", key: "dataZoomSelect", dataZoomSelectActive: drawsWithMouse() });
   };
 
@@ -44,6 +46,7 @@ export async function startChart(figure, choice) {
     apart.setAttribute("aria-pressed", String(withApart));
     draw();
   });
+  for (const one of figure.querySelectorAll(".choose-rows")) one.addEventListener("change", draw);
   choice.addEventListener("change", draw);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   new ResizeObserver(() => chart.resize()).observe(box);
@@ -54,6 +57,12 @@ export async function startChart(figure, choice) {
   draw();
   figure.chart = chart;
   figure.dataset.drawn = "yes";
+}
+
+// The muscle of the section, and what the figure's own lists say.
+function isChosen(figure, choice, row) {
+  const ofMuscle = row.muscle === undefined || choice.muscle === null || row.muscle === choice.muscle;
+  return ofMuscle && [...figure.querySelectorAll(".choose-rows")].every((one) => String(row[one.dataset.column]) === one.value);
 }
 
 // The names at the right ends of lines, pushed apart so that none covers another; none while only a part is seen.
@@ -147,7 +156,8 @@ export function bindRows(figure, choice) {
   }
   const details = figure.querySelector("details.behind");
   if (!details) return;
-  const fill = () => details.open && fillTable(details.querySelector(".behind-rows"), name, choice.muscle);
+  const fill = () => details.open && fillTable(details.querySelector(".behind-rows"), name, (row) => isChosen(figure, choice, row));
   details.addEventListener("toggle", fill);
+  for (const one of figure.querySelectorAll(".choose-rows")) one.addEventListener("change", fill);
   choice.addEventListener("change", fill);
 }

@@ -49,9 +49,9 @@ export async function saveCsv(name, file) {
 
 const SHOWN_ROWS = 2000;
 
-export async function fillTable(box, name, muscle) {
+export async function fillTable(box, name, isChosen) {
   const all = await rowsOf(name);
-  const rows = all.filter((row) => row.muscle === undefined || muscle === null || row.muscle === muscle);
+  const rows = all.filter(isChosen);
   const heads = Object.keys(all[0] ?? {});
   const table = document.createElement("table");
   const head = table.createTHead().insertRow();

@@ -9,6 +9,7 @@ import numpy as np
 
 import fake_registry
 import fake_runs
+from musclebench.history.history import Finding, Measure, Night, opened
 from musclebench.program.registry import save_registry
 from musclebench.results import run_folder
 
@@ -90,3 +91,29 @@ def write_accuracy(folder: Path) -> Path:
         (folder / name).write_text(text)
     save_registry(fake_registry.registry(), folder)
     return folder
+
+
+NIGHTS, STEP_NIGHT, ANSWER_NIGHT = 14, 9, 11
+TREE, BALL = "resting_contact-tree", "ball-grid"
+
+
+def night_value(case: str, night: int) -> float:
+    """Collision time, in ns: the tree is 10 % slower from STEP_NIGHT on."""
+    noise = 1 + 0.01 * np.sin(1.7 * night + len(case))
+    return {TREE: 2e6, BALL: 5e5}[case] * noise * (1.1 if case == TREE and night >= STEP_NIGHT else 1.0)
+
+
+def write_history(path: Path, machine: str = "A processor, 2 cores") -> Path:
+    """NIGHTS of two cases: one has a step of its time, one has another hash since ANSWER_NIGHT."""
+    with opened(path) as history:
+        for night in range(1, NIGHTS + 1):
+            measures = []
+            for case in (TREE, BALL):
+                value, answer = night_value(case, night), "4567" if case == BALL and night >= ANSWER_NIGHT else "0123"
+                measures += [Measure(case, "collision_ns", "time", "ns", value, None, 0.98 * value, 1.03 * value, 0.99 * value, 10, 0.01),
+                             Measure(case, "structure_bytes", "counter", "bytes", 4e6, None, None, None, 4e6, 10, 0.0),
+                             Measure(case, "state_hash", "exact", "", text=answer)]
+            history.append(Night(f"2026-01-{night:02}T02:00:00Z", f"commit{night}", f"program{night}", machine, "cc", int(night == 3), 20), measures)
+        history.note(STEP_NIGHT + 1, [Finding(TREE, "collision_ns", STEP_NIGHT, "change point", "1.99 ms", "2.2 ms", 1.1, 1.08, 1.12, 2e-6)])
+        history.note(ANSWER_NIGHT, [Finding(BALL, "state_hash", ANSWER_NIGHT, "not the same", "0123", "4567")])
+    return path

@@ -83,7 +83,7 @@ found.file = "";
 for await (const part of stream) found.file += part;
 
 // The Pareto picture tells of the point under the mouse, one muscle at a time; so do the bars of effects.
-const pareto = "#accuracy-pareto_replay", bars = "#effects-effect_costs_chart";
+const pareto = "#accuracy-pareto_replay", bars = "#effects-effect_costs_chart", nights = "#history-nights";
 const hover = async (id, pick) => {
   await drawn(page, id);
   const spot = await page.locator(id).evaluate((figure, [name, at]) => {
@@ -101,6 +101,32 @@ found.point = await hover(pareto, ["scatter", 1]);
 await page.locator("#accuracy .choose-muscle").selectOption({ index: 1 });
 found.pointOfOther = await hover(pareto, ["scatter", 1]);
 found.bar = await hover(bars, ["bar", 1]);
+
+// The history shows where it changed, and another figure where one is chosen.
+const marks = () => page.locator(nights).evaluate((figure) => [...figure.querySelectorAll(".chart text")].map((one) => one.textContent).filter((text) => text.startsWith("×")));
+const words = () => page.locator(`${nights} .chosen`).textContent();
+await drawn(page, nights);
+const step = await page.locator(nights).evaluate((figure) => {
+  const dots = figure.chart.getOption().series.find((one) => one.name === "nights"), box = figure.querySelector(".chart").getBoundingClientRect();
+  const [x, y] = figure.chart.convertToPixel({ gridIndex: 0 }, dots.data.find((one) => one.row.changed).value);
+  return { x: box.left + x, y: box.top + y };
+});
+await page.mouse.move(step.x - 30, step.y - 30);
+await page.mouse.move(step.x, step.y);
+await page.waitForTimeout(300);
+const chosen = (column) => page.locator(`${nights} .choose-rows[data-column=${column}]`);
+found.history = { tip: await page.locator(`${nights} .chart .tip`).innerText(), words: await words(), marks: await marks(),
+  shown: [await chosen("case").inputValue(), await chosen("metric").inputValue()] };
+await page.locator(`${nights} .chart`).focus();
+await page.keyboard.press("Home");
+for (let night = 1; night < 9; ++night) await page.keyboard.press("ArrowRight");
+found.history.heard = await page.locator(`${nights} .heard`).textContent();
+await chosen("case").selectOption({ index: 0 });
+await chosen("metric").selectOption("structure_bytes");
+await page.locator(`${nights} summary`).click();
+await page.locator(`${nights} .behind-rows tbody tr`).first().waitFor({ timeout: 10000 });
+Object.assign(found.history, { otherWords: await words(), otherMarks: await marks(), rowsBehind: await page.locator(`${nights} .behind-rows tbody tr`).count(),
+  otherAxis: await page.locator(nights).evaluate((figure) => figure.chart.getOption().yAxis[0].name) });
 
 // A backend is clicked away, in charts and views; another muscle comes.
 const names = () => page.locator(chart).evaluate((figure) => [...new Set(figure.chart.getOption().series.map((one) => one.name))]);
@@ -127,7 +153,7 @@ await page.close();
 // A phone, and a dark screen.
 for (const [name, options] of Object.entries({ phone: { viewport: { width: 360, height: 740 } }, dark: { viewport: { width: 1200, height: 900 }, colorScheme: "dark" } })) {
   const other = await open(options);
-  for (const id of [view, chart, pareto, bars]) await drawn(other, id);
+  for (const id of [view, chart, pareto, bars, nights]) await drawn(other, id);
   found[name] = await other.evaluate(() => ({ sideways: document.documentElement.scrollWidth - innerWidth, page: getComputedStyle(document.body).backgroundColor }));
   await other.screenshot({ path: `${folder}/${name}.png`, fullPage: true });
   await other.close();

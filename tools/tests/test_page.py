@@ -2,7 +2,9 @@
 
 import base64
 import re
+import sqlite3
 import zlib
+from contextlib import closing
 
 import numpy as np
 import pandas as pd
@@ -14,8 +16,10 @@ import fake_runs
 import paper
 import report
 from musclebench.accuracy import report as accuracy_report
+from musclebench.history.history import Finding, Measure, Night, opened
 from musclebench.page import bundle, packed, page_file, views
 from musclebench.page.html import page_html
+from musclebench.page.page_file import write_page
 from musclebench.page.paper_part import paper_section
 from musclebench.page.parts import Chart, TablePart
 from musclebench.page.sections import sections_of
@@ -126,6 +130,28 @@ def test_moments_are_left_out_where_a_page_would_grow_too_large(results, monkeyp
     monkeypatch.setattr(views, "BUDGET_CHARACTERS", 1000)
     made = views.views_of(paper_tables.by_case(read_runs(results / "raw")), "")
     assert made.scenes[0]["runs"][0]["frames"] == [0, 6, 12]  # where it starts, is turned farthest and ends
+    assert "Of up to 5 moments that a run kept, those here are every" in made.words
+    assert views.views_of(made.cases, "").words == made.words
+
+
+def test_all_moments_stay_where_they_fit(results):
+    made = views.views_of(paper_tables.by_case(read_runs(results / "raw")), "")
+    assert made.scenes[0]["runs"][0]["frames"] == list(fake_page.KEPT) and "Of up to" not in made.words
+    every = [entry["frame"] for entry in views.kept_moments(next(iter(made.cases.values())), 2)]
+    assert every == [0, 6, 12]
+
+
+def test_a_page_of_several_folders_stays_small(results, tmp_path, monkeypatch):
+    """Its moments go, evenly, and its tables stay; where there is room for all but a few, it is used."""
+    monkeypatch.setattr(page_file, "page_script", lambda: "")
+    whole = write_page([results, results], tmp_path / "whole.html").stat().st_size
+    monkeypatch.setattr(page_file, "LARGEST_BYTES", whole - 1000)
+    small = write_page([results, results], tmp_path / "small.html")
+    assert whole - 1000 >= small.stat().st_size
+    for name in ("paper-1-view", "paper-2-view"):
+        run = fake_page.data_of_views(small.read_text(), name)["scenes"][0]["runs"][0]
+        assert run["frames"] == [0, 6, 12], name
+    assert small.read_text().count("tools/report --export vtk has all") == 2
 
 
 def test_a_page_needs_no_other_file(results, tmp_path):
@@ -202,3 +228,91 @@ def test_runs_of_no_study_stand_beside_each_other(tmp_path):
     assert [run["name"] for run in parts_of(section, views.Views)["view"].scenes[0]["runs"]] == ["after", "before"]
     one = sections_of([tmp_path / "before"])[0]
     assert one.backends == [ROLES.unit]
+
+
+def test_a_history_shows_steps_answers_and_what_lies_between(tmp_path):
+    file = fake_page.write_history(tmp_path / "history.sqlite")
+    (section,) = sections_of([file])
+    chart, tables = parts_of(section, Chart)["nights"], parts_of(section, TablePart)
+    rows = chart.rows[(chart.rows["case"] == fake_page.TREE) & (chart.rows["metric"] == "collision_ns")]
+    values = np.array([fake_page.night_value(fake_page.TREE, night) / 1e6 for night in range(1, fake_page.NIGHTS + 1)])
+    assert rows["value"].to_numpy() == pytest.approx(values) and set(rows["unit"]) == {"ms"}
+    assert rows["low"].to_numpy() == pytest.approx(0.98 * values) and rows["high"].to_numpy() == pytest.approx(1.03 * values)
+    split = fake_page.STEP_NIGHT - 1
+    assert rows["level"].to_numpy() == pytest.approx(np.repeat([np.median(values[:split]), np.median(values[split:])],
+                                                               [split, len(values) - split]))
+    assert list(rows["changed"] != "") == [night == fake_page.STEP_NIGHT for night in range(1, fake_page.NIGHTS + 1)]
+    assert {one.column: one.first for one in chart.choosers} == {"case": fake_page.TREE, "metric": "collision_ns"}
+    assert tables["changes"].groups == [("", [[fake_page.TREE, "collision_ns", "2026-01-09T02:00:00Z", "1.99 ms", "2.2 ms", "1.100",
+                                               "1.080 to 1.120", "2e-06", "change point", "commit8..commit9"]])]
+    assert tables["answers"].groups == [("", [[fake_page.BALL, "state_hash", "2026-01-11T02:00:00Z", "0123", "4567", "commit10..commit11"]])]
+    assert len(tables["measured"].groups[0][1]) == fake_page.NIGHTS
+    assert "state_hash" not in set(chart.rows["metric"]) and "1, answers: 1" in dict(section.what)["Changed"]
+
+
+def test_what_all_cases_share_is_a_series_and_other_machines_are_left_out(tmp_path):
+    file = tmp_path / "history.sqlite"
+    with opened(file) as history:
+        for night, factor in enumerate((1.0, 1.0, 1.2), 1):
+            history.append(Night(f"2026-01-0{night}T02:00:00Z", "same", "same", "This one", "cc"),
+                           [Measure(f"case{one}", "frame_ns", "time", "ns", 5e3 * factor, quartile=5e3 * factor) for one in range(4)])
+        history.append(Night("2025-12-31T02:00:00Z", "same", "same", "That one", "cc"), [Measure("old", "frame_ns", "time", "ns", 1.0)])
+        history.note(3, [Finding("all cases", "frame_ns", 3, "change point", "", "", 1.2)])
+    section = sections_of([tmp_path])[0]
+    rows = parts_of(section, Chart)["nights"].rows
+    shared = rows[rows["case"] == "all cases"]
+    assert list(shared["value"]) == pytest.approx([1.0, 1.0, 1.2]) and "old" not in set(rows["case"])
+    assert list(shared["between"]) == ["", "", "none: same was measured in both nights"]
+    assert "That one" in dict(section.what)["Left out"]
+
+
+def history_from_the_future(file):
+    fake_page.write_history(file)
+    with sqlite3.connect(file) as connection:
+        connection.execute("PRAGMA user_version = 7")
+
+
+def history_without_a_night(file):
+    with opened(file):
+        pass
+
+
+BAD_HISTORIES = [(history_from_the_future, "a history of schema 7"), (lambda file: file.write_bytes(b""), "no history"),
+                 (lambda file: file.write_text("nights\n" * 99), "no history"), (history_without_a_night, "has no night yet")]
+
+
+@pytest.mark.parametrize(("make", "words"), BAD_HISTORIES, ids=["from the future", "empty", "no database", "without a night"])
+def test_a_history_that_cant_be_read_is_one_line_and_the_rest_goes_on(make, words, results, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(page_file, "page_script", lambda: "")
+    make(tmp_path / "history.sqlite")
+    assert report.main([str(tmp_path / "history.sqlite")]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1 and words in told and str(tmp_path / "history.sqlite") in told and not list(tmp_path.glob("*.html"))
+    assert report.main([str(results), str(tmp_path / "history.sqlite"), "--out", str(tmp_path / "page.html")]) == 0
+    told, page = capsys.readouterr().err, (tmp_path / "page.html").read_text()
+    assert told.count("\n") == 1 and words in told and words in page and "Fig. 7" in page
+
+
+def test_a_history_that_another_process_keeps_for_itself_is_left_out(results, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("musclebench.history.history.WAIT_SECONDS", 0.1)
+    monkeypatch.setattr(page_file, "page_script", lambda: "")
+    file = fake_page.write_history(tmp_path / "history.sqlite")
+    with closing(sqlite3.connect(file, isolation_level=None)) as other:
+        other.execute("BEGIN IMMEDIATE")  # one that adds a night: it can be read all the same
+        assert parts_of(sections_of([file])[0], Chart)
+        other.execute("COMMIT")
+        other.execute("PRAGMA locking_mode = EXCLUSIVE")
+        other.execute("BEGIN EXCLUSIVE")
+        assert report.main([str(file)]) == 2 and "another process writes it" in capsys.readouterr().err
+        assert report.main([str(results), str(file), "--out", str(tmp_path / "page.html")]) == 0
+    assert "another process writes it" in (tmp_path / "page.html").read_text()
+
+
+def test_damaged_runs_are_left_out_where_other_results_are_whole(results, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(page_file, "page_script", lambda: "")
+    run = fake_runs.write_run(tmp_path / "runs" / "one", "synthetic/iliacus", ROLES.unit, fake_page.FRAMES)
+    (run / "run.json").write_text("{")
+    assert report.main([str(tmp_path / "runs")]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert report.main([str(tmp_path / "runs"), str(results), "--out", str(tmp_path / "page.html")]) == 0
+    assert "left out" in capsys.readouterr().err and "run.json" in (tmp_path / "page.html").read_text()

@@ -27,7 +27,8 @@ def found(tmp_path_factory) -> dict:
     folder = tmp_path_factory.mktemp("browser")
     try:
         libraries = bundle.installed(with_tests=True)
-        page = write_page([fake_page.write_paper(folder / "paper"), fake_page.write_accuracy(folder / "accuracy")])
+        page = write_page([fake_page.write_paper(folder / "paper"), fake_page.write_accuracy(folder / "accuracy"),
+                           fake_page.write_history(folder / "history.sqlite")])
     except Problem as problem:
         pytest.skip(f"the page is not opened: {problem}")
     words = ["node", str(SCRIPT), str(libraries), BROWSER, str(page), str(folder)]
@@ -87,6 +88,24 @@ def test_the_keyboard_does_what_the_mouse_does(found):
     assert found["turned"] and found["zoomed"] < 100
     assert "frame 1" in found["heard"] and f"{ROLES.field}: 3" in found["heard"]
     assert found["rowsBehind"] == 3 * fake_page.FRAMES
+
+
+def test_a_change_point_is_told_by_mouse_and_keyboard(found):
+    history = found["history"]
+    night, value = fake_page.STEP_NIGHT, fake_page.night_value(fake_page.TREE, fake_page.STEP_NIGHT) / 1e6
+    lines = history["tip"].splitlines()
+    told = re.fullmatch(r"collision \(ms\): ([\d.]+) \(95 % interval ([\d.]+) to ([\d.]+)\)", lines[1])
+    assert lines[0] == f"night 2026-01-{night:02}T02:00:00Z" and lines[2] == f"commit: commit{night}"
+    assert [float(number) for number in told.groups()] == pytest.approx([value, 0.98 * value, 1.03 * value], rel=1e-3)
+    assert "1.100 times (95 % 1.080 to 1.120), p 2e-06" in lines[3] and f"commit{night - 1}..commit{night}" in lines[4]
+    assert lines[3].partition(": ")[2] in history["heard"] and history["marks"] == ["× 1.1"]
+
+
+def test_another_case_and_figure_of_the_history_are_chosen(found):
+    history = found["history"]
+    assert history["shown"] == [fake_page.TREE, "collision_ns"] and "Changed in the night of 2026-01-09" in history["words"]
+    assert history["otherWords"].startswith(f"{fake_page.BALL}, structure: ") and "No change was found" in history["otherWords"]
+    assert history["otherAxis"] == "structure (MB)" and history["otherMarks"] == [] and history["rowsBehind"] == fake_page.NIGHTS
 
 
 def test_it_fits_a_phone_and_a_dark_screen(found):

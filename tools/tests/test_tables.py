@@ -101,7 +101,7 @@ def test_latex_tables_fit_a_page(made):
             assert sum(table_formats._latex_width(table, column) for column in group) <= table_formats.LATEX_WIDTH
         parts = table_formats.as_latex(table).split("\\begin{table*}")[1:]
         assert all("\\toprule" in part and "\\bottomrule" in part for part in parts)
-        assert max(part.count("\\\\") for part in parts) <= table_formats.LATEX_ROWS + 40
+        assert max(part.count("\\\\") for part in parts) <= table_formats.LATEX_HEIGHT / table_formats.LATEX_LINE
     assert len(table_formats.as_latex(made[0]).split("\\begin{table*}")) == 2  # the paper's table in one piece
 
 

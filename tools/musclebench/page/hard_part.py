@@ -12,7 +12,8 @@ from ..results.run_folder import read_runs
 from .effects_part import tables_in
 from .looks_of import looks_of_names
 from .parts import Section
-from .views import Sight, views_of
+from .scene_data import Sight
+from .views import views_of
 from .written import read_rows
 
 SIDE = Sight(np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]))  # as their strips are cut

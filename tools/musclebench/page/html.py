@@ -18,6 +18,7 @@ def page_html(sections: list[Section], folders: list[Path], script: str) -> str:
     engine = jinja2.Environment(loader=jinja2.FileSystemLoader(SOURCES), autoescape=True, trim_blocks=True, lstrip_blocks=True,
                                 undefined=jinja2.StrictUndefined)
     engine.filters |= {"packed": lambda text: packed_bytes(text.encode()), "named": muscle_label}
+    engine.policies["json.dumps_kwargs"] = {"sort_keys": False}  # their order is that in which the page tells them
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
     css = (SOURCES / "style.css").read_text(encoding="utf-8")
     safe = jinja2.utils.markupsafe.Markup

@@ -1,5 +1,6 @@
 """Writes the page of folders of results."""
 
+import sys
 import time
 from pathlib import Path
 
@@ -7,21 +8,40 @@ from ..program.cli import Problem
 from ..program.fingerprint import write_whole
 from .bundle import page_script
 from .html import page_html
+from .parts import Section
 from .sections import sections_of
+from .views import Views, fit_together
 
 FILE_NAME = "report.html"
+LARGEST_BYTES = 9_900_000
 MEGABYTE = 1e6
 
 
 def write_page(folders: list[Path], out: Path | None = None) -> Path:
-    """Into the first folder unless told. Raises Problem where the page can't be made, ResultProblem for damaged results."""
+    """Into the first folder, or beside a history that is the first, unless told. Says what it left out because it can't be read;
+    raises Problem where the page can't be made."""
     started = time.monotonic()
     for folder in folders:
-        if not folder.is_dir():
+        if not folder.exists():
             raise Problem(f"{folder}: no such folder of results")
-    out = out or folders[0] / FILE_NAME
-    script = page_script()
-    text = page_html(sections_of(folders), [folder.absolute() for folder in folders], script)
+    first = folders[0] if folders[0].is_dir() else folders[0].parent
+    out = out or first / FILE_NAME
+    script, sections = page_script(), sections_of(folders)
+    for section in sections:
+        if section.is_left_out:
+            print(f"report: left out {section.problems[0]}", file=sys.stderr)
+    text = small_page(sections, [folder.absolute() for folder in folders], script)
     write_whole(out, text)
     print(f"{out}: {len(text.encode()) / MEGABYTE:.1f} MB, made in {time.monotonic() - started:.0f} s")
     return out
+
+
+def small_page(sections: list[Section], folders: list[Path], script: str) -> str:
+    """With as many moments of runs in space as fit."""
+    text = page_html(sections, folders, script)
+    views = [part for section in sections for part in section.parts if isinstance(part, Views) and part.scenes]
+    more = len(text.encode()) - LARGEST_BYTES
+    if more <= 0 or not views:
+        return text
+    fit_together(views, more)
+    return page_html(sections, folders, script)

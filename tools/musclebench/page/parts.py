@@ -19,6 +19,16 @@ class Axis:
     is_log: bool = False
 
 
+@dataclass(frozen=True)
+class Chooser:
+    """Of a chart that shows, one at a time, the rows with one value of a column."""
+
+    column: str
+    title: str
+    names: dict[str, str]  # {value: as people read it}
+    first: str = ""  # value that is chosen at first; that of the first name unless told
+
+
 @dataclass
 class Chart:
     """One muscle at a time where the rows have a column `muscle`; colours are those of the column `backend`."""
@@ -26,14 +36,15 @@ class Chart:
     name: str  # of its file and in links
     title: str
     words: str  # what one sees, for readers and screen readers
-    kind: str  # lines, points or bars
+    kind: str  # lines, points, bars or nights
     rows: pd.DataFrame  # in the units of the axes
     x: Axis
     y: Axis
     hover: dict[str, str] = field(default_factory=dict)  # {column: title with unit} of what else a point tells
-    options: dict = field(default_factory=dict)  # of the kind, as tools/page/lines.js, points.js and bars.js read them
+    options: dict = field(default_factory=dict)  # of the kind, as tools/page/KIND.js reads them
     beside: dict = field(default_factory=dict)  # a small table under it: caption, heads, lines of cells
     more: list[str] = field(default_factory=list)  # paragraphs for whom wants to know
+    choosers: list[Chooser] = field(default_factory=list)
     kind_of_part: str = "chart"
 
     @property
@@ -71,6 +82,7 @@ class Section:
     parts: list[Chart | TablePart | Views]
     colours: dict[str, dict]  # {backend: label, colour, dash}
     folder: Path
+    is_left_out: bool = False  # its results can't be read; `problems` says why
 
     @property
     def muscles(self) -> list[str]:

@@ -38,10 +38,11 @@ class Snapshot:
         return 1e3 * self.mesh.extra["depth_m"]
 
 
-def read_snapshots(run: Run) -> list[Snapshot]:
-    """By frame; those with positions that are not numbers are left out."""
+def read_snapshots(run: Run, entries: list[dict] | None = None) -> list[Snapshot]:
+    """By frame; those with positions that are not numbers are left out. `entries`: of the record's snapshots those that are
+    wanted, all by default."""
     snapshots = []
-    for entry in run.record.get("snapshots", []):
+    for entry in run.record.get("snapshots", []) if entries is None else entries:
         poses = [(np.reshape(p["rotation"], (3, 3)), np.array(p["translation_m"])) for p in entry["bone_poses"]]
         mesh = read_ply(run.folder / entry["file"])
         if "depth_m" not in mesh.extra or "attached" not in mesh.extra:

@@ -1,6 +1,7 @@
 """A table of results as CSV, Markdown, LaTeX and plain text."""
 
 import math
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,10 +10,17 @@ import pandas as pd
 from ..figures.style import muscle_label
 
 UNKNOWN = "-"
-LATEX_ESCAPES = [("%", "\\%"), ("_", "\\_"), ("&", "\\&"), ("#", "\\#"), (">", "$>$"), ("<", "$<$"), ("~", "$\\sim$")]
-# A page of two columns, in points; \footnotesize has figures of 4.3 points and lines of 9.5.
-LATEX_WIDTH, LATEX_LETTER, LATEX_GAP = 505.0, 4.3, 7.0
-LATEX_ROWS = 50
+LATEX_ESCAPES = str.maketrans({
+    "%": "\\%", "_": "\\_", "&": "\\&", "#": "\\#", "$": "\\$", "{": "\\{", "}": "\\}", ">": "$>$", "<": "$<$",
+    "~": "$\\sim$", "\N{MINUS SIGN}": "$-$", "^": "\\^{}", "\\": "\\textbackslash{}",
+})
+# The text of a page of two columns (article, A4), in points; \footnotesize has figures of 4.3 points and lines of 9.5.
+LATEX_WIDTH, LATEX_LETTER, LATEX_GAP = 452.0, 4.3, 7.0
+LATEX_HEIGHT, LATEX_LINE, LATEX_HEADING, LATEX_HEADS = 550.0, 9.5, 18.0, 70.0
+LATEX_CAPTION_LINE, LATEX_CAPTION_LETTERS = 12.0, 85
+LATEX_NOTE = "% Needs \\usepackage{booktabs}; no wider than 452 pt, the text of an A4 page of class article in two columns."
+NUMBERED = re.compile(r"^Table [IVX]+\. ")  # LaTeX has numbers of its own
+MINUS = re.compile(r"^-(?=[\d.])")
 
 
 @dataclass
@@ -63,10 +71,10 @@ def as_latex(table: Table) -> str:
     """Tables for the package booktabs that fit the width of a page and its height: of the columns that a terminal
     shows, in parts where there are more columns or rows than a page holds."""
     shown = [column for column in table.columns if column.key in table.shown]
-    parts = [_latex_part(table, rows, columns) for rows in _latex_pages(table.rows)
+    parts = [_latex_part(table, rows, columns) for rows in _latex_pages(table)
              for columns in latex_column_groups(table, shown)]
     captions = [table.caption, *["Continued."] * (len(parts) - 1)]
-    return "\n".join(part.replace("CAPTION", _latex(caption), 1) for part, caption in zip(parts, captions))
+    return "\n".join([LATEX_NOTE, *(part.replace("CAPTION", _latex(NUMBERED.sub("", caption)), 1) for part, caption in zip(parts, captions))])
 
 
 def latex_column_groups(table: Table, columns: list[Column]) -> list[list[Column]]:
@@ -88,8 +96,18 @@ def _latex_width(table: Table, column: Column) -> float:
     return LATEX_LETTER * max(map(len, (*_two_lines(column.head or column.title), *cells))) + LATEX_GAP
 
 
-def _latex_pages(rows: pd.DataFrame) -> list[pd.DataFrame]:
-    return [rows.iloc[first:first + LATEX_ROWS] for first in range(0, max(len(rows), 1), LATEX_ROWS)]
+def _latex_pages(table: Table) -> list[pd.DataFrame]:
+    """Rows that fit the height of a page, with the headings of their muscles and the caption."""
+    caption_lines = math.ceil(len(table.caption) / LATEX_CAPTION_LETTERS)
+    room = LATEX_HEIGHT - LATEX_HEADS - LATEX_CAPTION_LINE * caption_lines
+    starts, left, last = [0], room, None
+    for number, muscle in enumerate(table.rows.get("muscle", [None] * len(table.rows))):
+        needed = LATEX_LINE + LATEX_HEADING * (muscle != last)
+        if needed > left:
+            starts.append(number)
+            left, needed = room, LATEX_LINE + LATEX_HEADING
+        left, last = left - needed, muscle
+    return [table.rows.iloc[first:end] for first, end in zip(starts, [*starts[1:], len(table.rows)])]
 
 
 def _latex_part(table: Table, rows: pd.DataFrame, columns: list[Column]) -> str:
@@ -104,7 +122,7 @@ def _latex_part(table: Table, rows: pd.DataFrame, columns: list[Column]) -> str:
             muscle = row["muscle"]
             heading = f"\\emph{{{_latex(muscle_label(muscle))}}}"
             lines += ["\\midrule", f"\\multicolumn{{{len(columns)}}}{{l}}{{{heading}}} \\\\"]
-        lines.append(" & ".join(_latex(cell) for cell in cells) + " \\\\")
+        lines.append(" & ".join(_latex(MINUS.sub("\N{MINUS SIGN}", cell)) for cell in cells) + " \\\\")
     return "\n".join([*lines, "\\bottomrule", "\\end{tabular}", "\\end{table*}"]) + "\n"
 
 
@@ -154,6 +172,4 @@ def as_ratio(value: float) -> str:
 
 
 def _latex(text: str) -> str:
-    for plain, escaped in LATEX_ESCAPES:
-        text = text.replace(plain, escaped)
-    return text
+    return text.translate(LATEX_ESCAPES)

@@ -1,0 +1,94 @@
+"""One scene in space for the page: bones, and the muscle of each run at the moments that are shown, with the depth of each
+node."""
+
+import hashlib
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..figures import looks
+from ..pictures.surface_figures import DEEPEST_SHOWN_MM
+from ..pictures.surface_pictures import Snapshot, first_view, read_bones, sight_cut
+from ..results.ply import PlyMesh
+from ..results.run_folder import Run
+from ..results.statistics import percentile
+from .packed import neighbours_order, packed_depths, packed_mesh, packed_shapes, packed_triangles, packed_words
+
+MARGIN, SEEN_PERCENTS = 1.3, [0.5, 99.5]
+
+
+@dataclass(frozen=True)
+class Sight:
+    """Where the first look comes from: unit vectors, `eye` from the muscle towards it."""
+
+    eye: np.ndarray
+    up: np.ndarray
+    cut_normal: np.ndarray  # bones are drawn where (x - cut_m) . cut_normal >= 0
+    cut_m: np.ndarray | None = None  # through the middle of the muscle unless told
+
+
+def scene_data(muscle: str, runs: dict[str, Run], shots: dict[str, list[Snapshot]], meshes: dict,
+               sight: Sight | None) -> dict:
+    """As tools/page/run_data.js reads it. `runs`, `shots`: by backend; bones are added to `meshes`. `sight`: by default that of
+    Fig. 6, from where the muscle lies on its bones."""
+    first = next(iter(shots))
+    surface, bones = shots[first][0].mesh, read_bones(runs[first])
+    same = {backend: kept for backend, kept in shots.items() if np.array_equal(kept[0].mesh.triangles, surface.triangles)}
+    order = neighbours_order(len(surface.vertices_m), surface.triangles)
+    shapes_m = np.concatenate([np.stack([shot.mesh.vertices_m for shot in kept]) for kept in same.values()])
+    return {
+        "muscle": muscle, "vertices": len(order), "triangles": len(surface.triangles),
+        "corners": packed_triangles(surface.triangles, order), "order": packed_words(np.diff(order, prepend=0), 32),
+        "attached": packed_words(surface.extra["attached"][order], 8),
+        "bones": [{"name": name, "mesh": _shared(mesh, meshes)} for name, mesh in bones.items()],
+        "deepest_mm": _deepest_mm(same),
+        **_seen(sight or _usual_sight(runs[first], bones, shots[first]), shapes_m),
+        "runs": [_run(backend, runs[backend], kept, order) for backend, kept in same.items()],
+    }
+
+
+def _usual_sight(run: Run, bones: dict[str, PlyMesh], shots: list[Snapshot]) -> Sight:
+    view, plane = first_view(run, bones, shots), sight_cut(run, bones, shots)
+    return Sight(view.towards_eye, view.up, plane.normal, plane.origin_m)
+
+
+def _seen(sight: Sight, shapes_m: np.ndarray) -> dict:
+    """A camera on nearly all nodes at all moments, and the plane before which bones are cut away."""
+    nodes, across = shapes_m.reshape(-1, 3), np.cross(sight.up, sight.eye)
+    focus, half_m = nodes.mean(axis=0), []
+    for direction in (across, sight.up):
+        low, high = percentile(nodes @ direction, SEEN_PERCENTS)
+        focus = focus + direction * ((low + high) / 2 - focus @ direction)
+        half_m.append(MARGIN * (high - low) / 2)
+    cut_m = focus if sight.cut_m is None else sight.cut_m
+    return {"camera": {"focus_m": focus.tolist(), "eye": sight.eye.tolist(), "up": sight.up.tolist(),
+                       "half_width_m": float(half_m[0]), "half_height_m": float(half_m[1])},
+            "cut": {"origin_m": cut_m.tolist(), "normal": sight.cut_normal.tolist()}}
+
+
+def _run(backend: str, run: Run, shots: list[Snapshot], order: np.ndarray) -> dict:
+    shapes = packed_shapes(np.stack([shot.mesh.vertices_m for shot in shots]), order)
+    depth_step_m, depths = packed_depths(np.stack([shot.mesh.extra["depth_m"] for shot in shots]), order)
+    return {
+        "backend": backend, "name": run.folder.name, "status": run.status,
+        "frames": [shot.frame for shot in shots], "angles_deg": [round(shot.angle_deg, 4) for shot in shots],
+        "poses": [[[*np.round(rotation.ravel(), 9).tolist(), *np.round(translation_m, 9).tolist()]
+                   for rotation, translation_m in shot.poses] for shot in shots],
+        "step_m": shapes.step_m, "origin_m": shapes.origin_m, "positions": shapes.text,
+        "depth_step_m": depth_step_m, "depths": depths,
+    }
+
+
+def _shared(mesh: PlyMesh, meshes: dict) -> str:
+    key = hashlib.sha256(mesh.vertices_m.tobytes() + mesh.triangles.tobytes()).hexdigest()[:12]
+    if key not in meshes:
+        meshes[key] = packed_mesh(mesh)
+    return key
+
+
+def _deepest_mm(shots: dict[str, list[Snapshot]]) -> float:
+    """Upper end of the colour scale, by the rule of Fig. 6 over all moments."""
+    depths = [shot.depth_mm.max() for backend, kept in shots.items() for shot in kept
+              if not looks.backend(backend).is_control]
+    return min(math.ceil(max([1.0, *depths])), DEEPEST_SHOWN_MM)
