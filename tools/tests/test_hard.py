@@ -24,21 +24,34 @@ KNOWN_TO_BREAK = {
 }
 
 
-@pytest.fixture(scope="module")
-def matrix(tmp_path_factory):
-    """The short run over every backend: (process, folder)."""
-    folder = tmp_path_factory.mktemp("hard") / "out"
+def all_cells(folder, *options, seconds):
+    """(process, folder) of every backend."""
     data = ["--data", folder_of_data] if (folder_of_data := find_lhdl()) else []
-    done = subprocess.run([PROGRAM, "hard", *data, "--out", folder], capture_output=True, text=True, timeout=900, check=False)
+    done = subprocess.run([PROGRAM, "hard", *data, "--out", folder, *options], capture_output=True, text=True, timeout=seconds,
+                          check=False)
     return done, folder
 
 
-def test_what_can_hold_does(matrix):
-    done, folder = matrix
+@pytest.fixture(scope="module")
+def matrix(tmp_path_factory):
+    """The short run."""
+    return all_cells(tmp_path_factory.mktemp("hard") / "out", seconds=900)
+
+
+def check_known(done, folder):
     rows = pd.read_csv(folder / "matrix.csv", keep_default_na=False)
     broken = rows[rows.verdict == "breaks"]
     assert done.returncode == (1 if len(broken) else 0)
     assert set(zip(broken.case, broken.backend)) == KNOWN_TO_BREAK
+
+
+def test_what_can_hold_does(matrix):
+    check_known(*matrix)
+
+
+@pytest.mark.weekly
+def test_what_can_hold_does_in_the_long_run(tmp_path):
+    check_known(*all_cells(tmp_path / "out", "--all", seconds=8 * 3600))
 
 
 def test_every_backend_has_a_cell_of_every_case(matrix):
