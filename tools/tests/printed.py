@@ -1,6 +1,7 @@
 """What any figure is held to: it fits the page, its text can be read and lies beside other text."""
 
 import re
+import zlib
 
 import pytest
 from matplotlib.text import Text
@@ -37,9 +38,23 @@ def check_print(figure, paths) -> None:
     assert {".png", ".svg", ".pdf"} <= set(suffixes)
     box = re.search(rb"/MediaBox \[([^]]*)\]", suffixes[".pdf"].read_bytes()).group(1).split()
     assert float(box[2]) - float(box[0]) == pytest.approx(72 * figure.get_figwidth(), abs=1)
+    sizes = printed_sizes(suffixes[".pdf"])
+    assert sizes and min(sizes) >= style.SMALLEST_POINTS, (suffixes[".pdf"].name, sizes)
     with Image.open(suffixes[".png"]) as picture:
         assert picture.info["dpi"] == pytest.approx((style.DPI, style.DPI), abs=1)
         assert picture.width == pytest.approx(style.DPI * figure.get_figwidth(), abs=3)
+
+
+def printed_sizes(pdf) -> set[float]:
+    """In points: of all fonts that a PDF of matplotlib chooses, raised figures such as those of powers among them."""
+    found = set()
+    for stream in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", pdf.read_bytes(), re.DOTALL):
+        try:
+            text = zlib.decompress(stream)
+        except zlib.error:
+            continue  # a picture or a font
+        found |= {float(size) for size in re.findall(rb"/F[\w-]* ([\d.]+) Tf", text)}
+    return found
 
 
 def drawn_texts(figure) -> list[Text]:

@@ -88,6 +88,17 @@ def test_the_papers_figures_are_drawn_for_print(fake_raw, tmp_path, monkeypatch)
         assert overlaps(figure) == []
 
 
+def test_times_within_a_decade_have_no_powers_with_small_raised_figures(tmp_path, monkeypatch):
+    kept = {}
+    keep_figures(monkeypatch, kept)
+    for backend in ("voxel", "sdf"):
+        fake_runs.write_run(tmp_path / "raw" / backend, "synthetic/iliacus", backend)
+    paper_figures.draw_figures(read_runs(tmp_path / "raw"), read_published(), tmp_path)
+    figure, paths = kept["fig_7_collision_time"]
+    check_print(figure, paths)
+    assert any(tick.label1.get_text() for tick in figure.axes[0].yaxis.get_minor_ticks())
+
+
 def test_texts_of_the_pareto_picture_do_not_overlap(drawn):
     """Of each panel: labels of points, the words of the band and of the line without collision."""
     for name in ("pareto_replay", "pareto_coupled", "pareto_coupled_shape"):

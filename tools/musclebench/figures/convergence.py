@@ -11,6 +11,7 @@ from .style import plt
 
 LEGEND_LINE_SHARE = 0.06  # of the panel's height
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
+THOUSANDS = FuncFormatter(lambda value, _: f"{value / 1000:g}")
 
 
 def draw_errors(rows: pd.DataFrame, stem: Path) -> list[Path]:
@@ -78,7 +79,7 @@ def draw_costs(rows: pd.DataFrame, stem: Path) -> list[Path]:
     figure, panels = plt.subplots(1, 2, figsize=(style.PAGE_INCHES, 3.1))
     for axes, key, title, unit in ((panels[0], "build_s", "build time (s)", 1.0),
                                    (panels[1], "structure_bytes", "structures (MB)", 1e-6)):
-        axes.set(xscale="log", yscale="log", xlabel="cells of all bones", ylabel=title)
+        axes.set(xscale="log", yscale="log", xlabel="cells of all bones (thousands)", ylabel=title)
         for bones, series in _curves(rows):
             curve = rows[(rows["bones"] == bones) & (rows["series"] == series) & rows[key].notna()]
             if curve.empty:
@@ -87,8 +88,10 @@ def draw_costs(rows: pd.DataFrame, stem: Path) -> list[Path]:
             known = f", slope {fitted:.2f}" if pd.notna(fitted) else ""
             _draw_curve(axes, curve["cells"], unit * curve[key], curve, f"{series}{known}")
         _room_above(axes, len(axes.get_lines()))
+        axes.xaxis.set_major_formatter(THOUSANDS)
         axes.yaxis.set_major_formatter(PLAIN)
-        axes.yaxis.set_minor_formatter(NullFormatter())
+        for one in (axes.xaxis, axes.yaxis):
+            one.set_minor_formatter(NullFormatter())
         axes.legend(loc="upper left", fontsize=7, framealpha=0.85, edgecolor="none")
     figure.suptitle("What resolution costs before the first frame", x=0.01, ha="left")
     figure.tight_layout(rect=(0, 0, 1, 0.98), w_pad=1.5)

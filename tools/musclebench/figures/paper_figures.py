@@ -68,6 +68,7 @@ def _draw_times(cases, muscle: str, runs: dict[str, Run], published: Published, 
         labels.append((milliseconds.iloc[-30:].median(), f"{backend}{note}", backend))
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter(PLAIN_NUMBERS)
+    axes.yaxis.set_minor_formatter(style.PlainLogFormatter(minor_thresholds=(1, 0.4)))
     axes.set(xlabel="frame", ylabel="collision time a frame (ms)")
     figure.suptitle(f"Fig. 7  Collision time, {style.muscle_label(muscle)}", x=0.02, ha="left", y=0.99)
     _label_ends(axes, labels)

@@ -7,6 +7,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402  (the backend must be chosen first)
+from matplotlib.ticker import LogFormatter  # noqa: E402
 from matplotlib.transforms import Bbox  # noqa: E402
 
 # Figures are drawn at the width at which a two-column page prints them, so that a point of text stays a point.
@@ -17,6 +18,13 @@ NOTE_COLOUR = "#555555"
 DPI = 300
 PAD_INCHES = 0.05
 FORMATS = (".png", ".svg", ".pdf")
+
+
+class PlainLogFormatter(LogFormatter):
+    """Labels minor ticks of a log axis where there are few decades, without powers, whose raised figures are too small."""
+
+    def __call__(self, x, pos=None):
+        return f"{x:g}" if super().__call__(x, pos) else ""
 
 
 def muscle_label(muscle: str) -> str:

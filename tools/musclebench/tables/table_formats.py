@@ -16,7 +16,7 @@ LATEX_ESCAPES = str.maketrans({
 })
 # The text of a page of two columns (article, A4), in points; \footnotesize has figures of 4.3 points and lines of 9.5.
 LATEX_WIDTH, LATEX_LETTER, LATEX_GAP = 452.0, 4.3, 7.0
-LATEX_HEIGHT, LATEX_LINE, LATEX_HEADING, LATEX_HEADS = 550.0, 9.5, 18.0, 70.0
+LATEX_HEIGHT, LATEX_LINE, LATEX_HEADING, LATEX_HEADS = 550.0, 9.5, 18.0, 76.0
 LATEX_CAPTION_LINE, LATEX_CAPTION_LETTERS = 12.0, 85
 LATEX_NOTE = "% Needs \\usepackage{booktabs}; no wider than 452 pt, the text of an A4 page of class article in two columns."
 NUMBERED = re.compile(r"^Table [IVX]+\. ")  # LaTeX has numbers of its own
@@ -113,7 +113,7 @@ def _latex_pages(table: Table) -> list[pd.DataFrame]:
 def _latex_part(table: Table, rows: pd.DataFrame, columns: list[Column]) -> str:
     layout = "".join("l" if column.digits is None else "r" for column in columns)
     heads = [_two_lines(column.head or column.title) for column in columns]
-    lines = ["\\begin{table*}", "\\centering", "\\footnotesize", "\\setlength{\\tabcolsep}{3pt}", "\\caption{CAPTION}",
+    lines = ["\\begin{table*}", "\\centering", "\\footnotesize", "\\setlength{\\tabcolsep}{3pt}", "\\setlength{\\belowcaptionskip}{6pt}", "\\caption{CAPTION}",
              f"\\begin{{tabular}}{{{layout}}}", "\\toprule"]
     lines += [" & ".join(_latex(head[line]) for head in heads) + " \\\\" for line in (0, 1)]
     muscle = None
