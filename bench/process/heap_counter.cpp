@@ -77,9 +77,14 @@ void free(void* block) noexcept { __libc_free(block); }
 
 #else
 
-void* operator new(std::size_t size) {
+// All forms of what the library's sorting, too, takes and gives back: a sanitizer minds a block that changes hands.
+void* operator new(std::size_t size, const std::nothrow_t& /*no_throw*/) noexcept {
   count(size);
-  if (void* const block = std::malloc(size > 0 ? size : 1)) {
+  return std::malloc(size > 0 ? size : 1);
+}
+
+void* operator new(std::size_t size) {
+  if (void* const block = operator new(size, std::nothrow)) {
     return block;
   }
   throw std::bad_alloc();
@@ -87,6 +92,7 @@ void* operator new(std::size_t size) {
 
 void operator delete(void* block) noexcept { std::free(block); }
 void operator delete(void* block, std::size_t /*size*/) noexcept { std::free(block); }
+void operator delete(void* block, const std::nothrow_t& /*no_throw*/) noexcept { std::free(block); }
 
 #endif
 
