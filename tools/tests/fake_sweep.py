@@ -24,7 +24,9 @@ class FakeScenes:
         if not group.scenes:
             return [replace(scene, preset=preset) for scene in self.scenes]
         known = [entry.name for entry in fake_registry.registry().scenes]
-        return [replace(fake_registry.scene(name), asks_preset=bool(group.preset)) for name in known if any(name.startswith(one.rstrip("*")) for one in group.scenes)]
+        data_set = self.scenes[0].name.split("/")[0]
+        wanted = tuple(one.replace("{data}", data_set).rstrip("*") for one in group.scenes)
+        return [replace(fake_registry.scene(name), asks_preset=bool(group.preset)) for name in known if name.startswith(wanted)]
 
     def hard_cases(self, wanted):
         return list(wanted or ("rest", "pinch", "thin-plate"))

@@ -13,11 +13,12 @@ import fake_runs
 import fake_speed
 import fake_study
 from fake_study import Truth
+from musclebench.experiments.experiment_file import of_project
+from musclebench.experiments.kernels import MICRO_PROGRAM
 from musclebench.program.registry import parse_registry
 from program import PROGRAM, call, needs_program
 from musclebench.results import disturbance
-from musclebench.speed import speed_plan
-from musclebench.speed.speed_cases import MICRO_PROGRAM
+from musclebench.speed import bars
 
 pytestmark = needs_program
 SCENE = "synthetic/adductor_brevis"
@@ -150,9 +151,9 @@ def kernels_of(program: Path) -> set[str]:
 
 
 def test_every_target_names_kernels_that_there_are(listed, micro):
-    groups = {group.name: micro.with_name(group.program) for group in speed_plan.KERNEL_GROUPS}
+    groups = {group.name: micro.with_name(group.program) for group in of_project("speed").groups if group.mode == "kernels"}
     names = {program: kernels_of(program) for program in set(groups.values()) if program.is_file()}
-    for target in speed_plan.targets(parse_registry(json.dumps(listed), "the program")):
+    for target in bars.targets(parse_registry(json.dumps(listed), "the program")):
         for kernel in (target[key] for key in ("kernel", "below") if key in target):
             pattern = re.compile(re.escape(kernel).replace(r"\{\}", ".*"))
             there = names.get(groups[target["group"]])

@@ -13,18 +13,23 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+import experiment
 import fake_registry
 import fake_runs
 import speed
+from fake_sweep import FakeScenes, swept
 from musclebench.cases.case import Folders
+from musclebench.cases.case_queue import CaseQueue
+from musclebench.experiments import kernels as kernel_cases
+from musclebench.experiments.expansion import Expansion
+from musclebench.experiments.experiment_file import of_project
+from musclebench.experiments.kernels import MICRO_PROGRAM
 from musclebench.program.machine_state import Reading
+from musclebench.program.registry import parse_registry
 from musclebench.results.run_folder import read_runs
 from musclebench.results import samples
-from musclebench.speed import speed_experiment, targets
+from musclebench.speed import bars, quick, targets
 from musclebench.speed.kernel_results import read_kernels
-from musclebench.speed.speed_cases import MICRO_PROGRAM, KernelCase, RaceCase
-from musclebench.speed import speed_plan
-from musclebench.speed.speed_plan import Request, settings
 
 PROGRAM = Path(__file__).resolve().parent / "fake_speed.py"
 TOOLS = PROGRAM.parent.parent
@@ -32,11 +37,17 @@ MUSCLES = ("adductor_brevis", "iliacus")
 REGISTRY = fake_registry.registry()
 SCENES = tuple(fake_registry.scene(f"lhdl/{muscle}") for muscle in MUSCLES)
 ILIACUS = (fake_registry.scene("synthetic/iliacus"),)
-QUICK_ILIACUS = (fake_registry.scene("synthetic/iliacus", speed_plan.QUICK_FRAMES),)
+QUICK_ILIACUS = (fake_registry.scene("synthetic/iliacus", quick.FRAMES),)
+FILE = of_project("speed")
+FOLDERS = Folders(Path("out"))
 
 
-def plan(request):
-    return speed_plan.plan(request, REGISTRY)
+def of_group(name: str, cases: list) -> list:
+    return [case for case in cases if case.group.name == name]
+
+
+def of_kernels(cases: list) -> list:
+    return [case for case in cases if case.group.mode == "kernels"]
 
 
 class Table:
@@ -54,7 +65,7 @@ class Table:
         code = speed.main(["--musclebench", str(PROGRAM), "--micro", str(PROGRAM), "--out", str(self.out), *muscles,
                            "--repetitions", "1", *more])
         text, errors = self._capfd.readouterr()
-        return code, text, errors, [line for line in self._log.read_text().splitlines() if not line.endswith("list")]
+        return code, text, errors, [line for line in self._log.read_text().splitlines() if not line.endswith(("list", "--version"))]
 
     def rows(self) -> dict[str, dict]:
         """The lines of the table by what they are about."""
@@ -66,7 +77,7 @@ class Table:
 def table(tmp_path, monkeypatch, capfd) -> Table:
     """On a quiet machine, whatever else this one does."""
     moments = itertools.count(step=10**9)
-    monkeypatch.setattr(speed_experiment, "reading", lambda core: Reading(next(moments), 0, 7, 0.5, 2500.0, None))
+    monkeypatch.setattr(kernel_cases, "reading", lambda core: Reading(next(moments), 0, 7, 0.5, 2500.0, None))
     return Table(tmp_path, monkeypatch, capfd)
 
 
@@ -237,44 +248,108 @@ def test_the_report_alone_runs_nothing(measured):
 
 
 def test_a_round_has_everything_once_and_muscles_stay_together():
-    cases = plan(Request(SCENES, repetitions=3))
+    cases, count = swept(FILE, *SCENES), len(bars.settings(REGISTRY))
     assert len({case.name for case in cases}) == len(cases)
     assert [case.repetition for case in cases] == sorted(case.repetition for case in cases)
     orders = []
     for repetition in range(3):
-        races = [case for case in cases
-                 if isinstance(case, RaceCase) and case.repetition == repetition and not case.is_judged]
-        assert len(races) == len(MUSCLES) * len(settings(REGISTRY))
-        assert races[0].scene == races[len(settings(REGISTRY)) - 1].scene != races[-1].scene
-        orders.append([case.setting.label for case in races if case.scene.key == "iliacus"])
+        races = [case for case in of_group("race", cases) if case.repetition == repetition]
+        assert len(races) == len(MUSCLES) * count
+        assert races[0].scene == races[count - 1].scene != races[-1].scene
+        first = cases.index(races[0])
+        assert cases[first:first + count] == races[:count]  # with nothing else among them
+        orders.append([case.configuration.label for case in races if case.scene.key == "iliacus"])
     assert orders[0] != orders[1] or orders[1] != orders[2]
-    judged = [case for case in cases if isinstance(case, RaceCase) and case.is_judged]
-    assert len(judged) == len(settings(REGISTRY)) and len({case.scene for case in judged}) == 1
-    assert not any("--no-referee" in case.arguments(Folders(Path("out"))) for case in judged)
-    once = [case for case in cases if isinstance(case, KernelCase) and not case.group.varies]
-    assert {case.repetition for case in once} == {0}
+    assert all("--no-referee" in case.arguments(FOLDERS) for case in of_group("race", cases))
+    once = [case for case in of_kernels(cases) if case.group.samples == 1]
+    assert {case.repetition for case in once} == {0} and {case.group.name for case in once} == {"bytes", "allocations"}
+
+
+def test_the_largest_muscle_is_judged_once_with_the_fields_of_its_first_race():
+    cases = swept(FILE, *SCENES)
+    judged = of_group("judged", cases)
+    assert len(judged) == len(bars.settings(REGISTRY)) and {case.scene.key for case in judged} == {"iliacus"}
+    assert not any("--no-referee" in case.arguments(FOLDERS) for case in judged)
+    storing = {case.configuration.label for case in cases if case.configuration.stores}
+    assert storing
+    for case in [*judged, *of_group("race", cases)]:
+        label = case.configuration.label
+        builder = f"{case.scene.key}-{label}-r0" if label in storing else ""
+        assert case.builder == builder and case.needs == ((builder,) if builder not in ("", case.name) else ())
+        kept = [word for word in case.arguments(FOLDERS) if "structures" in word]
+        assert [word.partition("=")[2] for word in kept] == ([f"out/structures/{case.scene.key}/{label}"] if builder else [])
+
+
+def test_kernels_measure_the_muscle_that_is_wanted_where_it_is_raced():
+    everything = swept(FILE, *fake_registry.scenes("lhdl"))
+    assert {case.group.name: case.scene.name for case in of_kernels(everything)} == {
+        **dict.fromkeys((group.name for group in FILE.groups if group.mode == "kernels"), "lhdl/iliacus"),
+        "constraints": "lhdl/gluteus_maximus", "loop": "lhdl/gluteus_maximus", "muscles": "lhdl/hip"}
+    brevis = swept(FILE, fake_registry.scene("lhdl/adductor_brevis"))
+    assert {case.scene.name for case in of_kernels(brevis)} == {"lhdl/adductor_brevis", "lhdl/hip"}
 
 
 def test_quick_means_less_of_everything():
-    quick, whole = (plan(Request(scenes, quick=value)) for scenes, value in ((QUICK_ILIACUS, True), (ILIACUS, False)))
-    assert sum(case.guessed_seconds for case in quick) < sum(case.guessed_seconds for case in whole) / 3
-    words = next(case for case in quick if isinstance(case, RaceCase) and not case.is_judged).arguments(Folders(Path("out")))
+    whole = swept(FILE, *ILIACUS)
+    some = swept(quick.quick(FILE), *QUICK_ILIACUS)
+    assert sum(case.guessed_seconds for case in some) < sum(case.guessed_seconds for case in whole) / 3
+    words = of_group("race", some)[0].arguments(FOLDERS)
     assert "--frames" in words and "--no-referee" in words
+    wanted = "--benchmark_repetitions=3", "--benchmark_min_time=0.02"
+    assert all(set(wanted) <= set(case.arguments(FOLDERS)) for case in of_kernels(some) if case.group.samples > 1)
 
 
-@pytest.mark.parametrize("name, whole, quick", [
-    ("muscle_size/bvh/100000/manual_time", True, True), ("muscle_size/bvh/1000000/manual_time", True, False),
-    ("bone_size/bvh_locate/5120", True, True), ("bone_size/bvh_step/1310720/manual_time", True, False),
+@pytest.mark.parametrize("name, is_in_quick", [
+    ("muscle_size/bvh/100000/manual_time", True), ("muscle_size/bvh/1000000/manual_time", False),
+    ("bone_size/bvh_locate/5120", True), ("bone_size/bvh_step/1310720/manual_time", False),
 ])
-def test_quick_leaves_out_the_largest_sizes(name, whole, quick):
-    for wished, expected in ((False, whole), (True, quick)):
-        cases = [case for case in plan(Request(ILIACUS, quick=wished)) if isinstance(case, KernelCase)]
-        assert any(re.search(case.group.pattern, name) for case in cases) == expected
+def test_quick_leaves_out_the_largest_sizes(name, is_in_quick):
+    for file, expected in ((FILE, True), (quick.quick(FILE), is_in_quick)):
+        patterns = [case.at("kernels").value for case in of_kernels(swept(file, *ILIACUS))]
+        assert any(re.search(pattern, name) for pattern in patterns) == expected
+
+
+def test_every_target_without_a_backend_is_measured_by_its_group():
+    patterns = {case.group.name: case.at("kernels").value for case in of_kernels(swept(FILE, *ILIACUS))}
+    for target in bars.COMMON_TARGETS:
+        for kernel in (target[key] for key in ("kernel", "below") if key in target):
+            assert re.search(patterns[target["group"]], kernel), kernel
+
+
+def test_a_group_of_kernels_that_no_backend_names_has_no_case():
+    without = fake_registry.listed()
+    for backend in without["backends"]:
+        backend["study"].pop("target", None)
+    whole = Expansion(FILE, parse_registry(json.dumps(without), "fixture"), FakeScenes(ILIACUS))
+    assert {case.group.name for case in of_kernels(whole.firsts())} == {"constraints", "allocations"}
 
 
 def test_the_dry_run_lists_the_cases(table):
     code, text, _, calls = table("--dry-run")
     assert code == 0 and calls == [] and "iliacus-bvh-r0" in text and "about" in text.splitlines()[-1]
+
+
+def test_the_experiment_lists_and_runs_without_the_report(tmp_path, capfd):
+    """Whose kernels are in micro/ beside the program, or nowhere."""
+    words = ["speed", "--musclebench", str(PROGRAM), "--muscle", "iliacus", "--repetitions", "1", "--out", str(tmp_path / "out")]
+    assert experiment.main([*words, "--list-cases"]) == 0
+    names = capfd.readouterr().out.split()
+    assert {"iliacus-bvh-r0", "iliacus-bvh-judged-r0", "kernels-muscles-r0"} <= set(names)
+    assert experiment.main([*words, "--dry-run"]) == 0 and not (tmp_path / "out").exists()
+    assert f"{len(names)} cases; about" in capfd.readouterr().out.splitlines()[-1]
+    assert experiment.main([*words, "--filter", "kernels-queries", "--filter", "iliacus-sdf-r0"]) == 0
+    answers, times = (pd.read_csv(tmp_path / "out" / name).set_index("name") for name in ("answers.csv", "times.csv"))
+    wanted = ["iliacus-sdf-r0", "kernels-queries-r0"]
+    assert list(answers.loc[wanted, "status"]) == ["ok", "unsupported"]
+    assert times.loc[wanted[1], "status_detail"] == "not built: musclebench_micro"
+
+
+def test_nothing_runs_beside_kernels():
+    cases = swept(FILE, *ILIACUS)
+    kernel, race = of_group("queries", cases)[0], of_group("race", cases)[0]
+    for some in ([kernel, race], [race, kernel]):
+        queue = CaseQueue(some)
+        assert queue.take() == some[0] and queue.take() is None
 
 
 def test_a_scene_of_several_muscles_is_raced(table):
@@ -355,8 +430,8 @@ def test_the_plan_asks_for_kernels_that_there_are():
     if not program.is_file():
         pytest.skip("MUSCLEBENCH_BINARY names no program with kernels beside it")
     listed = subprocess.run([str(program), "--benchmark_list_tests"], capture_output=True, text=True, check=True).stdout
-    for quick in (False, True):
-        for case in plan(Request(ILIACUS, quick=quick)):
-            if isinstance(case, KernelCase) and case.group.program == MICRO_PROGRAM:
-                pattern = re.compile(case.group.pattern)
+    for file in (FILE, quick.quick(FILE)):
+        for case in of_kernels(swept(file, *ILIACUS)):
+            if case.group.program == MICRO_PROGRAM:
+                pattern = re.compile(case.at("kernels").value)
                 assert any(pattern.search(name) for name in listed.splitlines()), case.group

@@ -215,10 +215,12 @@ def test_four_muscles_of_the_hip_end_in_the_same_bits_on_one_thread_and_on_two(t
 FEW_KERNELS = """
 import sys
 sys.path.insert(0, {tools!r})
+from dataclasses import replace
 import speed
-from musclebench.speed import speed_plan
-speed_plan.KERNEL_GROUPS = tuple(g for g in speed_plan.KERNEL_GROUPS if g.name in ("constraints", "loop", "allocations"))
-speed_plan.QUICK_FRAMES = 4
+from musclebench.speed import quick
+whole, quick.FRAMES = speed.of_project("speed"), 4
+few = tuple(one for one in whole.groups if one.mode == "run" or one.name in ("constraints", "loop", "allocations"))
+speed.of_project = lambda name: replace(whole, groups=few)
 sys.exit(speed.main(sys.argv[1:]))
 """
 

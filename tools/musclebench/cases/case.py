@@ -22,7 +22,7 @@ class Folders:
 class Case(ABC):
     """One process to run. Cases are hashable and have names of their own."""
 
-    threads: int = 1  # more than one: it runs while nothing else does
+    threads: int = 1
     needs: tuple[str, ...] = ()  # names of cases that must have ended before this one starts
 
     @property
@@ -45,6 +45,11 @@ class Case(ABC):
     @abstractmethod
     def record(self) -> dict:
         """`case` of the run.json of a case that left none."""
+
+    @property
+    def wants_machine(self) -> bool:
+        """It runs while nothing else does."""
+        return self.threads > 1
 
     @property
     def folder(self) -> str:

@@ -33,5 +33,5 @@ class CaseQueue:
         self._pending.discard(case.name)
 
     def _has_room(self, case: Case) -> bool:
-        alone = case.threads > 1 or any(running.threads > 1 for running in self._running)
+        alone = case.wants_machine or any(running.wants_machine for running in self._running)
         return not (alone and self._running)

@@ -13,7 +13,8 @@ from ..program.registry import Registry
 from .record_case import RecordCase
 from .sweeps import Configuration
 from .experiment_file import CaseGroup, ExperimentFile
-from .selection import Scenes, configurations_of
+from .kernels import pattern_of
+from .selection import Scenes, configurations_of, one_of
 from .swept_case import AxisValue, SweptCase
 
 NO_SCENE = "hard"  # in place of one: each hard case has its own
@@ -41,6 +42,8 @@ class Expansion:
         scenes = self.scenes.of(group, self.experiment) if group.mode != "hard" else [Scene(NO_SCENE, asks_preset=False)]
         if group.mode == "probe":  # about bones: scenes with the same ones are probed once
             scenes = list({scene.probed.name: scene.probed for scene in scenes}.values())
+        if group.one_scene:
+            scenes = one_of(scenes, group.one_scene)
         for scene in scenes:
             if group.adds_effect and (group.adds_effect in scene.effects or group.adds_effect not in self.registry.effects):
                 continue  # a scene's own would be in all; or this build has none
@@ -65,6 +68,9 @@ class Expansion:
                 for count in group.substeps])
         if group.frames:
             axes.append([AxisValue("frames", str(count)) for count in group.frames])
+        if group.mode == "kernels":
+            pattern = pattern_of(group, self.registry)
+            axes.append([AxisValue("kernels", pattern, (f"--benchmark_filter={pattern}",))] if pattern else [])
         if group.mode == "hard":
             axes.append([AxisValue("case", case, ("--case", case)) for case in self.scenes.hard_cases(group.hard_cases)])
         axes += [[AxisValue(axis, value, words) for value, words in values] for axis, values in group.vary]
@@ -72,10 +78,13 @@ class Expansion:
 
 
 def with_builders(cases: list[SweptCase]) -> list[SweptCase]:
-    """A probe builds the structures of its configuration for all; what no case builds is not stored."""
-    builders = {(case.scene.name, case.configuration.label): case.name for case in cases
-                if case.group.mode == "probe" and case.configuration.stores}
-    return [replace(case, builder=builders.get((case.scene.probed.name, case.configuration.label), "")) for case in cases]
+    """A probe builds the structures of its configuration for all, else the first case of a group that stores them for
+    such groups; what no case builds is not stored."""
+    builders: dict[tuple[str, str], str] = {}
+    for case in cases:
+        if case.configuration.stores and (case.group.mode == "probe" or case.group.stores):
+            builders.setdefault((case.built_on.name, case.configuration.label), case.name)
+    return [replace(case, builder=builders.get((case.built_on.name, case.configuration.label), "")) for case in cases]
 
 
 def chosen_sets(scene: Scene, group: CaseGroup, registry: Registry) -> list[EffectSet]:
@@ -110,9 +119,20 @@ def rounds(firsts: list[SweptCase], experiment: ExperimentFile) -> list[SweptCas
     cases = []
     for number in range(most):
         of_round = [replace(case, repetition=number) for case in firsts if number < repetitions(case, experiment)]
-        order.shuffle(of_round)
-        cases += of_round
+        blocks = neighbours(of_round)
+        order.shuffle(blocks)
+        for block in blocks:
+            order.shuffle(block)
+            cases += block
     return cases
+
+
+def neighbours(cases: list[SweptCase]) -> list[list[SweptCase]]:
+    """Those that stay next to each other: of a group that wants it all of a scene."""
+    blocks: dict[tuple, list[SweptCase]] = {}
+    for case in cases:
+        blocks.setdefault((case.group.name, case.scene.name if case.group.together else case.name), []).append(case)
+    return list(blocks.values())
 
 
 def repetitions(case: SweptCase, experiment: ExperimentFile) -> int:

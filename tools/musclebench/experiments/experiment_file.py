@@ -10,10 +10,11 @@ from ..program.cli import Problem
 from .toml_lines import key_lines, line_of
 
 FOLDER = Path(__file__).resolve().parents[3] / "bench" / "experiments"
-MODES = ("run", "replay", "probe", "hard")
+MODES = ("run", "replay", "probe", "hard", "kernels")
 MOMENTS = ("rest", "half", "full", "end", "after_rest", "motion")
 EFFECT_SETS = ("own", "all", "all-each", "own+each")
 NAMED = "{scene}-{group}-{configuration}-r{repetition}"
+NAMED_OF_MODE = {"kernels": "kernels-{group}-r{repetition}"}
 ASKED = "asked"  # in place of scenes: those that the command line names and no other group has
 
 
@@ -27,6 +28,9 @@ class CaseGroup:
     scenes: str | tuple[str, ...] = ""  # empty: those of the experiment
     preset: str = ""  # empty: that of the experiment
     file_presets: bool = False  # scene files keep their own
+    one_scene: str | tuple[str, ...] = ()  # of its scenes: the largest, or the first of these that there is; empty: all
+    together: bool = False  # what a round has of a scene is not shuffled among the rest
+    stores: bool = False  # the first case of a scene and configuration builds structures, which the others load
     backends: str | tuple[str, ...] = "all"
     configurations: str = "default"
     only: tuple[str, ...] = ()
@@ -49,6 +53,12 @@ class CaseGroup:
     band_mm: float = 10.0
     points: int = 100_000
     hard_cases: tuple[str, ...] = ()  # empty: all
+    program: str = "musclebench_micro"  # of kernels, in the folder micro/ beside the program
+    kernels: tuple[str, ...] = ()  # beside those that the backends' study.toml names for the group
+    sizes: tuple[int, ...] = ()  # of kernels that have one; empty: all
+    samples: int = 5  # of each kernel; 1: what does not vary
+    sample_s: float = 0.2  # least time of each
+    guessed_s: float = 60.0  # of all kernels of the group
     longest_s: float = 0.0  # 0: as long as it takes
 
     @property
@@ -146,7 +156,8 @@ class _Reader:
         return ExperimentFile(self.path, groups=tuple(self._group(one, i) for i, one in enumerate(groups)), **values)
 
     def _group(self, told: dict, index: int) -> CaseGroup:
-        group = CaseGroup(**self._values(told, ("cases", index), GROUP_KEYS))
+        values = self._values(told, ("cases", index), GROUP_KEYS)
+        group = CaseGroup(**{"named": NAMED_OF_MODE.get(values.get("mode", ""), NAMED)} | values)
         known = {*PLACEHOLDERS, *group.axes}
         for word in _placeholders(group.named):
             if word not in known:
@@ -278,7 +289,7 @@ GROUP_KEYS: dict[str, tuple[bool, Callable]] = {
     "name": (True, _text), "mode": (False, _choice(*MODES)), "named": (False, _text),
     "scenes": (False, _words("one_muscle", ASKED)), "preset": (False, _text), "file_presets": (False, _flag),
     "backends": (False, _words("all", "exact", "control", "fast", "slow")),
-    "configurations": (False, _choice("default", "study", "study_quick")), 
+    "configurations": (False, _choice("default", "study", "study_quick", "race")),
     "only": (False, _list(_choice("replays", "drives", "probed", "one_thread"))),
     "parameters": (False, _table(_values_of_parameter)), "threads": (False, _list(_number(int, 1))),
     "repetitions": (False, _number(int, 1)), "fewer_repetitions": (False, _flag),
@@ -289,5 +300,9 @@ GROUP_KEYS: dict[str, tuple[bool, Callable]] = {
     "vary": (False, _table(_table(_words_or_none))), "options": (False, _list(_text)), "stride": (False, _stride),
     "band_mm": (False, _number(float, 0.001)), "points": (False, _number(int, 1)), "replay_s": (False, _number(float, 0.001)),
     "longest_s": (False, _number(float, 0.001)), "hard_cases": (False, _list(_text)),
+    "one_scene": (False, _words("largest")), "together": (False, _flag), "stores": (False, _flag),
+    "program": (False, _text), "kernels": (False, _list(_text)), "sizes": (False, _list(_number(int, 1))),
+    "samples": (False, _number(int, 1)), "sample_s": (False, _number(float, 0.001)),
+    "guessed_s": (False, _number(float, 0.001)),
 }
 assert set(GROUP_KEYS) == {one.name for one in fields(CaseGroup)}

@@ -72,16 +72,16 @@ def check_space(cases: list[Case], out_dir: Path) -> None:
 
 
 def sweep_of(file: ExperimentFile, options, registry: Registry, folders: Folders, quick_muscle: str | None = None) -> Sweep:
-    """`options`: data, scene, muscle, musclebench, force; frames_limit, repetitions, any_build where a command has them;
+    """`options`: data, scene, muscle, musclebench, force; frames_limit, repetitions, micro, any_build where a command has them;
     one without any_build uses no times."""
     data_set = data_set_of(options)
     if options.scene or options.muscle or quick_muscle:
         file = file.on(tuple(chosen_names(options.scene, options.muscle, data_set, registry, quick_muscle)))
     if getattr(options, "repetitions", None):
         file = replace(file, repetitions=options.repetitions)
-    scenes = Scenes(options.musclebench, registry, folders, data_set, 
+    scenes = Scenes(options.musclebench, registry, folders, data_set,
                     getattr(options, "frames_limit", None) or file.frames_limit or None)
-    experiment = SweptExperiment(options.musclebench, folders, file.answers, options.force)
+    experiment = SweptExperiment(options.musclebench, folders, file.answers, options.force, getattr(options, "micro", None))
     expansion = Expansion(file, registry, scenes)
     firsts = expansion.firsts()
     order = {case: place for place, case in enumerate(firsts)}

@@ -9,7 +9,7 @@ from ..cases.scene import Scene, asked, chosen_names, survey
 from ..hard.cells import cases_of
 from ..program.cli import Problem
 from ..program.registry import Backend, Registry
-from .sweeps import Configuration, configurations
+from .sweeps import Configuration, configurations, raced
 from .experiment_file import ASKED, CaseGroup, ExperimentFile
 
 
@@ -45,8 +45,11 @@ def backends_of(group: CaseGroup, experiment: ExperimentFile, registry: Registry
 
 
 def configurations_of(group: CaseGroup, experiment: ExperimentFile, registry: Registry) -> list[Configuration]:
-    """Of each backend its defaults, or what its study.toml sweeps; times the group's parameters and threads."""
-    every = configurations(registry)
+    """Of each backend its defaults, or what its study.toml sweeps or races; times the group's parameters and threads.
+    Kernels choose theirs themselves."""
+    if group.mode == "kernels":
+        return [Configuration("", threads=threads, named="kernels") for threads in group.threads]
+    every = raced(registry) if group.configurations == "race" else configurations(registry)
     found = []
     for backend in backends_of(group, experiment, registry):
         own = [one for one in every if one.backend == backend.name]
@@ -59,6 +62,13 @@ def configurations_of(group: CaseGroup, experiment: ExperimentFile, registry: Re
         found += [one for one in own if _is_asked(one, group)]
     return [_with(one, chosen, threads) for one in found for chosen in _grid(group, experiment, registry.backend(one.backend))
             for threads in (group.threads if group.threads != (1,) else (one.threads,))]
+
+
+def one_of(scenes: list[Scene], wanted: str | tuple[str, ...]) -> list[Scene]:
+    """The largest, or the first of the wanted keys that there is, else the first; none of none."""
+    if wanted == "largest":
+        return [max(scenes, key=lambda scene: scene.nodes)] if scenes else []
+    return [*(scene for key in wanted for scene in scenes if scene.key == key), *scenes][:1]
 
 
 def _is_asked(one: Configuration, group: CaseGroup) -> bool:

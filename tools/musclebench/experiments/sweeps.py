@@ -31,10 +31,13 @@ class Configuration:
     longest_stride: int = LONGEST_STRIDE
     is_exact: bool = False  # what is left of its errors is rounding
     is_slow: bool = False  # its time grows with the bones' triangles
+    named: str = ""  # by its backend's study; empty: by what it is
 
     @property
     def label(self) -> str:
         """Unique, and fit for a folder's name: a backend, or a backend and its choices: NAME-cells=64,precision=float."""
+        if self.named:
+            return self.named
         words = [f"{key}={value}" for key, value in self.parameters]
         words += [f"threads={self.threads}"] if self.threads > 1 else []
         return "-".join([self.backend, *([",".join(words)] if words else [])])
@@ -48,6 +51,19 @@ def configurations(registry: Registry) -> list[Configuration]:
     """Of all backends, in their order; one without a study takes part with its defaults."""
     return [one for backend in registry.backends for series in backend.series or [{}]
             for one in _of_series(backend, series)]
+
+
+def raced(registry: Registry) -> list[Configuration]:
+    """What the backends' studies race against each other."""
+    return [_raced(backend, race) for backend in registry.backends for race in backend.study.get("race", [])]
+
+
+def _raced(backend: Backend, race: dict) -> Configuration:
+    storage, parameters = backend.of_role("storage"), race.get("parameters", {})
+    return Configuration(
+        backend.name, tuple(parameters.items()), step_ms=race.get("step_ms", 0.1), named=race["label"],
+        storage=storage.name if storage and race.get("stores", False) else "", has_cache=backend.uses_cache(parameters),
+        is_exact=backend.is_exact, is_slow=backend.is_slow)
 
 
 def _of_series(backend: Backend, series: dict) -> list[Configuration]:

@@ -8,6 +8,7 @@ from ..cases.case import Folders, SceneCase
 from ..cases.scene import Scene
 from .sweeps import Configuration
 from .experiment_file import CaseGroup
+from .kernels import KERNELS_FILE, sampling
 from .record_case import LOADING_SECONDS, RecordCase
 
 # Seconds of the parts of a case: first guesses for the reference muscle, which the progress bar corrects.
@@ -71,7 +72,12 @@ class SweptCase(SceneCase):
     @property
     def is_timed(self) -> bool:
         """Probes and hard cases are asked for their answers."""
-        return self.mode in ("coupled", "replay")
+        return self.mode in ("coupled", "replay", "kernels")
+
+    @property
+    def wants_machine(self) -> bool:
+        """What the machine did meanwhile is read of all processes that have ended."""
+        return self.mode == "kernels" or super().wants_machine
 
     @property
     def recording(self) -> RecordCase:
@@ -80,8 +86,13 @@ class SweptCase(SceneCase):
 
     def structures(self, folders: Folders) -> Path:
         """Folder of the structures of the configuration. In one that is shared they are told apart by their content."""
-        own = folders.out_dir / "structures" / self.scene.probed.key / self.configuration.label
+        own = folders.out_dir / "structures" / self.built_on.key / self.configuration.label
         return folders.structures_dir or own
+
+    @property
+    def built_on(self) -> Scene:
+        """By the scene's bones, or by what of them its muscle can reach."""
+        return self.scene if self.group.stores else self.scene.probed
 
     @property
     def needs(self) -> tuple[str, ...]:
@@ -92,7 +103,7 @@ class SweptCase(SceneCase):
     def shares(self) -> tuple[str, ...]:
         """Cases with the same stay on one machine: repetitions, and what loads the structures that another one built."""
         if self.builder:
-            return self.scene.probed.key, self.configuration.label
+            return self.built_on.key, self.configuration.label
         return self.group.name, self.scene.key, self.configuration.label, *(one.value for one in self.point)
 
     @property
@@ -122,6 +133,8 @@ class SweptCase(SceneCase):
     def guessed_seconds(self) -> float:
         loads = self.builder not in ("", self.name)
         building = LOADING_STRUCTURES_SECONDS if loads else self.configuration.build_seconds
+        if self.group.mode == "kernels":
+            return self.group.guessed_s
         if self.group.mode in ("probe", "hard"):
             return LOADING_SECONDS + building + (PROBING_SECONDS if self.group.mode == "probe" else 0.0)
         return LOADING_SECONDS + building + self.guessed_step_seconds
@@ -151,6 +164,8 @@ class SweptCase(SceneCase):
         return stored + (BYTES_A_JUDGED_RUN if self.snapshot_frames else BYTES_A_RUN)
 
     def arguments(self, folders: Folders) -> list[str]:
+        if self.group.mode == "kernels":
+            return [*self._axis_words, *sampling(self.group), *self.group.options]
         if self.group.mode == "hard":
             return ["hard", *self._backend_words(folders)[:-2], "--jobs", "1", *self._axis_words, *self.group.options]
         words = [*self._asked(folders), *self._backend_words(folders), *self.scene.data_arguments(folders)]
@@ -159,9 +174,15 @@ class SweptCase(SceneCase):
             return words
         return [*words, "--repetition", str(self.repetition), *([] if self.is_judged else ["--no-referee"])]
 
+    def output(self, folder: Path) -> list[str]:
+        if self.group.mode == "kernels":
+            return [f"--benchmark_out={folder / KERNELS_FILE}", "--benchmark_out_format=json"]
+        return super().output(folder)
+
     def record(self) -> dict:
         configuration = self.configuration
-        return {"mode": self.mode, "scene": self.scene.name, "preset": self.scene.preset,
+        of_kernels = {"group": self.group.name} if self.group.mode == "kernels" else {}
+        return {"mode": self.mode, **of_kernels, "scene": self.scene.name, "preset": self.scene.preset,
                 "backend": configuration.backend, "parameters": dict(configuration.parameters),
                 "threads": configuration.threads, "repetition": self.repetition}
 

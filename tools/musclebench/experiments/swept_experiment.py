@@ -11,6 +11,7 @@ from ..cases.progress import duration
 from ..hard import cell_folder
 from ..program import fingerprint
 from ..results.status import MEASURED
+from .kernels import KernelPrograms, micro_beside
 from .record_case import RecordCase
 from .swept_case import SweptCase
 
@@ -20,9 +21,12 @@ HASH_OF_MODE = {"replay": "contact_hash", "coupled": "state_hash"}
 
 
 class SweptExperiment(Experiment):
-    def __init__(self, binary: Path, folders: Folders, answers: tuple[str, ...] = (), force: bool = False):
-        """`answers`: statuses beside those of measured cases that are not run again."""
+    def __init__(self, binary: Path, folders: Folders, answers: tuple[str, ...] = (), force: bool = False,
+                 micro: Path | None = None):
+        """`answers`: statuses beside those of measured cases that are not run again. `micro`: the program of kernels, where
+        it is not beside the program."""
         super().__init__(binary, folders, force)
+        self._kernels = KernelPrograms(micro or micro_beside(binary))
         self.final_statuses = MEASURED | set(answers)
         self._recordings: dict[str, str] = {}  # digest by path
 
@@ -31,31 +35,39 @@ class SweptExperiment(Experiment):
             return False
         return super().is_complete(case)
 
+    def command(self, case: Case, folder: Path) -> list[str]:
+        return self._kernels.command(case, self.folders, folder) if _has_mode(case, "kernels") else super().command(case, folder)
+
     def more_inputs(self, case: Case) -> dict[str, str]:
-        is_replay = isinstance(case, SweptCase) and case.group.mode == "replay"
-        return {"recording_sha256": self._recording_digest(case.recording)} if is_replay else {}
+        if _has_mode(case, "kernels"):
+            return self._kernels.inputs(case, self.folders)
+        return {"recording_sha256": self._recording_digest(case.recording)} if _has_mode(case, "replay") else {}
 
     def is_ever_run(self, case: Case) -> bool:
-        return not case.is_too_long
+        return not case.is_too_long and not (_has_mode(case, "kernels") and not self._kernels.is_built(case))
 
     def refusal(self, case: Case) -> Refusal | None:
+        if _has_mode(case, "kernels"):
+            return None if self._kernels.is_built(case) else Refusal("unsupported", f"not built: {case.group.program}")
         if not self.is_ever_run(case):
             a_step = f"{case.guessed_collision_seconds:.2g} s"
             whole, longest = duration(case.guessed_seconds), duration(case.group.longest_s)
             return Refusal("timeout", f"not run: {case.steps} steps of about {a_step} would take about {whole}, over {longest}")
-        if isinstance(case, SweptCase) and case.group.mode == "replay" and not self.is_complete(case.recording):
+        if _has_mode(case, "replay") and not self.is_complete(case.recording):
             return Refusal("failed", f"not run: there is no recording; {self._reason(case.recording)}")
         return None
 
     def ended_well(self, case: Case, exit_code: int) -> bool:
         """A hard case that breaks is an answer."""
-        return exit_code == 0 or (_is_hard(case) and exit_code in cell_folder.STATUS)
+        return exit_code == 0 or (_has_mode(case, "hard") and exit_code in cell_folder.STATUS)
 
     def prepare(self, case: Case, folder: Path) -> None:
         """A recording is a file and wants its folder. A builder finds nothing built, so that its building time is real;
         in a shared folder that time is noted beside what it finds."""
         if isinstance(case, RecordCase):
             folder.mkdir()
+        elif _has_mode(case, "kernels"):
+            self._kernels.prepare(case, self.folders, folder)
         elif case.builder:
             structures = case.structures(self.folders)
             if case.builder == case.name and self.folders.structures_dir is None:
@@ -63,8 +75,11 @@ class SweptExperiment(Experiment):
             structures.mkdir(parents=True, exist_ok=True)
 
     def complete(self, case: Case, folder: Path, exit_code: int) -> None:
-        """`musclebench record` leaves a recording and `hard` a matrix; their rows are written here."""
-        if _is_hard(case):
+        """`musclebench record` leaves a recording, `hard` a matrix, kernels what Google Benchmark writes; their rows are
+        written here."""
+        if _has_mode(case, "kernels"):
+            self._kernels.describe(case, folder)
+        if _has_mode(case, "hard"):
             cell_folder.describe(folder, case.record(), exit_code)
         if not isinstance(case, RecordCase) or not (folder / case.file_name).is_file():
             return
@@ -116,5 +131,5 @@ class SweptExperiment(Experiment):
         return self.run_record(case).get("status_detail") or f"see {self.folder(case)}"
 
 
-def _is_hard(case: Case) -> bool:
-    return isinstance(case, SweptCase) and case.group.mode == "hard"
+def _has_mode(case: Case, mode: str) -> bool:
+    return isinstance(case, SweptCase) and case.group.mode == mode

@@ -66,9 +66,9 @@ def check_positive(option: str, value: float | None) -> None:
 
 
 def chosen_cores(jobs: int | None) -> list[int]:
-    """One a job; two jobs unless told, or one on one core."""
+    """One a job; two jobs unless told, or one on one core. The last ones: the first core has the interrupts."""
     allowed = sorted(os.sched_getaffinity(0))
-    return allowed[: min(jobs or 2, len(allowed))]
+    return allowed[-min(jobs or 2, len(allowed)):]
 
 
 def end_by_interrupt() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from .speed_cases import KERNELS_FILE
+from ..experiments.kernels import KERNELS_FILE
 
 NANOSECONDS = {"ns": 1.0, "us": 1e3, "ms": 1e6, "s": 1e9}
 # Google Benchmark's own fields of a result; the others are the kernel's counters.

@@ -12,12 +12,11 @@ from ..results import samples
 from ..results.disturbance import MARK
 from ..results.run_folder import Run
 from ..results.statistics import Estimate, paired_ratio
-from .kernel_results import Kernels
-from .speed_plan import KERNEL_GROUPS, Setting, settings, targets
 from ..results.status import MEASURED
+from .bars import Setting, settings, targets, timed_groups
+from .kernel_results import Kernels
 
 MOST_SETUP = 0.2  # of the CPU time of a run of some hundred frames, the Referee's included
-TIMED_GROUPS = {group.name for group in KERNEL_GROUPS if group.varies}  # bytes and counts are not disturbed
 NOT_BUILT, NOT_MEASURED = "not built", "not measured"
 
 
@@ -69,7 +68,8 @@ def rows(measured: Measured, registry: Registry) -> list[Row]:
     raced = settings(registry)
     unit = next((setting for setting in raced if setting.is_unit), None)
     races = [_race(measured, setting, unit, registry) for setting in raced if unit and setting != unit]
-    return [*races, *_setup_rows(measured), *(_kernel_row(measured, told) for told in targets(registry))]
+    timed = timed_groups()
+    return [*races, *_setup_rows(measured), *(_kernel_row(measured, told, timed) for told in targets(registry))]
 
 
 def worst(what: str, parts: list[Row], target: str, at_most: float | None = None, at_least: float | None = None,
@@ -160,14 +160,14 @@ def _round(run: Run) -> int:
     return int(run.folder.name.rpartition("-r")[2])
 
 
-def _kernel_row(measured: Measured, told: dict) -> Row:
+def _kernel_row(measured: Measured, told: dict, timed: set[str]) -> Row:
     measure = {"ratio": _ratio, "value": _value, "power": _power}[told["kind"]]
     parts = measure(measured.kernels, told)
     if not any(part.is_known or part.note.startswith(NOT_BUILT) for part in parts):
         parts = [Row(told["group"], note=measured.refusals.get(told["group"], NOT_MEASURED))]
     of_group = [run for run in measured.runs if run.mode == "kernels" and run.record["case"]["group"] == told["group"]]
     for part in parts:
-        part.is_disturbed = told["group"] in TIMED_GROUPS and _any_disturbed(measured, of_group)
+        part.is_disturbed = told["group"] in timed and _any_disturbed(measured, of_group)
     return worst(told["what"], parts, _in_words(told), told.get("at_most"), told.get("at_least"))
 
 
