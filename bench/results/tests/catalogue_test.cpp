@@ -99,7 +99,8 @@ TEST(Catalogue, EachBackendHasTheKeysOfTheSchema) {
 }
 
 TEST(Catalogue, AStudyIsPrintedWithTheStructureOfItsFile) {
-  for (const Json& backend : catalogue()["backends"]) {
+  const Json listed = catalogue();
+  for (const Json& backend : listed["backends"]) {
     const Json& study = backend["study"];
     if (study.is_null()) {
       continue;  // one that has none is in no study
