@@ -7,9 +7,11 @@ const { chromium } = createRequire(`${modules}/`)("playwright-core");
 const SOFTWARE = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
 const browser = await chromium.launch({ executablePath: browserPath, args: SOFTWARE });
 const found = { errors: [] };
+const PATIENCE_MS = 180000; // every pixel is drawn by a core that other tests want, too
 
 async function open(options) {
   const page = await browser.newPage(options);
+  page.setDefaultTimeout(PATIENCE_MS);
   page.on("console", (message) => { if (message.type() === "error") found.errors.push(message.text()); });
   page.on("pageerror", (error) => found.errors.push(String(error)));
   page.on("request", (request) => { if (!request.url().startsWith("file:") && !/^(blob|data):/.test(request.url())) found.errors.push(request.url()); });
@@ -19,7 +21,7 @@ async function open(options) {
 
 async function drawn(page, selector) {
   await page.locator(selector).scrollIntoViewIfNeeded();
-  await page.locator(`${selector}[data-drawn]`).waitFor({ timeout: 30000 });
+  await page.locator(`${selector}[data-drawn]`).waitFor({ timeout: PATIENCE_MS });
 }
 
 const page = await open({ viewport: { width: 1200, height: 900 }, acceptDownloads: true });
@@ -124,7 +126,7 @@ found.history.heard = await page.locator(`${nights} .heard`).textContent();
 await chosen("case").selectOption({ index: 0 });
 await chosen("metric").selectOption("structure_bytes");
 await page.locator(`${nights} summary`).click();
-await page.locator(`${nights} .behind-rows tbody tr`).first().waitFor({ timeout: 10000 });
+await page.locator(`${nights} .behind-rows tbody tr`).first().waitFor({ timeout: PATIENCE_MS });
 Object.assign(found.history, { otherWords: await words(), otherMarks: await marks(), rowsBehind: await page.locator(`${nights} .behind-rows tbody tr`).count(),
   otherAxis: await page.locator(nights).evaluate((figure) => figure.chart.getOption().yAxis[0].name) });
 
@@ -135,7 +137,7 @@ await page.locator(`#paper .choose-backend[value="${found.shown[0]}"]`).click();
 found.without = await names();
 found.cells = await page.locator(`${view} .cell`).count();
 await page.locator("#paper .choose-muscle").selectOption({ index: 1 });
-await page.locator(`${view}[data-drawn="${await page.locator("#paper .choose-muscle").inputValue()}"]`).waitFor({ timeout: 30000 });
+await page.locator(`${view}[data-drawn="${await page.locator("#paper .choose-muscle").inputValue()}"]`).waitFor({ timeout: PATIENCE_MS });
 found.muscle = await page.locator(view).evaluate((figure) => figure.view.data.told.muscle);
 
 // Arrow keys say what the mouse shows.
@@ -145,7 +147,7 @@ found.heard = await page.locator(`${chart} .heard`).textContent();
 await page.locator(`${chart} .zoom-in`).click();
 found.zoomed = await page.locator(chart).evaluate((figure) => figure.chart.getOption().dataZoom[0].end);
 await page.locator(`${chart} summary`).click();
-await page.locator(`${chart} .behind-rows tbody tr`).first().waitFor({ timeout: 10000 });
+await page.locator(`${chart} .behind-rows tbody tr`).first().waitFor({ timeout: PATIENCE_MS });
 found.rowsBehind = await page.locator(`${chart} .behind-rows tbody tr`).count();
 await page.screenshot({ path: `${folder}/light.png`, fullPage: true });
 await page.close();

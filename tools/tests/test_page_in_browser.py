@@ -32,7 +32,7 @@ def found(tmp_path_factory) -> dict:
     except Problem as problem:
         pytest.skip(f"the page is not opened: {problem}")
     words = ["node", str(SCRIPT), str(libraries), BROWSER, str(page), str(folder)]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=240, check=False)
+    done = subprocess.run(words, capture_output=True, text=True, timeout=900, check=False)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])
 
