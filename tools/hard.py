@@ -34,7 +34,7 @@ ALL_SECONDS = 4000.0  # of a cell of the long sweeps, a little over the program'
 
 def parse_arguments(arguments, file: ExperimentFile):
     parser = study_parser("hard", __doc__)
-    parser.add_argument("--all", action="store_true", help="with the long sweeps: many minutes")
+    parser.add_argument("--all", action="store_true", help="with the long sweeps: many minutes, hours with the real anatomy")
     parser.add_argument("--backend", action="append", metavar="NAME", help="only this one; may be repeated")
     parser.add_argument("--case", action="append", metavar="ID", help="only this one; may be repeated")
     parser.add_argument("--no-pictures", action="store_true", help="only the matrix")

@@ -25,7 +25,7 @@ def parse_arguments(arguments, file: ExperimentFile):
     parser = study_parser("speed", __doc__)
     what = parser.add_argument_group("what is measured")
     what.add_argument("--quick", action="store_true",
-                      help="a first table in under 3 minutes: one muscle, fewer frames, repetitions and sizes")
+                      help="a first table in some minutes: one muscle, fewer frames, repetitions and sizes")
     add_scene_options(what, f"default: all of the data set that have one muscle; with --quick {quick.MUSCLE}")
     what.add_argument("--repetitions", type=int, metavar="N",
                       help=f"rounds of all cases (default {file.repetitions}; with --quick {quick.REPETITIONS})")

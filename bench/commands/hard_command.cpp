@@ -197,7 +197,7 @@ void add_hard_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 10'000'000));
   command->add_option("--seed", options->first_seed, "Of the first random scene; the next ones follow")
       ->capture_default_str();
-  command->add_flag("--all", options->whole, "The long sweeps, too: many minutes");
+  command->add_flag("--all", options->whole, "The long sweeps, too: many minutes, hours with --data");
   command->add_flag("--list", options->list, "Only say what happens in each case, why it is hard and what its bar is");
   command->add_flag("--progress", options->progress_lines, "Progress as lines on standard error");
   command->footer(

@@ -125,6 +125,16 @@ HardCell deep_tree(const HardRequest& request) {
   });
 }
 
+template <typename Attempt>
+bool is_refused(const Attempt& attempt) {
+  try {
+    attempt();
+    return false;
+  } catch (const InputError&) {
+    return true;
+  }
+}
+
 /// Files of a few bytes that announce more than an index can count, or name a vertex that wraps round to one there is.
 int read_in_spite_of_their_counts() {
   using Parse = PolygonMesh (*)(std::string_view, const std::string&);
@@ -154,14 +164,7 @@ int read_in_spite_of_their_counts() {
   }
   files.push_back({parse_stl, std::string(80, ' ') + "\xff\xff\xff\xff" + std::string(50, '\0')});
   int read = 0;
-  for (const File& file : files) {
-    try {
-      (void)file.parse(file.text, "announced");
-      ++read;
-    } catch (const InputError&) {
-      continue;
-    }
-  }
+  for (const File& file : files) read += is_refused([&] { (void)file.parse(file.text, "announced"); }) ? 0 : 1;
   return read;
 }
 
@@ -173,7 +176,7 @@ int read_in_spite_of_their_depth() {
     request.name = request.file = "nested";
     request.text = "title = ";
     for (int i = 0; i < 200'000; ++i) request.text += level;
-    if (!is_right_or_refused([&] { return read_scene(request).bones.empty() && false; })) ++read;
+    read += is_refused([&] { (void)read_scene(request); }) ? 0 : 1;
   }
   return read;
 }

@@ -127,3 +127,8 @@ def test_reading_makes_no_history(tmp_path):
         with opened(tmp_path / "h", is_written=False):
             pass
     assert not (tmp_path / "h").exists()
+    (tmp_path / "empty").touch()
+    with pytest.raises(Problem, match="empty"):
+        with opened(tmp_path / "empty", is_written=False):
+            pass
+    assert (tmp_path / "empty").stat().st_size == 0

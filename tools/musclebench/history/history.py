@@ -125,8 +125,8 @@ def opened(path: Path, is_written: bool = True) -> Iterator[History]:
     """Made where there is none. What was appended and not committed is gone after an exception."""
     connection = None
     try:
-        if not is_written and not path.is_file():
-            raise Problem(f"{path}: no such history; tools/nightly makes one")
+        if not is_written and not (path.is_file() and path.stat().st_size):
+            raise Problem(f"{path}: {'empty' if path.is_file() else 'no such history'}; tools/nightly makes one")
         path.parent.mkdir(parents=True, exist_ok=True)
         connection = sqlite3.connect(path, timeout=WAIT_SECONDS, isolation_level=None)
         _prepare(connection, path)
