@@ -10,8 +10,11 @@ import pytest
 import fake_registry
 import moment_arms
 from musclebench.cases.case import Folders
+from musclebench.experiments.experiment_file import experiment_path, of_project
+from musclebench.experiments.selection import scenes_with_other_muscles
+from musclebench.experiments.swept_case import SweptCase
+from musclebench.experiments.sweeps import Configuration
 from musclebench.figures.moment_arms import draw_moment_arms
-from musclebench.moment_arms.moment_cases import MomentCase, plan
 from musclebench.moment_arms.moment_report import arm_table, course_of
 from musclebench.moment_arms.published import read_published
 from musclebench.program.cli import Problem
@@ -76,7 +79,7 @@ def test_a_damaged_file_is_one_line(data, text, words):
 
 
 def test_a_course_joins_both_ways_from_rest():
-    course = course_of([run_with(band([0, 2, 4], [1, 2, 3])), run_with(band([0, -2], [9, 0]))])
+    course = course_of([run_with(band([0, -2], [9, 0])), run_with(band([0, 2, 4], [1, 2, 3]))])
     assert list(course["angle_deg"]) == [-2, 0, 2, 4] and list(course["mean_mm"]) == [0, 1, 2, 3]
     assert course["p10_mm"].iloc[1] == pytest.approx(-7)
 
@@ -93,8 +96,8 @@ def test_a_scene_of_several_gives_the_muscles_that_have_none_of_their_own():
 def test_scenes_with_other_muscles_are_taken_in():
     registry = fake_registry.registry()
     own = [f"lhdl/{muscle}" for muscle in ("adductor_brevis", "gluteus_maximus", "gluteus_medius", "iliacus")]
-    assert moment_arms.scenes_with_other_muscles(own, "lhdl", registry) == ["lhdl/flexors"]
-    assert moment_arms.scenes_with_other_muscles(["synthetic/hip"], "synthetic", registry) == []
+    assert scenes_with_other_muscles(own, "lhdl", registry) == ["lhdl/flexors"]
+    assert scenes_with_other_muscles(["synthetic/hip"], "synthetic", registry) == []
 
 
 def test_the_goal_is_five_millimetres_or_fifteen_percent(data, tmp_path):
@@ -112,19 +115,41 @@ def test_the_goal_is_five_millimetres_or_fifteen_percent(data, tmp_path):
 
 
 def test_cases_go_from_rest_to_both_ends(tmp_path):
-    cases = plan([fake_registry.scene("synthetic/iliacus", 12)], "bvh", 7, 2.0, 0.5)
-    assert [(case.to_deg, case.activation) for case in cases] == [(90, 0.5), (-10, 0.5), (90, 0), (-10, 0)]
-    active = cases[0].arguments(Folders(tmp_path))
-    assert "activation:level=0.5,shortening=0.5,rise_s=0.0" in active and "settle_substeps=2000" in active
-    words = cases[2].arguments(Folders(tmp_path))
-    assert "to_deg=90.0" in words and words[words.index("--fibres") + 1] == "7" and words[words.index("--frames") + 1] == "45"
-    assert "settle_substeps=100" in words
-    assert cases[2].snapshot_frames == [0, 22, 45] and cases[3].snapshot_frames == [0]
-    assert MomentCase(cases[0].scene, "bvh", -1.0, 7).frames == 3
+    groups = {group.name: group for group in of_project("moment_arms").groups}
+    assert list(groups) == ["active_flexion", "active_extension", "passive_flexion", "passive_extension"]
+    assert [group.frames for group in groups.values()] == [(45,), (5,)] * 2
+
+    def arguments(name):
+        scene = fake_registry.scene("synthetic/iliacus", groups[name].frames[0])
+        return SweptCase(scene, groups[name], Configuration("bvh")).arguments(Folders(tmp_path))
+
+    active, passive = arguments("active_flexion"), arguments("passive_extension")
+    assert "activation:level=1.0,shortening=0.5,rise_s=0.0" in active and "settle_substeps=2000" in active
+    assert "to_deg=90" in active and active[active.index("--snapshots") + 1] == "0,22,45"
+    assert "to_deg=-10" in passive and "settle_substeps=100" in passive and "--effect" not in passive
+    assert passive[passive.index("--fibres") + 1] == "100" and passive[passive.index("--snapshots") + 1] == "0"
 
 
-@pytest.mark.parametrize("arguments, words", [(["--fibres", "0"], "--fibres 0"), (["--degrees", "0"], "--degrees 0"), (["--activation", "2"], "--activation 2"),
-                                              (["--muscle", "biceps"], "'biceps'")])
+@pytest.mark.parametrize("old, new, words", [
+    ('name = "active_flexion"', 'name = "tense"', "'tense'.*begin with passive_ or active_"),
+    ('name = "passive', 'name = "active_passive', "none of its .* begins with passive_"),
+    ('[[cases]]', '[[cases]]\nmode = "replay"', "mode run"),
+])
+def test_a_file_of_ones_own_tells_passive_from_active(tmp_path, old, new, words):
+    file = tmp_path / "own.toml"
+    file.write_text(experiment_path("moment_arms").read_text().replace(old, new))
+    options = moment_arms.parse_arguments(["--musclebench", "no", "--experiment", str(file)])
+    with pytest.raises(Problem, match=words):
+        moment_arms.asked_experiment(options)
+
+
+def test_passive_only_leaves_the_active_out():
+    options = moment_arms.parse_arguments(["--musclebench", "no", "--passive-only"])
+    assert [group.name for group in moment_arms.asked_experiment(options).groups] == ["passive_flexion", "passive_extension"]
+
+
+@pytest.mark.parametrize("arguments, words", [(["--jobs", "0"], "--jobs 0"), (["--backend", "magic"], "--backend magic"),
+                                              (["--experiment", "none.toml"], "none.toml"), (["--muscle", "biceps"], "'biceps'")])
 def test_bad_input_is_one_line(tmp_path, capfd, arguments, words):
     program = Path(__file__).resolve().parent / "fake_musclebench.py"
     code = moment_arms.main(["--musclebench", str(program), "--out", str(tmp_path / "out"), *arguments])

@@ -11,7 +11,7 @@ from .toml_lines import key_lines, line_of
 
 FOLDER = Path(__file__).resolve().parents[3] / "bench" / "experiments"
 MODES = ("run", "replay", "probe", "hard", "kernels")
-MOMENTS = ("rest", "half", "full", "end", "after_rest", "motion")
+MOMENTS = ("rest", "half", "full", "middle", "end", "after_rest", "motion")
 EFFECT_SETS = ("own", "all", "all-each", "own+each")
 NAMED = "{scene}-{group}-{configuration}-r{repetition}"
 NAMED_OF_MODE = {"kernels": "kernels-{group}-r{repetition}"}
@@ -277,17 +277,17 @@ def _tables(value) -> list:
     return value
 
 
-SCENES = _words("one_muscle")
+SCENE_SETS = ("one_muscle", "every_muscle")  # of a data set
 # {key: (is needed, check)}
 EXPERIMENT_KEYS: dict[str, tuple[bool, Callable]] = {
-    "title": (True, _text), "scenes": (False, SCENES), "preset": (False, _text), "repetitions": (False, _number(int, 1)),
+    "title": (True, _text), "scenes": (False, _words(*SCENE_SETS)), "preset": (False, _text), "repetitions": (False, _number(int, 1)),
     "seed": (False, _number(int, 0)), "timeout_s": (False, _number(float, 0.001)), "jobs": (False, _number(int, 1)),
     "frames_limit": (False, _number(int, 1)),
     "answers": (False, _list(_choice("diverged", "unsupported", "nondeterministic"))), "cases": (True, _tables),
 }
 GROUP_KEYS: dict[str, tuple[bool, Callable]] = {
     "name": (True, _text), "mode": (False, _choice(*MODES)), "named": (False, _text),
-    "scenes": (False, _words("one_muscle", ASKED)), "preset": (False, _text), "file_presets": (False, _flag),
+    "scenes": (False, _words(*SCENE_SETS, ASKED)), "preset": (False, _text), "file_presets": (False, _flag),
     "backends": (False, _words("all", "exact", "control", "fast", "slow")),
     "configurations": (False, _choice("default", "study", "study_quick", "race")),
     "only": (False, _list(_choice("replays", "drives", "probed", "one_thread"))),

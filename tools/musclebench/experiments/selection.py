@@ -10,7 +10,7 @@ from ..hard.cells import cases_of
 from ..program.cli import Problem
 from ..program.registry import Backend, Registry
 from .sweeps import Configuration, configurations, raced
-from .experiment_file import ASKED, CaseGroup, ExperimentFile
+from .experiment_file import ASKED, SCENE_SETS, CaseGroup, ExperimentFile
 
 
 def usual_backend(registry: Registry) -> Backend:
@@ -92,6 +92,13 @@ def _with(one: Configuration, chosen: tuple, threads: int) -> Configuration:
     return replace(one, parameters=tuple(told.items()), threads=threads)
 
 
+def scenes_with_other_muscles(names: list[str], data_set: str, registry: Registry) -> list[str]:
+    """Those of the data set in which a muscle moves that none of the named scenes has."""
+    known = {muscle for scene in registry.scenes if scene.name in names for muscle in scene.muscles}
+    return [scene.name for scene in registry.scenes
+            if scene.name.startswith(f"{data_set}/") and not known.issuperset(scene.muscles)]
+
+
 class Scenes:
     """Asks the program about each scene once."""
 
@@ -127,12 +134,14 @@ class Scenes:
         return list(cases_of(told.stdout)["case"])
 
     def _names(self, wanted: str | tuple[str, ...]) -> list[str]:
-        """`one_muscle`: all of the data set that have one; PREFIX/*: all that begin so; {data} is the data set."""
+        """`one_muscle`: all of the data set that have one; `every_muscle`: those, and all with a muscle that no such scene
+        has; PREFIX/*: all that begin so; {data} is the data set."""
         words = (wanted,) if isinstance(wanted, str) else wanted
         names: list[str] = []
         for word in words:
-            if word == "one_muscle":
+            if word in SCENE_SETS:
                 names += chosen_names(None, None, self._data_set, self._registry)
+                names += scenes_with_other_muscles(names, self._data_set, self._registry) if word == "every_muscle" else []
             elif word.endswith("/*"):
                 names += [scene.name for scene in self._registry.scenes if scene.name.startswith(word[:-1])]
             else:

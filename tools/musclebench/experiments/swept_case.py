@@ -125,7 +125,7 @@ class SweptCase(SceneCase):
     def snapshot_frames(self) -> list[int]:
         frames = self.scene.frames
         moments = {"rest": {0}, "half": {self.scene.half_flexion_frame}, "full": {self.scene.full_flexion_frame},
-                   "end": {frames}, "after_rest": {frames + self.rest_frames},
+                   "middle": {frames // 2}, "end": {frames}, "after_rest": {frames + self.rest_frames},
                    "motion": {round(shown * frames / SHOWN_OF_A_MOTION) for shown in range(SHOWN_OF_A_MOTION)}}
         return sorted(set().union(*(moments[moment] for moment in self.group.snapshots))) if self.is_judged else []
 

@@ -39,8 +39,10 @@ NOTHING_PUBLISHED = (
 
 
 def course_of(runs: list[Run]) -> pd.DataFrame:
-    """Of one muscle, whose runs begin at rest and go apart: angle_deg and the band in mm, ascending."""
-    rows = pd.concat([run.fibres if i == 0 else run.fibres[run.fibres["frame"] > 0] for i, run in enumerate(runs)])
+    """Of one muscle, whose runs begin at rest and go apart: angle_deg and the band in mm, ascending. Each run has an arm at
+    rest, of its own side; taken is that of the run that turns farthest."""
+    fibres = sorted((run.fibres for run in runs), key=lambda rows: -rows["angle_deg"].abs().max())
+    rows = pd.concat([rows if i == 0 else rows[rows["frame"] > 0] for i, rows in enumerate(fibres)])
     course = pd.DataFrame({"angle_deg": rows["angle_deg"], "error_mm": 1e3 * rows["moment_arm_error_m"]})
     for name in BAND:
         course[f"{name}_mm"] = 1e3 * rows[f"{name}_moment_arm_m"]
