@@ -76,6 +76,23 @@ def test_identical_programs_never_alarm(tmp_path, capsys):
     assert "Both ran the same program" in capsys.readouterr().out
 
 
+def test_what_only_the_judged_run_tells_is_no_difference_to_the_others(copies):
+    """Suspect is what the Referee finds: the timed runs beside it end ok."""
+    def say(side, status):
+        path = copies[side] / "raw" / "resting_contact-grid-judged" / "run.json"
+        path.write_text(json.dumps(json.loads(path.read_text()) | {"status": status}))
+        (path.parent / "measured.json").unlink()  # it notes the digest of the file
+
+    def changes():
+        return {(row.metric.name, row.before, row.after) for row in compare(*map(read_set, copies)).changes
+                if row.case == "resting_contact-grid"}
+
+    say(0, "suspect")
+    assert changes() == {("status", "suspect", "ok")}
+    say(1, "suspect")
+    assert changes() == set()
+
+
 @pytest.mark.parametrize(("told", "metric"), [
     ({"hash": {"grid": "4567"}}, "state_hash"), ({"depth": {"grid": 0.0010000001}}, "p99_depth_m"),
     ({"status": "diverged"}, "status"),

@@ -31,6 +31,11 @@ class Sample:
         """Samples of one invocation were interleaved."""
         return self.measured.get("invocation", "")
 
+    @property
+    def is_judged(self) -> bool:
+        """By the Referee. Its times are then not the loop's, and only then its status says what the Referee found."""
+        return bool(self.run.record.get("case", {}).get("judged"))
+
 
 @dataclass
 class ResultSet:

@@ -35,10 +35,16 @@ class Row:
     ratio: Estimate = field(default_factory=Estimate.unknown)  # after over before
     chance: float = float("nan")  # p by Holm
     why: str = ""  # it is not trusted
+    is_certain: bool = False  # a counter that is the same in all runs of a side: chance has no part in it
 
     @property
     def is_change(self) -> bool:
         return self.verdict in CHANGED
+
+    @property
+    def is_tested(self) -> bool:
+        """Whether it could alarm by chance."""
+        return self.metric.kind != EXACT and not self.is_certain
 
     @property
     def is_trusted(self) -> bool:
@@ -67,7 +73,7 @@ class Comparison:
     @property
     def fewest_runs(self) -> int:
         """That could show a change: complete separation would be as unlikely as LEVEL, for all figures together."""
-        tested = sum(row.metric.kind != EXACT for row in self.rows)
+        tested = sum(row.is_tested for row in self.rows)
         return next(runs for runs in range(FEWEST_RUNS, 100) if 2 * tested / math.comb(2 * runs, runs) < LEVEL)
 
     @property
@@ -111,11 +117,19 @@ def _rows_of(case: str, comparison: Comparison, with_times: bool) -> list[Row]:
 
 
 def _exact_row(case: str, metric: Metric, sides) -> Row | None:
-    told = [sorted({sample.values[metric.name] for sample in side if metric.name in sample.values}, key=str) for side in sides]
+    told = [_told(metric, side) for side in sides]
     if not all(told):
         return None  # one of them was not judged
     before, after = (values[0] if len(values) == 1 else " or ".join(map(str, values)) for values in told)
     return Row(case, metric, before, after, "same" if told[0] == told[1] and len(told[0]) == 1 else "changed")
+
+
+def _told(metric: Metric, side: list[Sample]) -> list:
+    """The different values. That a run which nobody judged is ok says nothing where another one tells more."""
+    values = {sample.values[metric.name] for sample in side if metric.name in sample.values}
+    if metric.name == "status" and len(values) > 1 and not any(sample.run.status == "ok" and sample.is_judged for sample in side):
+        values.discard("ok")
+    return sorted(values, key=str)
 
 
 def _number_row(case: str, metric: Metric, sides, comparison: Comparison) -> Row | None:
@@ -126,7 +140,7 @@ def _number_row(case: str, metric: Metric, sides, comparison: Comparison) -> Row
     row = Row(case, metric, float(before.median()), float(after.median()), "same")
     if metric.kind == COUNTER and before.nunique() == after.nunique() == 1:
         row.ratio = statistics.exact(row.after / row.before) if row.before else Estimate.unknown()
-        row.chance = 1.0 if row.before == row.after else 0.0
+        row.chance, row.is_certain = 1.0 if row.before == row.after else 0.0, True
         return row
     row.chance = statistics.mann_whitney(after, before)
     row.ratio = statistics.ratio(after, before) if comparison.is_interleaved else statistics.unpaired_ratio(after, before)
@@ -146,9 +160,10 @@ def _distrust(row: Row, runs: int, sides, comparison: Comparison) -> str:
 
 
 def _judge(comparison: Comparison) -> None:
-    tested = [row for row in comparison.rows if row.metric.kind != EXACT and not math.isnan(row.chance)]
+    tested = [row for row in comparison.rows if row.is_tested and not math.isnan(row.chance)]
     for row, chance in zip(tested, statistics.holm([row.chance for row in tested])):
         row.chance = chance
+    for row in tested + [row for row in comparison.rows if row.is_certain]:
         row.verdict = _verdict(row)
         if row.is_change and comparison.is_one_program:
             row.verdict, row.why = "not trusted", "the same program"

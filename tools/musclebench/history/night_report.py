@@ -23,7 +23,7 @@ def night_report(nights: list[Night], new: list[Finding], known: list[Finding], 
     last = nights[-1]
     count = len(new)
     parts = [f"## Night of {last.started}: " + (f"{count} figure{'s' * (count > 1)} changed" if new else "nothing changed"),
-             f"Commit {last.git}, {last.compiler}, {last.machine}; {len(nights)} nights of this machine."]
+             f"Commit {last.git}, {last.compiler}, {last.machine}; night {len(nights)} of this machine."]
     if new:
         parts += ["### New", findings_table(new, nights), *_commits(new, nights, repository)]
     if known:
