@@ -145,6 +145,12 @@ def test_ratios_have_three_digits_and_no_exponent(value, text):
     assert table_formats.as_ratio(value) == text
 
 
+def test_what_rounds_to_zero_has_no_sign():
+    column = table_formats.Column("offset", "offset", 1)
+    rows = pd.DataFrame({"offset": [-0.04, -0.06]})
+    assert table_formats.as_cells(table_formats.Table("t", "", [column], rows, ["offset"]), [column]) == [["0.0"], ["-0.1"]]
+
+
 def test_a_pair_has_its_median_time_without_warm_up_and_its_most_contacts(fake_raw):
     run = run_folder.read_runs(fake_raw)[0]
     timed = set(run.timed_frames["frame"])

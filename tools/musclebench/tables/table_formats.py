@@ -163,7 +163,7 @@ def _cell(value, column: Column) -> str:
         return UNKNOWN
     if column.digits is None:
         return muscle_label(value) if column.key == "muscle" else str(value)
-    return as_ratio(value) if column.is_ratio else f"{value:.{column.digits}f}"
+    return as_ratio(value) if column.is_ratio else f"{value:z.{column.digits}f}"
 
 
 def as_ratio(value: float) -> str:
