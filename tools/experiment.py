@@ -4,7 +4,8 @@ for one of bench/experiments, or the path of a file of your own.
 
 One process a case, within limits of time and memory; a crash, a time-out or a lack of memory is a row with its reason. It goes
 on where it was stopped: complete cases are skipped until their arguments, the program or the data change. Writes answers.csv,
-which is the same on every machine and however the cases were split, and times.csv. Times are in seconds, memory in GB.
+which is the same on every machine and however the cases were split, times.csv, and frame_spread.csv: of each timed case median,
+95 % interval, tail and variation of a frame. Times of options are in seconds, memory in GB.
 """
 
 import sys
@@ -21,6 +22,7 @@ from musclebench.experiments.running import limits_of, sweep_of
 from musclebench.program.cli import add_scene_options, run_command
 from musclebench.program.registry import read_registry
 from musclebench.results.run_folder import ResultProblem
+from musclebench.tables.table_formats import as_text
 
 
 def parse_arguments(arguments):
@@ -49,7 +51,9 @@ def parse_arguments(arguments):
 
 
 def report(out_dir: Path, problems: list[str]) -> int:
-    answers, files = write_tables(out_dir)
+    answers, spread, files = write_tables(out_dir)
+    if len(spread.rows):
+        print(f"\n{spread.caption}\n\n{as_text(spread)}")
     counts = ", ".join(f"{count} {status}" for status, count in answers["status"].value_counts().items())
     print(f"\n{len(answers)} cases: {counts}")
     return end("experiment", files, problems)

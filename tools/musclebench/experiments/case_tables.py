@@ -1,5 +1,7 @@
-"""The tables of any experiment: answers, which are the same on every machine, and times, which are not."""
+"""The tables of any experiment: answers, which are the same on every machine, and times, which are not; of cases that were
+timed how their frames are spread."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,17 +10,20 @@ import pandas as pd
 from ..program.fingerprint import write_whole
 from ..results.disturbance import disturbed
 from ..results.run_folder import ResultProblem, Run, read_run
+from ..tables.table_formats import Table, write_table
+from .frame_spread import spread_table
 from .manifest import read_manifest
 from .swept_experiment import HASH_OF_MODE
 
 MISSING, DAMAGED = "missing", "damaged"
 ANSWERS, TIMES = "answers.csv", "times.csv"
+REPETITION = re.compile(r"-r\d+$")
 SUMS = ("contacts", "missed_contacts", "false_contacts")
 LARGEST = ("max_depth_m", "p99_depth_m", "max_depth_error_m", "p99_depth_error_m")
 
 
-def write_tables(out_dir: Path) -> tuple[pd.DataFrame, list[Path]]:
-    """The answers, and the files. A row a planned case, in the order of the names, run or not."""
+def write_tables(out_dir: Path) -> tuple[pd.DataFrame, Table, list[Path]]:
+    """Answers, spread, files. Answers and times have a row a planned case, in the order of the names, run or not."""
     plan = sorted(read_manifest(out_dir)["cases"], key=lambda case: case["name"])
     runs = {case["name"]: _read(out_dir / "raw" / case["name"]) for case in plan}
     told = disturbed({name: run.record for name, run in runs.items() if isinstance(run, Run)})
@@ -28,7 +33,20 @@ def write_tables(out_dir: Path) -> tuple[pd.DataFrame, list[Path]]:
     files = [out_dir / ANSWERS, out_dir / TIMES]
     for path, table in zip(files, (answers, times)):
         write_whole(path, table.to_csv(index=False))
-    return answers, files
+    spread = spread_table(_repetitions(plan, runs))
+    return answers, spread, files + (write_table(spread, out_dir) if len(spread.rows) else [])
+
+
+def _repetitions(plan: list[dict], runs: dict[str, Run | str]) -> dict[str, list[Run]]:
+    """{case: its runs}; a case is called like its first run, without the number of the repetition."""
+    found: dict[str, list[Run]] = {}
+    names: dict[tuple, str] = {}
+    for case in plan:
+        run = runs[case["name"]]
+        if isinstance(run, Run):
+            key = tuple(str(value) for name, value in _planned(case).items() if name not in ("name", "repetition"))
+            found.setdefault(names.setdefault(key, REPETITION.sub("", case["name"])), []).append(run)
+    return found
 
 
 def _read(folder: Path) -> Run | str:

@@ -101,7 +101,7 @@ def _latex_pages(table: Table) -> list[pd.DataFrame]:
     caption_lines = math.ceil(len(table.caption) / LATEX_CAPTION_LETTERS)
     room = LATEX_HEIGHT - LATEX_HEADS - LATEX_CAPTION_LINE * caption_lines
     starts, left, last = [0], room, None
-    for number, muscle in enumerate(table.rows.get("muscle", [None] * len(table.rows))):
+    for number, muscle in enumerate(_headings(table.rows)):
         needed = LATEX_LINE + LATEX_HEADING * (muscle != last)
         if needed > left:
             starts.append(number)
@@ -116,10 +116,11 @@ def _latex_part(table: Table, rows: pd.DataFrame, columns: list[Column]) -> str:
     lines = ["\\begin{table*}", "\\centering", "\\footnotesize", "\\setlength{\\tabcolsep}{3pt}", "\\setlength{\\belowcaptionskip}{6pt}", "\\caption{CAPTION}",
              f"\\begin{{tabular}}{{{layout}}}", "\\toprule"]
     lines += [" & ".join(_latex(head[line]) for head in heads) + " \\\\" for line in (0, 1)]
+    lines += [] if "muscle" in rows else ["\\midrule"]
     muscle = None
-    for (_, row), cells in zip(rows.iterrows(), as_cells(Table(table.name, "", table.columns, rows, []), columns)):
-        if row.get("muscle") != muscle:
-            muscle = row["muscle"]
+    for name, cells in zip(_headings(rows), as_cells(Table(table.name, "", table.columns, rows, []), columns)):
+        if name != muscle:
+            muscle = name
             heading = f"\\emph{{{_latex(muscle_label(muscle))}}}"
             lines += ["\\midrule", f"\\multicolumn{{{len(columns)}}}{{l}}{{{heading}}} \\\\"]
         lines.append(" & ".join(_latex(MINUS.sub("\N{MINUS SIGN}", cell)) for cell in cells) + " \\\\")
@@ -127,7 +128,7 @@ def _latex_part(table: Table, rows: pd.DataFrame, columns: list[Column]) -> str:
 
 
 def as_text(table: Table) -> str:
-    """Aligned columns for a terminal, two lines of titles, the muscle as a heading over its backends."""
+    """Aligned columns for a terminal, two lines of titles, the muscle, where there is one, as a heading over its backends."""
     columns = [column for column in table.columns if column.key in table.shown]
     rows = [[f"  {cells[0]}", *cells[1:]] for cells in as_cells(table, columns)]
     heads = [_two_lines(column.head or column.title) for column in columns]
@@ -135,12 +136,17 @@ def as_text(table: Table) -> str:
     lines = [_aligned([head[line] for head in heads], columns, widths) for line in (0, 1)]
     lines.append("  ".join("-" * width for width in widths))
     muscle = None
-    for row, name in zip(rows, table.rows["muscle"]):
+    for row, name in zip(rows, _headings(table.rows)):
         if name != muscle:
             lines.append(muscle_label(name))
             muscle = name
         lines.append(_aligned(row, columns, widths))
     return "\n".join(lines)
+
+
+def _headings(rows: pd.DataFrame) -> list:
+    """Muscles of the rows; None of a table without."""
+    return list(rows["muscle"]) if "muscle" in rows else [None] * len(rows)
 
 
 def _aligned(cells: list[str], columns: list[Column], widths: list[int]) -> str:
