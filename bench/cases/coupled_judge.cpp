@@ -17,6 +17,8 @@ constexpr double least_movement = 1e-6;
 constexpr long judging_factor = 18;
 /// Rest is judged once, before any frame, and from nothing: what is known of it makes every later frame cheaper.
 constexpr long budgets_at_rest = 20;
+/// A shape that is kept is looked at more closely: of the largest muscle of the LHDL hip 8 suffice.
+constexpr long budgets_of_a_shape = 20;
 /// A unit of the Referee's work, and what a node costs the loop in a substep and iteration, alone and for every effect.
 /// Calibrated on one thread of the EPYC that the reports are measured on, with the preset `paper` (5 effects) and no
 /// collision: four LHDL muscles take 66 to 100 ns a node and substep, which these constants, from below, call 60. A
@@ -145,6 +147,11 @@ std::vector<double> CoupledJudge::depths(const Simulation& simulation) {
     depths_m[contact.node] = std::max(depths_m[contact.node], contact.depth_m);
   }
   return depths_m;
+}
+
+std::vector<double> CoupledJudge::surface_depths(const Simulation& simulation) {
+  return m_surface.measure_around_nodes(m_referee, simulation.bone_poses(), simulation.positions(), m_truth,
+                                        budgets_of_a_shape * m_budget);
 }
 
 double CoupledJudge::share_inside_bones(std::span<const Vec3> points, std::span<const RigidMotion> poses) const {

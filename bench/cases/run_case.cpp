@@ -115,7 +115,11 @@ class CaseRunner {
   void make_room_for_snapshots() {
     const std::size_t nodes = m_simulation->positions().size();
     for (std::size_t i = 0; i < m_run.snapshots.size(); ++i) {
-      m_room.push_back({0, 0, std::vector<Vec3>(nodes, Vec3::Zero()), std::vector<double>(nodes, 0.0), {}, {}});
+      m_room.push_back({.positions = std::vector<Vec3>(nodes, Vec3::Zero()),
+                        .depths_m = std::vector<double>(nodes, 0.0),
+                        .surface_depths_m = std::vector<double>(nodes, 0.0),
+                        .bone_poses = {},
+                        .fibres = {}});
     }
   }
 
@@ -303,7 +307,10 @@ class CaseRunner {
     snapshot.frame = frame;
     snapshot.angle_deg = m_scene.angle_rad(frame) * degrees_per_radian;
     std::ranges::copy(m_simulation->positions(), snapshot.positions.begin());
-    if (m_judge) std::ranges::copy(m_judge->depths(*m_simulation), snapshot.depths_m.begin());
+    if (m_judge) {
+      std::ranges::copy(m_judge->depths(*m_simulation), snapshot.depths_m.begin());
+      std::ranges::copy(m_judge->surface_depths(*m_simulation), snapshot.surface_depths_m.begin());
+    }
     const auto poses = m_simulation->bone_poses();
     snapshot.bone_poses.assign(poses.begin(), poses.end());
     if (m_fibres) snapshot.fibres = m_fibre_points;

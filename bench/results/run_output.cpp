@@ -193,7 +193,8 @@ void write_snapshot(const fs::path& path, const Snapshot& snapshot, const RunCas
   std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double "
       "z\n"
-      "property double depth_m\nproperty uchar attached\nelement face {}\nproperty list uchar int vertex_indices\n"
+      "property double depth_m\nproperty double surface_depth_m\nproperty uchar attached\nelement face {}\nproperty "
+      "list uchar int vertex_indices\n"
       "end_header\n",
       files.mesh.vertices.size(), files.mesh.triangles.size());
   for (std::size_t i = 0; i < files.mesh.vertices.size(); ++i) {
@@ -203,6 +204,7 @@ void write_snapshot(const fs::path& path, const Snapshot& snapshot, const RunCas
       put(bytes, position[axis]);
     }
     put(bytes, node < 0 ? 0.0 : snapshot.depths_m[node]);
+    put(bytes, node < 0 ? 0.0 : snapshot.surface_depths_m[node]);
     put(bytes, node < 0 ? static_cast<unsigned char>(0) : attached[node]);
   }
   for (const Triangle& triangle : files.mesh.triangles) {

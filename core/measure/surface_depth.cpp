@@ -71,19 +71,12 @@ DeepestSurfacePoint SurfaceDepthMeter::measure(const Referee& referee, std::span
   }
   m_parts.clear();
   std::size_t first = 0;
-  for (std::size_t bone = 0; bone < poses.size(); ++bone) {
-    m_depth_m.assign(positions.size(), 0);
-    for (; first < truth.size() && truth[first].bone == static_cast<int>(bone); ++first) {
-      m_depth_m[static_cast<std::size_t>(truth[first].node)] = truth[first].depth_m;
-    }
-    collect_parts(static_cast<int>(bone), referee, poses[bone], positions);
+  for (int bone = 0; bone < std::ssize(poses); ++bone) {
+    first = take_depths(bone, truth, first);
+    place_nodes(bone, referee, poses[static_cast<std::size_t>(bone)], positions);
+    collect_parts(bone, referee.tree(bone));
   }
-  while (!m_parts.empty() && m_parts.front().excess_m > (1 + relative_tolerance) * m_best.depth_m && m_work < budget) {
-    std::pop_heap(m_parts.begin(), m_parts.end(), less_urgent);
-    const Part part = m_parts.back();
-    m_parts.pop_back();
-    refine(part, referee.tree(part.bone));
-  }
+  refine_parts(referee, budget);
   for (std::size_t bone = 0; bone < poses.size(); ++bone) {
     m_best.bound_m = std::max(m_best.bound_m, limit_m(referee.tree(static_cast<int>(bone))));
   }
@@ -99,6 +92,56 @@ DeepestSurfacePoint SurfaceDepthMeter::measure(const Referee& referee, std::span
     m_best_weights = weights_in(at(0), at(1), at(2), m_best.point_m);
   }
   return m_best;
+}
+
+std::vector<double> SurfaceDepthMeter::measure_around_nodes(const Referee& referee, std::span<const RigidMotion> poses,
+                                                            std::span<const Vec3> positions,
+                                                            std::span<const Contact> truth, long budget) {
+  const DeepestSurfacePoint kept = m_best;  // where the next `measure` starts
+  std::vector<double> depths_m(positions.size(), 0);
+  for (const Contact& contact : truth) {
+    double& depth_m = depths_m[static_cast<std::size_t>(contact.node)];
+    depth_m = std::max(depth_m, contact.depth_m);
+  }
+  m_work = 0;
+  std::size_t first = 0;
+  for (int bone = 0; bone < std::ssize(poses); ++bone) {
+    first = take_depths(bone, truth, first);
+    place_nodes(bone, referee, poses[static_cast<std::size_t>(bone)], positions);
+    const RefereeTree& tree = referee.tree(bone);
+    for (int index = 0; index < std::ssize(m_counting[static_cast<std::size_t>(bone)]); ++index) {
+      const Triangle& nodes = m_triangles[static_cast<std::size_t>(
+          m_counting[static_cast<std::size_t>(bone)][static_cast<std::size_t>(index)])];
+      m_best = {};
+      for (const int node : nodes) m_best.depth_m = std::max(m_best.depth_m, m_depth_m[static_cast<std::size_t>(node)]);
+      m_parts.clear();
+      Part part = whole_part(bone, index);
+      part.bound_m = bound_from_nodes(nodes);
+      part.whole = false;  // its cache is for `measure`
+      if (part.bound_m > limit_m(tree)) {
+        take_side_from_nodes(tree, nodes, part);
+        push(part, tree);
+        refine_parts(referee, budget);
+      }
+      for (const int node : nodes) {
+        double& depth_m = depths_m[static_cast<std::size_t>(node)];
+        depth_m = std::max(depth_m, m_best.depth_m);
+      }
+    }
+  }
+  m_parts.clear();
+  m_best = kept;
+  return depths_m;
+}
+
+/// Depths of the nodes in this bone; `truth` is sorted by bone, and what it has of this one begins at `first`. Returns
+/// where the next bone begins.
+std::size_t SurfaceDepthMeter::take_depths(int bone, std::span<const Contact> truth, std::size_t first) {
+  m_depth_m.assign(m_carriers.size(), 0);
+  for (; first < truth.size() && truth[first].bone == bone; ++first) {
+    m_depth_m[static_cast<std::size_t>(truth[first].node)] = truth[first].depth_m;
+  }
+  return first;
 }
 
 /// The deepest point is seldom far from where it was a frame ago, and a good start leaves out nearly all triangles.
@@ -119,9 +162,9 @@ void SurfaceDepthMeter::start_where_it_was_deepest(const Referee& referee, std::
   m_best_out_of_bone = surface.normal;
 }
 
-/// Puts the triangles that may be deeper than the deepest point so far into the heap.
-void SurfaceDepthMeter::collect_parts(int bone, const Referee& referee, const RigidMotion& pose,
-                                      std::span<const Vec3> positions) {
+/// In the bone's frame, with what is known of their distances.
+void SurfaceDepthMeter::place_nodes(int bone, const Referee& referee, const RigidMotion& pose,
+                                    std::span<const Vec3> positions) {
   const RefereeTree& tree = referee.tree(bone);
   m_rest.resize(positions.size());
   m_least_m.resize(positions.size());
@@ -136,22 +179,43 @@ void SurfaceDepthMeter::collect_parts(int bone, const Referee& referee, const Ri
       m_least_m[node] = std::max(0.0, referee.least_distance(bone, static_cast<int>(node), rest_point));
     }
   }
+}
 
+/// Puts the triangles that may be deeper than the deepest point so far into the heap.
+void SurfaceDepthMeter::collect_parts(int bone, const RefereeTree& tree) {
   const double rounding_m = depth_rounding * tree.diagonal_m();
   const std::vector<int>& counting = m_counting[static_cast<std::size_t>(bone)];
   for (std::size_t i = 0; i < counting.size(); ++i) {
     const Triangle& nodes = m_triangles[static_cast<std::size_t>(counting[i])];
-    Part part{m_rest[static_cast<std::size_t>(nodes[0])], m_rest[static_cast<std::size_t>(nodes[1])],
-              m_rest[static_cast<std::size_t>(nodes[2])]};
-    part.bound_m = bound_from_nodes(nodes);
-    if (part.bound_m <= limit_m(tree)) continue;
+    const double bound_m = bound_from_nodes(nodes);
+    if (bound_m <= limit_m(tree)) continue;
+    Part part = whole_part(bone, static_cast<int>(i));
     const TriangleCache& cache = m_caches[static_cast<std::size_t>(bone)][i];
-    if (cache.slot >= 0) part.bound_m = std::min(part.bound_m, bound_from_cache(part, cache, rounding_m));
-    part.bone = bone;
-    part.index = static_cast<int>(i);
-    part.slot = cache.slot;
+    part.bound_m = cache.slot < 0 ? bound_m : std::min(bound_m, bound_from_cache(part, cache, rounding_m));
     take_side_from_nodes(tree, nodes, part);
     push(part, tree);
+  }
+}
+
+/// A triangle that counts against the bone, with the slot that was nearest last.
+SurfaceDepthMeter::Part SurfaceDepthMeter::whole_part(int bone, int index) const {
+  const auto of_bone = static_cast<std::size_t>(bone), at = static_cast<std::size_t>(index);
+  const Triangle& nodes = m_triangles[static_cast<std::size_t>(m_counting[of_bone][at])];
+  Part part{m_rest[static_cast<std::size_t>(nodes[0])], m_rest[static_cast<std::size_t>(nodes[1])],
+            m_rest[static_cast<std::size_t>(nodes[2])]};
+  part.bone = bone;
+  part.index = index;
+  part.slot = m_caches[of_bone][at].slot;
+  return part;
+}
+
+/// The most urgent first, until none may be deeper than the deepest point by more than the tolerance.
+void SurfaceDepthMeter::refine_parts(const Referee& referee, long budget) {
+  while (!m_parts.empty() && m_parts.front().excess_m > (1 + relative_tolerance) * m_best.depth_m && m_work < budget) {
+    std::pop_heap(m_parts.begin(), m_parts.end(), less_urgent);
+    const Part part = m_parts.back();
+    m_parts.pop_back();
+    refine(part, referee.tree(part.bone));
   }
 }
 

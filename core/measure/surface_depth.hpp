@@ -49,6 +49,13 @@ class SurfaceDepthMeter {
                               std::span<const Vec3> positions, std::span<const Contact> truth,
                               long budget = std::numeric_limits<long>::max());
 
+  /// For pictures: of each node the depth of the deepest point of the triangles around it, 0 where none is inside a
+  /// bone. Parameters as of `measure`, whose tolerances hold for each triangle, and whose answers stay the same bits.
+  /// Where the budget is spent, points that are known so far count.
+  std::vector<double> measure_around_nodes(const Referee& referee, std::span<const RigidMotion> poses,
+                                           std::span<const Vec3> positions, std::span<const Contact> truth,
+                                           long budget = std::numeric_limits<long>::max());
+
   /// Work of the last call, in the unit of RefereeTree.
   [[nodiscard]] long last_work() const { return m_work; }
 
@@ -77,7 +84,11 @@ class SurfaceDepthMeter {
 
   void start_where_it_was_deepest(const Referee& referee, std::span<const RigidMotion> poses,
                                   std::span<const Vec3> positions);
-  void collect_parts(int bone, const Referee& referee, const RigidMotion& pose, std::span<const Vec3> positions);
+  std::size_t take_depths(int bone, std::span<const Contact> truth, std::size_t first);
+  void place_nodes(int bone, const Referee& referee, const RigidMotion& pose, std::span<const Vec3> positions);
+  void collect_parts(int bone, const RefereeTree& tree);
+  [[nodiscard]] Part whole_part(int bone, int index) const;
+  void refine_parts(const Referee& referee, long budget);
   void take_side_from_nodes(const RefereeTree& tree, const Triangle& nodes, Part& part) const;
   [[nodiscard]] double bound_from_nodes(const Triangle& triangle) const;
   [[nodiscard]] double bound_from_cache(const Part& part, const TriangleCache& cache, double rounding_m) const;

@@ -31,19 +31,22 @@ async function unpackBone(mesh) {
 }
 
 async function runData(told, vertices) {
-  const [steps, depths] = await Promise.all([
+  const kinds = Object.entries(told.depths);
+  const [steps, ...words] = await Promise.all([
     unpackSteps(told.positions, vertices),
-    unpackWords(told.depths, 16).then((words) => summed(words, vertices)),
+    ...kinds.map(([, { text }]) => unpackWords(text, 16).then((differences) => summed(differences, vertices))),
   ]);
-  return { told, steps, depths };
+  return { told, steps, depths: Object.fromEntries(kinds.map(([kind, { step_m }], i) => [kind, { step_mm: 1e3 * step_m, words: words[i] }])) };
 }
 
-export function depthMm(run, moment, node, vertices) {
-  return 1e3 * run.told.depth_step_m * run.depths[moment * vertices + node];
+// `kind`: of the node, or of the deepest point of the surface around it. NaN where the run did not keep it.
+export function depthMm(run, kind, moment, node, vertices) {
+  const depths = run.depths[kind];
+  return depths ? depths.step_mm * depths.words[moment * vertices + node] : NaN;
 }
 
-export function deepestMm(run, moment, vertices) {
-  let most = 0;
-  for (let i = moment * vertices; i < (moment + 1) * vertices; ++i) if (run.depths[i] > most) most = run.depths[i];
-  return 1e3 * run.told.depth_step_m * most;
+export function deepestMm(run, kind, moment, vertices) {
+  let most = run.depths[kind] ? 0 : NaN;
+  for (let node = 0; node < vertices; ++node) most = Math.max(most, depthMm(run, kind, moment, node, vertices));
+  return most;
 }

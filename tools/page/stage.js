@@ -5,6 +5,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
+import { depthMm } from "./run_data.js";
 import { placeVertices } from "./unpack.js";
 
 const MUSCLE = new Color().setRGB(178 / 255, 88 / 255, 80 / 255, "srgb");
@@ -46,8 +47,8 @@ export class Stage {
     this.draw();
   }
 
-  setFrame(frame, marked) {
-    for (const cell of this.cells) cell.setFrame(frame, marked, this.markRadius);
+  setFrame(frame, marked, kind) {
+    for (const cell of this.cells) cell.setFrame(frame, marked, this.markRadius, kind);
     this.draw();
   }
 
@@ -175,7 +176,7 @@ class Cell {
     return this.run.told.frames.indexOf(frame);
   }
 
-  setFrame(frame, marked, markRadius) {
+  setFrame(frame, marked, markRadius, kind) {
     const moment = this.momentOf(frame), { vertices } = this.data.told;
     this.muscle.visible = moment >= 0;
     this.mark.visible = moment >= 0 && marked !== null;
@@ -187,7 +188,7 @@ class Cell {
     });
     const { position, color } = this.muscle.geometry.attributes;
     placeVertices(position.array, this.run.steps, moment, vertices, this.run.told);
-    this.paint(color.array, moment);
+    this.paint(color.array, moment, kind);
     position.needsUpdate = color.needsUpdate = true;
     this.muscle.geometry.computeVertexNormals();
     this.muscle.geometry.computeBoundingSphere();
@@ -197,11 +198,10 @@ class Cell {
     }
   }
 
-  paint(colours, moment) {
-    const { vertices, deepest_mm: deepest } = this.data.told;
-    const step_mm = 1e3 * this.run.told.depth_step_m, mixed = new Color();
+  paint(colours, moment, kind) {
+    const { vertices, deepest_mm: deepest } = this.data.told, mixed = new Color();
     for (let i = 0; i < vertices; ++i) {
-      const depth = step_mm * this.run.depths[moment * vertices + i];
+      const depth = depthMm(this.run, kind, moment, i, vertices);
       if (depth > TOUCHING_MM) {
         const at = Math.min(1, depth / deepest) * (SCALE.length - 1), from = Math.min(SCALE.length - 2, Math.floor(at));
         mixed.copy(SCALE[from]).lerp(SCALE[from + 1], at - from).toArray(colours, 3 * i);

@@ -20,7 +20,7 @@ class View {
   constructor(element, choice, told) {
     Object.assign(this, { element, choice, told, marked: null });
     const part = (name) => element.querySelector(`.${name}`);
-    this.parts = Object.fromEntries(["stage", "cells", "slider", "frame", "play", "node", "bones", "cut", "readout", "scale-top", "missing"]
+    this.parts = Object.fromEntries(["stage", "cells", "slider", "frame", "play", "node", "bones", "cut", "coloured", "readout", "scale-top", "missing"]
       .map((name) => [name, part(name)]));
     try {
       this.stage = new Stage(element.querySelector("canvas"), this.parts.cells);
@@ -33,10 +33,11 @@ class View {
   }
 
   bind(part) {
-    const { slider, play, node, bones, cut, cells } = this.parts;
+    const { slider, play, node, bones, cut, coloured, cells } = this.parts;
     slider.addEventListener("input", () => this.setFrame());
     play.addEventListener("click", () => this.togglePlay());
     for (const box of [bones, cut]) box.addEventListener("change", () => this.stage.seeBones(bones.checked, cut.checked));
+    coloured.addEventListener("change", () => this.setFrame());
     node.addEventListener("change", () => this.mark(this.data.order.indexOf(Number(node.value))));
     part("reset").addEventListener("click", () => this.stage.resetCamera(1));
     part("behind-it").addEventListener("click", () => this.stage.resetCamera(-1));
@@ -83,6 +84,9 @@ class View {
       if (this.choice.muscle !== told.muscle) return;
       Object.assign(this.parts.slider, { max: this.data.frames.length - 1, value: this.firstMoment() });
       Object.assign(this.parts.node, { value: "", max: told.vertices - 1 });
+      const hasSurface = this.data.runs.some((run) => run.depths.surface);
+      this.parts.coloured.parentElement.hidden = !hasSurface;
+      if (!hasSurface) this.parts.coloured.value = "node";
       this.parts["scale-top"].textContent = `${figure(told.deepest_mm)} mm or more`;
     }
     this.layOut();
@@ -118,15 +122,21 @@ class View {
     return this.data.frames[Number(this.parts.slider.value)];
   }
 
+  // Which depth is shown: of the nodes or of the surface around them.
+  get kind() {
+    return this.parts.coloured.value;
+  }
+
   setFrame() {
-    const { vertices } = this.data.told;
-    this.stage.setFrame(this.frame, this.marked);
+    const { vertices } = this.data.told, { kind } = this;
+    this.stage.setFrame(this.frame, this.marked, kind);
     const angle = this.data.runs.map(({ told }) => told.angles_deg[told.frames.indexOf(this.frame)]).find((one) => one !== undefined);
     this.parts.frame.textContent = `frame ${this.frame}, joint at ${figure(Math.round(10 * angle) / 10)}°`;
     this.parts.slider.setAttribute("aria-valuetext", this.parts.frame.textContent);
     const told = this.stage.cells.map((cell) => {
       const moment = cell.momentOf(this.frame);
-      const text = moment < 0 ? `ended: ${cell.run.told.status}` : `deepest ${figure(deepestMm(cell.run, moment, vertices))} mm`;
+      const ended = moment < 0 && `ended: ${cell.run.told.status}`;
+      const text = ended || (cell.run.depths[kind] ? `deepest ${figure(deepestMm(cell.run, kind, moment, vertices))} mm` : "depth of the surface was not kept");
       cell.element.querySelector(".cell-depth").textContent = text;
       return `${label(cell.run.told.backend)}: ${text}`;
     });
@@ -157,8 +167,9 @@ class View {
     const lines = this.stage.cells.filter((cell) => cell.momentOf(this.frame) >= 0).map((cell) => this.nodeOf(cell));
     const bound = this.data.attached[this.marked] ? ", bound to a bone" : "";
     this.parts.readout.innerHTML = `<table><caption>Node ${this.data.order[this.marked]}${bound}, frame ${this.frame}</caption><thead><tr><th>backend</th>` +
-      "<th>depth in a bone (mm)</th><th>distance to the nearest bone (mm)</th><th>bone</th></tr></thead><tbody>" +
+      "<th>depth in a bone (mm)</th><th>of the surface around it (mm)</th><th>distance to the nearest bone (mm)</th><th>bone</th></tr></thead><tbody>" +
       lines.map((line) => `<tr><th scope="row">${escaped(line.backend)}</th><td class="number">${figure(line.depth)}</td>` +
+        `<td class="number">${Number.isNaN(line.around) ? "-" : figure(line.around)}</td>` +
         `<td class="number">${line.distance.toFixed(2)}</td><td>${escaped(line.bone)}</td></tr>`).join("") + "</tbody></table>";
   }
 
@@ -168,7 +179,8 @@ class View {
     const found = this.data.bones.map((bone, i) => ({ bone: label(bone.name),
       distance: 1e3 * closestDistance(intoRestPose(point, cell.run.told.poses[moment][i]), bone.positions, bone.corners) }));
     const nearest = found.reduce((a, b) => (b.distance < a.distance ? b : a));
-    return { backend: label(cell.run.told.backend), depth: depthMm(cell.run, moment, this.marked, this.data.told.vertices), ...nearest };
+    const depth = (kind) => depthMm(cell.run, kind, moment, this.marked, this.data.told.vertices);
+    return { backend: label(cell.run.told.backend), depth: depth("node"), around: depth("surface"), ...nearest };
   }
 
   togglePlay() {

@@ -203,7 +203,7 @@ def add_fibres(folder: Path, muscle: str, stretches) -> None:
 def _write_snapshot(folder: Path, snapshot: Snapshot, triangles) -> dict:
     name = f"snapshots/frame_{snapshot.frame:04d}.ply"
     (folder / "snapshots").mkdir(exist_ok=True)
-    extra = {"depth_m": snapshot.depth_m.astype("<f8"), "attached": snapshot.attached.astype("u1")}
+    extra = {"depth_m": snapshot.depth_m.astype("<f8"), "surface_depth_m": 2 * snapshot.depth_m.astype("<f8"), "attached": snapshot.attached.astype("u1")}
     write_ply(folder / name, snapshot.vertices_m, triangles, extra)
     poses = [{"rotation": np.ravel(r).tolist(), "translation_m": np.asarray(t).tolist()} for r, t in snapshot.poses]
     return {"frame": snapshot.frame, "angle_deg": snapshot.angle_deg, "file": name, "bone_poses": poses}

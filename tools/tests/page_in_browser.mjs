@@ -41,6 +41,13 @@ const moment = async (at) => {
 found.start = await moment(0);
 found.middle = await moment(2);
 
+// Colours of either depth.
+found.deepest = {};
+for (const kind of ["surface", "node"]) {
+  await page.locator(`${view} .coloured`).selectOption(kind);
+  found.deepest[kind] = { words: await page.locator(`${view} .cell-depth`).allTextContents(), picture: (await page.locator(`${view} .cells`).screenshot()).toString("base64") };
+}
+
 // A click on the middle of a muscle marks the node that lies there.
 const cell = await page.locator(`${view} .cell`).nth(1).boundingBox();
 const spot = await page.locator(view).evaluate((figure) => {

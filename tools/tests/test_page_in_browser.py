@@ -53,12 +53,19 @@ def test_a_click_on_a_node_tells_its_depth_and_distance(found):
     depth_mm = 1e3 * fake_page.snapshots()[2].depth_m[node]
     lines = [re.split(r"\t", line) for line in found["readout"].splitlines() if "\t" in line][1:]
     assert len(lines) == 4 and all(float(line[1]) == pytest.approx(depth_mm, abs=1e-3) for line in lines)
+    assert all(float(line[2]) == pytest.approx(2 * depth_mm, abs=2e-3) for line in lines)  # of the surface around it
     moved = fake_page.snapshots()[2].vertices_m[node]
     ball = fake_page.BONES["pelvis"].vertices_m.mean(axis=0)
-    assert {line[3] for line in lines} <= {"pelvis", "femur"} and all(0 <= float(line[2]) < 100 for line in lines)
-    if lines[0][3] == "pelvis":  # a sphere of 30 mm
+    assert {line[4] for line in lines} <= {"pelvis", "femur"} and all(0 <= float(line[3]) < 100 for line in lines)
+    if lines[0][4] == "pelvis":  # a sphere of 30 mm
         away_mm = abs(1e3 * sum((moved - ball) ** 2) ** 0.5 - 30)
-        assert float(lines[0][2]) == pytest.approx(away_mm, abs=1.0)
+        assert float(lines[0][3]) == pytest.approx(away_mm, abs=1.0)
+
+
+def test_colours_show_the_depth_of_nodes_or_of_the_surface(found):
+    node, surface = ([float(text.split()[1]) for text in found["deepest"][kind]["words"]] for kind in ("node", "surface"))
+    assert min(node) > 0 and surface == pytest.approx([2 * depth for depth in node], rel=1e-2)
+    assert found["deepest"]["node"]["picture"] != found["deepest"]["surface"]["picture"]
 
 
 def test_hovering_shows_what_the_file_holds(found):

@@ -31,6 +31,14 @@ class Scene {
   DeepestSurfacePoint measure(long budget = std::numeric_limits<long>::max()) {
     return measure(m_muscle.vertices, std::vector<RigidMotion>(m_bones.size()), budget);
   }
+  std::vector<double> measure_around_nodes(const std::vector<Vec3>& positions, const std::vector<RigidMotion>& poses,
+                                           long budget = std::numeric_limits<long>::max()) {
+    m_referee->judge(poses, positions, m_free, m_truth);
+    return m_meter->measure_around_nodes(*m_referee, poses, positions, m_truth, budget);
+  }
+  std::vector<double> measure_around_nodes(long budget = std::numeric_limits<long>::max()) {
+    return measure_around_nodes(m_muscle.vertices, std::vector<RigidMotion>(m_bones.size()), budget);
+  }
   [[nodiscard]] bool a_node_is_inside() const { return !m_truth.empty(); }
   [[nodiscard]] long work() const { return m_meter->last_work(); }
 
@@ -266,6 +274,65 @@ TEST(SurfaceDepth, ABoundOfNodesInsideIsFinite) {
   EXPECT_GE(found.depth_m, 0.5) << "that of the nodes is always known";
   EXPECT_GE(found.bound_m, 0.6);
   EXPECT_LE(found.bound_m, 1);
+}
+
+TEST(SurfaceDepth, AroundANodeIsTheDeepestPointOfItsTriangles) {
+  const TriangleMesh bone = make_capsule(0.1, 0.3, 10);
+  TriangleMesh muscle = moved(make_box({0.2, 0.02, 0.2}, 2), Vec3(0.05, 0.1, 0.1));
+  for (Vec3& vertex : muscle.vertices) vertex.y() -= 0.2 * vertex.x() * vertex.x();
+  Scene scene({bone}, muscle);
+  const std::vector<double> found = scene.measure_around_nodes();
+  const double spacing = 0.01;
+  std::vector<double> sampled(muscle.vertices.size(), 0);
+  for (const Triangle& triangle : muscle.triangles) {
+    const double depth = sampled_depth(bone, muscle.vertices, {triangle}, spacing);
+    for (const int node : triangle)
+      sampled[static_cast<std::size_t>(node)] = std::max(sampled[static_cast<std::size_t>(node)], depth);
+  }
+  int inside = 0;
+  for (std::size_t node = 0; node < found.size(); ++node) {
+    EXPECT_GE(found[node], sampled[node] - tolerance(bone, sampled[node])) << node;
+    EXPECT_LE(found[node], sampled[node] + spacing) << node;
+    inside += found[node] > 0;
+  }
+  EXPECT_GT(inside, 3);
+  EXPECT_LT(inside, static_cast<int>(found.size()));
+  const double deepest = scene.measure().depth_m;
+  EXPECT_NEAR(*std::max_element(found.begin(), found.end()), deepest, tolerance(bone, deepest));
+}
+
+TEST(SurfaceDepth, AroundNodesNoneOfWhichIsInside) {
+  const TriangleMesh roof = make_roof(0.3, 0.4, 2);
+  Scene scene({roof}, face_at(-0.1));
+  for (const double depth : scene.measure_around_nodes()) EXPECT_NEAR(depth, 0.06, tolerance(roof, 0.06));
+  for (const double depth : scene.measure_around_nodes(0L)) EXPECT_EQ(depth, 0) << "nothing was asked for";
+  EXPECT_EQ(Scene({roof}, face_at(0.1)).measure_around_nodes(), std::vector<double>(3, 0.0));
+}
+
+TEST(SurfaceDepth, AFreeNodeCountsWhereItsTrianglesDoNot) {
+  const TriangleMesh bone = make_box({1, 1, 1}, 1);
+  TriangleMesh muscle;
+  muscle.vertices = {{0, 0, 0.4}, {0.1, 0, 3}, {0, 0.1, 3}};
+  muscle.triangles = {{0, 1, 2}};
+  EXPECT_EQ(Scene({bone}, muscle, {-1, 0, 0}).measure_around_nodes(), (std::vector<double>{0.6, 0, 0}));
+}
+
+TEST(SurfaceDepth, AskingAroundNodesChangesNoLaterAnswer) {
+  const TriangleMesh bone = make_capsule(0.1, 0.3, 20);
+  const TriangleMesh muscle = make_sphere(0.2, 3);
+  Scene usual({bone}, muscle), asked({bone}, muscle);
+  for (int frame = 0; frame < 40; ++frame) {
+    const RigidMotion pose = RigidMotion::about_axis(Vec3::UnitY(), {0, 0, 0.5}, 0.005 * frame);
+    std::vector<Vec3> positions = muscle.vertices;
+    for (Vec3& p : positions)
+      p += Vec3(0.25 + 0.06 * std::sin(0.03 * frame), 0.02 * std::cos(9 * p.x() + 0.1 * frame), 0.1);
+    const DeepestSurfacePoint expected = usual.measure(positions, {pose});
+    const DeepestSurfacePoint found = asked.measure(positions, {pose});
+    ASSERT_EQ(found.depth_m, expected.depth_m) << frame;
+    ASSERT_EQ(found.bound_m, expected.bound_m) << frame;
+    ASSERT_EQ(asked.work(), usual.work()) << frame;
+    asked.measure_around_nodes(positions, {pose});
+  }
 }
 
 TEST(SurfaceDepth, TrianglesWithoutAreaAreHarmless) {

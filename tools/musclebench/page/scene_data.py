@@ -18,6 +18,10 @@ from .packed import neighbours_order, packed_depths, packed_mesh, packed_shapes,
 MARGIN, SEEN_PERCENTS = 1.3, [0.5, 99.5]
 
 
+# What colours may show. Runs of earlier programs kept the depth of nodes only.
+DEPTHS = {"node": "depth_m", "surface": "surface_depth_m"}
+
+
 @dataclass(frozen=True)
 class Sight:
     """Where the first look comes from: unit vectors, `eye` from the muscle towards it."""
@@ -69,15 +73,19 @@ def _seen(sight: Sight, shapes_m: np.ndarray) -> dict:
 
 def _run(backend: str, run: Run, shots: list[Snapshot], order: np.ndarray) -> dict:
     shapes = packed_shapes(np.stack([shot.mesh.vertices_m for shot in shots]), order)
-    depth_step_m, depths = packed_depths(np.stack([shot.mesh.extra["depth_m"] for shot in shots]), order)
     return {
         "backend": backend, "name": run.folder.name, "status": run.status,
         "frames": [shot.frame for shot in shots], "angles_deg": [round(shot.angle_deg, 4) for shot in shots],
         "poses": [[[*np.round(rotation.ravel(), 9).tolist(), *np.round(translation_m, 9).tolist()]
                    for rotation, translation_m in shot.poses] for shot in shots],
         "step_m": shapes.step_m, "origin_m": shapes.origin_m, "positions": shapes.text,
-        "depth_step_m": depth_step_m, "depths": depths,
+        "depths": {kind: _depths(column, shots, order) for kind, column in DEPTHS.items() if column in shots[0].mesh.extra},
     }
+
+
+def _depths(column: str, shots: list[Snapshot], order: np.ndarray) -> dict:
+    step_m, text = packed_depths(np.stack([shot.mesh.extra[column] for shot in shots]), order)
+    return {"step_m": step_m, "text": text}
 
 
 def _shared(mesh: PlyMesh, meshes: dict) -> str:

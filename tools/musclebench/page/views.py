@@ -17,8 +17,9 @@ MANY_MOMENTS = 500  # take more than two seconds
 WORDS = (
     "Drag to turn, + and - to come closer (or turn the wheel with Ctrl, or after a click); all runs have one camera. From the "
     "keyboard: arrow keys turn, 0 is the first view, space plays. A click on a node tells its depth in a bone, by the Referee, "
-    "and its distance from the nearest bone, by the meshes shown; positions are rounded to 0.03 mm. Bound nodes and those that "
-    "are free have no depth."
+    "and its distance from the nearest bone, by the meshes shown; positions are rounded to 0.03 mm. Colours are the depth of "
+    "nodes, or that of the deepest point of the surface around each: a bone may cut through a face whose corners are all outside. "
+    "Bound nodes and those that are outside have no depth."
 )
 
 Cases = dict[tuple[str, str], Run]  # {(muscle, backend): run}
@@ -52,7 +53,8 @@ class Views:
 
     @property
     def characters(self) -> int:
-        return sum(len(run[key]) for scene in self.scenes for run in scene["runs"] for key in ("positions", "depths"))
+        return sum(len(text) for scene in self.scenes for run in scene["runs"]
+                   for text in (run["positions"], *(depths["text"] for depths in run["depths"].values())))
 
     @property
     def most_moments(self) -> int:
