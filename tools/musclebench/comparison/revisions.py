@@ -24,7 +24,7 @@ def program_of(commit: str, repository: Path, scratch: Path) -> Path:
     program = folder / "build" / "release" / "bench" / "musclebench"
     if os.access(program, os.X_OK):
         return program
-    print(f"Building {commit} in {folder} (some ten minutes on two cores) ...", file=sys.stderr, flush=True)
+    print(f"Building {commit} in {folder} (some four minutes on two cores) ...", file=sys.stderr, flush=True)
     shutil.rmtree(folder, ignore_errors=True)
     scratch.mkdir(parents=True, exist_ok=True)
     for words in (("clone", "--quiet", "--shared", "--no-checkout", str(repository), str(folder)),
