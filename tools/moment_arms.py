@@ -39,7 +39,7 @@ def parse_arguments(arguments):
     parser.add_argument("--experiment", type=Path, metavar="FILE",
                         help=f"of other angles, fibres, activation: a copy of bench/experiments/{EXPERIMENT}.toml whose [[cases]] "
                              f"begin with {PASSIVE} and {ACTIVE}")
-    add_run_options(parser, timeout=of_project(EXPERIMENT).timeout_s, is_timed=False)
+    add_run_options(parser, timeout=None, is_timed=False)
     add_jobs_option(parser)
     return parser.parse_args(arguments)
 
@@ -50,6 +50,8 @@ def asked_experiment(options) -> ExperimentFile:
         if group.mode != "run" or not group.name.startswith((PASSIVE, ACTIVE)):
             raise Problem(f"{file.path}: [[cases]] '{group.name}': moment arms are of mode run, and names begin with {PASSIVE} or "
                           f"{ACTIVE}; rename it, or leave it out")
+        if "--fibres" not in group.options:
+            raise Problem(f"{file.path}: [[cases]] '{group.name}': follows no fibres; put \"--fibres\", \"100\" into its options")
     groups = tuple(group for group in file.groups if not options.passive_only or group.name.startswith(PASSIVE))
     if not any(group.name.startswith(PASSIVE) for group in groups):
         raise Problem(f"{file.path}: none of its [[cases]] begins with {PASSIVE}; active muscles are compared with those")
@@ -91,6 +93,7 @@ def run_and_report(options) -> int:
     check_options(options, "moment-arms")
     folders, registry = folders_of(options, "moment-arms"), read_registry(options.musclebench)
     file = asked_experiment(options).with_groups(backends=(backend_of(options.backend, registry),))
+    options.jobs, options.timeout = options.jobs or file.jobs, options.timeout or file.timeout_s
     published = read_published(folders.data_dir)
     sweep = sweep_of(file, options, registry, folders)
     problems = sweep.run(sweep.cases, limits_of(options))

@@ -149,7 +149,7 @@ std::vector<double> CoupledJudge::depths(const Simulation& simulation) {
   return depths_m;
 }
 
-std::vector<double> CoupledJudge::surface_depths(const Simulation& simulation) {
+DepthsAroundNodes CoupledJudge::surface_depths(const Simulation& simulation) {
   return m_surface.measure_around_nodes(m_referee, simulation.bone_poses(), simulation.positions(), m_truth,
                                         budgets_of_a_shape * m_budget);
 }

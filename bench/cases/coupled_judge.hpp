@@ -36,7 +36,7 @@ class CoupledJudge {
   [[nodiscard]] std::vector<double> depths(const Simulation& simulation);
 
   /// Of every node, m: depth of the deepest point of the surface around it, after `depths` for the same state.
-  [[nodiscard]] std::vector<double> surface_depths(const Simulation& simulation);
+  [[nodiscard]] DepthsAroundNodes surface_depths(const Simulation& simulation);
 
   /// Of these points, the share that is truly inside a bone.
   [[nodiscard]] double share_inside_bones(std::span<const Vec3> points, std::span<const RigidMotion> poses) const;

@@ -309,7 +309,9 @@ class CaseRunner {
     std::ranges::copy(m_simulation->positions(), snapshot.positions.begin());
     if (m_judge) {
       std::ranges::copy(m_judge->depths(*m_simulation), snapshot.depths_m.begin());
-      std::ranges::copy(m_judge->surface_depths(*m_simulation), snapshot.surface_depths_m.begin());
+      const DepthsAroundNodes around = m_judge->surface_depths(*m_simulation);
+      std::ranges::copy(around.depths_m, snapshot.surface_depths_m.begin());
+      snapshot.surface_is_complete = around.complete;
     }
     const auto poses = m_simulation->bone_poses();
     snapshot.bone_poses.assign(poses.begin(), poses.end());

@@ -94,13 +94,14 @@ DeepestSurfacePoint SurfaceDepthMeter::measure(const Referee& referee, std::span
   return m_best;
 }
 
-std::vector<double> SurfaceDepthMeter::measure_around_nodes(const Referee& referee, std::span<const RigidMotion> poses,
-                                                            std::span<const Vec3> positions,
-                                                            std::span<const Contact> truth, long budget) {
+DepthsAroundNodes SurfaceDepthMeter::measure_around_nodes(const Referee& referee, std::span<const RigidMotion> poses,
+                                                          std::span<const Vec3> positions,
+                                                          std::span<const Contact> truth, long budget) {
   const DeepestSurfacePoint kept = m_best;  // where the next `measure` starts
-  std::vector<double> depths_m(positions.size(), 0);
+  assert(poses.size() == m_counting.size() && positions.size() == m_carriers.size());
+  DepthsAroundNodes found{std::vector<double>(positions.size(), 0)};
   for (const Contact& contact : truth) {
-    double& depth_m = depths_m[static_cast<std::size_t>(contact.node)];
+    double& depth_m = found.depths_m[static_cast<std::size_t>(contact.node)];
     depth_m = std::max(depth_m, contact.depth_m);
   }
   m_work = 0;
@@ -122,16 +123,17 @@ std::vector<double> SurfaceDepthMeter::measure_around_nodes(const Referee& refer
         take_side_from_nodes(tree, nodes, part);
         push(part, tree);
         refine_parts(referee, budget);
+        found.complete &= m_parts.empty() || m_parts.front().excess_m <= (1 + relative_tolerance) * m_best.depth_m;
       }
       for (const int node : nodes) {
-        double& depth_m = depths_m[static_cast<std::size_t>(node)];
+        double& depth_m = found.depths_m[static_cast<std::size_t>(node)];
         depth_m = std::max(depth_m, m_best.depth_m);
       }
     }
   }
   m_parts.clear();
   m_best = kept;
-  return depths_m;
+  return found;
 }
 
 /// Depths of the nodes in this bone; `truth` is sorted by bone, and what it has of this one begins at `first`. Returns

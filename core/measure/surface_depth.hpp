@@ -22,6 +22,12 @@ struct DeepestSurfacePoint {
   Vec3 point_m = Vec3::Zero();  ///< world
 };
 
+/// Of each node the depth of the deepest point of the triangles around it, 0 where none is inside a bone.
+struct DepthsAroundNodes {
+  std::vector<double> depths_m;
+  bool complete = true;  ///< whether the budget sufficed; else they may be deeper
+};
+
 /// Finds how deep the muscle's surface, not only its nodes, is inside the bones: all nodes can be outside while a
 /// bone's ridge cuts through a face.
 ///
@@ -49,12 +55,11 @@ class SurfaceDepthMeter {
                               std::span<const Vec3> positions, std::span<const Contact> truth,
                               long budget = std::numeric_limits<long>::max());
 
-  /// For pictures: of each node the depth of the deepest point of the triangles around it, 0 where none is inside a
-  /// bone. Parameters as of `measure`, whose tolerances hold for each triangle, and whose answers stay the same bits.
-  /// Where the budget is spent, points that are known so far count.
-  std::vector<double> measure_around_nodes(const Referee& referee, std::span<const RigidMotion> poses,
-                                           std::span<const Vec3> positions, std::span<const Contact> truth,
-                                           long budget = std::numeric_limits<long>::max());
+  /// For pictures. Parameters as of `measure`, whose tolerances hold for each triangle, and whose answers stay the same
+  /// bits. Where the budget is spent, points that are known so far count.
+  DepthsAroundNodes measure_around_nodes(const Referee& referee, std::span<const RigidMotion> poses,
+                                         std::span<const Vec3> positions, std::span<const Contact> truth,
+                                         long budget = std::numeric_limits<long>::max());
 
   /// Work of the last call, in the unit of RefereeTree.
   [[nodiscard]] long last_work() const { return m_work; }

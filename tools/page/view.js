@@ -7,6 +7,8 @@ import { escaped, figure, label } from "./words.js";
 const FRAME_MS = 120;
 const CLICK_PIXELS = 5;
 
+const known = (depth) => (Number.isNaN(depth) ? "-" : figure(depth));
+
 export async function startView(element, choice) {
   const told = JSON.parse(document.getElementById(element.dataset.views).textContent);
   const view = new View(element, choice, told);
@@ -136,7 +138,8 @@ class View {
     const told = this.stage.cells.map((cell) => {
       const moment = cell.momentOf(this.frame);
       const ended = moment < 0 && `ended: ${cell.run.told.status}`;
-      const text = ended || (cell.run.depths[kind] ? `deepest ${figure(deepestMm(cell.run, kind, moment, vertices))} mm` : "depth of the surface was not kept");
+      const least = kind === "surface" && cell.run.told.open_surface_frames.includes(this.frame) ? "at least " : "";
+      const text = ended || (cell.run.depths[kind] ? `deepest ${least}${figure(deepestMm(cell.run, kind, moment, vertices))} mm` : "depth was not kept");
       cell.element.querySelector(".cell-depth").textContent = text;
       return `${label(cell.run.told.backend)}: ${text}`;
     });
@@ -168,8 +171,8 @@ class View {
     const bound = this.data.attached[this.marked] ? ", bound to a bone" : "";
     this.parts.readout.innerHTML = `<table><caption>Node ${this.data.order[this.marked]}${bound}, frame ${this.frame}</caption><thead><tr><th>backend</th>` +
       "<th>depth in a bone (mm)</th><th>of the surface around it (mm)</th><th>distance to the nearest bone (mm)</th><th>bone</th></tr></thead><tbody>" +
-      lines.map((line) => `<tr><th scope="row">${escaped(line.backend)}</th><td class="number">${figure(line.depth)}</td>` +
-        `<td class="number">${Number.isNaN(line.around) ? "-" : figure(line.around)}</td>` +
+      lines.map((line) => `<tr><th scope="row">${escaped(line.backend)}</th><td class="number">${known(line.depth)}</td>` +
+        `<td class="number">${known(line.around)}</td>` +
         `<td class="number">${line.distance.toFixed(2)}</td><td>${escaped(line.bone)}</td></tr>`).join("") + "</tbody></table>";
   }
 

@@ -81,7 +81,7 @@ def test_what_only_the_judged_run_tells_is_no_difference_to_the_others(copies):
     def say(side, status):
         path = copies[side] / "raw" / "resting_contact-grid-judged" / "run.json"
         path.write_text(json.dumps(json.loads(path.read_text()) | {"status": status}))
-        (path.parent / "measured.json").unlink()  # it notes the digest of the file
+        (path.parent / "measured.json").unlink(missing_ok=True)  # it notes the digest of the file
 
     def changes():
         return {(row.metric.name, row.before, row.after) for row in compare(*map(read_set, copies)).changes
@@ -91,6 +91,18 @@ def test_what_only_the_judged_run_tells_is_no_difference_to_the_others(copies):
     assert changes() == {("status", "suspect", "ok")}
     say(1, "suspect")
     assert changes() == set()
+    say(0, "timeout")
+    assert ("status", "ok or timeout", "suspect") in changes()
+    say(1, "timeout")
+    assert changes() == {("status", "ok or timeout", "ok or timeout")}  # not the same from run to run
+
+
+def test_suspect_is_no_change_where_only_one_side_was_judged(copies):
+    path = copies[0] / "raw" / "resting_contact-grid-judged" / "run.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"status": "suspect"}))
+    (path.parent / "measured.json").unlink()
+    shutil.rmtree(copies[1] / "raw" / "resting_contact-grid-judged")
+    assert not [row for row in compare(*map(read_set, copies)).changes if row.case == "resting_contact-grid"]
 
 
 @pytest.mark.parametrize(("told", "metric"), [

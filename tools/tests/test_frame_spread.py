@@ -47,6 +47,13 @@ def test_what_was_disturbed_or_judged_is_told_and_what_failed_is_no_time():
     assert "interrupted 500 times a second" in table.caption and JUDGED in table.caption
 
 
+def test_a_replay_has_times_of_collision_only():
+    replay = run("a-r0", [4.0] * 9)
+    replay.frames = replay.frames.drop(columns="frame_ns")
+    (row,) = spread_table({"a": [replay]}).rows.to_dict("records")
+    assert row["collision_ms"] == 1 and np.isnan(row["frame_ms"]) and np.isnan(row["p99_ms"])
+
+
 def test_repetitions_are_of_one_case():
     plan = [{"name": f"x-{backend}-r{number}", "group": "g", "mode": "run", "scene": "s", "preset": "p", "backend": backend,
              "parameters": {}, "axes": {}, "threads": 1, "repetition": number} for backend in ("bvh", "sdf") for number in (0, 1)]

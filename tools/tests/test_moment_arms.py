@@ -143,6 +143,15 @@ def test_a_file_of_ones_own_tells_passive_from_active(tmp_path, old, new, words)
         moment_arms.asked_experiment(options)
 
 
+def test_a_file_that_follows_no_fibres_or_tells_an_angle_twice_is_refused(tmp_path):
+    file = tmp_path / "own.toml"
+    file.write_text(experiment_path("moment_arms").read_text().replace('"--fibres", "100", ', ""))
+    with pytest.raises(Problem, match="follows no fibres"):
+        moment_arms.asked_experiment(moment_arms.parse_arguments(["--musclebench", "no", "--experiment", str(file)]))
+    with pytest.raises(Problem, match="more than one tells of 2 degrees"):
+        course_of([run_with(band([0, 2, 4], [1, 2, 3])), run_with(band([0, 2, 4], [1, 2, 3]))])
+
+
 def test_passive_only_leaves_the_active_out():
     options = moment_arms.parse_arguments(["--musclebench", "no", "--passive-only"])
     assert [group.name for group in moment_arms.asked_experiment(options).groups] == ["passive_flexion", "passive_extension"]

@@ -31,12 +31,12 @@ class Scene {
   DeepestSurfacePoint measure(long budget = std::numeric_limits<long>::max()) {
     return measure(m_muscle.vertices, std::vector<RigidMotion>(m_bones.size()), budget);
   }
-  std::vector<double> measure_around_nodes(const std::vector<Vec3>& positions, const std::vector<RigidMotion>& poses,
-                                           long budget = std::numeric_limits<long>::max()) {
+  DepthsAroundNodes measure_around_nodes(const std::vector<Vec3>& positions, const std::vector<RigidMotion>& poses,
+                                         long budget = std::numeric_limits<long>::max()) {
     m_referee->judge(poses, positions, m_free, m_truth);
     return m_meter->measure_around_nodes(*m_referee, poses, positions, m_truth, budget);
   }
-  std::vector<double> measure_around_nodes(long budget = std::numeric_limits<long>::max()) {
+  DepthsAroundNodes measure_around_nodes(long budget = std::numeric_limits<long>::max()) {
     return measure_around_nodes(m_muscle.vertices, std::vector<RigidMotion>(m_bones.size()), budget);
   }
   [[nodiscard]] bool a_node_is_inside() const { return !m_truth.empty(); }
@@ -281,7 +281,8 @@ TEST(SurfaceDepth, AroundANodeIsTheDeepestPointOfItsTriangles) {
   TriangleMesh muscle = moved(make_box({0.2, 0.02, 0.2}, 2), Vec3(0.05, 0.1, 0.1));
   for (Vec3& vertex : muscle.vertices) vertex.y() -= 0.2 * vertex.x() * vertex.x();
   Scene scene({bone}, muscle);
-  const std::vector<double> found = scene.measure_around_nodes();
+  const auto [found, complete] = scene.measure_around_nodes();
+  EXPECT_TRUE(complete);
   const double spacing = 0.01;
   std::vector<double> sampled(muscle.vertices.size(), 0);
   for (const Triangle& triangle : muscle.triangles) {
@@ -304,9 +305,10 @@ TEST(SurfaceDepth, AroundANodeIsTheDeepestPointOfItsTriangles) {
 TEST(SurfaceDepth, AroundNodesNoneOfWhichIsInside) {
   const TriangleMesh roof = make_roof(0.3, 0.4, 2);
   Scene scene({roof}, face_at(-0.1));
-  for (const double depth : scene.measure_around_nodes()) EXPECT_NEAR(depth, 0.06, tolerance(roof, 0.06));
-  for (const double depth : scene.measure_around_nodes(0L)) EXPECT_EQ(depth, 0) << "nothing was asked for";
-  EXPECT_EQ(Scene({roof}, face_at(0.1)).measure_around_nodes(), std::vector<double>(3, 0.0));
+  for (const double depth : scene.measure_around_nodes().depths_m) EXPECT_NEAR(depth, 0.06, tolerance(roof, 0.06));
+  EXPECT_EQ(scene.measure_around_nodes(0L).depths_m, std::vector<double>(3, 0.0)) << "nothing was asked for";
+  EXPECT_FALSE(scene.measure_around_nodes(0L).complete);
+  EXPECT_EQ(Scene({roof}, face_at(0.1)).measure_around_nodes().depths_m, std::vector<double>(3, 0.0));
 }
 
 TEST(SurfaceDepth, AFreeNodeCountsWhereItsTrianglesDoNot) {
@@ -314,7 +316,7 @@ TEST(SurfaceDepth, AFreeNodeCountsWhereItsTrianglesDoNot) {
   TriangleMesh muscle;
   muscle.vertices = {{0, 0, 0.4}, {0.1, 0, 3}, {0, 0.1, 3}};
   muscle.triangles = {{0, 1, 2}};
-  EXPECT_EQ(Scene({bone}, muscle, {-1, 0, 0}).measure_around_nodes(), (std::vector<double>{0.6, 0, 0}));
+  EXPECT_EQ(Scene({bone}, muscle, {-1, 0, 0}).measure_around_nodes().depths_m, (std::vector<double>{0.6, 0, 0}));
 }
 
 TEST(SurfaceDepth, AskingAroundNodesChangesNoLaterAnswer) {

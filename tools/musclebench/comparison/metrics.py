@@ -22,6 +22,11 @@ class Metric:
     what: str = ""
 
     @property
+    def is_deterministic(self) -> bool:
+        """A counter that the same program counts alike each time; of the CPU's counter one run tells little."""
+        return self.kind == COUNTER and self.name != "process_instructions"
+
+    @property
     def smallest(self) -> float:
         return SMALLEST[self.kind]
 

@@ -1,7 +1,7 @@
 """What changed from one set of results to another. Each process is one sample: frames of a process are too much alike to
 count as many.
 
-Times and counters have changed where Mann and Whitney's U says so (Holm's procedure over all of them together), the 95 %
+Times and counters have changed where Mann and Whitney's U says so (Holm's procedure over all that vary), the 95 %
 interval of the ratio leaves out 1, and the ratio is at least the metric's smallest change from 1. Answers have changed where
 they are not the same."""
 
@@ -118,18 +118,22 @@ def _rows_of(case: str, comparison: Comparison, with_times: bool) -> list[Row]:
 
 def _exact_row(case: str, metric: Metric, sides) -> Row | None:
     told = [_told(metric, side) for side in sides]
-    if not all(told):
+    if not all(told) or (metric.name == "status" and _only_one_was_judged(told, sides)):
         return None  # one of them was not judged
     before, after = (values[0] if len(values) == 1 else " or ".join(map(str, values)) for values in told)
     return Row(case, metric, before, after, "same" if told[0] == told[1] and len(told[0]) == 1 else "changed")
 
 
 def _told(metric: Metric, side: list[Sample]) -> list:
-    """The different values. That a run which nobody judged is ok says nothing where another one tells more."""
+    """The different values. Suspect is what the Referee finds: runs beside it that nobody judged are ok all the same."""
     values = {sample.values[metric.name] for sample in side if metric.name in sample.values}
-    if metric.name == "status" and len(values) > 1 and not any(sample.run.status == "ok" and sample.is_judged for sample in side):
+    if metric.name == "status" and "suspect" in values and not any(sample.run.status == "ok" and sample.is_judged for sample in side):
         values.discard("ok")
     return sorted(values, key=str)
+
+
+def _only_one_was_judged(told: list[list], sides) -> bool:
+    return sorted(map(tuple, told)) == [("ok",), ("suspect",)] and not all(any(sample.is_judged for sample in side) for side in sides)
 
 
 def _number_row(case: str, metric: Metric, sides, comparison: Comparison) -> Row | None:
@@ -138,7 +142,7 @@ def _number_row(case: str, metric: Metric, sides, comparison: Comparison) -> Row
         return None
     after = after / comparison.machine.get(metric.name, 1.0)
     row = Row(case, metric, float(before.median()), float(after.median()), "same")
-    if metric.kind == COUNTER and before.nunique() == after.nunique() == 1:
+    if metric.is_deterministic and before.nunique() == after.nunique() == 1:
         row.ratio = statistics.exact(row.after / row.before) if row.before else Estimate.unknown()
         row.chance, row.is_certain = 1.0 if row.before == row.after else 0.0, True
         return row

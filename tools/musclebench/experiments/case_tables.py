@@ -34,7 +34,11 @@ def write_tables(out_dir: Path) -> tuple[pd.DataFrame, Table, list[Path]]:
     for path, table in zip(files, (answers, times)):
         write_whole(path, table.to_csv(index=False))
     spread = spread_table(_repetitions(plan, runs))
-    return answers, spread, files + (write_table(spread, out_dir) if len(spread.rows) else [])
+    if len(spread.rows):
+        return answers, spread, files + write_table(spread, out_dir)
+    for old in out_dir.glob(f"{spread.name}.*"):
+        old.unlink()
+    return answers, spread, files
 
 
 def _repetitions(plan: list[dict], runs: dict[str, Run | str]) -> dict[str, list[Run]]:

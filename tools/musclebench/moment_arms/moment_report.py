@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ..program.cli import Problem
 from ..results.run_folder import Run
 from ..tables.table_formats import Column, Table
 from .published import Curve, Published
@@ -40,9 +41,13 @@ NOTHING_PUBLISHED = (
 
 def course_of(runs: list[Run]) -> pd.DataFrame:
     """Of one muscle, whose runs begin at rest and go apart: angle_deg and the band in mm, ascending. Each run has an arm at
-    rest, of its own side; taken is that of the run that turns farthest."""
+    rest, of its own side; taken is that of the run that turns farthest. Raises Problem where two tell of one angle."""
     fibres = sorted((run.fibres for run in runs), key=lambda rows: -rows["angle_deg"].abs().max())
     rows = pd.concat([rows if i == 0 else rows[rows["frame"] > 0] for i, rows in enumerate(fibres)])
+    twice = rows["angle_deg"][rows["angle_deg"].duplicated()]
+    if len(twice):
+        folders = ", ".join(str(run.folder.name) for run in runs)
+        raise Problem(f"{folders}: more than one tells of {twice.iloc[0]:g} degrees; of each muscle a course takes one run to either side")
     course = pd.DataFrame({"angle_deg": rows["angle_deg"], "error_mm": 1e3 * rows["moment_arm_error_m"]})
     for name in BAND:
         course[f"{name}_mm"] = 1e3 * rows[f"{name}_moment_arm_m"]

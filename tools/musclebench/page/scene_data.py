@@ -79,7 +79,9 @@ def _run(backend: str, run: Run, shots: list[Snapshot], order: np.ndarray) -> di
         "poses": [[[*np.round(rotation.ravel(), 9).tolist(), *np.round(translation_m, 9).tolist()]
                    for rotation, translation_m in shot.poses] for shot in shots],
         "step_m": shapes.step_m, "origin_m": shapes.origin_m, "positions": shapes.text,
-        "depths": {kind: _depths(column, shots, order) for kind, column in DEPTHS.items() if column in shots[0].mesh.extra},
+        "depths": {kind: _depths(column, shots, order) for kind, column in DEPTHS.items()
+                   if column in shots[0].mesh.extra and run.record["case"].get("judged", True)},
+        "open_surface_frames": [shot.frame for shot in shots if not shot.surface_is_complete],
     }
 
 
@@ -96,7 +98,7 @@ def _shared(mesh: PlyMesh, meshes: dict) -> str:
 
 
 def _deepest_mm(shots: dict[str, list[Snapshot]]) -> float:
-    """Upper end of the colour scale, by the rule of Fig. 6 over all moments."""
-    depths = [shot.depth_mm.max() for backend, kept in shots.items() for shot in kept
-              if not looks.backend(backend).is_control]
+    """Upper end of the colour scale, by the rule of Fig. 6 over all moments and both depths."""
+    depths = [1e3 * shot.mesh.extra[column].max() for backend, kept in shots.items() for shot in kept
+              for column in DEPTHS.values() if column in shot.mesh.extra and not looks.backend(backend).is_control]
     return min(math.ceil(max([1.0, *depths])), DEEPEST_SHOWN_MM)

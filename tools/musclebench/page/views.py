@@ -19,7 +19,7 @@ WORDS = (
     "keyboard: arrow keys turn, 0 is the first view, space plays. A click on a node tells its depth in a bone, by the Referee, "
     "and its distance from the nearest bone, by the meshes shown; positions are rounded to 0.03 mm. Colours are the depth of "
     "nodes, or that of the deepest point of the surface around each: a bone may cut through a face whose corners are all outside. "
-    "Bound nodes and those that are outside have no depth."
+    "Bound nodes have no depth of their own."
 )
 
 Cases = dict[tuple[str, str], Run]  # {(muscle, backend): run}

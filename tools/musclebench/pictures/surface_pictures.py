@@ -32,6 +32,7 @@ class Snapshot:
     angle_deg: float
     mesh: PlyMesh
     poses: list[tuple[np.ndarray, np.ndarray]]  # rotation (3, 3) and translation_m (3,) of each bone
+    surface_is_complete: bool = True  # else surface_depth_m may be deeper in places
 
     @property
     def depth_mm(self) -> np.ndarray:
@@ -48,7 +49,7 @@ def read_snapshots(run: Run, entries: list[dict] | None = None) -> list[Snapshot
         if "depth_m" not in mesh.extra or "attached" not in mesh.extra:
             raise ResultProblem(f"{run.folder / entry['file']}: lacks depth_m or attached; run the case again")
         if np.isfinite(mesh.vertices_m).all():
-            snapshots.append(Snapshot(entry["frame"], entry["angle_deg"], mesh, poses))
+            snapshots.append(Snapshot(entry["frame"], entry["angle_deg"], mesh, poses, entry.get("surface_depth_complete", True)))
     return sorted(snapshots, key=lambda snapshot: snapshot.frame)
 
 
