@@ -6,7 +6,7 @@ namespace musclebench {
 
 /// Heap allocations of this process so far, in any thread. A program that links this counts every
 /// malloc, calloc, realloc and operator new, its libraries' too; under a sanitizer, which has an allocator of its own,
-/// and with another C library than glibc only the operators new.
+/// those since the program's own code began.
 std::uint64_t heap_allocations();
 
 struct HeapUse {
@@ -16,5 +16,8 @@ struct HeapUse {
 
 /// The same with bytes.
 HeapUse heap_use();
+
+/// Of OpenMP: clang's thread sanitizer has it told when threads wait, and who tells it allocates.
+extern const bool each_parallel_region_allocates;
 
 }  // namespace musclebench

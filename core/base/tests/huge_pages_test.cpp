@@ -10,6 +10,7 @@
 #include <numeric>
 #include <string>
 #include <sys/mman.h>
+#include <unistd.h>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -71,11 +72,12 @@ TEST(HugePages, TakeOverWhatIsThereAndChangeNothing) {
 TEST(HugePages, AreReservedForWhatTheHeapGrowsBy) {
 #ifdef __GLIBC__
   constexpr int never = 1 << 30;
-  if (mallopt(M_MMAP_THRESHOLD, never) == 0 || mallopt(M_TRIM_THRESHOLD, never) == 0) {
-    GTEST_SKIP() << "a heap of its own, such as a sanitizer's";
-  }
+  const bool is_set = mallopt(M_MMAP_THRESHOLD, never) != 0 && mallopt(M_TRIM_THRESHOLD, never) != 0;
   reserve_huge_pages(std::size_t{32} << 20U);
   const std::vector<char> used(std::size_t{24} << 20U, 1);
+  if (!is_set || used.data() >= sbrk(0)) {
+    GTEST_SKIP() << "a heap of its own, such as a sanitizer's";
+  }
   if (!grants_huge_pages(How::on_first_use)) {
     GTEST_SKIP() << "this system grants no pages of 2 MiB";
   }

@@ -1,6 +1,7 @@
 """What the commands that run a study share: options and their checks, the folder, the cases that are missing, the end."""
 
 import argparse
+import math
 import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -45,9 +46,11 @@ def add_jobs_option(group) -> None:
 
 
 def check_options(options, name: str) -> None:
-    """All numbers are above 0. Only a report of what is there needs no program."""
+    """All numbers are above 0, and only memory may be without limit. Only a report of what is there needs no program."""
     check_data(options.data)
     for option, value in vars(options).items():
+        if option == "memory_gb" and value == math.inf:
+            continue
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             check_positive(f"--{option.replace('_', '-')}", value)
     if not getattr(options, "report_only", False) and not getattr(options, "merge", None):

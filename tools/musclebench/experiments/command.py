@@ -18,7 +18,7 @@ def add_shard_option(group) -> None:
 
 def add_memory_option(group) -> None:
     group.add_argument("--memory-gb", type=float, metavar="GB",
-                       help="of one case (default: its share of 90 %% of the machine's memory)")
+                       help="of one case, inf: no limit (default: its share of 90 %% of the machine's memory)")
 
 
 def _shard(text: str) -> tuple[int, int]:

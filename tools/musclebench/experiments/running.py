@@ -1,5 +1,6 @@
 """What every command that runs an experiment file does: reads it, makes its cases, runs what is missing."""
 
+import math
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -91,5 +92,7 @@ def sweep_of(file: ExperimentFile, options, registry: Registry, folders: Folders
 def limits_of(options) -> Limits:
     """`options`: jobs, timeout; memory_gb where a command has it. A case gets no more than its share of the memory."""
     cores, memory_gb = chosen_cores(options.jobs), getattr(options, "memory_gb", None)
+    if memory_gb == math.inf:
+        return Limits(cores, options.timeout)
     share = MEMORY_SHARE * total_memory_bytes() / len(cores)
     return Limits(cores, options.timeout, int(memory_gb * 1e9 if memory_gb else share))
