@@ -114,10 +114,11 @@ class CaseRunner {
   /// Before the first frame and written to, so that the memory of the run does not grow by them.
   void make_room_for_snapshots() {
     const std::size_t nodes = m_simulation->positions().size();
+    const std::size_t judged_nodes = m_run.judge ? nodes : 0;
     for (std::size_t i = 0; i < m_run.snapshots.size(); ++i) {
       m_room.push_back({.positions = std::vector<Vec3>(nodes, Vec3::Zero()),
-                        .depths_m = std::vector<double>(nodes, 0.0),
-                        .surface_depths_m = std::vector<double>(nodes, 0.0),
+                        .depths_m = std::vector<double>(judged_nodes, 0.0),
+                        .surface_depths_m = std::vector<double>(judged_nodes, 0.0),
                         .bone_poses = {},
                         .fibres = {}});
     }

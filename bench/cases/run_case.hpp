@@ -26,8 +26,8 @@ struct Snapshot {
   int frame = 0;
   double angle_deg = 0;
   std::vector<Vec3> positions;
-  std::vector<double> depths_m;          ///< a node: > 0 inside a bone; 0 for free and bound nodes
-  std::vector<double> surface_depths_m;  ///< a node: of the deepest point of the surface around it; 0: outside
+  std::vector<double> depths_m;          ///< a node: > 0 inside a bone; 0 for free and bound nodes; empty: not judged
+  std::vector<double> surface_depths_m;  ///< the same of the deepest point of the surface around it; 0: outside
   bool surface_is_complete = true;       ///< whether the budget sufficed for them
   std::vector<RigidMotion> bone_poses;
   std::vector<std::vector<Vec3>> fibres;  ///< of each muscle, fibre after fibre; none where none are followed

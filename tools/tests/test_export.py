@@ -11,6 +11,9 @@ import fake_page
 import fake_runs
 import report
 from musclebench.export.paraview import export_runs, runs_of
+from musclebench.pictures.surface_pictures import read_snapshots
+from musclebench.results.run_folder import ResultProblem
+from program import call, needs_program
 
 
 def read(path) -> vtk.vtkPolyData:
@@ -59,6 +62,25 @@ def test_runs_without_shapes_are_one_line(tmp_path, capsys):
     assert report.main([str(tmp_path), "--export", "vtk"]) == 2
     told = capsys.readouterr().err
     assert told.count("\n") == 1 and "--snapshots" in told and not (tmp_path / "vtk").exists()
+
+
+@needs_program
+def test_what_nobody_judged_has_no_depth(folder):
+    for name, words in (("judged", []), ("unjudged", ["--no-referee"])):
+        done = call("run", folder / "scene.toml", "--backend", "bvh", "--snapshots", "0,12", "--out", folder / name, *words)
+        assert done.returncode == 0, done.stderr
+    columns = []
+    for name in ("judged", "unjudged"):
+        run, = runs_of(folder / name)
+        series, = export_runs([run], folder / "vtk")
+        first = xml.parse(series).getroot().find("./Collection/DataSet").get("file")
+        data = read(folder / "vtk" / first).GetPointData()
+        columns.append({data.GetArrayName(i) for i in range(data.GetNumberOfArrays())})
+    assert columns == [{"depth_m", "surface_depth_m", "attached"}, {"attached"}]
+    shape = read_snapshots(run)[-1]
+    assert np.array_equal(shape.mesh.vertices_m, read_snapshots(runs_of(folder / "judged")[0])[-1].mesh.vertices_m)
+    with pytest.raises(ResultProblem, match="not judged"):
+        shape.depth_mm.max()
 
 
 def test_two_runs_of_one_name_are_refused(results, tmp_path, capsys):

@@ -64,7 +64,8 @@ def _export_run(run: Run, out: Path) -> Path:
 
 
 def _muscle(shot: Snapshot) -> vtk.vtkPolyData:
-    """With depth_m (> 0 inside a bone; 0 for free and bound nodes), surface_depth_m and attached of each node."""
+    """With attached of each node and, of a judged run, depth_m (> 0 inside a bone; 0 for free and bound nodes) and
+    surface_depth_m."""
     surface = poly_data(shot.mesh.vertices_m, shot.mesh.triangles)
     for name, values in shot.mesh.extra.items():
         array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)

@@ -36,6 +36,8 @@ class Snapshot:
 
     @property
     def depth_mm(self) -> np.ndarray:
+        if "depth_m" not in self.mesh.extra:
+            raise ResultProblem(f"frame {self.frame}: its shape has no depths, the run was not judged; run it without --no-referee")
         return 1e3 * self.mesh.extra["depth_m"]
 
 
@@ -46,8 +48,8 @@ def read_snapshots(run: Run, entries: list[dict] | None = None) -> list[Snapshot
     for entry in run.record.get("snapshots", []) if entries is None else entries:
         poses = [(np.reshape(p["rotation"], (3, 3)), np.array(p["translation_m"])) for p in entry["bone_poses"]]
         mesh = read_ply(run.folder / entry["file"])
-        if "depth_m" not in mesh.extra or "attached" not in mesh.extra:
-            raise ResultProblem(f"{run.folder / entry['file']}: lacks depth_m or attached; run the case again")
+        if "attached" not in mesh.extra:
+            raise ResultProblem(f"{run.folder / entry['file']}: lacks attached; run the case again")
         if np.isfinite(mesh.vertices_m).all():
             snapshots.append(Snapshot(entry["frame"], entry["angle_deg"], mesh, poses, entry.get("surface_depth_complete", True)))
     return sorted(snapshots, key=lambda snapshot: snapshot.frame)
