@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from few_cases import run_few
 from program import PROGRAM, call, needs_program
 
 PROJECT = Path(__file__).resolve().parents[2]
@@ -71,11 +72,9 @@ def test_the_readmes_commands_run_as_they_are_printed(knee):
 
 @needs_program
 def test_the_readmes_study_of_the_example_gives_tables_and_figures(knee, tmp_path):
-    """As printed, but of a few frames."""
+    """As printed, but of a few frames and cases."""
     printed = re.search(r"^tools/accuracy (--scene .*?) *#", README, re.MULTILINE).group(1).split()
-    done = subprocess.run([sys.executable, str(PROJECT / "tools" / "accuracy.py"), *printed, "--frames-limit", "4",
-                           "--musclebench", str(PROGRAM), "--out", str(tmp_path / "out")],
-                          cwd=knee, capture_output=True, text=True)
+    done = run_few(tmp_path / "out", *printed, "--frames-limit", "4", cwd=knee)
     assert done.returncode == 0, done.stderr
     written = {path.name for path in (tmp_path / "out").rglob("*")}
     assert {"price_list.csv", "pareto_replay.png"} <= written

@@ -1,7 +1,6 @@
 """Tables and figures of real runs of every backend, from the command line to the file. One module, which a worker of
 xdist runs alone."""
 
-import json
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -12,12 +11,12 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-import accuracy
 import paper
-from ball_on_box import write_scene, write_scene_of_balls
+from ball_on_box import write_scene_of_balls
+from few_cases import program_list, run_few
 from musclebench.paper.paper_backends import paper_backends
 from musclebench.results.status import MEASURED
-from program import PROGRAM, call, needs_program
+from program import PROGRAM, needs_program
 from test_paper import CAN_DRAW
 
 pytestmark = needs_program
@@ -29,16 +28,6 @@ FIGURES = {
 }
 AS_WRITTEN = {"backend": str}  # `null` is a name
 FEWEST_COLOURS = 100  # of lines and letters with smooth edges; a blank page has one
-# A program of its own with a shorter list than the program's, which it would run for a quarter of an hour.
-DRIVER = """
-import sys
-sys.path.insert(0, {tools!r})
-import accuracy
-from musclebench.program.registry import parse_registry
-accuracy.read_registry = lambda program: parse_registry(open({listed!r}).read(), "few")
-sys.exit(accuracy.main(sys.argv[1:]))
-"""
-SLOW_STEP_MS = 1000.0  # of a backend that is there to be right: it replays few frames and moves no muscle
 
 
 @dataclass
@@ -58,43 +47,17 @@ class Done:
 
 
 @pytest.fixture(scope="module")
-def listed() -> dict:
-    return json.loads(call("list", "--json").stdout)
-
-
-@pytest.fixture(scope="module")
-def both(tmp_path_factory, listed) -> dict[str, Done]:
+def both(tmp_path_factory) -> dict[str, Done]:
     """The paper's experiment, and the accuracy study of a scene whose meshes are read, at the same time."""
     folder = tmp_path_factory.mktemp("real")
     command = [sys.executable, paper.__file__, "--musclebench", PROGRAM, "--out", folder / "paper", *MUSCLE]
     with subprocess.Popen([*command, "--frames-limit", "10", "--jobs", "1"], stdout=subprocess.PIPE,
                           stderr=subprocess.PIPE, text=True) as process:
-        study = run_accuracy(folder / "accuracy", few_cases(listed), write_scene_of_balls(folder))
+        study = run_few(folder / "accuracy", "--scene", str(write_scene_of_balls(folder)), "--quick", "--frames-limit", "10",
+                        "--jobs", "1")
         text, errors = process.communicate(timeout=240)
-    return {"paper": Done(process.returncode, text, errors, folder / "paper"), "accuracy": study}
-
-
-def few_cases(listed: dict) -> str:
-    """The list of the program with the first series of each backend and of what that sweeps two values."""
-    return json.dumps(listed | {"backends": [one | {"study": with_first_series(one["study"] or {})}
-                                             for one in listed["backends"]]})
-
-
-def with_first_series(study: dict) -> dict:
-    first = {"step_ms": 0.1} | study.get("defaults", {}) | (study.get("series") or [{}])[0]
-    drives = isinstance(first["step_ms"], list) or first["step_ms"] < SLOW_STEP_MS
-    sweep = {"sweep": {key: values[:2] for key, values in first.get("sweep", {}).items()}} if "sweep" in first else {}
-    return study | {"series": [first | sweep | {"quick": True, "drives": drives}]}
-
-
-def run_accuracy(out: Path, registry: str, scene: Path) -> Done:
-    listed = out.with_suffix(".json")
-    listed.write_text(registry)
-    command = [sys.executable, "-c", DRIVER.format(tools=str(Path(accuracy.__file__).parent), listed=str(listed))]
-    done = subprocess.run([*command, "--musclebench", PROGRAM, "--out", str(out), "--scene", str(scene), "--quick",
-                           "--frames-limit", "10", "--jobs", "1"],
-                          capture_output=True, text=True, timeout=400, check=False)
-    return Done(done.returncode, done.stdout, done.stderr, out)
+    return {"paper": Done(process.returncode, text, errors, folder / "paper"),
+            "accuracy": Done(study.returncode, study.stdout, study.stderr, folder / "accuracy")}
 
 
 @pytest.mark.parametrize("name", ["paper", "accuracy"])
@@ -122,7 +85,8 @@ def test_pictures_are_whole_and_show_something(both, name):
         assert (pixels[:, [0, -1]] == 255).all(), f"{path.name}: something leaves the page"
 
 
-def test_every_backend_has_answered_and_stands_in_a_table(both, listed):
+def test_every_backend_has_answered_and_stands_in_a_table(both):
+    listed = program_list()
     rows = pd.read_csv(both["accuracy"].out / "accuracy.csv", converters=AS_WRITTEN)
     assert set(rows["status"]) <= MEASURED
     assert set(rows["backend"]) == {one["name"] for one in listed["backends"]}
