@@ -118,7 +118,7 @@ class CaseRunner {
     for (std::size_t i = 0; i < m_run.snapshots.size(); ++i) {
       m_room.push_back({.positions = std::vector<Vec3>(nodes, Vec3::Zero()),
                         .depths_m = std::vector<double>(judged_nodes, 0.0),
-                        .surface_depths_m = std::vector<double>(judged_nodes, 0.0),
+                        .surface_depths_m = std::vector<double>(m_run.keep_surface_depths ? judged_nodes : 0, 0.0),
                         .bone_poses = {},
                         .fibres = {}});
     }
@@ -310,6 +310,8 @@ class CaseRunner {
     std::ranges::copy(m_simulation->positions(), snapshot.positions.begin());
     if (m_judge) {
       std::ranges::copy(m_judge->depths(*m_simulation), snapshot.depths_m.begin());
+    }
+    if (m_judge && m_run.keep_surface_depths) {
       const DepthsAroundNodes around = m_judge->surface_depths(*m_simulation);
       std::ranges::copy(around.depths_m, snapshot.surface_depths_m.begin());
       snapshot.surface_is_complete = around.complete;

@@ -19,6 +19,7 @@ struct RunCase : Case {
   bool judge = true;                      ///< whether the Referee judges every frame
   std::vector<int> snapshots = {};        ///< frames (0: rest) whose shape is kept, ascending
   bool count_self_intersections = false;  ///< at rest, in the frames of `snapshots` and after the last frame
+  bool keep_surface_depths = true;        ///< of the snapshots, by the judge; takes up to 0.25 s each
 };
 
 /// The shape of the muscle at the end of a frame.
@@ -27,7 +28,7 @@ struct Snapshot {
   double angle_deg = 0;
   std::vector<Vec3> positions;
   std::vector<double> depths_m;          ///< a node: > 0 inside a bone; 0 for free and bound nodes; empty: not judged
-  std::vector<double> surface_depths_m;  ///< the same of the deepest point of the surface around it; 0: outside
+  std::vector<double> surface_depths_m;  ///< a node: of the deepest point around it; 0: outside; empty: not kept
   bool surface_is_complete = true;       ///< whether the budget sufficed for them
   std::vector<RigidMotion> bone_poses;
   std::vector<std::vector<Vec3>> fibres;  ///< of each muscle, fibre after fibre; none where none are followed

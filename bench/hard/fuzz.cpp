@@ -59,6 +59,7 @@ HardCell run_here(const FuzzScene& fuzz) {
   run.responses = choose_responses("", scene, backend, parameters);
   require_what_effects_need(scene, backend, parameters, run.responses);
   run.snapshots = {0, scene.loop.frames / 2, scene.loop.frames};
+  run.keep_surface_depths = false;
   const RunResult result = run_case(run, [](int) {});
   const std::string wrong = wrong_in(scene, backend, result);
   return {wrong.empty() ? Verdict::holds : Verdict::breaks, wrong.empty() ? result.status : wrong, {}};

@@ -191,24 +191,22 @@ void write_snapshot(const fs::path& path, const Snapshot& snapshot, const RunCas
     attached[bound.node] = 1;
   }
   const MuscleFiles files = files_of(run.scene);
-  const bool is_judged = !snapshot.depths_m.empty();  // else a reader would take zeros for truth
+  // Absent where nobody judged: a reader would take zeros for truth.
+  const bool has_depths = !snapshot.depths_m.empty();
+  const bool has_surface_depths = !snapshot.surface_depths_m.empty();
   std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double "
-      "z\n"
-      "{}property uchar attached\nelement face {}\nproperty list uchar int vertex_indices\n"
-      "end_header\n",
-      files.mesh.vertices.size(), is_judged ? "property double depth_m\nproperty double surface_depth_m\n" : "",
-      files.mesh.triangles.size());
+      "z\n{}{}property uchar attached\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      files.mesh.vertices.size(), has_depths ? "property double depth_m\n" : "",
+      has_surface_depths ? "property double surface_depth_m\n" : "", files.mesh.triangles.size());
   for (std::size_t i = 0; i < files.mesh.vertices.size(); ++i) {
     const int node = files.node_of_vertex[i];
     const Vec3& position = node < 0 ? files.mesh.vertices[i] : snapshot.positions[node];
     for (int axis = 0; axis < 3; ++axis) {
       put(bytes, position[axis]);
     }
-    if (is_judged) {
-      put(bytes, node < 0 ? 0.0 : snapshot.depths_m[node]);
-      put(bytes, node < 0 ? 0.0 : snapshot.surface_depths_m[node]);
-    }
+    if (has_depths) put(bytes, node < 0 ? 0.0 : snapshot.depths_m[node]);
+    if (has_surface_depths) put(bytes, node < 0 ? 0.0 : snapshot.surface_depths_m[node]);
     put(bytes, node < 0 ? static_cast<unsigned char>(0) : attached[node]);
   }
   for (const Triangle& triangle : files.mesh.triangles) {
