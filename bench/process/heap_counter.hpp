@@ -17,7 +17,8 @@ struct HeapUse {
 /// The same with bytes.
 HeapUse heap_use();
 
-/// Of OpenMP: clang's thread sanitizer has it told when threads wait, and who tells it allocates.
+/// Whether OpenMP itself allocates in each parallel region. It does under clang's thread sanitizer, whose observer of
+/// OpenMP (Archer) tells it where threads synchronise.
 extern const bool each_parallel_region_allocates;
 
 }  // namespace musclebench
