@@ -174,11 +174,10 @@ int run(RunOptions options) {
   for (const std::string& line : effects_without_contacts(scene, backend, parameters, colliders)) {
     fmt::print(stderr, "musclebench: warning: {}\n", line);
   }
-  RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, responses, colliders},
-                 2,
-                 !options.unjudged,
-                 options.snapshots,
-                 options.self_intersections};
+  RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, responses, colliders}};
+  run_of.judge = !options.unjudged;
+  run_of.snapshots = options.snapshots;
+  run_of.count_self_intersections = options.self_intersections;
   run_of.prune = !options.unpruned;
   const std::string id = run_id(run_of);
   const std::string out = options.out.empty() ? fmt::format("reports/out/runs/raw/{}", id) : options.out;

@@ -71,8 +71,10 @@ Json json_of_snapshots(const RunResult& result) {
     snapshots.push_back({{"frame", snapshot.frame},
                          {"angle_deg", snapshot.angle_deg},
                          {"file", snapshot_file(snapshot)},
-                         {"surface_depth_complete", snapshot.surface_is_complete},
                          {"bone_poses", poses}});
+    if (!snapshot.surface_depths_m.empty()) {
+      snapshots.back()["surface_depth_complete"] = snapshot.surface_is_complete;
+    }
     if (!snapshot.fibres.empty()) snapshots.back()["fibres"] = fibre_file(snapshot);
   }
   return snapshots;

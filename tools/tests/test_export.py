@@ -76,6 +76,7 @@ def test_what_nobody_judged_has_no_depth(folder):
         first = xml.parse(series).getroot().find("./Collection/DataSet").get("file")
         data = read(folder / "vtk" / first).GetPointData()
         columns.append({data.GetArrayName(i) for i in range(data.GetNumberOfArrays())})
+        assert [shape.get("surface_depth_complete") for shape in run.record["snapshots"]] == 2 * [name == "judged" or None]
     assert columns == [{"depth_m", "surface_depth_m", "attached"}, {"attached"}]
     shape = read_snapshots(run)[-1]
     assert np.array_equal(shape.mesh.vertices_m, read_snapshots(runs_of(folder / "judged")[0])[-1].mesh.vertices_m)
