@@ -57,7 +57,7 @@ double detection_s(const HardRequest& request, const Scene& scene) {
 }  // namespace
 
 std::optional<HardCell> unless_short(const HardRequest& request, const Scene& scene, int frames) {
-  const double most_s = request.whole ? 3600 : 4;
+  const double most_s = request.whole ? 900 : 4;
   constexpr double too_long_s = 2;  // to be tried whole
   if (const double once_s = detection_s(request, scene); once_s > too_long_s) {
     return not_applicable(fmt::format("would take some {:.0f} s a detection", once_s));

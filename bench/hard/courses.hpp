@@ -22,7 +22,8 @@ void repeat_motions(Scene& scene, const CourseFrames& frames, int times);
 double rms_gap_m(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
 
 /// A cell that would take too long by what one substep at rest takes: in the short run, which ends within two minutes
-/// for all backends, 4 s; in the long one an hour. Where the muscle folds, a cell takes several times that.
+/// for all backends, 4 s; in the long one 15 min, so that a cell of four muscles ends before it counts as hung. Where
+/// the muscle folds, a cell takes several times that.
 std::optional<HardCell> unless_short(const HardRequest& request, const Scene& scene, int frames);
 
 }  // namespace musclebench
