@@ -46,11 +46,8 @@ HardCell flexed(const HardRequest& request, const std::vector<std::string>& musc
     std::string said;
     for (const std::string& muscle : muscles) {
       Scene scene = load_scene(flexion_of(muscle, request, flexions));
-      if (std::optional<HardCell> left_out = unless_short(request, scene, flexions * whole_course.all())) {
-        return *left_out;
-      }
       repeat_motions(scene, whole_course, flexions);
-      const MovedScene run = moved(request, std::move(scene));
+      const MovedScene run = moved_in_time(request, std::move(scene));
       if (run.result.status == "diverged") return HardCell{Verdict::breaks, run.said(), {}};
       if (said.empty()) said = run.said();
       for (HardFigure& figure : figures_of(muscle, run)) figures.push_back(std::move(figure));
@@ -143,9 +140,8 @@ HardCell far_flexion(const HardRequest& request) {
       choice.motion_overrides = {{"to_deg", 120.0}};
       choice.effect_overrides.push_back({.location = "hard cases", .name = "tunnelling_guard"});
       Scene scene = load_scene(choice);
-      if (std::optional<HardCell> left_out = unless_short(request, scene, whole_course.all())) return *left_out;
       add_other_rotations(scene, *data_folder(request.data));
-      const MovedScene run = moved(request, std::move(scene));
+      const MovedScene run = moved_in_time(request, std::move(scene));
       const Outcome& outcome = run.result.outcome;
       const bool is_finite = run.result.status != "diverged";
       figures.push_back({muscle + ": nodes on the wrong side",

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,11 +39,8 @@ HardCell long_run(const HardRequest& request) {
     const int flexions = request.whole ? 50 : 2;
     constexpr int frames_of_one = course_frames.all();
     Scene scene = load_scene(flexion(std::int64_t{frames_of_one} * flexions));
-    if (const std::optional<HardCell> left_out = unless_short(request, scene, frames_of_one * flexions)) {
-      return *left_out;
-    }
     repeat_motions(scene, course_frames, flexions);
-    const MovedScene run = moved(request, std::move(scene));
+    const MovedScene run = moved_in_time(request, std::move(scene));
     if (run.result.status == "diverged") return HardCell{Verdict::breaks, run.said(), {}};
     const std::vector<Vec3>& first = run.positions(frames_of_one);
     const std::vector<Vec3>& last = run.positions(run.result.snapshots.size() - 1);
@@ -60,8 +56,7 @@ HardCell sensitivity(const HardRequest& request) {
   return watched(request, true, [&] {
     const int frames = request.whole ? course_frames.moving : 24;
     Scene scene = load_scene(flexion(frames));
-    if (const std::optional<HardCell> left_out = unless_short(request, scene, 2 * frames)) return *left_out;
-    const MovedScene run = moved(request, scene);
+    const MovedScene run = moved_in_time(request, scene, 2);
     scene.loop.start_noise_m = 1e-12;
     const MovedScene other = moved(request, std::move(scene));
     const std::size_t last = run.result.snapshots.size() - 1;

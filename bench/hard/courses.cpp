@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/machine_state.hpp"
 #include "core/base/scoped_timer.hpp"
 
 namespace musclebench {
@@ -45,7 +46,7 @@ double detection_s(const HardRequest& request, const Scene& scene) {
   const std::vector<Vec3>& positions = scene.muscle_mesh.vertices;
   backend->build(scene.bones, scene.muscle_mesh, 1);
   backend->update(std::vector<RigidMotion>(scene.bones.size()), positions);
-  std::vector<int> few(std::min<std::size_t>(positions.size(), 50));
+  std::vector<int> few(std::min<std::size_t>(positions.size(), 10));
   std::iota(few.begin(), few.end(), 0);
   std::vector<Contact> contacts;
   const Nanoseconds start_ns = monotonic_now_ns();
@@ -56,22 +57,24 @@ double detection_s(const HardRequest& request, const Scene& scene) {
 
 }  // namespace
 
-std::optional<HardCell> unless_short(const HardRequest& request, const Scene& scene, int frames) {
-  const double most_s = request.whole ? 900 : 4;
-  constexpr double too_long_s = 2;  // to be tried whole
+MovedScene moved_in_time(const HardRequest& request, Scene scene, int runs) {
+  const double most_s = request.whole ? 900 : 5;
+  constexpr double too_long_s = 2;  // for a frame to be tried, which has many detections
   if (const double once_s = detection_s(request, scene); once_s > too_long_s) {
-    return not_applicable(fmt::format("would take some {:.0f} s a detection", once_s));
+    throw TakesTooLong{fmt::format("would take some {:.0f} s a detection", once_s)};
   }
-  Scene tried = scene;
-  tried.loop.frames = 3;
-  tried.loop.substeps = 1;
-  for (BoneMotion& motion : tried.motions) motion = {};  // the whole motion in three frames is another work
-  // The first one fills the caches.
-  const Nanoseconds substep_ns = moved(request, std::move(tried)).result.records.back().times.frame_ns;
-  const double whole_s = 1e-9 * static_cast<double>(substep_ns) * scene.loop.substeps * frames;
-  if (whole_s <= most_s) return std::nullopt;
-  return not_applicable(
-      fmt::format("would take {:.0f} s{}", whole_s, request.whole ? "" : ": in the long run only (--all)"));
+  const int frames = scene.loop.frames;
+  constexpr int trusted_frames = 3;
+  Nanoseconds first_ended_ns = 0;  // the first frame fills the caches
+  return moved(request, std::move(scene), 1, [&](int frames_done) {
+    const Nanoseconds now_ns = process_cpu_ns();
+    if (frames_done <= 1) first_ended_ns = now_ns;
+    if (frames_done < trusted_frames) return false;
+    const double whole_s = 1e-9 * static_cast<double>(now_ns - first_ended_ns) * runs * frames / (frames_done - 1);
+    if (whole_s <= most_s) return false;
+    throw TakesTooLong{
+        fmt::format("would take {:.0f} s{}", whole_s, request.whole ? "" : ": in the long run only (--all)")};
+  });
 }
 
 }  // namespace musclebench

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "bench/hard/moved_scene.hpp"
@@ -21,9 +20,9 @@ void repeat_motions(Scene& scene, const CourseFrames& frames, int times);
 /// Root of the mean square of the nodes' distances between two shapes, m.
 double rms_gap_m(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
 
-/// A cell that would take too long by what one substep at rest takes: in the short run, which ends within two minutes
-/// for all backends, 4 s; in the long one 15 min, so that a cell of four muscles ends before it counts as hung. Where
-/// the muscle folds, a cell takes several times that.
-std::optional<HardCell> unless_short(const HardRequest& request, const Scene& scene, int frames);
+/// As `moved`, one of so many like runs. Throws TakesTooLong where by the CPU time of its frames so far they would take
+/// more than, in the short run, which ends within two minutes for all backends, 5 s; in the long one 15 min, so that
+/// a cell of four muscles ends before it counts as hung.
+MovedScene moved_in_time(const HardRequest& request, Scene scene, int runs = 1);
 
 }  // namespace musclebench

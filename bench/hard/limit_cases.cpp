@@ -205,8 +205,7 @@ HardCell many_nodes(const HardRequest& request) {
     scene.muscle_mesh = {};
     scene.add_muscle(name, ball);
     if (!request.whole) scene.loop.frames = 8;
-    if (std::optional<HardCell> left_out = unless_short(request, scene, scene.loop.frames)) return *left_out;
-    const MovedScene run = moved(request, std::move(scene));
+    const MovedScene run = moved_in_time(request, std::move(scene));
     const Outcome& outcome = run.result.outcome;
     const bool is_finite = run.result.status != "diverged";
     return judged(

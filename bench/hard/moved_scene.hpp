@@ -39,8 +39,10 @@ SceneChoice scene_of(const std::string& name);
 
 using EditScene = std::function<void(Scene&)>;
 
-/// Runs the scene as `musclebench run` does. Throws InputError where the backend can't serve its effects.
-MovedScene moved(const HardRequest& request, Scene scene, int threads = 1);
+/// Runs the scene as `musclebench run` does, to its end or to the frame that `is_last`. Throws InputError where the
+/// backend can't serve its effects.
+MovedScene moved(const HardRequest& request, Scene scene, int threads = 1,
+                 const std::function<bool(int frames_done)>& is_last = {});
 
 /// The scene of the choice, which `edit` changes first. Throws InputError as above and where it can't be read.
 MovedScene moved(const HardRequest& request, const SceneChoice& choice, int threads = 1, const EditScene& edit = {});
@@ -49,7 +51,12 @@ MovedScene moved(const HardRequest& request, const SceneChoice& choice, int thre
 /// is held to what exact ones are: its figures are the result.
 double declared_m(const MovedScene& run, const HardRequest& request);
 
-/// What `watch` says. A scene whose effects the backend can't serve is not for it.
+/// Why a run was not made, or not to its end.
+struct TakesTooLong {
+  std::string why;
+};
+
+/// What `watch` says. A scene whose effects the backend can't serve, or that takes too long with it, is not for it.
 template <typename Watch>
 HardCell watched(const HardRequest& request, bool asks_backend, const Watch& watch) {
   if (request.backend.make(request.parameters())->capabilities().finds_contacts != asks_backend) {
@@ -59,6 +66,8 @@ HardCell watched(const HardRequest& request, bool asks_backend, const Watch& wat
     return watch();
   } catch (const InputError& unfit) {
     return not_applicable(unfit.what());
+  } catch (const TakesTooLong& slow) {
+    return not_applicable(slow.why);
   }
 }
 
