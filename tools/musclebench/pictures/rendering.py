@@ -162,6 +162,7 @@ class Scene3d:
         grab = vtk.vtkWindowToImageFilter()
         grab.SetInput(self._window)
         grab.ReadFrontBufferOff()
+        grab.ShouldRerenderOff()  # it would draw all again
         grab.Update()
         image = grab.GetOutput()
         width, height, _ = image.GetDimensions()
