@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/distance/solid_angle_sum.hpp"
 #include "core/distance/triangle_distance.hpp"
+#include "core/distance/winding_number.hpp"
 
 namespace musclebench {
 
@@ -12,7 +12,6 @@ SurfacePoint locate_by_brute_force(const TriangleMesh& mesh, const Vec3& point) 
   ClosestOnTriangle closest;
   closest.squared_distance_m2 = std::numeric_limits<double>::infinity();
   Vec3 face_normal = Vec3::UnitZ();
-  SolidAngleSum angles(point);
   for (const Triangle& triangle : mesh.triangles) {
     const Vec3& a = mesh.vertices[triangle[0]];
     const Vec3& b = mesh.vertices[triangle[1]];
@@ -22,10 +21,9 @@ SurfacePoint locate_by_brute_force(const TriangleMesh& mesh, const Vec3& point) 
       closest = candidate;
       face_normal = (b - a).cross(c - a);
     }
-    angles.add(a, b, c);
   }
   SurfacePoint result;
-  result.inside = angles.winding_number() > 0.5;
+  result.inside = winding_number(mesh.triangles, mesh.vertices, point) > 0.5;
   result.distance_m = std::sqrt(closest.squared_distance_m2);
   const Vec3 to_closest = closest.point - point;
   const double length = to_closest.norm();

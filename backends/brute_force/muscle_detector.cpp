@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "core/clearance/deforming_structure.hpp"
-#include "core/distance/solid_angle_sum.hpp"
 #include "core/distance/triangle_distance.hpp"
+#include "core/distance/winding_number.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
@@ -29,7 +29,6 @@ class AllMovingTriangles final : public DeformingStructure {
     }
     MuscleAnswer nearest;
     nearest.closest.squared_distance_m2 = std::numeric_limits<double>::infinity();
-    SolidAngleSum angles(point);
     for (std::size_t t = m_body.first_triangle; t < m_body.last_triangle; ++t) {
       const auto& [a, b, c] = m_mesh.triangles[t];
       const Vec3& pa = m_positions[static_cast<std::size_t>(a)];
@@ -40,9 +39,10 @@ class AllMovingTriangles final : public DeformingStructure {
         nearest.closest = found;
         nearest.triangle = static_cast<int>(t);
       }
-      angles.add(pa, pb, pc);
     }
-    const bool is_inside = angles.winding_number() > 0.5;
+    const std::span<const Triangle> own =
+        std::span(m_mesh.triangles).subspan(m_body.first_triangle, m_body.last_triangle - m_body.first_triangle);
+    const bool is_inside = winding_number(own, m_positions, point) > 0.5;
     if (!is_inside || !(nearest.closest.squared_distance_m2 > wanted.touching_m * wanted.touching_m)) {
       return {std::sqrt(nearest.closest.squared_distance_m2)};
     }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/vec_lanes-inl.hpp"
 #include "core/constraints/constraint_lanes.hpp"
 #include "core/pbd/node_rows.hpp"
 
@@ -23,31 +24,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes = hn::CappedTag<double, constraint_lanes>;
 using Lane = hn::Vec<Lanes>;
+using VecLanes = VecLanesOf<Lane>;
 using LaneMask = hn::Mask<Lanes>;
 constexpr std::size_t lane_count = hn::MaxLanes(Lanes());
 static_assert(constraint_lanes % lane_count == 0);
 
-struct VecLanes {
-  Lane x, y, z;
-};
-
-HWY_INLINE VecLanes operator-(const VecLanes& a, const VecLanes& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE VecLanes operator+(const VecLanes& a, const VecLanes& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-HWY_INLINE VecLanes operator*(Lane factor, const VecLanes& a) {
-  return {hn::Mul(factor, a.x), hn::Mul(factor, a.y), hn::Mul(factor, a.z)};
-}
-/// In the order in which Eigen sums three products.
-HWY_INLINE Lane dot(const VecLanes& a, const VecLanes& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-HWY_INLINE VecLanes cross(const VecLanes& a, const VecLanes& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
 struct NodeLanes {
   VecLanes at;
   Lane inverse_mass;

@@ -12,6 +12,8 @@
 #include <hwy/highway.h>
 // clang-format on
 
+#include "core/base/vec_lanes-inl.hpp"
+
 // Line by line closest_on_triangle with its products and sums in the same order and none of them fused, so that the
 // results have the same bits.
 HWY_BEFORE_NAMESPACE();
@@ -25,31 +27,7 @@ using IntLanes = hn::RebindToSigned<Lanes>;
 using Vec = hn::Vec<Lanes>;
 using IntVec = hn::Vec<IntLanes>;
 using Mask = hn::Mask<Lanes>;
-
-struct Vec3Lanes {
-  Vec x, y, z;
-};
-
-HWY_INLINE Vec3Lanes operator-(const Vec3Lanes& a, const Vec3Lanes& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-
-HWY_INLINE Vec3Lanes operator+(const Vec3Lanes& a, const Vec3Lanes& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-
-HWY_INLINE Vec3Lanes operator*(Vec factor, const Vec3Lanes& a) {
-  return {hn::Mul(factor, a.x), hn::Mul(factor, a.y), hn::Mul(factor, a.z)};
-}
-
-HWY_INLINE Vec dot(const Vec3Lanes& a, const Vec3Lanes& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-
-HWY_INLINE Vec3Lanes cross(const Vec3Lanes& a, const Vec3Lanes& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
+using Vec3Lanes = VecLanesOf<Vec>;
 
 HWY_INLINE Vec3Lanes choose(Mask mask, const Vec3Lanes& yes, const Vec3Lanes& no) {
   return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
