@@ -36,30 +36,48 @@ SceneChoice flexion_of(const std::string& muscle, const HardRequest& request, in
   return choice;
 }
 
-/// Runs so many flexions of each muscle; `figures_of(muscle, run)` of each.
-template <typename Figures>
-HardCell flexed(const HardRequest& request, const std::vector<std::string>& muscles, int flexions,
-                const Figures& figures_of) {
+std::vector<std::string> muscles_of(const HardRequest& request, const std::string& of_the_short_run) {
+  if (!request.whole) return {of_the_short_run};
+  return {"adductor_brevis", "iliacus", "gluteus_medius", "gluteus_maximus"};
+}
+
+/// `run_of(muscle)` of each; `figures_of(muscle, run)`. What is beyond a bar counts though a later muscle takes too
+/// long.
+template <typename Run, typename Figures>
+HardCell each_moved(const HardRequest& request, const std::vector<std::string>& muscles, const Run& run_of,
+                    const Figures& figures_of) {
   if (std::optional<HardCell> left_out = unless_data(request)) return *left_out;
   return watched(request, true, [&] {
     std::vector<HardFigure> figures;
     std::string said;
-    for (const std::string& muscle : muscles) {
-      Scene scene = load_scene(flexion_of(muscle, request, flexions));
-      repeat_motions(scene, whole_course, flexions);
-      const MovedScene run = moved_in_time(request, std::move(scene));
-      if (run.result.status == "diverged") return HardCell{Verdict::breaks, run.said(), {}};
-      if (said.empty()) said = run.said();
-      for (HardFigure& figure : figures_of(muscle, run)) figures.push_back(std::move(figure));
+    try {
+      for (const std::string& muscle : muscles) {
+        const MovedScene run = run_of(muscle);
+        if (run.result.status == "diverged") return HardCell{Verdict::breaks, run.said(), {}};
+        if (said.empty()) said = run.said();
+        for (HardFigure& figure : figures_of(muscle, run)) figures.push_back(std::move(figure));
+      }
+    } catch (const TakesTooLong&) {
+      if (std::ranges::all_of(figures, &HardFigure::holds)) throw;
     }
     return judged(std::move(figures), request, said);
   });
 }
 
+/// So many flexions of each muscle.
+template <typename Figures>
+HardCell flexed(const HardRequest& request, const std::vector<std::string>& muscles, int flexions,
+                const Figures& figures_of) {
+  const auto run_of = [&](const std::string& muscle) {
+    Scene scene = load_scene(flexion_of(muscle, request, flexions));
+    repeat_motions(scene, whole_course, flexions);
+    return moved_in_time(request, std::move(scene));
+  };
+  return each_moved(request, muscles, run_of, figures_of);
+}
+
 HardCell return_to_rest(const HardRequest& request) {
-  const std::vector<std::string> muscles =
-      request.whole ? std::vector<std::string>{"adductor_brevis", "iliacus", "gluteus_medius", "gluteus_maximus"}
-                    : std::vector<std::string>{"adductor_brevis"};
+  const std::vector<std::string> muscles = muscles_of(request, "adductor_brevis");
   const auto returned = [&](int flexions) {
     return flexed(request, muscles, flexions, [flexions](const std::string& muscle, const MovedScene& run) {
       const std::vector<Vec3>& first = run.positions(whole_course.all());
@@ -75,13 +93,13 @@ HardCell return_to_rest(const HardRequest& request) {
   };
   // Where one return leaves folds, more of them come with each, and contact of the muscle with itself takes hours.
   HardCell once = returned(1);
-  return request.whole && once.verdict == Verdict::holds ? returned(50) : once;
+  if (!request.whole || once.verdict != Verdict::holds) return once;
+  HardCell often = returned(50);
+  return often.verdict == Verdict::not_applicable ? once : often;
 }
 
 HardCell self_intersection(const HardRequest& request) {
-  const std::vector<std::string> muscles =
-      request.whole ? std::vector<std::string>{"adductor_brevis", "iliacus", "gluteus_medius", "gluteus_maximus"}
-                    : std::vector<std::string>{"iliacus"};
+  const std::vector<std::string> muscles = muscles_of(request, "iliacus");
   return flexed(request, muscles, 1, [](const std::string& muscle, const MovedScene& run) {
     const auto count = [&](std::size_t frame) {
       return static_cast<double>(
@@ -128,29 +146,22 @@ void add_other_rotations(Scene& scene, const std::filesystem::path& data) {
 }
 
 HardCell far_flexion(const HardRequest& request) {
-  if (std::optional<HardCell> left_out = unless_data(request)) return *left_out;
-  return watched(request, true, [&] {
-    const std::vector<std::string> muscles =
-        request.whole ? std::vector<std::string>{"adductor_brevis", "iliacus", "gluteus_medius", "gluteus_maximus"}
-                      : std::vector<std::string>{"adductor_brevis"};
-    std::vector<HardFigure> figures;
-    std::string said;
-    for (const std::string& muscle : muscles) {
-      SceneChoice choice = flexion_of(muscle, request, 1);
-      choice.motion_overrides = {{"to_deg", 120.0}};
-      choice.effect_overrides.push_back({.location = "hard cases", .name = "tunnelling_guard"});
-      Scene scene = load_scene(choice);
-      add_other_rotations(scene, *data_folder(request.data));
-      const MovedScene run = moved_in_time(request, std::move(scene));
-      const Outcome& outcome = run.result.outcome;
-      const bool is_finite = run.result.status != "diverged";
-      figures.push_back({muscle + ": nodes on the wrong side",
-                         is_finite ? outcome.tunnelled_nodes.value_or(-1) : std::nan(""), 0, "nodes"});
-      figures.push_back({muscle + ": largest volume error", outcome.max_volume_error.value_or(std::nan("")), 0.05});
-      if (said.empty()) said = run.said();
-    }
-    return judged(std::move(figures), request, said);
-  });
+  const auto run_of = [&](const std::string& muscle) {
+    SceneChoice choice = flexion_of(muscle, request, 1);
+    choice.motion_overrides = {{"to_deg", 120.0}};
+    choice.effect_overrides.push_back({.location = "hard cases", .name = "tunnelling_guard"});
+    Scene scene = load_scene(choice);
+    add_other_rotations(scene, *data_folder(request.data));
+    return moved_in_time(request, std::move(scene));
+  };
+  return each_moved(request, muscles_of(request, "adductor_brevis"), run_of,
+                    [](const std::string& muscle, const MovedScene& run) {
+                      const Outcome& outcome = run.result.outcome;
+                      return std::vector<HardFigure>{
+                          {muscle + ": nodes on the wrong side",
+                           static_cast<double>(outcome.tunnelled_nodes.value_or(-1)), 0, "nodes"},
+                          {muscle + ": largest volume error", outcome.max_volume_error.value_or(std::nan("")), 0.05}};
+                    });
 }
 
 constexpr std::array cases_of_anatomy = {

@@ -20,9 +20,9 @@ void repeat_motions(Scene& scene, const CourseFrames& frames, int times);
 /// Root of the mean square of the nodes' distances between two shapes, m.
 double rms_gap_m(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
 
-/// As `moved`, one of so many like runs. Throws TakesTooLong where by the CPU time of its frames so far they would take
-/// more than, in the short run, which ends within two minutes for all backends, 5 s; in the long one 15 min, so that
-/// a cell of four muscles ends before it counts as hung.
+/// As `moved`. Throws TakesTooLong where by its first frames so many like runs would take more CPU time than 4.8 s in
+/// the short run, which ends within two minutes for all backends, or 10 min in the long one; or the detections of one
+/// frame more than 20 or 100 s.
 MovedScene moved_in_time(const HardRequest& request, Scene scene, int runs = 1);
 
 }  // namespace musclebench

@@ -204,7 +204,7 @@ HardCell many_nodes(const HardRequest& request) {
     scene.muscles.clear();
     scene.muscle_mesh = {};
     scene.add_muscle(name, ball);
-    if (!request.whole) scene.loop.frames = 8;
+    if (!request.whole) scene.loop.frames = 6;
     const MovedScene run = moved_in_time(request, std::move(scene));
     const Outcome& outcome = run.result.outcome;
     const bool is_finite = run.result.status != "diverged";

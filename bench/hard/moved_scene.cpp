@@ -42,7 +42,7 @@ SceneChoice scene_of(const std::string& name) {
 }
 
 MovedScene moved(const HardRequest& request, Scene scene, int threads,
-                 const std::function<bool(int frames_done)>& is_last) {
+                 const std::function<void(int frames_done)>& after_frame) {
   MovedScene done{std::move(scene), {}};
   const Parameters parameters = request.parameters();
   RunCase run{{done.scene, request.backend, parameters, threads}};
@@ -51,9 +51,7 @@ MovedScene moved(const HardRequest& request, Scene scene, int threads,
   run.snapshots.resize(static_cast<std::size_t>(done.scene.loop.frames) + 1);
   std::iota(run.snapshots.begin(), run.snapshots.end(), 0);
   run.keep_surface_depths = false;  // a shape is kept of each frame: they would take as long as the run
-  int frames_done = 0;
-  done.result = run_case(
-      run, [&](int frames) { frames_done = frames; }, {}, [&] { return is_last && is_last(frames_done); });
+  done.result = run_case(run, after_frame);
   return done;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -39,10 +40,11 @@ SceneChoice scene_of(const std::string& name);
 
 using EditScene = std::function<void(Scene&)>;
 
-/// Runs the scene as `musclebench run` does, to its end or to the frame that `is_last`. Throws InputError where the
-/// backend can't serve its effects.
-MovedScene moved(const HardRequest& request, Scene scene, int threads = 1,
-                 const std::function<bool(int frames_done)>& is_last = {});
+/// Runs the scene as `musclebench run` does; `after_frame`, which may throw, is called after each frame. Throws
+/// InputError where the backend can't serve its effects.
+MovedScene moved(
+    const HardRequest& request, Scene scene, int threads = 1,
+    const std::function<void(int frames_done)>& after_frame = [](int) {});
 
 /// The scene of the choice, which `edit` changes first. Throws InputError as above and where it can't be read.
 MovedScene moved(const HardRequest& request, const SceneChoice& choice, int threads = 1, const EditScene& edit = {});
@@ -52,8 +54,8 @@ MovedScene moved(const HardRequest& request, const SceneChoice& choice, int thre
 double declared_m(const MovedScene& run, const HardRequest& request);
 
 /// Why a run was not made, or not to its end.
-struct TakesTooLong {
-  std::string why;
+struct TakesTooLong : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 /// What `watch` says. A scene whose effects the backend can't serve, or that takes too long with it, is not for it.
@@ -67,7 +69,7 @@ HardCell watched(const HardRequest& request, bool asks_backend, const Watch& wat
   } catch (const InputError& unfit) {
     return not_applicable(unfit.what());
   } catch (const TakesTooLong& slow) {
-    return not_applicable(slow.why);
+    return not_applicable(slow.what());
   }
 }
 

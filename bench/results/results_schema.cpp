@@ -192,7 +192,7 @@ constexpr auto keys = std::to_array<ManifestKey>({
     of_run("snapshots[].angle_deg", "deg", "of the bone that turns most"),
     of_run("snapshots[].file", "", "the shape"),
     of_run("snapshots[].surface_depth_complete", "",
-           "of its surface_depth_m; false: deeper in places, the budget was spent"),
+           "false: its surface may be deeper in places, the budget was spent; absent where surface_depth_m is"),
     of_run("snapshots[].fibres", "", "their fibres as lines, where they are followed"),
     of_run("fibres[].muscle", "", "whose fibres are followed"),
     of_run("fibres[].asked", "", "how many were asked for"),

@@ -84,7 +84,9 @@ HWY_INLINE void add_lanes(const CornerLanes& corners, std::size_t first, AngleLa
   const Lane turns = hn::Add(hn::Load(d, angles.turns.data() + first), hn::IfThenElseZero(onwards, one));
   hn::Store(hn::Sub(turns, hn::IfThenElseZero(back, one)), d, angles.turns.data() + first);
   const Lane size = hn::Max(hn::Abs(real), hn::Abs(imaginary));
-  const auto counts = hn::And(hn::Ne(opposite, zero), hn::Gt(size, zero));
+  // Infinite: the products of lengths above 1e102 m, which no two kinds of SIMD treat alike.
+  const auto is_finite = hn::And(hn::IsFinite(real), hn::IsFinite(imaginary));
+  const auto counts = hn::And(hn::And(hn::Ne(opposite, zero), hn::Gt(size, zero)), is_finite);
   hn::Store(hn::IfThenElse(counts, hn::Div(real, size), old_real), d, angles.real.data() + first);
   hn::Store(hn::IfThenElse(counts, hn::Div(imaginary, size), old_imaginary), d, angles.imaginary.data() + first);
 }

@@ -46,6 +46,6 @@ def test_json_is_the_same_advice_for_scripts():
 
 
 def test_json_says_that_nothing_holds():
-    answer = advise("--depth-mm", "1e-30", "--seconds", "30", "--json")
+    answer = advise("--depth-mm", "1e-30", "--seconds", "8", "--json")
     advice = json.loads(answer.stdout)
     assert answer.returncode == 1 and advice["chosen"] is None and advice["command"] is None and advice["best"]

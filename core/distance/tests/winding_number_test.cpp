@@ -30,7 +30,7 @@ double sum_of_angles(const std::vector<Triangle>& triangles, const std::vector<V
   return sum / (4 * std::numbers::pi);
 }
 
-TEST_F(WindingNumberWithEachTarget, IsTheSumOfTheAnglesToTheSameBits) {
+TEST_F(WindingNumberWithEachTarget, IsTheSumOfTheAnglesAndTheSameBitsForEachTarget) {
   // Windings of -40 to 40, so that each lane turns, and, with triangles left out, of all fractions between.
   std::mt19937_64 generator(7);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -81,7 +81,7 @@ TEST(WindingNumber, IsThatOfAPartAloneWhereLanesAreLeftOver) {
   }
 }
 
-TEST(WindingNumber, IsANumberForPointsAsFarAndSurfacesAsSmallAsDoublesReach) {
+TEST(WindingNumber, IsANumberForFarPointsAndTinySurfaces) {
   TriangleMesh sphere = make_sphere(1, 2);
   EXPECT_NEAR(winding_number(sphere.triangles, sphere.vertices, Vec3(1e100, 0, 0)), 0, 1e-9);
   for (Vec3& vertex : sphere.vertices) vertex *= 1e-80;
