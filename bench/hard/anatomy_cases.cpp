@@ -158,8 +158,7 @@ HardCell far_flexion(const HardRequest& request) {
                     [](const std::string& muscle, const MovedScene& run) {
                       const Outcome& outcome = run.result.outcome;
                       return std::vector<HardFigure>{
-                          {muscle + ": nodes on the wrong side",
-                           static_cast<double>(outcome.tunnelled_nodes.value_or(-1)), 0, "nodes"},
+                          {muscle + ": nodes on the wrong side", run.tunnelled_nodes(), 0, "nodes"},
                           {muscle + ": largest volume error", outcome.max_volume_error.value_or(std::nan("")), 0.05}};
                     });
 }

@@ -72,7 +72,6 @@ MovedScene moved_in_time(const HardRequest& request, Scene scene, int runs) {
     if (frames_done != tried_frames) return;
     const double tried_s = 1e-9 * static_cast<double>(process_cpu_ns() - first_ended_ns);
     const double whole_s = tried_s * runs * frames / (tried_frames - 1);
-    fmt::print(stderr, "EST {} {} {:.2f} of {} frames {}\n", request.backend.name, runs, whole_s, frames, tried_s);
     if (whole_s <= most_s) return;
     throw TakesTooLong(fmt::format("would take {:.1f} s of at most {:.1f}{}", whole_s, most_s,
                                    request.whole ? "" : ": in the long run only (--all)"));

@@ -207,11 +207,9 @@ HardCell many_nodes(const HardRequest& request) {
     if (!request.whole) scene.loop.frames = 6;
     const MovedScene run = moved_in_time(request, std::move(scene));
     const Outcome& outcome = run.result.outcome;
-    const bool is_finite = run.result.status != "diverged";
-    return judged(
-        {{"nodes on the wrong side", is_finite ? outcome.tunnelled_nodes.value_or(-1) : std::nan(""), 0, "nodes"},
-         {"largest volume error", outcome.max_volume_error.value_or(std::nan("")), 0.05}},
-        request, run.said());
+    return judged({{"nodes on the wrong side", run.tunnelled_nodes(), 0, "nodes"},
+                   {"largest volume error", outcome.max_volume_error.value_or(std::nan("")), 0.05}},
+                  request, run.said());
   });
 }
 

@@ -27,10 +27,10 @@ HardCell step_size(const HardRequest& request, bool with_guard) {
          request.whole ? std::vector<std::int64_t>{2, 4, 8, 16, 32, 64, 256, 1024} : std::vector<std::int64_t>{4, 16}) {
       choice.loop_overrides["frames"] = frames;
       const MovedScene run = moved(request, choice);
-      const int tunnelled = run.result.outcome.tunnelled_nodes.value_or(-1);
+      const double tunnelled = run.tunnelled_nodes();
       figures.push_back(
-          {fmt::format("nodes on the wrong side at {:.3g} mm a frame", 100.0 / static_cast<double>(frames)),
-           tunnelled < 0 ? std::nan("") : tunnelled, 0, "nodes"});
+          {fmt::format("nodes on the wrong side at {:.3g} mm a frame", 100.0 / static_cast<double>(frames)), tunnelled,
+           0, "nodes"});
       if (tunnelled != 0 && said.empty()) said = run.said();
     }
     return judged(std::move(figures), request, said, with_guard ? MayRefuse::approximate : MayRefuse::everybody);
@@ -195,8 +195,7 @@ HardCell sharp_pairs_of_erleben(const HardRequest& request) {
       const bool is_finite = run.result.status != "diverged";
       const double lost = std::nan("");
       const double slack_m = 1e-6 * run.diagonal_m() + declared_m(run, request);
-      const HardFigure tunnelled{fmt::format("{}: tunnelled nodes", pair),
-                                 is_finite ? run.result.outcome.tunnelled_nodes.value_or(-1) : lost, 0, "nodes"};
+      const HardFigure tunnelled{fmt::format("{}: tunnelled nodes", pair), run.tunnelled_nodes(), 0, "nodes"};
       const HardFigure depth{fmt::format("{}: largest depth of a node", pair),
                              is_finite ? 1e3 * run.result.outcome.max_depth_m.value_or(lost) : lost, 1e3 * slack_m,
                              "mm"};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,6 +24,11 @@ double largest_gap_m(const std::vector<Vec3>& from, const std::vector<Vec3>& to)
 
 std::string MovedScene::said() const {
   return result.status == "ok" ? "" : fmt::format("{}: {}", result.status, result.status_detail);
+}
+
+double MovedScene::tunnelled_nodes() const {
+  const std::optional<int>& nodes = result.outcome.tunnelled_nodes;
+  return nodes && result.status != "diverged" ? *nodes : std::nan("");
 }
 
 double MovedScene::diagonal_m() const { return bounding_box(scene.muscle_mesh.vertices).diagonal().norm(); }

@@ -23,6 +23,8 @@ struct MovedScene {
   /// What the run's status says; empty for one that is ok.
   [[nodiscard]] std::string said() const;
   [[nodiscard]] double diagonal_m() const;
+  /// Most of them after a frame; NaN of a run that diverged or that nobody judged.
+  [[nodiscard]] double tunnelled_nodes() const;
   [[nodiscard]] const std::vector<Vec3>& positions(std::size_t frame) const {
     return result.snapshots[frame].positions;
   }
