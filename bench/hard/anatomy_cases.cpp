@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -41,6 +42,13 @@ std::vector<std::string> muscles_of(const HardRequest& request, const std::strin
   return {"adductor_brevis", "iliacus", "gluteus_medius", "gluteus_maximus"};
 }
 
+/// The cell, which also tells what was not run. The verdict stays: nothing that the program itself has said.
+HardCell without(HardCell cell, const std::string& left_out) {
+  if (!cell.detail.empty()) cell.detail += "; ";
+  cell.detail += left_out;
+  return cell;
+}
+
 /// `run_of(muscle)` of each; `figures_of(muscle, run)`. What is beyond a bar counts though a later muscle takes too
 /// long.
 template <typename Run, typename Figures>
@@ -57,8 +65,9 @@ HardCell each_moved(const HardRequest& request, const std::vector<std::string>& 
         if (said.empty()) said = run.said();
         for (HardFigure& figure : figures_of(muscle, run)) figures.push_back(std::move(figure));
       }
-    } catch (const TakesTooLong&) {
+    } catch (const TakesTooLong& slow) {
       if (std::ranges::all_of(figures, &HardFigure::holds)) throw;
+      return without(judged(std::move(figures), request, said), fmt::format("a later muscle {}", slow.what()));
     }
     return judged(std::move(figures), request, said);
   });
@@ -95,7 +104,7 @@ HardCell return_to_rest(const HardRequest& request) {
   HardCell once = returned(1);
   if (!request.whole || once.verdict != Verdict::holds) return once;
   HardCell often = returned(50);
-  return often.verdict == Verdict::not_applicable ? once : often;
+  return often.verdict == Verdict::not_applicable ? without(std::move(once), "50 returns: " + often.detail) : often;
 }
 
 HardCell self_intersection(const HardRequest& request) {
