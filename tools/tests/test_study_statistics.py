@@ -1,12 +1,15 @@
 """Medians with their intervals, of few frames and of several repetitions, and what is made of them."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from musclebench.results.statistics import Estimate, paired_ratio, pooled_median, quotient, total
+from musclebench.results.statistics import Estimate, paired_ratio, percentile, pooled_median, quotient, total
+
+BOOTSTRAP_CASES = Path(__file__).resolve().parents[2] / "core/measure/tests/block_bootstrap_cases.txt"
 
 
 def times(frames, stride=16):
@@ -47,3 +50,36 @@ def test_sums_and_quotients_carry_their_intervals():
     assert total([one, one]).value == 4 and total([one, one]).high == pytest.approx(5.9, abs=0.01)
     assert quotient(one, Estimate(2.0, 2, 2, 5, np.full(1001, 2.0))).value == 1
     assert math.isnan(quotient(one, Estimate.unknown()).value)
+
+
+def bootstrap_cases() -> list[tuple[str, pd.Series, list[float]]]:
+    """(name, values by frame, median with its interval) of what C++ and Python have to agree on."""
+    found = []
+    for part in BOOTSTRAP_CASES.read_text().split("case ")[1:]:
+        name, *lines = part.strip().splitlines()
+        told = {words[0]: [float(word) for word in words[1:]] for line in lines if (words := line.split())}
+        found.append((name, pd.Series(told["values"], index=[int(frame) for frame in told["frames"]]), told["median_low_high"]))
+    return found
+
+
+@pytest.mark.parametrize("name, values, expected", bootstrap_cases(), ids=[case[0] for case in bootstrap_cases()])
+def test_the_program_has_the_same_medians_and_intervals(name, values, expected):
+    found = pooled_median([values])
+    assert [found.value, found.low, found.high] == pytest.approx(expected, rel=0, abs=0, nan_ok=True)
+
+
+def test_neighbours_that_are_alike_count_as_one():
+    """Ten frames that are alike tell as little as one: an interval over single frames would be a third as wide."""
+    every_tenth = np.random.default_rng(4).normal(100, 10, 60)
+    alike = pooled_median([pd.Series(np.repeat(every_tenth, 10), index=range(600))])
+    alone = pooled_median([pd.Series(every_tenth, index=10 * np.arange(60))])
+    assert alike.value == alone.value
+    assert alike.high - alike.low == pytest.approx(alone.high - alone.low, rel=0.35)
+
+
+def test_a_percentile_has_the_rank_that_it_has_in_the_program():
+    """That of percentile_test.cpp."""
+    for count in range(1, 2001):
+        ascending = np.arange(count)
+        assert percentile(ascending, [99, 50]).tolist() == [(99 * count + 99) // 100 - 1, (count + 1) // 2 - 1]
+    assert percentile(np.arange(7), [0, 100]).tolist() == [0, 6]

@@ -1,12 +1,10 @@
 """Medians, variation and tests of few samples, such as one a process; ratios of samples that were taken side by side."""
 
-import zlib
-
 import numpy as np
 import pandas as pd
 from scipy import stats
 
-from .statistics import DRAWS, PERCENTILES, Estimate, percentile, quotient
+from .statistics import Estimate, bootstrap_median, quotient
 
 FEWEST_SAMPLES = 5  # fewer don't tell how well they determine their median
 EXACT_SAMPLES = 50
@@ -17,13 +15,7 @@ def median(samples: pd.Series) -> Estimate:
     values = samples.dropna().to_numpy(dtype=float)
     if not len(values):
         return Estimate.unknown()
-    value = float(np.median(values))
-    if len(values) < FEWEST_SAMPLES:
-        return Estimate(value, float("nan"), float("nan"), len(values))
-    random = np.random.default_rng(zlib.crc32(values.tobytes()))
-    draws = np.median(random.choice(values, size=(DRAWS, len(values))), axis=1)
-    low, high = percentile(draws, PERCENTILES)
-    return Estimate(value, float(low), float(high), len(values), draws)
+    return bootstrap_median(values[None, :], 1, FEWEST_SAMPLES)
 
 
 def ratio(above: pd.Series, below: pd.Series) -> Estimate:

@@ -1,6 +1,5 @@
 """Medians and ratios of frame times with an interval that says how well the runs determine them."""
 
-import zlib
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -39,7 +38,7 @@ def pooled_median(repetitions: list[pd.Series], draws: int = DRAWS) -> Estimate:
     table = pd.concat(repetitions, axis=1, join="inner").dropna().sort_index()
     if not table.size:
         return Estimate.unknown()
-    return _bootstrap_median(table.to_numpy().T, _block_length(table.index), draws)
+    return bootstrap_median(table.to_numpy(dtype=float).T, _block_length(table.index), FEWEST_FRAMES, draws)
 
 
 def paired_ratio(times: dict[int, pd.Series], reference: dict[int, pd.Series], draws: int = DRAWS) -> Estimate:
@@ -93,25 +92,37 @@ def _block_length(frames: pd.Index) -> int:
     return int(max(1, round(BLOCK_FRAMES / max(1.0, spacing))))
 
 
-def _bootstrap_median(values: np.ndarray, length: int, draws: int) -> Estimate:
-    """`values` has one row a repetition."""
+def bootstrap_median(values: np.ndarray, length: int, fewest: int, draws: int = DRAWS) -> Estimate:
+    """`values` has one row a repetition; blocks of `length` of a row are drawn, at most a third of it. Of fewer than `fewest`
+    in a row the interval is not known. Of one repetition it is to the last bit that of core/measure/block_bootstrap.hpp."""
     repetitions, frames = values.shape
     value = float(np.median(values))
-    if frames < FEWEST_FRAMES:
+    if frames < fewest:
         return Estimate(value, float("nan"), float("nan"), frames, np.full(draws, np.nan))
-    # Estimates of different values are drawn independently, and each always in the same way.
-    random = np.random.default_rng(zlib.crc32(np.ascontiguousarray(values).tobytes()))
-    parts = [_block_draws(values, min(length, frames // 3), draws, random) for _ in range(repetitions)]
-    medians = np.median(np.concatenate(parts, axis=1), axis=1)
+    length = max(1, min(length, frames // 3))
+    blocks = -(-frames // length)
+    # The values seed the draws: estimates of different values are drawn independently, and each always in the same way.
+    seed = np.bitwise_xor.reduce(_stream(np.ascontiguousarray(values).view(np.uint64).ravel(), values.size))
+    random = _stream(seed, repetitions * draws * (blocks + 1))
+    starts, chosen = np.split(random, [repetitions * draws * blocks])
+    starts = (starts % np.uint64(frames)).astype(np.int64).reshape(repetitions, draws, blocks)
+    chosen = (chosen % np.uint64(repetitions)).astype(np.int64).reshape(repetitions, draws, 1)
+    drawn = np.concatenate([_drawn(values, *part, length) for part in zip(starts, chosen)], axis=1)
+    medians = np.median(drawn, axis=1)
     low, high = percentile(medians, PERCENTILES)
     return Estimate(value, float(low), float(high), frames, medians)
 
 
-def _block_draws(values: np.ndarray, length: int, draws: int, random: np.random.Generator) -> np.ndarray:
-    """One repetition drawn a row, and of it blocks of frames; the first frame follows on the last."""
-    repetitions, frames = values.shape
-    blocks = -(-frames // length)
-    starts = random.integers(0, frames, size=(draws, blocks))
-    indices = ((starts[:, :, None] + np.arange(length)) % frames).reshape(draws, -1)[:, :frames]
-    chosen = random.integers(0, repetitions, size=(draws, 1)) if repetitions > 1 else np.zeros((draws, 1), dtype=int)
+def _drawn(values: np.ndarray, starts: np.ndarray, chosen: np.ndarray, length: int) -> np.ndarray:
+    """One repetition a row, and of it blocks of frames; the first frame follows on the last."""
+    frames = values.shape[1]
+    indices = ((starts[:, :, None] + np.arange(length)) % frames).reshape(len(starts), -1)[:, :frames]
     return values[chosen, indices]
+
+
+def _stream(seed: np.ndarray, count: int) -> np.ndarray:
+    """SplitMix64 (Steele, Lea and Flood 2014), the first numbers of a stream; of a seed each, its own."""
+    bits = seed + np.arange(1, count + 1, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15)
+    bits = (bits ^ (bits >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    bits = (bits ^ (bits >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return bits ^ (bits >> np.uint64(31))
