@@ -2,17 +2,22 @@
 
 import json
 import math
+from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from fake_study import SCENES, Truth, write_coupled
 from musclebench.accuracy import cases, report
 from musclebench.accuracy.aggregates import aggregates_of, of_mode
 from musclebench.accuracy.arm_errors import arm_errors
+from musclebench.results.arms import arm_differences
+from musclebench.results.run_folder import Run
 from musclebench.tables.arm_prices import arm_price_list, arm_table
 from musclebench.tables.outcomes import outcomes_table, shape_distances
 
 FLOOR_MM = 0.7
+ARM_CASES = Path(__file__).resolve().parents[2] / "core/measure/tests/arm_error_cases.txt"
 
 
 @pytest.fixture
@@ -87,3 +92,18 @@ def test_the_floor_of_shapes_has_a_row_and_everything_is_drawn(study):
     armed, _, errors = measured(study)
     rows = arm_table(armed, errors).rows.set_index(["muscle", "configuration"])
     assert rows.loc[(SCENES[0].split("/")[-1], "voxel 64"), "arm_rms_mm"] == pytest.approx(4)
+
+
+def test_the_program_has_the_same_error_of_moment_arms():
+    heading = ARM_CASES.read_text().splitlines()[1]
+    rms_mm, max_mm, _ = (float(word) for word in heading.split()[1:])
+    table = pd.read_csv(ARM_CASES, sep=" ", skiprows=3)
+
+    def run(before: str) -> Run:
+        fibres = pd.DataFrame({"muscle": "m", "frame": table["frame"], "angle_deg": table["angle_deg"],
+                               "mean_length_m": table[f"{before}length_mm"] / 1e3,
+                               "mean_moment_arm_m": table[f"{before}arm_mm"] / 1e3})
+        return Run(Path(before), {}, pd.DataFrame(), fibres=fibres)
+
+    found = arm_differences(run(""), run("exact_"))
+    assert found["arm_rms_mm"] == pytest.approx(rms_mm, abs=1e-6) and found["arm_max_mm"] == pytest.approx(max_mm, abs=1e-6)
