@@ -85,7 +85,7 @@ def write_accuracy(folder: Path) -> Path:
              "tables/price_list.md": "Prices.\n\n| muscle | holds (mm) | cheapest |\n| --- | ---: | --- |\n| iliacus | 0.1 | grid 64 |\n",
              "tables/effect_costs.csv": "muscle,effect,own_ms,share_percent,added_ms,saved_ms\n"
              + "".join(f"{muscle},{effect},{ms},1,,\n" for muscle in MUSCLES for effect, ms in (("bending", 0.25), ("self_contact", 1.5))),
-             "accuracy.csv": "case,status,status_detail,disturbance\na,ok,,\nb,failed,out of luck,\n", "study.json": '{"scenes": ["synthetic/iliacus"]}'}
+             "accuracy.csv": "case,scene,status,status_detail,disturbance\na,synthetic/iliacus,ok,,\nb,synthetic/iliacus,failed,out of luck,\n"}
     for name, text in files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text)

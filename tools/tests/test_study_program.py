@@ -12,6 +12,8 @@ from musclebench.cases.case import Folders
 from musclebench.program.registry import parse_registry, read_registry
 from musclebench.experiments.expansion import Expansion
 from musclebench.experiments.experiment_file import of_project
+from musclebench.figures import style
+from musclebench.page.sections import sections_of
 from musclebench.results.status import MEASURED
 from fake_sweep import FakeScenes
 from program import PROGRAM, call, needs_program
@@ -47,13 +49,26 @@ def test_what_the_program_does_by_default_needs_no_words_in_a_figure(folder, bac
     assert configuration(registry().backend(backend), case["parameters"]).is_default
 
 
+def require_its_page(study: Path) -> None:
+    """tools/report shows the charts and price lists that tools/accuracy wrote."""
+    (section,) = sections_of([study])
+    parts = {part.name for part in section.parts}
+    assert section.name == "accuracy"
+    assert {"pareto_replay", "pareto_coupled", "pareto_moment_arm", "price_list", "arm_price_list", "coupled_outcomes"} <= parts
+    chart = next(part for part in section.parts if part.name == "pareto_replay")
+    assert set(chart.rows["backend"]) == set(FEW) and set(section.backends) == set(FEW)
+    what = dict(section.what)
+    assert what["Runs"].startswith("13: ") and what["Scenes"] == "synthetic/adductor_brevis" and what["Begun"].startswith("20")
+
+
 def test_a_small_study_comes_out_complete(tmp_path, monkeypatch, capfd):
     few = parse_registry(fake_registry.with_studies(FEW), "few")
     monkeypatch.setattr(accuracy, "read_registry", lambda program: few)
-    monkeypatch.setattr(accuracy.report, "write_report", lambda out_dir: [], raising=False)
+    monkeypatch.setattr(style, "FORMATS", [".svg"])
     arguments = ["--musclebench", PROGRAM, "--out", str(tmp_path / "out"), "--muscle", "adductor_brevis",
                  "--frames-limit", "4", "--repetitions", "2"]
     assert accuracy.main(arguments) == 0, capfd.readouterr().err
+    require_its_page(tmp_path / "out")
     runs = {path.parent.name: json.loads(path.read_text()) for path in (tmp_path / "out" / "raw").glob("*/run.json")}
     assert {run["status"] for run in runs.values()} <= MEASURED and len(runs) == 13
     assert {run["case"]["mode"] for run in runs.values()} == {"replay", "coupled", "probe"}

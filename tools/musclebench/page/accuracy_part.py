@@ -1,11 +1,11 @@
 """What accuracy costs: the Pareto pictures, one muscle at a time, and the price lists."""
 
-import json
 from pathlib import Path
 
 import pandas as pd
 
 from ..accuracy.front import EXACT_MM
+from ..experiments.manifest import FILE_NAME, read_manifest
 from ..results.disturbance import note
 from ..results.status import MEASURED
 from .looks_of import looks_of_names
@@ -27,7 +27,7 @@ TABLES = (
 
 
 def is_accuracy(folder: Path) -> bool:
-    return (folder / "study.json").is_file() and (folder / "accuracy.csv").is_file()
+    return (folder / "accuracy.csv").is_file()
 
 
 def accuracy_section(folder: Path) -> Section:
@@ -49,13 +49,16 @@ def backends_of(charts: list[Chart]) -> set[str]:
 
 
 def what_was_run(folder: Path, cases: pd.DataFrame, figures: Path) -> list[tuple[str, str]]:
-    study = json.loads((folder / "study.json").read_text())
     counts = cases["status"].value_counts()
     told = [("Runs", f"{len(cases)}: " + ", ".join(f"{count} {status}" for status, count in counts.items())),
             ("What and on what", caption_of(figures, "pareto_replay")[-1]),
-            ("Scenes", ", ".join(study.get("scenes", []))),
-            ("Begun", str(study.get("started", "unknown")))]
-    return told + ([("Quick", "fewer configurations, frames and repetitions than the study has")] if study.get("quick") else [])
+            ("Scenes", ", ".join(cases["scene"].unique()))]
+    if not (folder / FILE_NAME).is_file():
+        return told  # merged from parts, or its plan is gone
+    plan = read_manifest(folder)
+    told.append(("Begun", plan.get("started", "unknown")))
+    is_quick = "--quick" in plan.get("command_line", [])
+    return told + ([("Quick", "fewer configurations, frames and repetitions than the study has")] if is_quick else [])
 
 
 def problems_of(cases: pd.DataFrame) -> list[str]:
