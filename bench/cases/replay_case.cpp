@@ -130,6 +130,7 @@ class Replayer {
     std::vector<AnswerErrors> all(m_by_muscle.parts());
     std::vector<Contact> contacts;
     std::vector<Contact> truth;
+    ContactSiteSampler sampler(m_replay.scene.bones.size(), m_replay.scene.bodies());
     auto record = m_result.records.begin();
     for_each_frame([&](const RecordedFrame& frame) {
       std::vector<AnswerErrors> errors(m_by_muscle.parts());
@@ -141,6 +142,7 @@ class Replayer {
         m_by_muscle.measure(referee, {step.bone_poses, step.positions, contacts, depths_known}, truth, m_replay.band_m,
                             errors);
       }
+      if (!frame.steps.empty()) sampler.add(frame.steps.back().bone_poses, frame.steps.back().positions, truth);
       m_by_muscle.add_accuracy(errors, *record++);
       for (std::size_t part = 0; part < all.size(); ++part) all[part].add(errors[part]);
     });
@@ -149,7 +151,22 @@ class Replayer {
     m_by_muscle.add_accuracy(all, whole);
     m_result.accuracy = whole.accuracy;
     for (const MuscleAnswers& muscle : whole.muscles) m_result.accuracy_of_muscles.push_back(*muscle.accuracy);
+    m_result.offsets = measure_surface(referee, sampler.sites());
     return hash.hex_digest().substr(0, 16);
+  }
+
+  [[nodiscard]] std::optional<SurfaceOffsets> measure_surface(const Referee& referee,
+                                                              std::vector<ContactSite> sites) const {
+    if (!m_backend->capabilities().point_queries) return std::nullopt;
+    const Scene& scene = m_replay.scene;
+    std::vector<double> diagonals_m;
+    for (const Bone& bone : scene.bones) {
+      diagonals_m.push_back(bounding_box(bone.surface.mesh.vertices).diagonal().norm());
+    }
+    classify_sites(referee, diagonals_m, scene.muscle_mesh, m_recording.header().free_nodes, sites);
+    const AskInside ask = ask_backend(*m_backend, scene.bones.size(), 100 * scene_diagonal_m(scene), sites);
+    return offset_statistics(sites, measure_offsets(ask, referee, diagonals_m, sites, m_replay.band_m),
+                             scene.bones.size(), scene.muscles.size());
   }
 
   const ReplayCase& m_replay;

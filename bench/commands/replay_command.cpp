@@ -76,6 +76,25 @@ void print_accuracy(const Accuracy& accuracy, double band_m) {
   }
 }
 
+/// Where the backend believes the bones' surfaces are.
+void print_offsets(const std::optional<SurfaceOffsets>& offsets, double bound_m) {
+  if (!offsets || !offsets->all) return;
+  const OffsetStatistics& all = *offsets->all;
+  fmt::print(
+      "  surface offset, p99 / max     {:>10.4g} / {:.4g} mm inwards, {:.4g} / {:.4g} mm outwards, at {} sites\n",
+      all.p99_inward_m * 1e3, all.max_inward_m * 1e3, all.p99_outward_m * 1e3, all.max_outward_m * 1e3, all.sites);
+  if (all.open_sites > 0) {
+    fmt::print("    at {} sites the answer does not change within {:g} mm\n", all.open_sites, bound_m * 1e3);
+  }
+  for (std::size_t kind = 0; kind < contact_difficulties.size(); ++kind) {
+    const std::optional<OffsetStatistics>& own = offsets->of_difficulties[kind];
+    if (!own) continue;
+    fmt::print("    {:<15}             {:>10.4g} / {:.4g} mm inwards, {:.4g} / {:.4g} mm outwards, at {} sites\n",
+               contact_difficulties[kind], own->p99_inward_m * 1e3, own->max_inward_m * 1e3, own->p99_outward_m * 1e3,
+               own->max_outward_m * 1e3, own->sites);
+  }
+}
+
 void print_muscles(const ReplayCase& replay, const std::vector<Accuracy>& accuracy) {
   for (std::size_t i = 0; i < accuracy.size(); ++i) {
     fmt::print("  {} with bones\n", replay.scene.muscles[i].body.name);
@@ -113,6 +132,7 @@ void print_summary(const ReplayCase& replay, const ReplayResult& result, const s
   fmt::print("  structures                    {:>10.3f} MB, {} in {:.2f} s\n",
              static_cast<double>(result.structure_bytes) * 1e-6, result.structures.is_from_file ? "loaded" : "built",
              static_cast<double>(result.build_ns) * 1e-9);
+  print_offsets(result.offsets, replay.band_m);
   if (result.accuracy) {
     print_accuracy(*result.accuracy, replay.band_m);
   }

@@ -47,12 +47,48 @@ Json json_of(const Accuracy& accuracy) {
   return json;
 }
 
+Json json_of(const std::optional<OffsetStatistics>& offsets) {
+  const auto figure = [&](auto OffsetStatistics::*member) {
+    return offsets ? Json((*offsets).*member) : Json(nullptr);
+  };
+  return {{"sites", offsets ? offsets->sites : 0},
+          {"open_sites", offsets ? offsets->open_sites : 0},
+          {"p99_offset_m", figure(&OffsetStatistics::p99_offset_m)},
+          {"max_offset_m", figure(&OffsetStatistics::max_offset_m)},
+          {"p99_inward_m", figure(&OffsetStatistics::p99_inward_m)},
+          {"max_inward_m", figure(&OffsetStatistics::max_inward_m)},
+          {"p99_outward_m", figure(&OffsetStatistics::p99_outward_m)},
+          {"max_outward_m", figure(&OffsetStatistics::max_outward_m)}};
+}
+
+/// Of all sites, of each pair of muscle and bone, and of each difficulty.
+Json json_of(const std::optional<SurfaceOffsets>& offsets, const Scene& scene) {
+  if (!offsets) return nullptr;
+  Json json = json_of(offsets->all);
+  json["of_pairs"] = Json::array();
+  for (std::size_t pair = 0; pair < offsets->of_pairs.size(); ++pair) {
+    Json own = {{"muscle", scene.muscles[pair % scene.muscles.size()].body.name},
+                {"bone", scene.bones[pair / scene.muscles.size()].name}};
+    own.update(json_of(offsets->of_pairs[pair]));
+    json["of_pairs"].push_back(own);
+  }
+  json["of_difficulties"] = Json::array();
+  for (std::size_t kind = 0; kind < contact_difficulties.size(); ++kind) {
+    Json own = {{"difficulty", contact_difficulties[kind]}};
+    own.update(json_of(offsets->of_difficulties[kind]));
+    json["of_difficulties"].push_back(own);
+  }
+  return json;
+}
+
 /// What one of several muscles is told of all bones.
-Json json_of_muscles(const ReplayCase& replay, const std::vector<Accuracy>& accuracy) {
+Json json_of_muscles(const ReplayCase& replay, const ReplayResult& result) {
+  const std::vector<Accuracy>& accuracy = result.accuracy_of_muscles;
   Json list = Json::array();
   for (std::size_t i = 0; i < accuracy.size(); ++i) {
     Json own = {{"muscle", replay.scene.muscles[i].body.name}};
     own.update(json_of(accuracy[i]));
+    own["surface_offset"] = result.offsets ? json_of(result.offsets->of_muscles[i]) : Json(nullptr);
     list.push_back(own);
   }
   return list;
@@ -89,7 +125,8 @@ Json manifest(const ReplayCase& replay, const ReplayResult& result, const Record
   add_origin(json, result.structures);
   json["build_ns"] = result.build_ns;
   json["accuracy"] = result.accuracy ? json_of(*result.accuracy) : Json(nullptr);
-  json["accuracy_of_muscles"] = json_of_muscles(replay, result.accuracy_of_muscles);
+  json["surface_offset"] = json_of(result.offsets, replay.scene);
+  json["accuracy_of_muscles"] = json_of_muscles(replay, result);
   json["contact_hash"] = result.contact_hash;
   add_muscles(json, replay, result.muscles);
   json["wall_ns"] = result.wall_ns;
@@ -128,10 +165,10 @@ constexpr auto columns_of_accuracy = std::to_array<Column<Row>>({
     {{"true_contacts", "", "by the Referee"}, figure<&Accuracy::true_contacts>},
     {{"missed_contacts", "", "true ones that were not answered"}, figure<&Accuracy::missed_contacts>},
     {{"false_contacts", "", "answered ones that are not true"}, figure<&Accuracy::false_contacts>},
-    {{"measured_contacts", "", "true and answered ones within --band-mm of the surface"},
+    {{"measured_contacts", "", "both true and answered, with a depth, and no deeper than --band-mm"},
      figure<&Accuracy::measured_contacts>},
     {{"max_depth_error_m", "m",
-      "over the measured contacts: the smallest error of signed distance that an answer admits"},
+      "of the measured contacts: largest difference between the answered depth and the Referee's"},
      statistic<&Accuracy::depth_error_m, &ErrorStatistics::max>},
     {{"p99_depth_error_m", "m", "99th percentile of it"}, statistic<&Accuracy::depth_error_m, &ErrorStatistics::p99>},
     {{"mean_depth_error_m", "m", "mean of it"}, statistic<&Accuracy::depth_error_m, &ErrorStatistics::mean>},

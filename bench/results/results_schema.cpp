@@ -1,6 +1,9 @@
 #include "bench/results/results_schema.hpp"
 
 #include <array>
+#include <deque>
+#include <string>
+#include <vector>
 
 #include "bench/results/probe_output.hpp"
 #include "bench/results/replay_output.hpp"
@@ -29,7 +32,7 @@ constexpr ManifestKey of_run_and_replay(std::string_view name, std::string_view 
   return {{name, unit, help}, true, true, false};
 }
 
-constexpr auto keys = std::to_array<ManifestKey>({
+constexpr auto own_keys = std::to_array<ManifestKey>({
     everywhere("schema_version", "", "version of columns and keys"),
     everywhere("status", "",
                "ok, suspect (an outcome is beyond its limit), diverged, interrupted, nondeterministic, unsupported"),
@@ -209,50 +212,14 @@ constexpr auto keys = std::to_array<ManifestKey>({
     of_replay("recording.stride", "", "every so many-th frame is replayed"),
     of_replay("recording.backend", "", "that drove the recorded run"),
     of_replay("recording.build", "", "that recorded it"),
-    of_replay("band_m", "m", "errors are measured so far from the surface"),
-    of_replay("accuracy.contacts", "", "answered"),
-    of_replay("accuracy.true_contacts", "", "by the Referee"),
-    of_replay("accuracy.missed_contacts", "", "true ones that were not answered"),
-    of_replay("accuracy.false_contacts", "", "answered ones that are not true"),
-    of_replay("accuracy.measured_contacts", "", "true and answered ones within the band"),
-    of_replay("accuracy.max_depth_error_m", "m", "over the measured contacts"),
-    of_replay("accuracy.p99_depth_error_m", "m", "over the measured contacts"),
-    of_replay("accuracy.mean_depth_error_m", "m", "over the measured contacts"),
-    of_replay("accuracy.max_normal_error_deg", "deg", "over those whose normal both sides know"),
-    of_replay("accuracy.p99_normal_error_deg", "deg", "over those whose normal both sides know"),
-    of_replay("accuracy.mean_normal_error_deg", "deg", "over those whose normal both sides know"),
-    of_replay("accuracy.max_missed_depth_m", "m", "deepest contact that was missed"),
-    of_replay("accuracy.max_false_distance_m", "m", "farthest contact that is false"),
+    of_replay("band_m", "m", "errors are measured, and offsets searched for, so far from the surface"),
     of_replay("contact_hash", "", "of all contacts with bones of all steps, in their order"),
     of_replay("muscle_contact_hash", "", "of all contacts between muscles, where they touch"),
     of_replay("accuracy_of_muscles[].muscle", "", "one of several, with all bones; the rest as in accuracy"),
-    of_replay("accuracy_of_muscles[].contacts", "", "answered"),
-    of_replay("accuracy_of_muscles[].true_contacts", "", "by the Referee"),
-    of_replay("accuracy_of_muscles[].missed_contacts", "", "true ones that were not answered"),
-    of_replay("accuracy_of_muscles[].false_contacts", "", "answered ones that are not true"),
-    of_replay("accuracy_of_muscles[].measured_contacts", "", "true and answered ones within the band"),
-    of_replay("accuracy_of_muscles[].max_depth_error_m", "m", "over the measured contacts"),
-    of_replay("accuracy_of_muscles[].p99_depth_error_m", "m", "over the measured contacts"),
-    of_replay("accuracy_of_muscles[].mean_depth_error_m", "m", "over the measured contacts"),
-    of_replay("accuracy_of_muscles[].max_normal_error_deg", "deg", "over those whose normal both sides know"),
-    of_replay("accuracy_of_muscles[].p99_normal_error_deg", "deg", "over those whose normal both sides know"),
-    of_replay("accuracy_of_muscles[].mean_normal_error_deg", "deg", "over those whose normal both sides know"),
-    of_replay("accuracy_of_muscles[].max_missed_depth_m", "m", "deepest contact that was missed"),
-    of_replay("accuracy_of_muscles[].max_false_distance_m", "m", "farthest contact that is false"),
     of_replay("muscle_accuracy[].muscles[]", "", "two that touch; the rest as in accuracy"),
-    of_replay("muscle_accuracy[].contacts", "", "answered"),
-    of_replay("muscle_accuracy[].true_contacts", "", "by the Referee"),
-    of_replay("muscle_accuracy[].missed_contacts", "", "true ones that were not answered"),
-    of_replay("muscle_accuracy[].false_contacts", "", "answered ones that are not true"),
-    of_replay("muscle_accuracy[].measured_contacts", "", "true and answered ones within the band"),
-    of_replay("muscle_accuracy[].max_depth_error_m", "m", "over the measured contacts"),
-    of_replay("muscle_accuracy[].p99_depth_error_m", "m", "over the measured contacts"),
-    of_replay("muscle_accuracy[].mean_depth_error_m", "m", "over the measured contacts"),
-    of_replay("muscle_accuracy[].max_normal_error_deg", "deg", "over those whose normal both sides know"),
-    of_replay("muscle_accuracy[].p99_normal_error_deg", "deg", "over those whose normal both sides know"),
-    of_replay("muscle_accuracy[].mean_normal_error_deg", "deg", "over those whose normal both sides know"),
-    of_replay("muscle_accuracy[].max_missed_depth_m", "m", "deepest contact that was missed"),
-    of_replay("muscle_accuracy[].max_false_distance_m", "m", "farthest contact that is false"),
+    of_replay("surface_offset.of_pairs[].muscle", "", "with one bone"),
+    of_replay("surface_offset.of_pairs[].bone", "", "the bone"),
+    of_replay("surface_offset.of_difficulties[].difficulty", "", "what makes contact hard there"),
     of_probe("detect_ns", "ns", "of all points against all bones"),
     of_probe("probed[].name", "", "of the bone"),
     of_probe("probed[].cell_edge_m", "m", "smallest; null where the backend has no cells"),
@@ -260,6 +227,59 @@ constexpr auto keys = std::to_array<ManifestKey>({
     of_probe("probed[].sharp_edges", "", "of the bone"),
     of_probe("probed[].sharp_vertices", "", "of the bone"),
 });
+
+/// Of the answers about contacts.
+constexpr auto accuracy_keys = std::to_array<ColumnInfo>({
+    {"contacts", "", "answered"},
+    {"true_contacts", "", "by the Referee"},
+    {"missed_contacts", "", "true ones that were not answered"},
+    {"false_contacts", "", "answered ones that are not true"},
+    {"measured_contacts", "", "both true and answered, with a depth, within the band"},
+    {"max_depth_error_m", "m", "over the measured contacts"},
+    {"p99_depth_error_m", "m", "over the measured contacts"},
+    {"mean_depth_error_m", "m", "over the measured contacts"},
+    {"max_normal_error_deg", "deg", "over those whose normal both sides know"},
+    {"p99_normal_error_deg", "deg", "over those whose normal both sides know"},
+    {"mean_normal_error_deg", "deg", "over those whose normal both sides know"},
+    {"max_missed_depth_m", "m", "deepest contact that was missed"},
+    {"max_false_distance_m", "m", "farthest contact that is false"},
+});
+
+/// Of where the backend's surface is.
+constexpr auto offset_keys = std::to_array<ColumnInfo>({
+    {"sites", "", "places of true contact that the backend was asked about"},
+    {"open_sites", "", "those where its answer did not change within the band"},
+    {"p99_offset_m", "m", "distance of its surface from the true one, in either direction, over the contacts"},
+    {"max_offset_m", "m", "largest of it"},
+    {"p99_inward_m", "m", "where its surface is too far in: nodes are let in so deep"},
+    {"max_inward_m", "m", "largest of it"},
+    {"p99_outward_m", "m", "where its surface is too far out: nodes are held off so far"},
+    {"max_outward_m", "m", "largest of it"},
+});
+
+/// Keys of replays that stand in several places, with what stands before them there. Their names live as long as the
+/// program.
+void append_keys(std::span<const std::string_view> places, std::span<const ColumnInfo> infos,
+                 std::vector<ManifestKey>& all) {
+  static std::deque<std::string> names;
+  for (const std::string_view place : places) {
+    for (const ColumnInfo& info : infos) {
+      names.push_back(std::string(place).append(".").append(info.name));
+      all.push_back(of_replay(names.back(), info.unit, info.help));
+    }
+  }
+}
+
+std::vector<ManifestKey> all_keys() {
+  std::vector<ManifestKey> all(own_keys.begin(), own_keys.end());
+  append_keys(std::to_array<std::string_view>({"accuracy", "accuracy_of_muscles[]", "muscle_accuracy[]"}),
+              accuracy_keys, all);
+  append_keys(
+      std::to_array<std::string_view>({"surface_offset", "surface_offset.of_pairs[]",
+                                       "surface_offset.of_difficulties[]", "accuracy_of_muscles[].surface_offset"}),
+      offset_keys, all);
+  return all;
+}
 
 Json json_of(const ColumnInfo& info) { return {{"name", info.name}, {"unit", info.unit}, {"help", info.help}}; }
 
@@ -282,13 +302,16 @@ bool ManifestKey::is_in(ResultKind kind) const {
   return kind == ResultKind::replay ? in_replay : in_probe;
 }
 
-std::span<const ManifestKey> manifest_keys() { return keys; }
+std::span<const ManifestKey> manifest_keys() {
+  static const std::vector<ManifestKey> keys = all_keys();
+  return keys;
+}
 
 Json results_schema_json() {
   Json of_manifests = Json::object();
   for (const ResultKind kind : result_kinds) {
     Json list = Json::array();
-    for (const ManifestKey& key : keys) {
+    for (const ManifestKey& key : manifest_keys()) {
       if (key.is_in(kind)) list.push_back(json_of(key.info));
     }
     of_manifests[std::string(name_of(kind))] = list;

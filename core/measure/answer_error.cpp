@@ -5,8 +5,6 @@
 #include <numbers>
 #include <utility>
 
-#include "core/measure/depth_error.hpp"
-
 namespace musclebench {
 
 namespace {
@@ -22,27 +20,21 @@ void add_normal_error(const Contact& contact, const Vec3& true_normal, AnswerErr
   }
 }
 
-void add_answered(bool depths_known, const Contact& contact, double signed_distance_m, const Vec3& true_normal,
-                  double band_m, AnswerErrors& errors) {
-  if (std::abs(signed_distance_m) <= band_m) {
-    errors.depth_errors_m.push_back(depth_error_m(signed_distance_m, &contact, depths_known));
-    add_normal_error(contact, true_normal, errors);
-  }
+/// A contact that both see.
+void add_answered(bool depths_known, const Contact& contact, const Contact& real, double band_m, AnswerErrors& errors) {
+  if (!(real.depth_m <= band_m)) return;
+  if (depths_known) errors.depth_errors_m.push_back(std::abs(contact.depth_m - real.depth_m));
+  add_normal_error(contact, real.normal, errors);
 }
 
-void add_false(const SurfaceDistance& surface, bool depths_known, const Contact& contact, double band_m,
-               AnswerErrors& errors) {
+void add_false(const SurfaceDistance& surface, AnswerErrors& errors) {
   ++errors.false_contacts;
   errors.max_false_distance_m = std::max(errors.max_false_distance_m, surface.signed_distance_m);
-  add_answered(depths_known, contact, surface.signed_distance_m, surface.normal, band_m, errors);
 }
 
-void add_missed(bool depths_known, const Contact& real, double band_m, AnswerErrors& errors) {
+void add_missed(const Contact& real, AnswerErrors& errors) {
   ++errors.missed_contacts;
   errors.max_missed_depth_m = std::max(errors.max_missed_depth_m, real.depth_m);
-  if (real.depth_m <= band_m) {
-    errors.depth_errors_m.push_back(depth_error_m(-real.depth_m, nullptr, depths_known));
-  }
 }
 
 void append(const std::vector<double>& from, std::vector<double>& to) { to.insert(to.end(), from.begin(), from.end()); }
@@ -67,17 +59,17 @@ void measure_answer(const TrueSurface& surface_at, std::span<const Contact> answ
   auto real = truth.begin();
   for (const Contact& contact : answered) {
     for (; real != truth.end() && key_of(*real) < key_of(contact); ++real) {
-      add_missed(depths_known, *real, band_m, errors);
+      add_missed(*real, errors);
     }
     if (real != truth.end() && key_of(*real) == key_of(contact)) {
-      add_answered(depths_known, contact, -real->depth_m, real->normal, band_m, errors);
+      add_answered(depths_known, contact, *real, band_m, errors);
       ++real;
     } else {
-      add_false(surface_at(contact), depths_known, contact, band_m, errors);
+      add_false(surface_at(contact), errors);
     }
   }
   for (; real != truth.end(); ++real) {
-    add_missed(depths_known, *real, band_m, errors);
+    add_missed(*real, errors);
   }
 }
 

@@ -15,12 +15,14 @@ namespace musclebench {
 struct AnswerErrors {
   long contacts = 0;  ///< answered
   long true_contacts = 0;
-  long missed_contacts = 0;               ///< true ones that were not answered
-  long false_contacts = 0;                ///< answered ones that are not true
-  double max_missed_depth_m = 0;          ///< of the missed contacts, however deep
-  double max_false_distance_m = 0;        ///< of the false contacts, however far
-  std::vector<double> depth_errors_m;     ///< one a measured contact
-  std::vector<double> normal_errors_deg;  ///< one a measured contact whose normal both sides know
+  long missed_contacts = 0;         ///< true ones that were not answered
+  long false_contacts = 0;          ///< answered ones that are not true
+  double max_missed_depth_m = 0;    ///< of the missed contacts, however deep
+  double max_false_distance_m = 0;  ///< of the false contacts, however far
+  /// One a contact that is true and answered, where the backend tells depths. What is missed or false has none: how
+  /// deep a missed contact is says what one substep moves a node, and nothing of the backend (see SurfaceOffsets).
+  std::vector<double> depth_errors_m;
+  std::vector<double> normal_errors_deg;  ///< the same, where both sides know a normal
 
   void add(const AnswerErrors& other);
 };
@@ -39,8 +41,8 @@ using TrueSurface = std::function<SurfaceDistance(const Contact& contact)>;
 /// Compares the answer, ordered by `Contact::bone`, then node, with `truth`, the Referee's of the same nodes in the
 /// same order, and adds to `errors`. `surface_at` is asked where a contact is not true.
 ///
-/// Measured are true and answered contacts not farther than `band_m` from the surface, inside or outside: their error
-/// is depth_error_m. The normal error is the angle between the answered normal and the Referee's.
+/// The depth error is the difference between the answered depth and the Referee's, the normal error the angle between
+/// their normals, of contacts that both see and that are not deeper than `band_m`.
 void measure_answer(const TrueSurface& surface_at, std::span<const Contact> answered, bool depths_known,
                     std::span<const Contact> truth, double band_m, AnswerErrors& errors);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "core/base/percentile.hpp"
@@ -235,15 +236,23 @@ std::optional<OffsetStatistics> statistics_of(std::span<const ContactSite> sites
 
 }  // namespace
 
-AskInside ask_backend(CollisionBackend& backend, std::size_t bones, std::span<const ContactSite> sites) {
-  return [&backend, sites, rest = std::vector<RigidMotion>(bones), found = std::vector<Contact>()](
-             std::span<const Vec3> points_m, std::span<const int> asked, std::vector<char>& inside) mutable {
-    backend.update(rest, points_m);
-    backend.detect(points_m, asked, found);
+AskInside ask_backend(CollisionBackend& backend, std::size_t bones, double away_m, std::span<const ContactSite> sites) {
+  return [&backend, bones, away_m, sites](std::span<const Vec3> points_m, std::span<const int> asked,
+                                          std::vector<char>& inside) {
     for (const int i : asked) inside[static_cast<std::size_t>(i)] = 0;
-    for (const Contact& contact : found) {
-      const auto site = static_cast<std::size_t>(contact.node);
-      if (contact.bone == sites[site].bone) inside[site] = 1;
+    std::vector<Contact> found;
+    for (std::size_t bone = 0; bone < bones; ++bone) {
+      std::vector<int> of_bone;
+      std::ranges::copy_if(asked, std::back_inserter(of_bone),
+                           [&](int i) { return sites[static_cast<std::size_t>(i)].bone == static_cast<int>(bone); });
+      if (of_bone.empty()) continue;
+      std::vector<RigidMotion> poses(bones, {Mat3::Identity(), Vec3::Constant(away_m)});
+      poses[bone] = {};
+      backend.update(poses, points_m);
+      backend.detect(points_m, of_bone, found);
+      for (const Contact& contact : found) {
+        if (contact.bone == static_cast<int>(bone)) inside[static_cast<std::size_t>(contact.node)] = 1;
+      }
     }
   };
 }

@@ -48,9 +48,9 @@ struct SurfaceOffsets {
 using AskInside =
     std::function<void(std::span<const Vec3> points_m, std::span<const int> asked, std::vector<char>& inside)>;
 
-/// Asks a backend that has `point_queries`, and is built, about single nodes: as a black box, with all bones in rest
-/// pose. `sites` outlive the function.
-AskInside ask_backend(CollisionBackend& backend, std::size_t bones, std::span<const ContactSite> sites);
+/// Asks a backend that has `point_queries`, and is built, about single nodes: as a black box, with the bone in rest
+/// pose and the others `away_m` from there, so that nothing is asked about them. `sites` outlive the function.
+AskInside ask_backend(CollisionBackend& backend, std::size_t bones, double away_m, std::span<const ContactSite> sites);
 
 /// Searches from each site, outwards where the method takes a point just outside the surface for inside, else inwards,
 /// until its answer changes: by steps that double up to 1/64 of `bound_m`, then by bisection. The path is the site's

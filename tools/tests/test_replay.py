@@ -77,24 +77,32 @@ def test_the_exact_backend_answers_its_own_recording_exactly(recording, tmp_path
     for count in ("contacts", "true_contacts", "missed_contacts", "false_contacts", "measured_contacts"):
         assert frames[count].sum() == accuracy[count]
     assert frames.max_depth_error_m.max() == accuracy["max_depth_error_m"]
+    assert manifest["surface_offset"]["max_offset_m"] == 0 and manifest["surface_offset"]["sites"] > 0
 
 
 @pytest.mark.parametrize("backend", ["null", "voxel", "sdf", "fcl", "brute_force"])
 def test_every_backend_is_asked_the_same(recording, tmp_path, backend):
     exact = replay(recording, tmp_path / "exact")[0]["accuracy"]
     manifest, _ = replay(recording, tmp_path / "out", backend=backend)
-    accuracy = manifest["accuracy"]
+    accuracy, offset = manifest["accuracy"], manifest["surface_offset"]
+    assert offset is None or offset["sites"] == sum(kind["sites"] for kind in offset["of_difficulties"]) > 0
     assert accuracy["true_contacts"] == exact["true_contacts"]
     assert accuracy["contacts"] - accuracy["false_contacts"] == accuracy["true_contacts"] - accuracy["missed_contacts"]
     if backend == "null":
         assert accuracy["missed_contacts"] == accuracy["true_contacts"]
-        assert accuracy["max_depth_error_m"] == pytest.approx(accuracy["max_missed_depth_m"])
+        assert accuracy["max_depth_error_m"] is None
+        assert offset["p99_inward_m"] == manifest["band_m"] and offset["open_sites"] == offset["sites"]
     if backend == "voxel":
         assert accuracy["missed_contacts"] == 0
-        assert accuracy["max_depth_error_m"] == pytest.approx(accuracy["max_false_distance_m"])
-        assert accuracy["max_normal_error_deg"] is None
+        assert accuracy["max_depth_error_m"] is None and accuracy["max_normal_error_deg"] is None
+        assert offset["max_offset_m"] < 1e-9  # the grid ends where the box does
     if backend == "sdf":
         assert 0 < accuracy["max_depth_error_m"] < 1e-3
+        assert offset["max_offset_m"] < 1e-3
+    if backend == "fcl":  # it collides surfaces
+        assert offset is None
+    if backend == "brute_force":
+        assert offset["max_offset_m"] == 0
 
 
 def test_threads_change_no_contact(recording, tmp_path):
@@ -113,7 +121,7 @@ def test_a_stride_keeps_the_last_frame(recording, tmp_path):
 
 def test_without_referee_errors_stay_empty(recording, tmp_path):
     manifest, frames = replay(recording, tmp_path / "out", "--no-referee")
-    assert manifest["accuracy"] is None
+    assert manifest["accuracy"] is None and manifest["surface_offset"] is None
     assert frames.contacts.notna().all()
     assert frames[["true_contacts", "missed_contacts", "max_depth_error_m", "mean_normal_error_deg"]].isna().all().all()
 

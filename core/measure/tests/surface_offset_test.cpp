@@ -163,7 +163,7 @@ TEST(SurfaceOffset, ABackendIsAskedAboutTheBoneOfTheSite) {
   // The other bone covers the first: its contacts say nothing of the first one's surface.
   ShapeBackend backend({ball(Vec3::Zero(), 0.0195), ball(Vec3::Zero(), 0.5)});
   const SurfaceOffsets found =
-      offset_statistics(surface.sites(), surface.measure(ask_backend(backend, 2, surface.sites())), 1, 1);
+      offset_statistics(surface.sites(), surface.measure(ask_backend(backend, 2, 100, surface.sites())), 1, 1);
   // The mesh of the ball lies a little inside of it.
   EXPECT_NEAR(found.all->p99_inward_m, 0.0005, 2e-5);
   EXPECT_EQ(found.all->open_sites, 0);
