@@ -6,14 +6,18 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
 import compare as command
+import fake_runs
 from musclebench.comparison import instructions, interleaved, revisions
-from musclebench.comparison.metrics import values_of
+from musclebench.comparison.frame_times import frame_times
+from musclebench.comparison.metrics import WAITED, values_of
 from musclebench.comparison.result_set import read_set
 from musclebench.comparison.verdicts import compare
+from musclebench.results.run_folder import Run, read_run
 from program import PROGRAM, needs_program
 
 SCENE = "hard/resting_contact"
@@ -91,10 +95,62 @@ def test_what_only_the_judged_run_tells_is_no_difference_to_the_others(copies):
     assert changes() == {("status", "suspect", "ok")}
     say(1, "suspect")
     assert changes() == set()
-    say(0, "timeout")
-    assert ("status", "ok or timeout", "suspect") in changes()
-    say(1, "timeout")
-    assert changes() == {("status", "ok or timeout", "ok or timeout")}  # not the same from run to run
+    say(0, "timeout")  # then that side was not judged
+    assert changes() == set()
+
+
+def end(folder: Path, status: str) -> Path:
+    """As if the run had ended so."""
+    record = json.loads((folder / "run.json").read_text())
+    (folder / "run.json").write_text(json.dumps(record | {"status": status}))
+    (folder / "measured.json").unlink(missing_ok=True)
+    return folder
+
+
+def test_time_that_was_up_once_is_no_answer_and_always_is_one(copies):
+    end(copies[1] / "raw" / "resting_contact-grid-r2", "timeout")
+    found = compare(*map(read_set, copies))
+    assert {row.case for row in found.changes} == {"resting_contact-tree"}
+    assert any("resting_contact-grid-r2: ended as timeout; others of its case ended" in fault for fault in found.after.faults)
+    for run in (copies[1] / "raw").glob("resting_contact-grid-*"):
+        end(run, "timeout")
+    assert ("status", "ok", "timeout") in {(row.metric.name, row.before, row.after)
+                                           for row in compare(*map(read_set, copies)).changes if row.case == "resting_contact-grid"}
+
+
+def test_a_counted_run_whose_time_was_up_is_no_answer(copies):
+    for side in copies:
+        counted = shutil.copytree(side / "raw" / "resting_contact-grid-r0", side / "raw" / "resting_contact-grid-counted")
+        noted = json.loads((counted / "measured.json").read_text())
+        noted |= {"is_slowed": True, "counters": {"instructions": 1000, "collision_instructions": 100}}
+        (counted / "measured.json").write_text(json.dumps(noted))
+    before = read_set(copies[0])
+    counted = before.cases["resting_contact-grid"][0]
+    assert counted.values == {"instructions": 1000, "collision_instructions": 100}
+    assert any("its constraint_instructions are not known" in fault for fault in before.faults)
+    assert {row.case for row in compare(before, read_set(copies[1])).changes} == {"resting_contact-tree"}
+    end(copies[1] / "raw" / "resting_contact-grid-counted", "timeout")
+    after = read_set(copies[1])
+    assert {row.case for row in compare(before, after).changes} == {"resting_contact-tree"}
+    assert any("ended as timeout; its instructions are not counted" in fault for fault in after.faults)
+
+
+def test_frames_are_compared_with_the_same_frames_of_other_runs():
+    """The motion's frames take longer and longer, and each run was interrupted in half of them. The third is 10 % slower."""
+    frame, random = np.arange(1, 61), np.random.default_rng(1)
+    times = 1e5 * 1.1 ** frame
+
+    def run(factor: float, interrupted) -> Run:
+        rows = {"frame": frame, "warm_up": 0, "frame_ns": factor * np.where(interrupted, 5, 1) * times, WAITED: interrupted.astype(int)}
+        return Run(Path("run"), {}, pd.DataFrame(rows))
+
+    runs = [run(factor, random.random(60) < 0.5) for factor in [1.0, 1.0, 1.1, *[1.0] * 7]]
+    found = frame_times([*runs, run(1.0, frame > 4)], "frame_ns")
+    assert found[10] is None  # too few quiet frames
+    slower = found.pop(2)
+    assert found[:9] == pytest.approx([found[0]] * 9) and slower == pytest.approx(1.1 * found[0])
+    assert found[0] == pytest.approx(np.median(times), rel=0.1)
+    assert frame_times(runs, "collision_ns") == [None] * 10 and frame_times([], "frame_ns") == []
 
 
 def test_suspect_is_no_change_where_only_one_side_was_judged(copies):
@@ -243,16 +299,69 @@ def test_counted_instructions_are_those_of_the_loop_and_repeat(tmp_path):
         subprocess.run([*prefix, PROGRAM, "run", "hard/resting_contact", "--backend", "null", "--frames", str(frames),
                         "--no-referee", "--force", "--out", str(tmp_path / "run")], check=True, capture_output=True)
         counts.append(instructions.read_callgrind(tmp_path))
-    assert math.isclose(counts[0], counts[1], rel_tol=1e-3) and math.isclose(counts[2], 3 * counts[0], rel_tol=0.2)
+    once, again, three_times = (count["instructions"] for count in counts)
+    assert math.isclose(once, again, rel_tol=1e-3) and math.isclose(three_times, 3 * once, rel_tol=0.2)
+    assert set(counts[0]) == {"instructions", *instructions.PARTS}
+    assert counts[0]["constraint_instructions"] > 0.5 * once > counts[0]["collision_instructions"] > 0
+    assert sum(counts[0][part] for part in instructions.PARTS) < once
+
+
+def test_instructions_are_counted_by_part(tmp_path):
+    """Those of all calls of a function, with what it calls; its name stands where its number is used first."""
+    (tmp_path / instructions.CALLGRIND_FILE).write_text("""events: Ir
+fn=(1) musclebench::Simulation::collide(bool, musclebench::CollisionObserver*)
+10 5
+cfn=(2) musclebench::Simulation::find_contacts()
+calls=4 20
++1 700
+cfn=(3) musclebench::Simulation::respond()
+calls=4 30
+* 50
+
+fn=(2)
+20 650
+cfn=(4) musclebench::other()
+calls=9 1
++2 50
+
+fn=(5) musclebench::Simulation::step()
+1 1
+cfn=(6) musclebench::Simulation::project(musclebench::SubstepInput const&, musclebench::Team const&)
+calls=1 1
+1 200
+cfn=(2)
+calls=1 1
+1 30
+
+totals: 1000
+""")
+    assert instructions.read_callgrind(tmp_path) == {"instructions": 1000, "collision_instructions": 780, "constraint_instructions": 200}
+
+
+def test_what_answers_are_worth_is_compared(tmp_path):
+    rest, moved = (np.array([[0.0, 0, z], [1, 0, z], [0, 1, z]]) for z in (0.0, 0.002))
+    shots = [fake_runs.Snapshot(frame, 0, shape, np.zeros(3), np.zeros(3, dtype="u1"), []) for frame, shape in ((0, rest), (20, moved))]
+    folder = fake_runs.write_run(tmp_path / "run", "synthetic/iliacus", "bvh", loop={"rest_frames": 6}, snapshots=shots,
+                                 triangles=np.array([[0, 1, 2]]))
+    record = json.loads((folder / "run.json").read_text())
+    record["outcome"] = {"p99_surface_depth_m": 0.001, "max_surface_depth_m": 0.003}
+    (folder / "run.json").write_text(json.dumps(record))
+    run = read_run(folder)
+    run.fibres = pd.DataFrame({"mean_moment_arm_m": [np.nan, 0.01, 0.03, 0.05]})
+    told = values_of(run)
+    assert (told["p99_surface_depth_m"], told["max_surface_depth_m"], told["moment_arm_m"]) == (0.001, 0.003, 0.03)
+    assert told["return_to_rest_m"] == pytest.approx(0.002)
+    run.record["case"]["loop"]["rest_frames"] = 0
+    assert "return_to_rest_m" not in values_of(run)
 
 
 def test_a_run_that_counting_slowed_tells_no_times(sets):
     sample = read_set(sets / "before").cases["resting_contact-tree"][-1]
     told = values_of(sample.run, {"is_slowed": True, "counters": {"instructions": 7}})
-    assert told == {"status": "ok", "instructions": 7} and "frame_ns" in values_of(sample.run)
+    assert told == {"instructions": 7} and "cpu_ns" in values_of(sample.run)
 
 
 def test_nothing_counted_is_unknown(tmp_path):
-    assert instructions.read_callgrind(tmp_path) is None
+    assert instructions.read_callgrind(tmp_path) == {}
     (tmp_path / instructions.CALLGRIND_FILE).write_text("totals: 0\n")
-    assert instructions.read_callgrind(tmp_path) is None
+    assert instructions.read_callgrind(tmp_path) == {}

@@ -52,10 +52,14 @@ def test_the_default_is_the_nightly_experiment(planned):
     assert found.repetitions == nightly.repetitions and len(timed) == nightly.repetitions * (4 + 3)
     told = {(words[1], value(words, "--backend"), value(words, "--frames"), value(words, "--preset"))
             for words in (case.arguments(FOLDERS) for case in timed)}
-    small, small_slow, usual, _ = nightly.groups
+    small, small_slow, usual, _, motion = nightly.groups
     fast = ("plain", "tree", "grid")  # what has no longest_stride in its study
     assert told == {*((SCENE, name, str(small.frames[0]), "") for name in fast), (SCENE, "slow", str(small_slow.frames[0]), ""),
                     *(("synthetic/iliacus", name, str(usual.frames[0]), "paper") for name in fast)}
+    judged = [case.arguments(FOLDERS) for case in found.cases if case.purpose == JUDGED and case.asked.group.name == motion.name]
+    assert len(judged) == len(fast)  # what is run once is judged, and not timed
+    assert all("--fibres-if-possible" in words and "rest_frames=" in value(words, "--loop") for words in judged)
+    assert all(value(words, "--snapshots").startswith("0,") for words in judged)
 
 
 def test_judging_and_counting_are_runs_of_their_own_and_programs_stand_next_to_each_other(planned):

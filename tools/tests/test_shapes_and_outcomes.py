@@ -27,11 +27,11 @@ def square(height_m, half_m=1.0):
 
 
 def test_distances_of_parallel_squares_and_of_spheres():
-    assert shapes.rms_distance_m(square(0), square(0.25)) == pytest.approx(0.25)
+    assert ply.rms_distance_m(square(0), square(0.25)) == pytest.approx(0.25)
     assert shapes.hausdorff_distance_m(square(0), square(0.25)) == pytest.approx(0.25, rel=1e-6)
     small, large = (mesh_of(fake_runs.sphere((0, 0, 0), r, rings=24)) for r in (1.0, 1.5))
     assert shapes.hausdorff_distance_m(small, large) == pytest.approx(0.5, rel=1e-3)
-    assert shapes.rms_distance_m(small, large) == pytest.approx(0.5)
+    assert ply.rms_distance_m(small, large) == pytest.approx(0.5)
 
 
 def test_the_hausdorff_distance_is_symmetric_and_to_the_surface():
@@ -46,7 +46,7 @@ def test_the_hausdorff_distance_is_symmetric_and_to_the_surface():
 
 
 def test_shapes_of_different_nodes_have_no_rms():
-    assert math.isnan(shapes.rms_distance_m(square(0), mesh_of(fake_runs.sphere((0, 0, 0), 1.0))))
+    assert math.isnan(ply.rms_distance_m(square(0), mesh_of(fake_runs.sphere((0, 0, 0), 1.0))))
     broken = square(0)
     broken.vertices_m[0] = math.nan
     assert math.isnan(shapes.hausdorff_distance_m(broken, square(0)))

@@ -9,13 +9,6 @@ from vtkmodules.vtkFiltersModeling import vtkHausdorffDistancePointSetFilter
 from ..results.ply import PlyMesh
 
 
-def rms_distance_m(a: PlyMesh, b: PlyMesh) -> float:
-    """Over nodes of the same number; NaN for meshes of different nodes."""
-    if a.vertices_m.shape != b.vertices_m.shape or not len(a.vertices_m):
-        return float("nan")
-    return float(np.sqrt(np.mean(np.sum((a.vertices_m - b.vertices_m) ** 2, axis=1))))
-
-
 def hausdorff_distance_m(a: PlyMesh, b: PlyMesh) -> float:
     """Symmetric, from the vertices of each to the surface of the other: never more than the surfaces' own, and less by
     no more than an edge. NaN where a mesh is empty or not finite."""

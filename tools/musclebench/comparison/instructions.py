@@ -18,6 +18,13 @@ DISABLED, INHERIT, NO_KERNEL, NO_HYPERVISOR, ENABLE_ON_EXEC = 1 << 0, 1 << 1, 1 
 COUNTED = "musclebench::Simulation::step_frame(*"
 CALLGRIND_FILE = "callgrind.out"
 TOTALS = re.compile(r"^(?:totals|summary): (\d+)", re.MULTILINE)
+# Of the loop: 10 % of a part may be less than 1 % of the whole. Each is called from the loop only, and none within another.
+PARTS = {
+    "collision_instructions": ("musclebench::Simulation::find_contacts(", "musclebench::Simulation::respond("),
+    "constraint_instructions": ("musclebench::Simulation::project(",),
+}
+CALLED = re.compile(r"^cfn=\((\d+)\)(?: (.*))?$")
+NAMED = re.compile(r"^fn=\((\d+)\)(?: (.*))?$")
 
 
 class NotCounted(Exception):
@@ -65,13 +72,39 @@ def callgrind_prefix(folder: Path) -> list[str]:
             f"--toggle-collect={COUNTED}"]
 
 
-def read_callgrind(folder: Path) -> int | None:
-    """None where nothing was counted: a program without the function, or without its name."""
+def read_callgrind(folder: Path) -> dict[str, int]:
+    """{counter: instructions} of the loop and of its parts; without those of which nothing was counted: a program without the
+    function, or without its name."""
     try:
-        found = TOTALS.search((folder / CALLGRIND_FILE).read_text(errors="replace"))
+        text = (folder / CALLGRIND_FILE).read_text(errors="replace")
     except OSError:
-        return None
-    return int(found.group(1)) or None if found else None
+        return {}
+    total = TOTALS.search(text)
+    calls = _inclusive(text)
+    parts = {part: sum(cost for name, cost in calls.items() if name.startswith(names)) for part, names in PARTS.items()}
+    return {name: count for name, count in ({"instructions": int(total.group(1)) if total else 0} | parts).items() if count}
+
+
+def _inclusive(text: str) -> dict[str, int]:
+    """{function: instructions of all calls of it, with what it calls}. The second line after a call has its cost; a name
+    stands at the number's first use, wherever that is."""
+    names: dict[str, str] = {}
+    found: dict[str, int] = {}
+    called, is_cost = "", False
+    for line in text.splitlines():
+        if line.startswith(("cfn=", "fn=")) and (match := CALLED.match(line) or NAMED.match(line)):
+            names.setdefault(match.group(1), match.group(2) or "")
+            if line.startswith("cfn="):
+                called = match.group(1)
+        elif line.startswith("calls="):
+            is_cost = True
+        elif is_cost:
+            found[called] = found.get(called, 0) + int(line.split()[1])
+            is_cost = False
+    by_name: dict[str, int] = {}
+    for number, cost in found.items():
+        by_name[names[number]] = by_name.get(names[number], 0) + cost
+    return by_name
 
 
 def _advice() -> str:

@@ -73,8 +73,9 @@ class InterleavedCase(Case):
 
 
 def asked_for(case: SweptCase, purpose: str) -> SweptCase:
-    """The Referee judges in a run of its own, so that all repetitions are alike."""
-    group = replace(case.group, judged="always" if purpose == JUDGED else "never", snapshots=())
+    """The Referee judges in a run of its own, which also keeps shapes, so that all repetitions are alike."""
+    group = replace(case.group, judged="always" if purpose == JUDGED else "never",
+                    snapshots=case.group.snapshots if purpose == JUDGED else ())
     scene = case.scene
     if purpose == COUNTED:
         scene = replace(scene, frames=group.counted_frames, frames_limit=group.counted_frames)
@@ -101,7 +102,9 @@ def plan(firsts: list[SweptCase], file: ExperimentFile, programs: tuple[str, ...
               COUNTED: [case for case in firsts if case.group.counted_frames and not why_not]}
     cases = [InterleavedCase(asked_for(case, purpose), program, purpose)
              for purpose, some in wanted.items() for case in some for program in programs]
-    for case in rounds(firsts, file):
+    # Of a case that is run once the judged run is that one: it has answers and no times.
+    timed = [case for case in firsts if case.group.repetitions != 1 or case.group.judged == "never"]
+    for case in rounds(timed, file):
         cases += [InterleavedCase(asked_for(case, TIMED), program) for program in order.sample(programs, len(programs))]
     return Plan(cases, [f"instructions are not counted: {why_not}"] if why_not else [])
 
@@ -149,7 +152,7 @@ class InterleavedExperiment(Experiment):
                 pass  # callgrind counts
 
     def complete(self, case: InterleavedCase, folder: Path, exit_code: int) -> None:
-        counters = {"instructions": read_callgrind(folder.parent)} if case.purpose == COUNTED else {}
+        counters = read_callgrind(folder.parent) if case.purpose == COUNTED else {}
         if self._counter is not None:
             counters["process_instructions"] = self._counter.read() or None
             self._counter = None

@@ -10,11 +10,15 @@ from pathlib import Path
 from ..program.cli import Problem
 from ..results.run_folder import ResultProblem, Run, read_run
 from ..results.status import MEASURED
-from .metrics import values_of
+from .frame_times import COLUMNS, frame_times
+from .instructions import PARTS
+from .metrics import SHORTEST_NS, values_of
 
 MEASURED_FILE = "measured.json"  # what was noted beside a run: on which core, interleaved with what, its counters
 SCHEMAS = (1, 2)  # of run.json, that these tools read
-REPETITION = re.compile(r"-(?:r(\d+)|judged)$")
+REPETITION = re.compile(r"-(?:r(\d+)|judged|counted)$")
+COUNTED = re.compile(r"-counted$")  # a run of its own, some fifty times slower
+TIMED_OUT = "timeout"
 
 
 @dataclass
@@ -35,6 +39,11 @@ class Sample:
     def is_judged(self) -> bool:
         """By the Referee. Its times are then not the loop's, and only then its status says what the Referee found."""
         return bool(self.run.record.get("case", {}).get("judged"))
+
+    @property
+    def tells_times(self) -> bool:
+        """Of its frames: nothing slowed it, neither the Referee nor counting."""
+        return self.run.status in MEASURED and not self.is_judged and not self.measured.get("is_slowed")
 
 
 @dataclass
@@ -68,11 +77,14 @@ def read_set(folder: Path, name: str = "") -> ResultSet:
     samples = []
     for record in records:
         try:
-            samples.append(_read_sample(record.parent))
+            samples.append(sample := _read_sample(record.parent))
+            found.faults += _parts_missing(sample)
         except ResultProblem as problem:
             found.faults.append(str(problem))
-    for sample in _of_one_schema(samples, found.faults):
-        found.cases.setdefault(REPETITION.sub("", sample.run.folder.name), []).append(sample)
+    for sample in _that_ended(_of_one_schema(samples, found.faults), found.faults):
+        found.cases.setdefault(_case_of(sample), []).append(sample)
+    for samples in found.cases.values():
+        _add_frame_times(samples)
     return found
 
 
@@ -89,6 +101,21 @@ def _read_sample(folder: Path) -> Sample:
     match = REPETITION.search(folder.name)
     repetition = int(match.group(1)) if match and match.group(1) else run.record["case"].get("repetition")
     return Sample(run, measured | _sealed(folder), repetition, values)
+
+
+def _parts_missing(sample: Sample) -> list[str]:
+    counted = sample.measured.get("counters", {})
+    missing = [part for part in PARTS if part not in counted] if "instructions" in counted else []
+    return [f"{sample.run.folder}: its {' and '.join(missing)} are not known; did the compiler inline what is counted?"] if missing else []
+
+
+def _add_frame_times(samples: list[Sample]) -> None:
+    """Of a case, whose runs have the same frames."""
+    timed = [sample for sample in samples if sample.tells_times]
+    for column in COLUMNS:
+        for sample, time in zip(timed, frame_times([sample.run for sample in timed], column)):
+            if time is not None and time >= SHORTEST_NS:
+                sample.values[column] = time
 
 
 def _read_measured(folder: Path) -> dict:
@@ -146,6 +173,25 @@ def _of_one_schema(samples: list[Sample], faults: list[str]) -> list[Sample]:
         why = f"others here have {newest}" if schema in SCHEMAS else f"these tools read {SCHEMAS[0]} to {SCHEMAS[-1]}"
         faults.append(f"{path}:{_line_of(path, 'schema_version')}: schema_version {schema}, {why}; left out")
     return kept
+
+
+def _that_ended(samples: list[Sample], faults: list[str]) -> list[Sample]:
+    """Without runs whose time was up where others of the case ended, and without those that counting slowed too much: that
+    says something of the machine. Where no run of a case ended the program may hang, which is an answer."""
+    ended = {_case_of(sample) for sample in samples if sample.run.status != TIMED_OUT and not COUNTED.search(sample.run.folder.name)}
+    kept = []
+    for sample in samples:
+        is_counted = bool(COUNTED.search(sample.run.folder.name))
+        if sample.run.status in MEASURED or not (is_counted or (sample.run.status == TIMED_OUT and _case_of(sample) in ended)):
+            kept.append(sample)
+        else:
+            why = "its instructions are not counted" if is_counted else "others of its case ended"
+            faults.append(f"{sample.run.folder}: ended as {sample.run.status}; {why}; left out")
+    return kept
+
+
+def _case_of(sample: Sample) -> str:
+    return REPETITION.sub("", sample.run.folder.name)
 
 
 def _line_of(path: Path, text: str) -> int:

@@ -72,9 +72,8 @@ class Comparison:
 
     @property
     def fewest_runs(self) -> int:
-        """That could show a change: complete separation would be as unlikely as LEVEL, for all figures together."""
-        tested = sum(row.is_tested for row in self.rows)
-        return next(runs for runs in range(FEWEST_RUNS, 100) if 2 * tested / math.comb(2 * runs, runs) < LEVEL)
+        """That could show a change, for all figures together."""
+        return fewest_runs(sum(row.is_tested for row in self.rows))
 
     @property
     def is_one_program(self) -> bool:
@@ -93,6 +92,11 @@ def compare(before: ResultSet, after: ResultSet, with_times: bool = True) -> Com
         found.rows += _rows_of(case, found, with_times)
     _judge(found)
     return found
+
+
+def fewest_runs(tested: int) -> int:
+    """Of a side, with which complete separation of one of so many figures would be as unlikely as LEVEL."""
+    return next(runs for runs in range(FEWEST_RUNS, 100) if 2 * tested / math.comb(2 * runs, runs) < LEVEL)
 
 
 def numbers(samples: list[Sample], metric: str) -> pd.Series:
@@ -117,15 +121,15 @@ def _rows_of(case: str, comparison: Comparison, with_times: bool) -> list[Row]:
 
 
 def _exact_row(case: str, metric: Metric, sides) -> Row | None:
-    told = [_told(metric, side) for side in sides]
+    told = [different_values(metric, side) for side in sides]
     if not all(told) or (metric.name == "status" and _only_one_was_judged(told, sides)):
         return None  # one of them was not judged
     before, after = (values[0] if len(values) == 1 else " or ".join(map(str, values)) for values in told)
     return Row(case, metric, before, after, "same" if told[0] == told[1] and len(told[0]) == 1 else "changed")
 
 
-def _told(metric: Metric, side: list[Sample]) -> list:
-    """The different values. Suspect is what the Referee finds: runs beside it that nobody judged are ok all the same."""
+def different_values(metric: Metric, side: list[Sample]) -> list:
+    """Of an answer. Suspect is what the Referee finds: runs beside it that nobody judged are ok all the same."""
     values = {sample.values[metric.name] for sample in side if metric.name in sample.values}
     if metric.name == "status" and "suspect" in values and not any(sample.run.status == "ok" and sample.is_judged for sample in side):
         values.discard("ok")

@@ -20,6 +20,9 @@ FEWEST_CASES = 4  # that tell what they share
 SAME_STEP = 2  # nights; a change point may move by so many when later nights become known
 ALL_CASES = "all cases"
 CHANGE_POINT = "change point"  # found by it, some nights later
+GONE = "no run of it"
+HARD = "hard/"  # begins the names of cells of the matrix
+COUNTED_ALONE = "-counted"  # ended the names of cases of older nights, whose instructions were counted
 
 
 def step_findings(measures: pd.DataFrame) -> list[Finding]:
@@ -50,6 +53,17 @@ def counter_findings(measures: pd.DataFrame) -> list[Finding]:
             told = (shown(row["value"], METRICS[metric]) for row in (before, after))
             found.append(Finding(case, metric, night, "counted", *told, after["value"] / before["value"]))
     return found
+
+
+def gone_findings(measures: pd.DataFrame) -> list[Finding]:
+    """Cases of the night before that the last night has not. Cells of the matrix of hard cases only where it was run."""
+    nights = list(dict.fromkeys(measures["night"]))
+    if len(nights) < 2:
+        return []
+    before, last = ({case.removesuffix(COUNTED_ALONE) for case in measures["case"][measures["night"] == night]} for night in nights[-2:])
+    has_matrix = any(case.startswith(HARD) for case in last)
+    return [Finding(case, "status", int(nights[-1]), GONE, "measured", "")
+            for case in sorted(before - last) if has_matrix or not case.startswith(HARD)]
 
 
 def _last_two(measures: pd.DataFrame, kind: str) -> Iterator[tuple[str, str, int, dict, dict]]:

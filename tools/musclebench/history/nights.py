@@ -6,16 +6,16 @@ import pandas as pd
 
 from ..comparison.metrics import EXACT, METRICS, Metric
 from ..comparison.result_set import ResultSet, Sample
-from ..comparison.verdicts import numbers
+from ..comparison.verdicts import different_values, numbers
 from ..hard.cells import cells_of
 from ..program.cli import Problem
 from ..program.release_build import RELEASE, refusal
 from ..results import samples as statistics
 from ..results.disturbance import disturbed
 from ..results.statistics import percentile
+from .detection import HARD
 from .history import Measure, Night
 
-HARD = "hard"  # begins the names of cells of the matrix
 
 
 def night_of(results: ResultSet, started: str) -> Night:
@@ -43,14 +43,15 @@ def cells_measures(matrix: Path) -> list[Measure]:
         cells = cells_of(pd.read_csv(matrix, keep_default_na=False))
     except (OSError, ValueError, KeyError) as problem:
         raise Problem(f"{matrix}: no matrix of hard cases ({problem})") from None
-    return [Measure(f"{HARD}/{cell.case}/{cell.backend}", "verdict", EXACT, "", text=cell.verdict)
+    return [Measure(f"{HARD}{cell.case}/{cell.backend}", "verdict", EXACT, "", text=cell.verdict)
             for cell in cells.itertuples()]
 
 
 def _measure(case: str, metric: Metric, samples: list[Sample]) -> Measure | None:
     if metric.kind == EXACT:
-        told = sorted({str(sample.values[metric.name]) for sample in samples if metric.name in sample.values})
-        return Measure(case, metric.name, metric.kind, metric.unit, text=" or ".join(told), runs=len(samples)) if told else None
+        told = different_values(metric, samples)
+        text = " or ".join(map(str, told))
+        return Measure(case, metric.name, metric.kind, metric.unit, text=text, runs=len(samples)) if told else None
     values = numbers(samples, metric.name)
     if values.empty:
         return None

@@ -58,3 +58,10 @@ def _parse_body(elements: dict[str, dict], body: bytes) -> PlyMesh:
     vertices = np.stack([rows[axis] for axis in "xyz"], axis=1).astype(np.float64)
     extra = {name: rows[name] for name in vertex_type.names if name not in "xyz"}
     return PlyMesh(vertices, faces["corners"].astype(np.int64), extra)
+
+
+def rms_distance_m(a: PlyMesh, b: PlyMesh) -> float:
+    """Over nodes of the same number; NaN for meshes of different nodes."""
+    if a.vertices_m.shape != b.vertices_m.shape or not len(a.vertices_m):
+        return float("nan")
+    return float(np.sqrt(np.mean(np.sum((a.vertices_m - b.vertices_m) ** 2, axis=1))))

@@ -5,8 +5,8 @@ import math
 import pandas as pd
 
 from ..accuracy.aggregates import Aggregate, exact_aggregate
-from ..accuracy.shapes import hausdorff_distance_m, rms_distance_m
-from ..results.ply import PlyMesh, read_ply
+from ..accuracy.shapes import hausdorff_distance_m
+from ..results.ply import PlyMesh, read_ply, rms_distance_m
 from ..results.run_folder import ResultProblem, Run
 from .table_formats import Column, Table
 
