@@ -20,9 +20,10 @@ from musclebench.cases.case import Folders
 from musclebench.cases.study_command import PROJECT
 from musclebench.comparison.compared_cases import add_case_options, asked_experiment, first_cases
 from musclebench.history import simulation
-from musclebench.history.detection import answer_findings, counter_findings, new_ones, step_findings
+from musclebench.history.caveats import caveats
+from musclebench.history.detection import answer_findings, counter_findings, gone_findings, new_ones, step_findings
 from musclebench.history.exchange import bencher_metrics, write_otava
-from musclebench.history.history import Finding, Night, opened
+from musclebench.history.history import STARTED, Finding, Night, now, opened
 from musclebench.history.night_report import night_report
 from musclebench.history.nights import cells_measures, measures_of, night_of
 from musclebench.history.one_night import MeasuredNight, keep_program, kept_program, measure_night, read_night
@@ -32,8 +33,6 @@ from musclebench.program.out_folder import claimed
 from musclebench.program.registry import read_registry
 from musclebench.program.release_build import check_release
 from musclebench.results.run_folder import ResultProblem
-
-STARTED = "%Y-%m-%dT%H:%M:%SZ"
 
 
 def parse_arguments(arguments):
@@ -75,8 +74,8 @@ def measured(options, history_file: Path) -> MeasuredNight:
                          0 if options.no_hard else options.hard_seconds)
 
 
-def append(night: MeasuredNight, history_file: Path) -> tuple[list[Night], list[Finding], list[Finding]]:
-    """(nights of the machine, new findings, those reported before)"""
+def append(night: MeasuredNight, history_file: Path) -> tuple[list[Night], list[Finding], list[Finding], list[str]]:
+    """(nights of the machine, new findings, those reported before, what the night can't say)"""
     results = night.results
     row = night_of(results, night.started)
     measures = measures_of(results)
@@ -91,10 +90,10 @@ def append(night: MeasuredNight, history_file: Path) -> tuple[list[Night], list[
         number = history.append(row, measures)
         nights, table = history.nights(row.machine), history.measures(row.machine)
         known = history.findings()
-        found = [*answer_findings(table), *counter_findings(table), *night.same_night_findings(number), *step_findings(table)]
+        found = [*gone_findings(table), *answer_findings(table), *counter_findings(table), *night.same_night_findings(number), *step_findings(table)]
         new = new_ones(_each_once(found), known, [one.id for one in nights])
         history.note(number, new)
-    return nights, new, known
+    return nights, new, known, caveats(nights, table, now())
 
 
 def _each_once(found: list[Finding]) -> list[Finding]:
@@ -122,10 +121,10 @@ def run_night(options) -> int:
         return report_again(options, history_file)
     with claimed(options.out.absolute(), "nights"):
         night = _read(options.append) if options.append else measured(options, history_file)
-        nights, new, known = append(night, history_file)
+        nights, new, known, doubts = append(night, history_file)
         if not options.append:
             keep_program(options.musclebench, options.out)
-        text = night_report(nights, new, known, night.results, night.notes, PROJECT)
+        text = night_report(nights, new, known, night.results, night.notes, PROJECT, doubts)
         files = write_files(options, nights, history_file, text)
     print(text)
     print("Written:", history_file, *files, sep="\n  ", file=sys.stderr)
@@ -135,10 +134,11 @@ def run_night(options) -> int:
 def report_again(options, history_file: Path) -> int:
     with opened(history_file, is_written=False) as history:
         every, known = history.nights(), history.findings()
-    if not every:
+        table = history.measures(every[-1].machine) if every else None
+    if table is None:
         raise Problem(f"{history_file}: has no night yet")
     nights = [night for night in every if night.machine == every[-1].machine]
-    text = night_report(nights, [], known, None, [], PROJECT)
+    text = night_report(nights, [], known, None, [], PROJECT, caveats(nights, table, now()))
     write_files(options, nights, history_file, text)
     print(text)
     return 0

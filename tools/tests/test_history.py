@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from musclebench.history.history import Finding, Measure, Night, opened
+from musclebench.history.history import Finding, Measure, Night, in_order, opened
 from musclebench.program.cli import Problem
 
 TOOLS = Path(__file__).resolve().parent.parent
@@ -39,6 +39,19 @@ def test_what_was_appended_is_read_in_order_of_time_and_by_machine(tmp_path):
         assert list(rows["night"]) == [2, 2, 1, 1] and set(rows["text"].dropna()) == {"0123"}
         assert rows.loc[0, ["value", "low", "high", "quartile", "runs", "variation"]].tolist() == [5.0, 4.0, 6.0, 4.5, 10, 0.01]
         assert history.has(night(1).started) and not history.has(night(9).started)
+
+
+def test_nights_of_a_wrong_clock_stay_where_they_were_added(tmp_path):
+    """Two were stamped after now, and then one long before the others; one was added late."""
+    def stamped(*moments: str) -> list[str]:
+        nights = [Night(moment, "", "", MACHINE, "cc", id=number) for number, moment in enumerate(moments)]
+        return [one.started for one in in_order(nights, "2026-06-01")]
+
+    assert stamped("2026-01-01", "2099-01-02", "2098-01-01", "2026-01-04") == ["2026-01-01", "2099-01-02", "2098-01-01", "2026-01-04"]
+    assert stamped("2026-01-01", "2026-01-03", "2026-01-02") == ["2026-01-01", "2026-01-02", "2026-01-03"]
+    assert stamped("2026-01-01", "2099-01-01") == ["2026-01-01", "2099-01-01"]
+    assert stamped("2026-07-01", "2026-07-02", "1970-01-01") == ["2026-07-01", "2026-07-02", "1970-01-01"]
+    assert stamped("2026-01-01", "2099-01-01", "2026-01-05", "2026-01-04") == ["2026-01-01", "2026-01-04", "2099-01-01", "2026-01-05"]
 
 
 def test_findings_are_kept(tmp_path):

@@ -13,7 +13,7 @@ import pytest
 import nightly
 from musclebench.comparison import interleaved
 from musclebench.history import simulation
-from musclebench.history.detection import ALL_CASES, counter_findings, new_ones, step_findings
+from musclebench.history.detection import ALL_CASES, counter_findings, gone_findings, new_ones, step_findings
 from musclebench.history.history import Finding, opened
 from test_compare import SCENE, program
 
@@ -36,6 +36,7 @@ def clock(monkeypatch):
             cls.now_ += pd.Timedelta(days=1)
             return cls.now_.to_pydatetime()
     monkeypatch.setattr(nightly, "datetime", Clock)
+    return Clock
 
 
 def run(folder: Path, one: str, *more) -> int:
@@ -70,6 +71,55 @@ def test_three_nights_with_a_slowdown_on_the_third(tmp_path, capsys):
     # The same change is not new again.
     assert nightly.main(["--out", str(out), "--report-only"]) == 0
     assert "### Reported before" in capsys.readouterr().out
+
+
+QUICK = ("--repetitions", "1", "--no-hard", "--backend", "tree")
+
+
+def first_line(capsys) -> str:
+    """Of the last report."""
+    return [line for line in capsys.readouterr().out.splitlines() if line.startswith("## Night")][-1]
+
+
+def test_a_backend_that_vanished_is_in_the_first_line(tmp_path, capsys):
+    one = program(tmp_path, "a")
+    assert run(tmp_path, one, "--repetitions", "1", "--backend", "tree", "--backend", "grid") == 0
+    assert "vanished" not in first_line(capsys)
+    assert run(tmp_path, one, *QUICK) == 1  # without the matrix, which is no case that vanished
+    assert "1 case vanished (resting_contact-grid)" in first_line(capsys)
+    assert run(tmp_path, one, *QUICK) == 0
+    assert run(tmp_path, one, "--repetitions", "1", "--backend", "grid") == 1
+    assert "1 case vanished (resting_contact-tree)" in first_line(capsys)
+
+
+def test_a_cell_of_the_matrix_that_vanished_is_told(tmp_path, capsys):
+    table = nights({"hard/thin/a": [0, 0], "hard/thin/b": [0], "c-counted": [0], "c": [np.nan, 0]})
+    table = table[table["value"].notna()]
+    assert [one.case for one in gone_findings(table)] == ["hard/thin/b"]
+    assert gone_findings(table[~((table["case"] == "hard/thin/a") & (table["night"] == 2))]) == []  # the matrix was not run
+    assert gone_findings(table[table["night"] == 1]) == []
+
+
+def test_a_night_stamped_in_the_future_does_not_blind_later_ones(tmp_path, capsys, clock):
+    a, b, c = (program(tmp_path, name, hash={"tree": name}) for name in "abc")
+    assert run(tmp_path, a, *QUICK) == 0
+    clock.now_ = pd.Timestamp("2099-01-01", tz="UTC")
+    assert run(tmp_path, a, *QUICK) == 0
+    assert "it is stamped after now" in first_line(capsys)
+    clock.now_ = pd.Timestamp("2026-01-05", tz="UTC")
+    for later, changed, words in ((b, 1, "the clock ran backwards: the night before is stamped 2099-01-02T00:00:00Z"), (b, 0, "nothing changed"),
+                                  (c, 1, "1 figure changed")):
+        assert run(tmp_path, later, *QUICK) == changed
+        line = first_line(capsys)
+        assert words in line and ("2099" in line) is ("2099" in words)
+    assert [(one.before, one.after) for one in findings(tmp_path)] == [("a", "b"), ("b", "c")]
+
+
+def test_a_night_too_small_to_show_anything_says_so(tmp_path, capsys):
+    for few, words in (("5", "5 repetitions can't show a slower or faster time the same night, 6 can"), ("6", "nothing changed")):
+        assert run(tmp_path, program(tmp_path, "a"), "--backend", "tree", "--no-hard", "--repetitions", few) == 0
+        line = first_line(capsys)
+        assert words in line and ("can't" in line) is ("can't" in words)
 
 
 def test_answers_and_cells_that_change_are_found_the_same_night(tmp_path, capsys):

@@ -6,6 +6,7 @@ import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import astuple, dataclass
+from datetime import datetime, timezone
 from pathlib import Path
 
 import pandas as pd
@@ -15,6 +16,7 @@ from ..program.cli import Problem
 SCHEMA = 1
 APPLICATION = 0x6D627368  # 'mbsh': no other SQLite file has it
 WAIT_SECONDS = 5.0  # for another process that writes
+STARTED = "%Y-%m-%dT%H:%M:%SZ"
 TABLES = """
 CREATE TABLE night (
   id INTEGER PRIMARY KEY, started TEXT NOT NULL UNIQUE, git TEXT NOT NULL, program_sha256 TEXT NOT NULL,
@@ -98,8 +100,8 @@ class History:
         """The oldest first."""
         rows = self._connection.execute(
             "SELECT started, git, program_sha256, machine, compiler, busy_runs, runs, id FROM night "
-            "WHERE machine = coalesce(?, machine) ORDER BY started", (machine,)).fetchall()
-        return [Night(*row) for row in rows]
+            "WHERE machine = coalesce(?, machine) ORDER BY id", (machine,)).fetchall()
+        return in_order([Night(*row) for row in rows], now())
 
     def has(self, started: str) -> bool:
         return bool(self._connection.execute("SELECT 1 FROM night WHERE started = ?", (started,)).fetchone())
@@ -109,15 +111,31 @@ class History:
         first."""
         rows = self._connection.execute(
             "SELECT night, case_name, metric, kind, unit, value, text, low, high, quartile, measure.runs, variation FROM measure "
-            "JOIN night ON night.id = measure.night WHERE machine = ? ORDER BY started, case_name, metric", (machine,))
+            "JOIN night ON night.id = measure.night WHERE machine = ? ORDER BY case_name, metric", (machine,))
         table = pd.DataFrame(rows.fetchall(), columns=["night", "case", "metric", "kind", "unit", "value", "text", "low", "high",
                                                        "quartile", "runs", "variation"])
+        order = {night.id: number for number, night in enumerate(self.nights(machine))}
+        table = table.sort_values("night", kind="stable", key=lambda ids: ids.map(order), ignore_index=True)
         return table.astype(dict.fromkeys(("value", "low", "high", "quartile", "variation"), float))  # unknown is NaN
 
     def findings(self) -> list[Finding]:
         rows = self._connection.execute("SELECT case_name, metric, changed_in, found_by, before, after, ratio, low, high, "
                                         "chance FROM finding ORDER BY night, case_name, metric")
         return [Finding(*row) for row in rows.fetchall()]
+
+
+def now() -> str:
+    return datetime.now(timezone.utc).strftime(STARTED)
+
+
+def in_order(nights: list[Night], moment: str) -> list[Night]:
+    """The oldest first. `nights`: as they were added, which may be later than they were measured. The clock was wrong where a
+    night is stamped after the present `moment`: such a night stays in front of the one that was added next."""
+    keys: list[str] = []
+    for night in reversed(nights):
+        was_wrong = keys and night.started > moment
+        keys.append(min(night.started, keys[-1]) if was_wrong else night.started)
+    return [night for _, _, night in sorted(zip(reversed(keys), range(len(nights)), nights), key=lambda one: one[:2])]
 
 
 @contextmanager

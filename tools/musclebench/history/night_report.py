@@ -10,19 +10,20 @@ from ..comparison.revisions import commits_between
 from ..comparison.spread import spread_of
 from ..results.disturbance import disturbed, note
 from ..tables.table_formats import UNKNOWN, Column, markdown_rows
+from .detection import GONE
 from .history import Finding, Night
 
+SHOWN_GONE = 4
 COLUMNS = [Column("case", "case"), Column("metric", "what"), Column("since", "since"), Column("before", "before"),
            Column("after", "after"), Column("ratio", "after / before"), Column("interval", "95 %"), Column("chance", "p"),
            Column("found_by", "found by")]
 
 
 def night_report(nights: list[Night], new: list[Finding], known: list[Finding], results: ResultSet | None, notes: list[str],
-                 repository: Path) -> str:
-    """`nights`: of this machine, the last one being reported on."""
+                 repository: Path, doubts: list[str]) -> str:
+    """`nights`: of this machine, the last one being reported on. `doubts`: what it can't say, see caveats."""
     last = nights[-1]
-    count = len(new)
-    parts = [f"## Night of {last.started}: " + (f"{count} figure{'s' * (count > 1)} changed" if new else "nothing changed"),
+    parts = [f"## Night of {last.started}: " + "; ".join([*_changed_words(new), *doubts]),
              f"Commit {last.git}, {last.compiler}, {last.machine}; night {len(nights)} of this machine."]
     if new:
         parts += ["### New", findings_table(new, nights), *_commits(new, nights, repository)]
@@ -34,6 +35,14 @@ def night_report(nights: list[Night], new: list[Finding], known: list[Finding], 
         busy = disturbed({sample.run.folder.name: sample.run.record for sample in results.samples})
         notes = [*notes, *(f"left out: {fault}" for fault in results.faults), *filter(None, [note(busy, len(results.samples))])]
     return "\n\n".join([*parts, "\n".join(f"- {line}" for line in notes)]).rstrip() + "\n"
+
+
+def _changed_words(new: list[Finding]) -> list[str]:
+    gone = [one.case for one in new if one.found_by == GONE]
+    count = len(new) - len(gone)
+    shown = ", ".join(gone[:SHOWN_GONE]) + (f" and {len(gone) - SHOWN_GONE} more" if len(gone) > SHOWN_GONE else "")
+    words = [f"{len(gone)} case{'s' * (len(gone) > 1)} vanished ({shown})"] if gone else []
+    return words + ([f"{count} figure{'s' * (count > 1)} changed"] if count else []) or ["nothing changed"]
 
 
 def findings_table(findings: list[Finding], nights: list[Night]) -> str:
