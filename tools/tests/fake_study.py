@@ -37,6 +37,7 @@ class Truth:
     false: int = 0
     structure_bytes: int = 1_000_000
     build_s: float = 1.0
+    is_asked: bool = True  # can be asked about single points
     remaining_mm: float = 0.1
     shift_mm: float = 0.0  # of the whole muscle against the exact run's
     arm_off_mm: float | None = None  # of the moment arm against the exact run's; None: no fibres are followed
@@ -87,12 +88,22 @@ def write_replay(folder: Path, scene: str, backend: str, truth: Truth, repetitio
             "mean_normal_error_deg": 1.0, "max_missed_depth_m": 1e-3 if truth.missed else 0.0,
             "max_false_distance_m": 1e-3 if truth.false else 0.0,
         }
+        made["surface_offset"] = offsets(truth) if truth.is_asked else None
     times = frame_times_ns(truth, repetition)
     rows = [_replay_row(frame, times[frame - 1], truth) for frame in range(1, FRAMES + 1) if frame % stride == 0]
     made["frames"] = len(rows)
     fake_runs.write_rows(folder / "frames.csv", REPLAY_COLUMNS, rows)
     (folder / "run.json").write_text(json.dumps(made))
     return folder
+
+
+def offsets(truth: Truth) -> dict:
+    """Inwards; outwards half as far."""
+    own = {"sites": 100, "open_sites": 0, "p99_offset_m": 1e-3 * truth.p99_mm, "max_offset_m": 3e-3 * truth.p99_mm,
+           "p99_inward_m": 1e-3 * truth.p99_mm, "max_inward_m": 3e-3 * truth.p99_mm, "p99_outward_m": 5e-4 * truth.p99_mm,
+           "max_outward_m": 5e-4 * truth.p99_mm}
+    kinds = [{"difficulty": "ridge"} | own, {"difficulty": "flat"} | own | {"p99_offset_m": 1e-4 * truth.p99_mm}]
+    return own | {"of_difficulties": kinds, "of_pairs": [{"muscle": "muscle", "bone": "pelvis"} | own]}
 
 
 def _replay_row(frame: int, ns: int, truth: Truth) -> dict:

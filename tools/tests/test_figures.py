@@ -50,7 +50,7 @@ def test_a_study_is_drawn_for_print(drawn):
 def test_every_figure_has_its_rows_and_its_caption(reported):
     folder, made, _ = reported
     stems = {path.stem for path in made if path.suffix == ".png"}
-    assert stems == {"pareto_replay", "pareto_coupled", "pareto_coupled_shape", "convergence", "convergence_cost",
+    assert stems == {"pareto_replay", "pareto_coupled", "pareto_coupled_shape", "offset_and_depth", "convergence", "convergence_cost",
                      "stages"}
     for stem in stems:
         for suffix in (".png", ".svg", ".csv", ".md"):

@@ -12,7 +12,7 @@ from musclebench.figures.style import plt
 def test_the_front_leaves_out_what_is_slower_and_no_better_and_what_is_wrong(study):
     replays = replays_of(study)
     wrong = {(e.scene, e.configuration) for e in replays if e.is_wrong}
-    points = front.points_of(replays, lambda aggregate: aggregate.p99_error_mm, wrong)
+    points = front.points_of(replays, lambda aggregate: aggregate.p99_offset_mm, wrong)
     best = points[points["on_front"]].groupby("panel")["configuration"].apply(list).to_dict()
     for panel in (*SCENES, front.ALL_MUSCLES):
         assert best[panel] == ["voxel 64", "sdf 64", "sdf 128", "bvh"]
@@ -22,7 +22,7 @@ def test_the_front_leaves_out_what_is_slower_and_no_better_and_what_is_wrong(stu
 
 
 def test_all_muscles_are_the_sum_of_times_and_the_largest_error(study):
-    points = front.points_of(replays_of(study), lambda one: one.p99_error_mm * SIZES[one.scene], set())
+    points = front.points_of(replays_of(study), lambda one: one.p99_offset_mm * SIZES[one.scene], set())
     row = points[points["panel"] == front.ALL_MUSCLES].set_index("configuration").loc["sdf 128"]
     assert row["time_ms"] == pytest.approx(0.6) and row["error_mm"] == pytest.approx(0.08)
 

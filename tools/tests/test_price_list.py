@@ -5,11 +5,12 @@ import math
 
 import pytest
 
-from fake_study import REPLAYED, SCENES, Truth, replays_of, write_failure, write_replay
+from fake_study import REPLAYED, SCENES, Truth, replays_of, write_coupled, write_failure, write_replay
 from musclebench.accuracy import front, report
 from musclebench.accuracy.rows import build_seconds_of
 from musclebench.tables import prices
 from musclebench.tables.choices import best_right, choices_tables
+from musclebench.tables.difficulties import difficulties_table
 
 
 def price(replays, muscle, target):
@@ -23,14 +24,14 @@ def test_the_price_list_names_the_cheapest_that_holds(study):
     for muscle in ("iliacus", "gluteus_medius", front.ALL_MUSCLES):
         assert {target: price(replays, muscle, target)["configuration"] for target in expected} == expected
     row = price(replays, "iliacus", "0.1")
-    assert row["ratio"] == pytest.approx(2.0) and row["build_s"] == 90 and row["p99_error_mm"] == pytest.approx(0.08)
+    assert row["ratio"] == pytest.approx(2.0) and row["build_s"] == 90 and row["p99_offset_mm"] == pytest.approx(0.08)
     assert price(replays, front.ALL_MUSCLES, "0.01")["ratio"] == pytest.approx(75)
 
 
 def test_a_configuration_that_fails_on_one_muscle_holds_not_for_all(study):
     path = study / "raw" / "gluteus_medius-sdf 128-r0" / "run.json"
     record = json.loads(path.read_text())
-    record["accuracy"]["p99_depth_error_m"] = 0.2e-3
+    record["surface_offset"]["p99_offset_m"] = 0.2e-3
     path.write_text(json.dumps(record))
     replays = replays_of(study)
     assert price(replays, "iliacus", "0.1")["configuration"] == "sdf 128"
@@ -84,3 +85,26 @@ def test_of_equally_fast_configurations_the_smallest_is_the_cheapest():
     assert prices._cheapest([slow, fast, small]) == small
     unknown = fast | {"time_ms_low": math.nan, "time_ms_high": math.nan}
     assert prices._cheapest([unknown, slow]) == unknown
+
+
+def test_what_misses_every_contact_holds_no_depth(tmp_path):
+    # Its surface is 3 mm too deep: what it misses is only as deep as one substep moves a node.
+    write_replay(tmp_path / "raw" / "a", SCENES[0], "sdf", Truth(0.1, 3.0, missed=9_999, parameters={"cells": 8}))
+    write_replay(tmp_path / "raw" / "b", SCENES[0], "bvh", Truth(9.0, 0.0))
+    replays = replays_of(tmp_path)
+    assert [price(replays, "iliacus", target)["configuration"] for target in ("1", "0.1")] == ["bvh", "bvh"]
+
+
+def test_a_method_that_collides_surfaces_has_the_depth_that_its_own_motion_leaves(tmp_path):
+    write_replay(tmp_path / "raw" / "a", SCENES[0], "fcl", Truth(is_asked=False))
+    assert math.isnan(replays_of(tmp_path)[0].p99_offset_mm) and replays_of(tmp_path)[0].verdict == "not judged"
+    write_coupled(tmp_path / "raw" / "b", SCENES[0], "fcl", Truth(remaining_mm=0.7))
+    replay = replays_of(tmp_path)[0]
+    assert replay.p99_offset_mm == replay.inward_mm == pytest.approx(0.7) and replay.verdict == "wrong: 0.7 mm off"
+
+
+def test_difficulties_stand_apart(study):
+    table = difficulties_table(replays_of(study))
+    row = table.rows[(table.rows["muscle"] == "iliacus") & (table.rows["configuration"] == "sdf 128")].iloc[0]
+    assert row["ridge_mm"] == pytest.approx(0.08) and row["flat_mm"] == pytest.approx(0.008)
+    assert math.isnan(row["thin_mm"]) and row["open_sites"] == 0

@@ -14,7 +14,7 @@ from ..results.status import MEASURED
 NANOSECONDS_TO_MS = 1e-6
 ALLOWED_MISSED_SHARE = 0.01
 ALLOWED_FALSE_SHARE = 0.01
-ALLOWED_P99_ERROR_MM = 0.1
+ALLOWED_P99_OFFSET_MM = 0.1
 
 
 @dataclass
@@ -23,6 +23,7 @@ class Aggregate:
     scene: str
     configuration: Configuration
     cases: list[StudyCase]  # by repetition
+    coupled: "Aggregate | None" = None  # of a replay: the same configuration moving its own muscle
 
     @property
     def muscle(self) -> str:
@@ -93,12 +94,30 @@ class Aggregate:
         return self.number("structure_bytes")
 
     @property
-    def p99_error_mm(self) -> float:
-        return 1e3 * self.number("accuracy", "p99_depth_error_m")
+    def p99_offset_mm(self) -> float:
+        """How far the backend's surface is from the true one, 99th percentile over the contacts; of a method that can't be
+        asked about single points the depth that its own motion leaves."""
+        return self._offset_mm("p99_offset_m", "p99_depth_m")
 
     @property
-    def max_error_mm(self) -> float:
-        return 1e3 * self.number("accuracy", "max_depth_error_m")
+    def max_offset_mm(self) -> float:
+        return self._offset_mm("max_offset_m", "max_depth_m")
+
+    @property
+    def inward_mm(self) -> float:
+        """So deep nodes are let in, 99th percentile."""
+        return self._offset_mm("p99_inward_m", "p99_depth_m")
+
+    @property
+    def outward_mm(self) -> float:
+        """So far nodes are held off, 99th percentile; unknown of a method that can't be asked about single points."""
+        return 1e3 * self.number("surface_offset", "p99_outward_m")
+
+    def _offset_mm(self, asked: str, left: str) -> float:
+        is_asked = any(case.run.record.get("surface_offset") for case in self.ok)
+        if is_asked or self.coupled is None:
+            return 1e3 * self.number("surface_offset", asked)
+        return 1e3 * self.coupled.number("outcome", left)
 
     @property
     def missed_share(self) -> float:
@@ -122,12 +141,12 @@ class Aggregate:
         faults = [
             f"{_percent(self.missed_share)} % missed" if self.missed_share > ALLOWED_MISSED_SHARE else "",
             f"{_percent(self.false_share)} % false" if self.false_share > ALLOWED_FALSE_SHARE else "",
-            f"{self.p99_error_mm:.2g} mm off" if self.p99_error_mm > ALLOWED_P99_ERROR_MM else "",
+            f"{self.p99_offset_mm:.2g} mm off" if self.p99_offset_mm > ALLOWED_P99_OFFSET_MM else "",
         ]
         faults = [fault for fault in faults if fault]
         if faults:
             return "wrong: " + ", ".join(faults)
-        return "not judged" if math.isnan(self.p99_error_mm) else "right"
+        return "not judged" if math.isnan(self.p99_offset_mm) else "right"
 
     @property
     def is_wrong(self) -> bool:
@@ -146,6 +165,9 @@ def aggregates_of(cases: list[StudyCase]) -> list[Aggregate]:
     for case in cases:
         grouped.setdefault((case.mode, case.scene, case.configuration), []).append(case)
     aggregates = [Aggregate(*key, sorted(group, key=lambda case: case.repetition)) for key, group in grouped.items()]
+    coupled = {(one.scene, one.configuration): one for one in aggregates if one.mode == "coupled"}
+    for one in of_mode(aggregates, "replay"):
+        one.coupled = coupled.get((one.scene, one.configuration))
     return sorted(aggregates, key=lambda one: (
         one.mode, one.muscle, one.scene, one.configuration.about.index, one.backend, one.configuration.series or "",
         one.configuration.fineness, one.configuration.factors, one.configuration.name,

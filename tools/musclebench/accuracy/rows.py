@@ -15,6 +15,9 @@ ACCURACY_KEYS = [
     "p99_depth_error_m", "mean_depth_error_m", "max_normal_error_deg", "p99_normal_error_deg", "mean_normal_error_deg",
     "max_missed_depth_m", "max_false_distance_m",
 ]
+OFFSET_KEYS = [
+    "sites", "open_sites", "p99_offset_m", "max_offset_m", "p99_inward_m", "max_inward_m", "p99_outward_m", "max_outward_m",
+]
 OUTCOME_KEYS = [
     "max_depth_m", "p99_depth_m", "max_surface_depth_m", "p99_surface_depth_m", "max_volume_error",
     "final_volume_error", "tunnelled_nodes", "stuck_nodes", "collision_ns", "loop_ns",
@@ -67,6 +70,7 @@ def _case_row(case: StudyCase) -> dict:
         "build_ns": record.get("build_ns"), "structures": record.get("structures"),
         "structure_bytes": record.get("structure_bytes"), "band_m": record.get("band_m"),
         **{key: number(record, "accuracy", key) for key in ACCURACY_KEYS},
+        **{key: number(record, "surface_offset", key) for key in OFFSET_KEYS},
         **{f"outcome_{key}": number(record, "outcome", key) for key in OUTCOME_KEYS},
         "contact_hash": record.get("contact_hash"), "state_hash": record.get("state_hash"),
         "recording_sha256": recording.get("sha256"), "wall_ns": record.get("wall_ns"), "git": build.get("git"),
@@ -88,6 +92,7 @@ def _aggregate_row(aggregate: Aggregate, aggregates: list[Aggregate], measured: 
         "times_unit_high": ratio.high, "build_s": build_seconds(aggregate, measured),
         "structure_bytes": aggregate.structure_bytes,
         **{key: aggregate.number("accuracy", key) for key in ACCURACY_KEYS},
+        **{key: aggregate.number("surface_offset", key) for key in OFFSET_KEYS},
         **{f"outcome_{key}": aggregate.number("outcome", key) for key in OUTCOME_KEYS},
         "verdict": aggregate.verdict if aggregate.is_right_or_wrong else "",
     }

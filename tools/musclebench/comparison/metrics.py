@@ -89,10 +89,10 @@ def _times(run: Run) -> dict[str, float | None]:
 
 
 def _answers(run: Run) -> dict[str, float | str | None]:
-    outcome, accuracy = run.record.get("outcome") or {}, run.record.get("accuracy") or {}
+    outcome, offset = run.record.get("outcome") or {}, run.record.get("surface_offset") or {}
     return {"state_hash": run.record.get("state_hash"), "contact_hash": run.record.get("contact_hash"),
-            "p99_depth_m": accuracy.get("p99_depth_error_m", outcome.get("p99_depth_m")),
-            "max_depth_m": accuracy.get("max_depth_error_m", outcome.get("max_depth_m")),
+            "p99_depth_m": offset.get("p99_offset_m", outcome.get("p99_depth_m")),
+            "max_depth_m": offset.get("max_offset_m", outcome.get("max_depth_m")),
             **{key: outcome.get(key) for key in ("p99_surface_depth_m", "max_surface_depth_m")},
             "return_to_rest_m": _return_to_rest_m(run),
             "moment_arm_m": run.fibres["mean_moment_arm_m"].median() if len(run.fibres) else None,

@@ -20,6 +20,7 @@ ANSWERS, TIMES = "answers.csv", "times.csv"
 REPETITION = re.compile(r"-r\d+$")
 SUMS = ("contacts", "missed_contacts", "false_contacts")
 LARGEST = ("max_depth_m", "p99_depth_m", "max_depth_error_m", "p99_depth_error_m")
+OFFSETS = ("p99_offset_m", "p99_inward_m", "p99_outward_m", "max_offset_m")
 
 
 def write_tables(out_dir: Path) -> tuple[pd.DataFrame, Table, list[Path]]:
@@ -77,7 +78,8 @@ def _answers(run: Run | str) -> dict:
     summed = {key: _of(frames, key, lambda column: column.sum(min_count=1)) for key in SUMS}
     largest = {key: _of(frames, key, lambda column: column.max()) for key in LARGEST}
     return {"status": run.status, "hash": run.record.get(HASH_OF_MODE.get(run.mode, "")), "frames": run.record.get("frames"),
-            **summed, **largest, "structure_bytes": run.record.get("structure_bytes")}
+            **summed, **largest, **{key: (run.record.get("surface_offset") or {}).get(key) for key in OFFSETS},
+            "structure_bytes": run.record.get("structure_bytes")}
 
 
 def _times(run: Run | str) -> dict:

@@ -6,11 +6,10 @@ from ..accuracy.cases import StudyCase
 from .style import muscle_label
 
 REPLAY_ERROR = (
-    "The error is that of the signed distance that an answer admits, against the Referee's exact s (negative inside): "
-    "|-a - s| where a depth a was reported, max(0, s) where contact was reported without a depth, max(0, -s) "
-    "where nothing was reported; 99th percentile (nearest rank) over all measured nodes of the run, missed and false "
-    "contacts included, within {band} of the surface; contacts farther away, which very coarse grids report, are not "
-    "measured, so that their error is capped there."
+    "The error is the surface offset: at places of true contact, sampled over the whole motion, how far from the true "
+    "surface the backend's answer changes between contact and none; 99th percentile (nearest rank) over the contacts, "
+    "inwards or outwards, searched for within {band}. A backend that answers nowhere has that bound. A method that "
+    "can't be asked about single points has the depth of nodes that its own motion leaves, 99th percentile over frames."
 )
 TIME = (
     "Time is update + detect + respond of one thread: the median over the frames without warm-up of all repetitions, "

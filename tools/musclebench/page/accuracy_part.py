@@ -13,13 +13,13 @@ from .parts import Chart, Section
 from .written import caption_of, pareto_chart, read_rows, written_table
 
 PARETO = (
-    ("pareto_replay", "depth error, 99th percentile (mm)", "exact"),
+    ("pareto_replay", "surface offset, 99th percentile (mm)", "exact"),
     ("pareto_coupled", "remaining depth, 99th percentile (mm)", "none left"),
     ("pareto_coupled_shape", "distance to exact shape, RMS (mm)", "same shape"),
     ("pareto_moment_arm", "moment arm off by, RMS (mm)", "same moment arm"),
 )
 TABLES = (
-    ("price_list", "Price list: what a depth error costs"),
+    ("price_list", "Price list: what a surface offset costs"),
     ("arm_price_list", "Price list: what an error of the moment arm costs"),
     ("coupled_outcomes", "Each backend moving its own muscle"),
     ("arm_errors", "Moment arms and fibre lengths"),

@@ -21,12 +21,12 @@ SPLIT_KEYS = ("muscle", "update_ms", "detect_ms", "respond_ms", "ratio", "ratio_
 MEMORY_KEYS = ("muscle", "backend", "first_mb", "last_mb", "first_offset_mb", "last_offset_mb", "structure_mb",
                "paper_first_mb", "paper_last_mb", "paper_first_offset_mb", "paper_last_offset_mb")
 PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "ratio_low", "ratio_high", "build_s",
-              "structure_mb", "p99_error_mm", "max_error_mm", "missed", "measured")
+              "structure_mb", "p99_offset_mm", "inward_mm", "outward_mm", "max_offset_mm", "missed", "true")
 ARM_PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "structure_mb", "arm_rms_mm", "arm_max_mm",
                   "length_rms_mm", "arm_floor_mm", "note")
 ARM_ERROR_KEYS = ("muscle", "configuration", "time_ms", "arm_rms_mm", "arm_max_mm", "arm_percent", "length_rms_mm",
                   "arm_floor_mm")
-FACTOR_KEYS = ("muscle", "choice", "time_ms", "factor", "ratio", "missed", "measured", "p99_error_mm")
+FACTOR_KEYS = ("muscle", "choice", "time_ms", "factor", "ratio", "missed", "true", "p99_offset_mm")
 OUTCOME_KEYS = ("muscle", "configuration", "node_depth_mm", "p99_surface_depth_mm", "max_volume_percent",
                 "full_rms_mm", "full_hausdorff_mm", "tunnelled", "stuck", "collision_s")
 DEPTH_KEYS = ("muscle", "backend", "bone_depth_mm", "bone_nodes", "muscle_depth_mm", "muscle_nodes",

@@ -5,7 +5,7 @@ import math
 import pandas as pd
 
 from ..accuracy.aggregates import (
-    ALLOWED_FALSE_SHARE, ALLOWED_MISSED_SHARE, ALLOWED_P99_ERROR_MM, Aggregate, name_of_unit, unit_of_price,
+    ALLOWED_FALSE_SHARE, ALLOWED_MISSED_SHARE, ALLOWED_P99_OFFSET_MM, Aggregate, name_of_unit, unit_of_price,
 )
 from ..accuracy.rows import ratio_to
 from ..program.registry import Backend
@@ -18,12 +18,12 @@ COLUMNS = [
     Column("time_ms", "ms a frame", 2, "ms a\nframe"), Column("factor", "x default", 2, "x\ndefault", True),
     Column("factor_low", "95 % low", 2, "95 %\nlow", True), Column("factor_high", "95 % high", 2, "95 %\nhigh", True),
     Column("ratio", "x {unit}", 2, "x\n{unit}", True), Column("missed", "missed contacts", 0, "missed"),
-    Column("missed_percent", "missed %", 2), Column("measured", "measured contacts", 0, "of"),
+    Column("missed_percent", "missed %", 2), Column("true", "true contacts", 0, "of"),
     Column("false", "false contacts", 0, "false"),
-    Column("p99_error_mm", "p99 error mm", 4, "p99\nmm"), Column("max_error_mm", "largest error mm", 3, "max\nmm"),
+    Column("p99_offset_mm", "p99 offset mm", 4, "p99\nmm"), Column("max_offset_mm", "largest offset mm", 3, "max\nmm"),
     Column("structure_mb", "structures MB", 1), Column("verdict", "verdict"), Column("detail", "detail"),
 ]
-SHOWN = ["choice", "time_ms", "factor", "ratio", "missed", "measured", "false", "p99_error_mm", "verdict"]
+SHOWN = ["choice", "time_ms", "factor", "ratio", "missed", "true", "false", "p99_offset_mm", "verdict"]
 
 
 def choices_tables(replays: list[Aggregate]) -> list[Table]:
@@ -47,8 +47,8 @@ def choices_table(replays: list[Aggregate], about: Backend) -> Table:
 def rule() -> str:
     return (
         f"Wrong is an exact method that misses more than {100 * ALLOWED_MISSED_SHARE:g} % of the true contacts (nodes "
-        f"inside a bone), reports more than {100 * ALLOWED_FALSE_SHARE:g} % false ones, or whose depth error's 99th "
-        f"percentile is over {ALLOWED_P99_ERROR_MM:g} mm. Intersecting surfaces says nothing of nodes deeper inside "
+        f"inside a bone), reports more than {100 * ALLOWED_FALSE_SHARE:g} % false ones, or whose surface "
+        f"offset's 99th percentile is over {ALLOWED_P99_OFFSET_MM:g} mm. Intersecting surfaces says nothing of nodes deeper inside "
         "than the crossing triangles: it is judged by the same rule."
     )
 
@@ -96,8 +96,8 @@ def _row(aggregate: Aggregate, replays: list[Aggregate]) -> dict:
         "muscle": aggregate.muscle, "choice": aggregate.configuration.short + (MARK if aggregate.is_disturbed else ""), "status": aggregate.status,
         "time_ms": aggregate.collision_ms.value, "factor": factor.value, "factor_low": factor.low,
         "factor_high": factor.high, "ratio": ratio.value, "missed": aggregate.number("accuracy", "missed_contacts"),
-        "missed_percent": 100 * aggregate.missed_share, "measured": aggregate.number("accuracy", "measured_contacts"),
+        "missed_percent": 100 * aggregate.missed_share, "true": aggregate.number("accuracy", "true_contacts"),
         "false": aggregate.number("accuracy", "false_contacts"),
-        "p99_error_mm": aggregate.p99_error_mm, "max_error_mm": aggregate.max_error_mm,
+        "p99_offset_mm": aggregate.p99_offset_mm, "max_offset_mm": aggregate.max_offset_mm,
         "structure_mb": aggregate.structure_bytes / 1e6, "verdict": aggregate.verdict, "detail": aggregate.detail,
     }
