@@ -53,6 +53,7 @@ CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_
     : m_referee(scene.bones, static_cast<int>(scene.muscle_mesh.vertices.size())),
       m_surface(scene.muscle_mesh.triangles, carriers_of(scene, bound_nodes), static_cast<int>(scene.bones.size())),
       m_bone_vertices(scene.bones, scene.muscle_mesh, carriers_of(scene, bound_nodes)),
+      m_crossings(scene.bones, scene.muscle_mesh, scene.bodies(), carriers_of(scene, bound_nodes)),
       m_tunnelling(static_cast<int>(scene.bones.size()), static_cast<int>(scene.muscle_mesh.vertices.size())),
       m_stretch(scene.muscle_mesh),
       m_floor_m(least_movement * bounding_box(scene.muscle_mesh.vertices).diagonal().norm()),
@@ -71,13 +72,15 @@ CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_
   nothing.positions = simulation.positions();
   StepRecord at_rest;
   m_budget *= budgets_at_rest;
-  judge(simulation, nothing, at_rest);
+  judge(simulation, nothing, at_rest, CrossingTest::always);
   m_budget /= budgets_at_rest;
   m_at_rest = at_rest.depth;
   m_in_muscles_at_rest = at_rest.in_muscles;
+  m_crossings_at_rest = at_rest.crossings;
 }
 
-void CoupledJudge::judge(const Simulation& simulation, const LastDetection& detection, StepRecord& record) {
+void CoupledJudge::judge(const Simulation& simulation, const LastDetection& detection, StepRecord& record,
+                         CrossingTest crossings) {
   const ScopedTimer timer(record.judging_ns);
   const std::vector<Vec3>& positions = simulation.positions();
   m_referee.judge(detection.bone_poses, detection.positions, simulation.free_nodes(), m_truth);
@@ -115,8 +118,25 @@ void CoupledJudge::judge(const Simulation& simulation, const LastDetection& dete
   record.surface_depth_bound_m = surface.bound_m;
   m_work += m_surface.last_work();
   record.judgement_complete = surface.complete && vertex.complete();
+  judge_crossings(simulation, crossings, record);
   record.edge_stretch = m_stretch.measure(positions);
   record.judged = true;
+}
+
+/// The muscles' tree has been refitted. A test costs what the scene's size says, so the last one tells what the next
+/// takes.
+void CoupledJudge::judge_crossings(const Simulation& simulation, CrossingTest test, StepRecord& record) {
+  m_crossing_work = 0;
+  m_crossing_credit += std::max(m_budget - m_work, m_budget / 8);
+  if (test != CrossingTest::always && m_crossing_credit < m_crossing_estimate) return;
+  record.crossings =
+      m_crossings.count(m_referee, m_bone_vertices.muscle_tree(), simulation.bone_poses(), simulation.positions());
+  m_crossing_work = m_crossing_estimate = m_crossings.last_work();
+  m_crossing_credit = 0;
+  const CrossingSums sums = sums_of(m_crossings.pairs(), record.crossings);
+  record.bone_crossings = sums.in_bones;
+  record.muscle_crossings = sums.in_muscles;
+  record.self_intersecting_triangles = sums.in_itself;
 }
 
 void CoupledJudge::judge_bodies(const Simulation& simulation, std::span<const Contact> in_bones,

@@ -7,6 +7,7 @@
 
 #include "core/effects/effect_registry.hpp"
 #include "core/measure/bone_vertex_depth.hpp"
+#include "core/measure/crossings.hpp"
 #include "core/measure/edge_stretch.hpp"
 #include "core/measure/outcome.hpp"
 #include "core/measure/step_record.hpp"
@@ -21,8 +22,12 @@ namespace musclebench {
 /// Of the pairs of the scene that touch.
 JudgedMuscles judged_muscles_of(const Scene& scene);
 
+/// Whether triangles that pass through others are looked for after a frame.
+enum class CrossingTest { where_budget_allows, always };
+
 /// What the truth says of a coupled run, frame by frame: how deep muscles and bones are in each other, and muscles that
-/// touch in one another, which nodes went through a bone, which are held for nothing, how far a muscle is stretched.
+/// touch in one another, which triangles pass through others, which nodes went through a bone, which are held for
+/// nothing, how far a muscle is stretched.
 class CoupledJudge {
  public:
   /// `simulation`, which runs on `threads`, has not made a frame yet.
@@ -30,7 +35,8 @@ class CoupledJudge {
                int threads = 1);
 
   /// Fills in the judged figures of `record` after a frame, whose last detection was `detection`.
-  void judge(const Simulation& simulation, const LastDetection& detection, StepRecord& record);
+  void judge(const Simulation& simulation, const LastDetection& detection, StepRecord& record,
+             CrossingTest crossings = CrossingTest::where_budget_allows);
 
   /// Of every node, m: > 0 inside a bone, its largest; 0 for free and bound nodes.
   [[nodiscard]] std::vector<double> depths(const Simulation& simulation);
@@ -46,29 +52,41 @@ class CoupledJudge {
   /// Of nodes in other muscles before the first frame; nothing where no muscles touch.
   [[nodiscard]] const std::optional<DepthStatistics>& muscle_depth_at_rest() const { return m_in_muscles_at_rest; }
 
+  /// Whose crossings are judged, and how many there were before the first frame.
+  [[nodiscard]] std::span<const CrossingPair> crossing_pairs() const { return m_crossings.pairs(); }
+  [[nodiscard]] const std::vector<int>& crossings_at_rest() const { return m_crossings_at_rest; }
+
   /// Work in the unit of RefereeTree that a frame may take, what the last one took, and what nodes took of that.
   [[nodiscard]] long budget() const { return m_budget; }
   [[nodiscard]] long last_work() const { return m_work; }
   [[nodiscard]] long last_node_work() const { return m_node_work; }
+  /// What looking for crossings took beside that after the last frame; 0: it was left out.
+  [[nodiscard]] long last_crossing_work() const { return m_crossing_work; }
 
  private:
   void judge_bodies(const Simulation& simulation, std::span<const Contact> in_bones,
                     std::span<const Contact> in_muscles, StepRecord& record);
+  void judge_crossings(const Simulation& simulation, CrossingTest test, StepRecord& record);
 
   Referee m_referee;
   std::optional<MuscleReferee> m_muscle_referee;  // where muscles touch
   SurfaceDepthMeter m_surface;
   BoneVertexDepthMeter m_bone_vertices;
+  CrossingMeter m_crossings;
   TunnellingTracker m_tunnelling;
   EdgeStretchMeter m_stretch;
   std::vector<Body> m_bodies;  // where there are several
   std::vector<EdgeStretchMeter> m_stretch_of_bodies;
   DepthStatistics m_at_rest;
   std::optional<DepthStatistics> m_in_muscles_at_rest;
+  std::vector<int> m_crossings_at_rest;
   double m_floor_m;  // of a movement that counts, for stuck nodes
   long m_budget;
   long m_work = 0;       // of the last frame
   long m_node_work = 0;  // of that, what judging and following the nodes took
+  long m_crossing_work = 0;
+  long m_crossing_credit = 0;    // what frames have left for the next test for crossings
+  long m_crossing_estimate = 0;  // what the last one took
   std::vector<Contact> m_truth;
 };
 
@@ -76,7 +94,9 @@ class CoupledJudge {
 /// which is estimated from below from the size of the scene alone, so that the same case is judged alike on any
 /// machine. The nodes are always judged, at most one distance and one winding number a bone and detection, and
 /// followed; bones' vertices and then the muscle's surface take what is left. An eighth of the budget is for each of
-/// the two even where nodes leave nothing, and each may exceed its share by what it looks at last.
+/// the two even where nodes leave nothing, and each may exceed its share by what it looks at last. Triangles that pass
+/// through others are looked for in whole frames, as soon as an eighth of each frame's budget, or what it has left,
+/// adds up to the work of the last such test: in each frame of an anatomical scene.
 long judging_budget(const Scene& scene, int threads = 1);
 
 }  // namespace musclebench

@@ -14,8 +14,8 @@
 #include "core/base/input_error.hpp"
 #include "core/base/sha256.hpp"
 #include "core/base/system_memory.hpp"
+#include "core/measure/crossings.hpp"
 #include "core/measure/outcome_limits.hpp"
-#include "core/measure/self_intersections.hpp"
 #include "core/pbd/muscle_contact_stage.hpp"
 #include "core/scene/prepare_simulation.hpp"
 
@@ -100,6 +100,9 @@ class CaseRunner {
       m_judge = std::make_unique<CoupledJudge>(m_scene, m_result.bound_nodes, *m_simulation, m_run.threads);
       m_result.rest.depth = m_judge->depth_at_rest();
       m_result.rest.in_muscles = m_judge->muscle_depth_at_rest();
+      const auto pairs = m_judge->crossing_pairs();
+      m_result.rest.crossing_pairs.assign(pairs.begin(), pairs.end());
+      m_result.rest.crossings = m_judge->crossings_at_rest();
     }
     if (m_judge || m_fibres || !m_room.empty()) {
       malloc_trim(0);
@@ -168,11 +171,11 @@ class CaseRunner {
       m_result.status = "diverged";
       m_result.status_detail = lost + cause_of_divergence(frame);
     } else if (m_judge) {
-      m_judge->judge(*m_simulation, m_last_detection, record);
-    }
-    if (lost.empty() && m_run.count_self_intersections && (is_kept(frame) || frame == m_scene.loop.frames)) {
-      record.self_intersecting_triangles =
-          count_self_intersecting_triangles({positions, m_scene.muscle_mesh.triangles});
+      m_judge->judge(*m_simulation, m_last_detection, record,
+                     is_looked_at(frame) ? CrossingTest::always : CrossingTest::where_budget_allows);
+      note_crossings(record);
+    } else if (m_run.count_self_intersections && is_looked_at(frame)) {
+      record.self_intersecting_triangles = count_self_crossings({positions, m_scene.muscle_mesh.triangles});
     }
     m_result.records.push_back(record);
     if (lost.empty()) {
@@ -223,7 +226,7 @@ class CaseRunner {
     for (const Bone& bone : m_scene.bones) {
       for (const Muscle& muscle : m_scene.muscles) {
         const auto ns = times.pairs_ns.empty() ? std::nullopt : std::optional(times.pairs_ns[pairs.size()]);
-        pairs.push_back({muscle.body.name, bone.name, ns});
+        pairs.push_back({muscle.body.name, bone.name, ns, 0, {}});
       }
     }
     for (const Contact& contact : m_simulation->contacts()) {
@@ -238,7 +241,10 @@ class CaseRunner {
     for (const PairTime& time : m_muscle_contact->take_pair_times()) {
       touching.push_back(time.muscles);
       pairs.push_back({bodies[static_cast<std::size_t>(time.muscles.first)].name,
-                       bodies[static_cast<std::size_t>(time.muscles.second)].name, time.detect_ns});
+                       bodies[static_cast<std::size_t>(time.muscles.second)].name,
+                       time.detect_ns,
+                       0,
+                       {}});
     }
     const auto first = pairs.end() - static_cast<std::ptrdiff_t>(touching.size());
     for (const MuscleContact& contact : m_muscle_contact->contacts()) {
@@ -247,6 +253,27 @@ class CaseRunner {
       ++first[std::ranges::find(touching, pair) - touching.begin()].contacts;
     }
   }
+
+  /// Into the pairs of several muscles.
+  void note_crossings(StepRecord& record) const {
+    if (record.crossings.empty()) return;
+    const std::vector<Body> bodies = m_scene.bodies();
+    const auto name_of = [&](const CrossingPair& pair) {
+      const auto other = static_cast<std::size_t>(pair.other);
+      return pair.kind == CrossedSurface::bone ? m_scene.bones[other].name : bodies[other].name;
+    };
+    for (std::size_t i = 0; i < record.crossings.size(); ++i) {
+      const CrossingPair& pair = m_result.rest.crossing_pairs[i];
+      for (PairRecord& of_names : record.pairs) {
+        if (of_names.muscle == bodies[static_cast<std::size_t>(pair.muscle)].name && of_names.other == name_of(pair)) {
+          of_names.crossings = record.crossings[i];
+        }
+      }
+    }
+  }
+
+  /// More closely than other frames.
+  [[nodiscard]] bool is_looked_at(int frame) const { return is_kept(frame) || frame == m_scene.loop.frames; }
 
   [[nodiscard]] bool is_kept(int frame) const {
     return std::binary_search(m_run.snapshots.begin(), m_run.snapshots.end(), frame);
@@ -276,8 +303,8 @@ class CaseRunner {
 
   void conclude() {
     m_result.outcome = outcome_of(m_result.records, m_result.rest);
-    if (m_run.count_self_intersections) {
-      m_result.outcome.self_intersecting_triangles_at_rest = count_self_intersecting_triangles(m_scene.muscle_mesh);
+    if (m_run.count_self_intersections && !m_judge) {
+      m_result.outcome.self_intersecting_triangles_at_rest = count_self_crossings(m_scene.muscle_mesh);
     }
     std::vector<std::string> reasons = suspicions(m_result.outcome, m_result.rest);
     if (m_scene.attach_at_first_contact && m_result.bound_nodes.empty()) {

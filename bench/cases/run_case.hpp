@@ -15,11 +15,12 @@ namespace musclebench {
 
 /// One case and how its run is measured.
 struct RunCase : Case {
-  int warm_up_frames = 2;                 ///< recorded and marked
-  bool judge = true;                      ///< whether the Referee judges every frame
-  std::vector<int> snapshots = {};        ///< frames (0: rest) whose shape is kept, ascending
-  bool count_self_intersections = false;  ///< at rest, in the frames of `snapshots` and after the last frame
-  bool keep_surface_depths = true;        ///< of the snapshots, by the judge; takes up to 0.25 s each
+  int warm_up_frames = 2;           ///< recorded and marked
+  bool judge = true;                ///< whether the Referee judges every frame
+  std::vector<int> snapshots = {};  ///< frames (0: rest) whose shape is kept, ascending
+  /// Without a judge, who counts them anyway: at rest, in the frames of `snapshots` and after the last frame.
+  bool count_self_intersections = false;
+  bool keep_surface_depths = true;  ///< of the snapshots, by the judge; takes up to 0.25 s each
 };
 
 /// The shape of the muscle at the end of a frame.

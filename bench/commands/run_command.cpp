@@ -238,7 +238,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
   command->add_flag("--no-referee", options->unjudged, "Do not judge: depths, missed and false contacts stay empty");
   command->add_flag("--self-intersections", options->self_intersections,
-                    "Count triangles that pass through others: at rest, in the frames of --snapshots, in the last");
+                    "With --no-referee: count triangles that pass through others, at rest, in the frames of "
+                    "--snapshots, in the last");
   CLI::Option* fibres =
       command
           ->add_option("--fibres", options->fibres,

@@ -12,7 +12,7 @@
 
 #include "bench/cases/scene_source.hpp"
 #include "bench/hard/courses.hpp"
-#include "core/measure/self_intersections.hpp"
+#include "core/measure/crossings.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 // Cases of real muscles, for which the anatomical data are needed.
@@ -111,8 +111,7 @@ HardCell self_intersection(const HardRequest& request) {
   const std::vector<std::string> muscles = muscles_of(request, "iliacus");
   return flexed(request, muscles, 1, [](const std::string& muscle, const MovedScene& run) {
     const auto count = [&](std::size_t frame) {
-      return static_cast<double>(
-          count_self_intersecting_triangles({run.positions(frame), run.scene.muscle_mesh.triangles}));
+      return static_cast<double>(count_self_crossings({run.positions(frame), run.scene.muscle_mesh.triangles}));
     };
     const auto triangles = static_cast<double>(run.scene.muscle_mesh.triangles.size());
     return std::vector<HardFigure>{

@@ -114,9 +114,32 @@ Json json_of_outcome(const RunResult& result) {
           {"nodes_inside_muscles", json_of(outcome.nodes_inside_muscles)},
           {"self_intersecting_triangles", json_of(outcome.self_intersecting_triangles)},
           {"self_intersecting_triangles_at_rest", json_of(outcome.self_intersecting_triangles_at_rest)},
+          {"bone_crossing_triangles", json_of(outcome.bone_crossings)},
+          {"bone_crossing_triangles_at_rest", json_of(outcome.bone_crossings_at_rest)},
+          {"muscle_crossing_triangles", json_of(outcome.muscle_crossings)},
+          {"muscle_crossing_triangles_at_rest", json_of(outcome.muscle_crossings_at_rest)},
+          {"crossing_frames", outcome.crossing_frames},
           {"open_judgements", outcome.open_judgements},
           {"collision_ns", outcome.collision_ns},
           {"loop_ns", outcome.loop_ns}};
+}
+
+Json json_of_crossings(const Scene& scene, const RunResult& result) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < result.rest.crossing_pairs.size(); ++i) {
+    const CrossingPair& pair = result.rest.crossing_pairs[i];
+    const auto other = static_cast<std::size_t>(pair.other);
+    Json one = {{"muscle", scene.muscles[static_cast<std::size_t>(pair.muscle)].body.name}};
+    if (pair.kind == CrossedSurface::bone) one["bone"] = scene.bones[other].name;
+    if (pair.kind != CrossedSurface::bone) one["other_muscle"] = scene.muscles[other].body.name;
+    one["at_rest"] = result.rest.crossings[i];
+    const bool tested = i < result.outcome.crossings.size();
+    one["most"] = tested ? Json(result.outcome.crossings[i].triangles) : Json(nullptr);
+    one["frame"] = tested ? Json(result.outcome.crossings[i].frame) : Json(nullptr);
+    one["left_out"] = pair.left_out;
+    list.push_back(one);
+  }
+  return list;
 }
 
 Json json_of_limits() {
@@ -151,6 +174,7 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["wall_ns"] = result.wall_ns;
   json["frames"] = result.records.size();
   json["outcome"] = json_of_outcome(result);
+  json["crossings"] = json_of_crossings(run.scene, result);
   json["limits"] = json_of_limits();
   json["snapshots"] = json_of_snapshots(result);
   if (!result.fibres_refused.empty()) json["fibres_refused"] = result.fibres_refused;

@@ -102,8 +102,16 @@ std::string shape_of(const Outcome& outcome) {
                         *outcome.max_edge_stretch, outcome.p99_edge_stretch.value_or(0));
   }
   if (outcome.self_intersecting_triangles) {
-    text += fmt::format("  triangles through others      {:>6}, {} at rest\n", *outcome.self_intersecting_triangles,
-                        outcome.self_intersecting_triangles_at_rest.value_or(0));
+    text += fmt::format("  triangles through their own   {:>6} at most, {} at rest\n",
+                        *outcome.self_intersecting_triangles, outcome.self_intersecting_triangles_at_rest.value_or(0));
+  }
+  if (outcome.bone_crossings) {
+    text += fmt::format("  triangles through bones       {:>6} at most, {} at rest\n", *outcome.bone_crossings,
+                        outcome.bone_crossings_at_rest.value_or(0));
+  }
+  if (outcome.muscle_crossings) {
+    text += fmt::format("  triangles through muscles     {:>6} at most, {} at rest\n", *outcome.muscle_crossings,
+                        outcome.muscle_crossings_at_rest.value_or(0));
   }
   return text;
 }

@@ -36,6 +36,9 @@ class BoneVertexDepthMeter {
   DeepestBoneVertex measure(std::span<const RigidMotion> poses, std::span<const Vec3> positions,
                             long budget = std::numeric_limits<long>::max());
 
+  /// Over all muscles, as they were in the last call.
+  [[nodiscard]] const RefereeTree& muscle_tree() const { return m_tree; }
+
   /// Work of the last call, in the unit of RefereeTree.
   [[nodiscard]] long last_work() const { return m_work; }
 

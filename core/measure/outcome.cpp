@@ -50,6 +50,26 @@ void add_volumes(std::span<const StepRecord> records, const MuscleAtRest& rest, 
   }
 }
 
+void add_crossings(const StepRecord& record, Outcome& outcome) {
+  raise(outcome.self_intersecting_triangles, record.self_intersecting_triangles);
+  raise(outcome.bone_crossings, record.bone_crossings);
+  raise(outcome.muscle_crossings, record.muscle_crossings);
+  outcome.crossing_frames += record.crossings.empty() ? 0 : 1;
+  outcome.crossings.resize(std::max(outcome.crossings.size(), record.crossings.size()));
+  for (std::size_t pair = 0; pair < record.crossings.size(); ++pair) {
+    if (record.crossings[pair] <= outcome.crossings[pair].triangles) continue;
+    outcome.crossings[pair] = {record.crossings[pair], record.frame, record.angle_deg};
+  }
+}
+
+void add_crossings_at_rest(const MuscleAtRest& rest, Outcome& outcome) {
+  if (rest.crossings.empty()) return;
+  const CrossingSums sums = sums_of(rest.crossing_pairs, rest.crossings);
+  outcome.bone_crossings_at_rest = sums.in_bones;
+  outcome.muscle_crossings_at_rest = sums.in_muscles;
+  outcome.self_intersecting_triangles_at_rest = sums.in_itself;
+}
+
 }  // namespace
 
 Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest) {
@@ -61,7 +81,7 @@ Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest
     outcome.loop_ns += record.times.frame_ns;
     raise(outcome.max_edge_stretch, record.edge_stretch.max);
     raise(outcome.p99_edge_stretch, record.edge_stretch.p99);
-    raise(outcome.self_intersecting_triangles, record.self_intersecting_triangles);
+    add_crossings(record, outcome);
     outcome.nodes_inside_at_end.reset();
     if (!record.judged) continue;
     outcome.nodes_inside_at_end = record.depth.nodes_inside;
@@ -89,6 +109,7 @@ Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest
   if (rest.in_muscles) {
     outcome.muscle_depth_at_rest_m = rest.in_muscles->max_depth_m;
   }
+  add_crossings_at_rest(rest, outcome);
   for (std::size_t muscle = 0; muscle < rest.volumes_m3.size(); ++muscle) {
     add_volumes(records, rest, muscle, outcome);
   }

@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 
+#include "core/measure/crossings.hpp"
 #include "core/measure/step_record.hpp"
 
 namespace musclebench {
@@ -14,8 +15,17 @@ struct MuscleAtRest {
   double mean_edge_length_m = 0;   ///< 0: unknown
   int free_nodes = 0;
   int triangles = 0;
+  std::vector<CrossingPair> crossing_pairs;   ///< whose crossings are judged; none where nobody judges
+  std::vector<int> crossings;                 ///< of each before the first frame
   std::optional<DepthStatistics> depth;       ///< of the free nodes in the bones, before the first frame
   std::optional<DepthStatistics> in_muscles;  ///< of nodes in other muscles; nothing where no muscles touch
+};
+
+/// Of a pair, in the frame with the most of them.
+struct MostCrossings {
+  int triangles = 0;
+  int frame = 0;  ///< the first with so many; 0: there were none
+  double angle_deg = 0;
 };
 
 /// What a backend's answers did to the muscle, over a whole run. A figure is missing where nothing was measured that it
@@ -43,9 +53,13 @@ struct Outcome {
   std::optional<int> nodes_inside_muscles;
   /// Most in one of the frames that were tested, and before the first one.
   std::optional<int> self_intersecting_triangles, self_intersecting_triangles_at_rest;
-  int open_judgements = 0;       ///< frames for which the Referee's budget did not suffice
-  Nanoseconds collision_ns = 0;  ///< of the backend with bones: update, detect and respond, sum over the run
-  Nanoseconds loop_ns = 0;       ///< sum of the frames
+  /// The same through bones and other muscles: see StepRecord.
+  std::optional<int> bone_crossings, bone_crossings_at_rest, muscle_crossings, muscle_crossings_at_rest;
+  std::vector<MostCrossings> crossings;  ///< by MuscleAtRest::crossing_pairs
+  int crossing_frames = 0;               ///< that were tested for crossings
+  int open_judgements = 0;               ///< frames for which the Referee's budget did not suffice
+  Nanoseconds collision_ns = 0;          ///< of the backend with bones: update, detect and respond, sum over the run
+  Nanoseconds loop_ns = 0;               ///< sum of the frames
 };
 
 Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest);

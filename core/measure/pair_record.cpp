@@ -9,7 +9,7 @@ namespace musclebench {
 
 namespace {
 
-constexpr std::array<Column<PairRow>, 6> of_a_pair{{
+constexpr std::array<Column<PairRow>, 7> of_a_pair{{
     {{"frame", "", "1 for the first"}, [](const PairRow& r) { return fmt::format("{}", r.step.frame); }},
     {{"angle_deg", "deg", "of the bone that turns most"},
      [](const PairRow& r) { return fmt::format("{}", r.step.angle_deg); }},
@@ -20,6 +20,8 @@ constexpr std::array<Column<PairRow>, 6> of_a_pair{{
     {{"detect_ns", "ns",
       "asking the nodes of the pair; sum over the frame's steps and over threads; empty: the backend does not say"},
      [](const PairRow& r) { return r.record.detect_ns ? fmt::format("{}", *r.record.detect_ns) : std::string(); }},
+    {{"crossing_triangles", "", "of the muscle that pass through the other; empty: not tested in this frame"},
+     [](const PairRow& r) { return r.record.crossings ? fmt::format("{}", *r.record.crossings) : std::string(); }},
 }};
 
 }  // namespace

@@ -20,7 +20,7 @@ using Record = StepRecord;
 
 std::string text_if_judged(const Record& record, double value) { return record.judged ? text(value) : ""; }
 
-constexpr std::array<Column<StepRecord>, 36> columns{{
+constexpr std::array<Column<StepRecord>, 38> columns{{
     {{"frame", "", "1 for the first"}, [](const Record& r) { return fmt::format("{}", r.frame); }},
     {{"angle_deg", "deg", "of the bone that turns most"}, [](const Record& r) { return text(r.angle_deg); }},
     {{"warm_up", "", "1: left out of medians"}, [](const Record& r) { return std::string(r.warm_up ? "1" : "0"); }},
@@ -83,11 +83,17 @@ constexpr std::array<Column<StepRecord>, 36> columns{{
     {{"p99_edge_stretch", "", "99th percentile of edge length over length at rest"},
      [](const Record& r) { return text(r.edge_stretch.p99); }},
     {{"self_intersecting_triangles", "",
-      "muscle triangles that pass through others; with --self-intersections, in the "
-      "frames of --snapshots and the last"},
+      "muscle triangles that pass through others of the same muscle; in judged frames as often as the Referee's "
+      "budget allows, in the frames of --snapshots and the last always"},
      [](const Record& r) {
        return text_if(r.self_intersecting_triangles.has_value(), r.self_intersecting_triangles.value_or(0));
      }},
+    {{"bone_crossing_triangles", "",
+      "muscle triangles that pass through a bone, without those that are attached to it; tested as the one before"},
+     [](const Record& r) { return text_if(r.bone_crossings.has_value(), r.bone_crossings.value_or(0)); }},
+    {{"muscle_crossing_triangles", "",
+      "muscle triangles that pass through another muscle, of each pair those of the first; tested as the one before"},
+     [](const Record& r) { return text_if(r.muscle_crossings.has_value(), r.muscle_crossings.value_or(0)); }},
     {{"involuntary_switches", "", "times that the scheduler gave the CPU to others while the frame was timed"},
      [](const Record& r) { return fmt::format("{}", r.involuntary_switches); }},
     {{"muscle_contacts", "", "nodes that the last detection between muscles found in other muscles"},

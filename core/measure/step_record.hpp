@@ -32,7 +32,8 @@ struct PairRecord {
   std::string muscle;
   std::string other;
   std::optional<Nanoseconds> detect_ns;  ///< over the frame's steps; nothing: the backend does not say
-  int contacts = 0;  ///< answered by the last detection: nodes in the bone, or of either in the other
+  int contacts = 0;              ///< answered by the last detection: nodes in the bone, or of either in the other
+  std::optional<int> crossings;  ///< triangles of the muscle that pass through the other; nothing: not tested
 };
 
 /// One row of frames.csv. Figures that are not known stay empty in the file.
@@ -57,7 +58,10 @@ struct StepRecord {
   int tunnelled_nodes = 0;   ///< that went through a bone and have not come back, see TunnellingTracker
   int stuck_nodes = 0;       ///< in this frame, see count_stuck_nodes
   EdgeStretch edge_stretch;  ///< at the frame's end
-  std::optional<int> self_intersecting_triangles;
+  /// Triangles of muscles that pass through bones, through other muscles (nothing with one muscle) and through their
+  /// own muscle at the frame's end; nothing where that was not tested.
+  std::optional<int> bone_crossings, muscle_crossings, self_intersecting_triangles;
+  std::vector<int> crossings;         ///< the same by pair, see CrossingMeter; none: not tested
   std::vector<double> volumes_m3;     ///< of each muscle
   std::vector<MuscleRecord> muscles;  ///< of each of several; none for one
   std::vector<PairRecord> pairs;      ///< of several muscles

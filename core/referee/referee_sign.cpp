@@ -170,6 +170,21 @@ int edge_side(const Vec3& from, const Vec3& to, const Vec3& a, const Vec3& b) {
   return (side >= 0) != swapped ? 1 : -1;
 }
 
+/// Where a triangle's corners lie to a plane.
+struct CornersByPlane {
+  int alone = -1;         ///< that has no other strictly on its side; -1: not both sides have one
+  bool in_front = false;  ///< whether it lies in front
+};
+
+CornersByPlane by_plane(const TriangleCorners& corners, const TriangleCorners& plane) {
+  std::array<int, 3> sides;
+  for (std::size_t k = 0; k < 3; ++k) sides[k] = plane_side(plane[0], plane[1], plane[2], corners[k]);
+  const auto count = [&](int side) { return std::count(sides.begin(), sides.end(), side); };
+  if (count(1) == 0 || count(-1) == 0) return {};
+  const int side = count(1) == 1 ? 1 : -1;
+  return {static_cast<int>(std::find(sides.begin(), sides.end(), side) - sides.begin()), side > 0};
+}
+
 }  // namespace
 
 int plane_side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
@@ -185,6 +200,8 @@ int plane_side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
     magnitude += std::abs(u[i]) * (std::abs(first) + std::abs(second));
   }
   if (std::abs(determinant) > 16 * unit_roundoff * magnitude) return -sign_of(determinant);
+  // Of triangles that share a vertex this is most of what gets here.
+  if (a == p || b == p || c == p || a == b || b == c || c == a) return 0;
   const int sign = double_double_sign(difference(a, p), difference(b, p), difference(c, p), magnitude);
   return sign != 0 ? -sign : exact_plane_side(a, b, c, p);
 }
@@ -195,6 +212,30 @@ int segment_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& fr
   const int side = edge_side(from, to, a, b);
   if (edge_side(from, to, b, c) != side || edge_side(from, to, c, a) != side) return 0;
   return starts_behind ? 1 : -1;
+}
+
+bool pass_through_each_other(const TriangleCorners& one, const TriangleCorners& other) {
+  const CornersByPlane first = by_plane(one, other);
+  if (first.alone < 0) return false;
+  const CornersByPlane second = by_plane(other, one);
+  if (second.alone < 0) return false;
+  const auto corner = [](const TriangleCorners& of, int index) -> const Vec3& {
+    return of[static_cast<std::size_t>(index % 3)];
+  };
+  // Each triangle is wound so that the corner that is alone lies in front of the other's plane.
+  const auto next = [](const CornersByPlane& own, const CornersByPlane& of_other) {
+    return own.alone + (of_other.in_front ? 1 : 2);
+  };
+  const auto last = [](const CornersByPlane& own, const CornersByPlane& of_other) {
+    return own.alone + (of_other.in_front ? 2 : 1);
+  };
+  const Vec3& p1 = corner(one, first.alone);
+  const Vec3& p2 = corner(other, second.alone);
+  const Vec3& q1 = corner(one, next(first, second));
+  const Vec3& q2 = corner(other, next(second, first));
+  // On the line that the planes share, each triangle's part begins before the other's ends.
+  if (plane_side(p1, q1, p2, q2) >= 0) return false;
+  return plane_side(p1, corner(one, last(first, second)), corner(other, last(second, first)), p2) < 0;
 }
 
 int ray_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& start, AxisRay ray) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
@@ -25,6 +27,13 @@ int plane_side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p);
 /// misses it. Decided without rounding errors. An end on the triangle's plane counts as in front of it; of two
 /// triangles that share an edge which the segment meets, one is crossed. Through a vertex no such promise is made.
 int segment_crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& from, const Vec3& to);
+
+using TriangleCorners = std::array<Vec3, 3>;
+
+/// Whether two triangles pass through each other: their insides have a segment in common, at which each lies on both
+/// sides of the other. What only touches, or lies in one plane, does not. Decided without rounding errors, by the sides
+/// of corners to planes alone (Guigue and Devillers 2003, with strict signs).
+bool pass_through_each_other(const TriangleCorners& one, const TriangleCorners& other);
 
 /// Solid angle, over 4 pi, of the strip that the edge a -> b sweeps when it is translated to infinity against the
 /// direction of `ray`, seen from `eye`; signed as the strip's spherical triangle (a, b, minus the ray's direction),

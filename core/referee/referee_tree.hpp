@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/referee/referee_sign.hpp"
@@ -84,6 +84,10 @@ class RefereeTree {
   /// Slot of a triangle of the surface that intersects the triangle (a, b, c); -1: none. Never -1 where the
   /// intersection exceeds rounding; may be a slot where the two only come that close.
   [[nodiscard]] int find_touched(const Vec3& a, const Vec3& b, const Vec3& c, long* work = nullptr) const;
+
+  /// Indices in the mesh of the triangles in leaves that reach the box, into `triangles`, in no particular order: all
+  /// triangles that touch the box, and some that lie close to it.
+  void find_near_box(const Eigen::AlignedBox3d& box, std::vector<int>& triangles, long* work = nullptr) const;
 
   /// The crossings of the segment with the surface, into `crossings`, in the order that they are met in. A point on the
   /// surface counts as in front of it. Which triangles are crossed is decided without rounding errors; a segment

@@ -85,6 +85,15 @@ struct FloatBox {
   }
 };
 
+/// Which children of a node of the tree the box touches.
+template <typename Node>
+Eigen::Array<bool, 4, 1> reaches(const Node& node, const FloatBox& box) {
+  Eigen::Array4f gap = (node.low[0] - box.high[0]).max(box.low[0] - node.high[0]);
+  gap = gap.max(node.low[1] - box.high[1]).max(box.low[1] - node.high[1]);
+  gap = gap.max(node.low[2] - box.high[2]).max(box.low[2] - node.high[2]);
+  return Eigen::Array<bool, 4, 1>(gap <= 0);
+}
+
 }  // namespace
 
 template <typename Filter, typename Visit>
@@ -150,31 +159,37 @@ int RefereeTree::find_touched(const Vec3& a, const Vec3& b, const Vec3& c, long*
   return met;
 }
 
+void RefereeTree::find_near_box(const Eigen::AlignedBox3d& near, std::vector<int>& triangles, long* work) const {
+  triangles.clear();
+  FloatBox box;
+  box.extend(near.min());
+  box.extend(near.max());
+  visit([&](const Node& node) { return reaches(node, box); },
+        [&](int slot) {
+          triangles.push_back(triangle_index(slot));
+          return true;
+        },
+        work);
+}
+
 void RefereeTree::cross(const Vec3& from, const Vec3& to, std::vector<SurfaceCrossing>& crossings, long* work) const {
   crossings.clear();
   FloatBox box;
   box.extend(from);
   box.extend(to);
-  const auto may_matter = [&](const Node& node) {
-    Eigen::Array4f gap = (node.low[0] - box.high[0]).max(box.low[0] - node.high[0]);
-    gap = gap.max(node.low[1] - box.high[1]).max(box.low[1] - node.high[1]);
-    gap = gap.max(node.low[2] - box.high[2]).max(box.low[2] - node.high[2]);
-    return Eigen::Array<bool, 4, 1>(gap <= 0);
-  };
-  visit(
-      may_matter,
-      [&](int slot) {
-        const Corners& t = m_triangles[static_cast<std::size_t>(slot)];
-        const int crossing = segment_crossing(t.a, t.b, t.c, from, to);
-        if (crossing != 0) {
-          const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
-          const double start = std::abs(normal.dot(from - t.a));
-          const double end = std::abs(normal.dot(to - t.a));
-          crossings.push_back({start + end > 0 ? start / (start + end) : 0, crossing < 0, slot});
-        }
-        return true;
-      },
-      work);
+  visit([&](const Node& node) { return reaches(node, box); },
+        [&](int slot) {
+          const Corners& t = m_triangles[static_cast<std::size_t>(slot)];
+          const int crossing = segment_crossing(t.a, t.b, t.c, from, to);
+          if (crossing != 0) {
+            const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
+            const double start = std::abs(normal.dot(from - t.a));
+            const double end = std::abs(normal.dot(to - t.a));
+            crossings.push_back({start + end > 0 ? start / (start + end) : 0, crossing < 0, slot});
+          }
+          return true;
+        },
+        work);
   std::sort(crossings.begin(), crossings.end(), [&](const SurfaceCrossing& one, const SurfaceCrossing& other) {
     return std::pair(one.share, triangle_index(one.slot)) < std::pair(other.share, triangle_index(other.slot));
   });

@@ -43,10 +43,12 @@ def test_every_backend_leaves_a_complete_run(folder, backend):
     assert manifest["status"] == "ok"
     assert len(frames) == manifest["frames"] == 12
     assert list(frames.frame) == list(range(1, 13))
-    assert frames.self_intersecting_triangles.isna().all()  # nobody asked
-    of_several = ["muscle_contacts", "nodes_inside_muscles", "max_muscle_depth_m"]
+    of_several = ["muscle_contacts", "nodes_inside_muscles", "max_muscle_depth_m", "muscle_crossing_triangles"]
     assert frames[of_several].isna().all().all()  # one muscle touches none
-    assert frames.drop(columns=["self_intersecting_triangles", *of_several]).notna().all().all()
+    of_crossings = ["self_intersecting_triangles", "bone_crossing_triangles"]
+    assert frames[of_crossings].iloc[[5, 11]].notna().all().all()  # frames that are kept; others as the budget allows
+    assert manifest["outcome"]["crossing_frames"] == frames[of_crossings[0]].notna().sum()
+    assert frames.drop(columns=[*of_several, *of_crossings]).notna().all().all()
     collision = frames.update_ns + frames.detect_ns + frames.respond_ns
     assert (collision <= frames.frame_ns).all()
     assert frames.angle_deg[5] == pytest.approx(20)

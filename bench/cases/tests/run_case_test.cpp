@@ -124,7 +124,7 @@ Scene muscle_in_a_groove(const Vec3& shift, int substeps) {
 
 struct JudgedFrame {
   StepRecord record;
-  long budget, work, node_work;
+  long budget, work, node_work, crossing_work;
 };
 
 std::vector<JudgedFrame> judge_frames(const Scene& scene, int threads) {
@@ -139,7 +139,7 @@ std::vector<JudgedFrame> judge_frames(const Scene& scene, int threads) {
     prepared.simulation->step_frame(frame, &detection);
     StepRecord record;
     judge.judge(*prepared.simulation, detection, record);
-    frames.push_back({record, judge.budget(), judge.last_work(), judge.last_node_work()});
+    frames.push_back({record, judge.budget(), judge.last_work(), judge.last_node_work(), judge.last_crossing_work()});
   }
   return frames;
 }
@@ -171,6 +171,54 @@ TEST(JudgingBudget, IsKeptInAGroove) {
       }
     }
   }
+}
+
+TEST(JudgingBudget, TestsForCrossingsAsOftenAsItAllows) {
+  for (const int substeps : {1, 30, 1000}) {
+    Scene scene = muscle_in_a_groove(Vec3(0.01, 0, -0.02), substeps);
+    scene.loop.frames = 60;
+    long allowed = 0, taken = 0, most = 0;
+    int tested = 0;
+    for (const JudgedFrame& frame : judge_frames(scene, 1)) {
+      EXPECT_EQ(frame.crossing_work > 0, frame.record.bone_crossings.has_value());
+      EXPECT_EQ(frame.crossing_work > 0, !frame.record.crossings.empty());
+      if (frame.record.bone_crossings) {
+        EXPECT_GT(*frame.record.bone_crossings, 20);
+      }
+      allowed += std::max(frame.budget - frame.work, frame.budget / 8);
+      taken += frame.crossing_work;
+      most = std::max(most, frame.crossing_work);
+      tested += frame.crossing_work > 0 ? 1 : 0;
+      EXPECT_LE(taken, allowed + most);
+    }
+    EXPECT_EQ(tested == 60, substeps == 1000) << tested;
+    EXPECT_GE(tested, substeps == 1 ? 0 : 5);
+  }
+}
+
+TEST(RunCase, TestsKeptFramesAndTheLastForCrossings) {
+  const Scene scene = [] {
+    Scene still = muscle_in_a_groove(Vec3(0.01, 0, -0.02), 1);
+    still.loop.frames = 12;
+    return still;
+  }();
+  const BackendEntry& backend = find_backend("null");
+  RunCase run{{scene, backend, Parameters(backend.parameters, {}, backend.name)}};
+  run.snapshots = {0, 2, 5};
+  const RunResult result = run_case(run, [](int) {});
+  int tested = 0;
+  for (const StepRecord& record : result.records) {
+    tested += record.self_intersecting_triangles ? 1 : 0;
+    if (record.frame == 2 || record.frame == 5 || record.frame == 12) {
+      EXPECT_GT(record.bone_crossings, 20) << record.frame;
+    }
+  }
+  EXPECT_LT(tested, 12);
+  EXPECT_EQ(result.outcome.crossing_frames, tested);
+  ASSERT_EQ(result.outcome.crossings.size(), 2U);
+  EXPECT_EQ(result.outcome.crossings[0].triangles, result.outcome.bone_crossings);
+  EXPECT_EQ(result.outcome.bone_crossings_at_rest, result.outcome.bone_crossings) << "nothing moves";
+  EXPECT_EQ(result.outcome.self_intersecting_triangles_at_rest, 0);
 }
 
 TEST(JudgingBudget, LeavesRowsReproducible) {

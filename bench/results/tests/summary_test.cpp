@@ -40,10 +40,12 @@ TEST_F(RunSummary, SaysAllThatIsWrong) {
   m_result.outcome.p99_edge_stretch = 1.5;
   m_result.outcome.self_intersecting_triangles = 436;
   m_result.outcome.self_intersecting_triangles_at_rest = 1;
+  m_result.outcome.muscle_crossings = 17;
+  m_result.outcome.muscle_crossings_at_rest = 2;
   for (const char* part : {": suspect: 642 nodes tunnelled through a bone (limit 0)",
                            "0.100 mm, of the surface 1.250 mm or more, at most 3.500 mm (2 frames were judged in part)",
                            "642, at most 3 at once", "11 at rest, 12 at the end", "53.700 %, turned inside out",
-                           "4.250 at most, 99 % up to 1.500", "436, 1 at rest"}) {
+                           "4.250 at most, 99 % up to 1.500", "436 at most, 1 at rest", "17 at most, 2 at rest"}) {
     EXPECT_TRUE(contains(text(), part)) << part << "\n" << text();
   }
 }

@@ -103,6 +103,39 @@ TEST(Outcome, TheLargestStretchAndTheLastNodesInside) {
   EXPECT_EQ(outcome.self_intersecting_triangles, 12);
 }
 
+TEST(Outcome, TheFrameWithMostCrossingsOfEachPair) {
+  std::vector<StepRecord> records(4, judged(0, 0, 0, 0, 0));
+  for (std::size_t i = 0; i < 4; ++i) {
+    records[i].frame = static_cast<int>(i) + 1;
+    records[i].angle_deg = 10.0 * records[i].frame;
+  }
+  const auto tested = [](StepRecord& record, std::vector<int> counts) {
+    record.bone_crossings = counts[0];
+    record.muscle_crossings = counts[1];
+    record.self_intersecting_triangles = counts[2];
+    record.crossings = std::move(counts);
+  };
+  tested(records[0], {0, 7, 0});
+  tested(records[2], {9, 2, 0});
+  tested(records[3], {9, 1, 0});
+  MuscleAtRest rest = at_rest(2);
+  rest.crossing_pairs = {{0, CrossedSurface::bone, 0}, {0, CrossedSurface::muscle, 1}, {0, CrossedSurface::itself, 0}};
+  rest.crossings = {1, 2, 3};
+  const Outcome outcome = outcome_of(records, rest);
+  EXPECT_EQ(outcome.crossing_frames, 3);
+  ASSERT_EQ(outcome.crossings.size(), 3U);
+  EXPECT_EQ(outcome.crossings[0].triangles, 9);
+  EXPECT_EQ(outcome.crossings[0].frame, 3) << "the first with so many";
+  EXPECT_EQ(outcome.crossings[0].angle_deg, 30);
+  EXPECT_EQ(outcome.crossings[1].frame, 1);
+  EXPECT_EQ(outcome.crossings[2].frame, 0);
+  EXPECT_EQ(outcome.bone_crossings, 9);
+  EXPECT_EQ(outcome.muscle_crossings, 7);
+  EXPECT_EQ(outcome.bone_crossings_at_rest, 1);
+  EXPECT_EQ(outcome.muscle_crossings_at_rest, 2);
+  EXPECT_EQ(outcome.self_intersecting_triangles_at_rest, 3);
+}
+
 TEST(Outcome, WhatWasNotMeasuredIsMissing) {
   StepRecord lost;  // not judged, as it blew up
   lost.volumes_m3 = {std::numeric_limits<double>::quiet_NaN()};

@@ -74,6 +74,8 @@ StepRecord record() {
   r.judgement_complete = false;
   r.edge_stretch = {1.5, 1.25};
   r.self_intersecting_triangles = 15;
+  r.bone_crossings = 21;
+  r.muscle_crossings = 22;
   r.involuntary_switches = 16;
   r.judging_ns = 17;
   r.muscle_contacts = 19;
@@ -117,6 +119,8 @@ TEST(FramesCsv, EveryFigureStandsUnderItsName) {
                                                                      {"max_edge_stretch", "1.5"},
                                                                      {"p99_edge_stretch", "1.25"},
                                                                      {"self_intersecting_triangles", "15"},
+                                                                     {"bone_crossing_triangles", "21"},
+                                                                     {"muscle_crossing_triangles", "22"},
                                                                      {"involuntary_switches", "16"},
                                                                      {"judging_ns", "17"}};
   for (const auto& [column, value] : expected) {

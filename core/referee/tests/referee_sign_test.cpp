@@ -1,6 +1,8 @@
 #include "core/referee/referee_sign.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <random>
 
@@ -203,6 +205,124 @@ TEST(SegmentCrossing, ThroughASharedEdgeThereIsOne) {
   const Vec3 to(0.5, 0.5, -1);
   EXPECT_EQ(segment_crossing(a, b, left, from, to) + segment_crossing(b, a, right, from, to), -1);
   EXPECT_EQ(segment_crossing(a, b, left, to, from) + segment_crossing(b, a, right, to, from), 1);
+}
+
+/// Of points on a grid of 2^-grid: the sign of det(b - a, c - a, d - a) in whole numbers, and so without rounding.
+int side_in_integers(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, int grid) {
+  std::array<std::array<Wide, 3>, 3> m;
+  const std::array<const Vec3*, 3> ends{&b, &c, &d};
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (int axis = 0; axis < 3; ++axis) {
+      m[row][static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(std::ldexp((*ends[row])[axis], grid)) -
+                                               static_cast<std::int64_t>(std::ldexp(a[axis], grid));
+    }
+  }
+  const Wide det = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+                   m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+                   m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+  return (det > 0) - (det < 0);
+}
+
+bool passes_in_integers(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& from, const Vec3& to, int grid) {
+  const int sides = side_in_integers(a, b, c, from, grid) * side_in_integers(a, b, c, to, grid);
+  const int ab = side_in_integers(from, to, a, b, grid);
+  return sides < 0 && ab != 0 && side_in_integers(from, to, b, c, grid) == ab &&
+         side_in_integers(from, to, c, a, grid) == ab;
+}
+
+bool pass_through_by_edges(const TriangleCorners& one, const TriangleCorners& other, int grid) {
+  const auto an_edge_passes = [grid](const TriangleCorners& edges, const TriangleCorners& face) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (passes_in_integers(face[0], face[1], face[2], edges[k], edges[(k + 1) % 3], grid)) return true;
+    }
+    return false;
+  };
+  return an_edge_passes(one, other) || an_edge_passes(other, one);
+}
+
+/// Corners that lie on the other's plane or one step of a grid beside it: floating point alone gets thousands of their
+/// sides wrong.
+TEST(PassThroughEachOther, IsExactWhereItIsNearlyDegenerate) {
+  constexpr int grid = 40, eighths = grid - 3;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::uniform_int_distribution<int> eighth(0, 8), step(-1, 1);
+  const auto point = [&] {
+    return Vec3(Vec3(unit(random), unit(random), unit(random)).unaryExpr([](double x) {
+      return std::ldexp(std::nearbyint(std::ldexp(x, eighths)), -eighths);
+    }));
+  };
+  int passing = 0, plain_is_wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const TriangleCorners face{point(), point(), point()};
+    const auto& [a, b, c] = face;
+    const auto near = [&] {
+      const int u = eighth(random);
+      const Vec3 on_plane = a + u / 8.0 * (b - a) + std::min(eighth(random), 8 - u) / 8.0 * (c - a);
+      return Vec3(on_plane + std::ldexp(1, -grid) * Vec3(step(random), i % 2 == 0 ? step(random) : 0, 0));
+    };
+    const TriangleCorners other{near(), i % 3 == 0 ? near() : point(), point()};
+    if ((other[1] - other[0]).cross(other[2] - other[0]).isZero(0)) continue;  // without an inside
+    const bool passes = pass_through_each_other(face, other);
+    EXPECT_EQ(passes, pass_through_by_edges(face, other, grid)) << i;
+    EXPECT_EQ(pass_through_each_other({other[1], other[0], other[2]}, {c, a, b}), passes) << i;
+    EXPECT_EQ(plane_side(a, b, c, other[0]), side_in_integers(a, b, c, other[0], grid)) << i;
+    passing += passes ? 1 : 0;
+    const double plain = (b - a).cross(c - a).dot(other[0] - a);
+    plain_is_wrong += (plain > 0) - (plain < 0) != side_in_integers(a, b, c, other[0], grid) ? 1 : 0;
+  }
+  EXPECT_GT(passing, 2000);
+  EXPECT_GT(plain_is_wrong, 1000) << "nothing here is hard";
+}
+
+/// Of corners with small whole coordinates, by the two parts of the line that the planes share, as fractions.
+bool pass_through_in_fractions(const TriangleCorners& one, const TriangleCorners& other) {
+  const auto normal_of = [](const TriangleCorners& t) { return Vec3((t[1] - t[0]).cross(t[2] - t[0])); };
+  const Vec3 along = normal_of(one).cross(normal_of(other));
+  struct Part {
+    double low = 1e9, high = -1e9;  // times a common denominator that whole numbers of this size keep exact
+    bool both_sides = false;
+  };
+  // Heights and coordinates are whole numbers below 2^12, so fractions of them differ by 2^-24 where they differ.
+  const auto part_of = [&](const TriangleCorners& t, const TriangleCorners& plane) {
+    Part part;
+    std::array<double, 3> height;
+    for (std::size_t k = 0; k < 3; ++k) height[k] = normal_of(plane).dot(t[k] - plane[0]);
+    part.both_sides = *std::ranges::min_element(height) < 0 && *std::ranges::max_element(height) > 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3;
+      if (height[k] * height[next] > 0 || height[k] == height[next]) continue;
+      const double at = (along.dot(t[k]) * height[next] - along.dot(t[next]) * height[k]) / (height[next] - height[k]);
+      part.low = std::min(part.low, at);
+      part.high = std::max(part.high, at);
+    }
+    return part;
+  };
+  const Part a = part_of(one, other), b = part_of(other, one);
+  return a.both_sides && b.both_sides && std::max(a.low, b.low) + 1e-6 < std::min(a.high, b.high);
+}
+
+/// Corners on a small grid: every kind of touching comes up, and triangles that meet in the same part of a line.
+TEST(PassThroughEachOther, WhatTouchesDoesNotPass) {
+  std::mt19937 random(3);
+  std::uniform_int_distribution<int> coordinate(0, 3);
+  const auto point = [&] { return Vec3(coordinate(random), coordinate(random), coordinate(random)); };
+  int passing = 0, by_no_edge = 0;
+  for (int i = 0; i < 50000; ++i) {
+    const TriangleCorners one{point(), point(), point()};
+    TriangleCorners other{point(), point(), point()};
+    if (i % 4 == 0) other[0] = one[2];
+    const auto has_area = [](const TriangleCorners& t) { return !(t[1] - t[0]).cross(t[2] - t[0]).isZero(0); };
+    if (!has_area(one) || !has_area(other)) continue;  // without an inside
+    const bool passes = pass_through_each_other(one, other);
+    EXPECT_EQ(passes, pass_through_in_fractions(one, other)) << i;
+    passing += passes ? 1 : 0;
+    const bool an_edge_passes = pass_through_by_edges(one, other, 0);
+    by_no_edge += passes && !an_edge_passes ? 1 : 0;
+    EXPECT_LE(an_edge_passes, passes) << i;
+  }
+  EXPECT_GT(passing, 500);
+  EXPECT_GT(by_no_edge, 50) << "where both meet in the same part of a line, edges meet edges only";
 }
 
 }  // namespace

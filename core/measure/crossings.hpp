@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/contact/bone.hpp"
+#include "core/mesh/body.hpp"
+#include "core/mesh/rigid_motion.hpp"
+#include "core/referee/referee.hpp"
+
+namespace musclebench {
+
+/// What a muscle's triangles are tested against.
+enum class CrossedSurface { bone, muscle, itself };
+
+/// A muscle and a surface that it may pass through.
+struct CrossingPair {
+  int muscle = 0;  ///< index of the body whose triangles are counted
+  CrossedSurface kind = CrossedSurface::itself;
+  int other = 0;     ///< index of the bone, or of the body
+  int left_out = 0;  ///< triangles of the muscle that do not count, as they are attached to that bone
+};
+
+/// Over all muscles.
+struct CrossingSums {
+  int in_bones = 0;
+  std::optional<int> in_muscles;  ///< nothing where there is one muscle
+  int in_itself = 0;
+};
+CrossingSums sums_of(std::span<const CrossingPair> pairs, std::span<const int> counts);
+
+/// Counts the triangles of muscles that pass through bones, other muscles or the muscle itself.
+///
+/// A triangle passes through a surface where it passes through one of its triangles (pass_through_each_other): decided
+/// without rounding errors for the points as given; what only touches does not count. Within one muscle two triangles
+/// that share an edge never count, and two that share a vertex only where they pass through each other elsewhere.
+///
+/// Muscles are compared in the world frame, with no point rounded. Against a bone each node is brought into the bone's
+/// rest frame, rounded once for all triangles around it, so that the bone's vertices stay what they are: the surface
+/// that is tested is closed, and off by rounding of the pose at most. In a bone that stands where it rests nothing is
+/// rounded.
+///
+/// Against a bone a triangle is left out where that bone carries one of its nodes, or where all of its nodes are
+/// carried by bones: what is attached lies in the bone by intention.
+class CrossingMeter {
+ public:
+  /// `muscles`: the mesh of all bodies. `carriers`: for every node the bone that carries it, -1 for a free node.
+  CrossingMeter(std::span<const Bone> bones, const TriangleMesh& muscles, std::span<const Body> bodies,
+                std::span<const int> carriers);
+
+  /// Muscle after muscle: with each bone, with each later muscle, with itself.
+  [[nodiscard]] std::span<const CrossingPair> pairs() const { return m_pairs; }
+
+  /// Triangles that pass through, of each of `pairs()`; of two muscles those of the first. `referee` has the trees of
+  /// the bones, `tree` is that of the muscles, refitted to `positions` (finite; world frame).
+  std::vector<int> count(const Referee& referee, const RefereeTree& tree, std::span<const RigidMotion> poses,
+                         std::span<const Vec3> positions);
+
+  /// Of the last call, in the unit of RefereeTree.
+  [[nodiscard]] long last_work() const { return m_work; }
+
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  [[nodiscard]] bool is_left_out(const Triangle& triangle, int bone) const;
+  [[nodiscard]] int count_in_bone(const Body& body, int bone, const RefereeTree& tree);
+  [[nodiscard]] bool passes_through_bone(const Triangle& triangle, int bone, const RefereeTree& tree);
+  void count_in_muscles(const RefereeTree& tree, std::span<const Vec3> positions, std::vector<int>& counts);
+  [[nodiscard]] std::size_t pair_of(std::size_t muscle, std::size_t other) const;
+
+  std::vector<TriangleMesh> m_bones;
+  std::vector<Eigen::AlignedBox3d> m_bone_boxes;
+  std::vector<Triangle> m_triangles;
+  std::vector<Body> m_bodies;
+  std::vector<int> m_carriers;
+  std::vector<CrossingPair> m_pairs;
+  long m_work = 0;
+  // Scratch memory.
+  std::vector<Vec3> m_rest;  // nodes in the bone's frame
+  std::vector<int> m_near;
+  std::vector<char> m_crosses_itself;
+};
+
+/// Triangles of the surface that pass through others of it. Positions must be finite.
+int count_self_crossings(const TriangleMesh& mesh);
+
+}  // namespace musclebench
