@@ -21,24 +21,6 @@ std::array<double, 3> to_doubles(const std::array<std::int32_t, 3>& counts) {
   return {static_cast<double>(counts[0]), static_cast<double>(counts[1]), static_cast<double>(counts[2])};
 }
 
-/// The first `count` of the nodes' positions; the other lanes hold that of the first.
-HWY_INLINE Vec3Lanes load_positions(const double* positions, const int* nodes, std::size_t count) {
-  const Lanes d;
-  Vec3Lanes p{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-  if (count == lane_count && nodes[lane_count - 1] - nodes[0] == static_cast<int>(lane_count - 1)) {
-    hn::LoadInterleaved3(d, positions + 3 * static_cast<std::size_t>(nodes[0]), p.x, p.y, p.z);
-    return p;
-  }
-  alignas(32) std::array<double, 3 * lane_count> row;
-  for (std::size_t lane = 0; lane < lane_count; ++lane) {
-    const double* position = positions + 3 * static_cast<std::size_t>(nodes[lane < count ? lane : 0]);
-    row[lane] = position[0];
-    row[lane_count + lane] = position[1];
-    row[2 * lane_count + lane] = position[2];
-  }
-  return {hn::Load(d, row.data()), hn::Load(d, row.data() + lane_count), hn::Load(d, row.data() + 2 * lane_count)};
-}
-
 HWY_INLINE Vec turned(const CellMap& map, Eigen::Index row, const Vec3Lanes& p) {
   const auto entry = [&](Eigen::Index column) HWY_ATTR { return set(map.to_cells(row, column)); };
   const Vec in_domain =
@@ -49,15 +31,9 @@ HWY_INLINE Vec turned(const CellMap& map, Eigen::Index row, const Vec3Lanes& p) 
 /// Whether the bit of each point's cell is set. All points are in the field.
 HWY_INLINE hn::Mask<Lanes> is_wanted(const std::array<double, 3>& cells, const std::uint64_t* wanted,
                                      const Vec3Lanes& at) {
-  const Lanes d;
-  const hn::RebindToUnsigned<Lanes> integers;
-  const hn::RebindToSigned<Lanes> indices;
   const auto index = [&](Vec v, double count) HWY_ATTR { return hn::Min(hn::Floor(v), set(count - 1)); };
   const Vec row = add_product(index(at.y, cells[1]), index(at.z, cells[2]), set(cells[1]));
-  const auto cell = whole(add_product(index(at.x, cells[0]), row, set(cells[0])));
-  const auto word = hn::GatherIndex(integers, wanted, hn::BitCast(indices, hn::ShiftRight<6>(cell)));
-  const auto bit = hn::Shl(hn::Set(integers, 1), hn::And(cell, hn::Set(integers, 63)));
-  return hn::RebindMask(d, hn::TestBit(word, bit));
+  return has_bit(wanted, whole(add_product(index(at.x, cells[0]), row, set(cells[0]))));
 }
 
 HWY_INLINE hn::Mask<Lanes> is_in_domain(const GridShape& shape, const Vec3Lanes& at) {
