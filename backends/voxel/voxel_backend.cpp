@@ -1,13 +1,19 @@
 #include "backends/voxel/voxel_backend.hpp"
 
+#include <algorithm>
 #include <atomic>
+#include <bit>
+#include <cstdint>
 #include <numbers>
+#include <span>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "backends/voxel/voxel_grid.hpp"
+#include "backends/voxel/voxel_kernel.hpp"
+#include "core/clearance/clearance_cache.hpp"
 #include "core/clearance/point_backend.hpp"
 #include "core/mesh/mesh_size.hpp"
 #include "core/signed_distance/signed_surface.hpp"
@@ -25,25 +31,36 @@ class VoxelStructure final : public BoneStructure {
   [[nodiscard]] double step_m() const override { return m_grid.cell_size_m().minCoeff(); }
 
   void detect(const NodeBatch& batch, std::vector<Contact>& contacts) override {
-    // World to cells in one affine map: a node then costs one matrix product and one bit.
-    const Vec3 per_cell = m_grid.cell_size_m().cwiseInverse();
-    const Mat3 linear = per_cell.asDiagonal() * batch.pose.rotation.transpose();
-    const Vec3 offset = -(linear * batch.pose.translation_m) - per_cell.cwiseProduct(m_grid.lower());
-    const bool is_part = m_grid.kept_share() < 1;
-    for (const int node : batch.nodes) {
-      const Vec3 scaled = linear * batch.positions[static_cast<std::size_t>(node)] + offset;
-      if (m_grid.contains_scaled(scaled)) {
-        contacts.push_back({node, batch.bone, 0, Vec3::Zero()});
-      } else if (is_part && m_grid.leaves_out_scaled(scaled)) {
-        m_found_left_out.store(true, std::memory_order_relaxed);
+    const VoxelMap map(m_grid, batch.pose);
+    VoxelBlock block;
+    std::uint64_t left_out = 0;
+    for (std::size_t first = 0; first < batch.nodes.size(); first += VoxelBlock::capacity) {
+      const std::span<const int> rest = batch.nodes.subspan(first);
+      const std::span<const int> nodes = rest.first(std::min(rest.size(), VoxelBlock::capacity));
+      look_up(m_grid, map, batch.positions, nodes, block);
+      for (std::uint64_t in_set = block.in_set; in_set != 0; in_set &= in_set - 1) {
+        contacts.push_back({nodes[static_cast<std::size_t>(std::countr_zero(in_set))], batch.bone, 0, Vec3::Zero()});
+      }
+      left_out |= block.left_out;
+      if (batch.clearances != nullptr) {
+        find_clearances(m_grid, nodes.size(), block);
+        store_clearances(batch, nodes, block);
       }
     }
+    if (left_out != 0) m_found_left_out.store(true, std::memory_order_relaxed);
   }
 
   [[nodiscard]] double kept_share() const override { return m_grid.kept_share(); }
   [[nodiscard]] bool found_left_out() const override { return m_found_left_out; }
 
  private:
+  void store_clearances(const NodeBatch& batch, std::span<const int> nodes, const VoxelBlock& block) const {
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      if ((((block.in_set | block.left_out) >> n) & 1U) != 0) continue;
+      batch.clearances->store(batch.bone, nodes[n], m_grid.point(block.cells(n)), block.clearance_m[n]);
+    }
+  }
+
   VoxelGrid m_grid;
   std::atomic<bool> m_found_left_out = false;
 };
@@ -61,27 +78,32 @@ std::vector<ParameterSpec> voxel_parameters() {
                              .minimum = 0,
                              .maximum = 10,
                              .role = ParameterRole::resolution,
-                             .help = "edge of cubic voxels; 0: use cells"})};
+                             .help = "edge of cubic voxels; 0: use cells"}),
+          clearance_cache_parameter()};
 }
 
 }  // namespace
 
 std::unique_ptr<CollisionBackend> make_voxel_backend(const Parameters& parameters) {
   return make_point_backend(
-      {.capabilities = {.depth = false, .has_step = true, .steady_memory = true},
+      {.capabilities =
+           {.depth = false, .has_cache = uses_clearance_cache(parameters), .has_step = true, .steady_memory = true},
+       .asks_few_without_cache = true,
        // Within the box's padding, or the cell that is more than fits.
        .contact_reach_m =
            [size_m = parameters.number("voxel_size_m")](const Bone& bone) {
              return touching_distance_m(bone.surface.mesh) + std::numbers::sqrt3 * size_m;
            },
        .build_part =
-           [cells = static_cast<int>(parameters.integer("cells")), size_m = parameters.number("voxel_size_m")](
+           [cells = static_cast<int>(parameters.integer("cells")), size_m = parameters.number("voxel_size_m"),
+            has_cache = uses_clearance_cache(parameters)](
                const Bone& bone, int /*threads*/, const ShareReport& /*report*/, const Eigen::AlignedBox3d& expected) {
              const std::string name =
                  fmt::format("voxel: {} (bone '{}')", size_m > 0 ? "voxel_size_m" : "cells", bone.name);
              const bool closed = bone.surface.known_closed || is_closed(bone.surface.mesh);
-             return std::make_unique<VoxelStructure>(
-                 VoxelGrid(bone.surface.mesh, bone.tree(), closed, cells, size_m, name, expected));
+             VoxelGrid grid(bone.surface.mesh, bone.tree(), closed, cells, size_m, name, expected);
+             if (has_cache) grid.find_clearances();
+             return std::make_unique<VoxelStructure>(std::move(grid));
            }});
 }
 

@@ -83,6 +83,7 @@ void VoxelGrid::size_cells(const TriangleMesh& surface, int cells, double voxel_
   const Vec3 padding = Vec3::Constant(1e-9 * (upper - lower).norm()) +
                        4 * std::numeric_limits<double>::epsilon() * lower.cwiseAbs().cwiseMax(upper.cwiseAbs());
   m_lower = lower - padding;
+  m_rounding_m = padding.norm();
   const Vec3 extent = upper - lower + 2 * padding;
   if (voxel_size_m > 0) {
     m_cell_size_m.setConstant(voxel_size_m);
@@ -95,6 +96,10 @@ void VoxelGrid::size_cells(const TriangleMesh& surface, int cells, double voxel_
   for (int axis = 0; axis < 3; ++axis) {
     m_counts[axis] = m_counts_real[axis] < 1e9 ? static_cast<int>(m_counts_real[axis]) : 0;
   }
+}
+
+void VoxelGrid::find_clearances() {
+  m_clearances = CellClearances(m_cells, m_cell_size_m, m_counts_real.cwiseProduct(m_cell_size_m).norm(), m_bits);
 }
 
 void VoxelGrid::keep_cells_in(const Eigen::AlignedBox3d& expected) {

@@ -6,12 +6,21 @@
 #include <string>
 #include <vector>
 
+#include "backends/voxel/cell_clearances.hpp"
 #include "core/base/grid_index.hpp"
 #include "core/bvh/triangle_bvh.hpp"
 #include "core/mesh/mesh_size.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
+
+/// A grid as its kernel reads it: a bit a cell of those that are kept, from `first` to before `end`.
+struct VoxelView {
+  const std::uint64_t* bits;
+  Vec3 first, end, counts;
+  Vec3 cell_size_m;
+  double rounding_m;  ///< of a point that is mapped to cells
+};
 
 /// Occupancy grid of a surface, one bit a cell: set where the cell touches the surface or lies inside it. So every
 /// point inside the surface is in a set cell. It may keep a box of its cells only, each as in the whole grid.
@@ -27,36 +36,25 @@ class VoxelGrid {
   VoxelGrid(const TriangleMesh& surface, int cells, double voxel_size_m, const std::string& name)
       : VoxelGrid(surface, TriangleBvh(surface), true, cells, voxel_size_m, name) {}
 
-  /// `scaled` is a point in units of cells from `lower()`; false where its cell is left out.
-  [[nodiscard]] bool contains_scaled(const Vec3& scaled) const {
-    if (!is_between(scaled, m_first_real, m_end_real)) return false;
-    const std::size_t cell =
-        index(static_cast<int>(scaled.x()), static_cast<int>(scaled.y()), static_cast<int>(scaled.z()));
-    return ((m_bits[cell / 64] >> (cell % 64)) & 1U) != 0;
+  /// Makes `clearances` available.
+  void find_clearances();
+  [[nodiscard]] const CellClearances& clearances() const { return m_clearances; }
+
+  [[nodiscard]] VoxelView view() const {
+    return {m_bits.data(), m_first_real, m_end_real, m_counts_real, m_cell_size_m, m_rounding_m};
   }
-  /// Whether such a point is in a cell that is left out.
-  [[nodiscard]] bool leaves_out_scaled(const Vec3& scaled) const {
-    return is_between(scaled, Vec3::Zero(), m_counts_real) && !is_between(scaled, m_first_real, m_end_real);
-  }
-  [[nodiscard]] bool contains(const Vec3& point) const {
-    return contains_scaled((point - m_lower).cwiseQuotient(m_cell_size_m));
-  }
+  [[nodiscard]] Vec3 point(const Vec3& scaled) const { return m_lower + m_cell_size_m.cwiseProduct(scaled); }
 
   [[nodiscard]] const Vec3& lower() const { return m_lower; }
   [[nodiscard]] const Vec3& cell_size_m() const { return m_cell_size_m; }
   [[nodiscard]] const std::array<int, 3>& counts() const { return m_counts; }
   /// Of all cells.
   [[nodiscard]] double kept_share() const { return (m_end_real - m_first_real).prod() / m_counts_real.prod(); }
-  [[nodiscard]] std::size_t bytes() const { return m_bits.size() * sizeof(std::uint64_t); }
+  [[nodiscard]] std::size_t bytes() const { return m_bits.size() * sizeof(std::uint64_t) + m_clearances.bytes(); }
 
  private:
   enum class Cell : std::uint8_t { unknown, border, inside, outside };
 
-  /// Comparisons that a NaN fails.
-  [[nodiscard]] static bool is_between(const Vec3& scaled, const Vec3& first, const Vec3& end) {
-    return scaled.x() >= first.x() && scaled.y() >= first.y() && scaled.z() >= first.z() && scaled.x() < end.x() &&
-           scaled.y() < end.y() && scaled.z() < end.z();
-  }
   /// Of a cell that is kept.
   [[nodiscard]] std::size_t index(int x, int y, int z) const {
     return m_cells.index(static_cast<std::size_t>(x - m_first[0]), static_cast<std::size_t>(y - m_first[1]),
@@ -70,6 +68,7 @@ class VoxelGrid {
   void flood(const std::array<int, 3>& seed, Cell region, std::vector<Cell>& states) const;
 
   Vec3 m_lower = Vec3::Zero();
+  double m_rounding_m = 0;  ///< of a point that is mapped to cells
   Vec3 m_cell_size_m = Vec3::Ones();
   Vec3 m_counts_real = Vec3::Zero();
   std::array<int, 3> m_counts{};
@@ -80,6 +79,7 @@ class VoxelGrid {
   Vec3 m_end_real = Vec3::Zero();
   GridIndex m_cells;
   std::vector<std::uint64_t> m_bits;
+  CellClearances m_clearances;
 };
 
 }  // namespace musclebench

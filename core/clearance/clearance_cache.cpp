@@ -38,9 +38,6 @@ constexpr double centre_slack = 2.5e-7;
 /// Of a radius and of the comparison of squared lengths.
 constexpr double comparison_slack = 2e-6;
 
-/// Fewer nodes than this fraction of all are tested one by one: a sweep reads the spheres of all nodes.
-constexpr std::size_t sweep_fraction = 4;
-
 constexpr std::size_t padded(std::size_t nodes) { return (nodes + sweep_lanes - 1) / sweep_lanes * sweep_lanes; }
 
 static_assert(sweep_lanes == ClearanceCache::SafeSphereBlock::width && block_size % sweep_lanes == 0);
@@ -216,7 +213,7 @@ void ClearanceCache::take_up(int bone) {
 void ClearanceCache::collect_expired(std::span<const RigidMotion> poses, std::span<const Vec3> positions,
                                      std::span<const int> nodes) {
   assert(positions.size() == m_nodes && poses.size() == m_bones.size());
-  if (nodes.size() < m_nodes / sweep_fraction || nodes.empty()) {
+  if (!sweeps(nodes.size())) {
     for (std::size_t bone = 0; bone < m_bones.size(); ++bone) {
       if (!m_bones[bone].is_left_out()) collect_one_by_one(poses[bone], positions, nodes, m_bones[bone]);
     }

@@ -32,6 +32,9 @@ class ClearanceCache {
   /// nodes) are in the world frame, in metres; a position that is not finite counts as expired. `poses`: of all bones.
   void collect_expired(std::span<const RigidMotion> poses, std::span<const Vec3> positions, std::span<const int> nodes);
 
+  /// Whether so many nodes are swept together; fewer are tested one by one, which takes longer a node.
+  [[nodiscard]] bool sweeps(std::size_t nodes) const { return nodes > 0 && nodes >= m_nodes / sweep_fraction; }
+
   /// The nodes that the last `collect_expired` found for `bone`, ascending. Valid until the next call.
   [[nodiscard]] std::span<const int> expired(int bone) const {
     const SafeSpheres& spheres = m_bones[static_cast<std::size_t>(bone)];
@@ -75,6 +78,9 @@ class ClearanceCache {
   };
 
  private:
+  /// Fewer nodes than this fraction of all are tested one by one: a sweep reads the spheres of all nodes.
+  static constexpr std::size_t sweep_fraction = 4;
+
   struct SafeSphere {
     Vec3 centre_m;
     double radius_m;

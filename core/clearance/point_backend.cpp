@@ -144,25 +144,27 @@ class PointBackend final : public CollisionBackend {
   }
 
   void detect_all(std::span<const Vec3> positions, std::span<const int> nodes, std::vector<Contact>& contacts) {
-    if (m_keeps_clearances) {
-      if (positions.size() != m_clearances.nodes()) {
-        reset_nodes(positions.size());
-      }
+    if (m_keeps_clearances && positions.size() != m_clearances.nodes()) {
+      reset_nodes(positions.size());
+    }
+    const bool uses_cache =
+        m_keeps_clearances && (!m_method.asks_few_without_cache || m_clearances.sweeps(nodes.size()));
+    if (uses_cache) {
       m_clearances.collect_expired(poses(), positions, nodes);
     }
-    deal_out(positions, nodes);
+    deal_out(positions, nodes, uses_cache);
     detect_batches(contacts);
   }
 
   /// In the order of the contacts: a batch a bone and muscle, or several where a thread more pays.
-  void deal_out(std::span<const Vec3> positions, std::span<const int> nodes) {
+  void deal_out(std::span<const Vec3> positions, std::span<const int> nodes, bool uses_cache) {
     m_batches.clear();
     m_pays_for_threads = false;
     for (int bone = 0; bone < static_cast<int>(m_structures.size()); ++bone) {
       if (!m_structures[static_cast<std::size_t>(bone)]) continue;
       NodeBatch batch{bone, poses()[static_cast<std::size_t>(bone)], positions, {}, nullptr};
       std::span<const int> queried = nodes;
-      if (m_keeps_clearances) {
+      if (uses_cache) {
         batch.clearances = &m_clearances;
         queried = m_clearances.expired(bone);
       }

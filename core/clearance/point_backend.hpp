@@ -17,6 +17,9 @@ struct PointMethod {
   /// Whether clearances hold for closed bones only: across a hole the side changes where no surface is, so that a
   /// distance alone does not say how far a node is free. With an open bone there is no cache then.
   bool cache_needs_closed_bones = false;
+  /// Whether a query costs less than a look at a node's safe sphere: a few nodes are then asked about without the
+  /// cache, and only a sweep over all of them gains by it.
+  bool asks_few_without_cache = false;
   /// Smallest batch that is worth a thread's start: some microseconds of work.
   std::size_t nodes_a_batch = 512;
   /// Where not empty: throws InputError where the parameters do not fit the bones, before anything is built.

@@ -44,7 +44,7 @@ class Roles:
 
     control: str  # the loop without collision
     unit: str  # by whose time the others' are divided; a grid without a depth of its own
-    field: str  # has a resolution and a clearance cache
+    field: str  # has a resolution, a clearance cache, and a depth
     exact: str  # with a clearance cache
     reference: str  # exact without anything that makes it fast
     choices: str  # no resolution, but many choices
@@ -60,7 +60,7 @@ def roles() -> Roles:
 
     return Roles(first(lambda name, about, has: about["study"].get("control")),
                  first(lambda name, about, has: "unit_of_price" in about["study"].get("advise", {})),
-                 first(lambda name, about, has: {"resolution", "clearance_cache"} <= has),
+                 first(lambda name, about, has: {"resolution", "clearance_cache"} <= has and about["capabilities"]["depth"]),
                  first(lambda name, about, has: about["exact"] and "clearance_cache" in has),
                  first(lambda name, about, has: about["exact"] and not about["parameters"]),
                  first(lambda name, about, has: "choice" in {one["kind"] for one in about["parameters"]}

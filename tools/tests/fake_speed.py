@@ -23,7 +23,7 @@ HEAD = "frame,angle_deg,warm_up,update_ns,detect_ns,respond_ns,frame_ns,contacts
 KERNELS = [
     *[(f"voxel_test/{bone}", "ns_a_point", 6.0) for bone in ("pelvis", "femur")],
     ("sdf_value_and_gradient/float/pelvis", "ns_a_point", 24.0),
-    ("sdf_value_and_gradient/float/femur", "ns_a_point", 33.0),
+    ("sdf_value_and_gradient/float/femur", "ns_a_point", 66.0),
     *[(f"bvh_locate/near/{bone}", "ns_a_point", 1000.0) for bone in ("pelvis", "femur")],
     ("sdf_build_a_node/pelvis", "ns_a_node", 250.0), ("sdf_build_a_node/femur", "ns_a_node", 150.0),
     ("sdf_build_threads/femur/1", "real_time", 190.0), ("sdf_build_threads/femur/2", "real_time", 100.0),

@@ -115,7 +115,7 @@ def test_the_table_has_every_bar_with_its_median_spread_and_verdict(measured):
         "collision time, bvh / voxel 64": (2.5, "no"),
         "collision time, sdf 64 / voxel 64": (1.2, "yes"),
         "collision time, bvh no cache / voxel 64": (10.0, ""),
-        "sdf value + gradient / voxel test, near points, float": (5.5, "no"),
+        "sdf value + gradient / voxel test, near points, float": (11, "no"),
         "sdf build per node / cold closest point of bvh near": (0.25, "yes"),
         "MB of sdf 64 float, dense, a bone": (7.6, "yes"),
         "two threads over one, detect of all nodes, bvh": (1.8, "yes"),

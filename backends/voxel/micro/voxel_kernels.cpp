@@ -1,19 +1,27 @@
 // What one voxel test costs, as the backend does it.
+#include <algorithm>
+#include <array>
+#include <numeric>
+
 #include "backends/micro/point_kernels.hpp"
-#include "backends/voxel/voxel_grid.hpp"
+#include "backends/voxel/voxel_kernel.hpp"
 
 namespace musclebench {
 namespace {
 
-/// World to cells in one affine map, then one bit.
 void voxel_test(benchmark::State& state, const Scene& scene, const Bone& bone) {
   const VoxelGrid grid(bone.surface.mesh, field_cells, 0, bone.name);
-  const RigidMotion pose;
-  const Vec3 per_cell = grid.cell_size_m().cwiseInverse();
-  const Mat3 linear = per_cell.asDiagonal() * pose.rotation.transpose();
-  const Vec3 offset = -(linear * pose.translation_m) - per_cell.cwiseProduct(grid.lower());
-  ask(state, points_near(scene, bone, point_count),
-      [&](const Vec3& point) { return grid.contains_scaled(linear * point + offset) ? 1.0 : 0.0; });
+  const VoxelMap map(grid, RigidMotion{});
+  std::array<int, batch_size> nodes{};
+  std::iota(nodes.begin(), nodes.end(), 0);
+  ask_batches(state, points_near(scene, bone, point_count), [&](std::span<const Vec3> points) {
+    VoxelBlock block;
+    for (std::size_t first = 0; first < points.size(); first += VoxelBlock::capacity) {
+      const std::size_t count = std::min(VoxelBlock::capacity, points.size() - first);
+      look_up(grid, map, points, std::span(nodes).subspan(first, count), block);
+      benchmark::DoNotOptimize(block.in_set);
+    }
+  });
 }
 
 }  // namespace

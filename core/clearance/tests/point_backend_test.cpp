@@ -130,6 +130,28 @@ TEST_F(PointBackendTest, WithACacheOnlyThoseAreAskedThatMayHaveCome) {
   EXPECT_EQ(m_log.resets, 2);
 }
 
+TEST_F(PointBackendTest, WhereAQueryIsCheapAFewNodesAreAskedAboutWithoutTheCache) {
+  const auto backend = made({.capabilities = {.has_cache = true}, .asks_few_without_cache = true});
+  const std::vector<Vec3> positions = random_points(2, 100);
+  const std::size_t found = contacts(*backend, positions).size();
+  EXPECT_TRUE(m_log.had_clearances);
+  m_log.queried = 0;
+  EXPECT_EQ(contacts(*backend, positions).size(), found);
+  EXPECT_EQ(m_log.queried, static_cast<int>(found)) << "all nodes: by the cache";
+  std::vector<int> few(24);
+  std::iota(few.begin(), few.end(), 0);
+  std::vector<Contact> of_few;
+  m_log.queried = 0;
+  m_log.had_clearances = false;
+  backend->detect(positions, few, of_few);
+  EXPECT_EQ(m_log.queried, 2 * 24);
+  EXPECT_FALSE(m_log.had_clearances);
+  few.push_back(24);
+  m_log.queried = 0;
+  backend->detect(positions, few, of_few);
+  EXPECT_LT(m_log.queried, 2 * 25) << "a quarter of all is swept";
+}
+
 TEST_F(PointBackendTest, OverAnOpenBoneThereIsACacheOnlyWhereDistancesAreSigned) {
   m_bones[1].surface.mesh.triangles.pop_back();
   contacts(*made({.capabilities = {.has_cache = true}, .cache_needs_closed_bones = true}), random_points(2, 5));
