@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base/percentile.hpp"
+#include "core/base/machine_state.hpp"
 
 namespace musclebench {
 
@@ -21,10 +21,13 @@ constexpr double worthwhile_step = 0.85;
 constexpr double drift = 1.1;
 /// An error up to so much above the wanted one may be one of the few frames that were asked.
 constexpr double nearly_held = 1.5;
+/// The rest of the time is for trials.
+constexpr double measuring_share = 0.5;
 
 class Search {
  public:
-  Search(const AdviceRequest& request, const Assess& assess) : m_request(request), m_assess(assess) {}
+  Search(const AdviceRequest& request, const Assess& assess, const Try& try_out)
+      : m_request(request), m_assess(assess), m_try(try_out) {}
 
   Advice run() {
     for (const AdvisePlan& plan : m_request.plans) {
@@ -46,7 +49,7 @@ class Search {
   }
 
  private:
-  [[nodiscard]] double spent_s() const { return static_cast<double>(monotonic_now_ns() - m_start_ns) * 1e-9; }
+  [[nodiscard]] double spent_s() const { return static_cast<double>(process_cpu_ns() - m_start_ns) * 1e-9; }
   [[nodiscard]] bool holds(const Assessment& assessment) const { return assessment.error_m <= m_request.wanted_m; }
 
   std::optional<std::size_t> try_one(const Configuration& configuration, double predicted_s = 0) {
@@ -55,7 +58,7 @@ class Search {
         return i;
       }
     }
-    const double left_s = m_request.seconds - spent_s();
+    const double left_s = (m_is_trying ? 1 : measuring_share) * m_request.seconds - spent_s();
     if (left_s <= 0 || predicted_s > left_s) {
       const std::string left = fmt::format("{:.0f} s are left", std::max(0.0, left_s));
       m_advice.omitted.push_back(
@@ -63,9 +66,9 @@ class Search {
       return std::nullopt;
     }
     std::string reason;
-    const Nanoseconds start_ns = monotonic_now_ns();
+    const double before_s = spent_s();
     std::optional<Assessment> assessment = m_assess(configuration, reason);
-    m_last_s = static_cast<double>(monotonic_now_ns() - start_ns) * 1e-9;
+    m_last_s = spent_s() - before_s;
     if (!assessment) {
       m_advice.omitted.push_back({configuration, reason});
       return std::nullopt;
@@ -182,35 +185,110 @@ class Search {
   }
 
   void choose() {
+    m_is_trying = true;
+    for (;;) {
+      const std::optional<std::size_t> next = cheapest_untried();
+      if (!next) break;
+      if (!try_and_judge(*next)) {
+        m_advice.untried = next;
+        break;
+      }
+      if (m_advice.measured[*next].refusal.empty()) {
+        m_advice.chosen = next;
+        break;
+      }
+      make_finer(Configuration(m_advice.measured[*next].configuration));
+    }
+    const auto by_error = [](const Assessment& a, const Assessment& b) { return a.error_m < b.error_m; };
+    const auto best = std::ranges::min_element(m_advice.measured, by_error);
+    if (best != m_advice.measured.end()) m_advice.best = static_cast<std::size_t>(best - m_advice.measured.begin());
+  }
+
+  /// Of those that promise to hold and were not tried.
+  std::optional<std::size_t> cheapest_untried() {
     const auto& measured = m_advice.measured;
+    const auto is_open = [&](std::size_t i) { return holds(measured[i]) && measured[i].refusal.empty(); };
     std::optional<std::size_t> fastest;
     for (std::size_t i = 0; i < measured.size(); ++i) {
-      if (!m_advice.best || measured[i].error_m < measured[*m_advice.best].error_m) {
-        m_advice.best = i;
-      }
-      if (holds(measured[i]) &&
-          (!fastest || measured[i].collision_ns.median < measured[*fastest].collision_ns.median)) {
+      if (is_open(i) && (!fastest || measured[i].collision_ns.median < measured[*fastest].collision_ns.median)) {
         fastest = i;
       }
     }
     m_advice.fastest = fastest;
-    m_advice.chosen = fastest;
+    std::optional<std::size_t> chosen = fastest;
     for (std::size_t i = 0; fastest && i < measured.size(); ++i) {
-      if (holds(measured[i]) && is_as_fast(measured[i].collision_ns, measured[*fastest].collision_ns) &&
-          measured[i].structure_bytes < measured[*m_advice.chosen].structure_bytes) {
-        m_advice.chosen = i;
+      if (is_open(i) && is_as_fast(measured[i].collision_ns, measured[*fastest].collision_ns) &&
+          measured[i].structure_bytes < measured[*chosen].structure_bytes) {
+        chosen = i;
       }
+    }
+    return chosen;
+  }
+
+  std::optional<Trial> trial_of(const Configuration& configuration) {
+    const double left_s = m_request.seconds - spent_s();
+    return left_s > 0 ? m_try(configuration, left_s) : std::nullopt;
+  }
+
+  /// Whether there was time.
+  bool try_and_judge(std::size_t row) {
+    if (!m_advice.measured[row].trial) m_advice.measured[row].trial = trial_of(m_advice.measured[row].configuration);
+    if (!m_advice.measured[row].trial) return false;
+    m_advice.measured[row].refusal = why_refused(m_advice.measured[row]);
+    return true;
+  }
+
+  std::string why_refused(const Assessment& row) {
+    const Trial& trial = *row.trial;
+    if (trial.status == "diverged") return "its run diverges: " + trial.status_detail;
+    if (m_request.bounds_depth && !(trial.node_depth_m <= m_request.wanted_m)) {
+      return fmt::format("its run leaves nodes {:.3g} mm deep", trial.node_depth_m * 1e3);
+    }
+    if (trial.status == "ok" && trial.tunnelled_nodes == 0) return "";
+    const Trial exact = exact_trial(row);
+    if (trial.tunnelled_nodes > exact.tunnelled_nodes) {
+      return fmt::format("in its run {} nodes tunnel", trial.tunnelled_nodes);
+    }
+    return trial.status != "ok" && exact.status == "ok" ? "its run is " + trial.status + ": " + trial.status_detail
+                                                        : "";
+  }
+
+  /// What the exact backend's own run finds on the scene; without time for that nothing wrong.
+  Trial exact_trial(const Assessment& row) {
+    const auto exact = std::ranges::find_if(m_request.plans, &AdvisePlan::exact);
+    if (exact == m_request.plans.end()) return {};
+    const Configuration configuration{exact->backend, exact->points.empty() ? Settings{} : exact->points.front()};
+    if (configuration.text() == row.configuration.text()) return *row.trial;
+    if (!m_exact) m_exact = trial_of(configuration);
+    return m_exact->value_or(Trial{});
+  }
+
+  /// Measures the next finer step of a structure whose trial did not hold, where there is one.
+  void make_finer(const Configuration& refused) {
+    const auto plan = std::ranges::find(m_request.plans, refused.backend, &AdvisePlan::backend);
+    if (plan->refine && refused.parameters.contains(plan->refine->parameter)) {
+      const Refinement& of = *plan->refine;
+      const ParameterValue& value = refused.parameters.at(of.parameter);
+      const auto* whole = std::get_if<std::int64_t>(&value);
+      const double finer = of.factor * (whole != nullptr ? static_cast<double>(*whole) : std::get<double>(value));
+      if (fineness(of, finer) <= fineness(of, of.to)) try_one(with_value(refused.backend, of, finer));
+    } else if (plan->wanted_error && refused.parameters.contains(plan->wanted_error->parameter)) {
+      const auto& of = *plan->wanted_error;
+      try_one({refused.backend, {{of.parameter, typeable(std::get<double>(refused.parameters.at(of.parameter)) / 2)}}});
     }
   }
 
-  static bool is_as_fast(const MedianInterval& time, const MedianInterval& fastest) {
+  static bool is_as_fast(const MedianEstimate& time, const MedianEstimate& fastest) {
     return time.low <= fastest.high || time.median <= drift * fastest.median;
   }
 
   const AdviceRequest& m_request;
   const Assess& m_assess;
+  const Try& m_try;
   Advice m_advice;
-  Nanoseconds m_start_ns = monotonic_now_ns();
+  bool m_is_trying = false;
+  std::optional<std::optional<Trial>> m_exact;  ///< asked for; nothing: there was no time
+  Nanoseconds m_start_ns = process_cpu_ns();
   double m_last_s = 0;  ///< the last assessment took
 };
 
@@ -257,21 +335,8 @@ std::string Configuration::text() const {
   return text;
 }
 
-MedianInterval median_interval(std::vector<double> values) {
-  assert(!values.empty());
-  std::sort(values.begin(), values.end());
-  const auto count = static_cast<double>(values.size());
-  const double middle = median(values);
-  if (values.size() < 6) {
-    return {middle, values.front(), values.back()};
-  }
-  // The number of values below the true median is binomial; 1.96 standard deviations about its mean.
-  const double half = 0.98 * std::sqrt(count);
-  const auto low = static_cast<std::size_t>(std::max(0.0, std::floor(0.5 * count - half)));
-  const auto high = static_cast<std::size_t>(std::min(count - 1, std::ceil(0.5 * count + half - 1)));
-  return {middle, values[low], values[high]};
+Advice find_advice(const AdviceRequest& request, const Assess& assess, const Try& try_out) {
+  return Search(request, assess, try_out).run();
 }
-
-Advice find_advice(const AdviceRequest& request, const Assess& assess) { return Search(request, assess).run(); }
 
 }  // namespace musclebench

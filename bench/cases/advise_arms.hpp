@@ -17,8 +17,8 @@ struct ArmInput {
   double floor_m = 0;  ///< RMS error of the exact run from a start that differs by rounding
 };
 
-/// Runs the scene, which asks for fibres, exactly: twice, for at most so many seconds. Throws InputError where a run
-/// diverges or was too short for a moment arm.
+/// Runs the scene, which asks for fibres, exactly: twice, or once to where so many seconds of CPU time are up. Throws
+/// InputError where a run diverges or is too short for a moment arm.
 ArmInput run_for_arms(const Scene& scene, double seconds, const std::function<void(int frames_done)>& report);
 
 /// What `configuration` costs, and how far it is from the exact moment arms, when it moves the muscle itself in the

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <thread>
 
+#include <fmt/format.h>
+
 #include "bench/cases/build_backend.hpp"
 #include "bench/cases/divergence.hpp"
 #include "bench/cases/replay_case.hpp"
 #include "core/base/input_error.hpp"
+#include "core/base/machine_state.hpp"
+#include "core/base/percentile.hpp"
 #include "core/scene/prepare_simulation.hpp"
 
 namespace musclebench {
@@ -34,14 +38,33 @@ void step_and_keep(const Scene& scene, Simulation& simulation, int frame, KeptFr
   simulation.step_frame(frame, kept || leads_in ? &frames : nullptr);
 }
 
-MedianInterval collision_time(const ReplayCase& replay, const ReplayResult& result) {
+MedianEstimate collision_time(const ReplayCase& replay, const ReplayResult& result) {
+  std::vector<int> frames;
   std::vector<double> collision_ns;
   for (const ReplayRecord& record : result.records) {
     if (!record.warm_up || result.records.size() <= static_cast<std::size_t>(replay.warm_up_frames)) {
+      frames.push_back(record.frame);
       collision_ns.push_back(static_cast<double>(record.collision_ns()));
     }
   }
-  return median_interval(collision_ns);
+  return block_bootstrap_median(frames, collision_ns);
+}
+
+/// Of a method that can't be asked about single points: what its own motion leaves, where that takes no longer than
+/// `seconds`.
+bool assess_by_trial(const Scene& scene, const AssessOptions& options, Assessment& assessment, std::string& reason) {
+  const double run_s = scene.loop.frames * assessment.collision_ns.median * 1e-9;
+  if (run_s <= options.trial_seconds) {
+    assessment.trial = try_out(scene, assessment.configuration, options.threads, options.trial_seconds, {});
+  }
+  if (!assessment.trial) {
+    reason =
+        fmt::format("it can't be asked about single points, and moving the muscle itself would take more than {:.0f} s",
+                    options.trial_seconds);
+    return false;
+  }
+  assessment.error_m = assessment.max_error_m = assessment.trial->node_depth_m;
+  return true;
 }
 
 }  // namespace
@@ -63,10 +86,10 @@ AdviceInput run_exactly(const Scene& scene, double seconds, const std::function<
       prepare_simulation(exact.scene, *built.backend, exact.responses, exact.threads,
                          make_muscle_detectors(scene, choose_collider_backends({}, scene, backend), threads));
   const Divergence divergence(scene);
-  const Nanoseconds start_ns = monotonic_now_ns();
+  const Nanoseconds start_ns = process_cpu_ns();
   AdviceInput input{std::make_unique<KeptFrames>(static_cast<int>(scene.muscle_mesh.vertices.size()),
                                                  prepared.simulation->free_nodes())};
-  while (input.frames_run < scene.loop.frames && static_cast<double>(monotonic_now_ns() - start_ns) < seconds * 1e9) {
+  while (input.frames_run < scene.loop.frames && static_cast<double>(process_cpu_ns() - start_ns) < seconds * 1e9) {
     const int frame = ++input.frames_run;
     step_and_keep(scene, *prepared.simulation, frame, *input.frames);
     const std::string lost = divergence.describe(frame, prepared.simulation->positions());
@@ -99,14 +122,58 @@ std::optional<Assessment> assess(const Scene& scene, const Configuration& config
     reason = "the muscle is in no bone in these frames: there is nothing to judge";
     return std::nullopt;
   }
-  const ErrorStatistics errors = accuracy.depth_error_m.value_or(ErrorStatistics{});
-  return Assessment{configuration,
-                    errors.p99,
-                    errors.max,
-                    ContactCounts{accuracy.missed_contacts, accuracy.false_contacts, accuracy.true_contacts},
-                    collision_time(replay, result),
-                    result.build_ns,
-                    result.structure_bytes};
+  Assessment assessment{
+      .configuration = configuration,
+      .contacts = ContactCounts{accuracy.missed_contacts, accuracy.false_contacts, accuracy.true_contacts},
+      .collision_ns = collision_time(replay, result),
+      .build_ns = result.build_ns,
+      .structure_bytes = result.structure_bytes};
+  if (!result.offsets) {
+    return assess_by_trial(scene, options, assessment, reason) ? std::optional(assessment) : std::nullopt;
+  }
+  if (!result.offsets->all) {
+    reason = "no frame ends with a node in a bone: there is nothing to judge";
+    return std::nullopt;
+  }
+  assessment.error_m = result.offsets->all->p99_offset_m;
+  assessment.max_error_m = result.offsets->all->max_offset_m;
+  return assessment;
+}
+
+std::optional<Trial> try_out(const Scene& scene, const Configuration& configuration, int threads, double seconds,
+                             const std::function<void(int frames_done)>& report) {
+  const Nanoseconds start_ns = process_cpu_ns();
+  const RunResult result = run_configuration(
+      scene, configuration, threads, true,
+      [&] { return static_cast<double>(process_cpu_ns() - start_ns) > seconds * 1e9; }, report);
+  if (result.status == "interrupted") return std::nullopt;
+  std::vector<double> frame_ns;
+  for (const StepRecord& record : result.records) frame_ns.push_back(static_cast<double>(record.times.frame_ns));
+  return Trial{.status = result.status,
+               .status_detail = result.status_detail,
+               .frames = static_cast<int>(result.records.size()),
+               .node_depth_m = result.outcome.max_depth_m.value_or(0),
+               .surface_depth_m = result.outcome.max_surface_depth_m,
+               .tunnelled_nodes = result.outcome.tunnelled_nodes.value_or(0),
+               .frame_ns = frame_ns.empty() ? 0 : median(frame_ns)};
+}
+
+RunResult run_configuration(const Scene& scene, const Configuration& configuration, int threads, bool judge,
+                            const std::function<bool()>& is_stopped,
+                            const std::function<void(int frames_done)>& report) {
+  const BackendEntry& backend = find_backend(configuration.backend);
+  const Parameters parameters(backend.parameters, configuration.parameters, configuration.text());
+  const ColliderBackends colliders = choose_collider_backends({}, scene, backend);
+  const std::vector<ResponseKind> responses = choose_responses("", scene, backend, parameters, colliders);
+  require_what_effects_need(scene, backend, parameters, responses, colliders);
+  RunCase run{{scene, backend, parameters, threads, 0, responses, colliders}};
+  run.judge = judge;
+  return run_case(
+      run,
+      [&](int frames) {
+        if (report) report(frames);
+      },
+      {}, is_stopped);
 }
 
 }  // namespace musclebench

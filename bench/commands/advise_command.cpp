@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <new>
@@ -12,15 +13,15 @@
 #include "bench/cases/safe_steps.hpp"
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
+#include "bench/process/exit_code.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/results/advice_json.hpp"
 #include "core/base/input_error.hpp"
+#include "core/base/machine_state.hpp"
 
 namespace musclebench {
 
 namespace {
-/// The run that makes the input may take this share of the time; the rest is for the configurations.
-constexpr double recording_share = 0.4;
 /// What is left of an exact answer is rounding.
 constexpr double exact_below_m = 1e-9;
 
@@ -31,7 +32,7 @@ struct AdviseOptions {
   SceneOptions scene;
   double depth_mm = 0;
   double moment_arm_mm = 0;  ///< 0: the depth is asked about
-  double seconds = 90;
+  double seconds = 120;
   double band_mm = 10;
   int threads = 1;
   std::string safe_steps;
@@ -45,8 +46,9 @@ std::string millimetres(double metres) {
   return metres < exact_below_m ? "exact" : fmt::format("{:.3g}", metres * 1e3);
 }
 
-std::string accuracy_in_words(double error_m) {
-  return error_m < exact_below_m ? "exact" : fmt::format("right to {} mm", millimetres(error_m));
+/// An interval is not known of few frames.
+std::string interval_in_words(const MedianEstimate& time) {
+  return std::isnan(time.low) ? "" : fmt::format("({:.4g} to {:.4g})", time.low * 1e-6, time.high * 1e-6);
 }
 
 std::string count_in_words(const std::optional<ContactCounts>& contacts, long ContactCounts::*count) {
@@ -62,14 +64,13 @@ void print_table(const Advice& advice, bool is_of_arms) {
              "ms a frame", "(95 % interval)", "x unit", "build s", "MB");
   for (std::size_t i = 0; i < advice.measured.size(); ++i) {
     const Assessment& row = advice.measured[i];
-    const MedianInterval& time = row.collision_ns;
+    const MedianEstimate& time = row.collision_ns;
     const std::string ratio =
         unit == advice.measured.end() ? "" : fmt::format("{:.3g}", time.median / unit->collision_ns.median);
     fmt::print("{} {:<30} {:>9} {:>9} {:>8} {:>8} {:>11.4g} {:>20} {:>7} {:>8.2f} {:>9.3g}\n",
                advice.chosen == i ? '*' : ' ', row.configuration.text(), millimetres(row.error_m),
                millimetres(row.max_error_m), count_in_words(row.contacts, &ContactCounts::missed),
-               count_in_words(row.contacts, &ContactCounts::wrong), time.median * 1e-6,
-               fmt::format("({:.4g} to {:.4g})", time.low * 1e-6, time.high * 1e-6), ratio,
+               count_in_words(row.contacts, &ContactCounts::wrong), time.median * 1e-6, interval_in_words(time), ratio,
                static_cast<double>(row.build_ns) * 1e-9, static_cast<double>(row.structure_bytes) * 1e-6);
   }
   if (unit != advice.measured.end()) {
@@ -78,19 +79,6 @@ void print_table(const Advice& advice, bool is_of_arms) {
   for (const Omission& omission : advice.omitted) {
     fmt::print("  {:<30} not measured: {}\n", omission.configuration.text(), omission.reason);
   }
-}
-
-/// The fastest of the others that hold.
-const Assessment* runner_up(const Advice& advice, double wanted_m) {
-  const Assessment* next = nullptr;
-  for (std::size_t i = 0; i < advice.measured.size(); ++i) {
-    const Assessment& row = advice.measured[i];
-    if (i != advice.chosen && row.error_m <= wanted_m &&
-        (next == nullptr || row.collision_ns.median < next->collision_ns.median)) {
-      next = &row;
-    }
-  }
-  return next;
 }
 
 std::string command_for(const AdviseOptions& options, const Configuration& configuration) {
@@ -120,35 +108,64 @@ void print_lines(const std::vector<std::string>& lines) {
   }
 }
 
+std::string promise_in_words(const Assessment& row, const AdviseOptions& options) {
+  if (options.asks_for_arms()) {
+    return fmt::format("moment arms within {:.3g} mm of the exact run's (RMS over the motion)", row.error_m * 1e3);
+  }
+  if (!row.contacts) return "";
+  if (row.error_m < exact_below_m) return "the exact surface";
+  return fmt::format("a surface within {:.3g} mm of the true one at 99 of 100 contacts", row.error_m * 1e3);
+}
+
+std::string trial_in_words(const Trial& trial) {
+  const std::string surface =
+      trial.surface_depth_m ? fmt::format(", the surface {:.3g} mm", *trial.surface_depth_m * 1e3) : "";
+  return fmt::format("nodes at most {:.3g} mm deep{}, {} nodes tunnelled, {:.3g} ms a frame, status {}{}{}",
+                     trial.node_depth_m * 1e3, surface, trial.tunnelled_nodes, trial.frame_ns * 1e-6, trial.status,
+                     trial.status_detail.empty() ? "" : ": ", trial.status_detail);
+}
+
+/// What promised to hold, was run, and did not.
+void print_refused(const Advice& advice, const AdviseOptions& options) {
+  for (const Assessment& row : advice.measured) {
+    if (row.refusal.empty()) continue;
+    fmt::print("Not {}: it promised {}, but {}.\n", row.configuration.text(), promise_in_words(row, options),
+               row.refusal);
+  }
+}
+
+void print_taken(const Assessment& chosen, const AdviseOptions& options) {
+  fmt::print("\nTake {}: {:.4g} ms of collision a frame, {:.3g} MB.\n", chosen.configuration.text(),
+             chosen.collision_ns.median * 1e-6, static_cast<double>(chosen.structure_bytes) * 1e-6);
+  fmt::print("  promised: {}\n", promise_in_words(chosen, options));
+  fmt::print("  found, in its own run of all {} frames: {}\n", chosen.trial->frames, trial_in_words(*chosen.trial));
+}
+
 void print_verdict(const Advice& advice, const AdviseOptions& options, const std::vector<std::string>& reasons) {
-  if (advice.measured.empty()) {
-    fmt::print("\nNothing could be measured; the reasons are above.\n");
-    return;
-  }
-  if (!advice.chosen) {
-    const Assessment& best = advice.measured[*advice.best];
-    fmt::print(
-        "\nNo configuration holds {} mm. The best found is {}: {:.3g} mm ({}), largest {:.3g} mm, {:.4g} ms a frame.\n",
-        options.wanted_mm(), best.configuration.text(), best.error_m * 1e3,
-        options.asks_for_arms() ? "RMS over the motion" : "99th percentile", best.max_error_m * 1e3,
-        best.collision_ns.median * 1e-6);
+  if (advice.chosen) {
+    const Assessment& chosen = advice.measured[*advice.chosen];
+    print_taken(chosen, options);
+    print_refused(advice, options);
     print_lines(reasons);
+    fmt::print("  {}\n", command_for(options, chosen.configuration));
     return;
   }
-  const Assessment& chosen = advice.measured[*advice.chosen];
-  fmt::print("\nTake {}: {} {}, at {:.4g} ms a frame and {:.3g} MB.\n", chosen.configuration.text(),
-             options.asks_for_arms() ? "its moment arms are" : "99 of 100 contacts are",
-             accuracy_in_words(chosen.error_m), chosen.collision_ns.median * 1e-6,
-             static_cast<double>(chosen.structure_bytes) * 1e-6);
-  if (const Assessment* next = runner_up(advice, options.wanted_mm() * 1e-3)) {
-    fmt::print("The next that holds {} mm is {}: {:.3g} times its time, {:.3g} MB.\n", options.wanted_mm(),
-               next->configuration.text(), next->collision_ns.median / chosen.collision_ns.median,
-               static_cast<double>(next->structure_bytes) * 1e-6);
+  if (advice.untried) {
+    const Assessment& next = advice.measured[*advice.untried];
+    fmt::print(
+        "\nThe time is up ({:g} s of CPU time) before a run over the whole motion showed what holds {} mm. The next to "
+        "try is {}: it promises {}. Give more --seconds.\n",
+        options.seconds, options.wanted_mm(), next.configuration.text(), promise_in_words(next, options));
+  } else if (advice.measured.empty()) {
+    fmt::print("\nNothing could be measured; the reasons are above.\n");
   } else {
-    fmt::print("No other configuration that was measured holds {} mm.\n", options.wanted_mm());
+    const Assessment& best = advice.measured[*advice.best];
+    fmt::print("\nNo configuration holds {} mm. The best found is {}: {:.3g} mm ({}), largest {:.3g} mm.\n",
+               options.wanted_mm(), best.configuration.text(), best.error_m * 1e3,
+               options.asks_for_arms() ? "RMS over the motion" : "99th percentile", best.max_error_m * 1e3);
   }
+  print_refused(advice, options);
   print_lines(reasons);
-  fmt::print("  {}\n", command_for(options, chosen.configuration));
 }
 
 /// The progress of what takes long, by a name that is known when it begins.
@@ -174,8 +191,14 @@ SafetyDoubt doubts_of(const Scene& scene, const AdviseOptions& options) {
   };
 }
 
-Advice find_with_progress(const AdviceRequest& request, const SafetyDoubt& doubt, const Measure& measure) {
-  return find_advice(request, [&](const Configuration& configuration, std::string& reason) {
+Advice find_with_progress(const Scene& scene, int threads, const AdviceRequest& request, const SafetyDoubt& doubt,
+                          const Measure& measure) {
+  const auto try_with_progress = [&](const Configuration& configuration, double seconds) {
+    std::optional<Progress> progress;
+    return try_out(scene, configuration, threads, seconds,
+                   reported(progress, "running " + configuration.text(), scene.loop.frames));
+  };
+  const auto assess_with_progress = [&](const Configuration& configuration, std::string& reason) {
     if (const std::optional<std::string> unsafe = doubt(configuration)) {
       reason = *unsafe;
       return std::optional<Assessment>();
@@ -190,108 +213,110 @@ Advice find_with_progress(const AdviceRequest& request, const SafetyDoubt& doubt
       reason = "there is not enough memory";
     }
     return std::optional<Assessment>();
-  });
+  };
+  return find_advice(request, assess_with_progress, try_with_progress);
 }
 
-/// What the advice rests on.
-struct Basis {
-  int frames = 0;      ///< that were asked
-  int frames_run = 0;  ///< by the exact run
-};
+/// The exact run was not over when the time was up.
+int end_without_exact_run(const Scene& scene, const AdviseOptions& options, int frames_run) {
+  fmt::print(
+      stderr,
+      "musclebench: --seconds: {:g} s of CPU time end in frame {} of {} of the exact run of {}, so that nothing is "
+      "known; give about {:.0f}\n",
+      options.seconds, frames_run, scene.loop.frames, scene.name,
+      4 * options.seconds * scene.loop.frames / std::max(1, frames_run));
+  return exit_out_of_time;
+}
 
-std::string cut_short(const Scene& scene, const Basis& basis) {
-  return basis.frames_run < scene.loop.frames ? fmt::format(" (only its first {}: the time was up)", basis.frames_run)
-                                              : "";
+/// 0: what is named was run, and held.
+int exit_code_of(const Advice& advice) {
+  if (advice.chosen) return 0;
+  return advice.untried ? exit_out_of_time : exit_not_held;
 }
 
 std::string threads_in_words(int threads) { return fmt::format("{} thread{}", threads, threads == 1 ? "" : "s"); }
 
-/// `said` goes before the table.
+/// `said` goes before the table; `asked` frames were.
 void print_advice(const Scene& scene, const AdviseOptions& options, const AdviceRequest& request, const Advice& advice,
-                  const Basis& basis, const std::string& said) {
-  const std::vector<std::string> reasons = explain(advice, request, {basis.frames, scene.loop.frames});
+                  int asked, const std::string& said) {
+  const std::vector<std::string> reasons = explain(advice, request, {asked, scene.loop.frames});
   if (!options.json) {
     fmt::print("{}\n", said);
     print_table(advice, options.asks_for_arms());
     print_verdict(advice, options, reasons);
     return;
   }
-  Json json = {{"scene", scene.name},
-               {"wanted", {{"of", options.asks_for_arms() ? "moment_arm_rms" : "depth_p99"}, {"m", request.wanted_m}}},
-               {"frames", {{"asked", basis.frames}, {"run", basis.frames_run}, {"all", scene.loop.frames}}},
-               {"threads", options.threads}};
+  Json json = {
+      {"scene", scene.name},
+      {"wanted", {{"of", options.asks_for_arms() ? "moment_arm_rms" : "surface_offset_p99"}, {"m", request.wanted_m}}},
+      {"frames", {{"asked", asked}, {"all", scene.loop.frames}}},
+      {"threads", options.threads}};
   json.update(json_of(advice, request.wanted_m));
   json["command"] = advice.chosen ? Json(command_for(options, advice.measured[*advice.chosen].configuration)) : Json();
   json["reasons"] = reasons;
   fmt::print("{}\n", text_of(json, 2));
 }
 
-Advice advise_on_depth(const Scene& scene, const AdviseOptions& options, AdviceRequest request, Nanoseconds start_ns) {
+int advise_on_depth(const Scene& scene, const AdviseOptions& options, AdviceRequest request, Nanoseconds start_ns) {
   std::optional<Progress> progress;
-  const double run_s = options.seconds * recording_share;
   const AdviceInput input =
-      run_exactly(scene, run_s, reported(progress, "exact run of " + scene.name, scene.loop.frames));
+      run_exactly(scene, options.seconds, reported(progress, "exact run of " + scene.name, scene.loop.frames));
   progress.reset();
-  if (input.frames->header().frames() == 0) {
-    throw InputError("--seconds",
-                     fmt::format("no frame of the exact run could be kept within {:.0f} s; give more", run_s));
-  }
-  request.seconds -= static_cast<double>(monotonic_now_ns() - start_ns) * 1e-9;
-  const SafetyDoubt doubt = doubts_of(scene, options);
-  Advice advice = find_with_progress(
-      request, doubt,
+  if (input.frames_run < scene.loop.frames) return end_without_exact_run(scene, options, input.frames_run);
+  request.seconds -= static_cast<double>(process_cpu_ns() - start_ns) * 1e-9;
+  const AssessOptions assess_options{options.band_mm * 1e-3, options.threads, options.seconds / 4};
+  const Advice advice = find_with_progress(
+      scene, options.threads, request, doubts_of(scene, options),
       [&](const Configuration& configuration, std::string& reason, const std::function<void(int, int)>& report) {
-        return assess(scene, configuration, {options.band_mm * 1e-3, options.threads}, *input.frames, reason, report);
+        return assess(scene, configuration, assess_options, *input.frames, reason, report);
       });
-  const Basis basis{input.frames->header().frames(), input.frames_run};
+  const int asked = input.frames->header().frames();
   const bool is_known = !advice.measured.empty() && advice.measured.front().contacts;
   const std::string said =
-      fmt::format("{}: wanted is a depth error of at most {} mm in 99 of 100 contacts\n", scene.name,
-                  options.depth_mm) +
-      fmt::format("Asked were {} of {} frames of the exact run{}, {} true contacts; {}\n", basis.frames,
-                  scene.loop.frames, cut_short(scene, basis), is_known ? advice.measured.front().contacts->real : 0,
-                  threads_in_words(options.threads));
-  print_advice(scene, options, request, advice, basis, said);
-  return advice;
+      fmt::format("{}: wanted is a surface within {} mm of the true one at 99 of 100 contacts, and no node deeper\n",
+                  scene.name, options.depth_mm) +
+      fmt::format("Asked were {} of {} frames of the exact run, {} true contacts; {}\n", asked, scene.loop.frames,
+                  is_known ? advice.measured.front().contacts->real : 0, threads_in_words(options.threads));
+  print_advice(scene, options, request, advice, asked, said);
+  return exit_code_of(advice);
 }
 
-Advice advise_on_arms(const Scene& scene, const AdviseOptions& options, AdviceRequest request, Nanoseconds start_ns) {
+int advise_on_arms(const Scene& scene, const AdviseOptions& options, AdviceRequest request, Nanoseconds start_ns) {
   std::optional<Progress> progress;
-  const ArmInput input = run_for_arms(scene, options.seconds * recording_share,
-                                      reported(progress, "exact run of " + scene.name, scene.loop.frames));
+  const ArmInput input =
+      run_for_arms(scene, options.seconds, reported(progress, "exact run of " + scene.name, scene.loop.frames));
   progress.reset();
-  request.seconds -= static_cast<double>(monotonic_now_ns() - start_ns) * 1e-9;
-  const SafetyDoubt doubt = doubts_of(scene, options);
-  Advice advice = find_with_progress(
-      request, doubt,
+  if (input.frames_run < scene.loop.frames) return end_without_exact_run(scene, options, input.frames_run);
+  request.seconds -= static_cast<double>(process_cpu_ns() - start_ns) * 1e-9;
+  request.bounds_depth = false;
+  const Advice advice = find_with_progress(
+      scene, options.threads, request, doubts_of(scene, options),
       [&](const Configuration& configuration, std::string& reason, const std::function<void(int, int)>& report) {
         return assess_arms(scene, configuration, options.threads, input, reason,
                            [&](int done) { report(done, input.frames_run); });
       });
-  const Basis basis{input.frames_run, input.frames_run};
   const std::string said =
       fmt::format("{}: wanted are moment arms within {} mm (RMS over the motion) of the exact run's\n", scene.name,
                   options.moment_arm_mm) +
-      fmt::format("Each configuration moved the muscle for {} of {} frames{}; {}\n", basis.frames, scene.loop.frames,
-                  cut_short(scene, basis), threads_in_words(options.threads)) +
+      fmt::format("Each configuration moved the muscle for all {} frames; {}\n", scene.loop.frames,
+                  threads_in_words(options.threads)) +
       fmt::format("Rounding alone moves the exact run's by {:.2g} mm{}\n", input.floor_m * 1e3,
                   input.floor_m > request.wanted_m
                       ? ": more than is wanted, so that what holds it here may not hold it in another run"
                       : "");
-  print_advice(scene, options, request, advice, basis, said);
-  return advice;
+  print_advice(scene, options, request, advice, scene.loop.frames, said);
+  return exit_code_of(advice);
 }
 
 int advise(const AdviseOptions& options) {
-  const Nanoseconds start_ns = monotonic_now_ns();
+  const Nanoseconds start_ns = process_cpu_ns();
   const AdviceRequest request{options.wanted_mm() * 1e-3, options.seconds, advise_plans()};
   SceneOptions named = options.scene;
   if (options.asks_for_arms()) named.choice.fibres = {followed_fibres, "--moment-arm-mm"};
   const Scene scene = load_scene(named);
   require_a_choice(scene);
-  const Advice advice = options.asks_for_arms() ? advise_on_arms(scene, options, request, start_ns)
-                                                : advise_on_depth(scene, options, request, start_ns);
-  return advice.chosen ? 0 : exit_not_held;
+  return options.asks_for_arms() ? advise_on_arms(scene, options, request, start_ns)
+                                 : advise_on_depth(scene, options, request, start_ns);
 }
 
 }  // namespace
@@ -299,17 +324,23 @@ int advise(const AdviseOptions& options) {
 void add_advise_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<AdviseOptions>();
   CLI::App* command = app.add_subcommand(
-      "advise", "Measure which backend and resolution hold a wanted error on a scene, and name the one to take");
+      "advise",
+      "Measure which backend and resolution hold a wanted error on a scene, run the cheapest over the whole motion, "
+      "and name it where it held");
   add_scene_options(*command, options->scene);
   CLI::Option* depth =
-      command->add_option("--depth-mm", options->depth_mm, "Wanted: the 99th percentile of the depth error, mm")
+      command
+          ->add_option("--depth-mm", options->depth_mm,
+                       "Wanted: no node deeper, and the backend's surface no farther from the true one at 99 of "
+                       "100 contacts, mm")
           ->check(positive_and_finite());
   CLI::Option* arm = command
                          ->add_option("--moment-arm-mm", options->moment_arm_mm,
                                       "Wanted instead: the error of the muscle's moment arm, RMS over the motion, mm")
                          ->check(positive_and_finite())
                          ->excludes(depth);
-  command->add_option("--seconds", options->seconds, "Time for all of it (default: 90)")->check(positive_and_finite());
+  command->add_option("--seconds", options->seconds, "CPU time for all of it (default: 120)")
+      ->check(positive_and_finite());
   command->add_option("--band-mm", options->band_mm, "Errors count so far from a bone's surface (default: 10)")
       ->check(positive_and_finite());
   add_threads_option(*command, options->threads);

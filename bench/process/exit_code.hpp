@@ -9,6 +9,7 @@ enum ExitCode : int {
   exit_bad_input = 2,
   exit_diverged = 3,
   exit_nondeterministic = 4,
+  exit_out_of_time = 5,
   exit_interrupted = 130
 };
 

@@ -15,8 +15,19 @@ Json json_of(const Settings& settings) {
   return json;
 }
 
+Json json_of(const std::optional<Trial>& trial) {
+  if (!trial) return nullptr;
+  return {{"status", trial->status},
+          {"status_detail", trial->status_detail},
+          {"frames", trial->frames},
+          {"node_depth_m", trial->node_depth_m},
+          {"surface_depth_m", trial->surface_depth_m ? Json(*trial->surface_depth_m) : Json(nullptr)},
+          {"tunnelled_nodes", trial->tunnelled_nodes},
+          {"frame_ns", trial->frame_ns}};
+}
+
 Json json_of(const Assessment& row, double wanted_m) {
-  const MedianInterval& time = row.collision_ns;
+  const MedianEstimate& time = row.collision_ns;
   Json json = {{"configuration", row.configuration.text()},
                {"backend", row.configuration.backend},
                {"parameters", json_of(row.configuration.parameters)},
@@ -26,7 +37,10 @@ Json json_of(const Assessment& row, double wanted_m) {
                {"collision_ns", {{"median", time.median}, {"low", time.low}, {"high", time.high}}},
                {"build_ns", row.build_ns},
                {"structure_bytes", row.structure_bytes},
-               {"holds", row.error_m <= wanted_m}};
+               {"promises", row.error_m <= wanted_m},
+               {"trial", json_of(row.trial)},
+               {"refusal", row.refusal},
+               {"holds", row.trial && row.error_m <= wanted_m && row.refusal.empty()}};
   if (row.contacts) {
     json["contacts"] = {{"true", row.contacts->real}, {"missed", row.contacts->missed}, {"false", row.contacts->wrong}};
   }
@@ -39,7 +53,10 @@ Json json_of(const Advice& advice, double wanted_m) {
   const auto named = [&](const std::optional<std::size_t>& row) {
     return row ? Json(advice.measured[*row].configuration.text()) : Json(nullptr);
   };
-  Json json = {{"chosen", named(advice.chosen)}, {"best", named(advice.best)}, {"unit_of_price", nullptr}};
+  Json json = {{"chosen", named(advice.chosen)},
+               {"untried", named(advice.untried)},
+               {"best", named(advice.best)},
+               {"unit_of_price", nullptr}};
   if (advice.unit_of_price) json["unit_of_price"] = advice.unit_of_price->text();
   json["measured"] = Json::array();
   for (const Assessment& row : advice.measured) json["measured"].push_back(json_of(row, wanted_m));

@@ -48,8 +48,11 @@ std::vector<AdvisePlan> without(const std::string& backend) {
   return plans;
 }
 
-std::string chosen(double depth_m) {
-  const Advice advice = find_advice({depth_m, 1000, advise_plans()}, modelled);
+/// Every trial holds.
+const Try holding = [](const Configuration&, double /*seconds*/) { return std::optional(Trial{}); };
+
+std::string chosen(double depth_m, const Try& try_out = holding) {
+  const Advice advice = find_advice({depth_m, 1000, advise_plans()}, modelled, try_out);
   return advice.chosen ? advice.measured[*advice.chosen].configuration.text() : "none";
 }
 
@@ -58,7 +61,7 @@ TEST(Advice, TheStudiesNameWhatIsTriedAndInWhichOrder) {
   std::erase_if(plans, [](const AdvisePlan& plan) {
     return plan.backend != "voxel" && plan.backend != "bvh" && plan.backend != "sdf" && plan.backend != "fcl";
   });
-  const Advice advice = find_advice({7e-5, 1000, plans}, modelled);
+  const Advice advice = find_advice({7e-5, 1000, plans}, modelled, holding);
   std::vector<std::string> tried;
   for (const Assessment& measured : advice.measured) {
     tried.push_back(measured.configuration.text());
@@ -104,7 +107,7 @@ std::optional<Assessment> modelled_adaptive(const Configuration& configuration, 
 }
 
 TEST(Advice, AnAdaptiveFieldIsMadeFinerUntilItsContactsHold) {
-  const Advice advice = find_advice({1e-4, 1000, advise_plans()}, modelled_adaptive);
+  const Advice advice = find_advice({1e-4, 1000, advise_plans()}, modelled_adaptive, holding);
   std::vector<std::string> adaptive;
   for (const Assessment& measured : advice.measured) {
     if (measured.configuration.parameters.contains("max_error_mm")) {
@@ -117,14 +120,14 @@ TEST(Advice, AnAdaptiveFieldIsMadeFinerUntilItsContactsHold) {
 }
 
 TEST(Advice, AnAdaptiveFieldThatWouldTakeTooLongIsLeftOut) {
-  const Advice advice = find_advice({1e-7, 1000, advise_plans()}, modelled_adaptive);
+  const Advice advice = find_advice({1e-7, 2000, advise_plans()}, modelled_adaptive, holding);
   ASSERT_FALSE(advice.omitted.empty());
   EXPECT_EQ(advice.omitted.back().configuration.text(), "sdf max_error_mm=0.0004");
   EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), "bvh");
 }
 
 TEST(Advice, NoDepthAtAllIsHeldByWhatIsExact) {
-  const Advice advice = find_advice({0, 1000, advise_plans()}, modelled_adaptive);
+  const Advice advice = find_advice({0, 1000, advise_plans()}, modelled_adaptive, holding);
   EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), "bvh");
 }
 
@@ -137,7 +140,7 @@ TEST(Advice, OfEquallyFastOnesTheSmallest) {
     }
     return assessment;
   };
-  const Advice advice = find_advice({1e-4, 1000, without("fcl")}, same_speed);
+  const Advice advice = find_advice({1e-4, 1000, without("fcl")}, same_speed, holding);
   EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), "voxel cells=16");
 }
 
@@ -145,15 +148,18 @@ TEST(Advice, OfEquallyFastOnesTheSmallest) {
 Advice two_sizes(double ratio) {
   AdvisePlan plan{"grid"};
   plan.points = {{{"cells", std::int64_t{2}}}, {{"cells", std::int64_t{1}}}};
-  return find_advice({1e-4, 1000, {plan}}, [&](const Configuration& configuration, std::string& /*reason*/) {
-    const bool large = configuration.text() == "grid cells=2";
-    Assessment assessment;
-    assessment.configuration = configuration;
-    const double time_ns = large ? 1e6 : ratio * 1e6;
-    assessment.collision_ns = {time_ns, 0.999 * time_ns, 1.001 * time_ns};
-    assessment.structure_bytes = large ? 52'900'000 : 7'300'000;
-    return std::optional(assessment);
-  });
+  return find_advice(
+      {1e-4, 1000, {plan}},
+      [&](const Configuration& configuration, std::string& /*reason*/) {
+        const bool large = configuration.text() == "grid cells=2";
+        Assessment assessment;
+        assessment.configuration = configuration;
+        const double time_ns = large ? 1e6 : ratio * 1e6;
+        assessment.collision_ns = {time_ns, 0.999 * time_ns, 1.001 * time_ns};
+        assessment.structure_bytes = large ? 52'900'000 : 7'300'000;
+        return std::optional(assessment);
+      },
+      holding);
 }
 
 TEST(Advice, ASmallerOneThatIsSlowerByNoMoreThanADriftIsTakenAndItSaysWhy) {
@@ -173,7 +179,7 @@ TEST(Advice, ASmallerOneThatIsSlowerIsNot) {
 }
 
 TEST(Advice, ANarrowRefusalByFewFramesIsSaid) {
-  const Advice advice = find_advice({0.9e-4, 1000, advise_plans()}, modelled);
+  const Advice advice = find_advice({0.9e-4, 1000, advise_plans()}, modelled, holding);
   const auto says = [&](const AskedFrames& frames) {
     const std::vector<std::string> lines = explain(advice, {0.9e-4}, frames);
     return std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
@@ -215,7 +221,7 @@ TEST(Advice, WhatNoneReachesNamesTheBest) {
     }
     return assessment;
   };
-  const Advice advice = find_advice({1e-9, 1000, advise_plans()}, inexact);
+  const Advice advice = find_advice({1e-9, 1000, advise_plans()}, inexact, holding);
   EXPECT_FALSE(advice.chosen);
   EXPECT_EQ(advice.measured[advice.best.value()].configuration.text(), "bvh");
   ASSERT_FALSE(advice.omitted.empty());
@@ -224,26 +230,74 @@ TEST(Advice, WhatNoneReachesNamesTheBest) {
 }
 
 TEST(Advice, WithoutTimeNothingIsMeasured) {
-  const Advice advice = find_advice({1e-4, 0, advise_plans()}, modelled);
+  const Advice advice = find_advice({1e-4, 0, advise_plans()}, modelled, holding);
   EXPECT_TRUE(advice.measured.empty());
   EXPECT_FALSE(advice.chosen);
   EXPECT_FALSE(advice.best);
   EXPECT_FALSE(advice.omitted.empty());
 }
 
-TEST(MedianInterval, OrderStatistics) {
-  std::vector<double> values;
-  for (int i = 1; i <= 101; ++i) {
-    values.push_back(102 - i);
+/// A world in which a field leaves nodes deeper than its surface promises.
+Try leaving(double factor) {
+  return [factor](const Configuration& configuration, double /*seconds*/) {
+    std::string reason;
+    Trial trial;
+    trial.node_depth_m = factor * modelled(configuration, reason)->error_m;
+    return std::optional(trial);
+  };
+}
+
+std::string refusal_of(const Advice& advice, const std::string& configuration) {
+  for (const Assessment& row : advice.measured) {
+    if (row.configuration.text() == configuration) return row.refusal;
   }
-  const MedianInterval interval = median_interval(values);
-  EXPECT_EQ(interval.median, 51);
-  // Binomial(101, 1/2): the 41st and the 61st smallest enclose the median with 95 %.
-  EXPECT_NEAR(interval.low, 41, 1);
-  EXPECT_NEAR(interval.high, 61, 1);
-  EXPECT_EQ(median_interval({3, 1}).median, 2);
-  EXPECT_EQ(median_interval({3, 1}).low, 1);
-  EXPECT_EQ(median_interval({7}).high, 7);
+  return "not measured";
+}
+
+TEST(Advice, WhatItRecommendsItHasRunAndFoundToHold) {
+  const Advice advice = find_advice({1e-4, 1000, without("fcl")}, modelled, leaving(0.5));
+  ASSERT_TRUE(advice.chosen);
+  const Assessment& chosen = advice.measured[*advice.chosen];
+  ASSERT_TRUE(chosen.trial);
+  EXPECT_LE(chosen.trial->node_depth_m, 1e-4);
+}
+
+TEST(Advice, WhatDoesNotHoldInItsOwnRunIsMadeFinerOrLeft) {
+  // 64 cells promise 0.1 mm and leave 0.15; 128 cells leave 0.0375.
+  const Advice advice = find_advice({1.0001e-4, 1000, without("fcl")}, modelled, leaving(1.5));
+  EXPECT_EQ(advice.measured[advice.chosen.value()].configuration.text(), "sdf cells=128");
+  EXPECT_NE(refusal_of(advice, "sdf cells=64").find("leaves nodes 0.15 mm deep"), std::string::npos);
+  // Nothing but what is exact holds what it promises.
+  const Advice exact = find_advice({1e-4, 1000, without("fcl")}, modelled, leaving(1e6));
+  EXPECT_EQ(exact.measured[exact.chosen.value()].configuration.text(), "bvh");
+}
+
+TEST(Advice, ARunThatIsWorseThanTheExactOneIsRefused) {
+  const auto suspect = [](bool exact_too) {
+    return [exact_too](const Configuration& configuration, double /*seconds*/) {
+      Trial trial;
+      if (configuration.backend != "bvh" || exact_too) trial = {.status = "suspect", .status_detail = "folded"};
+      return std::optional(trial);
+    };
+  };
+  EXPECT_EQ(chosen(5e-3, suspect(false)), "bvh");
+  EXPECT_EQ(chosen(5e-3, suspect(true)), "voxel cells=64");
+  const auto tunnelling = [](const Configuration& configuration, double /*seconds*/) {
+    return std::optional(Trial{.tunnelled_nodes = configuration.backend == "voxel" ? 3 : 0});
+  };
+  EXPECT_NE(chosen(5e-3, tunnelling).find("sdf"), std::string::npos);
+  const auto diverging = [](const Configuration& configuration, double /*seconds*/) {
+    return std::optional(Trial{.status = configuration.backend == "bvh" ? "ok" : "diverged"});
+  };
+  EXPECT_EQ(chosen(5e-3, diverging), "bvh");
+}
+
+TEST(Advice, WithoutTimeForItsRunNothingIsRecommended) {
+  const Advice advice = find_advice({1e-4, 1000, advise_plans()}, modelled,
+                                    [](const Configuration&, double /*seconds*/) { return std::optional<Trial>(); });
+  EXPECT_FALSE(advice.chosen);
+  ASSERT_TRUE(advice.untried);
+  EXPECT_LE(advice.measured[*advice.untried].error_m, 1e-4);
 }
 
 }  // namespace

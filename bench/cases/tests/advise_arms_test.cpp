@@ -55,8 +55,12 @@ TEST(AdviseArms, TheExactBackendHasTheExactArmsAndNoCollisionHasOthers) {
   EXPECT_GE(none->max_error_m, none->error_m);
 }
 
+TEST(AdviseArms, WithoutTimeTheMotionIsNotWhole) {
+  EXPECT_LT(run_for_arms(bound_between(12), 0, [](int /*frames*/) {}).frames_run, 12);
+}
+
 TEST(AdviseArms, TooFewFramesAreRefused) {
-  EXPECT_THROW(run_for_arms(bound_between(12), 0, [](int /*frames*/) {}), InputError);
+  EXPECT_THROW(run_for_arms(bound_between(1), 60, [](int /*frames*/) {}), InputError);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "bench/cases/advise_case.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -62,6 +64,34 @@ TEST(AdviseCase, WhatTheSceneSettlesIsKept) {
   Scene all_settled = settled;
   all_settled.bone_contacts[0].backend = all_settled.bone_contacts[1].backend;
   EXPECT_THROW(require_a_choice(all_settled), InputError);
+}
+
+TEST(AdviseCase, ATrialIsJudgedOverTheWholeMotion) {
+  const Scene scene = pressed("", 12);
+  const auto exact = try_out(scene, {exact_backend().name, {}}, 1, 60, {});
+  ASSERT_TRUE(exact);
+  EXPECT_EQ(exact->frames, 12);
+  EXPECT_LT(exact->node_depth_m, 1e-9);
+  const auto none = try_out(scene, {"null", {}}, 1, 60, {});
+  ASSERT_TRUE(none);
+  EXPECT_GT(none->node_depth_m, 1e-4);
+  EXPECT_FALSE(try_out(scene, {exact_backend().name, {}}, 1, 0, {}));
+}
+
+/// FCL's collision of surfaces has no surface of its own to look for: its own run says how deep it lets nodes.
+TEST(AdviseCase, WhatCantBeAskedAboutPointsIsTried) {
+  if (std::ranges::none_of(backend_registry(), [](const BackendEntry& entry) { return entry.name == "fcl"; })) {
+    GTEST_SKIP() << "built without fcl";
+  }
+  const Scene scene = pressed();
+  std::string reason;
+  const auto surfaces = assessed(scene, {"fcl", {}}, reason);
+  ASSERT_TRUE(surfaces) << reason;
+  ASSERT_TRUE(surfaces->trial);
+  EXPECT_EQ(surfaces->error_m, surfaces->trial->node_depth_m);
+  const AdviceInput input = run_exactly(scene, 60, [](int /*frames*/) {});
+  EXPECT_FALSE(assess(scene, {"fcl", {}}, {.trial_seconds = 0}, *input.frames, reason, unreported));
+  EXPECT_NE(reason.find("single points"), std::string::npos);
 }
 
 TEST(AdviseCase, WithoutContactsThereIsNothingToJudge) {
