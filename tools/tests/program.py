@@ -12,9 +12,9 @@ needs_program = pytest.mark.skipif(
     not PROGRAM, reason="MUSCLEBENCH_BINARY does not name the program (tools/test sets it)")
 
 
-def call(*arguments, **options) -> subprocess.CompletedProcess:
+def call(*arguments, timeout=120, **options) -> subprocess.CompletedProcess:
     """The program with these arguments."""
-    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False,
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=timeout, check=False,
                           **options)
 
 

@@ -48,13 +48,29 @@ def test_json_is_the_same_advice_for_scripts():
     assert advice["frames"] == {"asked": 12, "all": 12} and advice["reasons"]
 
 
-def test_json_says_that_nothing_holds():
+def test_what_is_exact_holds_any_depth():
     answer = advise("--depth-mm", "1e-30", "--seconds", "60", "--json")
     advice = json.loads(answer.stdout)
-    assert answer.returncode == 1 and advice["chosen"] is None and advice["command"] is None and advice["best"]
+    assert answer.returncode == 0 and advice["chosen"] == advice["best"]
+    assert [row["trial"]["node_depth_m"] for row in advice["measured"] if row["holds"]] == [0]
 
 
 def test_a_time_that_ends_before_the_exact_run_says_what_is_unknown():
     answer = advise("--depth-mm", "1", "--seconds", "0.001")
     assert answer.returncode == 5 and not answer.stdout
     assert re.search(r"--seconds: .* of the exact run .* nothing is known; give about \d+", answer.stderr), answer.stderr
+
+
+@pytest.mark.weekly
+@pytest.mark.parametrize("muscle", ["adductor_brevis", "gluteus_maximus", "gluteus_medius", "iliacus"])
+def test_what_it_recommends_on_real_muscles_holds_in_a_run(muscle, lhdl_folder, tmp_path):
+    answer = call("advise", f"lhdl/{muscle}", "--preset", "standard", "--data", lhdl_folder, "--depth-mm", "0.1", "--seconds",
+                  "600", "--json", timeout=3000)
+    advice = json.loads(answer.stdout)
+    if advice["chosen"] is None:  # then every one that promised to hold was run, and says why it does not
+        assert answer.returncode == 1 and all(row["refusal"] for row in advice["measured"] if row["promises"])
+        return
+    run = call(*advice["command"].replace("'", "").split()[1:], "--out", tmp_path / "run", timeout=3000)
+    assert run.returncode == 0, run.stderr
+    outcome = json.loads((tmp_path / "run" / "run.json").read_text())["outcome"]
+    assert outcome["max_depth_m"] <= 1e-4 and outcome["tunnelled_nodes"] == 0
