@@ -12,7 +12,7 @@ from musclebench.page.page_file import FILE_NAME, write_page
 from musclebench.paper import published
 from musclebench.pictures.in_display import draw_in_display
 from musclebench.program.cli import Problem, add_scene_options, run_command
-from musclebench.program.registry import read_registry
+from musclebench.program.registry import read_registry, whose
 from musclebench.results import run_folder
 from musclebench.results.disturbance import note
 from musclebench.tables import muscle_tables, paper_tables, table_formats
@@ -39,6 +39,7 @@ def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run],
     several = muscle_tables.of_several_muscles(runs)
     if several:
         made += [muscle_tables.frame_time_table(several), muscle_tables.depth_table(several), muscle_tables.pair_table(several)]
+    made = [table.with_sentence(whose(run_folder.implementations(runs))) for table in made]
     files = [runs_file]
     for table in made:
         files += table_formats.write_table(table, out_dir / "tables")

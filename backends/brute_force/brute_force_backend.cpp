@@ -45,6 +45,7 @@ std::unique_ptr<CollisionBackend> make_brute_force_backend(const Parameters& /*p
 BackendEntry brute_force_entry() {
   return {.name = "brute_force",
           .help = "every node against every triangle: the truth of contacts",
+          .implementation = "this project",
           .default_response = ResponseKind::project,
           .exact = true,
           .make = make_brute_force_backend,

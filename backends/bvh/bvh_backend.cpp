@@ -20,6 +20,7 @@ std::unique_ptr<CollisionBackend> make_bvh_backend(const Parameters& parameters)
 BackendEntry bvh_entry() {
   return {.name = "bvh",
           .help = "exact: closest point by a tree of boxes over each bone, signed robustly",
+          .implementation = "this project",
           .default_response = ResponseKind::project,
           .exact = true,
           .parameters = {clearance_cache_parameter()},

@@ -1,5 +1,8 @@
 #include "backends/fcl/fcl_backend.hpp"
 
+#include <fcl/config.h>
+#include <fmt/format.h>
+
 #include "backends/fcl/nodes/node_backend.hpp"
 #include "backends/fcl/surfaces/muscle_detector.hpp"
 #include "backends/fcl/surfaces/surface_backend.hpp"
@@ -14,6 +17,7 @@ std::unique_ptr<CollisionBackend> make_fcl_backend(const Parameters& parameters)
 BackendEntry fcl_entry() {
   return {.name = "fcl",
           .help = "FCL: muscle and bones as BVH models in dynamic AABB trees (the paper's method)",
+          .implementation = fmt::format("FCL {}", FCL_VERSION),
           .default_response = ResponseKind::project,
           .parameters = fcl_parameters(),
           .make = make_fcl_backend,

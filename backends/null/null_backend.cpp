@@ -29,6 +29,7 @@ class NullBackend final : public CollisionBackend {
 BackendEntry null_entry() {
   return {.name = "null",
           .help = "no collision: the cost of the loop alone",
+          .implementation = "this project",
           .default_response = ResponseKind::project,
           .make = [](const Parameters& /*parameters*/) { return std::make_unique<NullBackend>(); }};
 }

@@ -55,6 +55,7 @@ std::vector<ParameterSpec> sdf_parameters() {
 BackendEntry sdf_entry() {
   return {.name = "sdf",
           .help = "cubic signed distance field over each bone (the Discregrid method)",
+          .implementation = "this project, after Discregrid's method (Koschier and others 2017)",
           .default_response = ResponseKind::project,
           .parameters = sdf_parameters(),
           .make = make_sdf_backend,

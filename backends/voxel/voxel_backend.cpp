@@ -110,6 +110,7 @@ std::unique_ptr<CollisionBackend> make_voxel_backend(const Parameters& parameter
 BackendEntry voxel_entry() {
   return {.name = "voxel",
           .help = "uniform bit grid over each bone (the paper's voxelisation)",
+          .implementation = "this project, after the paper's method",
           .default_response = ResponseKind::backtrack,
           .parameters = voxel_parameters(),
           .make = make_voxel_backend};

@@ -45,6 +45,8 @@ void print_for_people(const Json& all) {
   for (const Json& backend : all["backends"]) {
     fmt::print("  {:<26} {} (response: {})\n", word(backend["name"]), word(backend["help"]),
                word(backend["default_response"]));
+    fmt::print("    {:<24} {}\n", "implementation",
+               word(backend["implementation"]).empty() ? "not told" : word(backend["implementation"]));
     print_parameters(backend["parameters"]);
   }
   fmt::print("\nResponses (--response NAME, or response in [contact] of a scene):\n");

@@ -79,6 +79,7 @@ Json json_of(const BackendEntry& backend) {
   return {{"name", backend.name},
           {"label", of_study("label", backend.name)},
           {"help", backend.help},
+          {"implementation", backend.implementation},
           {"colour", of_study("colour", nullptr)},
           {"dash", of_study("dash", nullptr)},
           {"default_response", name_of(backend.default_response)},

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "backends/registry.hpp"
 #include "bench/results/build_info.hpp"
 #include "core/base/sha256.hpp"
 
@@ -257,11 +258,24 @@ Json json_of(const std::vector<PrunedResult>& pruned, const Scene& scene) {
   return list;
 }
 
+/// By the name of each backend of a case, whose code it is.
+void add_implementations(const Json& part, Json& found) {
+  if (!part.is_structured()) return;
+  if (part.is_object() && part.contains("backend")) {
+    for (const BackendEntry& entry : backend_registry()) {
+      if (entry.name == part["backend"]) found[entry.name] = entry.implementation;
+    }
+  }
+  for (const Json& inner : part) add_implementations(inner, found);
+}
+
 Json manifest_head(std::string_view status, std::string_view status_detail, const Json& json_of_case,
                    const Scene& scene) {
   Json json = {{"schema_version", schema_version},     {"status", status},     {"status_detail", status_detail},
                {"run_id", id_of(json_of_case, scene)}, {"title", scene.title}, {"case", json_of_case}};
   json.update(json_of_inputs(scene));
+  json["implementations"] = Json::object();
+  add_implementations(json_of_case, json["implementations"]);
   json["build"] = json_of_build();
   json["machine"] = json_of_machine();
   return json;

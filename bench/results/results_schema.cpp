@@ -43,6 +43,7 @@ constexpr auto own_keys = std::to_array<ManifestKey>({
     everywhere("case.scene", "", "name of the scene"),
     everywhere("case.preset", "", "where loop and effects come from"),
     everywhere("case.backend", "", "name of the backend"),
+    everywhere("implementations.*", "", "by backend of the case: whose code it is"),
     everywhere("case.response", "", "what moves colliding nodes; by_bone: see case.bone_responses"),
     everywhere("case.response_steps", "", "detections of projecting, and corrections between muscles, at most"),
     everywhere("case.parameters.*", "", "of the backend, as resolved"),

@@ -11,8 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <hwy/highway.h>
-
 HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
 

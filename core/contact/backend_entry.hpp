@@ -47,6 +47,8 @@ using SignedDistance = std::function<double(const Vec3& point)>;
 struct BackendEntry {
   std::string name;
   std::string help;
+  /// Whose code it is: a library with its version, or this project, and after whose method.
+  std::string implementation = {};
   ResponseKind default_response = ResponseKind::project;
   /// With its default parameters only rounding lies between its answers and the truth. The first exact one of the
   /// table drives what others are compared with.

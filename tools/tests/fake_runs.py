@@ -149,7 +149,7 @@ def run_record(scene: str, backend: str, frames: int, status: str = "ok", detail
             "threads": 1, "repetition": 0}
     return {
         "schema_version": 1, "status": status, "status_detail": detail,
-        "run_id": f"id-{muscle}-{backend}", "case": case,
+        "run_id": f"id-{muscle}-{backend}", "case": case, "implementations": {backend: f"library of {backend}"},
         "muscle": muscle_record(muscle, MUSCLES.get(muscle, 1000)),
         "bones": [{"name": "pelvis"}, {"name": "femur"}],
         "attachments": [{"name": "origin", "bone": "pelvis", "nodes": 7},

@@ -65,6 +65,7 @@ def run(arguments: list[str]) -> int:
     case = {"mode": "coupled", "scene": arguments[1], "backend": backend, "parameters": {}, "threads": 1,
             "repetition": repetition, "judged": "--no-referee" not in arguments}
     record = {"status": "ok", "status_detail": "", "case": case, "frames": 40, "schema_version": 2,
+              "implementations": {backend: f"library of {backend}"},
               "build": {"git": "abc"}, "machine": {"cpu": "A processor", "cores": 2},
               "muscle": {"nodes": 7_000 if arguments[1].endswith("iliacus") else 3_000}, "build_ns": 600_000_000,
               "cpu_ns": {"before_first_frame": 1_000_000_000,

@@ -57,6 +57,7 @@ def record(mode: str, scene: str, backend: str, truth: Truth, repetition: int = 
     made = fake_runs.run_record(scene, ROLES.field, FRAMES, status, detail)
     made["case"] |= {"mode": mode, "backend": backend, "parameters": truth.parameters, "threads": truth.threads,
                      "repetition": repetition}
+    made |= {"implementations": {backend: f"library of {backend}"}}
     made |= {"structure_bytes": truth.structure_bytes, "build_ns": round(1e9 * truth.build_s),
              "structures": truth.structures, "snapshots": []}
     foreign = NOT_OF_A_REPLAY if mode == "replay" else NOT_OF_A_PROBE if mode == "probe" else ()
@@ -257,7 +258,7 @@ def realistic_truths() -> list[tuple[str, Truth]]:
                                        remaining_mm=900 * edge, shift_mm=500 * edge,
                                        parameters={"cells": 64, "voxel_size_m": edge})))
     for cells in (8, 16, 32, 64, 128):
-        for precision, width in (("float", 1), ("double", 2)):
+        for precision, width in (("float", 1), ("compact", 2)):  # the second is off the front here
             mm = 0.3 * (64 / cells) ** 1.4
             made.append((ROLES.field, Truth(0.2 * (cells / 64) ** 0.32 * (1 + 0.15 * (width - 1)), mm,
                                             structure_bytes=60 * width * cells**3, build_s=4.6e-5 * cells**3,

@@ -89,7 +89,7 @@ def test_the_fixture_has_the_programs_backends_and_parameters(listed):
         if backend["name"] not in theirs:
             pytest.skip(f"{backend['name']} is not a backend of this build")
         real = theirs[backend["name"]]
-        for key in ("label", "colour", "dash", "default_response", "exact"):
+        for key in ("label", "implementation", "colour", "dash", "default_response", "exact"):
             assert backend[key] == real[key], f"{backend['name']}: {key}"
         told = [[{key: one.get(key) for key in ("name", "kind", "unit", "default", "minimum", "maximum", "choices", "role")}
                  for one in about["parameters"]] for about in (backend, real)]

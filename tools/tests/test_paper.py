@@ -63,6 +63,12 @@ def in_process(tmp_path, monkeypatch, capfd):
     return run
 
 
+def test_tables_say_whose_the_backends_are(in_process):
+    code, text, errors, _ = in_process()
+    assert code == 0, errors
+    assert "fcl: library of fcl" in text
+
+
 def test_every_case_runs_once_on_a_core_of_its_own(finished):
     _, log, done = finished
     calls = [line.split() for line in log.read_text().splitlines()]

@@ -152,6 +152,11 @@ def test_the_table_has_every_bar_with_its_median_spread_and_verdict(measured):
     assert rows["sdf value + gradient / voxel test, near points, float"]["note"] == "femur"
 
 
+def test_the_table_says_whose_the_backends_are(measured):
+    for name in ("speed.md", "speed.txt"):
+        assert "bvh: library of bvh" in (measured.out / name).read_text()
+
+
 def test_all_forms_of_the_table_say_the_same(measured):
     csv = pd.read_csv(measured.out / "speed.csv")
     written = json.loads((measured.out / "speed.json").read_text())

@@ -86,10 +86,11 @@ TEST(Catalogue, EachBackendHasTheKeysOfTheSchema) {
   int exact = 0;
   for (const Json& backend : json["backends"]) {
     SCOPED_TRACE(backend["name"]);
-    EXPECT_EQ(keys_of(backend), (Keys{"name", "label", "help", "colour", "dash", "default_response", "exact",
-                                      "muscle_contact", "parameters", "capabilities", "study"}));
+    EXPECT_EQ(keys_of(backend), (Keys{"name", "label", "help", "implementation", "colour", "dash", "default_response",
+                                      "exact", "muscle_contact", "parameters", "capabilities", "study"}));
     EXPECT_EQ(keys_of(backend["capabilities"]),
               (Keys{"depth", "point_queries", "has_cache", "has_step", "steady_memory", "times_pairs"}));
+    EXPECT_FALSE(backend["implementation"].get<std::string>().empty()) << "whose is it?";
     EXPECT_TRUE(responses.contains(backend["default_response"]));
     EXPECT_TRUE(backend["study"].is_null() || backend["study"].is_object());
     expect_parameters(backend["parameters"]);

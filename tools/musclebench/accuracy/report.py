@@ -10,7 +10,7 @@ from ..figures.convergence import draw_costs, draw_errors
 from ..figures.offset_and_depth import draw_offsets, offset_rows, told
 from ..figures.pareto import draw_pareto
 from ..figures.stages import draw_stages, stage_rows
-from ..program.registry import saved_registry
+from ..program.registry import saved_registry, whose
 from ..results.disturbance import note
 from ..tables import table_formats
 from ..tables.arm_prices import arm_price_list, arm_table
@@ -64,7 +64,8 @@ def write_report(out_dir: Path) -> AccuracyReport:
     arms = arm_errors(armed, of_mode(aggregates, "arms_floor"))
     made = [price_list(replays, builds), arm_price_list(armed, arms, wrong), arm_table(armed, arms),
             *choices_tables(replays), difficulties_table(replays), outcomes_table(coupled, shapes, floors)]
-    made = [table for table in made if not table.rows.empty]
+    sentence = whose({one.configuration.backend: one.configuration.about.implementation for one in aggregates})
+    made = [table.with_sentence(sentence) for table in made if not table.rows.empty]
     busy = note({case.name: case.disturbance for case in cases if case.disturbance}, len(cases))
     for table in made:
         files += _write_table(table, tables, busy)

@@ -36,6 +36,7 @@ class Backend:
     parameters: tuple[Parameter, ...] = ()
     study: dict = field(default_factory=dict, compare=False)  # what backends/NAME/study.toml holds
     index: int = 10_000  # in the program's order
+    implementation: str = ""  # whose code it is
 
     @property
     def is_control(self) -> bool:
@@ -117,6 +118,16 @@ class Registry:
         return None
 
 
+def whose(implementations: dict[str, str]) -> str:
+    """One sentence for below a table: by backend, whose code it is; empty where nobody told."""
+    backends_of: dict[str, list[str]] = {}
+    for backend, implementation in implementations.items():
+        if implementation:
+            backends_of.setdefault(implementation, []).append(backend)
+    told = "; ".join(f"{', '.join(backends)}: {implementation}" for implementation, backends in backends_of.items())
+    return f"Implementations: {told}." if told else ""
+
+
 def read_registry(program: Path) -> Registry:
     """Asks the program."""
     try:
@@ -165,7 +176,7 @@ def parse_registry(text: str, source: str) -> Registry:
 def _backend(told: dict, index: int) -> Backend:
     return Backend(told["name"], told.get("label") or told["name"], told.get("help", ""), told.get("colour"),
                    told.get("dash"), bool(told["exact"]), tuple(_parameter(one) for one in told["parameters"]),
-                   told.get("study") or {}, index)
+                   told.get("study") or {}, index, told.get("implementation") or "")
 
 
 def _parameter(told: dict) -> Parameter:

@@ -2,7 +2,7 @@
 
 import json
 import shutil
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import datetime, timezone
 from pathlib import Path
 
@@ -10,7 +10,9 @@ import pandas as pd
 
 from ..program.cli import Problem
 from ..program.fingerprint import write_whole
+from ..program.registry import whose
 from ..results.disturbance import disturbed
+from ..results.run_folder import implementations_in
 
 SOURCE = "source.json"
 ONE_PUBLICATION = ("commit", "machine", "build", "results_schema")  # the same in all studies of one
@@ -39,13 +41,15 @@ class Source:
     results_schema: int
     disturbed: int = 0  # runs during which the machine was busy with something else
     unit: str = ""  # the configuration by whose time others are divided
+    implementations: dict[str, str] = field(default_factory=dict)  # by backend: whose code it is
     publication: str = ""  # when tools/publish was started that took it over; the same for all that it took over
 
     def words(self) -> str:
         text = (f"`{self.command}`, commit {self.commit}, {self.machine}, {self.build}, {self.date}, "
                 f"results schema {self.results_schema}.")
         busy = f" In {self.disturbed} runs the machine was busy with something else." if self.disturbed else ""
-        return f"<sub>{text}{busy}</sub>"
+        told = f" {whose(self.implementations)}" if self.implementations else ""
+        return f"<sub>{text}{busy}{told}</sub>"
 
 
 class Measured:
@@ -115,7 +119,7 @@ def source_of(out_dir: Path, command: str) -> Source:
         command, _one(records, out_dir, "commit", "build", "git"), _one(records, out_dir, "machine", "machine", "cpu"),
         _one(records, out_dir, "compiler", "build", "compiler"),
         datetime.now(timezone.utc).date().isoformat(), int(_one(records, out_dir, "schema", "schema_version")),
-        len(disturbed(named)))
+        len(disturbed(named)), implementations=implementations_in(records))
 
 
 def _unit(study_csv: Path) -> str:

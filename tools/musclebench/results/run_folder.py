@@ -67,6 +67,16 @@ class Run:
         return timed.set_index("frame", drop=False)
 
 
+def implementations(runs: list[Run]) -> dict[str, str]:
+    """By backend, whose code it is."""
+    return implementations_in([run.record for run in runs])
+
+
+def implementations_in(records: list[dict]) -> dict[str, str]:
+    """Of records of runs; those of an older program don't tell."""
+    return {backend: told for record in records for backend, told in record.get("implementations", {}).items()}
+
+
 def read_run(folder: Path) -> Run:
     try:
         record = json.loads((folder / "run.json").read_text())

@@ -7,9 +7,9 @@ from pathlib import Path
 import pandas as pd
 
 from ..program.fingerprint import write_whole
-from ..program.registry import saved_registry
+from ..program.registry import saved_registry, whose
 from ..results.disturbance import disturbed, note
-from ..results.run_folder import ResultProblem, read_runs
+from ..results.run_folder import ResultProblem, implementations, read_runs
 from ..program.machine import machine
 from ..tables.table_formats import as_ratio
 
@@ -41,7 +41,7 @@ def write_report(out_dir: Path) -> tuple[list[Row], list[Path]]:
         raise ResultProblem(f"{out_dir / 'raw'}: holds no complete case; run tools/speed first")
     table = rows(measured, saved_registry(out_dir))
     below = note(measured.disturbed, len(measured.runs))
-    below = f"\n{below}\n" if below else ""
+    below = "".join(f"\n{line}\n" for line in (whose(implementations(measured.runs)), below) if line)
     files = {"speed.md": as_markdown(table) + below, "speed.txt": as_text(table) + below, "speed.csv": as_csv(table),
              "speed.json": as_json(table, measured)}
     for name, text in files.items():

@@ -40,6 +40,10 @@ class Table:
     rows: pd.DataFrame  # full precision; NaN is unknown
     shown: list[str]  # keys of the columns that fit a terminal
 
+    def with_sentence(self, sentence: str) -> "Table":
+        """At the end of its caption, which every form of it shows."""
+        return replace(self, caption=f"{self.caption} {sentence}".rstrip())
+
 
 def with_unit(columns: list[Column], unit: str) -> list[Column]:
     """Titles that name what times are divided by."""
