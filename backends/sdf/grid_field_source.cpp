@@ -31,7 +31,6 @@ constexpr int samples_of_foreign = 2000;
 double storage_rounding_m(const CubicField& field) {
   constexpr double enlarged = 4;
   constexpr double both = 2;
-  if (field.precision() == FieldPrecision::double_precision) return 0;
   const GridShape& grid = field.shape();
   const double largest_m = 0.5 * (grid.upper_m() - grid.lower_m).norm();
   const double single_m = 0.5 * static_cast<double>(std::numeric_limits<float>::epsilon()) * largest_m;

@@ -20,7 +20,7 @@ std::vector<ParameterSpec> sdf_parameters() {
                          .role = ParameterRole::resolution,
                          .help = "edge of cubic cells; 0: use `cells`"}),
       parameter::choice({.name = "precision",
-                         .choices = {"float", "double", "compact"},
+                         .choices = {"float", "compact"},
                          .help = "stored values; compact: corners in float, the others in 16 bits of a cell"}),
       parameter::number({.name = "band_m",
                          .unit = "m",

@@ -13,10 +13,7 @@ namespace musclebench {
 namespace {
 
 FieldPrecision precision_named(const std::string& word) {
-  if (word == "compact") {
-    return FieldPrecision::compact;
-  }
-  return word == "float" ? FieldPrecision::single_precision : FieldPrecision::double_precision;
+  return word == "compact" ? FieldPrecision::compact : FieldPrecision::single_precision;
 }
 
 }  // namespace

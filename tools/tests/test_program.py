@@ -190,7 +190,7 @@ def test_a_broken_mesh_is_refused(folder, content, words):
     (["--param", "cells=4", "--param", "cells=8"], ["cells=8", "twice"]),
     (["--param", "band_m=0"], ["band_m", "makes sense"]),
     (["--param", "band_m=-0.01"], ["band_m", "narrow band"]),
-    (["--param", "max_error_mm=1", "--param", "precision=double"], ["precision", "leave out", "max_error_mm"]),
+    (["--param", "max_error_mm=1", "--param", "precision=compact"], ["precision", "leave out", "max_error_mm"]),
     (["--param", "cells=4096"], ["cells", "MB"]),
     (["--preset", "papr"], ["papr", "paper"]),
     (["--loop", "substep=3"], ["substep", "substeps"]),

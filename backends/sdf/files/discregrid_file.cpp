@@ -24,6 +24,7 @@ using CellNodes = std::array<std::uint32_t, 32>;
 
 constexpr std::uint32_t most_cells = 4096;  ///< along an axis
 constexpr double no_value = std::numeric_limits<double>::max();
+constexpr double most_m = std::numeric_limits<float>::max();  ///< that a field keeps
 constexpr std::uint32_t no_cell = std::numeric_limits<std::uint32_t>::max();
 
 /// The numbers of a grid's nodes in the file: vertices, x fastest; then, two and two, the nodes of the edges along x,
@@ -235,7 +236,7 @@ void store_nodes(const BinaryReader& in, const std::vector<double>& values, cons
                  const std::vector<std::uint32_t>& map, CubicField& field) {
   const GridShape& shape = field.shape();
   const NodeNumbers numbers(shape);
-  std::vector<bool> known(numbers.count(), false);
+  std::vector<double> known(numbers.count(), no_value);
   for_each_in({0, 0, 0}, shape.cell_grid().count, [&](std::size_t i, std::size_t j, std::size_t k) {
     const Index cell{i, j, k};
     const CellNodes& nodes = cells[map[shape.cell(i, j, k)]];
@@ -244,14 +245,16 @@ void store_nodes(const BinaryReader& in, const std::vector<double>& values, cons
       if (!std::isfinite(value) || value == no_value) {
         in.refuse(fmt::format("has no value at a node of cell {} {} {}", cell[0], cell[1], cell[2]));
       }
-      const std::size_t offset = offset_of(field, at, axis, third);
-      const std::size_t number = number_of(numbers, at, axis, third);
-      if (known[number] && field.stored(offset) != value) {
+      if (std::abs(value) > most_m) {
+        in.refuse(fmt::format("is damaged: a node of cell {} {} {} holds {:.3g} m", cell[0], cell[1], cell[2], value));
+      }
+      double& in_neighbours = known[number_of(numbers, at, axis, third)];
+      if (in_neighbours != no_value && in_neighbours != value) {
         in.refuse(fmt::format("is damaged: cell {} {} {} and its neighbour disagree about a node that they share",
                               cell[0], cell[1], cell[2]));
       }
-      known[number] = true;
-      field.store(offset, value);
+      in_neighbours = value;
+      field.store(offset_of(field, at, axis, third), value);
     });
   });
 }
@@ -280,7 +283,7 @@ CubicField read_discregrid(const std::filesystem::path& path, int threads) {
   if (std::any_of(map.begin(), map.end(), [&](std::uint32_t cell) { return cell >= cells.size(); })) {
     in.refuse("is damaged: it refers to cells that it does not hold");
   }
-  CubicField field(shape, FieldPrecision::double_precision);
+  CubicField field(shape, FieldPrecision::single_precision);
   store_nodes(in, values, cells, map, field);
   find_cell_signs(field, threads);
   return field;

@@ -37,7 +37,6 @@ static_assert(sizeof(FieldHeader) == 8 + 8 + 48 + 16 + 8 + 56 + 128, "written as
 template <typename Field, typename Visit>
 void for_each_part(Field& field, const Visit& visit) {
   visit(field.single_values());
-  visit(field.double_values());
   visit(field.compact_records());
   visit(field.mask());
 }
@@ -61,12 +60,20 @@ FieldHeader header_of(const GridShape& shape, const FieldSettings& settings, con
   return header;
 }
 
+const char* precision_word(std::uint32_t bytes_per_value) {
+  return bytes_per_value == static_cast<std::uint32_t>(FieldPrecision::compact) ? "compact" : "float";
+}
+
 std::string first_difference(const FieldHeader& found, const FieldHeader& wanted) {
   if (std::string mark = first_difference(found.mark, wanted.mark, "a field file"); !mark.empty()) {
     return mark;
   }
+  if (found.bytes_per_value == sizeof(double)) {
+    return "was stored with `precision=double`, which there is no more";
+  }
   if (found.bytes_per_value != wanted.bytes_per_value) {
-    return fmt::format("holds values of {} bytes, wanted are {}", found.bytes_per_value, wanted.bytes_per_value);
+    return fmt::format("is of precision {}, wanted is {}", precision_word(found.bytes_per_value),
+                       precision_word(wanted.bytes_per_value));
   }
   if (found.band_m != wanted.band_m) {
     return fmt::format("has a band of {} m, wanted is {} m (0: all cells)", found.band_m, wanted.band_m);

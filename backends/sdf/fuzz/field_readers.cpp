@@ -33,9 +33,9 @@ const FuzzedBone& fuzzed_bone() {
   return bone;
 }
 
-constexpr std::array field_settings_of_files{
-    FieldSettings{FieldPrecision::single_precision}, FieldSettings{FieldPrecision::double_precision},
-    FieldSettings{FieldPrecision::compact}, FieldSettings{FieldPrecision::single_precision, 0.5}};
+constexpr std::array field_settings_of_files{FieldSettings{FieldPrecision::single_precision},
+                                             FieldSettings{FieldPrecision::compact},
+                                             FieldSettings{FieldPrecision::single_precision, 0.5}};
 
 /// Within the bone, near its surface, and out of the domain.
 constexpr std::array<double, 5> query_positions_m{-0.3, -0.1, 0.01, 0.07, 0.1};
@@ -95,7 +95,7 @@ std::vector<std::string> make_octrees() {
 
 std::vector<std::string> make_discregrids() {
   const TemporaryFile file("", ".cdf");
-  write_discregrid(build_field(fuzzed_bone().distance, fuzzed_bone().shape, FieldPrecision::double_precision, 1),
+  write_discregrid(build_field(fuzzed_bone().distance, fuzzed_bone().shape, FieldPrecision::single_precision, 1),
                    file.path());
   return {file.bytes()};
 }

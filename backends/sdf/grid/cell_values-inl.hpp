@@ -78,20 +78,17 @@ struct Run {
   Vec near, near_y1, near_y2, near_z1, near_z2, x1, x2, far, far_y1, far_y2, far_z1, far_z2;
 };
 
-HWY_INLINE Vec load_wide(const double* values) { return hn::LoadU(Lanes(), values); }
-
-template <typename Scalar>
 struct PlainValues {
-  static constexpr std::size_t record_bytes = GridShape::record_size * sizeof(Scalar);
-  static constexpr std::size_t missing_bytes = 2 * sizeof(Scalar);
-  static constexpr std::size_t run_bytes = CubicCell::run_size * sizeof(Scalar);
+  static constexpr std::size_t record_bytes = GridShape::record_size * sizeof(float);
+  static constexpr std::size_t missing_bytes = 2 * sizeof(float);
+  static constexpr std::size_t run_bytes = CubicCell::run_size * sizeof(float);
 
   HWY_INLINE static Run load(const FieldView& field, const Runs& runs, std::size_t run) {
     Vec c[CubicCell::run_size];
     for (std::size_t n = 0; n < CubicCell::run_size; n += lane_count) {
       const auto row = [&](std::size_t lane) HWY_ATTR {
         const void* from = static_cast<const unsigned char*>(field.values) + runs.begin[run][lane];
-        return load_wide(static_cast<const Scalar*>(from) + n);
+        return load_wide(static_cast<const float*>(from) + n);
       };
       transpose(Lanes(), row, c + n);
     }

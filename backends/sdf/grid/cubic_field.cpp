@@ -31,9 +31,6 @@ void CubicField::allocate(std::size_t values, std::size_t records) {
     case FieldPrecision::single_precision:
       m_single.resize(values);
       break;
-    case FieldPrecision::double_precision:
-      m_double.resize(values);
-      break;
     case FieldPrecision::compact:
       m_compact.resize(records);
       break;
@@ -51,7 +48,7 @@ double CubicField::bytes_needed(const GridShape& shape, FieldPrecision precision
 }
 
 std::size_t CubicField::bytes() const {
-  return m_single.size() * sizeof(float) + m_double.size() * sizeof(double) + m_compact.size() * sizeof(CompactRecord) +
+  return m_single.size() * sizeof(float) + m_compact.size() * sizeof(CompactRecord) +
          m_negative.size() * sizeof(std::uint64_t) + (m_band ? m_band->bytes() : 0);
 }
 
@@ -76,9 +73,6 @@ double CubicField::stored(std::size_t offset) const {
   if (m_precision == FieldPrecision::single_precision) {
     return static_cast<double>(m_single[offset]);
   }
-  if (m_precision == FieldPrecision::double_precision) {
-    return m_double[offset];
-  }
   const auto [record, in_record] = compact_location(offset);
   const CompactRecord& values = m_compact[record];
   return static_cast<double>(in_record == 0 ? values.own : compact_value(values, in_record - 1, m_steps));
@@ -87,8 +81,6 @@ double CubicField::stored(std::size_t offset) const {
 void CubicField::store(std::size_t offset, double value) {
   if (m_precision == FieldPrecision::single_precision) {
     m_single[offset] = static_cast<float>(value);
-  } else if (m_precision == FieldPrecision::double_precision) {
-    m_double[offset] = value;
   } else if (const auto [record, in_record] = compact_location(offset); in_record == 0) {
     m_compact[record].own = static_cast<float>(value);
   } else {
@@ -98,9 +90,7 @@ void CubicField::store(std::size_t offset, double value) {
 
 FieldView CubicField::view() const {
   const void* values = m_single.data();
-  if (m_precision != FieldPrecision::single_precision) {
-    values = m_precision == FieldPrecision::compact ? static_cast<const void*>(m_compact.data()) : m_double.data();
-  }
+  if (m_precision == FieldPrecision::compact) values = m_compact.data();
   const Vec3& size = m_shape.cell_size_m;
   const std::array<std::int32_t, 3>& cells = m_shape.cells;
   return {m_precision,
@@ -116,10 +106,6 @@ CubicCell CubicField::cell(std::size_t i, std::size_t j, std::size_t k) const {
   if (m_precision == FieldPrecision::single_precision) {
     const auto of = [&](std::size_t run) { return m_single.data() + begin(run); };
     return CubicCell::gather<float>({of(0), of(1), of(2), of(3)});
-  }
-  if (m_precision == FieldPrecision::double_precision) {
-    const auto of = [&](std::size_t run) { return m_double.data() + begin(run); };
-    return CubicCell::gather<double>({of(0), of(1), of(2), of(3)});
   }
   std::array<std::array<double, CubicCell::run_size>, 4> values{};
   for (std::size_t run = 0; run < values.size(); ++run) {

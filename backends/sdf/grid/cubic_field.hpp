@@ -77,11 +77,9 @@ class CubicField {
   [[nodiscard]] double stored(std::size_t offset) const;
   void store(std::size_t offset, double value);
   [[nodiscard]] std::vector<float>& single_values() { return m_single; }
-  [[nodiscard]] std::vector<double>& double_values() { return m_double; }
   [[nodiscard]] std::vector<CompactRecord>& compact_records() { return m_compact; }
   [[nodiscard]] std::vector<std::uint64_t>& mask() { return m_negative; }
   [[nodiscard]] const std::vector<float>& single_values() const { return m_single; }
-  [[nodiscard]] const std::vector<double>& double_values() const { return m_double; }
   [[nodiscard]] const std::vector<CompactRecord>& compact_records() const { return m_compact; }
   [[nodiscard]] const std::vector<std::uint64_t>& mask() const { return m_negative; }
 
@@ -98,7 +96,6 @@ class CubicField {
   CompactSteps m_steps;
   std::optional<NarrowBand> m_band;
   std::vector<float> m_single;
-  std::vector<double> m_double;
   std::vector<CompactRecord> m_compact;
   std::vector<std::uint64_t> m_negative;  ///< one bit a cell
   FieldFacts m_facts;

@@ -123,9 +123,7 @@ void evaluate(const FieldView& field, FieldBlock& block) {
     case FieldPrecision::compact:
       return evaluate_all<CompactValues>(field, block);
     case FieldPrecision::single_precision:
-      return evaluate_all<PlainValues<float>>(field, block);
-    case FieldPrecision::double_precision:
-      return evaluate_all<PlainValues<double>>(field, block);
+      return evaluate_all<PlainValues>(field, block);
   }
 }
 

@@ -14,7 +14,6 @@ namespace musclebench {
 enum class FieldPrecision : std::uint8_t {
   compact = 2,           ///< CompactRecord
   single_precision = 4,  ///< bytes of a value
-  double_precision = 8,
 };
 
 /// A field as its kernels read it. What it points to is the field's.

@@ -68,8 +68,7 @@ void register_field_query_kernels(const Scene& scene) {
   };
   for (const Bone& bone : scene.bones) {
     for (const auto& [word, precision] :
-         {std::pair("float", FieldPrecision::single_precision), std::pair("double", FieldPrecision::double_precision),
-          std::pair("compact", FieldPrecision::compact)}) {
+         {std::pair("float", FieldPrecision::single_precision), std::pair("compact", FieldPrecision::compact)}) {
       add(fmt::format("sdf_value_and_gradient/{}/{}", word, bone.name),
           [&scene, &bone, p = precision](benchmark::State& s) {
             sdf_value_and_gradient(s, bone, p, points_near(scene, bone, point_count));

@@ -104,7 +104,7 @@ TEST(SdfBackend, HasANormalWhereTheGradientVanishes) {
   // With one cell the field of a sphere is flat in the middle of the sphere.
   const std::vector<Bone> bones{{"sphere", {make_sphere(0.1, 3), true, {}}}};
   for (const std::int64_t cells : {1, 2, 3}) {
-    const auto backend = make_grid({{"cells", cells}, {"precision", std::string("double")}});
+    const auto backend = make_grid({{"cells", cells}});
     backend->build(bones, {}, 1);
     for (const Contact& contact : contacts_of(*backend, {{0, 0, 0}, {1e-9, 0, 0}, {0, 1e-18, 0}})) {
       EXPECT_NEAR(contact.normal.norm(), 1, 1e-12);
@@ -233,14 +233,14 @@ TEST(SdfBackend, StaysWithinTheBoundItDeclares) {
 TEST(SdfBackend, RefusesAGridThatDoesNotFitBeforeItAllocates) {
   const std::vector<Bone> bones = two_bones();
   try {
-    make_grid({{"cells", std::int64_t{4096}}, {"precision", std::string("double")}})->build(bones, {}, 1);
+    make_grid({{"cells", std::int64_t{4096}}})->build(bones, {}, 1);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("MB"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find("cells fit"), std::string::npos) << error.what();
   }
   try {
-    make_grid({{"cell_size_m", 5e-5}, {"precision", std::string("double")}})->build(bones, {}, 1);
+    make_grid({{"cell_size_m", 5e-5}})->build(bones, {}, 1);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("sdf: cell_size_m"), std::string::npos) << error.what();
@@ -251,14 +251,14 @@ TEST(SdfBackend, RefusesAGridThatDoesNotFitBeforeItAllocates) {
   EXPECT_THROW(make_grid({{"band_m", -0.01}}), InputError);
   EXPECT_THROW(make_grid({{"cell_size_m", 0.5}})->build(bones, {}, 1), InputError);
   EXPECT_THROW(make_grid({{"cells", std::int64_t{0}}}), InputError);
-  EXPECT_THROW(make_grid({{"precision", std::string("half")}}), InputError);
+  EXPECT_THROW(make_grid({{"precision", std::string("double")}}), InputError);
 }
 
 TEST(SdfBackend, RefusesWhatAnotherParameterMakesMeaningless) {
   const Given cells{{"cells", std::int64_t{8}}};
   const Given cell_size{{"cell_size_m", 0.01}};
   const Given band{{"band_m", 0.03}};
-  const Given precision{{"precision", std::string("double")}};
+  const Given precision{{"precision", std::string("compact")}};
   const Given margin{{"margin", 0.01}};
   const Given structures{{"structures", std::string("here")}};
   const Given discregrid{{"discregrid", std::string("here")}};

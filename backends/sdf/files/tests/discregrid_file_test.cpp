@@ -48,7 +48,7 @@ class DiscregridFile : public StoredFileTest {
   [[nodiscard]] std::size_t map_at() const { return cells_at() + 128 * m_field.shape().cell_count() + 16; }
 
   RepairedMesh m_bone{make_box({0.1, 0.06, 0.04}, 3), true, {}};
-  CubicField m_field = build_field(SignedSurface(m_bone), shape_of(m_bone), FieldPrecision::double_precision, 1);
+  CubicField m_field = build_field(SignedSurface(m_bone), shape_of(m_bone), FieldPrecision::single_precision, 1);
 };
 
 TEST_F(DiscregridFile, HasTheSizeOfItsParts) {
@@ -120,7 +120,7 @@ TEST_F(DiscregridFile, FindsNodesThroughItsIndices) {
     }
   });
   const CubicField read = read_discregrid(m_path, 1);
-  EXPECT_EQ(read.double_values(), read_discregrid((write_discregrid(m_field, m_path), m_path), 1).double_values());
+  EXPECT_EQ(read.single_values(), read_discregrid((write_discregrid(m_field, m_path), m_path), 1).single_values());
 }
 
 TEST_F(DiscregridFile, RefusesWhatIsNoWholeField) {
@@ -138,6 +138,8 @@ TEST_F(DiscregridFile, RefusesWhatIsNoWholeField) {
   expect_refusal("has no value at a node", [&](std::string& content) { set(content, cells_at(), 1000000U); });
   expect_refusal("has no value at a node",
                  [](std::string& content) { set(content, header_bytes + 16, std::numeric_limits<double>::max()); });
+  expect_refusal("is damaged: a node of cell 0 0 0 holds 1e+300 m",
+                 [](std::string& content) { set(content, header_bytes + 16, 1e300); });
   expect_refusal("disagree about a node", [&](std::string& content) { set(content, cells_at() + 128, 0U); });
   std::filesystem::remove(m_path);
   EXPECT_NE(refusal().find("cannot be read"), std::string::npos);

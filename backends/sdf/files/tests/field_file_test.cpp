@@ -16,7 +16,6 @@ namespace musclebench {
 namespace {
 
 constexpr auto single_precision = FieldPrecision::single_precision;
-constexpr auto double_precision = FieldPrecision::double_precision;
 
 class FieldFile : public StoredFileTest {
  protected:
@@ -43,14 +42,13 @@ class FieldFile : public StoredFileTest {
 TEST_F(FieldFile, ComesBackAsItWas) {
   EXPECT_FALSE(load_field(m_path, m_digest, m_shape, {}));
   for (const FieldSettings& settings :
-       {FieldSettings{single_precision}, FieldSettings{double_precision}, FieldSettings{FieldPrecision::compact},
-        FieldSettings{single_precision, 0.5}, FieldSettings{FieldPrecision::compact, 0.5}}) {
+       {FieldSettings{single_precision}, FieldSettings{FieldPrecision::compact}, FieldSettings{single_precision, 0.5},
+        FieldSettings{FieldPrecision::compact, 0.5}}) {
     const CubicField field = build_field(SignedSurface(m_bone), m_shape, settings, 1);
     save_field(field, m_digest, m_path);
     const std::optional<CubicField> loaded = load_field(m_path, m_digest, m_shape, settings);
     ASSERT_TRUE(loaded);
     EXPECT_EQ(loaded->single_values(), field.single_values());
-    EXPECT_EQ(loaded->double_values(), field.double_values());
     EXPECT_EQ(loaded->mask(), field.mask());
     EXPECT_EQ(loaded->shape(), field.shape());
     EXPECT_EQ(loaded->bytes(), field.bytes());
@@ -82,8 +80,17 @@ TEST_F(FieldFile, OfOtherParametersIsRefused) {
             std::string::npos);
   const GridShape wider = grid_over(m_bone.mesh, {.cells = 6, .margin = 0.1}, "sphere");
   EXPECT_NE(refusal(m_digest, wider, single_precision).find("another box"), std::string::npos);
-  EXPECT_NE(refusal(m_digest, m_shape, double_precision).find("4 bytes, wanted are 8"), std::string::npos);
+  EXPECT_NE(refusal(m_digest, m_shape, FieldPrecision::compact).find("of precision float, wanted is compact"),
+            std::string::npos);
   EXPECT_NE(refusal(m_digest, m_shape, single_precision, 0.5).find("band of 0 m, wanted is 0.5 m"), std::string::npos);
+}
+
+TEST_F(FieldFile, OfDoublesIsRefusedByThatName) {
+  // Behind the mark (16 bytes), the corner and the cell's edges (48), and the cells (12).
+  expect_refusal_of_change("was stored with `precision=double`", [](std::string& content) {
+    ASSERT_EQ(content[16 + 48 + 12], 4);
+    content[16 + 48 + 12] = 8;
+  });
 }
 
 TEST_F(FieldFile, ThatIsDamagedIsRefused) {
