@@ -9,6 +9,7 @@
 #include <set>
 #include <stdexcept>
 #include <thread>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 
@@ -140,6 +141,12 @@ TEST(HardCell, BreaksWhereItsProcessCrashesOrHangs) {
   EXPECT_EQ(hung.detail, "still at work after 0.2 s");
 }
 
+TEST(HardCell, BreaksWhereItsProcessEndsWithAnotherExitCode) {
+  const HardCell ended = in_process([]() -> HardCell { _exit(3); });
+  EXPECT_EQ(ended.verdict, Verdict::breaks);
+  EXPECT_EQ(ended.detail, "exit code 3");
+}
+
 TEST(HardCell, TheFirstToEndIsTakenFirst) {
   const auto after = [](std::chrono::milliseconds time, const char* words) {
     return [=]() -> HardCell {
@@ -191,6 +198,29 @@ TEST(HardCase, SeesABackendThatIsWrong) {
   for (const std::string_view id : {"soundness", "internal-edge", "on-features", "scale", "stale-structure"}) {
     EXPECT_EQ(verdict(id, faithful), Verdict::holds) << id;
   }
+}
+
+/// One contact where there is nothing, in one question after the other. Bones without an inside are refused before a
+/// backend is asked, so that no answer breaks their figure.
+TEST(HardCase, EachFigureOfEmptyInputThatABackendAnswersCanBreak) {
+  const std::vector<HardCase> all = hard_cases();
+  const auto run = [&](std::function<void(std::vector<Contact>&)> spoil) {
+    const BackendEntry entry = spoilt(std::move(spoil));
+    return case_of(all, "empty-input").run({.backend = entry});
+  };
+  int questions = 0;
+  const HardCell faithful = run([&](std::vector<Contact>&) { ++questions; });
+  EXPECT_EQ(faithful.verdict, Verdict::holds);
+  std::set<std::string> broken;
+  for (int wrong = 0; wrong < questions; ++wrong) {
+    int asked = 0;  // each question is asked of a backend of its own
+    const HardCell cell = run([&asked, wrong](std::vector<Contact>& contacts) {
+      if (asked++ == wrong) contacts.emplace_back();
+    });
+    EXPECT_EQ(cell.verdict, Verdict::breaks) << "question " << wrong;
+    broken.insert(worst_figure(cell)->name);
+  }
+  EXPECT_EQ(broken, (std::set<std::string>{"contacts without a bone", "contacts without a muscle"}));
 }
 
 TEST(HardMatrix, ShowsWhatBreaksWithFigureAndBar) {

@@ -111,6 +111,38 @@ TEST_F(TwoBallsBeside, NoneOutlivesItsDistance) {
   }
 }
 
+/// Both ends of the second muscle are far from a ball that lies beside the triangles between them.
+TEST(MovingClearances, ATriangleBetweenClustersIsNear) {
+  const TriangleMesh ball = make_sphere(0.005, 3);
+  TriangleMesh mesh;
+  std::vector<Body> bodies;
+  const auto add_ball = [&](const Vec3& centre) {
+    const auto first = static_cast<int>(mesh.vertices.size());
+    for (const Vec3& vertex : ball.vertices) mesh.vertices.push_back(vertex + centre);
+    for (const auto& [a, b, c] : ball.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
+    return first;
+  };
+  add_ball(Vec3(0, 0, 0.008));
+  const auto own = static_cast<int>(mesh.vertices.size());
+  bodies.push_back({"ball", 0, own, 0, mesh.triangles.size()});
+  const int left = add_ball(Vec3(-0.5, 0, 0));
+  const int right = add_ball(Vec3(0.5, 0, 0));
+  mesh.triangles.push_back({left, right, right + 1});
+  bodies.push_back(
+      {"two ends", own, static_cast<int>(mesh.vertices.size()), bodies[0].last_triangle, mesh.triangles.size()});
+  MovingClearances clearances(TouchingMuscles{mesh, bodies, {{0, 1}}});
+  std::vector<Vec3> positions = mesh.vertices;
+  clearances.update(positions, 1);
+  for (int node = 0; node < static_cast<int>(positions.size()); ++node) clearances.store(node, 0.003);
+  std::size_t expired = 0;
+  for (int i = 0; i < 40; ++i) {
+    for (std::size_t node = static_cast<std::size_t>(own); node < positions.size(); ++node) positions[node].z() += 1e-4;
+    clearances.update(positions, 1);
+    expired = static_cast<std::size_t>(std::ranges::count_if(clearances.expired(), [&](int n) { return n < own; }));
+  }
+  EXPECT_EQ(expired, static_cast<std::size_t>(own));  // it came 4 mm closer, to all of them
+}
+
 TEST_F(TwoBallsBeside, ALeapLeavesNothingKnown) {
   MovingClearances clearances(touching());
   step(clearances, [](int, const Vec3& p) { return p; });

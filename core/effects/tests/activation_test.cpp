@@ -1,6 +1,8 @@
 #include "core/effects/activation.hpp"
 
 #include <cmath>
+#include <numbers>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -103,6 +105,36 @@ TEST(Activation, IsometricKeepsItsLengthAndPullsAtItsEnds) {
   p.inverse_masses.assign(p.size(), 1.0);
   relax(f, p, {activation.get()}, 10, 3000);
   EXPECT_NEAR(length_m(f, p.predicted) / length_m(f, f.mesh.vertices), 0.8, 0.02);
+}
+
+/// Two triangles of the same size; one edge of each lies along the fibres, or 30 degrees off, and the others lie
+/// across.
+TEST(Activation, AnEdgeOffTheFibresYieldsMore) {
+  const double angle_rad = std::numbers::pi / 6;
+  const Vec3 off(0.1 * std::sin(angle_rad), 0, 0.1 * std::cos(angle_rad));
+  TriangleMesh mesh;
+  for (const auto& [at, edge] : {std::pair(Vec3(0, 0, 0), Vec3(0, 0, 0.1)), {Vec3(1, 0, 0), off}}) {
+    const auto first = static_cast<int>(mesh.vertices.size());
+    for (const Vec3& corner : {Vec3(0, 0, 0), edge, Vec3(0.5 * edge + Vec3(0, 0.3, 0))}) {
+      mesh.vertices.push_back(at + corner);
+    }
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  Fixture f(mesh, {{Vec3(0, 0, -0.05), Vec3(0, 0, 0.2)}, {Vec3(1, 0, -0.05), Vec3(1, 0, 0.2)}});
+  const double shortening = 0.2;
+  const auto activation = f.make("activation", {{"shortening", shortening}, {"compliance_m_per_n", 0.005}});
+  Nodes p = f.particles();
+  relax(f, p, {activation.get()}, 10, 2);  // the first tells the length to the second
+  const auto shortened_m = [&](std::size_t first) {
+    return (mesh.vertices[first + 1] - mesh.vertices[first]).norm() -
+           (p.predicted[first + 1] - p.predicted[first]).norm();
+  };
+  const double cosine = std::cos(angle_rad);
+  const double wanted_m =
+      0.1 * std::sqrt(std::pow((1 - shortening) * cosine, 2) + (1 - cosine * cosine) / (1 - shortening));
+  // Each moves by its gap over its compliance, far beyond which the nodes' own weights are.
+  ASSERT_GT(shortened_m(0), 1e-9);
+  EXPECT_NEAR(shortened_m(3) / shortened_m(0), cosine * (0.1 - wanted_m) / (0.1 * shortening), 1e-3);
 }
 
 TEST(Activation, WithoutFibresOrBeforeItsStartMovesNothing) {

@@ -174,6 +174,26 @@ struct Guarded {
   Vec3 at = Vec3::Zero();
 };
 
+/// Through a bone that no node was expected to touch, from far on one side to far on the other.
+TEST(TunnellingGuard, HoldsANodeThatPassesABoneItWasNotExpectedAt) {
+  for (const char* rule : {"crossing", "angle"}) {
+    const EffectEntry* entry = find_effect("tunnelling_guard");
+    const std::vector<Bone> bones(1, bone_of(make_box({0.1, 0.1, 0.1}, 4)));
+    const std::vector<char> untouched(1, 1);
+    StageInput input{bones, 1};
+    input.untouched = untouched;
+    const auto guard = entry->make_stage(input, Parameters(entry->parameters, {{"rule", rule}}, "test"));
+    std::vector<Vec3> start(1, Vec3(0.01, 0.02, 0.5));
+    std::vector<Vec3> predicted(1, Vec3(0.01, 0.02, -0.5));
+    const std::vector<int> nodes(1, 0);
+    const std::vector<RigidMotion> poses(1);
+    EXPECT_EQ(guard->after_bones({start, predicted, nodes, poses, poses, {}}).size(), 1U) << rule;
+    EXPECT_NEAR(predicted[0].z(), 0.1, 1e-12) << rule;
+    predicted[0] = Vec3(0.01, 0.02, 0.4);
+    EXPECT_TRUE(guard->after_bones({start, predicted, nodes, poses, poses, {}}).empty()) << rule;
+  }
+}
+
 TEST(Margin, ANodeComesToRestAtItsDistance) {
   const std::vector<Bone> bones(1, bone_of(make_box({0.1, 0.1, 0.1}, 4)));
   for (const double thickness_m : {0.0, 1e-4, 3e-3}) {

@@ -1,8 +1,11 @@
 #include "core/effects/fixed_nodes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -67,6 +70,20 @@ TEST(FixedNodes, HaveNoConstraintsAmongEachOther) {
   EXPECT_EQ(bending_constraints(input(bound), of_bending).size(), angles);
   EXPECT_LT(edges, edge_length_constraints(input(free), of_edges).size() * 3 / 4);
   EXPECT_LT(angles, bending_constraints(input(free), of_bending).size() * 3 / 4);
+}
+
+/// An octahedron whose triangles differ in size by a thousand times.
+TEST(Bending, ConstrainsEveryEdgeWhateverItsTriangles) {
+  const TriangleMesh mesh = {{{1, 0, 0}, {0, 3, 0}, {-10, 0, 0}, {0, -0.1, 0}, {0, 0, 0.5}, {0, 0, -20}},
+                             {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}}};
+  Fixture f(mesh);
+  std::set<std::pair<int, int>> edges;
+  const Parameters parameters(bending_parameters(), {}, "test");
+  for (const AngleConstraint& each :
+       bending_constraints({f.mesh, f.bodies, f.order, f.fibres, f.bound, f.poses}, parameters)) {
+    edges.insert(std::minmax(each.nodes[0], each.nodes[1]));
+  }
+  EXPECT_EQ(edges.size(), 12U);
 }
 
 }  // namespace
