@@ -3,8 +3,8 @@
 and run with their repetitions interleaved on one core.
 
 Of each case times (5 % count) and counters (1 %) are compared by their ratio with its 95 % interval and by Mann and
-Whitney's U, at a level of 1 % for all together that vary; state hash, 99th percentile of the depth, missed contacts and
-verdicts have to be the same. Prints Markdown. Exit code 0: no change, 1: something changed, 2: it can't be compared.
+Whitney's U or Yuen's test of the pairs, at a level of 1 % for all together that vary; state hash, 99th percentile of the depth,
+missed contacts and verdicts have to be the same. Prints Markdown. Exit code 0: no change, 1: something changed, 2: it can't be compared.
 """
 
 import argparse

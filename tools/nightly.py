@@ -44,8 +44,8 @@ def parse_arguments(arguments):
                         default=PROJECT / "build" / "release" / "bench" / "musclebench",
                         help="the program to measure (default: that of the preset release)")
     add_case_options(parser)
-    parser.add_argument("--minutes", type=float, default=15.0, metavar="N",
-                        help="for the night: after that no repetition beyond the fifth begins (default 15 min)")
+    parser.add_argument("--minutes", type=float, default=20.0, metavar="N",
+                        help="for the night: after that no repetition beyond the fifth begins (default 20 min)")
     parser.add_argument("--hard-seconds", type=float, default=300.0, metavar="SECONDS",
                         help="of them for the matrix of hard cases, which is left out when it takes longer (default 300 s)")
     parser.add_argument("--no-hard", action="store_true", help="without that matrix")
@@ -54,7 +54,8 @@ def parse_arguments(arguments):
     instead.add_argument("--report-only", action="store_true", help="report on the last night of the history; run nothing")
     instead.add_argument("--simulate", type=int, metavar="N",
                          help="of N histories drawn from recorded noise: how many alarm without a change, and after how many "
-                              "nights a slowdown of 10 %% is found (half a second each)")
+                              "nights a slowdown of 10 %% of one case's collision is found; and of N third nights how many find it "
+                              "(seconds each)")
     return parser.parse_args(arguments)
 
 
@@ -155,12 +156,12 @@ def print_rates(trials: int, nights: int = 30, slowdown: float = 1.1, since: int
     noise = simulation.read_noise()
     rates = simulation.simulate(noise, trials, nights, slowdown, since)
     print(f"{trials} histories of {nights} nights without a change: {rates.false_alarms} alarmed.")
-    print(f"{trials} with one case slower by {100 * (slowdown - 1):.0f} % since night {since}: found the same night "
+    print(f"{trials} with one case's collision slower by {100 * (slowdown - 1):.0f} % since night {since}: found by its steps the same night "
           f"{rates.found_within(1)}, within two nights {rates.found_within(2)}, within three {rates.found_within(3)}, "
           f"within five {rates.found_within(5)}; in {rates.wrong} another case alarmed.")
     false_alarms, found, wrong = simulation.compared(noise, trials, slowdown)
-    print(f"{trials} comparisons of interleaved programs: {false_alarms} alarmed where they were the same; {found} found the "
-          f"slowdown; in {wrong} another case alarmed.")
+    print(f"{trials} third nights, in which the last night's program ran interleaved with tonight's: {false_alarms} alarmed where they "
+          f"were the same; {found} found such a slowdown the same night; in {wrong} another case alarmed.")
     return 0
 
 

@@ -74,6 +74,11 @@ def test_judging_and_counting_are_runs_of_their_own_and_programs_stand_next_to_e
     assert (value(judged, "--frames"), value(counted, "--frames")) == ("60", "6")
 
 
+def test_neither_program_always_runs_first(planned):
+    timed = [case for case in planned("--scene", SCENE, "--backend", "tree").cases if case.purpose == TIMED]
+    assert {case.program for case in timed[::2]} == set(PROGRAM_NAMES)
+
+
 def test_options_replace_what_the_experiment_says(planned, tmp_path):
     scene = tmp_path / "mine.toml"
     scene.write_text("")

@@ -13,9 +13,12 @@ import pytest
 import nightly
 from musclebench.comparison import interleaved
 from musclebench.history import simulation
-from musclebench.history.detection import ALL_CASES, counter_findings, gone_findings, new_ones, step_findings
+from musclebench.history.detection import ALL_CASES, WINDOW, counter_findings, gone_findings, new_ones, step_findings
 from musclebench.history.history import Finding, opened
+from musclebench.history.nights import measures_of
+from musclebench.history.simulation import REPETITIONS
 from test_compare import SCENE, program
+from test_verdicts import drawn
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -116,7 +119,7 @@ def test_a_night_stamped_in_the_future_does_not_blind_later_ones(tmp_path, capsy
 
 
 def test_a_night_too_small_to_show_anything_says_so(tmp_path, capsys):
-    for few, words in (("5", "5 repetitions can't show a slower or faster time the same night, 6 can"), ("6", "nothing changed")):
+    for few, words in (("6", "6 repetitions can't show a slower or faster time the same night, 7 can"), ("7", "nothing changed")):
         assert run(tmp_path, program(tmp_path, "a"), "--backend", "tree", "--no-hard", "--repetitions", few) == 0
         line = first_line(capsys)
         assert words in line and ("can't" in line) is ("can't" in words)
@@ -199,6 +202,20 @@ def noisy(seed: int, count: int = 20) -> np.ndarray:
     return 1e6 * np.exp(np.random.default_rng(seed).normal(0, 0.005, count))
 
 
+def test_a_night_is_its_lower_quartile():
+    """Other work on the machine only adds time, and adds less to it."""
+    (measure,) = [one for one in measures_of(drawn({"a": np.array([1.0, 2.0, 3.0, 4.0, 50.0, 60.0, 70.0, 80.0])}))
+                  if one.metric == "frame_ns"]
+    assert (measure.quartile, measure.value, measure.runs) == (2.0, 27.0, 8)
+
+
+def test_the_newest_nights_are_looked_at():
+    """A change long ago, and one among the last nights."""
+    values = noisy(3, WINDOW + 30) * np.where(np.arange(WINDOW + 30) < 10, 2.0, 1.0)
+    values[-8:] *= 1.2
+    assert [one.changed_in for one in step_findings(nights({"a": values}))] == [WINDOW + 30 - 8 + 1]
+
+
 def test_what_all_cases_share_is_told_apart_from_a_cases_own():
     steps = {name: noisy(seed) for seed, name in enumerate("abcde")}
     steps["c"][15:] *= 1.1
@@ -234,8 +251,26 @@ def test_a_counter_that_does_not_vary_is_found_the_same_night(last, variation, i
 
 def test_recorded_noise_alarms_in_no_month_and_a_slowdown_is_found_in_three_nights():
     noise = simulation.read_noise()
-    assert len(noise) >= 10
+    assert len(noise.times) >= 10 and len(noise.slowed_cases) >= 8
     rates = simulation.simulate(noise, trials=3, nights=30, slowdown=1.1, since=16)
     assert rates.false_alarms == 0 and rates.found_within(3) >= 2
-    false_alarms, found, _ = simulation.compared(noise, trials=4, slowdown=1.1)
-    assert false_alarms == 0 and found >= 2
+    false_alarms, found, wrong = simulation.compared(noise, trials=4, slowdown=1.1)
+    assert false_alarms == 0 and found >= 3 and wrong == 0
+
+
+def test_noise_is_recorded_as_it_is_read(tmp_path):
+    """A program that ran as two; the loop without collision has none to slow."""
+    cases = {"a": 1000.0, "loop": 2000.0}
+    sides = [drawn({case: np.full(REPETITIONS, factor * value) for case, value in cases.items()}) for factor in (1.0, 1.1)]
+    for samples in (samples for side in sides for samples in side.cases.values()):
+        for number, sample in enumerate(samples):
+            share = 0.5 if sample.run.folder.name.startswith("a") else 0.0
+            sample.run.frames = pd.DataFrame({"frame": range(1, 9), "warm_up": 0, "frame_ns": 1e6 + number,
+                                              "collision_ns": share * (1e6 + number)})
+            sample.values["cpu_ns"] = 7.0
+    simulation.noise_rows(*sides).to_csv(tmp_path / "noise.csv", index=False)
+    noise = simulation.read_noise(tmp_path / "noise.csv")
+    assert noise.collision_shares == {"a": 0.5, "loop": 0.0} and noise.slowed_cases == ["a"]
+    assert noise.times["a", "frame_ns"].shape == (REPETITIONS, 2) and noise.times["a", "frame_ns"][3] == pytest.approx([1000003] * 2, abs=1)
+    assert ("loop", "collision_ns") not in noise.times
+    assert [noise.factor("a", metric, 1.1) for metric in ("collision_ns", "cpu_ns", "build_ns")] == pytest.approx([1.1, 1.05, 1.0])

@@ -115,6 +115,6 @@ def _warnings(comparison: Comparison) -> list[str]:
         lines.append(f"{comparison.runs} runs a case can't show a change among so many figures; that takes {comparison.fewest_runs}.")
     if unclear:
         lines.append(f"{unclear} figures are unclear: neither a change nor its absence is shown; more --repetitions tell.")
-    lines.append(f"Changed is what a U test (Mann-Whitney, p by Holm below {LEVEL:g}), the interval and the smallest change that "
-                 "counts agree on: 5 % of a time, 1 % of a counter; answers have to be the same.")
+    lines.append(f"Changed is what a test (Mann-Whitney's U, of interleaved runs or Yuen's of the pairs; p by Holm below {LEVEL:g}), the "
+                 "interval and the smallest change that counts agree on: 5 % of a time, 1 % of a counter; answers have to be the same.")
     return found + lines

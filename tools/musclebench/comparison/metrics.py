@@ -33,8 +33,8 @@ class Metric:
 
 
 METRICS = {metric.name: metric for metric in (
-    Metric("collision_ns", TIME, "ns", "collision of a frame, median over the frames that nothing interrupted"),
-    Metric("frame_ns", TIME, "ns", "a frame of the loop, median over the frames that nothing interrupted"),
+    Metric("collision_ns", TIME, "ns", "collision of a frame, of those that nothing interrupted"),
+    Metric("frame_ns", TIME, "ns", "a frame of the loop, of those that nothing interrupted"),
     Metric("cpu_ns", TIME, "ns", "CPU time of a frame, mean over all frames: waiting does not count"),
     Metric("build_ns", TIME, "ns", "building the structures"),
     Metric("instructions", COUNTER, "", "in all frames of the loop, by callgrind"),

@@ -84,7 +84,7 @@ def read_set(folder: Path, name: str = "") -> ResultSet:
     for sample in _that_ended(_of_one_schema(samples, found.faults), found.faults):
         found.cases.setdefault(_case_of(sample), []).append(sample)
     for samples in found.cases.values():
-        _add_frame_times(samples)
+        add_frame_times(samples)
     return found
 
 
@@ -109,9 +109,15 @@ def _parts_missing(sample: Sample) -> list[str]:
     return [f"{sample.run.folder}: its {' and '.join(missing)} are not known; did the compiler inline what is counted?"] if missing else []
 
 
-def _add_frame_times(samples: list[Sample]) -> None:
+def match_frames(before: ResultSet, after: ResultSet) -> None:
+    """Makes times of frames those of the same frames on both sides."""
+    for case in before.cases.keys() & after.cases.keys():
+        add_frame_times([*before.cases[case], *after.cases[case]])
+
+
+def add_frame_times(samples: list[Sample]) -> None:
     """Of a case, whose runs have the same frames."""
-    timed = [sample for sample in samples if sample.tells_times]
+    timed = [sample for sample in samples if sample.tells_times and len(sample.run.frames)]
     for column in COLUMNS:
         for sample, time in zip(timed, frame_times([sample.run for sample in timed], column)):
             if time is not None and time >= SHORTEST_NS:

@@ -1,9 +1,10 @@
 """What changed from one set of results to another. Each process is one sample: frames of a process are too much alike to
 count as many.
 
-Times and counters have changed where Mann and Whitney's U says so (Holm's procedure over all that vary), the 95 %
-interval of the ratio leaves out 1, and the ratio is at least the metric's smallest change from 1. Answers have changed where
-they are not the same."""
+Times and counters have changed where a test says so (Holm's procedure over all that vary), the 95 % interval of the ratio
+leaves out 1, and the ratio is at least the metric's smallest change from 1. The test is Mann and Whitney's U; of runs that
+were interleaved the surer one of it and Yuen's test of the pairs, at twice its p. Answers have changed where they are not the
+same."""
 
 import math
 from dataclasses import dataclass, field
@@ -15,10 +16,11 @@ from ..results import samples as statistics
 from ..results.disturbance import disturbed
 from ..results.statistics import Estimate
 from .metrics import COUNTER, EXACT, METRICS, TIME, Metric
-from .result_set import ResultSet, Sample
+from .result_set import ResultSet, Sample, match_frames
 
 LEVEL = 0.01  # of any false alarm in a comparison
 FEWEST_RUNS = 5  # on either side; fewer can't be told from noise
+TESTS = 2  # of which the surer one is taken
 WIDEST = 1.25  # upper end over lower end of an interval that still says something
 FEWEST_FOR_MACHINE = 4  # cases; the median of fewer is that of one backend
 PROGRAM_SIDES = ("before", "after")
@@ -34,6 +36,8 @@ class Row:
     verdict: str  # one of CHANGED, or same, unclear, too few runs, not trusted, new
     ratio: Estimate = field(default_factory=Estimate.unknown)  # after over before
     chance: float = float("nan")  # p by Holm
+    runs: int = 0  # of the side with fewer
+    paired_chance: float = float("nan")  # p of the pairs, where runs were interleaved
     why: str = ""  # it is not trusted
     is_certain: bool = False  # a counter that is the same in all runs of a side: chance has no part in it
 
@@ -82,6 +86,7 @@ class Comparison:
 
 
 def compare(before: ResultSet, after: ResultSet, with_times: bool = True) -> Comparison:
+    match_frames(before, after)
     is_interleaved = _invocations(before) == _invocations(after) != {""}
     busy = disturbed({f"{side}/{sample.run.folder.name}": sample.run.record
                       for side, one in zip(PROGRAM_SIDES, (before, after)) for sample in one.samples})
@@ -95,8 +100,8 @@ def compare(before: ResultSet, after: ResultSet, with_times: bool = True) -> Com
 
 
 def fewest_runs(tested: int) -> int:
-    """Of a side, with which complete separation of one of so many figures would be as unlikely as LEVEL."""
-    return next(runs for runs in range(FEWEST_RUNS, 100) if 2 * tested / math.comb(2 * runs, runs) < LEVEL)
+    """Of a side, with which complete separation of one of so many figures would be as unlikely as LEVEL by one of TESTS."""
+    return next(runs for runs in range(FEWEST_RUNS, 100) if TESTS * 2 * tested / math.comb(2 * runs, runs) < LEVEL)
 
 
 def numbers(samples: list[Sample], metric: str) -> pd.Series:
@@ -152,13 +157,15 @@ def _number_row(case: str, metric: Metric, sides, comparison: Comparison) -> Row
         return row
     row.chance = statistics.mann_whitney(after, before)
     row.ratio = statistics.ratio(after, before) if comparison.is_interleaved else statistics.unpaired_ratio(after, before)
-    row.why = _distrust(row, min(len(before), len(after)), sides, comparison)
+    row.paired_chance = statistics.trimmed_pairs(after, before) if comparison.is_interleaved else float("nan")
+    row.runs = min(len(before), len(after))
+    row.why = _distrust(row, sides, comparison)
     return row
 
 
-def _distrust(row: Row, runs: int, sides, comparison: Comparison) -> str:
-    if runs < FEWEST_RUNS:
-        return f"{runs} runs, {FEWEST_RUNS} are the fewest"
+def _distrust(row: Row, sides, comparison: Comparison) -> str:
+    if row.runs < FEWEST_RUNS:
+        return f"{row.runs} runs, {FEWEST_RUNS} are the fewest"
     if not row.ratio.high <= WIDEST * row.ratio.low:
         return "varies too much"
     names = {f"{side}/{sample.run.folder.name}" for side, samples in zip(PROGRAM_SIDES, sides) for sample in samples}
@@ -169,6 +176,9 @@ def _distrust(row: Row, runs: int, sides, comparison: Comparison) -> str:
 
 def _judge(comparison: Comparison) -> None:
     tested = [row for row in comparison.rows if row.is_tested and not math.isnan(row.chance)]
+    for row in tested:
+        if row.runs >= comparison.fewest_runs and not math.isnan(row.paired_chance):
+            row.chance = min(1.0, TESTS * min(row.chance, row.paired_chance))
     for row, chance in zip(tested, statistics.holm([row.chance for row in tested])):
         row.chance = chance
     for row in tested + [row for row in comparison.rows if row.is_certain]:
