@@ -57,7 +57,7 @@ def judged(root, tmp_path, faults, **options):
     folder = tmp_path / "scratch"
     build = FakeBuild(folder / "tree")
     campaign = Campaign(root, folder, build, **options)
-    campaign.prepare()
+    campaign.prepare(faults)
     build.log.clear()
     campaign.judge_all(faults)
     return campaign, build
@@ -138,12 +138,44 @@ def real_build(root, tmp_path):
 
 def test_a_real_build_tells_what_a_change_reaches_and_who_sees_it(root, tmp_path, real_build):
     campaign = Campaign(root, tmp_path / "scratch", ScratchBuild(tmp_path / "scratch/tree", tmp_path / "build", jobs=2))
-    campaign.prepare()
     seen, missed = fault(), fault("four", "return 4;", "return 5;")
+    campaign.prepare([seen, missed])
     campaign.judge_all([seen, missed])
     assert campaign.verdict(seen).outcome == "seen"
     assert campaign.verdict(seen).detail == "near_tests: exit code 1"
     assert (campaign.verdict(missed).outcome, campaign.verdict(missed).detail) == ("survived", "")
+
+
+@pytest.fixture
+def python_root(root):
+    """A module that another one imports, and tests of both; one fails whatever the code."""
+    files = {"tools/musclebench/__init__.py": "", "tools/musclebench/numbers/near.py": "def three():\n    return 3\n\n\ndef four():\n    return 4\n",
+             "tools/musclebench/numbers/far.py": "from .near import three\n\n\ndef six():\n    return 2 * three()\n",
+             "tools/command.py": "import musclebench.numbers.broken as broken\n", "tools/musclebench/numbers/broken.py": "one = 1\n",
+             "tools/tests/conftest.py": "import sys\nsys.path.insert(0, 'tools')\n",
+             "tools/tests/test_far.py": "from musclebench.numbers.far import six\n\n\ndef test_six():\n    assert six() == 6\n",
+             "tools/tests/test_near.py": "from musclebench.numbers import near\n\n\ndef test_that_it_counts():\n    assert near.three() > 2\n",
+             "tools/tests/test_broken.py": "import command\n\n\ndef test_never():\n    assert not command\n"}
+    for name, text in files.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text)
+    return root
+
+
+def test_faults_in_python_are_seen_by_tests_that_import_the_module(python_root, tmp_path):
+    near = "tools/musclebench/numbers/near.py"
+    seen, by_another, missed = (fault("seen", "return 3", "return 1", near), fault("far", "return 3", "return 5", near),
+                                fault("missed", "return 4", "return 5", near))
+    campaign, build = judged(python_root, tmp_path, [seen, by_another, missed])
+    assert build.log == []  # nothing was built
+    assert campaign.verdict(seen).detail == "test_near.py: test_that_it_counts"
+    assert campaign.verdict(by_another).detail == "test_far.py: test_six"
+    assert campaign.verdict(missed).outcome == "survived" and campaign.verdict(missed).detail == ""
+    alone = fault("alone", "sys.path", "sys.pith", "tools/tests/conftest.py")
+    assert judged(python_root, tmp_path, [alone])[0].verdict(alone).detail == "no test imports the file"
+    broken = fault("broken", "one = 1", "one = 2", "tools/musclebench/numbers/broken.py")
+    with pytest.raises(BuildFailed, match="test_broken.py fails without a fault: test_never"):
+        judged(python_root, tmp_path, [broken])
 
 
 def test_a_build_that_configures_anew_each_time_is_no_judge(root, real_build):

@@ -1,5 +1,7 @@
 """The tables hold the numbers that follow from known runs."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -43,6 +45,12 @@ def test_times_ratios_and_rates_follow_from_the_frames(made):
     assert (row["missed_contacts"], row["false_contacts"]) == (20, 40)
     assert row["largest_depth_mm"] == pytest.approx(2.0)
     assert row["paper_ratio"] == "~3"
+
+
+def test_frames_a_second_are_those_of_all_timed_frames_together():
+    frames = pd.DataFrame({"frame": [1, 2, 3, 4, 5], "warm_up": [1, 0, 0, 0, 0], "frame_ns": [9e9, 1e6, 2e6, 3e6, np.nan]})
+    assert paper_tables.frames_per_second(run_folder.Run(Path("run"), {}, frames)) == pytest.approx(3 / 6e-3)
+    assert np.isnan(paper_tables.frames_per_second(None))
 
 
 def test_rows_come_in_the_order_of_the_paper(made):

@@ -3,15 +3,19 @@
 import json
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from fnmatch import fnmatch
 from pathlib import Path
 
 from .faults import MOST_SURVIVORS, Fault
+from .python_tests import PythonTests
 from .scratch_tree import refresh
 from .scratch_build import BuildFailed, ScratchBuild, nearest_first
 
 LEAST_TIMEOUT_S = 60.0
+PYTHON_TIMEOUT_S = 900.0
 TIMEOUT_FACTOR = 10.0  # of a program's time without a fault: a fault that never ends is seen, too
 
 
@@ -29,16 +33,19 @@ class Campaign:
     def __init__(self, root: Path, folder: Path, build: ScratchBuild, seen: Path | None = None, pattern: str = "*"):
         self._root, self._tree, self._verdict_file = root, folder / "tree", folder / "verdicts.json"
         self._build, self._seen, self._pattern = build, seen, pattern
+        self._python = PythonTests(self._tree)
         self._state = ""
         self._seconds: dict[str, float] = {}  # of each program without a fault
         self.verdicts: dict[str, Verdict] = {}
 
-    def prepare(self) -> None:
+    def prepare(self, faults: list[Fault]) -> None:
         """Copies and builds the sources as they are and runs every test program once: only what passes can see a
-        fault. Raises BuildFailed."""
+        fault. Faults in Python alone need no build. Raises BuildFailed."""
         self._tree.mkdir(parents=True, exist_ok=True)
         self._state = refresh(self._root, self._tree)
         self._read_verdicts()
+        if all(fault.is_python or fault.key in self.verdicts for fault in faults):
+            return
         self._build.configure()
         programs = self._programs()
         _tell(f"building {len(programs)} test programs without a fault ...")
@@ -71,14 +78,41 @@ class Campaign:
 
     def _judge(self, fault: Fault) -> Verdict:
         start = time.monotonic()
+        if fault.is_python:
+            outcome, detail = self._python_outcome(fault)
+        else:
+            with self._put_in(fault):
+                outcome, detail = self._outcome(fault)
+        return Verdict(outcome, detail, round(time.monotonic() - start, 1))
+
+    @contextmanager
+    def _put_in(self, fault: Fault) -> Iterator[None]:
         path = self._tree / fault.file
         whole = path.read_text()
         try:
             path.write_text(fault.put_into(whole))
-            outcome, detail = self._outcome(fault)
+            yield
         finally:
             path.write_text(whole)
-        return Verdict(outcome, detail, round(time.monotonic() - start, 1))
+
+    def _python_outcome(self, fault: Fault) -> tuple[str, str]:
+        tests = [test for test in self._python.reached_by(fault.file) if fnmatch(test, self._pattern)]
+        for test in tests:
+            with self._put_in(fault):
+                run = self._python.run(test, PYTHON_TIMEOUT_S)
+            if not run.passed:
+                self._require_well(test)
+                return "seen", f"{Path(test).name}: {run.detail}"
+        return "survived", "" if tests else "no test imports the file"
+
+    def _require_well(self, test: str) -> None:
+        """Only what passes without a fault can see one."""
+        if test in self._seconds:
+            return
+        run = self._python.run(test, PYTHON_TIMEOUT_S)
+        if not run.passed:
+            raise BuildFailed(f"{test} fails without a fault: {run.detail}")
+        self._seconds[test] = run.seconds
 
     def _outcome(self, fault: Fault) -> tuple[str, str]:
         reached = self._build.stale(self._programs())

@@ -5,7 +5,7 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOMS = ("core/", "backends/")
+ROOMS = ("core/", "backends/", "bench/", "datasets/", "tools/")
 LEAST_FAULTS = 80
 MOST_SURVIVORS = 2
 
@@ -29,10 +29,14 @@ class Fault:
         """Under which its verdict is kept."""
         return json.dumps([self.file, self.line, self.fault])
 
+    @property
+    def is_python(self) -> bool:
+        return self.file.endswith(".py")
+
     def problem(self, root: Path) -> str | None:
         """Why it can't be put into the tree at `root`."""
         if not self.file.startswith(ROOMS):
-            return f"{self.file} is not in {' or '.join(ROOMS)}"
+            return f"{self.file} is not in {', '.join(ROOMS)}"
         path = root / self.file
         if not path.is_file():
             return f"{self.file} is not there any more; name the file that holds the line now"
