@@ -72,6 +72,16 @@ def test_repetitions_with_different_answers_are_shown_as_such(study):
     assert aggregate.status == "nondeterministic" and not aggregate.is_shown
 
 
+def test_of_repetitions_the_worst_figure_counts(study):
+    for number, error_m in ((0, 1e-3), (1, 2e-3)):
+        path = study / "raw" / f"iliacus-bvh-r{number}" / "run.json"
+        record = json.loads(path.read_text())
+        record["accuracy"] = (record.get("accuracy") or {}) | {"p99_depth_error_m": error_m}
+        path.write_text(json.dumps(record))
+    (found,) = [one for one in replays_of(study) if one.backend == "bvh" and one.scene == SCENES[0]]
+    assert found.number("accuracy", "p99_depth_error_m") == 2e-3
+
+
 def test_rows_have_medians_and_the_judged_repetitions_errors(study):
     found = cases.read_cases(study)
     table = accuracy_rows(found)

@@ -83,3 +83,16 @@ def test_a_percentile_has_the_rank_that_it_has_in_the_program():
         ascending = np.arange(count)
         assert percentile(ascending, [99, 50]).tolist() == [(99 * count + 99) // 100 - 1, (count + 1) // 2 - 1]
     assert percentile(np.arange(7), [0, 100]).tolist() == [0, 6]
+
+
+def test_each_repetition_is_compared_with_its_own_reference():
+    """The machine was ten times as slow each time: three times as long is three times as long."""
+    reference = {number: pd.Series(10.0**number, index=range(20)) for number in range(3)}
+    ratio = paired_ratio({number: 3 * values for number, values in reference.items()}, reference)
+    assert (ratio.low, ratio.value, ratio.high) == pytest.approx((3, 3, 3))
+
+
+def test_only_frames_that_all_repetitions_have_count():
+    early, late = pd.Series(1.0, index=range(16)), pd.Series([1.0] * 8 + [100.0] * 40, index=range(8, 56))
+    found = pooled_median([early, late])
+    assert (found.frames, found.value, found.high) == (8, 1.0, 1.0)

@@ -89,6 +89,7 @@ TEST(HardCase, TheWorstFigureIsTheOneFarthestBeyondItsBar) {
   EXPECT_EQ(worst_figure(cell)->name, "b");
   EXPECT_EQ(worst_figure({Verdict::breaks, "", {{"a", 5, 1}, {"b", std::nan(""), 1}}})->name, "b");
   EXPECT_EQ(worst_figure({Verdict::breaks, "", {{"a", 0.5, 1}, {"b", 1, 0}}})->name, "b");
+  EXPECT_EQ(worst_figure({Verdict::breaks, "", {{"a", 1, 0}, {"b", 30, 0}}})->name, "b");
   EXPECT_EQ(worst_figure({}), nullptr);
 }
 

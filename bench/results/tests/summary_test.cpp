@@ -1,5 +1,7 @@
 #include "bench/results/summary.hpp"
 
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "bench/results/tests/small_run.hpp"
@@ -48,6 +50,18 @@ TEST_F(RunSummary, SaysAllThatIsWrong) {
                            "4.250 at most, 99 % up to 1.500", "436 at most, 1 at rest", "17 at most, 2 at rest"}) {
     EXPECT_TRUE(contains(text(), part)) << part << "\n" << text();
   }
+}
+
+TEST_F(RunSummary, FramesThatWarmUpAreInNoMedian) {
+  for (const auto& [frame_ms, warm_up] : {std::pair(90, true), {80, true}, {1, false}, {3, false}, {8, false}}) {
+    StepRecord record;
+    record.warm_up = warm_up;
+    record.times.frame_ns = frame_ms * 1'000'000;
+    record.times.detect_ns = frame_ms * 500'000;
+    m_result.records.push_back(record);
+  }
+  EXPECT_TRUE(contains(text(), "frame, median                      3.000 ms")) << text();
+  EXPECT_TRUE(contains(text(), "of it collision                    1.500 ms")) << text();
 }
 
 TEST_F(RunSummary, WhatIsUnknownIsNotZero) {
