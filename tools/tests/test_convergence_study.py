@@ -3,6 +3,7 @@
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import convergence
@@ -84,3 +85,15 @@ def test_distances_are_to_the_run_of_the_most_substeps(tmp_path):
     rows = write_report(folders, tmp_path / "tables")[0].rows.set_index("substeps")
     assert rows.loc[5, "rms_mm"] == pytest.approx(2.0) and rows.loc[5, "p99_mm"] == pytest.approx(2.0)
     assert rows.loc[20, "largest_mm"] == 0
+
+
+def test_the_distance_of_shapes_is_the_root_of_the_mean_square(tmp_path):
+    """Of four nodes one is 4 mm off."""
+    triangles, folders = np.array([[0, 1, 2], [1, 3, 2]]), []
+    for substeps, off_m in ((5, 0.004), (20, 0.0)):
+        vertices_m = np.array([[0, 0, off_m], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+        shot = fake_runs.Snapshot(10, 90.0, vertices_m, np.zeros(4), np.zeros(4))
+        folders.append(fake_runs.write_run(tmp_path / f"s{substeps}", "lhdl/iliacus", "bvh", triangles=triangles, snapshots=[shot],
+                                           loop={"substeps": substeps}))
+    row = write_report(folders, tmp_path / "tables")[0].rows.set_index("substeps").loc[5]
+    assert (row["rms_mm"], row["p99_mm"], row["largest_mm"]) == pytest.approx((2, 4, 4))

@@ -46,6 +46,14 @@ def test_a_configuration_that_one_muscle_lacks_holds_not_for_all(study):
     assert price(replays, front.ALL_MUSCLES, "0.01")["configuration"] == "bvh"
 
 
+def test_what_several_threads_gain_is_no_price(study):
+    for scene in SCENES:
+        write_replay(study / "raw" / f"{scene.split('/')[1]}-two", scene, "bvh", Truth(0.01, 0.0, threads=2))
+    replays = replays_of(study)
+    for muscle in ("iliacus", front.ALL_MUSCLES):
+        assert price(replays, muscle, "0.01")["configuration"] == "bvh" and price(replays, muscle, "1")["configuration"] == "sdf 64"
+
+
 def test_a_depth_that_none_holds_names_the_best_found(tmp_path):
     write_replay(tmp_path / "raw" / "a", SCENES[0], "voxel", REPLAYED["voxel"])
     row = price(replays_of(tmp_path), "iliacus", "0.3")

@@ -9,6 +9,7 @@ import pytest
 
 import safe_step
 from musclebench.safe_step.search import RATIO, Limits, largest_safe
+from musclebench.safe_step.trials import stayed_right
 from program import PROGRAM, call, complaint, needs_program
 
 
@@ -25,6 +26,13 @@ def test_what_is_always_right_or_always_wrong_is_said():
     assert always.largest == 100 and always.wrong_at is None
     never = largest_safe(lambda step: False, 1.0, Limits(0.01, 100))
     assert never.largest is None and never.wrong_at == 0.01
+
+
+@pytest.mark.parametrize(("tunnelled", "volume_error", "expected"), [
+    (0, 0.05, True), (0, None, True), (1, 0.0, False), (0, 0.051, False),
+])
+def test_right_is_without_tunnelled_nodes_and_with_its_volume(tunnelled, volume_error, expected):
+    assert stayed_right({"outcome": {"tunnelled_nodes": tunnelled, "max_volume_error": volume_error}}) is expected
 
 
 @needs_program

@@ -56,6 +56,16 @@ def test_a_ratio_whose_interval_holds_one_is_no_change():
     assert row.verdict == "unclear"
 
 
+def test_pairs_show_what_the_drift_of_the_machine_hides():
+    """It becomes twice as slow meanwhile; of runs that were not interleaved nobody knows which met it when."""
+    drift = np.linspace(1, 2, RUNS)
+    before, after = {"a": drift * noise(1, 0.01)}, {"a": 1.1 * drift * noise(2, 0.01)}
+    (row,) = compare(drawn(before), drawn(after)).rows
+    assert row.verdict == "slower" and row.chance < LEVEL
+    (alone,) = compare(drawn(before), drawn(after, invocation="another")).rows
+    assert not alone.is_change and alone.chance > LEVEL
+
+
 def test_of_many_cases_none_alarms_by_chance():
     """Each alone would, now and then."""
     single, together = 0, 0
