@@ -1,8 +1,13 @@
 #include "bench/cases/coupled_judge.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <limits>
+#include <utility>
 
+#include "core/measure/muscle_depth.hpp"
+#include "core/measure/outcome_limits.hpp"
 #include "core/measure/stuck_nodes.hpp"
 #include "core/mesh/mesh_size.hpp"
 
@@ -28,12 +33,31 @@ constexpr long work_unit_ns = 20;
 constexpr long node_ns = 10;
 constexpr long node_and_effect_ns = 10;
 
+/// Of the smallest muscle's diagonal: a twentieth of the depth that makes a run suspect.
+constexpr double depth_tolerance = 2.5e-4;
+/// Distances that looking for the deepest point of muscles in others may take.
+constexpr long least_queries = 2000;
+constexpr long queries_of_a_triangle = 20;
+
 std::vector<int> carriers_of(const Scene& scene, std::span<const BoundNode> bound_nodes) {
   std::vector<int> carriers(scene.muscle_mesh.vertices.size(), -1);
   for (const BoundNode& bound : bound_nodes) {
     carriers[bound.node] = bound.bone;
   }
   return carriers;
+}
+
+double smallest_diagonal_m(const Scene& scene) {
+  double smallest_m = std::numeric_limits<double>::infinity();
+  for (const Body& body : scene.bodies()) {
+    smallest_m = std::min(smallest_m, bounding_box(scene.mesh_of(body).vertices).diagonal().norm());
+  }
+  return smallest_m;
+}
+
+int body_of_triangle(std::span<const Body> bodies, int triangle) {
+  const auto after = std::ranges::upper_bound(bodies, static_cast<std::size_t>(triangle), {}, &Body::last_triangle);
+  return static_cast<int>(after - bodies.begin());
 }
 
 }  // namespace
@@ -49,13 +73,17 @@ JudgedMuscles judged_muscles_of(const Scene& scene) {
 }
 
 CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_nodes, const Simulation& simulation,
-                           int threads)
+                           int threads, std::function<double(int)> declared_missed_m)
     : m_referee(scene.bones, static_cast<int>(scene.muscle_mesh.vertices.size())),
       m_surface(scene.muscle_mesh.triangles, carriers_of(scene, bound_nodes), static_cast<int>(scene.bones.size())),
       m_bone_vertices(scene.bones, scene.muscle_mesh, carriers_of(scene, bound_nodes)),
       m_crossings(scene.bones, scene.muscle_mesh, scene.bodies(), carriers_of(scene, bound_nodes)),
+      m_triangles(scene.muscle_mesh.triangles),
       m_tunnelling(static_cast<int>(scene.bones.size()), static_cast<int>(scene.muscle_mesh.vertices.size())),
       m_stretch(scene.muscle_mesh),
+      m_all_bodies(scene.bodies()),
+      m_smallest_diagonal_m(smallest_diagonal_m(scene)),
+      m_declared_missed_m(std::move(declared_missed_m)),
       m_floor_m(least_movement * bounding_box(scene.muscle_mesh.vertices).diagonal().norm()),
       m_budget(judging_budget(scene, threads)) {
   if (scene.muscles.size() > 1) {
@@ -64,19 +92,16 @@ CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_
   }
   if (!scene.muscle_pairs.empty()) {
     m_muscle_referee.emplace(scene.muscle_mesh, judged_muscles_of(scene));
+    m_passing.emplace(judged_muscles_of(scene));
   }
   // The state at rest is where tunnelling starts from; all memory that judging needs is taken on the way.
   LastDetection nothing;
   const auto poses = simulation.bone_poses();
   nothing.bone_poses.assign(poses.begin(), poses.end());
   nothing.positions = simulation.positions();
-  StepRecord at_rest;
   m_budget *= budgets_at_rest;
-  judge(simulation, nothing, at_rest, CrossingTest::always);
+  judge(simulation, nothing, m_at_rest, CrossingTest::always);
   m_budget /= budgets_at_rest;
-  m_at_rest = at_rest.depth;
-  m_in_muscles_at_rest = at_rest.in_muscles;
-  m_crossings_at_rest = at_rest.crossings;
 }
 
 void CoupledJudge::judge(const Simulation& simulation, const LastDetection& detection, StepRecord& record,
@@ -86,23 +111,33 @@ void CoupledJudge::judge(const Simulation& simulation, const LastDetection& dete
   m_referee.judge(detection.bone_poses, detection.positions, simulation.free_nodes(), m_truth);
   m_work = m_referee.last_effort().work;
   record.difference = compare_contacts(detection.contacts, m_truth);
+  judge_misses(detection, record);
   record.stuck_nodes = count_stuck_nodes(detection, m_truth, positions, m_floor_m);
 
   const auto poses = simulation.bone_poses();
   m_referee.judge(poses, positions, simulation.free_nodes(), m_truth);
   m_work += m_referee.last_effort().work;
   record.depth = depth_statistics(m_truth);
+  if (const auto deepest = std::ranges::max_element(m_truth, {}, &Contact::depth_m); deepest != m_truth.end()) {
+    record.depth_bodies = {static_cast<int>(body_of(m_all_bodies, deepest->node)), deepest->bone};
+  }
   record.tunnelled_nodes = m_tunnelling.update(m_referee, poses, positions, simulation.free_nodes(), m_truth);
   m_work += m_tunnelling.last_work();
 
-  std::vector<Contact> in_muscles;
+  m_in_muscles.clear();
   if (m_muscle_referee) {
-    m_muscle_referee->judge(positions, in_muscles);
+    m_muscle_referee->judge(positions, m_in_muscles);
     m_work += m_muscle_referee->last_work();
-    record.in_muscles = depth_statistics(in_muscles);
+    record.in_muscles = depth_statistics(m_in_muscles);
+    if (const auto deepest = std::ranges::max_element(m_in_muscles, {}, &Contact::depth_m);
+        deepest != m_in_muscles.end()) {
+      record.in_muscles_bodies = {static_cast<int>(body_of(m_all_bodies, deepest->node)), deepest->bone};
+    }
+    record.passed_nodes = m_passing->update(*m_muscle_referee, positions);
+    m_work += m_passing->last_work();
   }
 
-  judge_bodies(simulation, m_truth, in_muscles, record);
+  judge_bodies(simulation, m_truth, m_in_muscles, record);
 
   m_node_work = m_work;
 
@@ -111,16 +146,43 @@ void CoupledJudge::judge(const Simulation& simulation, const LastDetection& dete
   const DeepestBoneVertex vertex = m_bone_vertices.measure(poses, positions, std::max((m_budget - m_work) / 2, least));
   record.bone_vertex_depth_m = vertex.depth_m;
   record.bone_vertex_depth_bound_m = vertex.bound_m;
+  if (vertex.triangle >= 0) {
+    record.bone_vertex_bodies = {body_of_triangle(m_all_bodies, vertex.triangle), vertex.bone};
+  }
   m_work += m_bone_vertices.last_work();
   const DeepestSurfacePoint surface =
       m_surface.measure(m_referee, poses, positions, m_truth, std::max(m_budget - m_work, least));
   record.surface_depth_m = surface.depth_m;
   record.surface_depth_bound_m = surface.bound_m;
+  record.surface_bodies = bodies_of(surface);
   m_work += m_surface.last_work();
   record.judgement_complete = surface.complete && vertex.complete();
   judge_crossings(simulation, crossings, record);
   record.edge_stretch = m_stretch.measure(positions);
   record.judged = true;
+}
+
+DeepBodies CoupledJudge::bodies_of(const DeepestSurfacePoint& surface) const {
+  if (surface.bone < 0) return {};
+  if (surface.triangle >= 0) return {body_of_triangle(m_all_bodies, surface.triangle), surface.bone};
+  const auto node = std::ranges::find_if(m_truth, [&](const Contact& contact) {
+    return contact.bone == surface.bone && contact.depth_m == surface.depth_m;
+  });
+  return {node == m_truth.end() ? -1 : static_cast<int>(body_of(m_all_bodies, node->node)), surface.bone};
+}
+
+/// `m_truth` is that of the detection.
+void CoupledJudge::judge_misses(const LastDetection& detection, StepRecord& record) const {
+  record.true_contacts = static_cast<int>(m_truth.size());
+  if (record.difference.missed == 0) return;
+  const auto key = [](const Contact& contact) { return std::pair(contact.bone, contact.node); };
+  for (const Contact& contact : m_truth) {
+    if (std::ranges::binary_search(detection.contacts, key(contact), {}, key)) continue;
+    const double declared_m = m_declared_missed_m ? m_declared_missed_m(contact.bone) : 0;
+    if (std::isfinite(declared_m) && contact.depth_m <= declared_m) continue;
+    ++record.missed_beyond;
+    record.max_missed_m = std::max(record.max_missed_m, contact.depth_m);
+  }
 }
 
 /// The muscles' tree has been refitted. A test costs what the scene's size says, so the last one tells what the next
@@ -137,6 +199,25 @@ void CoupledJudge::judge_crossings(const Simulation& simulation, CrossingTest te
   record.bone_crossings = sums.in_bones;
   record.muscle_crossings = sums.in_muscles;
   record.self_intersecting_triangles = sums.in_itself;
+  if (m_muscle_referee) judge_surfaces_in_muscles(simulation, record);
+}
+
+/// Of muscles that touch; crossings have been looked for.
+void CoupledJudge::judge_surfaces_in_muscles(const Simulation& simulation, StepRecord& record) {
+  std::vector<TriangleInMuscle> candidates = triangles_in_muscles(m_triangles, m_crossings.in_muscles(), m_in_muscles);
+  std::erase_if(candidates, [&](const TriangleInMuscle& candidate) {
+    const auto muscle = static_cast<std::size_t>(body_of_triangle(m_all_bodies, candidate.triangle));
+    return !std::ranges::binary_search(m_muscle_referee->beside(muscle), candidate.other);
+  });
+  const long queries = least_queries + static_cast<long>(queries_of_a_triangle * candidates.size());
+  const DeepestInMuscle deepest = deepest_in_muscles(*m_muscle_referee, m_triangles, simulation.positions(), candidates,
+                                                     depth_tolerance * m_smallest_diagonal_m, queries);
+  record.muscle_surface_depth_m = deepest.depth_m;
+  const bool is_decided = deepest.complete || deepest.bound_m <= outcome_limit("depth_share") * m_smallest_diagonal_m;
+  record.judgement_complete = record.judgement_complete && is_decided;
+  if (deepest.triangle >= 0) {
+    record.muscle_surface_bodies = {body_of_triangle(m_all_bodies, deepest.triangle), deepest.other};
+  }
 }
 
 void CoupledJudge::judge_bodies(const Simulation& simulation, std::span<const Contact> in_bones,

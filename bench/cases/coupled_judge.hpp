@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "core/measure/crossings.hpp"
 #include "core/measure/edge_stretch.hpp"
 #include "core/measure/outcome.hpp"
+#include "core/measure/passing_tracker.hpp"
 #include "core/measure/step_record.hpp"
 #include "core/measure/surface_depth.hpp"
 #include "core/measure/tunnelling_tracker.hpp"
@@ -31,8 +33,10 @@ enum class CrossingTest { where_budget_allows, always };
 class CoupledJudge {
  public:
   /// `simulation`, which runs on `threads`, has not made a frame yet.
+  /// `declared_missed_m`: of a bone, how deep the contacts may be that its backend declares that it misses
+  /// (AnswerBound); infinite counts as nothing declared. Asked only where a contact was missed.
   CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_nodes, const Simulation& simulation,
-               int threads = 1);
+               int threads = 1, std::function<double(int bone)> declared_missed_m = {});
 
   /// Fills in the judged figures of `record` after a frame, whose last detection was `detection`.
   void judge(const Simulation& simulation, const LastDetection& detection, StepRecord& record,
@@ -47,14 +51,11 @@ class CoupledJudge {
   /// Of these points, the share that is truly inside a bone.
   [[nodiscard]] double share_inside_bones(std::span<const Vec3> points, std::span<const RigidMotion> poses) const;
 
-  /// Of the free nodes before the first frame.
-  [[nodiscard]] const DepthStatistics& depth_at_rest() const { return m_at_rest; }
-  /// Of nodes in other muscles before the first frame; nothing where no muscles touch.
-  [[nodiscard]] const std::optional<DepthStatistics>& muscle_depth_at_rest() const { return m_in_muscles_at_rest; }
+  /// Judged before the first frame.
+  [[nodiscard]] const StepRecord& at_rest() const { return m_at_rest; }
 
-  /// Whose crossings are judged, and how many there were before the first frame.
+  /// Whose crossings are judged.
   [[nodiscard]] std::span<const CrossingPair> crossing_pairs() const { return m_crossings.pairs(); }
-  [[nodiscard]] const std::vector<int>& crossings_at_rest() const { return m_crossings_at_rest; }
 
   /// Work in the unit of RefereeTree that a frame may take, what the last one took, and what nodes took of that.
   [[nodiscard]] long budget() const { return m_budget; }
@@ -66,20 +67,27 @@ class CoupledJudge {
  private:
   void judge_bodies(const Simulation& simulation, std::span<const Contact> in_bones,
                     std::span<const Contact> in_muscles, StepRecord& record);
+  void judge_misses(const LastDetection& detection, StepRecord& record) const;
+  [[nodiscard]] DeepBodies bodies_of(const DeepestSurfacePoint& surface) const;
   void judge_crossings(const Simulation& simulation, CrossingTest test, StepRecord& record);
+  void judge_surfaces_in_muscles(const Simulation& simulation, StepRecord& record);
 
   Referee m_referee;
   std::optional<MuscleReferee> m_muscle_referee;  // where muscles touch
   SurfaceDepthMeter m_surface;
   BoneVertexDepthMeter m_bone_vertices;
   CrossingMeter m_crossings;
+  std::optional<PassingTracker> m_passing;  // where muscles touch
+  std::vector<Triangle> m_triangles;
+  std::vector<Contact> m_in_muscles;  // of the frame
   TunnellingTracker m_tunnelling;
   EdgeStretchMeter m_stretch;
   std::vector<Body> m_bodies;  // where there are several
   std::vector<EdgeStretchMeter> m_stretch_of_bodies;
-  DepthStatistics m_at_rest;
-  std::optional<DepthStatistics> m_in_muscles_at_rest;
-  std::vector<int> m_crossings_at_rest;
+  StepRecord m_at_rest;
+  std::vector<Body> m_all_bodies;
+  double m_smallest_diagonal_m;
+  std::function<double(int)> m_declared_missed_m;
   double m_floor_m;  // of a movement that counts, for stuck nodes
   long m_budget;
   long m_work = 0;       // of the last frame

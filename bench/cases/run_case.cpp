@@ -97,12 +97,10 @@ class CaseRunner {
     follow_fibres();
     if (m_run.judge) {
       reserve_huge_pages(usual_referee_bytes);
-      m_judge = std::make_unique<CoupledJudge>(m_scene, m_result.bound_nodes, *m_simulation, m_run.threads);
-      m_result.rest.depth = m_judge->depth_at_rest();
-      m_result.rest.in_muscles = m_judge->muscle_depth_at_rest();
-      const auto pairs = m_judge->crossing_pairs();
-      m_result.rest.crossing_pairs.assign(pairs.begin(), pairs.end());
-      m_result.rest.crossings = m_judge->crossings_at_rest();
+      m_judge =
+          std::make_unique<CoupledJudge>(m_scene, m_result.bound_nodes, *m_simulation, m_run.threads,
+                                         [this](int bone) { return m_backend->answer_bound(bone).missed_depth_m; });
+      note_rest(m_judge->at_rest());
     }
     if (m_judge || m_fibres || !m_room.empty()) {
       malloc_trim(0);
@@ -112,6 +110,27 @@ class CaseRunner {
     const std::size_t before_bytes = resident_memory_bytes();
     move_to_huge_pages();
     m_result.huge_page_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_bytes);
+  }
+
+  void note_rest(const StepRecord& judged) {
+    MuscleAtRest& rest = m_result.rest;
+    rest.depth = judged.depth;
+    rest.in_muscles = judged.in_muscles;
+    rest.depth_bodies = judged.depth_bodies;
+    rest.in_muscles_bodies = judged.in_muscles_bodies;
+    const auto pairs = m_judge->crossing_pairs();
+    rest.crossing_pairs.assign(pairs.begin(), pairs.end());
+    rest.crossings = judged.crossings;
+    rest.shared_faces = shared_faces(m_scene.muscle_mesh, m_scene.bodies());
+    for (const Muscle& muscle : m_scene.muscles) {
+      rest.muscles.push_back(size_of(muscle.body.name, m_scene.mesh_of(muscle.body)));
+    }
+    for (const Bone& bone : m_scene.bones) rest.bones.push_back({bone.name, thickness_m(bone.surface.mesh)});
+    for (const SceneMusclePair& pair : m_scene.muscle_pairs) {
+      rest.touching.push_back(std::minmax(pair.muscles.first, pair.muscles.second));
+    }
+    for (const SceneEffect& effect : m_scene.effects) rest.effects.push_back(effect.name);
+    rest.backend = m_run.backend.name;
   }
 
   /// Before the first frame and written to, so that the memory of the run does not grow by them.
@@ -306,6 +325,7 @@ class CaseRunner {
     if (m_run.count_self_intersections && !m_judge) {
       m_result.outcome.self_intersecting_triangles_at_rest = count_self_crossings(m_scene.muscle_mesh);
     }
+    m_result.notes = outcome_notes(m_result.outcome);
     std::vector<std::string> reasons = suspicions(m_result.outcome, m_result.rest);
     if (m_scene.attach_at_first_contact && m_result.bound_nodes.empty()) {
       reasons.emplace_back("no node touches a bone at rest, and so none is bound (attachment = \"first_contact\")");

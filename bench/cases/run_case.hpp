@@ -36,8 +36,9 @@ struct Snapshot {
 };
 
 struct RunResult {
-  std::string status = "ok";  ///< ok, suspect (beyond an OutcomeLimit), diverged or interrupted
-  std::string status_detail;
+  std::string status = "ok";       ///< ok, suspect (beyond an OutcomeLimit), diverged or interrupted
+  std::string status_detail;       ///< sentences: why it is not ok, and what may mend it
+  std::vector<std::string> notes;  ///< what a reader should know beside that
   MuscleAtRest rest;
   Outcome outcome;
   MachineState machine;

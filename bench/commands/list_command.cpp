@@ -66,12 +66,22 @@ void print_for_people(const Json& all) {
   print_titles(all["scenes"]);
 }
 
+void print_limits(const Json& limits) {
+  fmt::print("\nWhat makes a run suspect (the largest value with which it is ok):\n");
+  for (const Json& limit : limits) {
+    const std::string unit = word(limit["unit"]);
+    fmt::print("  {:<26} {}{}\n", word(limit["name"]), word(limit["limit"]), unit.empty() ? "" : " " + unit);
+    fmt::print("    {:<24} {}; {}\n", "", word(limit["help"]), word(limit["why"]));
+  }
+}
+
 int list(bool as_json) {
   const Json all = catalogue();
   if (as_json) {
     fmt::print("{}\n", text_of(all, 1));
   } else {
     print_for_people(all);
+    print_limits(all["results"]["limits"]);
   }
   return 0;
 }

@@ -112,6 +112,7 @@ constexpr auto own_keys = std::to_array<ManifestKey>({
     everywhere("machine.cores", "", "that are online"),
     everywhere("machine.governor", "", "of the first core's frequency"),
     everywhere("machine.clock_resolution_ns", "ns", "of the clock that times"),
+    of_run("notes[]", "", "what a reader should know beside status_detail, in sentences"),
     of_run("added_effects[].effect", "", "what `effects = \"auto\"` added: an effect, or contact of two muscles"),
     of_run("added_effects[].rule", "", "id of the checker's rule that asked for it"),
     of_run("added_effects[].reason", "", "what it found"),
@@ -185,6 +186,11 @@ constexpr auto own_keys = std::to_array<ManifestKey>({
     of_run("outcome.depth_at_rest_m", "m", "of the deepest of them"),
     of_run("outcome.max_muscle_depth_m", "m", "largest true depth of a node in another muscle, where muscles touch"),
     of_run("outcome.muscle_depth_at_rest_m", "m", "the same before the first frame"),
+    of_run("outcome.max_muscle_surface_depth_m", "m", "largest depth of a point of the surface in another muscle"),
+    of_run("outcome.passed_nodes", "", "most that went through another muscle between two judged frames"),
+    of_run("outcome.true_contacts", "", "in the last detections of all judged frames"),
+    of_run("outcome.missed_beyond_bound", "", "of them missed and deeper than the backend declares that it may miss"),
+    of_run("outcome.max_missed_m", "m", "depth of the deepest of these"),
     of_run("outcome.nodes_inside_muscles", "", "most nodes in other muscles after a frame"),
     of_run("outcome.self_intersecting_triangles", "", "most in a frame that was tested for crossings"),
     of_run("outcome.self_intersecting_triangles_at_rest", "", "before the first frame"),
@@ -336,6 +342,7 @@ Json results_schema_json() {
   for (const OutcomeLimit& limit : outcome_limits()) {
     limits.push_back(json_of(limit.info));
     limits.back()["limit"] = limit.limit;
+    limits.back()["why"] = limit.why;
   }
   return {{"results_schema", schema_version},
           {"run", json_of_columns(run_columns())},

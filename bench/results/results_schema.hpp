@@ -28,7 +28,7 @@ std::span<const ManifestKey> manifest_keys();
 
 /// Columns and keys of all results, for tools and documentation: {"results_schema": .., "run": {"columns": [{"name",
 /// "unit", "help"}]}, "replay": .., "probe": .., "run_json": {"run": [{"name", "unit", "help"}], ..},
-/// "limits": [{"name", "unit", "help", "limit"}]}.
+/// "limits": [{"name", "unit", "help", "limit", "why"}]}.
 Json results_schema_json();
 
 }  // namespace musclebench

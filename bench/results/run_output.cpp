@@ -111,6 +111,11 @@ Json json_of_outcome(const RunResult& result) {
           {"depth_at_rest_m", json_of(outcome.depth_at_rest_m)},
           {"max_muscle_depth_m", json_of(outcome.max_muscle_depth_m)},
           {"muscle_depth_at_rest_m", json_of(outcome.muscle_depth_at_rest_m)},
+          {"max_muscle_surface_depth_m", json_of(outcome.max_muscle_surface_depth_m)},
+          {"passed_nodes", json_of(outcome.passed_nodes)},
+          {"true_contacts", json_of(outcome.true_contacts)},
+          {"missed_beyond_bound", json_of(outcome.missed_beyond)},
+          {"max_missed_m", outcome.max_missed_m},
           {"nodes_inside_muscles", json_of(outcome.nodes_inside_muscles)},
           {"self_intersecting_triangles", json_of(outcome.self_intersecting_triangles)},
           {"self_intersecting_triangles_at_rest", json_of(outcome.self_intersecting_triangles_at_rest)},
@@ -155,6 +160,7 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["muscle"]["mean_edge_length_m"] = result.rest.mean_edge_length_m;
   json["muscle"]["free_nodes"] = result.rest.free_nodes;
   if (run.scene.auto_effects.wanted) json["added_effects"] = json_of_added(run.scene);
+  json["notes"] = result.notes;
   json["machine_state"] = json_of(result.machine);
   json["attachments"] = json_of_attachments(run, result);
   json["bound_nodes"] = result.bound_nodes.size();

@@ -132,6 +132,7 @@ std::string median_ms(std::vector<Nanoseconds> values) {
 std::string run_summary(const RunCase& run, const RunResult& result) {
   std::string text = fmt::format("{} with {}: {}{}{}\n", run.scene.name, run.backend.name, result.status,
                                  result.status_detail.empty() ? "" : ": ", result.status_detail);
+  for (const std::string& note : result.notes) text += fmt::format("  note: {}\n", note);
   text += attachments_of(run, result) + times_of(result) + structures_of(result);
   text +=
       result.outcome.max_depth_m ? depths_of(result.outcome) : "  depths                        unknown (not judged)\n";

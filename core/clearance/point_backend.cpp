@@ -20,7 +20,10 @@ class PointBackend final : public CollisionBackend {
     can.times_pairs = true;
     return can;
   }
-  [[nodiscard]] AnswerBound answer_bound(int bone) const override { return structure(bone).answer_bound(); }
+  [[nodiscard]] AnswerBound answer_bound(int bone) const override {
+    const auto& built = m_structures[static_cast<std::size_t>(bone)];  // none over a bone that is out of reach
+    return built ? built->answer_bound() : AnswerBound{};
+  }
   [[nodiscard]] double step_m(int bone) const override { return structure(bone).step_m(); }
   [[nodiscard]] double contact_reach_m(const Bone& bone) const override {
     return m_method.contact_reach_m ? m_method.contact_reach_m(bone) : CollisionBackend::contact_reach_m(bone);

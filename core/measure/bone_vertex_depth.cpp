@@ -149,7 +149,7 @@ void BoneVertexDepthMeter::measure_vertex(int bone, const RigidMotion& pose, Ver
   SurfaceWinding winding{near.winding.number, near.winding.steady_m - from_near};
   if (from_near >= std::min(distance, near.winding.steady_m)) winding = m_tree.winding(point, &m_work);
   if (winding.number > 0.5) {
-    m_best = {distance, distance, bone, vertex.index};
+    m_best = {distance, distance, bone, vertex.index, m_tree.triangle_index(nearest.slot)};
   } else {
     const double safe_m = std::min(distance, winding.steady_m) * (1 - rounding_share);
     vertex.safe_until_m = m_bones[static_cast<std::size_t>(bone)].travel_m + safe_m;

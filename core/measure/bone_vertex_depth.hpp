@@ -17,6 +17,7 @@ struct DeepestBoneVertex {
   [[nodiscard]] bool complete() const { return bound_m <= depth_m; }
   int bone = -1;
   int vertex = -1;
+  int triangle = -1;  ///< of the muscle, closest to it
 };
 
 /// Finds how deep the vertices of the bones are inside the muscle, which may be deformed and folded: inside is where

@@ -1,7 +1,9 @@
 #include "core/measure/crossings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <set>
 
 #include "core/mesh/mesh_size.hpp"
 #include "core/referee/referee_sign.hpp"
@@ -123,6 +125,7 @@ bool CrossingMeter::passes_through_bone(const Triangle& triangle, int bone, cons
 void CrossingMeter::count_in_muscles(const RefereeTree& tree, std::span<const Vec3> positions,
                                      std::vector<int>& counts) {
   std::fill(m_crosses_itself.begin(), m_crosses_itself.end(), 0);
+  m_in_muscles.clear();
   std::vector<char> crosses(m_bodies.size());  // each later muscle
   for (std::size_t muscle = 0; muscle < m_bodies.size(); ++muscle) {
     const Body& body = m_bodies[muscle];
@@ -136,7 +139,7 @@ void CrossingMeter::count_in_muscles(const RefereeTree& tree, std::span<const Ve
         if (other <= t) continue;
         const bool same = other < body.last_triangle;
         const std::size_t of = same ? muscle : body_of(m_bodies, m_triangles[other][0]);
-        if (same ? m_crosses_itself[t] != 0 && m_crosses_itself[other] != 0 : crosses[of] != 0) continue;
+        if (same && m_crosses_itself[t] != 0 && m_crosses_itself[other] != 0) continue;
         if (same && share_an_edge(m_triangles[t], m_triangles[other])) continue;
         const TriangleCorners corners_of_other = corners_of(m_triangles[other], positions);
         if (!box.intersects(box_of(corners_of_other))) continue;
@@ -144,6 +147,9 @@ void CrossingMeter::count_in_muscles(const RefereeTree& tree, std::span<const Ve
         if (!pass_through_each_other(corners, corners_of_other)) continue;
         if (same) m_crosses_itself[t] = m_crosses_itself[other] = 1;
         crosses[of] = 1;
+        if (same) continue;
+        m_in_muscles.push_back({static_cast<int>(t), static_cast<int>(of)});
+        m_in_muscles.push_back({near, static_cast<int>(muscle)});
       }
       for (std::size_t other = muscle + 1; other < m_bodies.size(); ++other) {
         counts[pair_of(muscle, other)] += crosses[other];
@@ -153,6 +159,8 @@ void CrossingMeter::count_in_muscles(const RefereeTree& tree, std::span<const Ve
     const auto last = m_crosses_itself.begin() + static_cast<std::ptrdiff_t>(body.last_triangle);
     counts[pair_of(muscle, muscle)] = static_cast<int>(std::count(first, last, 1));
   }
+  std::sort(m_in_muscles.begin(), m_in_muscles.end());
+  m_in_muscles.erase(std::unique(m_in_muscles.begin(), m_in_muscles.end()), m_in_muscles.end());
 }
 
 /// Of two muscles, or of one and itself.
@@ -169,6 +177,32 @@ std::size_t CrossingMeter::bytes() const {
     sum += bone.vertices.capacity() * sizeof(Vec3) + bone.triangles.capacity() * sizeof(Triangle);
   }
   return sum;
+}
+
+std::vector<SharedFaces> shared_faces(const TriangleMesh& muscles, std::span<const Body> bodies) {
+  using Face = std::array<std::array<double, 3>, 3>;
+  std::vector<std::set<Face>> faces;
+  for (const Body& body : bodies) {
+    std::set<Face>& own = faces.emplace_back();
+    for (std::size_t t = body.first_triangle; t < body.last_triangle; ++t) {
+      Face face;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3& corner = muscles.vertices[at_index(muscles.triangles[t][k])];
+        face[k] = {corner.x(), corner.y(), corner.z()};
+      }
+      std::sort(face.begin(), face.end());
+      own.insert(face);
+    }
+  }
+  std::vector<SharedFaces> found;
+  for (std::size_t one = 0; one < faces.size(); ++one) {
+    for (std::size_t other = one + 1; other < faces.size(); ++other) {
+      const auto shared =
+          std::ranges::count_if(faces[one], [&](const Face& face) { return faces[other].contains(face); });
+      if (shared > 0) found.push_back({static_cast<int>(one), static_cast<int>(other), static_cast<int>(shared)});
+    }
+  }
+  return found;
 }
 
 int count_self_crossings(const TriangleMesh& mesh) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -21,6 +22,14 @@ struct CrossingPair {
   CrossedSurface kind = CrossedSurface::itself;
   int other = 0;     ///< index of the bone, or of the body
   int left_out = 0;  ///< triangles of the muscle that do not count, as they are attached to that bone
+};
+
+/// A triangle that is, at least in part, in another muscle.
+struct TriangleInMuscle {
+  int triangle = 0;
+  int other = 0;  ///< the muscle
+
+  friend auto operator<=>(const TriangleInMuscle&, const TriangleInMuscle&) = default;
 };
 
 /// Over all muscles.
@@ -58,6 +67,9 @@ class CrossingMeter {
   std::vector<int> count(const Referee& referee, const RefereeTree& tree, std::span<const RigidMotion> poses,
                          std::span<const Vec3> positions);
 
+  /// Of the last call: triangles that pass through other muscles, of both; ascending, each once a muscle.
+  [[nodiscard]] std::span<const TriangleInMuscle> in_muscles() const { return m_in_muscles; }
+
   /// Of the last call, in the unit of RefereeTree.
   [[nodiscard]] long last_work() const { return m_work; }
 
@@ -81,7 +93,18 @@ class CrossingMeter {
   std::vector<Vec3> m_rest;  // nodes in the bone's frame
   std::vector<int> m_near;
   std::vector<char> m_crosses_itself;
+  std::vector<TriangleInMuscle> m_in_muscles;
 };
+
+/// Triangles of a muscle that are those of another, corner by corner.
+struct SharedFaces {
+  int muscle = 0, other = 0;
+  int triangles = 0;
+};
+
+/// Of each two muscles that have some. Such triangles touch and do not pass through each other, although one muscle
+/// lies in the other.
+std::vector<SharedFaces> shared_faces(const TriangleMesh& muscles, std::span<const Body> bodies);
 
 /// Triangles of the surface that pass through others of it. Positions must be finite.
 int count_self_crossings(const TriangleMesh& mesh);

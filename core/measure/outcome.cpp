@@ -19,12 +19,49 @@ std::optional<double> largest_of(const std::vector<double>& values) {
   return *std::max_element(values.begin(), values.end());
 }
 
-void raise(std::optional<double>& largest, double value) {
-  if (std::isfinite(value)) largest = std::max(largest.value_or(value), value);
+/// Whether it was raised.
+bool raise(std::optional<double>& largest, double value) {
+  if (!std::isfinite(value) || (largest && value <= *largest)) return false;
+  largest = value;
+  return true;
 }
 
-void raise(std::optional<int>& largest, std::optional<int> value) {
-  if (value) largest = std::max(largest.value_or(*value), *value);
+bool raise(std::optional<int>& largest, std::optional<int> value) {
+  if (!value || (largest && *value <= *largest)) return false;
+  largest = value;
+  return true;
+}
+
+Moment moment_of(const StepRecord& record) { return {record.frame, record.angle_deg}; }
+
+/// Takes the depth where it is a larger part of its limit than the worst so far.
+void raise(std::optional<WorstDepth>& worst, WorstDepth depth) {
+  if (!(depth.depth_m > 0)) return;
+  if (!worst || depth.depth_m * worst->limit.depth_m > worst->depth_m * depth.limit.depth_m) worst = std::move(depth);
+}
+
+bool is_known(const DeepBodies& bodies, std::size_t muscles, std::size_t others) {
+  return bodies.muscle >= 0 && bodies.other >= 0 && bodies.muscle < static_cast<int>(muscles) &&
+         bodies.other < static_cast<int>(others);
+}
+
+void add_worst_depths(const StepRecord& record, const MuscleAtRest& rest, Outcome& outcome) {
+  const auto muscle = [&](int index) -> const MuscleSize& { return rest.muscles[static_cast<std::size_t>(index)]; };
+  const auto in_bone = [&](double depth_m, const DeepBodies& bodies, bool is_bone_vertex) {
+    if (!is_known(bodies, rest.muscles.size(), rest.bones.size())) return;
+    const DepthLimit limit = depth_limit(muscle(bodies.muscle), rest.bones[static_cast<std::size_t>(bodies.other)]);
+    raise(outcome.worst_depth, {depth_m, limit, bodies, moment_of(record), is_bone_vertex, record.depth.max_depth_m});
+  };
+  in_bone(record.surface_depth_m, record.surface_bodies, false);
+  in_bone(record.bone_vertex_depth_m, record.bone_vertex_bodies, true);
+  const auto in_muscle = [&](double depth_m, const DeepBodies& bodies) {
+    if (!is_known(bodies, rest.muscles.size(), rest.muscles.size())) return;
+    const DepthLimit limit = depth_limit(muscle(bodies.muscle), muscle(bodies.other));
+    raise(outcome.worst_muscle_depth,
+          {depth_m, limit, bodies, moment_of(record), false, record.in_muscles ? record.in_muscles->max_depth_m : 0});
+  };
+  in_muscle(record.muscle_surface_depth_m, record.muscle_surface_bodies);
+  if (record.in_muscles) in_muscle(record.in_muscles->max_depth_m, record.in_muscles_bodies);
 }
 
 /// Of the muscle `index`; an error of another that is larger stays.
@@ -42,11 +79,17 @@ void add_volumes(std::span<const StepRecord> records, const MuscleAtRest& rest, 
     outcome.turned_inside_out = outcome.turned_inside_out.value_or(false) || volume_m3 / target_m3 < 0;
     approaching = approaching && error < last_error;
     last_error = error;
-    if (!approaching) raise(outcome.max_volume_error, error);
+    if (!approaching && raise(outcome.max_volume_error, error)) {
+      outcome.when_volume = moment_of(record);
+      outcome.volume_muscle = static_cast<int>(index);
+    }
   }
   if (final_error) {
     raise(outcome.final_volume_error, *final_error);
-    raise(outcome.max_volume_error, *final_error);
+    if (raise(outcome.max_volume_error, *final_error)) {
+      outcome.when_volume = moment_of(records.back());
+      outcome.volume_muscle = static_cast<int>(index);
+    }
   }
 }
 
@@ -79,8 +122,8 @@ Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest
   for (const StepRecord& record : records) {
     outcome.collision_ns += record.times.collision_ns();
     outcome.loop_ns += record.times.frame_ns;
-    raise(outcome.max_edge_stretch, record.edge_stretch.max);
-    raise(outcome.p99_edge_stretch, record.edge_stretch.p99);
+    if (raise(outcome.max_edge_stretch, record.edge_stretch.max)) outcome.when_max_stretch = moment_of(record);
+    if (raise(outcome.p99_edge_stretch, record.edge_stretch.p99)) outcome.when_p99_stretch = moment_of(record);
     add_crossings(record, outcome);
     outcome.nodes_inside_at_end.reset();
     if (!record.judged) continue;
@@ -95,8 +138,14 @@ Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest
       raise(outcome.max_muscle_depth_m, record.in_muscles->max_depth_m);
       raise(outcome.nodes_inside_muscles, record.in_muscles->nodes_inside);
     }
-    raise(outcome.tunnelled_nodes, record.tunnelled_nodes);
-    raise(outcome.stuck_nodes, record.stuck_nodes);
+    if (raise(outcome.tunnelled_nodes, record.tunnelled_nodes)) outcome.when_tunnelled = moment_of(record);
+    if (raise(outcome.stuck_nodes, record.stuck_nodes)) outcome.when_stuck = moment_of(record);
+    raise(outcome.max_muscle_surface_depth_m, record.muscle_surface_depth_m);
+    if (raise(outcome.passed_nodes, record.passed_nodes)) outcome.when_passed = moment_of(record);
+    add_worst_depths(record, rest, outcome);
+    outcome.true_contacts = outcome.true_contacts.value_or(0) + record.true_contacts;
+    outcome.missed_beyond = outcome.missed_beyond.value_or(0) + record.missed_beyond;
+    outcome.max_missed_m = std::max(outcome.max_missed_m, record.max_missed_m);
   }
   outcome.max_depth_m = largest_of(depths);
   outcome.p99_depth_m = p99_of(depths);

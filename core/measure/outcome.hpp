@@ -2,23 +2,34 @@
 
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/measure/crossings.hpp"
+#include "core/measure/depth_limit.hpp"
 #include "core/measure/step_record.hpp"
 
 namespace musclebench {
 
-/// What a run's figures are compared with.
+/// What a run's figures are compared with, and what words about them name.
 struct MuscleAtRest {
   std::vector<double> volumes_m3;  ///< of each muscle, of either sign
   double pressure = 1;             ///< target volume over that at rest, see the effect `volume`
   double mean_edge_length_m = 0;   ///< 0: unknown
   int free_nodes = 0;
   int triangles = 0;
-  std::vector<CrossingPair> crossing_pairs;   ///< whose crossings are judged; none where nobody judges
-  std::vector<int> crossings;                 ///< of each before the first frame
-  std::optional<DepthStatistics> depth;       ///< of the free nodes in the bones, before the first frame
-  std::optional<DepthStatistics> in_muscles;  ///< of nodes in other muscles; nothing where no muscles touch
+  std::vector<CrossingPair> crossing_pairs;  ///< whose crossings are judged; none where nobody judges
+  std::vector<int> crossings;                ///< of each before the first frame
+  std::vector<SharedFaces> shared_faces;     ///< of each two muscles that have some
+  std::vector<MuscleSize> muscles;
+  std::vector<BoneSize> bones;
+  std::vector<std::pair<int, int>> touching;  ///< muscles whose contact the scene asks for, the lower index first
+  std::vector<std::string> effects;           ///< of the scene, by name
+  std::string backend = {};
+  std::optional<DepthStatistics> depth;        ///< of the free nodes in the bones, before the first frame
+  std::optional<DepthStatistics> in_muscles;   ///< of nodes in other muscles; nothing where no muscles touch
+  DeepBodies depth_bodies, in_muscles_bodies;  ///< of the deepest of each
 };
 
 /// Of a pair, in the frame with the most of them.
@@ -26,6 +37,24 @@ struct MostCrossings {
   int triangles = 0;
   int frame = 0;  ///< the first with so many; 0: there were none
   double angle_deg = 0;
+};
+
+/// When a figure was largest.
+struct Moment {
+  int frame = 0;
+  double angle_deg = 0;  ///< of the bone that turns most
+};
+
+/// A depth in a bone or in another muscle, of all frames the one that is the largest part of its limit.
+struct WorstDepth {
+  double depth_m = 0;
+  DepthLimit limit = {};
+  DeepBodies bodies = {};
+  Moment when = {};
+  bool is_bone_vertex = false;  ///< that of a bone's vertex in the muscle
+  double node_depth_m = 0;      ///< of the deepest node in that frame
+
+  [[nodiscard]] bool is_beyond() const { return !(depth_m <= limit.depth_m); }
 };
 
 /// What a backend's answers did to the muscle, over a whole run. A figure is missing where nothing was measured that it
@@ -55,11 +84,21 @@ struct Outcome {
   std::optional<int> self_intersecting_triangles, self_intersecting_triangles_at_rest;
   /// The same through bones and other muscles: see StepRecord.
   std::optional<int> bone_crossings, bone_crossings_at_rest, muscle_crossings, muscle_crossings_at_rest;
-  std::vector<MostCrossings> crossings;  ///< by MuscleAtRest::crossing_pairs
-  int crossing_frames = 0;               ///< that were tested for crossings
-  int open_judgements = 0;               ///< frames for which the Referee's budget did not suffice
-  Nanoseconds collision_ns = 0;          ///< of the backend with bones: update, detect and respond, sum over the run
-  Nanoseconds loop_ns = 0;               ///< sum of the frames
+  std::vector<MostCrossings> crossings;                       ///< by MuscleAtRest::crossing_pairs
+  int crossing_frames = 0;                                    ///< that were tested for crossings
+  std::optional<WorstDepth> worst_depth, worst_muscle_depth;  ///< where sizes are known and something is deep
+  Moment when_volume, when_p99_stretch, when_max_stretch, when_tunnelled, when_stuck;
+  std::optional<double> max_muscle_surface_depth_m;  ///< largest of StepRecord::muscle_surface_depth_m
+  std::optional<int> passed_nodes;  ///< most that went through another muscle between two judged frames
+  Moment when_passed;
+  int volume_muscle = 0;  ///< whose volume was off most
+  /// Over all judged frames: contacts that were true in their last detections, those that were missed and deeper than
+  /// the backend declares that it may miss, and the deepest of them.
+  std::optional<long> true_contacts, missed_beyond;
+  double max_missed_m = 0;
+  int open_judgements = 0;       ///< frames for which the Referee's budget did not suffice
+  Nanoseconds collision_ns = 0;  ///< of the backend with bones: update, detect and respond, sum over the run
+  Nanoseconds loop_ns = 0;       ///< sum of the frames
 };
 
 Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest);

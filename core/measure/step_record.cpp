@@ -20,7 +20,7 @@ using Record = StepRecord;
 
 std::string text_if_judged(const Record& record, double value) { return record.judged ? text(value) : ""; }
 
-constexpr std::array<Column<StepRecord>, 38> columns{{
+constexpr std::array<Column<StepRecord>, 42> columns{{
     {{"frame", "", "1 for the first"}, [](const Record& r) { return fmt::format("{}", r.frame); }},
     {{"angle_deg", "deg", "of the bone that turns most"}, [](const Record& r) { return text(r.angle_deg); }},
     {{"warm_up", "", "1: left out of medians"}, [](const Record& r) { return std::string(r.warm_up ? "1" : "0"); }},
@@ -54,6 +54,10 @@ constexpr std::array<Column<StepRecord>, 38> columns{{
      [](const Record& r) { return text_if(r.judged, r.difference.missed); }},
     {{"false_contacts", "", "contacts of the last detection that are not true"},
      [](const Record& r) { return text_if(r.judged, r.difference.false_contacts); }},
+    {{"missed_beyond_bound", "", "missed contacts that are deeper than the backend declares that it may miss"},
+     [](const Record& r) { return text_if(r.judged, r.missed_beyond); }},
+    {{"max_missed_m", "m", "true depth of the deepest of them"},
+     [](const Record& r) { return text_if_judged(r, r.max_missed_m); }},
     {{"volume_m3", "m3", "of the muscle at the end of the frame; of several their sum"},
      [](const Record& r) { return text(sum_of(r.volumes_m3)); }},
     {{"resident_bytes", "bytes", "memory of the process without the Referee"},
@@ -102,6 +106,11 @@ constexpr std::array<Column<StepRecord>, 38> columns{{
      [](const Record& r) { return text_if(r.in_muscles.has_value(), r.in_muscles ? r.in_muscles->nodes_inside : 0); }},
     {{"max_muscle_depth_m", "m", "true depth of the deepest of them"},
      [](const Record& r) { return r.in_muscles ? text(r.in_muscles->max_depth_m) : std::string(); }},
+    {{"muscle_surface_depth_m", "m",
+      "deepest point of a muscle triangle in another muscle that it touches; in frames that were tested for crossings"},
+     [](const Record& r) { return text(r.muscle_surface_depth_m); }},
+    {{"passed_nodes", "", "nodes that went through another muscle that theirs touches since the last frame"},
+     [](const Record& r) { return text_if(r.passed_nodes.has_value(), r.passed_nodes.value_or(0)); }},
     {{"judging_ns", "ns", "time of the Referee, outside of the frame"},
      [](const Record& r) { return text_if(r.judged, r.judging_ns); }},
 }};

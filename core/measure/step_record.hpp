@@ -18,6 +18,12 @@ namespace musclebench {
 /// In order.
 inline double sum_of(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
+/// Which muscle is deep in what, by indices; -1: none is.
+struct DeepBodies {
+  int muscle = -1;
+  int other = -1;  ///< a bone, or another muscle
+};
+
 /// What a frame left of one muscle of several.
 struct MuscleRecord {
   int contacts = 0;            ///< with bones, answered by the last detection
@@ -54,10 +60,19 @@ struct StepRecord {
   double surface_depth_bound_m = std::numeric_limits<double>::quiet_NaN();
   double bone_vertex_depth_m = std::numeric_limits<double>::quiet_NaN();
   double bone_vertex_depth_bound_m = std::numeric_limits<double>::quiet_NaN();
+  /// Of the deepest node in a bone and in a muscle, point of the surface, and bone vertex.
+  DeepBodies depth_bodies, in_muscles_bodies, surface_bodies, bone_vertex_bodies;
   bool judgement_complete = true;
-  int tunnelled_nodes = 0;   ///< that went through a bone and have not come back, see TunnellingTracker
-  int stuck_nodes = 0;       ///< in this frame, see count_stuck_nodes
-  EdgeStretch edge_stretch;  ///< at the frame's end
+  int true_contacts = 0;    ///< of the last detection
+  int missed_beyond = 0;    ///< of them missed and deeper than the backend declares that it may miss
+  double max_missed_m = 0;  ///< depth of the deepest of these
+  /// Deepest point of a muscle's surface in another that it touches; NaN: not tested in this frame.
+  double muscle_surface_depth_m = std::numeric_limits<double>::quiet_NaN();
+  DeepBodies muscle_surface_bodies;
+  std::optional<int> passed_nodes;  ///< went through another muscle since the last judged frame, see PassingTracker
+  int tunnelled_nodes = 0;          ///< that went through a bone and have not come back, see TunnellingTracker
+  int stuck_nodes = 0;              ///< in this frame, see count_stuck_nodes
+  EdgeStretch edge_stretch;         ///< at the frame's end
   /// Triangles of muscles that pass through bones, through other muscles (nothing with one muscle) and through their
   /// own muscle at the frame's end; nothing where that was not tested.
   std::optional<int> bone_crossings, muscle_crossings, self_intersecting_triangles;

@@ -33,6 +33,12 @@ class MuscleReferee {
   /// in the world frame, too.
   [[nodiscard]] SurfaceDistance distance(int muscle, const Vec3& point_m) const;
 
+  /// Muscles that the nodes of this one are tested against, ascending.
+  [[nodiscard]] std::span<const int> beside(std::size_t muscle) const { return m_muscles.beside[muscle]; }
+
+  /// The tree over a muscle, as it was then; world frame, relative to its centre_m().
+  [[nodiscard]] const RefereeTree& tree(int muscle) const { return m_surfaces[static_cast<std::size_t>(muscle)].tree; }
+
   /// Of the last call, in the unit of RefereeTree.
   [[nodiscard]] long last_work() const { return m_work; }
 

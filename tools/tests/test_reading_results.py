@@ -44,6 +44,13 @@ def test_what_a_replay_tells_of_pairs_beside_what_it_tells_of_frames_is_named(re
     assert own and own - words == set()
 
 
+def test_the_page_has_the_limits_of_the_program(results):
+    rows = [line for line in PAGE.read_text().splitlines() if line.startswith("| limit: ")]
+    told = [f"| limit: `{limit['name']}`: {limit['help']} | {limit['limit']:g} {limit['unit']}".rstrip() + f" | {limit['why']} |"
+            for limit in results["limits"]]
+    assert rows == told
+
+
 def test_readme_names_columns_that_are_there(results):
     every = set().union(*(columns_of(results, kind) for kind in ("run", "replay", "replay_pairs", "probe", "muscles", "pairs")))
     units = ("_ns", "_m", "_m3", "_deg", "_bytes")

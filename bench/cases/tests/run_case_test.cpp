@@ -82,7 +82,7 @@ TEST(RunCaseStatus, IsSuspectWhereTheBoneSwallowsTheMuscle) {
 TEST(RunCaseStatus, IsSuspectWhereTheBonePassesThroughTheMuscle) {
   const RunResult result = run_without_collision(ball_against_ball(1, -2, 3));
   EXPECT_EQ(result.status, "suspect");
-  EXPECT_NE(result.status_detail.find("tunnelled"), std::string::npos) << result.status_detail;
+  EXPECT_NE(result.status_detail.find("went through a bone"), std::string::npos) << result.status_detail;
 }
 
 TEST(RunCaseStatus, IsSuspectWhereTheMuscleStartsInTheBone) {

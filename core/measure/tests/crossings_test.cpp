@@ -140,6 +140,16 @@ TEST(Crossings, LikeEveryPairTriedByPair) {
   EXPECT_EQ(sums.in_itself, found[3] + found[6]);
 }
 
+TEST(SharedFaces, AreThoseOfTwoMusclesCornerByCorner) {
+  SeveralSurfaces all;
+  all.add("twin of ball", moved(make_sphere(0.7, 2), Vec3(1.2, 0.1, 0)));
+  const std::vector<SharedFaces> shared = shared_faces(all.muscles, all.bodies);
+  ASSERT_EQ(shared.size(), 1U);
+  EXPECT_EQ(shared[0].muscle, 1);
+  EXPECT_EQ(shared[0].other, 2);
+  EXPECT_EQ(shared[0].triangles, 320);
+}
+
 TEST(Crossings, WhatOnlyTouchesDoesNotPass) {
   // Two boxes face on face, of the same triangles; and an edge that lies on a face.
   const TriangleMesh box = make_box({1, 1, 1}, 3);

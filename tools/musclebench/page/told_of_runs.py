@@ -20,7 +20,8 @@ def what_was_run(runs: list[Run]) -> list[tuple[str, str]]:
 
 
 def problems_of(runs: list[Run]) -> list[str]:
+    """Failed runs first, then those that are suspect, each with its reasons."""
     failed = [f"{run.scene} with {run.backend}: {run.status}, {run.record.get('status_detail')}"
-              for run in runs if run.status not in MEASURED]
+              for run in sorted(runs, key=lambda run: run.status in MEASURED) if run.status != "ok"]
     busy = note(disturbed_runs(runs), len(runs))
     return [*failed, *([busy] if busy else [])]
