@@ -3,6 +3,7 @@
 import json
 import re
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -10,6 +11,7 @@ import pytest
 
 from fake_study import REPLAYED, SCENES, replays_of
 from musclebench.accuracy import report
+from musclebench.effects.effect_runs import MeasuredSet
 from musclebench.figures import paper_figures
 from musclebench.paper import published
 from musclebench.program import machine_state
@@ -56,6 +58,14 @@ def note_state(folder, **changes) -> None:
 ])
 def test_a_run_is_disturbed_by_switches_load_or_a_slow_clock(record, words):
     assert disturbance.disturbance(record, 2500.0) == words
+
+
+def test_frames_in_which_the_process_waited_are_in_no_mean_of_an_effect():
+    frames = pd.DataFrame({"frame": range(1, 41), "warm_up": 0, "frame_ns": 2e6, "detect_ns": 1e6, "update_ns": 0.0, "respond_ns": 0.0,
+                           "bending_ns": 5e5})
+    frames.loc[frames["frame"] == 20, ["frame_ns", "detect_ns", "bending_ns"]] *= 50
+    one = MeasuredSet("scene", "muscle", None, [run_folder.Run(Path("run"), {"status": "ok"}, frames)])
+    assert (one.mean_frame_ms, one.collision_ms, one.effect_ms("bending")) == pytest.approx((2, 1, 0.5))
 
 
 def test_the_usual_clock_is_that_of_most_runs():

@@ -16,7 +16,9 @@ from musclebench.history import simulation
 from musclebench.history.detection import ALL_CASES, WINDOW, counter_findings, gone_findings, new_ones, step_findings
 from musclebench.history.history import Finding, opened
 from musclebench.history.nights import measures_of
+from musclebench.history.one_night import keep_program, kept_program
 from musclebench.history.simulation import REPETITIONS
+from musclebench.program.fingerprint import file_digest
 from test_compare import SCENE, program
 from test_verdicts import drawn
 
@@ -133,6 +135,16 @@ def test_answers_and_cells_that_change_are_found_the_same_night(tmp_path, capsys
         ("resting_contact-grid", "state_hash", "0123", "99"), ("resting_contact-tree", "p99_depth_m", "0.001", "0.0010000001"),
         ("hard/thin-plate/plain", "verdict", "holds", "breaks"),
     }
+
+
+def test_another_program_of_the_last_night_runs_beside_tonights_and_the_same_does_not(tmp_path):
+    first, second = Path(program(tmp_path, "a")), Path(program(tmp_path, "b"))
+    keep_program(first, tmp_path)
+    kept = kept_program(file_digest(first), second, tmp_path)
+    assert kept is not None and kept.read_text() == first.read_text()
+    assert kept_program(file_digest(first), first, tmp_path) is None
+    keep_program(second, tmp_path)  # that of the night before goes
+    assert kept_program(file_digest(first), second, tmp_path) is None
 
 
 def test_when_time_is_up_five_repetitions_are_whole_and_the_rest_is_left_out(tmp_path, capsys):

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from musclebench.comparison.metrics import values_of
 from musclebench.comparison.result_set import ResultSet, Sample
 from musclebench.comparison.verdicts import LEVEL, compare
 from musclebench.results.run_folder import Run
@@ -84,6 +85,15 @@ def test_a_case_that_is_gone_is_a_change_and_a_new_one_is_none():
     one, both = drawn({"a": noise(1, 0.001)}), drawn({"a": noise(1, 0.001), "b": noise(2, 0.001)})
     assert [(row.case, row.verdict) for row in compare(both, one).changes] == [("b", "gone")]
     assert compare(one, both).changes == []
+
+
+def test_cpu_time_is_that_of_the_loop_and_a_judged_run_has_no_time():
+    record = {"status": "ok", "frames": 10, "build_ns": 10**6, "case": {"judged": False},
+              "cpu_ns": {"before_first_frame": 5 * 10**6, "after_last_frame": 6 * 10**6}}
+    told = values_of(Run(Path("a"), record, pd.DataFrame()))
+    assert (told["cpu_ns"], told["build_ns"]) == (10**5, 10**6)
+    judged = values_of(Run(Path("a"), record | {"case": {"judged": True}}, pd.DataFrame()))
+    assert judged["status"] == "ok" and not {"cpu_ns", "build_ns"} & judged.keys()
 
 
 def test_answers_that_differ_between_repetitions_are_a_change_of_one_program_too():
