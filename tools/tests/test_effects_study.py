@@ -18,6 +18,7 @@ from musclebench.effects.effect_report import measured_sets, write_report
 from musclebench.effects.effect_sets import ALL, KEPT, LOADS, OWN, EffectSet, effect_sets
 from musclebench.effects.effect_tables import ARM_MM, cost_table, price_table
 from musclebench.effects.guards import guard_table
+from musclebench.effects import returns
 from musclebench.effects.returns import own_stretch, return_table
 from musclebench.experiments.swept_case import AxisValue
 from musclebench.figures import effect_figures, style
@@ -232,3 +233,9 @@ def test_figures_fit_the_page(measured, tmp_path, monkeypatch):
         check_print(figure, paths)
         assert overlaps(figure) == []
         style.plt.close(figure)
+
+
+def test_the_largest_distance_to_rest_is_that_of_the_farthest_node():
+    triangles, none = np.array([[0, 1, 2]]), {}
+    rest, moved = PlyMesh(np.zeros((3, 3)), triangles, none), PlyMesh(np.array([[0, 0, 0.001], [0, 0.003, 0.004], [0, 0, 0]]), triangles, none)
+    assert returns._largest_mm(moved, rest) == pytest.approx(5)
