@@ -136,6 +136,35 @@ TEST(Outcome, TheFrameWithMostCrossingsOfEachPair) {
   EXPECT_EQ(outcome.self_intersecting_triangles_at_rest, 3);
 }
 
+TEST(Outcome, TheWorstDepthIsTheLargestPartOfItsLimit) {
+  MuscleAtRest rest = at_rest(2);
+  rest.muscles = {{"large", 1, 200, 10}, {"small", 1, 100, 10}};  // at most 1 and 0.5 deep
+  rest.bones = {{"thick", 40}, {"needle", 0.4}};                  // and 0.1 in the needle
+  std::vector<StepRecord> records{judged(0, 0.6, 0, 0, 0), judged(0.3, 0.5, 0.07, 0, 0), judged(0, 0, 0, 0, 0)};
+  for (std::size_t i = 0; i < records.size(); ++i) records[i].frame = static_cast<int>(i) + 1;
+  records[0].surface_bodies = records[1].surface_bodies = {0, 0};
+  records[1].bone_vertex_bodies = {0, 1};
+  records[1].in_muscles = DepthStatistics{1, 0.1, 0, 0};
+  records[1].in_muscles_bodies = {0, 1};
+  records[2].in_muscles = DepthStatistics{1, 0, 0, 0};
+  records[2].muscle_surface_depth_m = 0.2;
+  records[2].muscle_surface_bodies = {1, 0};
+  const Outcome outcome = outcome_of(records, rest);
+  ASSERT_TRUE(outcome.worst_depth && outcome.worst_muscle_depth);
+  EXPECT_TRUE(outcome.worst_depth->is_bone_vertex) << "0.7 of its limit, where 0.6 in the thick bone is 0.6";
+  EXPECT_EQ(outcome.worst_depth->bodies.other, 1);
+  EXPECT_EQ(outcome.worst_depth->depth_m, 0.07);
+  EXPECT_NEAR(outcome.worst_depth->limit.depth_m, 0.1, 1e-12);
+  EXPECT_EQ(outcome.worst_depth->when.frame, 2);
+  EXPECT_EQ(outcome.worst_depth->node_depth_m, 0.3);
+  EXPECT_FALSE(outcome.worst_depth->is_beyond());
+  EXPECT_EQ(outcome.worst_muscle_depth->depth_m, 0.2);
+  EXPECT_EQ(outcome.worst_muscle_depth->bodies.muscle, 1);
+  EXPECT_EQ(outcome.worst_muscle_depth->limit.depth_m, 0.5) << "the smaller muscle's";
+  EXPECT_EQ(outcome.worst_muscle_depth->node_depth_m, 0);
+  EXPECT_EQ(outcome.max_muscle_surface_depth_m, 0.2);
+}
+
 TEST(Outcome, WhatWasNotMeasuredIsMissing) {
   StepRecord lost;  // not judged, as it blew up
   lost.volumes_m3 = {std::numeric_limits<double>::quiet_NaN()};
