@@ -85,14 +85,13 @@ AdviceInput run_exactly(const Scene& scene, double seconds, const std::function<
   const PreparedSimulation prepared =
       prepare_simulation(exact.scene, *built.backend, exact.responses, exact.threads,
                          make_muscle_detectors(scene, choose_collider_backends({}, scene, backend), threads));
-  const Divergence divergence(scene);
   const Nanoseconds start_ns = process_cpu_ns();
   AdviceInput input{std::make_unique<KeptFrames>(static_cast<int>(scene.muscle_mesh.vertices.size()),
                                                  prepared.simulation->free_nodes())};
   while (input.frames_run < scene.loop.frames && static_cast<double>(process_cpu_ns() - start_ns) < seconds * 1e9) {
     const int frame = ++input.frames_run;
     step_and_keep(scene, *prepared.simulation, frame, *input.frames);
-    const std::string lost = divergence.describe(frame, prepared.simulation->positions());
+    const std::string lost = describe_divergence(*prepared.simulation, frame);
     if (!lost.empty()) {
       throw InputError(scene.name, "the exact run diverged, so there is nothing to advise on: " + lost);
     }

@@ -1,37 +1,19 @@
 #pragma once
 
-#include <optional>
-#include <span>
 #include <string>
+#include <string_view>
 
 #include "core/pbd/simulation.hpp"
-#include "core/scene/scene.hpp"
 
 namespace musclebench {
 
-/// Tells when a run has blown up: a node is farther from where it started than ten diagonals of the scene.
-class Divergence {
- public:
-  /// `scene` outlives it.
-  explicit Divergence(const Scene& scene);
+/// Where and how a node was lost in `frame`, which `simulation` has just stepped, in words; empty when all is well.
+std::string describe_divergence(const Simulation& simulation, int frame);
 
-  /// Which node is lost, in words; empty when all is well. A position that is no number counts as lost.
-  [[nodiscard]] std::string describe(int frame, std::span<const Vec3> positions) const;
-
-  /// What moved the node lost in `frame` out of the scene, in words: steps `simulation`, which is at its start, there
-  /// again. Empty where it is not lost in that frame. `observe_last` sees the collision steps of the up to
-  /// `kept_frames` frames before it.
-  [[nodiscard]] std::string cause(Simulation& simulation, int frame, std::span<const std::string> effect_names,
-                                  CollisionObserver& observe_last) const;
-  static constexpr int kept_frames = 3;
-
- private:
-  /// The first node that is.
-  [[nodiscard]] std::optional<std::size_t> lost_node(std::span<const Vec3> positions) const;
-  [[nodiscard]] bool is_lost(std::size_t node, const Vec3& position) const;
-
-  const Scene& m_scene;
-  double m_range_m;
-};
+/// What moved the node lost in `frame` beyond the limits: steps `simulation`, which is at its start, there again. Empty
+/// where none is lost in that frame, or where it is stopped before. `observe_last` sees the collision steps of the up
+/// to `kept_frames` frames before it.
+std::string cause_of_divergence(Simulation& simulation, int frame, CollisionObserver& observe_last);
+inline constexpr int frames_kept_before_divergence = 3;
 
 }  // namespace musclebench

@@ -35,11 +35,10 @@ class StepWriter final : public CollisionObserver {
 
 std::string record_frames(Simulation& simulation, const Scene& scene, RecordingWriter& writer,
                           const std::function<void(int frames_done)>& report) {
-  const Divergence divergence(scene);
   StepWriter steps(writer, !scene.muscle_pairs.empty());
   for (int frame = 1; frame <= scene.loop.frames; ++frame) {
     simulation.step_frame(frame, &steps);
-    std::string lost = divergence.describe(frame, simulation.positions());
+    std::string lost = describe_divergence(simulation, frame);
     if (!lost.empty()) {
       return lost;
     }

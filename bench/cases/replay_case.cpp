@@ -7,6 +7,7 @@
 #include "bench/cases/replayed_frames.hpp"
 #include "core/base/huge_pages.hpp"
 #include "core/base/sha256.hpp"
+#include "core/scene/prepare_simulation.hpp"
 
 namespace musclebench {
 

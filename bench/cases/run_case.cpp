@@ -36,11 +36,13 @@ constexpr std::size_t usual_referee_bytes = std::size_t{64} << 20U;
 /// Drives one simulation and measures it between frames.
 class CaseRunner {
  public:
-  explicit CaseRunner(const RunCase& run) : m_run(run), m_scene(run.scene), m_divergence(run.scene) {}
+  explicit CaseRunner(const RunCase& run) : m_run(run), m_scene(run.scene) {}
 
   RunResult run(const std::function<void(int)>& report, const std::function<void(double)>& report_build,
                 const std::function<bool()>& is_stopped) {
     start(report_build);
+    m_is_stopped = is_stopped;
+    m_simulation->stop_when(is_stopped);
     const Nanoseconds start_ns = monotonic_now_ns();
     m_result.machine.before = machine_load();
     m_result.cpu_before_ns = process_cpu_ns();
@@ -48,6 +50,7 @@ class CaseRunner {
     keep_snapshot(0);
     for (int frame = 1; frame <= m_scene.loop.frames && m_result.status == "ok"; ++frame) {
       step(frame);
+      if (m_result.status == "interrupted") break;
       report(frame);
       if (m_result.status == "ok" && frame < m_scene.loop.frames && is_stopped && is_stopped()) {
         m_result.status = "interrupted";
@@ -173,6 +176,12 @@ class CaseRunner {
     record.warm_up = frame <= m_run.warm_up_frames;
     const ContextSwitches before = context_switches();
     record.times = m_simulation->step_frame(frame, m_judge ? &m_last_detection : nullptr);
+    if (m_simulation->was_stopped()) {
+      m_result.status = "interrupted";
+      m_result.status_detail = fmt::format("in frame {} of {}, substep {} of {}", frame, m_scene.loop.frames,
+                                           m_simulation->substep(), m_scene.loop.substeps);
+      return;
+    }
     const ContextSwitches switches = context_switches() - before;
     record.involuntary_switches = switches.involuntary;
     m_result.machine.switches += switches;
@@ -185,10 +194,10 @@ class CaseRunner {
     const std::vector<Vec3>& positions = m_simulation->positions();
     record.volumes_m3 = volumes_m3(positions);
     record.muscles = muscles_of(record.volumes_m3);
-    const std::string lost = m_divergence.describe(frame, positions);
+    const std::string lost = describe_divergence(*m_simulation, frame);
     if (!lost.empty()) {
       m_result.status = "diverged";
-      m_result.status_detail = lost + cause_of_divergence(frame);
+      m_result.status_detail = lost + moved_out_by(frame);
     } else if (m_judge) {
       m_judge->judge(*m_simulation, m_last_detection, record,
                      is_looked_at(frame) ? CrossingTest::always : CrossingTest::where_budget_allows);
@@ -204,11 +213,12 @@ class CaseRunner {
   }
 
   /// In words that follow those of what was lost. The run is made again for it: the same bits, watched.
-  [[nodiscard]] std::string cause_of_divergence(int frame) {
+  [[nodiscard]] std::string moved_out_by(int frame) {
     PreparedSimulation again = prepare_simulation(m_scene, *m_backend, m_run.responses, m_run.threads,
                                                   make_muscle_detectors(m_scene, m_run.colliders, m_run.threads));
     KeptSteps steps(!m_scene.muscle_pairs.empty());
-    const std::string cause = m_divergence.cause(*again.simulation, frame, again.effect_names, steps);
+    again.simulation->stop_when(m_is_stopped);
+    const std::string cause = cause_of_divergence(*again.simulation, frame, steps);
     m_result.last_steps = steps.take();
     return cause.empty() ? "" : ", moved out by " + cause;
   }
@@ -380,8 +390,8 @@ class CaseRunner {
   std::unique_ptr<FibreWatch> m_fibres;            ///< where the scene asks for them
   std::vector<std::vector<Vec3>> m_fibre_points;   ///< of each muscle, at the end of the last frame
   std::unique_ptr<CoupledJudge> m_judge;
+  std::function<bool()> m_is_stopped;
   LastDetection m_last_detection;
-  Divergence m_divergence;
 };
 
 }  // namespace

@@ -66,13 +66,14 @@ struct RunResult {
   std::size_t memory_peak_bytes = 0;    ///< of the whole process
   std::size_t referee_bytes = 0;        ///< resident memory of judging, of following fibres and of snapshots
   std::string state_hash;               ///< of all positions and velocities at the end
-  /// Of a run that diverged: the collision steps of the last whole frames before, up to Divergence::kept_frames.
+  /// Of a run that diverged: the collision steps of the last whole frames before, up to frames_kept_before_divergence.
   std::vector<RecordedStep> last_steps = {};
 };
 
 /// Runs the case. `report` is called after each frame, `report_build` now and then before the first. A run that blows
-/// up ends with status `diverged` at that frame; one that `is_stopped` stops after a frame, with status `interrupted`;
-/// one with an outcome beyond a limit (outcome_limits) is `suspect`.
+/// up ends with status `diverged` in the substep that loses a node; one that `is_stopped` stops, asked in each substep,
+/// with status `interrupted` and the rows of its whole frames; one with an outcome beyond a limit (outcome_limits) is
+/// `suspect`.
 /// Throws InputError when the backend's parameters do not fit the scene.
 RunResult run_case(const RunCase& run, const std::function<void(int frames_done)>& report,
                    const std::function<void(double share)>& report_build = {},

@@ -94,8 +94,8 @@ RunResult run_and_write(const RunCase& run, const RunOptions& options, const std
         run,
         [&](int done) {
           building.reset();
+          until_written->stop_and_keep();  // before a program reads of a frame and may send its signal
           progress.show(done);
-          until_written->stop_after_frame();
         },
         [&](double share) { building->show(static_cast<int>(share * build_steps)); },
         [&] { return until_written->is_stopped(); });

@@ -19,7 +19,7 @@ char temporary_file[PATH_MAX] = "";
 volatile std::sig_atomic_t held_count = 0;
 volatile std::sig_atomic_t was_signalled = 0;
 
-/// 1: the first signal stops after the frame. 2: it has come.
+/// 1: the first signal stops the run. 2: it has come.
 volatile std::sig_atomic_t stop_state = 0;
 
 void say(const char* message, std::size_t length) {
@@ -33,7 +33,7 @@ void end_at_once(int /*signal*/) {
   }
   if (stop_state == 1) {
     stop_state = 2;
-    static constexpr char message[] = "\nmusclebench: interrupted; ends after this frame (once more: at once)\n";
+    static constexpr char message[] = "\nmusclebench: interrupted; ends and keeps its rows (once more: at once)\n";
     say(message, sizeof message - 1);
     return;
   }
@@ -67,7 +67,7 @@ EndAtOnce::~EndAtOnce() {
   temporary_file[0] = '\0';
 }
 
-void EndAtOnce::stop_after_frame() { stop_state = stop_state == 0 ? 1 : stop_state; }
+void EndAtOnce::stop_and_keep() { stop_state = stop_state == 0 ? 1 : stop_state; }
 
 bool EndAtOnce::is_stopped() const { return stop_state == 2; }
 

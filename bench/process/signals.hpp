@@ -17,8 +17,8 @@ class EndAtOnce {
   /// The temporary file.
   void remove_first(const std::filesystem::path& file);
   /// From here on there is something worth keeping: the first signal only makes `is_stopped` true, so that the work can
-  /// end after its frame and be written; the second ends the process at once.
-  void stop_after_frame();
+  /// end and be written; the second ends the process at once.
+  void stop_and_keep();
   [[nodiscard]] bool is_stopped() const;
 };
 

@@ -95,6 +95,7 @@ Simulation::Simulation(const LoopParameters& loop, const Particles& particles, N
       m_backend(backend),
       m_response(std::move(response)),
       m_pose_function(std::move(poses)),
+      m_lost(particles.positions),
       m_threads(threads),
       m_barrier(threads) {
   for (int node = 0; node < static_cast<int>(particles.size()); ++node) {
@@ -142,11 +143,18 @@ const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer)
   start_times();
   const Nanoseconds start_ns = monotonic_now_ns();
   const double time_step_s = m_loop.time_step_of_s(frame);
-  for (int substep = 1; substep <= m_loop.substeps; ++substep) {
+  m_lost.clear();
+  m_was_stopped = false;
+  for (m_substep = 0; m_substep < m_loop.substeps && !has_ended();) {
+    ++m_substep;
     m_previous_poses.swap(m_poses);
-    const double part = m_loop.interpolate_poses ? static_cast<double>(substep) / m_loop.substeps : 1.0;
+    const double part = m_loop.interpolate_poses ? static_cast<double>(m_substep) / m_loop.substeps : 1.0;
     m_pose_function(frame - 1 + part, m_poses);
-    step({time_step_s, m_poses, m_loop.time_s(frame, substep)}, substep == m_loop.substeps, observer);
+    step({time_step_s, m_poses, m_loop.time_s(frame, m_substep)}, m_substep == m_loop.substeps, observer);
+  }
+  if (!has_ended()) {
+    look_at_positions(Team());
+    look_at_moves(time_step_s, Team());
   }
   m_times.frame_ns = monotonic_now_ns() - start_ns - m_times.recording_ns;
   return m_times;
@@ -162,8 +170,10 @@ void Simulation::step(const SubstepInput& input, bool last_of_frame, CollisionOb
       }
       project(input, team);
     });
+    m_was_stopped = m_asks_to_stop && m_asks_to_stop();
+    if (has_ended()) return;
     collide(last_of_frame && iteration == m_loop.iterations, observer);
-    tell_watch(moved_by_contacts, Team());
+    if (has_ended()) return;
   }
   run_team(m_threads, m_barrier, [&](const Team& team) { finish_substep(input.time_step_s, team); });
 }
@@ -178,9 +188,13 @@ void Simulation::apply_forces(const SubstepInput& input, const Team& team) {
 void Simulation::predict(const SubstepInput& input, const Team& team) {
   const TeamTimer timer(m_times.predict_ns, team);
   const auto [first, last] = team.share(m_rows.size());
+  bool all_small = true;
   for (std::size_t row = first; row < last; ++row) {
-    m_rows[row] = m_start[row] + input.time_step_s * m_velocities[row];
+    const NodeRow move = input.time_step_s * m_velocities[row];
+    m_rows[row] = m_start[row] + move;
+    all_small &= m_lost.is_small(move);
   }
+  if (!all_small) look_at_moves(input.time_step_s, team);
 }
 
 void Simulation::project(const SubstepInput& input, const Team& team) {
@@ -189,16 +203,39 @@ void Simulation::project(const SubstepInput& input, const Team& team) {
       const TeamTimer timer(m_times.effects_ns[i], team);
       m_effects[i]->project(m_rows, input, team);
     }
-    tell_watch(static_cast<int>(i), team);
+    tell_watch(m_effects[i]->name(), team);
   }
   const TeamTimer timer(m_times.predict_ns, team);
+  bool all_near = true;
   const auto [first, last] = team.share(m_rows.size());
   for (std::size_t row = first; row < last; ++row) {
-    m_predicted[m_order.node_in(row)] = m_rows[row].position();
+    const int node = m_order.node_in(row);
+    m_predicted[static_cast<std::size_t>(node)] = m_rows[row].position();
+    all_near &= m_lost.is_near(m_rows[row]);
+  }
+  if (!all_near) look_at_positions(team);
+}
+
+void Simulation::look_at_positions(const Team& team) {
+  const auto [first, last] = team.share(m_rows.size());
+  for (std::size_t row = first; row < last; ++row) {
+    m_lost.measure_position(m_order.node_in(row), m_rows[row].position());
   }
 }
 
-void Simulation::tell_watch(int mover, const Team& team) const {
+void Simulation::look_at_moves(double time_step_s, const Team& team) {
+  const auto [first, last] = team.share(m_rows.size());
+  for (std::size_t row = first; row < last; ++row) {
+    m_lost.measure_move(m_order.node_in(row), time_step_s * m_velocities[row].position());
+  }
+}
+
+Vec3 Simulation::move(int node) const {
+  const auto row = static_cast<std::size_t>(m_order.row_of(node));
+  return (m_rows[row] - m_start[row]).position();
+}
+
+void Simulation::tell_watch(std::string_view mover, const Team& team) const {
   if (!m_watch) return;
   if (team.is_first()) m_watch(mover);
   team.wait();
@@ -211,7 +248,9 @@ void Simulation::run_stages(StageMoment moment, std::span<const Contact> contact
       const auto row = m_order.row_of(node);
       m_rows[row].set_position(m_predicted[static_cast<std::size_t>(node)]);
       m_start[row].set_position(m_positions[static_cast<std::size_t>(node)]);
+      if (!m_lost.is_near(m_rows[row])) m_lost.measure_position(node, m_rows[row].position());
     }
+    tell_watch(m_stages[i]->name(), Team());
   }
 }
 
@@ -221,6 +260,7 @@ void Simulation::collide(bool last_of_frame, CollisionObserver* observer) {
     observer->before_stages(m_predicted);
   }
   run_stages(&ContactStage::before_bones, {});
+  if (has_ended()) return;
   const CollisionStep step{m_positions, m_previous_poses, m_predicted, m_poses, last_of_frame};
   if (observer != nullptr) {
     const ScopedTimer timer(m_times.recording_ns);
@@ -240,6 +280,7 @@ void Simulation::collide(bool last_of_frame, CollisionObserver* observer) {
     m_stages[i]->before_response(stage_input(m_contacts));
   }
   respond();
+  tell_watch(moved_by_response, Team());
   run_stages(&ContactStage::after_bones, m_contacts);
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "core/contact/response.hpp"
 #include "core/pbd/contact_stage.hpp"
 #include "core/pbd/effect.hpp"
+#include "core/pbd/lost_nodes.hpp"
 #include "core/pbd/node_order.hpp"
 #include "core/pbd/node_rows.hpp"
 #include "core/pbd/particles.hpp"
@@ -105,11 +107,11 @@ class LastDetection final : public CollisionObserver {
 /// Poses of all bones at a time in frames: 0 before the first frame, 1 at its end, fractions between.
 using PoseFunction = std::function<void(double frame_position, std::vector<RigidMotion>& poses)>;
 
-/// What has just moved the nodes of a `Simulation`, to find the cause of a fault: the index of an effect, or one of
-/// these.
-using MoverWatch = std::function<void(int mover)>;
-inline constexpr int moved_by_velocity = -1;
-inline constexpr int moved_by_contacts = -2;
+/// Told the name of what has just moved the nodes of a `Simulation`, to find the cause of a fault: an effect, a contact
+/// stage, or one of these.
+using MoverWatch = std::function<void(std::string_view mover)>;
+inline constexpr std::string_view moved_by_velocity = "its own velocity";
+inline constexpr std::string_view moved_by_response = "the response to contacts with bones";
 
 /// The shared position-based dynamics loop (Mueller et al. 2007): muscles, rigid moving bones, any backend. Muscles
 /// collide with bones; contact stages do the rest, such as contact between muscles.
@@ -129,14 +131,28 @@ class Simulation {
 
   /// Runs frame `frame` (1-based); allocates no memory unless the backend does. `observer`, if given, sees every
   /// collision step. The returned times are valid until the next frame.
+  ///
+  /// Ends before its last substep where a node is lost or it is stopped.
   const StageTimes& step_frame(int frame, CollisionObserver* observer = nullptr);
+
+  /// From the next frame on. Compared before each collision step, so that nothing searches for contacts of what has
+  /// left the scene, after each contact stage, and at the end of the frame.
+  void limit_motion(const MotionLimits& limits) { m_lost.set_limits(limits); }
+  [[nodiscard]] const LostNodes& lost() const { return m_lost; }
+  /// Asked before each collision step whether the frame ends here.
+  void stop_when(std::function<bool()> is_stopped) { m_asks_to_stop = std::move(is_stopped); }
+  [[nodiscard]] bool was_stopped() const { return m_was_stopped; }
+  /// The last one that was begun, 1-based.
+  [[nodiscard]] int substep() const { return m_substep; }
 
   /// Called after each part of each iteration. Not while anything is timed.
   void watch_movers(MoverWatch watch) { m_watch = std::move(watch); }
   /// Where the parts so far have moved the node in this substep, m.
   [[nodiscard]] Vec3 predicted(int node) const { return m_rows[m_order.row_of(node)].position(); }
+  /// How far that is from where the substep began, m.
+  [[nodiscard]] Vec3 move(int node) const;
 
-  /// Of all nodes, at the end of the last substep, m.
+  /// Of all nodes, at the end of the last whole substep, m.
   [[nodiscard]] const std::vector<Vec3>& positions() const { return m_positions; }
   [[nodiscard]] std::vector<Vec3> velocities() const;
   [[nodiscard]] std::span<const RigidMotion> bone_poses() const { return m_poses; }
@@ -148,6 +164,7 @@ class Simulation {
 
  private:
   void start_times();
+  [[nodiscard]] bool has_ended() const { return m_was_stopped || m_lost.any(); }
   void step(const SubstepInput& input, bool last_of_frame, CollisionObserver* observer);
   void apply_forces(const SubstepInput& input, const Team& team);
   void predict(const SubstepInput& input, const Team& team);
@@ -160,8 +177,10 @@ class Simulation {
   void collide(bool last_of_frame, CollisionObserver* observer);
   void find_contacts();
   void respond();
+  void look_at_positions(const Team& team);
+  void look_at_moves(double time_step_s, const Team& team);
   void finish_substep(double time_step_s, const Team& team);
-  void tell_watch(int mover, const Team& team) const;
+  void tell_watch(std::string_view mover, const Team& team) const;
 
   LoopParameters m_loop;
   NodeOrder m_order;
@@ -179,6 +198,10 @@ class Simulation {
   Response m_response;
   PoseFunction m_pose_function;
   MoverWatch m_watch;
+  LostNodes m_lost;
+  std::function<bool()> m_asks_to_stop;
+  bool m_was_stopped = false;
+  int m_substep = 0;
   std::vector<RigidMotion> m_poses;
   std::vector<RigidMotion> m_previous_poses;
   std::vector<Contact> m_contacts;

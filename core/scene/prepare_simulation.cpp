@@ -120,6 +120,7 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
          prepared.bound_nodes, threads, &scene.muscle_mesh, bodies, backend.untouched()},
         *parameters));
   }
+  prepared.simulation->limit_motion(motion_limits(scene));
   for (const auto& stage : prepared.simulation->stages()) {
     prepared.stage_names.emplace_back(stage->name());
   }
@@ -133,6 +134,13 @@ double node_mass_kg(const Scene& scene, const Muscle& muscle) {
   const double nodes = muscle.body.last_node - muscle.body.first_node;
   const double shared_mass_kg = muscle.density_kg_per_m3.value_or(scene.loop.density_kg_per_m3) * volume_m3 / nodes;
   return shared_mass_kg > 0 ? shared_mass_kg : scene.loop.node_mass_kg;
+}
+
+MotionLimits motion_limits(const Scene& scene) {
+  constexpr double range_diagonals = 10;
+  constexpr double move_diagonals = 2;  // what is attached to a bone that jumps by half a turn moves less
+  const double diagonal_m = scene_diagonal_m(scene);
+  return {.range_m = range_diagonals * diagonal_m, .move_m = move_diagonals * diagonal_m};
 }
 
 double scene_diagonal_m(const Scene& scene) {

@@ -33,4 +33,7 @@ double node_mass_kg(const Scene& scene, const Muscle& muscle);
 /// Of the box around muscle and bones at rest.
 double scene_diagonal_m(const Scene& scene);
 
+/// Beyond which a run of the scene has diverged.
+MotionLimits motion_limits(const Scene& scene);
+
 }  // namespace musclebench

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -341,6 +342,26 @@ def test_an_interrupted_run_keeps_its_rows(folder):
     manifest = json.loads((folder / "out/run.json").read_text())
     assert manifest["status"] == "interrupted" and "of 9999999" in manifest["status_detail"]
     assert len(pd.read_csv(folder / "out/frames.csv")) == manifest["frames"] >= 3
+    assert not list(folder.glob(".out*"))
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_a_run_inside_its_frame(folder, number):
+    """Half a million substeps are left of the second frame when it comes."""
+    (folder / "scene.toml").write_text(re.sub(r"\[effects[^[]*", "", SCENE))
+    process = subprocess.Popen([PROGRAM, "run", str(folder / "scene.toml"), "--backend", "null", "--frames", "5", "--loop", "substeps=500000",
+                                "--no-referee", "--out", str(folder / "out"), "--progress"], stderr=subprocess.PIPE, text=True)
+    for line in process.stderr:
+        if line.split()[:2] == ["progress", "1"]:
+            break
+    time.sleep(0.1)  # so that it is in the second frame
+    process.send_signal(number)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 130 and "its rows are kept" in errors
+    manifest = json.loads((folder / "out/run.json").read_text())
+    assert manifest["status"] == "interrupted"
+    assert re.fullmatch(r"in frame 2 of 5, substep \d+ of 500000", manifest["status_detail"])
+    assert len(pd.read_csv(folder / "out/frames.csv")) == manifest["frames"] == 1
     assert not list(folder.glob(".out*"))
 
 
