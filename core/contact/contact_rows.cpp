@@ -84,6 +84,50 @@ bool ContactRowSolver::correct(const ContactRow& row, std::span<const Vec3> star
   return true;
 }
 
+namespace {
+
+double gap_to(const ContactRow& row, const Vec3& normal, double offset_m, std::span<const Vec3> positions) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < row.nodes.size(); ++k) {
+    if (row.weights[k] != 0) sum += row.weights[k] * positions[static_cast<std::size_t>(row.nodes[k])];
+  }
+  return normal.dot(sum) - offset_m;
+}
+
+}  // namespace
+
+void ContactRowSolver::lay_out_slowly(std::span<ContactRow> rows, std::span<const Vec3> start,
+                                      std::span<const Vec3> predicted, double most_m) {
+  if (!std::isfinite(most_m)) return;
+  if (std::exchange(m_is_first_call, false)) m_overlaps.assign(m_inverse_masses.size(), 1);
+  if (m_overlaps.empty()) return;
+  constexpr double least_share = 1e-6;  // of its depth; what lies flush overlaps by rounding
+  m_overlap_now.assign(m_overlaps.size(), 0);
+  bool are_any = false;
+  for (ContactRow& row : rows) {
+    const double depth_m = -gap_to(row, row.normal, row.offset_m, predicted);
+    const double start_depth_m = -gap_to(row, row.start_normal, row.start_offset_m, start);
+    if (!(depth_m > 0) || !(start_depth_m > least_share * depth_m)) continue;
+    if (!overlapped_before(row)) continue;
+    are_any = true;
+    for (std::size_t k = 0; k < row.nodes.size(); ++k) {
+      if (row.weights[k] != 0) m_overlap_now[static_cast<std::size_t>(row.nodes[k])] = 1;
+    }
+    const double excess_m = std::max(0.0, start_depth_m - most_m);
+    row.offset_m -= excess_m;
+    row.start_offset_m -= excess_m;
+  }
+  m_overlaps.swap(m_overlap_now);
+  if (!are_any) m_overlaps.clear();
+}
+
+bool ContactRowSolver::overlapped_before(const ContactRow& row) const {
+  for (std::size_t k = 0; k < row.nodes.size(); ++k) {
+    if (row.weights[k] != 0 && m_overlaps[static_cast<std::size_t>(row.nodes[k])] != 0) return true;
+  }
+  return false;
+}
+
 void ContactRowSolver::solve(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted) {
   collect_moved(rows);
   m_most_corrected = 0;

@@ -35,6 +35,12 @@ class ContactRowSolver {
   /// Of all nodes, 1/kg.
   explicit ContactRowSolver(std::vector<double> inverse_masses);
 
+  /// Before `solve`: lowers the offsets of rows that began deeper than `most_m`, so that they are corrected by no more.
+  /// Only of nodes that were in such rows in the first call, and have been in all calls since: those that overlap as
+  /// the run begins. What came in later has a speed, which is to be taken away whole.
+  void lay_out_slowly(std::span<ContactRow> rows, std::span<const Vec3> start, std::span<const Vec3> predicted,
+                      double most_m);
+
   /// Corrects `predicted` (p) and `start` (x), both of all nodes, world frame, m. Ends early once no row is violated.
   void solve(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted);
 
@@ -53,6 +59,7 @@ class ContactRowSolver {
   void collect_moved(std::span<const ContactRow> rows);
   [[nodiscard]] double row_sum(const ContactRow& row) const;
   void add_to_all(const ContactRow& row, const Vec3& change, std::vector<Vec3>& corrections) const;
+  [[nodiscard]] bool overlapped_before(const ContactRow& row) const;
   bool correct(const ContactRow& row, std::span<const Vec3> start, std::span<const Vec3> predicted);
 
   std::vector<double> m_inverse_masses;
@@ -61,6 +68,9 @@ class ContactRowSolver {
   std::vector<Vec3> m_corrections;
   std::vector<Vec3> m_start_corrections;
   std::vector<int> m_moved;
+  bool m_is_first_call = true;
+  std::vector<char> m_overlaps;     ///< by node: since the run began; empty once there are none
+  std::vector<char> m_overlap_now;  ///< the same of this call alone
   int m_most_corrected = 0;
 };
 

@@ -35,7 +35,7 @@ MuscleContactResponse::MuscleContactResponse(std::span<const Triangle> triangles
     : m_triangles(triangles), m_steps(std::move(steps)), m_solver(std::move(inverse_masses)) {}
 
 void MuscleContactResponse::resolve(std::span<const MuscleContact> contacts, std::span<Vec3> start,
-                                    std::span<Vec3> predicted) {
+                                    std::span<Vec3> predicted, double depenetration_m) {
   m_rows.clear();
   for (const MuscleContact& contact : contacts) {
     const auto& [a, b, c] = m_triangles[static_cast<std::size_t>(contact.triangle)];
@@ -47,6 +47,7 @@ void MuscleContactResponse::resolve(std::span<const MuscleContact> contacts, std
                       .steps = m_steps.of(contact)});
   }
   if (m_friction > 0) find_approaches(start, predicted);
+  m_solver.lay_out_slowly(m_rows, start, predicted, depenetration_m);
   m_solver.solve(m_rows, start, predicted);
   if (m_friction > 0) rub(start, predicted);
 }

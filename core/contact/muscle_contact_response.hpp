@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -38,8 +39,9 @@ class MuscleContactResponse {
   /// applications"), by inverse mass on both sides, so that it changes no momentum.
   void set_friction(double coefficient) { m_friction = coefficient; }
 
-  /// Corrects `predicted` (p) and `start` (x), both of all nodes.
-  void resolve(std::span<const MuscleContact> contacts, std::span<Vec3> start, std::span<Vec3> predicted);
+  /// Corrects `predicted` (p) and `start` (x), both of all nodes. `depenetration_m`: see ContactRowSolver.
+  void resolve(std::span<const MuscleContact> contacts, std::span<Vec3> start, std::span<Vec3> predicted,
+               double depenetration_m = std::numeric_limits<double>::infinity());
 
   /// The nodes that the last `resolve` may have moved, ascending.
   [[nodiscard]] std::span<const int> moved_nodes() const { return m_solver.moved_nodes(); }

@@ -26,6 +26,7 @@ class SurfaceContact final : public ContactStage {
                                              : m_finder.follow(input.predicted, input.bone_poses);
     m_rows.clear();
     for (const FaceContact& contact : m_contacts) m_rows.push_back(row_of(contact, input));
+    m_solver.lay_out_slowly(m_rows, input.start, input.predicted, input.depenetration_m);
     m_solver.solve(m_rows, input.start, input.predicted);
     return m_solver.moved_nodes();
   }

@@ -1,5 +1,6 @@
 // Contact with bones in the loop: all that a simulation calls of its backend and response.
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "core/pbd/simulation.hpp"
@@ -20,9 +21,17 @@ void Simulation::find_contacts() {
 
 void Simulation::respond() {
   const ScopedTimer timer(m_times.respond_ns);
+  const bool looks_at_overlap = std::isfinite(m_depenetration_m) && m_start_overlap.may_be_any();
+  const StartOverlap::Step step{m_contacts, m_previous_poses, m_poses};
+  if (looks_at_overlap) m_start_overlap.before_response(step, m_positions, m_predicted);
   m_response.resolve(m_backend, {m_positions, m_previous_poses, m_poses}, m_contacts, m_predicted);
+  if (looks_at_overlap) {
+    m_start_overlap.after_response(step, m_depenetration_m, m_positions, m_predicted);
+  }
   for (const Contact& contact : m_contacts) {
-    m_rows[m_order.row_of(contact.node)].set_position(m_predicted[contact.node]);
+    const auto row = static_cast<std::size_t>(m_order.row_of(contact.node));
+    m_rows[row].set_position(m_predicted[contact.node]);
+    if (looks_at_overlap) m_start[row].set_position(m_positions[contact.node]);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,8 @@ struct ContactStageInput {
   std::span<const RigidMotion> previous_bone_poses;  ///< the poses that x was computed with
   std::span<const RigidMotion> bone_poses;
   std::span<const Contact> contacts;  ///< with bones, as they were found at p; none before the bones
+  /// How far what overlaps as the run begins is laid out in this step at most (ContactRowSolver).
+  double depenetration_m = std::numeric_limits<double>::infinity();
 };
 
 /// A part of the collision step besides the backend's detection and the response; like an effect it has a name and a

@@ -33,7 +33,7 @@ class MuscleContactStage final : public ContactStage {
       m_contacts.insert(m_contacts.end(), m_found.begin(), m_found.end());
     }
     add_times();
-    m_response.resolve(m_contacts, input.start, input.predicted);
+    m_response.resolve(m_contacts, input.start, input.predicted, input.depenetration_m);
     return m_response.moved_nodes();
   }
 

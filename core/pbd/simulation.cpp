@@ -96,6 +96,7 @@ Simulation::Simulation(const LoopParameters& loop, const Particles& particles, N
       m_response(std::move(response)),
       m_pose_function(std::move(poses)),
       m_lost(particles.positions),
+      m_start_overlap(particles.size()),
       m_threads(threads),
       m_barrier(threads) {
   for (int node = 0; node < static_cast<int>(particles.size()); ++node) {
@@ -145,6 +146,8 @@ const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer)
   const double time_step_s = m_loop.time_step_of_s(frame);
   m_lost.clear();
   m_was_stopped = false;
+  m_depenetration_m = m_loop.depenetration_m_per_s > 0 ? m_loop.depenetration_m_per_s * time_step_s / m_loop.iterations
+                                                       : std::numeric_limits<double>::infinity();
   for (m_substep = 0; m_substep < m_loop.substeps && !has_ended();) {
     ++m_substep;
     m_previous_poses.swap(m_poses);

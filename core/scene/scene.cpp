@@ -137,6 +137,13 @@ std::vector<ParameterSpec> loop_parameters() {
                           .maximum = 1'000'000,
                           .help = "substeps before the first frame, in which bones stand still and nothing takes up "
                                   "speed: nodes that begin inside a bone are laid out of it and not thrown (30)"}),
+      parameter::number({.name = "depenetration_m_per_s",
+                         .unit = "m/s",
+                         .default_value = 0.05,
+                         .minimum = 0,
+                         .maximum = 1e3,
+                         .help = "how fast contacts lay out what overlaps as the run begins, without giving it that "
+                                 "speed; 0: at once, and bones throw it out (paper)"}),
       parameter::integer({.name = "substeps",
                           .default_value = 3,
                           .minimum = 1,
@@ -188,6 +195,7 @@ LoopParameters loop_from(const Parameters& parameters) {
   loop.frames = static_cast<int>(parameters.integer("frames"));
   loop.rest_frames = static_cast<int>(parameters.integer("rest_frames"));
   loop.settle_substeps = static_cast<int>(parameters.integer("settle_substeps"));
+  loop.depenetration_m_per_s = parameters.number("depenetration_m_per_s");
   loop.substeps = static_cast<int>(parameters.integer("substeps"));
   loop.iterations = static_cast<int>(parameters.integer("iterations"));
   loop.time_step_s = parameters.number("time_step_s");
@@ -202,6 +210,7 @@ std::map<std::string, ParameterValue> loop_values(const LoopParameters& loop) {
   return {{"frames", std::int64_t{loop.frames}},
           {"rest_frames", std::int64_t{loop.rest_frames}},
           {"settle_substeps", std::int64_t{loop.settle_substeps}},
+          {"depenetration_m_per_s", loop.depenetration_m_per_s},
           {"substeps", std::int64_t{loop.substeps}},
           {"iterations", std::int64_t{loop.iterations}},
           {"time_step_s", loop.time_step_s},

@@ -1,5 +1,6 @@
 #include "core/contact/contact_rows.hpp"
 
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -49,6 +50,39 @@ TEST(ContactRows, APlaneThatMovesKeepsWhatBeganOutsideFromCountingAsInside) {
   start.assign(3, Vec3(0, 0, 0.01));
   solver.solve({&row, 1}, start, at);
   EXPECT_NEAR((start[0].z() - 0.01) / (at[0].z() - 0.01), 0.5, 1e-12);
+}
+
+/// 10 mm deep as the run begins: it leaves by 1 mm a step. What comes in later leaves whole.
+TEST(ContactRows, WhatOverlapsAsTheRunBeginsIsLaidOutSlowly) {
+  ContactRowSolver solver({1, 1, 1, 1, 1, 1});
+  std::vector<Vec3> at = {Vec3(0, 0, -0.01), Vec3(0, 0, -0.01), Vec3(0, 0, -0.01),
+                          Vec3(0, 0, 1),     Vec3(0, 0, 1),     Vec3(0, 0, 1)};
+  std::vector<Vec3> start = at;
+  ContactRow other = face_row();
+  other.nodes = {3, 4, 5, 0};
+  const auto step = [&](double most_m) {
+    std::vector<ContactRow> rows = {face_row(), other};
+    solver.lay_out_slowly(rows, start, at, most_m);
+    solver.solve(rows, start, at);
+  };
+  for (int i = 1; i <= 10; ++i) {
+    step(0.001);
+    EXPECT_NEAR(gap_m(face_row(), at), -0.01 + 0.001 * i, 1e-16);
+    EXPECT_NEAR((at[0] - start[0]).norm(), 0, 1e-16);
+  }
+  for (std::size_t node = 3; node < 6; ++node) at[node].z() = start[node].z() = -0.01;
+  step(0.001);
+  EXPECT_NEAR(gap_m(other, at), 0, 1e-16);
+}
+
+TEST(ContactRows, WithoutALimitWhatOverlapsIsCorrectedAtOnce) {
+  ContactRowSolver solver({1, 1, 1});
+  std::vector<Vec3> at(3, Vec3(0, 0, -0.01));
+  std::vector<Vec3> start = at;
+  std::vector<ContactRow> rows = {face_row()};
+  solver.lay_out_slowly(rows, start, at, std::numeric_limits<double>::infinity());
+  solver.solve(rows, start, at);
+  EXPECT_NEAR(gap_m(face_row(), at), 0, 1e-16);
 }
 
 TEST(ContactRows, RowsEndWithTheirOwnSteps) {
