@@ -340,6 +340,9 @@ class CaseRunner {
     if (m_scene.attach_at_first_contact && m_result.bound_nodes.empty()) {
       reasons.emplace_back("no node touches a bone at rest, and so none is bound (attachment = \"first_contact\")");
     }
+    for (const SceneWarning& warning : m_scene.warnings) {
+      if (warning.rule == "unit") reasons.push_back(warning.text);  // bodies of two units meet nowhere
+    }
     if (m_result.status == "ok" && !reasons.empty()) {
       m_result.status = "suspect";
       m_result.status_detail = fmt::format("{}", fmt::join(reasons, "; "));

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <filesystem>
-#include <iterator>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -77,7 +76,7 @@ void note_backends(Scene& scene) {
 }
 
 /// `report` shows what is not done in a moment.
-CheckOptions check_options(const CheckRequest& request, Scene& scene, std::vector<std::string>& warnings,
+CheckOptions check_options(const CheckRequest& request, Scene& scene, std::vector<SceneWarning>& warnings,
                            Progress& progress) {
   CheckOptions options;
   options.report = [&progress](int done, int total) { progress.show(done * check_steps / total); };
@@ -92,7 +91,9 @@ CheckOptions check_options(const CheckRequest& request, Scene& scene, std::vecto
     const std::vector<ResponseKind> responses =
         choose_responses(request.backend.response, scene, backend, parameters, colliders);
     require_what_effects_need(scene, backend, parameters, responses, colliders);
-    std::ranges::copy(effects_without_contacts(scene, backend, parameters, colliders), std::back_inserter(warnings));
+    for (const std::string& line : effects_without_contacts(scene, backend, parameters, colliders)) {
+      warnings.push_back({"no_contacts", line});
+    }
   } catch (const InputError& obstacle) {
     scene.obstacles.emplace_back(obstacle.what());
   }
@@ -125,12 +126,12 @@ void print_attachments(const Scene& scene) {
   }
 }
 
-void print_verdict(const Scene& scene, const std::vector<std::string>& warnings, const Findings& findings) {
+void print_verdict(const Scene& scene, const std::vector<SceneWarning>& warnings, const Findings& findings) {
   for (const std::string& obstacle : scene.obstacles) {
     fmt::print("can't be run: {}\n", obstacle);
   }
-  for (const std::string& warning : warnings) {
-    fmt::print("warning: {}\n", warning);
+  for (const SceneWarning& warning : warnings) {
+    fmt::print("warning: {}\n", warning.text);
   }
   for (const AddedEffect& added : scene.auto_effects.added) {
     fmt::print("added {} [{}]: {}\n", added.effect, added.rule, added.reason);
@@ -146,7 +147,7 @@ void print_verdict(const Scene& scene, const std::vector<std::string>& warnings,
 /// Whether the scene can be run.
 bool check_scene_of(const CheckRequest& request) {
   Scene scene = load_scene(request.scene);
-  std::vector<std::string> warnings = scene_warnings(scene);
+  std::vector<SceneWarning> warnings = scene_warnings(scene);
   Findings findings;
   {
     Progress progress(progress_style(false), "check " + scene.name, check_steps);

@@ -54,19 +54,17 @@ Scene load_scene(const SceneOptions& options) {
   };
   Scene scene = load_scene(choice);
   progress.reset();
-  print_warnings(scene);
+  scene.warnings = warnings_of(scene);
+  print_warnings(scene.name, scene.warnings);
   for (const AddedEffect& added : scene.auto_effects.added) {
     fmt::print(stderr, "musclebench: {}: added {} [{}]: {}\n", scene.name, added.effect, added.rule, added.reason);
   }
   return scene;
 }
 
-void print_warnings(const Scene& scene) {
-  for (const std::string& warning : scene_warnings(scene)) {
-    fmt::print(stderr, "musclebench: warning: {}: {}\n", scene.name, warning);
-  }
-  for (const Finding& finding : check_scene(scene, {.only_quick = true})) {
-    fmt::print(stderr, "musclebench: warning: {}: {}\n", scene.name, text_of(finding));
+void print_warnings(const std::string& scene, const std::vector<SceneWarning>& warnings) {
+  for (const SceneWarning& warning : warnings) {
+    fmt::print(stderr, "musclebench: warning: {}: {}\n", scene, warning.text);
   }
 }
 

@@ -28,9 +28,9 @@ std::map<std::string, ParameterValue> loop_overrides(const SceneOptions& options
 /// With all that the options say of it. Throws InputError.
 SceneChoice choice_of(const SceneOptions& options);
 
-/// Reads the scene and prints its warnings. Throws InputError.
+/// Reads the scene, notes and prints its warnings. Throws InputError.
 Scene load_scene(const SceneOptions& options);
-void print_warnings(const Scene& scene);
+void print_warnings(const std::string& scene, const std::vector<SceneWarning>& warnings);
 
 /// How a command line names a backend.
 struct BackendOptions {

@@ -165,14 +165,15 @@ int run(RunOptions options) {
   if (options.fibres_if_possible >= 0) {
     options.scene.choice.fibres = {options.fibres_if_possible, "--fibres-if-possible", false};
   }
-  const Scene scene = load_scene(options.scene);
+  Scene scene = load_scene(options.scene);
   std::sort(options.snapshots.begin(), options.snapshots.end());
   const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
   const std::vector<ResponseKind> responses =
       choose_responses(options.backend.response, scene, backend, parameters, colliders);
   require_what_effects_need(scene, backend, parameters, responses, colliders);
   for (const std::string& line : effects_without_contacts(scene, backend, parameters, colliders)) {
-    fmt::print(stderr, "musclebench: warning: {}\n", line);
+    print_warnings(scene.name, {{"no_contacts", line}});
+    scene.warnings.push_back({"no_contacts", line});
   }
   RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, responses, colliders}};
   run_of.judge = !options.unjudged;

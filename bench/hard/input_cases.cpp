@@ -138,10 +138,10 @@ HardCell wrong_unit(const HardRequest& request) {
           scaled_by(factor, scene.bones[bone].surface.mesh.vertices);
           scaled_by(factor, scene.bone_meshes[bone].mesh.vertices);
         }
-        const std::vector<std::string> said = scene_warnings(scene);
+        const std::vector<SceneWarning> said = scene_warnings(scene);
         const std::string unit = factor == 1000.0 ? "millimetre" : "centimetre";
-        silent +=
-            std::ranges::none_of(said, [&](const std::string& line) { return line.find(unit) != std::string::npos; });
+        silent += std::ranges::none_of(
+            said, [&](const SceneWarning& warning) { return warning.text.find(unit) != std::string::npos; });
       }
     }
     return judged({{"scenes in mm or cm, or with a muscle in mm or cm, of which nothing names the unit",

@@ -20,8 +20,16 @@ Json json_of_added(const Scene& scene) {
   return added;
 }
 
-Json json_of_check(const Scene& scene, const std::vector<std::string>& warnings, const std::vector<Finding>& findings) {
-  Json json = {{"scene", scene.name}, {"preset", scene.preset}, {"obstacles", scene.obstacles}, {"warnings", warnings}};
+Json json_of(const std::vector<SceneWarning>& warnings) {
+  Json json = Json::array();
+  for (const SceneWarning& warning : warnings) json.push_back({{"rule", warning.rule}, {"text", warning.text}});
+  return json;
+}
+
+Json json_of_check(const Scene& scene, const std::vector<SceneWarning>& warnings,
+                   const std::vector<Finding>& findings) {
+  Json json = {{"scene", scene.name}, {"preset", scene.preset}, {"obstacles", scene.obstacles}};
+  json["warnings"] = json_of(warnings);
   json["added_effects"] = json_of_added(scene);
   json["findings"] = Json::array();
   for (const Finding& finding : findings) json["findings"].push_back(json_of(finding));

@@ -2,6 +2,7 @@
 
 #include "bench/results/manifest.hpp"
 #include "core/scene/check/finding.hpp"
+#include "core/scene/scene_warning.hpp"
 
 namespace musclebench {
 
@@ -11,8 +12,11 @@ Json json_of(const Finding& finding);
 /// What `effects = "auto"` added: `effect`, `rule`, `reason`, in the order of the checker's rules.
 Json json_of_added(const Scene& scene);
 
-/// What `check --json` prints of a scene: `warnings` and `obstacles` as texts, `added_effects` and
-/// `findings` as objects.
-Json json_of_check(const Scene& scene, const std::vector<std::string>& warnings, const std::vector<Finding>& findings);
+/// `rule`, `text` of each.
+Json json_of(const std::vector<SceneWarning>& warnings);
+
+/// What `check --json` prints of a scene: `obstacles` as texts, `warnings`,
+/// `added_effects` and `findings` as objects.
+Json json_of_check(const Scene& scene, const std::vector<SceneWarning>& warnings, const std::vector<Finding>& findings);
 
 }  // namespace musclebench

@@ -113,6 +113,8 @@ constexpr auto own_keys = std::to_array<ManifestKey>({
     everywhere("machine.governor", "", "of the first core's frequency"),
     everywhere("machine.clock_resolution_ns", "ns", "of the clock that times"),
     of_run("notes[]", "", "what a reader should know beside status_detail, in sentences"),
+    of_run("warnings[].rule", "", "what is odd about the scene: id of the rule that found it"),
+    of_run("warnings[].text", "", "in one line"),
     of_run("added_effects[].effect", "", "what `effects = \"auto\"` added: an effect, or contact of two muscles"),
     of_run("added_effects[].rule", "", "id of the checker's rule that asked for it"),
     of_run("added_effects[].reason", "", "what it found"),

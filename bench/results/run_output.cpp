@@ -159,6 +159,7 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["muscle"]["pressure"] = result.rest.pressure;
   json["muscle"]["mean_edge_length_m"] = result.rest.mean_edge_length_m;
   json["muscle"]["free_nodes"] = result.rest.free_nodes;
+  json["warnings"] = json_of(run.scene.warnings);
   if (run.scene.auto_effects.wanted) json["added_effects"] = json_of_added(run.scene);
   json["notes"] = result.notes;
   json["machine_state"] = json_of(result.machine);

@@ -1,9 +1,13 @@
 #include "core/scene/bone_motion.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <sstream>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -79,6 +83,30 @@ double number_at(const std::string& word, const std::string& location) {
   return value;
 }
 
+/// What a line of the header tells of `key`, as "nRows=3", "nRows = 3" or, of older files, "datarows 3"; none for other
+/// lines.
+std::optional<std::size_t> told_count(std::string line, const std::array<std::string_view, 2>& keys) {
+  std::ranges::replace(line, '=', ' ');
+  const std::vector<std::string> words = words_of(line);
+  if (words.size() != 2 || std::ranges::find(keys, words[0]) == keys.end()) return std::nullopt;
+  std::size_t count = 0;
+  const auto [end, error] = std::from_chars(words[1].data(), words[1].data() + words[1].size(), count);
+  const bool is_number = error == std::errc() && end == words[1].data() + words[1].size();
+  return is_number ? std::optional(count) : std::nullopt;
+}
+
+/// A file that was cut between two rows looks whole.
+void require_told(const std::filesystem::path& path, std::optional<std::size_t> told, std::size_t found,
+                  std::string_view what) {
+  if (!told || *told == found) return;
+  throw InputError(path.string(), fmt::format("its header tells {} {}, and it has {}: the file was cut, or the header "
+                                              "is of another; mend whichever is wrong",
+                                              *told, what, found));
+}
+
+constexpr std::array<std::string_view, 2> row_keys = {"nRows", "datarows"};
+constexpr std::array<std::string_view, 2> column_keys = {"nColumns", "datacolumns"};
+
 }  // namespace
 
 MotionTable read_motion_table(const std::filesystem::path& path, const std::string& column) {
@@ -90,6 +118,8 @@ MotionTable read_motion_table(const std::filesystem::path& path, const std::stri
   int line_number = 0;
   bool in_rows = false;
   bool in_degrees = true;
+  std::optional<std::size_t> told_rows;
+  std::optional<std::size_t> told_columns;
   for (std::string line; std::getline(file, line);) {
     const std::string location = fmt::format("{}:{}", path.string(), ++line_number);
     const std::vector<std::string> words = words_of(line);
@@ -98,6 +128,8 @@ MotionTable read_motion_table(const std::filesystem::path& path, const std::stri
     }
     if (!in_rows) {
       in_rows = words.front() == "endheader";
+      if (const auto rows = told_count(line, row_keys)) told_rows = rows;
+      if (const auto columns = told_count(line, column_keys)) told_columns = columns;
       in_degrees = in_degrees && words.front() != "inDegrees=no";
       continue;
     }
@@ -124,6 +156,8 @@ MotionTable read_motion_table(const std::filesystem::path& path, const std::stri
   if (table.times.size() < 2) {
     throw InputError(path.string(), "holds fewer than two rows after 'endheader'; is it an OpenSim motion file?");
   }
+  require_told(path, told_columns, header.size(), "columns");
+  require_told(path, told_rows, table.times.size(), "rows");
   return table;
 }
 

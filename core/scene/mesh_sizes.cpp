@@ -127,7 +127,7 @@ std::string unit_cure(const std::optional<Unit>& unit, std::string_view whose) {
               : std::string("coordinates are metres; scale by what their unit is");
 }
 
-void warn_of_units(const std::vector<MeasuredMesh>& meshes, std::vector<std::string>& warnings) {
+void warn_of_units(const std::vector<MeasuredMesh>& meshes, std::vector<SceneWarning>& warnings) {
   Eigen::AlignedBox3d plausible;
   Eigen::AlignedBox3d all;
   for (const MeasuredMesh& mesh : meshes) {
@@ -143,30 +143,31 @@ void warn_of_units(const std::vector<MeasuredMesh>& meshes, std::vector<std::str
     }
     const auto largest = std::max_element(meshes.begin(), meshes.end(),
                                           [](const auto& a, const auto& b) { return a.size_m() < b.size_m(); });
-    warnings.push_back(fmt::format("all meshes are implausibly large ({}): {}", fmt::join(sizes, ", "),
-                                   unit_cure(likely_unit(*largest, {}), "their")));
+    warnings.push_back({"unit", fmt::format("all meshes are implausibly large ({}): {}", fmt::join(sizes, ", "),
+                                            unit_cure(likely_unit(*largest, {}), "their"))});
     return;
   }
   for (const MeasuredMesh& mesh : meshes) {
     if (mesh.is_too_large()) {
-      warnings.push_back(fmt::format("{} is {:.3g} m large, out of step with the other meshes ({:.3g} m): {}",
-                                     mesh.name, mesh.size_m(), plausible.diagonal().norm(),
-                                     unit_cure(likely_unit(mesh, plausible), "its")));
+      warnings.push_back({"unit", fmt::format("{} is {:.3g} m large, out of step with the other meshes ({:.3g} m): {}",
+                                              mesh.name, mesh.size_m(), plausible.diagonal().norm(),
+                                              unit_cure(likely_unit(mesh, plausible), "its"))});
     } else if (mesh.size_m() < smallest_m) {
-      warnings.push_back(
-          fmt::format("{} is {:.3g} mm large: was it scaled to metres twice?", mesh.name, 1e3 * mesh.size_m()));
+      warnings.push_back({"unit", fmt::format("{} is {:.3g} mm large: was it scaled to metres twice?", mesh.name,
+                                              1e3 * mesh.size_m())});
     }
   }
 }
 
-void warn_of_far_meshes(const std::vector<MeasuredMesh>& meshes, std::vector<std::string>& warnings) {
+void warn_of_far_meshes(const std::vector<MeasuredMesh>& meshes, std::vector<SceneWarning>& warnings) {
   constexpr double far = 5;  // sizes
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const MeasuredMesh& mesh = meshes[i];
     if (mesh.stray_vertices > 0) {
       warnings.push_back(
-          fmt::format("{} has {} {} far outside the rest of it, up to {:.3g} m away: check its coordinates", mesh.name,
-                      mesh.stray_vertices, mesh.stray_vertices == 1 ? "vertex" : "vertices", mesh.stray_distance_m));
+          {"far_mesh",
+           fmt::format("{} has {} {} far outside the rest of it, up to {:.3g} m away: check its coordinates", mesh.name,
+                       mesh.stray_vertices, mesh.stray_vertices == 1 ? "vertex" : "vertices", mesh.stray_distance_m)});
     }
     Eigen::AlignedBox3d others;
     for (std::size_t j = 0; j < meshes.size(); ++j) {
@@ -182,13 +183,14 @@ void warn_of_far_meshes(const std::vector<MeasuredMesh>& meshes, std::vector<std
     const double gap_m = mesh.box.exteriorDistance(others);
     if (gap_m > far * std::max(mesh.size_m(), others.diagonal().norm())) {
       warnings.push_back(
-          fmt::format("{} is {:.3g} m away from the other meshes: are they in one frame and unit?", mesh.name, gap_m));
+          {"far_mesh", fmt::format("{} is {:.3g} m away from the other meshes: are they in one frame and unit?",
+                                   mesh.name, gap_m)});
     }
   }
 }
 
 void warn_of_far_centres(const Scene& scene, const std::vector<MeasuredMesh>& meshes,
-                         std::vector<std::string>& warnings) {
+                         std::vector<SceneWarning>& warnings) {
   Eigen::AlignedBox3d all;
   for (const MeasuredMesh& mesh : meshes) {
     all.extend(mesh.box);
@@ -198,8 +200,9 @@ void warn_of_far_centres(const Scene& scene, const std::vector<MeasuredMesh>& me
     for (const BoneRotation& rotation : scene.motions[bone].rotations) {
       const double distance_m = all.exteriorDistance(rotation.centre_m);
       if (distance_m > far * all.diagonal().norm()) {
-        warnings.push_back(fmt::format("bone '{}' turns about a point {:.3g} m away from all meshes: check centre_m",
-                                       scene.bones[bone].name, distance_m));
+        warnings.push_back(
+            {"far_centre", fmt::format("bone '{}' turns about a point {:.3g} m away from all meshes: check centre_m",
+                                       scene.bones[bone].name, distance_m)});
       }
     }
   }
@@ -207,9 +210,9 @@ void warn_of_far_centres(const Scene& scene, const std::vector<MeasuredMesh>& me
 
 }  // namespace
 
-std::vector<std::string> size_warnings(const Scene& scene) {
+std::vector<SceneWarning> size_warnings(const Scene& scene) {
   const std::vector<MeasuredMesh> meshes = measure(scene);
-  std::vector<std::string> warnings;
+  std::vector<SceneWarning> warnings;
   warn_of_units(meshes, warnings);
   warn_of_far_meshes(meshes, warnings);
   warn_of_far_centres(scene, meshes, warnings);

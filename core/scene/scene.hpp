@@ -15,6 +15,7 @@
 #include "core/pbd/simulation.hpp"
 #include "core/scene/attachment_area.hpp"
 #include "core/scene/bone_motion.hpp"
+#include "core/scene/scene_warning.hpp"
 
 namespace musclebench {
 
@@ -132,6 +133,8 @@ struct Scene {
   int fibre_count = 0;                            ///< of each muscle, to be followed; 0: none
   bool fibres_are_required = true;                ///< false: where none can run, the run goes on without
   std::string fibres_refused = {};                ///< why it does; empty: it does not
+  /// What is odd about it and its effects, noted where it was loaded to be run.
+  std::vector<SceneWarning> warnings = {};
   /// What keeps the scene from being run, where its reader was told to go on all the same (SceneRequest).
   std::vector<std::string> obstacles;
 

@@ -16,12 +16,12 @@ namespace musclebench {
 
 namespace {
 
-using Lines = std::vector<std::string>;
+using Warnings = std::vector<SceneWarning>;
 
-void warn_of_muscle_files(const Scene& scene, Lines& warnings) {
+void warn_of_muscle_files(const Scene& scene, Warnings& warnings) {
   for (const Muscle& muscle : scene.muscles) {
     for (const std::string& change : muscle.changes) {
-      warnings.push_back(fmt::format("muscle '{}': {}", muscle.body.name, change));
+      warnings.push_back({"cleaned_muscle", fmt::format("muscle '{}': {}", muscle.body.name, change)});
     }
   }
 }
@@ -51,7 +51,7 @@ Pieces pieces_of(const Scene& scene, const Body& body) {
   return pieces;
 }
 
-void warn_of_pieces(const Scene& scene, Lines& warnings) {
+void warn_of_pieces(const Scene& scene, Warnings& warnings) {
   for (const Muscle& muscle : scene.muscles) {
     const Pieces pieces = pieces_of(scene, muscle.body);
     if (pieces.count < 2) {
@@ -59,35 +59,58 @@ void warn_of_pieces(const Scene& scene, Lines& warnings) {
     }
     const std::string unbound =
         scene.attachments.empty() ? std::string() : fmt::format(", {} of them without a bound node", pieces.unbound);
-    warnings.push_back(fmt::format("muscle '{}' is in {} separate pieces{}: nothing holds them together",
-                                   muscle.body.name, pieces.count, unbound));
+    warnings.push_back({"pieces", fmt::format("muscle '{}' is in {} separate pieces{}: nothing holds them together",
+                                              muscle.body.name, pieces.count, unbound)});
   }
 }
 
-void warn_of_muscle_surfaces(const Scene& scene, Lines& warnings) {
+void warn_of_muscle_surfaces(const Scene& scene, Warnings& warnings) {
   for (const Muscle& muscle : scene.muscles) {
     const std::string which = scene.muscles.size() == 1 ? "" : fmt::format(" '{}'", muscle.body.name);
     const MeshReport report = check_mesh(scene.mesh_of(muscle.body));
     if (report.volume_m3 < 0) {
-      warnings.push_back(fmt::format("the muscle{} is wound inwards (negative volume): turn its triangles", which));
+      warnings.push_back(
+          {"inward_muscle", fmt::format("the muscle{} is wound inwards (negative volume): turn its triangles", which)});
     }
   }
 }
 
+/// Its inside is told by winding numbers, which cost a walk through all of a tree: 12 triangles gone from 60,000 make a
+/// frame forty times as long.
+void warn_of_open_bones(const Scene& scene, Warnings& warnings) {
+  for (const Bone& bone : scene.bones) {
+    const auto open = std::ranges::find_if(bone.surface.changes,
+                                           [](const std::string& change) { return change.starts_with("left open"); });
+    if (open == bone.surface.changes.end()) continue;
+    warnings.push_back({"open_bone", fmt::format("bone '{}': {}: in and out are less certain beside its holes, and "
+                                                 "exact contact is slower; close them",
+                                                 bone.name, *open)});
+  }
+}
+
+std::string what_becomes_of_overlap(const LoopParameters& loop) {
+  if (loop.settle_substeps > 0) return "they are laid out of it before the first frame";
+  if (loop.depenetration_m_per_s == 0) {
+    return "the first contact throws them out; [loop] settle_substeps = 30 lays them out of it";
+  }
+  return fmt::format(
+      "contacts lay them out of it at {:.3g} mm/s in the first frames; [loop] settle_substeps = 30 does "
+      "so before them",
+      1e3 * loop.depenetration_m_per_s);
+}
+
 /// Nodes that collide before the first frame are bound where the scene asks for that.
-void warn_of_overlaps(const Scene& scene, Lines& warnings) {
+void warn_of_overlaps(const Scene& scene, Warnings& warnings) {
   if (scene.attach_at_first_contact) {
     return;
   }
   const std::vector<RestOverlap> overlaps = free_overlaps_at_rest(scene);
   for (std::size_t bone = 0; bone < overlaps.size(); ++bone) {
     if (overlaps[bone].nodes > 0) {
-      warnings.push_back(fmt::format(
-          "{} of {} nodes begin inside bone '{}' without being bound, {:.3g} mm deep: {}", overlaps[bone].nodes,
-          scene.muscle_mesh.vertices.size(), scene.bones[bone].name, 1e3 * overlaps[bone].deepest_m,
-          scene.loop.settle_substeps > 0
-              ? "they are laid out of it before the first frame"
-              : "the first contact throws them out; [loop] settle_substeps = 30 lays them out of it"));
+      warnings.push_back({"overlap_with_bone",
+                          fmt::format("{} of {} nodes begin inside bone '{}' without being bound, {:.3g} mm deep: {}",
+                                      overlaps[bone].nodes, scene.muscle_mesh.vertices.size(), scene.bones[bone].name,
+                                      1e3 * overlaps[bone].deepest_m, what_becomes_of_overlap(scene.loop))});
     }
   }
 }
@@ -98,56 +121,59 @@ std::string pair_names(const Scene& scene, const MusclePair& pair) {
                      scene.muscles[static_cast<std::size_t>(pair.second)].body.name);
 }
 
-void warn_of_muscle_pairs(const Scene& scene, Lines& warnings) {
+void warn_of_muscle_pairs(const Scene& scene, Warnings& warnings) {
   if (scene.muscles.size() > 1 && scene.muscle_pairs.empty()) {
-    warnings.push_back(
-        fmt::format("{} muscles, none of which touches another: they pass through each other; let them "
-                    "collide with [contact] muscle_contact = true, or name two in a [[pair]]",
-                    scene.muscles.size()));
+    warnings.push_back({"muscle_pairs",
+                        fmt::format("{} muscles, none of which touches another: they pass through each other; let them "
+                                    "collide with [contact] muscle_contact = true, or name two in a [[pair]]",
+                                    scene.muscles.size())});
   }
   const std::vector<RestOverlap> overlaps = muscle_overlaps_at_rest(scene);
   for (std::size_t i = 0; i < overlaps.size(); ++i) {
     if (overlaps[i].nodes > 0) {
-      warnings.push_back(fmt::format(
-          "muscles {} overlap at rest: {} nodes, {:.3g} mm deep; the first steps lay them "
-          "apart",
-          pair_names(scene, scene.muscle_pairs[i].muscles), overlaps[i].nodes, 1e3 * overlaps[i].deepest_m));
+      warnings.push_back(
+          {"muscle_pairs", fmt::format("muscles {} overlap at rest: {} nodes, {:.3g} mm deep; the first steps lay them "
+                                       "apart",
+                                       pair_names(scene, scene.muscle_pairs[i].muscles), overlaps[i].nodes,
+                                       1e3 * overlaps[i].deepest_m)});
     }
   }
 }
 
-void warn_of_attachments(const Scene& scene, Lines& warnings) {
+void warn_of_attachments(const Scene& scene, Warnings& warnings) {
   for (const Attachment& attachment : scene.attachments) {
     if (attachment.nodes.empty()) {
       const std::string place = attachment.location.empty() ? "" : attachment.location + ": ";
-      warnings.push_back(place + describe_empty_attachment(scene, attachment));
+      warnings.push_back({"empty_attachment", place + describe_empty_attachment(scene, attachment)});
     }
   }
 }
 
-void warn_of_late_time_steps(const Scene& scene, Lines& warnings) {
+void warn_of_late_time_steps(const Scene& scene, Warnings& warnings) {
   for (const TimeStepChange& change : scene.loop.time_step_changes) {
     if (change.from_frame <= scene.loop.frames) continue;
-    warnings.push_back(fmt::format("the time step changes from frame {} on, and the run has {}: it never does",
-                                   change.from_frame, scene.loop.frames));
+    warnings.push_back(
+        {"late_time_step", fmt::format("the time step changes from frame {} on, and the run has {}: it never does",
+                                       change.from_frame, scene.loop.frames)});
   }
 }
 
-void warn_of_motions(const Scene& scene, Lines& warnings) {
+void warn_of_motions(const Scene& scene, Warnings& warnings) {
   if (std::abs(scene.angle_rad(0)) > 1e-9) {
     warnings.push_back(
-        fmt::format("the motion starts at {:.3g} degrees from the pose of the meshes: the bones jump there in "
-                    "the first frame",
-                    scene.angle_rad(0) * degrees_per_radian));
+        {"motion",
+         fmt::format("the motion starts at {:.3g} degrees from the pose of the meshes: the bones jump there in "
+                     "the first frame",
+                     scene.angle_rad(0) * degrees_per_radian)});
   }
   for (std::size_t bone = 0; bone < scene.motions.size(); ++bone) {
     for (const BoneRotation& rotation : scene.motions[bone].rotations) {
       const auto [least, largest] = std::ranges::minmax(rotation.angles_rad);
       if (largest - least > 2 * std::numbers::pi * (1 + 1e-9)) {
-        warnings.push_back(fmt::format(
-            "bone '{}' turns by {:.4g} degrees, more than a full turn: check its angles (of a table, that its line "
-            "inDegrees tells their unit)",
-            scene.bones[bone].name, (largest - least) * degrees_per_radian));
+        warnings.push_back({"motion", fmt::format("bone '{}' turns by {:.4g} degrees, more than a full turn: check its "
+                                                  "angles (of a table, that its line "
+                                                  "inDegrees tells their unit)",
+                                                  scene.bones[bone].name, (largest - least) * degrees_per_radian)});
       }
     }
   }
@@ -180,7 +206,8 @@ std::string describe_missing_fibres(const Scene& scene, std::size_t muscle) {
     return fmt::format("{}, and the scene has no [[attachment]]{}", needs,
                        scene.muscles.size() == 1 ? "" : fmt::format(" of muscle '{}'", body.name));
   }
-  Lines counts = size_warnings(scene);  // a wrong unit explains the rest
+  std::vector<std::string> counts;
+  for (const SceneWarning& size : size_warnings(scene)) counts.push_back(size.text);  // a wrong unit explains the rest
   std::vector<int> bones;
   for (const Attachment& attachment : scene.attachments) {
     if (attachment.muscle != muscle) continue;
@@ -207,10 +234,11 @@ std::string describe_missing_fibres(const Scene& scene, std::size_t muscle) {
   return fmt::format("{}: {}", needs, fmt::join(counts, "; "));
 }
 
-std::vector<std::string> scene_warnings(const Scene& scene) {
-  Lines warnings = size_warnings(scene);
+std::vector<SceneWarning> scene_warnings(const Scene& scene) {
+  Warnings warnings = size_warnings(scene);
   warn_of_muscle_files(scene, warnings);
   warn_of_pieces(scene, warnings);
+  warn_of_open_bones(scene, warnings);
   warn_of_attachments(scene, warnings);
   warn_of_overlaps(scene, warnings);
   warn_of_muscle_pairs(scene, warnings);

@@ -314,6 +314,19 @@ def test_odd_scenes_are_warned_of(folder):
     assert "starts at 5 degrees" in errors
 
 
+def test_warnings_are_in_the_result_and_a_wrong_unit_is_no_ok_run(folder):
+    done = run(folder, backend="bvh")
+    [overlap] = json.loads((folder / "out/run.json").read_text())["warnings"]
+    assert overlap["rule"] == "overlap_with_bone" and overlap["text"] in done.stderr
+    vertices, triangles = ball(20, [5, 0, 48.5])
+    (folder / "ball.off").write_text(off(vertices, triangles))
+    done = run(folder, "--force", backend="bvh")
+    manifest = json.loads((folder / "out/run.json").read_text())
+    [warning] = [each for each in manifest["warnings"] if each["rule"] == "unit"]
+    assert "millimetres" in warning["text"] and warning["text"] in done.stderr
+    assert manifest["status"] == "suspect" and warning["text"] in manifest["status_detail"]
+
+
 def test_a_blow_up_keeps_its_rows(folder):
     (folder / "scene.toml").write_text(
         SCENE.replace("[effects.gravity]", "[effects.gravity]\nz_m_per_s2 = -1e6\n")

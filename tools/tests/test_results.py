@@ -11,6 +11,15 @@ from musclebench.paper import published
 from musclebench.results import ply, run_folder
 
 
+def test_a_table_counts_what_the_program_warned_of(tmp_path):
+    folder = fake_runs.write_run(tmp_path / "r", "lhdl/iliacus", "sdf", frames=4)
+    assert run_folder.runs_table([run_folder.read_run(folder)]).iloc[0]["warnings"] is None  # of before
+    record = json.loads((folder / "run.json").read_text())
+    for warnings in ([], [{"rule": "unit", "text": "x"}, {"rule": "pieces", "text": "y"}]):
+        (folder / "run.json").write_text(json.dumps(record | {"warnings": warnings}))
+        assert run_folder.runs_table([run_folder.read_run(folder)]).iloc[0]["warnings"] == len(warnings)
+
+
 def test_every_complete_folder_gives_a_run(fake_raw):
     (fake_raw / ".half.12").mkdir()
     (fake_raw / ".half.12" / "run.json").write_text("{}")

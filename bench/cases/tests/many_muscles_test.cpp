@@ -61,8 +61,9 @@ TEST(ManyMuscles, MoveToTheBitAsIfEachWereAloneInAnyOrder) {
 
 TEST(ManyMuscles, ThatPassThroughEachOtherAreWarnedOf) {
   const auto mentions = [](const std::string& text, const std::string& what) {
-    return std::ranges::any_of(scene_warnings(read_scene(request(text))),
-                               [&](const std::string& line) { return line.find(what) != std::string::npos; });
+    return std::ranges::any_of(scene_warnings(read_scene(request(text))), [&](const SceneWarning& warning) {
+      return warning.text.find(what) != std::string::npos;
+    });
   };
   EXPECT_TRUE(mentions(both(), "pass through each other"));
   EXPECT_FALSE(mentions(all_touch + both(), "pass through each other"));

@@ -51,6 +51,16 @@ TEST(RunCaseStatus, IsOkWhereNothingHappens) {
   EXPECT_EQ(result.records.size(), 3U);
 }
 
+TEST(RunCaseStatus, IsSuspectWhereABodyIsInAnotherUnit) {
+  Scene scene = ball_against_ball(1, 0, 3);
+  scene.warnings = {{"pieces", "the muscle is in 2 separate pieces"}};
+  EXPECT_EQ(run_without_collision(scene).status, "ok");
+  scene.warnings.push_back({"unit", "the muscle is 40 m large"});
+  const RunResult result = run_without_collision(scene);
+  EXPECT_EQ(result.status, "suspect");
+  EXPECT_EQ(result.status_detail, "the muscle is 40 m large");
+}
+
 TEST(StartNoise, MovesFreeNodesByNoMoreAndAlwaysTheSame) {
   Scene scene = ball_against_ball(1, 0, 1);
   const RunResult still = run_without_collision(scene, false);

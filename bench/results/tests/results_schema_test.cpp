@@ -136,6 +136,7 @@ void add_fibres(Scene& scene, RunResult& result) {
 
 TEST(ResultsSchema, HoldsForARun) {
   Scene scene = scene_of_two();
+  scene.warnings = {{"a_rule", "a text"}};
   RunCase run = approximate_case(scene);
   run.snapshots = {0, 2};
   run.count_self_intersections = true;

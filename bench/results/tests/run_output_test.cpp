@@ -87,6 +87,18 @@ TEST(RunOutput, SaysWhichBonesWerePrunedAndWhy) {
   EXPECT_TRUE(manifest_in(folder.path() / "whole")["pruned"].empty());
 }
 
+TEST(RunOutput, KeepsWhatTheSceneWasWarnedOf) {
+  Scene scene = plain_scene();
+  scene.warnings = {{"a_rule", "a text"}, {"another", "of it"}};
+  const RunCase run = case_of(scene, "null");
+  const TemporaryFolder folder("run_output_warned");
+  write_run(folder.path() / "out", run, result_of(run));
+  const auto warnings = manifest_in(folder.path() / "out")["warnings"];
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_EQ(warnings[0]["rule"], "a_rule");
+  EXPECT_EQ(warnings[1]["text"], "of it");
+}
+
 TEST(RunOutput, SaysWhatWasAddedAndLeavesTheResolvedScene) {
   Scene scene = plain_scene();
   const TemporaryFolder folder("run_output_added");

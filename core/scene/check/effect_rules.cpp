@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <set>
+#include <span>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -109,6 +110,83 @@ void find_late_surface_contact(CheckContext& context, Findings& findings) {
       key_of("surface_contact", "interval"),
       fmt::format("lets {:.0f} collision steps pass between two searches, and the run has {:.0f}", interval, steps)));
   finding.figures = {{"interval", interval}, {"steps", steps}};
+}
+
+/// What effects leave out: they look at nodes in bones, while others hold faces, edges or muscles.
+struct PartialEffect {
+  std::string_view effect;
+  std::string_view other;
+  std::string_view what;
+};
+
+constexpr std::array partial_effects{
+    PartialEffect{"friction", "surface_contact",
+                  "rubs nodes only: what surface_contact holds at faces and edges slides without friction"},
+    PartialEffect{"friction", "self_contact", "rubs nodes in bones: parts of a muscle slide on each other without it"},
+    PartialEffect{"margin", "surface_contact",
+                  "keeps nodes at its thickness only: surface_contact lets faces and edges down to the bone"},
+    PartialEffect{"margin", "self_contact", "lies on bones only: self_contact has a thickness of its own"},
+};
+
+void find_partial_effects(CheckContext& context, Findings& findings) {
+  for (const auto& [effect, other, what] : partial_effects) {
+    if (!has_effect(context.scene, effect) || !has_effect(context.scene, other)) continue;
+    findings.push_back({.kind = FindingKind::acts_in_part, .where = key_of(effect), .what = std::string(what)});
+  }
+  if (has_effect(context.scene, "margin") && !context.scene.muscle_pairs.empty()) {
+    findings.push_back({.kind = FindingKind::acts_in_part,
+                        .where = key_of("margin"),
+                        .what = "lies on bones only: muscles come as near to each other as they like"});
+  }
+}
+
+/// The carrier of each node; -1: free.
+std::vector<int> carriers_of(const Scene& scene) {
+  std::vector<int> carriers(scene.muscle_mesh.vertices.size(), -1);
+  for (const BoundNode& bound : scene.bound_nodes()) carriers[static_cast<std::size_t>(bound.node)] = bound.bone;
+  return carriers;
+}
+
+/// Of a bone, the faces that have free corners and such as are bound to another bone, and that lie nearer to it than
+/// their longest edge.
+int bound_faces_near(const Scene& scene, int bone, std::span<const int> carriers) {
+  const TriangleMesh& mesh = scene.muscle_mesh;
+  const Bone& of_bone = scene.bones[static_cast<std::size_t>(bone)];
+  const Eigen::AlignedBox3d box = bounding_box(of_bone.surface.mesh.vertices);
+  int faces = 0;
+  for (const Triangle& triangle : mesh.triangles) {
+    const auto carrier = [&](int corner) { return carriers[static_cast<std::size_t>(corner)]; };
+    const auto position = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(triangle[k])]; };
+    if (std::ranges::any_of(triangle, [&](int corner) { return carrier(corner) == bone; })) continue;
+    const auto free = std::ranges::count_if(triangle, [&](int corner) { return carrier(corner) < 0; });
+    if (free == 0 || free == 3) continue;
+    const Vec3 centre = (position(0) + position(1) + position(2)) / 3;
+    const double edge_m = std::max(
+        {(position(0) - position(1)).norm(), (position(1) - position(2)).norm(), (position(2) - position(0)).norm()});
+    if (box.exteriorDistance(centre) > edge_m) continue;
+    const auto closest = of_bone.tree().closest_point(centre);
+    if (closest && closest->distance_m < edge_m) ++faces;
+  }
+  return faces;
+}
+
+/// A correction of such a face moves its free corners alone, by its gap over their share of the weight.
+void find_bound_faces_in_contact(CheckContext& context, Findings& findings) {
+  const Scene& scene = context.scene;
+  if (!has_effect(scene, "surface_contact") || scene.attachments.empty()) return;
+  const std::vector<int> carriers = carriers_of(scene);
+  for (int bone = 0; bone < static_cast<int>(scene.bones.size()); ++bone) {
+    const int faces = bound_faces_near(scene, bone, carriers);
+    if (faces == 0) continue;
+    findings.push_back(
+        {.kind = FindingKind::contradiction,
+         .where = fmt::format("effects.surface_contact, bone '{}'", scene.bones[static_cast<std::size_t>(bone)].name),
+         .what = fmt::format("{} faces near it have corners that are bound to another bone: pushing "
+                             "such a face out throws its free corners; outline smaller attachments, or "
+                             "leave the effect out",
+                             faces),
+         .figures = {{"faces", static_cast<double>(faces)}}});
+  }
 }
 
 void find_late_activation(CheckContext& context, Findings& findings) {
@@ -307,6 +385,8 @@ const std::vector<SceneRule>& effect_rules() {
       {"ignored_fibres", find_ignored_fibres},
       {"late_activation", find_late_activation},
       {"late_surface_contact", find_late_surface_contact},
+      {"partial_effect", find_partial_effects},
+      {"bound_faces", find_bound_faces_in_contact},
       {"attachment", find_attachments},
       {"edge_length", find_lacking_lengths},
       {"open_volume", find_volumes_of_open_muscles},

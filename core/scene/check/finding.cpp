@@ -11,6 +11,8 @@ std::string_view beginning_of(FindingKind kind) {
   switch (kind) {
     case FindingKind::cannot_act:
       return "can't act";
+    case FindingKind::acts_in_part:
+      return "acts in part";
     case FindingKind::contradiction:
       return "contradiction";
     default:
@@ -24,6 +26,8 @@ std::string_view name_of(FindingKind kind) {
   switch (kind) {
     case FindingKind::cannot_act:
       return "cannot_act";
+    case FindingKind::acts_in_part:
+      return "acts_in_part";
     case FindingKind::contradiction:
       return "contradiction";
     default:

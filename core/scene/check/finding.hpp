@@ -14,6 +14,7 @@ namespace musclebench {
 
 enum class FindingKind : std::uint8_t {
   cannot_act,     ///< the scene names it, and it has nothing to act on or changes nothing
+  acts_in_part,   ///< the scene names it, and there is something that it would have to act on and does not
   lacking,        ///< the scene calls for it and lacks it
   contradiction,  ///< two things that the scene names do not go together
 };

@@ -1,5 +1,6 @@
 #include "core/scene/check/scene_check.hpp"
 
+#include "core/scene/scene_warnings.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
@@ -54,6 +55,14 @@ Findings check_scene(const Scene& scene, const CheckOptions& options) {
     if (options.report) options.report(++done, static_cast<int>(rules.size()));
   }
   return findings;
+}
+
+std::vector<SceneWarning> warnings_of(const Scene& scene) {
+  std::vector<SceneWarning> warnings = scene_warnings(scene);
+  for (const Finding& finding : check_scene(scene, {.only_quick = true})) {
+    warnings.push_back({finding.id, text_of(finding)});
+  }
+  return warnings;
 }
 
 bool is_closed_muscle(const Scene& scene, std::size_t muscle) {

@@ -22,7 +22,7 @@ struct BoneCells {
 };
 
 struct CheckOptions {
-  bool only_quick = false;            ///< rules without geometry: microseconds
+  bool only_quick = false;            ///< rules about effects: without geometry but for what surface_contact needs, too
   std::vector<BoneCells> cells = {};  ///< one a bone; empty: no backend was chosen
   std::function<void(int done, int total)> report = {};
 };
@@ -54,7 +54,7 @@ struct SceneRule {
   void (*look)(CheckContext& context, Findings& findings);
 };
 
-/// Rules about what effects and parameters say, which look at no geometry.
+/// Rules about what effects and parameters say.
 const std::vector<SceneRule>& effect_rules();
 /// Rules about how bones and muscles lie and move.
 const std::vector<SceneRule>& geometry_rules();
@@ -62,6 +62,9 @@ const std::vector<SceneRule>& geometry_rules();
 /// What the scene names and can't act, what contradicts itself, and what the scene calls for and lacks. All figures
 /// come from geometry: nothing is simulated.
 Findings check_scene(const Scene& scene, const CheckOptions& options = {});
+
+/// What a run of the scene is warned of, and its result keeps: `scene_warnings` and what `check_scene` quickly finds.
+std::vector<SceneWarning> warnings_of(const Scene& scene);
 
 /// A muscle's surface, whose inside can be told.
 bool is_closed_muscle(const Scene& scene, std::size_t muscle);

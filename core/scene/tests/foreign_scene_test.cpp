@@ -93,9 +93,10 @@ std::string plain_text() { return std::string("preset = \"p\"\n") + bone_text + 
 
 std::string warnings_of(const Scene& scene) {
   std::string all;
-  for (const std::string& warning : scene_warnings(scene)) {
-    EXPECT_EQ(warning.find('\n'), std::string::npos);
-    all += warning + "\n";
+  for (const SceneWarning& warning : scene_warnings(scene)) {
+    EXPECT_EQ(warning.text.find('\n'), std::string::npos);
+    EXPECT_FALSE(warning.rule.empty());
+    all += warning.text + "\n";
   }
   return all;
 }
@@ -329,6 +330,31 @@ TEST(ForeignScene, MoreBodiesThanAnySceneHasAreRefusedBeforeOneIsRead) {
     const std::string message = error_of(request(text));
     EXPECT_NE(message.find(kind + ": lists 1001 of them"), std::string::npos) << message;
   }
+}
+
+/// The same side twice, and a plane alone: neither has an inside.
+TEST(ForeignScene, ABoneWithoutVolumeIsRefused) {
+  Meshes sheet;
+  sheet.box = make_box(Vec3(0.02, 0.03, 0.01), 4);
+  for (Vec3& vertex : sheet.box.vertices) vertex.z() = 0.01 + 1e-9 * vertex.z();
+  expect_mentions(error_of(request(plain_text(), sheet)), {"test.toml", "bone", "synthetic:box", "no volume"});
+  sheet.box = make_box(Vec3(0.02, 0.03, 2e-6), 4);  // a foil of 4 um has one
+  EXPECT_NO_THROW((void)scene_of(plain_text(), sheet));
+}
+
+TEST(ForeignScene, ABoneWithSmallHolesIsWarnedOf) {
+  Meshes meshes;
+  meshes.box = make_sphere(0.01, 4);
+  EXPECT_EQ(warnings_of(scene_of(plain_text(), meshes)), "");
+  meshes.box.triangles.erase(meshes.box.triangles.begin() + 7);
+  expect_mentions(warnings_of(scene_of(plain_text(), meshes)), {"bone 'box'", "3 boundary edges", "close"});
+}
+
+TEST(ForeignScene, TwoMusclesOfOneMeshAreRefused) {
+  const std::string text = std::string("preset = \"p\"\n") + bone_text + motion_text +
+                           "[[muscle]]\nname = \"ball\"\nmesh = \"synthetic:ball\"\n"
+                           "[[muscle]]\nname = \"other\"\nmesh = \"synthetic:ball\"\n";
+  expect_mentions(error_of(request(text)), {"test.toml", "synthetic:ball", "muscle 'ball'", "same place"});
 }
 
 TEST(ForeignScene, ATableThatIsAPipeIsRefused) {

@@ -165,9 +165,10 @@ TEST(ReadScene, TheTimeStepMayChangeDuringTheRun) {
   EXPECT_EQ(loop.time_s(3, 1), 14);
   EXPECT_EQ(loop.time_s(4, 2), 44);
   EXPECT_EQ(loop.time_s(6, 1), 47);
-  const std::vector<std::string> late =
+  const std::vector<SceneWarning> late =
       scene_warnings(read_scene(request_of(with("[[time_step_change]]\nfrom_frame = 10\ntime_step_s = 2.0\n"))));
-  EXPECT_TRUE(std::ranges::any_of(late, [](const std::string& line) { return line.find("frame 10 on") < 99; }));
+  EXPECT_TRUE(
+      std::ranges::any_of(late, [](const SceneWarning& warning) { return warning.text.find("frame 10 on") < 99; }));
   expect_one_line(error_of(with(coarse + coarse)), {"test.toml:", "from_frame", "after 3"});
   expect_one_line(error_of(with("[[time_step_change]]\nfrom_frame = 2.5\ntime_step_s = 1.0\n")), {"whole number"});
   expect_one_line(error_of(with("[[time_step_change]]\nfrom_frame = 2\n")), {"time_step_s", "missing"});
@@ -296,8 +297,8 @@ class MotionTableFile : public testing::Test {
 };
 
 TEST_F(MotionTableFile, ReadsAColumnWhateverTheHeaderAnnounces) {
-  const MotionTable table =
-      read_motion_table(write("name\nnRows=99\nendheader\ntime\tknee\thip\n0\t1\t-10\n0.5\t2\t0\n1\t3\t20\n"), "hip");
+  const MotionTable table = read_motion_table(
+      write("name\nnRows=3\nnColumns=3\nendheader\ntime\tknee\thip\n0\t1\t-10\n0.5\t2\t0\n1\t3\t20\n"), "hip");
   EXPECT_EQ(table.times, (std::vector<double>{0, 0.5, 1}));
   EXPECT_EQ(table.values, (std::vector<double>{-10, 0, 20}));
   BoneRotation motion{Vec3::UnitX(), Vec3::Zero(), table.times, table.values, false};
@@ -320,6 +321,10 @@ TEST_F(MotionTableFile, RefusesDamage) {
   expect_one_line(error_of_table("inDegrees=no\nendheader\ntime\thip\n0 1\n1 1e308\n"), {":5", "1e308", "beyond"});
   expect_one_line(error_of_table("endheader\ntime\thip\n0 1\n1\n"), {":4", "values"});
   expect_one_line(error_of_table("endheader\ntime\thip\n0 1\n"), {"two rows"});
+  for (const std::string rows : {"nRows=3", "nRows = 3", "datarows 3"}) {
+    expect_one_line(error_of_table(rows + "\nendheader\ntime\thip\n0 1\n1 2\n"), {"tells 3 rows", "has 2", "cut"});
+  }
+  expect_one_line(error_of_table("nColumns=3\nendheader\ntime\thip\n0 1\n1 2\n"), {"tells 3 columns", "has 2"});
   expect_one_line(error_of_table(""), {"two rows"});
 }
 

@@ -5,7 +5,7 @@ import math
 
 import pandas as pd
 
-from ..results.run_folder import COLLISION_STAGES
+from ..results.run_folder import COLLISION_STAGES, count_of_warnings
 from ..results.statistics import paired_ratio
 from .aggregates import Aggregate, number, unit_of_price
 from .cases import StudyCase
@@ -64,7 +64,7 @@ def _case_row(case: StudyCase) -> dict:
     return {
         "case": case.name, **_identity(case.mode, case.scene, case.configuration),
         "preset": record["case"].get("preset"), "repetition": case.repetition, "status": case.run.status,
-        "status_detail": record.get("status_detail", ""), "disturbance": case.disturbance,
+        "status_detail": record.get("status_detail", ""), "warnings": count_of_warnings(record), "disturbance": case.disturbance,
         "frames": len(case.run.frames) or None,
         "stride": recording.get("stride"), **{f"median_{key}": value for key, value in times.items()},
         "build_ns": record.get("build_ns"), "structures": record.get("structures"),

@@ -9,7 +9,7 @@ import pandas as pd
 
 from ..program.fingerprint import write_whole
 from ..results.disturbance import disturbed
-from ..results.run_folder import ResultProblem, Run, read_run
+from ..results.run_folder import ResultProblem, Run, count_of_warnings, read_run
 from ..tables.table_formats import Table, write_table
 from .frame_spread import spread_table
 from .manifest import read_manifest
@@ -86,7 +86,7 @@ def _times(run: Run | str) -> dict:
     if isinstance(run, str):
         return {"status": run.partition(":")[0], "status_detail": run.partition(": ")[2]}
     frames, memory = run.timed_frames, run.record.get("memory") or {}
-    return {"status": run.status, "status_detail": run.record.get("status_detail", ""),
+    return {"status": run.status, "status_detail": run.record.get("status_detail", ""), "warnings": count_of_warnings(run.record),
             "median_collision_ns": frames["collision_ns"].median(),
             "median_frame_ns": _of(frames, "frame_ns", lambda column: column.median()),
             "build_ns": run.record.get("build_ns"), "wall_ns": run.record.get("wall_ns"),

@@ -23,5 +23,6 @@ def problems_of(runs: list[Run]) -> list[str]:
     """Failed runs first, then those that are suspect, each with its reasons."""
     failed = [f"{run.scene} with {run.backend}: {run.status}, {run.record.get('status_detail')}"
               for run in sorted(runs, key=lambda run: run.status in MEASURED) if run.status != "ok"]
+    warned = {f"{run.scene}: {warning['text']}" for run in runs for warning in run.record.get("warnings") or []}
     busy = note(disturbed_runs(runs), len(runs))
-    return [*failed, *([busy] if busy else [])]
+    return [*failed, *sorted(warned), *([busy] if busy else [])]

@@ -130,13 +130,19 @@ def runs_table(runs: list[Run]) -> pd.DataFrame:
     return pd.DataFrame([_row(run) for run in runs])
 
 
+def count_of_warnings(record: dict) -> int | None:
+    """Of the scene, as the program noted them; none where it noted nothing: a replay, a case that failed, results of before."""
+    warnings = record.get("warnings")
+    return None if warnings is None else len(warnings)
+
+
 def _row(run: Run) -> dict:
     record, frames = run.record, run.timed_frames
     build, machine, memory = (record.get(key, {}) for key in ("build", "machine", "memory"))
     return {
         "run_id": record.get("run_id"), "scene": run.scene, "muscle": run.muscle, "backend": run.backend,
         "preset": record["case"].get("preset"), "threads": record["case"].get("threads"),
-        "status": run.status, "status_detail": record.get("status_detail", ""),
+        "status": run.status, "status_detail": record.get("status_detail", ""), "warnings": count_of_warnings(record),
         "muscle_vertices": record.get("muscle", {}).get("vertices"), "frames": record.get("frames"),
         "build_ns": record.get("build_ns"), "structure_bytes": record.get("structure_bytes"),
         "before_first_frame_bytes": memory.get("before_first_frame_bytes"),

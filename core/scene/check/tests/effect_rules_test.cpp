@@ -18,6 +18,52 @@ TEST(EffectRules, SayNothingOfASoundScene) {
   EXPECT_TRUE(check_scene(scene_with("[effects.volume]\n"), {.only_quick = true}).empty());
 }
 
+TEST(EffectRules, FindWhatAnEffectLeavesOut) {
+  const auto told = [](const std::string& effects) {
+    std::vector<std::string> texts;
+    for (const Finding& finding : check_scene(scene_with("[effects.volume]\n" + effects), {.only_quick = true})) {
+      EXPECT_EQ(finding.kind, FindingKind::acts_in_part);
+      EXPECT_EQ(finding.id, "partial_effect");
+      texts.push_back(text_of(finding));
+    }
+    return texts;
+  };
+  for (const std::string effect : {"friction", "margin"}) {
+    EXPECT_TRUE(told("[effects." + effect + "]\n").empty());
+    for (const std::string other : {"surface_contact", "self_contact"}) {
+      const auto texts = told("[effects." + effect + "]\n[effects." + other + "]\n");
+      ASSERT_EQ(texts.size(), 1U) << effect << other;
+      EXPECT_EQ(texts[0].find("acts in part [partial_effect]: "), 0U) << texts[0];
+      EXPECT_NE(texts[0].find("effects." + effect), std::string::npos) << texts[0];
+      EXPECT_NE(texts[0].find(other == "surface_contact" ? other : ""), std::string::npos) << texts[0];
+    }
+  }
+  EXPECT_TRUE(told("[effects.surface_contact]\n[effects.self_contact]\n").empty());
+}
+
+TEST(EffectRules, FindMarginsBetweenMuscles) {
+  const std::string two = short_loop + bone_text("plate", turning(10)) + muscle_text("ball") + muscle_text("far") +
+                          "[effects.edge_length]\nanisotropy_exponent = 0\n[effects.volume]\n[effects.margin]\n";
+  EXPECT_FALSE(is_found(check_scene_of(two), "partial_effect"));
+  EXPECT_TRUE(is_found(check_scene_of(two + "[contact]\nmuscle_contact = true\n"), "partial_effect"));
+}
+
+/// The plate's attachment reaches up to where the lid is near: 20 mm bind all but the ball's top.
+TEST(EffectRules, FindFacesThatAreBoundToAnotherBoneThanTheyTouch) {
+  const auto with = [](double distance_m, const std::string& effect) {
+    return check_scene_of(short_loop + bone_text("plate", turning(10)) + bone_text("lid") + muscle_text("ball") +
+                          attachment_text("plate", "ball", distance_m) + "[effects.attachment]\n" +
+                          "[effects.edge_length]\nanisotropy_exponent = 0\n[effects.volume]\n" + effect);
+  };
+  const std::string effect = "[effects.surface_contact]\n";
+  EXPECT_TRUE(is_found(with(0.02, effect), "bound_faces", "bone 'lid'"));
+  EXPECT_FALSE(is_found(with(0.02, effect), "bound_faces", "bone 'plate'"));
+  EXPECT_FALSE(is_found(with(0.02, ""), "bound_faces"));
+  EXPECT_FALSE(is_found(with(0.003, effect), "bound_faces"));
+  const std::vector<SceneWarning> warnings = warnings_of(with(0.02, effect));
+  EXPECT_TRUE(std::ranges::any_of(warnings, [](const SceneWarning& each) { return each.rule == "bound_faces"; }));
+}
+
 TEST(EffectRules, FindParametersThatDoNothing) {
   struct Example {
     std::string effect, parameter, harmless;
