@@ -118,6 +118,13 @@ HardMatrix run_cells(const HardOptions& options) {
 
 std::string default_text(const std::string& text, const char* otherwise) { return text.empty() ? otherwise : text; }
 
+/// What seeds draw from: part of the command that makes a scene again.
+std::string named_backends(const HardOptions& options) {
+  std::string text;
+  for (const std::string& backend : options.backends) text += " --backend " + backend;
+  return text;
+}
+
 /// Random scenes; what is wrong is made as small as it stays wrong, and written as a scene that `run` takes.
 int run_fuzz(const HardOptions& options) {
   std::vector<std::string> backends;
@@ -134,8 +141,10 @@ int run_fuzz(const HardOptions& options) {
             std::filesystem::path(default_text(options.out, "reports/out/fuzz")) / fmt::format("seed-{}", scene.seed);
         const FuzzScene smallest = shrunk(scene, options.seconds);
         write_fuzz_scene(smallest, folder);
-        wrong.push_back(fmt::format("seed {}: {}\n  musclebench run {} --backend {}", scene.seed, outcome.wrong,
-                                    (folder / "scene.toml").string(), scene.backend));
+        wrong.push_back(fmt::format(
+            "seed {0}: {1}\n  musclebench hard --fuzz 1 --seed {0}{2}\n  as small as it gets: musclebench run {3} "
+            "--backend {4}",
+            scene.seed, outcome.wrong, named_backends(options), (folder / "scene.toml").string(), scene.backend));
       }
       ++counts[!outcome.wrong.empty() ? "wrong" : !outcome.refused.empty() ? "refused" : outcome.status];
       progress.show(i + 1);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
 #include <functional>
 #include <numbers>
 #include <ostream>
@@ -13,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "core/base/atomic_file.hpp"
+#include "core/base/input_error.hpp"
 #include "core/base/portable_math.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/effects/effect_registry.hpp"
@@ -153,6 +155,51 @@ std::string table_of(const std::map<std::string, ParameterValue>& values) {
 }
 
 std::string bone_name(std::size_t index) { return fmt::format("bone_{}", index); }
+std::string muscle_name(std::size_t index) { return fmt::format("muscle_{}", index); }
+
+FuzzBody fuzz_muscle(Dice& dice) {
+  FuzzBody muscle;
+  do {
+    muscle.shape = dice.one_of(shapes).name;
+  } while (!std::ranges::find(shapes, muscle.shape, &Shape::name)->is_muscle);
+  if (dice.chance(0.2)) muscle.defect = dice.chance(0.5) ? "soup" : "unused_vertices";
+  muscle.scale = dice.by_magnitude(0.5, 2);
+  return muscle;
+}
+
+void draw_tables_and_backends(Dice& dice, const std::vector<std::string>& backends, std::vector<FuzzBody>& bones) {
+  for (FuzzBody& bone : bones) {
+    if (bone.to_deg != 0 && dice.chance(0.3)) {
+      const int rows = 2 + static_cast<int>(dice.between(0, 6));
+      for (int row = 0; row < rows; ++row) bone.table_deg.push_back(dice.between(-1, 1) * bone.to_deg);
+    }
+    if (dice.chance(0.15)) bone.backend = dice.one_of(backends);
+  }
+}
+
+void draw_attachments(Dice& dice, FuzzScene& scene) {
+  for (std::size_t muscle = 0; muscle < scene.muscles.size(); ++muscle) {
+    for (std::size_t bone = 0; bone < scene.bones.size(); ++bone) {
+      if (dice.chance(0.4)) scene.attachments.push_back({muscle, bone, dice.by_magnitude(1e-3, 2e-2)});
+    }
+    scene.muscles[muscle].has_fibres = dice.chance(0.2);
+  }
+}
+
+/// Corners of a square between the two bodies that faces both.
+std::string outline_of(const Vec3& from, const Vec3& to) {
+  const Vec3 between = to - from;
+  const Vec3 along = between.norm() > 1e-6 ? Vec3(between.normalized()) : Vec3(Vec3::UnitZ());
+  const Vec3 side = along.unitOrthogonal();
+  const Vec3 up = along.cross(side);
+  const Vec3 centre = 0.5 * (from + to);
+  constexpr double half_m = 0.05;
+  std::string text;
+  for (const auto& [a, b] : {std::pair(-1, -1), std::pair(1, -1), std::pair(1, 1), std::pair(-1, 1)}) {
+    text += (text.empty() ? "" : ", ") + toml_of(Vec3(centre + half_m * (a * side + b * up)));
+  }
+  return text;
+}
 
 }  // namespace
 
@@ -161,14 +208,18 @@ FuzzScene fuzz_scene(std::uint64_t seed, const std::vector<std::string>& backend
   FuzzScene scene;
   scene.seed = seed;
   scene.backend = dice.one_of(backends);
-  do {
-    scene.muscle.shape = dice.one_of(shapes).name;
-  } while (!std::ranges::find(shapes, scene.muscle.shape, &Shape::name)->is_muscle);
-  if (dice.chance(0.2)) scene.muscle.defect = dice.chance(0.5) ? "soup" : "unused_vertices";
-  scene.muscle.scale = dice.by_magnitude(0.5, 2);
+  scene.muscles.push_back(fuzz_muscle(dice));
+  while (scene.muscles.size() < 3 && dice.chance(0.25)) {
+    scene.muscles.push_back(fuzz_muscle(dice));
+    scene.muscles.back().place = dice.place(0.08);
+  }
+  scene.muscle_contact = scene.muscles.size() > 1 && dice.chance(0.7);
   const double crowd = dice.between(0, 1);
   const int bones = crowd < 0.5 ? 1 : crowd < 0.9 ? 2 : 3;
   for (int i = 0; i < bones; ++i) scene.bones.push_back(fuzz_bone(dice));
+  draw_tables_and_backends(dice, backends, scene.bones);
+  if (dice.chance(0.5)) draw_attachments(dice, scene);
+  if (dice.chance(0.2)) scene.response = dice.chance(0.5) ? "project" : "backtrack";
   scene.loop = {{"frames", std::int64_t{50}},
                 {"substeps", std::int64_t{1} + (dice.chance(0.5) ? 3 : 0)},
                 {"iterations", std::int64_t{1} + (dice.chance(0.3) ? 9 : 0)},
@@ -185,37 +236,115 @@ FuzzScene fuzz_scene(std::uint64_t seed, const std::vector<std::string>& backend
 }
 
 std::map<std::string, TriangleMesh> meshes_of(const FuzzScene& scene) {
-  std::map<std::string, TriangleMesh> meshes = {{"muscle", mesh_of(scene.muscle)}};
+  std::map<std::string, TriangleMesh> meshes;
+  for (std::size_t i = 0; i < scene.muscles.size(); ++i) meshes[muscle_name(i)] = mesh_of(scene.muscles[i]);
   for (std::size_t i = 0; i < scene.bones.size(); ++i) meshes[bone_name(i)] = mesh_of(scene.bones[i]);
   return meshes;
 }
 
-std::string text_of(const FuzzScene& scene, const std::string& prefix, const std::string& suffix) {
+std::map<std::string, std::string> tables_of(const FuzzScene& scene) {
+  std::map<std::string, std::string> tables;
+  for (std::size_t i = 0; i < scene.bones.size(); ++i) {
+    const std::vector<double>& angles_deg = scene.bones[i].table_deg;
+    if (scene.bones[i].to_deg == 0 || angles_deg.empty()) continue;
+    std::string& text = tables[bone_name(i)];
+    text = fmt::format("random\nnRows={}\nnColumns=2\ninDegrees=yes\nendheader\ntime\tangle\n", angles_deg.size());
+    for (std::size_t row = 0; row < angles_deg.size(); ++row) text += fmt::format("{}\t{}\n", row, angles_deg[row]);
+  }
+  return tables;
+}
+
+namespace {
+
+std::string bone_text(const FuzzScene& scene, std::size_t index, const std::string& mesh, const std::string& tables) {
+  const FuzzBody& bone = scene.bones[index];
+  std::string text = fmt::format("\n[[bone]]\nname = \"{}\"\nmesh = \"{}\"\n", bone_name(index), mesh);
+  if (!bone.backend.empty()) text += fmt::format("backend = \"{}\"\n", bone.backend);
+  if (bone.to_deg == 0) return text;
+  text += fmt::format("[bone.motion]\naxis = {}\ncentre_m = {}\n", toml_of(bone.axis), toml_of(bone.centre_m));
+  return text + (bone.table_deg.empty()
+                     ? fmt::format("from_deg = 0.0\nto_deg = {}\n", toml_of(ParameterValue(bone.to_deg)))
+                     : fmt::format("table = \"{}{}.mot\"\ncolumn = \"angle\"\n", tables, bone_name(index)));
+}
+
+/// Files, for as long as a scene is read.
+class TemporaryTables {
+ public:
+  explicit TemporaryTables(const FuzzScene& scene) {
+    const std::map<std::string, std::string> tables = tables_of(scene);
+    if (tables.empty()) return;
+    std::string name = (std::filesystem::temp_directory_path() / "musclebench_fuzz_XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw InputError(name, "can't be made for the tables of motion");
+    m_folder = name;
+    for (const auto& [bone, text] : tables) {
+      write_atomically(m_folder / (bone + ".mot"), [&](std::ostream& out) { out << text; });
+    }
+  }
+  TemporaryTables(const TemporaryTables&) = delete;
+  TemporaryTables& operator=(const TemporaryTables&) = delete;
+  ~TemporaryTables() {
+    std::error_code ignored;
+    if (!m_folder.empty()) std::filesystem::remove_all(m_folder, ignored);
+  }
+  [[nodiscard]] std::string prefix() const { return m_folder.empty() ? "" : m_folder.string() + "/"; }
+
+ private:
+  std::filesystem::path m_folder;
+};
+
+std::string attachment_text(const FuzzScene& scene, std::size_t index) {
+  const FuzzAttachment& attachment = scene.attachments[index];
+  return fmt::format(
+      "\n[[attachment]]\nname = \"area_{}\"\nbone = \"{}\"\nmuscle = \"{}\"\ndistance_m = {}\noutline_m = [{}]\n",
+      index, bone_name(attachment.bone), muscle_name(attachment.muscle), toml_of(ParameterValue(attachment.distance_m)),
+      outline_of(scene.bones[attachment.bone].place.translation_m,
+                 scene.muscles[attachment.muscle].place.translation_m));
+}
+
+}  // namespace
+
+std::string text_of(const FuzzScene& scene, const std::string& prefix, const std::string& suffix,
+                    const std::string& tables) {
   std::string text = fmt::format("# A random scene (seed {}), for the backend {}.\ntitle = \"random scene {}\"\n",
                                  scene.seed, scene.backend, scene.seed);
   for (std::size_t i = 0; i < scene.bones.size(); ++i) {
-    const FuzzBody& bone = scene.bones[i];
-    text += fmt::format("\n[[bone]]\nname = \"{0}\"\nmesh = \"{1}{0}{2}\"\n", bone_name(i), prefix, suffix);
-    if (bone.to_deg != 0) {
-      text += fmt::format("[bone.motion]\naxis = {}\ncentre_m = {}\nfrom_deg = 0.0\nto_deg = {}\n", toml_of(bone.axis),
-                          toml_of(bone.centre_m), toml_of(ParameterValue(bone.to_deg)));
-    }
+    text += bone_text(scene, i, prefix + bone_name(i) + suffix, tables);
   }
-  text += fmt::format("\n[muscle]\nname = \"muscle\"\nmesh = \"{}muscle{}\"\n\n[loop]\n{}", prefix, suffix,
-                      table_of(scene.loop));
+  for (std::size_t i = 0; i < scene.muscles.size(); ++i) {
+    text += fmt::format("\n[[muscle]]\nname = \"{0}\"\nmesh = \"{1}{0}{2}\"\n{3}", muscle_name(i), prefix, suffix,
+                        scene.muscles[i].has_fibres ? "fibres = \"between_attachments\"\n" : "");
+  }
+  for (std::size_t i = 0; i < scene.attachments.size(); ++i) text += attachment_text(scene, i);
+  if (scene.muscle_contact || !scene.response.empty()) text += "\n[contact]\n";
+  if (scene.muscle_contact) text += "muscle_contact = true\n";
+  if (!scene.response.empty()) text += fmt::format("response = \"{}\"\n", scene.response);
+  text += "\n[loop]\n" + table_of(scene.loop);
   for (const auto& [name, values] : scene.effects) text += fmt::format("\n[effects.{}]\n{}", name, table_of(values));
   return text;
 }
 
 Scene read_fuzz_scene(const FuzzScene& scene) {
   const std::map<std::string, TriangleMesh> meshes = meshes_of(scene);
+  const TemporaryTables tables(scene);
   SceneRequest request;
   request.name = fmt::format("seed_{}", scene.seed);
   request.file = request.name + ".toml";
-  request.text = text_of(scene, "synthetic:", "");
+  request.text = text_of(scene, "synthetic:", "", tables.prefix());
   request.synthetic_mesh = [&](const std::string& name) { return meshes.at(name); };
   return read_scene(request);
 }
+
+namespace {
+
+/// A body with its attachments, whose others are numbered anew.
+void leave_out(std::size_t index, std::vector<FuzzBody>& bodies, std::size_t FuzzAttachment::*of,
+               std::vector<FuzzAttachment>& attachments) {
+  bodies.erase(bodies.begin() + static_cast<std::ptrdiff_t>(index));
+  std::erase_if(attachments, [&](const FuzzAttachment& attachment) { return attachment.*of == index; });
+  for (FuzzAttachment& attachment : attachments) attachment.*of -= attachment.*of > index ? 1 : 0;
+}
+
+}  // namespace
 
 std::vector<FuzzScene> smaller_scenes(const FuzzScene& scene) {
   std::vector<FuzzScene> smaller;
@@ -224,9 +353,17 @@ std::vector<FuzzScene> smaller_scenes(const FuzzScene& scene) {
     remove(other);
     smaller.push_back(std::move(other));
   };
-  for (std::size_t i = 0; i < scene.bones.size() && scene.bones.size() > 1; ++i) {
-    without([&](FuzzScene& other) { other.bones.erase(other.bones.begin() + static_cast<std::ptrdiff_t>(i)); });
+  for (std::size_t i = 0; i < scene.muscles.size() && scene.muscles.size() > 1; ++i) {
+    without([&](FuzzScene& other) { leave_out(i, other.muscles, &FuzzAttachment::muscle, other.attachments); });
   }
+  for (std::size_t i = 0; i < scene.bones.size() && scene.bones.size() > 1; ++i) {
+    without([&](FuzzScene& other) { leave_out(i, other.bones, &FuzzAttachment::bone, other.attachments); });
+  }
+  for (std::size_t i = 0; i < scene.attachments.size(); ++i) {
+    without([&](FuzzScene& other) { other.attachments.erase(other.attachments.begin() + static_cast<long>(i)); });
+  }
+  if (scene.muscle_contact) without([](FuzzScene& other) { other.muscle_contact = false; });
+  if (!scene.response.empty()) without([](FuzzScene& other) { other.response.clear(); });
   for (const auto& effect : scene.effects) {
     without([&](FuzzScene& other) { other.effects.erase(effect.first); });
     for (const auto& given : effect.second) {
@@ -238,10 +375,15 @@ std::vector<FuzzScene> smaller_scenes(const FuzzScene& scene) {
   for (const auto& given : scene.loop) {
     if (given.first != "frames") without([&](FuzzScene& other) { other.loop.erase(given.first); });
   }
-  if (!scene.muscle.defect.empty()) without([](FuzzScene& other) { other.muscle.defect.clear(); });
+  for (std::size_t i = 0; i < scene.muscles.size(); ++i) {
+    if (!scene.muscles[i].defect.empty()) without([&](FuzzScene& other) { other.muscles[i].defect.clear(); });
+    if (scene.muscles[i].has_fibres) without([&](FuzzScene& other) { other.muscles[i].has_fibres = false; });
+  }
   for (std::size_t i = 0; i < scene.bones.size(); ++i) {
     if (!scene.bones[i].defect.empty()) without([&](FuzzScene& other) { other.bones[i].defect.clear(); });
     if (scene.bones[i].to_deg != 0) without([&](FuzzScene& other) { other.bones[i].to_deg = 0; });
+    if (!scene.bones[i].table_deg.empty()) without([&](FuzzScene& other) { other.bones[i].table_deg.clear(); });
+    if (!scene.bones[i].backend.empty()) without([&](FuzzScene& other) { other.bones[i].backend.clear(); });
   }
   return smaller;
 }
@@ -249,6 +391,9 @@ std::vector<FuzzScene> smaller_scenes(const FuzzScene& scene) {
 void write_fuzz_scene(const FuzzScene& scene, const std::filesystem::path& folder) {
   for (const auto& [name, mesh] : meshes_of(scene)) {
     write_ply(mesh, folder / (name + ".ply"));
+  }
+  for (const auto& [bone, text] : tables_of(scene)) {
+    write_atomically(folder / (bone + ".mot"), [&, &table = text](std::ostream& out) { out << table; });
   }
   write_atomically(folder / "scene.toml", [&](std::ostream& out) { out << text_of(scene, "", ".ply"); });
 }
