@@ -146,7 +146,7 @@ TEST_F(CommandLine, WhatNoRunCanDoIsRefusedBeforeItsFirstFrame) {
 /// A muscle that hangs from its foot and is torn: `suspect`, which only --strict makes a failure, also when the result
 /// is there already.
 TEST_F(CommandLine, StrictTurnsASuspectRunIntoAFailure) {
-  write_scene(std::string(loop) + "[effects.gravity]\nz_m_per_s2 = 1e5\n");
+  write_scene(std::string(loop) + "[effects.gravity]\nz_m_per_s2 = 2e4\n");
   const Done lenient = run({});
   EXPECT_EQ(lenient.exit_code, 0);
   EXPECT_TRUE(lenient.complains_of("suspect: ")) << lenient.out;
