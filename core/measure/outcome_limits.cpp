@@ -43,7 +43,7 @@ constexpr std::array<OutcomeLimit, 12> limits{{
      "a deeper body is found by no node of a mesh this coarse"},
     {{"depth_share", "of the muscle's diagonal", "the same depth"},
      0.005,
-     "about 1 mm for a muscle of the hip, whatever the mesh: what moment arms and volumes feel"},
+     "about a millimetre for a muscle of the hip, whatever the mesh: what moment arms and volumes feel"},
     {{"thickness_share", "of the bone's thickness (2 volume / area)", "the same depth in a bone"},
      0.25,
      "a thin bone is never deep in anything: a needle passes whole through a muscle"},

@@ -42,7 +42,7 @@ MUSCLE_COLUMNS = [
     "frame", "angle_deg", "muscle", "contacts", "nodes_inside", "max_depth_m", "p99_depth_m", "mean_depth_m",
     "nodes_inside_muscles", "max_muscle_depth_m", "volume_m3", "max_edge_stretch", "p99_edge_stretch",
 ]
-PAIR_COLUMNS = ["frame", "angle_deg", "muscle", "other", "contacts", "detect_ns"]
+PAIR_COLUMNS = ["frame", "angle_deg", "muscle", "other", "contacts", "detect_ns", "crossing_triangles"]
 
 
 @dataclass
@@ -131,7 +131,7 @@ def pair_rows(names: list[str], bones: list[str], frames: int) -> list[dict]:
     """Of each muscle with each bone, and of neighbours in the list: the n-th pair takes n ms a frame, 100 times that in
     warm-up, and has 4 n contacts."""
     pairs = [*((name, bone) for bone in bones for name in names), *pairwise(names)]
-    return [{"frame": frame, "angle_deg": "0.0", "muscle": pair[0], "other": pair[1], "contacts": 4 * n,
+    return [{"frame": frame, "angle_deg": "0.0", "muscle": pair[0], "other": pair[1], "contacts": 4 * n, "crossing_triangles": 0,
              "detect_ns": n * (100_000_000 if frame <= 2 else 1_000_000)}
             for frame in range(1, frames + 1) for n, pair in enumerate(pairs, 1)]
 

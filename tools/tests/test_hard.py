@@ -15,9 +15,6 @@ pytestmark = needs_program
 
 # What is mended leaves the list.
 KNOWN_TO_BREAK = {
-    # Its contacts of surfaces promise nothing.
-    ("pinch", "fcl"),
-    ("resting-contact", "fcl"),
     ("welded-input", "fcl"),      # contacts that depend on the order of nodes: 10 % of the diagonal apart at the end
     # Voxels hold the ball above the ridge.
     ("face-over-edge", "voxel"),

@@ -78,7 +78,7 @@ def test_hovering_shows_what_the_file_holds(found):
 
 def test_the_pareto_picture_tells_of_the_point_under_the_mouse(found):
     assert found["point"].splitlines()[:3] == [f"{ROLES.field} 64", "collision time a frame (ms): 0.3 (95 % interval 0.27 to 0.36)",
-                                               "depth error, 99th percentile (mm): 0.05"]
+                                               "surface offset, 99th percentile (mm): 0.05"]
     assert "on the Pareto front" in found["point"] and "collision time a frame (ms): 0.6 " in found["pointOfOther"]
     assert found["bar"].splitlines()[0] == "self contact: 1.5 ms a frame"
 

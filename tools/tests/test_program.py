@@ -61,7 +61,8 @@ def test_every_backend_leaves_a_complete_run(folder, backend):
     assert len(shape.vertices_m) == manifest["muscle"]["vertices"]
     assert np.isfinite(shape.vertices_m).all()
     if backend in ("sdf", "bvh", "brute_force"):
-        assert frames.max_depth_m.max() < 1e-3  # held by the box
+        assert frames.max_depth_m.is_monotonic_decreasing  # it began in the box, and is laid out slowly
+        assert frames.max_depth_m.iloc[-1] < 1e-6  # held by the box
         assert frames.missed_contacts.sum() <= 5
     if backend == "null":
         assert frames.max_depth_m.max() > 1e-3  # it falls through

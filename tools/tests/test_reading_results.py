@@ -46,7 +46,7 @@ def test_what_a_replay_tells_of_pairs_beside_what_it_tells_of_frames_is_named(re
 
 def test_the_page_has_the_limits_of_the_program(results):
     rows = [line for line in PAGE.read_text().splitlines() if line.startswith("| limit: ")]
-    told = [f"| limit: `{limit['name']}`: {limit['help']} | {limit['limit']:g} {limit['unit']}".rstrip() + f" | {limit['why']} |"
+    told = [f"| limit: `{limit['name']}`: {limit['help']} | `{limit['limit']:g}` {limit['unit']}".rstrip() + f" | {limit['why']} |"
             for limit in results["limits"]]
     assert rows == told
 
