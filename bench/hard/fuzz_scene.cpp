@@ -277,7 +277,7 @@ class TemporaryTables {
     if (mkdtemp(name.data()) == nullptr) throw InputError(name, "can't be made for the tables of motion");
     m_folder = name;
     for (const auto& [bone, text] : tables) {
-      write_atomically(m_folder / (bone + ".mot"), [&](std::ostream& out) { out << text; });
+      write_atomically(m_folder / (bone + ".mot"), [&text = text](std::ostream& out) { out << text; });
     }
   }
   TemporaryTables(const TemporaryTables&) = delete;

@@ -13,7 +13,7 @@ namespace musclebench {
 namespace {
 
 constexpr double plate_top_m = 0.005;
-constexpr double radius_m = 0.012;
+constexpr double ball_radius_m = 0.012;
 constexpr double slowly_m_per_s = 0.05;
 
 TriangleMesh lifted(TriangleMesh mesh, const Vec3& by) {
@@ -39,9 +39,10 @@ Scene scene_of(const Overlap& overlap) {
   request.name = request.file = "overlap.toml";
   request.synthetic_mesh = [&](const std::string& name) {
     if (name == "plate") return make_box(Vec3(0.1, 0.03, plate_top_m), 10);
-    const double height_m = plate_top_m + radius_m + overlap.gap_m;
-    if (name == "ball") return lifted(make_sphere(radius_m, 2), Vec3(0, 0, height_m));
-    return lifted(make_sphere(radius_m, 2), Vec3(2 * radius_m + overlap.other_gap_m, 0, plate_top_m + radius_m + 0.05));
+    const double height_m = plate_top_m + ball_radius_m + overlap.gap_m;
+    if (name == "ball") return lifted(make_sphere(ball_radius_m, 2), Vec3(0, 0, height_m));
+    return lifted(make_sphere(ball_radius_m, 2),
+                  Vec3(2 * ball_radius_m + overlap.other_gap_m, 0, plate_top_m + ball_radius_m + 0.05));
   };
   request.text =
       "[loop]\nframes = 10\nsubsteps = 20\ntime_step_s = 1e-3\ndensity_kg_per_m3 = 1000.0\ndepenetration_m_per_s = " +

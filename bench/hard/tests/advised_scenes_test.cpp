@@ -15,7 +15,7 @@ namespace {
 constexpr double wanted_m = 1e-4;
 constexpr int frames = 8;
 /// CPU time for one scene.
-constexpr double seconds = 30;
+constexpr double budget_s = 30;
 
 /// What is quick and can be asked about single points.
 std::vector<AdvisePlan> quick_plans() {
@@ -29,7 +29,7 @@ std::vector<AdvisePlan> quick_plans() {
 }
 
 Advice advise(const Scene& scene) {
-  const AdviceInput input = run_exactly(scene, seconds, [](int /*frames*/) {});
+  const AdviceInput input = run_exactly(scene, budget_s, [](int /*frames*/) {});
   const auto measure = [&](const Configuration& configuration, std::string& reason) -> std::optional<Assessment> {
     try {
       return assess(scene, configuration, {}, *input.frames, reason, [](int, int) {});
@@ -41,7 +41,7 @@ Advice advise(const Scene& scene) {
   const auto run = [&](const Configuration& configuration, double left_s) {
     return try_out(scene, configuration, 1, left_s, {});
   };
-  return find_advice({wanted_m, seconds, quick_plans()}, measure, run);
+  return find_advice({wanted_m, budget_s, quick_plans()}, measure, run);
 }
 
 /// The largest depth of a free node in any frame of a run of its own.

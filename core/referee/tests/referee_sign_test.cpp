@@ -255,7 +255,7 @@ TEST(PassThroughEachOther, IsExactWhereItIsNearlyDegenerate) {
   int passing = 0, plain_is_wrong = 0;
   for (int i = 0; i < 20000; ++i) {
     const TriangleCorners face{point(), point(), point()};
-    const auto& [a, b, c] = face;
+    const Vec3 &a = face[0], &b = face[1], &c = face[2];  // clang 14 captures no structured bindings
     const auto near = [&] {
       const int u = eighth(random);
       const Vec3 on_plane = a + u / 8.0 * (b - a) + std::min(eighth(random), 8 - u) / 8.0 * (c - a);
