@@ -160,8 +160,8 @@ TEST(SurfaceOffset, VoxelsAreOutByAtMostTheirDiagonal) {
 
 TEST(SurfaceOffset, ABackendIsAskedAboutTheBoneOfTheSite) {
   Surface surface(make_sphere(0.02, 5));
-  // The other bone covers the first: its contacts say nothing of the first one's surface.
-  ShapeBackend backend({ball(Vec3::Zero(), 0.0195), ball(Vec3::Zero(), 0.5)});
+  // The other bone covers the first wherever it is: its contacts say nothing of the first one's surface.
+  ShapeBackend backend({ball(Vec3::Zero(), 0.0195), ball(Vec3::Zero(), 1000)});
   const SurfaceOffsets found =
       offset_statistics(surface.sites(), surface.measure(ask_backend(backend, 2, 100, surface.sites())), 1, 1);
   // The mesh of the ball lies a little inside of it.
@@ -206,6 +206,7 @@ TEST(ContactSites, AreSpreadOverAllContactsOfAPair) {
   const std::vector<ContactSite> sites = sampler.sites();
   ASSERT_EQ(sites.size(), 751U);
   EXPECT_EQ(sites[0].contacts, 4);
+  EXPECT_EQ(sites[100].surface_point_m, Vec3(-1, 4 * 100, 0.25));
   EXPECT_EQ(sites[749].surface_point_m, Vec3(-1, 4 * 749, 0.25));
   EXPECT_EQ(sites[750].surface_point_m, Vec3(0.5, 0, 0));
   EXPECT_EQ(sites[750].contacts, 1);
