@@ -1,6 +1,7 @@
 #include "bench/cases/advise_case.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <thread>
 
 #include <fmt/format.h>
@@ -151,7 +152,7 @@ std::optional<Trial> try_out(const Scene& scene, const Configuration& configurat
   return Trial{.status = result.status,
                .status_detail = result.status_detail,
                .frames = static_cast<int>(result.records.size()),
-               .node_depth_m = result.outcome.max_depth_m.value_or(0),
+               .node_depth_m = result.outcome.max_depth_m.value_or(std::numeric_limits<double>::quiet_NaN()),
                .surface_depth_m = result.outcome.max_surface_depth_m,
                .tunnelled_nodes = result.outcome.tunnelled_nodes.value_or(0),
                .frame_ns = frame_ns.empty() ? 0 : median(frame_ns)};

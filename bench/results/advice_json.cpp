@@ -26,7 +26,8 @@ Json json_of(const std::optional<Trial>& trial) {
           {"frame_ns", trial->frame_ns}};
 }
 
-Json json_of(const Assessment& row, double wanted_m) {
+/// `holds`: it was run and judged, and held. One that was only asked about, or run and not judged yet, promises.
+Json json_of(const Assessment& row, double wanted_m, bool holds) {
   const MedianEstimate& time = row.collision_ns;
   Json json = {{"configuration", row.configuration.text()},
                {"backend", row.configuration.backend},
@@ -40,7 +41,7 @@ Json json_of(const Assessment& row, double wanted_m) {
                {"promises", row.error_m <= wanted_m},
                {"trial", json_of(row.trial)},
                {"refusal", row.refusal},
-               {"holds", row.trial && row.error_m <= wanted_m && row.refusal.empty()}};
+               {"holds", holds}};
   if (row.contacts) {
     json["contacts"] = {{"true", row.contacts->real}, {"missed", row.contacts->missed}, {"false", row.contacts->wrong}};
   }
@@ -59,7 +60,9 @@ Json json_of(const Advice& advice, double wanted_m) {
                {"unit_of_price", nullptr}};
   if (advice.unit_of_price) json["unit_of_price"] = advice.unit_of_price->text();
   json["measured"] = Json::array();
-  for (const Assessment& row : advice.measured) json["measured"].push_back(json_of(row, wanted_m));
+  for (std::size_t i = 0; i < advice.measured.size(); ++i) {
+    json["measured"].push_back(json_of(advice.measured[i], wanted_m, advice.chosen == i));
+  }
   json["omitted"] = Json::array();
   for (const Omission& omission : advice.omitted) {
     json["omitted"].push_back({{"configuration", omission.configuration.text()}, {"reason", omission.reason}});
