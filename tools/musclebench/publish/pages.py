@@ -3,6 +3,7 @@
     <!-- generated: times paper-lhdl muscle=iliacus -->  a table and where it comes from       <!-- end -->
     <!-- value: paper-lhdl/table_2_times[muscle=iliacus].ratio max .0f -->  a number in a sentence  <!-- end -->
     <!-- picture: paper-synthetic fig_6_iliacus -->  a picture of a study, copied to reports/gallery  <!-- end -->
+    <!-- claim: convergence-lhdl/substeps[scene=a].rms_mm falls -->  the sentence after it holds only while the table says so
 
 Of a study that was not measured yet they say so; the link of a picture is kept as a comment until then.
 """
@@ -14,11 +15,13 @@ from pathlib import Path
 
 from ..program.cli import Problem
 from .blocks import block
+from .claims import check_claim
 from .measured import Measured
 from .selection import value_text
 
 MARKED = re.compile(r"<!-- (generated|value|picture): ([^>]*?) -->(.*?)<!-- end -->", re.DOTALL)
 OPENING = re.compile(r"<!-- (generated|value|picture): ")
+CLAIM = re.compile(r"<!-- claim: (.*?) -->")
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 LINK = re.compile(r"!\[([^\]]*)\]\(([^)]*)\)")
 NOT_YET = "not measured yet"
@@ -40,10 +43,15 @@ def pages_of(project: Path) -> list[Path]:
 
 
 def written(text: str, measured: Measured, page: str, problems: list[str] | None = None) -> str:
-    """The page with everything between markers made anew. What can't be made stays as it was where `problems` is given,
-    which then has a line of it."""
+    """The page with everything between markers made anew. What can't be made, or claims what was not measured, stays as it
+    was where `problems` is given, which then has a line of it."""
     if len(OPENING.findall(text)) != len(MARKED.findall(text)):
         raise Problem(f"{page}: a marker has no <!-- end -->")
+
+    def tell(problem: Problem) -> None:
+        if problems is None:
+            raise Problem(f"{page}: {problem}") from None
+        problems.append(f"{page}: {problem}")
 
     def made(match: re.Match) -> str:
         kind, specification, old = match.groups()
@@ -51,12 +59,16 @@ def written(text: str, measured: Measured, page: str, problems: list[str] | None
             inside = MAKERS[kind](measured, specification, old) if measured.has(study_of(kind, specification)) \
                 else _not_yet(kind, old)
         except Problem as problem:
-            if problems is None:
-                raise Problem(f"{page}: {problem}") from None
-            problems.append(f"{page}: {problem}")
+            tell(problem)
             return match.group(0)
         return f"<!-- {kind}: {specification} -->{inside}<!-- end -->"
 
+    for claim in CLAIM.findall(text):
+        try:
+            if measured.has(study_of("value", claim)):
+                check_claim(measured, claim)
+        except Problem as problem:
+            tell(problem)
     return MARKED.sub(made, text)
 
 

@@ -18,10 +18,24 @@ def value_text(measured: Measured, specification: str) -> str:
     """Three digits unless a format such as .1f is told; of several rows the smallest and the largest. `/1e6`: in units
     of that many. Of what timed out a row is empty: its name has to be filtered out, else one muscle's figure passes for
     all."""
+    match = _parsed(specification)
+    return _text(_chosen(measured, match, specification), match["pick"] or "range", match["format"])
+
+
+def chosen_values(measured: Measured, specification: str) -> pd.Series:
+    """The values that such a marker names, in the order of the table; at least one, and none that is missing."""
+    return _chosen(measured, _parsed(specification), specification)
+
+
+def _parsed(specification: str) -> re.Match:
     match = FORM.fullmatch(specification.strip())
     if match is None:
         raise Problem(f"value '{specification}': not like STUDY/TABLE[COLUMN=VALUE,...].COLUMN [min|max|range|sum] "
                       "[/1e6] [.2f]")
+    return match
+
+
+def _chosen(measured: Measured, match: re.Match, specification: str) -> pd.Series:
     rows = chosen_rows(measured.table(match["table"]), match["filters"] or "", specification)
     if match["column"] not in rows:
         raise Problem(f"value '{specification}': the table has no column '{match['column']}'; it has "
@@ -32,8 +46,7 @@ def value_text(measured: Measured, specification: str) -> str:
     if values.isna().any():
         raise Problem(f"value '{specification}': {values.isna().sum()} of its {len(values)} rows have none; filter for the "
                       "others by name, and name them in the sentence")
-    scaled = values / float(match["unit"]) if match["unit"] else values
-    return _text(scaled, match["pick"] or "range", match["format"])
+    return values / float(match["unit"]) if match["unit"] else values
 
 
 def chosen_rows(rows: pd.DataFrame, filters: str, specification: str) -> pd.DataFrame:
