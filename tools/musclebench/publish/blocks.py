@@ -10,7 +10,7 @@ from ..effects import effect_tables, guards, returns
 from ..hard import hard_tables
 from ..program.cli import Problem
 from ..results.disturbance import MARK
-from ..tables import arm_prices, choices, muscle_tables, outcomes, paper_tables, prices
+from ..tables import arm_prices, choices, difficulties, muscle_tables, outcomes, paper_tables, prices
 from ..tables.table_formats import Column, as_ratio, markdown_rows, with_unit
 from .measured import Measured
 from .selection import chosen_rows, plain
@@ -21,12 +21,13 @@ SPLIT_KEYS = ("muscle", "update_ms", "detect_ms", "respond_ms", "ratio", "ratio_
 MEMORY_KEYS = ("muscle", "backend", "first_mb", "last_mb", "first_offset_mb", "last_offset_mb", "structure_mb",
                "paper_first_mb", "paper_last_mb", "paper_first_offset_mb", "paper_last_offset_mb")
 PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "ratio_low", "ratio_high", "build_s",
-              "structure_mb", "p99_offset_mm", "inward_mm", "outward_mm", "max_offset_mm", "missed", "true")
+              "structure_mb", "p99_offset_mm", "left_mm", "missed", "true")
 ARM_PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "structure_mb", "arm_rms_mm", "arm_max_mm",
                   "length_rms_mm", "arm_floor_mm", "note")
 ARM_ERROR_KEYS = ("muscle", "configuration", "time_ms", "arm_rms_mm", "arm_max_mm", "arm_percent", "length_rms_mm",
                   "arm_floor_mm")
 FACTOR_KEYS = ("muscle", "choice", "time_ms", "factor", "ratio", "missed", "true", "p99_offset_mm")
+DIFFICULTY_KEYS = ("muscle", *difficulties.SHOWN)
 OUTCOME_KEYS = ("muscle", "configuration", "node_depth_mm", "p99_surface_depth_mm", "max_volume_percent",
                 "full_rms_mm", "full_hausdorff_mm", "tunnelled", "stuck", "collision_s")
 DEPTH_KEYS = ("muscle", "backend", "bone_depth_mm", "bone_nodes", "muscle_depth_mm", "muscle_nodes",
@@ -128,6 +129,7 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "arm_prices": _from("arm_price_list", arm_prices.COLUMNS, ARM_PRICE_KEYS),
     "arm_errors": _from("arm_errors", arm_prices.ARM_COLUMNS, ARM_ERROR_KEYS),
     "factors": _from("*_factors", choices.COLUMNS, FACTOR_KEYS),
+    "difficulties": _from("contact_difficulties", difficulties.COLUMNS, DIFFICULTY_KEYS),
     "outcomes": _from("coupled_outcomes", outcomes.COLUMNS, OUTCOME_KEYS),
     "coupled": _coupled,
     "speed": _speed,
