@@ -102,6 +102,7 @@ CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_
   m_budget *= budgets_at_rest;
   judge(simulation, nothing, m_at_rest, CrossingTest::always);
   m_budget /= budgets_at_rest;
+  m_contact_depths = {};
 }
 
 void CoupledJudge::judge(const Simulation& simulation, const LastDetection& detection, StepRecord& record,
@@ -118,6 +119,7 @@ void CoupledJudge::judge(const Simulation& simulation, const LastDetection& dete
   m_referee.judge(poses, positions, simulation.free_nodes(), m_truth);
   m_work += m_referee.last_effort().work;
   record.depth = depth_statistics(m_truth);
+  m_contact_depths.add(m_truth, record.contacts);
   if (const auto deepest = std::ranges::max_element(m_truth, {}, &Contact::depth_m); deepest != m_truth.end()) {
     record.depth_bodies = {static_cast<int>(body_of(m_all_bodies, deepest->node)), deepest->bone};
   }

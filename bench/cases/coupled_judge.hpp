@@ -9,6 +9,7 @@
 #include "core/effects/effect_registry.hpp"
 #include "core/measure/bone_vertex_depth.hpp"
 #include "core/measure/crossings.hpp"
+#include "core/measure/depth_histogram.hpp"
 #include "core/measure/edge_stretch.hpp"
 #include "core/measure/outcome.hpp"
 #include "core/measure/passing_tracker.hpp"
@@ -54,6 +55,9 @@ class CoupledJudge {
   /// Judged before the first frame.
   [[nodiscard]] const StepRecord& at_rest() const { return m_at_rest; }
 
+  /// Of nodes in bones at the ends of the frames judged so far, over the contacts of the last detections.
+  [[nodiscard]] const DepthHistogram& contact_depths() const { return m_contact_depths; }
+
   /// Whose crossings are judged.
   [[nodiscard]] std::span<const CrossingPair> crossing_pairs() const { return m_crossings.pairs(); }
 
@@ -84,6 +88,7 @@ class CoupledJudge {
   EdgeStretchMeter m_stretch;
   std::vector<Body> m_bodies;  // where there are several
   std::vector<EdgeStretchMeter> m_stretch_of_bodies;
+  DepthHistogram m_contact_depths;
   StepRecord m_at_rest;
   std::vector<Body> m_all_bodies;
   double m_smallest_diagonal_m;

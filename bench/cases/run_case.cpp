@@ -332,6 +332,7 @@ class CaseRunner {
 
   void conclude() {
     m_result.outcome = outcome_of(m_result.records, m_result.rest);
+    if (m_judge) m_result.outcome.p99_contact_depth_m = m_judge->contact_depths().percentile(0.99);
     if (m_run.count_self_intersections && !m_judge) {
       m_result.outcome.self_intersecting_triangles_at_rest = count_self_crossings(m_scene.muscle_mesh);
     }

@@ -172,6 +172,8 @@ constexpr auto own_keys = std::to_array<ManifestKey>({
     of_run_and_replay("frames", "", "rows of frames.csv"),
     of_run("outcome.max_depth_m", "m", "largest true depth of a node"),
     of_run("outcome.p99_depth_m", "m", "99th percentile over the frames of their deepest node"),
+    of_run("outcome.p99_contact_depth_m", "m",
+           "99th percentile over all contacts of all frames of the node's depth at the frame's end"),
     of_run("outcome.max_surface_depth_m", "m",
            "largest depth of the surface in a bone or of a bone's vertex in the muscle"),
     of_run("outcome.p99_surface_depth_m", "m", "99th percentile of it over the frames"),

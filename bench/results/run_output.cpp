@@ -96,6 +96,7 @@ Json json_of_outcome(const RunResult& result) {
   const Outcome& outcome = result.outcome;
   return {{"max_depth_m", json_of(outcome.max_depth_m)},
           {"p99_depth_m", json_of(outcome.p99_depth_m)},
+          {"p99_contact_depth_m", json_of(outcome.p99_contact_depth_m)},
           {"max_surface_depth_m", json_of(outcome.max_surface_depth_m)},
           {"p99_surface_depth_m", json_of(outcome.p99_surface_depth_m)},
           {"max_surface_depth_bound_m", json_of(outcome.max_surface_depth_bound_m)},

@@ -97,7 +97,7 @@ class Aggregate:
     def p99_offset_mm(self) -> float:
         """How far the backend's surface is from the true one, 99th percentile over the contacts; of a method that can't be
         asked about single points the depth that its own motion leaves."""
-        return self._offset_mm("p99_offset_m", "p99_depth_m")
+        return self._offset_mm("p99_offset_m", "p99_contact_depth_m")
 
     @property
     def max_offset_mm(self) -> float:
@@ -106,7 +106,7 @@ class Aggregate:
     @property
     def inward_mm(self) -> float:
         """So deep nodes are let in, 99th percentile."""
-        return self._offset_mm("p99_inward_m", "p99_depth_m")
+        return self._offset_mm("p99_inward_m", "p99_contact_depth_m")
 
     @property
     def outward_mm(self) -> float:
@@ -118,6 +118,16 @@ class Aggregate:
         if is_asked or self.coupled is None:
             return 1e3 * self.number("surface_offset", asked)
         return 1e3 * self.coupled.number("outcome", left)
+
+    @property
+    def left_mm(self) -> float:
+        """Of a replay: the depth of contacts that its own run leaves, 99th percentile; NaN where it has none."""
+        return math.nan if self.coupled is None else 1e3 * self.coupled.number("outcome", "p99_contact_depth_m")
+
+    @property
+    def held_mm(self) -> float:
+        """What a price promises: the offset, or the depth that its own run was seen to leave where that is larger."""
+        return math.nan if math.isnan(self.left_mm) else max(self.p99_offset_mm, self.left_mm)
 
     @property
     def missed_share(self) -> float:

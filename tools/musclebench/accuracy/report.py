@@ -115,8 +115,8 @@ def _draw_offsets(replays: list[Aggregate], folder: Path) -> list[Path]:
     title = "Does the surface offset tell what a run leaves?"
     files = draw_offsets(rows, folder / "offset_and_depth")
     texts = ["Across: how far inwards the backend's surface is, 99th percentile over the contacts (replay). Up: how deep "
-             "the deepest node is when the backend moves its own muscle, 99th percentile over the frames. In the band they "
-             "agree within a factor of two. Below 0.001 mm counts as that.", told(rows)]
+             "nodes are when the backend moves its own muscle, 99th percentile over the contacts of all frames. In the band "
+             "they agree within a factor of two. Below 0.001 mm counts as that.", told(rows)]
     return _with_caption(files, title, texts, _cases(replays))
 
 

@@ -1,4 +1,4 @@
-"""Whether the surface offset tells what a run will leave: p99 inward offset against the depth in a coupled run."""
+"""Whether the surface offset tells what a run will leave: p99 inward offset against the depth of contacts in a coupled run."""
 
 import math
 from pathlib import Path
@@ -21,7 +21,7 @@ def offset_rows(replays: list[Aggregate]) -> pd.DataFrame:
     rows = []
     for one in replays:
         inward = 1e3 * one.number("surface_offset", "p99_inward_m")
-        depth = 1e3 * one.coupled.number("outcome", "p99_depth_m") if one.coupled is not None else math.nan
+        depth = one.left_mm
         if one.is_shown and not math.isnan(inward) and not math.isnan(depth):
             low, high = sorted((max(inward, EXACT_MM), max(depth, EXACT_MM)))
             rows.append([one.scene, one.muscle, one.backend, one.configuration.name, inward, depth, high <= FACTOR * low])
