@@ -19,7 +19,7 @@ OFFSET_KEYS = [
     "sites", "open_sites", "p99_offset_m", "max_offset_m", "p99_inward_m", "max_inward_m", "p99_outward_m", "max_outward_m",
 ]
 OUTCOME_KEYS = [
-    "max_depth_m", "p99_depth_m", "max_surface_depth_m", "p99_surface_depth_m", "max_volume_error",
+    "max_depth_m", "p99_depth_m", "p99_contact_depth_m", "max_surface_depth_m", "p99_surface_depth_m", "max_volume_error",
     "final_volume_error", "tunnelled_nodes", "stuck_nodes", "collision_ns", "loop_ns",
 ]
 
