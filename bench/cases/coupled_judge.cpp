@@ -60,6 +60,15 @@ int body_of_triangle(std::span<const Body> bodies, int triangle) {
   return static_cast<int>(after - bodies.begin());
 }
 
+DeepBodies bodies_of(const DeepestSurfacePoint& surface, std::span<const Contact> truth, std::span<const Body> bodies) {
+  if (surface.bone < 0) return {};
+  if (surface.triangle >= 0) return {body_of_triangle(bodies, surface.triangle), surface.bone};
+  const auto node = std::ranges::find_if(truth, [&](const Contact& contact) {
+    return contact.bone == surface.bone && contact.depth_m == surface.depth_m;
+  });
+  return {node == truth.end() ? -1 : static_cast<int>(body_of(bodies, node->node)), surface.bone};
+}
+
 }  // namespace
 
 JudgedMuscles judged_muscles_of(const Scene& scene) {
@@ -72,6 +81,47 @@ JudgedMuscles judged_muscles_of(const Scene& scene) {
   return judged;
 }
 
+ThinBones::ThinBones(const Scene& scene, std::span<const int> carriers) {
+  if (scene.bones.empty()) return;
+  std::vector<double> limits_m;
+  std::vector<MuscleSize> muscles;
+  for (const Body& body : scene.bodies()) muscles.push_back(size_of(body.name, scene.mesh_of(body)));
+  for (const Bone& bone : scene.bones) {
+    const BoneSize size{bone.name, thickness_m(bone.surface.mesh)};
+    double limit_m = std::numeric_limits<double>::infinity();
+    for (const MuscleSize& muscle : muscles) limit_m = std::min(limit_m, depth_limit(muscle, size).depth_m);
+    limits_m.push_back(limit_m);
+  }
+  const double largest_m = *std::ranges::max_element(limits_m);
+  std::vector<Bone> thin_bones = scene.bones;
+  for (std::size_t i = 0; i < limits_m.size(); ++i) {
+    m_are_thick.push_back(limits_m[i] == largest_m ? 1 : 0);
+    if (m_are_thick.back() != 0) thin_bones[i].surface.mesh = {};
+  }
+  if (std::ranges::count(m_are_thick, 0) == 0) return;
+  m_surface.emplace(scene.muscle_mesh.triangles, carriers, static_cast<int>(scene.bones.size()), m_are_thick);
+  m_vertices.emplace(thin_bones, scene.muscle_mesh, carriers);
+}
+
+void ThinBones::measure(const Referee& referee, std::span<const RigidMotion> poses, std::span<const Vec3> positions,
+                        std::span<const Contact> truth, long budget, std::span<const Body> bodies, StepRecord& record) {
+  m_truth.clear();
+  std::ranges::copy_if(truth, std::back_inserter(m_truth), [&](const Contact& contact) {
+    return m_are_thick[static_cast<std::size_t>(contact.bone)] == 0;
+  });
+  const DeepestBoneVertex vertex = m_vertices->measure(poses, positions, budget / 2);
+  const DeepestSurfacePoint surface = m_surface->measure(referee, poses, positions, m_truth, budget / 2);
+  m_work = m_vertices->last_work() + m_surface->last_work();
+  record.judgement_complete = record.judgement_complete && vertex.complete() && surface.complete;
+  record.thin_bone_is_vertex = vertex.depth_m > surface.depth_m;
+  record.thin_bone_depth_m = std::max(vertex.depth_m, surface.depth_m);
+  if (record.thin_bone_is_vertex) {
+    record.thin_bone_bodies = {body_of_triangle(bodies, vertex.triangle), vertex.bone};
+  } else {
+    record.thin_bone_bodies = bodies_of(surface, m_truth, bodies);
+  }
+}
+
 CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_nodes, const Simulation& simulation,
                            int threads, std::function<double(int)> declared_missed_m)
     : m_referee(scene.bones, static_cast<int>(scene.muscle_mesh.vertices.size())),
@@ -79,6 +129,7 @@ CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_
       m_bone_vertices(scene.bones, scene.muscle_mesh, carriers_of(scene, bound_nodes)),
       m_crossings(scene.bones, scene.muscle_mesh, scene.bodies(), carriers_of(scene, bound_nodes)),
       m_triangles(scene.muscle_mesh.triangles),
+      m_thin_bones(scene, carriers_of(scene, bound_nodes)),
       m_tunnelling(static_cast<int>(scene.bones.size()), static_cast<int>(scene.muscle_mesh.vertices.size())),
       m_stretch(scene.muscle_mesh),
       m_all_bodies(scene.bodies()),
@@ -156,21 +207,17 @@ void CoupledJudge::judge(const Simulation& simulation, const LastDetection& dete
       m_surface.measure(m_referee, poses, positions, m_truth, std::max(m_budget - m_work, least));
   record.surface_depth_m = surface.depth_m;
   record.surface_depth_bound_m = surface.bound_m;
-  record.surface_bodies = bodies_of(surface);
+  record.surface_bodies = bodies_of(surface, m_truth, m_all_bodies);
   m_work += m_surface.last_work();
   record.judgement_complete = surface.complete && vertex.complete();
+  if (m_thin_bones.are_there()) {
+    m_thin_bones.measure(m_referee, poses, positions, m_truth, std::max(m_budget - m_work, least), m_all_bodies,
+                         record);
+    m_work += m_thin_bones.last_work();
+  }
   judge_crossings(simulation, crossings, record);
   record.edge_stretch = m_stretch.measure(positions);
   record.judged = true;
-}
-
-DeepBodies CoupledJudge::bodies_of(const DeepestSurfacePoint& surface) const {
-  if (surface.bone < 0) return {};
-  if (surface.triangle >= 0) return {body_of_triangle(m_all_bodies, surface.triangle), surface.bone};
-  const auto node = std::ranges::find_if(m_truth, [&](const Contact& contact) {
-    return contact.bone == surface.bone && contact.depth_m == surface.depth_m;
-  });
-  return {node == m_truth.end() ? -1 : static_cast<int>(body_of(m_all_bodies, node->node)), surface.bone};
 }
 
 /// `m_truth` is that of the detection.

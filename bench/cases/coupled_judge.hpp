@@ -28,6 +28,26 @@ JudgedMuscles judged_muscles_of(const Scene& scene);
 /// Whether triangles that pass through others are looked for after a frame.
 enum class CrossingTest { where_budget_allows, always };
 
+/// Looks for the depth of bones whose limit is lower than that of others, because they are thin: the deepest point of
+/// all may be in a thick bone and within its limit.
+class ThinBones {
+ public:
+  ThinBones(const Scene& scene, std::span<const int> carriers);
+
+  [[nodiscard]] bool are_there() const { return m_surface.has_value(); }
+  /// Parameters as of SurfaceDepthMeter::measure; fills in the record's figures of thin bones.
+  void measure(const Referee& referee, std::span<const RigidMotion> poses, std::span<const Vec3> positions,
+               std::span<const Contact> truth, long budget, std::span<const Body> bodies, StepRecord& record);
+  [[nodiscard]] long last_work() const { return m_work; }
+
+ private:
+  std::vector<char> m_are_thick;  ///< by bone
+  std::optional<SurfaceDepthMeter> m_surface;
+  std::optional<BoneVertexDepthMeter> m_vertices;
+  std::vector<Contact> m_truth;
+  long m_work = 0;
+};
+
 /// What the truth says of a coupled run, frame by frame: how deep muscles and bones are in each other, and muscles that
 /// touch in one another, which triangles pass through others, which nodes went through a bone, which are held for
 /// nothing, how far a muscle is stretched.
@@ -72,7 +92,6 @@ class CoupledJudge {
   void judge_bodies(const Simulation& simulation, std::span<const Contact> in_bones,
                     std::span<const Contact> in_muscles, StepRecord& record);
   void judge_misses(const LastDetection& detection, StepRecord& record) const;
-  [[nodiscard]] DeepBodies bodies_of(const DeepestSurfacePoint& surface) const;
   void judge_crossings(const Simulation& simulation, CrossingTest test, StepRecord& record);
   void judge_surfaces_in_muscles(const Simulation& simulation, StepRecord& record);
 
@@ -84,6 +103,7 @@ class CoupledJudge {
   std::optional<PassingTracker> m_passing;  // where muscles touch
   std::vector<Triangle> m_triangles;
   std::vector<Contact> m_in_muscles;  // of the frame
+  ThinBones m_thin_bones;
   TunnellingTracker m_tunnelling;
   EdgeStretchMeter m_stretch;
   std::vector<Body> m_bodies;  // where there are several

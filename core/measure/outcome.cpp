@@ -54,6 +54,7 @@ void add_worst_depths(const StepRecord& record, const MuscleAtRest& rest, Outcom
   };
   in_bone(record.surface_depth_m, record.surface_bodies, false);
   in_bone(record.bone_vertex_depth_m, record.bone_vertex_bodies, true);
+  in_bone(record.thin_bone_depth_m, record.thin_bone_bodies, record.thin_bone_is_vertex);
   const auto in_muscle = [&](double depth_m, const DeepBodies& bodies) {
     if (!is_known(bodies, rest.muscles.size(), rest.muscles.size())) return;
     const DepthLimit limit = depth_limit(muscle(bodies.muscle), muscle(bodies.other));

@@ -62,6 +62,11 @@ struct StepRecord {
   double bone_vertex_depth_bound_m = std::numeric_limits<double>::quiet_NaN();
   /// Of the deepest node in a bone and in a muscle, point of the surface, and bone vertex.
   DeepBodies depth_bodies, in_muscles_bodies, surface_bodies, bone_vertex_bodies;
+  /// The deepest point of a muscle in a thin bone or of a thin bone in a muscle, see ThinBones; a thicker bone in which
+  /// the muscle is deeper doesn't hide it. 0 where there is none.
+  double thin_bone_depth_m = 0;
+  DeepBodies thin_bone_bodies;
+  bool thin_bone_is_vertex = false;
   bool judgement_complete = true;
   int true_contacts = 0;    ///< of the last detection
   int missed_beyond = 0;    ///< of them missed and deeper than the backend declares that it may miss

@@ -35,13 +35,15 @@ Vec3 weights_in(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& point) 
 
 }  // namespace
 
-SurfaceDepthMeter::SurfaceDepthMeter(std::span<const Triangle> triangles, std::span<const int> carriers, int bones)
+SurfaceDepthMeter::SurfaceDepthMeter(std::span<const Triangle> triangles, std::span<const int> carriers, int bones,
+                                     std::span<const char> left_out)
     : m_triangles(triangles.begin(), triangles.end()),
       m_counting(static_cast<std::size_t>(bones)),
       m_caches(static_cast<std::size_t>(bones)),
       m_carriers(carriers.begin(), carriers.end()) {
   const auto carrier = [&](int node) { return m_carriers[static_cast<std::size_t>(node)]; };
   for (int bone = 0; bone < bones; ++bone) {
+    if (!left_out.empty() && left_out[static_cast<std::size_t>(bone)] != 0) continue;
     std::vector<int>& counting = m_counting[static_cast<std::size_t>(bone)];
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       const Triangle& nodes = triangles[t];
@@ -73,6 +75,7 @@ DeepestSurfacePoint SurfaceDepthMeter::measure(const Referee& referee, std::span
   std::size_t first = 0;
   for (int bone = 0; bone < std::ssize(poses); ++bone) {
     first = take_depths(bone, truth, first);
+    if (m_counting[static_cast<std::size_t>(bone)].empty()) continue;
     place_nodes(bone, referee, poses[static_cast<std::size_t>(bone)], positions);
     collect_parts(bone, referee.tree(bone));
   }

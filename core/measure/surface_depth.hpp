@@ -45,12 +45,15 @@ class SurfaceDepthMeter {
   static constexpr double relative_tolerance = 1e-3;
   static constexpr double absolute_tolerance = 1e-6;
 
-  /// `carriers`: for every node the bone that carries it, -1 for a free node.
-  SurfaceDepthMeter(std::span<const Triangle> triangles, std::span<const int> carriers, int bones);
+  /// `carriers`: for every node the bone that carries it, -1 for a free node. `left_out`: of every bone, whether it is;
+  /// none: no bone is.
+  SurfaceDepthMeter(std::span<const Triangle> triangles, std::span<const int> carriers, int bones,
+                    std::span<const char> left_out = {});
 
   /// `truth`: the result of the last `referee.judge`, for these poses and positions (finite; world frame) and all free
-  /// nodes. `budget`: of work, in the unit of RefereeTree; where it is spent, `bound_m` covers the rest. Deterministic;
-  /// caches from earlier calls make a call faster, and change the answer only within tolerance and bound.
+  /// nodes, without those in bones that are left out. `budget`: of work, in the unit of RefereeTree; where it is spent,
+  /// `bound_m` covers the rest. Deterministic; caches from earlier calls make a call faster, and change the answer only
+  /// within tolerance and bound.
   DeepestSurfacePoint measure(const Referee& referee, std::span<const RigidMotion> poses,
                               std::span<const Vec3> positions, std::span<const Contact> truth,
                               long budget = std::numeric_limits<long>::max());

@@ -3,6 +3,7 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -17,26 +18,30 @@
 namespace musclebench {
 namespace {
 
-/// A bone swings about a far axis to where it is drawn, 0.2 m from it, and a muscle that nothing moves waits there.
-Scene swinging(const TriangleMesh& bone, const TriangleMesh& muscle) {
+/// Bones swing about a far axis to where they are drawn, 0.2 m from it, and a muscle that nothing moves waits there.
+Scene swinging(const std::vector<TriangleMesh>& bones, const TriangleMesh& muscle) {
   constexpr double turn_rad = 1;
   const Vec3 there(0.2, 0, 0);
   Scene scene;
   scene.name = "swinging";
   const RigidMotion start = RigidMotion::about_axis(Vec3::UnitZ(), Vec3::Zero(), turn_rad);
-  scene.bones.push_back(bone_of(moved(moved(bone, there), start)));
-  scene.bone_meshes.push_back({"bone", "", scene.bones[0].surface.mesh});
   BoneRotation motion;
   motion.axis = Vec3::UnitZ();
   motion.times = {0, 1};
   motion.angles_rad = {0, -turn_rad};
   motion.there_and_back = false;
-  scene.motions.push_back({{motion}});
+  for (const TriangleMesh& bone : bones) {
+    scene.bones.push_back(bone_of(moved(moved(bone, there), start)));
+    scene.bone_meshes.push_back({"bone", "", scene.bones.back().surface.mesh});
+    scene.motions.push_back({{motion}});
+  }
   scene.add_muscle("muscle", moved(muscle, there));
   scene.loop.frames = 1;
   scene.loop.substeps = 1000;  // pays for a judgement that leaves nothing open
   return scene;
 }
+
+Scene swinging(const TriangleMesh& bone, const TriangleMesh& muscle) { return swinging(std::vector{bone}, muscle); }
 
 RunResult run_with(const Scene& scene, const BackendEntry& backend) {
   return run_case({{scene, backend, Parameters(backend.parameters, {}, backend.name)}}, [](int) {});
@@ -57,6 +62,18 @@ TEST(JudgedRun, ANeedleThroughAFaceIsSuspect) {
   EXPECT_EQ(result.outcome.max_depth_m, 0) << "no node is inside";
   EXPECT_LT(result.records.back().surface_depth_m, 6e-4);
   EXPECT_GT(result.records.back().bone_vertex_depth_m, 0.01);
+}
+
+/// The block is deeper and within its limit.
+TEST(JudgedRun, ABlockHidesNoNeedle) {
+  const TriangleMesh muscle = make_box({0.02, 0.02, 0.02}, 1);
+  const TriangleMesh block = moved(make_box({0.01, 0.01, 0.01}, 1), Vec3(0.02 + 0.01 - 0.00025, 0, 0));
+  const TriangleMesh needle = moved(make_box({0.0005, 0.0005, 0.02}, 8), Vec3(0, 0, 0.02 + 0.02 - 0.0002));
+  EXPECT_EQ(run_with_null(swinging(block, muscle)).status, "ok");
+  const RunResult result = run_with_null(swinging({block, needle}, muscle));
+  EXPECT_NEAR(*result.outcome.max_surface_depth_m, 0.00025, 1e-6);
+  expect_suspect(result, "0.2 mm deep");
+  expect_suspect(result, "25 % of the bone's thickness");
 }
 
 TEST(JudgedRun, ABallDeepInACoarseMuscleIsSuspect) {
