@@ -6,11 +6,9 @@ import pandas as pd
 
 from ..results import samples as statistics
 from ..results.disturbance import disturbance
-from ..results.statistics import Estimate, percentile
+from ..results.statistics import Estimate, frame_tail
 from .metrics import quiet_frames
 from .result_set import Sample
-
-SHARES = [95, 99]
 
 
 @dataclass(frozen=True)
@@ -33,12 +31,12 @@ def spread_of(case: str, samples: list[Sample], metric: str = "frame_ns") -> Spr
     timed = [sample for sample in samples if metric in sample.values]
     if not timed:
         return None
-    every = pd.concat([sample.run.timed_frames[metric] for sample in timed]).dropna()
+    by_run = [sample.run.timed_frames[metric] for sample in timed]
+    frames = sum(int(times.notna().sum()) for times in by_run)
     quiet = sum(len(quiet_frames(sample.run)) for sample in timed)
     medians = pd.Series([sample.values[metric] for sample in timed])
-    p95, p99 = percentile(every, SHARES)
+    p95, p99 = frame_tail(by_run)
     first = timed[0]
-    return Spread(case, len(timed), int((first.run.frames["warm_up"] == 1).sum()), statistics.median(medians), float(p95), float(p99),
-                  statistics.variation(medians),
-                  1 - quiet / max(1, len(every)), sum(bool(disturbance(sample.run.record)) for sample in timed),
+    return Spread(case, len(timed), first.run.warm_up_count, statistics.median(medians), p95, p99, statistics.variation(medians),
+                  1 - quiet / max(1, frames), sum(bool(disturbance(sample.run.record)) for sample in timed),
                   first.measured.get("settings", {}))

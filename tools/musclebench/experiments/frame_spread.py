@@ -5,11 +5,10 @@ import pandas as pd
 from ..results.disturbance import MARK, disturbed, note
 from ..results.run_folder import Run
 from ..results.samples import variation
-from ..results.statistics import percentile, pooled_median
+from ..results.statistics import frame_tail, pooled_median
 from ..results.status import MEASURED
 from ..tables.table_formats import Column, Table
 
-TAIL = (95, 99)
 COLUMNS = [
     Column("case", "case"), Column("runs", "runs", 0), Column("warm_up_frames", "warm-up frames", 0),
     Column("frame_ms", "frame ms", 4, "frame\nms"), Column("low_ms", "frame, 95 % low", 4, "95 %\nlow"),
@@ -56,7 +55,7 @@ def _row(case: str, runs: list[Run], busy: dict[str, str]) -> dict:
     frame, collision = _times(runs, "frame_ns"), _times(runs, "collision_ns")
     return {
         "case": case + (MARK if any(name in busy for name in names) else ""), "runs": len(runs),
-        "warm_up_frames": int((runs[0].frames["warm_up"] == 1).sum()), "frame_ms": frame["median"], "low_ms": frame["low"],
+        "warm_up_frames": runs[0].warm_up_count, "frame_ms": frame["median"], "low_ms": frame["low"],
         "high_ms": frame["high"], "p95_ms": frame["p95"], "p99_ms": frame["p99"], "variation_percent": frame["variation"],
         "collision_ms": collision["median"], "collision_low_ms": collision["low"], "collision_high_ms": collision["high"],
         "collision_p99_ms": collision["p99"], "judged": "yes" if is_judged(runs[0]) else "", "cores": state.get("allowed_cores", ""), "governor": state.get("governor") or "",
@@ -70,6 +69,6 @@ def _times(runs: list[Run], column: str) -> dict[str, float]:
         return dict.fromkeys(("median", "low", "high", "p95", "p99", "variation"), float("nan"))
     by_frame = [run.timed_frames.set_index("frame")[column] for run in runs]
     median = pooled_median(by_frame).scaled(1e-6)
-    p95, p99 = 1e-6 * percentile(pd.concat(by_frame).dropna(), TAIL)
-    return {"median": median.value, "low": median.low, "high": median.high, "p95": p95, "p99": p99,
+    p95, p99 = frame_tail(by_frame)
+    return {"median": median.value, "low": median.low, "high": median.high, "p95": 1e-6 * p95, "p99": 1e-6 * p99,
             "variation": 100 * variation(pd.Series([times.median() for times in by_frame]))}

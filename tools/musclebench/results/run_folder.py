@@ -66,6 +66,10 @@ class Run:
         timed = self.frames[self.frames["warm_up"] != 1]
         return timed.set_index("frame", drop=False)
 
+    @property
+    def warm_up_count(self) -> int:
+        return int((self.frames["warm_up"] == 1).sum())
+
 
 def implementations(runs: list[Run]) -> dict[str, str]:
     """By backend, whose code it is."""

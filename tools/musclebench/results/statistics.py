@@ -73,6 +73,12 @@ def percentile(values, percents):
     return np.percentile(values, percents, method="inverted_cdf")
 
 
+def frame_tail(by_run: list[pd.Series]) -> tuple[float, float]:
+    """95th and 99th percentile of a frame's time, over all frames of all runs."""
+    p95, p99 = percentile(pd.concat(by_run).dropna(), (95, 99))
+    return float(p95), float(p99)
+
+
 def _combined(value: float, draws: np.ndarray, parts: list[Estimate]) -> Estimate:
     if np.isnan(value) or not np.size(draws):
         return Estimate.unknown()
