@@ -337,6 +337,7 @@ class CaseRunner {
       m_result.outcome.self_intersecting_triangles_at_rest = count_self_crossings(m_scene.muscle_mesh);
     }
     m_result.notes = outcome_notes(m_result.outcome);
+    note_slack_fibres();
     std::vector<std::string> reasons = suspicions(m_result.outcome, m_result.rest);
     if (m_scene.attach_at_first_contact && m_result.bound_nodes.empty()) {
       reasons.emplace_back("no node touches a bone at rest, and so none is bound (attachment = \"first_contact\")");
@@ -348,6 +349,15 @@ class CaseRunner {
       m_result.status = "suspect";
       m_result.status_detail = fmt::format("{}", fmt::join(reasons, "; "));
     }
+  }
+
+  void note_slack_fibres() {
+    const bool is_activated =
+        std::ranges::find(m_scene.effects, "activation", &SceneEffect::name) != m_scene.effects.end();
+    if (m_result.fibres.empty() || is_activated) return;
+    std::vector<std::string> names;
+    for (const Muscle& muscle : m_scene.muscles) names.push_back(muscle.body.name);
+    for (std::string& note : slack_notes(names, m_result.fibres)) m_result.notes.push_back(std::move(note));
   }
 
   void watch_fibres(int frame) {

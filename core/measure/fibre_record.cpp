@@ -131,4 +131,25 @@ FibreTables fibre_tables(std::span<const std::string> names, std::span<const Fib
   return tables;
 }
 
+std::vector<std::string> slack_notes(std::span<const std::string> names, std::span<const FibreFrame> frames) {
+  constexpr double rounding = 1e-9;  // of a length: a fibre that nothing moved is not shorter
+  std::vector<std::string> notes;
+  for (std::size_t muscle = 0; muscle < names.size() && frames.size() > 1; ++muscle) {
+    if (frames.front().muscles[muscle].lengths_m.empty()) continue;
+    const double rest_m = mean(frames.front().muscles[muscle].lengths_m);
+    const auto is_slack = [&](const FibreFrame& frame) {
+      return mean(frame.muscles[muscle].lengths_m) < rest_m * (1 - rounding);
+    };
+    const auto moved = frames.subspan(1);
+    const auto slack = std::ranges::count_if(moved, is_slack);
+    if (slack == 0) continue;
+    notes.push_back(
+        fmt::format("the fibres of {} are shorter than at rest in {} of {} frames, and nothing pulls on "
+                    "them: where they are slack, the slope of their length is no moment arm of a taut "
+                    "muscle (add activation)",
+                    names[muscle], slack, moved.size()));
+  }
+  return notes;
+}
+
 }  // namespace musclebench

@@ -49,6 +49,16 @@ TEST(FibreTables, LeaveUnknownCellsEmpty) {
             "1,5.729577951308233,b,1,0.3,0.3,0.3,,,,,,,,1\n");
 }
 
+TEST(SlackNotes, NameMusclesWhoseFibresShorten) {
+  std::vector<FibreFrame> some = frames();
+  EXPECT_TRUE(slack_notes(muscle_names, some).empty()) << "one grows, the other stays as it is";
+  for (FibreFrame& frame : some) frame.muscles[1].lengths_m = {0.3 - 0.01 * frame.angle_rad};
+  const std::vector<std::string> notes = slack_notes(muscle_names, some);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("fibres of b are shorter than at rest in 5 of 5 frames"), std::string::npos) << notes[0];
+  EXPECT_TRUE(slack_notes(muscle_names, {}).empty());
+}
+
 TEST(FibreTables, OfNoFramesAreEmpty) { EXPECT_TRUE(fibre_tables(muscle_names, {}).muscles.empty()); }
 
 }  // namespace
