@@ -98,7 +98,7 @@ def _arguments(kind: str, data_set: str, options) -> tuple[str, ...]:
            "speed": ("--repetitions", "1"),
            "effects": ("--jobs", "1"),
            "hard": ("--breaks-are-results",),
-           "accuracy": ("--repetitions", "1", "--longest", "60",
+           "accuracy": ("--repetitions", "1", "--longest", "30",
                         *(() if data_set == "lhdl" else ("--muscle", "iliacus")))}.get(kind, ())
     if kind == "convergence":
         names = SMOOTH_SCENES[:1] if options.quick else SMOOTH_SCENES
