@@ -2,7 +2,7 @@
 
 import json
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -112,7 +112,7 @@ def _replay_row(frame: int, ns: int, truth: Truth) -> dict:
     return row | {
         "frame": frame, "angle_deg": _angle(frame), "warm_up": int(frame <= 2), "iterations": 3, "update_ns": ns // 10,
         "detect_ns": 8 * ns // 10, "respond_ns": ns - ns // 10 - 8 * ns // 10, "contacts": 10, "true_contacts": 10,
-        "missed_contacts": 0, "false_contacts": 0, "measured_contacts": 10, "max_depth_error_m": 3e-3 * truth.p99_mm,
+        "missed_contacts": truth.missed // FRAMES, "false_contacts": truth.false // FRAMES, "measured_contacts": 10, "max_depth_error_m": 3e-3 * truth.p99_mm,
         "p99_depth_error_m": 1e-3 * truth.p99_mm, "mean_depth_error_m": 3e-4 * truth.p99_mm,
     }
 
@@ -231,14 +231,22 @@ REPLAYED = {  # ms and p99 error in mm on the iliacus
 }
 
 
-def write_two_muscles(out_dir: Path) -> None:
-    """`REPLAYED` on both scenes, twice each; the RSS of the one with choices is fast and wrong."""
+def write_two_muscles(out_dir: Path, with_own_runs: bool = False) -> None:
+    """`REPLAYED` on both scenes, twice each; the RSS of the one with choices is fast and wrong. Own runs: each also moved its
+    own muscle."""
     for scene in SCENES:
         for name, truth in REPLAYED.items():
             scaled = Truth(**{**vars(truth), "ms": truth.ms * SIZES[scene]})
             for repetition in range(2):
                 folder = out_dir / "raw" / f"{scene.split('/')[1]}-{name}-r{repetition}"
                 write_replay(folder, scene, name.split()[0], scaled, repetition)
+            if with_own_runs:
+                write_own_run(out_dir / "raw" / f"{scene.split('/')[1]}-{name}-coupled", scene, name.split()[0], scaled)
+
+
+def write_own_run(folder: Path, scene: str, backend: str, truth: Truth) -> Path:
+    """A coupled run that leaves what the offset says."""
+    return write_coupled(folder, scene, backend, replace(truth, remaining_mm=truth.p99_mm))
 
 
 def replays_of(out_dir: Path) -> list[Aggregate]:

@@ -2,15 +2,22 @@
 
 import json
 import math
+import shutil
 
 import pytest
 
-from fake_study import REPLAYED, SCENES, Truth, replays_of, write_coupled, write_failure, write_replay
+from fake_study import REPLAYED, SCENES, Truth, replays_of, write_coupled, write_failure, write_own_run, write_replay, write_two_muscles
 from musclebench.accuracy import front, report
 from musclebench.accuracy.rows import build_seconds_of
 from musclebench.tables import prices
 from musclebench.tables.choices import best_right, choices_tables
 from musclebench.tables.difficulties import difficulties_table
+
+
+@pytest.fixture
+def study(tmp_path):
+    write_two_muscles(tmp_path, with_own_runs=True)
+    return tmp_path
 
 
 def price(replays, muscle, target):
@@ -38,9 +45,35 @@ def test_a_configuration_that_fails_on_one_muscle_holds_not_for_all(study):
     assert price(replays, front.ALL_MUSCLES, "0.1")["configuration"] == "bvh"
 
 
+def test_a_price_holds_what_its_own_run_left(study):
+    path = study / "raw" / "iliacus-sdf 128-coupled" / "run.json"
+    record = json.loads(path.read_text())
+    record["outcome"]["p99_contact_depth_m"] = 0.15e-3
+    path.write_text(json.dumps(record))
+    replays = replays_of(study)
+    assert price(replays, "iliacus", "0.1")["configuration"] == "bvh"
+    assert price(replays, "gluteus_medius", "0.1")["configuration"] == "sdf 128"
+
+
+def test_what_never_ran_has_no_price(study):
+    shutil.rmtree(study / "raw" / "iliacus-sdf 128-coupled")
+    assert price(replays_of(study), "iliacus", "0.1")["configuration"] == "bvh"
+
+
+def test_the_same_answers_are_driven_once(study):
+    """Of the one with choices, whose OBB answers as its default and whose RSS does not."""
+    for name in ("fcl OBB", "fcl RSS"):
+        shutil.rmtree(study / "raw" / f"iliacus-{name}-coupled")
+    replays = {one.configuration.name: one for one in replays_of(study) if one.muscle == "iliacus"}
+    assert replays["fcl OBB"].coupled is replays["fcl default"].coupled is not None
+    assert replays["fcl RSS"].coupled is None
+
+
 def test_a_configuration_that_one_muscle_lacks_holds_not_for_all(study):
     write_failure(study / "raw" / "late", "replay", SCENES[1], "sdf", "timeout", Truth(parameters={"cells": 200}))
-    write_replay(study / "raw" / "fine", SCENES[0], "sdf", Truth(0.5, 0.005, parameters={"cells": 200}))
+    fine = Truth(0.5, 0.005, parameters={"cells": 200})
+    write_replay(study / "raw" / "fine", SCENES[0], "sdf", fine)
+    write_own_run(study / "raw" / "fine-coupled", SCENES[0], "sdf", fine)
     replays = replays_of(study)
     assert price(replays, "iliacus", "0.01")["configuration"] == "sdf 200"
     assert price(replays, front.ALL_MUSCLES, "0.01")["configuration"] == "bvh"
@@ -56,6 +89,7 @@ def test_what_several_threads_gain_is_no_price(study):
 
 def test_a_depth_that_none_holds_names_the_best_found(tmp_path):
     write_replay(tmp_path / "raw" / "a", SCENES[0], "voxel", REPLAYED["voxel"])
+    write_own_run(tmp_path / "raw" / "b", SCENES[0], "voxel", REPLAYED["voxel"])
     row = price(replays_of(tmp_path), "iliacus", "0.3")
     assert row["configuration"] == "none" and "voxel 64 with 3 mm" in row["note"]
     report.write_report(tmp_path)
@@ -97,8 +131,10 @@ def test_of_equally_fast_configurations_the_smallest_is_the_cheapest():
 
 def test_what_misses_every_contact_holds_no_depth(tmp_path):
     # Its surface is 3 mm too deep: what it misses is only as deep as one substep moves a node.
-    write_replay(tmp_path / "raw" / "a", SCENES[0], "sdf", Truth(0.1, 3.0, missed=9_999, parameters={"cells": 8}))
-    write_replay(tmp_path / "raw" / "b", SCENES[0], "bvh", Truth(9.0, 0.0))
+    coarse, exact = Truth(0.1, 3.0, missed=9_999, parameters={"cells": 8}), Truth(9.0, 0.0)
+    for backend, truth in (("sdf", coarse), ("bvh", exact)):
+        write_replay(tmp_path / "raw" / backend, SCENES[0], backend, truth)
+        write_own_run(tmp_path / "raw" / f"{backend}-own", SCENES[0], backend, truth)
     replays = replays_of(tmp_path)
     assert [price(replays, "iliacus", target)["configuration"] for target in ("1", "0.1")] == ["bvh", "bvh"]
 

@@ -15,6 +15,8 @@ NANOSECONDS_TO_MS = 1e-6
 ALLOWED_MISSED_SHARE = 0.01
 ALLOWED_FALSE_SHARE = 0.01
 ALLOWED_P99_OFFSET_MM = 0.1
+ANSWER_COUNTS = ("contacts", "true_contacts", "missed_contacts", "false_contacts")
+FEWEST_FRAMES = 10  # in which answers are compared
 
 
 @dataclass
@@ -23,7 +25,7 @@ class Aggregate:
     scene: str
     configuration: Configuration
     cases: list[StudyCase]  # by repetition
-    coupled: "Aggregate | None" = None  # of a replay: the same configuration moving its own muscle
+    coupled: "Aggregate | None" = None  # of a replay: its configuration, or one with the same answers, moving its own muscle
 
     @property
     def muscle(self) -> str:
@@ -175,13 +177,33 @@ def aggregates_of(cases: list[StudyCase]) -> list[Aggregate]:
     for case in cases:
         grouped.setdefault((case.mode, case.scene, case.configuration), []).append(case)
     aggregates = [Aggregate(*key, sorted(group, key=lambda case: case.repetition)) for key, group in grouped.items()]
-    coupled = {(one.scene, one.configuration): one for one in aggregates if one.mode == "coupled"}
-    for one in of_mode(aggregates, "replay"):
-        one.coupled = coupled.get((one.scene, one.configuration))
+    _find_coupled(of_mode(aggregates, "replay"), of_mode(aggregates, "coupled"))
     return sorted(aggregates, key=lambda one: (
         one.mode, one.muscle, one.scene, one.configuration.about.index, one.backend, one.configuration.series or "",
         one.configuration.fineness, one.configuration.factors, one.configuration.name,
     ))
+
+
+def _find_coupled(replays: list[Aggregate], coupled: list[Aggregate]) -> None:
+    """Of several configurations of a backend with the same answers a study may drive one only: the others' muscles would
+    move alike."""
+    own = {(one.scene, one.configuration): one for one in coupled if one.is_shown}
+    driven = [(one, own[key]) for one in replays if (key := (one.scene, one.configuration)) in own]
+    driven.sort(key=lambda pair: pair[0].configuration.factors)
+    for one in replays:
+        alike = (run for other, run in driven if other.backend == one.backend and _answer_alike(one, other))
+        one.coupled = own.get((one.scene, one.configuration)) or next(alike, None)
+
+
+def _answer_alike(one: Aggregate, other: Aggregate) -> bool:
+    """The same counts of contacts in all frames that both replays have."""
+    if one.scene != other.scene or not one.ok or not other.ok:
+        return False
+    ours, theirs = (aggregate.ok[0].run.frames.set_index("frame") for aggregate in (one, other))
+    counts = [key for key in ANSWER_COUNTS if key in ours and key in theirs]
+    both = ours[counts].join(theirs[counts], rsuffix="_other", how="inner")
+    same = [both[key].equals(both[f"{key}_other"].rename(key)) for key in counts]
+    return len(both) >= FEWEST_FRAMES and len(counts) == len(ANSWER_COUNTS) and all(same)
 
 
 def of_mode(aggregates: list[Aggregate], mode: str) -> list[Aggregate]:

@@ -25,7 +25,7 @@ COLUMNS = [
     Column("missed", "missed contacts", 0, "missed"), Column("true", "true contacts", 0, "of"),
     Column("note", "note"),
 ]
-SHOWN = [column.key for column in COLUMNS if column.key not in ("muscle", "note", "max_offset_mm")]
+SHOWN = [column.key for column in COLUMNS if column.key not in ("muscle", "note", "p99_offset_mm", "max_offset_mm")]
 
 
 def price_list(replays: list[Aggregate], measured_builds: dict) -> Table:
@@ -65,7 +65,7 @@ def _row(muscle: str, target_mm: float, offers: list[dict], error: str) -> dict:
     if holding:
         return row | _cheapest(holding) | {"note": ""}
     if not offers:
-        return row | {"configuration": "none", "note": "nothing was measured"}
+        return row | {"configuration": "none", "note": "nothing was measured, or no run of its own was judged"}
     best = min(offers, key=lambda offer: (offer[error], offer["time_ms"]))
     note = f"none holds it; the best found: {best['configuration']} with {best[error]:.3g} mm"
     return row | {"configuration": "none", "note": note}
