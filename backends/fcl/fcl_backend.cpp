@@ -20,6 +20,7 @@ BackendEntry fcl_entry() {
           .implementation = fmt::format("FCL {}", FCL_VERSION),
           .default_response = ResponseKind::project,
           .parameters = fcl_parameters(),
+          .for_points = {{"query", std::string("node_distance")}},
           .make = make_fcl_backend,
           .make_muscle_detector = make_fcl_muscle_detector};
 }

@@ -12,15 +12,26 @@
 namespace musclebench {
 
 std::optional<std::string> why_not_points(const HardRequest& request) {
-  const Capabilities can = request.backend.make(request.parameters())->capabilities();
+  const Capabilities can = request.backend.make(request.parameters_for_points())->capabilities();
   if (!can.finds_contacts) return "finds no contacts";
   if (!can.point_queries) return "collides surfaces, and is asked about points here";
   return std::nullopt;
 }
 
+HardCell with_parameters_for_points(HardCell cell, const HardRequest& request) {
+  std::string said;
+  for (const auto& [name, value] : request.backend.for_points) {
+    if (!request.given.contains(name))
+      said += fmt::format("{}{} = {}", said.empty() ? "asked with " : ", ", name, format_parameter_value(value));
+  }
+  if (said.empty() || cell.verdict == Verdict::not_applicable) return cell;
+  cell.detail = cell.detail.empty() ? said : said + "; " + cell.detail;
+  return cell;
+}
+
 AskedBone::AskedBone(const HardRequest& request, const TriangleMesh& mesh, std::size_t points,
                      const std::map<std::string, ParameterValue>& more)
-    : m_nodes(points), m_backend(request.backend.make(request.parameters(more))) {
+    : m_nodes(points), m_backend(request.backend.make(request.parameters_for_points(more))) {
   m_bones.push_back({"bone", repair_mesh(mesh, "bone")});
   m_muscle.vertices.assign(points, Vec3::Zero());
   std::iota(m_nodes.begin(), m_nodes.end(), 0);

@@ -55,14 +55,18 @@ struct WrongAnswers {
 WrongAnswers wrong_answers(std::span<const double> truth_m, const std::vector<Contact>& contacts,
                            const AskedBone& asked, double slack_m);
 
+/// The cell, which also says with which parameters a backend was asked that needs some for points.
+HardCell with_parameters_for_points(HardCell cell, const HardRequest& request);
+
 /// What `ask` says, where the backend can be asked about points; a structure that was refused by the status given.
 template <typename Ask>
 HardCell about_points(const HardRequest& request, const Ask& ask) {
   if (const std::optional<std::string> why = why_not_points(request)) return not_applicable(*why);
   try {
-    return ask();
+    return with_parameters_for_points(ask(), request);
   } catch (const InputError& refused) {
-    return {request.backend.exact ? Verdict::breaks : Verdict::refused, refused.what(), {}};
+    return with_parameters_for_points({request.backend.exact ? Verdict::breaks : Verdict::refused, refused.what(), {}},
+                                      request);
   }
 }
 

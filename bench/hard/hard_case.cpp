@@ -36,6 +36,12 @@ Parameters HardRequest::parameters(const std::map<std::string, ParameterValue>& 
   return {backend.parameters, all, "--param"};
 }
 
+Parameters HardRequest::parameters_for_points(const std::map<std::string, ParameterValue>& more) const {
+  std::map<std::string, ParameterValue> all = more;
+  all.insert(backend.for_points.begin(), backend.for_points.end());
+  return parameters(all);
+}
+
 HardCell judged(std::vector<HardFigure> figures, const HardRequest& request, const std::string& said,
                 MayRefuse may_refuse) {
   const bool holds = std::ranges::all_of(figures, &HardFigure::holds);

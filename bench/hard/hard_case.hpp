@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -11,6 +12,8 @@
 #include "core/contact/backend_entry.hpp"
 
 namespace musclebench {
+
+struct Scene;
 
 /// A figure beside its bar, which it may reach and not pass.
 struct HardFigure {
@@ -49,9 +52,13 @@ struct HardRequest {
   bool whole = false;                                ///< the long sweeps, too
   std::string data = {};                             ///< folder of the anatomical data; empty: $MUSCLEBENCH_DATA
   int threads = 1;
+  /// What a test spoils in each scene before it runs, to see that the case breaks.
+  std::function<void(Scene&)> spoil = {};
 
   /// `more` goes before what was given. Throws InputError.
   [[nodiscard]] Parameters parameters(const std::map<std::string, ParameterValue>& more = {}) const;
+  /// The same of a backend that is asked about single points: with what its entry says that it needs for that.
+  [[nodiscard]] Parameters parameters_for_points(const std::map<std::string, ParameterValue>& more = {}) const;
 };
 
 /// Of the figures, and of what the user was told beside them: beyond a bar a backend breaks, unless it `said` so and
@@ -64,10 +71,12 @@ HardCell not_applicable(std::string why);
 /// A case that has to stay numerically stable.
 struct HardCase {
   std::string_view id;
-  std::string_view what;     ///< happens in it
-  std::string_view why;      ///< it is hard, and who tests so
-  std::string_view bar;      ///< in words
-  std::string_view scene;    ///< embedded scene that it moves; empty: it asks about points
+  std::string_view what;   ///< happens in it
+  std::string_view why;    ///< it is hard, and who tests so
+  std::string_view bar;    ///< in words
+  std::string_view scene;  ///< embedded scene that it moves; empty: it asks about points
+  /// Why it leaves out the figures of sane_figures, or some of them, although it moves a scene.
+  std::string_view unlike = {};
   bool asks_backend = true;  ///< false: the loop alone, which every backend would repeat
   HardCell (*run)(const HardRequest& request);
 };

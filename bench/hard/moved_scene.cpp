@@ -49,6 +49,7 @@ SceneChoice scene_of(const std::string& name) {
 
 MovedScene moved(const HardRequest& request, Scene scene, int threads,
                  const std::function<void(int frames_done)>& after_frame) {
+  if (request.spoil) request.spoil(scene);
   MovedScene done{std::move(scene), {}};
   const Parameters parameters = request.parameters();
   RunCase run{{done.scene, request.backend, parameters, threads}};

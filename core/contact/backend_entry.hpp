@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -54,6 +55,8 @@ struct BackendEntry {
   /// table drives what others are compared with.
   bool exact = false;
   std::vector<ParameterSpec> parameters = {};
+  /// With these it answers about single points (Capabilities::point_queries), where with its defaults it does not.
+  std::map<std::string, ParameterValue> for_points = {};
   std::function<std::unique_ptr<CollisionBackend>(const Parameters&)> make = nullptr;
   /// Of an exact one, over one bone, which outlives the answer: what `verify` compares.
   std::function<SignedDistance(const Bone& bone, int threads)> signed_distance = nullptr;
