@@ -50,11 +50,11 @@ HardCell without(HardCell cell, const std::string& left_out) {
   return cell;
 }
 
-/// `run_of(muscle)` of each; `figures_of(muscle, run)`. What is beyond a bar counts though a later muscle takes too
-/// long.
+/// `run_of(muscle)` of each; `figures_of(muscle, run)` and the sane ones. What is beyond a bar counts though a later
+/// muscle takes too long.
 template <typename Run, typename Figures>
 HardCell each_moved(const HardRequest& request, const std::vector<std::string>& muscles, const Run& run_of,
-                    const Figures& figures_of) {
+                    const Figures& figures_of, const SaneBars& bars = {}) {
   if (std::optional<HardCell> left_out = unless_data(request)) return *left_out;
   return watched(request, true, [&] {
     std::vector<HardFigure> figures;
@@ -65,7 +65,7 @@ HardCell each_moved(const HardRequest& request, const std::vector<std::string>& 
         if (run.result.status == "diverged") return HardCell{Verdict::breaks, run.said(), {}};
         if (said.empty()) said = run.said();
         for (HardFigure& figure : figures_of(muscle, run)) figures.push_back(std::move(figure));
-        figures = with_sane_figures(std::move(figures), run, request, muscle);
+        figures = with_sane_figures(std::move(figures), run, request, muscle, bars);
       }
     } catch (const TakesTooLong& slow) {
       if (std::ranges::all_of(figures, &HardFigure::holds)) throw;
@@ -78,13 +78,13 @@ HardCell each_moved(const HardRequest& request, const std::vector<std::string>& 
 /// So many flexions of each muscle.
 template <typename Figures>
 HardCell flexed(const HardRequest& request, const std::vector<std::string>& muscles, int flexions,
-                const Figures& figures_of) {
+                const Figures& figures_of, const SaneBars& bars = {}) {
   const auto run_of = [&](const std::string& muscle) {
     Scene scene = load_scene(flexion_of(muscle, request, flexions));
     repeat_motions(scene, whole_course, flexions);
     return moved_in_time(request, std::move(scene));
   };
-  return each_moved(request, muscles, run_of, figures_of);
+  return each_moved(request, muscles, run_of, figures_of, bars);
 }
 
 HardCell return_to_rest(const HardRequest& request) {
@@ -111,17 +111,20 @@ HardCell return_to_rest(const HardRequest& request) {
 
 HardCell self_intersection(const HardRequest& request) {
   const std::vector<std::string> muscles = muscles_of(request, "iliacus");
-  return flexed(request, muscles, 1, [](const std::string& muscle, const MovedScene& run) {
-    const auto count = [&](std::size_t frame) {
-      return static_cast<double>(count_self_crossings({run.positions(frame), run.scene.muscle_mesh.triangles}));
-    };
-    const auto triangles = static_cast<double>(run.scene.muscle_mesh.triangles.size());
-    return std::vector<HardFigure>{
-        {fmt::format("{}: share of triangles that pass through others at full flexion", muscle),
-         count(whole_course.moving / 2) / triangles, 1e-3},
-        {fmt::format("{}: triangles that do after the return, beyond those at rest", muscle),
-         std::max(0.0, count(whole_course.all()) - count(0)), 0, "triangles"}};
-  });
+  return flexed(
+      request, muscles, 1,
+      [](const std::string& muscle, const MovedScene& run) {
+        const auto count = [&](std::size_t frame) {
+          return static_cast<double>(count_self_crossings({run.positions(frame), run.scene.muscle_mesh.triangles}));
+        };
+        const auto triangles = static_cast<double>(run.scene.muscle_mesh.triangles.size());
+        return std::vector<HardFigure>{
+            {fmt::format("{}: share of triangles that pass through others at full flexion", muscle),
+             count(whole_course.moving / 2) / triangles, 1e-3},
+            {fmt::format("{}: triangles that do after the return, beyond those at rest", muscle),
+             std::max(0.0, count(whole_course.all()) - count(0)), 0, "triangles"}};
+      },
+      {.passing = false});
 }
 
 /// The part of an OpenSim model's motion table from rest to its end, there and back.

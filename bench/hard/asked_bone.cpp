@@ -18,6 +18,12 @@ std::optional<std::string> why_not_points(const HardRequest& request) {
   return std::nullopt;
 }
 
+HardFigure missed_figure(std::span<const double> truth_m, const std::vector<Contact>& contacts,
+                         const AskedBone& asked) {
+  const WrongAnswers wrong = wrong_answers(truth_m, contacts, asked, 1e-12 * asked.diagonal_m());
+  return {"inner points missed beyond its declared bound", static_cast<double>(wrong.missed), 0, "points"};
+}
+
 HardCell with_parameters_for_points(HardCell cell, const HardRequest& request) {
   std::string said;
   for (const auto& [name, value] : request.backend.for_points) {

@@ -58,6 +58,9 @@ WrongAnswers wrong_answers(std::span<const double> truth_m, const std::vector<Co
 /// The cell, which also says with which parameters a backend was asked that needs some for points.
 HardCell with_parameters_for_points(HardCell cell, const HardRequest& request);
 
+/// Of points that the case has only compared with each other: those of them inside that the backend does not find.
+HardFigure missed_figure(std::span<const double> truth_m, const std::vector<Contact>& contacts, const AskedBone& asked);
+
 /// What `ask` says, where the backend can be asked about points; a structure that was refused by the status given.
 template <typename Ask>
 HardCell about_points(const HardRequest& request, const Ask& ask) {

@@ -96,22 +96,20 @@ HardCell groove(const HardRequest& request) {
 }
 
 /// CPU time of all frames, judged or not: the shorter of two.
-Nanoseconds frames_ns(const HardRequest& request, bool judge, const EditScene& edit, bool* says_bound = nullptr) {
+Nanoseconds frames_ns(const HardRequest& request, bool judge, const EditScene& edit,
+                      std::vector<StepRecord>* records = nullptr) {
   Nanoseconds shortest_ns = std::numeric_limits<Nanoseconds>::max();
   for (int i = 0; i < 2; ++i) {
     Scene scene = load_scene(scene_of("hard/flush"));
     if (edit) edit(scene);
+    if (request.spoil) request.spoil(scene);
     const Parameters parameters = request.parameters();
     RunCase run{{scene, request.backend, parameters, 1}};
     run.responses = choose_responses("", scene, request.backend, parameters);
     run.judge = judge;
     const RunResult result = run_case(run, [](int) {});
     shortest_ns = std::min(shortest_ns, result.cpu_after_ns - result.cpu_before_ns);
-    if (says_bound == nullptr) continue;
-    for (const StepRecord& record : result.records) {
-      const bool has_bound = record.surface_depth_bound_m >= record.surface_depth_m;
-      *says_bound = *says_bound && has_bound;
-    }
+    if (records != nullptr) *records = result.records;
   }
   return shortest_ns;
 }
@@ -130,12 +128,16 @@ HardCell judge_flush(const HardRequest& request) {
     };
     for (const auto& [words, edit] :
          {std::pair<std::string, EditScene>("closed", {}), std::pair<std::string, EditScene>("open", open)}) {
-      bool says_bound = true;
-      const auto judged_ns = static_cast<double>(frames_ns(request, true, edit, &says_bound));
+      std::vector<StepRecord> records;
+      const auto judged_ns = static_cast<double>(frames_ns(request, true, edit, &records));
       const auto plain_ns = static_cast<double>(frames_ns(request, false, edit));
       figures.push_back({words + " muscle: time of a frame with its judgement over that without", judged_ns / plain_ns,
                          most_times_a_frame});
-      figures.push_back({words + " muscle: frames whose surface depth has no bound", says_bound ? 0.0 : 1.0, 0});
+      const auto unbounded = std::ranges::count_if(
+          records, [](const StepRecord& record) { return !(record.surface_depth_bound_m >= record.surface_depth_m); });
+      figures.push_back(
+          {words + " muscle: frames whose surface depth has no bound", static_cast<double>(unbounded), 0, "frames"});
+      figures.push_back(without_contact(records, words + " muscle"));
     }
     return judged(std::move(figures), request, "", MayRefuse::nobody);
   });
@@ -161,7 +163,7 @@ HardCell scaled_run(const HardRequest& request) {
     choice.loop_overrides["frames"] = std::int64_t{request.whole ? 64 : 40};
     const MovedScene usual = moved(request, choice);
     const std::size_t last = usual.result.snapshots.size() - 1;
-    std::vector<HardFigure> figures;
+    std::vector<HardFigure> figures{without_contact(usual.result.records)};
     for (const double factor :
          request.whole ? std::vector<double>{0x1p10, 0x1p-10, 1e3, 1e-3} : std::vector<double>{0x1p10, 1e-3}) {
       const MovedScene other = moved(request, choice, 1, [&](Scene& scene) { scale_scene(scene, factor); });
@@ -179,16 +181,20 @@ HardCell scaled_run(const HardRequest& request) {
 HardCell same_state_for_targets(const HardRequest& request) {
   return watched(request, true, [&] {
     std::vector<std::string> hashes;
+    HardFigure contactless;
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
       hwy::SetSupportedTargetsForTest(target);
       SceneChoice choice = scene_of("hard/step_size");
       if (!request.whole) choice.loop_overrides["frames"] = std::int64_t{8};
-      hashes.push_back(moved(request, choice).result.state_hash);
+      const MovedScene run = moved(request, choice);
+      hashes.push_back(run.result.state_hash);
+      contactless = without_contact(run.result.records);
     }
     hwy::SetSupportedTargetsForTest(0);
     const auto other = std::ranges::count_if(hashes, [&](const std::string& hash) { return hash != hashes.front(); });
     return judged({{fmt::format("of {} SIMD targets, those that end in other bits than the widest", hashes.size()),
-                    static_cast<double>(other), 0, "targets"}},
+                    static_cast<double>(other), 0, "targets"},
+                   contactless},
                   request, "", MayRefuse::nobody);
   });
 }

@@ -117,6 +117,7 @@ HardCell welded_muscle(const HardRequest& request) {
     return judged({{"nodes more or fewer",
                     std::abs(static_cast<double>(soup.scene.muscle_mesh.vertices.size()) - static_cast<double>(nodes)),
                     0, "nodes"},
+                   without_contact(indexed.result.records),
                    // Another order of the nodes is another order of the constraints, which each step goes through.
                    {"difference of the shapes at the end, over the diagonal", largest_m / indexed.diagonal_m(), slack}},
                   request, "", MayRefuse::nobody);
@@ -138,6 +139,7 @@ HardCell wrong_unit(const HardRequest& request) {
           scaled_by(factor, scene.bones[bone].surface.mesh.vertices);
           scaled_by(factor, scene.bone_meshes[bone].mesh.vertices);
         }
+        if (request.spoil) request.spoil(scene);
         const std::vector<SceneWarning> said = scene_warnings(scene);
         const std::string unit = factor == 1000.0 ? "millimetre" : "centimetre";
         silent += std::ranges::none_of(

@@ -116,6 +116,22 @@ HardCell pinch(const HardRequest& request) {
   });
 }
 
+/// Whether the backend finds the muscle of `rest`, which touches nothing, once it is 20 mm lower and in the plate.
+bool finds_it_in_the_plate(const HardRequest& request, const Scene& scene) {
+  const auto backend = request.backend.make(request.parameters());
+  std::vector<Vec3> positions = scene.muscle_mesh.vertices;
+  std::vector<int> nodes;
+  for (Vec3& position : positions) {
+    position.z() -= 0.02;
+    nodes.push_back(static_cast<int>(nodes.size()));
+  }
+  std::vector<Contact> found;
+  backend->build(scene.bones, scene.muscle_mesh, request.threads);
+  backend->update(std::vector<RigidMotion>(scene.bones.size()), positions);
+  backend->detect(positions, nodes, found);
+  return !found.empty();
+}
+
 HardCell rest(const HardRequest& request) {
   return watched(request, true, [&] {
     SceneChoice choice = scene_of("hard/rest");
@@ -125,7 +141,9 @@ HardCell rest(const HardRequest& request) {
     return judged(
         with_sane_figures(
             {{"largest move of a node, over the diagonal", run.largest_move_m(0, last) / run.diagonal_m(), 1e-9},
-             {"contacts in the last frame", static_cast<double>(run.result.records.back().contacts), 0, "contacts"}},
+             {"contacts in the last frame", static_cast<double>(run.result.records.back().contacts), 0, "contacts"},
+             {"muscles pushed into the plate that are not found", finds_it_in_the_plate(request, run.scene) ? 0.0 : 1.0,
+              0}},
             run, request),
         request, run.said(), MayRefuse::nobody);
   });
@@ -196,7 +214,7 @@ HardCell face_over_edge(const HardRequest& request) {
 }
 
 HardCell swallowed(const HardRequest& request) {
-  return watched(request, true, [&] {
+  return watched(request, false, [&] {
     const MovedScene in_bone = moved(request, scene_of("hard/swallowed"));
     const MovedScene about_bone = moved(request, scene_of("hard/bone_in_muscle"));
     const MovedScene inverted = moved(request, scene_of("hard/step_size"), 1, [](Scene& scene) {
@@ -260,7 +278,8 @@ HardCell same_state_for_threads(const HardRequest& request) {
     const bool is_same = alone.result.state_hash == together.result.state_hash;
     const bool is_repeated = alone.result.state_hash == again.result.state_hash;
     return judged({{"runs on two threads that end in other bits", is_same ? 0.0 : 1.0, 0},
-                   {"repetitions that end in other bits", is_repeated ? 0.0 : 1.0, 0}},
+                   {"repetitions that end in other bits", is_repeated ? 0.0 : 1.0, 0},
+                   without_contact(alone.result.records)},
                   request, "", MayRefuse::nobody);
   });
 }
@@ -305,7 +324,8 @@ constexpr std::array cases_of_motion = {
     HardCase{.id = "rest",
              .what = "Nothing moves, for 1000 frames (100 in the short run).",
              .why = "A force out of nothing adds up.",
-             .bar = "drift within 1e-9 of the diagonal, no contact, the sane figures",
+             .bar = "drift within 1e-9 of the diagonal, no contact there and one once the muscle is pushed into the "
+                    "plate, the sane figures",
              .scene = "hard/rest",
              .run = rest},
     HardCase{.id = "resting-contact",
@@ -326,10 +346,12 @@ constexpr std::array cases_of_motion = {
              .run = face_over_edge},
     HardCase{.id = "swallowed",
              .what = "A muscle wholly inside a bone, a bone wholly inside a muscle, a muscle that is inside out.",
-             .why = "A backend that collides surfaces finds nothing, and a depth of 0 looks fine.",
+             .why = "A backend that collides surfaces finds nothing, and a depth of 0 looks fine: the judge has to see "
+                    "it by itself.",
              .bar = "the status names it",
              .scene = "hard/swallowed",
              .unlike = "nothing in it can be right, and all that is asked is that the status says so",
+             .asks_backend = false,
              .run = swallowed},
     HardCase{.id = "attached-inside",
              .what = "A ball whose foot is 5 mm deep in the plate that it is attached to; the plate turns.",
@@ -348,10 +370,10 @@ constexpr std::array cases_of_motion = {
                 "internal edges.",
         .why = "At sharp tips and edges the closest point jumps from side to side, and so does the way out (Erleben "
                "2018; the test set of IPC).",
-        .bar =
-            "no node through the bone, no triangle through the bone or its own muscle, the surface at most 0.1 mm or 1 % of "
-            "the diagonal deep (grids: their declared bound more), the longest edge twice that at rest, volume "
-            "within 5 %, status ok",
+        .bar = "no node through the bone, no triangle through the bone or its own muscle, the surface at most 0.1 mm "
+               "or 1 % of "
+               "the diagonal deep (grids: their declared bound more), the longest edge twice that at rest, volume "
+               "within 5 %, status ok",
         .scene = "hard/spike_on_spike",
         .run = sharp_pairs_of_erleben},
     HardCase{.id = "determinism",

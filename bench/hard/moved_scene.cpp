@@ -68,6 +68,11 @@ MovedScene moved(const HardRequest& request, const SceneChoice& choice, int thre
   return moved(request, std::move(scene), threads);
 }
 
+HardFigure without_contact(const std::vector<StepRecord>& records, const std::string& words) {
+  const bool found = std::ranges::any_of(records, [](const StepRecord& record) { return record.contacts > 0; });
+  return {(words.empty() ? "" : words + ": ") + "runs without a contact", found ? 0.0 : 1.0, 0};
+}
+
 double declared_m(const MovedScene& run, const HardRequest& request) {
   const auto backend = request.backend.make(request.parameters());
   backend->build(run.scene.bones, run.scene.muscle_mesh, 1);

@@ -51,6 +51,9 @@ MovedScene moved(
 /// The scene of the choice, which `edit` changes first. Throws InputError as above and where it can't be read.
 MovedScene moved(const HardRequest& request, const SceneChoice& choice, int threads = 1, const EditScene& edit = {});
 
+/// Runs without a contact compare nothing: a bar of 0 for those of a case that holds two runs against each other.
+HardFigure without_contact(const std::vector<StepRecord>& records, const std::string& words = "");
+
 /// How far out of its place a backend that approximates may push a node that lies on a bone. One that promises nothing
 /// is held to what exact ones are: its figures are the result.
 double declared_m(const MovedScene& run, const HardRequest& request);

@@ -167,7 +167,7 @@ HardCell far_from_origin(const HardRequest& request) {
     const std::vector<double> truth_m = true_distances(mesh, points);
     AskedBone here(request, mesh, points.size());
     const std::vector<double> here_m = here.depths(points);
-    std::vector<HardFigure> figures;
+    std::vector<HardFigure> figures{missed_figure(truth_m, here.contacts(points), here)};
     for (const double offset_m : {1.0, 1e3, 1e6}) {
       const Vec3 offset = offset_m * Vec3(1, -0.5, 0.25);
       const double rounding_m = 64 * epsilon * offset.norm() + here.bound().storage_m;
@@ -219,7 +219,8 @@ HardCell scale(const HardRequest& request) {
     return judged(
         {{"answers with other bits at 1024 and 1/1024 of the size", static_cast<double>(changed_bits), 0, "points"},
          {"largest change in mm for m, over the diagonal", largest_relative,
-          1e-9 + usual.bound().storage_m / usual.diagonal_m()}},
+          1e-9 + usual.bound().storage_m / usual.diagonal_m()},
+         missed_figure(true_distances(mesh, points), usual.contacts(points), usual)},
         request);
   });
 }
@@ -249,7 +250,8 @@ HardCell rigid_motion(const HardRequest& request) {
       }
     }
     return judged({{"largest change of a depth, over the diagonal", largest_share, 1e-9},
-                   {"points found in one place and not in the other", static_cast<double>(changed), 0, "points"}},
+                   {"points found in one place and not in the other", static_cast<double>(changed), 0, "points"},
+                   missed_figure(truth_m, asked.contacts(points), asked)},
                   request);
   });
 }
@@ -258,6 +260,7 @@ HardCell on_features(const HardRequest& request) {
   return about_points(request, [&] {
     double largest_error = 0;
     int not_finite = 0;
+    double missed = 0;
     for (const TriangleMesh& mesh : {make_box({0.02, 0.03, 0.025}, 2), make_sphere(0.025, 2), make_spike()}) {
       std::vector<Vec3> points = {Vec3::Zero()};
       for (const Vec3& vertex : mesh.vertices) {
@@ -271,7 +274,9 @@ HardCell on_features(const HardRequest& request) {
       }
       AskedBone asked(request, mesh, points.size());
       if (!asked.tells_depth()) return not_applicable("tells no normals");
-      for (const Contact& contact : asked.contacts(points)) {
+      const std::vector<Contact> contacts = asked.contacts(points);
+      missed += missed_figure(true_distances(mesh, points), contacts, asked).value;
+      for (const Contact& contact : contacts) {
         const double error = std::abs(contact.normal.norm() - 1);
         if (!std::isfinite(error) || !std::isfinite(contact.depth_m) || contact.depth_m < 0) ++not_finite;
         largest_error = std::max(largest_error, error);
@@ -279,7 +284,8 @@ HardCell on_features(const HardRequest& request) {
     }
     return judged(
         {{"largest error of a normal's length", largest_error, 1e-12},
-         {"depths and normals that are no numbers, or negative", static_cast<double>(not_finite), 0, "points"}},
+         {"depths and normals that are no numbers, or negative", static_cast<double>(not_finite), 0, "points"},
+         {"inner points missed beyond its declared bound", missed, 0, "points"}},
         request, "", MayRefuse::nobody);
   });
 }
@@ -295,11 +301,13 @@ HardCell domain_border(const HardRequest& request) {
     }
     AskedBone asked(request, mesh, points.size());
     const std::vector<double> depths_m = asked.depths(points);
+    std::vector<double> starts_m;
     double largest_jump_m = 0;
     int outside = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3 beyond = points[i].cwiseAbs() - Vec3(0.02, 0.03, 0.025);
       const double distance_m = beyond.cwiseMax(0).norm();
+      if (points[i].isZero()) starts_m.push_back(depths_m[i]);
       if (depths_m[i] > 0 && distance_m > asked.bound().false_distance_m + 1e-12) ++outside;
       if (i + 1 < points.size() && distance_m < 0.3 && asked.tells_depth() &&
           (points[i + 1] - points[i]).norm() < 2e-4) {
@@ -310,7 +318,9 @@ HardCell domain_border(const HardRequest& request) {
     const double cell_m = request.backend.exact ? 0 : usual_cell_m(request, 0.06);
     return judged({{"contacts outside beyond its declared bound", static_cast<double>(outside), 0, "points"},
                    {"largest jump of the depth between neighbours, more than they are apart", largest_jump_m,
-                    cell_m + 1e-12, "m"}},
+                    cell_m + 1e-12, "m"},
+                   {"rays whose start, in the middle of the box, is not found",
+                    static_cast<double>(std::ranges::count(starts_m, 0.0)), 0, "rays"}},
                   request);
   });
 }
@@ -463,8 +473,11 @@ HardCell internal_edge(const HardRequest& request) {
     if (!coarse.tells_depth()) return not_applicable("tells no normals");
     double largest_angle_rad = 0;
     double largest_share = 0;
+    double missed = 0;
     for (AskedBone* asked : {&coarse, &fine}) {
-      for (const Contact& contact : asked->contacts(points)) {
+      const std::vector<Contact> contacts = asked->contacts(points);
+      missed += missed_figure(std::vector<double>(points.size(), -1e-4), contacts, *asked).value;
+      for (const Contact& contact : contacts) {
         largest_angle_rad = std::max(largest_angle_rad, contact.normal.cross(Vec3::UnitZ()).norm());
         largest_share = std::max(largest_share, std::abs(contact.depth_m - 1e-4) / asked->diagonal_m());
       }
@@ -473,7 +486,8 @@ HardCell internal_edge(const HardRequest& request) {
     return judged({{"largest error of a normal on a plane of 2 and of 8192 triangles", largest_angle_rad,
                     is_exact ? 1e-9 : 1e-3, "rad"},
                    {"largest error of a depth, over the diagonal", largest_share,
-                    is_exact ? 1e-9 : coarse.bound().missed_depth_m / coarse.diagonal_m() + 1e-9}},
+                    is_exact ? 1e-9 : coarse.bound().missed_depth_m / coarse.diagonal_m() + 1e-9},
+                   {"points on the path missed beyond its declared bound", missed, 0, "points"}},
                   request, "", MayRefuse::nobody);
   });
 }
@@ -527,12 +541,16 @@ HardCell stale_structure(const HardRequest& request) {
   }
   MovedBackend followed(request, request.threads);
   int wrong = 0;
+  std::size_t compared = 0;
   for (const int pose : {0, 1, 2, 3, 2, 8, 0}) {
     MovedBackend fresh(request, request.threads);
-    wrong += differences(contacts_of(*followed, cutting_ball(pose)), contacts_of(*fresh, cutting_ball(pose)));
+    const std::vector<Contact> expected = contacts_of(*fresh, cutting_ball(pose));
+    wrong += differences(contacts_of(*followed, cutting_ball(pose)), expected);
+    compared += expected.size();
   }
   return judged({{"contacts other than those of a backend that has seen no other pose", static_cast<double>(wrong), 0,
-                  "contacts"}},
+                  "contacts"},
+                 {"comparisons of no contact at all", compared > 0 ? 0.0 : 1.0, 0}},
                 request, "", MayRefuse::nobody);
 }
 
@@ -543,11 +561,15 @@ HardCell same_for_threads(const HardRequest& request) {
   MovedBackend alone(request, 1);
   MovedBackend together(request, 2);
   int wrong = 0;
+  std::size_t compared = 0;
   for (const int pose : {0, 1, 2, 3}) {
-    wrong += differences(contacts_of(*alone, cutting_ball(pose)), contacts_of(*together, cutting_ball(pose)));
+    const std::vector<Contact> expected = contacts_of(*alone, cutting_ball(pose));
+    wrong += differences(expected, contacts_of(*together, cutting_ball(pose)));
+    compared += expected.size();
   }
-  return judged({{"contacts with other bits on two threads", static_cast<double>(wrong), 0, "contacts"}}, request, "",
-                MayRefuse::nobody);
+  return judged({{"contacts with other bits on two threads", static_cast<double>(wrong), 0, "contacts"},
+                 {"comparisons of no contact at all", compared > 0 ? 0.0 : 1.0, 0}},
+                request, "", MayRefuse::nobody);
 }
 
 constexpr std::array cases_of_points = {
