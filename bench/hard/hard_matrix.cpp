@@ -57,6 +57,11 @@ std::string totals(const HardMatrix& matrix) {
 
 }  // namespace
 
+std::string column_of(const BackendEntry& entry) {
+  const bool finds_contacts = entry.make(HardRequest{.backend = entry}.parameters())->capabilities().finds_contacts;
+  return finds_contacts ? entry.name : "loop";
+}
+
 int HardMatrix::count(Verdict verdict) const {
   int found = 0;
   for (const std::vector<HardCell>& row : cells) {
@@ -117,6 +122,7 @@ std::string markdown_of(const HardMatrix& matrix) {
   for (std::size_t row = 0; row < matrix.cells.size(); ++row) {
     const HardCase& each = matrix.cases[row];
     text += fmt::format("\n## {}\n\n{} {} Bar: {}.\n\n", each.id, each.what, each.why, each.bar);
+    if (!each.unlike.empty()) text += fmt::format("Sane figures left out: {}.\n\n", each.unlike);
     text += "| backend | | figure farthest beyond its bar, or nearest to it |\n| --- | --- | --- |\n";
     for (std::size_t column = 0; column < matrix.cells[row].size(); ++column) {
       const HardCell& cell = matrix.cells[row][column];

@@ -17,6 +17,10 @@ struct HardMatrix {
   [[nodiscard]] int count(Verdict verdict) const;
 };
 
+/// The column of a backend: its name, or `loop` for one that finds no contacts and so can fail in no case that asks a
+/// backend.
+std::string column_of(const BackendEntry& entry);
+
 /// For a terminal: the matrix, then a line for each cell that breaks or was refused, with its figure and its bar.
 std::string text_of(const HardMatrix& matrix);
 /// The same as a page, with what happens in each case, why it is hard and what its bar is.

@@ -67,7 +67,7 @@ struct TakesTooLong : std::runtime_error {
 template <typename Watch>
 HardCell watched(const HardRequest& request, bool asks_backend, const Watch& watch) {
   if (request.backend.make(request.parameters())->capabilities().finds_contacts != asks_backend) {
-    return not_applicable(asks_backend ? "finds no contacts" : "asks the loop alone: see a column without contacts");
+    return not_applicable(asks_backend ? "finds no contacts" : "asks the loop alone: see the column `loop`");
   }
   try {
     return watch();

@@ -34,6 +34,7 @@ pinch
   Two bones close.
   No place is outside of both.
   Bar: no node moves.
+  Sane figures left out: the bones overlap.
   Scene: hard/pinch
 """
 
@@ -65,7 +66,7 @@ def test_a_cell_shows_the_figure_farthest_beyond_its_bar(rows):
 
 def test_cases_are_read_as_they_are_listed():
     cases = cases_of(LISTED).set_index("case")
-    assert list(cases.loc["pinch"]) == ["Two bones close.", "No place is outside of both.", "no node moves", "hard/pinch"]
+    assert list(cases.loc["pinch"]) == ["Two bones close.", "No place is outside of both.", "no node moves", "the bones overlap", "hard/pinch"]
     assert cases.loc["scale", "bar"] == "the same bits; 1e-9" and cases.loc["scale", "scene"] == ""
     for other in ("", LISTED + "rest\n  Nothing moves.\n", LISTED.replace("Bar", "Limit")):
         with pytest.raises(Problem, match="--list"):
@@ -78,7 +79,7 @@ def test_the_matrix_links_to_its_cases(published):
     assert "| [pinch](#pinch) | - | - | refused |" in text and "commit abc1234" in text
     assert "2 hold, 3 break, 1 refused, 3 not applicable." in text
     assert "### scale\n\nThe same ball. Tolerances hide. **Bar:** the same bits; 1e-9." in told
-    assert "### pinch\n\n" in told and "Scene: `hard/pinch`." in told
+    assert "### pinch\n\n" in told and "**Sane figures left out:** the bones overlap." in told and "Scene: `hard/pinch`." in told
 
 
 def test_what_is_beyond_its_bar_stands_with_it(published):

@@ -60,7 +60,9 @@ def texts(cases: pd.DataFrame) -> str:
     parts = []
     for case in cases.itertuples():
         scene = f" Scene: `{case.scene}`." if _text(case.scene) else ""
-        parts.append(f"### {case.case}\n\n{_text(case.what)} {_text(case.why)} **Bar:** {_text(case.bar)}.{scene}")
+        unlike = _text(getattr(case, "unlike", ""))
+        left_out = f" **Sane figures left out:** {unlike}." if unlike else ""
+        parts.append(f"### {case.case}\n\n{_text(case.what)} {_text(case.why)} **Bar:** {_text(case.bar)}.{left_out}{scene}")
     return "\n\n".join(parts)
 
 
