@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 #include "core/measure/crossings.hpp"
 #include "core/mesh/surface_volume.hpp"
@@ -41,20 +43,32 @@ class KeptCrossings {
         m_bodies(run.scene.bodies()),
         m_meter(run.scene.bones, run.scene.muscle_mesh, m_bodies, carriers_of(run)) {}
 
-  PassingTriangles count(const Snapshot& shape, double declared_m) {
+  /// As the shape is; touching counts.
+  PassingTriangles touching(const Snapshot& shape) { return sums(shape, shape.positions); }
+
+  /// Of `touching`, those that pass; only where there are more than `known`, of each kind.
+  PassingTriangles passing(const Snapshot& shape, const PassingTriangles& touching, const PassingTriangles& known,
+                           double declared_m) {
     const double touching_m = touching_share * m_run.diagonal_m();
-    const CrossingSums as_it_is = sums(shape, shape.positions);
-    const CrossingSums smaller = sums(shape, drawn_in(m_run.scene.muscle_mesh, shape.positions, touching_m));
-    const CrossingSums lifted =
-        as_it_is.in_bones > 0 ? sums(shape, lifted_out(shape, std::max(touching_m, declared_m), touching_m)) : as_it_is;
-    return {lifted.in_bones, std::min(as_it_is.in_muscles.value_or(0), smaller.in_muscles.value_or(0)),
-            std::min(as_it_is.in_itself, smaller.in_itself)};
+    PassingTriangles found = touching;
+    if (touching.bones > known.bones) {
+      const auto positions = lifted_out(shape, std::max(touching_m, declared_m), touching_m);
+      found.bones = std::min(touching.bones, sums(shape, positions).bones);
+    }
+    if (touching.muscles > known.muscles || touching.itself > known.itself) {
+      const auto positions = drawn_in(m_run.scene.muscle_mesh, shape.positions, touching_m);
+      const PassingTriangles smaller = sums(shape, positions);
+      found.muscles = std::min(touching.muscles, smaller.muscles);
+      found.itself = std::min(touching.itself, smaller.itself);
+    }
+    return found;
   }
 
  private:
-  CrossingSums sums(const Snapshot& shape, const std::vector<Vec3>& positions) {
+  PassingTriangles sums(const Snapshot& shape, const std::vector<Vec3>& positions) {
     m_tree.refit(m_run.scene.muscle_mesh.triangles, positions);
-    return sums_of(m_meter.pairs(), m_meter.count(m_referee, m_tree, shape.bone_poses, positions));
+    const CrossingSums sums = sums_of(m_meter.pairs(), m_meter.count(m_referee, m_tree, shape.bone_poses, positions));
+    return {sums.in_bones, sums.in_muscles.value_or(0), sums.in_itself};
   }
 
   /// The nodes, those within `reach_m` of a bone's surface `clear_m` outside of it.
@@ -90,29 +104,37 @@ class KeptCrossings {
   CrossingMeter m_meter;
 };
 
-/// Whether the judge found that nothing passes after that frame, nor touches.
-bool is_free(const std::vector<StepRecord>& records, int frame) {
-  const auto record = std::ranges::find(records, frame, &StepRecord::frame);
-  return record != records.end() && !record->crossings.empty() &&
-         std::ranges::all_of(record->crossings, [](int triangles) { return triangles == 0; });
+/// By frame, what the judge has counted, in which what only touches counts, too.
+std::vector<PassingTriangles> touching_triangles(const MovedScene& run, KeptCrossings& crossings) {
+  std::vector<PassingTriangles> touching{crossings.touching(run.result.snapshots.front())};
+  for (std::size_t i = 1; i < run.result.snapshots.size(); ++i) {
+    const StepRecord& record = run.result.records[i - 1];
+    touching.push_back({record.bone_crossings.value_or(0), record.muscle_crossings.value_or(0),
+                        record.self_intersecting_triangles.value_or(0)});
+  }
+  return touching;
 }
 
 }  // namespace
 
 PassingTriangles passing_triangles(const MovedScene& run, double declared_m) {
-  PassingTriangles most;
   const std::vector<Snapshot>& shapes = run.result.snapshots;
-  if (shapes.empty() || run.scene.muscle_mesh.triangles.empty()) return most;
+  if (shapes.empty() || run.scene.muscle_mesh.triangles.empty()) return {};
   KeptCrossings crossings(run);
-  const PassingTriangles at_rest = crossings.count(shapes.front(), declared_m);
-  for (const Snapshot& shape : shapes) {
-    if (shape.frame == 0 || is_free(run.result.records, shape.frame)) continue;
-    const PassingTriangles now = crossings.count(shape, declared_m);
-    most.bones = std::max(most.bones, now.bones - at_rest.bones);
-    most.muscles = std::max(most.muscles, now.muscles - at_rest.muscles);
-    most.itself = std::max(most.itself, now.itself - at_rest.itself);
+  const std::vector<PassingTriangles> touching = touching_triangles(run, crossings);
+  const PassingTriangles at_rest = crossings.passing(shapes.front(), touching.front(), {}, declared_m);
+  PassingTriangles largest = at_rest;
+  std::vector<std::size_t> order(shapes.size());  // most first, which spares the others
+  std::iota(order.begin(), order.end(), 0);
+  const auto sum = [&](std::size_t i) { return touching[i].bones + touching[i].muscles + touching[i].itself; };
+  std::ranges::stable_sort(order, std::greater(), sum);
+  for (const std::size_t i : order) {
+    const PassingTriangles now = crossings.passing(shapes[i], touching[i], largest, declared_m);
+    largest.bones = std::max(largest.bones, now.bones);
+    largest.muscles = std::max(largest.muscles, now.muscles);
+    largest.itself = std::max(largest.itself, now.itself);
   }
-  return most;
+  return {largest.bones - at_rest.bones, largest.muscles - at_rest.muscles, largest.itself - at_rest.itself};
 }
 
 std::vector<HardFigure> sane_figures(const MovedScene& run, const HardRequest& request, const std::string& words,

@@ -15,9 +15,20 @@ pytestmark = needs_program
 
 # What is mended leaves the list.
 KNOWN_TO_BREAK = {
-    ("welded-input", "fcl"),      # contacts that depend on the order of nodes: 10 % of the diagonal apart at the end
-    # Voxels hold the ball above the ridge.
-    ("face-over-edge", "voxel"),
+    ("welded-input", "fcl"),       # contacts that depend on the order of nodes: 10 % of the diagonal apart at the end
+    # Contact acts at nodes: faces between them are cut by tips and edges of the bone.
+    ("erleben-ten", "bvh"), ("erleben-ten", "brute_force"),  # and the muscles fold through themselves
+    ("pinch", "bvh"), ("pinch", "brute_force"),              # a jaw's tip is 1.16 mm deep, of 0.6
+    ("long-run", "sdf"), ("long-run", "bvh"),                # 8 triangles, an edge 2.56 times as long
+    ("sensitivity", "bvh"), ("sensitivity", "fcl"),          # 9 triangles, an edge 2.9 times as long
+    ("return-to-rest", "bvh"),                               # 10 triangles, an edge 2.7 times as long
+    ("far-flexion", "bvh"),                                  # 32 triangles, the surface 3.1 mm deep
+    # A muscle without self_contact passes through itself where a plate sweeps it along, 25 and 12 mm a frame.
+    ("step-size", "bvh"), ("step-size", "brute_force"),
+    ("many-nodes", "bvh"), ("many-nodes", "brute_force"),
+    # A free node next to the foot goes through the plate, which turns; FCL misses nodes and lets faces through.
+    ("attached-inside", "sdf"), ("attached-inside", "bvh"), ("attached-inside", "brute_force"), ("attached-inside", "fcl"),
+    ("extremes", "loop"),          # a hundredth of the volume collapses; bending without edges throws nodes
 }
 
 
@@ -39,7 +50,9 @@ def check_known(done, folder):
     rows = pd.read_csv(folder / "matrix.csv", keep_default_na=False)
     broken = rows[rows.verdict == "breaks"]
     assert done.returncode == (1 if len(broken) else 0)
-    assert set(zip(broken.case, broken.backend)) == KNOWN_TO_BREAK
+    # A busy machine leaves out cells that would take too long.
+    too_long = rows[rows.detail.str.contains("would take ", regex=False)]
+    assert set(zip(broken.case, broken.backend)) == KNOWN_TO_BREAK - set(zip(too_long.case, too_long.backend))
 
 
 def test_what_can_hold_does(matrix):
