@@ -75,6 +75,25 @@ TriangleMesh make_cracked_block(double half_width_m, double depth_m) {
                    {{0, 1, 4}, {1, 3, 4}, {1, 2, 3}, {0, 4, 5}, {0, 5, 6}}, half_m);
 }
 
+TriangleMesh make_skids(double half_length_m) {
+  return refined(drawn_out({{-0.012, 0}, {0, 0.012}, {0.012, 0}, {0.02, 0.02}, {-0.02, 0.02}},
+                           {{0, 1, 4}, {1, 3, 4}, {1, 2, 3}}, half_length_m),
+                 2);
+}
+
+TriangleMesh make_channel(double half_length_m) {
+  return refined(drawn_out({{-0.015, 0},
+                            {0.015, 0},
+                            {0.015, 0.03},
+                            {0.007, 0.03},
+                            {0.007, 0.008},
+                            {-0.007, 0.008},
+                            {-0.007, 0.03},
+                            {-0.015, 0.03}},
+                           {{0, 1, 4}, {0, 4, 5}, {1, 2, 3}, {1, 3, 4}, {0, 5, 6}, {0, 6, 7}}, half_length_m),
+                 2);
+}
+
 TriangleMesh make_holed_plate() {
   constexpr int cells = 7;
   constexpr double cell_m = 0.012;

@@ -38,6 +38,59 @@ TriangleMesh lying_capsule(double radius_m, double half_length_m, int segments) 
   return mesh;
 }
 
+/// Turned by a quarter about the z axis, so that what ran along y runs along x.
+TriangleMesh quarter_turned(TriangleMesh mesh) {
+  for (Vec3& vertex : mesh.vertices) vertex = Vec3(-vertex.y(), vertex.x(), vertex.z());
+  return mesh;
+}
+
+/// Two bodies as one mesh.
+TriangleMesh joined(TriangleMesh mesh, const TriangleMesh& other) {
+  const auto first = static_cast<int>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
+  return mesh;
+}
+
+/// Two rails along x at y = -10 and 10 mm, their round tops at z = 0.
+TriangleMesh rails() {
+  const TriangleMesh rail = lying_capsule(0.002, 0.19, 12);
+  return joined(moved(rail, Vec3(0, -0.01, -0.002)), moved(rail, Vec3(0, 0.01, -0.002)));
+}
+
+/// Two ridges along x at y = -5 and 5 mm, their sharp edges at z = 0.
+TriangleMesh ridges() {
+  const TriangleMesh one = quarter_turned(make_wedge(0.002, 0.01, 0.19, 1));
+  return joined(moved(one, Vec3(0, -0.005, 0)), moved(one, Vec3(0, 0.005, 0)));
+}
+
+/// A square bar along x with an edge up and an edge down, nodes every 10 mm along them.
+TriangleMesh bar_on_edge() {
+  TriangleMesh mesh = make_box(Vec3(0.04, 0.005, 0.005), 8);
+  const double half = std::sqrt(0.5);
+  for (Vec3& vertex : mesh.vertices) {
+    vertex = Vec3(vertex.x(), half * (vertex.y() - vertex.z()), half * (vertex.y() + vertex.z()));
+  }
+  return mesh;
+}
+constexpr double bar_half_height_m = 0.0070710678118654752;
+
+/// A block whose top has a round hollow: 10 mm deep, its bottom at z = 0, a paraboloid of 30 mm radius of curvature.
+TriangleMesh bowl() {
+  constexpr double rim_m = 0.01;
+  TriangleMesh mesh = box({0.04, 0.04, 0.0125}, {0, 0, rim_m - 0.0125}, 10);
+  for (Vec3& vertex : mesh.vertices) {
+    if (vertex.z() < rim_m) continue;
+    vertex.z() = std::min(rim_m, vertex.head<2>().squaredNorm() / 0.06);
+  }
+  return mesh;
+}
+
+/// 1 mm square and 20 mm tall, its flat tip at z = 0, beside a base 1 mm below its foot.
+TriangleMesh needle() {
+  return joined(box({0.0005, 0.0005, 0.01}, {0.002, 0.002, -0.01}, 1), box({0.03, 0.03, 0.005}, {0, 0, -0.026}, 1));
+}
+
 /// Edges of 3 cm, its base on z = 0.
 TriangleMesh tetrahedron() {
   constexpr double edge_m = 0.03;
@@ -132,7 +185,74 @@ constexpr std::array shapes = {
                }},
     // Fills the groove of grooved_block to the bit.
     NamedShape{"groove_filling", [] { return moved(refined(make_wedge(0.02, 0.02, 0.03, -1), 3), Vec3(0, 0, -0.02)); }},
+    NamedShape{"skids", [] { return turned(make_skids(0.02), 0.6, 0.8); }},
+    // Over edges between nodes: each is off the other's middle by half an edge.
+    NamedShape{"lower_bar", [] { return moved(bar_on_edge(), Vec3(0, 0.005, -bar_half_height_m)); }},
+    NamedShape{"upper_bar",
+               [] { return moved(quarter_turned(bar_on_edge()), Vec3(0.005, 0, 0.001 + bar_half_height_m)); }},
+    NamedShape{"ball_on_slab", [] { return moved(make_sphere(0.02, 2), Vec3(0, 0, 0.0265)); }},
+    NamedShape{"left_ball", [] { return moved(make_sphere(0.02, 2), Vec3(-0.0205, 0, 0)); }},
+    NamedShape{"right_ball", [] { return moved(make_sphere(0.02, 2), Vec3(0.0205, 0.012, 0.003)); }},
+    NamedShape{"bowl_ball", [] { return moved(make_sphere(0.02, 2), Vec3(0, 0, 0.021)); }},
+    NamedShape{"swept_ball", [] { return moved(make_sphere(0.015, 2), Vec3(0.04, 0, 0.021)); }},
+    NamedShape{"overlapping_ball", [] { return moved(make_sphere(0.02, 2), Vec3(0.0175, 0, 0)); }},
+    NamedShape{"ball_in_skin", [] { return moved(make_sphere(0.02, 2), Vec3(0, 0, 0.0205)); }},
+    NamedShape{"flying_block",
+               [] {
+                 return box({0.02, 0.02, 0.01}, {0, 0, 0.011}, 6);
+               }},
+    NamedShape{"channel", [] { return make_channel(0.01); }},
     // Bones.
+    NamedShape{"rails", [] { return turned(rails(), 0.6, 0.8); }},
+    NamedShape{"ridges", [] { return turned(ridges(), 0.6, 0.8); }},
+    NamedShape{"far_bone",
+               [] {
+                 return box({0.01, 0.01, 0.01}, {0, 0, -0.25});
+               }},
+    NamedShape{"bowl", bowl},
+    NamedShape{"needle", needle},
+    NamedShape{"steep_ridge", [] { return moved(make_wedge(0.011547, 0.02, 0.05, 1), Vec3(0.002, 0, 0)); }},
+    NamedShape{"left_plate",
+               [] {
+                 return box({0.03, 0.06, 0.005}, {-0.035, 0, -0.005});
+               }},
+    NamedShape{"right_plate",
+               [] {
+                 return box({0.03, 0.06, 0.005}, {0.035, 0, -0.005});
+               }},
+    NamedShape{"press",
+               [] {
+                 return box({0.03, 0.03, 0.005}, {0, 0, 0.052});
+               }},
+    NamedShape{"lid",
+               [] {
+                 return box({0.03, 0.03, 0.0025}, {0, 0, 0.0275});
+               }},
+    // 1.2 mm above and below a tube; they end where its ends are bound.
+    NamedShape{"low_ceiling",
+               [] {
+                 return box({0.045, 0.03, 0.005}, {-0.01, 0, 0.0262});
+               }},
+    NamedShape{"low_floor",
+               [] {
+                 return box({0.045, 0.03, 0.005}, {-0.01, 0, -0.0062});
+               }},
+    NamedShape{"paddle",
+               [] {
+                 return box({0.06, 0.03, 0.004}, {0, 0, 0});
+               }},
+    NamedShape{"poking_ball", [] { return moved(make_sphere(0.004, 2), Vec3(0, 0.003, 0.0245)); }},
+    NamedShape{"left_jaw",
+               [] {
+                 return box({0.005, 0.02, 0.01}, {-0.02, 0, 0.022});
+               }},
+    NamedShape{"right_jaw",
+               [] {
+                 return box({0.005, 0.02, 0.01}, {0.0205, 0, 0.022});
+               }},
+    NamedShape{"right_rod", [] { return moved(make_capsule(0.006, 0.02, 12), Vec3(0.03, 0, 0.0465)); }},
+    NamedShape{"left_rod", [] { return moved(make_capsule(0.006, 0.02, 12), Vec3(-0.03, 0, 0.0465)); }},
+    NamedShape{"middle_rod", [] { return moved(make_capsule(0.006, 0.02, 12), Vec3(0.002, 0, 0.0465)); }},
     NamedShape{"spike", [] { return make_cone(0.01, 0.04, 24, 1); }},
     NamedShape{"cracked_block", [] { return make_cracked_block(0.006, 0.02); }},
     NamedShape{"grooved_block", [] { return refined(make_cracked_block(0.02, 0.02), 2); }},
