@@ -53,8 +53,9 @@ MovedScene moved(const HardRequest& request, Scene scene, int threads,
   MovedScene done{std::move(scene), {}};
   const Parameters parameters = request.parameters();
   RunCase run{{done.scene, request.backend, parameters, threads}};
-  run.responses = choose_responses("", done.scene, request.backend, parameters);
-  require_what_effects_need(done.scene, request.backend, parameters, run.responses);
+  if (!done.scene.muscle_pairs.empty()) run.colliders = choose_collider_backends({}, done.scene, request.backend);
+  run.responses = choose_responses("", done.scene, request.backend, parameters, run.colliders);
+  require_what_effects_need(done.scene, request.backend, parameters, run.responses, run.colliders);
   run.snapshots.resize(static_cast<std::size_t>(done.scene.loop.frames) + 1);
   std::iota(run.snapshots.begin(), run.snapshots.end(), 0);
   run.keep_surface_depths = false;  // a shape is kept of each frame: they would take as long as the run
