@@ -185,6 +185,8 @@ constexpr std::array shapes = {
                }},
     // Fills the groove of grooved_block to the bit.
     NamedShape{"groove_filling", [] { return moved(refined(make_wedge(0.02, 0.02, 0.03, -1), 3), Vec3(0, 0, -0.02)); }},
+    // Between sides that fall by 3 in 4, its lowest edge where they meet.
+    NamedShape{"groove_wedge", [] { return refined(make_wedge(0.02, 0.015, 0.015, -1), 3); }},
     NamedShape{"skids", [] { return turned(make_skids(0.02), 0.6, 0.8); }},
     // Over edges between nodes: each is off the other's middle by half an edge.
     NamedShape{"lower_bar", [] { return moved(bar_on_edge(), Vec3(0, 0.005, -bar_half_height_m)); }},
@@ -231,11 +233,11 @@ constexpr std::array shapes = {
     // 1.2 mm above and below a tube; they end where its ends are bound.
     NamedShape{"low_ceiling",
                [] {
-                 return box({0.045, 0.03, 0.005}, {-0.01, 0, 0.0262});
+                 return box({0.055, 0.03, 0.005}, {-0.005, 0, 0.0262});
                }},
     NamedShape{"low_floor",
                [] {
-                 return box({0.045, 0.03, 0.005}, {-0.01, 0, -0.0062});
+                 return box({0.055, 0.03, 0.005}, {-0.005, 0, -0.0062});
                }},
     NamedShape{"paddle",
                [] {
@@ -244,12 +246,10 @@ constexpr std::array shapes = {
     NamedShape{"poking_ball", [] { return moved(make_sphere(0.004, 2), Vec3(0, 0.003, 0.0245)); }},
     NamedShape{"left_jaw",
                [] {
-                 return box({0.005, 0.02, 0.01}, {-0.02, 0, 0.022});
+                 return box({0.005, 0.02, 0.02}, {-0.02, 0, 0.015});
                }},
     NamedShape{"right_jaw",
-               [] {
-                 return box({0.005, 0.02, 0.01}, {0.0205, 0, 0.022});
-               }},
+               [] { return moved(quarter_turned(lying_capsule(0.005, 0.02, 16)), Vec3(0.0205, 0, 0.023)); }},
     NamedShape{"right_rod", [] { return moved(make_capsule(0.006, 0.02, 12), Vec3(0.03, 0, 0.0465)); }},
     NamedShape{"left_rod", [] { return moved(make_capsule(0.006, 0.02, 12), Vec3(-0.03, 0, 0.0465)); }},
     NamedShape{"middle_rod", [] { return moved(make_capsule(0.006, 0.02, 12), Vec3(0.002, 0, 0.0465)); }},

@@ -77,6 +77,8 @@ struct HardCase {
   std::string_view scene;  ///< embedded scene that it moves; empty: it asks about points
   /// Why it leaves out the figures of sane_figures, or some of them, although it moves a scene.
   std::string_view unlike = {};
+  /// That carry a load in it, by their names apart by spaces: without any of them it breaks, or breaks by more.
+  std::string_view effects = {};
   bool asks_backend = true;  ///< false: the loop alone, which every backend would repeat
   HardCell (*run)(const HardRequest& request);
 };
@@ -92,5 +94,8 @@ std::span<const HardCase> course_cases();
 std::span<const HardCase> loop_cases();
 std::span<const HardCase> limit_cases();
 std::span<const HardCase> anatomy_cases();
+std::span<const HardCase> load_cases();
+std::span<const HardCase> muscle_load_cases();
+std::span<const HardCase> effect_cases();
 
 }  // namespace musclebench

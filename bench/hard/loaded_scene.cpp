@@ -1,0 +1,147 @@
+#include "bench/hard/loaded_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/mesh/surface_volume.hpp"
+#include "core/scene/attachment_area.hpp"
+#include "datasets/sharp_shapes.hpp"
+
+namespace musclebench {
+
+Scene load(const LoadedScene& scene) {
+  SceneChoice choice = scene_of(scene.name);
+  choice.loop_overrides = scene.loop;
+  for (const auto& [effect, values] : scene.effects) {
+    choice.effect_overrides.push_back({.location = "hard case", .name = effect, .values = values});
+  }
+  return load_scene(choice);
+}
+
+void LoadFigures::add_bare_run(const MovedScene& run, const std::string& words, std::vector<HardFigure> figures) {
+  const std::string said = run.said();
+  for (HardFigure& figure : figures) {
+    if (!words.empty() && !figure.name.starts_with(words)) figure.name = fmt::format("{}: {}", words, figure.name);
+    if (!figure.holds() && said.empty()) m_silent = true;
+    if (!figure.holds() && m_said.empty()) m_said = said;
+    m_figures.push_back(std::move(figure));
+  }
+}
+
+void LoadFigures::add_run(const MovedScene& run, const std::string& words, std::vector<HardFigure> figures,
+                          const SaneBars& bars) {
+  add_bare_run(run, words, with_sane_figures(std::move(figures), run, m_request, words, bars));
+}
+
+void LoadFigures::add_tight_run(const MovedScene& run, const std::string& words, std::vector<HardFigure> figures) {
+  constexpr double promised_m = 1e-4;
+  const PassingTriangles passing = passing_triangles(run, declared_m(run, m_request));
+  figures.push_back({"triangles through the muscle itself", static_cast<double>(passing.itself), 0, "triangles"});
+  if (run.scene.muscles.size() > 1) {
+    figures.push_back({"triangles through other muscles", static_cast<double>(passing.muscles), 0, "triangles"});
+  }
+  add_run(run, words, std::move(figures), {.depth_m = promised_m, .depth_share = 0, .passing = false});
+}
+
+bool LoadFigures::add_if_diverged(const MovedScene& run, const std::string& words) {
+  if (run.result.status != "diverged") return false;
+  add_bare_run(run, words, {{"runs that diverge", 1, 0}});
+  return true;
+}
+
+HardCell LoadFigures::judged(MayRefuse may_refuse) const {
+  return musclebench::judged(m_figures, m_request, m_silent ? "" : m_said, may_refuse);
+}
+
+Vec3 middle_of(std::span<const Vec3> positions, const Body& body) {
+  Vec3 sum = Vec3::Zero();
+  for (int node = body.first_node; node < body.last_node; ++node) sum += positions[static_cast<std::size_t>(node)];
+  return sum / (body.last_node - body.first_node);
+}
+
+double late_move(const MovedScene& run, std::size_t frames) {
+  const std::size_t last = run.result.snapshots.size() - 1;
+  double largest_m = 0;
+  for (std::size_t frame = last - frames + 1; frame <= last; ++frame) {
+    const double moved_m = run.largest_move_m(frame - 1, frame);
+    if (!(moved_m <= largest_m)) largest_m = moved_m;
+  }
+  return largest_m / run.diagonal_m();
+}
+
+double frame_s(const Scene& scene) { return scene.loop.time_step_s * scene.loop.substeps; }
+
+std::vector<double> node_masses_kg(const Scene& scene) {
+  std::vector<double> masses(scene.muscle_mesh.vertices.size(), scene.loop.node_mass_kg);
+  if (!(scene.loop.density_kg_per_m3 > 0)) return masses;
+  for (const Muscle& muscle : scene.muscles) {
+    const double volume_m3 =
+        std::abs(body_volume_m3(scene.muscle_mesh.vertices, scene.muscle_mesh.triangles, muscle.body));
+    const int nodes = muscle.body.last_node - muscle.body.first_node;
+    std::fill(masses.begin() + muscle.body.first_node, masses.begin() + muscle.body.last_node,
+              scene.loop.density_kg_per_m3 * volume_m3 / nodes);
+  }
+  return masses;
+}
+
+void move_straight(Scene& scene, std::size_t bone, const StraightCourse& course) {
+  constexpr double arm_m = 100;
+  BoneRotation rotation;
+  rotation.axis = course.direction.unitOrthogonal();
+  // A turn by a small angle moves what is near the origin by axis x arm, which is to be along the direction.
+  rotation.centre_m = -arm_m * course.direction.cross(rotation.axis).normalized();
+  rotation.times = course.times;
+  for (const double way_m : course.way_m) rotation.angles_rad.push_back(std::asin(way_m / arm_m));
+  rotation.there_and_back = false;
+  scene.motions[bone].rotations = {rotation};
+}
+
+void place_bone(Scene& scene, std::size_t bone, const Vec3& by_m, const Vec3& scale) {
+  for (TriangleMesh* mesh : {&scene.bones[bone].surface.mesh, &scene.bone_meshes[bone].mesh}) {
+    for (Vec3& vertex : mesh->vertices) vertex = vertex.cwiseProduct(scale) + by_m;
+  }
+}
+
+void refine_muscle(Scene& scene, int times) {
+  const Muscle coarse = scene.muscles.front();
+  const TriangleMesh mesh = refined(scene.muscle_mesh, times);
+  scene.muscles.clear();
+  scene.muscle_mesh = {};
+  Muscle& muscle = scene.add_muscle(coarse.body.name, mesh);
+  muscle.fibres = coarse.fibres;
+  muscle.fibres_between_attachments = coarse.fibres_between_attachments;
+  for (Attachment& attachment : scene.attachments) {
+    const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
+    attachment.nodes = nodes_over_area(mesh.vertices, bone.surface.mesh, attachment.area);
+  }
+}
+
+void swap_muscles(Scene& scene) {
+  const std::vector<Muscle> muscles = scene.muscles;
+  const std::vector<TriangleMesh> meshes = {scene.mesh_of(muscles[0].body), scene.mesh_of(muscles[1].body)};
+  scene.muscles.clear();
+  scene.muscle_mesh = {};
+  for (const std::size_t old : {1U, 0U}) {
+    Muscle& muscle = scene.add_muscle(muscles[old].body.name, meshes[old]);
+    muscle.velocity_m_per_s = muscles[old].velocity_m_per_s;
+  }
+  for (Attachment& attachment : scene.attachments) {
+    const int first_before = muscles[attachment.muscle].body.first_node;
+    attachment.muscle = 1 - attachment.muscle;
+    for (int& node : attachment.nodes) node += scene.muscles[attachment.muscle].body.first_node - first_before;
+  }
+}
+
+double gap_of_swapped_m(const MovedScene& run, const MovedScene& swapped) {
+  const std::vector<Vec3>& one = run.result.snapshots.back().positions;
+  std::vector<Vec3> other = swapped.result.snapshots.back().positions;
+  const auto of_first = run.scene.muscles.back().body.last_node - run.scene.muscles.back().body.first_node;
+  std::rotate(other.begin(), other.begin() + of_first, other.end());
+  return largest_gap_m(one, other);
+}
+
+}  // namespace musclebench
