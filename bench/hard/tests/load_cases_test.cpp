@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "backends/registry.hpp"
+#include "bench/hard/hard_case.hpp"
+#include "core/scene/scene.hpp"
+#include "datasets/embedded/embedded_files.hpp"
+
+namespace musclebench {
+namespace {
+
+std::vector<std::string> words_of(std::string_view text) {
+  std::istringstream stream{std::string(text)};
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+/// Each effect has a scene that shows it alone.
+std::set<std::string> all_effects() {
+  constexpr std::string_view folder = "effects/";
+  std::set<std::string> names;
+  for (const EmbeddedFile& file : embedded_scenes()) {
+    if (file.name.starts_with(folder)) names.emplace(file.name.substr(folder.size()));
+  }
+  return names;
+}
+
+/// A backend that never finds a contact.
+BackendEntry blind(const BackendEntry& exact) {
+  class Blind final : public CollisionBackend {
+   public:
+    explicit Blind(std::unique_ptr<CollisionBackend> inner) : m_inner(std::move(inner)) {}
+    [[nodiscard]] Capabilities capabilities() const override { return m_inner->capabilities(); }
+    [[nodiscard]] AnswerBound answer_bound(int bone) const override { return m_inner->answer_bound(bone); }
+    [[nodiscard]] std::size_t structure_bytes() const override { return m_inner->structure_bytes(); }
+
+   private:
+    void do_build() override { m_inner->build(bones(), muscle(), threads()); }
+    void do_detect(std::span<const Vec3> /*positions*/, std::span<const int> /*nodes*/,
+                   std::vector<Contact>& /*contacts*/) override {}
+    std::unique_ptr<CollisionBackend> m_inner;
+  };
+  BackendEntry entry = exact;
+  entry.make = [make = exact.make](const Parameters& parameters) { return std::make_unique<Blind>(make(parameters)); };
+  return entry;
+}
+
+/// Takes one effect out of a scene; that of contact with bones is the backend's.
+void take_out(const std::string& effect, Scene& scene) {
+  if (effect == "muscle_contact") scene.muscle_pairs.clear();
+  if (effect == "fibre_anisotropy") {
+    for (Muscle& muscle : scene.muscles) muscle.fibres.clear(), muscle.fibres_between_attachments = false;
+  }
+  if (effect == "attachment") scene.attachments.clear();
+  std::erase_if(scene.effects, [&](const SceneEffect& each) { return each.name == effect; });
+}
+
+bool breaks_by_more(const HardCell& spoilt, const HardCell& usual) {
+  if (spoilt.verdict == Verdict::not_applicable) return false;
+  for (const HardFigure& figure : spoilt.figures) {
+    const auto before = std::ranges::find(usual.figures, figure.name, &HardFigure::name);
+    if (figure.holds()) continue;
+    if (before == usual.figures.end()) return true;  // a run that diverges
+    if (before->holds() || std::isnan(figure.value) || figure.value > 1.1 * before->value) return true;
+  }
+  return false;
+}
+
+std::string told(const HardCell& cell) {
+  std::string text = std::string(name_of(cell.verdict)) + "\n";
+  for (const HardFigure& figure : cell.figures) {
+    if (!figure.holds()) text += "  " + figure.name + ": " + std::to_string(figure.value) + "\n";
+  }
+  return text;
+}
+
+std::vector<HardCase> cases_with_loads() {
+  std::vector<HardCase> cases;
+  for (const auto& part : {load_cases(), muscle_load_cases(), effect_cases()}) {
+    cases.insert(cases.end(), part.begin(), part.end());
+  }
+  return cases;
+}
+
+TEST(LoadedEffects, EachHasAtLeastTwoCases) {
+  const std::set<std::string> known = all_effects();
+  EXPECT_EQ(known.size(), 17U);
+  std::map<std::string, int> cases_of;
+  for (const HardCase& each : hard_cases()) {
+    std::set<std::string> seen;
+    for (const std::string& effect : words_of(each.effects)) {
+      EXPECT_TRUE(known.contains(effect)) << each.id << ": " << effect;
+      EXPECT_TRUE(seen.insert(effect).second) << each.id << ": " << effect;
+      ++cases_of[effect];
+    }
+  }
+  for (const std::string& effect : known) EXPECT_GE(cases_of[effect], 2) << effect;
+}
+
+class LoadCase : public testing::TestWithParam<HardCase> {};
+
+/// A case that nothing turns red tests nothing, and an effect that it can do without carries no load.
+TEST_P(LoadCase, BreaksWithoutAnyOfItsEffects) {
+  const HardCase& each = GetParam();
+  const BackendEntry& backend = each.asks_backend ? exact_backend() : find_backend("null");
+  const HardCell usual = each.run({.backend = backend});
+  ASSERT_NE(usual.verdict, Verdict::not_applicable) << usual.detail;
+  ASSERT_FALSE(each.effects.empty());
+  for (const std::string& effect : words_of(each.effects)) {
+    const BackendEntry entry = effect == "contact" ? blind(backend) : backend;
+    const HardCell spoilt = each.run({.backend = entry, .spoil = [&](Scene& scene) { take_out(effect, scene); }});
+    EXPECT_TRUE(breaks_by_more(spoilt, usual))
+        << each.id << " without " << effect << ": " << told(spoilt) << "and with it: " << told(usual);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Hard, LoadCase, testing::ValuesIn(cases_with_loads()), [](const auto& each) {
+  std::string name(each.param.id);
+  std::ranges::replace(name, '-', '_');
+  return name;
+});
+
+/// Friction is inert on faces and edges: what these two cases ask for is right where there is none.
+TEST(LoadedFriction, IsCoulombsOnFacesAndEdgesWhereThereIsNone) {
+  for (const HardCase& each : load_cases()) {
+    if (each.id != "incline-faces" && each.id != "incline-edges") continue;
+    const HardCell without =
+        each.run({.backend = exact_backend(), .spoil = [](Scene& scene) { take_out("friction", scene); }});
+    for (const HardFigure& figure : without.figures) {
+      if (figure.name.find("over that without friction") == std::string::npos) continue;
+      EXPECT_NEAR(figure.value, 1, 0.05) << each.id;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace musclebench
