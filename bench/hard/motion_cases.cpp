@@ -320,6 +320,7 @@ constexpr std::array cases_of_motion = {
             "the depth is at most half of the overlap and 0.1 mm",
         .scene = "hard/pinch",
         .unlike = "between bones that overlap every triangle passes through one of them",
+        .effects = "multi_bone contact",
         .run = pinch},
     HardCase{.id = "rest",
              .what = "Nothing moves, for 1000 frames (100 in the short run).",

@@ -308,8 +308,11 @@ TEST(HardCase, IsSeenRedOnce) {
   std::set<std::string_view> seen(std::begin(unbroken), std::end(unbroken));
   for (const Breaks& row : breakers) EXPECT_TRUE(seen.insert(row.id).second) << row.id;
   for (const Spoils& row : spoils) EXPECT_TRUE(seen.insert(row.id).second) << row.id;
-  for (const HardCase& each : hard_cases())
+  for (const HardCase& each : hard_cases()) {
+    // What carries a load is seen red without each of its effects: load_cases_test.cpp.
+    if (!each.effects.empty()) continue;
     EXPECT_EQ(seen.count(each.id), 1U) << each.id << ": break it once in a test";
+  }
 }
 
 }  // namespace
