@@ -52,10 +52,10 @@ TriangleMesh joined(TriangleMesh mesh, const TriangleMesh& other) {
   return mesh;
 }
 
-/// Two rails along x at y = -10 and 10 mm, their round tops at z = 0.
+/// Two rails along x at y = -10 and 10 mm, 3 mm wide, their tops at z = 0.
 TriangleMesh rails() {
-  const TriangleMesh rail = lying_capsule(0.002, 0.19, 12);
-  return joined(moved(rail, Vec3(0, -0.01, -0.002)), moved(rail, Vec3(0, 0.01, -0.002)));
+  const auto rail = [](double y_m) { return box({0.19, 0.0015, 0.005}, {0, y_m, -0.005}, 1); };
+  return joined(rail(-0.01), rail(0.01));
 }
 
 /// Two ridges along x at y = -5 and 5 mm, their sharp edges at z = 0.
