@@ -29,6 +29,27 @@ KNOWN_TO_BREAK = {
     # A free node next to the foot goes through the plate, which turns; FCL misses nodes and lets faces through.
     ("attached-inside", "sdf"), ("attached-inside", "bvh"), ("attached-inside", "brute_force"), ("attached-inside", "fcl"),
     ("extremes", "loop"),          # a hundredth of the volume collapses; bending without edges throws nodes
+    # Effects under load.
+    ("incline-nodes", "sdf"), ("incline-nodes", "bvh"), ("incline-nodes", "brute_force"), ("incline-nodes", "fcl"),  # 2 % beyond Coulomb (falls with the step); at rest nodes creep 2e-3 diagonals a frame
+    ("incline-faces", "sdf"), ("incline-faces", "bvh"), ("incline-faces", "brute_force"), ("incline-faces", "fcl"),  # friction is inert on faces
+    ("incline-edges", "sdf"), ("incline-edges", "bvh"), ("incline-edges", "brute_force"), ("incline-edges", "fcl"),  # friction is inert on edges
+    ("loaded-rest", "sdf"), ("loaded-rest", "bvh"), ("loaded-rest", "brute_force"),  # surface_contact at the edges of two plates jitters by 5e-5 diagonals
+    ("overlapping-bones", "bvh"), ("overlapping-bones", "brute_force"),  # two bones as one: 4e-6 diagonals apart, of 1e-6
+    ("needle", "bvh"), ("needle", "brute_force"),  # surface 0.18 mm deep at 1 m/s, 7 mm at 10
+    ("ridge", "bvh"), ("ridge", "brute_force"),  # surface 4 mm deep at 10 m/s
+    ("border", "bvh"), ("border", "brute_force"),  # a face with a small free weight is thrown: edges 4.8 times as long, volume off by 6 %
+    ("margin-start", "sdf"), ("margin-start", "bvh"), ("margin-start", "brute_force"), ("margin-start", "fcl"),  # 0.4 to 0.6 mm/s left where nothing moves without the overlap
+    ("margin-at-speed", "bvh"), ("margin-at-speed", "brute_force"),  # 10 m/s: nodes reach the bone, and the ball folds through itself
+    ("muscle-on-muscle", "voxel"), ("muscle-on-muscle", "sdf"), ("muscle-on-muscle", "bvh"), ("muscle-on-muscle", "brute_force"), ("muscle-on-muscle", "fcl"),  # contact knows nodes against faces only: 24 triangles
+    ("press-shut", "bvh"), ("press-shut", "brute_force"),  # 6 triangles through the muscle itself, pressed slowly
+    ("squeeze", "voxel"), ("squeeze", "sdf"), ("squeeze", "bvh"), ("squeeze", "brute_force"), ("squeeze", "fcl"),  # a region is off its volume by 3.1 %
+    ("activation-stop", "sdf"), ("activation-stop", "bvh"), ("activation-stop", "brute_force"),  # a region is off its volume by 3.2 %, the muscle by 1.7 %
+    ("jump", "voxel"), ("jump", "sdf"), ("jump", "bvh"), ("jump", "brute_force"),  # steps 10 times as long: 1.04e-3 diagonals off, of 1e-3
+    ("thrown-at-muscle", "loop"),  # at 1 m/s 22 triangles pass, and the status is ok
+    ("momentum", "loop"),  # angular momentum off by 1.4e-3: constraints turn what they move
+    ("sag", "loop"),  # one pass a step does not converge at 10 ms: 52 % off
+    ("damped-fall", "loop"),  # gravity is damped in the step that adds it: 4 % off at 1 ms, 21 % at 5 ms
+    ("isometric", "loop"),  # a region is off its volume by 1.2 % where the muscle shortens
 }
 
 
