@@ -12,6 +12,7 @@
 
 #include "bench/cases/scene_source.hpp"
 #include "bench/hard/courses.hpp"
+#include "bench/hard/run_figures.hpp"
 #include "bench/hard/sane_figures.hpp"
 #include "core/measure/crossings.hpp"
 #include "core/mesh/mesh_size.hpp"
@@ -57,21 +58,19 @@ HardCell each_moved(const HardRequest& request, const std::vector<std::string>& 
                     const Figures& figures_of, const SaneBars& bars = {}) {
   if (std::optional<HardCell> left_out = unless_data(request)) return *left_out;
   return watched(request, true, [&] {
-    std::vector<HardFigure> figures;
-    std::string said;
+    RunFigures figures(request);
     try {
       for (const std::string& muscle : muscles) {
         const MovedScene run = run_of(muscle);
         if (run.result.status == "diverged") return HardCell{Verdict::breaks, run.said(), {}};
-        if (said.empty()) said = run.said();
-        for (HardFigure& figure : figures_of(muscle, run)) figures.push_back(std::move(figure));
-        figures = with_sane_figures(std::move(figures), run, request, muscle, bars);
+        figures.add_run(run, muscle, figures_of(muscle, run), bars);
       }
     } catch (const TakesTooLong& slow) {
-      if (std::ranges::all_of(figures, &HardFigure::holds)) throw;
-      return without(judged(std::move(figures), request, said), fmt::format("a later muscle {}", slow.what()));
+      const HardCell so_far = figures.judged();
+      if (so_far.verdict == Verdict::holds) throw;
+      return without(so_far, fmt::format("a later muscle {}", slow.what()));
     }
-    return judged(std::move(figures), request, said);
+    return figures.judged();
   });
 }
 

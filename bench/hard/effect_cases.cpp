@@ -11,6 +11,7 @@
 
 #include "bench/hard/courses.hpp"
 #include "bench/hard/loaded_scene.hpp"
+#include "bench/hard/run_figures.hpp"
 #include "core/effects/local_volume.hpp"
 
 // Effects under load, against the formula of each or a run that moves slowly.
@@ -62,7 +63,7 @@ double flap_angle_rad() {
 
 HardCell sag(const HardRequest& request) {
   return watched(request, false, [&] {
-    LoadFigures figures(request);
+    RunFigures figures(request);
     for (const double time_step_s : {1e-4, 1e-3, 1e-2}) {
       constexpr double passed_s = 3;
       constexpr std::int64_t frames = 10;
@@ -100,7 +101,7 @@ HardCell damped_fall(const HardRequest& request) {
   return watched(request, false, [&] {
     constexpr double rate_per_s = 100;
     constexpr double passed_s = 0.1;
-    LoadFigures figures(request);
+    RunFigures figures(request);
     for (const double time_step_s : {1e-4, 1e-3, 5e-3}) {
       const MovedScene run =
           moved(request, load({"effects/damping",
@@ -123,7 +124,7 @@ HardCell damped_fall(const HardRequest& request) {
 
 HardCell pressed_spring(const HardRequest& request) {
   return watched(request, true, [&] {
-    LoadFigures figures(request);
+    RunFigures figures(request);
     Scene scene = load({"hard/pressed_spring"});
     add_vertical_fibre(scene);
     const MovedScene run = moved_in_time(request, std::move(scene));
@@ -220,7 +221,7 @@ HardFigure bound_figure(const MovedScene& run) {
 
 HardCell squeeze(const HardRequest& request) {
   return watched(request, true, [&] {
-    LoadFigures figures(request);
+    RunFigures figures(request);
     Scene scene = load({"hard/squeezed_in_turn"});
     constexpr double way_m = 0.0105;  // half a millimetre before it touches
     const Vec3 down = -Vec3::UnitZ();
@@ -246,7 +247,7 @@ double radius_in_the_middle_m(const std::vector<Vec3>& positions, double middle_
 
 HardCell isometric_and_shortening(const HardRequest& request) {
   return watched(request, false, [&] {
-    LoadFigures figures(request);
+    RunFigures figures(request);
     const MovedScene isometric = moved(request, load({"hard/isometric"}));
     figures.add_run(isometric, "isometric",
                     {region_figure(isometric), volume_figure(isometric), bound_figure(isometric)});
@@ -271,7 +272,7 @@ HardCell isometric_and_shortening(const HardRequest& request) {
 
 HardCell activation_stop(const HardRequest& request) {
   return watched(request, true, [&] {
-    LoadFigures figures(request);
+    RunFigures figures(request);
     const MovedScene run = moved_in_time(request, load({"hard/shortening_stop"}));
     double widest_m = 0;
     for (const Vec3& position : run.result.snapshots.back().positions) {
@@ -289,7 +290,7 @@ HardCell activation_stop(const HardRequest& request) {
 
 HardCell refinement(const HardRequest& request) {
   return watched(request, true, [&] {
-    LoadFigures figures(request);
+    RunFigures figures(request);
     std::vector<MovedScene> runs;
     const int most = request.whole ? 2 : 1;
     for (int times = 0; times <= most; ++times) {
@@ -318,7 +319,7 @@ HardCell refinement(const HardRequest& request) {
 HardCell jump(const HardRequest& request) {
   return watched(request, true, [&] {
     constexpr std::size_t rod = 2;
-    LoadFigures figures(request);
+    RunFigures figures(request);
     const auto add = [&](const std::string& words, const MovedScene& run, const MovedScene& slow) {
       figures.add_tight_run(
           run, words,
@@ -384,6 +385,7 @@ constexpr std::array cases_of_effects = {
              .why = "Volume that is kept as a whole flows from end to end.",
              .bar = "each region and the muscle within 1 % of its volume",
              .scene = "hard/squeezed_in_turn",
+             .unlike = depth_says_it,
              .effects = "local_volume contact attachment",
              .run = squeeze},
     HardCase{
@@ -402,6 +404,7 @@ constexpr std::array cases_of_effects = {
              .why = "Activation, volume and contact each move the same nodes.",
              .bar = "each region and the muscle within 1 % of its volume; surface within 0.1 mm",
              .scene = "hard/shortening_stop",
+             .unlike = depth_says_it,
              .effects = "activation local_volume contact attachment",
              .run = activation_stop},
     HardCase{.id = "refinement",
@@ -409,6 +412,7 @@ constexpr std::array cases_of_effects = {
              .why = "A compliance per edge makes another muscle of a finer mesh (review 11).",
              .bar = "shape within 1 % of the diagonal, and by less with each refinement",
              .scene = "hard/pressed_tube",
+             .unlike = depth_says_it,
              .effects = "contact edge_length volume",
              .run = refinement},
     HardCase{.id = "jump",
@@ -417,6 +421,7 @@ constexpr std::array cases_of_effects = {
              .why = "A jump is a blow, and a longer step another one.",
              .bar = "shape at the end within 1e-3 diagonals of that of a slow run, or a status that says so",
              .scene = "hard/pressed_tube",
+             .unlike = depth_says_it,
              .effects = "contact damping edge_length",
              .run = jump},
 };

@@ -38,8 +38,9 @@ Parameters HardRequest::parameters(const std::map<std::string, ParameterValue>& 
 
 Parameters HardRequest::parameters_for_points(const std::map<std::string, ParameterValue>& more) const {
   std::map<std::string, ParameterValue> all = more;
+  all.insert(given.begin(), given.end());
   all.insert(backend.for_points.begin(), backend.for_points.end());
-  return parameters(all);
+  return {backend.parameters, all, "--param"};
 }
 
 HardCell judged(std::vector<HardFigure> figures, const HardRequest& request, const std::string& said,

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "bench/hard/moved_scene.hpp"
-#include "bench/hard/sane_figures.hpp"
 
 namespace musclebench {
 
@@ -20,34 +19,6 @@ struct LoadedScene {
 
 /// Throws InputError.
 Scene load(const LoadedScene& scene);
-
-/// Figures of the runs of one case. A run that breaks a bar has to say so itself: the status of another run does not
-/// excuse it.
-class LoadFigures {
- public:
-  explicit LoadFigures(const HardRequest& request) : m_request(request) {}
-
-  /// The figures of one run, named by `words` (empty: there is one), and its sane figures.
-  void add_run(const MovedScene& run, const std::string& words, std::vector<HardFigure> figures,
-               const SaneBars& bars = {});
-  /// The same where the surface may be deep in a bone by the 0.1 mm that surface_contact promises, and by no more for
-  /// a large muscle: that depth says then whether a triangle passes through a bone.
-  void add_tight_run(const MovedScene& run, const std::string& words, std::vector<HardFigure> figures);
-  /// The same without the sane figures.
-  void add_bare_run(const MovedScene& run, const std::string& words, std::vector<HardFigure> figures);
-  /// Whether the run blew up: there is nothing to add but that.
-  bool add_if_diverged(const MovedScene& run, const std::string& words);
-  /// A figure of several runs, which no status excuses.
-  void add(HardFigure figure) { m_silent |= !figure.holds(), m_figures.push_back(std::move(figure)); }
-
-  [[nodiscard]] HardCell judged(MayRefuse may_refuse = MayRefuse::approximate) const;
-
- private:
-  const HardRequest& m_request;
-  std::vector<HardFigure> m_figures;
-  std::string m_said;
-  bool m_silent = false;  ///< a figure broke and no status said so
-};
 
 /// The mean position of the nodes of one muscle.
 Vec3 middle_of(std::span<const Vec3> positions, const Body& body);

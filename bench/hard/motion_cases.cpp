@@ -11,6 +11,7 @@
 
 #include "bench/hard/hard_case.hpp"
 #include "bench/hard/moved_scene.hpp"
+#include "bench/hard/run_figures.hpp"
 #include "bench/hard/sane_figures.hpp"
 #include "core/referee/referee.hpp"
 
@@ -23,23 +24,20 @@ HardCell step_size(const HardRequest& request, bool with_guard) {
   return watched(request, true, [&] {
     SceneChoice choice = scene_of("hard/step_size");
     if (with_guard) choice.effect_overrides.push_back({.location = "step-size", .name = "tunnelling_guard"});
-    std::vector<HardFigure> figures;
-    std::string said;
+    RunFigures figures(request);
     // 100 mm in so many frames.
     for (const std::int64_t frames :
          request.whole ? std::vector<std::int64_t>{2, 4, 8, 16, 32, 64, 256, 1024} : std::vector<std::int64_t>{4, 16}) {
       choice.loop_overrides["frames"] = frames;
       const MovedScene run = moved(request, choice);
-      const double tunnelled = run.tunnelled_nodes();
       const std::string words = fmt::format("{:.3g} mm a frame", 100.0 / static_cast<double>(frames));
       if (with_guard) {
-        figures = with_sane_figures(std::move(figures), run, request, words);
+        figures.add_run(run, words, {});
       } else {
-        figures.push_back({words + ": nodes on the wrong side of a bone", tunnelled, 0, "nodes"});
+        figures.add_bare_run(run, words, {{"nodes on the wrong side of a bone", run.tunnelled_nodes(), 0, "nodes"}});
       }
-      if ((tunnelled != 0 || with_guard) && said.empty()) said = run.said();
     }
-    return judged(std::move(figures), request, said, with_guard ? MayRefuse::approximate : MayRefuse::everybody);
+    return figures.judged(with_guard ? MayRefuse::approximate : MayRefuse::everybody);
   });
 }
 
@@ -48,8 +46,7 @@ HardCell step_size_unguarded(const HardRequest& request) { return step_size(requ
 
 HardCell initial_overlap(const HardRequest& request) {
   return watched(request, true, [&] {
-    std::vector<HardFigure> figures;
-    std::string said;
+    RunFigures figures(request);
     for (const int depth_mm : {1, 5}) {
       const MovedScene run = moved(request, scene_of(fmt::format("hard/initial_overlap_{}mm", depth_mm)));
       const double depth_m = 1e-3 * depth_mm;
@@ -68,18 +65,14 @@ HardCell initial_overlap(const HardRequest& request) {
       for (const Snapshot& snapshot : run.result.snapshots) {
         farthest_m = std::max(farthest_m, largest_gap_m(run.scene.muscle_mesh.vertices, snapshot.positions));
       }
-      figures.push_back(
-          {fmt::format("{} mm: frames in which the depth grows", depth_mm), static_cast<double>(risen), 0, "frames"});
-      figures.push_back({fmt::format("{} mm: largest move of a node in a frame", depth_mm), 1e3 * fastest_m,
-                         1e3 * (1.05 * depth_m + slack_m), "mm"});
-      figures.push_back({fmt::format("{} mm: largest move of a node in all", depth_mm), 1e3 * farthest_m,
-                         1e3 * (1.5 * depth_m + slack_m), "mm"});
-      figures.push_back({fmt::format("{} mm: depth after 10 frames", depth_mm),
-                         1e3 * run.result.records.at(9).depth.max_depth_m, 1e3 * slack_m, "mm"});
-      figures = with_sane_figures(std::move(figures), run, request, fmt::format("{} mm", depth_mm));
-      if (said.empty()) said = run.said();
+      figures.add_run(
+          run, fmt::format("{} mm", depth_mm),
+          {{"frames in which the depth grows", static_cast<double>(risen), 0, "frames"},
+           {"largest move of a node in a frame", 1e3 * fastest_m, 1e3 * (1.05 * depth_m + slack_m), "mm"},
+           {"largest move of a node in all", 1e3 * farthest_m, 1e3 * (1.5 * depth_m + slack_m), "mm"},
+           {"depth after 10 frames", 1e3 * run.result.records.at(9).depth.max_depth_m, 1e3 * slack_m, "mm"}});
     }
-    return judged(std::move(figures), request, said);
+    return figures.judged();
   });
 }
 
@@ -91,11 +84,7 @@ HardCell pinch(const HardRequest& request) {
       choice.loop_overrides["rest_frames"] = std::int64_t{60};
     }
     const MovedScene run = moved(request, choice);
-    const MovedScene other = moved(request, choice, 1, [](Scene& scene) {
-      std::reverse(scene.bones.begin(), scene.bones.end());
-      std::reverse(scene.bone_meshes.begin(), scene.bone_meshes.end());
-      std::reverse(scene.motions.begin(), scene.motions.end());
-    });
+    const MovedScene other = moved(request, choice, 1, [](Scene& scene) { reverse_bones(scene); });
     if (run.result.status == "diverged") return HardCell{Verdict::breaks, run.said(), {}};
     const std::size_t last = run.result.snapshots.size() - 1;
     const double of_normals_m = 0.01 * declared_m(run, request);
@@ -201,7 +190,8 @@ double depth_that_is_not_said_m(const MovedScene& run) {
 HardCell face_over_edge(const HardRequest& request) {
   return watched(request, true, [&] {
     const MovedScene run = moved(request, scene_of("hard/face_over_edge"));
-    if (run.result.outcome.bone_crossings.value_or(0) == 0) {
+    if (!run.result.outcome.bone_crossings) return HardCell{Verdict::breaks, "no frame was tested for crossings", {}};
+    if (*run.result.outcome.bone_crossings == 0) {
       return not_applicable("holds the ball off the ridge, so that no face is cut");
     }
     const double node_depth_m = run.result.outcome.max_depth_m.value_or(std::nan(""));
@@ -258,14 +248,10 @@ constexpr std::array sharp_pairs = {"spike_on_spike", "spike_on_wedge",     "wed
 
 HardCell sharp_pairs_of_erleben(const HardRequest& request) {
   return watched(request, true, [&] {
-    std::vector<HardFigure> figures;
-    std::string said;
-    for (const char* pair : sharp_pairs) {
-      const MovedScene run = moved(request, scene_of(fmt::format("hard/{}", pair)));
-      figures = with_sane_figures(std::move(figures), run, request, pair);
-      if (said.empty()) said = run.said();
-    }
-    return judged(std::move(figures), request, said);
+    RunFigures figures(request);
+    for (const char* pair : sharp_pairs)
+      figures.add_run(moved(request, scene_of(fmt::format("hard/{}", pair))), pair, {});
+    return figures.judged();
   });
 }
 
@@ -320,7 +306,6 @@ constexpr std::array cases_of_motion = {
             "the depth is at most half of the overlap and 0.1 mm",
         .scene = "hard/pinch",
         .unlike = "between bones that overlap every triangle passes through one of them",
-        .effects = "multi_bone contact",
         .run = pinch},
     HardCase{.id = "rest",
              .what = "Nothing moves, for 1000 frames (100 in the short run).",

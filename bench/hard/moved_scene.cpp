@@ -69,20 +69,39 @@ MovedScene moved(const HardRequest& request, const SceneChoice& choice, int thre
   return moved(request, std::move(scene), threads);
 }
 
+void reverse_bones(Scene& scene) {
+  std::ranges::reverse(scene.bones);
+  std::ranges::reverse(scene.bone_meshes);
+  std::ranges::reverse(scene.motions);
+}
+
 HardFigure without_contact(const std::vector<StepRecord>& records, const std::string& words) {
   const bool found = std::ranges::any_of(records, [](const StepRecord& record) { return record.contacts > 0; });
   return {(words.empty() ? "" : words + ": ") + "runs without a contact", found ? 0.0 : 1.0, 0};
 }
 
-double declared_m(const MovedScene& run, const HardRequest& request) {
+namespace {
+
+/// The largest over the bones; 0 where nothing is declared.
+double largest_bound_m(const MovedScene& run, const HardRequest& request, double (*of)(const AnswerBound&)) {
   const auto backend = request.backend.make(request.parameters());
   backend->build(run.scene.bones, run.scene.muscle_mesh, 1);
   double largest_m = 0;
   for (std::size_t bone = 0; bone < run.scene.bones.size(); ++bone) {
-    const AnswerBound bound = backend->answer_bound(static_cast<int>(bone));
-    largest_m = std::max({largest_m, bound.missed_depth_m, bound.false_distance_m});
+    largest_m = std::max(largest_m, of(backend->answer_bound(static_cast<int>(bone))));
   }
   return std::isfinite(largest_m) ? largest_m : 0;
+}
+
+}  // namespace
+
+double declared_m(const MovedScene& run, const HardRequest& request) {
+  return largest_bound_m(
+      run, request, [](const AnswerBound& bound) { return std::max(bound.missed_depth_m, bound.false_distance_m); });
+}
+
+double declared_missed_m(const MovedScene& run, const HardRequest& request) {
+  return largest_bound_m(run, request, [](const AnswerBound& bound) { return bound.missed_depth_m; });
 }
 
 }  // namespace musclebench

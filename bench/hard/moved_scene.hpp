@@ -26,7 +26,7 @@ struct MovedScene {
   /// Most of them after a frame; NaN of a run that diverged or that nobody judged.
   [[nodiscard]] double tunnelled_nodes() const;
   [[nodiscard]] const std::vector<Vec3>& positions(std::size_t frame) const {
-    return result.snapshots[frame].positions;
+    return result.snapshots.at(frame).positions;
   }
   /// The largest move of a node between two frames.
   [[nodiscard]] double largest_move_m(std::size_t from, std::size_t to) const {
@@ -36,6 +36,9 @@ struct MovedScene {
   /// one that still creeps to its place, its amplitude for one that is thrown to and fro.
   [[nodiscard]] double jitter_m(std::size_t frame) const;
 };
+
+/// Puts the bones into the other order. For scenes without attachments.
+void reverse_bones(Scene& scene);
 
 /// An embedded scene as it is.
 SceneChoice scene_of(const std::string& name);
@@ -57,6 +60,8 @@ HardFigure without_contact(const std::vector<StepRecord>& records, const std::st
 /// How far out of its place a backend that approximates may push a node that lies on a bone. One that promises nothing
 /// is held to what exact ones are: its figures are the result.
 double declared_m(const MovedScene& run, const HardRequest& request);
+/// How deep it may leave a node that it misses: no bound outwards widens a bar inwards.
+double declared_missed_m(const MovedScene& run, const HardRequest& request);
 
 /// Why a run was not made, or not to its end.
 struct TakesTooLong : std::runtime_error {

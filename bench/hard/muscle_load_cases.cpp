@@ -9,6 +9,7 @@
 
 #include "bench/hard/courses.hpp"
 #include "bench/hard/loaded_scene.hpp"
+#include "bench/hard/run_figures.hpp"
 
 // Muscles under load against other muscles and against themselves.
 namespace musclebench {
@@ -37,7 +38,7 @@ Momenta momenta_of_frame(const MovedScene& run, std::size_t frame) {
 
 HardCell muscle_on_muscle(const HardRequest& request) {
   return watched(request, true, [&] {
-    LoadFigures figures(request);
+    RunFigures figures(request);
     for (const std::string place : {"crossed_bars", "pressed_ball"}) {
       const Scene scene = load({"hard/" + place});
       Scene other = scene;
@@ -66,7 +67,7 @@ HardCell muscle_on_muscle(const HardRequest& request) {
 
 HardCell thrown_at_muscle(const HardRequest& request) {
   return watched(request, false, [&] {
-    LoadFigures figures(request);
+    RunFigures figures(request);
     for (const double speed_m_per_s : {1.0, 10.0, 100.0}) {
       Scene scene = load({"hard/thrown_at_muscle"});
       scene.muscles[0].velocity_m_per_s = Vec3(0.5 * speed_m_per_s, 0, 0);
@@ -83,7 +84,7 @@ HardCell thrown_at_muscle(const HardRequest& request) {
 
 HardCell thrown_at_itself(const HardRequest& request) {
   return watched(request, true, [&] {
-    LoadFigures figures(request);
+    RunFigures figures(request);
     for (const double speed_m_per_s : {1.0, 10.0, 100.0}) {
       Scene scene = load({"hard/thrown_at_itself"});
       scene.muscles.front().velocity_m_per_s = Vec3(-speed_m_per_s, 0, 0);
@@ -97,7 +98,7 @@ HardCell thrown_at_itself(const HardRequest& request) {
 
 HardCell press_shut(const HardRequest& request) {
   return watched(request, true, [&] {
-    LoadFigures figures(request);
+    RunFigures figures(request);
     // 14 mm in 30 frames of 20 substeps, in 2 of 20, in 2 of 2.
     struct Course {
       const char* words;
@@ -119,7 +120,7 @@ HardCell press_shut(const HardRequest& request) {
 
 HardCell momentum(const HardRequest& request) {
   return watched(request, false, [&] {
-    LoadFigures figures(request);
+    RunFigures figures(request);
     const std::int64_t frames = request.whole ? 1000 : 60;
     const auto add = [&](const char* words, Scene scene, bool may_give_energy) {
       const MovedScene run = moved(request, std::move(scene));
@@ -166,6 +167,7 @@ constexpr std::array cases_of_loaded_muscles = {
              .bar = "no triangle through another muscle; both bars' momentum is none within 1e-9; the same within 1e-6 "
                     "diagonals for either order of muscles",
              .scene = "hard/crossed_bars",
+             .unlike = depth_says_it,
              .effects = "muscle_contact attachment contact edge_length",
              .run = muscle_on_muscle},
     HardCase{.id = "thrown-at-muscle",
@@ -189,6 +191,7 @@ constexpr std::array cases_of_loaded_muscles = {
              .why = "Folds that close are met at any speed, and nothing but self-contact holds them (review 7).",
              .bar = "no triangle through its own muscle, or through a bone by more than 0.1 mm",
              .scene = "hard/press_shut",
+             .unlike = depth_says_it,
              .effects = "self_contact contact volume edge_length",
              .run = press_shut},
     HardCase{.id = "momentum",

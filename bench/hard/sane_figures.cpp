@@ -108,9 +108,14 @@ class KeptCrossings {
 std::vector<PassingTriangles> touching_triangles(const MovedScene& run, KeptCrossings& crossings) {
   std::vector<PassingTriangles> touching{crossings.touching(run.result.snapshots.front())};
   for (std::size_t i = 1; i < run.result.snapshots.size(); ++i) {
-    const StepRecord& record = run.result.records[i - 1];
-    touching.push_back({record.bone_crossings.value_or(0), record.muscle_crossings.value_or(0),
-                        record.self_intersecting_triangles.value_or(0)});
+    const StepRecord& record = run.result.records.at(i - 1);
+    // The judge counts as often as its budget allows.
+    if (!record.bone_crossings) {
+      touching.push_back(crossings.touching(run.result.snapshots[i]));
+      continue;
+    }
+    touching.push_back(
+        {*record.bone_crossings, record.muscle_crossings.value_or(0), record.self_intersecting_triangles.value_or(0)});
   }
   return touching;
 }
@@ -141,7 +146,7 @@ std::vector<HardFigure> sane_figures(const MovedScene& run, const HardRequest& r
                                      const SaneBars& bars) {
   const std::string of_run = words.empty() ? "" : words + ": ";
   const double lost = std::nan("");
-  const double declared = declared_m(run, request);
+  const double declared = declared_missed_m(run, request);
   const double deepest_m = std::max(bars.depth_m, bars.depth_share * run.diagonal_m()) + declared;
   const Outcome& outcome = run.result.outcome;
   std::vector<HardFigure> figures;

@@ -6,6 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include <gtest/gtest.h>
+
+#include "bench/hard/hard_case.hpp"
 #include "core/contact/backend_entry.hpp"
 
 namespace musclebench {
@@ -68,6 +71,17 @@ inline BackendEntry blind(BackendEntry base) {
     return [](const Vec3& /*point*/) { return 1.0; };
   };
   return base;
+}
+
+/// A run of the scene either has the sane figures, or its case says why some are left out.
+inline void expect_sane_figures(const HardCase& each, const HardCell& cell) {
+  if (each.scene.empty() || !each.unlike.empty()) return;
+  for (const char* figure : {"triangles through bones", "triangles through the muscle itself",
+                             "nodes on the wrong side of a bone", "depth of the surface in bones", "volume error",
+                             "longest edge over its length at rest", "runs that end with another status than ok"}) {
+    EXPECT_TRUE(std::ranges::any_of(cell.figures, [&](const HardFigure& own) { return own.name.ends_with(figure); }))
+        << each.id << " has no " << figure << " and does not say why";
+  }
 }
 
 }  // namespace musclebench

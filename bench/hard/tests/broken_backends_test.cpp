@@ -182,12 +182,14 @@ const HardCase& case_named(const std::vector<HardCase>& all, std::string_view id
   return *std::ranges::find(all, id, &HardCase::id);
 }
 
-/// Figures beyond their bars in a cell that hold in that of the sound backend: a case may be red already.
+/// Figures beyond their bars in a cell that hold in that of the sound backend, or are half as far off there: a case may
+/// be red already.
 std::set<std::string> newly_beyond(const HardCell& sound, const HardCell& cell) {
   std::set<std::string> names;
   for (const HardFigure& figure : cell.figures) {
     const auto before = std::ranges::find(sound.figures, figure.name, &HardFigure::name);
-    if (!figure.holds() && (before == sound.figures.end() || before->holds())) names.insert(figure.name);
+    if (figure.holds()) continue;
+    if (before == sound.figures.end() || before->holds() || figure.value > 2 * before->value) names.insert(figure.name);
   }
   return names;
 }
@@ -197,17 +199,6 @@ bool is_seen(const HardCell& sound, const HardCell& cell) {
   if (cell.verdict == Verdict::holds || cell.verdict == Verdict::not_applicable) return false;
   const bool has_diverged = cell.figures.empty() && !sound.figures.empty();
   return has_diverged || !newly_beyond(sound, cell).empty();
-}
-
-/// A run of the scene either has the sane figures, or its case says why some are left out.
-void expect_sane_figures(const HardCase& each, const HardCell& cell) {
-  if (each.scene.empty() || !each.unlike.empty()) return;
-  for (const char* figure : {"triangles through bones", "triangles through the muscle itself",
-                             "nodes on the wrong side of a bone", "depth of the surface in bones", "volume error",
-                             "longest edge over its length at rest", "runs that end with another status than ok"}) {
-    EXPECT_TRUE(std::ranges::any_of(cell.figures, [&](const HardFigure& own) { return own.name.ends_with(figure); }))
-        << each.id << " has no " << figure << " and does not say why";
-  }
 }
 
 void expect_that_each_is_seen_broken(bool slow) {
@@ -229,8 +220,7 @@ void expect_that_each_is_seen_broken(bool slow) {
     EXPECT_TRUE(is_seen(sound, cell)) << broken_entry.name << ": " << name_of(cell.verdict) << " " << cell.detail;
     const BackendEntry blind_entry = blind(base);
     const HardCell unanswered = each.run({.backend = blind_entry});
-    EXPECT_NE(unanswered.verdict, Verdict::holds) << "blind";
-    EXPECT_NE(unanswered.verdict, Verdict::not_applicable) << "blind: " << unanswered.detail;
+    EXPECT_TRUE(is_seen(sound, unanswered)) << "blind: " << name_of(unanswered.verdict) << " " << unanswered.detail;
   }
 }
 
