@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "core/measure/muscle_depth.hpp"
@@ -69,6 +70,20 @@ DeepBodies bodies_of(const DeepestSurfacePoint& surface, std::span<const Contact
   return {node == truth.end() ? -1 : static_cast<int>(body_of(bodies, node->node)), surface.bone};
 }
 
+/// Of each bone the lowest limit that it has with a muscle.
+std::vector<double> limits_of_bones_m(const Scene& scene) {
+  std::vector<MuscleSize> muscles;
+  for (const Body& body : scene.bodies()) muscles.push_back(size_of(body.name, scene.mesh_of(body)));
+  std::vector<double> limits_m;
+  for (const Bone& bone : scene.bones) {
+    const BoneSize size{bone.name, thickness_m(bone.surface.mesh)};
+    double limit_m = std::numeric_limits<double>::infinity();
+    for (const MuscleSize& muscle : muscles) limit_m = std::min(limit_m, depth_limit(muscle, size).depth_m);
+    limits_m.push_back(limit_m);
+  }
+  return limits_m;
+}
+
 }  // namespace
 
 JudgedMuscles judged_muscles_of(const Scene& scene) {
@@ -82,43 +97,53 @@ JudgedMuscles judged_muscles_of(const Scene& scene) {
 }
 
 ThinBones::ThinBones(const Scene& scene, std::span<const int> carriers) {
-  if (scene.bones.empty()) return;
-  std::vector<double> limits_m;
-  std::vector<MuscleSize> muscles;
-  for (const Body& body : scene.bodies()) muscles.push_back(size_of(body.name, scene.mesh_of(body)));
-  for (const Bone& bone : scene.bones) {
-    const BoneSize size{bone.name, thickness_m(bone.surface.mesh)};
-    double limit_m = std::numeric_limits<double>::infinity();
-    for (const MuscleSize& muscle : muscles) limit_m = std::min(limit_m, depth_limit(muscle, size).depth_m);
-    limits_m.push_back(limit_m);
-  }
+  const std::vector<double> limits_m = limits_of_bones_m(scene);
+  if (limits_m.empty()) return;
   const double largest_m = *std::ranges::max_element(limits_m);
-  std::vector<Bone> thin_bones = scene.bones;
-  for (std::size_t i = 0; i < limits_m.size(); ++i) {
-    m_are_thick.push_back(limits_m[i] == largest_m ? 1 : 0);
-    if (m_are_thick.back() != 0) thin_bones[i].surface.mesh = {};
+  std::map<int, std::vector<std::size_t>> groups;  // by the power of two below the limit
+  for (std::size_t bone = 0; bone < limits_m.size(); ++bone) {
+    if (limits_m[bone] < largest_m) groups[std::ilogb(limits_m[bone])].push_back(bone);
   }
-  if (std::ranges::count(m_are_thick, 0) == 0) return;
-  m_surface.emplace(scene.muscle_mesh.triangles, carriers, static_cast<int>(scene.bones.size()), m_are_thick);
-  m_vertices.emplace(thin_bones, scene.muscle_mesh, carriers);
+  for (const auto& [power, members] : groups) {
+    std::vector<char> left_out(limits_m.size(), 1);
+    double limit_m = largest_m;
+    for (const std::size_t bone : members) {
+      left_out[bone] = 0;
+      limit_m = std::min(limit_m, limits_m[bone]);
+    }
+    std::vector<Bone> bones = scene.bones;
+    for (std::size_t bone = 0; bone < bones.size(); ++bone) {
+      if (left_out[bone] != 0) bones[bone].surface.mesh = {};
+    }
+    m_groups.push_back(
+        {limit_m, left_out,
+         SurfaceDepthMeter(scene.muscle_mesh.triangles, carriers, static_cast<int>(bones.size()), left_out),
+         BoneVertexDepthMeter(bones, scene.muscle_mesh, carriers)});
+  }
 }
 
 void ThinBones::measure(const Referee& referee, std::span<const RigidMotion> poses, std::span<const Vec3> positions,
                         std::span<const Contact> truth, long budget, std::span<const Body> bodies, StepRecord& record) {
-  m_truth.clear();
-  std::ranges::copy_if(truth, std::back_inserter(m_truth), [&](const Contact& contact) {
-    return m_are_thick[static_cast<std::size_t>(contact.bone)] == 0;
-  });
-  const DeepestBoneVertex vertex = m_vertices->measure(poses, positions, budget / 2);
-  const DeepestSurfacePoint surface = m_surface->measure(referee, poses, positions, m_truth, budget / 2);
-  m_work = m_vertices->last_work() + m_surface->last_work();
-  record.judgement_complete = record.judgement_complete && vertex.complete() && surface.complete;
-  record.thin_bone_is_vertex = vertex.depth_m > surface.depth_m;
-  record.thin_bone_depth_m = std::max(vertex.depth_m, surface.depth_m);
-  if (record.thin_bone_is_vertex) {
-    record.thin_bone_bodies = {body_of_triangle(bodies, vertex.triangle), vertex.bone};
-  } else {
-    record.thin_bone_bodies = bodies_of(surface, m_truth, bodies);
+  m_work = 0;
+  double worst_share = 0;
+  for (Group& group : m_groups) {
+    m_truth.clear();
+    std::ranges::copy_if(truth, std::back_inserter(m_truth), [&](const Contact& contact) {
+      return group.left_out[static_cast<std::size_t>(contact.bone)] == 0;
+    });
+    const long own_budget = budget / (2 * std::ssize(m_groups));
+    const DeepestBoneVertex vertex = group.vertices.measure(poses, positions, own_budget);
+    const DeepestSurfacePoint surface = group.surface.measure(referee, poses, positions, m_truth, own_budget);
+    m_work += group.vertices.last_work() + group.surface.last_work();
+    record.judgement_complete = record.judgement_complete && vertex.complete() && surface.complete;
+    const double depth_m = std::max(vertex.depth_m, surface.depth_m);
+    if (!(depth_m / group.limit_m > worst_share)) continue;
+    worst_share = depth_m / group.limit_m;
+    record.thin_bone_is_vertex = vertex.depth_m > surface.depth_m;
+    record.thin_bone_depth_m = depth_m;
+    record.thin_bone_bodies = record.thin_bone_is_vertex
+                                  ? DeepBodies{body_of_triangle(bodies, vertex.triangle), vertex.bone}
+                                  : bodies_of(surface, m_truth, bodies);
   }
 }
 

@@ -29,21 +29,27 @@ JudgedMuscles judged_muscles_of(const Scene& scene);
 enum class CrossingTest { where_budget_allows, always };
 
 /// Looks for the depth of bones whose limit is lower than that of others, because they are thin: the deepest point of
-/// all may be in a thick bone and within its limit.
+/// all may be in a thick bone and within its limit. Bones whose limits differ by less than a factor of two are looked
+/// at together, so that a depth of up to twice its limit may hide.
 class ThinBones {
  public:
   ThinBones(const Scene& scene, std::span<const int> carriers);
 
-  [[nodiscard]] bool are_there() const { return m_surface.has_value(); }
-  /// Parameters as of SurfaceDepthMeter::measure; fills in the record's figures of thin bones.
+  [[nodiscard]] bool are_there() const { return !m_groups.empty(); }
+  /// Parameters as of SurfaceDepthMeter::measure; fills in the record's figures of thin bones: of all groups the depth
+  /// that is the largest part of its limit.
   void measure(const Referee& referee, std::span<const RigidMotion> poses, std::span<const Vec3> positions,
                std::span<const Contact> truth, long budget, std::span<const Body> bodies, StepRecord& record);
   [[nodiscard]] long last_work() const { return m_work; }
 
  private:
-  std::vector<char> m_are_thick;  ///< by bone
-  std::optional<SurfaceDepthMeter> m_surface;
-  std::optional<BoneVertexDepthMeter> m_vertices;
+  struct Group {
+    double limit_m = 0;          ///< the smallest of its bones
+    std::vector<char> left_out;  ///< by bone
+    SurfaceDepthMeter surface;
+    BoneVertexDepthMeter vertices;
+  };
+  std::vector<Group> m_groups;
   std::vector<Contact> m_truth;
   long m_work = 0;
 };

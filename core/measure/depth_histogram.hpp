@@ -14,8 +14,8 @@ namespace musclebench {
 /// Depths of contacts over a whole run, m, in classes at most 1.6 % wide, so that millions of them take 40 kB.
 class DepthHistogram {
  public:
-  /// Takes what one frame left: the true depths of nodes inside, of `contacts` that a backend answered. Those of them
-  /// that are not inside count with a depth of 0.
+  /// Takes what one frame left: the true depths, finite and >= 0, of the nodes inside at its end, and how many
+  /// `contacts` the backend answered last, false ones too. As many as exceed the nodes inside count with a depth of 0.
   void add(std::span<const Contact> inside, int contacts) {
     for (const Contact& contact : inside) ++m_counts[class_of(contact.depth_m)];
     m_total += std::max(static_cast<long>(inside.size()), static_cast<long>(contacts));

@@ -132,13 +132,13 @@ FibreTables fibre_tables(std::span<const std::string> names, std::span<const Fib
 }
 
 std::vector<std::string> slack_notes(std::span<const std::string> names, std::span<const FibreFrame> frames) {
-  constexpr double rounding = 1e-9;  // of a length: a fibre that nothing moved is not shorter
+  constexpr double noise = 1e-3;  // of a length: less is what contact and rounding leave
   std::vector<std::string> notes;
   for (std::size_t muscle = 0; muscle < names.size() && frames.size() > 1; ++muscle) {
     if (frames.front().muscles[muscle].lengths_m.empty()) continue;
     const double rest_m = mean(frames.front().muscles[muscle].lengths_m);
     const auto is_slack = [&](const FibreFrame& frame) {
-      return mean(frame.muscles[muscle].lengths_m) < rest_m * (1 - rounding);
+      return mean(frame.muscles[muscle].lengths_m) < rest_m * (1 - noise);
     };
     const auto moved = frames.subspan(1);
     const auto slack = std::ranges::count_if(moved, is_slack);

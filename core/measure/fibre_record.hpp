@@ -57,8 +57,9 @@ struct FibreTables {
 };
 FibreTables fibre_tables(std::span<const std::string> names, std::span<const FibreFrame> frames);
 
-/// A sentence for each muscle whose fibres, which nothing activates, are on average no longer than at rest in some
-/// frames: there they may be slack, and the slope of their length is the moment arm of a taut fibre only.
+/// A sentence for each muscle whose fibres, which nothing activates, are on average shorter than at rest, by more
+/// than 0.1 %, in some frames: there they may be slack, and the slope of their length is the moment arm of a taut fibre
+/// only.
 std::vector<std::string> slack_notes(std::span<const std::string> names, std::span<const FibreFrame> frames);
 
 }  // namespace musclebench

@@ -62,8 +62,7 @@ struct WorstDepth {
 struct Outcome {
   /// Over the judged frames, of the deepest node in a frame: the largest, and the 99th percentile (percentile_index).
   std::optional<double> max_depth_m, p99_depth_m;
-  /// 99th percentile over all contacts of all judged frames, each node's depth at the frame's end: what a surface that
-  /// lies so far inwards leaves (DepthHistogram). Set by who judges; outcome_of leaves it empty.
+  /// 99th percentile of node depth over all contacts of the judged frames, see DepthHistogram. run_case fills it in.
   std::optional<double> p99_contact_depth_m;
   /// The same for the deepest point of a frame, of the muscle's surface in a bone or of a bone's vertex in the muscle.
   std::optional<double> max_surface_depth_m, p99_surface_depth_m;

@@ -158,8 +158,7 @@ def test_a_value_that_is_not_there_is_named(small, specification, words):
 @pytest.mark.parametrize("claim, is_true", [
     ("[backend=fcl].ratio rises", True), ("[backend=fcl].ratio falls", False), ("[backend=fcl].ratio > 361", True),
     ("[backend=fcl].ratio > 361.2", False), ("[backend=fcl].ratio within 361.2 to 689", True),
-    ("[backend=fcl].ratio within 362 to 689", False), ("[backend=fcl].ratio max < 1", False),
-    ("[backend=voxel].ratio falls", False), (".collision_ms < 70.1", True), (".collision_ms /1e3 < 0.07", False),
+    ("[backend=fcl].ratio within 362 to 689", False), ("[backend=voxel].ratio falls", False), (".collision_ms < 70.1", True), (".collision_ms /1e3 < 0.07", False),
 ])
 def test_a_sentence_that_contradicts_its_table_is_told(small, claim, is_true):
     page = f"<!-- claim: paper-lhdl/table_2_times{claim} --> FCL is slow.\n"
@@ -173,12 +172,11 @@ def test_a_sentence_that_contradicts_its_table_is_told(small, claim, is_true):
 
 
 @pytest.mark.parametrize("claim, words", [
-    (".ratio is large", "not like"), ("[backend=fcl].ratio < much", "no number"), (".ratio < 1000", "1 of its 4 rows have none"),
+    (".ratio is large", "not like"), ("[backend=fcl].ratio max < 1", "all values are compared"), ("[backend=fcl].ratio < much", "no number"), (".ratio < 1000", "1 of its 4 rows have none"),
 ])
 def test_a_claim_that_says_nothing_is_told(small, claim, words):
     with pytest.raises(Problem, match=re.escape(words)):
         written(f"<!-- claim: paper-lhdl/table_2_times{claim} -->", small, "page.md")
-    assert written("<!-- claim: paper-none/table_2_times.ratio falls -->", small, "page.md")
 
 
 def test_tables_are_written_with_their_source_and_stay(small):

@@ -70,7 +70,10 @@ TEST(JudgedRun, ABlockHidesNoNeedle) {
   const TriangleMesh block = moved(make_box({0.01, 0.01, 0.01}, 1), Vec3(0.02 + 0.01 - 0.00025, 0, 0));
   const TriangleMesh needle = moved(make_box({0.0005, 0.0005, 0.02}, 8), Vec3(0, 0, 0.02 + 0.02 - 0.0002));
   EXPECT_EQ(run_with_null(swinging(block, muscle)).status, "ok");
-  const RunResult result = run_with_null(swinging({block, needle}, muscle));
+  // Thin, too, but not as thin: it may be 0.3 mm deep.
+  const TriangleMesh blade = moved(make_box({0.0007, 0.01, 0.01}, 1), Vec3(0, 0, -(0.02 + 0.01 - 0.00022)));
+  EXPECT_EQ(run_with_null(swinging({block, blade}, muscle)).status, "ok");
+  const RunResult result = run_with_null(swinging({block, blade, needle}, muscle));
   EXPECT_NEAR(*result.outcome.max_surface_depth_m, 0.00025, 1e-6);
   expect_suspect(result, "0.2 mm deep");
   expect_suspect(result, "25 % of the bone's thickness");

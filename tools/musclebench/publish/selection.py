@@ -23,8 +23,13 @@ def value_text(measured: Measured, specification: str) -> str:
 
 
 def chosen_values(measured: Measured, specification: str) -> pd.Series:
-    """The values that such a marker names, in the order of the table; at least one, and none that is missing."""
-    return _chosen(measured, _parsed(specification), specification)
+    """The values that such a marker names, in the order of the table; at least one, and none that is missing. A marker
+    that picks one of several, or a format, is refused: all are compared."""
+    match = _parsed(specification)
+    if match["pick"] or match["format"]:
+        raise Problem(f"claim about '{specification}': all values are compared; filter rows instead of "
+                      f"'{match['pick'] or match['format']}'")
+    return _chosen(measured, match, specification)
 
 
 def _parsed(specification: str) -> re.Match:
