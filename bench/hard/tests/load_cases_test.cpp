@@ -11,6 +11,7 @@
 
 #include "backends/registry.hpp"
 #include "bench/hard/hard_case.hpp"
+#include "bench/hard/run_figures.hpp"
 #include "bench/hard/tests/broken_backend.hpp"
 #include "core/scene/scene.hpp"
 #include "datasets/embedded/embedded_files.hpp"
@@ -109,6 +110,20 @@ INSTANTIATE_TEST_SUITE_P(Hard, LoadCase, testing::ValuesIn(cases_with_loads()), 
   std::ranges::replace(name, '-', '_');
   return name;
 });
+
+TEST(RunFigures, NoStatusExcusesAnotherRun) {
+  const HardRequest of_field{.backend = find_backend("sdf")};
+  MovedScene suspect;
+  suspect.result.status = "suspect";
+  RunFigures figures(of_field);
+  figures.add_bare_run(suspect, "one", {{"f", 2, 1}});
+  EXPECT_EQ(figures.judged().verdict, Verdict::refused);
+  EXPECT_EQ(figures.judged().figures.front().name, "one: f");
+  figures.add_bare_run(MovedScene{}, "other", {{"f", 0.5, 1}});
+  EXPECT_EQ(figures.judged().verdict, Verdict::refused) << "what holds needs no excuse";
+  figures.add_bare_run(MovedScene{}, "third", {{"f", 2, 1}});
+  EXPECT_EQ(figures.judged().verdict, Verdict::breaks);
+}
 
 /// Friction is inert on faces and edges: what these two cases ask for is right where there is none.
 TEST(LoadedFriction, IsCoulombsOnFacesAndEdgesWhereThereIsNone) {
