@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fake_study import REPLAYED, SCENES, replays_of
+from fake_study import REPLAYED, SCENES, replays_of, write_two_muscles
 from musclebench.accuracy import report
 from musclebench.effects.effect_runs import MeasuredSet
 from musclebench.figures import paper_figures
@@ -109,9 +109,11 @@ def test_fig_7_leaves_waiting_out_of_its_lines(fake_raw, tmp_path):
     assert "crosses: 1 frames in which the process waited" in " ".join(re.sub("<[^>]+>", " ", drawing).split())
 
 
-def test_the_study_marks_busy_cases_and_says_so(study):
+def test_the_study_marks_busy_cases_and_says_so(tmp_path):
+    study = tmp_path
+    write_two_muscles(study, with_own_runs=True)
     note_state(study / "raw" / "iliacus-sdf 64-r0", load_average_1m={"before": 7.0, "after": 7.0})
     report.write_report(study)
     text = (study / "tables" / "price_list.txt").read_text()
-    assert "sdf 64 *" in text and f"busy in 1 of {2 * len(SCENES) * len(REPLAYED)} runs" in text
+    assert "sdf 64 *" in text and f"busy in 1 of {3 * len(SCENES) * len(REPLAYED)} runs" in text
     assert sum(aggregate.is_disturbed for aggregate in replays_of(study)) == 1
