@@ -57,7 +57,7 @@ def all_cells(folder, *options, seconds):
 @pytest.fixture(scope="module")
 def matrix(tmp_path_factory):
     """The short run."""
-    return all_cells(tmp_path_factory.mktemp("hard") / "out", seconds=900)
+    return all_cells(tmp_path_factory.mktemp("hard") / "out", seconds=1800)  # tests beside it share the cores
 
 
 def check_known(done, folder):
