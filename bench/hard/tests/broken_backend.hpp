@@ -73,6 +73,11 @@ inline BackendEntry blind(BackendEntry base) {
   return base;
 }
 
+/// A sanitized program, or a slow machine.
+inline bool takes_too_long(const HardCell& cell) {
+  return cell.verdict == Verdict::not_applicable && cell.detail.find("would take ") != std::string::npos;
+}
+
 /// A run of the scene either has the sane figures, or its case says why some are left out.
 inline void expect_sane_figures(const HardCase& each, const HardCell& cell) {
   if (each.scene.empty() || !each.unlike.empty()) return;

@@ -95,11 +95,13 @@ TEST_P(LoadCase, BreaksWithoutAnyOfItsEffects) {
   const HardCase& each = GetParam();
   const BackendEntry& backend = each.asks_backend ? exact_backend() : find_backend("null");
   const HardCell usual = each.run({.backend = backend});
+  if (takes_too_long(usual)) GTEST_SKIP() << usual.detail;
   ASSERT_NE(usual.verdict, Verdict::not_applicable) << usual.detail;
   expect_sane_figures(each, usual);
   for (const std::string& effect : words_of(each.effects)) {
     const BackendEntry entry = effect == "contact" ? blind(backend) : backend;
     const HardCell spoilt = each.run({.backend = entry, .spoil = [&](Scene& scene) { take_out(effect, scene); }});
+    if (takes_too_long(spoilt)) continue;
     EXPECT_TRUE(breaks_by_more(spoilt, usual))
         << each.id << " without " << effect << ": " << told(spoilt) << "and with it: " << told(usual);
   }
