@@ -75,7 +75,7 @@ std::vector<HardCase> chosen_cases(const HardOptions& options) {
 void print_cases(const std::vector<HardCase>& cases) {
   for (const HardCase& each : cases) {
     fmt::print("{}\n  {}\n  {}\n  Bar: {}.\n", each.id, each.what, each.why, each.bar);
-    if (!each.unlike.empty()) fmt::print("  Sane figures left out: {}.\n", each.unlike);
+    if (!each.left_out_because.empty()) fmt::print("  Sane figures left out: {}.\n", each.left_out_because);
     if (!each.scene.empty()) fmt::print("  Scene: {}\n", each.scene);
   }
 }

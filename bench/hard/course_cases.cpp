@@ -230,7 +230,7 @@ constexpr std::array cases_of_courses = {
         .why = "A tolerance in metres anywhere in the loop, its effects or a backend shows.",
         .bar = "by a power of two the same bits, by one of ten within 1e-3 of the diagonal",
         .scene = "hard/step_size",
-        .unlike = "shapes are compared, of runs that are judged in step-size-unguarded",
+        .left_out_because = "shapes are compared, of runs that are judged in step-size-unguarded",
         .run = scaled_run},
     HardCase{.id = "judge-flush",
              .what =
@@ -240,7 +240,7 @@ constexpr std::array cases_of_courses = {
                     "never ends (review 13).",
              .bar = "judging a frame costs at most 60 times the frame, and says the bound that is left",
              .scene = "hard/flush",
-             .unlike = "the time of judging is measured, of a muscle that is in its bone on purpose",
+             .left_out_because = "the time of judging is measured, of a muscle that is in its bone on purpose",
              .run = judge_flush},
     HardCase{
         .id = "other-cpu",
@@ -249,7 +249,7 @@ constexpr std::array cases_of_courses = {
         .why = "Results of two machines can be compared only where vector width changes no bit.",
         .bar = "the same bits at the end",
         .scene = "hard/step_size",
-        .unlike = "bits are compared, of runs that are judged in step-size-unguarded",
+        .left_out_because = "bits are compared, of runs that are judged in step-size-unguarded",
         .run = same_state_for_targets},
 };
 

@@ -223,10 +223,10 @@ HardCell squeeze(const HardRequest& request) {
   return watched(request, true, [&] {
     RunFigures figures(request);
     Scene scene = load({"hard/squeezed_in_turn"});
-    constexpr double way_m = 0.0105;  // half a millimetre before it touches
+    constexpr double displacement_m = 0.0105;  // half a millimetre before it touches
     const Vec3 down = -Vec3::UnitZ();
-    move_straight(scene, 1, {down, {0, 0.25, 0.5, 1}, {0, way_m, 0, 0}});
-    move_straight(scene, 2, {down, {0, 0.5, 0.75, 1}, {0, 0, way_m, 0}});
+    move_straight(scene, 1, {down, {0, 0.25, 0.5, 1}, {0, displacement_m, 0, 0}});
+    move_straight(scene, 2, {down, {0, 0.5, 0.75, 1}, {0, 0, displacement_m, 0}});
     const MovedScene run = moved_in_time(request, std::move(scene));
     figures.add_tight_run(run, "", {region_figure(run), volume_figure(run), bound_figure(run)});
     return figures.judged();
@@ -254,11 +254,11 @@ HardCell isometric_and_shortening(const HardRequest& request) {
     // One end comes nearer by as much as the fibres between them shorten.
     Scene scene = load({"hard/isometric"});
     constexpr double shortening = 0.2;
-    constexpr double way_m = shortening * 0.1;
-    move_straight(scene, 1, {-Vec3::UnitX(), {0, 0.7, 1}, {0, way_m, way_m}});
+    constexpr double displacement_m = shortening * 0.1;
+    move_straight(scene, 1, {-Vec3::UnitX(), {0, 0.7, 1}, {0, displacement_m, displacement_m}});
     scene.loop.interpolate_poses = true;
     const MovedScene run = moved(request, std::move(scene));
-    const double radius = radius_in_the_middle_m(run.result.snapshots.back().positions, -0.5 * way_m) /
+    const double radius = radius_in_the_middle_m(run.result.snapshots.back().positions, -0.5 * displacement_m) /
                           radius_in_the_middle_m(run.positions(0), 0);
     figures.add_run(run, "shortening",
                     {{"radius in the middle, off 1 / sqrt(1 - shortening) by a share",
@@ -328,17 +328,18 @@ HardCell jump(const HardRequest& request) {
                 run.diagonal_m(),
             1e-3}});
     };
-    for (const double way_m : {1e-4, 1e-3, 1e-2}) {
+    for (const double displacement_m : {1e-4, 1e-3, 1e-2}) {
       // Half a millimetre to the muscle, 1 mm in it, and then the jump.
       const auto run_with = [&](double jumps_at) {
         Scene scene = load({"hard/pressed_tube"});
-        move_straight(
-            scene, rod,
-            {-Vec3::UnitZ(), {0, 0.2, jumps_at, 0.6, 1}, {0, 0.0015, 0.0015, 0.0015 + way_m, 0.0015 + way_m}});
+        move_straight(scene, rod,
+                      {-Vec3::UnitZ(),
+                       {0, 0.2, jumps_at, 0.6, 1},
+                       {0, 0.0015, 0.0015, 0.0015 + displacement_m, 0.0015 + displacement_m}});
         return moved_in_time(request, std::move(scene), 9);
       };
       // Between two substeps, or within 8 of 20 frames.
-      add(fmt::format("jump of {:g} mm", 1e3 * way_m), run_with(0.6 - 1e-9), run_with(0.2 + 1e-9));
+      add(fmt::format("jump of {:g} mm", 1e3 * displacement_m), run_with(0.6 - 1e-9), run_with(0.2 + 1e-9));
     }
     const MovedScene usual = moved_in_time(request, load({"hard/pressed_tube"}), 9);
     for (const double factor : {10.0, 100.0}) {
@@ -358,7 +359,7 @@ constexpr std::array cases_of_effects = {
              .why = "A compliance in N/m is one for any time step, or it is a knob (XPBD).",
              .bar = "sag and angle within 1 % of their formulas",
              .scene = "effects/edge_length",
-             .unlike = "few nodes that touch nothing, held to formulas of their places",
+             .left_out_because = "few nodes that touch nothing, held to formulas of their places",
              .effects = "edge_length fibre_anisotropy bending gravity attachment",
              .asks_backend = false,
              .run = sag},
@@ -367,7 +368,7 @@ constexpr std::array cases_of_effects = {
              .why = "Damping that is applied a step too early or late errs by rate times step (review 11).",
              .bar = "path within 1 % of the formula",
              .scene = "effects/damping",
-             .unlike = "a fall without contact, held to the formula of its path",
+             .left_out_because = "a fall without contact, held to the formula of its path",
              .effects = "damping gravity",
              .asks_backend = false,
              .run = damped_fall},
@@ -377,7 +378,7 @@ constexpr std::array cases_of_effects = {
              .why = "A contact that leaves speed or a strain behind shows in where a spring comes to rest.",
              .bar = "sag of the apex within 1 % of its formula; surface within 0.1 mm",
              .scene = "hard/pressed_spring",
-             .unlike = "four nodes, whose volume nothing keeps",
+             .left_out_because = "four nodes, whose volume nothing keeps",
              .effects = "edge_length fibre_anisotropy contact attachment gravity damping",
              .run = pressed_spring},
     HardCase{.id = "squeeze",
@@ -385,7 +386,7 @@ constexpr std::array cases_of_effects = {
              .why = "Volume that is kept as a whole flows from end to end.",
              .bar = "each region and the muscle within 1 % of its volume",
              .scene = "hard/squeezed_in_turn",
-             .unlike = depth_says_it,
+             .left_out_because = depth_says_it,
              .effects = "local_volume contact attachment",
              .run = squeeze},
     HardCase{
@@ -404,7 +405,7 @@ constexpr std::array cases_of_effects = {
              .why = "Activation, volume and contact each move the same nodes.",
              .bar = "each region and the muscle within 1 % of its volume; surface within 0.1 mm",
              .scene = "hard/shortening_stop",
-             .unlike = depth_says_it,
+             .left_out_because = depth_says_it,
              .effects = "activation local_volume contact attachment",
              .run = activation_stop},
     HardCase{.id = "refinement",
@@ -412,7 +413,7 @@ constexpr std::array cases_of_effects = {
              .why = "A compliance per edge makes another muscle of a finer mesh (review 11).",
              .bar = "shape within 1 % of the diagonal, and by less with each refinement",
              .scene = "hard/pressed_tube",
-             .unlike = depth_says_it,
+             .left_out_because = depth_says_it,
              .effects = "contact edge_length volume",
              .run = refinement},
     HardCase{.id = "jump",
@@ -421,7 +422,7 @@ constexpr std::array cases_of_effects = {
              .why = "A jump is a blow, and a longer step another one.",
              .bar = "shape at the end within 1e-3 diagonals of that of a slow run, or a status that says so",
              .scene = "hard/pressed_tube",
-             .unlike = depth_says_it,
+             .left_out_because = depth_says_it,
              .effects = "contact damping edge_length",
              .run = jump},
 };

@@ -76,7 +76,7 @@ struct HardCase {
   std::string_view bar;    ///< in words
   std::string_view scene;  ///< embedded scene that it moves; empty: it asks about points
   /// Why it leaves out the figures of sane_figures, or some of them, although it moves a scene.
-  std::string_view unlike = {};
+  std::string_view left_out_because = {};
   /// That carry a load in it, by their names apart by spaces: without any of them it breaks, or breaks by more.
   std::string_view effects = {};
   bool asks_backend = true;  ///< false: the loop alone, which every backend would repeat

@@ -122,7 +122,7 @@ std::string markdown_of(const HardMatrix& matrix) {
   for (std::size_t row = 0; row < matrix.cells.size(); ++row) {
     const HardCase& each = matrix.cases[row];
     text += fmt::format("\n## {}\n\n{} {} Bar: {}.\n\n", each.id, each.what, each.why, each.bar);
-    if (!each.unlike.empty()) text += fmt::format("Sane figures left out: {}.\n\n", each.unlike);
+    if (!each.left_out_because.empty()) text += fmt::format("Sane figures left out: {}.\n\n", each.left_out_because);
     text += "| backend | | figure farthest beyond its bar, or nearest to it |\n| --- | --- | --- |\n";
     for (std::size_t column = 0; column < matrix.cells[row].size(); ++column) {
       const HardCell& cell = matrix.cells[row][column];

@@ -60,7 +60,8 @@ void move_straight(Scene& scene, std::size_t bone, const StraightCourse& course)
   // A turn by a small angle moves what is near the origin by axis x arm, which is to be along the direction.
   rotation.centre_m = -arm_m * course.direction.cross(rotation.axis).normalized();
   rotation.times = course.times;
-  for (const double way_m : course.way_m) rotation.angles_rad.push_back(std::asin(way_m / arm_m));
+  for (const double displacement_m : course.displacement_m)
+    rotation.angles_rad.push_back(std::asin(displacement_m / arm_m));
   rotation.there_and_back = false;
   scene.motions[bone].rotations = {rotation};
 }

@@ -31,11 +31,11 @@ double frame_s(const Scene& scene);
 /// Of each node, kg, as the simulation has them.
 std::vector<double> node_masses_kg(const Scene& scene);
 
-/// A bone's way along a straight line: `way_m` along `direction` at each time, from 0 to 1 over the run.
+/// A bone's path along a straight line: `displacement_m` along `direction` at each time, from 0 to 1 over the run.
 struct StraightCourse {
   Vec3 direction;
   std::vector<double> times;
-  std::vector<double> way_m;
+  std::vector<double> displacement_m;
 };
 
 /// By a turn about an axis so far away that the path is straight within a micrometre.

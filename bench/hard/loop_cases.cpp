@@ -372,7 +372,7 @@ constexpr std::array cases_of_the_loop = {
                  "diagonals); at the end within 0.002 diagonals, or 0.05 where the last steps are of 1 ms and it still "
                  "swings; volume within 0.1 % at the end",
              .scene = "hard/time_step",
-             .unlike = "nothing touches it, and the shape at the end is known",
+             .left_out_because = "nothing touches it, and the shape at the end is known",
              .asks_backend = false,
              .run = time_step},
     HardCase{
@@ -384,7 +384,7 @@ constexpr std::array cases_of_the_loop = {
             "no node farther than 0.1 diagonals from its rest within 20 frames, or for a pressure p the distance to a "
             "ball of p times the volume and a quarter more; volume within 1 % for pressures of 0.5 and 2",
         .scene = "hard/extremes",
-        .unlike = "nothing touches it, and without stiffness or with all pressure its edges are to be longer",
+        .left_out_because = "nothing touches it, and without stiffness or with all pressure its edges are to be longer",
         .asks_backend = false,
         .run = extremes},
     HardCase{.id = "non-finite",
@@ -392,7 +392,7 @@ constexpr std::array cases_of_the_loop = {
              .why = "A run that has blown up goes on for hours, and its rows look like results.",
              .bar = "ends as diverged and names the frame; no row holds what is no number",
              .scene = "hard/time_step",
-             .unlike = "it has to diverge",
+             .left_out_because = "it has to diverge",
              .asks_backend = false,
              .run = blow_up},
     HardCase{.id = "mass-ratio",
@@ -402,7 +402,7 @@ constexpr std::array cases_of_the_loop = {
              .why = "A correction that is not shared by inverse mass makes momentum out of nothing.",
              .bar = "centre of mass within 1e-12 of the diagonal, fixed nodes to the bit",
              .scene = "hard/time_step",
-             .unlike = "single corrections are made, and nothing runs",
+             .left_out_because = "single corrections are made, and nothing runs",
              .asks_backend = false,
              .run = mass_ratio},
     HardCase{.id = "angle-rule",

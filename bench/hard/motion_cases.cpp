@@ -279,13 +279,14 @@ constexpr std::array cases_of_motion = {
              .bar = "the sane figures, of which no node is on the wrong side",
              .scene = "hard/step_size",
              .run = step_size_guarded},
-    HardCase{.id = "step-size-unguarded",
-             .what = "The same without the guard.",
-             .why = "The same; here the program has to notice.",
-             .bar = "no node on the wrong side, or a status that says so",
-             .scene = "hard/step_size",
-             .unlike = "without the guard nodes pass through, and all that is asked is that the status says so",
-             .run = step_size_unguarded},
+    HardCase{
+        .id = "step-size-unguarded",
+        .what = "The same without the guard.",
+        .why = "The same; here the program has to notice.",
+        .bar = "no node on the wrong side, or a status that says so",
+        .scene = "hard/step_size",
+        .left_out_because = "without the guard nodes pass through, and all that is asked is that the status says so",
+        .run = step_size_unguarded},
     HardCase{.id = "initial-overlap",
              .what = "A ball starts 1 mm and 5 mm deep in a plate; loop.settle_substeps lays it out before the first "
                      "frame.",
@@ -305,7 +306,7 @@ constexpr std::array cases_of_motion = {
             "normals jump between cells); the same within 1e-6 diagonals for any order of bones; of the sane figures "
             "the depth is at most half of the overlap and 0.1 mm",
         .scene = "hard/pinch",
-        .unlike = "between bones that overlap every triangle passes through one of them",
+        .left_out_because = "between bones that overlap every triangle passes through one of them",
         .run = pinch},
     HardCase{.id = "rest",
              .what = "Nothing moves, for 1000 frames (100 in the short run).",
@@ -328,7 +329,7 @@ constexpr std::array cases_of_motion = {
              .why = "No node is inside, and a depth of nodes says that all is well (Macklin 2020).",
              .bar = "the surface depth says how deep the faces are cut, to 1e-3 diagonals of samples of each face",
              .scene = "hard/face_over_edge",
-             .unlike = "the faces are cut on purpose, and the depth has to be told",
+             .left_out_because = "the faces are cut on purpose, and the depth has to be told",
              .run = face_over_edge},
     HardCase{.id = "swallowed",
              .what = "A muscle wholly inside a bone, a bone wholly inside a muscle, a muscle that is inside out.",
@@ -336,7 +337,7 @@ constexpr std::array cases_of_motion = {
                     "it by itself.",
              .bar = "the status names it",
              .scene = "hard/swallowed",
-             .unlike = "nothing in it can be right, and all that is asked is that the status says so",
+             .left_out_because = "nothing in it can be right, and all that is asked is that the status says so",
              .asks_backend = false,
              .run = swallowed},
     HardCase{.id = "attached-inside",
@@ -346,8 +347,9 @@ constexpr std::array cases_of_motion = {
                  "spoil every statistic of depth.",
              .bar = "no drift in the bone's frame beyond 1e-12 of the diagonal, the sane figures",
              .scene = "hard/attached_inside",
-             .unlike = "the bone's vertices are in the muscle's foot on purpose, which is no depth to judge and no "
-                       "reason for a status",
+             .left_out_because =
+                 "the bone's vertices are in the muscle's foot on purpose, which is no depth to judge and no "
+                 "reason for a status",
              .run = attached_inside},
     HardCase{
         .id = "erleben-ten",
@@ -367,7 +369,7 @@ constexpr std::array cases_of_motion = {
              .why = "The loop amplifies rounding to millimetres: only the same bits can be compared.",
              .bar = "the same bits at the end",
              .scene = "hard/step_size",
-             .unlike = "bits are compared, of runs that are judged in step-size-unguarded",
+             .left_out_because = "bits are compared, of runs that are judged in step-size-unguarded",
              .run = same_state_for_threads},
 };
 

@@ -167,7 +167,7 @@ constexpr std::array cases_of_loaded_muscles = {
              .bar = "no triangle through another muscle; both bars' momentum is none within 1e-9; the same within 1e-6 "
                     "diagonals for either order of muscles",
              .scene = "hard/crossed_bars",
-             .unlike = depth_says_it,
+             .left_out_because = depth_says_it,
              .effects = "muscle_contact attachment contact edge_length",
              .run = muscle_on_muscle},
     HardCase{.id = "thrown-at-muscle",
@@ -191,7 +191,7 @@ constexpr std::array cases_of_loaded_muscles = {
              .why = "Folds that close are met at any speed, and nothing but self-contact holds them (review 7).",
              .bar = "no triangle through its own muscle, or through a bone by more than 0.1 mm",
              .scene = "hard/press_shut",
-             .unlike = depth_says_it,
+             .left_out_because = depth_says_it,
              .effects = "self_contact contact volume edge_length",
              .run = press_shut},
     HardCase{.id = "momentum",

@@ -9,7 +9,7 @@
 namespace musclebench {
 
 /// What a muscle that moved has to stay within, whatever a case is about. A case that leaves one out says why
-/// (HardCase::unlike).
+/// (HardCase::left_out_because).
 struct SaneBars {
   double volume_error = 0.05;
   double edge_stretch = 2;    ///< the longest edge over its length at rest

@@ -80,7 +80,7 @@ inline bool takes_too_long(const HardCell& cell) {
 
 /// A run of the scene either has the sane figures, or its case says why some are left out.
 inline void expect_sane_figures(const HardCase& each, const HardCell& cell) {
-  if (each.scene.empty() || !each.unlike.empty()) return;
+  if (each.scene.empty() || !each.left_out_because.empty()) return;
   for (const char* figure : {"triangles through bones", "triangles through the muscle itself",
                              "nodes on the wrong side of a bone", "depth of the surface in bones", "volume error",
                              "longest edge over its length at rest", "runs that end with another status than ok"}) {

@@ -8,9 +8,9 @@ import pandas as pd
 from ..program.cli import Problem
 
 CELL_COLUMNS = ["case", "backend", "verdict", "figure", "value", "bar", "unit", "said"]
-CASE_COLUMNS = ["case", "what", "why", "bar", "unlike", "scene"]
+CASE_COLUMNS = ["case", "what", "why", "bar", "left_out_because", "scene"]
 LISTED = re.compile(r"(?P<case>\S+)\n  (?P<what>.+)\n  (?P<why>.+)\n  Bar: (?P<bar>.+)\.\n"
-                    r"(?:  Sane figures left out: (?P<unlike>.+)\.\n)?(?:  Scene: (?P<scene>\S+)\n)?")
+                    r"(?:  Sane figures left out: (?P<left_out_because>.+)\.\n)?(?:  Scene: (?P<scene>\S+)\n)?")
 
 
 def cells_of(rows: pd.DataFrame) -> pd.DataFrame:

@@ -60,8 +60,8 @@ def texts(cases: pd.DataFrame) -> str:
     parts = []
     for case in cases.itertuples():
         scene = f" Scene: `{case.scene}`." if _text(case.scene) else ""
-        unlike = _text(getattr(case, "unlike", ""))
-        left_out = f" **Sane figures left out:** {unlike}." if unlike else ""
+        because = _text(getattr(case, "left_out_because", ""))
+        left_out = f" **Sane figures left out:** {because}." if because else ""
         parts.append(f"### {case.case}\n\n{_text(case.what)} {_text(case.why)} **Bar:** {_text(case.bar)}.{left_out}{scene}")
     return "\n\n".join(parts)
 
