@@ -44,33 +44,20 @@ std::vector<std::string> muscles_of(const HardRequest& request, const std::strin
   return {"adductor_brevis", "iliacus", "gluteus_medius", "gluteus_maximus"};
 }
 
-/// The cell, which also tells what was not run. The verdict stays: nothing that the program itself has said.
-HardCell without(HardCell cell, const std::string& left_out) {
-  if (!cell.detail.empty()) cell.detail += "; ";
-  cell.detail += left_out;
-  return cell;
-}
-
-/// `run_of(muscle)` of each; `figures_of(muscle, run)` and the sane ones. What is beyond a bar counts though a later
-/// muscle takes too long.
+/// `run_of(muscle)` of each; `figures_of(muscle, run)` and the sane ones.
 template <typename Run, typename Figures>
 HardCell each_moved(const HardRequest& request, const std::vector<std::string>& muscles, const Run& run_of,
                     const Figures& figures_of, const SaneBars& bars = {}) {
   if (std::optional<HardCell> left_out = unless_data(request)) return *left_out;
-  return watched(request, true, [&] {
-    RunFigures figures(request);
-    try {
-      for (const std::string& muscle : muscles) {
-        const MovedScene run = run_of(muscle);
-        if (run.result.status == "diverged") return HardCell{Verdict::breaks, run.said(), {}};
+  return watched_runs(request, true, [&](RunFigures& figures) {
+    for (const std::string& muscle : muscles) {
+      const MovedScene run = run_of(muscle);
+      if (run.result.status == "diverged") {
+        figures.add({fmt::format("{}: runs that diverge", muscle), 1, 0});
+      } else {
         figures.add_run(run, muscle, figures_of(muscle, run), bars);
       }
-    } catch (const TakesTooLong& slow) {
-      const HardCell so_far = figures.judged();
-      if (so_far.verdict == Verdict::holds) throw;
-      return without(so_far, fmt::format("a later muscle {}", slow.what()));
     }
-    return figures.judged();
   });
 }
 

@@ -62,8 +62,7 @@ double flap_angle_rad() {
 }
 
 HardCell sag(const HardRequest& request) {
-  return watched(request, false, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, false, MayRefuse::nobody, [&](RunFigures& figures) {
     for (const double time_step_s : {1e-4, 1e-3, 1e-2}) {
       constexpr double passed_s = 3;
       constexpr std::int64_t frames = 10;
@@ -93,15 +92,13 @@ HardCell sag(const HardRequest& request) {
       const Vec3& tip = flap.result.snapshots.back().positions[3];
       add("flap on a hinge", flap, std::atan2(-tip.z(), tip.x()), flap_angle_rad());
     }
-    return figures.judged(MayRefuse::nobody);
   });
 }
 
 HardCell damped_fall(const HardRequest& request) {
-  return watched(request, false, [&] {
+  return watched_runs(request, false, MayRefuse::nobody, [&](RunFigures& figures) {
     constexpr double rate_per_s = 100;
     constexpr double passed_s = 0.1;
-    RunFigures figures(request);
     for (const double time_step_s : {1e-4, 1e-3, 5e-3}) {
       const MovedScene run =
           moved(request, load({"effects/damping",
@@ -118,17 +115,15 @@ HardCell damped_fall(const HardRequest& request) {
           run, fmt::format("steps of {:g} ms", 1e3 * time_step_s),
           {{"path of the fall, off its formula by a share", std::abs(fallen_m / formula_m - 1), 0.01}});
     }
-    return figures.judged(MayRefuse::nobody);
   });
 }
 
 HardCell pressed_spring(const HardRequest& request) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, [&](RunFigures& figures) {
     Scene scene = load({"hard/pressed_spring"});
     add_vertical_fibre(scene);
     const MovedScene run = moved_in_time(request, std::move(scene));
-    if (figures.add_if_diverged(run, "")) return figures.judged();
+    if (figures.add_if_diverged(run, "")) return;
     const std::size_t last = run.result.snapshots.size() - 1;
     const double sag_m = apex_sag_m(0.5);
     double least_z_m = 1;
@@ -142,7 +137,6 @@ HardCell pressed_spring(const HardRequest& request) {
          {"runs in which the bone does not press the apex by 4 mm", pressed_m >= 0.004 ? 0.0 : 1.0, 0},
          {"depth of the surface in bones", 1e3 * outcome.max_surface_depth_m.value_or(std::nan("")), 0.1, "mm"},
          {"longest edge over its length at rest", outcome.max_edge_stretch.value_or(std::nan("")), 1.1}});
-    return figures.judged();
   });
 }
 
@@ -220,8 +214,7 @@ HardFigure bound_figure(const MovedScene& run) {
 }
 
 HardCell squeeze(const HardRequest& request) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, [&](RunFigures& figures) {
     Scene scene = load({"hard/squeezed_in_turn"});
     constexpr double displacement_m = 0.0105;  // half a millimetre before it touches
     const Vec3 down = -Vec3::UnitZ();
@@ -229,7 +222,6 @@ HardCell squeeze(const HardRequest& request) {
     move_straight(scene, 2, {down, {0, 0.5, 0.75, 1}, {0, 0, displacement_m, 0}});
     const MovedScene run = moved_in_time(request, std::move(scene));
     figures.add_tight_run(run, "", {region_figure(run), volume_figure(run), bound_figure(run)});
-    return figures.judged();
   });
 }
 
@@ -246,8 +238,7 @@ double radius_in_the_middle_m(const std::vector<Vec3>& positions, double middle_
 }
 
 HardCell isometric_and_shortening(const HardRequest& request) {
-  return watched(request, false, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, false, MayRefuse::nobody, [&](RunFigures& figures) {
     const MovedScene isometric = moved(request, load({"hard/isometric"}));
     figures.add_run(isometric, "isometric",
                     {region_figure(isometric), volume_figure(isometric), bound_figure(isometric)});
@@ -266,13 +257,11 @@ HardCell isometric_and_shortening(const HardRequest& request) {
                      region_figure(run),
                      volume_figure(run),
                      bound_figure(run)});
-    return figures.judged(MayRefuse::nobody);
   });
 }
 
 HardCell activation_stop(const HardRequest& request) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, [&](RunFigures& figures) {
     const MovedScene run = moved_in_time(request, load({"hard/shortening_stop"}));
     double widest_m = 0;
     for (const Vec3& position : run.result.snapshots.back().positions) {
@@ -284,13 +273,11 @@ HardCell activation_stop(const HardRequest& request) {
                            bound_figure(run),
                            // 1 / sqrt(1 - 0.36) times as thick it meets the plates, 1.12 times its radius away.
                            {"runs in which the muscle does not bulge to 11.5 mm", widest_m >= 0.0115 ? 0.0 : 1.0, 0}});
-    return figures.judged();
   });
 }
 
 HardCell refinement(const HardRequest& request) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, [&](RunFigures& figures) {
     std::vector<MovedScene> runs;
     const int most = request.whole ? 2 : 1;
     for (int times = 0; times <= most; ++times) {
@@ -312,14 +299,12 @@ HardCell refinement(const HardRequest& request) {
     if (most > 1) {
       figures.add({"the same from 4 to 16 times the triangles, over that before", gap_m(1, 2) / gap_m(0, 1), 1});
     }
-    return figures.judged();
   });
 }
 
 HardCell jump(const HardRequest& request) {
-  return watched(request, true, [&] {
+  return watched_runs(request, true, MayRefuse::everybody, [&](RunFigures& figures) {
     constexpr std::size_t rod = 2;
-    RunFigures figures(request);
     const auto add = [&](const std::string& words, const MovedScene& run, const MovedScene& slow) {
       figures.add_tight_run(
           run, words,
@@ -348,7 +333,6 @@ HardCell jump(const HardRequest& request) {
       add(fmt::format("steps {:g} times as long from frame 16 on", factor), moved_in_time(request, std::move(scene), 9),
           usual);
     }
-    return figures.judged(MayRefuse::everybody);
   });
 }
 

@@ -34,8 +34,7 @@ double coulomb_path_m(double coefficient, const Scene& scene) {
 }
 
 HardCell incline(const HardRequest& request, const std::string& name) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, [&](RunFigures& figures) {
     const std::vector<double> coefficients = request.whole
                                                  ? std::vector<double>{0, 0.25, 0.5, 0.7, critical_coefficient, 0.8, 2}
                                                  : std::vector<double>{0.5, critical_coefficient, 1};
@@ -56,7 +55,6 @@ HardCell incline(const HardRequest& request, const std::string& name) {
       if (!slides) of_run.push_back({"creep of a node in a late frame, over the diagonal", late_move(run, 5), 1e-6});
       figures.add_tight_run(run, fmt::format("coefficient {:g}", coefficient), std::move(of_run));
     }
-    return figures.judged();
   });
 }
 
@@ -65,8 +63,7 @@ HardCell incline_on_faces(const HardRequest& request) { return incline(request, 
 HardCell incline_on_edges(const HardRequest& request) { return incline(request, "hard/incline_edges"); }
 
 HardCell loaded_rest(const HardRequest& request) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, [&](RunFigures& figures) {
     for (const char* place : {"plate", "two_plates", "bowl", "groove"}) {
       LoadedScene scene{fmt::format("hard/loaded_{}", place)};
       if (request.whole) scene.loop["frames"] = std::int64_t{1000};
@@ -77,19 +74,17 @@ HardCell loaded_rest(const HardRequest& request) {
           {{"move of a node in a late frame, over the diagonal", late_move(run, 5), 1e-6},
            {"last frames in which no node is borne", run.result.records.back().contacts > 0 ? 0.0 : 1.0, 0}});
     }
-    return figures.judged();
   });
 }
 
 /// The run of a scene whose two bones are one and the same, against that with the second far away.
 HardCell twice_and_once(const HardRequest& request, const std::function<Scene()>& load_both) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, [&](RunFigures& figures) {
     const MovedScene twice = moved_in_time(request, load_both(), 2);
     Scene scene = load_both();
     place_bone(scene, 1, Vec3(0, 0, -0.2));
     const MovedScene once = moved_in_time(request, std::move(scene), 2);
-    if (figures.add_if_diverged(twice, "") || figures.add_if_diverged(once, "one plate")) return figures.judged();
+    if (figures.add_if_diverged(twice, "") || figures.add_if_diverged(once, "one plate")) return;
     double gap_m = 0;
     for (std::size_t frame = 0; frame < once.result.snapshots.size(); ++frame) {
       gap_m = std::max(gap_m, largest_gap_m(once.positions(frame), twice.positions(frame)));
@@ -98,7 +93,6 @@ HardCell twice_and_once(const HardRequest& request, const std::function<Scene()>
         twice, "",
         {{"difference of a node from the run with one plate, over the diagonal", gap_m / once.diagonal_m(), 1e-6},
          without_contact(twice.result.records)});
-    return figures.judged();
   });
 }
 
@@ -117,8 +111,7 @@ HardCell lifted_by_two_bones(const HardRequest& request) {
 
 /// A block that flies into a sharp bone: 20 mm, or as far as a step of 10 m/s takes it in 20 frames.
 HardCell onto_sharp_bone(const HardRequest& request, const std::string& name) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, [&](RunFigures& figures) {
     for (const auto& [speed_m_per_s, substeps] : {std::pair(0.1, 40), {1.0, 4}, {10.0, 1}}) {
       Scene scene = load({name, {{"substeps", std::int64_t{substeps}}}});
       scene.muscles.front().velocity_m_per_s = Vec3(0, 0, -speed_m_per_s);
@@ -126,7 +119,6 @@ HardCell onto_sharp_bone(const HardRequest& request, const std::string& name) {
       if (figures.add_if_diverged(run, fmt::format("{:g} m/s", speed_m_per_s))) continue;
       figures.add_tight_run(run, fmt::format("{:g} m/s", speed_m_per_s), {});
     }
-    return figures.judged();
   });
 }
 
@@ -134,10 +126,9 @@ HardCell needle(const HardRequest& request) { return onto_sharp_bone(request, "h
 HardCell steep_ridge(const HardRequest& request) { return onto_sharp_bone(request, "hard/onto_ridge"); }
 
 HardCell poked_border(const HardRequest& request) {
-  return watched(request, true, [&] {
+  return watched_runs(request, true, [&](RunFigures& figures) {
     constexpr double cell_m = 0.04 / 6;  // of the block, between the bound nodes and the first free ones
     constexpr std::size_t ball = 1;
-    RunFigures figures(request);
     for (const double weight : {1.0, 0.1, 0.01}) {
       Scene scene = load({"hard/poked_border"});
       place_bone(scene, ball, Vec3(weight * cell_m, 0, 0));
@@ -157,7 +148,6 @@ HardCell poked_border(const HardRequest& request) {
       }
       figures.add_bare_run(run, fmt::format("free corners with weight {:g}", weight), std::move(of_run));
     }
-    return figures.judged();
   });
 }
 
@@ -186,8 +176,7 @@ double depth_in_muscle_m(const MovedScene& run) {
 }
 
 HardCell margin_start(const HardRequest& request) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, [&](RunFigures& figures) {
     const auto add = [&](const char* words, const LoadedScene& loaded, double overlap_m,
                          double (*depth_m)(const MovedScene&)) {
       const MovedScene run = moved_in_time(request, load(loaded), 3);
@@ -215,14 +204,12 @@ HardCell margin_start(const HardRequest& request) {
          {{"damping", {{"rate_per_s", 50.0}}}}},
         0.001, depth_in_bone_m);
     add("in a muscle", {"hard/inside_muscle"}, 0.002, depth_in_muscle_m);
-    return figures.judged();
   });
 }
 
 HardCell margin_at_speed(const HardRequest& request) {
-  return watched(request, true, [&] {
+  return watched_runs(request, true, [&](RunFigures& figures) {
     constexpr double thickness_m = 0.002;
-    RunFigures figures(request);
     for (const double speed_m_per_s : {1.0, 10.0}) {
       Scene scene = load({"hard/thrown_at_margin"});
       scene.muscles.front().velocity_m_per_s = Vec3(0, 0, -speed_m_per_s);
@@ -244,13 +231,11 @@ HardCell margin_at_speed(const HardRequest& request) {
           {{"deepest node in the margin", 1e3 * deepest_m, 1e3 * 1e-6 * run.diagonal_m(), "mm"},
            {"largest kinetic energy of a frame over that at the start", most_j / at_start_j, 1 + 1e-9}});
     }
-    return figures.judged();
   });
 }
 
 HardCell thrown_at_bone(const HardRequest& request) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, MayRefuse::everybody, [&](RunFigures& figures) {
     for (const double thickness_mm : {10.0, 1.0}) {
       for (const double speed_m_per_s : {1.0, 10.0, 100.0}) {
         Scene scene = load({"hard/thrown_at_bone"});
@@ -262,16 +247,13 @@ HardCell thrown_at_bone(const HardRequest& request) {
                         {{"tunnelled nodes", run.tunnelled_nodes(), 0, "nodes"}});
       }
     }
-    return figures.judged(MayRefuse::everybody);
   });
 }
 
 HardCell turned_fast(const HardRequest& request) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, MayRefuse::everybody, [&](RunFigures& figures) {
     const MovedScene run = moved_in_time(request, load({"hard/turned_fast"}));
     figures.add_run(run, "", {});
-    return figures.judged(MayRefuse::everybody);
   });
 }
 

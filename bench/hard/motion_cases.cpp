@@ -21,32 +21,31 @@ namespace musclebench {
 namespace {
 
 HardCell step_size(const HardRequest& request, bool with_guard) {
-  return watched(request, true, [&] {
-    SceneChoice choice = scene_of("hard/step_size");
-    if (with_guard) choice.effect_overrides.push_back({.location = "step-size", .name = "tunnelling_guard"});
-    RunFigures figures(request);
-    // 100 mm in so many frames.
-    for (const std::int64_t frames :
-         request.whole ? std::vector<std::int64_t>{2, 4, 8, 16, 32, 64, 256, 1024} : std::vector<std::int64_t>{4, 16}) {
-      choice.loop_overrides["frames"] = frames;
-      const MovedScene run = moved(request, choice);
-      const std::string words = fmt::format("{:.3g} mm a frame", 100.0 / static_cast<double>(frames));
-      if (with_guard) {
-        figures.add_run(run, words, {});
-      } else {
-        figures.add_bare_run(run, words, {{"nodes on the wrong side of a bone", run.tunnelled_nodes(), 0, "nodes"}});
-      }
-    }
-    return figures.judged(with_guard ? MayRefuse::approximate : MayRefuse::everybody);
-  });
+  return watched_runs(
+      request, true, with_guard ? MayRefuse::approximate : MayRefuse::everybody, [&](RunFigures& figures) {
+        SceneChoice choice = scene_of("hard/step_size");
+        if (with_guard) choice.effect_overrides.push_back({.location = "step-size", .name = "tunnelling_guard"});
+        // 100 mm in so many frames.
+        for (const std::int64_t frames : request.whole ? std::vector<std::int64_t>{2, 4, 8, 16, 32, 64, 256, 1024}
+                                                       : std::vector<std::int64_t>{4, 16}) {
+          choice.loop_overrides["frames"] = frames;
+          const MovedScene run = moved(request, choice);
+          const std::string words = fmt::format("{:.3g} mm a frame", 100.0 / static_cast<double>(frames));
+          if (with_guard) {
+            figures.add_run(run, words, {});
+          } else {
+            figures.add_bare_run(run, words,
+                                 {{"nodes on the wrong side of a bone", run.tunnelled_nodes(), 0, "nodes"}});
+          }
+        }
+      });
 }
 
 HardCell step_size_guarded(const HardRequest& request) { return step_size(request, true); }
 HardCell step_size_unguarded(const HardRequest& request) { return step_size(request, false); }
 
 HardCell initial_overlap(const HardRequest& request) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, [&](RunFigures& figures) {
     for (const int depth_mm : {1, 5}) {
       const MovedScene run = moved(request, scene_of(fmt::format("hard/initial_overlap_{}mm", depth_mm)));
       const double depth_m = 1e-3 * depth_mm;
@@ -72,7 +71,6 @@ HardCell initial_overlap(const HardRequest& request) {
            {"largest move of a node in all", 1e3 * farthest_m, 1e3 * (1.5 * depth_m + slack_m), "mm"},
            {"depth after 10 frames", 1e3 * run.result.records.at(9).depth.max_depth_m, 1e3 * slack_m, "mm"}});
     }
-    return figures.judged();
   });
 }
 
@@ -247,11 +245,9 @@ constexpr std::array sharp_pairs = {"spike_on_spike", "spike_on_wedge",     "wed
                                     "on_cliff",       "over_internal_edges"};
 
 HardCell sharp_pairs_of_erleben(const HardRequest& request) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, [&](RunFigures& figures) {
     for (const char* pair : sharp_pairs)
       figures.add_run(moved(request, scene_of(fmt::format("hard/{}", pair))), pair, {});
-    return figures.judged();
   });
 }
 

@@ -37,8 +37,7 @@ Momenta momenta_of_frame(const MovedScene& run, std::size_t frame) {
 }
 
 HardCell muscle_on_muscle(const HardRequest& request) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, [&](RunFigures& figures) {
     for (const std::string place : {"crossed_bars", "pressed_ball"}) {
       const Scene scene = load({"hard/" + place});
       Scene other = scene;
@@ -61,13 +60,11 @@ HardCell muscle_on_muscle(const HardRequest& request) {
       }
       figures.add_tight_run(run, place, std::move(of_run));
     }
-    return figures.judged();
   });
 }
 
 HardCell thrown_at_muscle(const HardRequest& request) {
-  return watched(request, false, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, false, MayRefuse::everybody, [&](RunFigures& figures) {
     for (const double speed_m_per_s : {1.0, 10.0, 100.0}) {
       Scene scene = load({"hard/thrown_at_muscle"});
       scene.muscles[0].velocity_m_per_s = Vec3(0.5 * speed_m_per_s, 0, 0);
@@ -78,13 +75,11 @@ HardCell thrown_at_muscle(const HardRequest& request) {
                       {{"nodes that went through the other muscle",
                         static_cast<double>(run.result.outcome.passed_nodes.value_or(0)), 0, "nodes"}});
     }
-    return figures.judged(MayRefuse::everybody);
   });
 }
 
 HardCell thrown_at_itself(const HardRequest& request) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, MayRefuse::everybody, [&](RunFigures& figures) {
     for (const double speed_m_per_s : {1.0, 10.0, 100.0}) {
       Scene scene = load({"hard/thrown_at_itself"});
       scene.muscles.front().velocity_m_per_s = Vec3(-speed_m_per_s, 0, 0);
@@ -92,13 +87,11 @@ HardCell thrown_at_itself(const HardRequest& request) {
       if (figures.add_if_diverged(run, fmt::format("{:g} m/s", speed_m_per_s))) continue;
       figures.add_run(run, fmt::format("{:g} m/s", speed_m_per_s), {});
     }
-    return figures.judged(MayRefuse::everybody);
   });
 }
 
 HardCell press_shut(const HardRequest& request) {
-  return watched(request, true, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, true, [&](RunFigures& figures) {
     // 14 mm in 30 frames of 20 substeps, in 2 of 20, in 2 of 2.
     struct Course {
       const char* words;
@@ -114,13 +107,11 @@ HardCell press_shut(const HardRequest& request) {
       if (figures.add_if_diverged(run, course.words)) continue;
       figures.add_tight_run(run, course.words, {});
     }
-    return figures.judged();
   });
 }
 
 HardCell momentum(const HardRequest& request) {
-  return watched(request, false, [&] {
-    RunFigures figures(request);
+  return watched_runs(request, false, [&](RunFigures& figures) {
     const std::int64_t frames = request.whole ? 1000 : 60;
     const auto add = [&](const char* words, Scene scene, bool may_give_energy) {
       const MovedScene run = moved(request, std::move(scene));
@@ -155,7 +146,6 @@ HardCell momentum(const HardRequest& request) {
     Scene apart = scene(1e-3);
     for (Muscle& muscle : apart.muscles) muscle.velocity_m_per_s *= -1;
     add("free flight of shaken balls", std::move(apart), true);
-    return figures.judged();
   });
 }
 

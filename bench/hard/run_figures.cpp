@@ -39,4 +39,10 @@ HardCell RunFigures::judged(MayRefuse may_refuse) const {
   return musclebench::judged(m_figures, m_request, m_silent ? "" : m_said, may_refuse);
 }
 
+HardCell without(HardCell cell, const std::string& left_out) {
+  if (!cell.detail.empty()) cell.detail += "; ";
+  cell.detail += left_out;
+  return cell;
+}
+
 }  // namespace musclebench

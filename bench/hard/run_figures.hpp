@@ -41,4 +41,29 @@ class RunFigures {
   bool m_silent = false;  ///< a figure broke and no status said so
 };
 
+/// The cell, which also tells what was not run. The verdict stays: nothing that the program itself has said.
+HardCell without(HardCell cell, const std::string& left_out);
+
+/// As `watched`, of a case that adds its runs one by one: `watch(figures)`. What is beyond a bar counts though a later
+/// run takes too long.
+template <typename Watch>
+HardCell watched_runs(const HardRequest& request, bool asks_backend, MayRefuse may_refuse, const Watch& watch) {
+  return watched(request, asks_backend, [&] {
+    RunFigures figures(request);
+    try {
+      watch(figures);
+    } catch (const TakesTooLong& slow) {
+      const HardCell so_far = figures.judged(may_refuse);
+      if (so_far.verdict == Verdict::holds) throw;
+      return without(so_far, std::string("a later run ") + slow.what());
+    }
+    return figures.judged(may_refuse);
+  });
+}
+
+template <typename Watch>
+HardCell watched_runs(const HardRequest& request, bool asks_backend, const Watch& watch) {
+  return watched_runs(request, asks_backend, MayRefuse::approximate, watch);
+}
+
 }  // namespace musclebench

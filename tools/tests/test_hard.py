@@ -4,6 +4,7 @@ import json
 import subprocess
 
 import hard
+import hard_reds
 import pandas as pd
 import pytest
 
@@ -71,6 +72,27 @@ def check_known(done, folder):
 
 def test_what_can_hold_does(matrix):
     check_known(*matrix)
+
+
+def test_no_figure_that_is_red_gets_worse_unseen(matrix):
+    """Nor one of a cell that a status excuses. What is mended is taken out of the list: `python3 tools/tests/hard_reds.py
+    FOLDER`."""
+    _, folder = matrix
+    assert hard_reds.changes(hard_reds.rows_of(folder / "matrix.csv"), hard_reds.known_reds()) == []
+
+
+def test_a_red_that_moves_is_a_line():
+    def row(value, verdict="breaks", detail=""):
+        return {"case": "pinch", "backend": "bvh", "verdict": verdict, "figure": "depth", "value": value, "bar": "1",
+                "detail": detail}
+
+    known = {("pinch", "bvh", "depth"): 2.0}
+    assert hard_reds.changes([row("2.1")], known) == []
+    assert hard_reds.changes([row("2.3")], known) == ["pinch, bvh, depth: 2.3, was 2"]
+    assert hard_reds.changes([row("nan")], known) == ["pinch, bvh, depth: nan, was 2"]
+    assert hard_reds.changes([row("0.9", "holds")], known) == ["pinch, bvh, depth: within its bar, was 2"]
+    assert hard_reds.changes([row("2")], {}) == ["pinch, bvh, depth: 2, was within its bar"]
+    assert hard_reds.changes([row("0.9", detail="a later run would take 9 s")], known) == []
 
 
 @pytest.mark.weekly

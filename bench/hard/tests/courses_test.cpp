@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "backends/registry.hpp"
+#include "bench/hard/run_figures.hpp"
 
 namespace musclebench {
 namespace {
@@ -26,6 +27,23 @@ TEST(MovedInTime, IsLeftOutWithTheTimeThatItWouldTake) {
   EXPECT_EQ(cell.verdict, Verdict::not_applicable);
   EXPECT_EQ(cell.detail.find("would take "), 0) << cell.detail;
   EXPECT_NE(cell.detail.find("of at most 4.8: in the long run only (--all)"), std::string::npos) << cell.detail;
+}
+
+/// A figure of a first run, then one that takes too long.
+HardCell cell_with(double first) {
+  const HardRequest request{.backend = exact_backend()};
+  return watched_runs(request, true, [&](RunFigures& figures) {
+    figures.add({"of the first run", first, 1});
+    moved_in_time(request, load_scene(scene_of("hard/step_size")), 10'000'000);
+  });
+}
+
+TEST(WatchedRuns, KeepWhatIsBeyondItsBarThoughALaterRunTakesTooLong) {
+  EXPECT_EQ(cell_with(1).verdict, Verdict::not_applicable);
+  const HardCell red = cell_with(2);
+  EXPECT_EQ(red.verdict, Verdict::breaks);
+  ASSERT_EQ(red.figures.size(), 1U);
+  EXPECT_EQ(red.detail.find("a later run would take "), 0) << red.detail;
 }
 
 }  // namespace
