@@ -52,30 +52,33 @@ double depth_in_its_run_m(const Scene& scene, const Configuration& configuration
   return largest_m;
 }
 
-void expect_that_advice_holds(int scenes) {
-  int advised = 0;
+/// So many recommendations. Of most random scenes none is made: they move so fast that even exact answers leave nodes
+/// millimetres deep, and then every trial has to say so.
+void expect_that_advice_holds(int recommendations) {
   int recommended = 0;
-  for (std::uint64_t seed = 0; advised < scenes && seed < 400; ++seed) {
+  for (std::uint64_t seed = 0; recommended < recommendations && seed < 1000; ++seed) {
     FuzzScene random = fuzz_scene(seed, {"bvh"});
     random.loop["frames"] = std::int64_t{frames};
     SCOPED_TRACE(fmt::format("seed {}", seed));
     try {
       const Scene scene = read_fuzz_scene(random);
       const Advice advice = advise(scene);
-      if (advice.measured.empty()) continue;  // no contacts
-      ++advised;
-      if (!advice.chosen) continue;
-      ++recommended;
-      EXPECT_LE(depth_in_its_run_m(scene, advice.measured[*advice.chosen].configuration), wanted_m);
+      if (advice.chosen) {
+        ++recommended;
+        EXPECT_LE(depth_in_its_run_m(scene, advice.measured[*advice.chosen].configuration), wanted_m);
+        continue;
+      }
+      for (const Assessment& row : advice.measured) {
+        EXPECT_TRUE(row.error_m > wanted_m || !row.refusal.empty()) << row.configuration.text();
+      }
     } catch (const InputError&) {
       // Not a scene, or one that diverges.
     }
   }
-  EXPECT_EQ(advised, scenes);
-  EXPECT_GE(recommended, scenes / 4);
+  EXPECT_EQ(recommended, recommendations);
 }
 
-TEST(AdvisedScenes, WhatIsRecommendedHoldsOverTheWholeMotion) { expect_that_advice_holds(4); }
+TEST(AdvisedScenes, WhatIsRecommendedHoldsOverTheWholeMotion) { expect_that_advice_holds(1); }
 
 /// Takes minutes; asked for by .ci/weekly.
 TEST(AdvisedScenes, DISABLED_WhatIsRecommendedHoldsInTwentyRandomScenes) { expect_that_advice_holds(20); }
