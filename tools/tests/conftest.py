@@ -23,7 +23,7 @@ def lhdl_folder() -> Path:
     """The LHDL data folder; skips where it is absent."""
     if folder := find_lhdl():
         return folder
-    pytest.skip("LHDL data not found: set MUSCLEBENCH_DATA to the folder with lhdl.json (README: how to get it)")
+    pytest.skip("LHDL data not found: set MUSCLEBENCH_DATA to the folder with lhdl.json (datasets/README.md: how to get it)")
 
 
 @pytest.fixture(scope="session")

@@ -53,6 +53,11 @@ class Source:
         told = f" {whose(self.implementations)}" if self.implementations else ""
         return f"<sub>{text}{busy}{told}</sub>"
 
+    def short_words(self) -> str:
+        """Under a picture, which tells the machine itself."""
+        busy = f"; in {self.disturbed} runs the machine was busy" if self.disturbed else ""
+        return f"<sub>`{self.command}`, commit {self.commit[:7]}, {self.date}{busy}</sub>"
+
 
 class Measured:
     """Tables by name, such as `paper-lhdl/table_2_times`."""

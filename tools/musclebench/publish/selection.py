@@ -10,15 +10,17 @@ from ..tables.table_formats import as_ratio
 from .measured import Measured
 
 FORM = re.compile(
-    r"(?P<table>[\w-]+/\w+)(\[(?P<filters>[^\]]*)\])?\.(?P<column>\w+)( (?P<pick>min|max|range|sum))?"
+    r"(?P<table>[\w-]+/\w+)(\[(?P<filters>[^\]]*)\])?\.(?P<column>\w+)( (?P<pick>min|max|range|sum|count))?"
     r"( /(?P<unit>[\d.e-]+))?( (?P<format>\.\d[fg]))?")
 
 
 def value_text(measured: Measured, specification: str) -> str:
-    """Three digits unless a format such as .1f is told; of several rows the smallest and the largest. `/1e6`: in units
-    of that many. Of what timed out a row is empty: its name has to be filtered out, else one muscle's figure passes for
-    all."""
+    """Three digits unless a format such as .1f is told; of several rows the smallest and the largest, or how many they are
+    (`count`). `/1e6`: in units of that many. Of what timed out a row is empty: its name has to be filtered out, else one
+    muscle's figure passes for all."""
     match = _parsed(specification)
+    if match["pick"] == "count":
+        return str(len(chosen_rows(measured.table(match["table"]), match["filters"] or "", specification)))
     return _text(_chosen(measured, match, specification), match["pick"] or "range", match["format"])
 
 
@@ -35,7 +37,7 @@ def chosen_values(measured: Measured, specification: str) -> pd.Series:
 def _parsed(specification: str) -> re.Match:
     match = FORM.fullmatch(specification.strip())
     if match is None:
-        raise Problem(f"value '{specification}': not like STUDY/TABLE[COLUMN=VALUE,...].COLUMN [min|max|range|sum] "
+        raise Problem(f"value '{specification}': not like STUDY/TABLE[COLUMN=VALUE,...].COLUMN [min|max|range|sum|count] "
                       "[/1e6] [.2f]")
     return match
 
