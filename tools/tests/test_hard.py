@@ -8,43 +8,12 @@ import hard_reds
 import pandas as pd
 import pytest
 
+from musclebench.hard.causes import known_to_break
 from musclebench.hard.strips import worst_frame
 from musclebench.publish.measured import source_of
 from program import PROGRAM, call, find_lhdl, needs_program
 
 pytestmark = needs_program
-
-# What is mended leaves the list.
-POINTS = ("bvh", "brute_force")
-FIELDS = ("sdf", *POINTS)
-ALL = ("voxel", *FIELDS, "fcl")
-CAUSES = {  # of a case, which backends break it
-    # Contact acts at nodes: faces between them are cut by tips and edges of the bone, and folds pass through themselves.
-    "erleben-ten": POINTS, "pinch": POINTS, "long-run": ("sdf", "bvh"), "sensitivity": ("bvh", "fcl"),
-    "return-to-rest": ("bvh",), "far-flexion": ("bvh",),
-    # A muscle without self_contact passes through itself where a plate sweeps it along; at 6 mm a frame the status is ok.
-    "step-size": ("voxel", *FIELDS), "many-nodes": POINTS,
-    # A free node next to the foot goes through the plate, which turns; FCL misses nodes and lets faces through.
-    "attached-inside": (*FIELDS, "fcl"),
-    "extremes": ("loop",),  # a hundredth of the volume collapses; bending without edges throws nodes
-    "welded-input": ("fcl",),  # contacts that depend on the order of nodes
-    "incline-nodes": (*FIELDS, "fcl"),  # 2 % beyond Coulomb (falls with the step); nodes creep at rest
-    "incline-faces": (*FIELDS, "fcl"), "incline-edges": (*FIELDS, "fcl"),  # friction is inert on faces and edges
-    "loaded-rest": FIELDS,  # surface_contact at the edges of two plates jitters
-    "overlapping-bones": POINTS, "lifted-by-two-bones": POINTS,  # 2e-6 to 4e-6 diagonals, of 1e-6: cause not found
-    "needle": ("voxel", *POINTS, "fcl"), "ridge": POINTS,  # surface_contact is late at speed
-    "border": POINTS,  # a face with a small free weight is thrown
-    "margin-start": (*FIELDS, "fcl"),  # a slow creep is left: cause not found
-    "margin-at-speed": POINTS,  # at 10 m/s nodes reach the bone
-    "muscle-on-muscle": ALL, "thrown-at-muscle": ("loop",),  # contact knows nodes against faces only
-    "press-shut": POINTS,  # self_contact knows nodes against faces only
-    "squeeze": ALL, "activation-stop": FIELDS, "isometric": ("loop",),  # regions lose volume
-    "jump": ("voxel", *FIELDS),  # steps ten times as long: just beyond the bar
-    "momentum": ("loop",),  # angular momentum drifts: cause not found
-    "sag": ("loop",),  # 52 % off with steps of 10 ms
-    "damped-fall": ("loop",),  # gravity is damped in the step that adds it
-}
-KNOWN_TO_BREAK = {(case, backend) for case, backends in CAUSES.items() for backend in backends}
 
 
 def all_cells(folder, *options, seconds):
@@ -67,7 +36,7 @@ def check_known(done, folder):
     assert done.returncode == (1 if len(broken) else 0)
     # Without anatomical data, or where a busy machine would take too long, a cell is left out.
     left_out = rows[rows.verdict == "not applicable"]
-    assert set(zip(broken.case, broken.backend)) == KNOWN_TO_BREAK - set(zip(left_out.case, left_out.backend))
+    assert set(zip(broken.case, broken.backend)) == known_to_break() - set(zip(left_out.case, left_out.backend))
 
 
 def test_what_can_hold_does(matrix):

@@ -5,18 +5,20 @@ import math
 import pandas as pd
 
 from ..tables.table_formats import Column, markdown_rows
+from .causes import read_causes
 
 SHOWN = {"holds": "holds", "breaks": "**BREAKS**", "refused": "refused", "not applicable": "-"}
 BEYOND_COLUMNS = [Column("case", "case"), Column("backend", "backend"), Column("verdict", ""), Column("figure", "figure"),
                   Column("measured", "measured"), Column("bar", "bar"), Column("said", "what the program says")]
+CAUSE_COLUMNS = [Column("why", "cause"), Column("count", "cells"), Column("cases", "cases")]
 UNASKED_COLUMNS = [Column("backends", "backend"), Column("said", "why"), Column("cases", "cases")]
 
 
-def matrix(cells: pd.DataFrame) -> str:
-    """Cases down, each linked to its text; backends across."""
+def matrix(cells: pd.DataFrame, texts_in: str = "") -> str:
+    """Cases down, each linked to its text (`texts_in`: the page that has them); backends across."""
     backends = list(dict.fromkeys(cells["backend"]))
     columns = [Column("case", "case"), *(Column(name, name) for name in backends)]
-    rows = [{"case": _link(case), **{cell.backend: SHOWN[cell.verdict] for cell in row.itertuples()}}
+    rows = [{"case": _link(case, texts_in), **{cell.backend: SHOWN[cell.verdict] for cell in row.itertuples()}}
             for case, row in cells.groupby("case", sort=False)]
     counts = cells["verdict"].value_counts()
     totals = ", ".join(f"{counts.get(verdict, 0)} {words}" for verdict, words in (
@@ -32,12 +34,29 @@ def as_text(cells: pd.DataFrame) -> str:
     return ordered.rename_axis(index=None, columns=None).to_string()
 
 
-def beyond(cells: pd.DataFrame) -> str:
+def counts(cells: pd.DataFrame) -> str:
+    """How many cells of each backend hold, break, were refused or are not asked."""
+    by_backend = pd.crosstab(cells["backend"], cells["verdict"]).reindex(index=dict.fromkeys(cells["backend"]), columns=SHOWN, fill_value=0)
+    columns = [Column("backend", "backend"), *(Column(verdict, verdict) for verdict in SHOWN)]
+    return markdown_rows(columns, by_backend.rename_axis(columns=None).reset_index())
+
+
+def causes(cells: pd.DataFrame, texts_in: str = "") -> str:
+    """Of the cells that break: what is known of why, the cause of the most cells first."""
+    broken = set(zip(*(cells.loc[cells["verdict"] == "breaks", key] for key in ("case", "backend"))))
+    rows = []
+    for cause in read_causes():
+        found = [case for case, backends in cause.cells.items() for backend in backends if (case, backend) in broken]
+        rows += [{"why": cause.why, "count": len(found), "cases": ", ".join(_link(case, texts_in) for case in dict.fromkeys(found))}] if found else []
+    return markdown_rows(CAUSE_COLUMNS, pd.DataFrame(sorted(rows, key=lambda row: -row["count"]), columns=["why", "count", "cases"]))
+
+
+def beyond(cells: pd.DataFrame, texts_in: str = "") -> str:
     """Each cell that breaks or was refused, with the figure farthest beyond its bar."""
     rows = cells[cells["verdict"].isin(["breaks", "refused"])]
     if rows.empty:
         return "Every cell holds."
-    shown = [{"case": _link(cell.case), "backend": cell.backend, "verdict": SHOWN[cell.verdict],
+    shown = [{"case": _link(cell.case, texts_in), "backend": cell.backend, "verdict": SHOWN[cell.verdict],
               "figure": _text(cell.figure), "measured": _number(cell.value, cell.unit) if _text(cell.figure) else "",
               "bar": _number(cell.bar, cell.unit) if _text(cell.figure) else "", "said": _text(cell.said)}
              for cell in rows.sort_values("verdict", kind="stable").itertuples()]
@@ -74,8 +93,8 @@ def _few(cases: tuple[str, ...], every: list[str]) -> str:
     return f"all but {', '.join(others)}" if others else "all"
 
 
-def _link(case: str) -> str:
-    return f"[{case}](#{case})"
+def _link(case: str, texts_in: str) -> str:
+    return f"[{case}]({texts_in}#{case})"
 
 
 def _text(value) -> str:

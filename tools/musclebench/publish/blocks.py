@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import pandas as pd
 
@@ -138,8 +139,10 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "effect_prices": _from("effect_prices", effect_tables.PRICE_COLUMNS, EFFECT_PRICE_KEYS),
     "returns": _from("returns", returns.RETURN_COLUMNS, RETURN_KEYS),
     "guards": _from("guards", guards.GUARD_COLUMNS, GUARD_KEYS),
-    "hard_matrix": _hard("cells", hard_tables.matrix),
-    "hard_beyond": _hard("cells", hard_tables.beyond),
+    "hard_counts": _hard("cells", hard_tables.counts),
+    "hard_matrix": _hard("cells", partial(hard_tables.matrix, texts_in="hard_cases/cases.md")),
+    "hard_causes": _hard("cells", partial(hard_tables.causes, texts_in="hard_cases/cases.md")),
+    "hard_beyond": _hard("cells", partial(hard_tables.beyond, texts_in="cases.md")),
     "hard_unasked": _hard("cells", hard_tables.unasked),
     "hard_cases": _hard("cases", hard_tables.texts),
     "substeps": _from("substeps", convergence_report.COLUMNS, SUBSTEP_KEYS),
