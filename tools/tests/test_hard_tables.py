@@ -7,6 +7,8 @@ import pytest
 
 import fake_runs
 import publish
+from musclebench.hard import hard_tables
+from musclebench.hard.causes import Cause
 from musclebench.hard.cells import cases_of, cells_of
 from musclebench.program.cli import Problem
 from musclebench.publish.blocks import block
@@ -75,8 +77,8 @@ def test_cases_are_read_as_they_are_listed():
 
 def test_the_matrix_links_to_its_cases(published):
     text, told = block(published, "hard_matrix hard-synthetic"), block(published, "hard_cases hard-synthetic")
-    assert "| case | null | voxel | sdf |" in text and "| [scale](#scale) | - | holds | **BREAKS** |" in text
-    assert "| [pinch](#pinch) | - | - | refused |" in text and "commit abc1234" in text
+    assert "| case | null | voxel | sdf |" in text and "| [scale](hard_cases/cases.md#scale) | - | holds | **BREAKS** |" in text
+    assert "| [pinch](hard_cases/cases.md#pinch) | - | - | refused |" in text and "commit abc1234" in text
     assert "2 hold, 3 break, 1 refused, 3 not applicable." in text
     assert "### scale\n\nThe same ball. Tolerances hide. **Bar:** the same bits; 1e-9." in told
     assert "### pinch\n\n" in told and "**Sane figures left out:** the bones overlap." in told and "Scene: `hard/pinch`." in told
@@ -84,12 +86,24 @@ def test_the_matrix_links_to_its_cases(published):
 
 def test_what_is_beyond_its_bar_stands_with_it(published):
     lines = block(published, "hard_beyond hard-synthetic").splitlines()
-    assert "| [scale](#scale) | sdf | **BREAKS** | a change, over the diagonal | 8.76e-09 | 1e-09 | - |" in lines
-    assert "| [pinch](#pinch) | sdf | refused | largest move | 1.54 mm | 0.001 mm | suspect: off / by 105 % |" in lines
-    assert "| [rest](#rest) | null | **BREAKS** | farthest node | no number | 10 | - |" in lines
-    assert "| [rest](#rest) | voxel | **BREAKS** | - | - | - | crashed (signal 11) |" in lines
+    assert "| [scale](cases.md#scale) | sdf | **BREAKS** | a change, over the diagonal | 8.76e-09 | 1e-09 | - |" in lines
+    assert "| [pinch](cases.md#pinch) | sdf | refused | largest move | 1.54 mm | 0.001 mm | suspect: off / by 105 % |" in lines
+    assert "| [rest](cases.md#rest) | null | **BREAKS** | farthest node | no number | 10 | - |" in lines
+    assert "| [rest](cases.md#rest) | voxel | **BREAKS** | - | - | - | crashed (signal 11) |" in lines
     assert sum(line.startswith("| [") for line in lines) == 4
     assert "Every cell holds." in block(published, "hard_beyond hard-synthetic verdict=holds")
+
+
+def test_verdicts_are_counted_by_backend(published):
+    lines = block(published, "hard_counts hard-synthetic").splitlines()
+    assert lines[0] == "| backend | holds | breaks | refused | not applicable |" and lines[2] == "| null | 0 | 1 | 0 | 2 |"
+
+
+def test_causes_are_told_of_what_breaks_only(published, monkeypatch):
+    told = [Cause("Late.", {"pinch": ["sdf"]}), Cause("Deep.", {"rest": ["null", "voxel"], "scale": ["voxel"]})]
+    monkeypatch.setattr(hard_tables, "read_causes", lambda: told)
+    rows = [line for line in block(published, "hard_causes hard-synthetic").splitlines() if "Late" in line or "Deep" in line]
+    assert rows == ["| Deep. | 2 | [rest](hard_cases/cases.md#rest) |"]
 
 
 def test_reasons_not_to_ask_are_shared(published):

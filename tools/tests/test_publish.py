@@ -350,7 +350,7 @@ def test_a_rehearsal_leaves_the_projects_pages_alone(rehearsal, capsys):
     before = {name: path.read_text() for name, path in PAGES.items()}
     assert run("--only", "paper") == 0
     assert {name: path.read_text() for name, path in PAGES.items()} == before
-    page = (out / "pages" / "README.md").read_text()
+    page = (out / "pages" / "reports/paper.md").read_text()
     assert "commit abc1234, A processor" in page and "[1/2] paper-synthetic" in capsys.readouterr().out
 
 
