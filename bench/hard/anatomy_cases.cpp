@@ -27,7 +27,7 @@ constexpr CourseFrames whole_course{.moving = 90, .resting = 25};
 /// Nothing where the data are there.
 std::optional<HardCell> unless_data(const HardRequest& request) {
   if (data_folder(request.data)) return std::nullopt;
-  return not_applicable("needs the real anatomy: --data (README: Real anatomy)");
+  return not_applicable("needs the real anatomy: --data (datasets/README.md: Real anatomy)");
 }
 
 SceneChoice flexion_of(const std::string& muscle, const HardRequest& request, int flexions) {
