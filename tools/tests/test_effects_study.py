@@ -192,6 +192,12 @@ def test_the_cheapest_set_that_holds_a_property_is_found(measured):
     assert both["cheapest"] == "all-volume" and both["needs"] == "margin, local_volume"
 
 
+@pytest.mark.parametrize("own_ms, named", [(10.8, OWN), (11.5, "own+margin")])
+def test_what_a_machine_drifts_by_makes_no_set_cheaper(measured, own_ms, named):
+    prices = prices_of(measured({OWN: (own_ms, {}), ALL: (40, {}), "own+margin": (10, {})}))
+    assert prices["volume within 1 %"]["cheapest"] == named
+
+
 def test_effects_that_move_the_moment_arm_are_needed_for_it(measured):
     folders = measured({OWN: (10, {}), ALL: (40, {}), "own+margin": (12, {}), "all-margin": (38, {}), "all-volume": (39, {})})
     words = f"moment arm within {ARM_MM:g} mm of that with all"

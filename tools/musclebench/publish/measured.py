@@ -55,8 +55,7 @@ class Source:
 
     def short_words(self) -> str:
         """Under a picture, which tells the machine itself."""
-        busy = f"; in {self.disturbed} runs the machine was busy" if self.disturbed else ""
-        return f"<sub>`{self.command}`, commit {self.commit[:7]}, {self.date}{busy}</sub>"
+        return f"<sub>`{self.command}`, commit {self.commit[:7]}, {self.date}</sub>"
 
 
 class Measured:

@@ -106,7 +106,7 @@ def _picture(measured: Measured, specification: str, old: str) -> str:
     link = LINK.search(old)
     if link is None:
         raise Problem(f"picture '{specification}': there has to be a link ![...](...) between the markers")
-    return f"\n{link.group(0)}\n\n{measured.source(study_of('picture', specification)).short_words()}\n"
+    return f"\n{link.group(0)}<br>{measured.source(study_of('picture', specification)).short_words()}\n"
 
 
 def _not_yet(kind: str, old: str) -> str:
