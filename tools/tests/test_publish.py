@@ -234,7 +234,7 @@ def test_what_was_not_measured_yet_says_so_until_it_is(small, tmp_path):
     (small.folder / "paper-hip" / "table_4_depths.csv").write_text(
         "muscle,scene,backend,bone_depth_mm,bone_nodes\ngluteus_maximus,hip,sdf,0.12345,7\n")
     measured = written(new, small, "page.md")
-    assert "\n![a hip](x.png)\n" in measured and "<!-- ![" not in measured and "yet" not in measured
+    assert "\n![a hip](x.png)<br><sub>" in measured and "<!-- ![" not in measured and "yet" not in measured
     assert "| gluteus maximus | sdf | 0.123 | 7 |" in measured and " max -->7.00<!--" in measured
     assert [picture.study for picture in pictures_in(measured, tmp_path / "page.md")] == ["paper-hip"]
 
