@@ -107,9 +107,12 @@ def test_contributing_names_every_preset():
     assert {one["name"] for one in presets if not one.get("hidden")} <= set(re.findall(r"[\w-]+", line))
 
 
-@pytest.mark.parametrize("name, most", [("README.md", 90), ("reports/accuracy.md", 250)])
-def test_pages_are_short(name, most):
-    assert len(PAGES[name].read_text().splitlines()) <= most
+LISTS = {"reports/hard_cases/cases.md"}  # looked up, not read
+
+
+@pytest.mark.parametrize("name", sorted(set(PAGES) - LISTS))
+def test_pages_are_short(name):
+    assert len(PAGES[name].read_text().splitlines()) <= (90 if name == "README.md" else 250)
 
 
 @pytest.mark.parametrize("text, found", [
