@@ -192,10 +192,10 @@ def test_the_cheapest_set_that_holds_a_property_is_found(measured):
     assert both["cheapest"] == "all-volume" and both["needs"] == "margin, local_volume"
 
 
-@pytest.mark.parametrize("own_ms, named", [(10.8, OWN), (11.5, "own+margin")])
-def test_what_a_machine_drifts_by_makes_no_set_cheaper(measured, own_ms, named):
-    prices = prices_of(measured({OWN: (own_ms, {}), ALL: (40, {}), "own+margin": (10, {})}))
-    assert prices["volume within 1 %"]["cheapest"] == named
+def test_an_effect_to_spare_makes_no_set_cheaper(measured):
+    """On a busy machine a run with one more may seem faster."""
+    prices = prices_of(measured({OWN: (15, {}), ALL: (40, {}), "own+margin": (10, {})}))
+    assert prices["volume within 1 %"]["cheapest"] == OWN
 
 
 def test_effects_that_move_the_moment_arm_are_needed_for_it(measured):

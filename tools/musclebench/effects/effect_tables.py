@@ -29,7 +29,6 @@ CHANGE_COLUMNS = [
     Column("arm_mm", "moment arm to all effects, RMS mm", 2, "arm\nto all"),
 ]
 ARM_MM = 1.0
-DRIFT = 1.1  # runs are minutes apart: a machine drifts by so much meanwhile, which no interval of one run knows of
 PRICE_COLUMNS = [
     Column("muscle", "muscle"), Column("wanted", "wanted"), Column("cheapest", "cheapest that holds it"),
     Column("time_ms", "ms a frame", 2, "ms a\nframe"), Column("ratio", "x own", 2, "x\nown", True),
@@ -119,9 +118,10 @@ def price_table(measured: list[MeasuredSet]) -> Table:
         rows += [_price_row("all of these", told, by_name)] if told else []
     caption = (
         "Price list. For each wanted property the fastest set of effects, of those that were run, that holds it through "
-        "the whole motion; of those that are as fast (intervals that overlap, or no more than a tenth slower), the one "
-        "with the fewest effects. Time as a multiple of the scene's own effects. Needs: the effects without which all the "
-        "others do not hold it. Of a scene without fibres nothing is said of moment arms."
+        "the whole motion and has none to spare: no set that holds it, too, has some of its effects only. Of those whose "
+        "intervals overlap the fastest one's, the one with the fewest effects. Time as a multiple of the scene's own "
+        "effects. Needs: the effects without which all the others do not hold it. Of a scene without fibres nothing is said "
+        "of moment arms."
     )
     return _table("effect_prices", caption, PRICE_COLUMNS, rows)
 
@@ -138,10 +138,14 @@ def _price_row(words: str, wanted: list[Property], by_name: dict[str, tuple[Meas
                   "ratio": cheapest.frame_ms.value / own[0].frame_ms.value if own else NAN}
 
 
-def _cheapest(sets: list[MeasuredSet]) -> MeasuredSet:
+def _cheapest(holding: list[MeasuredSet]) -> MeasuredSet:
+    """An effect that is not needed is not worth a time either: runs are minutes apart, and a busy machine makes one of them
+    seem faster."""
+    every = [set(one.chosen.effects) for one in holding]
+    sets = [one for one in holding if not any(fewer < set(one.chosen.effects) for fewer in every)]
     times = {one.chosen.name: one.frame_ms for one in sets}
     fastest = min(sets, key=lambda one: times[one.chosen.name].value)
-    limit_ms = max(times[fastest.chosen.name].high, DRIFT * times[fastest.chosen.name].value)
+    limit_ms = times[fastest.chosen.name].high
     as_fast = [one for one in sets if times[one.chosen.name].low <= limit_ms]
     return min(as_fast or [fastest], key=lambda one: (len(one.chosen.effects), times[one.chosen.name].value))
 
