@@ -1,13 +1,6 @@
 #!/usr/bin/python3
-"""What changed from BEFORE to AFTER: two folders of results, or two git revisions, which are then built in scratch folders
-and run with their repetitions interleaved on one core.
+"""Compares two folders of results, or two revisions or programs that it runs. Options: musclebench/options/compare.py."""
 
-Of each case times (5 % count) and counters (1 %) are compared by their ratio with its 95 % interval and by Mann and
-Whitney's U or Yuen's test of the pairs, at a level of 1 % for all together that vary; state hash, 99th percentile of the depth,
-missed contacts and verdicts have to be the same. Prints Markdown. Exit code 0: no change, 1: something changed, 2: it can't be compared.
-"""
-
-import argparse
 import sys
 import uuid
 from pathlib import Path
@@ -15,32 +8,20 @@ from pathlib import Path
 from musclebench.cases.case import Folders
 from musclebench.cases.study_command import PROJECT
 from musclebench.comparison.comparison_report import report
-from musclebench.comparison.compared_cases import add_case_options, asked_experiment, first_cases
+from musclebench.comparison.compared_cases import asked_experiment, first_cases
 from musclebench.comparison.interleaved import PROGRAM_NAMES, InterleavedExperiment, measure, plan
 from musclebench.comparison.instructions import why_not_by_cpu
 from musclebench.comparison.result_set import ResultSet, read_set
 from musclebench.comparison.revisions import commit_of, program_of
 from musclebench.comparison.verdicts import compare
-from musclebench.program.cli import OneLineParser, Problem, check_positive, check_program, run_command
+from musclebench.options.compare import WITHOUT_TIMES, check, parse_arguments
+from musclebench.program.cli import Problem, check_program, run_command
 from musclebench.program.fingerprint import file_digest, write_whole
 from musclebench.program.registry import read_registry
 from musclebench.program.release_build import RELEASE, check_release, refusal
 from musclebench.results.run_folder import ResultProblem
 
 DIGEST_LETTERS = 12
-WITHOUT_TIMES = "--accuracy-only"
-
-
-def parse_arguments(arguments):
-    parser = OneLineParser(prog="tools/compare", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("before", metavar="BEFORE", help="a folder of results, a git revision, or a program")
-    parser.add_argument("after", metavar="AFTER", help="the same")
-    parser.add_argument(WITHOUT_TIMES, action="store_true", help="compare no times: then builds need not be Release")
-    parser.add_argument("--force", action="store_true", help="compare results of different hardware all the same")
-    parser.add_argument("--out", type=Path, metavar="DIR", default=PROJECT / "reports" / "out" / "compare",
-                        help="compare.md, and of revisions their builds and runs (default: reports/out/compare)")
-    add_case_options(parser.add_argument_group("of revisions and programs"))
-    return parser.parse_args(arguments)
 
 
 def check_comparable(before: ResultSet, after: ResultSet, with_times: bool, force: bool) -> None:
@@ -71,8 +52,6 @@ def run_both(options) -> tuple[ResultSet, ResultSet, list[str]]:
     programs = {}
     for name, given in zip(PROGRAM_NAMES, (options.before, options.after)):
         commit = None if Path(given).is_file() else commit_of(given, PROJECT)
-        if commit is None and not Path(given).is_file():
-            raise Problem(f"{given}: neither a folder of results nor a revision of {PROJECT} nor a program")
         programs[name] = program_of(commit, PROJECT, options.out.absolute() / "builds") if commit else Path(given)
         check_program(programs[name], "tools/build")
     if not options.accuracy_only:
@@ -101,15 +80,11 @@ def _invocation(out_dir: Path) -> str:
 
 
 def compare_and_report(options) -> int:
-    check_positive("--repetitions", options.repetitions)
-    check_positive("--frames", options.frames)
-    check_positive("--timeout", options.timeout)
+    check(options)
     given = [Path(options.before), Path(options.after)]
     if all(path.is_dir() for path in given):
         before, after = (read_set(path) for path in given)
         notes: list[str] = []
-    elif any(path.is_dir() for path in given):
-        raise Problem(f"{options.before} and {options.after}: one is a folder of results, the other is not; name two of a kind")
     else:
         before, after, notes = run_both(options)
     check_comparable(before, after, not options.accuracy_only, options.force)

@@ -1,53 +1,21 @@
 #!/usr/bin/python3
-"""Runs an experiment: a file of scenes, backends, parameters, threads, repetitions and modes that are multiplied. Its name,
-for one of bench/experiments, or the path of a file of your own.
-
-One process a case, within limits of time and memory; a crash, a time-out or a lack of memory is a row with its reason. It goes
-on where it was stopped: complete cases are skipped until their arguments, the program or the data change. Writes answers.csv,
-which is the same on every machine and however the cases were split, times.csv, and frame_spread.csv: of each timed case median,
-95 % interval, tail and variation of a frame. Times of options are in seconds, memory in GB.
-"""
+"""Runs the cases of an experiment file and writes their tables. Options: musclebench/options/experiment.py."""
 
 import sys
 from pathlib import Path
 
-from musclebench.cases.study_command import (
-    add_jobs_option, add_run_options, add_structures_option, check_options, end, folders_of, require_results, study_parser,
-)
+from musclebench.cases.study_command import end, folders_of, require_results
 from musclebench.experiments.case_tables import write_tables
-from musclebench.experiments.command import add_memory_option, add_shard_option, chosen, print_plan
-from musclebench.experiments.experiment_file import FOLDER, experiment_path, read_experiment
+from musclebench.experiments.command import chosen, print_plan
+from musclebench.experiments.experiment_file import experiment_path, read_experiment
 from musclebench.experiments.merging import merge
 from musclebench.experiments.running import limits_of, sweep_of
-from musclebench.program.cli import add_scene_options, run_command
+from musclebench.options.experiment import parse_arguments
+from musclebench.options.shared import check_options
+from musclebench.program.cli import run_command
 from musclebench.program.registry import read_registry
 from musclebench.results.run_folder import ResultProblem
 from musclebench.tables.table_formats import as_text
-
-
-def parse_arguments(arguments):
-    parser = study_parser("experiment", __doc__)
-    parser.add_argument("experiment", metavar="NAME_OR_FILE",
-                        help=f"one of {', '.join(sorted(path.stem for path in FOLDER.glob('*.toml')))}, or a .toml file")
-    what = parser.add_argument_group("what is run")
-    add_scene_options(what, "default: those of the experiment")
-    what.add_argument("--repetitions", type=int, metavar="N", help="of each case (default: the experiment's)")
-    what.add_argument("--frames-limit", type=int, metavar="N", help="frames of the whole run, for a quick look")
-    what.add_argument("--filter", action="append", metavar="WORDS",
-                      help="only cases with this in their names; * and ? stand for what they do in file names; may be repeated")
-    add_shard_option(what)
-    how = parser.add_argument_group("how it runs")
-    add_run_options(how, timeout=None)
-    add_jobs_option(how)
-    add_structures_option(how)
-    add_memory_option(how)
-    instead = parser.add_mutually_exclusive_group()
-    instead.add_argument("--list-cases", action="store_true", help="print the names of the cases, one a line, and no more")
-    instead.add_argument("--dry-run", action="store_true", help="print the cases with their guessed times and what is complete")
-    instead.add_argument("--report-only", action="store_true", help="make the tables of what is there, run nothing")
-    instead.add_argument("--merge", nargs="+", type=Path, metavar="DIR",
-                         help="put the results of these parts into --out and make the tables")
-    return parser.parse_args(arguments)
 
 
 def report(out_dir: Path, problems: list[str]) -> int:

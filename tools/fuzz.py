@@ -1,37 +1,16 @@
 #!/usr/bin/python3
-"""libFuzzer on every reader of files: meshes, scenes, motions, landmarks, recordings, structures of backends.
+"""Runs libFuzzer on the readers of files and tells what it found. Options: musclebench/options/fuzz.py."""
 
-Feeds each reader with changed files, starting from the corpus in the sources and from what earlier runs have kept, under the
-sanitizers of addresses and of undefined behaviour. A reader has to read or to refuse what it gets, in 10 s and 2 GB. Keeps in
-OUT/READER the corpus as it grew (the smallest files that reach as much), a file for each finding, and libFuzzer's log.
-Prints a line a reader. Exit code: 0 nothing was found; 1 there is a finding; 2 something is wrong with the call.
-
-What is found belongs, as small as it can be, into the corpus of the sources: a test of every build replays that.
-"""
-
-import argparse
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 from musclebench.cases.study_command import PROJECT
 from musclebench.fuzzing.fuzzer import Campaign, Fuzzer, Outcome, Progress, find_fuzzers
-from musclebench.program.cli import OneLineParser, Problem, check_positive, run_command
+from musclebench.options.fuzz import parse_arguments
+from musclebench.options.shared import check_options
+from musclebench.program.cli import Problem, run_command
 from musclebench.program.out_folder import claimed
-
-
-def parse_arguments(arguments):
-    parser = OneLineParser(prog="tools/fuzz", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("reader", nargs="*", metavar="READER", help="only these (default: all; --list names them)")
-    parser.add_argument("--seconds", type=float, default=600, metavar="N", help="of each reader (default: 600)")
-    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="readers at a time (default: 1)")
-    parser.add_argument("--list", action="store_true", help="names the readers")
-    parser.add_argument("--out", type=Path, metavar="DIR", default=PROJECT / "reports" / "out" / "fuzz",
-                        help="default: reports/out/fuzz")
-    parser.add_argument("--build", type=Path, metavar="DIR", default=PROJECT / "build" / "fuzz",
-                        help="build with the programs (default: that of the preset fuzz)")
-    return parser.parse_args(arguments)
 
 
 def chosen_fuzzers(options) -> list[Fuzzer]:
@@ -90,8 +69,7 @@ def run_all(fuzzers: list[Fuzzer], options) -> list[Outcome]:
 
 
 def run_and_report(options) -> int:
-    check_positive("--seconds", options.seconds)
-    check_positive("--jobs", options.jobs)
+    check_options(options)
     fuzzers = chosen_fuzzers(options)
     if options.list:
         print("\n".join(fuzzer.reader for fuzzer in fuzzers))

@@ -1,10 +1,5 @@
 #!/usr/bin/python3
-"""Which backend stays numerically stable in which hard case.
-
-Runs each cell of `musclebench hard` (its --list tells what happens in each case, why it is hard and what its bar is) as a
-process of its own, writes the matrix as CSV, Markdown and a picture, and draws a strip of each scene that the cases move: at
-its start, in its worst frame, at its end. It goes on where it was stopped: complete cells are skipped until the program changes.
-"""
+"""Runs the matrix of hard cases, writes and draws it. Options: musclebench/options/hard.py."""
 
 import subprocess
 import sys
@@ -14,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from musclebench.cases.case import Folders
-from musclebench.cases.study_command import PROJECT, add_jobs_option, add_run_options, check_options, end, study_parser
+from musclebench.cases.study_command import PROJECT, end
 from musclebench.experiments.experiment_file import ExperimentFile, of_project
 from musclebench.experiments.running import Sweep, limits_of, sweep_of
 from musclebench.experiments.selection import check_backend
@@ -23,6 +18,8 @@ from musclebench.hard import hard_tables
 from musclebench.hard.cell_folder import BROKEN, HELD, joined
 from musclebench.hard.cells import cases_of, cells_of
 from musclebench.hard.strips import run_scene
+from musclebench.options.hard import parse_arguments
+from musclebench.options.shared import check_options
 from musclebench.program.cli import Problem, run_command
 from musclebench.program.fingerprint import write_whole
 from musclebench.program.registry import Registry, read_registry
@@ -30,20 +27,6 @@ from musclebench.results.run_folder import ResultProblem, Run
 
 OUT = PROJECT / "reports" / "out" / "hard"
 ALL_SECONDS = 4000.0  # of a cell of the long sweeps, a little over the program's own
-
-
-def parse_arguments(arguments, file: ExperimentFile):
-    parser = study_parser("hard", __doc__)
-    parser.add_argument("--all", action="store_true", help="with the long sweeps: many minutes, hours with the real anatomy")
-    parser.add_argument("--backend", action="append", metavar="NAME", help="only this one; may be repeated")
-    parser.add_argument("--case", action="append", metavar="ID", help="only this one; may be repeated")
-    parser.add_argument("--no-pictures", action="store_true", help="only the matrix")
-    parser.add_argument("--breaks-are-results", action="store_true",
-                        help="exit code 0 where cells break, too: the matrix is to be published as it is")
-    add_run_options(parser, timeout=file.timeout_s, is_timed=False)
-    add_jobs_option(parser)
-    parser.set_defaults(data=None, scene=None, muscle=None)
-    return parser.parse_args(arguments)
 
 
 def asked(file: ExperimentFile, options, registry: Registry) -> ExperimentFile:

@@ -1,16 +1,6 @@
 #!/usr/bin/python3
-"""Measures the program, adds a night to the history, and reports what changed: when, by how much, how sure, with the
-commits between.
+"""Measures a night, adds it to the history and reports. Options: musclebench/options/nightly.py."""
 
-The experiment nightly, all backends on a small scene and on a muscle of the synthetic hip, runs on one core, its
-repetitions in random order; where the program is another one than in the last night, that one runs beside it. Reported are steps of times (5 %) and counters (1 %)
-over the nights (E-divisive, at a level of 0.1 % for all series of a night), what differs from the last night's program, and
-answers that are not the same: state hash, depth, missed contacts, cells of the matrix of hard cases.
-
-Exit code 0: nothing new, 1: something changed, 2: it could not be done.
-"""
-
-import argparse
 import json
 import sys
 from datetime import datetime, timezone
@@ -18,7 +8,7 @@ from pathlib import Path
 
 from musclebench.cases.case import Folders
 from musclebench.cases.study_command import PROJECT
-from musclebench.comparison.compared_cases import add_case_options, asked_experiment, first_cases
+from musclebench.comparison.compared_cases import asked_experiment, first_cases
 from musclebench.history import simulation
 from musclebench.history.caveats import caveats
 from musclebench.history.detection import answer_findings, counter_findings, gone_findings, new_ones, step_findings
@@ -27,36 +17,13 @@ from musclebench.history.history import STARTED, Finding, Night, now, opened
 from musclebench.history.night_report import night_report
 from musclebench.history.nights import cells_measures, measures_of, night_of
 from musclebench.history.one_night import MeasuredNight, keep_program, kept_program, measure_night, read_night
-from musclebench.program.cli import OneLineParser, Problem, check_positive, check_program, run_command
+from musclebench.options.nightly import check, parse_arguments
+from musclebench.program.cli import Problem, check_program, run_command
 from musclebench.program.fingerprint import write_whole
 from musclebench.program.out_folder import claimed
 from musclebench.program.registry import read_registry
 from musclebench.program.release_build import check_release
 from musclebench.results.run_folder import ResultProblem
-
-
-def parse_arguments(arguments):
-    parser = OneLineParser(prog="tools/nightly", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=Path, metavar="DIR", default=PROJECT / "reports" / "out" / "nightly",
-                        help="nights, and what other tools read: otava/, bencher.json (default: reports/out/nightly)")
-    parser.add_argument("--history", type=Path, metavar="FILE", help="SQLite (default: history.sqlite in --out)")
-    parser.add_argument("--musclebench", type=Path, metavar="PROGRAM",
-                        default=PROJECT / "build" / "release" / "bench" / "musclebench",
-                        help="the program to measure (default: that of the preset release)")
-    add_case_options(parser)
-    parser.add_argument("--minutes", type=float, default=20.0, metavar="N",
-                        help="for the night: after that no repetition beyond the fifth begins (default 20 min)")
-    parser.add_argument("--hard-seconds", type=float, default=300.0, metavar="SECONDS",
-                        help="of them for the matrix of hard cases, which is left out when it takes longer (default 300 s)")
-    parser.add_argument("--no-hard", action="store_true", help="without that matrix")
-    instead = parser.add_mutually_exclusive_group()
-    instead.add_argument("--append", type=Path, metavar="NIGHT", help="add a night's folder that could not be added; run nothing")
-    instead.add_argument("--report-only", action="store_true", help="report on the last night of the history; run nothing")
-    instead.add_argument("--simulate", type=int, metavar="N",
-                         help="of N histories drawn from recorded noise: how many alarm without a change, and after how many "
-                              "nights a slowdown of 10 %% of one case's collision is found; and of N third nights how many find it "
-                              "(seconds each)")
-    return parser.parse_args(arguments)
 
 
 def measured(options, history_file: Path) -> MeasuredNight:
@@ -113,8 +80,7 @@ def write_files(options, nights: list[Night], history_file: Path, report: str) -
 
 
 def run_night(options) -> int:
-    for name in ("repetitions", "frames", "timeout", "minutes", "hard_seconds", "simulate"):
-        check_positive(f"--{name.replace('_', '-')}", getattr(options, name))
+    check(options)
     if options.simulate:
         return print_rates(options.simulate)
     history_file = options.history or options.out / "history.sqlite"

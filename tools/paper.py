@@ -1,31 +1,24 @@
 #!/usr/bin/python3
-"""Runs the paper's experiment (4 muscles, 3 backends and a control without collision); makes its tables, figures and page."""
+"""Runs the paper's experiment; writes tables, figures and page. Options: musclebench/options/paper.py."""
 
 import sys
 from pathlib import Path
 
-from musclebench.cases.study_command import add_jobs_option, add_run_options, check_options, end, folders_of, study_parser
+from musclebench.cases.study_command import end, folders_of
 from musclebench.experiments.experiment_file import of_project
 from musclebench.experiments.running import limits_of, sweep_of
 from musclebench.figures import looks, paper_figures
+from musclebench.options.paper import parse_arguments
+from musclebench.options.shared import check_options
 from musclebench.page.page_file import FILE_NAME, write_page
 from musclebench.paper import published
 from musclebench.pictures.in_display import draw_in_display
-from musclebench.program.cli import Problem, add_scene_options, run_command
+from musclebench.program.cli import Problem, run_command
 from musclebench.program.registry import read_registry, whose
 from musclebench.results import run_folder
 from musclebench.results.disturbance import note
 from musclebench.tables import muscle_tables, paper_tables, table_formats
 from musclebench.results.status import MEASURED
-
-def parse_arguments(arguments):
-    parser = study_parser("paper", __doc__)
-    add_scene_options(parser, "default: all of the data set that have one muscle, the paper's four")
-    parser.add_argument("--frames-limit", type=int, metavar="N", help="only N frames a case, for a quick look")
-    add_run_options(parser, timeout=1800.0)
-    add_jobs_option(parser)
-    return parser.parse_args(arguments)
-
 
 def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run], list[paper_tables.Table], list[Path]]:
     """Tables and figures drawn from numbers."""

@@ -1,13 +1,6 @@
 #!/usr/bin/python3
-"""Runs the paper's experiment, the accuracy study, the speed targets, the hard cases, the convergence of the substeps and
-the study of effects on one commit and one machine, and writes every table, picture and quoted number of README and reports
-from what they measured.
+"""Runs every study and writes what pages quote of it. Options: musclebench/options/publish.py."""
 
-It goes on where it was stopped: complete cases are skipped by each study. A study that is complete is taken over into
-reports/measured at once, with commit, machine and date; then the pages are written anew.
-"""
-
-import argparse
 import shutil
 import subprocess
 import sys
@@ -17,15 +10,16 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from musclebench.cases.progress import duration
-from musclebench.program.cli import OneLineParser, Problem, check_data, check_program, run_command
+from musclebench.options.publish import check, parse_arguments
+from musclebench.program.cli import Problem, check_program, run_command
 from musclebench.program.fingerprint import write_whole
-from musclebench.publish.measured import TABLES, Measured, adopt
+from musclebench.publish.measured import Measured, adopt
 from musclebench.publish.pages import pages_of, pictures_in, written
+from musclebench.publish.published_tables import TABLES
 from musclebench.publish.quoted import unmarked
 
 TOOLS = Path(__file__).resolve().parent
 PROJECT = TOOLS.parent
-PROGRAM = PROJECT / "build" / "bench" / "bench" / "musclebench"
 SEVERAL_MUSCLES = "hip"  # the scene of each data set whose muscles touch
 SMOOTH_SCENES = ("iliacus", "gluteus_maximus")  # one that folds and one that doesn't
 MADE_BY_CODE = {"hard"}  # studies whose scenes belong to no anatomy
@@ -60,24 +54,6 @@ class Step:
         return [sys.executable, str(TOOLS / f"{self.kind}.py"), "--musclebench", str(program), "--out", str(out_dir),
                 *(("--data", str(self.data_dir.resolve())) if self.data_dir else ()),
                 *self._scene_arguments, *self.arguments]
-
-
-def parse_arguments(arguments):
-    parser = OneLineParser(prog="tools/publish", description=__doc__,
-                           formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, metavar="DIR", help="LHDL data folder: measure lhdl/* scenes, too")
-    parser.add_argument("--quick", action="store_true",
-                        help="a rehearsal: few frames and cases; pages go to the folder of the results, not into the "
-                             "project")
-    parser.add_argument("--only", action="append", choices=sorted(TABLES), metavar="STUDY",
-                        help=f"one of {', '.join(sorted(TABLES))}; may be repeated (default: all)")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="default: reports/out/publish[-quick]")
-    parser.add_argument("--musclebench", type=Path, default=PROGRAM, metavar="PROGRAM",
-                        help="the program to measure (default: that of the preset bench)")
-    instead = parser.add_mutually_exclusive_group()
-    instead.add_argument("--dry-run", action="store_true", help="print the commands and what they would write")
-    instead.add_argument("--write-only", action="store_true", help="write the pages from reports/measured, run nothing")
-    return parser.parse_args(arguments)
 
 
 def steps_of(options) -> list[Step]:
@@ -183,16 +159,8 @@ def _copy_pictures(text: str, page: Path, fresh: set[str], options) -> int:
     return count
 
 
-def check_tree() -> None:
-    """What is published has to be of a commit that others can get."""
-    done = subprocess.run(["git", "-C", str(PROJECT), "status", "--porcelain", "--", ".", ":!reports", ":!README.md"],
-                          capture_output=True, text=True, check=False)
-    if done.returncode != 0 or done.stdout.strip():
-        raise Problem("the working tree has changes that no commit holds; commit them first, or rehearse with --quick")
-
-
 def publish(options) -> int:
-    check_data(options.data)
+    check(options)
     steps = [] if options.write_only else steps_of(options)
     if options.dry_run:
         print_plan(steps, options)
@@ -200,8 +168,6 @@ def publish(options) -> int:
     adopted, problems = set(), []
     if steps:
         check_program(options.musclebench, "tools/publish")
-        if not options.quick:
-            check_tree()
         adopted, problems = run_steps(steps, options)
     problems += write_pages(options, adopted)
     for problem in problems:

@@ -1,12 +1,6 @@
 #!/usr/bin/python3
-"""The largest step at which a run stays right: no node on the wrong side of a bone, and the volume within 5 %.
+"""Searches for the largest steps and writes the table. Options: musclebench/options/safe_step.py."""
 
-Of each backend and response, with the tunnelling guard and without: the largest rotation a frame, at the scene's time step,
-and the largest time step, at the scene's rotation a frame; both by bisection, to a tenth. `musclebench check` and `advise`
-take safe_step.json with --safe-step.
-"""
-
-import argparse
 import json
 import math
 import sys
@@ -18,7 +12,9 @@ import pandas as pd
 from musclebench.cases.case import Folders
 from musclebench.cases.scene import Scene, chosen_names, survey
 from musclebench.cases.study_command import PROJECT, end
-from musclebench.program.cli import OneLineParser, Problem, check_data, check_program, run_command
+from musclebench.options.safe_step import parse_arguments
+from musclebench.options.shared import check_options
+from musclebench.program.cli import Problem, run_command
 from musclebench.program.fingerprint import write_whole
 from musclebench.program.registry import Registry, read_registry
 from musclebench.safe_step.search import Limits, SafeStep, largest_safe
@@ -36,21 +32,6 @@ COLUMNS = [
     Column("step_wrong_ms", "wrong at (ms)", is_ratio=True, digits=3, head="wrong at\nms"),
     Column("why", "why not"),
 ]
-
-
-def parse_arguments(arguments):
-    parser = OneLineParser(prog="tools/safe-step", description=__doc__,
-                           formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scene", help="a .toml file of your own or a scene that 'musclebench list' names")
-    parser.add_argument("--data", type=Path, metavar="DIR", help="LHDL data folder, for lhdl/* scenes")
-    parser.add_argument("--preset", metavar="NAME", help="loop and effects (default: the scene's)")
-    parser.add_argument("--backend", action="append", metavar="NAME",
-                        help="only this one; may be repeated (default: all but the control and those too slow for it)")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="default: reports/out/safe-step-SCENE")
-    parser.add_argument("--musclebench", type=Path, metavar="PROGRAM",
-                        default=PROJECT / "build" / "release" / "bench" / "musclebench",
-                        help="the program to try (default: that of the preset release)")
-    return parser.parse_args(arguments)
 
 
 def settings_of(options, registry: Registry) -> list[Setting]:
@@ -104,8 +85,7 @@ def write_steps(rows: list[dict], scene: str, path: Path) -> Path:
 
 
 def run_and_report(options) -> int:
-    check_program(options.musclebench, "tools/safe-step")
-    check_data(options.data)
+    check_options(options, "safe-step")
     registry = read_registry(options.musclebench)
     out = options.out or PROJECT / "reports" / "out" / f"safe-step-{Path(options.scene).stem}"
     folders = Folders(out.absolute(), options.data and options.data.resolve())

@@ -7,9 +7,10 @@ import pytest
 
 import compare
 from musclebench.cases.case import Folders
-from musclebench.comparison.compared_cases import add_case_options, asked_experiment, first_cases
+from musclebench.comparison.compared_cases import asked_experiment, first_cases
 from musclebench.comparison.interleaved import COUNTED, JUDGED, PROGRAM_NAMES, TIMED, Plan, plan
 from musclebench.experiments.experiment_file import of_project
+from musclebench.options.shared import add_case_options
 from musclebench.program.registry import read_registry
 from test_compare import SCENE, program
 

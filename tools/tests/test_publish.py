@@ -387,7 +387,7 @@ def test_pictures_come_from_studies_that_were_taken_over(rehearsal, tmp_path, mo
                    for name in names)
     (tmp_path / "project" / "README.md").write_text(page)
     monkeypatch.setattr(publish, "PROJECT", tmp_path / "project")
-    monkeypatch.setattr(publish, "check_tree", lambda: None)
+    monkeypatch.setattr("musclebench.options.publish.check_tree", lambda: None)
     only = [word for kind in ("paper", "speed") for word in ("--only", kind)]
     assert publish.main(["--musclebench", sys.executable, "--out", str(out), *only]) == 1
     assert [(reports / "gallery" / f"{name}.png").read_text() for name in names] == ["new", "old"]

@@ -12,20 +12,6 @@ from ..experiments.swept_case import SweptCase
 from ..program.cli import Problem
 from ..program.registry import Registry
 
-DEFAULT = "nightly"
-
-
-def add_case_options(group) -> None:
-    group.add_argument("--experiment", metavar="NAME_OR_FILE", default=DEFAULT,
-                       help=f"of bench/experiments, or a .toml file with cases of the mode run (default: {DEFAULT}, a small "
-                            "scene and a muscle of the synthetic hip)")
-    group.add_argument("--repetitions", type=int, metavar="N",
-                       help="processes a case and program; below 5 times are not judged (default: the experiment's)")
-    group.add_argument("--scene", action="append", metavar="SCENE",
-                       help="one that 'musclebench list' names, or a .toml file, in place of the experiment's; may be repeated")
-    group.add_argument("--backend", action="append", metavar="NAME", help="may be repeated (default: the experiment's)")
-    group.add_argument("--frames", type=int, metavar="N", help="of each run (default: the experiment's)")
-    group.add_argument("--timeout", type=float, metavar="SECONDS", help="of one process (default: the experiment's)")
 
 
 def asked_experiment(options, registry: Registry) -> ExperimentFile:

@@ -1,6 +1,5 @@
 """Options that choose among the cases of an experiment, and the plan as a dry run prints it."""
 
-import argparse
 import fnmatch
 
 from ..cases.case import Case
@@ -8,24 +7,6 @@ from ..cases.progress import duration
 from ..program.cli import Problem
 from .expansion import filtered, in_shard
 from .running import Sweep
-
-
-def add_shard_option(group) -> None:
-    group.add_argument("--shard", type=_shard, default=(1, 1), metavar="I/N",
-                       help="run only the I-th of N parts, on machines of one kind with one build; then "
-                            "tools/experiment --merge (default 1/1)")
-
-
-def add_memory_option(group) -> None:
-    group.add_argument("--memory-gb", type=float, metavar="GB",
-                       help="of one case, inf: no limit (default: its share of 90 %% of the machine's memory)")
-
-
-def _shard(text: str) -> tuple[int, int]:
-    number, _, count = text.partition("/")
-    if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
-        raise argparse.ArgumentTypeError(f"'{text}' is not like 2/3, the second of three parts")
-    return int(number), int(count)
 
 
 def chosen(sweep: Sweep, shard: tuple[int, int], filters: list[str] | None = None) -> list[Case]:

@@ -6,13 +6,13 @@ from pathlib import Path
 
 from ..program.cli import Problem
 from ..program.fingerprint import write_whole
+from . import FILE_NAME
 from .bundle import page_script
 from .html import page_html
 from .parts import Section
 from .sections import sections_of
 from .views import Views, fit_together
 
-FILE_NAME = "report.html"
 LARGEST_BYTES = 9_900_000
 MEGABYTE = 1e6
 
