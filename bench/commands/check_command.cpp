@@ -15,6 +15,7 @@
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
 #include "core/scene/check/scene_check.hpp"
+#include "core/scene/mesh_sizes.hpp"
 #include "core/scene/rest_overlap.hpp"
 #include "core/scene/scene_warnings.hpp"
 #include "datasets/embedded/embedded_files.hpp"
@@ -176,7 +177,9 @@ void check_mesh_of(const CheckRequest& request) {
     throw InputError(request.scene.scene,
                      "is a mesh; --json, --preset, --backend and --safe-step are for scenes; leave them out");
   }
-  print_report(request.scene.scene, read_mesh(request.scene.scene));
+  const TriangleMesh mesh = read_mesh(request.scene.scene);
+  print_report(request.scene.scene, mesh);
+  if (const auto warning = size_warning(mesh)) fmt::print("warning: {}\n", *warning);
 }
 
 /// A word that is no file is a scene's, wrongly written: reading scenes says which one may be meant.

@@ -23,12 +23,15 @@ constexpr double typical_m = 0.2;
 
 struct Unit {
   std::string_view name;
+  std::string_view key;  ///< of a scene's `unit`
   double metres;
 };
-constexpr Unit units[] = {{"millimetres", 1e-3}, {"centimetres", 1e-2}};
+constexpr Unit units[] = {{"millimetres", "mm", 1e-3}, {"centimetres", "cm", 1e-2}};
 
 struct MeasuredMesh {
   std::string name;             ///< "bone 'femur'"
+  std::string location;         ///< of its table
+  bool has_unit = false;        ///< from the scene, or a scale
   Eigen::AlignedBox3d box;      ///< without stray vertices
   int stray_vertices = 0;       ///< far from all others
   double stray_distance_m = 0;  ///< of the farthest one, from the middle of the others
@@ -90,11 +93,18 @@ MeasuredMesh measure(std::string name, const std::vector<Vec3>& vertices) {
 
 std::vector<MeasuredMesh> measure(const Scene& scene) {
   std::vector<MeasuredMesh> meshes;
-  for (const Bone& bone : scene.bones) {
-    meshes.push_back(measure(fmt::format("bone '{}'", bone.name), bone.surface.mesh.vertices));
+  const auto add = [&](std::string name, const std::vector<Vec3>& vertices, const SceneMesh* file) {
+    MeasuredMesh& measured = meshes.emplace_back(measure(std::move(name), vertices));
+    if (file == nullptr) return;
+    measured.location = file->location;
+    measured.has_unit = file->has_unit;
+  };
+  for (std::size_t i = 0; i < scene.bones.size(); ++i) {
+    add(fmt::format("bone '{}'", scene.bones[i].name), scene.bones[i].surface.mesh.vertices,
+        i < scene.bone_meshes.size() ? &scene.bone_meshes[i] : nullptr);
   }
   for (const Muscle& muscle : scene.muscles) {
-    meshes.push_back(measure(fmt::format("muscle '{}'", muscle.body.name), scene.vertices_of(muscle.body)));
+    add(fmt::format("muscle '{}'", muscle.body.name), scene.vertices_of(muscle.body), &muscle.file);
   }
   return meshes;
 }
@@ -121,10 +131,19 @@ std::optional<Unit> likely_unit(const MeasuredMesh& mesh, const Eigen::AlignedBo
   return likely;
 }
 
-std::string unit_cure(const std::optional<Unit>& unit, std::string_view whose) {
-  return unit ? fmt::format("{} unit is likely {}; scale by {:g}, coordinates are metres", whose, unit->name,
-                            unit->metres)
-              : std::string("coordinates are metres; scale by what their unit is");
+/// `where`: the table or tables that `unit` belongs into.
+std::string unit_cure(const std::optional<Unit>& unit, std::string_view whose, std::string_view where) {
+  return unit ? fmt::format("{} unit is likely {}: write unit = \"{}\" in {}", whose, unit->name, unit->key, where)
+              : fmt::format("coordinates are metres: write the metres of {} unit as scale in {}", whose, where);
+}
+
+std::string table_of(const MeasuredMesh& mesh) {
+  return mesh.location.empty() ? "its table" : fmt::format("its table ({})", mesh.location);
+}
+
+std::string cure_of_large(const MeasuredMesh& mesh, const Eigen::AlignedBox3d& plausible) {
+  if (mesh.has_unit) return fmt::format("check unit and scale in {}", table_of(mesh));
+  return unit_cure(likely_unit(mesh, plausible), "its", table_of(mesh));
 }
 
 void warn_of_units(const std::vector<MeasuredMesh>& meshes, std::vector<SceneWarning>& warnings) {
@@ -141,20 +160,23 @@ void warn_of_units(const std::vector<MeasuredMesh>& meshes, std::vector<SceneWar
     for (const MeasuredMesh& mesh : meshes) {
       sizes.push_back(fmt::format("{} {:.3g} m", mesh.name, mesh.size_m()));
     }
-    const auto largest = std::max_element(meshes.begin(), meshes.end(),
-                                          [](const auto& a, const auto& b) { return a.size_m() < b.size_m(); });
-    warnings.push_back({"unit", fmt::format("all meshes are implausibly large ({}): {}", fmt::join(sizes, ", "),
-                                            unit_cure(likely_unit(*largest, {}), "their"))});
+    const auto& largest = *std::ranges::max_element(meshes, {}, &MeasuredMesh::size_m);
+    const std::string cure = std::ranges::any_of(meshes, &MeasuredMesh::has_unit)
+                                 ? "check unit and scale of each"
+                                 : unit_cure(likely_unit(largest, {}), "their", "each [[bone]] and [[muscle]]");
+    warnings.push_back(
+        {"unit", fmt::format("all meshes are implausibly large ({}): {}", fmt::join(sizes, ", "), cure)});
     return;
   }
   for (const MeasuredMesh& mesh : meshes) {
     if (mesh.is_too_large()) {
-      warnings.push_back({"unit", fmt::format("{} is {:.3g} m large, out of step with the other meshes ({:.3g} m): {}",
-                                              mesh.name, mesh.size_m(), plausible.diagonal().norm(),
-                                              unit_cure(likely_unit(mesh, plausible), "its"))});
+      warnings.push_back(
+          {"unit", fmt::format("{} is {:.3g} m large, out of step with the other meshes ({:.3g} m): {}", mesh.name,
+                               mesh.size_m(), plausible.diagonal().norm(), cure_of_large(mesh, plausible))});
     } else if (mesh.size_m() < smallest_m) {
-      warnings.push_back({"unit", fmt::format("{} is {:.3g} mm large: was it scaled to metres twice?", mesh.name,
-                                              1e3 * mesh.size_m())});
+      warnings.push_back(
+          {"unit", fmt::format("{} is {:.3g} mm large: was it scaled to metres twice? Check {}{}", mesh.name,
+                               1e3 * mesh.size_m(), mesh.has_unit ? "unit and scale in " : "", table_of(mesh))});
     }
   }
 }
@@ -209,6 +231,16 @@ void warn_of_far_centres(const Scene& scene, const std::vector<MeasuredMesh>& me
 }
 
 }  // namespace
+
+std::optional<std::string> size_warning(const TriangleMesh& mesh) {
+  const MeasuredMesh measured = measure("it", mesh.vertices);
+  if (measured.is_too_large()) {
+    return fmt::format("it is {:.3g} m large: {}", measured.size_m(),
+                       unit_cure(likely_unit(measured, {}), "its", "the scene's table that names it"));
+  }
+  if (measured.size_m() >= smallest_m) return std::nullopt;
+  return fmt::format("it is {:.3g} mm large: was it scaled to metres twice?", 1e3 * measured.size_m());
+}
 
 std::vector<SceneWarning> size_warnings(const Scene& scene) {
   const std::vector<MeasuredMesh> meshes = measure(scene);

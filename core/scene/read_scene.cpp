@@ -15,6 +15,7 @@
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/weld_mesh.hpp"
 #include "core/scene/landmarks.hpp"
+#include "core/scene/mesh_placement.hpp"
 #include "core/scene/read_attachments.hpp"
 #include "core/scene/read_contact.hpp"
 #include "core/scene/read_measure.hpp"
@@ -37,17 +38,33 @@ std::string mesh_location(const TomlTable& table, const SceneMesh& mesh) {
   return fmt::format("{} ({})", table.location("mesh"), mesh.reference);
 }
 
+/// Into metres and the scene's frame.
+void place_mesh(const TomlTable& table, SceneMesh& mesh) {
+  read_placement(table).apply_to(mesh.mesh.vertices);
+  if (std::ranges::all_of(mesh.mesh.vertices, [](const Vec3& vertex) { return vertex.allFinite(); })) return;
+  throw InputError(mesh_location(table, mesh), "has coordinates that are too large once they are scaled; check scale");
+}
+
 SceneMesh read_scene_mesh(const SceneRequest& request, const TomlTable& table) {
   SceneMesh result;
   result.reference = table.word("mesh");
+  result.location = table.place();
+  result.has_unit = table.has("unit") || table.has("scale");
   static const std::string synthetic_prefix = "synthetic:";
   result.mesh = read_at(table.location("mesh"), [&] {
     return result.reference.starts_with(synthetic_prefix)
                ? request.synthetic_mesh(result.reference.substr(synthetic_prefix.size()))
                : read_mesh(resolve_reference(request, result.reference, table.location("mesh")).path);
   });
+  place_mesh(table, result);
   result.sha256 = sha256_of(result.mesh);
   return result;
+}
+
+/// The keys of a body's table: `own`, and those that place its mesh.
+std::vector<std::string> body_keys(std::vector<std::string> own) {
+  own.insert(own.end(), placement_keys.begin(), placement_keys.end());
+  return own;
 }
 
 /// Names become file names.
@@ -102,7 +119,7 @@ void refuse_same_mesh(const TomlTable& table, const SceneMesh& file, const Scene
 
 void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene) {
   for (const TomlTable& table : few_enough(root.tables("bone"), root, "bone")) {
-    table.allow_only({"name", "mesh", "motion", "backend", "parameters", "response", "steps"});
+    table.allow_only(body_keys({"name", "mesh", "motion", "backend", "parameters", "response", "steps"}));
     const std::string name = checked_name(table);
     for (const Bone& bone : scene.bones) {
       if (bone.name == name) {
@@ -163,7 +180,7 @@ void read_mass_and_velocity(const TomlTable& table, Muscle& muscle) {
 void read_muscles(const SceneRequest& request, const TomlTable& root, Scene& scene) {
   const std::vector<TomlTable> tables = few_enough(root.table_or_tables("muscle"), root, "muscle");
   for (const TomlTable& table : tables) {
-    table.allow_only({"name", "mesh", "fibres", "density_kg_per_m3", "velocity_m_per_s"});
+    table.allow_only(body_keys({"name", "mesh", "fibres", "density_kg_per_m3", "velocity_m_per_s"}));
     const std::string name = checked_name(table);
     if (std::ranges::any_of(scene.muscles, [&](const Muscle& other) { return other.body.name == name; })) {
       throw InputError(table.location("name"),

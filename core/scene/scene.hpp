@@ -38,9 +38,11 @@ struct SceneEffect {
 };
 
 struct SceneMesh {
-  std::string reference;  ///< as the scene names it
-  std::string sha256;     ///< of the coordinates and indices as read
-  TriangleMesh mesh;      ///< as shipped
+  std::string reference;      ///< as the scene names it
+  std::string sha256;         ///< of the coordinates and indices of `mesh`
+  TriangleMesh mesh;          ///< as shipped, in metres where the scene places it (MeshPlacement)
+  std::string location = {};  ///< file and line of its table, for messages
+  bool has_unit = false;      ///< the scene gives its unit or scale
 };
 
 /// A muscle: what its file holds, and which of the scene's nodes and triangles are made of it (see weld_mesh).
@@ -113,7 +115,7 @@ struct Scene {
   std::string title;
   std::string preset;
   std::vector<Bone> bones;             ///< repaired, numbered coherently, rest pose
-  std::vector<SceneMesh> bone_meshes;  ///< as shipped, one a bone
+  std::vector<SceneMesh> bone_meshes;  ///< as shipped and placed, one a bone
   std::vector<BoneMotion> motions;     ///< one a bone
   std::vector<Muscle> muscles;
   TriangleMesh muscle_mesh;  ///< the welded surfaces of all muscles, one after the other: its vertices are the nodes

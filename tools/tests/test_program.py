@@ -484,6 +484,27 @@ distance_m = 0.00001
     assert_refused(run(folder), folder, "between_attachments", "attachment 'foot' binds no node")
 
 
+def in_millimetres(path: Path) -> None:
+    """An OFF file: a line of counts, the vertices, the faces."""
+    head, counts, *lines = path.read_text().splitlines()
+    vertices = int(counts.split()[0])
+    scaled = [" ".join(repr(1000 * float(word)) for word in line.split()) for line in lines[:vertices]]
+    path.write_text("\n".join([head, counts, *scaled, *lines[vertices:]]) + "\n")
+
+
+def test_the_line_that_check_proposes_mends_a_mesh_in_millimetres(folder):
+    as_it_was = json.loads(call("check", folder / "scene.toml", "--json").stdout)
+    in_millimetres(folder / "ball.off")
+    assert "its unit is likely millimetres: write unit = \"mm\"" in call("check", folder / "ball.off").stdout
+    told = call("check", folder / "scene.toml").stdout
+    line, proposed = re.search(r"muscle 'ball' is .* write (unit = \"mm\") in its table \(\S+:(\d+)\)", told).group(2, 1)
+    lines = (folder / "scene.toml").read_text().splitlines()
+    assert lines[int(line) - 1] == "[muscle]"
+    (folder / "scene.toml").write_text("\n".join([*lines[:int(line)], proposed, *lines[int(line):]]) + "\n")
+    mended = json.loads(call("check", folder / "scene.toml", "--json").stdout)
+    assert [warning["text"] for warning in mended["warnings"]] == [warning["text"] for warning in as_it_was["warnings"]]
+
+
 @pytest.mark.parametrize("device", ["pipe", "/dev/zero"])
 def test_a_scene_that_never_ends_is_refused(folder, device):
     (folder / "scene.toml").unlink()

@@ -186,10 +186,10 @@ TEST(ForeignScene, TheLikelyUnitIsNamed) {
   Meshes meshes;
   meshes.box = scaled(make_box(Vec3(0.05, 0.2, 0.05), 4), 1000);
   meshes.ball = scaled(moved(make_sphere(0.05, 3), Vec3(0, 0, 0.11)), 1000);
-  expect_mentions(warnings_of(scene_of(plain_text(), meshes)), {"all meshes", "millimetres", "0.001"});
+  expect_mentions(warnings_of(scene_of(plain_text(), meshes)), {"all meshes", "millimetres", "unit = \"mm\""});
   meshes.box = scaled(meshes.box, 0.1);
   meshes.ball = scaled(meshes.ball, 0.1);
-  expect_mentions(warnings_of(scene_of(plain_text(), meshes)), {"all meshes", "centimetres", "0.01"});
+  expect_mentions(warnings_of(scene_of(plain_text(), meshes)), {"all meshes", "centimetres", "unit = \"cm\""});
   meshes = {};
   meshes.ball = scaled(meshes.ball, 1000);
   std::string warnings = warnings_of(scene_of(plain_text(), meshes));
