@@ -17,6 +17,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// What `step` returns. Another run that made a folder takes it away again while it is empty, maybe between two looks
+/// of this step, which is then tried again.
+template <typename Step>
+auto although_folders_vanish(const Step& step) {
+  constexpr int most_tries = 1000;
+  for (int tries = 1;; ++tries) {
+    try {
+      return step();
+    } catch (const fs::filesystem_error& failure) {
+      if (failure.code() != std::errc::no_such_file_or_directory || tries == most_tries) throw;
+    }
+  }
+}
+
+/// With the missing ones above it.
+void create_folders(const fs::path& folder) {
+  although_folders_vanish([&] { return fs::create_directories(folder); });
+}
+
 /// Makes the missing folders of a path, and removes those again that it made and that are still empty, unless told to
 /// keep them.
 class MissingFolders {
@@ -25,7 +44,7 @@ class MissingFolders {
     for (fs::path path = folder; !fs::exists(path); path = path.parent_path()) {
       m_made.push_back(path);
     }
-    fs::create_directories(folder);
+    create_folders(folder);
   }
   MissingFolders(const MissingFolders&) = delete;
   MissingFolders& operator=(const MissingFolders&) = delete;
@@ -44,7 +63,7 @@ class MissingFolders {
 /// A folder that goes with all that is in it, unless it was given another name before.
 class PartFolder {
  public:
-  explicit PartFolder(fs::path folder) : m_folder(std::move(folder)) { fs::create_directory(m_folder); }
+  explicit PartFolder(fs::path folder) : m_folder(std::move(folder)) { create_folders(m_folder); }
   PartFolder(const PartFolder&) = delete;
   PartFolder& operator=(const PartFolder&) = delete;
   ~PartFolder() {
@@ -58,7 +77,7 @@ class PartFolder {
 
 /// Absolute, without links and without a slash at its end.
 fs::path resolved(const fs::path& folder) {
-  const fs::path canonical = fs::weakly_canonical(fs::absolute(folder));
+  const fs::path canonical = although_folders_vanish([&] { return fs::weakly_canonical(fs::absolute(folder)); });
   return canonical.has_filename() ? canonical : canonical.parent_path();
 }
 

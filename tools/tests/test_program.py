@@ -515,6 +515,15 @@ def test_a_scene_that_never_ends_is_refused(folder, device):
     assert_refused(run(folder), folder, "scene.toml", "no regular file")
 
 
+def test_six_runs_at_once_make_their_folders_below_a_new_one(folder):
+    command = [PROGRAM, "run", folder / "scene.toml", "--backend", "null", "--loop", "frames=1", "--out"]
+    runs = [subprocess.Popen([*command, folder / f"new/x/r{number}"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            for number in range(6)]
+    told = [run.communicate()[1] for run in runs]
+    assert [run.returncode for run in runs] == [0] * 6, told
+    assert sorted(path.name for path in (folder / "new/x").iterdir()) == [f"r{number}" for number in range(6)]
+
+
 def test_check_and_list_speak(folder):
     checked = call("check", folder / "scene.toml")
     assert checked.returncode == 0
