@@ -123,6 +123,18 @@ def test_complete_cases_are_skipped_until_something_changes(in_process, tmp_path
     assert len(in_process("--frames-limit", "14")[3]) == 8
 
 
+def test_two_commands_in_one_folder_are_told_apart_to_the_end(in_process, tmp_path, monkeypatch):
+    """While tables and figures are made, too."""
+    refused = []
+
+    def draw(kind, out_dir, names):
+        refused.append(run_paper(out_dir, "--muscle", "iliacus"))
+        return []
+    monkeypatch.setattr(paper, "draw_in_display", draw)
+    assert paper.main(["--musclebench", str(PROGRAM), "--out", str(tmp_path / "out"), "--frames-limit", "12", "--muscle", "iliacus"]) == 0
+    assert refused[0].returncode == 2 and "another run writes there" in refused[0].stderr
+
+
 def test_failures_become_rows_and_the_others_go_on(in_process, tmp_path):
     behaviour = "iliacus-voxel=crash gluteus_medius-sdf=diverge"
     code, text, errors, _ = in_process(behaviour=behaviour)

@@ -12,7 +12,7 @@ from ..cases.study_command import missing, problem_of
 from ..program.cli import Problem, chosen_cores, data_set_of
 from ..program.disk import free_bytes
 from ..program.machine import total_memory_bytes
-from ..program.out_folder import claimed
+from ..program.out_folder import claimed_by_command
 from ..program.registry import Registry, save_registry
 from ..program.release_build import check_release
 from .expansion import Expansion
@@ -52,7 +52,7 @@ class Sweep:
         if not self.any_build and any(isinstance(case, SweptCase) and case.is_timed for case in todo):
             check_release(self.experiment.binary)
         check_space(todo, out_dir)
-        with claimed(out_dir, *RESULT_DIRS):
+        with claimed_by_command(out_dir, *RESULT_DIRS):
             save_registry(self.registry, out_dir)
             write_manifest(out_dir, self.file, self.cases, sys.argv)
             statuses = run_cases(todo, self.experiment, limits)

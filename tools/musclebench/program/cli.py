@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from .disk import DiskFull
-from .out_folder import FolderInUse
+from .out_folder import FolderInUse, holding_folders
 
 
 class Problem(Exception):
@@ -82,7 +82,8 @@ def run_command(name: str, work: Callable[[], int], interrupted: str, *problems:
     when it was interrupted, with the words that say what is kept."""
     end_by_interrupt()
     try:
-        return work()
+        with holding_folders():
+            return work()
     except (Problem, DiskFull, FolderInUse, OSError, *problems) as problem:
         print(f"{name}: {problem}", file=sys.stderr)
         return 2

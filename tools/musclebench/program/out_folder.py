@@ -2,7 +2,7 @@
 
 import fcntl
 import shutil
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 LOCK_NAME = ".lock"
@@ -10,6 +10,41 @@ LOCK_NAME = ".lock"
 
 class FolderInUse(Exception):
     """One line with location, problem and cure."""
+
+
+class _Command:
+    """Folders that the command of this process holds until it ends, its tables and figures written."""
+
+    def __init__(self):
+        self.stack: ExitStack | None = None
+        self.folders: set[Path] = set()
+
+
+_COMMAND = _Command()
+
+
+@contextmanager
+def holding_folders():
+    """While a command runs: what `claimed_by_command` claims is its own until then."""
+    with ExitStack() as stack:
+        _COMMAND.stack, _COMMAND.folders = stack, set()
+        try:
+            yield
+        finally:
+            _COMMAND.stack, _COMMAND.folders = None, set()
+
+
+@contextmanager
+def claimed_by_command(out_dir: Path, *result_dirs: str):
+    """As `claimed`, but until the command ends, where there is one."""
+    if _COMMAND.stack is None:
+        with claimed(out_dir, *result_dirs):
+            yield out_dir
+        return
+    if out_dir not in _COMMAND.folders:
+        _COMMAND.stack.enter_context(claimed(out_dir, *result_dirs))
+        _COMMAND.folders.add(out_dir)
+    yield out_dir
 
 
 @contextmanager
