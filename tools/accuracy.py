@@ -53,7 +53,7 @@ def measure_and_report(arguments) -> int:
     folders, started = folders_of(options, "accuracy"), time.monotonic()
     if options.report_only:
         require_results(folders.out_dir)
-        return end("accuracy", write_report(folders.out_dir), [])
+        return end("accuracy", write_report(folders.out_dir), [], folders.out_dir)
     registry = read_registry(options.musclebench)
     sweep = sweep_of(asked(file, options), options, registry, folders, QUICK_MUSCLE if options.quick else None)
     cases, limits = chosen(sweep, options.shard), limits_of(options)
@@ -64,7 +64,7 @@ def measure_and_report(arguments) -> int:
     measured = time.monotonic()
     files = write_report(folders.out_dir)
     print(f"\nMeasured in {duration(measured - started)}, drawn in {duration(time.monotonic() - measured)}.")
-    return end("accuracy", files, problems)
+    return end("accuracy", files, problems, folders.out_dir)
 
 
 def main(arguments=None) -> int:

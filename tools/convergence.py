@@ -26,7 +26,7 @@ def run_and_report(arguments) -> int:
     problems = sweep.run(sweep.cases, limits_of(options))
     table, files = write_report(list(sweep.done("substeps").values()), folders.out_dir / "tables")
     print(as_markdown(table))
-    return end("convergence", files, problems)
+    return end("convergence", files, problems, folders.out_dir)
 
 
 def main(arguments=None) -> int:

@@ -37,7 +37,7 @@ def run_and_report(arguments) -> int:
     busy = disturbed({case.name: read_run(folder).record for case, folder in done.items()})
     if busy:
         print(f"\n{note(busy, len(done))}")
-    return end("effects", files, problems)
+    return end("effects", files, problems, folders.out_dir)
 
 
 def main(arguments=None) -> int:

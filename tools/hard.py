@@ -90,7 +90,7 @@ def run_and_report(arguments) -> int:
         problems += more
         files += draw_strips(runs, folders.out_dir / "figures" / "scenes")
     code = BROKEN if (rows["verdict"] == "breaks").any() and not options.breaks_are_results else HELD
-    return max(code, end("hard", files, problems))
+    return max(code, end("hard", files, problems, folders.out_dir))
 
 
 def main(arguments=None) -> int:

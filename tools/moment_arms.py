@@ -70,12 +70,14 @@ def run_and_report(options) -> int:
     tables = folders.out_dir / "tables"
     files = [*write_table(table, tables), *course_files(courses, tables), *course_files(tense, tables, "_active"),
              *draw_moment_arms(courses, tense, published, folders.out_dir / "figures" / "moment_arms")]
+    is_drawn = True
     try:
         files += draw_in_display("fibres", folders.out_dir, pictured(passive, active))
     except Problem as problem:
+        is_drawn = False
         problems.append(str(problem))
     print(f"\n{table.caption}\n\n{as_text(table)}")
-    return end("moment-arms", files, problems)
+    return end("moment-arms", files, problems, folders.out_dir if is_drawn else None)
 
 
 def main(arguments=None) -> int:

@@ -68,13 +68,15 @@ def run_and_report(options) -> int:
     runs, made, files = write_report(out_dir, names)
     problems = [f"{run.scene} with {run.backend}: {run.status}, {run.record.get('status_detail')}"
                 for run in runs if run.status not in MEASURED]
+    is_drawn = True
     try:
         files += draw_in_display("surfaces", out_dir, names)
     except Problem as problem:
+        is_drawn = False
         problems.append(str(problem))
     print_report(runs, made)
     files += page_of(out_dir)
-    return end("paper", files, problems)
+    return end("paper", files, problems, out_dir if is_drawn else None)
 
 
 def main(arguments=None) -> int:

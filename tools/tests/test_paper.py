@@ -135,6 +135,19 @@ def test_two_commands_in_one_folder_are_told_apart_to_the_end(in_process, tmp_pa
     assert refused[0].returncode == 2 and "another run writes there" in refused[0].stderr
 
 
+def test_a_table_that_the_study_has_no_more_is_removed(in_process, tmp_path):
+    out = tmp_path / "out"
+    assert in_process()[0] == 0
+    noted = json.loads((out / "written.json").read_text())
+    assert "tables/table_2_times.csv" in noted
+    for name in ("tables/old.csv", "tables/mine.csv", "figures/old.png"):
+        (out / name).write_text("x")
+    (out / "written.json").write_text(json.dumps([*noted, "tables/old.csv", "figures/old.png", "../log", "raw/iliacus-sdf/run.json"]))
+    assert in_process()[0] == 0
+    assert not (out / "tables/old.csv").exists() and not (out / "figures/old.png").exists()
+    assert (out / "tables/mine.csv").exists() and (out / "raw/iliacus-sdf/run.json").exists() and (tmp_path / "log").exists()
+
+
 def test_failures_become_rows_and_the_others_go_on(in_process, tmp_path):
     behaviour = "iliacus-voxel=crash gluteus_medius-sdf=diverge"
     code, text, errors, _ = in_process(behaviour=behaviour)

@@ -9,6 +9,7 @@ from ..cases.experiment import Experiment
 from ..cases.pool import Limits, run_cases
 from ..program.cli import Problem, out_name_of
 from ..program.out_folder import claimed
+from .written_files import forget_old_files
 
 PROJECT = Path(__file__).resolve().parents[3]
 
@@ -48,8 +49,11 @@ def problem_of(case: Case, status: str, experiment: Experiment) -> str:
     return f"{case.name}: {status}, see {experiment.folder(case) / 'run.json'}"
 
 
-def end(name: str, files: Iterable[Path], problems: list[str]) -> int:
-    """Names the files and tells the problems; the exit code."""
+def end(name: str, files: Iterable[Path], problems: list[str], out_dir: Path | None = None) -> int:
+    """Names the files and tells the problems; the exit code. `out_dir`: of a study whose old tables and figures go."""
+    files = list(files)
+    if out_dir is not None:
+        forget_old_files(out_dir, files)
     print("\nWritten:", *(f"  {path}" for path in files), sep="\n")
     for problem in problems:
         print(f"{name}: {problem}", file=sys.stderr)
