@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 from musclebench.cases.study_command import end, folders_of
+from musclebench.experiments.caveats import caveats
 from musclebench.experiments.experiment_file import of_project
 from musclebench.experiments.running import limits_of, sweep_of
 from musclebench.figures import looks, paper_figures
@@ -32,7 +33,7 @@ def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run],
     several = muscle_tables.of_several_muscles(runs)
     if several:
         made += [muscle_tables.frame_time_table(several), muscle_tables.depth_table(several), muscle_tables.pair_table(several)]
-    made = [table.with_sentence(whose(run_folder.implementations(runs))) for table in made]
+    made = [table.with_sentence(whose(run_folder.implementations(runs))).with_sentence(caveats(out_dir)) for table in made]
     files = [runs_file]
     for table in made:
         files += table_formats.write_table(table, out_dir / "tables")

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -120,19 +121,48 @@ def test_complete_cases_are_skipped_until_something_changes(in_process, tmp_path
     sealed = tmp_path / "out" / "raw" / "gluteus_medius-fcl" / "case.json"
     sealed.write_text(json.dumps({**json.loads(sealed.read_text()), "binary_sha256": "of another build"}))
     assert in_process()[3] == ["gluteus_medius-fcl"]
-    assert len(in_process("--frames-limit", "14")[3]) == 8
 
 
-def test_two_commands_in_one_folder_are_told_apart_to_the_end(in_process, tmp_path, monkeypatch):
-    """While tables and figures are made, too."""
-    refused = []
+def test_a_quick_look_does_not_replace_a_finished_study(in_process, tmp_path):
+    assert in_process()[0] == 0
+    kept = contents(tmp_path / "out")
+    code, _, errors, calls = in_process("--frames-limit", "14")
+    assert code == 2 and calls == [] and contents(tmp_path / "out") == kept
+    assert re.search(r"paper: \S+out: holds a study of other settings \(frames_limit 12, now 14\).*--out.*--force\n$", errors)
+    code, text, errors, calls = in_process("--frames-limit", "14", "--force")
+    assert code == 0 and len(calls) == 8, errors
+    assert "squeezed into 14 frames" in text and "squeezed into 14 frames" in (tmp_path / "out/tables/table_2_times.md").read_text()
 
-    def draw(kind, out_dir, names):
-        refused.append(run_paper(out_dir, "--muscle", "iliacus"))
-        return []
-    monkeypatch.setattr(paper, "draw_in_display", draw)
-    assert paper.main(["--musclebench", str(PROGRAM), "--out", str(tmp_path / "out"), "--frames-limit", "12", "--muscle", "iliacus"]) == 0
-    assert refused[0].returncode == 2 and "another run writes there" in refused[0].stderr
+
+def contents(folder: Path) -> dict:
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_another_muscle_adds_to_a_study(tmp_path, in_process):
+    assert in_process()[0] == 0
+    few = ["--musclebench", str(PROGRAM), "--out", str(tmp_path / "out"), "--frames-limit", "12"]
+    (tmp_path / "log").write_text("")
+    assert paper.main([*few, "--muscle", "adductor_brevis"]) == 0
+    calls = [line.split()[0] for line in (tmp_path / "log").read_text().splitlines()]
+    assert len(calls) == 4 and all(call.startswith("adductor_brevis-") for call in calls)
+    assert set(pd.read_csv(tmp_path / "out/runs.csv")["muscle"]) == {"iliacus", "gluteus_medius", "adductor_brevis"}
+    planned = json.loads((tmp_path / "out/experiment.json").read_text())["cases"]
+    assert len(planned) == 12
+    assert in_process()[3] == []
+
+
+def test_cases_of_another_program_are_kept_on_request(in_process, tmp_path):
+    assert in_process()[0] == 0
+    raw = tmp_path / "out" / "raw"
+    for name in ("iliacus-voxel", "iliacus-sdf"):
+        sealed = raw / name / "case.json"
+        sealed.write_text(json.dumps({**json.loads(sealed.read_text()), "binary_sha256": "0123456789 of another"}))
+    shutil.rmtree(raw / "iliacus-fcl")
+    code, text, errors, calls = in_process("--keep-cases")
+    assert (code, calls) == (0, ["iliacus-fcl"]), errors
+    assert "Cases of 2 programs, whose times and answers may differ: " in text and "2 of " in text and "(binary 01234567)" in text
+    code, text, _, calls = in_process()
+    assert sorted(calls) == ["iliacus-sdf", "iliacus-voxel"] and "programs, whose times" not in text
 
 
 def test_a_table_that_the_study_has_no_more_is_removed(in_process, tmp_path):
@@ -146,6 +176,18 @@ def test_a_table_that_the_study_has_no_more_is_removed(in_process, tmp_path):
     assert in_process()[0] == 0
     assert not (out / "tables/old.csv").exists() and not (out / "figures/old.png").exists()
     assert (out / "tables/mine.csv").exists() and (out / "raw/iliacus-sdf/run.json").exists() and (tmp_path / "log").exists()
+
+
+def test_two_commands_in_one_folder_are_told_apart_to_the_end(in_process, tmp_path, monkeypatch):
+    """While tables and figures are made, too."""
+    refused = []
+
+    def draw(kind, out_dir, names):
+        refused.append(run_paper(out_dir, "--muscle", "iliacus"))
+        return []
+    monkeypatch.setattr(paper, "draw_in_display", draw)
+    assert paper.main(["--musclebench", str(PROGRAM), "--out", str(tmp_path / "out"), "--frames-limit", "12", "--muscle", "iliacus"]) == 0
+    assert refused[0].returncode == 2 and "another run writes there" in refused[0].stderr
 
 
 def test_failures_become_rows_and_the_others_go_on(in_process, tmp_path):

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..experiments.caveats import caveats
 from ..figures import captions, looks
 from ..figures.convergence import draw_costs, draw_errors
 from ..figures.offset_and_depth import draw_offsets, offset_rows, told
@@ -65,7 +66,7 @@ def write_report(out_dir: Path) -> AccuracyReport:
     made = [price_list(replays, builds), arm_price_list(armed, arms, wrong), arm_table(armed, arms),
             *choices_tables(replays), difficulties_table(replays), outcomes_table(coupled, shapes, floors)]
     sentence = whose({one.configuration.backend: one.configuration.about.implementation for one in aggregates})
-    made = [table.with_sentence(sentence) for table in made if not table.rows.empty]
+    made = [table.with_sentence(sentence).with_sentence(caveats(out_dir)) for table in made if not table.rows.empty]
     busy = note({case.name: case.disturbance for case in cases if case.disturbance}, len(cases))
     for table in made:
         files += _write_table(table, tables, busy)

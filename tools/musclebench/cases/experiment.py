@@ -27,9 +27,9 @@ class Experiment:
 
     final_statuses = MEASURED  # a case that ended so is not run again
 
-    def __init__(self, binary: Path, folders: Folders, force: bool = False):
-        """`force`: complete cases are run again."""
-        self.binary, self.folders, self._force = binary.resolve(), folders, force
+    def __init__(self, binary: Path, folders: Folders, force: bool = False, keeps_programs: bool = False):
+        """`force`: complete cases are run again. `keeps_programs`: not those of another program."""
+        self.binary, self.folders, self._force, self._keeps_programs = binary.resolve(), folders, force, keeps_programs
         self._binary_digest = fingerprint.file_digest(self.binary)
         self._data_digest = fingerprint.data_digest(folders.data_dir)
 
@@ -46,7 +46,7 @@ class Experiment:
         return fingerprint.fingerprint(arguments, self._binary_digest, self._data_digest, **more)
 
     def is_complete(self, case: Case) -> bool:
-        status = fingerprint.status_when_sealed(self.folder(case), self.print_of(case))
+        status = fingerprint.status_when_sealed(self.folder(case), self.print_of(case), self._keeps_programs)
         return status in self.final_statuses and not damage(self.folder(case))
 
     def quarantine(self, case: Case) -> str:

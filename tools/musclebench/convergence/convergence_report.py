@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ..experiments.caveats import caveats
 from ..results.ply import read_ply
 from ..results.run_folder import Run, read_run
 from ..results.statistics import percentile
@@ -29,6 +30,7 @@ def write_report(folders: list[Path], out_dir: Path) -> tuple[Table, list[Path]]
     rows = [row for scene in dict.fromkeys(run.scene for run in runs)
             for row in _rows([run for run in runs if run.scene == scene])]
     table = Table("substeps", CAPTION, COLUMNS, pd.DataFrame(rows, columns=[column.key for column in COLUMNS]), SHOWN)
+    table = table.with_sentence(caveats(out_dir.parent))
     out_dir.mkdir(parents=True, exist_ok=True)
     return table, write_table(table, out_dir)
 

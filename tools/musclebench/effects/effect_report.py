@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from ..experiments.caveats import caveats
 from ..experiments.swept_case import SweptCase
 from ..figures.effect_figures import draw_changes, draw_costs
 from ..figures.effect_scenes import draw_scenes
@@ -29,6 +30,7 @@ def write_report(folders: dict[SweptCase, Path], returned: dict[SweptCase, Path]
     measured = measured_sets(folders)
     tables = [cost_table(measured), change_table(measured), price_table(measured), return_table(returned),
               guard_table(guarded)]
+    tables = [table.with_sentence(caveats(out_dir)) for table in tables]
     for name in ("tables", "figures"):
         (out_dir / name).mkdir(parents=True, exist_ok=True)
     files = [path for table in tables for path in write_table(table, out_dir / "tables")]

@@ -14,11 +14,13 @@ from .swept_case import SweptCase
 FILE_NAME = "experiment.json"
 
 
-def write_manifest(out_dir: Path, file: ExperimentFile, cases: list[Case], command_line: list[str]) -> None:
-    """`cases`: of the whole experiment, whichever part of it runs here."""
+def write_manifest(out_dir: Path, file: ExperimentFile, cases: list[Case], command_line: list[str],
+                   settings: dict[str, str]) -> None:
+    """`cases`: of the whole experiment, whichever part of it runs here. `settings`: see earlier.py."""
     told = {
         "schema_version": 1, "experiment": file.name, "title": file.title, "file_sha256": file_digest(file.path),
         "seed": file.seed, "repetitions": file.repetitions, "machine": machine(), "command_line": command_line,
+        "settings": settings,
         "started": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "cases": [planned(case) for case in cases if isinstance(case, SweptCase)],
     }

@@ -46,6 +46,8 @@ def _check_plans(parts: list[Path]) -> None:
     for part, plan in zip(parts, plans):
         if [case["name"] for case in plan["cases"]] != [case["name"] for case in plans[0]["cases"]]:
             raise Problem(f"{part}: has other cases planned than {parts[0]}; merge parts of one experiment, asked for alike")
+        if plan.get("settings") != plans[0].get("settings"):
+            raise Problem(f"{part}: has other settings than {parts[0]}; merge parts of one experiment, asked for alike")
 
 
 def _check_seals(folders: list[Path]) -> None:

@@ -2,7 +2,7 @@
 
 import math
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ..cases.case import Case, Folders
@@ -15,6 +15,7 @@ from ..program.machine import total_memory_bytes
 from ..program.out_folder import claimed_by_command
 from ..program.registry import Registry, save_registry
 from ..program.release_build import check_release
+from .earlier import earlier_plan, refuse_other_settings, remove_other_settings, settings_of, with_earlier
 from .expansion import Expansion
 from .experiment_file import ExperimentFile
 from .manifest import write_manifest
@@ -36,10 +37,12 @@ class Sweep:
     experiment: SweptExperiment
     registry: Registry
     any_build: bool = True  # else what is timed has to be of a Release build
+    kept: list[SweptCase] = field(default_factory=list)  # complete ones of the same study, of scenes and repetitions not asked now
+    force: bool = False  # a study of other settings is replaced
 
     def of(self, *groups: str) -> list[SweptCase]:
-        """Cases of these [[cases]] in the order of the file's lists, round by round."""
-        chosen = [case for case in self.cases if isinstance(case, SweptCase) and case.group.name in groups]
+        """Cases of these [[cases]] in the order of the file's lists, round by round; with those that are kept."""
+        chosen = [case for case in [*self.cases, *self.kept] if isinstance(case, SweptCase) and case.group.name in groups]
         return sorted(chosen, key=lambda case: (case.repetition, self.order[replace(case, repetition=0)]))
 
     def done(self, *groups: str) -> dict[SweptCase, Path]:
@@ -48,13 +51,17 @@ class Sweep:
 
     def run(self, cases: list[Case], limits: Limits, keep_structures: bool = False) -> list[str]:
         """A line for each case that has no result. `cases`: those to run here, all or some."""
-        todo, out_dir = missing(cases, self.experiment), self.experiment.folders.out_dir
+        out_dir = self.experiment.folders.out_dir
+        if not self.force:
+            refuse_other_settings(out_dir, self.file)
+        todo = missing(cases, self.experiment)
         if not self.any_build and any(isinstance(case, SweptCase) and case.is_timed for case in todo):
             check_release(self.experiment.binary)
         check_space(todo, out_dir)
         with claimed_by_command(out_dir, *RESULT_DIRS):
+            remove_other_settings(out_dir, self.file, RESULT_DIRS)
             save_registry(self.registry, out_dir)
-            write_manifest(out_dir, self.file, self.cases, sys.argv)
+            write_manifest(out_dir, self.file, [*self.cases, *self.kept], sys.argv, settings_of(self.file))
             statuses = run_cases(todo, self.experiment, limits)
             marked = self.experiment.mark_nondeterministic([case for case in cases if isinstance(case, SweptCase)])
             failed = [case for case in cases if not case.is_too_long and not self.experiment.is_complete(case)
@@ -80,13 +87,27 @@ def sweep_of(file: ExperimentFile, options, registry: Registry, folders: Folders
         file = file.on(tuple(chosen_names(options.scene, options.muscle, data_set, registry, quick_muscle)))
     if getattr(options, "repetitions", None):
         file = replace(file, repetitions=options.repetitions)
-    scenes = Scenes(options.musclebench, registry, folders, data_set,
-                    getattr(options, "frames_limit", None) or file.frames_limit or None)
-    experiment = SweptExperiment(options.musclebench, folders, file.answers, options.force, getattr(options, "micro", None))
+    file = replace(file, frames_limit=getattr(options, "frames_limit", None) or file.frames_limit)
+    scenes = Scenes(options.musclebench, registry, folders, data_set, file.frames_limit or None)
+    experiment = SweptExperiment(options.musclebench, folders, file.answers, options.force, getattr(options, "micro", None),
+                                 getattr(options, "keep_cases", False))
     expansion = Expansion(file, registry, scenes)
     firsts = expansion.firsts()
+    cases, kept = expansion.cases(firsts), []
+    if wider := with_earlier(file, earlier_plan(folders.out_dir), registry):
+        asked, expansion = firsts, Expansion(wider, registry, scenes)
+        firsts = expansion.firsts()
+        kept = kept_cases(expansion.cases(firsts), cases, experiment)
+        places = {case.name: place for place, case in enumerate(firsts)}
+        firsts = sorted(dict.fromkeys([*firsts, *asked]), key=lambda case: places.get(case.name, len(places)))
     order = {case: place for place, case in enumerate(firsts)}
-    return Sweep(file, expansion.cases(firsts), order, experiment, registry, getattr(options, "any_build", True))
+    return Sweep(file, cases, order, experiment, registry, getattr(options, "any_build", True), kept, options.force)
+
+
+def kept_cases(every: list[Case], cases: list[Case], experiment: SweptExperiment) -> list[SweptCase]:
+    """The complete ones of a wider experiment that are none of `cases`."""
+    names = {case.name for case in cases}
+    return [case for case in every if isinstance(case, SweptCase) and case.name not in names and experiment.is_complete(case)]
 
 
 def limits_of(options) -> Limits:

@@ -22,10 +22,10 @@ HASH_OF_MODE = {"replay": "contact_hash", "coupled": "state_hash"}
 
 class SweptExperiment(Experiment):
     def __init__(self, binary: Path, folders: Folders, answers: tuple[str, ...] = (), force: bool = False,
-                 micro: Path | None = None):
+                 micro: Path | None = None, keeps_programs: bool = False):
         """`answers`: statuses beside those of measured cases that are not run again. `micro`: the program of kernels, where
         it is not beside the program."""
-        super().__init__(binary, folders, force)
+        super().__init__(binary, folders, force, keeps_programs)
         self._kernels = KernelPrograms(micro or micro_beside(binary))
         self.final_statuses = MEASURED | set(answers)
         self._recordings: dict[str, str] = {}  # digest by path

@@ -9,7 +9,8 @@ cases that failed, timed out or ran out of memory are tried again. Lengths are i
 from ..experiments.experiment_file import ExperimentFile, of_project
 from ..program.cli import add_scene_options
 from .shared import (
-    Tool, add_jobs_option, add_memory_option, add_run_options, add_shard_option, add_structures_option, study_parser,
+    Tool, add_frames_option, add_jobs_option, add_memory_option, add_run_options, add_shard_option, add_structures_option,
+    study_parser,
 )
 
 QUICK_MUSCLE = "iliacus"
@@ -27,8 +28,7 @@ def parse_arguments(arguments, file: ExperimentFile):
                       help="errors are measured at nodes that are no farther from the surface (default 10 mm)")
     what.add_argument("--longest", type=float, metavar="SECONDS",
                       help="a case that is guessed to take longer is a row with its estimate (default 360 s)")
-    what.add_argument("--frames-limit", type=int, metavar="N",
-                      help="frames of the whole run (default: the preset's 314)")
+    add_frames_option(what)
     add_shard_option(what)
     how = parser.add_argument_group("how it runs")
     add_run_options(how, timeout=file.timeout_s)

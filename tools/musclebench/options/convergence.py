@@ -10,7 +10,7 @@ import argparse
 
 from ..experiments.experiment_file import ExperimentFile, of_project
 from ..program.cli import add_scene_options
-from .shared import Tool, add_jobs_option, add_run_options, study_parser
+from .shared import Tool, add_frames_option, add_jobs_option, add_run_options, study_parser
 
 
 def parse_arguments(arguments, file: ExperimentFile):
@@ -20,7 +20,7 @@ def parse_arguments(arguments, file: ExperimentFile):
     parser.add_argument("--substeps", type=_counts, default=usual, metavar="N,N,...",
                         help=f"numbers to compare (default: {','.join(map(str, usual))})")
     parser.add_argument("--backend", metavar="NAME", help="of all runs (default: an exact one)")
-    parser.add_argument("--frames-limit", type=int, metavar="N", help="frames of the whole run, for a quick look")
+    add_frames_option(parser)
     add_run_options(parser, timeout=file.timeout_s, is_timed=False)
     add_jobs_option(parser)
     return parser.parse_args(arguments)

@@ -9,7 +9,7 @@ A study goes on where it was stopped: complete runs are skipped until their argu
 
 from ..experiments.experiment_file import ExperimentFile, of_project
 from ..program.cli import add_scene_options
-from .shared import Tool, add_jobs_option, add_run_options, study_parser
+from .shared import Tool, add_frames_option, add_jobs_option, add_run_options, study_parser
 
 QUICK_MUSCLE, QUICK_FRAMES = "adductor_brevis", 20
 
@@ -21,7 +21,7 @@ def parse_arguments(arguments, file: ExperimentFile):
     add_scene_options(parser, f"default: all of the data set that have one muscle; with --quick {QUICK_MUSCLE}")
     parser.add_argument("--repetitions", type=int, default=1, metavar="N", help="of each case (default 1)")
     parser.add_argument("--backend", metavar="NAME", help="of all runs (default: an exact one)")
-    parser.add_argument("--frames-limit", type=int, metavar="N", help="frames of the whole run, for a quick look")
+    add_frames_option(parser)
     add_run_options(parser, timeout=file.timeout_s)
     add_jobs_option(parser)
     return parser.parse_args(arguments)

@@ -12,7 +12,8 @@ from pathlib import Path
 from ..experiments.experiment_file import FOLDER, experiment_path, read_experiment
 from ..program.cli import Problem, add_scene_options
 from .shared import (
-    Tool, add_jobs_option, add_memory_option, add_run_options, add_shard_option, add_structures_option, check_options, study_parser,
+    Tool, add_frames_option, add_jobs_option, add_memory_option, add_run_options, add_shard_option, add_structures_option,
+    check_options, study_parser,
 )
 
 
@@ -23,7 +24,7 @@ def parse_arguments(arguments):
     what = parser.add_argument_group("what is run")
     add_scene_options(what, "default: those of the experiment")
     what.add_argument("--repetitions", type=int, metavar="N", help="of each case (default: the experiment's)")
-    what.add_argument("--frames-limit", type=int, metavar="N", help="frames of the whole run, for a quick look")
+    add_frames_option(what)
     what.add_argument("--filter", action="append", metavar="WORDS",
                       help="only cases with this in their names; * and ? stand for what they do in file names; may be repeated")
     add_shard_option(what)

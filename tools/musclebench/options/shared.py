@@ -54,7 +54,12 @@ def add_run_options(group, timeout: float | None, preset: str = "release", is_ti
                        help="default: reports/out/STUDY-synthetic, -lhdl or -SCENE; STUDY-quick-... with --quick")
     group.add_argument("--timeout", type=float, default=timeout, metavar="SECONDS",
                        help=f"of one case (default: {'the experiment' + chr(39) + 's' if timeout is None else f'{timeout:g} s'})")
-    group.add_argument("--force", action="store_true", help="run complete cases again")
+    again = group.add_mutually_exclusive_group()
+    again.add_argument("--force", action="store_true",
+                       help="run complete cases again; a study of other settings in the same folder is replaced")
+    again.add_argument("--keep-cases", action="store_true",
+                       help="keep complete cases that another program measured, for one that only has a backend more: tables name "
+                            "the programs (default: they are run again)")
     group.add_argument("--musclebench", type=Path, default=built_program(preset), metavar="PROGRAM",
                        help=f"the program to measure (default: that of the preset {preset})")
     if is_timed:
@@ -65,6 +70,12 @@ def add_structures_option(group) -> None:
     group.add_argument("--structures", type=Path, metavar="DIR",
                        help="keep built structures here, with the time that building took, where every experiment that names "
                             "the folder finds them by their content (default: in --out, until all cases are complete)")
+
+
+def add_frames_option(group) -> None:
+    group.add_argument("--frames-limit", type=int, metavar="N",
+                       help="for a quick look: the whole motion squeezed into N frames, so that bones move faster; not the first "
+                            "N frames")
 
 
 def add_jobs_option(group) -> None:

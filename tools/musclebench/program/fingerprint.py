@@ -45,11 +45,14 @@ def write_whole(path: Path, text: str) -> None:
         part.unlink(missing_ok=True)
 
 
-def status_when_sealed(folder: Path, print_of_case: dict) -> str | None:
-    """Status of the run in the folder; None unless it is of just this case, build and data."""
+def status_when_sealed(folder: Path, print_of_case: dict, by_any_program: bool = False) -> str | None:
+    """Status of the run in the folder; None unless it is of just this case, build and data. `by_any_program`: of this case
+    and data."""
     try:
         noted = json.loads((folder / FILE_NAME).read_text())
         status = json.loads((folder / "run.json").read_text())["status"]
     except (OSError, ValueError, KeyError, TypeError):
         return None
+    if by_any_program and isinstance(noted, dict):
+        noted = noted | {"binary_sha256": print_of_case["binary_sha256"]}
     return status if noted == print_of_case else None
