@@ -13,6 +13,7 @@ from musclebench.cases.study_command import PROJECT, end
 from musclebench.experiments.experiment_file import ExperimentFile, of_project
 from musclebench.experiments.running import Sweep, limits_of, sweep_of
 from musclebench.experiments.selection import check_backend
+from musclebench.figures import looks
 from musclebench.figures.hard_cases import draw_matrix, draw_strips
 from musclebench.hard import hard_tables
 from musclebench.hard.cell_folder import BROKEN, HELD, joined
@@ -76,6 +77,7 @@ def run_and_report(arguments) -> int:
         options.timeout = max(options.timeout, ALL_SECONDS)
     registry = read_registry(options.musclebench)
     folders = Folders((options.out or OUT).absolute())
+    looks.know(registry)
     sweep = sweep_of(asked(file, options, registry), options, registry, folders)
     problems = sweep.run(sweep.cases, limits_of(options))
     if not sweep.done("hard"):

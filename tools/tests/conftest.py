@@ -15,7 +15,24 @@ import ball_on_box  # noqa: E402  (found through the path that is set above)
 import fake_registry  # noqa: E402
 import fake_runs  # noqa: E402
 from program import find_lhdl  # noqa: E402
-from musclebench.figures import looks  # noqa: E402
+from musclebench.figures import looks, style  # noqa: E402
+from musclebench.figures.collisions import collisions  # noqa: E402
+from musclebench.pictures import in_display  # noqa: E402
+
+
+@pytest.fixture(autouse=True, scope="session")
+def watched_figures():
+    """Every figure that a test draws and saves is looked through for words that are cut or covered."""
+    save = style.save_figure
+
+    def watched(figure, stem):
+        assert collisions(figure) == [], stem.name
+        return save(figure, stem)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(style, "save_figure", watched)
+        patch.setattr(in_display, "DRAWING", TOOLS / "tests" / "draw_watched.py")
+        yield
 
 
 @pytest.fixture(scope="session")

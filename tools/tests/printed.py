@@ -1,4 +1,4 @@
-"""What any figure is held to: it fits the page, its text can be read and lies beside other text."""
+"""What any figure is held to: it fits the page and its text can be read."""
 
 import re
 import zlib
@@ -55,26 +55,3 @@ def printed_sizes(pdf) -> set[float]:
             continue  # a picture or a font
         found |= {float(size) for size in re.findall(rb"/F[\w-]* ([\d.]+) Tf", text)}
     return found
-
-
-def drawn_texts(figure) -> list[Text]:
-    """As `texts_of`, without ticks outside of the panels and the axes of panels that have none."""
-    found = [*figure.texts, *_of_legends(figure.legends)]
-    for axes in [*figure.axes, *(child for axes in figure.axes for child in axes.child_axes)]:
-        found += [axes.title, axes._left_title, *axes.texts, *_of_legends([axes.get_legend()])]
-        if axes.axison:
-            found += [label for axis in (axes.xaxis, axes.yaxis) for label in (
-                axis.label, *(label for tick in axis._update_ticks() for label in (tick.label1, tick.label2)))]
-    return [text for text in found if text.get_visible() and text.get_text().strip()]
-
-
-def _of_legends(legends) -> list[Text]:
-    return [text for legend in legends if legend for text in legend.get_texts()]
-
-
-def overlaps(figure) -> list[tuple[str, str]]:
-    """Pairs of texts that cover each other by more than a pixel."""
-    figure.canvas.draw()  # legends lay their texts out
-    renderer = figure.canvas.get_renderer()
-    boxes = [(text.get_text(), text.get_window_extent(renderer).padded(-0.5)) for text in drawn_texts(figure)]
-    return [(a, b) for i, (a, of_a) in enumerate(boxes) for b, of_b in boxes[:i] if of_a.overlaps(of_b)]

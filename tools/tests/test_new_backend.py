@@ -61,8 +61,8 @@ def test_its_curve_has_its_colour_and_a_place_in_the_key(told, name):
     curve = next(line for line in panel.get_lines() if to_hex(line.get_color()) == COLOUR)
     assert len(curve.get_xdata()) == len(SHARES)
     signs = {text.get_text(): sign for text, sign in zip(key.get_legend().get_texts(), key.get_legend().get_lines())}
-    assert to_hex(signs["capsule hull radii"].get_color()) == COLOUR
-    assert {"0.8", "0.9", "1"} <= {text.get_text() for text in panel.texts}
+    assert to_hex(signs["capsule hull (capsule), radii"].get_color()) == COLOUR
+    assert {f"capsule hull, radius share {share:g}" for share in (0.8, 1.0)} <= {text.get_text() for text in panel.texts}
 
 
 def test_one_that_names_no_colour_gets_one_that_no_other_has():

@@ -85,6 +85,14 @@ class Configuration:
         is_told = not self.is_default or self.about.has_many_choices
         return f"{self.about.label} {self.short}" if is_told else self.about.label
 
+    @property
+    def spoken(self) -> str:
+        """As people write it: `distance field, 32 cells, compact`."""
+        if self.size is not None:
+            return ", ".join([self.about.title, self._spoken_size(), *self._words_beside_size()])
+        is_told = not self.is_default or self.about.has_many_choices
+        return f"{self.about.title}, {self.short}" if is_told else self.about.title
+
     def choice(self, key: str) -> str:
         return dict(self.choices).get(key, _plain(self.about.parameter(key).default))
 
@@ -93,6 +101,13 @@ class Configuration:
 
     def _size_mm(self) -> float:
         return MM_OF_UNIT[self.size.unit] * self._number(self.size)
+
+    def _spoken_size(self) -> str:
+        if self.cells is not None:
+            return f"{self.cells} {_without_unit(self.size.name)}"
+        if self.cube_edge_m is not None:
+            return f"{self.short} cells"
+        return self.short if self.wanted_error_mm is not None else f"{_without_unit(self.size.name)} {self.short}"
 
     def _is_length(self, role: str) -> bool:
         return self.size.role == role and self.size.unit in MM_OF_UNIT

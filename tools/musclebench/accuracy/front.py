@@ -53,7 +53,7 @@ def _row(panel: str, group: list[Aggregate], error_mm, wrong: set) -> dict:
     chosen, time = group[0].configuration, total([aggregate.collision_ms for aggregate in group])
     return {
         "panel": panel, "backend": chosen.backend, "configuration": chosen.name, "series": chosen.series,
-        "label": chosen.short, "fineness": chosen.fineness, "time_ms": time.value, "time_ms_low": time.low,
+        "label": chosen.short, "spoken": chosen.spoken, "is_default": chosen.is_default, "fineness": chosen.fineness, "time_ms": time.value, "time_ms_low": time.low,
         "time_ms_high": time.high, "error_mm": float(np.max([error_mm(aggregate) for aggregate in group])),
         "structure_bytes": sum(aggregate.structure_bytes for aggregate in group) / len(group),
         "is_control": chosen.about.is_control,
@@ -64,5 +64,5 @@ def _row(panel: str, group: list[Aggregate], error_mm, wrong: set) -> dict:
 
 
 def _row_keys() -> list[str]:
-    return ["panel", "backend", "configuration", "series", "label", "fineness", "time_ms", "time_ms_low",
+    return ["panel", "backend", "configuration", "series", "label", "spoken", "is_default", "fineness", "time_ms", "time_ms_low",
             "time_ms_high", "error_mm", "structure_bytes", "is_control", "is_wrong", "repetitions", "frames"]

@@ -31,7 +31,8 @@ from .rows import accuracy_rows, build_seconds_of, study_rows
 FRONT_WORDS = (
     "The grey line is the Pareto front: nothing is both faster and more accurate than what lies on it. Crossed-out "
     "configurations are wrong and not on it; errors below a nanometre count "
-    "as equal and are drawn in a band in which height means nothing. A marker's area grows with the bytes of the "
+    "as equal and are drawn at one height, below the break of the axis. At most eight points of a panel have their names "
+    "beside them; the page names all. A marker's area grows with the bytes of the "
     "structures, a step a factor of ten. All muscles: the sum of their times, the largest of their errors, of "
     "configurations that are complete on each.")
 
@@ -152,7 +153,7 @@ def _draw_arms(armed: list[Aggregate], wrong: set, arms: dict, folder: Path) -> 
 
     points = points_of(armed, error, wrong)
     title = "What a backend's accuracy is worth in moment arms (coupled)"
-    files = draw_pareto(points, folder / "pareto_moment_arm", title, "moment arm off by, RMS (mm)", "same moment arm")
+    files = draw_pareto(points, folder / "pareto_moment_arm", title, "moment arm off by, RMS (mm)", "same arm")
     floors = {one.muscle: arms[(one.scene, one.configuration)]["arm_floor_mm"] for one in armed
               if (one.scene, one.configuration) in arms}
     told = ", ".join(f"{muscle.replace('_', ' ')} {floor:.2g} mm" for muscle, floor in floors.items() if floor == floor)

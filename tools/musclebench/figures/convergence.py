@@ -1,5 +1,6 @@
 """Figures of convergence: error against cell size by bone and region; build time and bytes against cells."""
 
+import math
 from pathlib import Path
 
 import pandas as pd
@@ -10,6 +11,9 @@ from . import looks, style
 from .style import plt
 
 LEGEND_LINE_SHARE = 0.06  # of the panel's height
+LEGEND_COLUMNS, LEGEND_LINE_INCHES = 3, 0.16
+ROOM_BELOW = 4.0  # of the axis, for fitted orders
+ORDER_LINE_SHARE = 0.055  # of the panel's height
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 THOUSANDS = FuncFormatter(lambda value, _: f"{value / 1000:g}")
 
@@ -26,29 +30,51 @@ def draw_errors(rows: pd.DataFrame, stem: Path) -> list[Path]:
     for line, bone in enumerate(bones):
         for column, region in enumerate(REGIONS):
             axes = panels[line, column]
-            _draw_curves(axes, shown[(shown["bone"] == bone) & (shown["region"] == region)])
+            _tell_orders(axes, _draw_curves(axes, shown[(shown["bone"] == bone) & (shown["region"] == region)]))
             axes.set_title(f"{bone}, {region} regions", loc="left")
             axes.xaxis.set_tick_params(labelbottom=True)
             axes.yaxis.set_tick_params(labelleft=True)
         panels[line, 0].set_ylabel("depth error, 99th percentile (mm)")
     for axes in panels[-1]:
         axes.set_xlabel("edge of a cell (mm)")
-    figure.suptitle("Error against cell size at points about the bones", x=0.01, ha="left")
-    figure.tight_layout(rect=(0, 0, 1, 0.98), w_pad=1.5, h_pad=1.5)
+    title = figure.suptitle("Error against cell size at points about the bones", x=0.01, ha="left", y=1.0, va="top")
+    title.set_in_layout(False)  # it stands above the room that is left to the panels
+    low, high = panels[0, 0].get_ylim()
+    panels[0, 0].set_ylim(low / ROOM_BELOW, high)
+    handles = {line.get_label(): line for axes in panels.flat for line in axes.get_lines()}
+    legend_inches = LEGEND_LINE_INCHES * math.ceil(len(handles) / LEGEND_COLUMNS) + 0.1
+    title_inches, height = 0.25, figure.get_figheight()
+    figure.legend(handles.values(), handles.keys(), ncols=LEGEND_COLUMNS, loc="upper left", frameon=False,
+                  bbox_to_anchor=(0.0, 1 - title_inches / height), borderaxespad=0)
+    figure.tight_layout(rect=(0, 0, 1, 1 - (title_inches + legend_inches) / height), w_pad=1.5, h_pad=1.5)
+    title.set_in_layout(True)
     return _save(figure, rows, stem)
 
 
-def _draw_curves(axes, rows: pd.DataFrame) -> None:
+def _draw_curves(axes, rows: pd.DataFrame) -> list[tuple[str, str]]:
+    """The fitted order of each, in words, and its colour."""
     axes.set(xscale="log", yscale="log")
+    orders = []
     for series in style.in_order(rows["series"], looks.all_series()):
         curve = rows[rows["series"] == series]
         order = curve["fitted_order"].iloc[0]
-        known = f", order {order:.1f}" if pd.notna(order) else ""
-        _draw_curve(axes, 1e3 * curve["cell_edge_m"], 1e3 * curve["p99_error_m"], curve, f"{series}{known}")
+        backend = curve["backend"].iloc[0]
+        _draw_curve(axes, 1e3 * curve["cell_edge_m"], 1e3 * curve["p99_error_m"], curve, looks.series_title(backend, series))
+        if pd.notna(order):
+            curve_name = looks.series_title(backend, series).partition(", ")[2]
+            orders.append((f"{curve_name}: {order:.1f}", looks.colour(backend)))
     _draw_guides(axes, rows)
     _plain_ticks(axes)
-    # Curves rise to the right, so that the lower right corner is free.
-    axes.legend(loc="lower right", fontsize=7, framealpha=0.85, edgecolor="none")
+    return orders
+
+
+def _tell_orders(axes, orders: list[tuple[str, str]]) -> None:
+    """In the lower right corner, which is free: curves rise to the right."""
+    if not orders:
+        return
+    for line, (words, colour) in enumerate([*reversed(orders), ("fitted order", "black")]):
+        axes.text(0.99, 0.02 + ORDER_LINE_SHARE * line, words, color=colour, ha="right", va="bottom", transform=axes.transAxes,
+                  fontsize=style.SMALLEST_POINTS)
 
 
 def _draw_curve(axes, x, y, curve: pd.DataFrame, label: str) -> None:
@@ -86,7 +112,8 @@ def draw_costs(rows: pd.DataFrame, stem: Path) -> list[Path]:
                 continue
             fitted = slope(curve["cells"], curve[key])
             known = f", slope {fitted:.2f}" if pd.notna(fitted) else ""
-            _draw_curve(axes, curve["cells"], unit * curve[key], curve, f"{series}{known}")
+            name = looks.series_title(curve["backend"].iloc[0], series)
+            _draw_curve(axes, curve["cells"], unit * curve[key], curve, f"{name}{known}")
         _room_above(axes, len(axes.get_lines()))
         axes.xaxis.set_major_formatter(THOUSANDS)
         axes.yaxis.set_major_formatter(PLAIN)

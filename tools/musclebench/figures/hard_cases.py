@@ -12,7 +12,7 @@ from matplotlib.patheffects import withStroke
 
 from ..pictures.surface_pictures import read_bones, read_snapshots
 from ..results.run_folder import Run
-from . import style
+from . import looks, style
 from .cuts import cut
 from .effect_scenes import BONE_COLOUR, MUSCLE_COLOURS
 from .style import plt
@@ -39,7 +39,7 @@ def draw_matrix(rows: pd.DataFrame, stem: Path) -> list[Path]:
             axes.text(x + 0.5, y + 0.5, cell.verdict, ha="center", va="center", fontsize=style.SMALLEST_POINTS,
                       color="black" if cell.verdict == "refused" else "white")
     axes.set(xlim=(0, len(backends)), ylim=(len(cases), 0))
-    axes.set_xticks([i + 0.5 for i in range(len(backends))], [name.replace("_", " ") for name in backends])
+    axes.set_xticks([i + 0.5 for i in range(len(backends))], [looks.title(name) for name in backends])
     axes.set_yticks([i + 0.5 for i in range(len(cases))], cases)
     axes.xaxis.tick_top()
     axes.tick_params(length=0)
@@ -63,7 +63,7 @@ def draw_strips(runs: list[Run], stem: Path) -> list[Path]:
         grid = half.subgridspec(rows, len(MOMENTS), wspace=0.06, hspace=0.3)
         for row, run in enumerate(runs[column::SCENES_A_ROW]):
             _draw_strip([figure.add_subplot(grid[row, moment]) for moment in range(len(MOMENTS))], run)
-    backends = ", ".join(dict.fromkeys(run.backend for run in runs))
+    backends = ", ".join(dict.fromkeys(looks.title_and_name(run.backend) for run in runs))
     style.add_note(figure, f"Cut through the middle of the muscle (red) and the bones (tan); pale: all of the muscle, from the "
                    f"side; dashed: where it begins. Moved with {backends}; beside the name stands how the run ended.", y=-0.005)
     return style.save_figure(figure, stem)

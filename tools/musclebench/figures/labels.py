@@ -1,5 +1,6 @@
 """Short texts beside points, moved apart so that none covers another text or a point."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,29 +24,60 @@ class Label:
     bar: tuple[float, float] | None = None  # x of the ends of its error bar
 
 
-def place_labels(axes, labels: list[Label], size: float = 7.0) -> None:
+def place_labels(axes, labels: list[Label], size: float = 7.0, levels: Sequence[float] = ()) -> None:
     """Limits and scales of the axes must stand. The first free spot beside a point is taken, else the nearest free one
-    of the panel; a label that is far from its point gets a thin line to it. Labels without room anywhere are left
-    out, so that none covers another one."""
+    of the panel; a label that is far from its point gets a thin line to it, which crosses no other. Labels without room
+    anywhere are left out, so that none covers another one or a point; points without a text only take their
+    room. `levels`: heights of lines across the panel that no label covers."""
     axes.figure.canvas.draw()
     renderer = axes.figure.canvas.get_renderer()
     pixels = axes.figure.dpi / 72.0
-    labels = [label for label in labels if label.text]
     centres = np.array([axes.transData.transform((label.x, label.y)) for label in labels]).reshape(-1, 2)
     radii = np.array([label.radius_points * pixels for label in labels])
     points = np.concatenate([centres - radii[:, None], centres + radii[:, None]], axis=1)
     points = np.concatenate([points, _bars(axes, labels, pixels)])
     frame = np.array(axes.get_window_extent(renderer).extents)
     taken = [np.array(text.get_window_extent(renderer).extents) for text in axes.texts]
+    heights = [axes.transData.transform((label.x, y))[1] for label in labels[:1] for y in levels]
+    points = np.concatenate([points, np.reshape([[frame[0], y, frame[2], y] for y in heights], (-1, 4))])
+    leaders: list[np.ndarray] = []
     for index, label in enumerate(labels):
+        if not label.text:
+            continue
         extent = _extent(axes, label.text, size, renderer, pixels)
-        box = _free_box(centres[index], radii[index], label.prefer, extent, frame, points, np.reshape(taken, (-1, 4)),
-                        pixels)
-        if box is not None:
-            taken.append(box)
+        boxes = _free_boxes(centres[index], radii[index], label.prefer, extent, frame,
+                            np.concatenate([points, np.reshape(taken, (-1, 4))]), pixels)
+        for box in boxes:
             middle = (box[:2] + box[2:]) / 2
             gap = np.abs(middle - centres[index]) - extent / 2 - radii[index]
-            _draw(axes, label, centres[index], box, size, gap.max() > LEADER_FROM_POINTS * pixels)
+            leader = np.array([centres[index], middle]) if gap.max() > LEADER_FROM_POINTS * pixels else None
+            if _is_clear(box, leader, taken, leaders):
+                taken.append(box)
+                leaders += [] if leader is None else [leader]
+                _draw(axes, label, centres[index], box, size, leader is not None)
+                break
+
+
+def _is_clear(box: np.ndarray, leader: np.ndarray | None, taken: list, leaders: list) -> bool:
+    """No line crosses another one or a label."""
+    if any(_touches(other, box) for other in leaders):
+        return False
+    return leader is None or not (any(_cross(leader, other) for other in leaders)
+                                  or any(_touches(leader, other) for other in taken))
+
+
+def _touches(line: np.ndarray, box: np.ndarray) -> bool:
+    corners = np.array([[box[0], box[1]], [box[2], box[1]], [box[2], box[3]], [box[0], box[3]]])
+    inside = np.all((line >= box[:2]) & (line <= box[2:]), axis=1).any()
+    return inside or any(_cross(line, np.array([corners[i - 1], corners[i]])) for i in range(4))
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> bool:
+    def side(line, point) -> float:
+        (x, y), (u, v) = line[1] - line[0], point - line[0]
+        return x * v - y * u
+
+    return side(a, b[0]) * side(a, b[1]) < 0 and side(b, a[0]) * side(b, a[1]) < 0
 
 
 def _extent(axes, text: str, size: float, renderer, pixels: float) -> np.ndarray:
@@ -63,17 +95,12 @@ def _bars(axes, labels: list[Label], pixels: float) -> np.ndarray:
     return boxes[np.isfinite(boxes).all(axis=1)]  # of few frames the interval is not known
 
 
-def _free_box(centre, radius, prefer, extent, frame, points, taken, pixels) -> np.ndarray | None:
-    """(left, bottom, right, top) in pixels, inside of the frame. Covers no label, and no point if that can be."""
+def _free_boxes(centre, radius, prefer, extent, frame, others, pixels) -> np.ndarray:
+    """(left, bottom, right, top) in pixels, the best first, inside of the frame: those that cover no label and no point."""
     beside = np.array([centre + np.array(direction) * (radius + (distance - 2) * pixels + extent / 2)
                        for distance in DISTANCES_POINTS for direction in [prefer, *DIRECTIONS]])
-    lattice = _lattice(centre, extent, frame, pixels)
-    for middles in (beside, lattice):
-        free = _boxes_free_of(middles, extent, frame, np.concatenate([points, taken]))
-        if len(free):
-            return free[0]
-    free = _boxes_free_of(lattice, extent, frame, taken)
-    return free[0] if len(free) else None
+    middles = np.concatenate([beside, _lattice(centre, extent, frame, pixels)])
+    return _boxes_free_of(middles, extent, frame, others)
 
 
 def _lattice(centre, extent, frame, pixels) -> np.ndarray:

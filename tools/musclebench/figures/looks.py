@@ -25,6 +25,23 @@ def knows(name: str) -> bool:
     return _known.has(name)
 
 
+def title(name: str) -> str:
+    """What people call a backend."""
+    return backend(name).title
+
+
+def title_and_name(name: str) -> str:
+    """For a key, in which a reader finds the name that commands and tables have."""
+    return title(name) if title(name).lower().replace(" ", "_") == name.lower() else f"{title(name)} ({name})"
+
+
+def series_title(backend_name: str, series: str) -> str:
+    about = backend(backend_name)
+    named = {f"{about.label} {one['name']}": one.get("title", one["name"]) for one in about.series if "name" in one}
+    curve = named.get(series, series.removeprefix(about.label).strip())
+    return f"{title_and_name(backend_name)}, {curve}"
+
+
 def backends_in_order(names) -> list[str]:
     """Names without repetition, in the program's order; those that it doesn't know last."""
     names = set(names)

@@ -44,7 +44,7 @@ def draw_offsets(rows: pd.DataFrame, stem: Path) -> list[Path]:
     for backend in looks.backends_in_order(shown["backend"].unique()):
         own = shown[shown["backend"] == backend]
         axes.scatter(own["x"], own["y"], s=18, color=looks.colour(backend), marker=looks.marker(backend), zorder=3,
-                     linewidth=0, alpha=0.8, label=looks.backend(backend).label)
+                     linewidth=0, alpha=0.8, label=looks.title(backend))
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=style.SMALLEST_POINTS)
     figure.tight_layout()
     table = stem.with_suffix(".csv")

@@ -65,7 +65,7 @@ def _draw_times(cases, muscle: str, runs: dict[str, Run], published: Published, 
         ratio = collision_ratio(cases, muscle, backend)
         paper = published.time_ratio(backend)
         note = "" if backend == "voxel" else f"\n{as_ratio(ratio.value)} x voxel\n(paper {paper or 'none'})"
-        labels.append((milliseconds.iloc[-30:].median(), f"{backend}{note}", backend))
+        labels.append((milliseconds.iloc[-30:].median(), f"{looks.title(backend)}{note}", backend))
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter(PLAIN_NUMBERS)
     axes.yaxis.set_minor_formatter(style.PlainLogFormatter(minor_thresholds=(1, 0.4)))
@@ -86,7 +86,7 @@ def _draw_memory(muscle: str, runs: dict[str, Run], folder: Path) -> list[Path]:
         megabytes = run.frames["resident_bytes"] / MEGABYTE
         _line(axes, backend, run.frames["frame"], megabytes)
         growth = megabytes.iloc[-1] - megabytes.iloc[0]
-        labels.append((megabytes.iloc[-1], f"{backend}\n{megabytes.iloc[0]:.0f} MB, {growth:+.1f}", backend))
+        labels.append((megabytes.iloc[-1], f"{looks.title(backend)}\n{megabytes.iloc[0]:.0f} MB, {growth:+.1f}", backend))
     axes.set_ylim(bottom=0)
     axes.set(xlabel="frame", ylabel="resident memory (MB)")
     figure.suptitle(f"Fig. 8  Memory of the process, {style.muscle_label(muscle)}", x=0.02, ha="left", y=0.99)
@@ -104,7 +104,7 @@ def _draw_depths(cases, folder: Path) -> list[Path]:
     for column, muscle in enumerate(muscles):
         for (name, backend), run in cases.items():
             if name == muscle:
-                _line(panels[0, column], backend, run.frames["frame"], 1e3 * run.frames["max_depth_m"], label=backend)
+                _line(panels[0, column], backend, run.frames["frame"], 1e3 * run.frames["max_depth_m"], label=looks.title(backend))
                 _line(panels[1, column], backend, run.frames["frame"], 1e3 * run.frames["mean_depth_m"])
         panels[0, column].set_title(style.muscle_label(muscle))
         panels[1, column].set_xlabel("frame")

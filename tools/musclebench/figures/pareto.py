@@ -17,11 +17,15 @@ from .style import plt
 
 PANEL_HEIGHT_INCHES = 3.1
 COLUMNS = 2
-BAND_SHARE = 0.30  # of the axis' height for what is exact
-LANES = 5  # in that band, so that points of about the same time stand apart
-KEY_LETTERS = 23  # in a line of the names of numbers
+BAND_SHARE = 0.16  # of the axis' height, below its break, for what is exact
+MOST_LABELS = 8  # of a panel; the page names every point
 LEGEND_BYTES = (1e4, 1e6, 1e8)
 FRONT_COLOUR = "#555555"
+WRONG_GROWS = 1.3  # the cross beyond its marker
+EXACT_LETTERS = 6  # in a line of the words at the axis
+CONTROL_AREA = 50.0
+STROKE_POINTS = 7.0
+BREAK_POINTS = 4.0  # between the strokes that break the axis
 
 
 @dataclass
@@ -32,12 +36,17 @@ class Axis:
     bottom_mm: float  # end of the band of what is exact, below it; `low_mm` where nothing is
     high_mm: float
 
-    def height(self, error_mm: float, lane: int) -> float:
-        """Where a point is drawn: inside of the band the height means nothing."""
-        if error_mm >= EXACT_MM:
-            return error_mm
-        share = (lane % LANES + 0.7) / (LANES + 0.4)
-        return self.low_mm * (self.bottom_mm / self.low_mm) ** share
+    @property
+    def has_band(self) -> bool:
+        return self.bottom_mm < self.low_mm
+
+    @property
+    def exact_mm(self) -> float:
+        """The one height of all that is exact."""
+        return math.sqrt(self.low_mm * self.bottom_mm)
+
+    def height(self, error_mm: float) -> float:
+        return error_mm if error_mm >= EXACT_MM else self.exact_mm
 
 
 def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str, nothing: str) -> list[Path]:
@@ -48,25 +57,23 @@ def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str, 
     panels = list(dict.fromkeys(points["panel"]))
     columns = min(COLUMNS, len(panels) + 1)
     rows = math.ceil((len(panels) + 1) / columns)
-    shares = [1.0, 0.8] if len(panels) == 1 else [1.0] * columns
+    shares = [1.0, 0.6] if len(panels) == 1 else [1.0] * columns
     figure, cells = plt.subplots(rows, columns, figsize=(style.PAGE_INCHES, PANEL_HEIGHT_INCHES * rows), squeeze=False,
                                  width_ratios=shares)
     cells = list(cells.flat)
-    numbers = _numbers(points)
+    axis = error_axis(points["error_mm"])
     for cell, panel in zip(cells, panels):
         cell.set(xlabel="collision time a frame (ms)", ylabel=error_title)
         cell.set_title(panel_title(panel, panels), loc="left")
+        _scale(cell, points[points["panel"] == panel], axis, nothing)
     for cell in cells[len(panels):]:
         cell.axis("off")
     figure.suptitle(title, x=0.01, ha="left")
-    axis = error_axis(points["error_mm"])
-    # Labels are laid out in pixels: the panels must have their final size before, with room for the numbers at their axes.
-    digits = max(0.0, -math.log10(axis.low_mm) - 2)
-    figure.tight_layout(rect=(0.012 * digits, 0, 1, 0.99), w_pad=1.0 + digits, h_pad=1.0)
+    # Labels are laid out in pixels: the panels must have their final size before.
+    figure.tight_layout(rect=(0, 0, 1, 0.99), w_pad=1.0, h_pad=1.0)
     for cell, panel in zip(cells, panels):
-        _draw_panel(cell, points[points["panel"] == panel], axis, numbers, nothing)
-    # Below a panel the key may have the room of its axis' words.
-    _draw_key(cells[len(panels)], points, numbers, left=-0.12 if len(panels) >= columns else 0.0)
+        _draw_panel(cell, points[points["panel"] == panel], axis)
+    _draw_key(cells[len(panels)], points)
     table = stem.with_suffix(".csv")
     points.to_csv(table, index=False)
     return [*style.save_figure(figure, stem), table]
@@ -91,56 +98,87 @@ def error_axis(errors_mm: pd.Series) -> Axis:
     return Axis(low, low / 10**decades, high)
 
 
-def _draw_panel(axes, points: pd.DataFrame, axis: Axis, numbers: dict[str, int], nothing: str) -> None:
-    times = _time_limits(points)
-    axes.set(xscale="log", yscale="log", xlim=times, ylim=(axis.bottom_mm, axis.high_mm))
-    _mark_exact(axes, axis, nothing)
-    points = points.sort_values("time_ms").reset_index(drop=True)
-    exact = points["error_mm"] < EXACT_MM
-    lanes = exact.cumsum() - 1
-    heights = pd.Series([axis.height(e, lane) for e, lane in zip(points["error_mm"], lanes)], index=points.index)
-    _draw_front(axes, points, axis)
-    labels = []
-    for series, curve in points[points["series"].notna()].groupby("series", sort=False):
-        curve = curve.sort_values("fineness")
-        backend = curve["backend"].iloc[0]
-        _, dashes = looks.series_style(backend, series)
-        axes.plot(curve["time_ms"], heights[curve.index], linestyle=dashes, linewidth=0.8, zorder=2,
-                  color=looks.colour(backend))
-    for index, point in points.iterrows():
-        if point["is_control"]:
-            _draw_control(axes, point, heights[index], times)
-            continue
-        _draw_point(axes, point, heights[index])
-        text = _label_text(point, points, numbers)
-        radius = math.sqrt(marker_area(point["structure_bytes"])) / 2
-        side, bar = _side(point), (point["time_ms_low"], point["time_ms_high"])
-        colour = looks.colour(point["backend"])
-        labels.append(Label(point["time_ms"], heights[index], text, colour, radius, side, bar))
-    place_labels(axes, labels, size=style.SMALLEST_POINTS)
-
-
-def _mark_exact(axes, axis: Axis, nothing: str) -> None:
-    if axis.bottom_mm < axis.low_mm:
-        axes.axhspan(axis.bottom_mm, axis.low_mm, facecolor="#eef2f5", edgecolor="none", zorder=0)
-        axes.axhline(axis.low_mm, color="#888888", linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
-        axes.text(0.012, 0.012, f"{nothing} (below 1 nm)", transform=axes.transAxes, fontsize=7,
-                  color=style.NOTE_COLOUR, va="bottom")
-    # Ticks only where the axis is one: not in the band.
+def _scale(axes, points: pd.DataFrame, axis: Axis, nothing: str) -> None:
+    """Limits and ticks, which say how much room the panel has."""
+    axes.set(xscale="log", yscale="log", xlim=_time_limits(points), ylim=(axis.bottom_mm, axis.high_mm))
     decades = np.arange(round(math.log10(axis.low_mm)), math.floor(math.log10(axis.high_mm)) + 1)
-    axes.set_yticks([10.0**decade for decade in decades])
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ticks = {10.0**decade: f"{10.0**decade:g}" for decade in decades}
+    if axis.has_band:
+        ticks[axis.exact_mm] = textwrap.fill(nothing, EXACT_LETTERS)
+    axes.set_yticks(list(ticks), list(ticks.values()))
     axes.set_yticks([], minor=True)
     axes.xaxis.set_major_locator(LogLocator(numticks=12))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.10g}".replace(",", "\u2009")))
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 
+def _draw_panel(axes, points: pd.DataFrame, axis: Axis) -> None:
+    points = points.sort_values("time_ms").reset_index(drop=True)
+    heights = points["error_mm"].map(axis.height)
+    marks = _mark_exact(axes, axis) if axis.has_band else []
+    _draw_front(axes, points, axis)
+    for series, curve in points[points["series"].notna()].groupby("series", sort=False):
+        curve = curve.sort_values("fineness")
+        backend = curve["backend"].iloc[0]
+        _, dashes = looks.series_style(backend, series)
+        axes.plot(curve["time_ms"], heights[curve.index], linestyle=dashes, linewidth=0.8, zorder=2,
+                  color=looks.colour(backend))
+    levels = [axis.low_mm, axis.exact_mm] if axis.has_band else []
+    for index, point in points.iterrows():
+        if point["is_control"]:
+            marks += _draw_control(axes, point, heights[index])
+            levels.append(heights[index])
+        else:
+            _draw_point(axes, point, heights[index])
+    shown = points[~points["is_control"]]
+    named = chosen_labels(shown)
+    labels = marks + [_label(shown.loc[index], heights[index], index in named) for index in
+              [*named, *(index for index in shown.index if index not in named)]]
+    place_labels(axes, labels, style.SMALLEST_POINTS, levels)
+
+
+def chosen_labels(points: pd.DataFrame) -> list:
+    """Index of the points that have a name beside them: of each backend in turn its default, its best, its ends."""
+    picks = [_picks(points[points["backend"] == backend]) for backend in looks.backends_in_order(points["backend"])]
+    in_turn = [mine[turn] for turn in range(max(map(len, picks), default=0)) for mine in picks if turn < len(mine)]
+    return in_turn[:MOST_LABELS]
+
+
+def _picks(points: pd.DataFrame) -> list:
+    right = points[~points["is_wrong"]]
+    defaults = points[points["is_default"]]
+    front = points[points["on_front"]].sort_values("error_mm")
+    first = points[points["series"].isin(looks.series_of(points["backend"].iloc[0])[:1])].sort_values("fineness")
+    fastest = right[right["series"].isna()].sort_values("time_ms")
+    found = [*defaults.index, *front.index[:1], *fastest.index[:1], *first.index[-1:], *first.index[:1]]
+    return list(dict.fromkeys(found)) or list(points.index[:1])
+
+
+def _label(point, height: float, is_named: bool) -> Label:
+    radius = math.sqrt(marker_area(point["structure_bytes"])) / 2 * (WRONG_GROWS if point["is_wrong"] else 1)
+    return Label(point["time_ms"], height, point["spoken"] if is_named else "", looks.colour(point["backend"]), radius,
+                 _side(point), (point["time_ms_low"], point["time_ms_high"]))
+
+
+def _mark_exact(axes, axis: Axis) -> list[Label]:
+    """A band under a broken axis; the room that the strokes of the break take."""
+    axes.axhspan(axis.bottom_mm, axis.low_mm, facecolor="#eef2f5", edgecolor="none", zorder=0)
+    axes.axhline(axis.low_mm, color="#888888", linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
+    (left, _), step = axes.get_xlim(), BREAK_POINTS * axes.figure.dpi / 72
+    start = axes.transData.transform((left, axis.low_mm))
+    ends = [axes.transData.inverted().transform(start - (0, down * step))[1] for down in (1, 2)]
+    axes.plot([left, left], ends, color="white", linewidth=2.5, clip_on=False, zorder=7,
+              solid_capstyle="butt")
+    axes.plot([left, left], ends, linestyle="none", marker=[(-1, -0.5), (1, 0.5)], markersize=STROKE_POINTS, color="black",
+              markeredgewidth=0.7, clip_on=False, zorder=8)
+    return [Label(left, end, "", "black", STROKE_POINTS / 2) for end in ends]
+
+
 def _draw_front(axes, points: pd.DataFrame, axis: Axis) -> None:
     front = points[points["on_front"]].sort_values("time_ms")
     if front.empty:
         return
-    heights = [max(error, axis.low_mm) if error >= EXACT_MM else axis.low_mm for error in front["error_mm"]]
+    heights = [max(error, axis.low_mm) if error >= EXACT_MM else axis.exact_mm for error in front["error_mm"]]
     x = [*front["time_ms"], axes.get_xlim()[1]]
     axes.step(x, [*heights, heights[-1]], where="post", color=FRONT_COLOUR, linewidth=2.6, alpha=0.25, zorder=1.2,
               solid_joinstyle="miter")
@@ -156,7 +194,7 @@ def _draw_point(axes, point, height: float) -> None:
     axes.scatter([point["time_ms"]], [height], s=area, marker=shape, facecolor="none" if wrong else colour,
                  edgecolor=edge, linewidth=0.9 if point["on_front"] else 0.4, zorder=5 if point["on_front"] else 4)
     if wrong:
-        axes.scatter([point["time_ms"]], [height], s=1.6 * area, marker="x", color=colour, linewidth=0.7, zorder=5)
+        axes.scatter([point["time_ms"]], [height], s=WRONG_GROWS**2 * area, marker="x", color=colour, linewidth=0.7, zorder=5)
 
 
 def _marker(point) -> str:
@@ -171,30 +209,14 @@ def _side(point) -> tuple[int, int]:
     return (-1, 0) if is_left else (1, 0)
 
 
-def _draw_control(axes, point, height: float, times: tuple[float, float]) -> None:
+def _draw_control(axes, point, height: float) -> list[Label]:
+    """The name of its line, and the room that its mark takes."""
     colour = looks.colour(point["backend"])
+    left, right = axes.get_xlim()
     axes.axhline(height, color=colour, linestyle=looks.dash(point["backend"]), linewidth=1.0, zorder=1)
-    axes.scatter([times[0]], [height], marker="<", s=50, color=colour, clip_on=False, zorder=5)
-    label = looks.backend(point["backend"]).label
-    axes.annotate(f"{label}: no collision", (times[1], height), xytext=(-2, 3), textcoords="offset points", fontsize=7,
-                  color=colour, ha="right")
-
-
-def _label_text(point, points: pd.DataFrame, numbers: dict[str, int]) -> str:
-    """All of a backend's first curve are named, of the others the coarsest and the finest."""
-    if point["configuration"] in numbers:
-        return str(numbers[point["configuration"]])
-    if point["series"]:
-        alike = points.loc[points["series"] == point["series"], "fineness"]
-        is_inner = alike.min() < point["fineness"] < alike.max()
-        return "" if is_inner and point["series"] not in looks.series_of(point["backend"])[:1] else point["label"]
-    return point["configuration"]
-
-
-def _numbers(points: pd.DataFrame) -> dict[str, int]:
-    """Of the configurations of backends that have many choices: their names have no room beside the points."""
-    crowded = points["backend"].map(lambda name: looks.backend(name).has_many_choices)
-    return {name: number for number, name in enumerate(dict.fromkeys(points.loc[crowded, "configuration"]), 1)}
+    axes.scatter([left], [height], marker="<", s=CONTROL_AREA, color=colour, clip_on=False, zorder=5)
+    return [Label(right, height, looks.title(point["backend"]), colour, 0.0, (-1, 1)),
+            Label(left, height, "", colour, math.sqrt(CONTROL_AREA) / 2)]
 
 
 def _time_limits(points: pd.DataFrame) -> tuple[float, float]:
@@ -208,17 +230,17 @@ def marker_area(structure_bytes: float) -> float:
     return 5.0 + 6.0 * decades
 
 
-def _draw_key(axes, points: pd.DataFrame, numbers: dict[str, int], left: float) -> None:
+def _draw_key(axes, points: pd.DataFrame) -> None:
     """What signs mean, in a cell of the grid of panels."""
     handles = []
     curves = points[points["series"].notna()]
     backend_of = dict(zip(curves["series"], curves["backend"]))
     for series in style.in_order(backend_of, looks.all_series()):
         shape, dashes = looks.series_style(backend_of[series], series)
-        handles.append(Line2D([], [], marker=shape, linestyle=dashes, markersize=5, label=series,
+        handles.append(Line2D([], [], marker=shape, linestyle=dashes, markersize=5, label=looks.series_title(backend_of[series], series),
                               color=looks.colour(backend_of[series])))
     for backend in looks.backends_in_order(points.loc[points["series"].isna() & ~points["is_control"], "backend"]):
-        handles.append(_dot(looks.marker(backend), looks.colour(backend), looks.backend(backend).label))
+        handles.append(_dot(looks.marker(backend), looks.colour(backend), looks.title_and_name(backend)))
     if points["is_wrong"].any():
         handles.append(Line2D([], [], marker="x", linestyle="", markersize=6, color="#333333",
                               label="wrong (caption: why)"))
@@ -230,14 +252,8 @@ def _draw_key(axes, points: pd.DataFrame, numbers: dict[str, int], left: float) 
     for count in LEGEND_BYTES:
         handles.append(Line2D([], [], marker="o", linestyle="", color="#999999",
                               markersize=math.sqrt(marker_area(count)), label=f"{_bytes(count)} of structures"))
-    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(left, 1.06), frameon=False, fontsize=7,
+    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(0.0, 1.06), frameon=False, fontsize=7,
                 handlelength=2.2, labelspacing=0.3)
-    words = [textwrap.fill(f"{number}  {name}", KEY_LETTERS, subsequent_indent="     ")
-             for name, number in numbers.items()]
-    if words:
-        colours = {looks.colour(name) for name in points.loc[points["configuration"].isin(list(numbers)), "backend"]}
-        axes.text(0.56, 1.02, "\n".join(["numbers: configurations", *words]), transform=axes.transAxes, fontsize=7.0,
-                  va="top", color=colours.pop() if len(colours) == 1 else "black", linespacing=1.15)
 
 
 def _dot(shape: str, colour: str, label: str) -> Line2D:

@@ -29,9 +29,10 @@ def stage_rows(coupled: list[Aggregate], replays: list[Aggregate]) -> pd.DataFra
             for stage in stages_of(aggregate):
                 series = [stage_ns(case, stage) for case in aggregate.ok]
                 time = pooled_median(series).scaled(NANOSECONDS_TO_MS)
-                rows.append({"scene": scene, "configuration": aggregate.configuration.name, "stage": stage,
+                rows.append({"scene": scene, "configuration": aggregate.configuration.name,
+                             "spoken": aggregate.configuration.spoken, "stage": stage,
                              "ms": time.value, "ms_low": time.low, "ms_high": time.high})
-    table = pd.DataFrame(rows, columns=["scene", "configuration", "stage", "ms", "ms_low", "ms_high"])
+    table = pd.DataFrame(rows, columns=["scene", "configuration", "spoken", "stage", "ms", "ms_low", "ms_high"])
     table["share"] = table["ms"] / table.groupby(["scene", "configuration"], sort=False)["ms"].transform("sum")
     return table
 
@@ -88,7 +89,8 @@ def _draw_bars(axes, rows: pd.DataFrame, names: list[str], colours: dict) -> Non
         collision = mine.loc[[s for s in COLLISION_STAGES if s in mine.index], "ms"].sum()
         axes.text(101, height, f"{_ms(mine['ms'].sum())} ms, collision {_ms(collision)} ms", va="center",
                   fontsize=7)
-    axes.set_yticks(range(len(configurations)), configurations)
+    spoken = dict(zip(rows["configuration"], rows["spoken"]))
+    axes.set_yticks(range(len(configurations)), [spoken[name] for name in configurations])
     axes.set(xlim=(0, 100), ylim=(len(configurations) - 0.45, -0.55))
     axes.grid(axis="y", visible=False)
     axes.tick_params(axis="y", length=0)

@@ -39,6 +39,11 @@ class Backend:
     implementation: str = ""  # whose code it is
 
     @property
+    def title(self) -> str:
+        """What people call it, for pictures and pages; tables and commands have its name."""
+        return self.study.get("title") or self.label.replace("_", " ")
+
+    @property
     def is_control(self) -> bool:
         """The loop without collision."""
         return bool(self.study.get("control"))
