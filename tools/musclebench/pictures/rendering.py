@@ -108,19 +108,20 @@ class Scene3d:
         actor.GetProperty().SetOpacity(opacity)
         self._add_temporary(actor)
 
-    def add_points(self, points_m: np.ndarray, radius_m: float, colour) -> None:
-        """Balls of one colour (0..1); stay until clear_muscle."""
+    def add_points(self, points_m: np.ndarray, radius_m: float, colours: np.ndarray) -> None:
+        """Balls, each of its colour (n, 3) in 0..255; stay until clear_muscle."""
         ball = vtk.vtkSphereSource()
         ball.SetRadius(radius_m)
         ball.SetThetaResolution(10)
         ball.SetPhiResolution(8)
         glyphs = vtk.vtkGlyph3DMapper()
-        glyphs.SetInputData(poly_data(points_m, np.empty((0, 3))))
+        data = poly_data(points_m, np.empty((0, 3)))
+        data.GetPointData().SetScalars(numpy_to_vtk(np.ascontiguousarray(colours, dtype=np.uint8), deep=True))
+        glyphs.SetInputData(data)
         glyphs.SetSourceConnection(ball.GetOutputPort())
-        glyphs.ScalarVisibilityOff()
+        glyphs.ScalingOff()
         actor = vtk.vtkActor()
         actor.SetMapper(glyphs)
-        actor.GetProperty().SetColor(*colour)
         self._add_temporary(actor)
 
     def add_tubes(self, lines: list[np.ndarray], radius_m: float, colours: np.ndarray) -> None:

@@ -16,7 +16,8 @@ from ..figures.style import plt
 from ..results.run_folder import Run
 from ..tables.paper_tables import by_case
 from .surface_pictures import (
-    ATTACHMENT_COLOURS, DEPTH_COLOURS, INSIDE_FROM_MM, MUSCLE_COLOURS, Snapshot, Studio, bound_nodes_by_bone, read_snapshots,
+    ATTACHMENT_COLOURS, DEPTH_COLOURS, INSIDE_FROM_MM, MUSCLE_COLOURS, Snapshot, Studio, bound_nodes_by_bone, facing_inside,
+    read_snapshots,
 )
 
 
@@ -80,6 +81,7 @@ def depth_scale_mm(moments: dict) -> float:
 
 def _draw_muscle(studio: Studio, muscle: str, moments: dict[str, Moments], runs, folder: Path, say) -> list[Path]:
     deepest_mm = depth_scale_mm(moments)
+    studio.hold_close([shot for chosen in moments.values() for shot in (chosen.half, chosen.full)])
     size = (style.PAGE_INCHES, 1.36 * len(moments) + 0.7)
     figure, panels = plt.subplots(len(moments), 5, figsize=size, squeeze=False)
     for row, (backend, chosen) in enumerate(moments.items()):
@@ -88,7 +90,7 @@ def _draw_muscle(studio: Studio, muscle: str, moments: dict[str, Moments], runs,
         pictures += [studio.close_up(s, deepest_mm) for s in (chosen.half, chosen.full)]
         for column, picture in enumerate(pictures):
             _show(panels[row, column], picture)
-        _row_name(panels[row, 0], backend, looks.colour(backend))
+        _row_name(panels[row, 0], looks.title(backend), looks.colour(backend))
         for column, snapshot in ((3, chosen.half), (4, chosen.full)):
             _note_depth(panels[row, column], snapshot)
     first = next(iter(moments.values()))
@@ -97,7 +99,7 @@ def _draw_muscle(studio: Studio, muscle: str, moments: dict[str, Moments], runs,
     for column, (text, snapshot) in enumerate(heads):
         panels[0, column].set_title(f"{text} ({_degrees(snapshot.angle_deg)})", fontsize=7)
     title = f"Fig. 6  {style.muscle_label(muscle).capitalize()}; left the muscle, right the joint from the other side"
-    _finish(figure, title, runs, deepest_mm)
+    _finish(figure, title, runs, deepest_mm, " and the muscle, in the two columns on the right")
     rows = _depth_rows({(muscle, backend): chosen for backend, chosen in moments.items()})
     return _save(figure, rows, folder / f"fig_6_{muscle}")
 
@@ -109,18 +111,20 @@ def _draw_full_flexion(studios, moments, runs, folder: Path, say) -> list[Path]:
     figure, panels = plt.subplots(len(studios), len(backends), figsize=size, squeeze=False)
     for row, (muscle, studio) in enumerate(studios.items()):
         say(f"full flexion, {style.muscle_label(muscle)}")
+        facing = facing_inside([chosen.full for (name, _), chosen in moments.items() if name == muscle])
         for column, backend in enumerate(backends):
             chosen = moments.get((muscle, backend))
             if chosen is None:
                 _show_missing(panels[row, column])
                 continue
-            _show(panels[row, column], studio.overview(chosen.full, deepest_mm))
+            _show(panels[row, column], studio.inside(chosen.full, deepest_mm, facing))
             _note_depth(panels[row, column], chosen.full)
         _row_name(panels[row, 0], style.muscle_label(muscle), "black")
     for column, backend in enumerate(backends):
-        panels[0, column].set_title(backend, fontsize=8, fontweight="bold", color=looks.colour(backend))
+        panels[0, column].set_title(looks.title(backend), fontsize=8, fontweight="bold", color=looks.colour(backend))
     angle = max((chosen.full.angle_deg for chosen in moments.values()), key=abs)
-    _finish(figure, f"All muscles at full flexion ({_degrees(angle)})", runs, deepest_mm)
+    _finish(figure, f"All muscles at full flexion ({_degrees(angle)})", runs, deepest_mm,
+            " and the muscle, from the side on which most of them are")
     return _save(figure, _depth_rows(moments), folder / "muscles_at_full_flexion")
 
 
@@ -151,7 +155,7 @@ def _draw_several(studio: Studio, scene: str, run: Run, folder: Path, say) -> li
              for i in range(len(muscles))]
     figure.legend(marks, [style.muscle_label(muscle["name"]) for muscle in muscles], ncols=len(muscles), fontsize=7,
                   loc="lower center", bbox_to_anchor=(0.5, 0.03), frameon=False)
-    figure.suptitle(f"{style.muscle_label(scene).capitalize()} with {run.backend}", x=0.02, ha="left", y=0.99, va="top")
+    figure.suptitle(f"{style.muscle_label(scene).capitalize()} with {looks.title_and_name(run.backend)}", x=0.02, ha="left", y=0.99, va="top")
     style.add_note(figure, caption([run]), y=0.0)
     rows = pd.DataFrame([{"frame": s.frame, "angle_deg": s.angle_deg} for s in snapshots])
     return _save(figure, rows, folder / f"muscles_of_{scene}")
@@ -215,7 +219,8 @@ def _note_depth(panel, snapshot: Snapshot) -> None:
     panel.text(0.5, -0.01, text, ha="center", va="top", fontsize=7, transform=panel.transAxes)
 
 
-def _finish(figure, title: str, runs, deepest_mm: float) -> None:
+def _finish(figure, title: str, runs, deepest_mm: float, where: str = "") -> None:
+    """`where`: in which of the pictures."""
     width, height = figure.get_size_inches()
     figure.subplots_adjust(wspace=0.03, hspace=0.12, left=0.25 / width, right=1 - 0.75 / width, bottom=0.2 / height,
                            top=1 - 0.4 / height)
@@ -224,7 +229,8 @@ def _finish(figure, title: str, runs, deepest_mm: float) -> None:
     bar = figure.colorbar(scale, cax=figure.add_axes([1 - 0.66 / width, 0.3, 0.1 / width, 0.4]), extend="max",
                           ticks=MaxNLocator(5, steps=[1, 2, 5, 10]), format=FuncFormatter(lambda mm, _: f"{mm:g}"))
     bar.set_label(f"depth in a bone (mm)\nred: outside or less than {INSIDE_FROM_MM} mm")
-    style.add_note(figure, f"{caption(runs)}. Bones are cut beside the muscle for sight.", y=0.0)
+    style.add_note(figure, f"{caption(runs)}. Bones are cut beside the muscle for sight. "
+                   f"Balls: nodes inside a bone, seen through it{where}.", y=0.0)
 
 
 def _depth_rows(moments: dict) -> pd.DataFrame:

@@ -19,6 +19,7 @@ SEE_THROUGH_BONE = 0.2
 SEE_THROUGH_MUSCLE = 0.35
 SEE_THROUGH_SKIN = 0.15
 BALL_SHARE = 0.011  # radius of a marked node, of half the picture's height
+FEW, FEW_GROW = 100, 2.2  # so few balls are larger: they would be overlooked
 TUBE_SHARE = 0.006  # the same of a fibre
 MUSCLE_COLOURS = np.array([[178, 88, 80], [214, 157, 76], [110, 150, 105], [120, 110, 170], [90, 150, 170]])
 ATTACHMENT_COLOURS = [(0.0, 0.45, 0.70), (0.90, 0.62, 0.0), (0.80, 0.47, 0.65), (0.0, 0.62, 0.45)]
@@ -82,10 +83,33 @@ class Studio:
         return self._scene.picture(self._overview)
 
     def close_up(self, snapshot: Snapshot, deepest_mm: float) -> np.ndarray:
-        """The joint seen through its bones."""
-        self._show(snapshot, depth_colours(snapshot.depth_mm, deepest_mm))
+        """The joint seen through its bones, with the nodes inside."""
+        return self._picture_inside(snapshot, deepest_mm, self._close_up)
+
+    def inside(self, snapshot: Snapshot, deepest_mm: float, facing: np.ndarray | None) -> np.ndarray:
+        """All of the muscle with its nodes inside. `facing`: see `facing_inside`."""
+        view = self._overview
+        eye = None if facing is None else views.level_eye(facing, view.up)
+        return self._picture_inside(snapshot, deepest_mm, view if eye is None else View(view.focus_m, eye, view.up, view.half_height_m))
+
+    def hold_close(self, snapshots: list[Snapshot]) -> None:
+        """The close-up gets as large as the nodes inside of these need, and no larger than the overview."""
+        view = self._close_up
+        right = np.cross(view.up, view.towards_eye)
+        inside = np.vstack([shot.mesh.vertices_m[shot.depth_mm > INSIDE_FROM_MM] for shot in snapshots]) - view.focus_m
+        farthest = max((float(np.abs(inside @ axis).max(initial=0.0)) for axis in (right, view.up)))
+        view.half_height_m = min(max(view.half_height_m, views.OVERVIEW_MARGIN * farthest), self._overview.half_height_m)
+
+    def _picture_inside(self, snapshot: Snapshot, deepest_mm: float, view: View) -> np.ndarray:
+        """Bones and muscle see-through; a node inside a bone is a ball of the colour of its depth."""
+        depth, vertices = snapshot.depth_mm, snapshot.mesh.vertices_m
+        inside = depth > INSIDE_FROM_MM
+        self._show(snapshot, np.tile(MUSCLE_COLOUR, (len(vertices), 1)), SEE_THROUGH_MUSCLE)
         self._scene.set_bone_opacity(SEE_THROUGH_BONE)
-        return self._scene.picture(self._close_up)
+        if inside.any():
+            share = BALL_SHARE * (FEW_GROW if np.count_nonzero(inside) < FEW else 1)
+            self._scene.add_points(vertices[inside], share * view.half_height_m, depth_colours(depth[inside], deepest_mm))
+        return self._scene.picture(view)
 
     def muscles(self, snapshot: Snapshot, vertices_of_muscles: list[int], from_behind: bool) -> np.ndarray:
         """Each muscle in a colour of its own; `vertices_of_muscles` are the numbers of their vertices."""
@@ -105,7 +129,8 @@ class Studio:
         self._scene.set_bone_opacity(1.0)
         for number, nodes in enumerate(groups):
             colour = ATTACHMENT_COLOURS[number % len(ATTACHMENT_COLOURS)]
-            self._scene.add_points(vertices[nodes], BALL_SHARE * self._overview.half_height_m, colour)
+            colours = np.tile(255 * np.array(colour), (len(nodes), 1))
+            self._scene.add_points(vertices[nodes], BALL_SHARE * self._overview.half_height_m, colours)
         return self._scene.picture(self._overview)
 
     def fibres(self, snapshot: Snapshot, lines: list[np.ndarray], colours: np.ndarray) -> np.ndarray:
@@ -141,6 +166,16 @@ def shapes_of_muscles(run: Run, vertices_m: np.ndarray) -> list[np.ndarray]:
     """Of all muscles' vertices those of each."""
     counts = [muscle["vertices"] for muscle in run.record.get("muscles", [])]
     return np.split(vertices_m, np.cumsum(counts)[:-1]) if counts else [vertices_m]
+
+
+def facing_inside(snapshots: list[Snapshot]) -> np.ndarray | None:
+    """Where most of the nodes inside look: the mean normal of the muscle at them; None where no node is inside."""
+    total = np.zeros(3)
+    for shot in snapshots:
+        corners = shot.mesh.vertices_m[shot.mesh.triangles]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        total += normals[(shot.depth_mm > INSIDE_FROM_MM)[shot.mesh.triangles].any(axis=1)].sum(axis=0)
+    return total if np.linalg.norm(total) > 0 else None
 
 
 def depth_colours(depth_mm: np.ndarray, deepest_mm: float) -> np.ndarray:

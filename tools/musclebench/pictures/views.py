@@ -85,6 +85,13 @@ def cut_beside(joint: JointDirections, rest_m: np.ndarray, bones_m: np.ndarray) 
     return CutPlane(outermost - CUT_MARGIN_M * normal, normal)
 
 
+def level_eye(direction: np.ndarray, up: np.ndarray) -> np.ndarray | None:
+    """The unit vector nearest to it from which `up` is up; None along `up`."""
+    eye = _across(direction, up)
+    length = np.linalg.norm(eye)
+    return eye / length if length > 1e-3 * np.linalg.norm(direction) else None
+
+
 def _across(vector: np.ndarray, axis: np.ndarray) -> np.ndarray:
     return vector - axis * (vector @ axis)
 
