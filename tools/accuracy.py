@@ -14,6 +14,7 @@ from musclebench.experiments.experiment_file import CaseGroup, ExperimentFile, o
 from musclebench.experiments.running import limits_of, sweep_of
 from musclebench.options.accuracy import QUICK_MUSCLE, parse_arguments
 from musclebench.options.shared import check_options
+from musclebench.page.of_study import page_of
 from musclebench.program.cli import run_command
 from musclebench.program.registry import read_registry
 from musclebench.results.run_folder import ResultProblem
@@ -53,7 +54,8 @@ def measure_and_report(arguments) -> int:
     folders, started = folders_of(options, "accuracy"), time.monotonic()
     if options.report_only:
         require_results(folders.out_dir)
-        return end("accuracy", write_report(folders.out_dir), [], folders.out_dir)
+        files = [*write_report(folders.out_dir), *page_of("accuracy", folders.out_dir, options)]
+        return end("accuracy", files, [], folders.out_dir)
     registry = read_registry(options.musclebench)
     sweep = sweep_of(asked(file, options), options, registry, folders, QUICK_MUSCLE if options.quick else None)
     cases, limits = chosen(sweep, options.shard), limits_of(options)
@@ -62,7 +64,7 @@ def measure_and_report(arguments) -> int:
         return 0
     problems = sweep.run(cases, limits, options.keep_structures)
     measured = time.monotonic()
-    files = write_report(folders.out_dir)
+    files = [*write_report(folders.out_dir), *page_of("accuracy", folders.out_dir, options)]
     print(f"\nMeasured in {duration(measured - started)}, drawn in {duration(time.monotonic() - measured)}.")
     return end("accuracy", files, problems, folders.out_dir)
 

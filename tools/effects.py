@@ -10,6 +10,7 @@ from musclebench.experiments.running import limits_of, sweep_of
 from musclebench.experiments.selection import backend_of
 from musclebench.options.effects import QUICK_FRAMES, QUICK_MUSCLE, parse_arguments
 from musclebench.options.shared import check_options
+from musclebench.page.of_study import page_of
 from musclebench.program.cli import run_command
 from musclebench.program.registry import read_registry
 from musclebench.results.disturbance import disturbed, note
@@ -37,6 +38,7 @@ def run_and_report(arguments) -> int:
     busy = disturbed({case.name: read_run(folder).record for case, folder in done.items()})
     if busy:
         print(f"\n{note(busy, len(done))}")
+    files = [*files, *page_of("effects", folders.out_dir, options)]
     return end("effects", files, problems, folders.out_dir)
 
 

@@ -21,6 +21,7 @@ from musclebench.hard.cells import cases_of, cells_of
 from musclebench.hard.strips import run_scene
 from musclebench.options.hard import parse_arguments
 from musclebench.options.shared import check_options
+from musclebench.page.of_study import page_of
 from musclebench.program.cli import Problem, run_command
 from musclebench.program.fingerprint import write_whole
 from musclebench.program.registry import Registry, read_registry
@@ -91,6 +92,7 @@ def run_and_report(arguments) -> int:
         runs, more = strips(rows, options, registry, folders.out_dir / "raw" / "scenes")
         problems += more
         files += draw_strips(runs, folders.out_dir / "figures" / "scenes")
+    files += page_of("hard", folders.out_dir, options)
     code = BROKEN if (rows["verdict"] == "breaks").any() and not options.breaks_are_results else HELD
     return max(code, end("hard", files, problems, folders.out_dir))
 

@@ -13,6 +13,7 @@ from musclebench.moment_arms.published import read_published
 from musclebench.options.moment_arms import ACTIVE, PASSIVE, asked_experiment, parse_arguments
 from musclebench.options.shared import check_options
 from musclebench.pictures.in_display import draw_in_display
+from musclebench.page.of_study import page_of
 from musclebench.program.cli import Problem, run_command
 from musclebench.program.registry import read_registry
 from musclebench.results.run_folder import ResultProblem, Run, read_all
@@ -77,6 +78,7 @@ def run_and_report(options) -> int:
         is_drawn = False
         problems.append(str(problem))
     print(f"\n{table.caption}\n\n{as_text(table)}")
+    files += page_of("moment-arms", folders.out_dir, options)
     return end("moment-arms", files, problems, folders.out_dir if is_drawn else None)
 
 

@@ -11,7 +11,7 @@ from musclebench.experiments.running import limits_of, sweep_of
 from musclebench.figures import looks, paper_figures
 from musclebench.options.paper import parse_arguments
 from musclebench.options.shared import check_options
-from musclebench.page.page_file import FILE_NAME, write_page
+from musclebench.page.of_study import page_of
 from musclebench.paper import published
 from musclebench.pictures.in_display import draw_in_display
 from musclebench.program.cli import Problem, run_command
@@ -48,15 +48,6 @@ def print_report(runs: list[run_folder.Run], made: list[paper_tables.Table]) -> 
     print(paper_figures.caption(runs))
 
 
-def page_of(out_dir: Path) -> list[Path]:
-    """Says what it left out where the page can't be made: figures and tables are complete without it."""
-    try:
-        return [write_page([out_dir])]
-    except Problem as problem:
-        print(f"paper: left out {out_dir / FILE_NAME}, the page with charts and runs in space: {problem}", file=sys.stderr)
-        return []
-
-
 def run_and_report(options) -> int:
     check_options(options, "paper")
     folders = folders_of(options, "paper")
@@ -76,7 +67,7 @@ def run_and_report(options) -> int:
         is_drawn = False
         problems.append(str(problem))
     print_report(runs, made)
-    files += page_of(out_dir)
+    files += page_of("paper", out_dir, options)
     return end("paper", files, problems, out_dir if is_drawn else None)
 
 

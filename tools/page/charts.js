@@ -15,6 +15,9 @@ use([BarChart, CustomChart, LineChart, ScatterChart, DataZoomComponent, GridComp
   TooltipComponent, SVGRenderer]);
 
 const KINDS = { lines: linesOf, points: pointsOf, bars: barsOf, nights: nightsOf };
+const SWITCHED_OFF = "All series of this chart are switched off. Switch one on above.";
+const NOT_MEASURED = "Not measured of what is chosen.";
+const PAPER_PIXELS = 640;
 const NAME_PIXELS = 14;
 const ZOOM_STEP = 0.25; // of what is seen, at either end
 
@@ -31,6 +34,7 @@ export async function startChart(figure, choice) {
     const isApart = (row) => spec.apart && row[spec.apart] !== "here";
     const shown = mine.filter((row) => (row.backend === undefined || choice.shows(row.backend)) && (withApart || !isApart(row)));
     figure.classList.toggle("empty", shown.length === 0);
+    figure.querySelector(".nothing").textContent = mine.length ? SWITCHED_OFF : NOT_MEASURED;
     drawn = KINDS[spec.kind](spec, shown, choice);
     if (drawn.height) box.style.height = `${drawn.height}px`;
     chart.resize();
@@ -38,6 +42,11 @@ export async function startChart(figure, choice) {
     if (drawn.ends) nameEnds(chart, drawn.ends);
     if (drawn.chosen) figure.querySelector(".chosen").textContent = drawn.chosen;
     chart.dispatchAction({ type: "takeGlobalCursor", key: "dataZoomSelect", dataZoomSelectActive: drawsWithMouse() });
+  };
+
+  const resized = (width) => {
+    chart.resize({ width });
+    if (drawn.ends) nameEnds(chart, drawn.ends);
   };
 
   const apart = figure.querySelector(".show-apart");
@@ -54,6 +63,9 @@ export async function startChart(figure, choice) {
   bindZoom(figure, chart);
   bindKeys(box, chart, () => drawn.stops, heard);
   bindRows(figure, choice);
+  // A chart is drawn for a width: on paper it would be cut.
+  addEventListener("beforeprint", () => resized(PAPER_PIXELS));
+  addEventListener("afterprint", () => resized("auto"));
   draw();
   figure.chart = chart;
   figure.dataset.drawn = "yes";

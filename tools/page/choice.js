@@ -1,5 +1,7 @@
 // What is chosen in a section: one muscle, and which backends are shown. Charts and views of the section follow it.
 
+import { label } from "./words.js";
+
 const LIGHTER = 0.3;
 
 export class Choice extends EventTarget {
@@ -12,6 +14,11 @@ export class Choice extends EventTarget {
 
   shows(backend) {
     return !this.hidden.has(backend);
+  }
+
+  // As people write it.
+  name(backend) {
+    return this.looks[backend]?.label ?? label(backend);
   }
 
   // On a dark page lighter.
@@ -34,6 +41,12 @@ export function choiceOf(section) {
   select?.addEventListener("change", () => {
     choice.muscle = select.value;
     choice.change();
+  });
+  for (const button of section.querySelectorAll(".choose-backend[aria-pressed=false]")) choice.hidden.add(button.value);
+  const filter = section.querySelector(".filter-backends");
+  filter?.addEventListener("input", () => {
+    const words = filter.value.toLowerCase();
+    for (const button of section.querySelectorAll(".found .choose-backend")) button.hidden = !button.textContent.toLowerCase().includes(words);
   });
   for (const button of section.querySelectorAll(".choose-backend")) {
     button.addEventListener("click", () => {

@@ -1,5 +1,5 @@
 // A line a backend over frames or nights.
-import { escaped, figure, ink, label } from "./words.js";
+import { escaped, figure, ink } from "./words.js";
 
 export function linesOf(spec, rows, choice) {
   const groups = new Map();
@@ -9,7 +9,7 @@ export function linesOf(spec, rows, choice) {
     if (!groups.has(key)) groups.set(key, { backend: row.backend, kind, rows: [] });
     groups.get(key).rows.push(row);
   }
-  const y = (row) => (spec.y.is_log && !(row[spec.y.column] > 0) ? null : row[spec.y.column]);
+  const y = (row) => heightOf(spec, row[spec.y.column]);
   const series = [];
   for (const { backend, kind, rows: mine } of groups.values()) {
     const color = choice.colour(backend);
@@ -18,7 +18,7 @@ export function linesOf(spec, rows, choice) {
       series.push({
         id: backend, name: backend, type: "line", data, showSymbol: mine.length < 3, symbolSize: 5, connectNulls: true, color,
         lineStyle: { width: 1.8, type: choice.looks[backend]?.dash ?? "solid" }, emphasis: { disabled: true },
-        endLabel: { show: true, formatter: label(backend), color, fontSize: 12 },
+        endLabel: { show: true, formatter: choice.name(backend), color, fontSize: 12 },
       });
       const faint = mine.filter((row) => spec.faint && row[spec.faint] && y(row) !== null);
       if (faint.length) {
@@ -41,16 +41,23 @@ export function linesOf(spec, rows, choice) {
     ends: ends.filter((end) => end.at),
     option: {
       series,
-      grid: { right: 70 },
+      grid: { right: 100 },
       tooltip: { trigger: "axis", axisPointer: { type: "line" }, formatter: (found) => told(found.map((one) => one.data.row)).html },
       xAxis: { type: "value", min: "dataMin", max: "dataMax" },
       yAxis: {
-        type: spec.y.is_log ? "log" : "value", min: spec.from_zero ? 0 : spec.y.is_log ? undefined : "dataMin", scale: !spec.from_zero,
-        axisLabel: { color: ink("text"), formatter: (value) => String(Number(value.toPrecision(6))) },
+        type: spec.y.is_log ? "log" : "value", min: spec.from_zero ? 0 : spec.y.is_log ? spec.floor : "dataMin", scale: !spec.from_zero,
+        axisLabel: { color: ink("text"), formatter: (value) => (value === spec.floor ? "less" : String(Number(value.toPrecision(6)))) },
       },
     },
     stops: stopsOf(spec, series, told),
   };
+}
+
+// On a log axis what is not above its floor is drawn there, or not at all where it has none.
+function heightOf(spec, value) {
+  if (!spec.y.is_log || value === null) return value;
+  if (spec.floor) return Math.max(value, spec.floor);
+  return value > 0 ? value : null;
 }
 
 function textOf(spec, rows, choice) {
@@ -61,7 +68,7 @@ function textOf(spec, rows, choice) {
     const source = spec.apart && row[spec.apart] !== "here" ? ` (${row[spec.apart]})` : "";
     const more = Object.entries(spec.hover).filter(([column]) => !shared.includes(column) && row[column] !== null && row[column] !== undefined)
       .map(([column, title]) => `${title} ${figure(row[column])}`);
-    return { backend: row.backend, text: `${label(row.backend)}${source}: ${figure(row[spec.y.column])}`, more: more.join(", ") };
+    return { backend: row.backend, text: `${choice.name(row.backend)}${source}: ${figure(row[spec.y.column])}`, more: more.join(", ") };
   });
   const dot = (backend) => `<span class="dot" style="background:${escaped(choice.colour(backend))}"></span>`;
   const html = [escaped(head.join(", ")), `<span class="unit">${escaped(spec.y.title)}</span>`,

@@ -1,11 +1,10 @@
 // Time against error, both log: a point a configuration, a curve over a backend's resolutions, the front in grey. What is
-// exact has no logarithm: it lies in a band at the bottom, whose heights mean nothing.
+// exact has no logarithm: it lies at one height in a band at the bottom.
 import { escaped, figure, ink } from "./words.js";
 
 const SYMBOLS = ["circle", "rect", "diamond", "triangle", "roundRect", "arrow"];
 const CROSS = "path://M-1,-1L1,1M-1,1L1,-1";
-const LANES = 5;
-const BAND_DECADES = 1.2;
+const BAND_DECADES = 0.8;
 
 export function pointsOf(spec, rows, choice) {
   const { exact_mm: exact, exact_words: exactWords } = spec;
@@ -16,11 +15,9 @@ export function pointsOf(spec, rows, choice) {
   const hasBand = points.some((row) => row[spec.y.column] < exact);
   const bottom = hasBand ? low / 10 ** BAND_DECADES : low;
   const sorted = [...points].sort((a, b) => a[spec.x.column] - b[spec.x.column]);
-  let lane = 0;
-  const heights = new Map(sorted.map((row) => [row, row[spec.y.column] >= exact ? row[spec.y.column]
-    : low * (bottom / low) ** ((lane++ % LANES + 0.7) / (LANES + 0.4))]));
+  const heights = new Map(sorted.map((row) => [row, row[spec.y.column] >= exact ? row[spec.y.column] : Math.sqrt(low * bottom)]));
   const place = (row) => [row[spec.x.column], heights.get(row)];
-  const series = [...frontOf(sorted, spec, low), ...curvesOf(points, place, choice), barsOf(points, spec, heights, choice)];
+  const series = [...frontOf(sorted, heights, spec), ...curvesOf(points, place, choice), barsOf(points, spec, heights, choice)];
   const first = series.length;
   series.push(...marksOf(sorted, place, choice));
   if (hasBand) {
@@ -52,13 +49,13 @@ const decade = (value) => (Math.abs(Math.log10(value) - Math.round(Math.log10(va
 function tellOf(spec, row, exact, exactWords) {
   const error = row[spec.y.column] < exact ? exactWords : `${figure(row[spec.y.column])}`;
   const interval = row.time_ms_low === null ? "" : ` (95 % interval ${figure(row.time_ms_low)} to ${figure(row.time_ms_high)})`;
-  return [row.configuration, `${spec.x.title}: ${figure(row[spec.x.column])}${interval}`, `${spec.y.title}: ${error}`,
+  return [row.spoken ?? row.configuration, `${spec.x.title}: ${figure(row[spec.x.column])}${interval}`, `${spec.y.title}: ${error}`,
     ...Object.entries(spec.hover).map(([column, title]) => `${title}: ${figure(row[column])}`),
     ...(row.is_wrong ? ["answers wrongly"] : []), ...(row.on_front ? ["on the Pareto front"] : [])];
 }
 
-function frontOf(sorted, spec, low) {
-  const front = sorted.filter((row) => row.on_front).map((row) => [row[spec.x.column], Math.max(row[spec.y.column], low)]);
+function frontOf(sorted, heights, spec) {
+  const front = sorted.filter((row) => row.on_front).map((row) => [row[spec.x.column], heights.get(row)]);
   if (!front.length) return [];
   const end = [2 * Math.max(...sorted.map((row) => row[spec.x.column])), front.at(-1)[1]];
   return [{ type: "line", step: "end", data: [...front, end], silent: true, showSymbol: false, color: ink("quiet"), z: 1,

@@ -110,7 +110,7 @@ class View {
     const cells = shown.map((run) => {
       const element = document.createElement("div");
       element.className = "cell";
-      const name = this.choice.looks[run.told.backend]?.label ?? run.told.backend;
+      const name = this.choice.name(run.told.backend);
       element.innerHTML = `<span class="cell-name"><span class="dot" style="background:${escaped(this.choice.colour(run.told.backend))}"></span>` +
         `${escaped(name)}</span><span class="cell-depth"></span>`;
       return { element, run };
@@ -141,7 +141,7 @@ class View {
       const least = kind === "surface" && cell.run.told.open_surface_frames.includes(this.frame) ? "at least " : "";
       const text = ended || (cell.run.depths[kind] ? `deepest ${least}${figure(deepestMm(cell.run, kind, moment, vertices))} mm` : "depth was not kept");
       cell.element.querySelector(".cell-depth").textContent = text;
-      return `${label(cell.run.told.backend)}: ${text}`;
+      return `${this.choice.name(cell.run.told.backend)}: ${text}`;
     });
     this.parts.cells.setAttribute("aria-label", `${label(this.data.told.muscle)} on its bones, ${this.parts.frame.textContent}; ${told.join("; ")}`);
     this.tellNode();
@@ -183,7 +183,14 @@ class View {
       distance: 1e3 * closestDistance(intoRestPose(point, cell.run.told.poses[moment][i]), bone.positions, bone.corners) }));
     const nearest = found.reduce((a, b) => (b.distance < a.distance ? b : a));
     const depth = (kind) => depthMm(cell.run, kind, moment, this.marked, this.data.told.vertices);
-    return { backend: label(cell.run.told.backend), depth: depth("node"), around: depth("surface"), ...nearest };
+    return { backend: this.choice.name(cell.run.told.backend), depth: depth("node"), around: depth("surface"), ...nearest };
+  }
+
+  // A canvas of WebGL is blank on paper.
+  still() {
+    this.stage.draw();
+    const picture = Object.assign(new Image(), { className: "still", alt: "", src: this.element.querySelector("canvas").toDataURL() });
+    this.parts.stage.append(picture);
   }
 
   togglePlay() {

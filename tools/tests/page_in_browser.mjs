@@ -156,6 +156,30 @@ found.zoomed = await page.locator(chart).evaluate((figure) => figure.chart.getOp
 await page.locator(`${chart} summary`).click();
 await page.locator(`${chart} .behind-rows tbody tr`).first().waitFor({ timeout: PATIENCE_MS });
 found.rowsBehind = await page.locator(`${chart} .behind-rows tbody tr`).count();
+// What a word means, without a mouse; all series off; the other names are behind a filter.
+await page.locator("#paper .choose-backend").first().focus();
+found.help = await page.locator(".help-tip").innerText();
+const toggleAll = () => page.locator("#paper").evaluate((section) => section.querySelectorAll(".choose-backend").forEach((button) => button.click()));
+await page.locator("#paper .choose-backend[aria-pressed=false]").click();
+await toggleAll();
+found.nothing = await page.locator(`${chart} .nothing`).innerText();
+await toggleAll();
+
+// Printed, all charts are there at the paper's width, and a still of the view.
+await page.waitForFunction(() => document.documentElement.dataset.whole, null, { timeout: PATIENCE_MS });
+await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+found.printed = await page.evaluate(() => ({
+  blank: [...document.querySelectorAll("figure.has-chart:not([data-drawn])")].map((one) => one.id),
+  widths: [...document.querySelectorAll("figure.has-chart")].map((one) => one.chart.getWidth()),
+  stills: [...document.querySelectorAll(".still")].map((one) => one.src.length),
+}));
+await page.evaluate(() => dispatchEvent(new Event("afterprint")));
+found.printed.after = await page.locator(".still").count();
+found.depth = await page.locator("#paper-depth_by_frame").evaluate((figure) => {
+  const { yAxis, series } = figure.chart.getOption();
+  return { type: yAxis[0].type, least: Math.min(...series.flatMap((one) => one.data.map((point) => point.value[1]))) };
+});
+await page.pdf({ path: `${folder}/printed.pdf` });
 await page.screenshot({ path: `${folder}/light.png`, fullPage: true });
 await page.close();
 

@@ -5,6 +5,8 @@ import re
 import sqlite3
 import zlib
 from contextlib import closing
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -13,12 +15,11 @@ import pytest
 import fake_page
 import fake_registry
 import fake_runs
-import paper
 import report
 from musclebench.accuracy import report as accuracy_report
 from musclebench.figures import style
 from musclebench.history.history import Finding, Measure, Night, opened
-from musclebench.page import bundle, packed, page_file, views
+from musclebench.page import bundle, helps, of_study, packed, page_file, views
 from musclebench.page.html import page_html
 from musclebench.page.page_file import write_page
 from musclebench.page.paper_part import paper_section
@@ -181,7 +182,7 @@ def test_words_of_results_are_no_html(tmp_path):
 
 def test_a_backend_called_null_is_a_backend(tmp_path):
     page = page_of(fake_page.write_hard(tmp_path / "hard"))
-    assert f'<th scope="col">{ROLES.control}</th>' in page and "thin breaks with grid: breaks; depth 0.25 mm, bar 0.1 mm" in page
+    assert ">no collision</span></th>" in page and "thin breaks with grid: breaks; depth 0.25 mm, bar 0.1 mm" in page
 
 
 def test_what_a_study_wrote_is_shown_as_it_is(study, monkeypatch):
@@ -216,8 +217,49 @@ def test_without_npm_one_line_says_what_is_missing(results, monkeypatch, capsys,
     with pytest.raises(Problem, match="npm is missing"):
         bundle.page_script(built=tmp_path)
     monkeypatch.setattr(page_file, "page_script", lambda: bundle.page_script(built=tmp_path))
-    assert paper.page_of(results) == []
-    assert "left out" in capsys.readouterr().err and not (results / "report.html").exists()
+    assert of_study.page_of("paper", results, SimpleNamespace(no_page=False)) == []
+    assert "paper: left out" in capsys.readouterr().err and not (results / "report.html").exists()
+
+
+def test_a_page_that_is_not_wanted_is_not_made(results):
+    assert of_study.page_of("paper", results, SimpleNamespace(no_page=True)) == [] and not (results / "report.html").exists()
+
+
+def test_words_are_explained_where_they_stand():
+    known = helps.helps()
+    word = helps.explained("suspect", known)
+    assert 'tabindex="0" aria-describedby="help-suspect"' in word and "beyond its limit" in known["suspect"]
+    assert known["distance field"] == known["sdf"] and "Discregrid" in known["sdf"] and "bending" in known
+    told = helps.explained_in("2 suspect, <b> suspect", known)
+    assert told.count("aria-describedby") == 1 and "&lt;b&gt;" in told
+    assert helps.explained("unknown word", known) == "unknown word"
+
+
+def test_more_than_ten_backends_are_toggles_behind_a_filter(results):
+    section = sections_of([results])[0]
+    looks_like = next(iter(section.colours.values()))
+    names = [f"setting {number}" for number in range(14)]
+    chart = next(part for part in section.parts if isinstance(part, Chart))
+    many = replace(chart, rows=pd.concat([chart.rows.assign(backend=name) for name in names]))
+    page = page_html([replace(section, parts=[many], colours={name: looks_like for name in names})], [results], "")
+    assert page.count('aria-pressed="true"') == 10 and page.count('class="choose-backend"') == 14 and "filter-backends" in page
+
+
+def test_a_page_of_one_study_says_once_what_was_run(results):
+    page = page_of(results)
+    title = "The paper&#39;s experiment: gluteus medius, iliacus (synthetic)"
+    assert f"<title>{title}</title>" in page and f"<h1>{title}</h1>" in page and "Sections" not in page
+
+
+def test_moment_arms_have_a_page(tmp_path):
+    (tmp_path / "tables").mkdir()
+    course = "angle_deg,mean_mm,p10_mm,p90_mm\n0,30,20,40\n10,31,21,41\n"
+    for name in ("iliacus", "iliacus_active"):
+        (tmp_path / "tables" / f"moment_arms_{name}.csv").write_text(course)
+    (tmp_path / "tables" / "moment_arms.csv").write_text("muscle,angle_deg\niliacus,0\n")
+    section = sections_of([tmp_path])[0]
+    assert section.backends == ["passive", "active"] and section.muscles == ["iliacus"]
+    assert "moment_arms" in parts_of(section, TablePart)
 
 
 def test_runs_of_no_study_stand_beside_each_other(tmp_path):

@@ -18,6 +18,7 @@ from musclebench.program.cli import Problem
 SCRIPT = Path(__file__).resolve().parent / "page_in_browser.mjs"
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
 ROLES = fake_registry.roles()
+TITLES = {backend.name: backend.title for backend in fake_registry.registry().backends}
 
 
 @pytest.fixture(scope="module")
@@ -71,8 +72,8 @@ def test_colours_show_the_depth_of_nodes_or_of_the_surface(found):
 def test_hovering_shows_what_the_file_holds(found):
     rows = pd.read_csv(pd.io.common.StringIO(found["file"]))
     frame = int(re.search(r"frame (\d+)", found["tip"])[1])
-    told = {name: float(value) for name, value in re.findall(r"^(\w+): ([\d.]+)$", found["tip"], re.MULTILINE)}
-    wanted = rows[(rows["muscle"] == "iliacus") & (rows["frame"] == frame)].set_index("backend")["collision_ms"]
+    told = {name: float(value) for name, value in re.findall(r"^([\w ]+): ([\d.]+)$", found["tip"], re.MULTILINE)}
+    wanted = rows[(rows["muscle"] == "iliacus") & (rows["frame"] == frame)].set_index("backend")["collision_ms"].rename(TITLES)
     assert frame == 7 and told == pytest.approx(wanted.to_dict()) and len(told) == 3
 
 
@@ -87,13 +88,30 @@ def test_a_backend_is_clicked_away(found):
     assert set(found["shown"]) - set(found["without"]) == {found["shown"][0]} and found["cells"] == 3
 
 
+def test_a_chart_whose_series_are_off_says_so(found):
+    assert "switched off" in found["nothing"]
+
+
+def test_the_keyboard_tells_what_a_backend_is(found):
+    assert "no collision" in found["help"]
+
+
+def test_it_prints_whole(found):
+    assert found["printed"]["blank"] == [] and max(found["printed"]["widths"]) < 700
+    assert len(found["printed"]["stills"]) == 1 and found["printed"]["stills"][0] > 5000 and found["printed"]["after"] == 0
+
+
+def test_depth_stands_on_a_log_axis(found):
+    assert found["depth"]["type"] == "log" and found["depth"]["least"] >= 1e-3
+
+
 def test_another_muscle_comes(found):
     assert found["muscle"] == "gluteus_medius"
 
 
 def test_the_keyboard_does_what_the_mouse_does(found):
     assert found["turned"] and found["zoomed"] < 100
-    assert "frame 1" in found["heard"] and f"{ROLES.field}: 3" in found["heard"]
+    assert "frame 1" in found["heard"] and f"{TITLES[ROLES.field]}: 3" in found["heard"]
     assert found["rowsBehind"] == 3 * fake_page.FRAMES
 
 

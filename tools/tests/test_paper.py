@@ -21,6 +21,7 @@ from fake_sweep import one_of, swept
 from musclebench.cases.case import Folders
 from musclebench.cases.experiment import Experiment
 from musclebench.cases.pool import Limits, run_cases
+from musclebench.page import of_study
 from musclebench.pictures import surface_figures, surface_pictures
 from musclebench.results import run_folder
 
@@ -49,7 +50,7 @@ def in_process(tmp_path, monkeypatch, capfd):
     error, cases that were run)."""
     log = tmp_path / "log"
     monkeypatch.setattr(paper, "draw_in_display", lambda kind, out_dir, names: [])
-    monkeypatch.setattr(paper, "write_page", lambda folders: folders[0] / "report.html")
+    monkeypatch.setattr(of_study, "write_page", lambda folders: folders[0] / "report.html")
     monkeypatch.setattr(paper.paper_figures, "draw_figures", lambda runs, paper, folder: [])
 
     def run(*more, behaviour=""):

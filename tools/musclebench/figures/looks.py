@@ -17,6 +17,10 @@ def know(registry: Registry) -> None:
     _known = registry
 
 
+def known() -> Registry:
+    return _known
+
+
 def backend(name: str) -> Backend:
     return _known.backend(name)
 

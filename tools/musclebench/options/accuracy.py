@@ -9,7 +9,7 @@ cases that failed, timed out or ran out of memory are tried again. Lengths are i
 from ..experiments.experiment_file import ExperimentFile, of_project
 from ..program.cli import add_scene_options
 from .shared import (
-    Tool, add_frames_option, add_jobs_option, add_memory_option, add_run_options, add_shard_option, add_structures_option,
+    Tool, add_frames_option, add_jobs_option, add_memory_option, add_page_option, add_run_options, add_shard_option, add_structures_option,
     study_parser,
 )
 
@@ -33,6 +33,7 @@ def parse_arguments(arguments, file: ExperimentFile):
     how = parser.add_argument_group("how it runs")
     add_run_options(how, timeout=file.timeout_s)
     add_jobs_option(how)
+    add_page_option(how)
     add_structures_option(how)
     add_memory_option(how)
     how.add_argument("--keep-structures", action="store_true",

@@ -9,7 +9,7 @@ A study goes on where it was stopped: complete runs are skipped until their argu
 
 from ..experiments.experiment_file import ExperimentFile, of_project
 from ..program.cli import add_scene_options
-from .shared import Tool, add_frames_option, add_jobs_option, add_run_options, study_parser
+from .shared import Tool, add_frames_option, add_jobs_option, add_page_option, add_run_options, study_parser
 
 QUICK_MUSCLE, QUICK_FRAMES = "adductor_brevis", 20
 
@@ -24,6 +24,7 @@ def parse_arguments(arguments, file: ExperimentFile):
     add_frames_option(parser)
     add_run_options(parser, timeout=file.timeout_s)
     add_jobs_option(parser)
+    add_page_option(parser)
     return parser.parse_args(arguments)
 
 

@@ -6,7 +6,7 @@ its start, in its worst frame, at its end. It goes on where it was stopped: comp
 """
 
 from ..experiments.experiment_file import ExperimentFile, of_project
-from .shared import Tool, add_jobs_option, add_run_options, study_parser
+from .shared import Tool, add_jobs_option, add_page_option, add_run_options, study_parser
 
 
 def parse_arguments(arguments, file: ExperimentFile):
@@ -19,6 +19,7 @@ def parse_arguments(arguments, file: ExperimentFile):
                         help="exit code 0 where cells break, too: the matrix is to be published as it is")
     add_run_options(parser, timeout=file.timeout_s, is_timed=False)
     add_jobs_option(parser)
+    add_page_option(parser)
     parser.set_defaults(data=None, scene=None, muscle=None)
     return parser.parse_args(arguments)
 

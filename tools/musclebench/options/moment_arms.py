@@ -14,7 +14,7 @@ from pathlib import Path
 
 from ..experiments.experiment_file import ExperimentFile, of_project, read_experiment
 from ..program.cli import Problem, add_scene_options
-from .shared import Tool, add_jobs_option, add_run_options, check_options, study_parser
+from .shared import Tool, add_jobs_option, add_page_option, add_run_options, check_options, study_parser
 
 EXPERIMENT = "moment_arms"
 PASSIVE, ACTIVE = "passive_", "active_"  # how names of [[cases]] begin
@@ -30,6 +30,7 @@ def parse_arguments(arguments):
                              f"begin with {PASSIVE} and {ACTIVE}")
     add_run_options(parser, timeout=None, is_timed=False)
     add_jobs_option(parser)
+    add_page_option(parser)
     return parser.parse_args(arguments)
 
 

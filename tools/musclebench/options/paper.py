@@ -1,7 +1,7 @@
 """Runs the paper's experiment (4 muscles, 3 backends and a control without collision); makes its tables, figures and page."""
 
 from ..program.cli import add_scene_options
-from .shared import Tool, add_frames_option, add_jobs_option, add_run_options, study_parser
+from .shared import Tool, add_frames_option, add_jobs_option, add_page_option, add_run_options, study_parser
 
 
 def parse_arguments(arguments):
@@ -10,6 +10,7 @@ def parse_arguments(arguments):
     add_frames_option(parser)
     add_run_options(parser, timeout=1800.0)
     add_jobs_option(parser)
+    add_page_option(parser)
     return parser.parse_args(arguments)
 
 

@@ -78,6 +78,10 @@ def add_frames_option(group) -> None:
                             "N frames")
 
 
+def add_page_option(group) -> None:
+    group.add_argument("--no-page", action="store_true", help="make no report.html, the page with charts and runs in space")
+
+
 def add_jobs_option(group) -> None:
     group.add_argument("--jobs", type=int, metavar="N",
                        help="cases at a time, each on a core; 1 gives the quietest times (default: 2, or 1 on one core)")

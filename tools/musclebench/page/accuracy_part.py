@@ -1,5 +1,6 @@
 """What accuracy costs: the Pareto pictures, one muscle at a time, and the price lists."""
 
+import re
 from pathlib import Path
 
 import pandas as pd
@@ -12,11 +13,12 @@ from .looks_of import looks_of_names
 from .parts import Chart, Section
 from .written import caption_of, pareto_chart, read_rows, written_table
 
+REPETITION = re.compile(r"-r\d+:")  # at the end of a case's name
 PARETO = (
     ("pareto_replay", "surface offset, 99th percentile (mm)", "exact"),
     ("pareto_coupled", "remaining depth, 99th percentile (mm)", "none left"),
     ("pareto_coupled_shape", "distance to exact shape, RMS (mm)", "same shape"),
-    ("pareto_moment_arm", "moment arm off by, RMS (mm)", "same moment arm"),
+    ("pareto_moment_arm", "moment arm off by, RMS (mm)", "same arm"),
 )
 TABLES = (
     ("price_list", "Price list: what a surface offset costs"),
@@ -62,7 +64,9 @@ def what_was_run(folder: Path, cases: pd.DataFrame, figures: Path) -> list[tuple
 
 
 def problems_of(cases: pd.DataFrame) -> list[str]:
-    failed = cases[~cases["status"].isin(MEASURED)]
-    reasons = [f"{row.case}: {row.status}, {row.status_detail}" for row in failed.itertuples()]
+    """Failed cases first, then those that are suspect, each with its reason; repetitions with the same one count once."""
+    told = cases[cases["status"] != "ok"].sort_values("status", key=lambda status: status.isin(MEASURED), kind="stable")
+    lines = [f"{row.case}: {row.status}, {row.status_detail}" for row in told.itertuples()]
+    reasons = list({REPETITION.sub(":", line): line for line in reversed(lines)}.values())[::-1]
     busy = cases.dropna(subset=["disturbance"]).set_index("case")["disturbance"].to_dict()
     return [*reasons, *([note(busy, len(cases))] if busy else [])]

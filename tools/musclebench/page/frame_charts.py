@@ -9,6 +9,7 @@ from ..results.run_folder import Run
 from .parts import Axis, Chart
 
 MILLISECONDS, MEGABYTES, MILLIMETRES = 1e-6, 1e-6, 1e3
+LEAST_DEPTH_MM = 1e-3  # of the log axis; no depth at all is drawn there
 FRAME = Axis("frame", "frame")
 ANGLE = {"angle_deg": "joint angle (deg)"}
 STAGES = ("update", "detect", "respond", "collision")
@@ -40,9 +41,9 @@ def depth_chart(cases: Cases) -> Chart:
     columns = {"max_depth_m": ("max_depth_mm", MILLIMETRES), "mean_depth_m": ("mean_depth_mm", MILLIMETRES)}
     rows = in_units(frame_rows(cases, ["nodes_inside", *columns]), columns)
     return Chart("depth_by_frame", "True depth of the nodes in the bones",
-                 "The deepest node of the muscle in a bone, by the Referee's exact distance.", "lines", rows, FRAME,
-                 Axis("max_depth_mm", "largest depth (mm)"),
-                 {**ANGLE, "mean_depth_mm": "mean depth of nodes inside (mm)", "nodes_inside": "nodes inside"}, {"from_zero": True})
+                 "The deepest node of the muscle in a bone, by the Referee's exact distance, on a log scale. Depths below 0.001 mm lie at its "
+                 "lower end.", "lines", rows, FRAME, Axis("max_depth_mm", "largest depth (mm)", True),
+                 {**ANGLE, "mean_depth_mm": "mean depth of nodes inside (mm)", "nodes_inside": "nodes inside"}, {"floor": LEAST_DEPTH_MM})
 
 
 def in_units(rows: pd.DataFrame, columns: dict[str, tuple[str, float]]) -> pd.DataFrame:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ..figures import looks
 from ..hard.cells import cells_of
 from ..results.run_folder import read_runs
 from .effects_part import tables_in
@@ -48,13 +49,13 @@ def hard_section(folder: Path) -> Section:
     counts = cells["verdict"].value_counts()
     totals = ", ".join(f"{counts.get(verdict, 0)} {words}" for verdict, words in VERDICTS)
     what = [("Cells", f"{len(cells)}: {totals}"), ("Cases", str(cells["case"].nunique())),
-            ("Backends", ", ".join(dict.fromkeys(cells["backend"])))]
+            ("Backends", ", ".join(looks.title_and_name(name) for name in dict.fromkeys(cells["backend"])))]
     parts = [matrix_part(cells, _texts(folder))]
     runs = {(run.scene.split("/")[-1], run.backend): run for run in read_runs(folder / "raw")}
     if runs:
         parts.append(views_of(runs, "The scenes that move, in space", SIDE))
-    looks = looks_of_names(backend for _, backend in runs)
-    return Section("hard", "Cases that are hard to keep stable", what, _broken(cells), parts, looks, folder)
+    colours = looks_of_names(backend for _, backend in runs)
+    return Section("hard", "Cases that are hard to keep stable", what, _broken(cells), parts, colours, folder)
 
 
 def matrix_part(cells: pd.DataFrame, texts: dict[str, str]) -> MatrixPart:

@@ -5,12 +5,15 @@ from pathlib import Path
 
 import jinja2
 
+from ..figures import looks
 from ..figures.style import muscle_label
 from .bundle import SOURCES
+from .helps import explained, explained_in, helps, slug
 from .packed import packed_bytes
 from .parts import Section
 
 TEMPLATE = "page.html.j2"
+MOST_TOGGLES, MOST_PROBLEMS = 10, 8  # in sight; the others are in a list that opens
 
 
 def page_html(sections: list[Section], folders: list[Path], script: str) -> str:
@@ -19,9 +22,23 @@ def page_html(sections: list[Section], folders: list[Path], script: str) -> str:
                                 undefined=jinja2.StrictUndefined)
     engine.filters |= {"packed": lambda text: packed_bytes(text.encode()), "named": muscle_label}
     engine.policies["json.dumps_kwargs"] = {"sort_keys": False}  # their order is that in which the page tells them
+    known = helps()
+    engine.filters |= {"slug": slug, "titled": looks.title, "explained": lambda word: explained(str(word), known), "explained_in": lambda text: explained_in(text, known)}
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
     css = (SOURCES / "style.css").read_text(encoding="utf-8")
     safe = jinja2.utils.markupsafe.Markup
     return engine.get_template(TEMPLATE).render(
-        sections=sections, folders=[folder.name for folder in folders], script=safe(script), css=safe(css), made=made,
-        title=sections[0].title if len(sections) == 1 else "Results of musclebench") + "\n"
+        sections=sections, helps={slug(word): text for word, text in known.items()},
+        most_toggles=MOST_TOGGLES, most_problems=MOST_PROBLEMS, folders=[folder.name for folder in folders], script=safe(script), css=safe(css), made=made,
+        title=title_of(sections)) + "\n"
+
+
+def title_of(sections: list[Section]) -> str:
+    """What was run, and of one study on what."""
+    if len(sections) > 1:
+        return "; ".join(dict.fromkeys(section.title for section in sections))
+    scenes = dict(sections[0].what).get("Scenes", "").split(", ")
+    muscles = [muscle_label(scene.split("/")[-1]) for scene in scenes if scene]
+    data = " and ".join(dict.fromkeys(scene.split("/")[0] for scene in scenes if "/" in scene))
+    told = f"{', '.join(muscles)} ({data})" if data and len(muscles) <= 4 else data
+    return f"{sections[0].title}: {told}" if told else sections[0].title

@@ -15,6 +15,6 @@ def looks_of_names(names) -> dict[str, dict]:
     """{name: {label, colour, dash}}"""
     found = looks.backends_in_order(names)
     unknown = [name for name in found if not looks.knows(name)]
-    return {name: {"label": looks.backend(name).label, "dash": looks.backend(name).dash or "solid",
+    return {name: {"label": looks.title(name), "dash": looks.backend(name).dash or "solid",
                    "colour": COLOURS[unknown.index(name) % len(COLOURS)] if name in unknown else looks.colour(name)}
             for name in found}

@@ -57,8 +57,8 @@ def ratios_beside(cases: Cases, paper: Published) -> dict:
         ratios = {backend: paper_tables.collision_ratio(cases, muscle, backend).value
                   for backend in backends if (muscle, backend) in cases}
         lines.append([muscle_label(muscle), *(_with_paper(ratios.get(backend, NAN), paper.time_ratio(backend)) for backend in backends)])
-    return {"caption": "Collision time over that of voxel, median over the frames; in brackets the paper's ratio.",
-            "heads": ["muscle", *backends], "lines": lines}
+    return {"caption": "Collision time over that of the voxel grid, median over the frames; in brackets the paper's ratio.",
+            "heads": ["muscle", *map(looks.title, backends)], "lines": lines}
 
 
 def _with_paper(ours: float, theirs: str) -> str:

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from ..accuracy.configurations import configuration
+from ..figures import looks
 from ..program.cli import Problem
 from ..results.run_folder import Run, read_all
 from .frame_charts import Cases, depth_chart, memory_chart, time_charts
@@ -34,10 +36,17 @@ def runs_section(folder: Path) -> Section:
     return Section("runs", "Runs", what_was_run(runs), problems_of(runs), parts, looks_of_names(name for _, name in cases), folder)
 
 
+def _name_of(run: Run) -> str:
+    case = run.record["case"]
+    return configuration(looks.backend(run.backend), case.get("parameters", {}), case.get("threads", 1)).spoken
+
+
 def told_apart(runs: list[Run]) -> Cases:
-    """By muscle and backend; runs of one backend by their folders."""
+    """By muscle and backend; runs of one backend by their settings as people write them, or by their folders."""
     cases: Cases = {}
     for run in runs:
         alike = [other for other in runs if (other.muscle, other.backend) == (run.muscle, run.backend)]
-        cases[run.muscle, run.backend if len(alike) == 1 else run.folder.resolve().name] = run
+        names = [_name_of(other) for other in alike]
+        own = _name_of(run) if names.count(_name_of(run)) == 1 else run.folder.resolve().name
+        cases[run.muscle, run.backend if len(alike) == 1 else own] = run
     return cases

@@ -12,6 +12,7 @@ from .accuracy_part import accuracy_section, is_accuracy
 from .effects_part import effects_section, is_effects
 from .hard_part import hard_section, is_hard
 from .history_part import history_section, is_history
+from .moment_arms_part import is_moment_arms, moment_arms_section
 from .paper_part import is_paper, paper_section
 from .parts import Section
 from .runs_part import is_runs, runs_section
@@ -29,6 +30,7 @@ KINDS = (
     Kind("tools/accuracy", is_accuracy, accuracy_section),
     Kind("tools/effects", is_effects, effects_section),
     Kind("tools/hard", is_hard, hard_section),
+    Kind("tools/moment-arms", is_moment_arms, moment_arms_section),
     Kind("tools/nightly", is_history, history_section),
 )
 OF_RUNS = Kind("musclebench run", is_runs, runs_section)  # of a folder that is nothing else

@@ -15,7 +15,7 @@ def what_was_run(runs: list[Run]) -> list[tuple[str, str]]:
     return [("Runs", f"{len(runs)}: " + ", ".join(f"{count} {status}" for status, count in counts.items())),
             ("What and on what", caption(runs)),
             ("Scenes", ", ".join(dict.fromkeys(run.scene for run in runs))),
-            ("Backends", ", ".join(looks.backends_in_order(run.backend for run in runs))),
+            ("Backends", ", ".join(looks.title_and_name(name) for name in looks.backends_in_order(run.backend for run in runs))),
             ("Results schema", str(runs[0].record.get("schema_version", "unknown")))]
 
 

@@ -63,11 +63,13 @@ def pareto_chart(folder: Path, name: str, error_title: str, exact_mm: float, exa
     rows = read_rows(source)
     rows.insert(0, "muscle", [panel.split("/")[-1] for panel in rows["panel"]])
     rows["structure_mb"] = rows["structure_bytes"] / 1e6
+    if "spoken" not in rows:  # of a study before its points had names for readers
+        rows["spoken"] = rows["configuration"]
     for column in ("is_control", "is_wrong", "on_front"):
         rows[column] = rows[column].astype(int)
     title, *paragraphs = caption_of(folder, name)
-    return [Chart(name, title, "Left is fast, low is accurate: a point a configuration, a curve over a backend's resolutions. What "
-                  "lies off the grey line is slower and no more accurate than something on it; crossed-out points answer wrongly.",
+    return [Chart(name, title, "Left is fast, low is accurate. A point is a setting, a curve goes over a backend's resolutions. The grey line is the "
+                  "Pareto front: no other setting is both faster and more accurate. Crosses mark settings whose contacts are wrong.",
                   "points", rows, Axis("time_ms", "collision time a frame (ms)", True), Axis("error_mm", error_title, True),
                   {"structure_mb": "structures (MB)", "frames": "frames", "repetitions": "repetitions"},
                   {"exact_mm": exact_mm, "exact_words": f"{exact_words} (below 1 nm)"}, more=paragraphs)]

@@ -95,6 +95,7 @@ class Registry:
     scenes: tuple[SceneEntry, ...] = ()
     presets: tuple[str, ...] = ()
     effects: tuple[str, ...] = ()  # in the program's order
+    effect_helps: tuple[tuple[str, str], ...] = ()  # (name, what it does)
     text: str = field(default="", compare=False)  # as the program printed it
 
     @property
@@ -171,9 +172,10 @@ def parse_registry(text: str, source: str) -> Registry:
                        for one in told["scenes"])
         presets = tuple(one["name"] for one in told["presets"])
         effects = tuple(one["name"] for one in told.get("effects", []))
+        effect_helps = tuple((one["name"], one["help"]) for one in told.get("effects", []) if one.get("help"))
     except (ValueError, KeyError, TypeError) as problem:
         raise Problem(f"{source}: not what 'musclebench list --json' prints ({problem!r})") from None
-    registry = Registry(backends, scenes, presets, effects, text)
+    registry = Registry(backends, scenes, presets, effects, effect_helps, text)
     _check_studies(registry, source)
     return registry
 
