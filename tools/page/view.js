@@ -186,11 +186,11 @@ class View {
     return { backend: this.choice.name(cell.run.told.backend), depth: depth("node"), around: depth("surface"), ...nearest };
   }
 
-  // A canvas of WebGL is blank on paper.
+  // A canvas of WebGL is blank on paper, and keeps its picture no longer than it takes to draw it.
   still() {
-    this.stage.draw();
+    this.stage.drawNow();
     const picture = Object.assign(new Image(), { className: "still", alt: "", src: this.element.querySelector("canvas").toDataURL() });
-    this.parts.stage.append(picture);
+    this.parts.stage.prepend(picture);
   }
 
   togglePlay() {

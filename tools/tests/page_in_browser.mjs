@@ -171,8 +171,14 @@ await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
 found.printed = await page.evaluate(() => ({
   blank: [...document.querySelectorAll("figure.has-chart:not([data-drawn])")].map((one) => one.id),
   widths: [...document.querySelectorAll("figure.has-chart")].map((one) => one.chart.getWidth()),
-  stills: [...document.querySelectorAll(".still")].map((one) => one.src.length),
 }));
+found.printed.stills = await page.evaluate(() => Promise.all([...document.querySelectorAll(".still")].map(async (still) => {
+  await still.decode();
+  const paper = new OffscreenCanvas(still.naturalWidth, still.naturalHeight).getContext("2d");
+  paper.drawImage(still, 0, 0);
+  const { data } = paper.getImageData(0, 0, still.naturalWidth, still.naturalHeight);
+  return data.filter((value, i) => i % 4 === 3 && value > 0).length / (data.length / 4);
+})));
 await page.evaluate(() => dispatchEvent(new Event("afterprint")));
 found.printed.after = await page.locator(".still").count();
 found.depth = await page.locator("#paper-depth_by_frame").evaluate((figure) => {

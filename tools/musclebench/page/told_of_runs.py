@@ -21,7 +21,7 @@ def what_was_run(runs: list[Run]) -> list[tuple[str, str]]:
 
 def problems_of(runs: list[Run]) -> list[str]:
     """Failed runs first, then those that are suspect, each with its reasons."""
-    failed = [f"{run.scene} with {run.backend}: {run.status}, {run.record.get('status_detail')}"
+    failed = [f"{run.scene} with {looks.title_and_name(run.backend)}: {run.status}, {run.record.get('status_detail')}"
               for run in sorted(runs, key=lambda run: run.status in MEASURED) if run.status != "ok"]
     warned = {f"{run.scene}: {warning['text']}" for run in runs for warning in run.record.get("warnings") or []}
     busy = note(disturbed_runs(runs), len(runs))
