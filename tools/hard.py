@@ -24,6 +24,7 @@ from musclebench.options.shared import check_options
 from musclebench.page.of_study import page_of
 from musclebench.program.cli import Problem, run_command
 from musclebench.program.fingerprint import write_whole
+from musclebench.program.optional_packages import left_out_without
 from musclebench.program.registry import Registry, read_registry
 from musclebench.results.run_folder import ResultProblem, Run
 
@@ -87,11 +88,12 @@ def run_and_report(arguments) -> int:
         (folders.out_dir / name).mkdir(exist_ok=True)
     rows, cells, files = write_tables(sweep, options, folders.out_dir)
     print(f"\n{hard_tables.as_text(cells)}")
-    files += draw_matrix(rows, folders.out_dir / "figures" / "matrix")
-    if not options.no_pictures:
-        runs, more = strips(rows, options, registry, folders.out_dir / "raw" / "scenes")
-        problems += more
-        files += draw_strips(runs, folders.out_dir / "figures" / "scenes")
+    with left_out_without("the matrix as a picture and the strips of scenes"):
+        files += draw_matrix(rows, folders.out_dir / "figures" / "matrix")
+        if not options.no_pictures:
+            runs, more = strips(rows, options, registry, folders.out_dir / "raw" / "scenes")
+            problems += more
+            files += draw_strips(runs, folders.out_dir / "figures" / "scenes")
     files += page_of("hard", folders.out_dir, options)
     code = BROKEN if (rows["verdict"] == "breaks").any() and not options.breaks_are_results else HELD
     return max(code, end("hard", files, problems, folders.out_dir))

@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 from musclebench.lhdl import data_folder, upstream
+from musclebench.program.cli import Problem
 from musclebench.lhdl.write_ply import COMMENTS, write_ply
 
 EPILOG = f"""UPSTREAM_DIR holds two checkouts:
@@ -86,7 +87,7 @@ def main(arguments=None) -> int:
     options = parse_arguments(arguments)
     try:
         import_lhdl(options.upstream_dir, options.out_dir.absolute(), options.force, Talker())
-    except (upstream.ImportProblem, OSError) as problem:
+    except (upstream.ImportProblem, Problem, OSError) as problem:
         print(f"import_lhdl: {problem}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:

@@ -15,6 +15,7 @@ from musclebench.options.shared import check_options
 from musclebench.pictures.in_display import draw_in_display
 from musclebench.page.of_study import page_of
 from musclebench.program.cli import Problem, run_command
+from musclebench.program.optional_packages import left_out_without
 from musclebench.program.registry import read_registry
 from musclebench.results.run_folder import ResultProblem, Run, read_all
 from musclebench.tables.table_formats import as_text, write_table
@@ -69,11 +70,13 @@ def run_and_report(options) -> int:
     for name in ("tables", "figures"):
         (folders.out_dir / name).mkdir(parents=True, exist_ok=True)
     tables = folders.out_dir / "tables"
-    files = [*write_table(table, tables), *course_files(courses, tables), *course_files(tense, tables, "_active"),
-             *draw_moment_arms(courses, tense, published, folders.out_dir / "figures" / "moment_arms")]
+    files = [*write_table(table, tables), *course_files(courses, tables),
+             *course_files(tense, tables, "_active")]
     is_drawn = True
     try:
-        files += draw_in_display("fibres", folders.out_dir, pictured(passive, active))
+        with left_out_without("the figures"):
+            files += draw_moment_arms(courses, tense, published, folders.out_dir / "figures" / "moment_arms")
+            files += draw_in_display("fibres", folders.out_dir, pictured(passive, active))
     except Problem as problem:
         is_drawn = False
         problems.append(str(problem))

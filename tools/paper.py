@@ -15,6 +15,7 @@ from musclebench.page.of_study import page_of
 from musclebench.paper import published
 from musclebench.pictures.in_display import draw_in_display
 from musclebench.program.cli import Problem, run_command
+from musclebench.program.optional_packages import left_out_without
 from musclebench.program.registry import read_registry, whose
 from musclebench.results import run_folder
 from musclebench.results.disturbance import note
@@ -37,7 +38,9 @@ def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run],
     files = [runs_file]
     for table in made:
         files += table_formats.write_table(table, out_dir / "tables")
-    return runs, made, files + paper_figures.draw_figures(runs, paper, out_dir / "figures")
+    with left_out_without("the figures"):
+        files += paper_figures.draw_figures(runs, paper, out_dir / "figures")
+    return runs, made, files
 
 
 def print_report(runs: list[run_folder.Run], made: list[paper_tables.Table]) -> None:
@@ -62,7 +65,8 @@ def run_and_report(options) -> int:
                 for run in runs if run.status not in MEASURED]
     is_drawn = True
     try:
-        files += draw_in_display("surfaces", out_dir, names)
+        with left_out_without("the pictures in space"):
+            files += draw_in_display("surfaces", out_dir, names)
     except Problem as problem:
         is_drawn = False
         problems.append(str(problem))

@@ -11,6 +11,7 @@ from ..figures.convergence import draw_costs, draw_errors
 from ..figures.offset_and_depth import draw_offsets, offset_rows, told
 from ..figures.pareto import draw_pareto
 from ..figures.stages import draw_stages, stage_rows
+from ..program.optional_packages import left_out_without
 from ..program.registry import saved_registry, whose
 from ..results.disturbance import note
 from ..tables import table_formats
@@ -71,12 +72,13 @@ def write_report(out_dir: Path) -> AccuracyReport:
     busy = note({case.name: case.disturbance for case in cases if case.disturbance}, len(cases))
     for table in made:
         files += _write_table(table, tables, busy)
-    files += _draw_replay(replays, wrong, figures)
-    files += _draw_offsets(replays, figures)
-    files += _draw_coupled(coupled, wrong, shapes, faults, figures)
-    files += _draw_arms(armed, wrong, arms, figures)
-    files += _draw_convergence(aggregates, builds, figures)
-    files += _draw_stages(coupled, replays, figures)
+    with left_out_without("the figures"):
+        files += _draw_replay(replays, wrong, figures)
+        files += _draw_offsets(replays, figures)
+        files += _draw_coupled(coupled, wrong, shapes, faults, figures)
+        files += _draw_arms(armed, wrong, arms, figures)
+        files += _draw_convergence(aggregates, builds, figures)
+        files += _draw_stages(coupled, replays, figures)
     return AccuracyReport(files, made)
 
 

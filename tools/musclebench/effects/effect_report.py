@@ -6,6 +6,7 @@ from ..experiments.caveats import caveats
 from ..experiments.swept_case import SweptCase
 from ..figures.effect_figures import draw_changes, draw_costs
 from ..figures.effect_scenes import draw_scenes
+from ..program.optional_packages import left_out_without
 from ..results.run_folder import read_all
 from ..results.status import MEASURED
 from ..tables.table_formats import Table, write_table
@@ -34,7 +35,9 @@ def write_report(folders: dict[SweptCase, Path], returned: dict[SweptCase, Path]
     for name in ("tables", "figures"):
         (out_dir / name).mkdir(parents=True, exist_ok=True)
     files = [path for table in tables for path in write_table(table, out_dir / "tables")]
-    files += draw_costs(measured, out_dir / "figures" / "effect_costs")
-    files += draw_changes(measured, out_dir / "figures" / "effect_changes")
     scenes = [run for run in read_all(list(shown.values())) if run.status in MEASURED]
-    return tables, files + draw_scenes(scenes, out_dir / "figures" / "effect_scenes")
+    with left_out_without("the figures"):
+        files += draw_costs(measured, out_dir / "figures" / "effect_costs")
+        files += draw_changes(measured, out_dir / "figures" / "effect_changes")
+        files += draw_scenes(scenes, out_dir / "figures" / "effect_scenes")
+    return tables, files

@@ -6,12 +6,14 @@ from pathlib import Path
 
 from ..program.children import display, started
 from ..program.cli import Problem
+from ..program.optional_packages import require
 
 DRAWING = Path(__file__).resolve().parents[2] / "draw_pictures.py"
 
 
 def draw_in_display(kind: str, out_dir: Path, names: list[str]) -> list[Path]:
     """`kind`: surfaces or fibres, of the runs in out_dir/raw. Raises Problem where they can't be drawn."""
+    require("matplotlib", "vtk")
     command = [sys.executable, str(DRAWING), kind, str(out_dir), *names]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     files = []

@@ -6,6 +6,7 @@ import pandas as pd
 
 from ..accuracy.aggregates import Aggregate, exact_aggregate
 from ..accuracy.shapes import hausdorff_distance_m
+from ..program.optional_packages import is_there, left_out_without, require
 from ..results.ply import PlyMesh, read_ply, rms_distance_m
 from ..results.run_folder import ResultProblem, Run
 from .table_formats import Column, Table
@@ -49,6 +50,8 @@ def outcomes_table(coupled: list[Aggregate], shapes: dict, floors: list[Aggregat
 def shape_distances(coupled: list[Aggregate]) -> dict:
     """{(scene, configuration): {full_rms_mm, full_hausdorff_mm, final_rms_mm, final_hausdorff_mm}}; without what the
     snapshots don't tell."""
+    with left_out_without("Hausdorff distances of shapes"):
+        require("vtkmodules")
     return {(e.scene, e.configuration): _distances(e, exact_aggregate(coupled, e.scene)) for e in coupled if e.is_shown}
 
 
@@ -64,7 +67,8 @@ def _distances(aggregate: Aggregate, exact: Aggregate | None) -> dict:
         if ours is None or theirs is None or ours[0] != theirs[0]:
             continue
         found[f"{moment}_rms_mm"] = 1e3 * rms_distance_m(ours[1], theirs[1])
-        found[f"{moment}_hausdorff_mm"] = 1e3 * hausdorff_distance_m(ours[1], theirs[1])
+        if is_there("vtkmodules"):
+            found[f"{moment}_hausdorff_mm"] = 1e3 * hausdorff_distance_m(ours[1], theirs[1])
     return found
 
 
