@@ -1,10 +1,11 @@
 """Measures the program, adds a night to the history, and reports what changed: when, by how much, how sure, with the
 commits between.
 
-The experiment nightly, all backends on a small scene and on a muscle of the synthetic hip, runs on one core, its
-repetitions in random order; where the program is another one than in the last night, that one runs beside it. Reported are steps of times (5 %) and counters (1 %)
-over the nights (E-divisive, at a level of 0.1 % for all series of a night), what differs from the last night's program, and
-answers that are not the same: state hash, depth, missed contacts, cells of the matrix of hard cases.
+The experiment nightly, all backends on a small scene and on a muscle of the synthetic hip, runs on one core, its repetitions
+in random order; where the program is another one than in the last night, that one runs beside it. Reported are steps of times
+(5 %) and counters (1 %) over the nights (E-divisive, at a level of 0.1 % for all series of a night), what differs from the
+last night's program, and answers that are not the same: state hash, depth, missed contacts, cells of the matrix of hard
+cases.
 
 Exit code 0: nothing new, 1: something changed, 2: it could not be done.
 """
