@@ -186,7 +186,7 @@ def test_a_folder_may_be_moved(finished, tmp_path):
 
 def test_failures_are_rows_and_the_others_go_on(sweep):
     behaviour = f"{ONCE[1]}-r0=crash {ONCE[3]}-r0=greedy {ONCE[4]}-r0=diverge {ONCE[6]}-r1=hang"
-    code, _, errors, called = sweep("--timeout", "1.5", behaviour=behaviour)
+    code, _, errors, called = sweep("--timeout", "1.5", "--no-page", behaviour=behaviour)
     assert code == 1 and called == RUN_CASES
     assert sweep.record(f"{ONCE[1]}-r0")["status"] == "failed"
     assert "key 'x': no such thing" in sweep.record(f"{ONCE[1]}-r0")["status_detail"]

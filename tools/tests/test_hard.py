@@ -34,9 +34,9 @@ def check_known(done, folder):
     rows = pd.read_csv(folder / "matrix.csv", keep_default_na=False)
     broken = rows[rows.verdict == "breaks"]
     assert done.returncode == (1 if len(broken) else 0)
-    # Without anatomical data, or where a busy machine would take too long, a cell is left out.
-    left_out = rows[rows.verdict == "not applicable"]
-    assert set(zip(broken.case, broken.backend)) == known_to_break() - set(zip(left_out.case, left_out.backend))
+    # Without anatomical data, or where a busy machine would take too long, a cell or its later runs are left out.
+    asked = hard_reds.sure_cells(hard_reds.rows_of(folder / "matrix.csv"))
+    assert set(zip(broken.case, broken.backend)) & asked == known_to_break() & asked
 
 
 def test_what_can_hold_does(matrix):

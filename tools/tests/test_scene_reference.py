@@ -4,12 +4,14 @@ import re
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parent.parent.parent
-READERS = [PROJECT / "core/scene" / name for name in ("read_scene.cpp", "read_motion.cpp", "read_contact.cpp", "read_attachments.cpp")]
+READERS = [PROJECT / "core/scene" / name
+           for name in ("read_scene.cpp", "read_motion.cpp", "read_contact.cpp", "read_attachments.cpp", "mesh_placement.hpp")]
 
 
 def keys_of_the_reader() -> set[str]:
     text = "".join(file.read_text() for file in READERS)
-    return {key for found in re.findall(r"allow_only\(\{(.*?)\}\)", text, re.S) for key in re.findall(r'"(\w+)"', found)}
+    lists = re.findall(r"(?:allow_only\(|body_keys\(|placement_keys = )\{(.*?)\}", text, re.S)
+    return {key for found in lists for key in re.findall(r'"(\w+)"', found)}
 
 
 def keys_of_the_page() -> set[str]:

@@ -1,8 +1,10 @@
-"""Why cells of the matrix of hard cases break, as causes.toml tells."""
+"""Why cells of the matrix of hard cases break, as reports/hard_cases/causes.toml tells."""
 
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
+
+CAUSES = Path(__file__).resolve().parents[3] / "reports" / "hard_cases" / "causes.toml"
 
 
 @dataclass(frozen=True)
@@ -12,7 +14,7 @@ class Cause:
 
 
 def read_causes() -> list[Cause]:
-    return [Cause(**row) for row in tomllib.loads(Path(__file__).with_suffix(".toml").read_text())["cause"]]
+    return [Cause(**row) for row in tomllib.loads(CAUSES.read_text())["cause"]]
 
 
 def known_to_break() -> set[tuple[str, str]]:
