@@ -4,7 +4,7 @@ import json
 
 import fake_runs
 from musclebench.program.registry import read_registry, whose
-from musclebench.publish.measured import Source
+from musclebench.publish.measured import Source, source_of
 from musclebench.results import run_folder
 from musclebench.tables.table_formats import Column, Table, as_latex, as_markdown
 from program import PROGRAM, call, needs_program
@@ -37,6 +37,18 @@ def test_a_page_says_whose_the_measured_backends_are():
 def test_runs_tell_and_those_of_an_older_program_do_not():
     records = [fake_runs.run_record("a/b", "voxel", 4), fake_runs.run_record("a/b", "fcl", 4), {"case": {}}]
     assert run_folder.implementations_in(records) == {"voxel": "library of voxel", "fcl": "library of fcl"}
+
+
+def test_cells_of_hard_cases_take_theirs_from_the_registry(tmp_path):
+    """They are no runs, and say whose nothing is; a scene that was drawn is one backend's."""
+    fake_runs.write_run(tmp_path / "raw" / "scenes" / "pinch", "hard/pinch", "bvh")
+    for backend in ("bvh", "fcl", "mine"):
+        cell = tmp_path / "raw" / f"pinch-{backend}" / "run.json"
+        cell.parent.mkdir()
+        cell.write_text(json.dumps({"case": {"mode": "hard", "backend": backend}}))
+    known = [{"name": name, "implementation": told} for name, told in {"fcl": "FCL 0.7.0", "sdf": "not asked", "mine": ""}.items()]
+    (tmp_path / "registry.json").write_text(json.dumps({"backends": known}))
+    assert source_of(tmp_path, "tools/hard").implementations == {"bvh": "library of bvh", "fcl": "FCL 0.7.0"}
 
 
 @needs_program

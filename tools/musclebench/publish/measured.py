@@ -10,7 +10,7 @@ import pandas as pd
 
 from ..program.cli import Problem
 from ..program.fingerprint import write_whole
-from ..program.registry import whose
+from ..program.registry import FILE_NAME as REGISTRY, whose
 from ..results.disturbance import disturbed
 from ..results.run_folder import implementations_in
 from .published_tables import TABLES
@@ -106,6 +106,7 @@ def source_of(out_dir: Path, command: str) -> Source:
     """Of the complete runs in the folder, which must be of one commit and machine."""
     named = {path.parent.name: _record(path) for path in sorted((out_dir / "raw").rglob("run.json"))
              if not any(part.startswith(".") for part in path.relative_to(out_dir).parts)}
+    every = list(named.values())
     named = {name: record for name, record in named.items() if record.get("build")}
     records = list(named.values())
     if not records:
@@ -114,7 +115,15 @@ def source_of(out_dir: Path, command: str) -> Source:
         command, _one(records, out_dir, "commit", "build", "git"), _one(records, out_dir, "machine", "machine", "cpu"),
         _one(records, out_dir, "compiler", "build", "compiler"),
         datetime.now(timezone.utc).date().isoformat(), int(_one(records, out_dir, "schema", "schema_version")),
-        len(disturbed(named)), implementations=implementations_in(records))
+        len(disturbed(named)), implementations=implementations_in(records) | _asked_implementations(out_dir, every))
+
+
+def _asked_implementations(out_dir: Path, records: list[dict]) -> dict[str, str]:
+    """Of the backends of cells of hard cases, which leave no word of it themselves."""
+    asked = {record["case"].get("backend") for record in records if record.get("case", {}).get("mode") == "hard"}
+    registry = out_dir / REGISTRY
+    known = json.loads(registry.read_text())["backends"] if asked and registry.is_file() else []
+    return {one["name"]: one["implementation"] for one in known if one["name"] in asked and one.get("implementation")}
 
 
 def _unit(study_csv: Path) -> str:
