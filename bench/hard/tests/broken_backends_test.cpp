@@ -255,7 +255,7 @@ struct Spoils {
 /// By what each case of the loop, or of the judge, is seen red: a scene that lacks what the bar is about.
 constexpr Spoils spoils[] = {
     {"time-step", [](Scene& scene) { take_away(scene, "volume"); }, true},
-    {"extremes", [](Scene& scene) { take_away(scene, "volume"); }, true},
+    {"extremes", [](Scene& scene) { take_away(scene, "edge_length"); }, true},
     {"non-finite", [](Scene& scene) { take_away(scene, "gravity"); }},
     {"mass-ratio", [](Scene& scene) { scale_muscle(scene, 1e-3); }},
     {"wrong-unit", [](Scene& scene) { scale_muscle(scene, 1e-3); }},
