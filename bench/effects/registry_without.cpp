@@ -20,7 +20,7 @@ std::unique_ptr<ContactStage> make_absent(const StageInput& /*input*/, const Par
   return nullptr;
 }
 void set_absent(Response& /*response*/, const Parameters& /*parameters*/) {}
-void set_absent(MuscleContactResponse& /*response*/, const Parameters& /*parameters*/) {}
+void set_absent(ContactProperties& /*contacts*/, const Parameters& /*parameters*/) {}
 
 const std::vector<EffectEntry>& effect_registry() {
   static const std::vector<EffectEntry> entries = [] {

@@ -8,6 +8,7 @@ namespace musclebench {
 
 std::unique_ptr<ContactStage> make_muscle_contact_stage(const Scene& /*scene*/,
                                                         std::span<const double> /*inverse_masses*/,
+                                                        const ContactProperties& /*properties*/,
                                                         MuscleContactDetectors /*detectors*/) {
   std::abort();
 }

@@ -4,10 +4,32 @@
 #include <cmath>
 #include <utility>
 
+#include "core/contact/contact_properties.hpp"
+
 namespace musclebench {
 
-ContactRowSolver::ContactRowSolver(std::vector<double> inverse_masses)
+namespace {
+
+/// A step moves a node by no more than so many gaps of a row: more only throws the free corners of a face whose other
+/// corners a bone holds.
+constexpr double most_gaps = 2;
+/// Of friction. A row that shares no node with another one is right after the first.
+constexpr int friction_steps = 5;
+
+/// Of a row's nodes, by its weights: between muscles how far its two points are apart.
+Vec3 sum_over(const ContactRow& row, std::span<const Vec3> positions) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < row.nodes.size(); ++k) {
+    if (row.weights[k] != 0) sum += row.weights[k] * positions[static_cast<std::size_t>(row.nodes[k])];
+  }
+  return sum;
+}
+
+}  // namespace
+
+ContactRowSolver::ContactRowSolver(std::vector<double> inverse_masses, double friction_coefficient)
     : m_inverse_masses(std::move(inverse_masses)),
+      m_friction_coefficient(friction_coefficient),
       m_loads(m_inverse_masses.size(), 0),
       m_corrections(m_inverse_masses.size(), Vec3::Zero()),
       m_start_corrections(m_inverse_masses.size(), Vec3::Zero()) {}
@@ -25,15 +47,22 @@ void ContactRowSolver::collect_moved(std::span<const ContactRow> rows) {
   std::ranges::sort(m_moved);
 }
 
-/// Of the moduli of the row of J M^-1 J^T.
+void ContactRowSolver::clear_loads() {
+  for (const int node : m_moved) m_loads[static_cast<std::size_t>(node)] = 0;
+}
+
+/// Of the moduli of the row of J M^-1 J^T, or more where a node would move by too much.
 double ContactRowSolver::row_sum(const ContactRow& row) const {
   double sum = 0;
+  double largest = 0;
   for (std::size_t k = 0; k < row.nodes.size(); ++k) {
     if (row.weights[k] == 0) continue;
     const auto node = static_cast<std::size_t>(row.nodes[k]);
-    sum += m_inverse_masses[node] * std::abs(row.weights[k]) * m_loads[node];
+    const double share = m_inverse_masses[node] * std::abs(row.weights[k]);
+    sum += share * m_loads[node];
+    largest = std::max(largest, share);
   }
-  return sum;
+  return std::max(sum, largest / most_gaps);
 }
 
 /// Moves the row's points by `change` times what their nodes weigh in it.
@@ -45,56 +74,22 @@ void ContactRowSolver::add_to_all(const ContactRow& row, const Vec3& change, std
   }
 }
 
-void ContactRowSolver::displace(std::span<const ContactRow> rows, std::span<const Vec3> undone,
-                                std::span<Vec3> predicted) {
-  collect_moved(rows);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const double sum = row_sum(rows[i]);
-    if (sum > 0) add_to_all(rows[i], -undone[i] / sum, m_corrections);
-  }
-  for (const int node : m_moved) {
-    const auto i = static_cast<std::size_t>(node);
-    predicted[i] += std::exchange(m_corrections[i], Vec3::Zero());
-    m_loads[i] = 0;
-  }
-}
-
 bool ContactRowSolver::correct(const ContactRow& row, std::span<const Vec3> start, std::span<const Vec3> predicted) {
-  Vec3 sum = Vec3::Zero();
-  Vec3 start_sum = Vec3::Zero();
-  double row_sum = 0;
-  for (std::size_t k = 0; k < row.nodes.size(); ++k) {
-    if (row.weights[k] == 0) continue;
-    const auto node = static_cast<std::size_t>(row.nodes[k]);
-    sum += row.weights[k] * predicted[node];
-    start_sum += row.weights[k] * start[node];
-    row_sum += m_inverse_masses[node] * std::abs(row.weights[k]) * m_loads[node];
-  }
-  const double gap_m = row.normal.dot(sum) - row.offset_m;
-  if (!(gap_m < 0) || !(row_sum > 0)) return false;  // free, or bones hold all of it
-  const double start_gap_m = row.start_normal.dot(start_sum) - row.start_offset_m;
+  const double gap_m = row.normal.dot(sum_over(row, predicted)) - row.offset_m;
+  if (!(gap_m < 0)) return false;
+  const double sum = row_sum(row);
+  if (!(sum > 0)) return false;  // bones hold all of it
+  const double start_gap_m = row.start_normal.dot(sum_over(row, start)) - row.start_offset_m;
   const double began_inside = std::clamp(start_gap_m / gap_m, 0.0, 1.0);
   for (std::size_t k = 0; k < row.nodes.size(); ++k) {
     if (row.weights[k] == 0) continue;
     const auto node = static_cast<std::size_t>(row.nodes[k]);
-    const Vec3 correction = (-gap_m / row_sum * m_inverse_masses[node] * row.weights[k]) * row.normal;
+    const Vec3 correction = (-gap_m / sum * m_inverse_masses[node] * row.weights[k]) * row.normal;
     m_corrections[node] += correction;
     m_start_corrections[node] += began_inside * correction;
   }
   return true;
 }
-
-namespace {
-
-double gap_to(const ContactRow& row, const Vec3& normal, double offset_m, std::span<const Vec3> positions) {
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t k = 0; k < row.nodes.size(); ++k) {
-    if (row.weights[k] != 0) sum += row.weights[k] * positions[static_cast<std::size_t>(row.nodes[k])];
-  }
-  return normal.dot(sum) - offset_m;
-}
-
-}  // namespace
 
 void ContactRowSolver::lay_out_slowly(std::span<ContactRow> rows, std::span<const Vec3> start,
                                       std::span<const Vec3> predicted, double most_m) {
@@ -105,8 +100,8 @@ void ContactRowSolver::lay_out_slowly(std::span<ContactRow> rows, std::span<cons
   m_overlap_now.assign(m_overlaps.size(), 0);
   bool are_any = false;
   for (ContactRow& row : rows) {
-    const double depth_m = -gap_to(row, row.normal, row.offset_m, predicted);
-    const double start_depth_m = -gap_to(row, row.start_normal, row.start_offset_m, start);
+    const double depth_m = row.offset_m - row.normal.dot(sum_over(row, predicted));
+    const double start_depth_m = row.start_offset_m - row.start_normal.dot(sum_over(row, start));
     if (!(depth_m > 0) || !(start_depth_m > least_share * depth_m)) continue;
     if (!overlapped_before(row)) continue;
     are_any = true;
@@ -130,6 +125,14 @@ bool ContactRowSolver::overlapped_before(const ContactRow& row) const {
 
 void ContactRowSolver::solve(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted) {
   collect_moved(rows);
+  const bool has_friction = m_friction_coefficient > 0;
+  if (has_friction) find_approaches(rows, start, predicted);
+  correct_all(rows, start, predicted);
+  if (has_friction) rub(rows, start, predicted);
+  clear_loads();
+}
+
+void ContactRowSolver::correct_all(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted) {
   m_most_corrected = 0;
   int most_steps = 0;
   for (const ContactRow& row : rows) most_steps = std::max(most_steps, row.steps);
@@ -146,7 +149,51 @@ void ContactRowSolver::solve(std::span<const ContactRow> rows, std::span<Vec3> s
       start[i] += std::exchange(m_start_corrections[i], Vec3::Zero());
     }
   }
-  for (const int node : m_moved) m_loads[static_cast<std::size_t>(node)] = 0;
+}
+
+void ContactRowSolver::find_approaches(std::span<const ContactRow> rows, std::span<const Vec3> start,
+                                       std::span<const Vec3> predicted) {
+  m_approaches_m.clear();
+  for (const ContactRow& row : rows) {
+    m_approaches_m.push_back(row.normal.dot(sum_over(row, predicted) - sum_over(row, start)));
+  }
+}
+
+/// Projected Jacobi steps, as for the gaps: what all steps together undo of a row's slide stays within Coulomb's limit.
+void ContactRowSolver::rub(std::span<const ContactRow> rows, std::span<const Vec3> start, std::span<Vec3> predicted) {
+  find_rubbing(rows, start, predicted);
+  for (int step = 0; step < friction_steps && !m_rubbing.empty(); ++step) {
+    for (RubbingRow& rubbing : m_rubbing) {
+      const ContactRow& row = rows[rubbing.row];
+      const double sum = row_sum(row);
+      if (!(sum > 0)) continue;
+      const Vec3 moved = sum_over(row, predicted) - sum_over(row, start) - row.carried_m;
+      const Vec3 wanted = rubbing.undone_m + moved - row.normal.dot(moved) * row.normal;
+      const Vec3 undone = share_undone_by_friction(wanted.norm(), rubbing.push_m, m_friction_coefficient) * wanted;
+      add_to_all(row, (rubbing.undone_m - undone) / sum, m_corrections);
+      rubbing.undone_m = undone;
+    }
+    for (const int node : m_moved) {
+      const auto i = static_cast<std::size_t>(node);
+      predicted[i] += std::exchange(m_corrections[i], Vec3::Zero());
+    }
+  }
+}
+
+/// The rows that were pushed apart; the others bear nothing, and are no longer counted in the loads.
+void ContactRowSolver::find_rubbing(std::span<const ContactRow> rows, std::span<const Vec3> start,
+                                    std::span<const Vec3> predicted) {
+  m_rubbing.clear();
+  clear_loads();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const ContactRow& row = rows[i];
+    const double push_m = row.normal.dot(sum_over(row, predicted) - sum_over(row, start)) - m_approaches_m[i];
+    if (!(push_m > 0)) continue;
+    m_rubbing.push_back({i, push_m});
+    for (std::size_t k = 0; k < row.nodes.size(); ++k) {
+      if (row.weights[k] != 0) m_loads[static_cast<std::size_t>(row.nodes[k])] += std::abs(row.weights[k]);
+    }
+  }
 }
 
 }  // namespace musclebench

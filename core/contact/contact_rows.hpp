@@ -19,21 +19,26 @@ struct ContactRow {
   double offset_m = 0;
   Vec3 start_normal = Vec3::UnitZ();  ///< the same plane where the substep began
   double start_offset_m = 0;
-  int steps = 1;  ///< corrections; the row is left as it is while others go on
+  Vec3 carried_m = Vec3::Zero();  ///< how far a bone carries its point of contact in the substep; 0 between muscles
+  int steps = 1;                  ///< corrections; the row is left as it is while others go on
 };
 
 /// Corrects contacts of several nodes each. All rows of a step are corrected from the same positions and added, so that
 /// their order means nothing. A node that many rows move would then be moved too far; each correction is therefore
 /// divided by the sum of the moduli of its row of J M^-1 J^T instead of by the diagonal (l1-Jacobi: Baker, Falgout,
 /// Kolev and Yang 2011, "Multigrid smoothers for ultraparallel computing"). For a single row the two are the same; rows
-/// of one gap and normal all around are solved at once; and the steps converge for any set of rows.
+/// of one gap and normal all around are solved at once; and the steps converge for any set of rows. A step moves no
+/// node by more than twice a row's gap: a face of which bones hold all but a corner is not thrown.
 ///
 /// What violated a row already when the substep began is corrected in the substep's start, too, and so gives no
 /// velocity (pre-stabilisation: Macklin et al. 2014, "Unified particle physics for real-time applications").
+///
+/// Friction undoes what a row's points have slid on each other in the substep, as far as their push apart allows
+/// (`share_undone_by_friction`), by inverse mass on both sides, so that between muscles it changes no momentum.
 class ContactRowSolver {
  public:
-  /// Of all nodes, 1/kg.
-  explicit ContactRowSolver(std::vector<double> inverse_masses);
+  /// `inverse_masses` of all nodes, 1/kg. `friction_coefficient`: see ContactProperties.
+  explicit ContactRowSolver(std::vector<double> inverse_masses, double friction_coefficient = 0);
 
   /// Before `solve`: lowers the offsets of rows that began deeper than `most_m`, so that they are corrected by no more.
   /// Only of nodes that were in such rows in the first call, and have been in all calls since: those that overlap as
@@ -44,25 +49,32 @@ class ContactRowSolver {
   /// Corrects `predicted` (p) and `start` (x), both of all nodes, world frame, m. Ends early once no row is violated.
   void solve(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted);
 
-  /// Takes away what the points of each row have moved against each other, as far as several rows of a node allow it
-  /// (as in `solve`): `undone` has one displacement a row. `rows` are those of the last `solve`.
-  void displace(std::span<const ContactRow> rows, std::span<const Vec3> undone, std::span<Vec3> predicted);
-
   /// The nodes that the last `solve` may have moved, ascending.
   [[nodiscard]] std::span<const int> moved_nodes() const { return m_moved; }
   /// How many rows the step of the last `solve` that had most of them corrected.
   [[nodiscard]] int most_corrected() const { return m_most_corrected; }
 
-  [[nodiscard]] double inverse_mass(int node) const { return m_inverse_masses[static_cast<std::size_t>(node)]; }
-
  private:
+  /// A row that friction acts on.
+  struct RubbingRow {
+    std::size_t row = 0;
+    double push_m = 0;  ///< by which its points were pushed apart
+    Vec3 undone_m = Vec3::Zero();
+  };
+
   void collect_moved(std::span<const ContactRow> rows);
   [[nodiscard]] double row_sum(const ContactRow& row) const;
   void add_to_all(const ContactRow& row, const Vec3& change, std::vector<Vec3>& corrections) const;
+  void correct_all(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted);
+  void find_approaches(std::span<const ContactRow> rows, std::span<const Vec3> start, std::span<const Vec3> predicted);
+  void rub(std::span<const ContactRow> rows, std::span<const Vec3> start, std::span<Vec3> predicted);
+  void find_rubbing(std::span<const ContactRow> rows, std::span<const Vec3> start, std::span<const Vec3> predicted);
+  void clear_loads();
   [[nodiscard]] bool overlapped_before(const ContactRow& row) const;
   bool correct(const ContactRow& row, std::span<const Vec3> start, std::span<const Vec3> predicted);
 
   std::vector<double> m_inverse_masses;
+  double m_friction_coefficient;
   // By node, zero but for m_moved.
   std::vector<double> m_loads;  ///< sum of the moduli of the weights of all its rows
   std::vector<Vec3> m_corrections;
@@ -72,6 +84,8 @@ class ContactRowSolver {
   std::vector<char> m_overlaps;     ///< by node: since the run began; empty once there are none
   std::vector<char> m_overlap_now;  ///< the same of this call alone
   int m_most_corrected = 0;
+  std::vector<double> m_approaches_m;  ///< by row, where there is friction: along its normal, before the correction
+  std::vector<RubbingRow> m_rubbing;
 };
 
 }  // namespace musclebench

@@ -17,7 +17,7 @@
 namespace musclebench {
 
 /// One node of a muscle found inside another muscle. There is at most one contact a node and other muscle. Both sides
-/// move: the closest triangle against the normal, the node along it (MuscleContactResponse).
+/// move: the closest triangle against the normal, the node along it (rows_of, ContactRowSolver).
 struct MuscleContact {
   int node = 0;
   int muscle = 0;               ///< the other one, an index of the scene's bodies

@@ -9,7 +9,7 @@
 
 #include "core/base/parameters.hpp"
 #include "core/contact/bone.hpp"
-#include "core/contact/muscle_contact_response.hpp"
+#include "core/contact/contact_properties.hpp"
 #include "core/contact/response.hpp"
 #include "core/fibres/fibre_segments.hpp"
 #include "core/mesh/body.hpp"
@@ -47,6 +47,7 @@ struct StageInput {
   const TriangleMesh* mesh = nullptr;           ///< of all muscles, at rest
   std::span<const Body> bodies = {};            ///< muscles in it
   std::span<const char> untouched = {};         ///< by bone, whether no node is expected near it; empty: none is known
+  ContactProperties contacts = {};              ///< of all contacts that a stage finds itself
 
   [[nodiscard]] bool is_untouched(std::size_t bone) const { return bone < untouched.size() && untouched[bone] != 0; }
 };
@@ -59,8 +60,9 @@ struct EffectEntry {
   std::function<std::unique_ptr<Effect>(const EffectInput&, const Parameters&)> make;
   std::function<std::unique_ptr<ContactStage>(const StageInput&, const Parameters&)> make_stage = {};  ///< or this
   std::function<void(Response&, const Parameters&)> set_response = {};                                 ///< or this
-  std::function<void(MuscleContactResponse&, const Parameters&)> set_muscle_response = {};  ///< beside one of these
-  bool needs_normals = false;                                                               ///< of contacts with bones
+  /// With one of these: what it makes of contacts that other stages find.
+  std::function<void(ContactProperties&, const Parameters&)> set_contacts = {};
+  bool needs_normals = false;     ///< of contacts with bones
   bool needs_projection = false;  ///< the response that moves nodes by their depths
 };
 

@@ -22,9 +22,11 @@ constexpr double least_step = 1e-3;
 /// Points of a triangle whose barycentric coordinates differ by less are one.
 constexpr double least_apart = 0.15;
 /// A barycentric coordinate below this is 0: the point is on an edge or in a corner.
-constexpr double on_border = 1e-6;
+constexpr double on_border = 1e-2;
 /// Where less of the gradient is left for a face to be pushed out by, its own normal is taken.
 constexpr double least_along = 0.2;
+/// Mean gradient of a ridge whose sides are so steep that it has no direction but by rounding.
+constexpr double thinnest = 1e-3;
 /// Clearance of a triangle that no contact is sought for.
 constexpr double anywhere_m = 1e6;
 constexpr std::size_t chunk_size = 32;
@@ -60,59 +62,82 @@ struct Face {
 struct DeepestPoint {
   Vec3 at;
   SignedPoint located;
+  Vec3 gradient;         ///< of the signed distance there
+  Vec3 gradient_beside;  ///< where the descent looked last before; on a ridge often that of its other side
 };
 
-/// Projected descent: along the part of the gradient in the face's plane, back into the face, by half the step where
+/// The share of a step from `best` to `trial`, which goes no deeper, that the next one takes: where the tangents at
+/// both ends meet, so that a ridge between them, where the distance has a kink, is hit at once.
+double next_share(const DeepestPoint& best, const Vec3& trial, double trial_distance_m, const Vec3& trial_gradient) {
+  const Vec3 step = trial - best.at;
+  const double falls_m = -best.gradient.dot(step);
+  const double rises_m = trial_gradient.dot(step);
+  const double gained_m = best.located.signed_distance_m() - trial_distance_m + rises_m;
+  return falls_m > 0 && rises_m > 0 ? std::clamp(gained_m / (falls_m + rises_m), 0.02, 0.98) : 0.5;
+}
+
+/// Projected descent: along the part of the gradient in the face's plane, back into the face, by a shorter step where
 /// that goes no deeper.
 DeepestPoint find_deepest(const SignedSurface& surface, const Face& face, const Vec3& start, int near) {
   const auto& [a, b, c] = face.corners;
-  DeepestPoint best{start, surface.locate_from(start, near)};
+  const SignedPoint at_start = surface.locate_from(start, near);
+  const Vec3 first = surface.outward(start, at_start);
+  DeepestPoint best{start, at_start, first, first};
   double step_m = 0.5 * face.radius_m;
   for (int query = 1; query < most_queries && step_m > least_step * face.radius_m; ++query) {
-    const Vec3 gradient = surface.outward(best.at, best.located);
-    const Vec3 in_plane = gradient - face.normal.dot(gradient) * face.normal;
+    const Vec3 in_plane = best.gradient - face.normal.dot(best.gradient) * face.normal;
     const double slope = in_plane.norm();
     if (!(slope > 1e-6)) break;
     const Vec3 trial = closest_on_triangle(best.at - step_m / slope * in_plane, a, b, c).point;
     const SignedPoint located = surface.locate_from(trial, best.located.closest.triangle);
+    const Vec3 gradient = surface.outward(trial, located);
     if (located.signed_distance_m() < best.located.signed_distance_m()) {
-      best = {trial, located};
+      best = {trial, located, gradient, best.gradient};
     } else {
-      step_m *= 0.5;
+      step_m *= next_share(best, trial, located.signed_distance_m(), gradient);
+      best.gradient_beside = gradient;
     }
   }
   return best;
 }
 
-/// Direction, of unit length, by which the deepest point of a face leaves the bone without another point of the face
-/// becoming the deepest: the gradient without its part along the face or, on its border, along the edge. Where the
-/// distance is smooth, that part is 0 at a minimum. Beside a spike it may be nearly all; then the face gives way into
-/// the muscle.
-Vec3 direction_out(const Face& face, const Vec3& weights, const Vec3& gradient) {
+/// The part of a direction along which a point with these weights can move within the face: along its plane or, on its
+/// border, along the edge.
+Vec3 along_face(const Face& face, const Vec3& weights, const Vec3& direction) {
   const auto inner = (weights.array() > on_border).count();
-  Vec3 direction = gradient;
-  if (inner == 3) {
-    direction = face.normal.dot(gradient) * face.normal;
-  } else if (inner == 2) {
-    Eigen::Index least = 0;
-    weights.minCoeff(&least);
-    const auto opposite = static_cast<std::size_t>(least);
-    const Vec3 along = (face.corners[(opposite + 2) % 3] - face.corners[(opposite + 1) % 3]).stableNormalized();
-    direction = gradient - along.dot(gradient) * along;
-  }
+  if (inner == 3) return direction - face.normal.dot(direction) * face.normal;
+  if (inner < 2) return Vec3::Zero();
+  Eigen::Index least = 0;
+  weights.minCoeff(&least);
+  const auto opposite = static_cast<std::size_t>(least);
+  const Vec3 edge = (face.corners[(opposite + 2) % 3] - face.corners[(opposite + 1) % 3]).stableNormalized();
+  return edge.dot(direction) * edge;
+}
+
+/// Direction, of unit length, by which the deepest point of a face leaves the bone without another point of the face
+/// becoming the deepest: the mean of the gradients on both sides that has the least part along the face, without that
+/// part. Where the distance is smooth, the gradients are equal and have no such part at a minimum. Across a ridge they
+/// differ, and their mean is normal to ridge and edge. Beside a spike the part along the face may be nearly all; then
+/// the face gives way into the muscle.
+Vec3 direction_out(const Face& face, const Vec3& weights, const DeepestPoint& deepest) {
+  const Vec3 along = along_face(face, weights, deepest.gradient);
+  const Vec3 change = along - along_face(face, weights, deepest.gradient_beside);
+  const double squared = change.squaredNorm();
+  const double beside = squared > 0 ? std::clamp(along.dot(change) / squared, 0.0, 1.0) : 0.0;
+  const Vec3 mean = (1 - beside) * deepest.gradient + beside * deepest.gradient_beside;
+  const Vec3 direction = mean - along_face(face, weights, mean);
   const double part = direction.norm();
-  return part > least_along ? Vec3(direction / part) : Vec3(-face.normal);
+  return part > least_along * mean.norm() && part > thinnest ? Vec3(direction / part) : Vec3(-face.normal);
 }
 
 /// Point of the bone's surface and normal of the plane that keeps the point at `deepest` out.
 std::pair<Vec3, Vec3> plane_at(const SignedSurface& surface, const Face& face, const Vec3& weights,
                                const DeepestPoint& deepest, std::vector<PathCrossing>& crossings) {
-  const Vec3 gradient = surface.outward(deepest.at, deepest.located);
-  std::pair<Vec3, Vec3> tangent = {deepest.located.closest.point, gradient};
-  if (!deepest.located.inside) return tangent;
-  const Vec3 out = direction_out(face, weights, gradient);
+  std::pair<Vec3, Vec3> tangent = {deepest.located.closest.point, deepest.gradient};
+  const Vec3 out = direction_out(face, weights, deepest);
+  if (!deepest.located.inside) return {deepest.located.closest.point, out};
   // The tangent plane is met at depth / (out . gradient); a ridge that pokes through ends before or a little behind it.
-  const double length_m = 2 * deepest.located.closest.distance_m / std::max(out.dot(gradient), least_along);
+  const double length_m = 2 * deepest.located.closest.distance_m / std::max(out.dot(deepest.gradient), least_along);
   surface.tree().find_crossings(deepest.at, deepest.at + length_m * out, crossings);
   if (crossings.empty() || crossings.front().entering) return tangent;
   return {deepest.at + crossings.front().share * length_m * out, out};

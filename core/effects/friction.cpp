@@ -56,9 +56,7 @@ class Friction final : public ContactStage {
     const Vec3 on_bone = input.previous_bone_poses[contact.bone].apply_inverse(input.start[contact.node]);
     const Vec3 displacement = input.predicted[contact.node] - input.bone_poses[contact.bone].apply(on_bone);
     const Vec3 slide = displacement - contact.normal.dot(displacement) * contact.normal;
-    const double slide_m = slide.norm();
-    const double limit_m = m_coefficient * own_push_m;
-    const double undone = slide_m <= limit_m ? 1 : limit_m / slide_m;
+    const double undone = share_undone_by_friction(slide.norm(), own_push_m, m_coefficient);
     return -(undone * own_push_m / m_push_m[contact.node]) * slide;
   }
 
@@ -76,8 +74,8 @@ std::unique_ptr<ContactStage> make_friction(const StageInput& input, const Param
   return std::make_unique<Friction>(input, parameters.number("coefficient"));
 }
 
-void set_muscle_friction(MuscleContactResponse& response, const Parameters& parameters) {
-  response.set_friction(parameters.number("coefficient"));
+void set_friction(ContactProperties& contacts, const Parameters& parameters) {
+  contacts.friction_coefficient = parameters.number("coefficient");
 }
 
 std::vector<ParameterSpec> friction_parameters() {

@@ -86,6 +86,10 @@ std::unique_ptr<ContactStage> make_margin(const StageInput& input, const Paramet
   return std::make_unique<Margin>(input, parameters.number("thickness_m"));
 }
 
+void set_margin(ContactProperties& contacts, const Parameters& parameters) {
+  contacts.margin_m = parameters.number("thickness_m");
+}
+
 std::vector<ParameterSpec> margin_parameters() {
   return {parameter::number({.name = "thickness_m",
                              .unit = "m",

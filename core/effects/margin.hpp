@@ -11,6 +11,7 @@ namespace musclebench {
 /// are in the skin, and the backend's own contacts are deeper by the skin. The distance is exact, whatever the backend:
 /// only nodes near a bone are queried (ClearanceCache).
 std::unique_ptr<ContactStage> make_margin(const StageInput& input, const Parameters& parameters);
+void set_margin(ContactProperties& contacts, const Parameters& parameters);
 std::vector<ParameterSpec> margin_parameters();
 
 }  // namespace musclebench

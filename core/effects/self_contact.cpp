@@ -60,7 +60,7 @@ class SelfContact final : public ContactStage {
         m_clearances({m_mesh, m_bodies, each_with_itself(m_bodies.size())}),
         m_left_out(m_mesh.vertices.size()),
         m_guesses(m_mesh.vertices.size(), -1),
-        m_solver({input.inverse_masses.begin(), input.inverse_masses.end()}) {
+        m_solver({input.inverse_masses.begin(), input.inverse_masses.end()}, input.contacts.friction_coefficient) {
     for (const Body& body : m_bodies) m_trees.emplace_back(m_mesh, body);
     for (std::size_t node = 0; node < m_left_out.size(); ++node) m_left_out[node] = near_at_rest(node);
   }

@@ -16,8 +16,9 @@ class SurfaceContact final : public ContactStage {
       : m_triangles(input.triangles),
         m_interval(interval),
         m_steps(steps),
-        m_finder(input, skin_m),
-        m_solver({input.inverse_masses.begin(), input.inverse_masses.end()}) {}
+        m_margin_m(input.contacts.margin_m),
+        m_finder(input, skin_m + input.contacts.margin_m),
+        m_solver({input.inverse_masses.begin(), input.inverse_masses.end()}, input.contacts.friction_coefficient) {}
 
   [[nodiscard]] std::string_view name() const override { return "surface_contact"; }
 
@@ -44,14 +45,16 @@ class SurfaceContact final : public ContactStage {
                    .normal = pose.apply_to_direction(contact.normal),
                    .start_normal = previous.apply_to_direction(contact.normal),
                    .steps = m_steps};
-    row.offset_m = row.normal.dot(pose.apply(contact.point));
-    row.start_offset_m = row.start_normal.dot(previous.apply(contact.point));
+    row.offset_m = row.normal.dot(pose.apply(contact.point)) + m_margin_m;
+    row.start_offset_m = row.start_normal.dot(previous.apply(contact.point)) + m_margin_m;
+    row.carried_m = pose.apply(contact.point) - previous.apply(contact.point);
     return row;
   }
 
   std::span<const Triangle> m_triangles;
   int m_interval;
   int m_steps;
+  double m_margin_m;
   std::int64_t m_calls = 0;
   FaceContactFinder m_finder;
   std::span<const FaceContact> m_contacts;

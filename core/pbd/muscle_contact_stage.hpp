@@ -6,18 +6,24 @@
 #include <utility>
 #include <vector>
 
-#include "core/contact/muscle_contact_response.hpp"
+#include "core/contact/muscle_contact_rows.hpp"
 #include "core/pbd/contact_stage.hpp"
 
 namespace musclebench {
 
-/// Contact between muscles: a detector for each method that the scene's pairs name, and one response to all contacts.
+/// Contact between muscles: a detector for each method that the scene's pairs name, and one solver for all contacts.
+/// Muscles that overlap at rest separate without being accelerated.
 class MuscleContactStage final : public ContactStage {
  public:
   static constexpr std::string_view stage_name = "muscle_contact";
 
-  MuscleContactStage(std::vector<std::unique_ptr<MuscleContactDetector>> detectors, MuscleContactResponse response)
-      : m_detectors(std::move(detectors)), m_response(std::move(response)) {
+  /// `triangles` of the mesh of all muscles, which outlive this. `steps`: corrections of the contacts of one detection.
+  MuscleContactStage(std::vector<std::unique_ptr<MuscleContactDetector>> detectors, std::span<const Triangle> triangles,
+                     PairSteps steps, ContactRowSolver solver)
+      : m_detectors(std::move(detectors)),
+        m_triangles(triangles),
+        m_steps(std::move(steps)),
+        m_solver(std::move(solver)) {
     for (const auto& detector : m_detectors) {
       const auto times = detector->pair_times();
       m_pair_times.insert(m_pair_times.end(), times.begin(), times.end());
@@ -33,8 +39,10 @@ class MuscleContactStage final : public ContactStage {
       m_contacts.insert(m_contacts.end(), m_found.begin(), m_found.end());
     }
     add_times();
-    m_response.resolve(m_contacts, input.start, input.predicted, input.depenetration_m);
-    return m_response.moved_nodes();
+    rows_of(m_contacts, m_triangles, m_steps, m_rows);
+    m_solver.lay_out_slowly(m_rows, input.start, input.predicted, input.depenetration_m);
+    m_solver.solve(m_rows, input.start, input.predicted);
+    return m_solver.moved_nodes();
   }
 
   [[nodiscard]] int contact_count() const override { return static_cast<int>(m_contacts.size()); }
@@ -58,7 +66,10 @@ class MuscleContactStage final : public ContactStage {
   }
 
   std::vector<std::unique_ptr<MuscleContactDetector>> m_detectors;
-  MuscleContactResponse m_response;
+  std::span<const Triangle> m_triangles;
+  PairSteps m_steps;
+  ContactRowSolver m_solver;
+  std::vector<ContactRow> m_rows;
   std::vector<MuscleContact> m_contacts;
   std::vector<MuscleContact> m_found;
   std::vector<PairTime> m_pair_times;

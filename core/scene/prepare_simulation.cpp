@@ -109,15 +109,19 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
   prepared.simulation = std::make_unique<Simulation>(
       scene.loop, particles, std::move(order), std::move(effects), backend, std::move(response),
       [&scene](double position, std::vector<RigidMotion>& poses) { scene.poses_at(position, poses); }, threads);
+  ContactProperties contacts;
+  for (const auto& [entry, parameters] : named) {
+    if (entry->set_contacts) entry->set_contacts(contacts, *parameters);
+  }
   if (!muscle_detectors.empty()) {
     prepared.simulation->add_stage(
-        make_muscle_contact_stage(scene, particles.inverse_masses, std::move(muscle_detectors)));
+        make_muscle_contact_stage(scene, particles.inverse_masses, contacts, std::move(muscle_detectors)));
   }
   for (const auto& [entry, parameters] : named) {
     if (!entry->make_stage) continue;
     prepared.simulation->add_stage(entry->make_stage(
         {scene.bones, scene.muscle_mesh.vertices.size(), scene.muscle_mesh.triangles, particles.inverse_masses,
-         prepared.bound_nodes, threads, &scene.muscle_mesh, bodies, backend.untouched()},
+         prepared.bound_nodes, threads, &scene.muscle_mesh, bodies, backend.untouched(), contacts},
         *parameters));
   }
   prepared.simulation->limit_motion(motion_limits(scene));

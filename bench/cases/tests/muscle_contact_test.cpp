@@ -252,9 +252,9 @@ struct TwoBalls {
         nothing, ResponseKind::project, [](double, std::vector<RigidMotion>& poses) { poses.clear(); }, threads);
     std::vector<std::unique_ptr<MuscleContactDetector>> detectors;
     detectors.push_back(muscles.detector(entry, {{0, 1}}, threads));
-    simulation->add_stage(std::make_unique<MuscleContactStage>(
-        std::move(detectors),
-        MuscleContactResponse(muscles.mesh.triangles, particles.inverse_masses, default_projection_steps)));
+    simulation->add_stage(std::make_unique<MuscleContactStage>(std::move(detectors), muscles.mesh.triangles,
+                                                               default_projection_steps,
+                                                               ContactRowSolver(particles.inverse_masses)));
   }
 
   [[nodiscard]] Vec3 momentum() const {

@@ -127,21 +127,5 @@ TEST(RunFigures, NoStatusExcusesAnotherRun) {
   EXPECT_EQ(figures.judged().verdict, Verdict::breaks);
 }
 
-/// Friction is inert on faces and edges: what these two cases ask for is right where there is none.
-TEST(LoadedFriction, IsCoulombsOnFacesAndEdgesWhereThereIsNone) {
-  for (const HardCase& each : load_cases()) {
-    if (each.id != "incline-faces" && each.id != "incline-edges") continue;
-    const HardCell without =
-        each.run({.backend = exact_backend(), .spoil = [](Scene& scene) { take_out("friction", scene); }});
-    int found = 0;
-    for (const HardFigure& figure : without.figures) {
-      if (figure.name.find("over that without friction") == std::string::npos) continue;
-      EXPECT_NEAR(figure.value, 1, 0.05) << each.id;
-      ++found;
-    }
-    EXPECT_EQ(found, 2) << each.id;
-  }
-}
-
 }  // namespace
 }  // namespace musclebench

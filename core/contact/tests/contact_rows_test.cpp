@@ -85,6 +85,54 @@ TEST(ContactRows, WithoutALimitWhatOverlapsIsCorrectedAtOnce) {
   EXPECT_NEAR(gap_m(face_row(), at), 0, 1e-16);
 }
 
+/// Its contact is a hundredth of the way to the only corner that can move: the whole gap would take 100 times as much.
+TEST(ContactRows, AFaceThatBonesHoldAllButACornerIsNotThrown) {
+  ContactRowSolver solver({1, 0, 0});
+  std::vector<Vec3> at(3, Vec3(0, 0, -0.01));
+  std::vector<Vec3> start(3, Vec3::Zero());
+  ContactRow row = face_row();
+  row.weights = {0.01, 0.5, 0.49, 0};
+  solver.solve({&row, 1}, start, at);
+  EXPECT_NEAR(at[0].z() + 0.01, 0.02, 1e-15);
+}
+
+/// A face that comes down by 10 mm on a bone and slides by 30 mm, while the bone carries its points by 10 mm.
+struct SlidingFace {
+  std::vector<Vec3> start = std::vector<Vec3>(3, Vec3(0, 0, 0.001));
+  std::vector<Vec3> at = std::vector<Vec3>(3, Vec3(0.03, 0, -0.01));
+  std::vector<ContactRow> rows = {face_row()};
+
+  double slide_m(double friction_coefficient) {
+    for (ContactRow& row : rows) row.carried_m = Vec3(0.01, 0, 0);
+    ContactRowSolver({1, 2, 1}, friction_coefficient).solve(rows, start, at);
+    EXPECT_NEAR(gap_m(rows[0], at), 0, 1e-15);
+    Vec3 moved = Vec3::Zero();
+    for (std::size_t k = 0; k < 3; ++k) moved += rows[0].weights[k] * (at[k] - start[k]);
+    return moved.x() - 0.01;
+  }
+};
+
+TEST(ContactRows, FrictionUndoesASlideOnABoneThatMoves) {
+  EXPECT_NEAR(SlidingFace().slide_m(0), 0.02, 1e-15);
+  EXPECT_NEAR(SlidingFace().slide_m(0.5), 0.015, 1e-15);
+  EXPECT_NEAR(SlidingFace().slide_m(3), 0, 1e-15);
+}
+
+TEST(ContactRows, FrictionOfRowsAtOnePlaceIsThatOfOne) {
+  SlidingFace sliding;
+  sliding.rows.assign(4, face_row());
+  EXPECT_NEAR(sliding.slide_m(0.5), 0.015, 1e-14);
+}
+
+TEST(ContactRows, ARowThatBearsNothingTakesNoFrictionAway) {
+  SlidingFace sliding;
+  ContactRow beside = face_row();  // a plane 1 mm below the one that bears the face
+  beside.offset_m = beside.start_offset_m = -0.011;
+  sliding.rows.push_back(beside);
+  for (ContactRow& row : sliding.rows) row.steps = 60;
+  EXPECT_NEAR(sliding.slide_m(0.5), 0.015, 1e-14);
+}
+
 TEST(ContactRows, RowsEndWithTheirOwnSteps) {
   // Two rows that pull one node apart never end; the first one is done after one step.
   const std::vector<ContactRow> rows = {

@@ -124,8 +124,9 @@ struct Lying {
 
   void make() {
     const EffectEntry* entry = find_effect("surface_contact");
-    stage = entry->make_stage({bones, mesh.vertices.size(), mesh.triangles, masses, bound, threads},
-                              Parameters(entry->parameters, parameters, "test"));
+    StageInput input{bones, mesh.vertices.size(), mesh.triangles, masses, bound, threads};
+    input.contacts = contacts;
+    stage = entry->make_stage(input, Parameters(entry->parameters, parameters, "test"));
   }
 
   void step(int times = 1) {
@@ -146,6 +147,7 @@ struct Lying {
   std::vector<RigidMotion> poses = {RigidMotion{}};
   std::vector<RigidMotion> previous = {RigidMotion{}};
   std::map<std::string, ParameterValue> parameters;
+  ContactProperties contacts;
   std::unique_ptr<ContactStage> stage;
   int threads = 1;
 };
@@ -173,6 +175,26 @@ TEST(SurfaceContact, ASpikeLiftsTheFaceAndDoesNotPushItAside) {
   EXPECT_LT(aside_m, 0.1 * lifted_m);
 }
 
+/// A wedge along y whose edge, at z = 0, is so sharp that its sides stand at 11 degrees to each other's mirror plane.
+TriangleMesh sharp_wedge() {
+  TriangleMesh mesh = roof();
+  for (Vec3& vertex : mesh.vertices) vertex.x() *= 0.2;
+  return mesh;
+}
+
+/// A leaning triangle stands with its lower edge across the wedge, between two nodes.
+TEST(SurfaceContact, AnEdgeAcrossASharpRidgeIsLiftedAlongTheNormalOfBoth) {
+  TriangleMesh leaning;
+  leaning.vertices = {{-0.011, 0, -0.0005}, {0.009, 0, -0.0005}, {0, 0.02, 0.02}};
+  leaning.triangles = {{0, 1, 2}};
+  Lying lying(leaning, {}, sharp_wedge());
+  lying.step(30);
+  const Vec3 moved = 0.45 * lying.predicted[0] + 0.55 * lying.predicted[1] -
+                     (0.45 * lying.mesh.vertices[0] + 0.55 * lying.mesh.vertices[1]);
+  EXPECT_NEAR(moved.z(), 0.0005, 2e-5);
+  EXPECT_LT(moved.head<2>().norm(), 0.02 * moved.z());
+}
+
 TEST(SurfaceContact, ATowerFarNarrowerThanAFaceLiftsIt) {
   Lying lying(sheet_facing_down(0.00015), {}, plate_with_tower());
   ASSERT_NEAR(height_m(lying.mesh, lying.predicted, tip), -0.00025, 1e-9);
@@ -194,6 +216,34 @@ TEST(SurfaceContact, ATowerThatSlidesUnderAFaceIsFollowedBetweenSearches) {
   ASSERT_LT(height_m(lying.mesh, lying.predicted, moved), -5e-5);
   lying.step(30);
   EXPECT_GT(height_m(lying.mesh, lying.predicted, moved), -2e-5);
+}
+
+/// Between its nodes a sheet comes down on the ridge by 1 mm and slides along it by 4 mm.
+TEST(SurfaceContact, FacesRubOnTheBone) {
+  const auto slide_m = [](double coefficient) {
+    Lying lying(sheet(0));
+    lying.contacts.friction_coefficient = coefficient;
+    for (Vec3& node : lying.predicted) node += Vec3(0, 0.004, -0.001);
+    lying.step();
+    double on_ridge_m = 0;  // of the nodes beside the ridge
+    for (std::size_t i = 12; i <= 17; i += 5) on_ridge_m += (lying.predicted[i] - lying.start[i]).y() / 2;
+    return on_ridge_m;
+  };
+  EXPECT_EQ(slide_m(0), 0.004);
+  EXPECT_LT(slide_m(0.5), 0.0037);
+  EXPECT_GT(slide_m(0.5), 0.0033);
+  EXPECT_LT(std::abs(slide_m(100)), 0.0008);
+}
+
+TEST(SurfaceContact, FacesKeepTheMarginFromTheBone) {
+  Lying lying(sheet(0.0005));
+  lying.contacts.margin_m = 0.001;
+  lying.step(30);
+  double ridge_m = 1;
+  for (int i = 0; i <= 10; ++i) {
+    ridge_m = std::min(ridge_m, height_m(lying.mesh, lying.predicted, Vec3(0.0001, 0.003 * i - 0.015, 0)));
+  }
+  EXPECT_NEAR(ridge_m, 0.001, 5e-5);
 }
 
 TEST(SurfaceContact, NoBitDependsOnTheThreads) {

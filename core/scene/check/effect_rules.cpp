@@ -120,11 +120,6 @@ struct PartialEffect {
 };
 
 constexpr std::array partial_effects{
-    PartialEffect{"friction", "surface_contact",
-                  "rubs nodes only: what surface_contact holds at faces and edges slides without friction"},
-    PartialEffect{"friction", "self_contact", "rubs nodes in bones: parts of a muscle slide on each other without it"},
-    PartialEffect{"margin", "surface_contact",
-                  "keeps nodes at its thickness only: surface_contact lets faces and edges down to the bone"},
     PartialEffect{"margin", "self_contact", "lies on bones only: self_contact has a thickness of its own"},
 };
 

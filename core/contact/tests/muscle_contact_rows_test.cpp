@@ -1,5 +1,5 @@
 // How contacts between muscles are corrected, by hand.
-#include "core/contact/muscle_contact_response.hpp"
+#include "core/contact/muscle_contact_rows.hpp"
 
 #include <algorithm>
 #include <random>
@@ -25,9 +25,28 @@ double gap_m(const MuscleContact& contact, const std::vector<Vec3>& positions) {
   return contact.normal.dot(positions[static_cast<std::size_t>(contact.node)] - on_triangle);
 }
 
-TEST(MuscleContactResponse, TakesOneNodeOutByInverseMass) {
+/// What a stage does with the contacts of a substep.
+class RowResponse {
+ public:
+  RowResponse(std::span<const Triangle> of, std::vector<double> inverse_masses, PairSteps steps, double friction = 0)
+      : m_triangles(of), m_steps(std::move(steps)), m_solver(std::move(inverse_masses), friction) {}
+
+  void resolve(std::span<const MuscleContact> contacts, std::span<Vec3> start, std::span<Vec3> predicted) {
+    rows_of(contacts, m_triangles, m_steps, m_rows);
+    m_solver.solve(m_rows, start, predicted);
+  }
+  [[nodiscard]] std::span<const int> moved_nodes() const { return m_solver.moved_nodes(); }
+
+ private:
+  std::span<const Triangle> m_triangles;
+  PairSteps m_steps;
+  ContactRowSolver m_solver;
+  std::vector<ContactRow> m_rows;
+};
+
+TEST(MuscleContactRows, TakesOneNodeOutByInverseMass) {
   for (const double mass_ratio : {1.0, 3.0}) {
-    MuscleContactResponse response(triangles, {2, 2, 2, 2 / mass_ratio}, 1);
+    RowResponse response(triangles, {2, 2, 2, 2 / mass_ratio}, 1);
     std::vector<Vec3> predicted = corners();
     predicted.emplace_back(0.2, 0.3, -0.1);
     std::vector<Vec3> start = predicted;
@@ -48,11 +67,11 @@ TEST(MuscleContactResponse, TakesOneNodeOutByInverseMass) {
   }
 }
 
-TEST(MuscleContactResponse, WhatBoneHoldsStaysAndTheOtherSideGivesWay) {
+TEST(MuscleContactRows, WhatBoneHoldsStaysAndTheOtherSideGivesWay) {
   const MuscleContact one = contact(3, Vec3(0.5, 0.2, 0.3), 0.1);
   for (const bool node_is_bound : {false, true}) {
-    MuscleContactResponse response(
-        triangles, node_is_bound ? std::vector<double>{1, 1, 1, 0} : std::vector<double>{0, 0, 0, 1}, 1);
+    RowResponse response(triangles, node_is_bound ? std::vector<double>{1, 1, 1, 0} : std::vector<double>{0, 0, 0, 1},
+                         1);
     std::vector<Vec3> predicted = corners();
     predicted.emplace_back(0.2, 0.3, -0.1);
     const std::vector<Vec3> old = predicted;
@@ -62,7 +81,7 @@ TEST(MuscleContactResponse, WhatBoneHoldsStaysAndTheOtherSideGivesWay) {
     for (std::size_t i = node_is_bound ? 3 : 0; i < (node_is_bound ? 4U : 3U); ++i) EXPECT_EQ(predicted[i], old[i]);
   }
   // Both are held: nothing moves, and nothing is divided by 0.
-  MuscleContactResponse response(triangles, {0, 0, 0, 0}, 3);
+  RowResponse response(triangles, {0, 0, 0, 0}, 3);
   std::vector<Vec3> predicted = corners();
   predicted.emplace_back(0.2, 0.3, -0.1);
   const std::vector<Vec3> old = predicted;
@@ -71,8 +90,8 @@ TEST(MuscleContactResponse, WhatBoneHoldsStaysAndTheOtherSideGivesWay) {
   EXPECT_EQ(predicted, old);
 }
 
-TEST(MuscleContactResponse, WhatWasInsideAtTheStartGetsNoVelocity) {
-  MuscleContactResponse response(triangles, {1, 1, 1, 1}, 1);
+TEST(MuscleContactRows, WhatWasInsideAtTheStartGetsNoVelocity) {
+  RowResponse response(triangles, {1, 1, 1, 1}, 1);
   std::vector<Vec3> predicted = corners();
   predicted.emplace_back(0.2, 0.3, -0.1);
   std::vector<Vec3> start = corners();
@@ -119,7 +138,7 @@ class ManyContacts : public testing::Test {
 };
 
 TEST_F(ManyContacts, OfOneDepthAreSolvedAtOnceAndNeverOvershoot) {
-  MuscleContactResponse response(triangles, m_inverse_masses, 1);
+  RowResponse response(triangles, m_inverse_masses, 1);
   std::vector<Vec3> predicted = positions([](int) { return 0.01; });
   std::vector<Vec3> start = predicted;
   response.resolve(m_contacts, start, predicted);
@@ -142,14 +161,14 @@ TEST_F(ManyContacts, OfAnyDepthConvergeKeepMomentumAndHaveNoOrder) {
   std::vector<Vec3> shuffled_predicted = predicted;
   std::vector<Vec3> shuffled_start = predicted;
 
-  MuscleContactResponse(triangles, m_inverse_masses, 200).resolve(m_contacts, start, predicted);
+  RowResponse(triangles, m_inverse_masses, 200).resolve(m_contacts, start, predicted);
   Vec3 after = Vec3::Zero();
   for (const Vec3& position : predicted) after += position;
   EXPECT_LT((after - before).norm(), 1e-14);
   for (const MuscleContact& one : m_contacts) EXPECT_GT(gap_m(one, predicted), -1e-6);
 
   std::shuffle(m_contacts.begin(), m_contacts.end(), std::mt19937(9));
-  MuscleContactResponse(triangles, m_inverse_masses, 200).resolve(m_contacts, shuffled_start, shuffled_predicted);
+  RowResponse(triangles, m_inverse_masses, 200).resolve(m_contacts, shuffled_start, shuffled_predicted);
   for (std::size_t i = 0; i < predicted.size(); ++i) {
     EXPECT_LT((predicted[i] - shuffled_predicted[i]).norm(), 1e-14);
   }
@@ -168,8 +187,7 @@ struct Sliding {
 
   /// What is left of the slide between the node and its point of the triangle, m.
   double slide_left_m(double friction, const std::vector<double>& inverse_masses) {
-    MuscleContactResponse response(triangles, inverse_masses, 5);
-    response.set_friction(friction);
+    RowResponse response(triangles, inverse_masses, 5, friction);
     response.resolve({&one, 1}, start, predicted);
     const auto apart = [&](const std::vector<Vec3>& at) {
       return Vec3(at[3] - 0.5 * at[0] - 0.2 * at[1] - 0.3 * at[2]);
@@ -179,7 +197,7 @@ struct Sliding {
 };
 
 /// The push is 10 mm: friction undoes the coefficient times that, and a smaller slide whole.
-TEST(MuscleContactResponse, FrictionUndoesASlideByThePush) {
+TEST(MuscleContactRows, FrictionUndoesASlideByThePush) {
   for (const std::vector<double>& inverse_masses : {std::vector<double>{0, 0, 0, 1}, std::vector<double>{1, 2, 3, 4}}) {
     EXPECT_NEAR(Sliding(0.05).slide_left_m(0, inverse_masses), 0.05, 1e-15);
     EXPECT_NEAR(Sliding(0.05).slide_left_m(0.5, inverse_masses), 0.045, 1e-15);
@@ -187,7 +205,7 @@ TEST(MuscleContactResponse, FrictionUndoesASlideByThePush) {
   }
 }
 
-TEST(MuscleContactResponse, FrictionKeepsMomentum) {
+TEST(MuscleContactRows, FrictionKeepsMomentum) {
   const std::vector<double> inverse_masses = {1, 2, 3, 4};
   Sliding sliding(0.05);
   const std::vector<Vec3> old = sliding.predicted;
@@ -200,29 +218,29 @@ TEST(MuscleContactResponse, FrictionKeepsMomentum) {
 }
 
 /// What overlapped when the substep began is laid apart without force, and rubs against nothing.
-TEST(MuscleContactResponse, FrictionIsNotOfAnOverlapFromBefore) {
+TEST(MuscleContactRows, FrictionIsNotOfAnOverlapFromBefore) {
   Sliding sliding(0.05);
   sliding.start[3].z() = -0.01;
   EXPECT_NEAR(sliding.slide_left_m(0.5, {0, 0, 0, 1}), 0.05, 1e-15);
 }
 
 /// A response is kept over a run: nothing of one substep is left in the next.
-TEST(MuscleContactResponse, ASecondResolutionIsThatOfANewResponse) {
+TEST(MuscleContactRows, ASecondResolutionIsThatOfANewResponse) {
   const MuscleContact one = contact(3, Vec3(0.5, 0.2, 0.3), 0.1);
-  const auto resolved_by = [&](MuscleContactResponse& response) {
+  const auto resolved_by = [&](RowResponse& response) {
     std::vector<Vec3> predicted = corners();
     predicted.emplace_back(0.2, 0.3, -0.1);
     std::vector<Vec3> start = predicted;
     response.resolve({&one, 1}, start, predicted);
     return predicted;
   };
-  MuscleContactResponse response(triangles, {1, 1, 1, 1}, 1);
+  RowResponse response(triangles, {1, 1, 1, 1}, 1);
   const std::vector<Vec3> first = resolved_by(response);
   EXPECT_EQ(resolved_by(response), first);
 }
 
 /// Two muscles beside a first one, apart from each other: a pair of one step stays where one step brings it.
-TEST(MuscleContactResponse, APairHasStepsOfItsOwn) {
+TEST(MuscleContactRows, APairHasStepsOfItsOwn) {
   const std::vector<Triangle> two = {{0, 1, 2}, {3, 4, 5}};
   std::vector<Vec3> rest = corners();
   for (const Vec3& corner : corners()) rest.push_back(corner + Vec3(10, 0, 0));
@@ -243,8 +261,7 @@ TEST(MuscleContactResponse, APairHasStepsOfItsOwn) {
   const auto resolved = [&](PairSteps steps) {
     std::vector<Vec3> predicted = rest;
     std::vector<Vec3> start = rest;
-    MuscleContactResponse(two, std::vector<double>(rest.size(), 1.0), std::move(steps))
-        .resolve(contacts, start, predicted);
+    RowResponse(two, std::vector<double>(rest.size(), 1.0), std::move(steps)).resolve(contacts, start, predicted);
     return predicted;
   };
   const std::vector<Vec3> once = resolved(1);
