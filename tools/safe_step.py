@@ -16,6 +16,7 @@ from musclebench.options.safe_step import parse_arguments
 from musclebench.options.shared import check_options
 from musclebench.program.cli import Problem, run_command
 from musclebench.program.fingerprint import write_whole
+from musclebench.program.out_folder import claimed
 from musclebench.program.registry import Registry, read_registry
 from musclebench.safe_step.search import Limits, SafeStep, largest_safe
 from musclebench.safe_step.trials import Setting, Trials
@@ -93,25 +94,31 @@ def run_and_report(options) -> int:
     scene, = survey([name], options.musclebench, registry, folders, None, options.preset)
     arguments = [*(["--preset", options.preset] if options.preset else scene.preset_arguments()),
                  *scene.data_arguments(folders)]
-    rows = []
-    with tempfile.TemporaryDirectory() as folder:
+    settings = settings_of(options, registry)
+    with claimed(folders.out_dir), tempfile.TemporaryDirectory() as folder:
         trials = Trials(options.musclebench, name, arguments, Path(folder),
                         (registry.control or registry.backends[0]).name)
-        settings = settings_of(options, registry)
-        for number, setting in enumerate(settings, 1):
-            if sys.stderr.isatty():
-                print(f"\r{number} of {len(settings)}: {setting.backend}, {setting.response}, "
-                      f"{'guard' if setting.guard else 'no guard'}\x1b[K", end="", file=sys.stderr, flush=True)
-            rows.append(searched(trials, setting, scene))
+        return end("safe-step", write_report(search_all(trials, settings, scene), scene, name, out), [])
+
+
+def search_all(trials: Trials, settings: list[Setting], scene: Scene) -> list[dict]:
+    rows = []
+    for number, setting in enumerate(settings, 1):
         if sys.stderr.isatty():
-            print("\r\x1b[K", end="", file=sys.stderr)
+            print(f"\r{number} of {len(settings)}: {setting.backend}, {setting.response}, "
+                  f"{'guard' if setting.guard else 'no guard'}\x1b[K", end="", file=sys.stderr, flush=True)
+        rows.append(searched(trials, setting, scene))
+    if sys.stderr.isatty():
+        print("\r\x1b[K", end="", file=sys.stderr)
+    return rows
+
+
+def write_report(rows: list[dict], scene: Scene, name: str, out: Path) -> list[Path]:
+    keys = [column.key for column in COLUMNS]
     table = Table("safe_step", f"Largest steps at which {scene.key} stays right: no node on the wrong side of a bone, "
-                  "volume within 5 %", COLUMNS, pd.DataFrame(rows, columns=[column.key for column in COLUMNS]),
-                  [column.key for column in COLUMNS])
-    out.mkdir(parents=True, exist_ok=True)
-    files = [*write_table(table, out), write_steps(rows, name, out / "safe_step.json")]
+                  "volume within 5 %", COLUMNS, pd.DataFrame(rows, columns=keys), keys)
     print(f"\n{table.caption}\n\n{markdown_rows(COLUMNS, table.rows)}")
-    return end("safe-step", files, [])
+    return [*write_table(table, out), write_steps(rows, name, out / "safe_step.json")]
 
 
 def main(arguments=None) -> int:

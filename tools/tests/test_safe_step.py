@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 import safe_step
+from musclebench.program.out_folder import LOCK_NAME, claimed
 from musclebench.safe_step.search import RATIO, Limits, largest_safe
 from musclebench.safe_step.trials import stayed_right
 from program import PROGRAM, call, complaint, needs_program
@@ -45,6 +46,22 @@ def test_a_guard_allows_steps_as_long_as_none_at_least(tmp_path):
     assert 0 < projected["turn_deg"]["no"] <= projected["turn_deg"]["yes"]
     checked = call("check", "hard/step_size", "--backend", "bvh", "--safe-step", tmp_path / "out/safe_step.json", "--json")
     assert checked.returncode == 0, checked.stderr
+
+
+@needs_program
+def test_two_in_one_folder_are_refused_before_the_search(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(safe_step, "searched", lambda *_: pytest.fail("searched in another's folder"))
+    with claimed(tmp_path / "out"):
+        code = safe_step.main(["hard/step_size", "--out", str(tmp_path / "out"), "--musclebench", PROGRAM])
+    errors = capsys.readouterr().err
+    assert code == 2 and errors.count("\n") == 1 and "another run writes there" in errors
+    assert [path.name for path in (tmp_path / "out").iterdir()] == [LOCK_NAME]
+
+
+@needs_program
+def test_bad_input_leaves_no_folder(tmp_path, capsys):
+    assert safe_step.main(["hard/step_size", "--backend", "bhv", "--out", str(tmp_path / "out"), "--musclebench", PROGRAM]) == 2
+    assert "--backend bhv" in capsys.readouterr().err and not (tmp_path / "out").exists()
 
 
 def known_steps(folder: Path, **changes) -> Path:

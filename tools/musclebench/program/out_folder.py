@@ -51,7 +51,7 @@ def claimed_by_command(out_dir: Path, *result_dirs: str):
 def claimed(out_dir: Path, *result_dirs: str):
     """Makes the folder and those of the results in it, keeps other processes out, and removes what a killed experiment
     left half-written: its hidden folders."""
-    for name in result_dirs:
+    for name in ("", *result_dirs):
         (out_dir / name).mkdir(parents=True, exist_ok=True)
     # The lock goes with the process, however that ends.
     with open(out_dir / LOCK_NAME, "w") as lock:
