@@ -9,7 +9,7 @@ import pytest
 
 from copied_tools import PROJECT
 
-TOOLS = ("accuracy", "compare", "convergence", "effects", "experiment", "fuzz", "hard", "moment-arms", "nightly", "paper",
+TOOLS = ("accuracy", "compare", "convergence", "effects", "experiment", "fuzz", "hard", "moment-arms", "mutants", "nightly", "paper",
          "publish", "report", "safe-step", "speed")
 NEEDED_WORDS = {"compare": ("HEAD", "HEAD"), "experiment": ("paper",), "report": (".",), "safe-step": ("hard/step_size",)}
 PACKAGES = {"numpy", "pandas", "scipy", "matplotlib", "vtk", "vtkmodules", "jinja2", "PIL"}
@@ -113,6 +113,12 @@ def test_help_needs_nothing(fresh, name):
     ("safe-step", ("mine.toml",), "--scene mine.toml: no such file"),
     ("speed", ("--micro", "/nowhere"), "/nowhere: no such program"),
     ("fuzz", ("--seconds", "0"), "--seconds 0: must be a number above 0"),
+    ("mutants", ("--only", "no-such-fault"), "--only no-such-fault: no such fault; --list prints them"),
+    ("mutants", ("--faults", "/nowhere.toml"), "/nowhere.toml: [Errno 2] No such file"),
+    ("mutants", ("--jobs", "0"), "--jobs 0: must be 1 or more"), ("mutants", ("--shard", "3/2"), "'3/2' is not like 2/3"),
+    ("mutants", ("--seen", "/nowhere/seen.json"), "--seen /nowhere/seen.json: no file can be there"),
+    ("mutants", ("--seen", "tools/setup"), "tools/setup: not the JSON that a campaign writes"),
+    ("mutants", ("--scratch", "tools/setup"), "--scratch tools/setup: is a file"),
 ])
 def test_what_the_disk_tells_is_told_before_the_build(fresh, name, words, told):
     if name == "publish":
@@ -129,14 +135,14 @@ def test_what_the_disk_tells_is_told_before_the_build(fresh, name, words, told):
     ("speed", (), ["setup", "build bench -DMUSCLEBENCH_WITH_TESTS=OFF"]),
     ("publish", ("--quick",), ["setup", "build bench -DMUSCLEBENCH_WITH_TESTS=OFF"]),
     ("fuzz", ("--seconds", "1"), ["setup clang", "build fuzz"]),
-    ("compare", ("HEAD", "HEAD"), ["setup"]),
+    ("compare", ("HEAD", "HEAD"), ["setup"]), ("mutants", (), ["setup"]),
     # What only reads results, or is told which program to run, neither installs nor builds.
     ("accuracy", ("--report-only",), []), ("speed", ("--report-only",), []),
     ("experiment", ("paper", "--merge", "tools"), []), ("experiment", ("paper", "--musclebench", "/bin/true"), []),
     ("paper", ("--musclebench=/bin/true",), []), ("nightly", ("--simulate", "1"), []), ("nightly", ("--report-only",), []),
     ("publish", ("--write-only",), []), ("publish", ("--dry-run",), []),
     ("compare", ("tools", "bench"), []), ("compare", ("/bin/true", "/bin/false"), []),
-    ("report", ("tools", "--export", "vtk"), []),
+    ("report", ("tools", "--export", "vtk"), []), ("mutants", ("--check",), []), ("mutants", ("--list",), []),
 ])
 def test_only_what_is_needed_is_installed_and_built(tree, name, words, calls):
     done = tree.call(name, *words)

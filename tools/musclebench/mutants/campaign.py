@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from fnmatch import fnmatch
 from pathlib import Path
 
-from .faults import MOST_SURVIVORS, Fault
+from .faults import MOST_SURVIVORS, Fault, read_seen
 from .python_tests import PythonTests
 from .scratch_tree import refresh
 from .scratch_build import BuildFailed, ScratchBuild, nearest_first
@@ -128,8 +128,8 @@ class Campaign:
 
     def _read_verdicts(self) -> None:
         """Verdicts are those of one state of the sources; what was seen before may be taken as seen after a change."""
-        if self._seen is not None and self._seen.exists():
-            self.verdicts = {key: Verdict("seen", test) for key, test in json.loads(self._seen.read_text()).items()}
+        if self._seen is not None:
+            self.verdicts = {key: Verdict("seen", test) for key, test in read_seen(self._seen).items()}
         try:
             kept = json.loads(self._verdict_file.read_text())
         except (OSError, ValueError):

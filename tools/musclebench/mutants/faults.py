@@ -3,14 +3,17 @@
 import json
 import tomllib
 from dataclasses import dataclass
+from fnmatch import fnmatch
 from pathlib import Path
+
+from ..program.cli import Problem
 
 ROOMS = ("core/", "backends/", "bench/", "datasets/", "tools/")
 LEAST_FAULTS = 80
 MOST_SURVIVORS = 2
 
 
-class FaultListError(Exception):
+class FaultListError(Problem):
     """The list can't be used; one line with file, fault and cure."""
 
 
@@ -79,6 +82,18 @@ def _fault_of(row: dict, number: int, path: Path) -> Fault:
     return fault
 
 
+def chosen(faults: list[Fault], patterns: list[str] | None, shard: tuple[int, int] | None) -> list[Fault]:
+    """Raises Problem where none has such a name."""
+    if patterns:
+        faults = [fault for fault in faults if any(fnmatch(fault.name, pattern) for pattern in patterns)]
+        if not faults:
+            raise Problem(f"--only {' '.join(patterns)}: no such fault; --list prints them")
+    if shard:
+        number, count = shard
+        faults = faults[number - 1::count]
+    return faults
+
+
 def problems_of(faults: list[Fault], root: Path) -> list[str]:
     """One line each; empty when every fault applies, makes a program of its own, and the list is as long as it has to be."""
     found, first = [], {}
@@ -100,5 +115,15 @@ def problems_of(faults: list[Fault], root: Path) -> list[str]:
 def stale_keys(faults: list[Fault], seen: Path) -> list[str]:
     """A line for each key of a file of seen faults that no listed fault has; a file that isn't there has none."""
     listed = {fault.key for fault in faults}
-    kept = json.loads(seen.read_text()) if seen.is_file() else {}
-    return [f"{seen}: {key}: no such fault is listed; remove it" for key in kept if key not in listed]
+    return [f"{seen}: {key}: no such fault is listed; remove it" for key in read_seen(seen) if key not in listed]
+
+
+def read_seen(path: Path) -> dict[str, str]:
+    """The test that saw each fault, by key. Raises FaultListError."""
+    try:
+        kept = json.loads(path.read_text()) if path.is_file() else {}
+    except ValueError as error:
+        raise FaultListError(f"{path}: not the JSON that a campaign writes ({error}); remove it") from error
+    if not isinstance(kept, dict):
+        raise FaultListError(f"{path}: not what a campaign writes; remove it")
+    return kept

@@ -119,7 +119,7 @@ def check_scene(scene: str) -> None:
 
 
 def add_shard_option(group) -> None:
-    group.add_argument("--shard", type=_shard, default=(1, 1), metavar="I/N",
+    group.add_argument("--shard", type=shard, default=(1, 1), metavar="I/N",
                        help="run only the I-th of N parts, on machines of one kind with one build; then "
                             "tools/experiment --merge (default 1/1)")
 
@@ -129,7 +129,7 @@ def add_memory_option(group) -> None:
                        help="of one case, inf: no limit (default: its share of 90 %% of the machine's memory)")
 
 
-def _shard(text: str) -> tuple[int, int]:
+def shard(text: str) -> tuple[int, int]:
     number, _, count = text.partition("/")
     if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
         raise argparse.ArgumentTypeError(f"'{text}' is not like 2/3, the second of three parts")
