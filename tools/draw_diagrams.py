@@ -7,6 +7,9 @@ tools/draw_diagrams.py [FOLDER]      default: reports/performance/pictures
 import sys
 from pathlib import Path
 
+from musclebench.program.cli import run_command
+from musclebench.program.optional_packages import require
+
 import matplotlib
 import numpy as np
 
@@ -286,6 +289,12 @@ def draw(folder: Path) -> list[Path]:
     return paths
 
 
+def draw_and_tell(arguments: list[str]) -> int:
+    require("matplotlib")
+    for path in draw(Path(arguments[0]) if arguments else FOLDER):
+        print(path)
+    return 0
+
+
 if __name__ == "__main__":
-    for written in draw(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER):
-        print(written)
+    sys.exit(run_command("draw_diagrams", lambda: draw_and_tell(sys.argv[1:]), "some diagrams may be missing"))

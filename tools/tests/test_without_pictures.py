@@ -41,6 +41,10 @@ from musclebench.program.optional_packages import left_out_without
 with left_out_without("the pictures in space"):
     draw_in_display("surfaces", out, ["none"])
 """
+DIAGRAMS = """import runpy, draw_diagrams
+sys.argv = ["draw_diagrams.py", str(out / "pictures")]
+runpy.run_path(draw_diagrams.__file__, run_name="__main__")
+"""
 MATPLOTLIB, VTK = ("matplotlib",), ("vtk", "vtkmodules")
 
 
@@ -90,6 +94,12 @@ def test_the_accuracy_study_leaves_out_hausdorff_distances(tmp_path):
     assert done.returncode == 0, done.stderr
     assert left_out(done) == ["left out Hausdorff distances of shapes: Python lacks vtkmodules (tools/setup installs python3-vtk9)"]
     assert ".png" in done.stdout
+
+
+def test_diagrams_want_matplotlib_and_say_so_in_one_line(tmp_path):
+    done = run(DIAGRAMS, MATPLOTLIB, tmp_path / "out")
+    assert (done.returncode, done.stderr) == (2, "draw_diagrams: Python lacks matplotlib (tools/setup installs python3-matplotlib)\n")
+    assert not (tmp_path / "out" / "pictures").exists()
 
 
 @pytest.mark.parametrize("hidden", [MATPLOTLIB, VTK])
