@@ -63,7 +63,7 @@ def prepare(name: str, tool: Tool, arguments: list[str]) -> int | None:
         commands = []
     for words in commands:
         code = subprocess.run(words, stdout=sys.stderr, check=False).returncode  # a tool's output is what it found
-        if code != 0:
+        if code != 0 and not needs.can_go_without:
             return code
     if missing := missing_packages():
         raise Problem(f"Python lacks {', '.join(missing)} ({sys.executable}); install them, on Debian by tools/setup --python")

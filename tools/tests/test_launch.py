@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from copied_tools import PROJECT
+from musclebench.page.bundle import script_file
 
 TOOLS = ("accuracy", "compare", "convergence", "effects", "experiment", "fuzz", "hard", "moment-arms", "mutants", "nightly", "paper",
          "publish", "report", "safe-step", "speed")
@@ -28,8 +29,7 @@ class Tree:
         self.root, self.calls_file, self.hidden = folder / "tree", folder / "calls", ""
         for name in ("tools", "bench/experiments"):
             shutil.copytree(PROJECT / name, self.root / name, ignore=shutil.ignore_patterns(
-                "tests", "__pycache__", "page", "node_modules", ".pytest_cache") if name == "tools" else None)
-        shutil.copytree(PROJECT / "tools" / "musclebench" / "page", self.root / "tools" / "musclebench" / "page", dirs_exist_ok=True)
+                "tests", "__pycache__", "node_modules", ".pytest_cache") if name == "tools" else None)
         for name in ("setup", "build"):
             self.replace(self.root / "tools" / name, f"#!/bin/bash\n{SAYS}\n")
         for name in TOOLS:
@@ -150,12 +150,25 @@ def test_only_what_is_needed_is_installed_and_built(tree, name, words, calls):
     assert tree.calls == [*calls, " ".join(["started", *words])]
 
 
-def test_a_page_brings_npm_where_that_is_missing(tree):
-    hidden = {"PATH": str(tree.root / "bin")}
+@pytest.fixture
+def without_npm(tree) -> dict[str, str]:
+    """The environment of a call."""
     for name in ("bash", "dirname", "basename", "dpkg-query"):
         tree.replace(tree.root / "bin" / name, f'#!/bin/bash\nexec {shutil.which(name)} "$@"\n')
-    assert tree.call("report", "tools", **hidden).returncode == 0
+    return {"PATH": str(tree.root / "bin")}
+
+
+@pytest.mark.parametrize("code", ["0", "2"])
+def test_a_page_brings_npm_where_that_is_missing_and_goes_without_where_it_cant_be_had(tree, without_npm, code):
+    assert tree.call("report", "tools", CODE=code, **without_npm).returncode == 0
     assert tree.calls == ["setup --python nodejs npm", "started tools"]
+
+
+def test_a_page_whose_program_is_made_needs_no_npm(tree, without_npm):
+    made = script_file(tree.root / "tools" / "page", tree.root / "build" / "page")
+    tree.replace(made, "")
+    assert tree.call("report", "tools", **without_npm).returncode == 0
+    assert tree.calls == ["started tools"]
 
 
 def test_packages_that_stay_missing_are_named_in_one_line(fresh):

@@ -212,13 +212,49 @@ def test_a_folder_without_results_is_one_line(tmp_path, folder, words, capsys, m
     assert not list(tmp_path.glob("*.html"))
 
 
-def test_without_npm_one_line_says_what_is_missing(results, monkeypatch, capsys, tmp_path):
+@pytest.fixture
+def without_npm(monkeypatch, tmp_path):
     monkeypatch.setattr(bundle.shutil, "which", lambda name: None)
-    with pytest.raises(Problem, match="npm is missing"):
-        bundle.page_script(built=tmp_path)
-    monkeypatch.setattr(page_file, "page_script", lambda: bundle.page_script(built=tmp_path))
-    assert of_study.page_of("paper", results, SimpleNamespace(no_page=False)) == []
-    assert "paper: left out" in capsys.readouterr().err and not (results / "report.html").exists()
+    monkeypatch.setattr(page_file, "page_script", lambda: bundle.page_script(built=tmp_path / "built"))
+
+
+def test_without_npm_a_plain_page_is_made_and_one_line_says_what_is_missing(without_npm, capsys, tmp_path):
+    folder = fake_page.write_paper(tmp_path / "paper", ("iliacus",))
+    (folder / "figures").mkdir()
+    (folder / "figures" / "fig_8_memory.png").write_bytes(b"a picture")
+    assert report.main([str(folder)]) == 0
+    assert capsys.readouterr().err == "report: left out charts and runs in space, so that the page is plain: npm is missing, with " \
+        "whose libraries the page is made; tools/setup npm nodejs installs it\n"
+    page = (folder / "report.html").read_text()
+    assert "A plain page: npm is missing" in page and base64.b64encode(b"a picture").decode() in page
+    assert not re.search(r"<script|<canvas|<button|<select|class=\"has-(chart|view)", page)
+    table = parts_of(paper_section(folder), TablePart)["table_2_times"]
+    assert all(cell in page for _, lines in table.groups for cells in lines for cell in cells)
+    linked = re.search(r'href="data:text/csv;base64,([^"]+)" download="table_2_times.csv"', page)
+    assert base64.b64decode(linked[1]).decode() == table.csv
+
+
+def test_a_plain_page_keeps_its_size_and_says_what_it_left_out(without_npm, monkeypatch, tmp_path):
+    folder = fake_page.write_hard(tmp_path / "hard")
+    (folder / "figures").mkdir()
+    for name, size in (("a", 30), ("b", 3000), ("c", 30)):
+        (folder / "figures" / f"{name}.png").write_bytes(size * b"x")
+    whole = page_file.plain_page(sections_of([folder]), [folder], "why")
+    monkeypatch.setattr(page_file, "LARGEST_BYTES", len(whole.encode()) - 1000)
+    text = page_file.plain_page(sections_of([folder]), [folder], "why")
+    assert text.count("<img") == 2 and "1 more pictures" in text and len(text.encode()) < len(whole.encode()) - 3000
+
+
+def test_a_study_without_npm_ends_with_a_plain_page(without_npm, capsys, tmp_path):
+    folder = fake_page.write_hard(tmp_path / "hard")
+    assert of_study.page_of("hard", folder, SimpleNamespace(no_page=False)) == [folder / "report.html"]
+    assert "npm is missing" in capsys.readouterr().err
+    assert '<td class="breaks" title="breaks; depth 0.25 mm' in (page := (folder / "report.html").read_text()) and "<button" not in page
+
+
+def test_a_page_that_cant_be_made_is_no_failure_of_a_study(capsys, tmp_path):
+    assert of_study.page_of("paper", tmp_path, SimpleNamespace(no_page=False)) == []
+    assert "paper: left out" in capsys.readouterr().err and not (tmp_path / "report.html").exists()
 
 
 def test_a_page_that_is_not_wanted_is_not_made(results):

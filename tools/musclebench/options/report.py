@@ -4,6 +4,11 @@ rows behind them, and the runs in space.
 RESULTS_DIR: what tools/paper, tools/accuracy, tools/effects, tools/hard or tools/nightly wrote (its --out), a history of
 nights (history.sqlite), `musclebench hard --out`, or a folder of `musclebench run`, or several beside each other. Several make
 one page; of no more than 10 MB where runs kept many shapes. Results that can't be read are left out, and the page says so.
+
+Charts and runs in space are made with libraries from npm, once. Where these can't be had, the page is plain: tables, links to
+rows, and the pictures that a study drew; it and a line say why.
+
+Exit code: 0 the page was written, also a plain one; 2 nothing was, and one line says why.
 """
 
 import argparse
@@ -11,6 +16,7 @@ import shutil
 from pathlib import Path
 
 from ..page import FILE_NAME
+from ..page.bundle import is_built
 from ..program.cli import OneLineParser, Problem
 from .shared import Needs, Tool
 
@@ -33,8 +39,9 @@ def check(options) -> None:
 
 
 def needs(options) -> Needs:
-    """A page has libraries from npm in it."""
-    return Needs(packages=() if options.export or shutil.which("npm") else ("nodejs", "npm"))
+    """A page has libraries from npm in it, or is plain."""
+    has_program = options.export or is_built() or (shutil.which("npm") and shutil.which("node"))
+    return Needs(packages=() if has_program else ("nodejs", "npm"), can_go_without=True)
 
 
 TOOL = Tool(parse_arguments, check, needs)

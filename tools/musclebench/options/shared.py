@@ -34,6 +34,7 @@ class Needs:
     preset: str = ""  # of the build; empty: none
     compiler: bool = False  # for builds of its own
     packages: tuple[str, ...] = ()  # of Debian, beside those of tools/packages.txt
+    can_go_without: bool = False  # packages that can't be installed cost a part of what the tool makes
 
 
 def needs_of(options) -> Needs:

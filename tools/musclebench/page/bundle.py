@@ -22,8 +22,7 @@ IMPATIENT = ("--fetch-retries=1", "--fetch-timeout=30000")  # without a network 
 def page_script(sources: Path = SOURCES, built: Path = BUILT) -> str:
     """As one script without imports; made again when a source or a version changes. Raises Problem where npm is missing or
     the libraries can't be had."""
-    modules = sorted(sources.glob("*.js"))
-    made = built / f"page-{_digest([*modules, *(sources / name for name in LOCKED)])}.js"
+    made = script_file(sources, built)
     if not made.is_file():
         libraries = installed(sources, built)
         built.mkdir(parents=True, exist_ok=True)
@@ -31,6 +30,15 @@ def page_script(sources: Path = SOURCES, built: Path = BUILT) -> str:
         for old in sorted(built.glob("page-*.js"), key=os.path.getmtime)[:-KEPT_BUNDLES]:
             old.unlink()
     return made.read_text(encoding="utf-8")
+
+
+def is_built(sources: Path = SOURCES, built: Path = BUILT) -> bool:
+    """Of the sources as they are: then a page needs no npm."""
+    return script_file(sources, built).is_file()
+
+
+def script_file(sources: Path, built: Path) -> Path:
+    return built / f"page-{_digest([*sorted(sources.glob('*.js')), *(sources / name for name in LOCKED)])}.js"
 
 
 def installed(sources: Path = SOURCES, built: Path = BUILT, with_tests: bool = False) -> Path:

@@ -11,6 +11,7 @@ from .bundle import SOURCES
 from .helps import explained, explained_in, helps, slug
 from .packed import packed_bytes
 from .parts import Section
+from .plain import Picture, linked_rows
 
 TEMPLATE = "page.html.j2"
 MOST_TOGGLES, MOST_PROBLEMS = 10, 3  # in sight; the others are in a list that opens
@@ -18,19 +19,31 @@ MOST_TOGGLES, MOST_PROBLEMS = 10, 3  # in sight; the others are in a list that o
 
 def page_html(sections: list[Section], folders: list[Path], script: str) -> str:
     """`script`: of bundle.page_script."""
+    return _filled(sections, folders, script=_safe(script))
+
+
+def plain_html(sections: list[Section], folders: list[Path], why: str, pictures: dict[str, tuple[list[Picture], int]]) -> str:
+    """Without a program: tables, links to rows, and pictures where charts would be. `why`: it is plain."""
+    return _filled(sections, folders, why_plain=why, pictures=pictures)
+
+
+def _filled(sections: list[Section], folders: list[Path], script: str = "", why_plain: str = "", pictures: dict | None = None) -> str:
     engine = jinja2.Environment(loader=jinja2.FileSystemLoader(SOURCES), autoescape=True, trim_blocks=True, lstrip_blocks=True,
                                 undefined=jinja2.StrictUndefined)
-    engine.filters |= {"packed": lambda text: packed_bytes(text.encode()), "named": muscle_label}
+    engine.filters |= {"packed": lambda text: packed_bytes(text.encode()), "linked": linked_rows, "named": muscle_label}
     engine.policies["json.dumps_kwargs"] = {"sort_keys": False}  # their order is that in which the page tells them
     known = helps()
     engine.filters |= {"slug": slug, "titled": looks.title, "explained": lambda word: explained(str(word), known), "explained_in": lambda text: explained_in(text, known)}
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
     css = (SOURCES / "style.css").read_text(encoding="utf-8")
-    safe = jinja2.utils.markupsafe.Markup
     return engine.get_template(TEMPLATE).render(
         sections=sections, helps={slug(word): text for word, text in known.items()},
-        most_toggles=MOST_TOGGLES, most_problems=MOST_PROBLEMS, folders=[folder.name for folder in folders], script=safe(script), css=safe(css), made=made,
-        title=title_of(sections)) + "\n"
+        most_toggles=MOST_TOGGLES, most_problems=MOST_PROBLEMS, folders=[folder.name for folder in folders], script=script, css=_safe(css), made=made,
+        title=title_of(sections), why_plain=why_plain, pictures=pictures or {}) + "\n"
+
+
+def _safe(text: str) -> str:
+    return jinja2.utils.markupsafe.Markup(text)
 
 
 def title_of(sections: list[Section]) -> str:
