@@ -20,6 +20,7 @@ struct AttachmentArea {
   double distance_m = 0;        ///< from the node to the surface
   double margin_m = 0;          ///< by which the area is grown on all sides
   AttachmentSurface surface = AttachmentSurface::bone;
+  bool is_placed = false;  ///< the outline is of a file, and was moved with the bone's mesh
 };
 
 /// The nodes (ascending) within `distance_m` of the surface whose closest point on it lies over the area. Everything in

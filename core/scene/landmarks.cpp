@@ -1,5 +1,6 @@
 #include "core/scene/landmarks.hpp"
 
+#include <algorithm>
 #include <map>
 #include <string_view>
 
@@ -34,9 +35,21 @@ Vec3 point_of(const nlohmann::json& value) {
   return {value.at(0).get<double>(), value.at(1).get<double>(), value.at(2).get<double>()};
 }
 
+std::vector<Vec3> placed_points(const nlohmann::json& values, const MeshPlacement& placement,
+                                const std::filesystem::path& path) {
+  std::vector<Vec3> points;
+  for (const auto& value : values) {
+    points.push_back(point_of(value));
+  }
+  placement.apply_to_metres(points);
+  if (std::ranges::all_of(points, [](const Vec3& point) { return point.allFinite(); })) return points;
+  throw InputError(path.string(), "has coordinates that are too large once they are placed as their mesh; check scale");
+}
+
 }  // namespace
 
-std::vector<Vec3> read_landmark_outline(const std::filesystem::path& path, const std::string& selector) {
+std::vector<Vec3> read_landmark_outline(const std::filesystem::path& path, const std::string& selector,
+                                        const MeshPlacement& placement) {
   const nlohmann::json file = read_json(path);
   try {
     std::vector<std::string> known;
@@ -52,9 +65,8 @@ std::vector<Vec3> read_landmark_outline(const std::filesystem::path& path, const
       known.push_back(name);
       if (selector != site && selector != name && selector != numbered) continue;
       matching.push_back(has_part && selector == site ? name : numbered);
-      for (const auto& point : attachment.at("points_m")) {
-        points.push_back(point_of(point));
-      }
+      const std::vector<Vec3> own = placed_points(attachment.at("points_m"), placement, path);
+      points.insert(points.end(), own.begin(), own.end());
     }
     if (matching.size() > 1) {
       throw InputError(path.string(), fmt::format("has {} attachments '{}'; name one of them, {}", matching.size(),
@@ -70,7 +82,8 @@ std::vector<Vec3> read_landmark_outline(const std::filesystem::path& path, const
   }
 }
 
-std::vector<FibreSegment> read_landmark_fibres(const std::filesystem::path& path, const std::string& muscle) {
+std::vector<FibreSegment> read_landmark_fibres(const std::filesystem::path& path, const std::string& muscle,
+                                               const MeshPlacement& placement) {
   const nlohmann::json file = read_json(path);
   try {
     std::vector<std::string> known;
@@ -81,8 +94,9 @@ std::vector<FibreSegment> read_landmark_fibres(const std::filesystem::path& path
       }
       std::vector<FibreSegment> segments;
       for (const auto& polyline : fibres.at("polylines_m")) {
-        for (std::size_t i = 1; i < polyline.size(); ++i) {
-          segments.push_back({point_of(polyline.at(i - 1)), point_of(polyline.at(i))});
+        const std::vector<Vec3> points = placed_points(polyline, placement, path);
+        for (std::size_t i = 1; i < points.size(); ++i) {
+          segments.push_back({points[i - 1], points[i]});
         }
       }
       if (segments.empty()) {

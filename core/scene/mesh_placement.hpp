@@ -1,15 +1,14 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "core/mesh/triangle_mesh.hpp"
-#include "core/scene/toml_table.hpp"
 
 namespace musclebench {
 
 /// How a scene reads the coordinates of a mesh: it divides them by `units_per_metre`, scales them along the mesh's
-/// axes, turns them about the scene's x axis, then y, then z (right-handed), and moves them.
+/// axes, turns them about the scene's x axis, then y, then z (right-handed), and moves them. Points of landmark files
+/// follow the mesh that they describe, but are in metres whatever its unit.
 struct MeshPlacement {
   double units_per_metre = 1;
   Vec3 scale = Vec3::Ones();  ///< above zero: a mirrored surface would be inside out
@@ -18,12 +17,9 @@ struct MeshPlacement {
 
   /// Steps that change nothing leave the bits of the vertices alone.
   void apply_to(std::vector<Vec3>& vertices) const;
+  /// `points`: in metres, in the mesh's own frame.
+  void apply_to_metres(std::vector<Vec3>& points) const;
+  [[nodiscard]] bool changes_metres() const;
 };
-
-/// The keys of a [[bone]] or [[muscle]] that say so.
-inline const std::vector<std::string> placement_keys = {"unit", "scale", "rotate_deg", "translate_m"};
-
-/// What `table` says; the identity without these keys. Throws InputError.
-MeshPlacement read_placement(const TomlTable& table);
 
 }  // namespace musclebench

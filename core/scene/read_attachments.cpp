@@ -11,14 +11,16 @@ namespace musclebench {
 
 namespace {
 
-AttachmentArea read_area(const SceneRequest& request, const TomlTable& table) {
+/// `bone`: the placement of the bone that carries the area, and so of the outline in its file.
+AttachmentArea read_area(const SceneRequest& request, const TomlTable& table, const MeshPlacement& bone) {
   AttachmentArea area;
   if (table.has("outline") == table.has("outline_m")) {
     throw InputError(table.location(), "needs either outline (file#selector) or outline_m (points)");
   }
   if (table.has("outline")) {
     const SceneReference reference = resolve_reference(request, table.word("outline"), table.location("outline"));
-    area.outline_m = read_landmark_outline(reference.path, reference.selector);
+    area.outline_m = read_landmark_outline(reference.path, reference.selector, bone);
+    area.is_placed = bone.changes_metres();
   } else {
     area.outline_m = table.points("outline_m");
   }
@@ -70,8 +72,9 @@ void read_attachments(const SceneRequest& request, const TomlTable& root, Scene&
     attachment.location = table.place();
     attachment.bone = static_cast<int>(find_bone(scene, table.word("bone"), table.location("bone")));
     attachment.muscle = muscle_index(scene, table);
-    attachment.area = read_area(request, table);
-    const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
+    const auto bone_index = static_cast<std::size_t>(attachment.bone);
+    attachment.area = read_area(request, table, scene.bone_meshes[bone_index].placement);
+    const Bone& bone = scene.bones[bone_index];
     const Body& body = scene.muscles[attachment.muscle].body;
     attachment.nodes = nodes_over_area(scene.vertices_of(body), bone.surface.mesh, attachment.area);
     for (int& node : attachment.nodes) {

@@ -15,11 +15,11 @@
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/weld_mesh.hpp"
 #include "core/scene/landmarks.hpp"
-#include "core/scene/mesh_placement.hpp"
 #include "core/scene/read_attachments.hpp"
 #include "core/scene/read_contact.hpp"
 #include "core/scene/read_measure.hpp"
 #include "core/scene/read_motion.hpp"
+#include "core/scene/read_placement.hpp"
 #include "core/scene/scene_warnings.hpp"
 #include "core/scene/toml_table.hpp"
 
@@ -40,7 +40,8 @@ std::string mesh_location(const TomlTable& table, const SceneMesh& mesh) {
 
 /// Into metres and the scene's frame.
 void place_mesh(const TomlTable& table, SceneMesh& mesh) {
-  read_placement(table).apply_to(mesh.mesh.vertices);
+  mesh.placement = read_placement(table);
+  mesh.placement.apply_to(mesh.mesh.vertices);
   if (std::ranges::all_of(mesh.mesh.vertices, [](const Vec3& vertex) { return vertex.allFinite(); })) return;
   throw InputError(mesh_location(table, mesh), "has coordinates that are too large once they are scaled; check scale");
 }
@@ -162,7 +163,8 @@ void read_fibres(const SceneRequest& request, const TomlTable& table, std::size_
                                              "'{}'?",
                                              fibres, nearest_word(fibres, {"none", "between_attachments"})));
     }
-    muscle.fibres = read_at(location, [&] { return read_landmark_fibres(reference.path, reference.selector); });
+    muscle.fibres = read_at(
+        location, [&] { return read_landmark_fibres(reference.path, reference.selector, muscle.file.placement); });
   }
 }
 

@@ -15,6 +15,7 @@
 #include "core/pbd/simulation.hpp"
 #include "core/scene/attachment_area.hpp"
 #include "core/scene/bone_motion.hpp"
+#include "core/scene/mesh_placement.hpp"
 #include "core/scene/scene_warning.hpp"
 
 namespace musclebench {
@@ -43,6 +44,7 @@ struct SceneMesh {
   TriangleMesh mesh;          ///< as shipped, in metres where the scene places it (MeshPlacement)
   std::string location = {};  ///< file and line of its table, for messages
   bool has_unit = false;      ///< the scene gives its unit or scale
+  MeshPlacement placement = {};
 };
 
 /// A muscle: what its file holds, and which of the scene's nodes and triangles are made of it (see weld_mesh).

@@ -149,6 +149,28 @@ void warn_of_attachments(const Scene& scene, Warnings& warnings) {
   }
 }
 
+/// Of a file that is in another unit or frame than its muscle's mesh.
+void warn_of_fibres(const Scene& scene, Warnings& warnings) {
+  constexpr double margin = 0.1;  // of the muscle's size: fibres may end beyond its surface
+  for (const Muscle& muscle : scene.muscles) {
+    Eigen::AlignedBox3d box;
+    for (const Vec3& vertex : scene.vertices_of(muscle.body)) box.extend(vertex);
+    const Vec3 around = Vec3::Constant(margin * box.diagonal().norm());
+    const Eigen::AlignedBox3d near(box.min() - around, box.max() + around);
+    std::size_t outside = 0;
+    for (const FibreSegment& fibre : muscle.fibres) {
+      outside += (near.contains(fibre.start) ? 0U : 1U) + (near.contains(fibre.end) ? 0U : 1U);
+    }
+    if (outside <= muscle.fibres.size()) continue;
+    warnings.push_back(
+        {"fibres_outside",
+         fmt::format("muscle '{}': {} of {} points of its fibres are outside it; their file has to be in "
+                     "metres in the frame of the mesh file: scale, rotate_deg and translate_m in the "
+                     "muscle's table ({}) move them, unit does not",
+                     muscle.body.name, outside, 2 * muscle.fibres.size(), muscle.file.location)});
+  }
+}
+
 void warn_of_late_time_steps(const Scene& scene, Warnings& warnings) {
   for (const TimeStepChange& change : scene.loop.time_step_changes) {
     if (change.from_frame <= scene.loop.frames) continue;
@@ -185,18 +207,23 @@ std::string describe_empty_attachment(const Scene& scene, const Attachment& atta
   const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
   const auto nearest =
       nearest_to_area(scene.vertices_of(scene.muscles[attachment.muscle].body), bone.tree(), attachment.area);
+  const std::string placed =
+      attachment.area.is_placed
+          ? fmt::format(" (scale, rotate_deg and translate_m of bone '{}' move it; outline_m gives points that stay)",
+                        bone.name)
+          : std::string();
   if (!nearest) {
     return fmt::format(
-        "attachment '{}' binds no node: the muscle is nowhere on its side of bone '{}'; check its outline",
-        attachment.name, bone.name);
+        "attachment '{}' binds no node: the muscle is nowhere on its side of bone '{}'; check its outline{}",
+        attachment.name, bone.name, placed);
   }
   const bool is_near_bone = attachment.area.surface == AttachmentSurface::bone;
   return fmt::format(
       "attachment '{}' binds no node: the nearest is {:.4g} mm from {} (distance_m allows {:.4g} mm) and {:.4g} mm "
-      "beside the outlined area (margin_m allows {:.4g} mm); enlarge them or check its outline",
+      "beside the outlined area (margin_m allows {:.4g} mm); enlarge them or check its outline{}",
       attachment.name, 1e3 * nearest->to_surface_m,
       is_near_bone ? fmt::format("bone '{}'", bone.name) : std::string("the outline's plane"),
-      1e3 * attachment.area.distance_m, 1e3 * nearest->beside_area_m, 1e3 * attachment.area.margin_m);
+      1e3 * attachment.area.distance_m, 1e3 * nearest->beside_area_m, 1e3 * attachment.area.margin_m, placed);
 }
 
 std::string describe_missing_fibres(const Scene& scene, std::size_t muscle) {
@@ -243,6 +270,7 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene) {
   warn_of_overlaps(scene, warnings);
   warn_of_muscle_pairs(scene, warnings);
   warn_of_muscle_surfaces(scene, warnings);
+  warn_of_fibres(scene, warnings);
   warn_of_motions(scene, warnings);
   warn_of_late_time_steps(scene, warnings);
   return warnings;

@@ -8,8 +8,8 @@
 namespace musclebench {
 
 /// What is odd about the scene, one line each: meshes that seem to be in another unit, far away or in pieces, nodes
-/// that begin inside a bone, bones with holes, attachments without nodes, motions of more than a turn. Empty when all
-/// is well. What is odd about its effects: `check_scene`.
+/// that begin inside a bone, bones with holes, attachments without nodes, fibres outside their muscle, motions of more
+/// than a turn. Empty when all is well. What is odd about its effects: `check_scene`.
 std::vector<SceneWarning> scene_warnings(const Scene& scene);
 
 /// The sentence about an attachment without nodes: how far the nearest node is.

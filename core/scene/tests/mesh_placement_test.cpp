@@ -1,6 +1,7 @@
 // Meshes of strangers, in their units and frames.
 #include "core/scene/mesh_placement.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -68,11 +69,26 @@ class PlacedMesh : public testing::Test {
     return read_scene(request(mesh, keys));
   }
   [[nodiscard]] std::string warnings(const std::string& mesh, const std::string& keys) const {
+    return text_of(scene_warnings(scene(mesh, keys)), {"cleaned_muscle", "empty_attachment"});
+  }
+  /// Those of other rules.
+  [[nodiscard]] static std::string text_of(const std::vector<SceneWarning>& warnings,
+                                           const std::vector<std::string>& without) {
     std::string all;
-    for (const SceneWarning& warning : scene_warnings(scene(mesh, keys))) {
-      if (warning.rule != "cleaned_muscle" && warning.rule != "empty_attachment") all += warning.text + "\n";
+    for (const SceneWarning& warning : warnings) {
+      if (std::ranges::find(without, warning.rule) == without.end()) all += warning.text + "\n";
     }
     return all;
+  }
+  /// The ball with an outline and a fibre of a file, all turned and moved alike, or the bone's keys alone.
+  [[nodiscard]] Scene scene_of_landmarks(const std::string& keys, const std::string& bone_keys) const {
+    std::ofstream(m_folder / "marks.json") << R"({"attachments": [{"muscle": "ball", "role": "origin",
+        "points_m": [[-0.02, -0.02, 0.1], [0.02, -0.02, 0.1], [0.02, 0.02, 0.1]]}],
+        "fibres": [{"muscle": "ball", "polylines_m": [[[0, 0, 0.11], [0, 0, 0.12], [0.01, 0, 0.13]]]}]})";
+    SceneRequest with_files = request("ball_mm.stl", "unit = \"mm\"\nfibres = \"marks.json#ball\"\n" + keys, bone_keys);
+    const std::size_t at = with_files.text.find("outline_m");
+    with_files.text.replace(at, std::string::npos, "outline = \"marks.json#ball/origin\"\n");
+    return read_scene(with_files);
   }
 
  private:
@@ -140,6 +156,46 @@ TEST_F(PlacedMesh, BonesAreMovedAsMusclesAre) {
   for (const Vec3& vertex : moved.bones[0].surface.mesh.vertices) box.extend(vertex);
   EXPECT_LT((box.max() - Vec3(0.1, 0.03, 0.1)).norm(), 1e-15);
   EXPECT_GT(surface_volume_m3(moved.bones[0].surface.mesh.vertices, moved.bones[0].surface.mesh.triangles), 0);
+}
+
+constexpr const char* placed = "scale = 2\nrotate_deg = [0, 90, 0]\ntranslate_m = [0, 0, 0.07]\n";
+
+TEST_F(PlacedMesh, PointsOfFilesFollowTheMeshThatTheyDescribeButForItsUnit) {
+  const Scene as_it_is = scene_of_landmarks("", "");
+  EXPECT_EQ(as_it_is.muscles[0].fibres.at(1).end, Vec3(0.01, 0, 0.13));
+  const Scene moved = scene_of_landmarks(placed, placed);
+  ASSERT_EQ(moved.muscles[0].fibres.size(), 2U);
+  // (0.02, 0, 0.26) about y: (0.26, 0, -0.02).
+  EXPECT_LT((moved.muscles[0].fibres[1].end - Vec3(0.26, 0, 0.05)).norm(), 1e-15);
+  EXPECT_LT((moved.muscles[0].fibres[0].start - Vec3(0.22, 0, 0.07)).norm(), 1e-15);
+  EXPECT_LT((moved.attachments[0].area.outline_m[1] - Vec3(0.2, -0.04, 0.03)).norm(), 1e-15);
+  EXPECT_GT(moved.attachments[0].nodes.size(), 3U);
+  EXPECT_EQ(text_of(scene_warnings(moved), {"cleaned_muscle"}), "");
+}
+
+TEST_F(PlacedMesh, PointsOfTheSceneStayWhereTheyAre) {
+  const Scene moved = read_scene(request("ball_m.stl", "", placed));
+  EXPECT_EQ(moved.attachments[0].area.outline_m[0], Vec3(-0.02, -0.02, 0.1));
+}
+
+TEST_F(PlacedMesh, FibresThatLieOutsideTheirMuscleAreToldWithTheCure) {
+  const Scene scaled = scene_of_landmarks("scale = 0.5\ntranslate_m = [0, 0, 0.0605]\n", "");
+  EXPECT_EQ(text_of(scene_warnings(scaled), {"cleaned_muscle", "empty_attachment", "overlap_with_bone"}), "");
+  Scene off = scene_of_landmarks("", "");
+  for (FibreSegment& fibre : off.muscles[0].fibres) {
+    fibre.start /= 1000;
+    fibre.end /= 1000;
+  }
+  expect_mentions(text_of(scene_warnings(off), {"cleaned_muscle"}),
+                  {"muscle 'ball'", "4 of 4 points", "test.toml:4", "metres", "scale, rotate_deg and translate_m",
+                   "unit does not"});
+}
+
+TEST_F(PlacedMesh, AnOutlineOfAFileThatBindsNothingTellsWhatPlacedIt) {
+  const auto told = [&](const Scene& scene) { return text_of(scene_warnings(scene), {"cleaned_muscle"}); };
+  expect_mentions(told(scene_of_landmarks("", placed)),
+                  {"binds no node", "scale, rotate_deg and translate_m of bone 'bone'", "outline_m"});
+  EXPECT_EQ(told(scene_of_landmarks("translate_m = [0, 0, 0.1]\n", "")).find("of bone 'bone' move"), std::string::npos);
 }
 
 TEST_F(PlacedMesh, WhatCannotBeIsRefusedInOneLine) {
