@@ -10,6 +10,7 @@ import pandas as pd
 
 from musclebench.cases.case import Folders
 from musclebench.cases.study_command import PROJECT, end
+from musclebench.experiments.caveats import caveats
 from musclebench.experiments.experiment_file import ExperimentFile, of_project
 from musclebench.experiments.running import Sweep, limits_of, sweep_of
 from musclebench.experiments.selection import check_backend
@@ -51,7 +52,7 @@ def write_tables(sweep: Sweep, options, out_dir: Path) -> tuple[pd.DataFrame, pd
     rows = pd.read_csv(out_dir / "matrix.csv", keep_default_na=False)
     cells = cells_of(rows)
     files = [out_dir / "matrix.csv", out_dir / "matrix.md"]
-    page = [f"# {sweep.file.title}", *(made(cells) for made in (hard_tables.matrix, hard_tables.beyond, hard_tables.unasked)),
+    page = [f"# {sweep.file.title}", *filter(None, [caveats(out_dir)]), *(made(cells) for made in (hard_tables.matrix, hard_tables.beyond, hard_tables.unasked)),
             hard_tables.texts(cases)]
     write_whole(files[1], "\n\n".join(page) + "\n")
     for name, table in (("cells", cells), ("cases", cases)):
@@ -87,7 +88,7 @@ def run_and_report(arguments) -> int:
     for name in ("tables", "figures", "raw/scenes"):
         (folders.out_dir / name).mkdir(exist_ok=True)
     rows, cells, files = write_tables(sweep, options, folders.out_dir)
-    print(f"\n{hard_tables.as_text(cells)}")
+    print("\n" + "\n\n".join(filter(None, [hard_tables.as_text(cells), caveats(folders.out_dir)])))
     with left_out_without("the matrix as a picture and the strips of scenes"):
         files += draw_matrix(rows, folders.out_dir / "figures" / "matrix")
         if not options.no_pictures:

@@ -3,13 +3,17 @@
 
 import sys
 from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
 
 from musclebench.cases.study_command import end, folders_of
+from musclebench.experiments.caveats import caveats
 from musclebench.experiments.running import Sweep, limits_of, sweep_of
 from musclebench.experiments.selection import backend_of
 from musclebench.figures.moment_arms import draw_moment_arms
 from musclebench.moment_arms.moment_report import arm_table, course_files, course_of
-from musclebench.moment_arms.published import read_published
+from musclebench.moment_arms.published import Published, read_published
 from musclebench.options.moment_arms import ACTIVE, PASSIVE, asked_experiment, parse_arguments
 from musclebench.options.shared import check_options
 from musclebench.pictures.in_display import draw_in_display
@@ -18,8 +22,7 @@ from musclebench.program.cli import Problem, run_command
 from musclebench.program.optional_packages import left_out_without
 from musclebench.program.registry import read_registry
 from musclebench.results.run_folder import ResultProblem, Run, read_all
-from musclebench.tables.table_formats import as_text, write_table
-
+from musclebench.tables.table_formats import Table, as_text, write_table
 
 
 def runs_of(kind: str, sweep: Sweep) -> list[Run]:
@@ -53,6 +56,14 @@ def pictured(passive: list[Run], active: list[Run]) -> list[str]:
     return list(dict.fromkeys(run.folder.name for run in chosen))
 
 
+def write_tables(courses: dict[str, pd.DataFrame], tense: dict[str, pd.DataFrame], published: dict[str, Published],
+                 out_dir: Path) -> tuple[Table, list[Path]]:
+    table = arm_table(courses, tense, published).with_sentence(caveats(out_dir))
+    tables = out_dir / "tables"
+    tables.mkdir(parents=True, exist_ok=True)
+    return table, [*write_table(table, tables), *course_files(courses, tables), *course_files(tense, tables, "_active")]
+
+
 def run_and_report(options) -> int:
     check_options(options, "moment-arms")
     folders, registry = folders_of(options, "moment-arms"), read_registry(options.musclebench)
@@ -66,12 +77,8 @@ def run_and_report(options) -> int:
     tense = {muscle: course_of(some) for muscle, some in runs_by_muscle(active).items()}
     if not courses:
         return end("moment-arms", [], problems)
-    table = arm_table(courses, tense, published)
-    for name in ("tables", "figures"):
-        (folders.out_dir / name).mkdir(parents=True, exist_ok=True)
-    tables = folders.out_dir / "tables"
-    files = [*write_table(table, tables), *course_files(courses, tables),
-             *course_files(tense, tables, "_active")]
+    table, files = write_tables(courses, tense, published, folders.out_dir)
+    (folders.out_dir / "figures").mkdir(exist_ok=True)
     is_drawn = True
     try:
         with left_out_without("the figures"):

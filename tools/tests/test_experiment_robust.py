@@ -134,6 +134,12 @@ def test_tables_say_what_was_not_run(trial, tmp_path, undisturbed):
     assert counts.to_dict() == {"ok": 22, "missing": 1, "damaged": 1}
 
 
+def test_the_table_of_frames_says_that_the_motion_was_squeezed(trial, tmp_path):
+    done = call(trial, tmp_path / "out", "--frames-limit", "12", "--filter", "iliacus-run")
+    assert done.returncode == 0 and "squeezed into 12 frames, so that bones move faster." in done.stdout, done.stderr
+    assert all("squeezed into 12 frames" in path.read_text() for path in (tmp_path / "out").glob("frame_spread.[mt]*"))
+
+
 @pytest.mark.skipif(not HAS_NAMESPACES, reason="no mount namespaces here (unshare -m)")
 def test_a_full_disk_keeps_what_is_complete(trial, tmp_path, undisturbed):
     (tmp_path / "disk").mkdir()

@@ -147,6 +147,18 @@ def test_cells_run_one_by_one_are_the_matrix_of_the_program(tmp_path):
     assert whole.equals(joined)
 
 
+def test_cells_of_another_program_are_told_with_the_matrix(tmp_path, capsys):
+    arguments = ["--musclebench", PROGRAM, "--out", str(tmp_path / "out"), "--no-pictures", "--no-page", "--case", "pinch",
+                 "--backend", "bvh", "--backend", "voxel"]
+    assert hard.main(arguments) in (0, 1)
+    assert "programs" not in capsys.readouterr().out
+    sealed = tmp_path / "out" / "raw" / "pinch-bvh" / "case.json"
+    sealed.write_text(json.dumps({**json.loads(sealed.read_text()), "binary_sha256": "0123456789 of another"}))
+    assert hard.main([*arguments, "--keep-cases"]) in (0, 1)
+    for text in (capsys.readouterr().out, (tmp_path / "out" / "matrix.md").read_text()):
+        assert "Cases of 2 programs, whose times and answers may differ: " in text and "(binary 01234567)" in text
+
+
 @pytest.mark.parametrize(("arguments", "words"), [(["--case", "pinsh"], "did you mean 'pinch'?"), (["--backend", "bhv"], "--backend bhv: not built")])
 def test_bad_input_of_the_tool_is_one_line(tmp_path, capsys, arguments, words):
     assert hard.main(["--musclebench", PROGRAM, "--out", str(tmp_path / "out"), *arguments]) == 2

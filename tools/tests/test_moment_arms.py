@@ -114,6 +114,14 @@ def test_the_goal_is_five_millimetres_or_fifteen_percent(data, tmp_path):
     assert all(path.is_file() for path in draw_moment_arms(courses, {"iliacus": active}, published, tmp_path / "figure"))
 
 
+def test_the_table_says_that_the_motion_was_squeezed(tmp_path):
+    (tmp_path / "experiment.json").write_text('{"schema_version": 1, "cases": [], "settings": {"frames_limit": "12"}}')
+    course = course_of([run_with(band([0, 30], [-30, -40]))])
+    table, files = moment_arms.write_tables({"iliacus": course}, {}, {}, tmp_path)
+    assert table.caption.endswith("squeezed into 12 frames, so that bones move faster.")
+    assert all("into 12 frames" in path.read_text() for path in files if path.suffix in (".md", ".tex"))
+
+
 def test_cases_go_from_rest_to_both_ends(tmp_path):
     groups = {group.name: group for group in of_project("moment_arms").groups}
     assert list(groups) == ["active_flexion", "active_extension", "passive_flexion", "passive_extension"]

@@ -244,6 +244,14 @@ def test_cases_run_one_at_a_time_each_on_one_core_but_for_two_threads(measured):
         assert len(cores) == (2 if of_two else 1), call
 
 
+def test_all_forms_of_the_table_say_that_the_motion_was_squeezed(measured):
+    assert "squeezed" not in (measured.out / "speed.md").read_text()
+    plan = measured.out / "experiment.json"
+    plan.write_text(json.dumps({**json.loads(plan.read_text()), "settings": {"frames_limit": "60"}}))
+    assert "squeezed into 60 frames" in measured("--report-only")[1]
+    assert all("squeezed into 60 frames" in (measured.out / f"speed.{kind}").read_text() for kind in ("md", "txt"))
+
+
 def test_the_report_alone_runs_nothing(measured):
     before = measured.rows()
     assert measured("--report-only")[3] == [] and measured.rows() == before

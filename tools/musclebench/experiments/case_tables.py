@@ -11,6 +11,7 @@ from ..program.fingerprint import write_whole
 from ..results.disturbance import disturbed
 from ..results.run_folder import ResultProblem, Run, count_of_warnings, read_run
 from ..tables.table_formats import Table, write_table
+from .caveats import caveats
 from .frame_spread import spread_table
 from .manifest import read_manifest
 from .swept_experiment import HASH_OF_MODE
@@ -34,7 +35,7 @@ def write_tables(out_dir: Path) -> tuple[pd.DataFrame, Table, list[Path]]:
     files = [out_dir / ANSWERS, out_dir / TIMES]
     for path, table in zip(files, (answers, times)):
         write_whole(path, table.to_csv(index=False))
-    spread = spread_table(_repetitions(plan, runs))
+    spread = spread_table(_repetitions(plan, runs)).with_sentence(caveats(out_dir))
     if len(spread.rows):
         return answers, spread, files + write_table(spread, out_dir)
     for old in out_dir.glob(f"{spread.name}.*"):

@@ -1,4 +1,4 @@
-"""What stands below every table of a study whose cases are not all of one program, or whose motion is squeezed."""
+"""What stands with every table of a study whose cases are not all of one program, or whose motion is squeezed."""
 
 import json
 from collections import Counter

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from ..experiments.caveats import caveats
 from ..program.fingerprint import write_whole
 from ..program.registry import saved_registry, whose
 from ..results.disturbance import disturbed, note
@@ -41,7 +42,7 @@ def write_report(out_dir: Path) -> tuple[list[Row], list[Path]]:
         raise ResultProblem(f"{out_dir / 'raw'}: holds no complete case; run tools/speed first")
     table = rows(measured, saved_registry(out_dir))
     below = note(measured.disturbed, len(measured.runs))
-    below = "".join(f"\n{line}\n" for line in (whose(implementations(measured.runs)), below) if line)
+    below = "".join(f"\n{line}\n" for line in (whose(implementations(measured.runs)), caveats(out_dir), below) if line)
     files = {"speed.md": as_markdown(table) + below, "speed.txt": as_text(table) + below, "speed.csv": as_csv(table),
              "speed.json": as_json(table, measured)}
     for name, text in files.items():
