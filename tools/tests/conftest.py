@@ -73,7 +73,7 @@ def study(tmp_path) -> Path:
     """The replays of two muscles with the known numbers of fake_study.REPLAYED."""
     import fake_study  # only here: it needs the report, the other tests do not
 
-    fake_study.write_two_muscles(tmp_path)
+    fake_study.write_muscles(tmp_path)
     return tmp_path
 
 

@@ -231,10 +231,10 @@ REPLAYED = {  # ms and p99 error in mm on the iliacus
 }
 
 
-def write_two_muscles(out_dir: Path, with_own_runs: bool = False) -> None:
-    """`REPLAYED` on both scenes, twice each; the RSS of the one with choices is fast and wrong. Own runs: each also moved its
+def write_muscles(out_dir: Path, scenes=SCENES, with_own_runs: bool = False) -> None:
+    """`REPLAYED` on the scenes, twice each; the RSS of the one with choices is fast and wrong. Own runs: each also moved its
     own muscle."""
-    for scene in SCENES:
+    for scene in scenes:
         for name, truth in REPLAYED.items():
             scaled = Truth(**{**vars(truth), "ms": truth.ms * SIZES[scene]})
             for repetition in range(2):

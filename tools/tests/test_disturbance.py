@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fake_study import REPLAYED, SCENES, replays_of, write_two_muscles
+from fake_study import REPLAYED, SCENES, replays_of, write_muscles
 from musclebench.accuracy import report
 from musclebench.effects.effect_runs import MeasuredSet
 from musclebench.figures import paper_figures
@@ -111,7 +111,7 @@ def test_fig_7_leaves_waiting_out_of_its_lines(fake_raw, tmp_path):
 
 def test_the_study_marks_busy_cases_and_says_so(tmp_path):
     study = tmp_path
-    write_two_muscles(study, with_own_runs=True)
+    write_muscles(study, with_own_runs=True)
     note_state(study / "raw" / "iliacus-sdf 64-r0", load_average_1m={"before": 7.0, "after": 7.0})
     report.write_report(study)
     text = (study / "tables" / "price_list.txt").read_text()

@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 
-from fake_study import REPLAYED, SCENES, Truth, replays_of, write_coupled, write_failure, write_own_run, write_replay, write_two_muscles
+from fake_study import REPLAYED, SCENES, Truth, replays_of, write_coupled, write_failure, write_muscles, write_own_run, write_replay
 from musclebench.accuracy import front, report
 from musclebench.accuracy.rows import build_seconds_of
 from musclebench.tables import prices
@@ -16,7 +16,7 @@ from musclebench.tables.difficulties import difficulties_table
 
 @pytest.fixture
 def study(tmp_path):
-    write_two_muscles(tmp_path, with_own_runs=True)
+    write_muscles(tmp_path, with_own_runs=True)
     return tmp_path
 
 
