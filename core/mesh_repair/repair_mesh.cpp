@@ -9,6 +9,7 @@
 #include "core/base/input_error.hpp"
 #include "core/mesh/mesh_edges.hpp"
 #include "core/mesh_repair/change_log.hpp"
+#include "core/mesh_repair/close_holes.hpp"
 #include "core/mesh_repair/doubled_triangles.hpp"
 #include "core/mesh_repair/merge_vertices.hpp"
 #include "core/mesh_repair/orient_surfaces.hpp"
@@ -143,7 +144,7 @@ Openness measure_openness(const TriangleMesh& mesh, const MeshEdges& edges) {
 }
 
 void refuse_wide_open(const Openness& openness, int edges, const std::string& name) {
-  // The winding number closes small holes by itself; what is wide open has no inside.
+  // Small holes are closed; what is wide open has no inside.
   constexpr double most_open = 0.01;
   if (openness.boundary_edges >= most_open * edges && openness.boundary_edges > 0) {
     throw InputError(name,
@@ -208,15 +209,21 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh, const std::string& name) {
   if (turned.triangles_turned > 0 || turned.surfaces_turned > 0) {
     edges = MeshEdges(surface);
   }
+  const ClosedHoles closed = close_holes(surface, edges);
+  if (closed.holes > 0) {
+    edges = MeshEdges(surface);
+  }
+  const int open_edges = openness.boundary_edges - closed.boundary_edges;
   const RemainingDefects left = count_remaining(edges);
   const int pinched = count_non_manifold_vertices(surface, edges);
-  log.note(openness.boundary_edges, "left open: the surface has", "boundary edge", "boundary edges");
+  log.note(closed.holes, "closed", "hole", "holes", fmt::format(" ({} boundary edges)", closed.boundary_edges).c_str());
+  log.note(open_edges, "left open: the surface has", "boundary edge", "boundary edges");
   log.note(left.non_manifold_edges, "left", "non-manifold edge", "non-manifold edges");
   log.note(left.inconsistent_edges, "left", "inconsistently wound edge", "inconsistently wound edges");
   log.note(pinched, "left", "non-manifold vertex", "non-manifold vertices");
   log.note(flat_left, "left", "zero-area triangle", "zero-area triangles", " that holds the surface together");
-  repaired.clean = openness.boundary_edges == 0 && left.non_manifold_edges == 0 && left.inconsistent_edges == 0 &&
-                   pinched == 0 && flat_left == 0 && turned.surfaces == 1;
+  repaired.clean = open_edges == 0 && left.non_manifold_edges == 0 && left.inconsistent_edges == 0 && pinched == 0 &&
+                   flat_left == 0 && turned.surfaces == 1;
   repaired.known_closed = left.unbalanced_edges == 0;
   return repaired;
 }

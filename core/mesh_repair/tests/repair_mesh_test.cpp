@@ -286,17 +286,42 @@ TEST(RepairMesh, OrientsSurfacesThatShareAnEdgeOrAPointOneByOne) {
   EXPECT_NEAR(volume_m3(repaired.mesh), 16, 1e-12);
 }
 
-TEST(RepairMesh, AcceptsFewHolesAndSaysSo) {
+TEST(RepairMesh, ClosesHolesAndSaysSo) {
+  TriangleMesh mesh = inverted(make_sphere(1, 4));
+  const double whole_m3 = -volume_m3(mesh);
+  // A hole of one triangle, and one of six around a vertex.
+  std::erase_if(mesh.triangles, [](const Triangle& t) { return std::ranges::find(t, 100) != t.end(); });
+  mesh.triangles.pop_back();
+  const RepairedMesh repaired = repair_mesh(mesh, "bone");
+  EXPECT_TRUE(repaired.clean);
+  EXPECT_TRUE(repaired.known_closed);
+  EXPECT_TRUE(has_change(repaired, "closed 2 holes (9 boundary edges)"));
+  EXPECT_EQ(repaired.mesh.triangles.size(), mesh.triangles.size() + 7);
+  EXPECT_NEAR(volume_m3(repaired.mesh), whole_m3, 1e-4);
+  EXPECT_LT(volume_m3(repaired.mesh), whole_m3) << "a cap is flat";
+}
+
+TEST(RepairMesh, LeavesAHoleOpenWhoseRimIsNoLoop) {
+  TriangleMesh mesh = make_sphere(1, 4);
+  const Triangle first = mesh.triangles.front();
+  const auto tip = static_cast<int>(mesh.vertices.size());
+  mesh.vertices.emplace_back(0, 0, 2);
+  mesh.triangles.push_back({first[1], first[0], tip});  // a fin
+  const RepairedMesh repaired = repair_mesh(mesh, "bone");
+  EXPECT_FALSE(repaired.clean);
+  EXPECT_TRUE(has_change(repaired, "left open: the surface has 2 boundary edges"));
+  EXPECT_EQ(repaired.mesh.triangles.size(), mesh.triangles.size());
+}
+
+TEST(RepairMesh, HolesChangeTheSideOfFewPoints) {
   TriangleMesh mesh = inverted(make_sphere(1, 4));
   const std::size_t count = mesh.triangles.size();
   for (const std::size_t t : {std::size_t{10}, count / 2, count - 10}) {
     mesh.triangles.erase(mesh.triangles.begin() + static_cast<long>(t));
   }
   const RepairedMesh repaired = repair_mesh(mesh, "bone");
-  EXPECT_FALSE(repaired.clean);
-  EXPECT_TRUE(has_change(repaired, "left open: the surface has 9 boundary edges"));
+  EXPECT_TRUE(has_change(repaired, "closed 3 holes (9 boundary edges)"));
   EXPECT_GT(volume_m3(repaired.mesh), 4);
-  // The winding number tells inside from outside but for the holes' surroundings.
   const TriangleBvh tree(repaired.mesh);
   int wrong = 0;
   int asked = 0;
