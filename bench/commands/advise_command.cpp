@@ -323,29 +323,34 @@ int advise(const AdviseOptions& options) {
 
 void add_advise_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<AdviseOptions>();
-  CLI::App* command = app.add_subcommand(
-      "advise",
-      "Measure which backend and resolution hold a wanted error on a scene, run the cheapest over the whole motion, "
-      "and name it where it held");
+  CLI::App* command =
+      app.add_subcommand("advise", "Find the cheapest backend and resolution that hold a wanted error on a scene");
+  command->footer(
+      "Example: musclebench advise synthetic/iliacus --depth-mm 0.5\n"
+      "The program measures the error of each candidate. It then runs the cheapest candidate over the whole motion, "
+      "and recommends it if the error held.\n"
+      "Exit codes: 0 a candidate held, 1 none did, 2 bad input, 5 the time was up first.");
   add_scene_options(*command, options->scene);
   CLI::Option* depth =
       command
           ->add_option("--depth-mm", options->depth_mm,
-                       "Wanted: no node deeper, and the backend's surface no farther from the true one at 99 of "
-                       "100 contacts, mm")
+                       "Wanted depth error, mm: no node is deeper, and at 99 of 100 contacts the backend's surface is "
+                       "no farther from the true surface")
           ->check(positive_and_finite());
   CLI::Option* arm = command
                          ->add_option("--moment-arm-mm", options->moment_arm_mm,
-                                      "Wanted instead: the error of the muscle's moment arm, RMS over the motion, mm")
+                                      "Wanted error of the muscle's moment arm, mm, RMS over the motion")
                          ->check(positive_and_finite())
                          ->excludes(depth);
-  command->add_option("--seconds", options->seconds, "CPU time for all of it (default: 120)")
+  command->add_option("--seconds", options->seconds, "CPU time for the whole search, s (default: 120)")
       ->check(positive_and_finite());
-  command->add_option("--band-mm", options->band_mm, "Errors count so far from a bone's surface (default: 10)")
+  command
+      ->add_option("--band-mm", options->band_mm,
+                   "Measure errors at contacts no farther than this from a bone's surface, mm (default: 10)")
       ->check(positive_and_finite());
   add_threads_option(*command, options->threads);
   command->add_option("--safe-step", options->safe_steps,
-                      "safe_step.json of tools/safe-step: leave out backends whose runs go wrong at the scene's step");
+                      "File safe_step.json of tools/safe-step: leave out backends that go wrong at the scene's step");
   command->add_flag("--json", options->json, "Print the advice as JSON");
   command->callback([options, depth, arm, &exit_code] {
     if (depth->empty() && arm->empty()) throw CLI::RequiredError("--depth-mm or --moment-arm-mm");

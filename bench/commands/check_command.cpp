@@ -195,19 +195,22 @@ bool names_scene(const std::string& target) {
 void add_check_command(CLI::App& app, int& exit_code) {
   auto request = std::make_shared<CheckRequest>();
   CLI::App* command = app.add_subcommand(
-      "check", "Print what is wrong with a mesh, or with a scene and its meshes, and what the scene calls for");
-  command
-      ->add_option("target", request->scene.scene,
-                   "A mesh file (PLY, OBJ, STL, OFF, ...), a scene name or a .toml file")
+      "check", "Check a mesh or a scene: report defects of meshes, missing effects, and effects that cannot act");
+  command->footer(
+      "Example: musclebench check synthetic/iliacus --backend sdf --param cells=128\n"
+      "Each finding has a reason and, where one is known, the lines to add to the scene.\n"
+      "Exit codes: 0 the scene can run, 2 it cannot.");
+  command->add_option("target", request->scene.scene, "Mesh file (PLY, OBJ, STL, OFF, ...), scene name or .toml file")
       ->required();
   command->add_option("--preset", request->scene.preset, "Loop and effects: paper or standard (default: the scene's)");
   command->add_option("--data", request->scene.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
   add_backend_options(*command, request->backend);
   command->get_option("--backend")
       ->required(false)
-      ->description("Check that its cells are finer than gaps, and that it serves the effects");
+      ->description(
+          "Also check that this backend serves the effects and that its cells are finer than gaps between bones");
   command->add_option("--safe-step", request->safe_steps,
-                      "safe_step.json of tools/safe-step: compare the scene's step with the largest that stayed right");
+                      "File safe_step.json of tools/safe-step: compare the scene's step with the largest safe step");
   command->add_flag("--json", request->json, "Print warnings and findings as JSON");
   command->callback([request, &exit_code] {
     request->scene.notes_obstacles = true;

@@ -17,9 +17,16 @@ namespace musclebench {
 
 int run_command_line(int argc, const char* const* argv) {
   CLI::App app(
-      "musclebench: what does collision accuracy cost in a muscle simulation?\n"
-      "One position-based-dynamics loop moves a muscle against rigid bones; one collision backend is plugged in and "
-      "measured for time, memory and true penetration depth.");
+      "musclebench measures what collision accuracy costs in a muscle simulation.\n"
+      "A position-based-dynamics loop moves muscles against rigid bones. You choose the backend, which is the method "
+      "that detects collisions. The program measures its time, its memory and the true penetration depth.");
+  app.footer(
+      "Examples:\n"
+      "  musclebench list\n"
+      "  musclebench run synthetic/iliacus --backend sdf --param cells=128\n"
+      "  musclebench advise synthetic/iliacus --depth-mm 0.5\n"
+      "`musclebench COMMAND --help` shows the options of a command. Results go into reports/out unless --out names a "
+      "folder.");
   app.require_subcommand(1);
   const BuildInfo build = build_info();
   app.set_version_flag(
@@ -52,7 +59,7 @@ int run_command_line(int argc, const char* const* argv) {
     fmt::print(stderr, "musclebench: {}\n", InputError("files", error.what()).what());
     return exit_bad_input;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "musclebench: there is not enough memory for this run; choose fewer cells or frames\n");
+    fmt::print(stderr, "musclebench: this run needs more memory than there is; choose fewer cells or frames\n");
     return exit_bad_input;
   } catch (const std::exception& error) {
     fmt::print(stderr, "musclebench: unexpected failure: {}\n", error.what());

@@ -17,13 +17,17 @@
 namespace musclebench {
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
-  command.add_option("scene", options.choice.scene, "Name of an embedded scene or path of a .toml file")->required();
+  command.add_option("scene", options.choice.scene, "Scene: a name that `musclebench list` prints, or a .toml file")
+      ->required();
   command.add_option("--preset", options.choice.preset, "Loop and effects: paper or standard (default: the scene's)");
-  command.add_option("--loop", options.loop, "Parameter of the loop, key=value, over scene and preset");
-  command.add_option("--motion", options.motion,
-                     "Of the bones that turn, over the scene: from_deg=, to_deg= or course=there|there_and_back");
+  command.add_option("--loop", options.loop, "Loop parameter key=value; overrides scene and preset; may be repeated");
+  command.add_option(
+      "--motion", options.motion,
+      "Motion of the turning bones: from_deg=, to_deg= or course=there|there_and_back; overrides the scene");
   command.add_option("--data", options.choice.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
-  command.add_option("--frames", options.frames, "Frames of the whole run (default: the preset's)")
+  command
+      .add_option("--frames", options.frames,
+                  "Frames over which the whole motion is spread (default: the scene's or preset's)")
       ->check(CLI::Range(1, 10000000));
 }
 
@@ -69,20 +73,23 @@ void print_warnings(const std::string& scene, const std::vector<SceneWarning>& w
 }
 
 void add_backend_options(CLI::App& command, BackendOptions& options) {
-  command.add_option("--backend", options.backend, "Collision backend (see `musclebench list`)")->required();
-  command.add_option("--param", options.parameters, "Parameter of the backend, key=value; may be repeated");
+  command.add_option("--backend", options.backend, "Collision backend; `musclebench list` names all")->required();
+  command.add_option("--param", options.parameters,
+                     "Backend parameter key=value; may be repeated (default: the values of `musclebench list`)");
   add_threads_option(command, options.threads);
 }
 
 void add_response_option(CLI::App& command, BackendOptions& options) {
-  command.add_option("--response", options.response,
-                     "How nodes get out of bones: backtrack or project (default: the scene's, or the backend's own)");
+  command.add_option(
+      "--response", options.response,
+      "How contact moves nodes out of bones: backtrack or project (default: the scene's, else the backend's)");
 }
 
 void add_collider_option(CLI::App& command, BackendOptions& options) {
-  command.add_option("--for", options.colliders,
-                     "COLLIDER=BACKEND[:key=value,...]: another backend for a bone, for MUSCLE/BONE, for all "
-                     "`muscles` that touch or for MUSCLE/MUSCLE; may be repeated");
+  command.add_option(
+      "--for", options.colliders,
+      "COLLIDER=BACKEND[:key=value,...]: another backend for one collider; may be repeated. COLLIDER is BONE, "
+      "MUSCLE/BONE, MUSCLE/MUSCLE, or `muscles` for all muscles that touch");
 }
 
 void add_threads_option(CLI::App& command, int& threads) {
@@ -95,7 +102,7 @@ void add_threads_option(CLI::App& command, int& threads) {
             // Threads that wait for each other at every step and share a core are slower than one by far.
             return !CLI::detail::lexical_cast(text, value) || value <= cores
                        ? std::string()
-                       : fmt::format("{} threads are more than the {} cores of this machine; take at most {}", text,
+                       : fmt::format("{} threads are more than the {} cores of this machine; use at most {}", text,
                                      cores, cores);
           },
           ""));

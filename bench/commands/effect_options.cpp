@@ -39,9 +39,9 @@ EffectOverride parse_added(const std::string& text) {
 
 void add_effect_options(CLI::App& command, EffectOptions& options) {
   command.add_option("--effect", options.added,
-                     "NAME[:key=value,...]: adds an effect, or changes parameters of one, over scene and preset; may "
+                     "NAME[:key=value,...]: add an effect or change its parameters; overrides scene and preset; may "
                      "be repeated");
-  command.add_option("--no-effect", options.removed, "NAME: takes out an effect of scene or preset; may be repeated");
+  command.add_option("--no-effect", options.removed, "NAME: remove an effect of the scene or preset; may be repeated");
 }
 
 std::vector<EffectOverride> effect_overrides(const EffectOptions& options) {

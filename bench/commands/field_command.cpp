@@ -119,13 +119,14 @@ int make_field(const FieldOptions& options) {
 void add_field_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<FieldOptions>();
   CLI::App* command = app.add_subcommand("field", "Build one bone's distance field and write it to a file");
+  command->footer("Example: musclebench field synthetic/iliacus --param cells=128 --bone femur --out femur.field");
   add_scene_options(*command, options->scene);
   add_backend_options(*command, options->backend);
   command->get_option("--backend")
       ->required(false)
-      ->description("Backend whose field it is (default: the first that has one)");
-  command->add_option("--bone", options->bone, "Name of the bone (default: the only one)");
-  command->add_option("--out", options->out, "The file: " + file_formats())->required();
+      ->description("Backend that builds the field (default: the first that can)");
+  command->add_option("--bone", options->bone, "Name of the bone (default: the scene's only bone)");
+  command->add_option("--out", options->out, "File to write: " + file_formats())->required();
   command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
   command->callback([options, &exit_code] { exit_code = make_field(*options); });
 }

@@ -190,34 +190,43 @@ int run_hard(HardOptions& options) {
 void add_hard_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<HardOptions>();
   CLI::App* command = app.add_subcommand(
-      "hard", "Run cases that are hard to keep numerically stable over the backends, one process each");
-  command->add_option("--backend", options->backends, "Only this one; may be repeated (default: all)");
-  command->add_option("--case", options->cases, "Only this one; may be repeated (default: all)");
-  command->add_option("--param", options->parameters, "key=value of the backend, where one is named; may be repeated");
+      "hard", "Run the hard cases, which are numerically difficult scenes, with every backend, one process each");
+  command->add_option("--backend", options->backends, "Run only this backend; may be repeated (default: all)");
+  command->add_option("--case", options->cases, "Run only this case; may be repeated (default: all)");
+  command->add_option("--param", options->parameters, "Parameter key=value of the one --backend; may be repeated");
   command->add_option("--data", options->data,
-                      "Folder of the anatomical data, for the cases of real muscles (default: $MUSCLEBENCH_DATA)");
-  command->add_option("--out", options->out, "Folder for matrix.csv and matrix.md (default: none)");
-  command->add_option("--seconds", options->seconds, "After which a cell counts as hung (default: 300; --all: 3600)")
+                      "Folder of the LHDL data, for the cases with real muscles (default: $MUSCLEBENCH_DATA)");
+  command->add_option("--out", options->out, "Folder for matrix.csv and matrix.md (default: none, print only)");
+  command
+      ->add_option("--seconds", options->seconds,
+                   "Time after which a cell counts as hung, s (default: 300; with --all 3600)")
       ->check(positive_and_finite());
-  command->add_option("--jobs", options->jobs, "Cells at a time (default: a core each)")->check(CLI::Range(1, 1024));
+  command->add_option("--jobs", options->jobs, "Cells that run at the same time (default: one on each core)")
+      ->check(CLI::Range(1, 1024));
   command
       ->add_option("--fuzz", options->fuzz,
-                   "So many random scenes in place of the cases; one that is wrong is made small and written to "
-                   "--out (default: reports/out/fuzz)")
+                   "Run this many random scenes instead of the cases; shrink each failing scene and write it to --out "
+                   "(default: reports/out/fuzz)")
       ->check(CLI::Range(1, 10'000'000));
-  command->add_option("--seed", options->first_seed, "Of the first random scene; the next ones follow")
+  command
+      ->add_option("--seed", options->first_seed, "Random seed of the first scene of --fuzz; the next scenes count up")
       ->capture_default_str();
-  command->add_flag("--all", options->whole, "The long sweeps, too: many minutes, hours with --data");
-  command->add_flag("--list", options->list, "Only say what happens in each case, why it is hard and what its bar is");
-  command->add_flag("--progress", options->progress_lines, "Progress as lines on standard error");
+  command->add_flag("--all", options->whole, "Also run the long sweeps: many minutes, hours with --data");
+  command->add_flag("--list", options->list,
+                    "Print what happens in each case, why it is hard and what its bar is; run nothing");
+  command->add_flag("--progress", options->progress_lines, "Print progress as lines on standard error");
   command->footer(
-      "The sane figures, asked of every muscle that moved: no triangle passes through a bone, another muscle or its "
-      "own "
-      "beyond those at rest; no node is on the wrong side of a bone; the surface is at most 0.1 mm or 1 % of the "
-      "muscle's diagonal deep in a bone, and what the backend declares; volume within 5 %; the longest edge at most "
-      "twice "
-      "as long as at rest; status ok. The column `loop` is the backend without contacts.\n"
-      "Exit code 0: every cell holds its bar, was refused as it may be, or is not applicable; 1: one breaks.");
+      "Example: musclebench hard --case pinch --backend sdf\n"
+      "A case has a bar: the result that a backend must reach. After each case, every muscle that moved must also be "
+      "sane:\n"
+      "  - No triangle passes through a bone, another muscle or its own muscle, unless it did at rest.\n"
+      "  - No node is on the wrong side of a bone.\n"
+      "  - The surface is at most 0.1 mm or 1 % of the muscle's diagonal deep in a bone, plus the backend's declared "
+      "error.\n"
+      "  - The volume changed by at most 5 %, and no edge is longer than twice its rest length.\n"
+      "  - The status is ok.\n"
+      "The column `loop` is the loop without contacts.\n"
+      "Exit codes: 0 no cell breaks its bar, 1 a cell does, 2 bad input.");
   command->callback([options, &exit_code] { exit_code = run_hard(*options); });
 }
 

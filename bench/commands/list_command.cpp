@@ -46,7 +46,7 @@ void print_for_people(const Json& all) {
     fmt::print("  {:<26} {} (response: {})\n", word(backend["name"]), word(backend["help"]),
                word(backend["default_response"]));
     fmt::print("    {:<24} {}\n", "implementation",
-               word(backend["implementation"]).empty() ? "not told" : word(backend["implementation"]));
+               word(backend["implementation"]).empty() ? "not stated" : word(backend["implementation"]));
     print_parameters(backend["parameters"]);
   }
   fmt::print("\nResponses (--response NAME, or response in [contact] of a scene):\n");
@@ -67,7 +67,7 @@ void print_for_people(const Json& all) {
 }
 
 void print_limits(const Json& limits) {
-  fmt::print("\nWhat makes a run suspect (the largest value with which it is ok):\n");
+  fmt::print("\nLimits: a run with a larger value is suspect:\n");
   for (const Json& limit : limits) {
     const std::string unit = word(limit["unit"]);
     fmt::print("  {:<26} {}{}\n", word(limit["name"]), word(limit["limit"]), unit.empty() ? "" : " " + unit);
@@ -90,9 +90,9 @@ int list(bool as_json) {
 
 void add_list_command(CLI::App& app, int& exit_code) {
   auto as_json = std::make_shared<bool>(false);
-  CLI::App* command =
-      app.add_subcommand("list", "Show backends, responses, effects, presets, scenes and their parameters");
-  command->add_flag("--json", *as_json, "As JSON, with what studies sweep: for programs");
+  CLI::App* command = app.add_subcommand(
+      "list", "List backends, responses, effects, presets and scenes, with parameters, units and defaults");
+  command->add_flag("--json", *as_json, "Print the list as JSON for programs, with the values that studies sweep");
   command->callback([as_json, &exit_code] { exit_code = list(*as_json); });
 }
 

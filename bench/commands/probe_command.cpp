@@ -75,20 +75,22 @@ int run_probe(const ProbeOptions& options) {
 
 void add_probe_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ProbeOptions>();
-  CLI::App* command =
-      app.add_subcommand("probe", "Measure a backend's depth error about each bone's surface: run.json, probe.csv");
+  CLI::App* command = app.add_subcommand("probe", "Measure a backend's depth error at random points near each bone");
+  command->footer(
+      "Example: musclebench probe synthetic/iliacus --backend sdf --param cells=128\n"
+      "Results: run.json and probe.csv in the folder of --out.");
   add_scene_options(*command, options->scene);
   add_backend_options(*command, options->backend);
-  command->add_option("--points", options->points, "Points about each bone")
+  command->add_option("--points", options->points, "Number of points around each bone")
       ->capture_default_str()
       ->check(CLI::Range(1, 10'000'000));
-  command->add_option("--seed", options->seed, "Of the points")->capture_default_str();
-  command->add_option("--band-mm", options->band_mm, "How far from the surface the points lie at most")
+  command->add_option("--seed", options->seed, "Random seed of the points")->capture_default_str();
+  command->add_option("--band-mm", options->band_mm, "Largest distance of a point from the surface, mm")
       ->capture_default_str()
       ->check(positive_and_finite());
   command->add_option("--out", options->out, "Result folder (default: reports/out/probes/raw/<run id>)");
   command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
-  command->add_flag("--force", options->force, "Run even when the result is complete already");
+  command->add_flag("--force", options->force, "Run again even if the result is complete");
   command->callback([options, &exit_code] { exit_code = run_probe(*options); });
 }
 

@@ -96,16 +96,18 @@ int record(const RecordOptions& options) {
 
 void add_record_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RecordOptions>();
-  CLI::App* command =
-      app.add_subcommand("record", "Run a scene with the exact backend and keep the input of every collision step");
+  CLI::App* command = app.add_subcommand("record", "Run a scene and store the input of every collision step in a file");
+  command->footer(
+      "Example: musclebench record synthetic/iliacus --out iliacus.steps\n"
+      "`musclebench replay` feeds the file to any backend.");
   add_scene_options(*command, options->scene);
   add_backend_options(*command, options->backend);
   add_response_option(*command, options->backend);
   add_collider_option(*command, options->backend);
   command->get_option("--backend")
       ->required(false)
-      ->description("Backend that drives the run (default: the exact one)");
-  command->add_option("--out", options->out, "The recording")->required();
+      ->description("Backend that drives the run (default: an exact backend)");
+  command->add_option("--out", options->out, "File to write the recording to")->required();
   command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
   command->callback([options, &exit_code] { exit_code = record(*options); });
 }

@@ -204,24 +204,35 @@ int replay(const ReplayOptions& options) {
 
 void add_replay_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command = app.add_subcommand("replay", "Feed a recording to a backend; measure its time and its errors");
-  command->add_option("recording", options->recording, "A file of `musclebench record`")->required();
+  CLI::App* command =
+      app.add_subcommand("replay", "Feed a recording to a backend and measure the backend's time and errors");
+  command->footer(
+      "Example: musclebench replay iliacus.steps --backend voxel --param cells=128\n"
+      "Results: run.json and frames.csv in the folder of --out. reports/reading_results.md explains the columns.\n"
+      "Exit codes: 0 done, 2 bad input, 4 the backend answers differently each time.");
+  command->add_option("recording", options->recording, "File that `musclebench record` wrote")->required();
   add_backend_options(*command, options->backend);
   add_response_option(*command, options->backend);
   add_collider_option(*command, options->backend);
-  command->add_option("--scene", options->scene, "Where the recorded scene is now (default: where it was)");
+  command->add_option("--scene", options->scene,
+                      "Name or file of the recorded scene (default: the name or path in the recording)");
   command->add_option("--data", options->data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
-  command->add_option("--stride", options->stride, "Replay every so many-th frame, and the last (default: 1)")
+  command
+      ->add_option("--stride", options->stride, "Replay every N-th frame, and the last frame (default: 1, every frame)")
       ->check(CLI::Range(1, 10000000));
-  command->add_option("--band-mm", options->band_mm, "How far from the surface errors are measured (default: 10)")
+  command
+      ->add_option("--band-mm", options->band_mm,
+                   "Measure errors at contacts no farther than this from the surface, mm (default: 10)")
       ->check(positive_and_finite());
-  command->add_option("--repetition", options->repetition, "Number of the repetition, a part of the run's identity")
+  command
+      ->add_option("--repetition", options->repetition, "Number of this repetition, a part of the run id (default: 0)")
       ->check(CLI::Range(0, 1000000));
   command->add_option("--out", options->out, "Result folder (default: reports/out/runs/raw/<run id>)");
   command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
   command->add_flag("--bones-only", options->bones_only, "Leave out contact between muscles");
-  command->add_flag("--no-referee", options->unjudged, "Time only: missed and false contacts and errors stay empty");
-  command->add_flag("--force", options->force, "Replay even when the result is complete already");
+  command->add_flag("--no-referee", options->unjudged,
+                    "Measure time only: missed contacts, false contacts and errors stay empty");
+  command->add_flag("--force", options->force, "Replay again even if the result is complete");
   command->callback([options, &exit_code] { exit_code = replay(*options); });
 }
 

@@ -219,7 +219,12 @@ int run(RunOptions options) {
 
 void add_run_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* command = app.add_subcommand("run", "Run one case and write run.json and frames.csv");
+  CLI::App* command =
+      app.add_subcommand("run", "Run a scene with one backend, measure time and memory, and judge the result");
+  command->footer(
+      "Example: musclebench run synthetic/iliacus --backend sdf --param cells=128\n"
+      "Results: run.json and frames.csv in the folder of --out. reports/reading_results.md explains the columns.\n"
+      "Exit codes: 0 done, 1 suspect (with --strict only), 2 bad input, 3 diverged.");
   add_scene_options(*command, options->scene);
   add_effect_options(*command, options->effects);
   add_backend_options(*command, options->backend);
@@ -228,33 +233,38 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command
       ->add_option_function<std::string>(
           "--effects", [options](const std::string& /*auto*/) { options->scene.choice.auto_effects = true; },
-          "auto: beside the effects of scene and preset, those that `check` finds lacking")
+          "auto: also add the effects that `musclebench check` finds missing")
       ->check(CLI::IsMember({"auto"}));
   command->add_option("--out", options->out, "Result folder (default: reports/out/runs/raw/<run id>)");
-  command->add_option("--repetition", options->repetition, "Number of the repetition, a part of the run's identity")
+  command
+      ->add_option("--repetition", options->repetition, "Number of this repetition, a part of the run id (default: 0)")
       ->check(CLI::Range(0, 1000000));
-  command->add_option("--snapshots", options->snapshots, "Frames whose shape is kept, such as 0,79,157")
+  command
+      ->add_option("--snapshots", options->snapshots,
+                   "Frames whose shapes are stored, such as 0,79,157 (default: none)")
       ->delimiter(',')
       ->check(CLI::Range(0, 10000000));
   command->add_flag("--progress", options->progress_lines, "Print 'progress DONE TOTAL' lines on standard error");
-  command->add_flag("--no-referee", options->unjudged, "Do not judge: depths, missed and false contacts stay empty");
+  command->add_flag("--no-referee", options->unjudged,
+                    "Do not judge the run: depths, missed and false contacts stay empty");
   command->add_flag("--self-intersections", options->self_intersections,
-                    "With --no-referee: count triangles that pass through others, at rest, in the frames of "
-                    "--snapshots, in the last");
+                    "With --no-referee: count triangles that intersect others at rest, in the frames of --snapshots "
+                    "and in the last frame");
   CLI::Option* fibres =
       command
           ->add_option("--fibres", options->fibres,
-                       "Follow so many fibres of each muscle: lengths and moment arms (default: the scene's, or none)")
+                       "Fibres to follow in each muscle, for lengths and moment arms (default: the scene's, or none)")
           ->check(CLI::Range(0, 100000));
   command
       ->add_option("--fibres-if-possible", options->fibres_if_possible,
-                   "The same, but a scene where none can run goes on without, and says why")
+                   "Like --fibres, but where a scene cannot have fibres, run without them and say why")
       ->check(CLI::Range(0, 100000))
       ->excludes(fibres);
-  command->add_flag("--strict", options->strict, "Exit code 1 when the run ends 'suspect': an outcome beyond a limit");
+  command->add_flag("--strict", options->strict,
+                    "Exit with code 1 if the run ends `suspect`: an outcome is beyond a limit of `musclebench list`");
   command->add_flag("--no-pruning", options->unpruned,
-                    "Build structures over all bones, those too that the muscles are not expected to touch");
-  command->add_flag("--force", options->force, "Run even when the result is complete already");
+                    "Build structures for all bones, also for bones that no muscle is expected to touch");
+  command->add_flag("--force", options->force, "Run again even if the result is complete");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

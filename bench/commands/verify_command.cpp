@@ -97,24 +97,28 @@ int verify_scene(const VerifyOptions& options) {
 void add_verify_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<VerifyOptions>();
   CLI::App* command = app.add_subcommand(
-      "verify", "Compare the exact backends and the Referee about each bone of a scene, repaired and as shipped");
-  command->add_option("scene", options->choice.scene, "Name of an embedded scene or path of a .toml file")->required();
+      "verify", "Compare the exact backends with the Referee around each bone of a scene, repaired and as shipped");
+  command->footer(
+      "Example: musclebench verify synthetic/iliacus --points 100000\n"
+      "The Referee is the code that judges every run; it shares no code with the backends.\n"
+      "Exit codes: 0 all agree, 1 they differ.");
+  command->add_option("scene", options->choice.scene, "Scene: a name that `musclebench list` prints, or a .toml file")
+      ->required();
   command
-      ->add_option(
-          "--points", options->settings.points,
-          "Points about each surface for the first exact backend and the Referee; 1/50 of them about an open one")
+      ->add_option("--points", options->settings.points,
+                   "Points around each surface, for the first exact backend and the Referee; an open surface gets 1/50")
       ->capture_default_str()
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
   command
       ->add_option("--brute-force-points", options->settings.brute_force_points,
-                   "The first of them, for both against the slower exact ones")
+                   "How many of these points the slower exact backends also answer")
       ->capture_default_str()
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000'000}));
-  command->add_option("--seed", options->settings.seed, "Of the points")->capture_default_str();
+  command->add_option("--seed", options->settings.seed, "Random seed of the points")->capture_default_str();
   add_threads_option(*command, options->settings.threads);
   command->add_option("--data", options->choice.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
-  command->add_flag("--json", options->json, "Print the rows as JSON, at the end");
-  command->add_flag("--progress", options->progress_lines, "Progress as lines on standard error");
+  command->add_flag("--json", options->json, "Print the rows as JSON at the end");
+  command->add_flag("--progress", options->progress_lines, "Print progress as lines on standard error");
   command->callback([options, &exit_code] { exit_code = verify_scene(*options); });
 }
 
