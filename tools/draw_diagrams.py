@@ -1,9 +1,7 @@
 #!/usr/bin/python3
-"""Draws the diagrams of reports/performance: schematic, nothing in them is measured.
+"""Draws the schematic diagrams of reports/performance. They show no measured data."""
 
-tools/draw_diagrams.py [FOLDER]      default: reports/performance/pictures
-"""
-
+import argparse
 import sys
 from pathlib import Path
 
@@ -289,12 +287,16 @@ def draw(folder: Path) -> list[Path]:
     return paths
 
 
-def draw_and_tell(arguments: list[str]) -> int:
+def draw_and_tell() -> int:
+    parser = argparse.ArgumentParser(prog="tools/draw_diagrams.py", description=__doc__)
+    parser.add_argument("folder", nargs="?", type=Path, metavar="FOLDER", default=FOLDER,
+                        help="folder of the pictures (default: reports/performance/pictures)")
+    folder = parser.parse_args().folder
     require("matplotlib")
-    for path in draw(Path(arguments[0]) if arguments else FOLDER):
-        print(path)
+    for written in draw(folder):
+        print(written)
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(run_command("draw_diagrams", lambda: draw_and_tell(sys.argv[1:]), "some diagrams may be missing"))
+    sys.exit(run_command("draw_diagrams", draw_and_tell, "some diagrams may be missing"))

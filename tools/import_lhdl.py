@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Makes the LHDL data folder (meshes/*.ply, lhdl.json, README.md) from checkouts of the two upstream repositories."""
+"""Makes the LHDL data folder (meshes/*.ply, lhdl.json, README.md) from checkouts of two upstream repositories."""
 
 import argparse
 import json
@@ -17,19 +17,20 @@ from musclebench.lhdl.write_ply import COMMENTS, write_ply
 EPILOG = f"""UPSTREAM_DIR holds two checkouts:
   git clone {upstream.SOURCES[0]['repository']}  (commit {upstream.SOURCES[0]['commit'][:12]})
   git clone {upstream.SOURCES[1]['repository']}  (commit {upstream.SOURCES[1]['commit'][:12]})
-The data are under {data_folder.LICENCE}: not for commercial use, and derived files carry the same licence.
-The adductor brevis of 502 vertices is not published; it is decimated here from the published one of 8564, and its
-attachment points, which are not published either, are taken from where that muscle touches the bones. Copies of this
-data set whose points on the femur differ by some millimetres took them from a finer femur."""
+Example: tools/import_lhdl.py upstream lhdl, then tools/paper --data lhdl
+The licence of the data is {data_folder.LICENCE}. Do not use the data commercially. Derived files carry the same licence.
+The adductor brevis of 502 vertices is not published. This tool decimates the published muscle of 8564 vertices. The attachment
+points are not published either. The tool takes them from the places where the muscle touches the bones. Other copies of this
+data set can differ by some millimetres on the femur, because they used a finer femur."""
 
 
 def parse_arguments(arguments):
     parser = argparse.ArgumentParser(
         description=__doc__, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("upstream_dir", type=Path, help="folder with 3d-muscles and muscle-deformation-PBD")
-    parser.add_argument("out_dir", type=Path, help="data folder to make; must not exist yet")
-    parser.add_argument("--force", action="store_true", help="replace OUT_DIR when it exists")
+    parser.add_argument("upstream_dir", type=Path, help="folder with the checkouts 3d-muscles and muscle-deformation-PBD")
+    parser.add_argument("out_dir", type=Path, help="data folder to make; it must not exist without --force")
+    parser.add_argument("--force", action="store_true", help="replace OUT_DIR if it exists")
     return parser.parse_args(arguments)
 
 

@@ -257,7 +257,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
           ->check(CLI::Range(0, 100000));
   command
       ->add_option("--fibres-if-possible", options->fibres_if_possible,
-                   "Like --fibres, but where a scene cannot have fibres, run without them and say why")
+                   "Like --fibres, but where a scene cannot have fibres, run without them and say why (default: off)")
       ->check(CLI::Range(0, 100000))
       ->excludes(fibres);
   command->add_flag("--strict", options->strict,

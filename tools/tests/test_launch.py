@@ -103,7 +103,7 @@ def test_help_needs_nothing(fresh, name):
     ("experiment", ("papper",), "'papper': no experiment of that name; did you mean 'paper'?"),
     ("experiment", ("tools/pyproject.toml",), "tools/pyproject.toml: line"),
     ("experiment", ("paper", "--merge", "/nowhere"), "/nowhere: no such folder"),
-    ("moment-arms", ("--experiment", "bench/experiments/paper.toml"), "moment arms are of mode run"),
+    ("moment-arms", ("--experiment", "bench/experiments/paper.toml"), "needs mode run"),
     ("nightly", ("--append", "/nowhere"), "/nowhere: no such folder of a night"),
     ("compare", ("HEAD", "no-such-branch"), "no-such-branch: neither a folder of results nor a revision"),
     ("compare", ("tools", "HEAD"), "one is a folder of results, the other is not"),

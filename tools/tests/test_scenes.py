@@ -60,7 +60,7 @@ def test_scenes_are_chosen_by_name_by_file_or_by_muscle(knee):
 def test_help_says_which_scenes_are_the_default(command, capsys):
     with pytest.raises(SystemExit):
         command.main(["--help"])
-    assert "all of the data set that have one muscle" in " ".join(capsys.readouterr().out.split())
+    assert "every scene of the data set with one muscle" in " ".join(capsys.readouterr().out.split())
 
 
 @pytest.mark.parametrize("scenes, words", [

@@ -1,11 +1,14 @@
-"""libFuzzer on every reader of files: meshes, scenes, motions, landmarks, recordings, structures of backends.
+"""Feeds damaged files to every reader of files with libFuzzer: meshes, scenes, motions, landmarks, recordings, structures.
 
-Feeds each reader with changed files, starting from the corpus in the sources and from what earlier runs have kept, under the
-sanitizers of addresses and of undefined behaviour. A reader has to read or to refuse what it gets, in 10 s and 2 GB. Keeps in
-OUT/READER the corpus as it grew (the smallest files that reach as much), a file for each finding, and libFuzzer's log.
-Prints a line a reader. Exit code: 0 nothing was found; 1 there is a finding; 2 something is wrong with the call.
+Sanitizers watch addresses and undefined behaviour. Fuzzing starts from the corpus in the sources and from files of earlier runs.
+A reader must read or refuse each file within 10 s and 2 GB. The tool prints a line for each reader.
 
-What is found belongs, as small as it can be, into the corpus of the sources: a test of every build replays that.
+  tools/fuzz --list
+  tools/fuzz ply --seconds 60
+
+Results go to OUT/READER: the grown corpus (the smallest files with the same coverage), a file for each finding, and the log.
+Shrink each finding and add it to the corpus of the sources. A test of every build replays that corpus.
+Exit codes: 0 nothing found, 1 a finding, 2 bad call.
 """
 
 import argparse
@@ -21,14 +24,14 @@ BUILD = PROJECT / "build" / PRESET
 
 def parse_arguments(arguments):
     parser = OneLineParser(prog="tools/fuzz", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("reader", nargs="*", metavar="READER", help="only these (default: all; --list names them)")
-    parser.add_argument("--seconds", type=float, default=600, metavar="N", help="of each reader (default: 600)")
-    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="readers at a time (default: 1)")
-    parser.add_argument("--list", action="store_true", help="names the readers")
+    parser.add_argument("reader", nargs="*", metavar="READER", help="readers to feed (default: all; --list prints their names)")
+    parser.add_argument("--seconds", type=float, default=600, metavar="N", help="time for each reader, s (default: 600)")
+    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="readers that run at the same time (default: 1)")
+    parser.add_argument("--list", action="store_true", help="print the names of the readers")
     parser.add_argument("--out", type=Path, metavar="DIR", default=PROJECT / "reports" / "out" / "fuzz",
-                        help="default: reports/out/fuzz")
+                        help="folder of results (default: reports/out/fuzz)")
     parser.add_argument("--build", type=Path, metavar="DIR", default=BUILD,
-                        help="build with the programs (default: that of the preset fuzz)")
+                        help="build folder with the fuzz programs (default: the build of preset fuzz)")
     return parser.parse_args(arguments)
 
 

@@ -1,15 +1,15 @@
-"""Do the tests see? Puts the faults of tools/mutants.toml into a copy of the sources, one at a time, builds and runs
-the test programs that the change reaches, nearest first (of a Python file the test modules that import it), and says which
-faults none of them sees. At most 2 may survive, each with a reason in the list. Verdicts are kept: an interrupted campaign
-goes on where it was.
+"""Tests the tests: puts one fault after another into a copy of the sources, and reports faults that no test sees.
 
-  tools/mutants --check           does every fault still apply, once, and is every seen one listed? (no build)
-  tools/mutants                   all faults, in C++ and in Python: some hours on two cores; once a week, not in CI
-  tools/mutants --only 'xpbd-*'   some, by name
-  tools/mutants --shard 1/4       the first of four parts, each with a scratch folder of its own
+tools/mutants.toml lists the faults. For each fault the tool builds and runs the test programs that the fault can reach, nearest
+first. For a Python file it runs the test modules that import the file. At most 2 faults may survive, each with a reason in the
+list. You can stop a campaign and start it again: the verdicts are kept in the folder of --scratch.
 
-Exit code: 0 as it should be; 1 a survivor without a reason, more than 2 survivors, or a fault that does not apply or
-compile; 2 something is wrong with the call; 130 interrupted.
+  tools/mutants --check           only check the list: every fault applies exactly once (no build)
+  tools/mutants                   all faults: some hours on two cores
+  tools/mutants --only 'xpbd-*'   some faults, by name
+  tools/mutants --shard 1/4       the first of four parts, each with its own scratch folder
+
+Exit codes: 0 all well, 1 too many survivors, or a fault that does not apply or compile, 2 bad call, 130 interrupted.
 """
 
 import argparse
@@ -24,21 +24,23 @@ from .shared import Needs, Tool, check_options, shard
 def parse_arguments(arguments):
     parser = OneLineParser(prog="tools/mutants", description=__doc__,
                            formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--check", action="store_true", help="only see whether every fault applies, once, and every seen one is listed "
-                        "(--seen, else the list's name with _seen.json)")
+    parser.add_argument("--check", action="store_true",
+                        help="only check that every fault applies exactly once, and that every fault in the file of --seen is "
+                             "listed (default file: the list's name with _seen.json)")
     parser.add_argument("--list", action="store_true", help="print the faults")
     parser.add_argument("--only", action="append", metavar="NAME",
-                        help="faults of this name or pattern; may be repeated")
-    parser.add_argument("--shard", type=shard, metavar="I/N", help="the I-th of N parts of the list")
+                        help="run only faults of this name or pattern; may be repeated (default: all)")
+    parser.add_argument("--shard", type=shard, metavar="I/N", help="run only the I-th of N parts of the list (default: all)")
     parser.add_argument("--programs", metavar="PATTERN", default="*",
-                        help="ask only these test programs, such as 'core/*': quicker, but what they miss is no "
-                        "survivor yet and is judged again without this option")
-    parser.add_argument("--jobs", type=int, metavar="N", default=2, help="compilers at a time (default: %(default)s)")
+                        help="run only these test programs, such as 'core/*' (default: all). A fault that they miss is no survivor "
+                             "yet; a run without this option judges it again")
+    parser.add_argument("--jobs", type=int, metavar="N", default=2,
+                        help="compilers that run at the same time (default: %(default)s)")
     parser.add_argument("--seen", type=Path, metavar="FILE",
-                        help="take the faults in this file as seen, and add those that are seen now: a campaign may "
-                        "then be spread over machines, and over changes of the sources")
+                        help="skip the faults in this file, which tests have seen before, and add the faults that tests see now. "
+                             "So you can spread a campaign over machines and changes of the sources")
     parser.add_argument("--faults", type=Path, metavar="FILE", default=PROJECT / "tools" / "mutants.toml",
-                        help="the list (default: tools/mutants.toml)")
+                        help="list of faults (default: tools/mutants.toml)")
     parser.add_argument("--scratch", type=Path, metavar="DIR", help="folder of the copy, the build and the verdicts "
                         "(default: build/mutants, with the shard's number)")
     return parser.parse_args(arguments)

@@ -1,13 +1,17 @@
-"""Measures the program, adds a night to the history, and reports what changed: when, by how much, how sure, with the
-commits between.
+"""Measures the program, adds the night to a history, and reports what changed: when, by how much, how sure, in which commits.
 
-The experiment nightly, all backends on a small scene and on a muscle of the synthetic hip, runs on one core, its repetitions
-in random order; where the program is another one than in the last night, that one runs beside it. Reported are steps of times
-(5 %) and counters (1 %) over the nights (E-divisive, at a level of 0.1 % for all series of a night), what differs from the
-last night's program, and answers that are not the same: state hash, depth, missed contacts, cells of the matrix of hard
-cases.
+The experiment `nightly` runs all backends on a small scene and on a muscle of the synthetic hip. It uses one core and a random
+order of repetitions. If the program changed since last night, last night's program runs interleaved with it.
 
-Exit code 0: nothing new, 1: something changed, 2: it could not be done.
+The report is printed, and written to report.md in --out. It shows:
+  - steps over the nights: times from 5 %, counters from 1 % (E-divisive, at a level of 0.1 % for all series of a night);
+  - differences from last night's program;
+  - changed answers: state hash, depth, missed contacts, and cells of the matrix of hard cases.
+
+  tools/nightly --minutes 10
+  tools/nightly --report-only
+
+Exit codes: 0 nothing new, 1 something changed, 2 the night failed.
 """
 
 import argparse
@@ -21,30 +25,29 @@ from .shared import Tool, add_case_options, built_program, check_interleaved
 def parse_arguments(arguments):
     parser = OneLineParser(prog="tools/nightly", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, metavar="DIR", default=PROJECT / "reports" / "out" / "nightly",
-                        help="nights, and what other tools read: otava/, bencher.json (default: reports/out/nightly)")
-    parser.add_argument("--history", type=Path, metavar="FILE", help="SQLite (default: history.sqlite in --out)")
+                        help="folder of the nights, and of otava/ and bencher.json for other tools (default: reports/out/nightly)")
+    parser.add_argument("--history", type=Path, metavar="FILE", help="SQLite file of the history (default: history.sqlite in --out)")
     parser.add_argument("--musclebench", type=Path, metavar="PROGRAM", default=built_program("release"),
-                        help="the program to measure (default: that of the preset release)")
+                        help="program to measure (default: the build of preset release)")
     add_case_options(parser)
     parser.add_argument("--minutes", type=float, default=20.0, metavar="N",
-                        help="for the night: after that no repetition beyond the fifth begins (default 20 min)")
+                        help="time of the night, min: afterwards no repetition beyond the fifth begins (default: 20)")
     parser.add_argument("--hard-seconds", type=float, default=300.0, metavar="SECONDS",
-                        help="of them for the matrix of hard cases, which is left out when it takes longer (default 300 s)")
-    parser.add_argument("--no-hard", action="store_true", help="without that matrix")
+                        help="share of the night for the matrix of hard cases, s; a longer matrix is left out (default: 300)")
+    parser.add_argument("--no-hard", action="store_true", help="leave out the matrix of hard cases")
     instead = parser.add_mutually_exclusive_group()
-    instead.add_argument("--append", type=Path, metavar="NIGHT", help="add a night's folder that could not be added; run nothing")
+    instead.add_argument("--append", type=Path, metavar="NIGHT", help="add the folder of a night that could not be added; run nothing")
     instead.add_argument("--report-only", action="store_true", help="report on the last night of the history; run nothing")
     instead.add_argument("--simulate", type=int, metavar="N",
-                         help="of N histories drawn from recorded noise: how many alarm without a change, and after how many "
-                              "nights a slowdown of 10 %% of one case's collision is found; and of N third nights how many find it "
-                              "(seconds each)")
+                         help="draw N histories from recorded noise, a few seconds each. Count false alarms. Count the nights until a "
+                              "slowdown of 10 %% in one case's collision is found, and how often the third night finds it")
     return parser.parse_args(arguments)
 
 
 def check(options) -> None:
     check_interleaved(options)
     if options.append and not options.append.is_dir():
-        raise Problem(f"{options.append}: no such folder of a night")
+        raise Problem(f"{options.append}: no such folder of a night; name a folder of nights/")
 
 
 TOOL = Tool(parse_arguments, check)

@@ -1,12 +1,21 @@
-"""Runs the paper's experiment (4 muscles, 3 backends and a control without collision); makes its tables, figures and page."""
+"""Runs the paper's experiment: 4 muscles, 3 backends, and a control without collision.
+
+Tables, figures and report.html go to --out.
+
+  tools/paper                                   the synthetic hip
+  tools/paper --data lhdl --frames-limit 20     real muscles, a quick look
+
+You can stop the study and start it again. It skips complete cases. A case runs again if its arguments, the program or the
+data changed.
+"""
 
 from ..program.cli import add_scene_options
-from .shared import Tool, add_frames_option, add_jobs_option, add_page_option, add_run_options, study_parser
+from .shared import EVERY_SCENE, Tool, add_frames_option, add_jobs_option, add_page_option, add_run_options, study_parser
 
 
 def parse_arguments(arguments):
     parser = study_parser("paper", __doc__)
-    add_scene_options(parser, "default: all of the data set that have one muscle, the paper's four")
+    add_scene_options(parser, f"{EVERY_SCENE}, the paper's four")
     add_frames_option(parser)
     add_run_options(parser, timeout=1800.0)
     add_jobs_option(parser)

@@ -1,9 +1,13 @@
-"""Runs the paper's experiment, the accuracy study, the speed targets, the hard cases, the convergence of the substeps and
-the study of effects on one commit and one machine, and writes every table, picture and quoted number of README and reports
-from what they measured.
+"""Runs all studies on one commit and one machine, and writes every measured table, picture and number of README and reports.
 
-It goes on where it was stopped: complete cases are skipped by each study. A study that is complete is taken over into
-reports/measured at once, with commit, machine and date; then the pages are written anew.
+The studies are the paper's experiment, accuracy, speed, hard cases, convergence of the substeps, and effects. When a study is
+complete, its results go to reports/measured with commit, machine and date. Then the tool writes the pages again.
+
+  tools/publish --quick            a rehearsal
+  tools/publish --only speed
+  tools/publish --write-only       after a change of the pages' code
+
+You can stop the tool and start it again. Each study skips its complete cases.
 """
 
 import argparse
@@ -19,17 +23,16 @@ from .shared import Needs, Tool, built_program, check_options, needs_of
 def parse_arguments(arguments):
     parser = OneLineParser(prog="tools/publish", description=__doc__,
                            formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, metavar="DIR", help="LHDL data folder: measure lhdl/* scenes, too")
+    parser.add_argument("--data", type=Path, metavar="DIR", help="LHDL data folder: also measure lhdl/* scenes")
     parser.add_argument("--quick", action="store_true",
-                        help="a rehearsal: few frames and cases; pages go to the folder of the results, not into the "
-                             "project")
+                        help="rehearse with few frames and cases; pages go to --out, not into the project")
     parser.add_argument("--only", action="append", choices=sorted(TABLES), metavar="STUDY",
-                        help=f"one of {', '.join(sorted(TABLES))}; may be repeated (default: all)")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="default: reports/out/publish[-quick]")
+                        help=f"run only this study, one of {', '.join(sorted(TABLES))}; may be repeated (default: all)")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder of results (default: reports/out/publish; with --quick publish-quick)")
     parser.add_argument("--musclebench", type=Path, default=built_program("bench"), metavar="PROGRAM",
-                        help="the program to measure (default: that of the preset bench)")
+                        help="program to measure (default: the build of preset bench)")
     instead = parser.add_mutually_exclusive_group()
-    instead.add_argument("--dry-run", action="store_true", help="print the commands and what they would write")
+    instead.add_argument("--dry-run", action="store_true", help="print the commands and the files that they would write")
     instead.add_argument("--write-only", action="store_true", help="write the pages from reports/measured, run nothing")
     return parser.parse_args(arguments)
 
@@ -39,7 +42,7 @@ def check_tree() -> None:
     done = subprocess.run(["git", "-C", str(PROJECT), "status", "--porcelain", "--", ".", ":!reports", ":!README.md"],
                           capture_output=True, text=True, check=False)
     if done.returncode != 0 or done.stdout.strip():
-        raise Problem("the working tree has changes that no commit holds; commit them first, or rehearse with --quick")
+        raise Problem("the working tree has changes that are not committed; commit them first, or rehearse with --quick")
 
 
 def check(options) -> None:

@@ -1,14 +1,20 @@
-"""Makes one HTML file of any folder of results, which needs no network: what was run and on what, tables, charts with the
-rows behind them, and the runs in space.
+"""Makes one HTML page of folders of results. The page needs no network.
 
-RESULTS_DIR: what tools/paper, tools/accuracy, tools/effects, tools/hard or tools/nightly wrote (its --out), a history of
-nights (history.sqlite), `musclebench hard --out`, or a folder of `musclebench run`, or several beside each other. Several make
-one page; of no more than 10 MB where runs kept many shapes. Results that can't be read are left out, and the page says so.
+It shows what ran on which machine, tables, charts with the rows behind them, and the runs in 3D. It stays below 10 MB: it leaves
+out some of the shapes if runs kept many. It names results that cannot be read.
 
-Charts and runs in space are made with libraries from npm, once. Where these can't be had, the page is plain: tables, links to
-rows, and the pictures that a study drew; it and a line say why.
+RESULTS_DIR is one of these; several make one page:
+  - the --out folder of tools/paper, tools/accuracy, tools/effects, tools/hard or tools/nightly;
+  - a history of nights (history.sqlite);
+  - the --out folder of `musclebench run` or `musclebench hard`, or a folder of such folders.
 
-Exit code: 0 the page was written, also a plain one; 2 nothing was, and one line says why.
+  tools/report reports/out/accuracy-synthetic
+  tools/report --export vtk reports/out/runs
+
+Charts and runs in 3D need libraries from npm, once. Without them the page is plain: tables, links to rows, and the pictures that
+a study drew. A line and the page say why.
+
+Exit codes: 0 the page was written, also a plain one; 2 nothing was written, and one line says why.
 """
 
 import argparse
@@ -23,19 +29,20 @@ from .shared import Needs, Tool
 
 def parse_arguments(arguments):
     parser = OneLineParser(prog="tools/report", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("results", nargs="+", type=Path, metavar="RESULTS_DIR", help="a folder of results, or a history")
+    parser.add_argument("results", nargs="+", type=Path, metavar="RESULTS_DIR", help="folder of results, or history of nights")
     parser.add_argument("--export", choices=["vtk"],
-                        help="instead of a page, the runs that kept their shape as .pvd series for ParaView: muscle with depth and "
-                             "attachment of each node, bones in their poses, in metres, times are frames; RESULTS_DIR may be one run's folder")
+                        help="write .pvd series for ParaView instead of a page, from runs that kept shapes: muscles with depth and attachment "
+                             "of each node, and bones in their poses. Lengths are in metres, times are frames")
     parser.add_argument("--out", type=Path, metavar="PATH",
-                        help=f"the page (default: {FILE_NAME} in the first folder), or the folder of the export (default: vtk in it)")
+                        help=f"file of the page (default: {FILE_NAME} in the first folder), or folder of the export (default: vtk in the "
+                             "first folder)")
     return parser.parse_args(arguments)
 
 
 def check(options) -> None:
     for folder in options.results:
         if not folder.exists():
-            raise Problem(f"{folder}: no such folder of results")
+            raise Problem(f"{folder}: no such folder of results; name the --out of a tool")
 
 
 def needs(options) -> Needs:

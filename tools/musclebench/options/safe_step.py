@@ -1,8 +1,12 @@
-"""The largest step at which a run stays right: no node on the wrong side of a bone, and the volume within 5 %.
+"""Finds the largest safe step of a scene: no node ends on the wrong side of a bone, and the volume stays within 5 %.
 
-Of each backend and response, with the tunnelling guard and without: the largest rotation a frame, at the scene's time step,
-and the largest time step, at the scene's rotation a frame; both by bisection, to a tenth. `musclebench check` and `advise`
-take safe_step.json with --safe-step.
+The tool tries each backend and response, with and without the tunnelling guard. It finds the largest rotation in a frame at the
+scene's time step, and the largest time step at the scene's rotation. It bisects until the step is known to a tenth.
+
+  tools/safe-step synthetic/iliacus --backend sdf
+
+The results, safe_step.json and a table, go to --out. `musclebench check` and `musclebench advise` read safe_step.json with the
+option --safe-step.
 """
 
 import argparse
@@ -15,14 +19,14 @@ from .shared import Tool, built_program
 def parse_arguments(arguments):
     parser = OneLineParser(prog="tools/safe-step", description=__doc__,
                            formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scene", help="a .toml file of your own or a scene that 'musclebench list' names")
-    parser.add_argument("--data", type=Path, metavar="DIR", help="LHDL data folder, for lhdl/* scenes")
-    parser.add_argument("--preset", metavar="NAME", help="loop and effects (default: the scene's)")
+    parser.add_argument("scene", help="a scene that `musclebench list` prints, or your .toml file")
+    parser.add_argument("--data", type=Path, metavar="DIR", help="LHDL data folder; lhdl/* scenes need it")
+    parser.add_argument("--preset", metavar="NAME", help="preset of loop and effects: paper or standard (default: the scene's)")
     parser.add_argument("--backend", action="append", metavar="NAME",
-                        help="only this one; may be repeated (default: all but the control and those too slow for it)")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="default: reports/out/safe-step-SCENE")
+                        help="try only this backend; may be repeated (default: all except the control and slow backends)")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder of results (default: reports/out/safe-step-SCENE)")
     parser.add_argument("--musclebench", type=Path, metavar="PROGRAM", default=built_program("release"),
-                        help="the program to try (default: that of the preset release)")
+                        help="program to try (default: the build of preset release)")
     return parser.parse_args(arguments)
 
 

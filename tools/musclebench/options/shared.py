@@ -11,6 +11,7 @@ from ..experiments.experiment_file import experiment_path, read_experiment
 from ..program.cli import OneLineParser, Problem, check_data, check_positive, check_program
 from ..program.release_build import add_build_option
 
+EVERY_SCENE = "default: every scene of the data set with one muscle"
 INTERLEAVED = "nightly"  # the experiment of tools/nightly and tools/compare
 WITHOUT_PROGRAM = ("report_only", "merge", "append", "simulate", "write_only")  # options with which nothing is measured
 
@@ -52,40 +53,40 @@ def study_parser(name: str, description: str) -> OneLineParser:
 def add_run_options(group, timeout: float | None, preset: str = "release", is_timed: bool = True) -> None:
     """`timeout`: None is the experiment's own. `is_timed`: times of the cases are used."""
     group.add_argument("--out", type=Path, metavar="DIR",
-                       help="default: reports/out/STUDY-synthetic, -lhdl or -SCENE; STUDY-quick-... with --quick")
+                       help="folder of results (default: reports/out/STUDY-synthetic, -lhdl or -SCENE; with --quick STUDY-quick-...)")
     group.add_argument("--timeout", type=float, default=timeout, metavar="SECONDS",
-                       help=f"of one case (default: {'the experiment' + chr(39) + 's' if timeout is None else f'{timeout:g} s'})")
+                       help=f"time limit of one case (default: {'the experiment' + chr(39) + 's' if timeout is None else f'{timeout:g} s'})")
     again = group.add_mutually_exclusive_group()
     again.add_argument("--force", action="store_true",
-                       help="run complete cases again; a study of other settings in the same folder is replaced")
+                       help="run complete cases again, and replace a study of other settings in the same folder")
     again.add_argument("--keep-cases", action="store_true",
-                       help="keep complete cases that another program measured, for one that only has a backend more: tables name "
-                            "the programs (default: they are run again)")
+                       help="keep complete cases that another program measured. Use it if you only added a backend; tables name "
+                            "the programs (default: run such cases again)")
     group.add_argument("--musclebench", type=Path, default=built_program(preset), metavar="PROGRAM",
-                       help=f"the program to measure (default: that of the preset {preset})")
+                       help=f"program to measure (default: the build of preset {preset})")
     if is_timed:
         add_build_option(group)
 
 
 def add_structures_option(group) -> None:
     group.add_argument("--structures", type=Path, metavar="DIR",
-                       help="keep built structures here, with the time that building took, where every experiment that names "
-                            "the folder finds them by their content (default: in --out, until all cases are complete)")
+                       help="keep built structures and their build times in this folder, which several experiments can share "
+                            "(default: in --out, until all cases are complete)")
 
 
 def add_frames_option(group) -> None:
     group.add_argument("--frames-limit", type=int, metavar="N",
-                       help="for a quick look: the whole motion squeezed into N frames, so that bones move faster; not the first "
-                            "N frames")
+                       help="take a quick look: the whole motion runs in N frames, so bones move faster (default: all frames of "
+                            "the scene)")
 
 
 def add_page_option(group) -> None:
-    group.add_argument("--no-page", action="store_true", help="make no report.html, the page with charts and runs in space")
+    group.add_argument("--no-page", action="store_true", help="make no report.html, the page with charts and runs in 3D")
 
 
 def add_jobs_option(group) -> None:
     group.add_argument("--jobs", type=int, metavar="N",
-                       help="cases at a time, each on a core; 1 gives the quietest times (default: 2, or 1 on one core)")
+                       help="cases that run at the same time, each on its own core; 1 gives the quietest times (default: 2, or 1 on one core)")
 
 
 def check_options(options, builder: str = "") -> None:
@@ -116,18 +117,18 @@ def check_interleaved(options) -> None:
 def check_scene(scene: str) -> None:
     """A name that is no file is one of the program's, which knows them."""
     if scene.endswith(".toml") and not Path(scene).is_file():
-        raise Problem(f"--scene {scene}: no such file")
+        raise Problem(f"--scene {scene}: no such file; check the path")
 
 
 def add_shard_option(group) -> None:
     group.add_argument("--shard", type=shard, default=(1, 1), metavar="I/N",
-                       help="run only the I-th of N parts, on machines of one kind with one build; then "
-                            "tools/experiment --merge (default 1/1)")
+                       help="run only the I-th of N parts, on equal machines with the same build; tools/experiment --merge joins the parts "
+                            "(default: 1/1)")
 
 
 def add_memory_option(group) -> None:
     group.add_argument("--memory-gb", type=float, metavar="GB",
-                       help="of one case, inf: no limit (default: its share of 90 %% of the machine's memory)")
+                       help="memory limit of one case; inf means no limit (default: its share of 90 %% of the machine's memory)")
 
 
 def shard(text: str) -> tuple[int, int]:
@@ -140,15 +141,15 @@ def shard(text: str) -> tuple[int, int]:
 def add_case_options(group) -> None:
     """Of what is run interleaved."""
     group.add_argument("--experiment", metavar="NAME_OR_FILE", default=INTERLEAVED,
-                       help=f"of bench/experiments, or a .toml file with cases of the mode run (default: {INTERLEAVED}, a small "
-                            "scene and a muscle of the synthetic hip)")
+                       help=f"an experiment of bench/experiments, or a .toml file with cases of mode run (default: {INTERLEAVED}, a "
+                            "small scene and a muscle of the synthetic hip)")
     group.add_argument("--repetitions", type=int, metavar="N",
-                       help="processes a case and program; below 5 times are not judged (default: the experiment's)")
+                       help="processes for each case and program; times need 5 or more (default: the experiment's)")
     group.add_argument("--scene", action="append", metavar="SCENE",
-                       help="one that 'musclebench list' names, or a .toml file, in place of the experiment's; may be repeated")
-    group.add_argument("--backend", action="append", metavar="NAME", help="may be repeated (default: the experiment's)")
-    group.add_argument("--frames", type=int, metavar="N", help="of each run (default: the experiment's)")
-    group.add_argument("--timeout", type=float, metavar="SECONDS", help="of one process (default: the experiment's)")
+                       help="a scene that `musclebench list` prints, or a .toml file; may be repeated (default: the experiment's)")
+    group.add_argument("--backend", action="append", metavar="NAME", help="backend to run; may be repeated (default: the experiment's)")
+    group.add_argument("--frames", type=int, metavar="N", help="frames of each run (default: the experiment's)")
+    group.add_argument("--timeout", type=float, metavar="SECONDS", help="time limit of one process (default: the experiment's)")
 
 
 @dataclass(frozen=True)

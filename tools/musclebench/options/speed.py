@@ -1,9 +1,13 @@
-"""Measures how fast the backends are, against each other and against the targets that the project has set: coupled runs
-of four muscles, or of scenes of your own, and Google Benchmark kernels, one after the other on a quiet machine. Prints a
-table of what was to be reached, what was measured, how well that is known, and whether the target is held.
+"""Measures how fast the backends are, compared with each other and with the project's targets.
 
-A measurement goes on where it was stopped: complete cases are skipped until their arguments, a program or the data
-change.
+The tool runs four muscles, or your scenes, with each backend, and then Google Benchmark kernels. Use an idle machine. The table
+gives each target, the measured value, its interval, and whether the target is held. It is printed, and written to --out.
+
+  tools/speed --quick                  a first table in some minutes
+  tools/speed --scene my_knee.toml
+
+You can stop the study and start it again. It skips complete cases. A case runs again if its arguments, the program or the
+data changed.
 """
 
 from pathlib import Path
@@ -12,7 +16,7 @@ from ..experiments.experiment_file import ExperimentFile, of_project
 from ..experiments.kernels import MICRO_PROGRAM
 from ..program.cli import add_scene_options, check_program
 from ..speed import quick
-from .shared import Tool, add_run_options, check_options, study_parser
+from .shared import EVERY_SCENE, Tool, add_run_options, check_options, study_parser
 
 
 def parse_arguments(arguments, file: ExperimentFile):
@@ -20,16 +24,16 @@ def parse_arguments(arguments, file: ExperimentFile):
     what = parser.add_argument_group("what is measured")
     what.add_argument("--quick", action="store_true",
                       help="a first table in some minutes: one muscle, fewer frames, repetitions and sizes")
-    add_scene_options(what, f"default: all of the data set that have one muscle; with --quick {quick.MUSCLE}")
+    add_scene_options(what, f"{EVERY_SCENE}; with --quick {quick.MUSCLE}")
     what.add_argument("--repetitions", type=int, metavar="N",
-                      help=f"rounds of all cases (default {file.repetitions}; with --quick {quick.REPETITIONS})")
+                      help=f"rounds over all cases (default: {file.repetitions}; with --quick {quick.REPETITIONS})")
     how = parser.add_argument_group("how it runs")
     add_run_options(how, timeout=file.timeout_s, preset="bench")
     how.add_argument("--micro", type=Path, metavar="PROGRAM",
-                     help=f"the kernels (default: micro/{MICRO_PROGRAM} beside the program)")
+                     help=f"program of the kernels (default: micro/{MICRO_PROGRAM} next to the program to measure)")
     instead = parser.add_mutually_exclusive_group()
-    instead.add_argument("--dry-run", "--plan", action="store_true", help="print the cases with their guessed times")
-    instead.add_argument("--report-only", action="store_true", help="make the table of what is there, run nothing")
+    instead.add_argument("--dry-run", "--plan", action="store_true", help="print the cases with their estimated times")
+    instead.add_argument("--report-only", action="store_true", help="make the table of the results that exist, run nothing")
     return parser.parse_args(arguments)
 
 

@@ -28,12 +28,12 @@ class OneLineParser(argparse.ArgumentParser):
 
 def add_scene_options(group, default: str) -> None:
     group.add_argument("--data", type=Path, metavar="DIR",
-                       help="LHDL data folder: measure lhdl/* scenes (default: synthetic/*)")
+                       help="LHDL data folder: run lhdl/* scenes (default: none, run synthetic/* scenes)")
     group.add_argument("--scene", action="append", metavar="SCENE",
-                       help="a .toml file of your own or a scene that 'musclebench list' names; may be repeated "
+                       help="a scene that `musclebench list` prints, or your .toml file; may be repeated "
                             f"({default})")
     group.add_argument("--muscle", action="append", metavar="NAME",
-                       help="short for the scene of that muscle in the data set")
+                       help="short for the data set's scene of this muscle; may be repeated")
 
 
 def data_set_of(options) -> str:
@@ -41,7 +41,7 @@ def data_set_of(options) -> str:
 
 
 def out_name_of(options) -> str:
-    """What tells the default folders of results apart: the data set, or the scenes that were asked for."""
+    """The part of the default folder's name that distinguishes results: the data set, or the chosen scenes."""
     return "-".join(sorted({Path(scene).stem for scene in options.scene})) if options.scene else data_set_of(options)
 
 

@@ -14,7 +14,7 @@ TOLD = re.compile(r"\((?P<commit>[^,()]*), (?P<compiler>[^()]*), (?P<type>[^,()]
 
 def add_build_option(group) -> None:
     group.add_argument("--any-build", action="store_true",
-                       help="measure a build that is not Release all the same: its times say nothing")
+                       help="measure a build even if it is not Release; its times mean nothing")
 
 
 def build_type(program: Path) -> str:
