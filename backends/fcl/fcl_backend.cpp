@@ -16,7 +16,7 @@ std::unique_ptr<CollisionBackend> make_fcl_backend(const Parameters& parameters)
 
 BackendEntry fcl_entry() {
   return {.name = "fcl",
-          .help = "FCL: muscle and bones as BVH models in dynamic AABB trees (the paper's method)",
+          .help = "FCL library: muscle and bones as BVH models in dynamic AABB trees (the paper's method)",
           .implementation = fmt::format("FCL {}", FCL_VERSION),
           .default_response = ResponseKind::project,
           .parameters = fcl_parameters(),

@@ -29,8 +29,8 @@ void check_for_meaning(const FclOptions& options) {
                                                                               : nullptr;
   if (options.query != Query::surfaces && of_surfaces != nullptr) {
     throw InputError(of_surfaces,
-                     "concerns the muscle's surface, and single nodes are asked, bone by bone; leave it out, or take "
-                     "query = surfaces");
+                     "applies to queries of the muscle's surface, and this query is of single nodes; leave it out, or "
+                     "take query = surfaces");
   }
   if (options.query != Query::node_collide && options.node_radius_m != defaults.node_radius_m) {
     throw InputError("fcl: node_radius_m", "is the radius of the spheres of query = node_collide; leave it out");
@@ -57,41 +57,44 @@ std::vector<ParameterSpec> fcl_parameters() {
       parameter::choice(
           {.name = "query",
            .choices = {"surfaces", "node_distance", "node_collide"},
-           .help = "surfaces: the muscle's triangles against the bones', blind to nodes deep inside; node_distance: "
-                   "each node's distance to the bone's triangles, exact; node_collide: a small sphere about each node "
-                   "against them, blind to nodes deeper than its radius"}),
+           .help = "surfaces: collide the muscle's triangles with the bones'; misses nodes deep inside. node_distance: "
+                   "exact distance of each node to the bone's triangles. node_collide: collide a small sphere at each "
+                   "node with the bone's triangles; misses nodes deeper than the radius"}),
       parameter::choice(
           {.name = "bounding_volume",
            .choices = bounding_volumes(),
-           .help = "volume of the trees' nodes; OBB gives the contacts of OBBRSS in less time and memory; AABB and "
-                   "KDOP24 copy a bone in every query of a node, and rebuild a moved one in every detection of "
-                   "surfaces; node_distance knows OBBRSS, RSS and kIOS only"}),
+           .help =
+               "bounding volume of the trees. OBB gives the same contacts as OBBRSS in less time and memory. AABB and "
+               "KDOP24 are slow: they copy the bone in every query of a node, and rebuild a moved bone in every "
+               "detection of surfaces. node_distance works with OBBRSS, RSS and kIOS only"}),
       parameter::choice(
           {.name = "manager",
            .choices = {"dynamic_aabb_tree", "sweep_and_prune", "none"},
-           .help = "broad phase: the bones whose boxes overlap that of the muscle; none: all bones (surfaces only)"}),
+           .help =
+               "broad phase, which finds bones whose boxes overlap the muscle's box; none: all bones (surfaces only)"}),
       parameter::choice(
           {.name = "update",
            .choices = {"refit", "refit_top_down", "rebuild"},
-           .help = "how the muscle's tree follows the nodes (surfaces only): refit (from the leaves up), "
-                   "refit_top_down, or rebuild; FCL 0.7 merges RSS volumes wrongly, so RSS with refit misses contacts, "
-                   "up to all"}),
+           .help =
+               "how the muscle's tree follows the nodes (surfaces only): refit (from the leaves up), "
+               "refit_top_down, or rebuild. Do not use refit with RSS: FCL 0.7 merges RSS volumes wrongly and misses "
+               "contacts"}),
       parameter::choice(
           {.name = "model",
            .choices = {"replace", "update"},
-           .help = "replace the muscle's vertices, or update them: keeps the previous ones and encloses both, slower "
-                   "(surfaces only)"}),
+           .help = "replace: give FCL the new vertices of the muscle; update: FCL also encloses the previous vertices, "
+                   "which is slower (surfaces only)"}),
       parameter::number({.name = "node_radius_m",
                          .unit = "m",
                          .default_value = FclOptions{}.node_radius_m,
                          .minimum = 1e-9,
                          .maximum = 1,
-                         .help = "radius of the spheres of node_collide: a node deeper than this is missed"}),
+                         .help = "radius of the spheres of node_collide; the query misses deeper nodes"}),
       parameter::choice(
           {.name = "solver",
            .choices = {"libccd", "indep"},
-           .help = "FCL's narrow phase for convex shapes; FCL has formulas of its own for two triangles and for sphere "
-                   "and triangle, so that both give the same here"}),
+           .help = "FCL's narrow phase for convex shapes. Both give the same contacts here, because FCL has special "
+                   "formulas for two triangles and for sphere and triangle"}),
   };
 }
 

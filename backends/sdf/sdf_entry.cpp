@@ -11,31 +11,34 @@ std::vector<ParameterSpec> sdf_parameters() {
                           .minimum = 1,
                           .maximum = 4096,
                           .role = ParameterRole::resolution,
-                          .help = "cells along each axis of the bone's box (unless cell_size_m is given)"}),
+                          .help = "cells along each axis of the bone's bounding box (unless cell_size_m is given)"}),
       parameter::number({.name = "cell_size_m",
                          .unit = "m",
                          .default_value = 0,
                          .minimum = 0,
                          .maximum = 10,
                          .role = ParameterRole::resolution,
-                         .help = "edge of cubic cells; 0: use `cells`"}),
+                         .help = "edge length of cubic cells; 0: use `cells`"}),
       parameter::choice({.name = "precision",
                          .choices = {"float", "compact"},
-                         .help = "stored values; compact: corners in float, the others in 16 bits of a cell"}),
-      parameter::number({.name = "band_m",
-                         .unit = "m",
-                         .default_value = 0,
-                         .minimum = 0,
-                         .maximum = 10,
-                         .help = "narrow band: keep the cells in the bone and this far about it; not given: keep all"}),
+                         .help = "stored values; compact: cell corners as float, all other values in 16 bits"}),
+      parameter::number(
+          {.name = "band_m",
+           .unit = "m",
+           .default_value = 0,
+           .minimum = 0,
+           .maximum = 10,
+           .help = "narrow band: keep only cells in the bone and up to this far from it; not given: keep all cells"}),
       parameter::number({.name = "max_error_mm",
                          .unit = "mm",
                          .default_value = 0,
                          .minimum = 0,
                          .maximum = 1000,
                          .role = ParameterRole::wanted_error,
-                         .help = "adaptive cells: 99 of 100 depths up to 1/200 of the bone's diagonal are off by no "
-                                 "more, deeper ones by a tenth of what lies beyond that; 0: cells of one size"}),
+                         .help =
+                             "wanted error of adaptive cells: 99 of 100 depths up to 1/200 of the bone's diagonal are "
+                             "within it. Deeper nodes may be off by a tenth of their further depth. 0: cells of "
+                             "one size"}),
       parameter::number({.name = "margin",
                          .default_value = 1e-3,
                          .minimum = 1e-6,
@@ -43,11 +46,11 @@ std::vector<ParameterSpec> sdf_parameters() {
                          .help = "how far the field reaches beyond the bone's box, as a share of its diagonal"}),
       parameter::path({.name = "structures",
                        .role = ParameterRole::storage,
-                       .help = "folder where built fields are kept and found again by their content, by any "
-                               "number of runs; empty: none"}),
+                       .help = "folder in which runs store built fields and find fields of the same content; empty: "
+                               "none"}),
       parameter::path({.name = "discregrid",
-                       .help = "folder with a field BONE.cdf (Discregrid's format) for each bone, used in place of "
-                               "building; empty: none"}),
+                       .help = "folder with a field BONE.cdf (Discregrid's format) for each bone; the backend reads "
+                               "these fields instead of building them; empty: none"}),
       clearance_cache_parameter(),
   };
 }

@@ -71,14 +71,14 @@ std::vector<ParameterSpec> voxel_parameters() {
                               .minimum = 1,
                               .maximum = 100'000,
                               .role = ParameterRole::resolution,
-                              .help = "voxels along each axis of a bone's own bounding box"}),
+                              .help = "voxels along each axis of each bone's bounding box"}),
           parameter::number({.name = "voxel_size_m",
                              .unit = "m",
                              .default_value = 0,
                              .minimum = 0,
                              .maximum = 10,
                              .role = ParameterRole::resolution,
-                             .help = "edge of cubic voxels; 0: use cells"}),
+                             .help = "edge length of cubic voxels; 0: use `cells`"}),
           clearance_cache_parameter()};
 }
 

@@ -323,8 +323,8 @@ ParameterSpec clearance_cache_parameter() {
   return parameter::choice({.name = "clearance_cache",
                             .choices = {"on", "off"},
                             .role = ParameterRole::clearance_cache,
-                            .help = "query a node again only when its motion relative to the bone has used up its "
-                                    "clearance; the contacts are the same"});
+                            .help = "query a node again only after it moved by its clearance relative to the bone; the "
+                                    "contacts stay the same"});
 }
 
 bool uses_clearance_cache(const Parameters& parameters) { return parameters.word("clearance_cache") == "on"; }

@@ -130,30 +130,31 @@ std::vector<ParameterSpec> loop_parameters() {
                           .default_value = 0,
                           .minimum = 0,
                           .maximum = 10'000'000,
-                          .help = "of them the last ones, in which bones stand still where their motion ended"}),
+                          .help = "last frames, in which bones stand still where their motion ended"}),
       parameter::integer({.name = "settle_substeps",
                           .default_value = 0,
                           .minimum = 0,
                           .maximum = 1'000'000,
-                          .help = "substeps before the first frame, in which bones stand still and nothing takes up "
-                                  "speed: nodes that begin inside a bone are laid out of it and not thrown (30)"}),
+                          .help =
+                              "substeps before the first frame, in which bones stand still and velocities stay 0: they "
+                              "move nodes out of bones gently; use 30 if nodes start in a bone"}),
       parameter::number({.name = "depenetration_m_per_s",
                          .unit = "m/s",
                          .default_value = 0.05,
                          .minimum = 0,
                          .maximum = 1e3,
-                         .help = "how fast contacts lay out what overlaps as the run begins, without giving it that "
-                                 "speed; 0: at once, and bones throw it out (paper)"}),
+                         .help = "how fast contacts remove overlaps of the start, without adding velocity; 0: at once, "
+                                 "and bones throw nodes out (paper)"}),
       parameter::integer({.name = "substeps",
                           .default_value = 3,
                           .minimum = 1,
                           .maximum = 1'000'000,
-                          .help = "substeps a frame, each with one prediction and one velocity update"}),
+                          .help = "substeps in a frame, each with one prediction and one velocity update"}),
       parameter::integer({.name = "iterations",
                           .default_value = 1,
                           .minimum = 1,
                           .maximum = 1'000'000,
-                          .help = "passes over constraints, detection and response a substep"}),
+                          .help = "passes over constraints, detection and response in a substep"}),
       parameter::number({.name = "time_step_s",
                          .unit = "s",
                          .default_value = 1e-3,
@@ -177,8 +178,8 @@ std::vector<ParameterSpec> loop_parameters() {
                          .default_value = 0,
                          .minimum = 0,
                          .maximum = 1,
-                         .help = "free nodes start displaced at random, by at most so much along each axis: what "
-                                 "rounding does to a run (1e-12)"}),
+                         .help = "random displacement of free nodes at the start, at most this along each axis; 1e-12 "
+                                 "shows the effect of rounding"}),
       parameter::choice({.name = "bone_motion",
                          .choices = {"per_frame", "interpolated"},
                          .help = "per_frame: bones jump to the frame's pose in its first substep (paper); "

@@ -5,6 +5,7 @@ import argparse
 import importlib
 import importlib.machinery
 import importlib.util
+import json
 import re
 import subprocess
 from dataclasses import dataclass, field
@@ -136,3 +137,12 @@ def test_a_command_explains_itself_and_each_option(name):
 def test_no_command_is_left_out():
     named = {option.name for option in help_of_command("").options if not option.name.startswith("-")}
     assert named == set(COMMANDS) - {""}
+
+
+@needs_program
+def test_the_list_explains_each_name_and_each_parameter():
+    told = json.loads(call("list", "--json").stdout)
+    named = [*told["backends"], *told["effects"], *told["responses"]]
+    parameters = [*told["loop"], *(one for entry in named for one in entry.get("parameters", []))]
+    assert len(parameters) > 40
+    check(Help("", [Option(one["name"], one["help"]) for one in (*named, *parameters)]))
