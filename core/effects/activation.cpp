@@ -100,22 +100,22 @@ std::vector<ParameterSpec> activation_parameters() {
                              .default_value = 1,
                              .minimum = 0,
                              .maximum = 1,
-                             .help = "of the activation once it has risen"}),
+                             .help = "level of the activation after its rise"}),
           parameter::number({.name = "shortening",
                              .default_value = 0.2,
                              .minimum = 0,
                              .maximum = 0.6,
-                             .help = "of free fibres at full activation, as a part of their length"}),
+                             .help = "shortening of free fibres at full activation, as a share of their length"}),
           parameter::number({.name = "compliance_m_per_n",
                              .unit = "m/N",
                              .default_value = 0.005,
                              .minimum = 0,
                              .maximum = 1e6,
-                             .help = "of an edge along the fibres (XPBD), more for others; 0: none"}),
-          seconds("start_s", 0, "time from the start of the run at which it begins to rise"),
-          seconds("rise_s", 0.1, "how long it rises"),
-          seconds("hold_s", longest_s, "how long it stays"),
-          seconds("fall_s", 0.1, "how long it falls")};
+                             .help = "compliance of an edge along the fibres (XPBD), larger for other edges; 0: none"}),
+          seconds("start_s", 0, "time at which the activation begins to rise, from the start of the run"),
+          seconds("rise_s", 0.1, "duration of the rise"),
+          seconds("hold_s", longest_s, "duration at the full level"),
+          seconds("fall_s", 0.1, "duration of the fall")};
 }
 
 }  // namespace musclebench

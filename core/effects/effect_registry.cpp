@@ -30,7 +30,7 @@ const std::vector<EffectEntry>& effect_registry() {
        make_local_volume},
       {"bending", "neighbouring triangles keep their dihedral angle (local shape)", bending_parameters(), make_bending},
       {.name = "margin",
-       .help = "a skin on the bones that muscles stay out of: nodes, and faces with `surface_contact`",
+       .help = "a skin on the bones; nodes stay out of it, and faces with `surface_contact`",
        .parameters = margin_parameters(),
        .make = nullptr,
        .make_stage = make_margin,
@@ -38,16 +38,15 @@ const std::vector<EffectEntry>& effect_registry() {
        .needs_normals = true,
        .needs_projection = true},
       {.name = "multi_bone",
-       .help = "nodes in several bones leave by a short displacement that ends outside the tangent planes of all of "
-               "them; without it pushes add up",
+       .help = "nodes in several bones take one short displacement out of all bones; without this effect the pushes of "
+               "the bones add up",
        .parameters = multi_bone_parameters(),
        .make = nullptr,
        .set_response = set_multi_bone,
        .needs_normals = true,
        .needs_projection = true},
       {.name = "friction",
-       .help =
-           "what touches a bone, another muscle or itself slides only as far as the push out of it allows (Coulomb)",
+       .help = "Coulomb friction: what touches a bone, a muscle or itself slides only as far as the push allows",
        .parameters = friction_parameters(),
        .make = nullptr,
        .make_stage = make_friction,

@@ -83,7 +83,7 @@ std::vector<ParameterSpec> friction_parameters() {
                              .default_value = 0.1,
                              .minimum = 0,
                              .maximum = 10,
-                             .help = "of Coulomb: largest tangential over normal force"})};
+                             .help = "Coulomb coefficient: largest tangential force over normal force"})};
 }
 
 }  // namespace musclebench

@@ -96,7 +96,7 @@ std::vector<ParameterSpec> margin_parameters() {
                              .default_value = 5e-4,
                              .minimum = 0,
                              .maximum = 1,
-                             .help = "of the skin on the bones"})};
+                             .help = "thickness of the skin on the bones"})};
 }
 
 }  // namespace musclebench
