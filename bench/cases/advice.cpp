@@ -296,11 +296,11 @@ double megabytes(const Assessment& assessment) { return static_cast<double>(asse
 
 std::string why_chosen(const Assessment& chosen, const Assessment& fastest) {
   if (&chosen == &fastest) {
-    return "It is the fastest that holds, and none that is as fast is smaller.";
+    return "It is the fastest configuration that holds the error, and no equally fast configuration is smaller.";
   }
   return fmt::format(
-      "It is smaller than {} ({:.3g} against {:.3g} MB) and as fast as far as this tells: {:.3g} times its time, where "
-      "overlapping intervals, or {:.0f} % between two measurements, are no difference.",
+      "It is smaller than {} ({:.3g} against {:.3g} MB) and about as fast: {:.3g} times its time. Overlapping "
+      "intervals, or {:.0f} % between two measurements, count as equally fast.",
       fastest.configuration.text(), megabytes(chosen), megabytes(fastest),
       chosen.collision_ns.median / fastest.collision_ns.median, (drift - 1) * 100);
 }
@@ -319,8 +319,8 @@ std::vector<std::string> explain(const Advice& advice, const AdviceRequest& requ
                          row.structure_bytes < advice.measured[*advice.chosen].structure_bytes;
     if (nearly && cheaper && frames.asked < frames.all) {
       lines.push_back(fmt::format(
-          "{} would be cheaper and misses it narrowly ({:.3g} mm), by {} of {} frames: over all of them its "
-          "error may be another.",
+          "{} would be cheaper and misses the error narrowly ({:.3g} mm), by {} of {} frames. Over all frames its "
+          "error may differ.",
           row.configuration.text(), row.error_m * 1e3, frames.asked, frames.all));
     }
   }

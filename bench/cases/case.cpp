@@ -47,10 +47,11 @@ std::vector<ResponseKind> choose_responses(const std::string& option, const Scen
   // Backtracking queries the backends of all bones at positions between p and x, a node at a time.
   const auto mute = std::ranges::find(can, false, &Capabilities::point_queries);
   if (mute != can.end() && std::ranges::find(kinds, ResponseKind::backtrack) != kinds.end()) {
-    throw InputError(fmt::format("{}: bone '{}'", place_of(scene, {}),
-                                 scene.bones[static_cast<std::size_t>(mute - can.begin()) % scene.bones.size()].name),
-                     "its backend can't answer about single nodes, which backtracking out of another bone asks of all; "
-                     "take 'project' there, or another backend here");
+    throw InputError(
+        fmt::format("{}: bone '{}'", place_of(scene, {}),
+                    scene.bones[static_cast<std::size_t>(mute - can.begin()) % scene.bones.size()].name),
+        "its backend cannot answer for single nodes, and 'backtrack' at another bone needs such answers of all bones; "
+        "take 'project' there, or another backend here");
   }
   if (std::ranges::count(kinds, kinds.front()) == std::ssize(kinds)) {
     kinds.resize(1);

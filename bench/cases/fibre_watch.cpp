@@ -50,8 +50,8 @@ FibrePaths paths_of(const Scene& scene, std::size_t index, const std::vector<Bou
   FibrePaths paths = trace_fibres(potential, mesh, surface, areas, scene.fibre_count, segments);
   if (paths.fibres.empty() || paths.lost > most_lost * scene.fibre_count) {
     throw InputError(location,
-                     fmt::format("{} of {} fibres end away from its attachments: no way leads from one to the "
-                                 "other inside its surface; check with `musclebench check` that it is one "
+                     fmt::format("{} of {} fibres end away from its attachments: no path inside its surface leads from "
+                                 "one to the other; check with `musclebench check` that it is one "
                                  "closed piece and that both attachments hold nodes",
                                  paths.lost, scene.fibre_count));
   }

@@ -153,8 +153,8 @@ void print_verdict(const Advice& advice, const AdviseOptions& options, const std
   if (advice.untried) {
     const Assessment& next = advice.measured[*advice.untried];
     fmt::print(
-        "\nThe time is up ({:g} s of CPU time) before a run over the whole motion showed what holds {} mm. The next to "
-        "try is {}: it promises {}. Give more --seconds.\n",
+        "\nThe time was up ({:g} s of CPU time) before a run over the whole motion held {} mm. The next configuration "
+        "to try is {}: it promises {}. Give more --seconds.\n",
         options.seconds, options.wanted_mm(), next.configuration.text(), promise_in_words(next, options));
   } else if (advice.measured.empty()) {
     fmt::print("\nNothing could be measured; the reasons are above.\n");
@@ -210,7 +210,7 @@ Advice find_with_progress(const Scene& scene, int threads, const AdviceRequest& 
     } catch (const InputError& refused) {
       reason = refused.what();
     } catch (const std::bad_alloc&) {
-      reason = "there is not enough memory";
+      reason = "not enough memory";
     }
     return std::optional<Assessment>();
   };
@@ -219,12 +219,11 @@ Advice find_with_progress(const Scene& scene, int threads, const AdviceRequest& 
 
 /// The exact run was not over when the time was up.
 int end_without_exact_run(const Scene& scene, const AdviseOptions& options, int frames_run) {
-  fmt::print(
-      stderr,
-      "musclebench: --seconds: {:g} s of CPU time end in frame {} of {} of the exact run of {}, so that nothing is "
-      "known; give about {:.0f}\n",
-      options.seconds, frames_run, scene.loop.frames, scene.name,
-      4 * options.seconds * scene.loop.frames / std::max(1, frames_run));
+  fmt::print(stderr,
+             "musclebench: --seconds: {:g} s of CPU time ended in frame {} of {} of the exact run of {}, before any "
+             "measurement; give about {:.0f}\n",
+             options.seconds, frames_run, scene.loop.frames, scene.name,
+             4 * options.seconds * scene.loop.frames / std::max(1, frames_run));
   return exit_out_of_time;
 }
 
@@ -273,9 +272,11 @@ int advise_on_depth(const Scene& scene, const AdviseOptions& options, AdviceRequ
   const int asked = input.frames->header().frames();
   const bool is_known = !advice.measured.empty() && advice.measured.front().contacts;
   const std::string said =
-      fmt::format("{}: wanted is a surface within {} mm of the true one at 99 of 100 contacts, and no node deeper\n",
-                  scene.name, options.depth_mm) +
-      fmt::format("Asked were {} of {} frames of the exact run, {} true contacts; {}\n", asked, scene.loop.frames,
+      fmt::format(
+          "{}: wanted is an error of {} mm: no node deeper, the surface no farther from the true one at 99 of 100 "
+          "contacts\n",
+          scene.name, options.depth_mm) +
+      fmt::format("Measured on {} of {} frames of the exact run, {} true contacts; {}\n", asked, scene.loop.frames,
                   is_known ? advice.measured.front().contacts->real : 0, threads_in_words(options.threads));
   print_advice(scene, options, request, advice, asked, said);
   return exit_code_of(advice);
@@ -296,13 +297,13 @@ int advise_on_arms(const Scene& scene, const AdviseOptions& options, AdviceReque
                            [&](int done) { report(done, input.frames_run); });
       });
   const std::string said =
-      fmt::format("{}: wanted are moment arms within {} mm (RMS over the motion) of the exact run's\n", scene.name,
-                  options.moment_arm_mm) +
+      fmt::format("{}: wanted are moment arms within {} mm (RMS over the motion) of the exact run's moment arms\n",
+                  scene.name, options.moment_arm_mm) +
       fmt::format("Each configuration moved the muscle for all {} frames; {}\n", scene.loop.frames,
                   threads_in_words(options.threads)) +
-      fmt::format("Rounding alone moves the exact run's by {:.2g} mm{}\n", input.floor_m * 1e3,
+      fmt::format("Rounding alone changes the exact run's moment arms by {:.2g} mm{}\n", input.floor_m * 1e3,
                   input.floor_m > request.wanted_m
-                      ? ": more than is wanted, so that what holds it here may not hold it in another run"
+                      ? ", more than the wanted error: a configuration that holds it here may miss it in another run"
                       : "");
   print_advice(scene, options, request, advice, scene.loop.frames, said);
   return exit_code_of(advice);

@@ -168,7 +168,7 @@ int replay(const ReplayOptions& options) {
   if (options.bones_only) colliders.of_muscle_pairs.clear();
   if (!colliders.of_muscle_pairs.empty() && !recording.header().muscle_contact) {
     throw InputError(options.recording,
-                     "does not hold what contact between muscles is asked about; record it again, or "
+                     "does not hold the input of contact between muscles; record it again, or "
                      "replay contact with bones alone (--bones-only)");
   }
   const std::vector<ResponseKind> responses =

@@ -99,9 +99,10 @@ std::optional<std::size_t> told_count(std::string line, const std::array<std::st
 void require_told(const std::filesystem::path& path, std::optional<std::size_t> told, std::size_t found,
                   std::string_view what) {
   if (!told || *told == found) return;
-  throw InputError(path.string(), fmt::format("its header tells {} {}, and it has {}: the file was cut, or the header "
-                                              "is of another; mend whichever is wrong",
-                                              *told, what, found));
+  throw InputError(path.string(),
+                   fmt::format("its header tells {} {}, and the file has {}: the file was cut, or the header "
+                               "is wrong; copy the file again, or correct the header",
+                               *told, what, found));
 }
 
 constexpr std::array<std::string_view, 2> row_keys = {"nRows", "datarows"};
@@ -137,20 +138,20 @@ MotionTable read_motion_table(const std::filesystem::path& path, const std::stri
       header = words;
       const auto found = std::find(header.begin(), header.end(), column);
       if (found == header.end() || header.front() != "time") {
-        throw InputError(location, fmt::format("has no column '{}' beside 'time'; did you mean '{}'?", column,
+        throw InputError(location, fmt::format("has no column '{}' next to 'time'; did you mean '{}'?", column,
                                                nearest_word(column, header)));
       }
       value_column = static_cast<std::size_t>(found - header.begin());
       continue;
     }
     if (words.size() != header.size()) {
-      throw InputError(location,
-                       fmt::format("has {} values where the header has {} columns", words.size(), header.size()));
+      throw InputError(location, fmt::format("has {} values, and the header has {} columns; correct the row",
+                                             words.size(), header.size()));
     }
     table.times.push_back(number_at(words.front(), location));
     table.values.push_back(number_at(words[value_column], location) * (in_degrees ? 1 : 180 / std::numbers::pi));
     if (table.times.size() > 1 && !(table.times.back() > table.times[table.times.size() - 2])) {
-      throw InputError(location, "time does not ascend");
+      throw InputError(location, "time does not ascend; sort the rows by time");
     }
   }
   if (table.times.size() < 2) {

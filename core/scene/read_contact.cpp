@@ -15,10 +15,9 @@ namespace {
 void require_closed(const Scene& scene, int muscle, const std::string& location) {
   const Body& body = scene.muscles[static_cast<std::size_t>(muscle)].body;
   if (!is_closed(scene.mesh_of(body))) {
-    throw InputError(location,
-                     fmt::format("muscle '{}' is open: what is inside it can't be told; close its surface, or "
-                                 "let it touch no muscle (`musclebench check` counts its boundary edges)",
-                                 body.name));
+    throw InputError(location, fmt::format("muscle '{}' is open, so it has no inside; close its surface, or "
+                                           "let it touch no muscle (`musclebench check` counts its boundary edges)",
+                                           body.name));
   }
 }
 
@@ -52,8 +51,7 @@ SceneBackend backend_with_parameters(const TomlTable& table) {
   SceneBackend backend = backend_in(table, "backend");
   if (const auto parameters = table.table("parameters")) {
     if (backend.name.empty()) {
-      throw InputError(table.location("parameters"),
-                       "are those of a backend that is chosen here; name it by `backend`");
+      throw InputError(table.location("parameters"), "need a backend in the same table; name it by `backend`");
     }
     backend.parameters = parameters->values();
     backend.parameters_location = table.location("parameters");
@@ -72,7 +70,7 @@ SceneMusclePair read_muscle_pair(const TomlTable& table, const Scene& scene) {
   const auto first = static_cast<int>(find_muscle(scene, names[0], location));
   const auto second = static_cast<int>(find_muscle(scene, names[1], location));
   if (first == second) {
-    throw InputError(location, fmt::format("'{}' stands there twice; a pair is of two muscles", names[0]));
+    throw InputError(location, fmt::format("'{}' stands there twice; name two different muscles", names[0]));
   }
   return {{std::min(first, second), std::max(first, second)}, backend_with_parameters(table), steps_in(table)};
 }
@@ -88,7 +86,7 @@ void read_bone_pair(const TomlTable& table, Scene& scene, std::vector<std::size_
   named.push_back(pair);
   SceneBoneContact own = read_bone_contact(table);
   if (own.backend.name.empty() && !own.response && !own.response_steps) {
-    throw InputError(table.location(), "says nothing of the muscle and the bone; give it backend, response or steps");
+    throw InputError(table.location(), "says nothing of the muscle and the bone; add backend, response or steps");
   }
   SceneBoneContact& contact = scene.bone_contacts[pair];
   if (!own.backend.name.empty()) contact.backend = std::move(own.backend);
@@ -116,8 +114,7 @@ std::vector<SceneMusclePair> read_pair_tables(const TomlTable& root, Scene& scen
     }
     SceneMusclePair pair = read_muscle_pair(table, scene);
     if (std::ranges::find(of_muscles, pair.muscles, &SceneMusclePair::muscles) != of_muscles.end()) {
-      throw InputError(table.location("muscles"),
-                       "names a pair that stands in an earlier [[pair]], too; leave one out");
+      throw InputError(table.location("muscles"), "repeats an earlier [[pair]]; leave one out");
     }
     of_muscles.push_back(std::move(pair));
   }

@@ -47,12 +47,12 @@ BoneRotation read_rotation(const SceneRequest& request, const TomlTable& table) 
   if (table.has("table")) {
     if (changed.given("from_deg") || changed.given("to_deg")) {
       throw InputError("--motion",
-                       fmt::format("{} has a table of angles, which from_deg and to_deg can't change; leave "
+                       fmt::format("{} has a table of angles, which from_deg and to_deg cannot change; leave "
                                    "them out",
                                    table.location()));
     }
     if (table.has("from_deg") || table.has("to_deg")) {
-      throw InputError(table.location("table"), "stands beside from_deg or to_deg; give either a table or two angles");
+      throw InputError(table.location("table"), "contradicts from_deg and to_deg; give either a table or two angles");
     }
     const auto path = resolve_reference(request, table.word("table"), table.location("table")).path;
     const MotionTable rows =
@@ -95,7 +95,7 @@ BoneMotion read_motion(const SceneRequest& request, const TomlTable& bone) {
   const std::vector<TomlTable> tables = bone.table_or_tables("motion");
   if (tables.size() > 1 && !request.motion_overrides.empty()) {
     throw InputError("--motion",
-                     fmt::format("{} has several rotations, and which is meant can't be told; change them in "
+                     fmt::format("{} has several rotations, and --motion cannot choose one of them; change them in "
                                  "the scene",
                                  bone.location()));
   }

@@ -321,8 +321,8 @@ toml::table parse_scene(const SceneRequest& request) {
     const std::string message = error.what();
     if (message.find("existing string 'effects") == std::string::npos) throw;
     throw InputError(message.substr(0, message.find(": ")),
-                     "[effects.NAME] tables do not go beside effects = \"auto\"; write [effects] with auto = true in "
-                     "its place");
+                     "[effects.NAME] tables cannot follow effects = \"auto\"; write [effects] with auto = true "
+                     "instead");
   }
 }
 
@@ -334,7 +334,7 @@ void read_time_step_changes(const TomlTable& root, LoopParameters& loop) {
     if (frame != std::floor(frame)) throw InputError(table.location("from_frame"), "has to be a whole number");
     const TimeStepChange change{static_cast<int>(frame), table.number("time_step_s", 1e-9, 1e3)};
     if (!loop.time_step_changes.empty() && change.from_frame <= loop.time_step_changes.back().from_frame) {
-      throw InputError(table.location("from_frame"), fmt::format("has to be after {}, that of the change before",
+      throw InputError(table.location("from_frame"), fmt::format("has to be after {}, the frame of the previous change",
                                                                  loop.time_step_changes.back().from_frame));
     }
     loop.time_step_changes.push_back(change);

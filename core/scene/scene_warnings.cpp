@@ -82,20 +82,20 @@ void warn_of_open_bones(const Scene& scene, Warnings& warnings) {
     const auto open = std::ranges::find_if(bone.surface.changes,
                                            [](const std::string& change) { return change.starts_with("left open"); });
     if (open == bone.surface.changes.end()) continue;
-    warnings.push_back({"open_bone", fmt::format("bone '{}': {}: in and out are less certain beside its holes, and "
-                                                 "exact contact is slower; close them",
+    warnings.push_back({"open_bone", fmt::format("bone '{}': {}: inside and outside are less certain near its holes, "
+                                                 "and exact contact is slower; close the holes",
                                                  bone.name, *open)});
   }
 }
 
 std::string what_becomes_of_overlap(const LoopParameters& loop) {
-  if (loop.settle_substeps > 0) return "they are laid out of it before the first frame";
+  if (loop.settle_substeps > 0) return "settle_substeps move them out before the first frame";
   if (loop.depenetration_m_per_s == 0) {
-    return "the first contact throws them out; [loop] settle_substeps = 30 lays them out of it";
+    return "the first contact throws them out; [loop] settle_substeps = 30 moves them out gently";
   }
   return fmt::format(
-      "contacts lay them out of it at {:.3g} mm/s in the first frames; [loop] settle_substeps = 30 does "
-      "so before them",
+      "contacts push them out at {:.3g} mm/s in the first frames; [loop] settle_substeps = 30 does "
+      "so before the first frame",
       1e3 * loop.depenetration_m_per_s);
 }
 
@@ -123,19 +123,19 @@ std::string pair_names(const Scene& scene, const MusclePair& pair) {
 
 void warn_of_muscle_pairs(const Scene& scene, Warnings& warnings) {
   if (scene.muscles.size() > 1 && scene.muscle_pairs.empty()) {
-    warnings.push_back({"muscle_pairs",
-                        fmt::format("{} muscles, none of which touches another: they pass through each other; let them "
-                                    "collide with [contact] muscle_contact = true, or name two in a [[pair]]",
-                                    scene.muscles.size())});
+    warnings.push_back(
+        {"muscle_pairs", fmt::format("{} muscles without contact between them: they pass through each other; let them "
+                                     "collide with [contact] muscle_contact = true, or name two in a [[pair]]",
+                                     scene.muscles.size())});
   }
   const std::vector<RestOverlap> overlaps = muscle_overlaps_at_rest(scene);
   for (std::size_t i = 0; i < overlaps.size(); ++i) {
     if (overlaps[i].nodes > 0) {
-      warnings.push_back(
-          {"muscle_pairs", fmt::format("muscles {} overlap at rest: {} nodes, {:.3g} mm deep; the first steps lay them "
-                                       "apart",
-                                       pair_names(scene, scene.muscle_pairs[i].muscles), overlaps[i].nodes,
-                                       1e3 * overlaps[i].deepest_m)});
+      warnings.push_back({"muscle_pairs",
+                          fmt::format("muscles {} overlap at rest: {} nodes, {:.3g} mm deep; the first steps push them "
+                                      "apart",
+                                      pair_names(scene, scene.muscle_pairs[i].muscles), overlaps[i].nodes,
+                                      1e3 * overlaps[i].deepest_m)});
     }
   }
 }
@@ -175,8 +175,9 @@ void warn_of_late_time_steps(const Scene& scene, Warnings& warnings) {
   for (const TimeStepChange& change : scene.loop.time_step_changes) {
     if (change.from_frame <= scene.loop.frames) continue;
     warnings.push_back(
-        {"late_time_step", fmt::format("the time step changes from frame {} on, and the run has {}: it never does",
-                                       change.from_frame, scene.loop.frames)});
+        {"late_time_step",
+         fmt::format("the time step changes from frame {} on, but the run has {} frames: it never changes",
+                     change.from_frame, scene.loop.frames)});
   }
 }
 
@@ -193,8 +194,8 @@ void warn_of_motions(const Scene& scene, Warnings& warnings) {
       const auto [least, largest] = std::ranges::minmax(rotation.angles_rad);
       if (largest - least > 2 * std::numbers::pi * (1 + 1e-9)) {
         warnings.push_back({"motion", fmt::format("bone '{}' turns by {:.4g} degrees, more than a full turn: check its "
-                                                  "angles (of a table, that its line "
-                                                  "inDegrees tells their unit)",
+                                                  "angles (in a table, the line inDegrees "
+                                                  "gives their unit)",
                                                   scene.bones[bone].name, (largest - least) * degrees_per_radian)});
       }
     }
@@ -220,7 +221,7 @@ std::string describe_empty_attachment(const Scene& scene, const Attachment& atta
   const bool is_near_bone = attachment.area.surface == AttachmentSurface::bone;
   return fmt::format(
       "attachment '{}' binds no node: the nearest is {:.4g} mm from {} (distance_m allows {:.4g} mm) and {:.4g} mm "
-      "beside the outlined area (margin_m allows {:.4g} mm); enlarge them or check its outline{}",
+      "outside the outlined area (margin_m allows {:.4g} mm); enlarge them or check its outline{}",
       attachment.name, 1e3 * nearest->to_surface_m,
       is_near_bone ? fmt::format("bone '{}'", bone.name) : std::string("the outline's plane"),
       1e3 * attachment.area.distance_m, 1e3 * nearest->beside_area_m, 1e3 * attachment.area.margin_m, placed);

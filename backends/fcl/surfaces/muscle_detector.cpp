@@ -132,7 +132,7 @@ std::unique_ptr<MuscleContactDetector> make_fcl_muscle_detector(const Parameters
   FclOptions options = fcl_options(parameters);
   if (options.query != Query::surfaces) {
     throw InputError("fcl: query",
-                     "asks single nodes about a tree that never deforms; contact between muscles needs "
+                     "queries single nodes in a tree that never deforms; contact between muscles needs "
                      "query = surfaces");
   }
   if (options.broad_phase != FclOptions{}.broad_phase) {

@@ -71,7 +71,7 @@ void find_effects_without_fibres(CheckContext& context, Findings& findings) {
   const double exponent = lengths == nullptr ? 0 : lengths->parameters.number("anisotropy_exponent");
   for (const Muscle& muscle : context.scene.muscles) {
     if (has_fibres(muscle)) continue;
-    const std::string what = fmt::format("muscle '{}' has no fibres that it could look at", muscle.body.name);
+    const std::string what = fmt::format("needs fibres, and muscle '{}' has none", muscle.body.name);
     if (find_named(context.scene, "activation") != nullptr) {
       findings.push_back(cannot_act(key_of("activation"), what));
       findings.back().add = {"fibres = \"between_attachments\""};
@@ -90,8 +90,8 @@ void find_ignored_fibres(CheckContext& context, Findings& findings) {
   if (lengths == nullptr || lengths->parameters.number("anisotropy_exponent") != 0) return;
   if (find_named(context.scene, "activation") != nullptr) return;
   if (std::ranges::none_of(context.scene.muscles, has_fibres)) return;
-  Finding& finding =
-      findings.emplace_back(cannot_act("muscle.fibres", "nothing looks at them: edge_length.anisotropy_exponent is 0"));
+  Finding& finding = findings.emplace_back(
+      cannot_act("muscle.fibres", "no effect uses the fibres: edge_length.anisotropy_exponent is 0"));
   finding.figures = {{"anisotropy_exponent", 0}};
   finding.remove = {"anisotropy_exponent = 0"};
 }
@@ -106,9 +106,9 @@ void find_late_surface_contact(CheckContext& context, Findings& findings) {
   const auto interval = static_cast<double>(contact->parameters.integer("interval"));
   const auto steps = static_cast<double>(collision_steps(context.scene.loop));
   if (interval < steps) return;
-  Finding& finding = findings.emplace_back(cannot_act(
-      key_of("surface_contact", "interval"),
-      fmt::format("lets {:.0f} collision steps pass between two searches, and the run has {:.0f}", interval, steps)));
+  Finding& finding = findings.emplace_back(
+      cannot_act(key_of("surface_contact", "interval"),
+                 fmt::format("searches only every {:.0f} collision steps, and the run has {:.0f}", interval, steps)));
   finding.figures = {{"interval", interval}, {"steps", steps}};
 }
 
@@ -120,7 +120,7 @@ struct PartialEffect {
 };
 
 constexpr std::array partial_effects{
-    PartialEffect{"margin", "self_contact", "lies on bones only: self_contact has a thickness of its own"},
+    PartialEffect{"margin", "self_contact", "acts on bones only: self_contact has its own thickness"},
 };
 
 void find_partial_effects(CheckContext& context, Findings& findings) {
@@ -131,7 +131,7 @@ void find_partial_effects(CheckContext& context, Findings& findings) {
   if (has_effect(context.scene, "margin") && !context.scene.muscle_pairs.empty()) {
     findings.push_back({.kind = FindingKind::acts_in_part,
                         .where = key_of("margin"),
-                        .what = "lies on bones only: muscles come as near to each other as they like"});
+                        .what = "acts on bones only: it keeps no distance between muscles"});
   }
 }
 
@@ -207,8 +207,8 @@ void find_attachments(CheckContext& context, Findings& findings) {
   }
   if (has || !wants) return;
   findings.push_back({.where = "attachment",
-                      .what = "the scene has attachments and no effect that moves their nodes: they stand still while "
-                              "their bones move",
+                      .what = "the scene has attachments, but no effect moves their nodes: the nodes stand still while "
+                              "the bones move",
                       .add = {"[effects.attachment]"},
                       .effect = AdvisedEffect{"attachment"}});
 }
@@ -218,7 +218,7 @@ void find_lacking_lengths(CheckContext& context, Findings& findings) {
   // Activation gives every edge a length, too, by its angle to the fibres.
   if (has_effect(context.scene, "activation") && std::ranges::all_of(context.scene.muscles, has_fibres)) return;
   findings.push_back({.where = "muscle",
-                      .what = "nothing holds its surface together",
+                      .what = "no effect holds its surface together",
                       .add = {"[effects.edge_length]"},
                       .effect = AdvisedEffect{"edge_length"}});
 }
@@ -240,7 +240,7 @@ void find_volumes_of_open_muscles(CheckContext& context, Findings& findings) {
 void find_two_volumes(CheckContext& context, Findings& findings) {
   if (!has_effect(context.scene, "volume") || !has_effect(context.scene, "local_volume")) return;
   findings.push_back(
-      cannot_act(key_of("volume"), "adds nothing beside local_volume, whose regions add up to the whole"));
+      cannot_act(key_of("volume"), "adds nothing to local_volume, whose regions together are the whole muscle"));
   if (find_named(context.scene, "volume")->is_own) {
     findings.back().remove = {"[effects.volume]"};
   } else {
@@ -252,7 +252,7 @@ void find_ignored_guard_angle(CheckContext& context, Findings& findings) {
   const SceneEffect* guard = find_named(context.scene, "tunnelling_guard");
   if (guard == nullptr || guard->parameters.word("rule") == "angle" || !guard->parameters.given("angle_deg")) return;
   Finding& finding = findings.emplace_back(
-      cannot_act(key_of("tunnelling_guard", "angle_deg"), "is of rule 'angle' only, and the rule is 'crossing'"));
+      cannot_act(key_of("tunnelling_guard", "angle_deg"), "applies to rule 'angle' only, and the rule is 'crossing'"));
   finding.figures = {{"angle_deg", guard->parameters.number("angle_deg")}};
   finding.remove = {"angle_deg"};
 }
@@ -267,7 +267,7 @@ void find_overruled_steps(CheckContext& context, Findings& findings) {
   const Scene& scene = context.scene;
   if (!has_effect(scene, "multi_bone") || scene.response_steps_location.empty() || !scene.muscle_pairs.empty()) return;
   Finding& finding = findings.emplace_back(
-      cannot_act("contact.steps", "multi_bone takes as many steps as leaving all bones at once needs"));
+      cannot_act("contact.steps", "multi_bone ignores it, and takes as many steps as leaving all bones needs"));
   finding.figures = {{"steps", static_cast<double>(scene.response_steps)}};
   finding.remove = {fmt::format("steps = {}", scene.response_steps)};
 }
@@ -287,10 +287,9 @@ void find_backtracking(CheckContext& context, Findings& findings) {
 
 void find_all_bound(CheckContext& context, Findings& findings) {
   if (context.scene.attach_at_first_contact || context.free_node_count() > 0) return;
-  findings.push_back(
-      cannot_act("attachment",
-                 "all nodes are bound to bones: nothing is left that effects or contacts could move; outline "
-                 "smaller areas"));
+  findings.push_back(cannot_act("attachment",
+                                "all nodes are bound to bones: effects and contacts cannot move any node; outline "
+                                "smaller areas"));
 }
 
 void find_foreign_fibres(CheckContext& context, Findings& findings) {
@@ -344,7 +343,7 @@ void find_standstill(CheckContext& context, Findings& findings) {
   }
   findings.push_back(cannot_act("bone.motion",
                                 "no bone moves, and neither gravity nor activation moves the muscle: "
-                                "all but overlaps at rest stays as it is"));
+                                "nothing changes except overlaps at rest"));
 }
 
 /// Of a scene on which nothing is added that it could keep out.
@@ -352,7 +351,7 @@ void find_idle_exclusions(CheckContext& context, Findings& findings) {
   if (context.scene.auto_effects.wanted) return;
   for (const EffectExclusion& exclusion : context.scene.exclusions) {
     if (exclusion.is_of_preset) continue;
-    findings.push_back(cannot_act(key_of(exclusion.effect), "is taken out, and the preset has none"));
+    findings.push_back(cannot_act(key_of(exclusion.effect), "is removed, but the preset does not have it"));
     findings.back().remove = {fmt::format("{} = false", exclusion.effect)};
   }
 }

@@ -40,7 +40,7 @@ std::string text_of(const Finding& finding) {
                                  finding.place.empty() ? "" : ": ", finding.where, finding.what);
   std::vector<std::string> cures;
   if (!finding.add.empty()) cures.push_back(fmt::format("add {}", fmt::join(finding.add, " ")));
-  if (!finding.remove.empty()) cures.push_back(fmt::format("take out {}", fmt::join(finding.remove, " ")));
+  if (!finding.remove.empty()) cures.push_back(fmt::format("remove {}", fmt::join(finding.remove, " ")));
   if (!cures.empty()) text += fmt::format("; {}", fmt::join(cures, ", or "));
   return text;
 }

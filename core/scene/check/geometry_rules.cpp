@@ -33,8 +33,8 @@ void find_lacking_volume(CheckContext& context, Findings& findings) {
     if (!is_closed_muscle(scene, muscle)) return;  // nothing could keep it
   }
   findings.push_back({.where = scene.muscles.size() == 1 ? "muscle" : "muscles",
-                      .what = "nothing keeps the volume ([effects.local_volume] keeps it region by region, so that a "
-                              "squeezed end does not inflate the other)",
+                      .what = "no effect keeps the volume ([effects.local_volume] keeps the volume of each region: a "
+                              "squeezed end then does not inflate the other end)",
                       .add = {"[effects.volume]"},
                       .effect = AdvisedEffect{"volume"}});
 }
@@ -47,9 +47,9 @@ void find_thin_bones(CheckContext& context, Findings& findings) {
     if (found.thinner.share <= least_share) continue;
     findings.push_back(
         {.where = fmt::format("bone '{}'", bone_name(context.scene, bone)),
-         .what = fmt::format("a step moves it and the muscle by up to {:.3g} mm against each other, and {} of its "
-                             "surface near the muscle is thinner than that (down to {:.2g} mm): nodes can pass through "
-                             "it (more substeps help, too)",
+         .what = fmt::format("one step moves bone and muscle by up to {:.3g} mm relative to each other, but {} of the "
+                             "bone's surface near the muscle is thinner (down to {:.2g} mm): nodes can pass through "
+                             "the bone (more substeps also help)",
                              1e3 * found.step_m, percent(found.thinner.share), 1e3 * found.thinner.thinnest_m),
          .figures = {{"step_m", found.step_m},
                      {"thinner_share", found.thinner.share},
@@ -78,8 +78,8 @@ void find_ridges(CheckContext& context, Findings& findings) {
     findings.push_back(
         {.where = fmt::format("muscle '{}', bone '{}'", muscle_name(scene, ridge.muscle), bone_name(scene, bone)),
          .what =
-             fmt::format("ridges of the bone are sharper than the muscle's mesh is fine: a face whose nodes are all "
-                         "outside can be cut up to {} deep, where its edges are {} long (estimated; at 99 % of {} "
+             fmt::format("the muscle's mesh is too coarse for ridges of the bone: a ridge can cut up to {} deep into "
+                         "a face whose nodes are all outside, with edges {} long (estimated; at 99 % of {} "
                          "points less than {})",
                          mm(ridge.largest_m), mm(ridge.edge_m), ridge.samples, mm(ridge.p99_m)),
          .figures = {{"cut_depth_m", ridge.largest_m}, {"cut_depth_p99_m", ridge.p99_m}, {"edge_m", ridge.edge_m}},
@@ -94,17 +94,17 @@ void find_pinches(CheckContext& context, Findings& findings) {
   constexpr double most_room = 0.5;
   for (const Pinch& pinch : pinches(context.poses(), context.nearness(), context.thickness_m())) {
     if (pinch.room_m >= most_room * pinch.thickness_m) continue;
-    findings.push_back(
-        {.where = fmt::format("bones '{}' and '{}'", bone_name(context.scene, pinch.first_bone),
-                              bone_name(context.scene, pinch.second_bone)),
-         .what = fmt::format("{} nodes come between them where there is less room than the muscle is thick ({} for {}, "
-                             "estimated): pushes of two bones would add up",
-                             pinch.nodes, mm(pinch.room_m), mm(pinch.thickness_m)),
-         .figures = {{"room_m", pinch.room_m},
-                     {"thickness_m", pinch.thickness_m},
-                     {"nodes", static_cast<double>(pinch.nodes)}},
-         .add = {"[effects.multi_bone]"},
-         .effect = AdvisedEffect{"multi_bone"}});
+    findings.push_back({.where = fmt::format("bones '{}' and '{}'", bone_name(context.scene, pinch.first_bone),
+                                             bone_name(context.scene, pinch.second_bone)),
+                        .what = fmt::format(
+                            "{} nodes come between them where the gap is narrower than the muscle is thick ({} for {}, "
+                            "estimated): the pushes of the two bones add up",
+                            pinch.nodes, mm(pinch.room_m), mm(pinch.thickness_m)),
+                        .figures = {{"room_m", pinch.room_m},
+                                    {"thickness_m", pinch.thickness_m},
+                                    {"nodes", static_cast<double>(pinch.nodes)}},
+                        .add = {"[effects.multi_bone]"},
+                        .effect = AdvisedEffect{"multi_bone"}});
   }
 }
 
@@ -182,8 +182,8 @@ void find_coarse_cells(CheckContext& context, Findings& findings) {
     if (share <= least_share) continue;
     Finding& finding = findings.emplace_back(
         Finding{.where = fmt::format("bone '{}', backend '{}'", bone_name(context.scene, bone), cells.backend),
-                .what = fmt::format("its cells of {} leave distances off by up to {}, and {} of the free nodes lie "
-                                    "closer outside the bone at rest (down to {}): they may count as inside; take "
+                .what = fmt::format("cells of {} make distances wrong by up to {}, and {} of the free nodes are "
+                                    "closer to the bone at rest (down to {}): these nodes may count as inside; take "
                                     "finer cells{}",
                                     mm(cells.cell_m), mm(cells.error_m), percent(share), mm(nearness.rest_gap_m),
                                     cells.parameter.empty() ? "" : fmt::format(" (--param {}=...)", cells.parameter)),
@@ -192,7 +192,7 @@ void find_coarse_cells(CheckContext& context, Findings& findings) {
                             {"nodes_share", share},
                             {"rest_gap_m", nearness.rest_gap_m}}});
     if (!cells.misses || has_effect(context.scene, "margin")) continue;
-    finding.what += ", or an exact skin that keeps nodes out of what the cells miss";
+    finding.what += ", or a margin, which keeps nodes out of the layer that the cells miss";
     finding.add = {"[effects.margin]", fmt::format("thickness_m = {:.2g}", cells.error_m)};
   }
 }
@@ -208,8 +208,8 @@ void find_features_thinner_than_cells(CheckContext& context, Findings& findings)
     if (thin.share <= least_share) continue;
     findings.push_back(
         {.where = fmt::format("bone '{}', backend '{}'", bone_name(context.scene, bone), cells.backend),
-         .what = fmt::format("{} of its surface near the muscle is thinner than two cells of {} (down to {}): nodes in "
-                             "it may not be found; take finer cells{}",
+         .what = fmt::format("{} of its surface near the muscle is thinner than two cells of {} (down to {}): the "
+                             "backend may miss nodes in it; take finer cells{}",
                              percent(thin.share), mm(cells.cell_m), mm(thin.thinnest_m),
                              cells.parameter.empty() ? "" : fmt::format(" (--param {}=...)", cells.parameter)),
          .figures = {{"cell_m", cells.cell_m}, {"thinner_share", thin.share}, {"thinnest_m", thin.thinnest_m}}});
@@ -228,7 +228,7 @@ void find_contact_out_of_reach(CheckContext& context, Findings& findings) {
     if (!has_effect(scene, effect)) continue;
     findings.push_back({.kind = FindingKind::cannot_act,
                         .where = fmt::format("effects.{}", effect),
-                        .what = "no bone comes as near to a muscle as the muscle is thick, at any pose (estimated)",
+                        .what = "no bone comes nearer to a muscle than the muscle is thick, at any pose (estimated)",
                         .remove = {fmt::format("[effects.{}]", effect)}});
   }
 }
@@ -251,8 +251,8 @@ void find_thick_margin(CheckContext& context, Findings& findings) {
   Finding& finding = findings.emplace_back(
       Finding{.kind = FindingKind::contradiction,
               .where = "effects.margin.thickness_m",
-              .what = fmt::format("a skin of {} on the bones is thicker than a quarter of the muscle is ({}): between "
-                                  "two bones it leaves no room for it; a skin is a millimetre or less",
+              .what = fmt::format("a skin of {} on the bones is thicker than a quarter of the muscle ({}): between two "
+                                  "bones two skins leave it no room; take a millimetre or less",
                                   mm(margin_m), mm(*thickness_m))});
   finding.figures = {{"margin_m", margin_m}, {"muscle_thickness_m", *thickness_m}};
 }
@@ -267,9 +267,10 @@ void find_thick_self_contact(CheckContext& context, Findings& findings) {
   Finding& finding = findings.emplace_back(Finding{
       .kind = FindingKind::cannot_act,
       .where = "effects.self_contact.thickness_m",
-      .what = fmt::format("what is nearer at rest than {:.0f} times these {} never counts as a fold, and a quarter of "
-                          "the muscle is no thicker than {}: most of it is left out; 0 takes a fifth of the mean edge",
-                          self_contact_rest_factor, mm(kept_m), mm(*thickness_m))});
+      .what =
+          fmt::format("parts nearer at rest than {:.0f} times {} never count as a fold, and a quarter of the muscle "
+                      "is no thicker than {}: most of it is left out; take 0, a fifth of the mean edge",
+                      self_contact_rest_factor, mm(kept_m), mm(*thickness_m))});
   finding.figures = {{"thickness_m", kept_m}, {"muscle_thickness_m", *thickness_m}};
 }
 

@@ -252,7 +252,7 @@ TEST(ForeignScene, AnEmptyAttachmentSaysHowFarTheNearestNodeIs) {
   }
   expect_mentions(warnings_of(scene), {"attachment 'foot' binds no node",
                                        fmt::format("the nearest is {:.4g} mm from bone 'box'", 1e3 * (lowest_m - 0.01)),
-                                       "distance_m allows 0.5 mm", "0 mm beside"});
+                                       "distance_m allows 0.5 mm", "0 mm outside"});
   Meshes below;
   below.ball = moved(make_sphere(0.01, 3), -above);
   expect_mentions(warnings_of(scene_of(plain_text() + attachment("foot", "box", 0.0005), below)),

@@ -101,7 +101,7 @@ TEST(AutoEffects, OtherWordsAreRefused) {
   EXPECT_NE(error("effects = \"all\"\n").find("test.toml:1: effects: has to be \"auto\""), std::string::npos);
   EXPECT_NE(error("effects = 3\n").find("effects"), std::string::npos);
   EXPECT_NE(error("[effects]\nauto = 3\n").find("effects.auto: has to be true or false"), std::string::npos);
-  EXPECT_NE(error("effects = \"auto\"\n[effects.volume]\n").find("test.toml:3: [effects.NAME] tables do not go beside"),
+  EXPECT_NE(error("effects = \"auto\"\n[effects.volume]\n").find("test.toml:3: [effects.NAME] tables cannot follow"),
             std::string::npos)
       << error("effects = \"auto\"\n[effects.volume]\n");
   EXPECT_NE(error("[effects]\nautp = true\n").find("did you mean 'auto'?"), std::string::npos);
