@@ -16,8 +16,9 @@ double read_unit(const TomlTable& table) {
   const std::string name = table.word_or("unit", "m");
   const auto unit = std::ranges::find(units, name, [](const auto& known) { return std::string(known.first); });
   if (unit != units.end()) return unit->second;
-  throw InputError(table.location("unit"),
-                   fmt::format("'{}' is not one of mm, cm, m; of another unit, give its metres as scale", name));
+  throw InputError(
+      table.location("unit"),
+      fmt::format("'{}' is not one of mm, cm, m; for another unit, give its length in metres as scale", name));
 }
 
 Vec3 read_scale(const TomlTable& table) {

@@ -15,8 +15,8 @@ use([BarChart, CustomChart, LineChart, ScatterChart, DataZoomComponent, GridComp
   TooltipComponent, SVGRenderer]);
 
 const KINDS = { lines: linesOf, points: pointsOf, bars: barsOf, nights: nightsOf };
-const SWITCHED_OFF = "All series of this chart are switched off. Switch one on above.";
-const NOT_MEASURED = "Not measured of what is chosen.";
+const SWITCHED_OFF = "All series of this chart are switched off. Switch a series on above.";
+const NOT_MEASURED = "No measurement for this choice.";
 const PAPER_PIXELS = 640;
 const NAME_PIXELS = 14;
 const ZOOM_STEP = 0.25; // of what is seen, at either end

@@ -139,7 +139,7 @@ class View {
       const moment = cell.momentOf(this.frame);
       const ended = moment < 0 && `ended: ${cell.run.told.status}`;
       const least = kind === "surface" && cell.run.told.open_surface_frames.includes(this.frame) ? "at least " : "";
-      const text = ended || (cell.run.depths[kind] ? `deepest ${least}${figure(deepestMm(cell.run, kind, moment, vertices))} mm` : "depth was not kept");
+      const text = ended || (cell.run.depths[kind] ? `deepest ${least}${figure(deepestMm(cell.run, kind, moment, vertices))} mm` : "depth not stored");
       cell.element.querySelector(".cell-depth").textContent = text;
       return `${this.choice.name(cell.run.told.backend)}: ${text}`;
     });
@@ -149,7 +149,7 @@ class View {
 
   onPick(found) {
     if (found?.node !== undefined) this.mark(found.node);
-    else if (found) this.parts.readout.textContent = `That is the ${label(found.bone)}; click on the muscle, or see through the bones.`;
+    else if (found) this.parts.readout.textContent = `This is the ${label(found.bone)}. Click on the muscle, or make the bones transparent.`;
   }
 
   mark(node) {
@@ -164,7 +164,7 @@ class View {
 
   tellNode() {
     if (this.marked === null) {
-      this.parts.readout.textContent = "Click on a node of a muscle, or type its number: its depth and its distance from the nearest bone.";
+      this.parts.readout.textContent = "Click on a node of a muscle, or type its number, to read its depth and its distance from the nearest bone.";
       return;
     }
     const lines = this.stage.cells.filter((cell) => cell.momentOf(this.frame) >= 0).map((cell) => this.nodeOf(cell));

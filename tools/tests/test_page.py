@@ -134,7 +134,7 @@ def test_moments_are_left_out_where_a_page_would_grow_too_large(results, monkeyp
     monkeypatch.setattr(views, "BUDGET_CHARACTERS", 1000)
     made = views.views_of(paper_tables.by_case(read_runs(results / "raw")), "")
     assert made.scenes[0]["runs"][0]["frames"] == [0, 6, 12]  # where it starts, is turned farthest and ends
-    assert "Of up to 5 moments that a run kept, those here are every" in made.words
+    assert "Runs kept up to 5 moments. The page shows every" in made.words
     assert views.views_of(made.cases, "").words == made.words
 
 

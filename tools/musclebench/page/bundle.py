@@ -44,7 +44,7 @@ def script_file(sources: Path, built: Path) -> Path:
 def installed(sources: Path = SOURCES, built: Path = BUILT, with_tests: bool = False) -> Path:
     """The folder node_modules with the versions of package-lock.json; `with_tests`: what only tests need, too."""
     if not shutil.which("npm") or not shutil.which("node"):
-        raise Problem("npm is missing, with whose libraries the page is made; tools/setup npm nodejs installs it")
+        raise Problem("npm is missing; the page needs JavaScript libraries. Install npm with tools/setup npm nodejs")
     kind = "tests" if with_tests else "page"
     home = built / f"{kind}-{_digest([sources / name for name in LOCKED])}"
     if not home.is_dir():
@@ -54,7 +54,7 @@ def installed(sources: Path = SOURCES, built: Path = BUILT, with_tests: bool = F
                 shutil.copy(sources / name, folder)
             words = ["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--prefer-offline", *IMPATIENT,
                      *([] if with_tests else ["--omit=dev"])]
-            _run(words, INSTALL_SECONDS, "'npm ci' can't get the libraries of tools/page/package-lock.json", Path(folder))
+            _run(words, INSTALL_SECONDS, "'npm ci' cannot install the libraries of tools/page/package-lock.json", Path(folder))
             try:
                 os.rename(folder, home)
             except OSError:
@@ -67,7 +67,7 @@ def installed(sources: Path = SOURCES, built: Path = BUILT, with_tests: bool = F
 def _bundled(entry: Path, libraries: Path) -> str:
     words = [str(libraries / ".bin" / "esbuild"), str(entry), "--bundle", "--minify", "--format=iife", "--target=es2022",
              "--legal-comments=inline", "--charset=utf8"]
-    done = _run(words, BUNDLE_SECONDS, "esbuild can't make the page's program", entry.parent, {"NODE_PATH": str(libraries)})
+    done = _run(words, BUNDLE_SECONDS, "esbuild cannot bundle the page's scripts", entry.parent, {"NODE_PATH": str(libraries)})
     return done.replace("</script", "<\\/script")
 
 

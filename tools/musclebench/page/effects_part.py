@@ -10,8 +10,8 @@ from .written import read_rows, written_table
 TABLES = (
     ("effect_costs", "What each effect costs"),
     ("effect_prices", "What a wanted property costs"),
-    ("effect_changes", "What effects change"),
-    ("returns", "Whether a muscle comes back"),
+    ("effect_changes", "What each effect changes"),
+    ("returns", "Does a muscle return to its shape?"),
     ("guards", "Rules of the tunnelling guard"),
 )
 
@@ -30,10 +30,10 @@ def effects_section(folder: Path) -> Section:
     made = [part for name, title in TABLES for part in written_table(tables, name, title)]
     rows = read_rows(tables / "effect_costs.csv")
     what = [("Runs", f"{len(rows['muscle'].unique())} muscles, {len(rows['effect'].unique())} effects")]
-    chart = Chart("effect_costs_chart", "What each effect takes of a frame",
-                  "Mean time of the effect's own part of a frame, the largest on top; hovering tells what adding it to the scene's "
-                  "own effects, or leaving it out of all, changes. Effects without a part of their own are in the table.",
+    chart = Chart("effect_costs_chart", "Time of each effect in a frame",
+                  "Mean time of the effect in a frame, the slowest effect on top. Hover over a bar: what the frame gains when the "
+                  "scene adds the effect, and saves when it leaves the effect out. The table also lists effects that are not timed alone.",
                   "bars", rows, Axis("own_ms", "ms a frame"), Axis("effect", "effect"),
-                  {"share_percent": "share of the frame (%)", "added_ms": "added to the scene's own effects (ms)",
-                   "saved_ms": "saved where it is left out of all (ms)"})
+                  {"share_percent": "share of the frame (%)", "added_ms": "more time when added to the scene's effects (ms)",
+                   "saved_ms": "less time when left out of all effects (ms)"})
     return Section("effects", "What each effect costs", what, [], [chart, *made], {}, folder)

@@ -26,22 +26,22 @@ def time_charts(cases: Cases) -> list[Chart]:
     rows["waited"] = pd.concat([waits(run.frames["collision_ns"]) for run in shown.values()], ignore_index=True).astype(int)
     rows = in_units(rows, {f"{stage}_ns": (f"{stage}_ms", MILLISECONDS) for stage in STAGES})
     return [Chart("collision_time", "Collision time of each frame",
-                  "Time of update, detection and response a frame of one thread, on a log scale. Crosses: frames in which the "
+                  "Time of update, detection and response in a frame, one thread, log scale. Crosses: frames in which the "
                   "process waited for the processor.", "lines", rows, FRAME, Axis("collision_ms", "collision time a frame (ms)", True),
                   {**ANGLE, **{f"{stage}_ms": f"{stage} (ms)" for stage in STAGES[:3]}}, {"faint": "waited"})]
 
 
 def memory_chart(cases: Cases) -> Chart:
     rows = in_units(frame_rows(cases, ["resident_bytes"]), {"resident_bytes": ("resident_mb", MEGABYTES)})
-    return Chart("memory", "Memory of the process", "Resident memory without the Referee after each frame.", "lines", rows, FRAME,
-                 Axis("resident_mb", "resident memory (MB)"), ANGLE, {"from_zero": True})
+    return Chart("memory", "Memory of the process", "Resident memory after each frame, without the Referee (the code that judges the run).",
+                 "lines", rows, FRAME, Axis("resident_mb", "resident memory (MB)"), ANGLE, {"from_zero": True})
 
 
 def depth_chart(cases: Cases) -> Chart:
     columns = {"max_depth_m": ("max_depth_mm", MILLIMETRES), "mean_depth_m": ("mean_depth_mm", MILLIMETRES)}
     rows = in_units(frame_rows(cases, ["nodes_inside", *columns]), columns)
     return Chart("depth_by_frame", "True depth of the nodes in the bones",
-                 "The deepest node of the muscle in a bone, by the Referee's exact distance, on a log scale. Depths below 0.001 mm lie at its "
+                 "Depth of the deepest node in a bone, by the Referee's exact distance, log scale. Depths below 0.001 mm are drawn at the "
                  "lower end.", "lines", rows, FRAME, Axis("max_depth_mm", "largest depth (mm)", True),
                  {**ANGLE, "mean_depth_mm": "mean depth of nodes inside (mm)", "nodes_inside": "nodes inside"}, {"floor": LEAST_DEPTH_MM})
 

@@ -53,7 +53,7 @@ def hard_section(folder: Path) -> Section:
     parts = [matrix_part(cells, _texts(folder))]
     runs = {(run.scene.split("/")[-1], run.backend): run for run in read_runs(folder / "raw")}
     if runs:
-        parts.append(views_of(runs, "The scenes that move, in space", SIDE))
+        parts.append(views_of(runs, "The scenes that move, in 3D", SIDE))
     colours = looks_of_names(backend for _, backend in runs)
     return Section("hard", "Cases that are hard to keep stable", what, _broken(cells), parts, colours, folder)
 
@@ -64,8 +64,8 @@ def matrix_part(cells: pd.DataFrame, texts: dict[str, str]) -> MatrixPart:
     for case, rows in cells.groupby("case", sort=False):
         found = {row.backend: Cell(row.backend, row.verdict, _words(row)) for row in rows.itertuples()}
         lines.append((case, [found.get(backend, Cell(backend, "not applicable", "not run")) for backend in backends]))
-    words = ("A row a case, a column a backend. Refused: the figure is beyond its bar, and the program says so. A dash: not "
-             "applicable. The name of a case tells on hovering what happens in it.")
+    words = ("Each row is a case, each column a backend. Refused: the figure is beyond its bar, and the program says so. A dash: not "
+             "applicable. Hover over the name of a case to read what happens in it.")
     return MatrixPart("Which backend holds in which case", words, backends, lines, texts, cells.to_csv(index=False))
 
 

@@ -13,7 +13,7 @@ def helps() -> dict[str, str]:
     found = dict(MEANINGS)
     for backend in looks.known().backends:
         whose = f" Code: {backend.implementation}." if backend.implementation else ""
-        text = f"{backend.title} ({backend.name}): {backend.help or 'no text of its own'}.{whose}"
+        text = f"{backend.title} ({backend.name}): {backend.help or 'no description'}.{whose}"
         found |= {backend.name: text, backend.title: text}
     for name, text in looks.known().effect_helps:
         found |= {name: f"Effect {name}: {text}.", name.replace("_", " "): f"Effect {name}: {text}."}

@@ -18,8 +18,8 @@ from .parts import Axis, Chart, Chooser, Section, TablePart
 FILE_NAME = "history.sqlite"
 SQLITE = b"SQLite format 3\0"
 CHANGED = " (changed)"
-WORDS = ("A dot a night, with the 95 % interval of its median over the processes; the grey line is the median between two change "
-         "points. Dashed: a change point, with the figure after it over that before.")
+WORDS = ("Each dot is a night, with the 95 % interval of its median over the processes. The grey line is the median between two change "
+         "points. A dashed line is a change point; its number is the value after the change over the value before.")
 
 
 def is_history(path: Path) -> bool:
@@ -46,7 +46,7 @@ def history_section(path: Path) -> Section:
 def _read(file: Path) -> tuple[list[Night], pd.DataFrame, list[Finding]]:
     with file.open("rb") as start:
         if start.read(len(SQLITE)) != SQLITE:
-            raise Problem(f"{file}: no history (it is no SQLite file); name a folder of results, or what tools/nightly wrote")
+            raise Problem(f"{file}: no history (it is no SQLite file); name a folder of results, or history.sqlite of tools/nightly")
     with opened(file, is_written=False) as history:
         nights = history.nights()
         if not nights:
@@ -66,9 +66,10 @@ def _what(every: list[Night], nights: list[Night], changes: list[Finding], answe
             ("Last program", f"{last.git}, {last.compiler}"),
             ("Changed", f"times and counters: {len(changes)}, answers: {len(answers)}")]
     if busy:
-        told.append(("Busy", f"nights during which the machine had something else to do: {len(busy)}"))
+        told.append(("Busy", f"nights during which other programs used the machine: {len(busy)}"))
     if others:
-        told.append(("Left out", f"nights of other machines ({'; '.join(sorted(others))}): {len(every) - len(nights)}; those of one machine are a series"))
+        told.append(("Left out", f"nights of other machines ({'; '.join(sorted(others))}): {len(every) - len(nights)}; "
+                                 "a series has nights of one machine only"))
     return told
 
 
@@ -109,6 +110,6 @@ def _changes_table(name: str, title: str, changes: list[Finding], nights: list[N
 def _nights_table(nights: list[Night]) -> TablePart:
     rows = pd.DataFrame([vars(night) for night in nights[::-1]])[["started", "git", "compiler", "runs", "busy_runs", "program_sha256"]]
     shown = rows.drop(columns="program_sha256").astype(str)
-    return TablePart("measured", "The nights", "Busy: runs during which the machine was busy with something else.",
+    return TablePart("measured", "The nights", "Busy: number of runs during which other programs used the machine.",
                      ["started", "commit", "compiler", "runs", "busy"], [False, False, False, True, True],
                      [("", shown.values.tolist())], rows.to_csv(index=False))

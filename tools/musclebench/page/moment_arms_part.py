@@ -24,7 +24,7 @@ def moment_arms_section(folder: Path) -> Section:
     charts = [_chart(pd.concat(rows, ignore_index=True))] if rows else []
     muscles = list(dict.fromkeys(muscle_label(course["muscle"].iloc[0]) for course in rows))
     return Section(NAME, "Moment arms in flexion", [("Muscles", ", ".join(muscles))], [],
-                   [*charts, *written_table(tables, NAME, "Moment arms beside published ones")], LOOKS, folder)
+                   [*charts, *written_table(tables, NAME, "Moment arms and published values")], LOOKS, folder)
 
 
 def _course(path: Path) -> pd.DataFrame:
@@ -33,6 +33,6 @@ def _course(path: Path) -> pd.DataFrame:
 
 
 def _chart(rows: pd.DataFrame) -> Chart:
-    return Chart("courses", "Moment arm over the angle", "Mean over the fibres of a muscle; hovering tells the 10th and 90th percentile.",
+    return Chart("courses", "Moment arm over the angle", "Mean over the fibres of a muscle. Hover over a point for the 10th and 90th percentile.",
                  "lines", rows, Axis("angle_deg", "flexion (degrees)"), Axis("mean_mm", "moment arm dL/d(flexion) (mm)"),
                  {"p10_mm": "10th percentile (mm)", "p90_mm": "90th percentile (mm)"})

@@ -15,5 +15,5 @@ def page_of(study: str, out_dir: Path, options) -> list[Path]:
     try:
         return [write_page([out_dir])]
     except (Problem, ResultProblem) as problem:
-        print(f"{study}: left out {out_dir / FILE_NAME}, the page with charts and runs in space: {problem}", file=sys.stderr)
+        print(f"{study}: left out {out_dir / FILE_NAME}, the page with charts and runs in 3D: {problem}", file=sys.stderr)
         return []

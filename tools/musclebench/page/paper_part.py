@@ -30,13 +30,13 @@ def paper_section(folder: Path) -> Section:
     with_frames = {case: run for case, run in paper_tables.by_case(runs).items() if not run.frames.empty}
     first = muscle_of_figures(muscle for muscle, _ in with_frames) if with_frames else ""
     cases = dict(sorted(with_frames.items(), key=lambda item: item[0][0] != first))
-    parts = [views_of(cases, "Fig. 6: shape and depth, in space"), *figure_7(cases, paper), figure_8(cases, paper),
+    parts = [views_of(cases, "Fig. 6: shape and depth, in 3D"), *figure_7(cases, paper), figure_8(cases, paper),
              depth_chart(cases),
-             table_part(paper_tables.memory_table(runs, paper), "Table I: memory beside the paper's"),
-             table_part(paper_tables.time_table(runs, paper), "Times and accuracy beside the paper's")]
+             table_part(paper_tables.memory_table(runs, paper), "Table I: memory, measured and in the paper"),
+             table_part(paper_tables.time_table(runs, paper), "Times and accuracy, measured and in the paper")]
     several = muscle_tables.of_several_muscles(runs)
     if several:
-        parts += [table_part(muscle_tables.frame_time_table(several), "Where a frame's time goes"),
+        parts += [table_part(muscle_tables.frame_time_table(several), "Time of each stage in a frame"),
                   table_part(muscle_tables.depth_table(several), "Depths of several muscles"),
                   table_part(muscle_tables.pair_table(several), "Pairs of several muscles")]
     return Section("paper", "The paper's experiment", what_was_run(runs), problems_of(runs), parts, looks_of(runs), folder)
@@ -45,7 +45,7 @@ def paper_section(folder: Path) -> Section:
 def figure_7(cases: Cases, paper: Published) -> list[Chart]:
     """The paper names ratios over the frames."""
     return [replace(chart, name="fig_7_collision_time", title=f"Fig. 7: {chart.title.lower()}",
-                    words=f"{chart.words} The paper names ratios over the frames; they stand beside the measured ones.",
+                    words=f"{chart.words} The paper gives ratios over the frames; the table shows both.",
                     beside=ratios_beside(cases, paper)) for chart in time_charts(cases)]
 
 
@@ -57,7 +57,7 @@ def ratios_beside(cases: Cases, paper: Published) -> dict:
         ratios = {backend: paper_tables.collision_ratio(cases, muscle, backend).value
                   for backend in backends if (muscle, backend) in cases}
         lines.append([muscle_label(muscle), *(_with_paper(ratios.get(backend, NAN), paper.time_ratio(backend)) for backend in backends)])
-    return {"caption": "Collision time over that of the voxel grid, median over the frames; in brackets the paper's ratio.",
+    return {"caption": "Collision time over the voxel grid's time, median over the frames. In brackets: the paper's ratio.",
             "heads": ["muscle", *map(looks.title, backends)], "lines": lines}
 
 
@@ -76,5 +76,5 @@ def figure_8(cases: Cases, paper: Published) -> Chart:
                            "resident_mb": paper.memory(run.muscle_alone, backend, column)})
     rows = pd.concat([chart.rows.assign(source="here"), pd.DataFrame(theirs).dropna()], ignore_index=True)
     return replace(chart, name="fig_8_memory", title=f"Fig. 8: {chart.title.lower()}", rows=rows,
-                   words=f"{chart.words} Diamonds: the paper's, before the first and after the last iteration, of its own program and build.",
+                   words=f"{chart.words} Diamonds: the paper's memory before the first and after the last iteration, with its program and build.",
                    options={**chart.options, "apart": "source"})

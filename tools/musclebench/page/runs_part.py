@@ -30,9 +30,9 @@ def runs_section(folder: Path) -> Section:
     """Of the coupled ones. Raises Problem where there are none."""
     runs = [run for run in read_all(run_folders(folder)) if run.mode == "coupled" and not run.frames.empty]
     if not runs:
-        raise Problem(f"{folder}: holds no run of 'musclebench run' that left frames")
+        raise Problem(f"{folder}: holds no run of 'musclebench run' with frames; name its --out folder")
     cases = told_apart(runs)
-    parts = [views_of(cases, "The runs in space"), *time_charts(cases), memory_chart(cases), depth_chart(cases)]
+    parts = [views_of(cases, "The runs in 3D"), *time_charts(cases), memory_chart(cases), depth_chart(cases)]
     return Section("runs", "Runs", what_was_run(runs), problems_of(runs), parts, looks_of_names(name for _, name in cases), folder)
 
 

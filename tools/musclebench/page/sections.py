@@ -43,8 +43,8 @@ def sections_of(folders: list[Path]) -> list[Section]:
     for folder in folders:
         kinds = [kind for kind in KINDS if kind.is_there(folder)] or [kind for kind in (OF_RUNS,) if kind.is_there(folder)]
         if not kinds:
-            raise Problem(f"{folder}: holds no results of {', '.join(kind.name for kind in (*KINDS, OF_RUNS))}; name the folder that "
-                          "such a command wrote (its --out)")
+            raise Problem(f"{folder}: holds no results of {', '.join(kind.name for kind in (*KINDS, OF_RUNS))}; name the --out "
+                          "folder of one of these commands")
         _know_looks(folder)
         made += [_section(kind, folder) for kind in kinds]
     if all(section.is_left_out for section in made):

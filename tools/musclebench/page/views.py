@@ -15,11 +15,11 @@ BUDGET_CHARACTERS = 7_000_000  # of all moments of a folder
 FEWEST_OF_A_NODE = 0.5  # characters of its positions and depth at a moment
 MANY_MOMENTS = 500  # take more than two seconds
 WORDS = (
-    "Drag to turn, + and - to come closer (or turn the wheel with Ctrl, or after a click); all runs have one camera. From the "
-    "keyboard: arrow keys turn, 0 is the first view, space plays. A click on a node tells its depth in a bone, by the Referee, "
-    "and its distance from the nearest bone, by the meshes shown; positions are rounded to 0.03 mm. Colours are the depth of "
-    "nodes, or that of the deepest point of the surface around each: a bone may cut through a face whose corners are all outside. "
-    "Bound nodes have no depth of their own."
+    "Drag to turn. Press + and -, or turn the wheel with Ctrl or after a click, to zoom. All runs share one camera. Keyboard: arrow "
+    "keys turn, 0 shows the first view, space plays. Click on a node for its depth in a bone (by the Referee) and its distance "
+    "from the nearest bone (by the meshes shown). Positions are rounded to 0.03 mm. Colours show the depth of nodes, or the depth "
+    "of the deepest surface point near each node: a bone can cut through a face whose corners are all outside. Bound nodes have no "
+    "depth."
 )
 
 Cases = dict[tuple[str, str], Run]  # {(muscle, backend): run}
@@ -43,8 +43,8 @@ class Views:
         """What one sees, and what was left out."""
         if self.stride == 1:
             return WORDS
-        return (f"{WORDS} Of up to {self.most_moments} moments that a run kept, those here are {_ordinal(self.stride)}, the one that is turned farthest "
-                "and the last, so that the page stays below 10 MB; tools/report --export vtk has all.")
+        return (f"{WORDS} Runs kept up to {self.most_moments} moments. The page shows {_ordinal(self.stride)}, the moment of the largest angle "
+                "and the last, to stay below 10 MB. tools/report --export vtk has all.")
 
     @property
     def data(self) -> dict:
