@@ -29,7 +29,7 @@ def check_comparable(before: ResultSet, after: ResultSet, with_times: bool, forc
     schemas = [one.told("schema_version") for one in (before, after)]
     if all(schemas) and schemas[0] != schemas[1]:
         raise Problem(f"{before.name} has results of schema {_list(schemas[0])}, {after.name} of {_list(schemas[1])}; run "
-                      "one of them again with the other's version")
+                      "one of them again with the program version of the other")
     if not with_times:
         return
     for one in (before, after):

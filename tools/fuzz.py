@@ -16,7 +16,7 @@ from musclebench.program.out_folder import claimed
 def chosen_fuzzers(options) -> list[Fuzzer]:
     fuzzers = find_fuzzers(options.build, PROJECT)
     if not fuzzers:
-        raise Problem(f"{options.build}: holds no fuzzers; build them first (tools/fuzz does)")
+        raise Problem(f"{options.build}: holds no fuzzers; leave out --build, and tools/fuzz builds them")
     known = [fuzzer.reader for fuzzer in fuzzers]
     for name in options.reader:
         if name not in known:

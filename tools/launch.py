@@ -42,10 +42,10 @@ def is_ready(needs: Needs, program: Path | None) -> bool:
 
 def print_commands(name: str, commands: list[list[str]]) -> None:
     """A dry run where nothing is built yet: cases are listed by the program."""
-    print("Not built yet. Without --dry-run this would be called, and then cases be run:")
+    print("The program is not built yet. Without --dry-run the tool runs these commands, and then its cases:")
     for words in commands:
         print(f"  tools/{Path(words[0]).name} {' '.join(words[1:])}".rstrip())
-    print(f"After that tools/{name} --dry-run lists the cases with their times.")
+    print(f"After them tools/{name} --dry-run lists the cases with their times.")
 
 
 def prepare(name: str, tool: Tool, arguments: list[str]) -> int | None:
@@ -66,7 +66,7 @@ def prepare(name: str, tool: Tool, arguments: list[str]) -> int | None:
         if code != 0 and not needs.can_go_without:
             return code
     if missing := missing_packages():
-        raise Problem(f"Python lacks {', '.join(missing)} ({sys.executable}); install them, on Debian by tools/setup --python")
+        raise Problem(f"Python lacks {', '.join(missing)} ({sys.executable}); install them; on Debian run tools/setup --python")
     return None
 
 

@@ -54,7 +54,7 @@ def append(night: MeasuredNight, history_file: Path) -> tuple[list[Night], list[
             night.notes.append(f"left out: {problem}")
     with opened(history_file) as history:
         if history.has(night.started):
-            raise Problem(f"{history_file}: has the night {night.started} already")
+            raise Problem(f"{history_file}: has the night {night.started} already; nothing was added")
         number = history.append(row, measures)
         nights, table = history.nights(row.machine), history.measures(row.machine)
         known = history.findings()
@@ -103,7 +103,7 @@ def report_again(options, history_file: Path) -> int:
         every, known = history.nights(), history.findings()
         table = history.measures(every[-1].machine) if every else None
     if table is None:
-        raise Problem(f"{history_file}: has no night yet")
+        raise Problem(f"{history_file}: has no night yet; run tools/nightly to add one")
     nights = [night for night in every if night.machine == every[-1].machine]
     text = night_report(nights, [], known, None, [], PROJECT, caveats(nights, table, now()))
     write_files(options, nights, history_file, text)
@@ -115,7 +115,7 @@ def _read(folder: Path) -> MeasuredNight:
     try:
         return read_night(folder)
     except (OSError, ValueError, KeyError) as problem:
-        raise Problem(f"{folder}: no measured night ({problem}); its night.json is missing or broken") from None
+        raise Problem(f"{folder}: no measured night ({problem}); its night.json is missing or broken, so measure the night again") from None
 
 
 def print_rates(trials: int, nights: int = 30, slowdown: float = 1.1, since: int = 16) -> int:

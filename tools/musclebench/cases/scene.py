@@ -94,7 +94,7 @@ def chosen_names(scenes: list[str] | None, muscles: list[str] | None, data_set: 
     names = [_named(scene, known) for scene in scenes or []]
     for muscle in muscles or []:
         if f"{data_set}/{muscle}" not in known:
-            raise Problem(f"--muscle '{muscle}': not a muscle of the {data_set} scenes; there are: "
+            raise Problem(f"--muscle '{muscle}': no {data_set} scene has this muscle; there are: "
                           + ", ".join(name.split("/")[-1] for name in of_set))
         names.append(f"{data_set}/{muscle}")
     if not names and f"{data_set}/{quick_muscle}" in known:

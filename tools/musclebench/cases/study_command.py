@@ -23,7 +23,7 @@ def folders_of(options, name: str) -> Folders:
 
 def require_results(out_dir: Path) -> None:
     if not (out_dir / "raw").is_dir():
-        raise Problem(f"{out_dir}: holds no study; run one, or name its folder with --out")
+        raise Problem(f"{out_dir}: holds no study; run the study first, or name its folder with --out")
 
 
 def missing(cases: list[Case], experiment: Experiment) -> list[Case]:

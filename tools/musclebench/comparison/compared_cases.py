@@ -19,7 +19,7 @@ def asked_experiment(options, registry: Registry) -> ExperimentFile:
     file = read_experiment(experiment_path(options.experiment))
     others = [group for group in file.groups if group.mode != "run"]
     if others:
-        raise Problem(f"{file.path}: [[cases]] '{others[0].name}': mode '{others[0].mode}'; only runs are interleaved")
+        raise Problem(f"{file.path}: [[cases]] '{others[0].name}': mode '{others[0].mode}'; only runs are interleaved, so use mode run")
     if options.scene:
         file = file.on(tuple(chosen_names(options.scene, None, "synthetic", registry)))
     if options.frames:

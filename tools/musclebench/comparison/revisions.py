@@ -36,7 +36,7 @@ def program_of(commit: str, repository: Path, scratch: Path) -> Path:
         built = subprocess.run([str(folder / "tools" / "build"), "release", *BUILD_OPTIONS], capture_output=True, text=True,
                                check=False)
     except OSError as problem:
-        raise Problem(f"{folder}: {commit} has no tools/build that runs ({problem.strerror})") from None
+        raise Problem(f"{folder}: {commit} has no working tools/build ({problem.strerror}); name a newer commit") from None
     if built.returncode != 0 or not os.access(program, os.X_OK):
         raise Problem(f"{folder}: {commit} does not build ({(built.stderr.strip().splitlines() or ['no message'])[-1]})")
     return program

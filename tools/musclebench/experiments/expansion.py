@@ -153,7 +153,7 @@ def with_recordings(cases: list[SweptCase]) -> list[SweptCase | RecordCase]:
     names: set[str] = set()
     for case in every:
         if case.name in names:
-            raise Problem(f"two cases would be named '{case.name}'; tell them apart by 'named' or the scenes' presets")
+            raise Problem(f"two cases would be named '{case.name}'; name them by 'named', or give the scenes other presets")
         names.add(case.name)
     return every
 

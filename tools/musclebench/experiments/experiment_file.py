@@ -115,7 +115,7 @@ def experiment_path(wanted: str) -> Path:
     path = Path(wanted)
     if path.suffix == ".toml":
         if not path.is_file():
-            raise Problem(f"{wanted}: no such file")
+            raise Problem(f"{wanted}: no such file; check the path")
         return path
     known = sorted(one.stem for one in FOLDER.glob("*.toml"))
     if wanted not in known:
@@ -135,7 +135,7 @@ def read_experiment(path: Path) -> ExperimentFile:
     except tomllib.TOMLDecodeError as problem:
         raise Problem(f"{path}: not TOML: {problem}") from None
     except UnicodeDecodeError:
-        raise Problem(f"{path}: not TOML: it is no text") from None
+        raise Problem(f"{path}: not TOML: the file is no text; name a .toml file") from None
     return _Reader(path, key_lines(text)).experiment(told)
 
 

@@ -36,7 +36,7 @@ def merge(parts: list[Path], out_dir: Path) -> list[str]:
 
 def _complete(part: Path) -> list[Path]:
     if not (part / MANIFEST).is_file():
-        raise Problem(f"{part}: has no {MANIFEST}; it is no folder of an experiment")
+        raise Problem(f"{part}: has no {MANIFEST}; name the --out folder of an experiment")
     return [seal.parent for name in RESULT_DIRS for seal in sorted((part / name).glob(f"*/{SEAL}"))
             if not seal.parent.name.startswith(".")]
 
@@ -45,9 +45,9 @@ def _check_plans(parts: list[Path]) -> None:
     plans = [read_manifest(part) for part in parts]
     for part, plan in zip(parts, plans):
         if [case["name"] for case in plan["cases"]] != [case["name"] for case in plans[0]["cases"]]:
-            raise Problem(f"{part}: has other cases planned than {parts[0]}; merge parts of one experiment, asked for alike")
+            raise Problem(f"{part}: has other cases planned than {parts[0]}; merge parts of one experiment with the same options")
         if plan.get("settings") != plans[0].get("settings"):
-            raise Problem(f"{part}: has other settings than {parts[0]}; merge parts of one experiment, asked for alike")
+            raise Problem(f"{part}: has other settings than {parts[0]}; merge parts of one experiment with the same options")
 
 
 def _check_seals(folders: list[Path]) -> None:

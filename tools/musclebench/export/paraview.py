@@ -25,7 +25,7 @@ def runs_of(folder: Path) -> list[Run]:
         runs = read_all(sorted(path.parent for path in (folder / "raw").glob("*/run.json") if not path.parent.name.startswith(".")))
     kept = [run for run in runs if run.record.get("snapshots")]
     if not kept:
-        raise Problem(f"{folder}: no run there kept its shape; run it with --snapshots 0,10,20 or so")
+        raise Problem(f"{folder}: no run there stored shapes; run one with --snapshots, such as 0,10,20")
     return kept
 
 
@@ -35,7 +35,7 @@ def export_runs(runs: list[Run], out: Path) -> list[Path]:
     names = [run.folder.resolve().name for run in runs]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice:
-        raise Problem(f"{out}: two runs are named {twice}; export their folders one after the other, each with an --out of its own")
+        raise Problem(f"{out}: two runs are named {twice}; export each folder with its own --out")
     out.mkdir(parents=True, exist_ok=True)
     return [_export_run(run, out) for run in runs]
 
@@ -86,4 +86,4 @@ def _write(surface: vtk.vtkPolyData, path: Path) -> None:
     writer.SetFileName(str(path))
     writer.SetInputData(surface)
     if not writer.Write() or writer.GetErrorCode():
-        raise Problem(f"{path}: can't be written; is the disk full or the folder write-protected?")
+        raise Problem(f"{path}: cannot be written; is the disk full or the folder write-protected?")

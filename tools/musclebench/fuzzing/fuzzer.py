@@ -55,7 +55,7 @@ def find_fuzzers(build: Path, sources: Path) -> list[Fuzzer]:
     for program in sorted(build.rglob(PROGRAM_NAME)):
         listed = subprocess.run([program, "--list"], capture_output=True, text=True, check=False)
         if listed.returncode != 0:
-            raise Problem(f"{program}: doesn't list its readers; build it anew (tools/fuzz does)")
+            raise Problem(f"{program}: does not list its readers; remove the build folder, and tools/fuzz builds it again")
         corpus = sources / program.parent.relative_to(build) / "corpus"
         fuzzers += [Fuzzer(reader, program, corpus / reader) for reader in listed.stdout.split()]
     return fuzzers
@@ -108,7 +108,7 @@ class Campaign:
         seeds.mkdir()
         done = subprocess.run([self.fuzzer.program, f"--reader={self.fuzzer.reader}", f"--write-seeds={seeds}"], check=False)
         if done.returncode != 0:
-            raise Problem(f"{self.fuzzer.program}: can't write its seeds for '{self.fuzzer.reader}'")
+            raise Problem(f"{self.fuzzer.program}: cannot write its seeds for '{self.fuzzer.reader}'")
         return [seeds, *([self.fuzzer.corpus] if self.fuzzer.corpus.is_dir() else [])]
 
     def _call(self, arguments: list[str], scratch: Path, tell: Callable[[Progress, float], None] | None) -> int:

@@ -33,5 +33,5 @@ def _share_of_bar(value: float, bar: float) -> float:
 def cases_of(listed: str) -> pd.DataFrame:
     found = list(LISTED.finditer(listed))
     if not found or "".join(match.group(0) for match in found) != listed:
-        raise Problem("'hard --list' prints cases in another form than these tools read; take those of the same version")
+        raise Problem("these tools cannot read the cases of 'hard --list'; use tools and program of the same version")
     return pd.DataFrame([match.groupdict("") for match in found], columns=CASE_COLUMNS)

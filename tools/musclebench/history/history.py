@@ -165,7 +165,7 @@ def _prepare(connection: sqlite3.Connection, path: Path) -> None:
     if tables and application != APPLICATION:
         raise Problem(f"{path}: a database of something else; name another file with --history")
     if schema > SCHEMA:
-        raise Problem(f"{path}: a history of schema {schema}, these tools read up to {SCHEMA}; take the newer tools, or another "
+        raise Problem(f"{path}: a history of schema {schema}, these tools read up to {SCHEMA}; use newer tools, or another "
                       "--history")
     damage = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
     if damage != "ok":

@@ -58,7 +58,7 @@ def read_legacy_vtk(path: Path) -> PolyData:
     binary = cursor.seek_keyword("ASCII", "BINARY")[0] == "BINARY"
     points_header = cursor.seek_keyword("POINTS")
     if points_header[2] != "float":
-        raise ImportProblem(f"{path}: points are {points_header[2]}, float is expected")
+        raise ImportProblem(f"{path}: points are {points_header[2]}, not float; fetch the file again")
     points = cursor.numbers(3 * int(points_header[1]), binary, "f4", ">f4").reshape(-1, 3)
     cells_header = cursor.seek_keyword("POLYGONS", "LINES")
     cell_count, number_count = int(cells_header[1]), int(cells_header[2])

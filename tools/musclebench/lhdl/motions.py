@@ -16,7 +16,7 @@ def read_motion(path: Path, file_name: str) -> dict:
         wanted = [header.index(name) for name in COLUMNS]
         rows = [[float(line.split()[i]) for i in wanted] for line in lines[start + 1 :] if line.strip()]
     except (ValueError, IndexError):
-        raise ImportProblem(f"{path}: not an OpenSim motion with columns {', '.join(COLUMNS)}") from None
+        raise ImportProblem(f"{path}: not an OpenSim motion with columns {', '.join(COLUMNS)}; fetch the file again") from None
     motion = {"file": file_name, "frames": len(rows), "columns": COLUMNS, "rows": rows}
     announced = next((int(line.split("=")[1]) for line in lines if line.startswith("nRows=")), len(rows))
     if announced != len(rows):

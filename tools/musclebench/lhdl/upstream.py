@@ -63,7 +63,7 @@ def verify(upstream_dir: Path) -> None:
         path = upstream_dir / name
         if not path.is_file():
             raise ImportProblem(
-                f"{path}: not there; the upstream folder needs checkouts named 3d-muscles and muscle-deformation-PBD"
+                f"{path}: not there; clone 3d-muscles and muscle-deformation-PBD into the upstream folder"
             )
         if hashlib.sha256(path.read_bytes()).hexdigest() != expected:
             source = next(s for s in SOURCES if name.startswith(s["id"]))

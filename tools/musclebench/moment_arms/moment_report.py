@@ -47,7 +47,7 @@ def course_of(runs: list[Run]) -> pd.DataFrame:
     twice = rows["angle_deg"][rows["angle_deg"].duplicated()]
     if len(twice):
         folders = ", ".join(str(run.folder.name) for run in runs)
-        raise Problem(f"{folders}: more than one tells of {twice.iloc[0]:g} degrees; of each muscle a course takes one run to either side")
+        raise Problem(f"{folders}: more than one tells of {twice.iloc[0]:g} degrees; a muscle needs one run of flexion and one of extension")
     course = pd.DataFrame({"angle_deg": rows["angle_deg"], "error_mm": 1e3 * rows["moment_arm_error_m"]})
     for name in BAND:
         course[f"{name}_mm"] = 1e3 * rows[f"{name}_moment_arm_m"]

@@ -76,9 +76,9 @@ def _fault_of(row: dict, number: int, path: Path) -> Fault:
     try:
         fault = Fault(**row)
     except TypeError as error:
-        raise FaultListError(f"{location}: name, file, line and fault have to be given") from error
+        raise FaultListError(f"{location}: name, file, line and fault must be given; add the missing key") from error
     if not all(isinstance(value, str) for value in row.values()):
-        raise FaultListError(f"{location}: every value has to be a text")
+        raise FaultListError(f"{location}: every value must be a text in quotes")
     return fault
 
 

@@ -24,7 +24,7 @@ def check_claim(measured: Measured, specification: str) -> None:
     values = [float(value) for value in chosen_values(measured, match["values"])]
     if not _holds(values, match["relation"].split()):
         told = ", ".join(f"{value:.3g}" for value in values)
-        raise Problem(f"claim '{specification}' is not what was measured ({told}): write its sentence anew")
+        raise Problem(f"claim '{specification}' does not hold for the measured values ({told}): write its sentence anew")
 
 
 def _holds(values: list[float], relation: list[str]) -> bool:

@@ -110,7 +110,7 @@ def source_of(out_dir: Path, command: str) -> Source:
     named = {name: record for name, record in named.items() if record.get("build")}
     records = list(named.values())
     if not records:
-        raise Problem(f"{out_dir}: holds no complete run")
+        raise Problem(f"{out_dir}: holds no complete run; run the study again")
     return Source(
         command, _one(records, out_dir, "commit", "build", "git"), _one(records, out_dir, "machine", "machine", "cpu"),
         _one(records, out_dir, "compiler", "build", "compiler"),

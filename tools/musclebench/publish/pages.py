@@ -46,7 +46,7 @@ def written(text: str, measured: Measured, page: str, problems: list[str] | None
     """The page with everything between markers made anew. What can't be made, or claims what was not measured, stays as it
     was where `problems` is given, which then has a line of it."""
     if len(OPENING.findall(text)) != len(MARKED.findall(text)):
-        raise Problem(f"{page}: a marker has no <!-- end -->")
+        raise Problem(f"{page}: a marker has no <!-- end -->; add it")
 
     def tell(problem: Problem) -> None:
         if problems is None:

@@ -24,15 +24,15 @@ def read_ply(path: Path) -> PlyMesh:
     try:
         data = path.read_bytes()
     except OSError as problem:
-        raise ResultProblem(f"{path}: can't be read ({problem.strerror})") from None
+        raise ResultProblem(f"{path}: can't be read ({problem.strerror}); run the case again") from None
     header, separator, body = data.partition(b"end_header\n")
     lines = header.decode("latin-1").split("\n")
     if not separator or lines[0] != "ply" or "format binary_little_endian 1.0" not in lines:
-        raise ResultProblem(f"{path}: not a binary little-endian PLY file")
+        raise ResultProblem(f"{path}: not a binary little-endian PLY file; run the case again")
     try:
         return _parse_body(_elements(lines), body)
     except (KeyError, ValueError, IndexError) as problem:
-        raise ResultProblem(f"{path}: truncated or not a mesh of triangles ({problem})") from None
+        raise ResultProblem(f"{path}: truncated or not a mesh of triangles ({problem}); run the case again") from None
 
 
 def _elements(lines: list[str]) -> dict[str, dict]:
