@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 
+#include "core/bvh/triangle_bvh_search.hpp"
 #include "core/clearance/query_surface.hpp"
 #include "core/contact/bone.hpp"
 #include "core/signed_distance/clearance_grid.hpp"

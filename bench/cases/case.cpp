@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
+#include "core/effects/effect_registry.hpp"
 
 namespace musclebench {
 

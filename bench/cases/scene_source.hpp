@@ -7,9 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/effect_override.hpp"
-#include "core/scene/fibre_request.hpp"
 #include "core/scene/scene.hpp"
+#include "core/scene/scene_request.hpp"
 
 namespace musclebench {
 

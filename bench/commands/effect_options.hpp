@@ -5,7 +5,7 @@
 
 #include <CLI/App.hpp>
 
-#include "core/scene/effect_override.hpp"
+#include "core/scene/scene_request.hpp"
 
 namespace musclebench {
 

@@ -14,6 +14,7 @@
 
 #include "bench/cases/build_backend.hpp"
 #include "bench/cases/tests/combination_scene.hpp"
+#include "core/effects/effect_registry.hpp"
 #include "core/scene/prepare_simulation.hpp"
 
 namespace musclebench {

@@ -10,6 +10,7 @@
 #include "bench/cases/build_backend.hpp"
 #include "bench/micro/micro_kernels.hpp"
 #include "bench/micro/micro_scene.hpp"
+#include "core/effects/effect_registry.hpp"
 #include "core/scene/effect_override.hpp"
 #include "core/scene/prepare_simulation.hpp"
 

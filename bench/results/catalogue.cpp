@@ -8,6 +8,7 @@
 #include "backends/registry.hpp"
 #include "bench/results/build_info.hpp"
 #include "bench/results/results_schema.hpp"
+#include "core/effects/effect_registry.hpp"
 #include "core/scene/toml_table.hpp"
 #include "datasets/embedded/embedded_files.hpp"
 

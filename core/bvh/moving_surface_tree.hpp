@@ -9,6 +9,7 @@
 
 #include "core/bvh/moving_surface_boxes.hpp"
 #include "core/bvh/triangle_bvh.hpp"
+#include "core/bvh/triangle_bvh_nodes.hpp"
 #include "core/mesh/body.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/prefetch.hpp"
 #include "core/bvh/triangle_bvh_builder.hpp"
 #include "core/bvh/triangle_bvh_search.hpp"
 
@@ -50,6 +51,17 @@ ClosestPoint TriangleBvh::Search::answer() const {
 TriangleBvh::TriangleBvh(const TriangleMesh& mesh) {
   if (!mesh.triangles.empty()) {
     TriangleBvhBuilder(mesh, *this).build();
+  }
+}
+
+TriangleBvh::TriangleBvh(TriangleBvh&& other) noexcept = default;
+TriangleBvh& TriangleBvh::operator=(TriangleBvh&& other) noexcept = default;
+TriangleBvh::~TriangleBvh() = default;
+
+void TriangleBvh::prefetch_leaves(const CandidateLeaves& list) const {
+  constexpr std::size_t count = 4;
+  for (std::size_t i = 0; i < count && list.leaf[i] >= 0; ++i) {
+    prefetch(m_leaves[static_cast<std::size_t>(list.leaf[i])]);
   }
 }
 

@@ -8,13 +8,15 @@
 #include <span>
 #include <vector>
 
-#include "core/base/prefetch.hpp"
-#include "core/bvh/triangle_bvh_nodes.hpp"
-#include "core/bvh/triangle_bvh_search.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
+
+struct BvhClusters;
+struct BvhLeaf;
+struct BvhNode;
+struct CandidateLeaves;
 
 struct ClosestPoint {
   Vec3 point = Vec3::Zero();
@@ -38,13 +40,6 @@ struct Clearance {
   int triangle = -1;
 };
 
-/// The triangles below one child of a node as a dipole (Barill et al. 2018), for winding numbers from far away.
-struct BvhCluster {
-  Vec3 centre = Vec3::Zero();
-  Vec3 area_normal = Vec3::Zero();  ///< sum of the triangles' unit normals times their areas
-  double radius = 0;                ///< of a sphere about `centre` that contains the triangles
-};
-
 /// Where a straight path passes through the surface.
 struct PathCrossing {
   double share = 0;  ///< of the path, from 0 to 1
@@ -61,6 +56,11 @@ struct PathCrossing {
 class TriangleBvh {
  public:
   explicit TriangleBvh(const TriangleMesh& mesh);
+  TriangleBvh(TriangleBvh&& other) noexcept;
+  TriangleBvh& operator=(TriangleBvh&& other) noexcept;
+  TriangleBvh(const TriangleBvh&) = delete;
+  TriangleBvh& operator=(const TriangleBvh&) = delete;
+  ~TriangleBvh();
 
   /// The closest point; nothing where the surface is farther than `max_distance_m`, for a point that is not finite and
   /// for a mesh without triangles.
@@ -96,12 +96,7 @@ class TriangleBvh {
   [[nodiscard]] ClosestCandidate finish_candidate_search(Search& search, const CandidateLeaves& list,
                                                          double enough_m) const;
   /// Prefetches the leaves that `begin_candidate_search` reads first: few points move so far that it reads more.
-  void prefetch_leaves(const CandidateLeaves& list) const {
-    constexpr std::size_t count = 4;
-    for (std::size_t i = 0; i < count && list.leaf[i] >= 0; ++i) {
-      prefetch(m_leaves[static_cast<std::size_t>(list.leaf[i])]);
-    }
-  }
+  void prefetch_leaves(const CandidateLeaves& list) const;
 
   /// Generalised winding number (Jacobson et al. 2013) with dipoles for distant clusters (Barill et al. 2018): about 1
   /// inside a closed surface wound outwards, 0 outside; a point is inside where it exceeds 0.5. A result within 0.25 of
@@ -154,29 +149,15 @@ class TriangleBvh {
 
   std::vector<BvhNode> m_nodes;
   std::vector<BvhLeaf> m_leaves;
-  std::vector<std::array<BvhCluster, bvh_width>> m_clusters;  ///< by node, then child
-  std::vector<std::array<Vec3, 3>> m_corners;                 ///< by triangle
-  std::vector<int> m_leaf_of;                                 ///< by triangle
+  std::vector<BvhClusters> m_clusters;         ///< by node
+  std::vector<std::array<Vec3, 3>> m_corners;  ///< by triangle
+  std::vector<int> m_leaf_of;                  ///< by triangle
 
   // The tree's frame is scale * (position - centre).
   Vec3 m_centre_m = Vec3::Zero();
   double m_scale = 1;         ///< a power of two, so that it rounds nothing
   double m_longest_side = 0;  ///< of all triangles, in the tree's unit
   double m_reach = 0;         ///< largest coordinate of a vertex in the mesh's frame, in the tree's unit
-};
-
-/// A search in single precision with the best triangle so far in double precision.
-struct TriangleBvh::Search : BvhSearch {
-  const TriangleBvh* tree = nullptr;
-  Vec3 exact_point;
-  float moved = 0;  ///< upper bound of the distance from the list's point, in the tree's unit
-  ClosestOnTriangle best;
-  int best_triangle = -1;
-
-  void consider(int triangle_index);
-  void decide_candidates();
-  void lower_limit(double distance_m);
-  [[nodiscard]] ClosestPoint answer() const;
 };
 
 }  // namespace musclebench

@@ -340,7 +340,7 @@ int TriangleBvhBuilder::add(Range range, int depth) {
     parts[count++] = upper;
   }
   BvhNode node{};
-  std::array<BvhCluster, bvh_width> clusters;
+  BvhClusters clusters;
   for (std::size_t part = 0; part < bvh_width; ++part) {
     if (part < count) {
       clusters[part] = cluster_of(parts[part]);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/bvh/triangle_bvh.hpp"
+#include "core/bvh/triangle_bvh_nodes.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {

@@ -6,6 +6,7 @@
 
 #include "core/bvh/bvh_lanes.hpp"
 #include "core/bvh/triangle_bvh.hpp"
+#include "core/bvh/triangle_bvh_nodes.hpp"
 #include "core/distance/line_crossing.hpp"
 
 namespace musclebench {

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/mesh/triangle_mesh.hpp"
+
 namespace musclebench {
 
 /// Children of a node and triangles of a leaf. Fixed, so that the tree is the same on every CPU, whatever the width of
@@ -73,6 +75,16 @@ struct alignas(64) BvhLeaf {
     return static_cast<std::size_t>(std::find(triangle.begin(), triangle.end(), triangle_index) - triangle.begin());
   }
 };
+
+/// The triangles below one child of a node as a dipole (Barill et al. 2018), for winding numbers from far away.
+struct BvhCluster {
+  Vec3 centre = Vec3::Zero();
+  Vec3 area_normal = Vec3::Zero();  ///< sum of the triangles' unit normals times their areas
+  double radius = 0;                ///< of a sphere about `centre` that contains the triangles
+};
+
+/// The clusters of a node, by child.
+struct BvhClusters : std::array<BvhCluster, bvh_width> {};
 
 /// The leaves near one point, from which the closest triangle is found for points near it without going through the
 /// tree: the Verlet list of molecular dynamics. By the triangle inequality a leaf at distance d from the list's point

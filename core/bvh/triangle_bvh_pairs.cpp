@@ -4,6 +4,7 @@
 
 #include "core/bvh/bvh_lanes.hpp"
 #include "core/bvh/triangle_bvh.hpp"
+#include "core/bvh/triangle_bvh_nodes.hpp"
 
 namespace musclebench {
 

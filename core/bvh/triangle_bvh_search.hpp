@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/bvh/triangle_bvh.hpp"
 #include "core/bvh/triangle_bvh_nodes.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
@@ -60,5 +61,19 @@ DistanceBound search_bound(const BvhSearch& search, float squared_fraction);
 
 /// Searches only the listed leaves for candidates. `moved`: distance of the query point from the list's point.
 void search_listed(BvhSearch& search, const CandidateLeaves& list, float moved);
+
+/// A search in single precision with the best triangle so far in double precision.
+struct TriangleBvh::Search : BvhSearch {
+  const TriangleBvh* tree = nullptr;
+  Vec3 exact_point;
+  float moved = 0;  ///< upper bound of the distance from the list's point, in the tree's unit
+  ClosestOnTriangle best;
+  int best_triangle = -1;
+
+  void consider(int triangle_index);
+  void decide_candidates();
+  void lower_limit(double distance_m);
+  [[nodiscard]] ClosestPoint answer() const;
+};
 
 }  // namespace musclebench

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/bvh/triangle_bvh.hpp"
+#include "core/bvh/triangle_bvh_nodes.hpp"
 #include "core/distance/solid_angle_sum.hpp"
 
 namespace musclebench {

@@ -13,18 +13,13 @@
 #include "core/contact/response.hpp"
 #include "core/fibres/fibre_segments.hpp"
 #include "core/mesh/body.hpp"
+#include "core/mesh/bound_node.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/pbd/contact_stage.hpp"
 #include "core/pbd/effect.hpp"
 #include "core/pbd/node_order.hpp"
 
 namespace musclebench {
-
-/// A node that is attached to a bone.
-struct BoundNode {
-  int node = 0;
-  int bone = 0;
-};
 
 /// What effects are constructed from, by reference.
 struct EffectInput {

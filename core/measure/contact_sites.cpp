@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/base/portable_math.hpp"
+
 namespace musclebench {
 
 namespace {

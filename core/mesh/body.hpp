@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "core/mesh/surface_volume.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 
@@ -26,9 +26,6 @@ inline std::size_t body_of(std::span<const Body> bodies, int node) {
 }
 
 /// Relative to the body's first node; negative when it is wound inwards.
-inline double body_volume_m3(std::span<const Vec3> positions, std::span<const Triangle> triangles, const Body& body) {
-  return surface_volume_m3(positions, triangles.subspan(body.first_triangle, body.last_triangle - body.first_triangle),
-                           positions[static_cast<std::size_t>(body.first_node)]);
-}
+double body_volume_m3(std::span<const Vec3> positions, std::span<const Triangle> triangles, const Body& body);
 
 }  // namespace musclebench

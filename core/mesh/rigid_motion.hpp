@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 
-#include "core/base/portable_math.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
@@ -28,14 +27,7 @@ struct RigidMotion {
   }
 
   /// Rotation by `angle_rad` about the line through `centre_m` along the unit vector `axis`, right-handed.
-  [[nodiscard]] static RigidMotion about_axis(const Vec3& axis, const Vec3& centre_m, double angle_rad) {
-    const double sine = portable::sin(angle_rad);
-    const double cosine = portable::cos(angle_rad);
-    Mat3 across;  // axis x
-    across << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
-    const Mat3 rotation = cosine * Mat3::Identity() + sine * across + (1 - cosine) * axis * axis.transpose();
-    return {rotation, centre_m - rotation * centre_m};
-  }
+  [[nodiscard]] static RigidMotion about_axis(const Vec3& axis, const Vec3& centre_m, double angle_rad);
 };
 
 }  // namespace musclebench

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/random_numbers.hpp"
+#include "core/effects/effect_registry.hpp"
 #include "core/mesh/mesh_size.hpp"
 #include "core/scene/muscle_contact.hpp"
 

@@ -5,9 +5,10 @@
 #include <vector>
 
 #include "core/contact/collision_backend.hpp"
+#include "core/contact/muscle_contact.hpp"
 #include "core/contact/response.hpp"
+#include "core/mesh/bound_node.hpp"
 #include "core/pbd/simulation.hpp"
-#include "core/scene/muscle_contact.hpp"
 #include "core/scene/scene.hpp"
 
 namespace musclebench {
@@ -25,7 +26,7 @@ struct PreparedSimulation {
 /// where there are some and no detector: muscles would pass through each other in silence.
 PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend,
                                       const std::vector<ResponseKind>& responses, int threads,
-                                      MuscleContactDetectors muscle_detectors = {});
+                                      std::vector<std::unique_ptr<MuscleContactDetector>> muscle_detectors = {});
 
 /// Of each of its nodes.
 double node_mass_kg(const Scene& scene, const Muscle& muscle);

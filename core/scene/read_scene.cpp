@@ -10,10 +10,12 @@
 
 #include "core/base/input_error.hpp"
 #include "core/base/sha256.hpp"
+#include "core/effects/effect_registry.hpp"
 #include "core/mesh/morton_order.hpp"
 #include "core/mesh/surface_volume.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/weld_mesh.hpp"
+#include "core/scene/effect_override.hpp"
 #include "core/scene/landmarks.hpp"
 #include "core/scene/read_attachments.hpp"
 #include "core/scene/read_contact.hpp"

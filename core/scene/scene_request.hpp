@@ -10,10 +10,23 @@
 #include "core/base/input_error.hpp"
 #include "core/base/parameters.hpp"
 #include "core/mesh/triangle_mesh.hpp"
-#include "core/scene/effect_override.hpp"
-#include "core/scene/fibre_request.hpp"
 
 namespace musclebench {
+
+/// What a user says of one effect besides scene and preset.
+struct EffectOverride {
+  std::string location;  ///< for messages: the option as it was written
+  std::string name;
+  bool is_removed = false;                            ///< else it is added, or some of its values are changed
+  std::map<std::string, ParameterValue> values = {};  ///< what is not given stays as the scene has it
+};
+
+/// Fibres that a command line asks for.
+struct FibreRequest {
+  int count = 0;            ///< of each muscle; 0: none
+  std::string option = {};  ///< that asks, for messages
+  bool is_required = true;  ///< false: the scene may go without (`Scene::fibres_refused`)
+};
 
 /// Where a scene comes from and where its references lead.
 struct SceneRequest {

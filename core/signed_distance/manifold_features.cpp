@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/bvh/triangle_bvh.hpp"
 #include "core/distance/triangle_separation.hpp"
 #include "core/mesh/mesh_edges.hpp"
 
@@ -186,6 +187,9 @@ class Finder {
 };
 
 }  // namespace
+
+ManifoldFeatures::ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree)
+    : ManifoldFeatures(mesh, tree, MeshEdges(mesh)) {}
 
 ManifoldFeatures::ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree, const MeshEdges& edges)
     : m_bits(Finder(mesh, tree, edges).find()) {}

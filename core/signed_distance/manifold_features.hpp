@@ -3,12 +3,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/bvh/triangle_bvh.hpp"
 #include "core/distance/triangle_distance.hpp"
-#include "core/mesh/mesh_edges.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
+
+class MeshEdges;
+class TriangleBvh;
 
 /// Which faces, edges and vertices of a mesh are manifold in the sense that the sign of the angle-weighted
 /// pseudo-normal is proven (Baerentzen and Aanaes 2005), even if the mesh elsewhere has fins, non-manifold edges or
@@ -21,7 +22,7 @@ class ManifoldFeatures {
   /// `tree` and `edges` are those of the mesh. The mesh has to be closed (`is_closed`): else the inside ends in empty
   /// space somewhere.
   ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree, const MeshEdges& edges);
-  ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree) : ManifoldFeatures(mesh, tree, MeshEdges(mesh)) {}
+  ManifoldFeatures(const TriangleMesh& mesh, const TriangleBvh& tree);
 
   [[nodiscard]] bool holds(int triangle, Feature feature) const {
     return ((m_bits[static_cast<std::size_t>(triangle)] >> static_cast<unsigned>(feature)) & 1U) != 0;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
+#include "core/effects/effect_registry.hpp"
 
 namespace musclebench {
 namespace {

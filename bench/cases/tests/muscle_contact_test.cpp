@@ -10,6 +10,7 @@
 
 #include "backends/registry.hpp"
 #include "core/contact/tests/shape_backend.hpp"
+#include "core/effects/effect_registry.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/pbd/muscle_contact_stage.hpp"
 #include "core/pbd/simulation.hpp"

@@ -9,6 +9,7 @@
 
 #include "bench/cases/build_backend.hpp"
 #include "bench/cases/coupled_judge.hpp"
+#include "core/effects/effect_registry.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/referee/tests/test_bones.hpp"
 #include "core/scene/prepare_simulation.hpp"

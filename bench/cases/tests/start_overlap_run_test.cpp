@@ -6,6 +6,7 @@
 #include "bench/cases/build_backend.hpp"
 #include "bench/cases/collider_backends.hpp"
 #include "core/mesh/shapes.hpp"
+#include "core/scene/muscle_contact.hpp"
 #include "core/scene/prepare_simulation.hpp"
 #include "core/scene/read_scene.hpp"
 

@@ -10,6 +10,7 @@
 
 #include "core/bvh/batch/candidate_pairs.hpp"
 #include "core/bvh/triangle_bvh.hpp"
+#include "core/bvh/triangle_bvh_search.hpp"
 #include "core/distance/closest_on_triangles.hpp"
 
 namespace musclebench {

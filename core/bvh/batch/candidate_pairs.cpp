@@ -14,6 +14,7 @@
 #include <hwy/highway.h>
 #include "core/bvh/batch/list_scan-inl.hpp"
 #include "core/bvh/triangle_bvh_lanes-inl.hpp"
+#include "core/bvh/triangle_bvh_nodes.hpp"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();

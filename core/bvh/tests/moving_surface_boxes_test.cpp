@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include "core/base/random_numbers.hpp"
+#include "core/bvh/triangle_bvh_nodes.hpp"
 
 namespace musclebench {
 namespace {

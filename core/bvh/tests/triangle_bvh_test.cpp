@@ -12,6 +12,7 @@
 
 #include "core/bvh/tests/closest_by_brute_force.hpp"
 #include "core/bvh/tests/exact_answers.hpp"
+#include "core/bvh/triangle_bvh_search.hpp"
 #include "core/mesh/shapes.hpp"
 
 namespace musclebench {

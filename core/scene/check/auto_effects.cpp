@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "core/effects/effect_registry.hpp"
 #include "core/scene/check/scene_check.hpp"
 
 namespace musclebench {

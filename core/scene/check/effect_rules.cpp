@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/effects/effect_registry.hpp"
 #include "core/mesh/mesh_size.hpp"
 #include "core/scene/check/scene_check.hpp"
 

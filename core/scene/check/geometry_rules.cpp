@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/percentile.hpp"
+#include "core/effects/effect_registry.hpp"
 #include "core/effects/self_contact.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
 #include "core/scene/check/compression.hpp"

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
+#include "core/effects/effect_registry.hpp"
 #include "core/scene/tests/scene_errors.hpp"
 
 namespace musclebench {

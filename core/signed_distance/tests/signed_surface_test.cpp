@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/mesh/mesh_edges.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh/tests/lhdl_data.hpp"
 #include "core/mesh_files/read_mesh.hpp"

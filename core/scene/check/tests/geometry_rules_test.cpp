@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/effects/effect_registry.hpp"
 #include "core/scene/check/compression.hpp"
 #include "core/scene/check/muscle_gap.hpp"
 #include "core/scene/check/pinch.hpp"
