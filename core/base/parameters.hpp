@@ -11,39 +11,42 @@
 
 namespace musclebench {
 
+/// The value of a parameter. A string holds both choices and paths.
 using ParameterValue = std::variant<bool, std::int64_t, double, std::string>;
 
+/// The type of a parameter. A choice is one of a list of words. A path names a file or folder.
 enum class ParameterKind { flag, integer, number, choice, path };
 
-/// What a parameter is for, where a study or an advice has to know.
+/// What a parameter is for. Studies and `advise` find the parameter that they vary by its role.
 enum class ParameterRole {
   none,
   resolution,       ///< how fine the structures are
-  wanted_error,     ///< how far answers may be off; the structures become as fine as that asks for
-  storage,          ///< where structures are kept; changes no answer
+  wanted_error,     ///< how large the error of an answer may be; the structures are refined until they reach it
+  storage,          ///< where structures are stored; changes no answer
   clearance_cache,  ///< `on` or `off`; changes no answer
 };
 
-/// One parameter of a backend, an effect or the loop. `list` prints these, scene files and `--param` are checked
-/// against them. Made by one of the functions of `parameter`.
+/// Describes one parameter of a backend, an effect or the loop. `list` prints it, and the values in scene files and
+/// `--param` are checked against it. Make one with a function of `parameter`.
 struct ParameterSpec {
-  std::string name;  ///< ends in the unit where it has one (`voxel_size_m`)
+  std::string name;  ///< ends in the unit if the parameter has one (`voxel_size_m`)
   ParameterKind kind = ParameterKind::flag;
   ParameterRole role = ParameterRole::none;
-  std::string unit = {};         ///< "m", "kg/m3", ...; empty: none
-  ParameterValue default_value;  ///< of the type that `kind` says
+  std::string unit = {};         ///< "m", "kg/m3", ...; empty: no unit
+  ParameterValue default_value;  ///< has the type that `kind` names
   std::string help;
-  double minimum = 0;                     ///< inclusive; integers and numbers
-  double maximum = 0;                     ///< inclusive; integers and numbers
+  double minimum = 0;                     ///< smallest allowed value; for integers and numbers
+  double maximum = 0;                     ///< largest allowed value; for integers and numbers
   std::vector<std::string> choices = {};  ///< the allowed words of a choice
 
-  /// Whether it has a smallest and a largest value.
+  /// Whether `minimum` and `maximum` apply.
   [[nodiscard]] bool has_range() const { return kind == ParameterKind::integer || kind == ParameterKind::number; }
 };
 
-/// Makers of parameter specifications, one a kind.
+/// Makers of parameter specifications, one for each kind.
 namespace parameter {
 
+/// Describes a parameter that is true or false.
 struct Flag {
   std::string name = {};
   bool default_value = false;
@@ -51,6 +54,7 @@ struct Flag {
   std::string help = {};
 };
 
+/// Describes an integer between `minimum` and `maximum`, both allowed.
 struct Integer {
   std::string name = {};
   std::int64_t default_value = 0;
@@ -60,6 +64,7 @@ struct Integer {
   std::string help = {};
 };
 
+/// Describes a number between `minimum` and `maximum`, both allowed, in `unit`.
 struct Number {
   std::string name = {};
   std::string unit = {};
@@ -70,46 +75,52 @@ struct Number {
   std::string help = {};
 };
 
+/// Describes a parameter that is one of several words.
 struct Choice {
   std::string name = {};
   std::vector<std::string> choices = {};
-  std::string default_value = {};  ///< empty: the first
+  std::string default_value = {};  ///< empty: the first choice
   ParameterRole role = ParameterRole::none;
   std::string help = {};
 };
 
+/// Describes a path of a file or folder. The default is empty, which means none.
 struct Path {
   std::string name = {};
   ParameterRole role = ParameterRole::none;
   std::string help = {};
 };
 
+/// The specification of a flag.
 ParameterSpec flag(Flag declared);
+/// The specification of an integer.
 ParameterSpec integer(Integer declared);
+/// The specification of a number.
 ParameterSpec number(Number declared);
+/// The specification of a choice.
 ParameterSpec choice(Choice declared);
-/// Empty by default: none.
+/// The specification of a path.
 ParameterSpec path(Path declared);
 
 }  // namespace parameter
 
-/// As in `list --json`: "flag", "integer", ...
+/// The name of a kind, as `list --json` prints it: "flag", "integer", ...
 std::string_view name_of(ParameterKind kind);
-/// "resolution", "wanted_error", ...; empty for `none`.
+/// The name of a role: "resolution", "wanted_error", ... Empty for `none`.
 std::string_view name_of(ParameterRole role);
 
-/// The parameter of that name, or nullptr.
+/// Returns the parameter of that name, or nullptr. The pointer is valid as long as `specs` is.
 const ParameterSpec* find_parameter(const std::vector<ParameterSpec>& specs, std::string_view name);
-/// The first parameter with that role, or nullptr.
+/// Returns the first parameter with that role, or nullptr. The pointer is valid as long as `specs` is.
 const ParameterSpec* find_parameter(const std::vector<ParameterSpec>& specs, ParameterRole role);
 
-/// A complete, checked set of parameter values.
+/// A complete and checked set of parameter values. Reading is safe from several threads. The readers throw an exception
+/// of the standard library for a name that is not in the set or has another type: that is a programmer's error.
 class Parameters {
  public:
-  /// All of `specs` at their defaults, overwritten by `given`. Throws InputError that names `location` (file and table,
-  /// or
-  /// `--param`), the key and the cure, for an unknown key (with the nearest known one), a value of another type or out
-  /// of range.
+  /// Takes the defaults of all `specs` and overwrites them with `given`. Throws InputError for an unknown key, a value
+  /// of another type, or one out of range. The error names `location` (a file and table, or `--param`), the key and the
+  /// cure. For an unknown key the cure is the nearest known key.
   Parameters(const std::vector<ParameterSpec>& specs, const std::map<std::string, ParameterValue>& given,
              std::string_view location);
 
@@ -118,12 +129,13 @@ class Parameters {
     return std::get<std::int64_t>(m_values.at(name));
   }
   [[nodiscard]] double number(const std::string& name) const { return std::get<double>(m_values.at(name)); }
-  /// Of a choice or a path.
+  /// The value of a choice or a path.
   [[nodiscard]] const std::string& word(const std::string& name) const {
     return std::get<std::string>(m_values.at(name));
   }
+  /// All values by name, defaults included.
   [[nodiscard]] const std::map<std::string, ParameterValue>& values() const { return m_values; }
-  /// Whether the value was given, and be it the default.
+  /// Whether `given` contained the value. True even if it equals the default.
   [[nodiscard]] bool given(const std::string& name) const { return m_given.contains(name); }
 
  private:
@@ -131,16 +143,17 @@ class Parameters {
   std::set<std::string> m_given;
 };
 
-/// `text` as the most specific of bool, integer, number, word.
+/// Parses `text` as a bool, an integer, a number or a word: the first of these that fits.
 ParameterValue parse_parameter_value(std::string_view text);
 
-/// Texts `key=value`; `option` is the location that an InputError names. What `specs` say is a word stays one, though
-/// it may look like a number: `structures=2024` is a folder.
+/// Parses texts of the form `key=value`. If `specs` says that a value is a word, it stays a word even if it looks like
+/// a number: `structures=2024` is a folder. Throws InputError that names `option` for a text of another
+/// form and for a key that is given twice.
 std::map<std::string, ParameterValue> parse_assignments(const std::vector<std::string>& texts,
                                                         const std::string& option,
                                                         const std::vector<ParameterSpec>& specs);
 
-/// The value so that it reads back to the same bits.
+/// Formats a value with enough digits that parsing returns the same bits.
 std::string format_parameter_value(const ParameterValue& value);
 
 }  // namespace musclebench

@@ -18,43 +18,48 @@ struct BvhLeaf;
 struct BvhNode;
 struct CandidateLeaves;
 
+/// The point of a surface that is closest to a query point.
 struct ClosestPoint {
-  Vec3 point = Vec3::Zero();
-  double distance_m = 0;
-  int triangle = -1;
-  Feature feature = Feature::face;
+  Vec3 point = Vec3::Zero();        ///< m, in the frame of the mesh
+  double distance_m = 0;            ///< from the query point, >= 0
+  int triangle = -1;                ///< that contains `point`; -1: none was found
+  Feature feature = Feature::face;  ///< of the triangle, that contains `point`
 };
 
-/// Result of a search among candidate triangles.
+/// The result of a search among candidate triangles.
 struct ClosestCandidate {
   ClosestPoint closest;
-  /// No triangle outside the list can be as close: `closest` is what a full search would find.
+  /// Whether `closest` is what a full search would find: no triangle outside the list can be as close.
   bool certain = false;
-  /// If positive, the other members are not set, and no triangle at all is closer than this.
+  /// If positive: a lower bound of the distance to the surface in metres. The other members are not set then.
   double clearance_m = 0;
 };
 
-/// A lower bound of a point's distance, and a triangle near it.
+/// A lower bound of the distance of a point from a surface.
 struct Clearance {
   double distance_m = 0;
-  int triangle = -1;
+  int triangle = -1;  ///< a triangle near the point
 };
 
-/// Where a straight path passes through the surface.
+/// A point where a straight path crosses the surface.
 struct PathCrossing {
-  double share = 0;  ///< of the path, from 0 to 1
+  double share = 0;  ///< position on the path, from 0 at its start to 1 at its end
   int triangle = -1;
-  bool entering = false;  ///< against the triangle's normal by its winding
+  bool entering = false;  ///< the path runs against the outward normal of the triangle
 };
 
 /// An 8-wide bounding volume hierarchy (BVH) over the triangles of a mesh, for closest points and winding numbers.
-/// Boxes and triangles are tested in single precision, eight at a time, only to prune: the tests allow for their
-/// rounding error (reports/performance/bvh_error_bounds.md), and `closest_on_triangle` decides in double precision. So
-/// every answer is that of brute force to the bit, on any CPU: of all triangles the one with the smallest squared
-/// distance by `closest_on_triangle`, of several the one with the smallest index. Points are in the mesh's frame, in
-/// metres. The mesh need not outlive the tree. Queries are const and safe from several threads.
+///
+/// A closest point has the same bits as that of brute force, on any CPU. It is on the triangle with the smallest
+/// squared distance by `closest_on_triangle`. Of several such triangles it is the one with the smallest index.
+/// Single-precision tests of eight boxes or triangles at a time only prune, and they allow for their rounding error
+/// (reports/performance/bvh_error_bounds.md). Double precision decides.
+///
+/// Points are in the frame of the mesh, in metres. The mesh need not outlive the tree. Queries are const and safe from
+/// several threads.
 class TriangleBvh {
  public:
+  /// Builds the tree. The vertices must be finite and the indices in range. The mesh may have no triangles.
   explicit TriangleBvh(const TriangleMesh& mesh);
   TriangleBvh(TriangleBvh&& other) noexcept;
   TriangleBvh& operator=(TriangleBvh&& other) noexcept;
@@ -62,18 +67,18 @@ class TriangleBvh {
   TriangleBvh& operator=(const TriangleBvh&) = delete;
   ~TriangleBvh();
 
-  /// The closest point; nothing where the surface is farther than `max_distance_m`, for a point that is not finite and
-  /// for a mesh without triangles.
+  /// The closest point of the surface. Returns nothing if the surface is farther than `max_distance_m`, if the point is
+  /// not finite, or if the mesh has no triangles.
   [[nodiscard]] std::optional<ClosestPoint> closest_point(
       const Vec3& point, double max_distance_m = std::numeric_limits<double>::infinity()) const;
 
-  /// The answer of `closest_point` to the bit, found faster the closer `triangle` is, such as the closest one of a
-  /// neighbouring query. `triangle` may be any triangle of the mesh.
+  /// The same bits as `closest_point`, found faster if `triangle` is near the point. Pass the closest triangle of a
+  /// neighbouring query. Any triangle of the mesh is allowed.
   [[nodiscard]] ClosestPoint closest_point_from(const Vec3& point, int triangle) const;
 
-  /// A lower bound of the distance to the closest triangle: at least 0.9 of it, less the slack of single precision.
-  /// Much cheaper than `closest_point_from`. `triangle` may be any triangle of the mesh; one near the point is fastest.
-  /// 0 for a point for which `list_candidate_leaves` lists nothing.
+  /// A lower bound of the distance to the surface, much cheaper than `closest_point_from`. It is at least 0.9 of the
+  /// distance, minus the rounding error of single precision. `triangle` may be any triangle of the mesh. One near the
+  /// point is fastest. The bound is 0 if the point is not finite or more than 1e12 times the mesh's size away.
   [[nodiscard]] Clearance clearance_from(const Vec3& point, int triangle) const;
 
   /// The closest point of one triangle.
@@ -82,48 +87,51 @@ class TriangleBvh {
     return closest_on_triangle(point, a, b, c);
   }
 
-  /// Lists the leaves within `radius_m` of `point`, or the nearest of them. The list is empty for a point that is not
-  /// finite or more than 1e12 times the mesh's size away.
+  /// Lists the leaves within `radius_m` of `point`, or the nearest of them if they do not fit. The list is empty if the
+  /// point is not finite or more than 1e12 times the mesh's size away.
   void list_candidate_leaves(const Vec3& point, double radius_m, CandidateLeaves& list) const;
 
-  /// Searches the leaves of a list that is not empty. If they are enough to tell, the result is `certain` and that of
-  /// `closest_point` to the bit; else its triangle is one near the point, or -1. If all triangles are certainly farther
-  /// away than `enough_m`, the result is only that lower bound. The first part prunes and prefetches the corners of the
-  /// candidates, the second decides in double precision, so that a caller can overlap the cache misses of several
-  /// points.
+  /// A search among the leaves of a list that is not empty. It has two parts, so that a caller can overlap the cache
+  /// misses of several points. The first part prunes, and prefetches the corners of the candidates. The second part
+  /// decides in double precision.
+  ///
+  /// The result is `certain` if the list suffices. It then has the same bits as `closest_point`. Otherwise its triangle
+  /// is one near the point, or -1. If all triangles are certainly farther than `enough_m`, the result is only a lower
+  /// bound of the distance (`ClosestCandidate::clearance_m`).
   struct Search;
   void begin_candidate_search(const Vec3& point, const CandidateLeaves& list, Search& search) const;
   [[nodiscard]] ClosestCandidate finish_candidate_search(Search& search, const CandidateLeaves& list,
                                                          double enough_m) const;
-  /// Prefetches the leaves that `begin_candidate_search` reads first: few points move so far that it reads more.
+  /// Prefetches the leaves that `begin_candidate_search` reads first. Most points need no others.
   void prefetch_leaves(const CandidateLeaves& list) const;
 
-  /// Generalised winding number (Jacobson et al. 2013) with dipoles for distant clusters (Barill et al. 2018): about 1
-  /// inside a closed surface wound outwards, 0 outside; a point is inside where it exceeds 0.5. A result within 0.25 of
-  /// 0.5 is computed again with finer clusters, in the end exactly.
+  /// The generalised winding number (Jacobson et al. 2013), with dipoles for distant clusters (Barill et al. 2018). It
+  /// is about 1 inside a closed surface that is wound outwards, and about 0 outside. A point is inside if it exceeds
+  /// 0.5. A result within 0.25 of 0.5 is computed again with finer clusters, and exactly if need be.
   [[nodiscard]] double winding_number(const Vec3& point) const;
 
-  /// Finds where the path from `from` to `to` passes through triangles, in its order, into `crossings`, which is
-  /// overwritten. A path through an edge or a corner of a closed surface passes through one triangle there, not through
-  /// none or two. Nothing for a path that is not finite.
+  /// Finds where the straight path from `from` to `to` crosses triangles. Overwrites `crossings` with them, in the
+  /// order of the path. At an edge or corner of a closed surface the path crosses exactly one triangle. A path that is
+  /// not finite has no crossings.
   void find_crossings(const Vec3& from, const Vec3& to, std::vector<PathCrossing>& crossings) const;
 
-  /// Calls `visit` with the indices of each pair of triangles whose AABBs overlap or nearly do, once a pair.
+  /// Calls `visit` once for each pair of triangles whose axis-aligned boxes overlap or nearly overlap.
   void for_each_close_pair(const std::function<void(int, int)>& visit) const;
 
-  /// Normal of a triangle by its winding, of a length of twice its area in m2.
+  /// The outward normal of a triangle. Its length is twice the area in m2.
   [[nodiscard]] Vec3 area_normal(int triangle) const {
     const auto& [a, b, c] = m_corners[static_cast<std::size_t>(triangle)];
     return (b - a).cross(c - a);
   }
 
-  /// Whether the triangle is so narrow that the distance by `closest_on_triangle` may exceed the true one by more than
-  /// the slack of a search. The 1-Lipschitz bounds that lists rely on do not hold for it.
+  /// Whether the triangle is very narrow. `closest_on_triangle` may then exceed the true distance by more than a search
+  /// allows for. Bounds that assume that distance changes no faster than position (1-Lipschitz) do not hold for it.
   [[nodiscard]] bool is_sliver(int triangle) const;
 
   [[nodiscard]] std::size_t triangle_count() const { return m_corners.size(); }
-  /// By triangle, for `closest_on_triangles`.
+  /// The corners of each triangle, in metres.
   [[nodiscard]] const std::array<Vec3, 3>* corners() const { return m_corners.data(); }
+  /// Memory of the tree.
   [[nodiscard]] std::size_t bytes() const;
 
  private:
@@ -131,8 +139,8 @@ class TriangleBvh {
   friend class BatchedClosestPoint;
   friend class MovingSurfaceTree;
 
-  /// BvhSearch::slack for points with coordinates up to `reach` in the tree's frame and up to `coordinate` in the
-  /// mesh's, both in the tree's unit of length.
+  /// BvhSearch::slack for points with coordinates up to `reach` in the tree's frame, and up to `coordinate` in that of
+  /// the mesh. Both are in the tree's unit of length.
   [[nodiscard]] float slack_for(double reach, double coordinate) const;
   /// A smaller slack for triangles at distance d: near_slack_for + slack_growth * d.
   [[nodiscard]] float near_slack_for(double reach, double coordinate) const;

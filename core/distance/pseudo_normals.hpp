@@ -9,18 +9,20 @@
 
 namespace musclebench {
 
-/// Angle-weighted pseudo-normals of a mesh's faces, edges and vertices (Baerentzen and Aanaes 2005, "Signed distance
-/// computation using the angle weighted pseudonormal"). On a closed, manifold, consistently wound surface without
-/// zero-area triangles (`RepairedMesh::clean`) a point is inside exactly where the pseudo-normal of its closest feature
-/// points away from it. On other surfaces, or where two faces fold onto each other, the sign may be wrong.
+/// Angle-weighted pseudo-normals of the faces, edges and vertices of a mesh. They give the side of a point from its
+/// closest feature. Source: Baerentzen and Aanaes 2005, "Signed distance computation using the angle weighted
+/// pseudonormal".
+/// The sign is right for a clean mesh (`RepairedMesh::clean`). It may be wrong for other meshes, and where two faces
+/// fold onto each other. Queries are safe from several threads.
 class PseudoNormals {
  public:
   explicit PseudoNormals(const TriangleMesh& mesh);
 
-  /// The pseudo-normal of a feature of a triangle. Not normalised; zero where the faces about the feature cancel.
+  /// The outward pseudo-normal of a feature of a triangle. It is not normalised. It is zero if the faces around the
+  /// feature cancel.
   [[nodiscard]] Vec3 at(int triangle, Feature feature) const;
 
-  /// Whether `point` is inside, given its closest point on the surface and the feature that contains it.
+  /// Whether `point` is inside. `closest` is its closest point on the surface, `feature` of `triangle` contains it.
   [[nodiscard]] bool is_inside(const Vec3& point, const Vec3& closest, int triangle, Feature feature) const {
     return (point - closest).dot(at(triangle, feature)) < 0;
   }
@@ -37,13 +39,14 @@ class PseudoNormals {
   std::vector<int> m_neighbour;  ///< across edge 3 t + i: a triangle, or -1; the edge's normal is the sum of both
 };
 
-/// The same of a surface whose vertices move, computed on demand: contacts need few of them a step.
+/// The same pseudo-normals for a surface whose vertices move. Each is computed when it is asked for, because contacts
+/// need only a few in each step. Queries are safe from several threads.
 class MovingPseudoNormals {
  public:
-  /// Of the mesh only the triangles are kept.
+  /// Copies the triangles of the mesh and ignores its vertices.
   explicit MovingPseudoNormals(const TriangleMesh& mesh);
 
-  /// To the bit what `PseudoNormals` of a mesh with these `vertices` and the same triangles answers.
+  /// The same bits as `PseudoNormals::at` for a mesh with these `vertices`.
   [[nodiscard]] Vec3 at(std::span<const Vec3> vertices, int triangle, Feature feature) const;
 
   [[nodiscard]] std::size_t bytes() const {

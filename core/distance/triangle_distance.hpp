@@ -9,20 +9,20 @@
 
 namespace musclebench {
 
-/// The feature of a triangle that contains the closest point. `edge_i` runs from corner i to corner (i + 1) % 3.
+/// The part of a triangle that contains a closest point. `edge_i` runs from corner i to corner (i + 1) % 3.
 enum class Feature : unsigned char { face, edge_0, edge_1, edge_2, corner_0, corner_1, corner_2 };
 
-/// The closest point of one triangle, in the frame of its corners.
+/// The closest point of one triangle to a query point. It is in metres, in the frame of the corners.
 struct ClosestOnTriangle {
   Vec3 point = Vec3::Zero();
   double squared_distance_m2 = 0;
   Feature feature = Feature::face;
 };
 
-/// A triangle whose corners have smaller sines is indistinguishable from a segment or a point in double precision.
+/// If the sine of every corner angle is smaller than this, the triangle counts as a segment or a point.
 inline constexpr double flat_sine = 1e-13;
 
-/// Whether a triangle has an area, given two of its sides and the square of their cross product.
+/// Whether a triangle has an area. `ab` and `ac` are two of its sides, `squared_normal` is |ab x ac|^2.
 inline bool has_area(double squared_normal, const Vec3& ab, const Vec3& ac) {
   const double squared_ab = ab.squaredNorm();
   const double squared_ac = ac.squaredNorm();
@@ -35,13 +35,14 @@ inline bool has_area(double squared_normal, const Vec3& ab, const Vec3& ac) {
   return squared_normal > flat * flat;
 }
 
-/// Closest point of the three edges of the triangle a b c to `point`.
+/// The point on the three edges of the triangle a b c that is closest to `point`. All points are in metres, in one
+/// frame.
 ClosestOnTriangle closest_on_edges(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c);
 
-/// Closest point of the triangle a b c to `point`, in metres as these: the foot of the perpendicular if its barycentric
-/// coordinates are in the triangle, else the closest point of the edges. A degenerate triangle is treated as the
-/// segment or point that it is. All exact queries rest on this function: of two equal distances they take the smaller
-/// index.
+/// The point of the triangle a b c that is closest to `point`. All points are in metres, in one frame. It is the foot
+/// of the perpendicular if that lies in the triangle, else the closest point of the edges. A triangle without area
+/// counts as a segment or a point. All exact queries use this function. If distances are equal, they take the triangle
+/// with the smaller index. Safe from several threads, as are all functions here.
 inline ClosestOnTriangle closest_on_triangle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a;
   const Vec3 ac = c - a;
@@ -62,22 +63,22 @@ inline ClosestOnTriangle closest_on_triangle(const Vec3& point, const Vec3& a, c
   return closest_on_edges(point, a, b, c);
 }
 
-/// The tangent of an angle as its quotient, in m^3.
+/// The tangent of an angle as the quotient opposite / adjacent. Both are in m^3.
 struct HalfAngleTangent {
   double opposite;
   double adjacent;
 };
 
-/// Of half the signed solid angle of the triangle a b c; see `solid_angle`.
+/// The tangent of half the signed solid angle of the triangle a b c. See `solid_angle` for the sign.
 HalfAngleTangent half_solid_angle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c);
 
-/// Signed solid angle of the triangle a b c seen from `point`, in steradians (van Oosterom and Strackee 1983). Positive
-/// where `point` sees the back of the triangle, so that the angles of a closed surface wound outwards sum to 4 pi at a
-/// point inside. 0 for a degenerate triangle and in the triangle's plane.
+/// The signed solid angle of the triangle a b c seen from `point`, in steradians (van Oosterom and Strackee 1983). It
+/// is positive if `point` sees the back of the triangle. The angles of a closed surface that is wound outwards thus sum
+/// to 4 pi at a point inside. It is 0 for a triangle without area and for a point in the triangle's plane.
 double solid_angle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c);
 
-/// Barycentric coordinates of a point in the plane of a triangle with these corners, moved into the triangle: each from
-/// 0 to 1, the sum is 1. `flat` for one without an area.
+/// The barycentric coordinates of a point in the plane of a triangle. They are clamped to the triangle: each is from 0
+/// to 1, and the sum is 1. Returns `flat` if the triangle has no area.
 Vec3 barycentric(const Vec3& point, const std::array<Vec3, 3>& corners, const Vec3& flat);
 
 }  // namespace musclebench

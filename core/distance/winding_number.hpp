@@ -6,9 +6,12 @@
 
 namespace musclebench {
 
-/// The winding number of triangles about a point, all in metres in one frame: of a closed surface wound outwards 1
-/// inside and 0 outside; of an open one anything between. The sum of all signed solid angles over 4 pi, as
-/// SolidAngleSum has it, in SIMD lanes; the same bits for every kind of SIMD.
+/// The exact winding number of a surface about a point: the sum of the signed solid angles of all triangles, divided by
+/// 4 pi (Jacobson et al. 2013). For a closed surface that is wound outwards it is 1 inside and 0 outside. For an open
+/// surface it varies between them.
+///
+/// `vertices` and `point` are in metres, in one frame. The cost grows with the number of triangles. The kernel uses
+/// SIMD, and the bits are the same on every CPU. Safe from several threads.
 double winding_number(std::span<const Triangle> triangles, std::span<const Vec3> vertices, const Vec3& point);
 
 }  // namespace musclebench

@@ -9,7 +9,7 @@
 
 namespace musclebench {
 
-/// One of several muscles: consecutive nodes, and consecutive triangles of the mesh of all.
+/// One of several muscles that share a mesh: a range of nodes and a range of triangles of that mesh.
 struct Body {
   std::string name;
   int first_node = 0;
@@ -20,12 +20,13 @@ struct Body {
   [[nodiscard]] bool has_node(int node) const { return node >= first_node && node < last_node; }
 };
 
-/// The index of the body that has the node. `bodies` are in the order of their nodes and have all of them.
+/// The index of the body that contains the node. `bodies` must be in the order of their nodes and contain every node.
 inline std::size_t body_of(std::span<const Body> bodies, int node) {
   return static_cast<std::size_t>(std::ranges::upper_bound(bodies, node, {}, &Body::last_node) - bodies.begin());
 }
 
-/// Relative to the body's first node; negative when it is wound inwards.
+/// The volume of a body in m3, by the divergence theorem. `positions` and `triangles` are those of the whole mesh. The
+/// volume is negative if the surface is wound inwards. The surface must be closed.
 double body_volume_m3(std::span<const Vec3> positions, std::span<const Triangle> triangles, const Body& body);
 
 }  // namespace musclebench

@@ -2,7 +2,7 @@
 
 namespace musclebench {
 
-/// A node that is attached to a bone.
+/// A muscle node that is attached to a bone and moves with it. Both are indices.
 struct BoundNode {
   int node = 0;
   int bone = 0;

@@ -7,20 +7,20 @@
 
 namespace musclebench {
 
-/// Axis-aligned bounding box of the points; empty for none.
+/// The axis-aligned bounding box of the points, in metres. Empty if there are no points.
 Eigen::AlignedBox3d bounding_box(std::span<const Vec3> points);
 
-/// Contains every point.
+/// A box that contains every point.
 inline Eigen::AlignedBox3d unbounded_box() {
   const Vec3 infinite = Vec3::Constant(std::numeric_limits<double>::infinity());
   return {-infinite, infinite};
 }
 
-/// A point closer to the surface than this counts as on it and not as inside, because its side is decided by rounding.
-/// (This includes faces inside the bone, where components overlap.) In metres: 1e-12 of the bounding box's diagonal.
+/// The distance in metres below which a point counts as on the surface, hence outside: rounding decides its side. It is
+/// 1e-12 of the diagonal of the bounding box. It also applies to faces inside a bone, where components overlap.
 double touching_distance_m(const TriangleMesh& mesh);
 
-/// Square root of the triangles' mean area, in metres; 0 for none.
+/// The square root of the mean area of the triangles, in metres. 0 if there are no triangles.
 double mean_triangle_size_m(const TriangleMesh& mesh);
 
 }  // namespace musclebench

@@ -7,9 +7,9 @@
 
 namespace musclebench {
 
-/// The tree over a surface and its exact signed distance, each built at its first use and shared by all later ones:
-/// reader, checks and backends. A copy starts empty, because the copied surface may be changed. The calls that build or
-/// release must not race.
+/// The BVH and the exact signed distance of one surface. Each is built at its first use and shared by all later users:
+/// reader, checks and backends. A copy starts empty, because its owner may change the copied surface. Not safe from
+/// several threads while a call may build or release.
 class SharedSurface {
  public:
   SharedSurface() = default;
@@ -22,17 +22,19 @@ class SharedSurface {
   SharedSurface& operator=(SharedSurface&&) = default;
   ~SharedSurface() = default;
 
-  /// `surface` is the same one at every call, and has triangles. What is returned holds until `signed_distance` builds
-  /// on it, or `release`.
+  /// The tree of `surface`, which must be the same surface at every call and have triangles. The reference is valid
+  /// until the first call of `signed_distance`, or until `release`.
   [[nodiscard]] const TriangleBvh& tree(const RepairedMesh& surface) const;
+  /// The exact signed distance of `surface`, as above. The reference is valid until `release`.
   [[nodiscard]] const SignedSurface& signed_distance(const RepairedMesh& surface) const;
-  /// The same for a caller that needs it beyond `release`.
+  /// The same, for a caller that needs it after `release`.
   [[nodiscard]] std::shared_ptr<const SignedSurface> kept_signed_distance(const RepairedMesh& surface) const;
-  /// Frees the structures that `kept_signed_distance` has not handed out.
+  /// Frees the structures that no caller of `kept_signed_distance` still holds.
   void release() const;
 
-  /// Build time of the structures that were used since `start_accounting` but had been built before: it belongs to the
-  /// build time of a backend that uses them, which must not depend on what was built first.
+  /// Starts counting `reused_build_ns`: the build time of structures that were built before this call and are used
+  /// after it. It is added to the build time of the backend that uses them. That time then does not depend on which
+  /// backend was built first.
   void start_accounting() const;
   [[nodiscard]] Nanoseconds reused_build_ns() const { return m_reused_build_ns; }
 
