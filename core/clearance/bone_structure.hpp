@@ -10,18 +10,20 @@
 
 namespace musclebench {
 
-/// Nodes that one thread queries against one bone.
+/// A batch of nodes that one thread queries against one bone.
 struct NodeBatch {
   int bone;
-  const RigidMotion& pose;          ///< of the bone
+  const RigidMotion& pose;          ///< pose of the bone, from its rest frame to the world frame
   std::span<const Vec3> positions;  ///< of all nodes: world frame, metres
-  std::span<const int> nodes;       ///< indices into `positions`
-  /// Where not null: each of `nodes` has left its safe sphere of this bone or has none, and may be given a new one.
+  std::span<const int> nodes;       ///< the nodes to query, as indices into `positions`
+  /// Not null if a clearance cache is in use. Each of `nodes` then has no safe sphere or has left it, and `detect` may
+  /// store a new one.
   ClearanceCache* clearances;
 };
 
-/// A backend's structure over one bone in rest pose, queried about single nodes. A backend that answers node by node
-/// implements nothing else (see `make_point_backend`).
+/// A backend's structure over one bone in rest pose, for queries of single nodes. Derive from it if your backend can
+/// answer each node alone; `make_point_backend` does the rest. Query points in the bone's rest frame:
+/// `batch.pose.apply_inverse(position)`.
 class BoneStructure {
  public:
   BoneStructure() = default;
@@ -29,26 +31,28 @@ class BoneStructure {
   BoneStructure& operator=(const BoneStructure&) = delete;
   virtual ~BoneStructure() = default;
 
+  /// An upper bound of the error of the answers. The contract tests check it.
   [[nodiscard]] virtual AnswerBound answer_bound() const = 0;
-  /// Counted from sizes (deterministic), with the state of each node.
+  /// Memory of the structure, including the state of nodes. Count it from sizes, so that it is the same in every run.
   [[nodiscard]] virtual std::size_t bytes() const = 0;
-  /// The smallest edge of a cell, in metres; 0 without cells.
+  /// The smallest edge of a cell, in metres. 0 without cells.
   [[nodiscard]] virtual double step_m() const { return 0; }
-  /// Of a structure that approximates; without the bone's name.
+  /// Error of an approximate structure. `bone` is left empty.
   [[nodiscard]] virtual std::optional<StructureError> error() const { return std::nullopt; }
+  /// Whether the structure was computed or read from a file.
   [[nodiscard]] virtual StructureOrigin origin() const { return {}; }
 
-  /// Of the grid over the bone the share of cells that was built; less than 1 where a part is expected to do.
+  /// The share of the grid's cells that was built. Less than 1 if only a part was expected to be needed.
   [[nodiscard]] virtual double kept_share() const { return 1; }
-  /// Whether `detect` was asked about a point in what is left out, so that its answers may lack contacts.
+  /// Whether `detect` was queried outside the built part, so that contacts may be missing.
   [[nodiscard]] virtual bool found_left_out() const { return false; }
 
-  /// Empties the state that is kept of each node between detections, and makes room for this many nodes. Called with a
-  /// clearance cache only.
+  /// Clears the state that is kept for each node between detections, and allocates it for `nodes` nodes. Called only if
+  /// a clearance cache is in use.
   virtual void reset_nodes(std::size_t /*nodes*/) {}
 
-  /// Appends the contacts of the batch in the order of its nodes; a position that is not finite has none. Several
-  /// threads call at once, with different nodes.
+  /// Appends the contacts of the batch to `contacts`, in the order of its nodes. A position that is not finite has no
+  /// contact. Several threads call it at once, with different nodes.
   virtual void detect(const NodeBatch& batch, std::vector<Contact>& contacts) = 0;
 };
 

@@ -15,10 +15,13 @@
 
 namespace musclebench {
 
-/// Contacts of single nodes with the exact surface of one bone. With the clearance cache a query starts from the
-/// results of earlier queries of the same node: a safe sphere, and for nodes in or near the bone a list of candidate
-/// triangles. The cache changes the time only: the contacts are the same to the bit.
+/// Finds contacts of single nodes with the exact surface of one bone. Depth is the distance to the surface, in metres.
+///
+/// With the clearance cache, a query starts from earlier results of the same node. These are its safe sphere, and for
+/// nodes in or near the bone a list of candidate triangles. The cache changes the time and no bit of the contacts.
 /// reports/performance/clearance_cache.md describes the steps of a query and why each is exact.
+///
+/// Several threads may call `detect` at once with different nodes.
 template <QuerySurface Surface>
 class CachedPointQuery final : public BoneStructure {
  public:
@@ -44,12 +47,12 @@ class CachedPointQuery final : public BoneStructure {
  private:
   using CandidateSearch = typename Surface::CandidateSearch;
 
-  /// One query of a node against a bone.
+  /// A query of one node against the bone.
   struct NodeQuery {
     int node = 0;
     Vec3 point = Vec3::Zero();      ///< rest frame
-    bool outside = false;           ///< settled without a search
-    double clearance_m = 0;         ///< where `outside`; 0: unknown
+    bool outside = false;           ///< known without a search
+    double clearance_m = 0;         ///< if `outside`; 0: unknown
     double distance_outside_m = 0;  ///< ClearanceCache::distance_outside_m
     bool has_candidates = false;    ///< the node's candidate list is to be searched
   };
@@ -59,18 +62,18 @@ class CachedPointQuery final : public BoneStructure {
     PointSide side;
   };
 
-  /// Results of earlier queries of a node and a bone; starts at a cache line.
+  /// Results of earlier queries of a node. Aligned to a cache line.
   struct alignas(64) NodeCache {
     typename Surface::CandidateList candidates;
     int triangle = -1;        ///< a triangle that was near the node
-    bool in_contact = false;  ///< in the last query, whose contact leads to `m_exit_points`
+    bool in_contact = false;  ///< the last query found a contact, which leads to `m_exit_points`
     // Exponential back-off: after k unused candidate lists in a row, skip building one for 2^k - 1 searches. A node
     // that moves farther in a step than its list reaches would build each of them in vain.
     bool list_was_used = false;
     std::uint8_t unused_lists = 0;
     std::uint8_t searches_to_skip = 0;
 
-    /// Drops the list before a search. `has_failed`: there was one and it did not answer. Returns whether to build
+    /// Drops the list before a search. `has_failed`: there was a list and it did not suffice. Returns whether to build
     /// another.
     bool drop_list(bool has_failed) {
       constexpr std::uint8_t most_unused = 5;
@@ -99,8 +102,8 @@ class CachedPointQuery final : public BoneStructure {
   NodeCache& cache_of(int node) { return m_node_caches[static_cast<std::size_t>(node)]; }
   Vec3& exit_point_of(int node) { return m_exit_points[static_cast<std::size_t>(node)]; }
 
-  /// The constraints have just evicted from the CPU's caches all that a query reads. Each stage is therefore done for a
-  /// whole block before the next one and prefetches for it, so that cache misses overlap.
+  /// The constraints have just evicted from the CPU's caches all memory that a query reads. Each stage therefore
+  /// handles a whole block and prefetches for the next stage, so that cache misses overlap.
   void query_block(const NodeBatch& batch, std::size_t first, Scratch& scratch, std::vector<Contact>& contacts) {
     const std::span<const int> nodes = batch.nodes.subspan(first, std::min(block_size, batch.nodes.size() - first));
     const std::span<NodeQuery> queries = std::span(scratch.queries).first(nodes.size());
@@ -140,14 +143,14 @@ class CachedPointQuery final : public BoneStructure {
     }
   }
 
-  /// Settles the query from the cache alone where that is possible, else prefetches its candidates.
+  /// Answers the query from the cache alone if possible, otherwise prefetches its candidates.
   void look_up(const NodeBatch& batch, NodeQuery& query) {
     NodeCache& cache = cache_of(query.node);
     if (cache.in_contact) {
       cache.in_contact = false;
       const double touching_m = m_surface.touching_m();
-      // A response has moved the node to the surface. One triangle within the touching distance proves that: a search
-      // would find none that is farther away.
+      // A response has moved the node to the surface. One triangle within the touching distance proves it: a search
+      // would find a triangle at most as far away.
       if ((query.point - exit_point_of(query.node)).squaredNorm() < touching_m * touching_m &&
           m_surface.distance_m(query.point, cache.triangle) <= touching_m) {
         query.outside = true;
@@ -185,7 +188,7 @@ class CachedPointQuery final : public BoneStructure {
         return;
       }
     }
-    // Without a new sphere the old one is kept: it still holds if the node returns.
+    // Without a new sphere the old one stays: it is still valid if the node returns.
     if (uses_cache && clearance_m > 0) {
       batch.clearances->store(batch.bone, query.node, query.point, clearance_m);
     }
@@ -196,7 +199,7 @@ class CachedPointQuery final : public BoneStructure {
     return {closest, m_surface.side(point, closest)};
   }
 
-  /// Takes the answer from a begun search among the node's candidates, if they are enough to tell.
+  /// Takes the answer from a search among the node's candidates that was begun, if the candidates suffice.
   bool answer_from_candidates(const NodeQuery& query, NodeCache& cache, CandidateSearch& begun, Answer& answer) const {
     const ClosestCandidate found = m_surface.finish_candidate_search(cache.candidates, query.distance_outside_m, begun);
     if (found.clearance_m > 0) {
@@ -210,7 +213,7 @@ class CachedPointQuery final : public BoneStructure {
     return found.certain;
   }
 
-  /// Lists candidates about the query point, if it is near the surface for certain, and takes the answer from them.
+  /// Lists candidates around the query point if it is certainly near the surface, and takes the answer from them.
   bool answer_from_new_candidates(const NodeQuery& query, NodeCache& cache, Answer& answer) const {
     const double bound_m = cache.triangle < 0 ? unknown_m : m_surface.distance_m(query.point, cache.triangle);
     if (bound_m < m_surface.near_m()) {
@@ -224,7 +227,7 @@ class CachedPointQuery final : public BoneStructure {
     return answer_from_candidates(query, cache, begun, answer);
   }
 
-  /// From the cheapest source to the most expensive: candidates, clearance grid, new candidates, clearance, full
+  /// Tries sources from the cheapest to the most expensive: candidates, clearance grid, new candidates, clearance, full
   /// search. `begun` is the search among the candidates, if there are any.
   Answer query_with_cache(const NodeBatch& batch, const NodeQuery& query, CandidateSearch& begun) {
     NodeCache& cache = cache_of(query.node);
@@ -237,8 +240,8 @@ class CachedPointQuery final : public BoneStructure {
     if (query.has_candidates && m_surface.is_outside(query.point, answer.side.clearance_m)) {
       return answer;
     }
-    // A node that leaves a large safe sphere was far from the surface: a lower bound of the distance may do, which is
-    // cheaper than a list.
+    // A node that leaves a large safe sphere was far from the surface. A lower bound of the distance may then suffice,
+    // which is cheaper than a list.
     const bool stays_near = batch.clearances->radius_m(batch.bone, query.node) < m_surface.near_m();
     if (stays_near && builds_list && answer_from_new_candidates(query, cache, answer)) {
       return answer;
@@ -268,7 +271,7 @@ class CachedPointQuery final : public BoneStructure {
 
   Surface m_surface;
   std::vector<NodeCache> m_node_caches;  ///< by node
-  std::vector<Vec3> m_exit_points;       ///< by node: where the last contact leads, rest frame
+  std::vector<Vec3> m_exit_points;       ///< by node: the surface point to which the last contact leads, rest frame
 };
 
 }  // namespace musclebench

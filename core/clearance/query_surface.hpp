@@ -7,37 +7,37 @@
 
 namespace musclebench {
 
-/// Which side of a surface a point is on.
+/// The side of a surface on which a point is.
 struct PointSide {
   bool inside = false;
-  double clearance_m = 0;  ///< of a point outside: radius of a sphere about it that holds nothing inside; 0: unknown
+  double clearance_m = 0;  ///< for a point outside: radius of a sphere around it that is all outside; 0: unknown
 };
 
-/// What CachedPointQuery needs to know about the surface of one bone. Points are in the bone's rest frame, lengths in
-/// metres, triangles are indices. Everything is const and safe from several threads; a `CandidateSearch` belongs to one
-/// query at a time. `ClosestPoint::point` may be in any frame: it is only handed back.
+/// The operations that CachedPointQuery needs from the surface of one bone. Points are in the bone's rest frame, in
+/// metres. Triangles are indices. All operations are const and safe from several threads. One query at a time uses a
+/// `CandidateSearch`. `ClosestPoint::point` may be in any frame, because it is only passed back.
 ///
-/// - `is_outside(point, clearance_m)`: a cheap test without a search. True only for a point that is outside for
-///   certain, with `clearance_m` as in PointSide; true with 0 for a point that is not finite.
-/// - `closest(point, triangle)`: the closest point of the surface; of several triangles at the same distance the one
-///   with the smallest index. A `triangle` near the point makes the search faster and changes no bit of the answer; -1:
-///   none is known.
+/// - `is_outside(point, clearance_m)`: a cheap test without a search. True only if the point is certainly outside. It
+///   then sets `clearance_m` as in PointSide. For a point that is not finite it returns true and sets 0.
+/// - `closest(point, triangle)`: the closest point of the surface. Of several triangles at the same distance it takes
+/// the
+///   smallest index. `triangle` is one near the point, or -1. It makes the search faster and changes no bit.
 /// - `clearance(point, triangle)`: a lower bound of the distance, cheaper than `closest`.
-/// - `distance_m(point, triangle)`: the distance of one triangle.
-/// - `side(point, closest)`: the side of a point, given its closest point.
-/// - `outward(point, closest)`: unit normal out of the surface at the closest point of a point inside.
-/// - `touching_m()`: no point closer to the surface than this counts as inside.
-/// - `bytes()`: of what it holds.
+/// - `distance_m(point, triangle)`: the distance to one triangle.
+/// - `side(point, closest)`: the side of a point. `closest` is its closest point.
+/// - `outward(point, closest)`: the unit normal out of the surface at the closest point of a point inside.
+/// - `touching_m()`: a point closer to the surface than this never counts as inside.
+/// - `bytes()`: memory of the surface.
 /// - `near_m()`: candidate lists pay off for points closer to the surface than this.
 ///
-/// A `CandidateList` holds the triangles near one location (a Verlet list): `empty()` after `clear()`.
+/// A `CandidateList` holds the triangles near one location (a Verlet list). After `clear()` it is `empty()`.
 ///
-/// - `list_candidates(point, bound_m, list)`: lists what is near `point`, whose distance is at most `bound_m`.
-/// - `begin_candidate_search(point, list, search)`, then `finish_candidate_search(list, enough_m, search)`: the closest
-///   point among the candidates, and whether it is certainly the closest of all; or only a lower bound of the distance,
-///   where that exceeds `enough_m`. In two parts, so that the memory accesses of several queries overlap.
-/// - `prefetch(point, list)`: begins to load what a query at `point` needs first: the candidates of `list`, or what
-///   `is_outside` reads where the list is empty.
+/// - `list_candidates(point, bound_m, list)`: lists the triangles near `point`. Its distance is at most `bound_m`.
+/// - `begin_candidate_search(point, list, search)`, then `finish_candidate_search(list, enough_m, search)`: finds the
+///   closest point among the candidates, and whether it is certainly the closest of all. If the distance certainly
+///   exceeds `enough_m`, it may return only a lower bound. The two parts let the memory accesses of queries overlap.
+/// - `prefetch(point, list)`: starts loading the memory that a query at `point` reads first. That is the candidates of
+///   `list`, or the memory of `is_outside` if the list is empty.
 template <typename Surface>
 concept QuerySurface = requires(const Surface& surface, const Vec3& point, const ClosestPoint& closest, int triangle,
                                 double length_m, double& clearance_m, typename Surface::CandidateList& list,

@@ -16,54 +16,58 @@
 
 namespace musclebench {
 
-/// Called repeatedly with the share that is done.
+/// A function that long work calls repeatedly. `share` is the part done, 0 to 1.
 using ShareReport = std::function<void(double share)>;
 
-/// The structure that a backend has built over one bone, ready to be written.
+/// A structure that a backend built over one bone, ready to be written to a file. Errors are in metres, compared with
+/// the exact distance at `samples` points near the bone's surface.
 struct BuiltStructure {
-  std::string cells;  ///< for people: how many there are and how large
+  std::string cells;  ///< number and size of the cells, in words
   std::size_t bytes = 0;
-  double p99_error_m = 0;  ///< at samples near the bone's surface
+  double p99_error_m = 0;  ///< 99th percentile
   double largest_error_m = 0;
   std::int64_t samples = 0;
-  std::function<void(const std::filesystem::path& out)> write;
+  std::function<void(const std::filesystem::path& out)> write;  ///< writes the file; throws InputError if it can't
 };
 
-/// How a backend's structure over one bone is written to a file that other programs read (`musclebench field`).
+/// Writes a backend's structure over one bone to a file that other programs read (`musclebench field`).
 struct StructureExport {
-  std::string formats = {};  ///< for help: the endings that a file may have, and which parameters they fit
-  /// Throws InputError where the parameters can't be exported or the ending of `out` does not fit them.
+  std::string formats = {};  ///< for help: the allowed endings of a file, and the parameters that they require
+  /// Throws InputError if the parameters cannot be exported, or if the ending of `out` does not fit them.
   std::function<void(const Parameters& parameters, const std::filesystem::path& out)> require_fit;
   std::function<BuiltStructure(const Bone& bone, const Parameters& parameters, int threads, const ShareReport& report)>
       build;
 
+  /// Whether the backend can write its structure.
   [[nodiscard]] explicit operator bool() const { return build != nullptr; }
 };
 
-/// The signed distance of a point in one bone's rest frame, in metres, negative inside. Called by several threads at
-/// once.
+/// A function that returns the signed distance of a point in the rest frame of one bone. It is in metres, negative
+/// inside. Several threads call it at once.
 using SignedDistance = std::function<double(const Vec3& point)>;
 
-/// A backend's row in the table of backends. It has one name everywhere: folder, target, `--backend`, CSV, legend.
+/// A backend's row in the table of backends: what `list` prints, and the functions that make the backend. A folder
+/// `NAME` defines `BackendEntry NAME_entry()` in namespace musclebench.
 struct BackendEntry {
-  std::string name;
-  std::string help;
-  /// Whose code it is: a library with its version, or this project, and after whose method.
+  std::string name;  ///< the same in folder, target, `--backend`, CSV and legend
+  std::string help;  ///< one line
+  /// Whose code it is, for `list`: a library with its version, or this project and the source of the method.
   std::string implementation = {};
   ResponseKind default_response = ResponseKind::project;
-  /// With its default parameters only rounding lies between its answers and the truth. The first exact one of the
-  /// table drives what others are compared with.
+  /// With default parameters its answers are exact up to rounding. The first exact backend of the table computes the
+  /// reference for the others.
   bool exact = false;
   std::vector<ParameterSpec> parameters = {};
-  /// With these it answers about single points (Capabilities::point_queries), where with its defaults it does not.
+  /// Values that turn on `Capabilities::point_queries`, if the defaults lack it.
   std::map<std::string, ParameterValue> for_points = {};
+  /// Makes the backend. May throw InputError for a combination of parameters that it does not support.
   std::function<std::unique_ptr<CollisionBackend>(const Parameters&)> make = nullptr;
-  /// Of an exact one, over one bone, which outlives the answer: what `verify` compares.
+  /// For an exact backend: builds the signed distance over one bone, which must outlive it. `verify` compares it.
   std::function<SignedDistance(const Bone& bone, int threads)> signed_distance = nullptr;
-  /// Empty for a backend that can't follow a surface that deforms.
+  /// Makes a detector of contacts between muscles. Empty if the backend cannot follow deforming surfaces.
   MakeMuscleContactDetector make_muscle_detector = nullptr;
   StructureExport structure_export = {};
-  std::string study = {};  ///< the text of its study.toml; empty: none
+  std::string study = {};  ///< the text of its study.toml; the build fills it in
 };
 
 }  // namespace musclebench

@@ -16,18 +16,18 @@
 
 namespace musclebench {
 
-/// One node of a muscle found inside another muscle. There is at most one contact a node and other muscle. Both sides
-/// move: the closest triangle against the normal, the node along it (rows_of, ContactRowSolver).
+/// A node of one muscle that was found inside another muscle. There is at most one contact for each node and other
+/// muscle. The node moves along the normal, the closest triangle against it, each by its share of inverse mass.
 struct MuscleContact {
   int node = 0;
-  int muscle = 0;               ///< the other one, an index of the scene's bodies
-  int triangle = 0;             ///< its closest one, of the mesh of all muscles
-  Vec3 weights = Vec3::Zero();  ///< barycentric coordinates of the closest point in it: positive or 0, the sum is 1
-  double depth_m = 0;           ///< distance to the closest point, > 0
-  Vec3 normal = Vec3::UnitZ();  ///< unit, world frame, from the node to the closest point: out of the other muscle
+  int muscle = 0;               ///< the other muscle, an index of the scene's bodies
+  int triangle = 0;             ///< the closest triangle of the other muscle, an index of the mesh of all muscles
+  Vec3 weights = Vec3::Zero();  ///< barycentric coordinates of the closest point: each >= 0, the sum is 1
+  double depth_m = 0;           ///< distance from the node to the closest point, > 0
+  Vec3 normal = Vec3::UnitZ();  ///< unit vector in the world frame, from the node to the closest point
 };
 
-/// Two muscles that touch each other: indices of the scene's bodies, the smaller one first.
+/// Two muscles that may touch each other: indices of the scene's bodies, the smaller first.
 struct MusclePair {
   int first = 0;
   int second = 0;
@@ -36,22 +36,23 @@ struct MusclePair {
   friend auto operator<=>(const MusclePair&, const MusclePair&) = default;
 };
 
-/// Time of one pair in a detector's last detection: queries of the nodes of either muscle against the other, summed
-/// over threads. Refitting and clearances serve all pairs and are in none.
+/// The time of one pair in a detector's last detection, summed over threads. It covers the queries of the nodes of each
+/// muscle against the other. Work for all pairs together, such as refitting, is not included.
 struct PairTime {
   MusclePair muscles;
   Nanoseconds detect_ns = 0;
 };
 
-/// The muscles and pairs that a detector of contacts between muscles is made for.
+/// The muscles and pairs for which a detector is made.
 struct TouchingMuscles {
-  const TriangleMesh& mesh;  ///< of all muscles, at rest; outlives the detector
-  std::vector<Body> bodies;
-  std::vector<MusclePair> pairs;  ///< ascending, no pair twice
+  const TriangleMesh& mesh;       ///< of all muscles, at rest, in metres; must outlive the detector
+  std::vector<Body> bodies;       ///< the muscles, in the order of their nodes
+  std::vector<MusclePair> pairs;  ///< ascending, each pair once
 };
 
-/// Finds the nodes of muscles that lie inside other muscles, while all of them deform. Surfaces are closed
-/// (a scene's reader sees to it). May use several threads, with the same result for any number.
+/// Finds the nodes of muscles that are inside other muscles, while all muscles deform. The surfaces must be closed; the
+/// reader of scenes checks that. Calls come from one thread. A call may use several threads, but the result must not
+/// depend on their number.
 class MuscleContactDetector {
  public:
   MuscleContactDetector() = default;
@@ -59,32 +60,33 @@ class MuscleContactDetector {
   MuscleContactDetector& operator=(const MuscleContactDetector&) = delete;
   virtual ~MuscleContactDetector() = default;
 
-  /// Finds the contacts of the pairs at `positions` (of all nodes, world frame, m), into `contacts`, which is
-  /// overwritten: ordered by node, then by the other muscle.
+  /// Finds the contacts of all pairs. `positions` has each node's position in the world frame, in metres. Overwrites
+  /// `contacts` with the result, ordered by node and then by the other muscle.
   virtual void detect(std::span<const Vec3> positions, std::vector<MuscleContact>& contacts) = 0;
 
-  /// In the order of `TouchingMuscles::pairs`.
+  /// The times of the last detection, in the order of `TouchingMuscles::pairs`.
   [[nodiscard]] virtual std::span<const PairTime> pair_times() const = 0;
 
-  /// Of its structures, counted from their sizes, without the input meshes.
+  /// Memory of the detector's structures without the input meshes, counted from sizes.
   [[nodiscard]] virtual std::size_t structure_bytes() const = 0;
 };
 
-/// Makes a backend's detector; empty for a backend that can't follow a surface that deforms.
+/// Makes a backend's detector. It may use `threads` threads. Empty if the backend cannot follow deforming surfaces.
 using MakeMuscleContactDetector = std::function<std::unique_ptr<MuscleContactDetector>(
     const Parameters& parameters, const TouchingMuscles& muscles, int threads)>;
 
-/// The contact of a node at `point` whose closest point on the other muscle is known.
+/// Makes the contact of a node at `point`, given its closest point on another muscle. `corners` are those of
+/// `triangle`, in the world frame, in metres. The node must be inside.
 MuscleContact muscle_contact_at(int node, int muscle, const Vec3& point, int triangle,
                                 const std::array<Vec3, 3>& corners, const ClosestOnTriangle& closest);
 
-/// All muscles that touch the one at `index`, ascending.
+/// The indices of all muscles that are in a pair with muscle `index`, ascending.
 std::vector<int> muscles_beside(std::span<const MusclePair> pairs, int index);
 
-/// Index in `pairs` of two muscles that touch, in either order.
+/// The index in `pairs` of the pair of two muscles, given in either order. The pair must exist.
 std::size_t pair_index(std::span<const MusclePair> pairs, int one, int other);
 
-/// A time of 0 for each pair.
+/// A list with a time of 0 for each pair.
 std::vector<PairTime> no_times(std::span<const MusclePair> pairs);
 
 }  // namespace musclebench

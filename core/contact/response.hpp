@@ -12,69 +12,74 @@
 
 namespace musclebench {
 
-/// How a node inside a bone is moved out.
+/// The method that moves a node out of a bone.
 enum class ResponseKind {
-  /// Back from p towards x, step by step, until free; a node whose x is inside too follows the bone (paper, II-A and
-  /// III-B).
+  /// Moves the node back from its predicted position p towards its previous position x, step by step, until it is free.
+  /// A node whose x is inside as well follows the bone (paper, II-A and III-B).
   backtrack,
-  /// Along the contact normal by the depth, until the depth is gone or so many steps are done (paper, IV-A: three).
+  /// Moves the node along the contact normal by the depth. Repeats until no depth is left or the steps are used up
+  /// (paper, IV-A: three steps).
   project,
 };
 
-/// Detections, and corrections by them, of the response `project`.
+/// The default number of steps of the response `project`. A step is a detection and a correction.
 inline constexpr int default_projection_steps = 3;
 
-/// How the nodes of a muscle are moved out of a bone.
+/// The response to contacts of one muscle with one bone.
 struct BoneResponse {
   ResponseKind kind = ResponseKind::project;
-  int steps = default_projection_steps;  ///< of projecting, at most; >= 1
+  int steps = default_projection_steps;  ///< largest number of steps of `project`; >= 1
 
   friend bool operator==(const BoneResponse&, const BoneResponse&) = default;
 };
 
-/// One row of the table of responses.
+/// A row of the table of responses: a kind with its name and a line of help.
 struct ResponseEntry {
   ResponseKind kind;
   std::string name;
   std::string help;
 };
 
+/// The table of responses. Safe from several threads, as are the functions below.
 const std::vector<ResponseEntry>& response_registry();
 
+/// The name of a response, as in scene files.
 const std::string& name_of(ResponseKind kind);
 
-/// The response of that name. Throws InputError that names `location` for an unknown one.
+/// The response of that name. Throws InputError that names `location` if the name is unknown.
 ResponseKind find_response(std::string_view name, std::string_view location);
 
-/// What a backend with these capabilities lacks for a response; empty: nothing.
+/// What a response needs and a backend with these capabilities lacks, in words. Empty if it lacks nothing.
 std::string_view lacks_for(ResponseKind kind, const Capabilities& capabilities);
 
-/// State of the substep that a response reads.
+/// The state of a substep that a response reads. Positions are in metres in the world frame.
 struct ResponseInput {
-  std::span<const Vec3> substep_start;               ///< x: positions at the start of the substep, world
+  std::span<const Vec3> substep_start;               ///< x: positions at the start of the substep, by node
   std::span<const RigidMotion> previous_bone_poses;  ///< the poses that x was computed with
   std::span<const RigidMotion> bone_poses;           ///< the poses that contacts were found with
 };
 
-/// Corrects `predicted` (p) so that it leaves the bones. Corrections by several bones are added (paper, IV-C); those of
-/// all bones start from the same p, whatever their kinds.
+/// Moves the predicted positions p of nodes out of bones. The corrections by several bones are added (paper, IV-C). All
+/// start from the same p. Keeps scratch memory, so two threads must not share one object.
 class Response {
  public:
-  /// The same for all bones.
+  /// One response for all bones. `steps` is used by `project` only.
   Response(ResponseKind kind, int steps = default_projection_steps)  // NOLINT(google-explicit-constructor)
       : Response(std::vector{BoneResponse{kind, steps}}) {}
-  /// One for all, one a bone, or, of several muscles, one a muscle and bone: those of the first muscle with all bones,
-  /// then those of the next.
+  /// `of_pairs` has one response for all, one for each bone, or one for each muscle and bone. In the last case the
+  /// first muscle comes with all bones, then the second muscle, and so on. `muscles` is needed in that case only.
   explicit Response(std::vector<BoneResponse> of_pairs, std::vector<Body> muscles = {});
 
-  /// From now on a node that is to be projected out of bones goes to the closest position outside the tangent planes of
-  /// all that detections have met, instead of along the sum of their pushes; at most so many detections a step.
+  /// Changes how `project` treats a node that is in several bones. Instead of adding the corrections, it moves the node
+  /// to the closest position outside all tangent planes found so far (`least_displacement`). `steps` is the largest
+  /// number of detections in a collision step.
   void project_out_of_all(int steps) { m_joint_steps = steps; }
 
-  /// Makes room for all that `nodes` nodes and `bones` bones can need: `resolve` then allocates nothing.
+  /// Allocates the memory for `nodes` nodes and `bones` bones. `resolve` then allocates nothing.
   void reserve(std::size_t nodes, std::size_t bones);
 
-  /// `contacts` are those of the last detection at `predicted`, ordered by bone, then node.
+  /// Corrects `predicted`, which has a position for each node. `contacts` must be the result of the last detection at
+  /// `predicted`, ordered by bone and then by node. Calls `backend.detect` for further steps.
   void resolve(CollisionBackend& backend, const ResponseInput& input, std::span<const Contact> contacts,
                std::span<Vec3> predicted);
 
@@ -93,18 +98,18 @@ class Response {
   std::vector<BoneResponse> m_of_pairs;
   std::vector<Body> m_muscles;
   int m_most_steps = 0;
-  int m_joint_steps = 0;  ///< 0: pushes are added
+  int m_joint_steps = 0;  ///< 0: corrections are added
   // Scratch memory, kept so that a frame allocates nothing.
-  std::vector<Contact> m_backtracked;  ///< contacts of this kind, where pairs differ
+  std::vector<Contact> m_backtracked;  ///< contacts of this kind, if pairs differ
   std::vector<Contact> m_projected;
   std::vector<Contact> m_contacts;
   std::vector<int> m_nodes;
   std::vector<Vec3> m_trial;
   std::vector<Vec3> m_corrections;
-  // Of nodes that are projected out of all bones together, in the order of their first contacts.
+  // For nodes that are projected out of all bones together, in the order of their first contacts.
   std::vector<int> m_joint_index;        ///< by node
   std::vector<Vec3> m_joint_start;       ///< p before the response
-  std::vector<HalfSpace> m_half_spaces;  ///< one a bone, about the start; depth -infinity: not met yet
+  std::vector<HalfSpace> m_half_spaces;  ///< one for each bone, relative to the start; depth -infinity: not met yet
 };
 
 }  // namespace musclebench

@@ -6,13 +6,13 @@
 
 namespace musclebench {
 
-/// Where structures come from: they were built, or found in a folder where an earlier build has kept them.
+/// Where a backend's structures come from: this process built them, or read them from files of an earlier build.
 struct StructureOrigin {
   bool is_from_file = false;
-  /// What that build took, where it is noted beside what it kept; the time of loading says nothing about it.
+  /// Duration of the earlier build, if the files contain it. The time of loading says nothing about it.
   std::optional<Nanoseconds> kept_build_ns = {};
 
-  /// Of structures that only together do: from files where all are.
+  /// The origin of two structures that are needed together. They are from files only if both are.
   [[nodiscard]] StructureOrigin with(const StructureOrigin& other) const {
     const bool are_both = is_from_file && other.is_from_file;
     const bool are_timed = are_both && kept_build_ns && other.kept_build_ns;
