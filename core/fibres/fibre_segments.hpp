@@ -7,13 +7,13 @@
 
 namespace musclebench {
 
-/// A straight segment of a muscle fibre in the muscle's rest pose, in metres.
+/// A straight segment of a muscle fibre in the rest pose of the muscle, in metres.
 struct FibreSegment {
   Vec3 start = Vec3::Zero();
   Vec3 end = Vec3::Zero();
 };
 
-/// Inline: each edge of a muscle asks for its distance to each segment.
+/// The squared distance from a point to a segment, in m2. Inline, because each edge of a muscle asks for each segment.
 inline double squared_distance(const FibreSegment& segment, const Vec3& point) {
   const Vec3 along = segment.end - segment.start;
   const double length2 = along.squaredNorm();
@@ -21,11 +21,12 @@ inline double squared_distance(const FibreSegment& segment, const Vec3& point) {
   return (segment.start + t * along - point).squaredNorm();
 }
 
-/// Fibres along the surface from an origin area to an insertion area: the direction field is the gradient of the
-/// harmonic function that is 0 on `origin` and 1 on `insertion` (Choi and Blemker 2013 reconstruct fascicles from such
-/// a field), here solved on the surface with cotangent weights. One segment a triangle, evenly thinned to at most
-/// `most_segments`; triangles on which the function is constant (inside the areas) have none. Empty when an area has no
-/// nodes or the surface does not connect them.
+/// Computes fibres along a muscle's surface from an origin area to an insertion area. Both are lists of node indices.
+///
+/// The fibres follow the gradient of the harmonic function that is 0 on `origin` and 1 on `insertion`. Choi and Blemker
+/// 2013 reconstruct fascicles from such a field. Here it is solved on the surface with cotangent weights. Each triangle
+/// gives one segment, except where the function is constant, inside the areas. The segments are thinned evenly to at
+/// most `most_segments`. The result is empty if an area has no nodes, or if the surface does not connect the areas.
 std::vector<FibreSegment> fibres_between(const TriangleMesh& muscle, const std::vector<int>& origin,
                                          const std::vector<int>& insertion, int most_segments);
 

@@ -11,20 +11,21 @@
 
 namespace musclebench {
 
-/// Input and output of a contact stage: all nodes, world frame, m.
+/// The input and output of a contact stage. Positions are those of all nodes, in the world frame, in metres.
 struct ContactStageInput {
   std::span<Vec3> start;      ///< x: positions at the start of the substep
   std::span<Vec3> predicted;  ///< p, after the constraints
   std::span<const int> free_nodes;
   std::span<const RigidMotion> previous_bone_poses;  ///< the poses that x was computed with
   std::span<const RigidMotion> bone_poses;
-  std::span<const Contact> contacts;  ///< with bones, as they were found at p; none before the bones
-  /// How far what overlaps as the run begins is laid out in this step at most (ContactRowSolver).
+  std::span<const Contact> contacts;  ///< contacts with bones, found at p; empty in `before_bones`
+  /// How far a node that overlapped at the start of the run may be moved out in this step, at most, m.
   double depenetration_m = std::numeric_limits<double>::infinity();
 };
 
-/// A part of the collision step besides the backend's detection and the response; like an effect it has a name and a
-/// column of its own. At each of the points of the step below, stages run in the order that they were added in.
+/// An additional part of the collision step, such as contact between muscles. Derive from it and override what you
+/// need. The loop calls the functions below at fixed points of the step, from one thread. Stages run in the order in
+/// which they were added.
 class ContactStage {
  public:
   ContactStage() = default;
@@ -32,24 +33,24 @@ class ContactStage {
   ContactStage& operator=(const ContactStage&) = delete;
   virtual ~ContactStage() = default;
 
-  /// Its column in frames.csv is this with `_ns`.
+  /// The name of the stage. Its column in frames.csv is this name with `_ns`.
   [[nodiscard]] virtual std::string_view name() const = 0;
 
-  // Each of these may correct `predicted`, and `start` where a correction is to give no velocity, and returns the nodes
-  // that it may have moved, valid until the next call.
+  // These two may correct `predicted`. They correct `start` as well if the correction must not give the node a
+  // velocity. They return the nodes that they may have moved. The span is valid until the next call.
 
-  /// After the constraints, before the bone response: bones are rigid and have the last word.
+  /// After the constraints and before the bone response. Bones are rigid, so their response comes later and wins.
   virtual std::span<const int> before_bones(const ContactStageInput& /*input*/) { return {}; }
   /// After the bone response.
   virtual std::span<const int> after_bones(const ContactStageInput& /*input*/) { return {}; }
 
-  /// After the backend's detection: may add contacts with bones or change depths. Contacts stay ordered by bone, then
-  /// node, at most one a node and bone.
+  /// After the backend's detection. May add contacts with bones or change depths. Keep contacts ordered by bone and
+  /// then by node, with at most one for each node and bone.
   virtual void add_contacts(const ContactStageInput& /*input*/, std::vector<Contact>& /*contacts*/) {}
-  /// After all contacts are known; moves nothing.
+  /// After all contacts are known and before the response. Moves nothing.
   virtual void before_response(const ContactStageInput& /*input*/) {}
 
-  /// How many contacts the last step found, or nodes it acted on.
+  /// The number of contacts that the last step found, or of nodes that it acted on.
   [[nodiscard]] virtual int contact_count() const = 0;
 };
 

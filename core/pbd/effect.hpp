@@ -9,14 +9,14 @@
 
 namespace musclebench {
 
-/// What effects may depend on in a substep.
+/// The input of effects in a substep.
 struct SubstepInput {
   double time_step_s = 0;
-  std::span<const RigidMotion> bone_poses;
-  double time_s = 0;  ///< at the end of the substep, from the start of the run
+  std::span<const RigidMotion> bone_poses;  ///< by bone, from the rest frame to the world frame
+  double time_s = 0;                        ///< at the end of the substep, from the start of the run
 };
 
-/// One physical effect of a scene. It exists only in scenes that name it.
+/// A physical effect of a scene: a force or constraints. Derive from it to add an effect to a Simulation.
 class Effect {
  public:
   Effect() = default;
@@ -24,17 +24,19 @@ class Effect {
   Effect& operator=(const Effect&) = delete;
   virtual ~Effect() = default;
 
-  /// The name in scene files and in the columns of the profile.
+  /// The name of the effect in scene files, and of its column in frames.csv.
   [[nodiscard]] virtual std::string_view name() const = 0;
 
-  // Every thread of `team` makes these calls, and does its share. The result is the same to the bit for any team.
+  // Every thread of `team` calls these functions at once and does its share. The bits of the result must not depend on
+  // the size of the team.
 
-  /// Called once a substep, before the prediction: external forces change `velocities`, a row each of `rows`.
+  /// Called once in each substep, before the prediction. Forces change `velocities` (m/s), which has a row for each of
+  /// `rows`.
   virtual void apply_force(const NodeRows& /*rows*/, std::span<NodeRow> /*velocities*/, const SubstepInput& /*input*/,
                            const Team& /*team*/) {}
 
-  /// Called once a solver iteration: constraints are projected, that is, correct the predicted positions. The caller
-  /// waits for the team before and afterwards.
+  /// Called once in each solver iteration. Constraints correct the predicted positions in `rows` (m). The caller waits
+  /// for the team before and after the call.
   virtual void project(NodeRows& /*rows*/, const SubstepInput& /*input*/, const Team& /*team*/) {}
 };
 

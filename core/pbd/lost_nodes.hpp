@@ -14,24 +14,26 @@
 
 namespace musclebench {
 
-/// Finds the nodes that are beyond the limits of motion. Of every node and substep a quick comparison tells that it is
-/// not; only where that fails are nodes measured.
+/// Finds nodes that exceed the limits of motion. A quick test clears nearly every node. Only the others are measured.
+/// Threads may call the const functions and measure different nodes at once.
 class LostNodes {
  public:
+  /// `start` has the initial positions of all nodes, m.
   explicit LostNodes(std::span<const Vec3> start);
 
   void set_limits(const MotionLimits& limits);
   [[nodiscard]] const MotionLimits& limits() const { return m_limits; }
 
-  /// Enough to tell that a node is within its range; false for what is no number.
+  /// A quick test. True: the node is within its range. False: unknown, or the position is not a number.
   [[nodiscard]] bool is_near(const NodeRow& position) const { return sum_of_moduli(position - m_centre) <= m_near_m; }
-  /// Enough to tell that a move is within its limit.
+  /// A quick test. True: the displacement is within its limit. False: unknown.
   [[nodiscard]] bool is_small(const NodeRow& move) const { return sum_of_moduli(move) <= m_limits.move_m; }
 
+  /// The exact tests. A value that is not a number exceeds any limit.
   [[nodiscard]] bool is_out_of_range(int node, const Vec3& position) const;
   [[nodiscard]] bool is_too_far(const Vec3& move) const;
 
-  // Threads may measure at the same time, each nodes of its own.
+  /// Adds the node to the lost ones if its position or displacement exceeds a limit.
   void measure_position(int node, const Vec3& position) {
     if (is_out_of_range(node, position)) add(node);
   }
@@ -39,7 +41,7 @@ class LostNodes {
     if (is_too_far(move)) add(node);
   }
 
-  /// The first by its number of those that were found since `clear`: the same for any number of threads.
+  /// The lost node with the smallest index since `clear`. It does not depend on the number of threads.
   [[nodiscard]] std::optional<int> first() const;
   [[nodiscard]] bool any() const { return m_first.load(std::memory_order_relaxed) != none; }
   void clear() { m_first = none; }
@@ -47,7 +49,7 @@ class LostNodes {
  private:
   static constexpr int none = INT_MAX;
 
-  /// At least the length.
+  /// An upper bound of the length.
   static double sum_of_moduli(const NodeRow& vector) {
     return std::abs(vector.x) + std::abs(vector.y) + std::abs(vector.z);
   }
@@ -55,8 +57,8 @@ class LostNodes {
 
   std::vector<Vec3> m_start;  ///< by node
   MotionLimits m_limits;
-  NodeRow m_centre;  ///< of the box around all starts
-  double m_near_m;   ///< what is as near to it is within the range of every node
+  NodeRow m_centre;  ///< centre of the box around all initial positions
+  double m_near_m;   ///< a position this close to the centre is within the range of every node
   std::atomic<int> m_first = none;
 };
 

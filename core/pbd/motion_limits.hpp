@@ -4,11 +4,12 @@
 
 namespace musclebench {
 
-/// Beyond these a node is lost, and so is one whose position is no number: the simulation has diverged.
+/// Limits of a node's motion. A node beyond a limit is lost, and so is a node whose position is not a number: the
+/// simulation has diverged.
 struct MotionLimits {
-  /// From where the node started, m.
+  /// Largest distance from the node's initial position, m.
   double range_m = std::numeric_limits<double>::infinity();
-  /// Of a free node in one substep, m.
+  /// Largest displacement of a free node in one substep, m.
   double move_m = std::numeric_limits<double>::infinity();
 };
 

@@ -8,12 +8,14 @@
 
 namespace musclebench {
 
-/// The row (`NodeRows`) of each node: body by body, along the longest side of the box around it. Neighbours are then
-/// near each other in memory, however the mesh numbers them, and ranges of consecutive rows share few constraints.
+/// Maps each node to its row in `NodeRows`. Rows are sorted by body, and then along the longest side of the body's box.
+/// Neighbours are then close in memory for any numbering of the mesh, and ranges of rows share few constraints. Queries
+/// are safe from several threads.
 class NodeOrder {
  public:
   NodeOrder() = default;
-  /// `bodies` are in the order of their nodes and have all of them.
+  /// `positions` are those of all nodes, in metres. `bodies` must be in the order of their nodes and contain all of
+  /// them.
   NodeOrder(std::span<const Vec3> positions, std::span<const Body> bodies);
 
   [[nodiscard]] std::size_t size() const { return m_rows.size(); }

@@ -9,8 +9,8 @@
 
 namespace musclebench {
 
-/// A node's position, world frame, m, and inverse mass, or its velocity, m/s, and 0. Four doubles, so that the nodes of
-/// several constraints are loaded row by row and transposed into SIMD lanes.
+/// A node's position (world frame, m) with its inverse mass, or its velocity (m/s) with 0. Four doubles, so that SIMD
+/// code can load rows and transpose them into lanes.
 struct alignas(32) NodeRow {
   double x = 0, y = 0, z = 0;
   double inverse_mass = 0;  ///< 1/kg; 0 for a node that is attached to a bone
@@ -23,21 +23,25 @@ struct alignas(32) NodeRow {
   }
 };
 
+/// The sum of all four components, one by one.
 inline NodeRow operator+(const NodeRow& a, const NodeRow& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z, a.inverse_mass + b.inverse_mass};
 }
+/// The difference of all four components, one by one.
 inline NodeRow operator-(const NodeRow& a, const NodeRow& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z, a.inverse_mass - b.inverse_mass};
 }
+/// All four components times `factor`.
 inline NodeRow operator*(double factor, const NodeRow& a) {
   return {factor * a.x, factor * a.y, factor * a.z, factor * a.inverse_mass};
 }
 
-/// The rows of all nodes, in the order of `NodeOrder`, and one more of inverse mass 0, the padding row, for lanes
-/// without a constraint.
+/// The rows of all nodes in the order of `NodeOrder`, followed by a padding row of inverse mass 0. SIMD lanes without a
+/// constraint use the padding row. Threads may write different rows at once.
 class NodeRows {
  public:
   NodeRows() = default;
+  /// `positions` (m) and `inverse_masses` (1/kg) are by node.
   NodeRows(const NodeOrder& order, std::span<const Vec3> positions, std::span<const double> inverse_masses)
       : m_rows(order.size() + 1) {
     for (std::size_t row = 0; row < order.size(); ++row) {
@@ -47,6 +51,7 @@ class NodeRows {
     }
   }
 
+  /// Number of nodes, without the padding row.
   [[nodiscard]] std::size_t size() const { return m_rows.size() - 1; }
   NodeRow& operator[](std::size_t row) { return m_rows[row]; }
   const NodeRow& operator[](std::size_t row) const { return m_rows[row]; }

@@ -6,7 +6,8 @@
 
 namespace musclebench {
 
-/// The particles (nodes) of a muscle as a simulation begins: one a vertex of its surface, in the world frame.
+/// The particles (nodes) of a muscle at the start of a simulation, one for each vertex of its surface. They are in the
+/// world frame. All three vectors must have the same size.
 struct Particles {
   std::vector<Vec3> positions;         ///< m
   std::vector<Vec3> velocities;        ///< m/s

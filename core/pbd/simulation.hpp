@@ -23,65 +23,68 @@
 
 namespace musclebench {
 
-/// From the first substep of a frame on.
+/// A change of the time step at the first substep of a frame. It holds until the next change.
 struct TimeStepChange {
-  int from_frame;  ///< 1: the first
+  int from_frame;  ///< 1 is the first frame
   double time_step_s;
 };
 
-/// How the shared loop runs. One frame is `substeps` substeps; one substep is one prediction, `iterations` passes over
-/// the constraints, each followed by detection and response, and one velocity update.
+/// The settings of the simulation loop. A frame has `substeps` substeps. A substep is one prediction, `iterations`
+/// passes over the constraints, each followed by detection and response, and one velocity update.
 struct LoopParameters {
   int frames = 1;
-  int rest_frames = 0;  ///< of them the last ones, in which bones stand still where their motion ended
-  /// Before the first frame, with bones standing still and no velocity taken over from one to the next: nodes that the
-  /// meshes have inside a bone or another muscle are laid out of it and are not thrown (Macklin et al. 2014, section
-  /// 4.4, correct positions in the same sense before a step).
+  int rest_frames = 0;  ///< number of last frames in which bones stand still at the end of their motion
+  /// Number of substeps before the first frame. Bones stand still, and no velocity is passed on. They move nodes out of
+  /// bones and other muscles that they overlap in the meshes, without throwing them. Macklin et al. 2014, section 4.4,
+  /// correct positions before a step in the same way.
   int settle_substeps = 0;
-  /// How fast contacts lay out what overlaps bones, their margin or other muscles when the run begins; it takes up no
-  /// speed by that. 0: at once, and bones throw it out, as in the paper.
+  /// How fast nodes are moved out of bones, margins or other muscles that they overlap at the start of the run. They
+  /// gain no speed. 0: at once, and bones throw the nodes out, as in the paper.
   double depenetration_m_per_s = 0;
   int substeps = 1;
   int iterations = 1;
-  double time_step_s = 1e-3;       ///< of one substep, unless the frame is one of those below
-  double node_mass_kg = 1;         ///< of every node, unless a density is given
-  double density_kg_per_m3 = 0;    ///< of the muscle, whose mass its nodes share evenly; 0: use node_mass_kg
-  double start_noise_m = 0;        ///< free nodes start displaced at random, by at most so much along each axis
+  double time_step_s = 1e-3;       ///< duration of a substep, until `time_step_changes` changes it
+  double node_mass_kg = 1;         ///< mass of each node, unless a density is given
+  double density_kg_per_m3 = 0;    ///< density of the muscle, whose nodes share its mass evenly; 0: use node_mass_kg
+  double start_noise_m = 0;        ///< largest random displacement of free nodes along each axis at the start
   bool interpolate_poses = false;  ///< false: bones jump to the frame's pose in its first substep, as in the paper
   std::vector<TimeStepChange> time_step_changes = {};  ///< ascending by frame
 
+  /// Duration of a substep of this frame.
   [[nodiscard]] double time_step_of_s(int frame) const;
-  /// From the start of the run to the end of a substep (1: the first of the frame).
+  /// Simulated time from the start of the run to the end of a substep. The first substep of a frame is 1.
   [[nodiscard]] double time_s(int frame, int substep) const;
 };
 
-/// The time of each stage of one frame.
+/// The wall time of each part of one frame.
 struct StageTimes {
   std::vector<Nanoseconds> effects_ns;  ///< in the order of the simulation's effects
   std::vector<Nanoseconds> stages_ns;   ///< in the order of its contact stages
-  /// Detection by pair: see CollisionBackend::pair_times.
+  /// Detection for each bone and muscle, as in CollisionBackend::pair_times.
   std::vector<Nanoseconds> pairs_ns;
   Nanoseconds predict_ns = 0;
   Nanoseconds update_ns = 0;
   Nanoseconds detect_ns = 0;
   Nanoseconds respond_ns = 0;
   Nanoseconds finish_ns = 0;
-  Nanoseconds frame_ns = 0;      ///< wall time of the frame's loop, without the recording
-  Nanoseconds recording_ns = 0;  ///< taken by the observer
+  Nanoseconds frame_ns = 0;      ///< the whole frame without the observer
+  Nanoseconds recording_ns = 0;  ///< the observer
 
+  /// Time of the collision backend and the response.
   [[nodiscard]] Nanoseconds collision_ns() const { return update_ns + detect_ns + respond_ns; }
 };
 
-/// Input of one collision step of the loop: world frame, metres.
+/// The input of one collision step of the loop. Positions are in the world frame, in metres, by node.
 struct CollisionStep {
   std::span<const Vec3> substep_start;               ///< x
   std::span<const RigidMotion> previous_bone_poses;  ///< the poses that x was computed with
-  std::span<const Vec3> positions;                   ///< p, for which the backend detects contacts
+  std::span<const Vec3> positions;                   ///< p, at which the backend detects contacts
   std::span<const RigidMotion> bone_poses;
   bool last_of_frame = false;
 };
 
-/// Observes the collision steps of the loop. Its time counts as recording, not as the frame's.
+/// Observes the collision steps of the loop. Derive from it to record them. Its time counts as recording and not as
+/// part of the frame. All calls come from one thread.
 class CollisionObserver {
  public:
   CollisionObserver() = default;
@@ -89,14 +92,15 @@ class CollisionObserver {
   CollisionObserver& operator=(const CollisionObserver&) = delete;
   virtual ~CollisionObserver() = default;
 
-  /// Before any contact stage has moved a node: p of the step, after the constraints.
+  /// Called after the constraints, before any contact stage moves a node. `positions` is p.
   virtual void before_stages(std::span<const Vec3> /*positions*/) {}
+  /// Called before the backend detects contacts.
   virtual void before_detection(const CollisionStep& step) = 0;
-  /// The same step, before the response moves any node.
+  /// Called with the same step, before the response moves any node.
   virtual void after_detection(const CollisionStep& step, std::span<const Contact> contacts) = 0;
 };
 
-/// Keeps the last detection of a frame, which the Referee judges.
+/// An observer that copies the last detection of a frame. The Referee judges it.
 class LastDetection final : public CollisionObserver {
  public:
   std::vector<Vec3> substep_start;
@@ -109,59 +113,66 @@ class LastDetection final : public CollisionObserver {
   void after_detection(const CollisionStep& step, std::span<const Contact> detected) override;
 };
 
-/// Poses of all bones at a time in frames: 0 before the first frame, 1 at its end, fractions between.
+/// A function that sets the poses of all bones at a time in frames. 0 is before the first frame, 1 is its end.
+/// Fractions are allowed.
 using PoseFunction = std::function<void(double frame_position, std::vector<RigidMotion>& poses)>;
 
-/// Told the name of what has just moved the nodes of a `Simulation`, to find the cause of a fault: an effect, a contact
-/// stage, or one of these.
+/// A function that is called after each part of the loop that moves nodes, to find the cause of a fault. `mover` is the
+/// name of an effect or a contact stage, or one of the two names below.
 using MoverWatch = std::function<void(std::string_view mover)>;
+/// The mover of the prediction.
 inline constexpr std::string_view moved_by_velocity = "its own velocity";
+/// The mover of the response.
 inline constexpr std::string_view moved_by_response = "the response to contacts with bones";
 
-/// The shared position-based dynamics loop (Mueller et al. 2007): muscles, rigid moving bones, any backend. Muscles
-/// collide with bones; contact stages do the rest, such as contact between muscles.
+/// The position-based dynamics loop (Mueller et al. 2007) that all backends share. It moves muscles among rigid moving
+/// bones. Muscles collide with bones. Contact stages add everything else, such as contact between muscles.
+///
+/// Call it from one thread. To start: construct, `add_stage`, `settle`, then `step_frame` with 1, 2, and so on.
 class Simulation {
  public:
-  /// `backend` has been built and outlives the simulation. Only free nodes, those of an inverse mass above 0, are
-  /// predicted and collide. `effects` were made for `order`. `threads` change the time, and no bit of the result.
+  /// `backend` must have been built, and must outlive the simulation. Only free nodes (inverse mass above 0) are
+  /// predicted and collide. `effects` must have been made for `order`. `threads` changes the time and no bit of the
+  /// result.
   Simulation(const LoopParameters& loop, const Particles& particles, NodeOrder order,
              std::vector<std::unique_ptr<Effect>> effects, CollisionBackend& backend, Response response,
              PoseFunction poses, int threads = 1);
 
-  /// Before the first frame. Stages run in the order that they are added in.
+  /// Call it before the first frame. Stages run in the order in which they are added.
   void add_stage(std::unique_ptr<ContactStage> stage) { m_stages.push_back(std::move(stage)); }
 
-  /// Runs `LoopParameters::settle_substeps`; once, before the first frame and after the last `add_stage`.
+  /// Runs `LoopParameters::settle_substeps`. Call it once, after the last `add_stage` and before the first frame.
   void settle();
 
-  /// Runs frame `frame` (1-based); allocates no memory unless the backend does. `observer`, if given, sees every
-  /// collision step. The returned times are valid until the next frame.
-  ///
-  /// Ends before its last substep where a node is lost or it is stopped.
+  /// Runs frame `frame` (the first is 1). It allocates no memory unless the backend does. `observer`, if given, sees
+  /// every collision step. The returned times are valid until the next frame. The frame ends early if a node is lost or
+  /// if `stop_when` says so.
   const StageTimes& step_frame(int frame, CollisionObserver* observer = nullptr);
 
-  /// From the next frame on. Compared before each collision step, so that nothing searches for contacts of what has
-  /// left the scene, after each contact stage, and at the end of the frame.
+  /// Sets limits of motion from the next frame on. They are tested before each collision step, after each contact stage
+  /// and at the end of the frame. So no backend searches for contacts of a node that left the scene.
   void limit_motion(const MotionLimits& limits) { m_lost.set_limits(limits); }
+  /// The nodes that exceeded the limits.
   [[nodiscard]] const LostNodes& lost() const { return m_lost; }
-  /// Asked before each collision step whether the frame ends here.
+  /// Sets a function that is called before each collision step. If it returns true, the frame ends.
   void stop_when(std::function<bool()> is_stopped) { m_asks_to_stop = std::move(is_stopped); }
   [[nodiscard]] bool was_stopped() const { return m_was_stopped; }
-  /// The last one that was begun, 1-based.
+  /// The last substep that started. The first of a frame is 1.
   [[nodiscard]] int substep() const { return m_substep; }
 
-  /// Called after each part of each iteration. Not while anything is timed.
+  /// Sets a function that is called after each part of each iteration. Do not use it when you measure times.
   void watch_movers(MoverWatch watch) { m_watch = std::move(watch); }
-  /// Where the parts so far have moved the node in this substep, m.
+  /// The predicted position of the node so far in this substep, m, world frame.
   [[nodiscard]] Vec3 predicted(int node) const { return m_rows[m_order.row_of(node)].position(); }
-  /// How far that is from where the substep began, m.
+  /// The displacement of the node since the start of the substep, m.
   [[nodiscard]] Vec3 move(int node) const;
 
-  /// Of all nodes, at the end of the last whole substep, m.
+  /// Positions of all nodes at the end of the last complete substep, m, world frame.
   [[nodiscard]] const std::vector<Vec3>& positions() const { return m_positions; }
+  /// Velocities of all nodes, m/s.
   [[nodiscard]] std::vector<Vec3> velocities() const;
   [[nodiscard]] std::span<const RigidMotion> bone_poses() const { return m_poses; }
-  /// The contacts with bones of the last step: the backend's, and those that stages added.
+  /// The contacts with bones in the last step: those of the backend and those that stages added.
   [[nodiscard]] std::span<const Contact> contacts() const { return m_contacts; }
   [[nodiscard]] std::span<const int> free_nodes() const { return m_free_nodes; }
   [[nodiscard]] std::span<const std::unique_ptr<Effect>> effects() const { return m_effects; }
@@ -191,9 +202,9 @@ class Simulation {
   NodeOrder m_order;
   std::vector<int> m_free_nodes;  ///< ascending
   // By node, for collision.
-  std::vector<Vec3> m_positions;  ///< x: at the start of the substep
-  std::vector<Vec3> m_predicted;  ///< p: corrected by constraints, then by contacts
-  // By row, for all else.
+  std::vector<Vec3> m_positions;  ///< x, at the start of the substep
+  std::vector<Vec3> m_predicted;  ///< p, corrected by constraints, then by contacts
+  // By row, for everything else.
   NodeRows m_start;  ///< x
   NodeRows m_rows;   ///< p
   std::vector<NodeRow> m_velocities;
@@ -205,7 +216,7 @@ class Simulation {
   MoverWatch m_watch;
   LostNodes m_lost;
   StartOverlap m_start_overlap;
-  /// Of what overlaps as the run begins, in the current collision step at most.
+  /// Largest displacement of a node that overlapped at the start of the run, in the current collision step.
   double m_depenetration_m = std::numeric_limits<double>::infinity();
   std::function<bool()> m_asks_to_stop;
   bool m_was_stopped = false;

@@ -9,14 +9,15 @@
 
 namespace musclebench {
 
-/// Nodes that overlap bones, or the skin of a margin, before anything moves. A response lays them out of it as far as
-/// it would, but by no more than a limit a substep, and moves where the substep began with them, so that they take up
-/// no speed (Macklin et al. 2014, "Unified particle physics for real-time applications", section 4.4). It is the same
-/// for every response: what counts is where it moved. What such a node comes in by later is undone whole, as of any
-/// node; a backend that sees it in one step and not in the next must not throw it.
+/// Moves nodes slowly out of bones that they overlap at the start of a run, or out of a bone's margin. The displacement
+/// in a substep is limited. The start position of the substep moves along, so the node gains no speed. Source: Macklin
+/// et al. 2014, "Unified particle physics for real-time applications", section 4.4.
+///
+/// This works for every response, because only the displacement counts. Depth that such a node gains later is removed
+/// at once, as for any other node. Not safe from several threads.
 class StartOverlap {
  public:
-  /// Input of a collision step, all nodes, world frame, m.
+  /// The input of a collision step. Spans over nodes have all nodes, in the world frame, in metres.
   struct Step {
     std::span<const Contact> contacts;  ///< found at p
     std::span<const RigidMotion> previous_bone_poses;
@@ -25,12 +26,12 @@ class StartOverlap {
 
   explicit StartOverlap(std::size_t nodes);
 
-  /// Whether there may be any: nothing else costs any time afterwards.
+  /// Whether there may be such nodes. If not, skip the two calls below.
   [[nodiscard]] bool may_be_any() const { return m_is_first_step || m_are_any; }
 
-  /// Before the response. In the first step of all it finds the nodes.
+  /// Call it before the response. In the first step it finds the nodes.
   void before_response(const Step& step, std::span<const Vec3> start, std::span<const Vec3> predicted);
-  /// After it: limits how far the nodes have left, and moves their `start` along. `most_m`: in this substep.
+  /// Call it after the response. It limits the displacement of the nodes to `most_m` and moves their `start` along.
   void after_response(const Step& step, double most_m, std::span<Vec3> start, std::span<Vec3> predicted);
 
  private:
@@ -39,10 +40,10 @@ class StartOverlap {
   bool m_is_first_step = true;
   bool m_are_any = false;
   std::vector<State> m_state;  ///< by node
-  // Of those that are in contact.
+  // The nodes that are in contact.
   std::vector<int> m_nodes;
-  std::vector<int> m_bones;    ///< of each the first bone that it is in
-  std::vector<Vec3> m_before;  ///< of each p before the response
+  std::vector<int> m_bones;    ///< the first bone that contains the node
+  std::vector<Vec3> m_before;  ///< p before the response
 };
 
 }  // namespace musclebench

@@ -7,28 +7,28 @@
 
 namespace musclebench {
 
-/// Spinning barrier for the threads of a team: each counts its visits in a cache line of its own and reads those of the
-/// others. It spins because a wait is shorter than a system call, and yields the core after a while; at once with more
-/// threads than cores, where who is awaited has no core to run on.
+/// A spinning barrier for the threads of a team. Each thread counts its visits in its own cache line and reads those of
+/// the others. It spins, because a wait is shorter than a system call. After a while it yields the core. With more
+/// threads than cores it yields at once, because the thread that it waits for may need the core.
 class Barrier {
  public:
   explicit Barrier(int threads)
       : m_seats(static_cast<std::size_t>(threads)), m_spins(spins(threads, std::thread::hardware_concurrency())) {}
 
-  /// Looks at another thread's visits before the core is yielded. `cores`: 0 where the system does not tell, which
-  /// counts as enough.
+  /// How often a thread reads another thread's visits before it yields the core. `cores` is 0 if unknown, which counts
+  /// as enough.
   static int spins(int threads, unsigned cores) {
     return cores == 0 || static_cast<unsigned>(threads) <= cores ? spins_before_yielding : 0;
   }
 
-  /// Before a team begins.
+  /// Call it before a team starts.
   void reset() {
     for (Seat& seat : m_seats) {
       seat.visits.store(0, std::memory_order_relaxed);
     }
   }
 
-  /// `visit` counts the calls of this thread, from 1.
+  /// Returns when all `threads` threads have arrived. `visit` counts the calls of this thread, from 1.
   void wait(int thread, int threads, unsigned visit) {
     m_seats[static_cast<std::size_t>(thread)].visits.store(visit, std::memory_order_release);
     for (int other = 0; other < threads; ++other) {
@@ -47,8 +47,8 @@ class Barrier {
   struct alignas(64) Seat {
     std::atomic<unsigned> visits = 0;
   };
-  /// Some 50 us. A thread that yields sooner gets its core back after another process's time slice, of milliseconds: on
-  /// a busy machine each wait would take that long.
+  /// About 50 us. On a busy machine, a thread that yields gets its core back only after another process's time slice,
+  /// which takes milliseconds.
   static constexpr int spins_before_yielding = 1000;
 
   /// Frees resources of the core for its other hardware thread; 10 to 50 ns.
@@ -62,9 +62,10 @@ class Barrier {
   int m_spins;
 };
 
-/// One of the threads that go through the same code together, each with its share of the work.
+/// A member of a team of threads that run the same code, each on its share of the work. Each thread has its own object.
 class Team {
  public:
+  /// A range of indices from `first` to before `last`.
   struct Share {
     std::size_t first = 0;
     std::size_t last = 0;
@@ -75,15 +76,15 @@ class Team {
   Team(int thread, int threads, Barrier& barrier) : m_thread(thread), m_threads(threads), m_barrier(&barrier) {}
 
   [[nodiscard]] bool is_first() const { return m_thread == 0; }
-  /// Consecutive indices of `count`; the shares of all threads make up the whole.
+  /// This thread's range of `count` indices. The ranges of all threads cover all indices without overlap.
   [[nodiscard]] Share share(std::size_t count) const {
     const auto part = [&](int thread) {
       return count * static_cast<std::size_t>(thread) / static_cast<std::size_t>(m_threads);
     };
     return {part(m_thread), part(m_thread + 1)};
   }
-  /// Of a list whose entries are sorted by row, `row_of(entry)`: the entries in this thread's share of all rows. With
-  /// the same shares in all stages a row stays in the cache of one core.
+  /// For a list whose entries are sorted by `row_of(entry)`: the entries whose rows are in this thread's share of all
+  /// rows. If all stages use the same shares, a row stays in the cache of one core.
   template <typename RowOf>
   [[nodiscard]] Share share_by_row(std::size_t count, std::size_t row_count, const RowOf& row_of) const {
     const auto first_from = [&](std::size_t row) {
@@ -102,7 +103,7 @@ class Team {
     const auto [first, last] = share(row_count);
     return {first_from(first), first_from(last)};
   }
-  /// Returns when all threads are here; what they wrote before is seen by all.
+  /// Returns when all threads of the team have called it. All then see what any of them wrote before.
   void wait() const {
     if (m_threads > 1) m_barrier->wait(m_thread, m_threads, ++m_visits);
   }

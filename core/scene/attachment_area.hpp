@@ -8,34 +8,37 @@
 
 namespace musclebench {
 
-/// What a node has to be near.
+/// The surface that a node must be close to.
 enum class AttachmentSurface {
-  bone,     ///< the bone's surface, over the area
-  outline,  ///< the area itself: where what it lies on (a vertebra, a tendon) has no mesh, and a bone carries it
+  bone,     ///< the bone's surface over the area
+  outline,  ///< the area itself: for an attachment to a part without a mesh (a vertebra, a tendon) that moves with a
+            ///< bone
 };
 
-/// An area on a bone, outlined by points on it, and how near a node has to be to be bound to it.
+/// An area on a bone to which muscle nodes are attached.
 struct AttachmentArea {
-  std::vector<Vec3> outline_m;  ///< at least 3 points, any order; the area is their convex hull in their mean plane
-  double distance_m = 0;        ///< from the node to the surface
-  double margin_m = 0;          ///< by which the area is grown on all sides
+  std::vector<Vec3> outline_m;  ///< at least 3 points in any order; the area is their convex hull in their mean plane
+  double distance_m = 0;        ///< largest distance of an attached node from the surface
+  double margin_m = 0;          ///< the area is enlarged by this on all sides
   AttachmentSurface surface = AttachmentSurface::bone;
   bool is_placed = false;  ///< the outline is of a file, and was moved with the bone's mesh
 };
 
-/// The nodes (ascending) within `distance_m` of the surface whose closest point on it lies over the area. Everything in
-/// one frame. Points on the far side of a bone do not count: the closest point must be nearer to the mean plane than
-/// the outline is wide. Of an outline the distance is that from its mean plane, to either side.
+/// The indices of nodes that are attached, ascending. A node is attached if it is within `distance_m` of the surface
+/// and its closest point is over the area. All positions are in one frame, in metres.
+///
+/// Points on the far side of a bone do not count: the closest point must be nearer to the mean plane than the outline
+/// is wide. For `outline` the distance is that from the mean plane, on either side.
 std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleMesh& bone, const AttachmentArea& area);
 
-/// How far a node is from being bound.
+/// The distance of a node from an attachment area.
 struct DistanceToArea {
   double to_surface_m = 0;
-  double beside_area_m = 0;  ///< from its closest point on the surface to the outlined area; 0 over it
+  double beside_area_m = 0;  ///< from the node's closest point on the surface to the area; 0 over the area
 };
 
-/// Of the node that the least enlargement of `distance_m` and `margin_m` would bind; nothing where no node lies on the
-/// area's side of the bone.
+/// The distance of the node that would be attached first if `distance_m` and `margin_m` were increased. Returns nothing
+/// if no node is on the area's side of the bone.
 std::optional<DistanceToArea> nearest_to_area(std::span<const Vec3> nodes, const TriangleBvh& bone,
                                               const AttachmentArea& area);
 

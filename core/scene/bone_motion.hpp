@@ -8,29 +8,32 @@
 
 namespace musclebench {
 
-/// A rotation about a fixed axis whose angle follows a table over the course of the run.
+/// A rotation about a fixed axis. A table gives its angle during the run.
 struct BoneRotation {
-  Vec3 axis = Vec3::UnitX();  ///< unit, right-handed
-  Vec3 centre_m = Vec3::Zero();
-  std::vector<double> times;       ///< ascending, any unit: only proportions count; empty: no rotation
-  std::vector<double> angles_rad;  ///< as many, from the pose in which the meshes are stored
-  bool there_and_back = true;      ///< the table is run through forwards, then backwards
+  Vec3 axis = Vec3::UnitX();       ///< unit vector; positive angles are right-handed
+  Vec3 centre_m = Vec3::Zero();    ///< a point on the axis
+  std::vector<double> times;       ///< ascending; scaled to the duration of the run; empty: no rotation
+  std::vector<double> angles_rad;  ///< one for each time; 0 is the pose of the mesh files
+  bool there_and_back = true;      ///< the run plays the table forwards, then backwards
 
-  /// `progress` from 0 at the start to 1 at the end of the run.
+  /// The angle at `progress`, which is 0 at the start and 1 at the end of the run.
   [[nodiscard]] double angle_rad(double progress) const;
+  /// The pose at `progress`.
   [[nodiscard]] RigidMotion pose(double progress) const;
   /// Whether the angle changes.
   [[nodiscard]] bool turns() const;
 };
 
-/// How a bone moves: no rotation (it stands still), one, or several. As with the coordinates of an OpenSim joint, each
-/// turns about an axis that those before it have turned: x = R_0 R_1 ... R_n x_rest, with axes and centres as at rest.
+/// The motion of a bone: no rotation (it stands still), one, or several. As with the coordinates of an OpenSim joint,
+/// earlier rotations turn the axes of later ones: x = R_0 R_1 ... R_n x_rest. Axes and centres are given at rest.
 struct BoneMotion {
   std::vector<BoneRotation> rotations;
 
+  /// The pose at `progress`, from the rest frame to the world frame.
   [[nodiscard]] RigidMotion pose(double progress) const;
-  /// Of the rotation that is farthest from rest.
+  /// The angle of the rotation that is farthest from rest.
   [[nodiscard]] double largest_angle_rad(double progress) const;
+  /// Whether any angle changes.
   [[nodiscard]] bool turns() const;
 };
 
@@ -40,9 +43,11 @@ struct MotionTable {
   std::vector<double> values;  ///< degrees, also where the file says `inDegrees=no`
 };
 
-/// Reads `column` of the OpenSim motion file at `path`. Only the rows that are there count, whatever its header
-/// announces. Throws InputError that names file and line for a missing column (with the nearest known), a value that is
-/// not finite, times that do not ascend, or fewer than two rows.
+/// Reads a column of an OpenSim motion file. Throws InputError that names file and line in these cases:
+///
+/// - the column is missing (the error names the nearest known one),
+/// - a value is not finite, or times do not ascend,
+/// - there are fewer than two rows, or the header gives another number of rows or columns.
 MotionTable read_motion_table(const std::filesystem::path& path, const std::string& column);
 
 }  // namespace musclebench

@@ -13,28 +13,31 @@
 
 namespace musclebench {
 
-/// A scene that is ready for its first frame.
+/// A simulation of a scene that is ready for its first frame.
 struct PreparedSimulation {
-  std::vector<BoundNode> bound_nodes;
-  std::vector<std::string> effect_names;  ///< in the order of the simulation's
-  std::vector<std::string> stage_names;   ///< the same of its contact stages
-  std::unique_ptr<Simulation> simulation;
+  std::vector<BoundNode> bound_nodes;      ///< the attached nodes
+  std::vector<std::string> effect_names;   ///< in the order of the simulation's effects
+  std::vector<std::string> stage_names;    ///< in the order of its contact stages
+  std::unique_ptr<Simulation> simulation;  ///< `settle` has run
 };
 
-/// `scene` and `backend`, which is built over the scene's bones, outlive the simulation. `responses`: one for all,
-/// or one a muscle and bone. `muscle_detectors` see to all `muscle_pairs` of the scene. Throws std::invalid_argument
-/// where there are some and no detector: muscles would pass through each other in silence.
+/// Makes the simulation of a scene: particles, effects, contact stages and bone motions.
+///
+/// `backend` must have been built over the scene's bones. `scene` and `backend` must outlive the simulation.
+/// `responses` has one kind for all bones, or one for each muscle and bone (Scene::bone_pair). `muscle_detectors` must
+/// cover all `muscle_pairs` of the scene. Throws std::invalid_argument if the scene has such pairs but there is no
+/// detector.
 PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend,
                                       const std::vector<ResponseKind>& responses, int threads,
                                       std::vector<std::unique_ptr<MuscleContactDetector>> muscle_detectors = {});
 
-/// Of each of its nodes.
+/// The mass of each node of a muscle, from its density or the loop's settings.
 double node_mass_kg(const Scene& scene, const Muscle& muscle);
 
-/// Of the box around muscle and bones at rest.
+/// The diagonal of the box around all muscles and bones at rest, in metres.
 double scene_diagonal_m(const Scene& scene);
 
-/// Beyond which a run of the scene has diverged.
+/// The limits of motion for a scene. If a node exceeds them, the run has diverged.
 MotionLimits motion_limits(const Scene& scene);
 
 }  // namespace musclebench

@@ -21,62 +21,64 @@
 
 namespace musclebench {
 
-/// The nodes of one muscle that one bone carries because the scene says so.
+/// An attachment of a muscle to a bone: the nodes that move with the bone.
 struct Attachment {
   std::string name;
-  int bone = 0;
-  std::size_t muscle = 0;
+  int bone = 0;            ///< index in `Scene::bones`
+  std::size_t muscle = 0;  ///< index in `Scene::muscles`
   AttachmentArea area;
-  std::vector<int> nodes;     ///< ascending
+  std::vector<int> nodes;     ///< attached nodes, ascending
   std::string location = {};  ///< file and line, for messages
 };
 
+/// An effect of a scene with its parameters.
 struct SceneEffect {
   std::string name;
   Parameters parameters;
   std::string location = {};               ///< file (or preset) and line, for messages
-  std::vector<std::string> own_keys = {};  ///< parameters that the scene gives itself, not its preset
-  bool is_own = false;                     ///< has a table in the scene
+  std::vector<std::string> own_keys = {};  ///< parameters that the scene sets itself, not its preset
+  bool is_own = false;                     ///< the scene has a table for it
 };
 
+/// A mesh that a scene names, as it is after placement.
 struct SceneMesh {
-  std::string reference;      ///< as the scene names it
-  std::string sha256;         ///< of the coordinates and indices of `mesh`
-  TriangleMesh mesh;          ///< as shipped, in metres where the scene places it (MeshPlacement)
+  std::string reference;      ///< the text in the scene
+  std::string sha256;         ///< hash of the coordinates and indices of `mesh`
+  TriangleMesh mesh;          ///< in metres, at the place that the scene gives it; not repaired
   std::string location = {};  ///< file and line of its table, for messages
   bool has_unit = false;      ///< the scene gives its unit or scale
   MeshPlacement placement = {};
 };
 
-/// A muscle: what its file holds, and which of the scene's nodes and triangles are made of it (see weld_mesh).
+/// A muscle of a scene: its file, and its nodes and triangles in the mesh of all muscles.
 struct Muscle {
   Body body;  ///< its name, nodes and triangles in `Scene::muscle_mesh`
   SceneMesh file;
-  std::vector<int> node_of_vertex;   ///< of each vertex of the file; -1 for one that no triangle uses
-  std::vector<std::string> changes;  ///< what welding did
-  std::vector<FibreSegment> fibres;  ///< from a file; none where they run between the attachments
-  bool fibres_between_attachments = false;
-  std::optional<double> density_kg_per_m3 = {};  ///< its own, in place of the loop's
-  Vec3 velocity_m_per_s = Vec3::Zero();          ///< of its free nodes as the run begins
+  std::vector<int> node_of_vertex;               ///< node of each vertex of the file; -1 if no triangle uses the vertex
+  std::vector<std::string> changes;              ///< what welding changed, one line each
+  std::vector<FibreSegment> fibres;              ///< fibres from a file; empty otherwise
+  bool fibres_between_attachments = false;       ///< fibres run between the attachments
+  std::optional<double> density_kg_per_m3 = {};  ///< replaces that of the loop
+  Vec3 velocity_m_per_s = Vec3::Zero();          ///< initial velocity of its free nodes
 };
 
-/// A backend that a scene names.
+/// A backend that a scene names, with its parameters.
 struct SceneBackend {
-  std::string name;                                  ///< empty: the scene leaves the choice open
-  std::map<std::string, ParameterValue> parameters;  ///< not checked yet: core knows no backend
+  std::string name;                                  ///< empty: the scene does not choose
+  std::map<std::string, ParameterValue> parameters;  ///< not checked: core does not know the backends
   // File, line and key, for messages.
   std::string location;
   std::string parameters_location;
 };
 
-/// Two muscles that touch each other.
+/// The settings of contact between two muscles.
 struct SceneMusclePair {
   MusclePair muscles;
   SceneBackend backend = {};
-  std::optional<int> response_steps = {};  ///< nothing: those of `[contact]`
+  std::optional<int> response_steps = {};  ///< none: the value of `[contact]`
 };
 
-/// What a scene says of contact between one muscle and one bone; empty: left open.
+/// The settings of contact between one muscle and one bone. Empty members use the defaults of the scene.
 struct SceneBoneContact {
   SceneBackend backend;
   std::optional<ResponseKind> response;
@@ -84,101 +86,110 @@ struct SceneBoneContact {
   std::optional<int> response_steps = {};
 };
 
-/// `NAME = false`: an effect of the preset that the scene does without, or one that the checker may not add.
+/// A line `NAME = false`: the scene removes an effect of its preset, or forbids the checker to add it.
 struct EffectExclusion {
   std::string effect;
-  bool is_of_preset = false;
+  bool is_of_preset = false;  ///< the preset has the effect
 };
 
 /// An effect, or contact between two muscles, that the checker added to a scene.
 struct AddedEffect {
-  std::string effect;  ///< as the registry names it, or "muscle_contact a b"
-  std::string rule;    ///< whose finding asked for it
-  std::string reason;  ///< the finding's words, with its figures
+  std::string effect;  ///< name in the registry, or "muscle_contact a b"
+  std::string rule;    ///< the rule that asked for it
+  std::string reason;  ///< text of the finding, with its figures
 };
 
-/// `effects = "auto"`: a scene that leaves it to the checker which effects it has beside those that it names.
+/// The setting `effects = "auto"`: the checker adds effects to those that the scene names.
 struct AutoEffects {
   bool wanted = false;
-  bool keeps_out_muscle_contact = false;  ///< by `muscle_contact = false`
+  bool keeps_out_muscle_contact = false;  ///< the scene says `muscle_contact = false`
   std::vector<AddedEffect> added = {};
-  std::string resolved_text = {};  ///< a scene file that names all of them, once they are added
+  std::string resolved_text = {};  ///< a scene file that names all effects, after they were added
 };
 
-/// Bound nodes of one muscle, numbered from its first: those on the bone of its first attachment, and all others.
+/// The attached nodes of one muscle, numbered from its first node. `origin` has those on the bone of the first
+/// attachment, `insertion` all others.
 struct EndNodes {
   std::vector<int> origin;
   std::vector<int> insertion;
 };
 
-/// A complete, checked description of what is simulated: all files read, all parameters known.
+/// A complete and checked description of a simulation. All files have been read and all parameters are known. Lengths
+/// are in metres. Const functions are safe from several threads.
 struct Scene {
   std::string name;
   std::string file;  ///< for messages
   std::string title;
   std::string preset;
-  std::vector<Bone> bones;             ///< repaired, numbered coherently, rest pose
-  std::vector<SceneMesh> bone_meshes;  ///< as shipped and placed, one a bone
-  std::vector<BoneMotion> motions;     ///< one a bone
+  std::vector<Bone> bones;             ///< repaired surfaces in rest pose, in Morton order
+  std::vector<SceneMesh> bone_meshes;  ///< the meshes of the bones before repair, one for each bone
+  std::vector<BoneMotion> motions;     ///< one for each bone
   std::vector<Muscle> muscles;
-  TriangleMesh muscle_mesh;  ///< the welded surfaces of all muscles, one after the other: its vertices are the nodes
+  TriangleMesh muscle_mesh;  ///< the welded surfaces of all muscles, one after the other; its vertices are the nodes
   std::vector<Attachment> attachments;
-  /// Instead of attachments: every node that the backend finds in a bone before the first frame is bound to that bone,
+  /// Replaces attachments: every node that the backend finds in a bone before the first frame is attached to that bone,
   /// as in the paper. The boundary condition then depends on the backend.
   bool attach_at_first_contact = false;
-  std::vector<SceneEffect> effects;  ///< only those the scene names, in the order of the registry
+  std::vector<SceneEffect> effects;  ///< the effects of the scene, in the order of the registry
   std::vector<EffectExclusion> exclusions;
   AutoEffects auto_effects;
   LoopParameters loop;
-  std::optional<ResponseKind> response;           ///< nothing: the backend's own
-  int response_steps = default_projection_steps;  ///< of projecting, and of the corrections between muscles
-  std::string response_steps_location = {};       ///< where the scene gives them, for messages
-  std::vector<SceneMusclePair> muscle_pairs;      ///< ascending; none: muscles pass through each other
-  std::vector<SceneBoneContact> bone_contacts;    ///< one a muscle and bone (bone_pair)
-  int fibre_count = 0;                            ///< of each muscle, to be followed; 0: none
-  bool fibres_are_required = true;                ///< false: where none can run, the run goes on without
-  std::string fibres_refused = {};                ///< why it does; empty: it does not
-  /// What is odd about it and its effects, noted where it was loaded to be run.
+  std::optional<ResponseKind> response;           ///< none: the default of the backend
+  int response_steps = default_projection_steps;  ///< steps of `project`, and of corrections between muscles
+  std::string response_steps_location = {};       ///< where the scene sets them, for messages
+  std::vector<SceneMusclePair> muscle_pairs;      ///< ascending; empty: muscles pass through each other
+  std::vector<SceneBoneContact> bone_contacts;    ///< one for each muscle and bone, by `bone_pair`
+  int fibre_count = 0;                            ///< number of fibres to follow in each muscle; 0: none
+  bool fibres_are_required = true;                ///< false: the scene may run without fibres
+  std::string fibres_refused = {};                ///< why it runs without fibres; empty: it has them
+  /// Warnings about the scene and its effects. Filled in when the scene is loaded for a run.
   std::vector<SceneWarning> warnings = {};
-  /// What keeps the scene from being run, where its reader was told to go on all the same (SceneRequest).
+  /// What prevents a run of the scene. Filled in if `SceneRequest::notes_obstacles` is set.
   std::vector<std::string> obstacles;
 
-  /// Of the motion, from 0 to 1, at `frame_position` (0 at rest, `loop.frames` at the end).
+  /// Progress of the motion, 0 to 1, at `frame_position` (0 at rest, `loop.frames` at the end).
   [[nodiscard]] double progress_at(double frame_position) const;
-  /// Poses at `frame_position` (0 at rest, `loop.frames` at the end).
+  /// Sets the poses of all bones at `frame_position` (0 at rest, `loop.frames` at the end).
   void poses_at(double frame_position, std::vector<RigidMotion>& poses) const;
-  /// Largest flexion angle over the bones at `frame_position`, rad: what the frame is labelled with.
+  /// The largest flexion angle of all bones at `frame_position`, in radians. It labels the frame.
   [[nodiscard]] double angle_rad(double frame_position) const;
-  /// Bound nodes of all attachments; a node that two areas claim belongs to the first.
+  /// The attached nodes of all attachments, ascending. A node in two areas belongs to the first attachment.
   [[nodiscard]] std::vector<BoundNode> bound_nodes() const;
-  /// Index of a muscle and a bone in tables that have an entry for each such pair: the first muscle with all bones,
-  /// then the next.
+  /// The index of a muscle and a bone in tables with an entry for each such pair. The first muscle comes with all
+  /// bones, then the second muscle, and so on.
   [[nodiscard]] std::size_t bone_pair(std::size_t muscle, std::size_t bone) const {
     return muscle * bones.size() + bone;
   }
+  /// The number of such entries. Without muscles it is the number of bones.
   [[nodiscard]] std::size_t bone_pairs() const { return std::max<std::size_t>(muscles.size(), 1) * bones.size(); }
-  /// The response of each muscle and bone, given its kind: one for all, or one a pair.
+  /// The responses, given their kinds: one for all, or one for each muscle and bone.
   [[nodiscard]] std::vector<BoneResponse> responses(const std::vector<ResponseKind>& kinds) const;
-  /// Appends a muscle whose nodes are the vertices of `mesh`, in their order.
+  /// Appends a muscle whose nodes are the vertices of `mesh`, in their order. The reference is valid until the next
+  /// call.
   Muscle& add_muscle(const std::string& name_of_muscle, const TriangleMesh& mesh);
+  /// The bodies of all muscles.
   [[nodiscard]] std::vector<Body> bodies() const;
-  /// By muscle: its fibres, given the nodes that are bound. Those between attachments run from the bone of the muscle's
+  /// The fibres of each muscle, given the attached nodes. Fibres between attachments run from the bone of the muscle's
   /// first attachment to the others.
   [[nodiscard]] std::vector<std::vector<FibreSegment>> fibres_with(const std::vector<BoundNode>& bound) const;
+  /// The attached nodes at the two ends of a muscle.
   [[nodiscard]] EndNodes end_nodes(std::size_t muscle, const std::vector<BoundNode>& bound) const;
+  /// The vertices of one muscle at rest.
   [[nodiscard]] std::vector<Vec3> vertices_of(const Body& body) const;
-  /// The surface of one muscle, its nodes numbered from 0.
+  /// The surface of one muscle at rest, with its nodes numbered from 0.
   [[nodiscard]] TriangleMesh mesh_of(const Body& body) const;
-  /// The names of all muscles.
+  /// The names of all muscles in one string.
   [[nodiscard]] std::string muscle_names() const;
 };
 
+/// Whether the scene has the effect `name`.
 bool has_effect(const Scene& scene, std::string_view name);
 
 /// The parameters of the `[loop]` table.
 std::vector<ParameterSpec> loop_parameters();
+/// The loop settings with these values. `parameters` must be made from `loop_parameters`.
 LoopParameters loop_from(const Parameters& parameters);
-/// The values of all of them.
+/// The values of all parameters of `[loop]`, by name. The inverse of `loop_from`.
 std::map<std::string, ParameterValue> loop_values(const LoopParameters& loop);
 
 }  // namespace musclebench

@@ -13,51 +13,54 @@
 
 namespace musclebench {
 
-/// What a user says of one effect besides scene and preset.
+/// A change to one effect of a scene, from the command line.
 struct EffectOverride {
-  std::string location;  ///< for messages: the option as it was written
-  std::string name;
-  bool is_removed = false;                            ///< else it is added, or some of its values are changed
-  std::map<std::string, ParameterValue> values = {};  ///< what is not given stays as the scene has it
+  std::string location;                               ///< for messages: the option as the user wrote it
+  std::string name;                                   ///< of the effect
+  bool is_removed = false;                            ///< false: the effect is added, or its values are changed
+  std::map<std::string, ParameterValue> values = {};  ///< new values; all others stay
 };
 
-/// Fibres that a command line asks for.
+/// A request from the command line to follow fibres.
 struct FibreRequest {
-  int count = 0;            ///< of each muscle; 0: none
-  std::string option = {};  ///< that asks, for messages
-  bool is_required = true;  ///< false: the scene may go without (`Scene::fibres_refused`)
+  int count = 0;            ///< number of fibres for each muscle; 0: none
+  std::string option = {};  ///< for messages: the option that asks for them
+  bool is_required = true;  ///< false: the scene may run without fibres (`Scene::fibres_refused`)
 };
 
-/// Where a scene comes from and where its references lead.
+/// The input of `read_scene`: the text of a scene, and how to find the files that it names.
 struct SceneRequest {
-  std::string name;                                  ///< of the scene, for results
-  std::string file;                                  ///< of the scene, for messages
-  std::string text;                                  ///< TOML
-  std::filesystem::path folder;                      ///< relative mesh paths start here
-  std::string preset_override;                       ///< preset to use instead of the scene's; empty: the scene's own
-  std::optional<std::filesystem::path> data_folder;  ///< what `${data}` stands for
-  std::function<std::string(const std::string& preset)> preset_text;    ///< throws InputError for an unknown preset
-  std::function<TriangleMesh(const std::string& name)> synthetic_mesh;  ///< throws InputError for an unknown name
-  std::map<std::string, ParameterValue> loop_overrides;                 ///< such as `frames`, from the command line
-  std::vector<EffectOverride> effect_overrides;                         ///< the same of effects
-  std::map<std::string, ParameterValue> motion_overrides = {};          ///< of all bones that move
-  std::optional<FibreRequest> fibres = {};                              ///< over `[measure] fibres`
-  bool auto_effects = false;                                            ///< as if the scene said `effects = "auto"`
-  /// Goes on past what only a run minds, which is noted in `Scene::obstacles`: for a look at the scene.
+  std::string name;                                  ///< name of the scene, for results
+  std::string file;                                  ///< file of the scene, for messages
+  std::string text;                                  ///< the scene in TOML
+  std::filesystem::path folder;                      ///< base of relative mesh paths
+  std::string preset_override;                       ///< preset to use; empty: the one that the scene names
+  std::optional<std::filesystem::path> data_folder;  ///< value of `${data}` in paths
+  /// Returns the text of a preset. Throws InputError for an unknown one. Needed for scenes with a preset.
+  std::function<std::string(const std::string& preset)> preset_text;
+  /// Returns a mesh that is made by code. Throws InputError for an unknown name. Needed for scenes with such meshes.
+  std::function<TriangleMesh(const std::string& name)> synthetic_mesh;
+  std::map<std::string, ParameterValue> loop_overrides;         ///< values for `[loop]`, from the command line
+  std::vector<EffectOverride> effect_overrides;                 ///< changes to effects, from the command line
+  std::map<std::string, ParameterValue> motion_overrides = {};  ///< values for the motions of all moving bones
+  std::optional<FibreRequest> fibres = {};                      ///< replaces `[measure] fibres`
+  bool auto_effects = false;                                    ///< reads the scene as with `effects = "auto"`
+  /// Continue if something prevents a run but not a look at the scene. `Scene::obstacles` then names it.
   bool notes_obstacles = false;
 };
 
-/// A path that a scene names, or its `file#selector` cut in two.
+/// A reference in a scene to a file, `file` or `file#selector`, split in two.
 struct SceneReference {
   std::filesystem::path path;
-  std::string selector;  ///< empty without `#`
+  std::string selector;  ///< the part after `#`; empty without `#`
 };
 
-/// Relative to the scene's folder, `${data}` to the data folder. Throws InputError with `location` where that folder is
-/// needed and not known.
+/// Resolves a reference relative to the scene's folder, and `${data}` to the data folder. Throws InputError that names
+/// `location` if the data folder is needed but unknown.
 SceneReference resolve_reference(const SceneRequest& request, const std::string& text, const std::string& location);
 
-/// What `read` returns; its complaints of another file begin with the line of the scene that names that file.
+/// Calls `read` and returns its result. If it throws InputError about another file, `location` is put first: the line
+/// of the scene that names that file.
 template <typename Read>
 auto read_at(const std::string& location, const Read& read) {
   try {

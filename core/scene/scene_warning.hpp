@@ -4,9 +4,9 @@
 
 namespace musclebench {
 
-/// One thing that is odd about a scene that can be run all the same.
+/// A warning about a scene that can still be run.
 struct SceneWarning {
-  std::string rule;  ///< stable, such as "unit"
+  std::string rule;  ///< name of the rule, such as "unit"; it does not change between versions
   std::string text;  ///< one line
 };
 
