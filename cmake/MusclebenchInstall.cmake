@@ -1,5 +1,6 @@
 # What `cmake --install` leaves, and `find_package(musclebench)` finds: the program, the libraries of core and backends as
-# musclebench::NAME (without the prefix musclebench_), and their headers by the paths that sources here include.
+# musclebench::NAME (without the prefix musclebench_), and the headers of public_headers.txt by the paths that sources
+# here include.
 include(CMakePackageConfigHelpers)
 
 set(musclebench_package_dir lib/cmake/musclebench)
@@ -16,12 +17,21 @@ function(musclebench_install_library name)
   install(TARGETS ${name} EXPORT musclebench ARCHIVE DESTINATION lib)
 endfunction()
 
+# The headers that the file LIST names, one a line.
+function(musclebench_install_headers list)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${list}")
+  file(STRINGS "${list}" headers REGEX "^[^#]")
+  foreach(header IN LISTS headers)
+    cmake_path(GET header PARENT_PATH folder)
+    install(FILES "${header}" DESTINATION "include/musclebench/${folder}")
+  endforeach()
+endfunction()
+
 function(musclebench_install_package)
   set_target_properties(musclebench_settings PROPERTIES EXPORT_NAME settings)
   install(TARGETS musclebench_settings EXPORT musclebench)
   install(TARGETS musclebench RUNTIME DESTINATION bin)
-  install(DIRECTORY core backends DESTINATION include/musclebench
-    FILES_MATCHING PATTERN "*.hpp" PATTERN tests EXCLUDE PATTERN micro EXCLUDE PATTERN fuzz EXCLUDE)
+  musclebench_install_headers(cmake/public_headers.txt)
   install(EXPORT musclebench NAMESPACE musclebench:: FILE musclebench-targets.cmake DESTINATION ${musclebench_package_dir})
   configure_package_config_file(cmake/musclebench-config.cmake.in "${CMAKE_BINARY_DIR}/musclebench-config.cmake"
     INSTALL_DESTINATION ${musclebench_package_dir})
