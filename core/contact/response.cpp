@@ -156,6 +156,7 @@ void Response::project(CollisionBackend& backend, std::span<const Contact> conta
     if (m_contacts.empty()) {
       return;
     }
+    for (Contact& contact : m_contacts) contact.depth_m += m_margin_m;
     push_out(m_contacts, predicted);
     collect_nodes(m_contacts, m_nodes);
   }
@@ -188,6 +189,7 @@ void Response::project_out_of_all(CollisionBackend& backend, std::span<const Con
     if (m_contacts.empty()) {
       return;
     }
+    for (Contact& contact : m_contacts) contact.depth_m += m_margin_m;
     contacts = m_contacts;
     collect_nodes(contacts, m_nodes);
   }

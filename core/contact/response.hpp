@@ -75,6 +75,10 @@ class Response {
   /// number of detections in a collision step.
   void project_out_of_all(int steps) { m_joint_steps = steps; }
 
+  /// Nodes that are still in a bone after their first correction leave it by `margin_m` more
+  /// (`ContactProperties::margin_m`, m). The depths of the contacts that `resolve` is given include it already.
+  void set_margin(double margin_m) { m_margin_m = margin_m; }
+
   /// Allocates the memory for `nodes` nodes and `bones` bones. `resolve` then allocates nothing.
   void reserve(std::size_t nodes, std::size_t bones);
 
@@ -99,6 +103,7 @@ class Response {
   std::vector<Body> m_muscles;
   int m_most_steps = 0;
   int m_joint_steps = 0;  ///< 0: corrections are added
+  double m_margin_m = 0;
   // Scratch memory, kept so that a frame allocates nothing.
   std::vector<Contact> m_backtracked;  ///< contacts of this kind, if pairs differ
   std::vector<Contact> m_projected;

@@ -102,7 +102,12 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
     effects.push_back(entry->make(input, *parameters));
     prepared.effect_names.push_back(entry->name);
   }
+  ContactProperties contacts;
+  for (const auto& [entry, parameters] : named) {
+    if (entry->set_contacts) entry->set_contacts(contacts, *parameters);
+  }
   Response response(scene.responses(responses), bodies);
+  response.set_margin(contacts.margin_m);
   for (const auto& [entry, parameters] : named) {
     if (entry->set_response) entry->set_response(response, *parameters);
   }
@@ -110,10 +115,6 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
   prepared.simulation = std::make_unique<Simulation>(
       scene.loop, particles, std::move(order), std::move(effects), backend, std::move(response),
       [&scene](double position, std::vector<RigidMotion>& poses) { scene.poses_at(position, poses); }, threads);
-  ContactProperties contacts;
-  for (const auto& [entry, parameters] : named) {
-    if (entry->set_contacts) entry->set_contacts(contacts, *parameters);
-  }
   if (!muscle_detectors.empty()) {
     prepared.simulation->add_stage(
         make_muscle_contact_stage(scene, particles.inverse_masses, contacts, std::move(muscle_detectors)));

@@ -84,6 +84,19 @@ TEST(ProjectResponse, TakesThreeStepsAndNoMore) {
   EXPECT_EQ(backend.queried.size(), 2U);  // the first step is the loop's own detection
 }
 
+TEST(ProjectResponse, LaterStepsKeepTheMargin) {
+  Shape floor = half_space(Vec3::UnitZ());
+  floor.reported_depth = 0.5;
+  ShapeBackend backend({floor});
+  Response response(ResponseKind::project);
+  response.set_margin(0.1);
+  Step step;
+  step.start = step.predicted = {Vec3(0, 0, -1)};
+  const Vec3 corrected = step.respond(std::move(response), backend, 1)[0];
+  // Of the first contact the caller adds it; then 0.25 + 0.1, and 0.075 + 0.1.
+  EXPECT_NEAR(corrected.z(), 0.025, 1e-15);
+}
+
 TEST(ProjectResponse, StopsAsSoonAsNothingIsInside) {
   ShapeBackend backend({half_space(Vec3::UnitZ())});
   EXPECT_EQ(project(backend, 1, {Vec3(0, 0, -1)})[0], Vec3(0, 0, 0));
