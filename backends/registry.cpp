@@ -1,7 +1,7 @@
 #include "backends/registry.hpp"
 
 #include <algorithm>
-#include <cassert>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,7 +15,10 @@ const std::vector<BackendEntry>& backend_registry() {
     std::vector<BackendEntry> made;
     for (const BackendSource& source : backend_table()) {
       made.push_back(source.entry());
-      assert(made.back().name == source.name);
+      if (made.back().name != source.name) {
+        throw std::logic_error(fmt::format("the folder of backend '{}' has an entry with the name '{}'; give both one name",
+                                           source.name, made.back().name));
+      }
       made.back().study = source.study;
     }
     return made;

@@ -343,7 +343,8 @@ class CaseRunner {
       reasons.emplace_back("no node touches a bone at rest, and so none is bound (attachment = \"first_contact\")");
     }
     for (const SceneWarning& warning : m_scene.warnings) {
-      if (warning.rule == "unit") reasons.push_back(warning.text);  // bodies of two units meet nowhere
+      // Bodies of two units meet nowhere, and an end that nothing holds swings free.
+      if (warning.rule == "unit" || warning.rule == "empty_attachment") reasons.push_back(warning.text);
     }
     if (m_result.status == "ok" && !reasons.empty()) {
       m_result.status = "suspect";

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "core/mesh/mesh_edges.hpp"
+#include "core/mesh/mesh_size.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
 #include "core/scene/mesh_sizes.hpp"
 #include "core/scene/rest_overlap.hpp"
@@ -21,6 +22,7 @@ using Warnings = std::vector<SceneWarning>;
 void warn_of_muscle_files(const Scene& scene, Warnings& warnings) {
   for (const Muscle& muscle : scene.muscles) {
     for (const std::string& change : muscle.changes) {
+      if (change.starts_with("merged")) continue;  // an STL has each vertex once a triangle
       warnings.push_back({"cleaned_muscle", fmt::format("muscle '{}': {}", muscle.body.name, change)});
     }
   }
@@ -140,10 +142,34 @@ void warn_of_muscle_pairs(const Scene& scene, Warnings& warnings) {
   }
 }
 
+/// A length in another unit than metres: an outline far from the scene, or a distance larger than the muscle.
+std::string describe_attachment_unit(const Scene& scene, const Attachment& attachment) {
+  constexpr double far = 5;  // sizes of the scene
+  const Eigen::AlignedBox3d muscle =
+      bounding_box(scene.vertices_of(scene.muscles[static_cast<std::size_t>(attachment.muscle)].body));
+  Eigen::AlignedBox3d all = muscle;
+  for (const Bone& bone : scene.bones) all.extend(bounding_box(bone.surface.mesh.vertices));
+  double farthest_m = 0;
+  for (const Vec3& point : attachment.area.outline_m) farthest_m = std::max(farthest_m, all.exteriorDistance(point));
+  const std::string cure = "keys that end in _m are metres, whatever the unit of the meshes";
+  if (farthest_m > far * all.diagonal().norm()) {
+    return fmt::format("attachment '{}': its outline is {:.3g} m away from the scene, which is {:.3g} m large: {}",
+                       attachment.name, farthest_m, all.diagonal().norm(), cure);
+  }
+  const double largest_m = std::max(attachment.area.distance_m, attachment.area.margin_m);
+  if (largest_m > muscle.diagonal().norm()) {
+    return fmt::format("attachment '{}': distance_m or margin_m is {:.3g} m, and the muscle is {:.3g} m large: {}",
+                       attachment.name, largest_m, muscle.diagonal().norm(), cure);
+  }
+  return {};
+}
+
 void warn_of_attachments(const Scene& scene, Warnings& warnings) {
   for (const Attachment& attachment : scene.attachments) {
-    if (attachment.nodes.empty()) {
-      const std::string place = attachment.location.empty() ? "" : attachment.location + ": ";
+    const std::string place = attachment.location.empty() ? "" : attachment.location + ": ";
+    if (const std::string unit = describe_attachment_unit(scene, attachment); !unit.empty()) {
+      warnings.push_back({"unit", place + unit});
+    } else if (attachment.nodes.empty()) {
       warnings.push_back({"empty_attachment", place + describe_empty_attachment(scene, attachment)});
     }
   }

@@ -196,7 +196,9 @@ std::map<std::string, ParameterValue> TomlTable::values() const {
     } else if (value.is_string()) {
       values[name] = *value.value<std::string>();
     } else {
-      throw InputError(location(name), "has to be a number, a word, true or false");
+      throw InputError(location(name),
+                       "has to be a number, a word, true or false. A table takes in all keys below it: if this key "
+                       "belongs to the scene, move the table to the end of the file");
     }
   }
   return values;

@@ -18,7 +18,7 @@ from program import call, needs_program
 TOOLS = Path(__file__).resolve().parent.parent
 BY_ARGPARSE = sorted(path.stem for path in (TOOLS / "musclebench" / "options").glob("*.py") if path.stem not in ("shared", "__init__"))
 BY_SHELL = ("build", "lint", "setup", "test")
-SCRIPTS = ("mutants", "import_lhdl.py")
+SCRIPTS = ("import_lhdl.py",)
 COMMANDS = ("", "advise", "check", "field", "hard", "list", "probe", "record", "replay", "run", "verify")
 MOST_WORDS = 28
 UNPLAIN = re.compile(r"\b(in place of|of (?:their|its|your) own|beside|told apart|asked about|all the same)\b")
@@ -65,7 +65,7 @@ def help_of_script(name: str, monkeypatch) -> Help:
     loader = importlib.machinery.SourceFileLoader(f"script_{Path(name).stem}", str(TOOLS / name))
     module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
     loader.exec_module(module)
-    return captured(module.parse_arguments if name == "mutants" else lambda: module.parse_arguments([]), monkeypatch)
+    return captured(lambda: module.parse_arguments([]), monkeypatch)
 
 
 def help_of_tool(name: str, monkeypatch) -> Help:
@@ -108,7 +108,7 @@ def test_sentences_are_counted_over_lines_and_not_over_lists():
 
 def test_no_tool_is_left_out():
     there = {path.name for path in TOOLS.iterdir() if path.is_file() and not path.suffix and path.name != "launch"}
-    assert there == {name.replace("_", "-") for name in BY_ARGPARSE} | set(BY_SHELL) | {"mutants"}
+    assert there == {name.replace("_", "-") for name in BY_ARGPARSE} | set(BY_SHELL)
 
 
 @pytest.mark.parametrize("name", (*BY_ARGPARSE, *SCRIPTS))

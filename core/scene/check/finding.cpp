@@ -39,7 +39,11 @@ std::string text_of(const Finding& finding) {
   std::string text = fmt::format("{} [{}]: {}{}{}: {}", beginning_of(finding.kind), finding.id, finding.place,
                                  finding.place.empty() ? "" : ": ", finding.where, finding.what);
   std::vector<std::string> cures;
-  if (!finding.add.empty()) cures.push_back(fmt::format("add {}", fmt::join(finding.add, " ")));
+  if (!finding.add.empty()) {
+    // A table takes in all keys below it.
+    const bool is_table = finding.add.front().starts_with('[');
+    cures.push_back(fmt::format("add {}{}", fmt::join(finding.add, " "), is_table ? " at the end of the file" : ""));
+  }
   if (!finding.remove.empty()) cures.push_back(fmt::format("remove {}", fmt::join(finding.remove, " ")));
   if (!cures.empty()) text += fmt::format("; {}", fmt::join(cures, ", or "));
   return text;
