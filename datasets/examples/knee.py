@@ -56,6 +56,8 @@ margin_m = 0.002
 
 [effects.bending]
 compliance_rad_per_n_m = 1e6
+
+[effects.self_contact]         # at full flexion the muscle folds
 """
 
 

@@ -24,5 +24,6 @@ def problems_of(runs: list[Run]) -> list[str]:
     failed = [f"{run.scene} with {looks.title_and_name(run.backend)}: {run.status}, {run.record.get('status_detail')}"
               for run in sorted(runs, key=lambda run: run.status in MEASURED) if run.status != "ok"]
     warned = {f"{run.scene}: {warning['text']}" for run in runs for warning in run.record.get("warnings") or []}
+    noted = [f"{run.scene} with {looks.title_and_name(run.backend)}: {text}" for run in runs for text in run.record.get("notes") or []]
     busy = note(disturbed_runs(runs), len(runs))
-    return [*failed, *sorted(warned), *([busy] if busy else [])]
+    return [*failed, *sorted(warned), *noted, *([busy] if busy else [])]
