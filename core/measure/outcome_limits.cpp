@@ -40,7 +40,7 @@ constexpr std::array<OutcomeLimit, 12> limits{{
      "a node that nothing touches is held in place"},
     {{"depth_edges", "mean edges at rest", "how deep a muscle is in a bone or in another muscle"},
      1,
-     "a deeper body is found by no node of a mesh this coarse"},
+     "contact sees nodes only: what is a whole edge deep has entered between them"},
     {{"depth_share", "of the muscle's diagonal", "the same depth"},
      0.005,
      "about a millimetre for a muscle of the hip, whatever the mesh: what moment arms and volumes feel"},

@@ -181,8 +181,7 @@ TEST(BvhBackend, OverlapsAreInsideAndCavitiesAreOutside) {
 TEST(BvhBackend, AnOpenSurfaceHasAnInsideBeyondItsHole) {
   TriangleMesh box = make_box({1, 1, 1}, 16);
   box.triangles.pop_back();
-  const std::vector<Bone> bones = {{"box", repair_mesh(box, "box")}};
-  ASSERT_FALSE(bones[0].surface.clean);
+  const std::vector<Bone> bones = {{"box", {box, false, {}}}};  // `repair_mesh` would close it
   const std::vector<Contact> contacts = detect(bones, {{0, 0, 0}, {0.9, 0.9, 0.9}, {1.1, 0, 0}, {3, 3, 3}});
   ASSERT_EQ(contacts.size(), 2U);
   EXPECT_NEAR(contacts[0].depth_m, 1, 1e-12);

@@ -14,8 +14,8 @@ RULES = ("angle", "crossing")
 
 GUARD_COLUMNS = [
     Column("muscle", "muscle"), Column("frames", "frames of the motion", 0), Column("step_deg", "degrees a frame", 1),
-    Column("without", "tunnelled nodes without a guard", 0, "without"), Column("angle", "by the rule of 135 degrees", 0, "angle"),
-    Column("angle_recall", "recall %", 0, "recall\n%"), Column("crossing", "by the path", 0, "crossing"),
+    Column("without", "tunnelled nodes without a guard", 0, "without"), Column("angle", "left by the rule of 135 degrees", 0, "angle"),
+    Column("angle_recall", "recall %", 0, "recall\n%"), Column("crossing", "left by the path", 0, "crossing"),
     Column("crossing_recall", "recall %", 0, "recall\n%"),
 ]
 CAPTION = (
