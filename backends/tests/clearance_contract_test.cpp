@@ -109,8 +109,9 @@ TEST_P(Contract, TheClearanceCacheChangesNoBitOfAMotion) {
   const std::vector<AnalyticBone> shapes = analytic_bones();
   expect_that_the_cache_changes_no_bit(entry, {bone(shapes[0].mesh), bone(shapes[1].mesh)}, Vec3::Zero(),
                                        {-3e-4, 0, 6e-4});
-  expect_that_the_cache_changes_no_bit(entry, {bone(ball_with_a_hole()), bone(overlapping_balls())},
-                                       {0.027, -0.006, 0.004}, {-1.1e-3, 0, 0});
+  const Bone open{"bone", {ball_with_a_hole(), false, {}}};  // `repair_mesh` would close it
+  expect_that_the_cache_changes_no_bit(entry, {open, bone(overlapping_balls())}, {0.027, -0.006, 0.004},
+                                       {-1.1e-3, 0, 0});
   // As scans have it: far from the rest frame's origin, where a position has fewer digits than a touching distance.
   std::vector<Bone> far = {bone(shapes[0].mesh), bone(shapes[1].mesh)};
   const Vec3 away(1e4, -2e4, 3e4);

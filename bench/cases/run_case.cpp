@@ -344,7 +344,9 @@ class CaseRunner {
     }
     for (const SceneWarning& warning : m_scene.warnings) {
       // Bodies of two units meet nowhere, and an end that nothing holds swings free.
-      if (warning.rule == "unit" || warning.rule == "empty_attachment") reasons.push_back(warning.text);
+      if (warning.rule == "unit" || warning.rule == "empty_attachment" || warning.rule == "fibres_outside") {
+        reasons.push_back(warning.text);
+      }
     }
     if (m_result.status == "ok" && !reasons.empty()) {
       m_result.status = "suspect";

@@ -26,7 +26,7 @@ struct Capabilities {
   bool depth = true;
   /// `detect` accepts a subset of the nodes, at any positions. False: it needs the whole muscle surface.
   bool point_queries = true;
-  /// The backend finds contacts. False only for `null`, the loop without collision.
+  /// The backend finds contacts. False only for the loop without collision.
   bool finds_contacts = true;
   /// State from the previous step makes the next detection cheaper.
   bool has_cache = false;

@@ -13,7 +13,7 @@ namespace {
 /// A step moves a node by no more than so many gaps of a row: more only throws the free corners of a face whose other
 /// corners a bone holds.
 constexpr double most_gaps = 2;
-/// Of friction. A row that shares no node with another one is right after the first.
+/// Of friction. A row that shares no node with another one that bears something is right after the first.
 constexpr int friction_steps = 5;
 
 /// Of a row's nodes, by its weights: between muscles how far its two points are apart.
@@ -30,7 +30,7 @@ Vec3 sum_over(const ContactRow& row, std::span<const Vec3> positions) {
 ContactRowSolver::ContactRowSolver(std::vector<double> inverse_masses, double friction_coefficient)
     : m_inverse_masses(std::move(inverse_masses)),
       m_friction_coefficient(friction_coefficient),
-      m_loads(m_inverse_masses.size(), 0),
+      m_loads(m_inverse_masses.size()),
       m_corrections(m_inverse_masses.size(), Vec3::Zero()),
       m_start_corrections(m_inverse_masses.size(), Vec3::Zero()) {}
 
@@ -39,16 +39,24 @@ void ContactRowSolver::collect_moved(std::span<const ContactRow> rows) {
   for (const ContactRow& row : rows) {
     for (std::size_t k = 0; k < row.nodes.size(); ++k) {
       if (row.weights[k] == 0) continue;
-      double& load = m_loads[static_cast<std::size_t>(row.nodes[k])];
-      if (load == 0) m_moved.push_back(row.nodes[k]);
-      load += std::abs(row.weights[k]);
+      if (m_loads[static_cast<std::size_t>(row.nodes[k])].rows == 0) m_moved.push_back(row.nodes[k]);
     }
+    add_load(row);
   }
   std::ranges::sort(m_moved);
 }
 
+void ContactRowSolver::add_load(const ContactRow& row) {
+  for (std::size_t k = 0; k < row.nodes.size(); ++k) {
+    if (row.weights[k] == 0) continue;
+    Load& load = m_loads[static_cast<std::size_t>(row.nodes[k])];
+    load.weights += std::abs(row.weights[k]);
+    ++load.rows;
+  }
+}
+
 void ContactRowSolver::clear_loads() {
-  for (const int node : m_moved) m_loads[static_cast<std::size_t>(node)] = 0;
+  for (const int node : m_moved) m_loads[static_cast<std::size_t>(node)] = {};
 }
 
 /// Of the moduli of the row of J M^-1 J^T, or more where a node would move by too much.
@@ -59,8 +67,8 @@ double ContactRowSolver::row_sum(const ContactRow& row) const {
     if (row.weights[k] == 0) continue;
     const auto node = static_cast<std::size_t>(row.nodes[k]);
     const double share = m_inverse_masses[node] * std::abs(row.weights[k]);
-    sum += share * m_loads[node];
-    largest = std::max(largest, share);
+    sum += share * m_loads[node].weights;
+    largest = std::max(largest, share * m_loads[node].rows);
   }
   return std::max(sum, largest / most_gaps);
 }
@@ -74,13 +82,15 @@ void ContactRowSolver::add_to_all(const ContactRow& row, const Vec3& change, std
   }
 }
 
-bool ContactRowSolver::correct(const ContactRow& row, std::span<const Vec3> start, std::span<const Vec3> predicted) {
+bool ContactRowSolver::correct(const ContactRow& row, std::span<const Vec3> start, std::span<const Vec3> predicted,
+                               double& multiplier) {
   const double gap_m = row.normal.dot(sum_over(row, predicted)) - row.offset_m;
   if (!(gap_m < 0)) return false;
   const double sum = row_sum(row);
   if (!(sum > 0)) return false;  // bones hold all of it
   const double start_gap_m = row.start_normal.dot(sum_over(row, start)) - row.start_offset_m;
   const double began_inside = std::clamp(start_gap_m / gap_m, 0.0, 1.0);
+  multiplier -= (1 - began_inside) * gap_m / sum;
   for (std::size_t k = 0; k < row.nodes.size(); ++k) {
     if (row.weights[k] == 0) continue;
     const auto node = static_cast<std::size_t>(row.nodes[k]);
@@ -125,10 +135,9 @@ bool ContactRowSolver::overlapped_before(const ContactRow& row) const {
 
 void ContactRowSolver::solve(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted) {
   collect_moved(rows);
-  const bool has_friction = m_friction_coefficient > 0;
-  if (has_friction) find_approaches(rows, start, predicted);
+  m_multipliers.assign(rows.size(), 0);
   correct_all(rows, start, predicted);
-  if (has_friction) rub(rows, start, predicted);
+  if (m_friction_coefficient > 0) rub(rows, start, predicted);
   clear_loads();
 }
 
@@ -138,8 +147,8 @@ void ContactRowSolver::correct_all(std::span<const ContactRow> rows, std::span<V
   for (const ContactRow& row : rows) most_steps = std::max(most_steps, row.steps);
   for (int step = 0; step < most_steps; ++step) {
     int corrected = 0;
-    for (const ContactRow& row : rows) {
-      if (step < row.steps && correct(row, start, predicted)) ++corrected;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (step < rows[i].steps && correct(rows[i], start, predicted, m_multipliers[i])) ++corrected;
     }
     m_most_corrected = std::max(m_most_corrected, corrected);
     if (corrected == 0) break;
@@ -151,47 +160,30 @@ void ContactRowSolver::correct_all(std::span<const ContactRow> rows, std::span<V
   }
 }
 
-void ContactRowSolver::find_approaches(std::span<const ContactRow> rows, std::span<const Vec3> start,
-                                       std::span<const Vec3> predicted) {
-  m_approaches_m.clear();
-  for (const ContactRow& row : rows) {
-    m_approaches_m.push_back(row.normal.dot(sum_over(row, predicted) - sum_over(row, start)));
-  }
-}
-
-/// Projected Jacobi steps, as for the gaps: what all steps together undo of a row's slide stays within Coulomb's limit.
+/// Projected Jacobi steps, as for the gaps: what all steps together undo of a row's slide stays within Coulomb's limit,
+/// which is of impulses: a row's are its multiplier and what it undoes over its row sum. Rows that bear nothing do not
+/// rub, and are no longer counted in the loads.
 void ContactRowSolver::rub(std::span<const ContactRow> rows, std::span<const Vec3> start, std::span<Vec3> predicted) {
-  find_rubbing(rows, start, predicted);
-  for (int step = 0; step < friction_steps && !m_rubbing.empty(); ++step) {
-    for (RubbingRow& rubbing : m_rubbing) {
-      const ContactRow& row = rows[rubbing.row];
+  clear_loads();
+  m_undone_m.assign(rows.size(), Vec3::Zero());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (m_multipliers[i] > 0) add_load(rows[i]);
+  }
+  for (int step = 0; step < friction_steps; ++step) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (!(m_multipliers[i] > 0)) continue;
+      const ContactRow& row = rows[i];
       const double sum = row_sum(row);
-      if (!(sum > 0)) continue;
       const Vec3 moved = sum_over(row, predicted) - sum_over(row, start) - row.carried_m;
-      const Vec3 wanted = rubbing.undone_m + moved - row.normal.dot(moved) * row.normal;
-      const Vec3 undone = share_undone_by_friction(wanted.norm(), rubbing.push_m, m_friction_coefficient) * wanted;
-      add_to_all(row, (rubbing.undone_m - undone) / sum, m_corrections);
-      rubbing.undone_m = undone;
+      const Vec3 wanted = m_undone_m[i] + moved - row.normal.dot(moved) * row.normal;
+      const Vec3 undone =
+          share_undone_by_friction(wanted.norm(), m_multipliers[i] * sum, m_friction_coefficient) * wanted;
+      add_to_all(row, (m_undone_m[i] - undone) / sum, m_corrections);
+      m_undone_m[i] = undone;
     }
     for (const int node : m_moved) {
       const auto i = static_cast<std::size_t>(node);
       predicted[i] += std::exchange(m_corrections[i], Vec3::Zero());
-    }
-  }
-}
-
-/// The rows that were pushed apart; the others bear nothing, and are no longer counted in the loads.
-void ContactRowSolver::find_rubbing(std::span<const ContactRow> rows, std::span<const Vec3> start,
-                                    std::span<const Vec3> predicted) {
-  m_rubbing.clear();
-  clear_loads();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const ContactRow& row = rows[i];
-    const double push_m = row.normal.dot(sum_over(row, predicted) - sum_over(row, start)) - m_approaches_m[i];
-    if (!(push_m > 0)) continue;
-    m_rubbing.push_back({i, push_m});
-    for (std::size_t k = 0; k < row.nodes.size(); ++k) {
-      if (row.weights[k] != 0) m_loads[static_cast<std::size_t>(row.nodes[k])] += std::abs(row.weights[k]);
     }
   }
 }

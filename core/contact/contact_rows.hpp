@@ -28,12 +28,13 @@ struct ContactRow {
 /// divided by the sum of the moduli of its row of J M^-1 J^T instead of by the diagonal (l1-Jacobi: Baker, Falgout,
 /// Kolev and Yang 2011, "Multigrid smoothers for ultraparallel computing"). For a single row the two are the same; rows
 /// of one gap and normal all around are solved at once; and the steps converge for any set of rows. A step moves no
-/// node by more than twice a row's gap: a face of which bones hold all but a corner is not thrown.
+/// node by more than twice the largest gap of its rows: a face of which bones hold all but a corner is not thrown, and
+/// takes more steps.
 ///
 /// What violated a row already when the substep began is corrected in the substep's start, too, and so gives no
 /// velocity (pre-stabilisation: Macklin et al. 2014, "Unified particle physics for real-time applications").
 ///
-/// Friction undoes what a row's points have slid on each other in the substep, as far as their push apart allows
+/// Friction undoes what a row's points have slid on each other in the substep, as far as the row's own impulse allows
 /// (`share_undone_by_friction`), by inverse mass on both sides, so that between muscles it changes no momentum.
 class ContactRowSolver {
  public:
@@ -55,28 +56,26 @@ class ContactRowSolver {
   [[nodiscard]] int most_corrected() const { return m_most_corrected; }
 
  private:
-  /// A row that friction acts on.
-  struct RubbingRow {
-    std::size_t row = 0;
-    double push_m = 0;  ///< by which its points were pushed apart
-    Vec3 undone_m = Vec3::Zero();
+  /// What the rows of a node weigh on it.
+  struct Load {
+    double weights = 0;  ///< sum of the moduli
+    int rows = 0;
   };
 
   void collect_moved(std::span<const ContactRow> rows);
   [[nodiscard]] double row_sum(const ContactRow& row) const;
   void add_to_all(const ContactRow& row, const Vec3& change, std::vector<Vec3>& corrections) const;
   void correct_all(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted);
-  void find_approaches(std::span<const ContactRow> rows, std::span<const Vec3> start, std::span<const Vec3> predicted);
   void rub(std::span<const ContactRow> rows, std::span<const Vec3> start, std::span<Vec3> predicted);
-  void find_rubbing(std::span<const ContactRow> rows, std::span<const Vec3> start, std::span<const Vec3> predicted);
+  void add_load(const ContactRow& row);
   void clear_loads();
   [[nodiscard]] bool overlapped_before(const ContactRow& row) const;
-  bool correct(const ContactRow& row, std::span<const Vec3> start, std::span<const Vec3> predicted);
+  bool correct(const ContactRow& row, std::span<const Vec3> start, std::span<const Vec3> predicted, double& multiplier);
 
   std::vector<double> m_inverse_masses;
   double m_friction_coefficient;
   // By node, zero but for m_moved.
-  std::vector<double> m_loads;  ///< sum of the moduli of the weights of all its rows
+  std::vector<Load> m_loads;
   std::vector<Vec3> m_corrections;
   std::vector<Vec3> m_start_corrections;
   std::vector<int> m_moved;
@@ -84,8 +83,9 @@ class ContactRowSolver {
   std::vector<char> m_overlaps;     ///< by node: since the run began; empty once there are none
   std::vector<char> m_overlap_now;  ///< the same of this call alone
   int m_most_corrected = 0;
-  std::vector<double> m_approaches_m;  ///< by row, where there is friction: along its normal, before the correction
-  std::vector<RubbingRow> m_rubbing;
+  // By row: the sum of its corrections over its row sum, without what was there before; what friction has undone.
+  std::vector<double> m_multipliers;
+  std::vector<Vec3> m_undone_m;
 };
 
 }  // namespace musclebench

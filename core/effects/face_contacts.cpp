@@ -135,7 +135,9 @@ std::pair<Vec3, Vec3> plane_at(const SignedSurface& surface, const Face& face, c
                                const DeepestPoint& deepest, std::vector<PathCrossing>& crossings) {
   std::pair<Vec3, Vec3> tangent = {deepest.located.closest.point, deepest.gradient};
   const Vec3 out = direction_out(face, weights, deepest);
-  if (!deepest.located.inside) return {deepest.located.closest.point, out};
+  if (!deepest.located.inside) {
+    return out.dot(deepest.gradient) > least_along ? std::pair(deepest.located.closest.point, out) : tangent;
+  }
   // The tangent plane is met at depth / (out . gradient); a ridge that pokes through ends before or a little behind it.
   const double length_m = 2 * deepest.located.closest.distance_m / std::max(out.dot(deepest.gradient), least_along);
   surface.tree().find_crossings(deepest.at, deepest.at + length_m * out, crossings);

@@ -20,7 +20,6 @@ namespace {
 
 /// Thickness over the mean length of an edge, where none is given: folds of a mesh are no sharper.
 constexpr double thickness_over_edge = 0.2;
-/// What is closer at rest than so many thicknesses is left out.
 /// A node and a triangle that are farther apart than so many thicknesses do not meet within a substep.
 constexpr double watched = 2;
 /// A larger distance, over the thickness, need not be told: clearances last long enough.

@@ -26,7 +26,9 @@ struct PathSegment {
 /// Keeps nodes from passing through one bone.
 class BoneGuard {
  public:
-  BoneGuard(const Bone& bone, bool untouched, std::size_t nodes) : m_surface(bone, untouched), m_states(nodes) {}
+  /// Nodes are put back to `margin_m` from the surface.
+  BoneGuard(const Bone& bone, bool untouched, std::size_t nodes, double margin_m)
+      : m_surface(bone, untouched), m_states(nodes), m_margin_m(margin_m) {}
 
   /// Radius of a sphere about the end of the path without any of the surface, where the distance to the bone's box is
   /// enough to tell that the path does not meet it; else 0.
@@ -70,7 +72,7 @@ class BoneGuard {
         if (layers++ == 0) state.enter(path.from + crossing.share * (path.to - path.from), normal);
       } else if (layers > 0 && --layers == 0) {
         state.is_inside = false;
-        if (state.normal.dot(normal) < 0) return state.put_back();
+        if (state.normal.dot(normal) < 0) return state.put_back(m_margin_m);
       }
     }
     const Side side = locate(path.to, state.triangle);
@@ -78,7 +80,7 @@ class BoneGuard {
       state.enter(locate(path.from, state.triangle));
     }
     if (state.is_inside && state.normal.dot(side.normal) < 0) {
-      return state.put_back();
+      return state.put_back(m_margin_m);
     }
     state.follow(side);
     if (!side.is_inside) clearance_m = side.distance_m;
@@ -94,7 +96,7 @@ class BoneGuard {
     if (from.normal.dot(to.normal) < least_cosine) {
       m_surface.get().tree().find_crossings(path.from, path.to, m_crossings);
       if (!m_crossings.empty()) {
-        return path.from + m_crossings.front().share * (path.to - path.from);
+        return path.from + m_crossings.front().share * (path.to - path.from) + m_margin_m * from.normal;
       }
     }
     if (!to.is_inside) clearance_m = to.distance_m;
@@ -136,10 +138,10 @@ class BoneGuard {
       return clearance_m = clearance.distance_m;
     }
     /// Returns to the surface where the node entered.
-    Vec3 put_back() {
+    Vec3 put_back(double margin_m) {
       is_inside = false;
       clearance_m = 0;
-      return point;
+      return point + margin_m * normal.stableNormalized();
     }
   };
 
@@ -159,6 +161,7 @@ class BoneGuard {
 
   StageSurface m_surface;
   std::vector<NodeState> m_states;
+  double m_margin_m;
   std::vector<PathCrossing> m_crossings;  // scratch memory
 };
 
@@ -168,7 +171,7 @@ class TunnellingGuard final : public ContactStage {
   TunnellingGuard(const StageInput& input, std::optional<double> least_cosine) : m_least_cosine(least_cosine) {
     m_clearances.reset(input.bones, input.nodes);
     for (std::size_t bone = 0; bone < input.bones.size(); ++bone) {
-      m_bones.emplace_back(input.bones[bone], input.is_untouched(bone), input.nodes);
+      m_bones.emplace_back(input.bones[bone], input.is_untouched(bone), input.nodes, input.contacts.margin_m);
     }
     m_held.reserve(input.nodes);
     m_again.reserve(input.nodes);

@@ -1,7 +1,7 @@
 #include "core/mesh_repair/close_holes.hpp"
 
+#include <algorithm>
 #include <cstddef>
-#include <map>
 #include <vector>
 
 namespace musclebench {
@@ -10,72 +10,81 @@ namespace {
 
 /// Against the direction in which the triangle beside it runs along it.
 struct RimEdge {
-  int from;
-  int to;
+  int from = 0;
+  int to = 0;
+  int triangle = 0;
 };
 
-/// By hole, in the order of the first edge of each.
-std::vector<std::vector<RimEdge>> find_rims(const TriangleMesh& mesh, const MeshEdges& edges) {
-  DisjointSets joined(static_cast<int>(mesh.vertices.size()));
-  std::vector<RimEdge> all;
+using Loop = std::vector<RimEdge>;
+
+/// By their first vertex, so that the order of the loops does not depend on that of the triangles.
+std::vector<RimEdge> rim_edges(const MeshEdges& edges) {
+  std::vector<RimEdge> rim;
   for (int edge = 0; edge < edges.count(); ++edge) {
     const auto uses = edges.uses(edge);
     if (uses.size() != 1) continue;
-    all.push_back(uses[0].forward ? RimEdge{uses[0].high, uses[0].low} : RimEdge{uses[0].low, uses[0].high});
-    joined.unite(uses[0].low, uses[0].high);
+    const auto [low, high, corner, forward] = uses[0];
+    rim.push_back(forward ? RimEdge{high, low, corner / 3} : RimEdge{low, high, corner / 3});
   }
-  std::vector<std::vector<RimEdge>> rims;
-  std::map<int, std::size_t> rim_of;
-  for (const RimEdge& edge : all) {
-    const auto [found, is_new] = rim_of.try_emplace(joined.find(edge.from), rims.size());
-    if (is_new) rims.emplace_back();
-    rims[found->second].push_back(edge);
-  }
-  return rims;
+  std::ranges::stable_sort(rim, {}, &RimEdge::from);
+  return rim;
 }
 
-/// Whether as many edges lead to each vertex as leave it.
-bool is_made_of_loops(const std::vector<RimEdge>& rim) {
-  std::map<int, int> balance;
-  for (const RimEdge& edge : rim) {
-    ++balance[edge.from];
-    --balance[edge.to];
+/// Follows the rims from each edge that is left. A path that comes back to a vertex has closed a loop there, which is
+/// cut off, so that holes that touch each other at a vertex are closed one by one. A path that ends is no loop.
+std::vector<Loop> find_loops(const MeshEdges& edges) {
+  const std::vector<RimEdge> rim = rim_edges(edges);
+  std::vector<char> is_used(rim.size(), 0);
+  std::vector<Loop> loops;
+  for (std::size_t first = 0; first < rim.size(); ++first) {
+    if (is_used[first] != 0) continue;
+    is_used[first] = 1;
+    Loop path = {rim[first]};
+    while (!path.empty()) {
+      const int at = path.back().to;
+      const auto closed = std::ranges::find(path, at, &RimEdge::from);
+      if (closed != path.end()) {
+        loops.emplace_back(closed, path.end());
+        path.erase(closed, path.end());
+        continue;
+      }
+      auto next = std::ranges::lower_bound(rim, at, {}, &RimEdge::from);
+      while (next != rim.end() && next->from == at && is_used[static_cast<std::size_t>(next - rim.begin())] != 0)
+        ++next;
+      if (next == rim.end() || next->from != at) break;
+      is_used[static_cast<std::size_t>(next - rim.begin())] = 1;
+      path.push_back(*next);
+    }
   }
-  for (const auto& [vertex, excess] : balance) {
-    if (excess != 0) return false;
-  }
-  return true;
+  return loops;
 }
 
-int third_corner(const std::vector<RimEdge>& triangle) {
-  for (const RimEdge& edge : triangle) {
-    if (edge.from != triangle.front().from && edge.from != triangle.front().to) return edge.from;
-  }
-  return -1;
+/// A loose triangle, which has no surface around it.
+bool is_one_triangle(const Loop& loop) {
+  return std::ranges::all_of(loop, [&](const RimEdge& edge) { return edge.triangle == loop.front().triangle; });
 }
 
-void add_fan(TriangleMesh& mesh, const std::vector<RimEdge>& rim) {
+void add_fan(TriangleMesh& mesh, const Loop& loop) {
   Vec3 middle = Vec3::Zero();
-  for (const RimEdge& edge : rim) middle += mesh.vertices[static_cast<std::size_t>(edge.from)];
+  for (const RimEdge& edge : loop) middle += mesh.vertices[static_cast<std::size_t>(edge.from)];
   const auto centre = static_cast<int>(mesh.vertices.size());
-  mesh.vertices.emplace_back(middle / static_cast<double>(rim.size()));
-  for (const RimEdge& edge : rim) mesh.triangles.push_back({edge.from, edge.to, centre});
+  mesh.vertices.emplace_back(middle / static_cast<double>(loop.size()));
+  for (const RimEdge& edge : loop) mesh.triangles.push_back({edge.from, edge.to, centre});
 }
 
 }  // namespace
 
 ClosedHoles close_holes(TriangleMesh& mesh, const MeshEdges& edges) {
   ClosedHoles closed;
-  for (const std::vector<RimEdge>& rim : find_rims(mesh, edges)) {
-    if (!is_made_of_loops(rim)) continue;
-    const int third = rim.size() == 3 ? third_corner(rim) : -1;
-    if (third >= 0) {
-      mesh.triangles.push_back({rim.front().from, rim.front().to, third});
+  for (const Loop& loop : find_loops(edges)) {
+    if (loop.size() < 3 || is_one_triangle(loop)) continue;
+    if (loop.size() == 3) {
+      mesh.triangles.push_back({loop[0].from, loop[1].from, loop[2].from});
     } else {
-      add_fan(mesh, rim);
+      add_fan(mesh, loop);
     }
     ++closed.holes;
-    closed.boundary_edges += static_cast<int>(rim.size());
+    closed.boundary_edges += static_cast<int>(loop.size());
   }
   return closed;
 }

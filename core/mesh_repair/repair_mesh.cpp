@@ -193,7 +193,7 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh, const std::string& name) {
   MeshEdges edges(surface);
   const int doubled = drop_doubled_triangles(surface, edges);
   log.note_doubled(doubled);
-  const int flat_left = flat.left > 0 ? count_flat(surface) : 0;
+  int flat_left = flat.left > 0 ? count_flat(surface) : 0;
   if (flat_left == static_cast<int>(surface.triangles.size())) {
     throw InputError(name, "no triangle has an area, so there is no surface; check the mesh file");
   }
@@ -212,6 +212,7 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh, const std::string& name) {
   const ClosedHoles closed = close_holes(surface, edges);
   if (closed.holes > 0) {
     edges = MeshEdges(surface);
+    flat_left = count_flat(surface);  // a slit is closed by triangles without area
   }
   const int open_edges = openness.boundary_edges - closed.boundary_edges;
   const RemainingDefects left = count_remaining(edges);

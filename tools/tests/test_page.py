@@ -223,8 +223,8 @@ def test_without_npm_a_plain_page_is_made_and_one_line_says_what_is_missing(with
     (folder / "figures").mkdir()
     (folder / "figures" / "fig_8_memory.png").write_bytes(b"a picture")
     assert report.main([str(folder)]) == 0
-    assert capsys.readouterr().err == "report: left out charts and runs in space, so that the page is plain: npm is missing, with " \
-        "whose libraries the page is made; tools/setup npm nodejs installs it\n"
+    assert capsys.readouterr().err == "report: left out charts and runs in space, so that the page is plain: npm is missing; " \
+        "the page needs JavaScript libraries. Install npm with tools/setup npm nodejs\n"
     page = (folder / "report.html").read_text()
     assert "A plain page: npm is missing" in page and base64.b64encode(b"a picture").decode() in page
     assert not re.search(r"<script|<canvas|<button|<select|class=\"has-(chart|view)", page)

@@ -374,7 +374,7 @@ def test_a_scene_of_several_muscles_is_raced(table):
     (["--repetitions", "0"], "--repetitions 0: must be 1 or more"),
     (["--micro", "/nowhere/micro"], "/nowhere/micro: no such program"),
     (["--data", "/nowhere"], "/nowhere: has no lhdl.json"),
-    (["--muscle", "biceps"], "--muscle 'biceps': not a muscle"),
+    (["--muscle", "biceps"], "--muscle 'biceps': no synthetic scene has this muscle"),
 ])
 def test_bad_options_are_answered_in_one_line(table, arguments, words):
     code, _, errors, calls = table(*arguments)

@@ -133,6 +133,44 @@ TEST(ContactRows, ARowThatBearsNothingTakesNoFrictionAway) {
   EXPECT_NEAR(sliding.slide_m(0.5), 0.015, 1e-14);
 }
 
+/// Of the whole step, of nodes of 1 kg: the momentum along x over that along z.
+double friction_over_load(const std::vector<ContactRow>& rows, const std::vector<double>& inverse_masses) {
+  const std::vector<Vec3> before(inverse_masses.size(), Vec3(0.03, 0, -0.01));
+  std::vector<Vec3> at = before;
+  std::vector<Vec3> start(inverse_masses.size(), Vec3(0, 0, 0.001));
+  ContactRowSolver(inverse_masses, 0.5).solve(rows, start, at);
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < at.size(); ++i) sum += at[i] - before[i];
+  return -sum.x() / sum.z();
+}
+
+/// A row that touches nothing, 1 mm clear of its plane, shares a node with one that bears the whole load.
+TEST(ContactRows, FrictionIsThatOfTheLoadWhateverIsNear) {
+  ContactRow beside = face_row();
+  beside.nodes = {2, 3, 4, 0};
+  beside.offset_m = beside.start_offset_m = -0.011;
+  EXPECT_NEAR(friction_over_load({face_row(), beside}, std::vector<double>(5, 1)), 0.5, 1e-12);
+}
+
+TEST(ContactRows, FrictionIsThatOfTheLoadWhereACornerMustNotBeThrown) {
+  for (const double weight : {0.5, 0.2, 0.05}) {
+    ContactRow row = face_row();
+    row.weights = {weight, 0.5, 0.5 - weight, 0};
+    EXPECT_NEAR(friction_over_load({row}, {1, 0, 0}), 0.5, 1e-12) << weight;
+  }
+}
+
+TEST(ContactRows, ManyRowsOfAFaceThrowItsFreeCornerNoFartherThanOne) {
+  ContactRow row = face_row();
+  row.weights = {0.01, 0.5, 0.49, 0};
+  for (const std::size_t count : {1U, 4U, 10U}) {
+    std::vector<Vec3> at(3, Vec3(0, 0, -0.01));
+    std::vector<Vec3> start(3, Vec3::Zero());
+    ContactRowSolver({1, 0, 0}).solve(std::vector<ContactRow>(count, row), start, at);
+    EXPECT_NEAR(at[0].z() + 0.01, 0.02, 1e-15) << count;
+  }
+}
+
 TEST(ContactRows, RowsEndWithTheirOwnSteps) {
   // Two rows that pull one node apart never end; the first one is done after one step.
   const std::vector<ContactRow> rows = {

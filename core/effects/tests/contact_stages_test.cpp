@@ -194,6 +194,22 @@ TEST(TunnellingGuard, HoldsANodeThatPassesABoneItWasNotExpectedAt) {
   }
 }
 
+TEST(TunnellingGuard, PutsNodesBackToTheMargin) {
+  for (const char* rule : {"crossing", "angle"}) {
+    const EffectEntry* entry = find_effect("tunnelling_guard");
+    const std::vector<Bone> bones(1, bone_of(make_box({0.1, 0.1, 0.1}, 4)));
+    StageInput input{bones, 1};
+    input.contacts.margin_m = 0.002;
+    const auto guard = entry->make_stage(input, Parameters(entry->parameters, {{"rule", rule}}, "test"));
+    std::vector<Vec3> start(1, Vec3(0.01, 0.02, 0.5));
+    std::vector<Vec3> predicted(1, Vec3(0.01, 0.02, -0.5));
+    const std::vector<int> nodes(1, 0);
+    const std::vector<RigidMotion> poses(1);
+    EXPECT_EQ(guard->after_bones({start, predicted, nodes, poses, poses, {}}).size(), 1U) << rule;
+    EXPECT_LT((predicted[0] - Vec3(0.01, 0.02, 0.102)).norm(), 1e-12) << rule;
+  }
+}
+
 TEST(Margin, ANodeComesToRestAtItsDistance) {
   const std::vector<Bone> bones(1, bone_of(make_box({0.1, 0.1, 0.1}, 4)));
   for (const double thickness_m : {0.0, 1e-4, 3e-3}) {

@@ -301,6 +301,36 @@ TEST(RepairMesh, ClosesHolesAndSaysSo) {
   EXPECT_LT(volume_m3(repaired.mesh), whole_m3) << "a cap is flat";
 }
 
+TEST(RepairMesh, ClosesHolesThatTouchAtAVertexOneByOne) {
+  TriangleMesh mesh = make_sphere(1, 4);
+  // Two triangles that share vertex 100 and nothing else.
+  std::vector<std::size_t> around;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (std::ranges::find(mesh.triangles[t], 100) != mesh.triangles[t].end()) around.push_back(t);
+  }
+  const auto apart = std::ranges::find_if(around, [&](std::size_t t) {
+    return std::ranges::count_if(mesh.triangles[t], [&](int node) {
+             return std::ranges::find(mesh.triangles[around[0]], node) != mesh.triangles[around[0]].end();
+           }) == 1;
+  });
+  ASSERT_NE(apart, around.end());
+  mesh.triangles.erase(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(*apart));
+  mesh.triangles.erase(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(around[0]));
+  const RepairedMesh repaired = repair_mesh(mesh, "bone");
+  EXPECT_TRUE(repaired.clean);
+  EXPECT_TRUE(has_change(repaired, "closed 2 holes (6 boundary edges)"));
+}
+
+TEST(RepairMesh, LeavesALooseTriangleOpen) {
+  TriangleMesh mesh = make_sphere(1, 4);
+  const auto first = static_cast<int>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), {Vec3(3, 0, 0), Vec3(3, 0.1, 0), Vec3(3, 0, 0.1)});
+  mesh.triangles.push_back({first, first + 1, first + 2});
+  const RepairedMesh repaired = repair_mesh(mesh, "bone");
+  EXPECT_FALSE(repaired.clean);
+  EXPECT_TRUE(has_change(repaired, "left open: the surface has 3 boundary edges"));
+}
+
 TEST(RepairMesh, LeavesAHoleOpenWhoseRimIsNoLoop) {
   TriangleMesh mesh = make_sphere(1, 4);
   const Triangle first = mesh.triangles.front();
