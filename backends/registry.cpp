@@ -16,8 +16,9 @@ const std::vector<BackendEntry>& backend_registry() {
     for (const BackendSource& source : backend_table()) {
       made.push_back(source.entry());
       if (made.back().name != source.name) {
-        throw std::logic_error(fmt::format("the folder of backend '{}' has an entry with the name '{}'; give both one name",
-                                           source.name, made.back().name));
+        throw std::logic_error(
+            fmt::format("the folder of backend '{}' has an entry with the name '{}'; give both one name", source.name,
+                        made.back().name));
       }
       made.back().study = source.study;
     }
