@@ -221,9 +221,9 @@ Advice find_with_progress(const Scene& scene, int threads, const AdviceRequest& 
 int end_without_exact_run(const Scene& scene, const AdviseOptions& options, int frames_run) {
   fmt::print(stderr,
              "musclebench: --seconds: {:g} s of CPU time ended in frame {} of {} of the exact run of {}, before any "
-             "measurement; give about {:.0f}\n",
+             "measurement; give about {:.0f} s\n",
              options.seconds, frames_run, scene.loop.frames, scene.name,
-             4 * options.seconds * scene.loop.frames / std::max(1, frames_run));
+             std::max(1.0, std::ceil(4 * options.seconds * scene.loop.frames / std::max(1, frames_run))));
   return exit_out_of_time;
 }
 
