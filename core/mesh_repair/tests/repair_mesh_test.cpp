@@ -307,7 +307,8 @@ TEST(RepairMesh, ClosesHolesThatTouchAtAVertexOneByOne) {
   const auto has = [](const Triangle& triangle, int node) {
     return std::ranges::find(triangle, node) != triangle.end();
   };
-  for (int vertex = 0; vertex < 100; ++vertex) {
+  const auto count = static_cast<int>(whole.vertices.size());
+  for (int vertex = count - 100; vertex < count; ++vertex) {
     const auto first = std::ranges::find_if(whole.triangles, [&](const Triangle& t) { return has(t, vertex); });
     const auto other = std::ranges::find_if(whole.triangles, [&](const Triangle& t) {
       return has(t, vertex) && std::ranges::count_if(t, [&](int node) { return has(*first, node); }) == 1;
