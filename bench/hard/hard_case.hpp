@@ -96,6 +96,7 @@ std::span<const HardCase> limit_cases();
 std::span<const HardCase> anatomy_cases();
 std::span<const HardCase> load_cases();
 std::span<const HardCase> muscle_load_cases();
+std::span<const HardCase> passage_cases();
 std::span<const HardCase> effect_cases();
 
 }  // namespace musclebench

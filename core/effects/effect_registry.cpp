@@ -10,6 +10,7 @@
 #include "core/effects/local_volume.hpp"
 #include "core/effects/margin.hpp"
 #include "core/effects/multi_bone.hpp"
+#include "core/effects/no_passage/no_passage.hpp"
 #include "core/effects/self_contact.hpp"
 #include "core/effects/surface_contact.hpp"
 #include "core/effects/tunnelling_guard.hpp"
@@ -67,6 +68,11 @@ const std::vector<EffectEntry>& effect_registry() {
        .parameters = tunnelling_guard_parameters(),
        .make = nullptr,
        .make_stage = make_tunnelling_guard},
+      {.name = "no_passage",
+       .help = "no node, edge or face passes through a bone, another muscle or its own muscle",
+       .parameters = no_passage_parameters(),
+       .make = nullptr,
+       .make_stage = make_no_passage},
   };
   return entries;
 }

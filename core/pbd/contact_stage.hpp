@@ -36,13 +36,16 @@ class ContactStage {
   /// The name of the stage. Its column in frames.csv is this name with `_ns`.
   [[nodiscard]] virtual std::string_view name() const = 0;
 
-  // These two may correct `predicted`. They correct `start` as well if the correction must not give the node a
+  // These three may correct `predicted`. They correct `start` as well if the correction must not give the node a
   // velocity. They return the nodes that they may have moved. The span is valid until the next call.
 
   /// After the constraints and before the bone response. Bones are rigid, so their response comes later and wins.
   virtual std::span<const int> before_bones(const ContactStageInput& /*input*/) { return {}; }
   /// After the bone response.
   virtual std::span<const int> after_bones(const ContactStageInput& /*input*/) { return {}; }
+
+  /// After the last collision step of a substep and before velocities are updated.
+  virtual std::span<const int> end_substep(const ContactStageInput& /*input*/) { return {}; }
 
   /// After the backend's detection. May add contacts with bones or change depths. Keep contacts ordered by bone and
   /// then by node, with at most one for each node and bone.

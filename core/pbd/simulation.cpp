@@ -178,6 +178,8 @@ void Simulation::step(const SubstepInput& input, bool last_of_frame, CollisionOb
     collide(last_of_frame && iteration == m_loop.iterations, observer);
     if (has_ended()) return;
   }
+  run_stages(&ContactStage::end_substep, m_contacts);
+  if (has_ended()) return;
   run_team(m_threads, m_barrier, [&](const Team& team) { finish_substep(input.time_step_s, team); });
 }
 

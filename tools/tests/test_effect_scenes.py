@@ -248,6 +248,20 @@ def test_the_guard_stops_a_fast_plate(run):
     assert through.outcome["tunnelled_nodes"] == nodes
 
 
+def test_bars_that_meet_edge_on_edge_do_not_pass(run):
+    """They meet with opposite momenta, and what keeps them apart gives neither of them any."""
+    held, through = run("no_passage", frames=(20, 24)), run("no_passage", "--no-effect", "no_passage")
+    assert through.outcome["muscle_crossing_triangles"] > 20
+    assert held.record["status"] == "ok"
+    assert held.outcome["muscle_crossing_triangles"] == 0 and held.outcome["self_intersecting_triangles"] == 0
+    moved_m = held.moved_m(24)
+    lower = held.rest_m[:, 2] < 0
+    assert held.rest_m[lower, 2].max() < held.rest_m[~lower, 2].min()
+    size_m = np.abs(moved_m).max()
+    assert np.abs(moved_m.mean(axis=0)).max() < 1e-9 * size_m
+    assert held.shapes[24].vertices_m[lower, 2].mean() < held.shapes[24].vertices_m[~lower, 2].mean()
+
+
 @pytest.mark.parametrize("coefficient", [0.7, 0.74, 0.76, 0.9])
 def test_a_block_slides_beyond_the_angle_of_friction_and_not_before(run, coefficient):
     """The slope falls by 3 in 4: its tangent is 0.75."""

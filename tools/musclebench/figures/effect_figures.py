@@ -14,7 +14,7 @@ EFFECT_COLOURS = {
     "gravity": "#4d4d4d", "damping": "#808080", "attachment": "#b3b3b3",
     "edge_length": "#23395B", "bending": "#6A8CAF", "activation": "#A9C5DE",
     "volume": "#3E5C4B", "local_volume": "#86A593",
-    "margin": "#F0E442", "friction": "#E69F00", "surface_contact": "#D55E00", "tunnelling_guard": "#8C2D04",
+    "margin": "#F0E442", "friction": "#E69F00", "surface_contact": "#D55E00", "tunnelling_guard": "#8C2D04", "no_passage": "#662506",
     "self_contact": "#CC79A7",
 }
 SPARE_COLOURS = ("#4A3B66", "#8F7DB0", "#CBC0DF")

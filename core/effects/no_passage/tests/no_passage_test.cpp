@@ -1,0 +1,196 @@
+#include "core/effects/no_passage/no_passage.hpp"
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/parameters.hpp"
+#include "core/contact/bone.hpp"
+#include "core/mesh/shapes.hpp"
+
+namespace musclebench {
+namespace {
+
+Vec3 random_vector(std::mt19937_64& random) {
+  const auto number = [&] { return 2 * static_cast<double>(random() >> 11) * 0x1p-53 - 1; };
+  const double x = number();
+  const double y = number();
+  return {x, y, number()};
+}
+
+bool pierces(const Vec3& from, const Vec3& to, const std::array<Vec3, 3>& face) {
+  constexpr double rounding_m3 = 1e-14;
+  const auto side = [](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+    const double volume_m3 = (b - a).cross(c - a).dot(d - a);
+    return std::abs(volume_m3) < rounding_m3 ? 0 : (volume_m3 > 0 ? 1 : -1);
+  };
+  const auto& [a, b, c] = face;
+  if (side(a, b, c, from) * side(a, b, c, to) >= 0) return false;
+  const int first = side(from, to, a, b);
+  return first != 0 && first == side(from, to, b, c) && first == side(from, to, c, a);
+}
+
+/// Pairs of an edge and a triangle without a common vertex, of all bodies of a mesh, that go through each other.
+int crossings_in(const std::vector<Vec3>& at, const std::vector<Triangle>& triangles) {
+  int found = 0;
+  for (const Triangle& one : triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int from = one[k];
+      const int to = one[(k + 1) % 3];
+      for (const Triangle& other : triangles) {
+        const auto has = [&](int node) { return node == other[0] || node == other[1] || node == other[2]; };
+        if (has(from) || has(to)) continue;
+        const auto corner = [&](std::size_t i) { return at[static_cast<std::size_t>(other[i])]; };
+        if (pierces(at[static_cast<std::size_t>(from)], at[static_cast<std::size_t>(to)],
+                    {corner(0), corner(1), corner(2)})) {
+          ++found;
+        }
+      }
+    }
+  }
+  return found;
+}
+
+void append(const TriangleMesh& part, const Vec3& by, TriangleMesh& all, std::vector<Body>& bodies) {
+  const auto first = static_cast<int>(all.vertices.size());
+  Body body{"part", first, 0, all.triangles.size(), 0};
+  for (const Vec3& vertex : part.vertices) all.vertices.push_back(vertex + by);
+  for (const Triangle& triangle : part.triangles) {
+    all.triangles.push_back({triangle[0] + first, triangle[1] + first, triangle[2] + first});
+  }
+  body.last_node = static_cast<int>(all.vertices.size());
+  body.last_triangle = all.triangles.size();
+  bodies.push_back(body);
+}
+
+/// Two balls of muscle beside a ball of bone, of radius 1, moved at random.
+class NoPassageTest : public testing::Test {
+ protected:
+  NoPassageTest() {
+    const TriangleMesh ball = make_sphere(1, 1);
+    append(ball, {-1.2, 0, 0}, m_mesh, m_bodies);
+    append(ball, {1.2, 0, 0}, m_mesh, m_bodies);
+    m_bones.push_back(Bone{"bone", {.mesh = ball, .clean = true, .changes = {}}});
+    m_masses.assign(m_mesh.vertices.size(), 1);
+    m_rest = {Mat3::Identity(), Vec3(0, 0, 2.2)};
+  }
+
+  [[nodiscard]] std::unique_ptr<ContactStage> stage(int threads = 1) const {
+    return make_no_passage({.bones = m_bones,
+                            .nodes = m_mesh.vertices.size(),
+                            .triangles = m_mesh.triangles,
+                            .inverse_masses = m_masses,
+                            .threads = threads,
+                            .mesh = &m_mesh,
+                            .bodies = m_bodies},
+                           Parameters(no_passage_parameters(), {{"gap_m", 1e-3}}, "test"));
+  }
+
+  /// Muscles and the bone in one mesh.
+  [[nodiscard]] int crossings(const std::vector<Vec3>& at, const RigidMotion& pose) const {
+    std::vector<Vec3> all = at;
+    std::vector<Triangle> triangles = m_mesh.triangles;
+    const auto first = static_cast<int>(all.size());
+    for (const Vec3& vertex : m_bones[0].surface.mesh.vertices) all.push_back(pose.apply(vertex));
+    for (const Triangle& t : m_bones[0].surface.mesh.triangles) {
+      triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+    return crossings_in(all, triangles);
+  }
+
+  /// Moves all by random displacements of up to `size`, step by step, and the bone by as much; where all ended.
+  std::vector<Vec3> shake(ContactStage& stage, double size, int steps, bool& was_crossed) {
+    std::mt19937_64 random(7);
+    std::vector<Vec3> start = m_mesh.vertices;
+    std::vector<RigidMotion> poses{m_rest};
+    for (int step = 0; step < steps; ++step) {
+      std::vector<Vec3> proposed;
+      const Vec3 towards = 0.3 * size * random_vector(random);
+      for (std::size_t node = 0; node < start.size(); ++node) {
+        const bool is_left = m_bodies[0].has_node(static_cast<int>(node));
+        proposed.push_back(start[node] + (is_left ? towards : Vec3(-towards)) + size * random_vector(random));
+      }
+      std::vector<RigidMotion> next{RigidMotion::about_axis(Vec3::UnitX(), Vec3::Zero(), 0.3 * size) * poses[0]};
+      next[0].translation_m = m_rest.translation_m + size * random_vector(random);
+      was_crossed = was_crossed || crossings(proposed, next[0]) > 0;
+      (void)stage.before_bones({start, proposed, {}, poses, next, {}});
+      (void)stage.end_substep({start, proposed, {}, poses, next, {}});
+      EXPECT_EQ(crossings(proposed, next[0]), 0) << "step " << step << " of size " << size;
+      start = proposed;
+      poses = next;
+    }
+    return start;
+  }
+
+  TriangleMesh m_mesh;
+  std::vector<Body> m_bodies;
+  std::vector<Bone> m_bones;
+  std::vector<double> m_masses;
+  RigidMotion m_rest;
+};
+
+TEST_F(NoPassageTest, NothingPassesWhateverIsProposed) {
+  for (const double size : {0.1, 0.3, 3.0}) {
+    bool was_crossed = false;
+    const auto guard = stage();
+    shake(*guard, size, 12, was_crossed);
+    EXPECT_TRUE(was_crossed) << size;
+    EXPECT_GT(guard->contact_count(), 0);
+  }
+}
+
+TEST_F(NoPassageTest, ThreadsChangeNoBit) {
+  bool was_crossed = false;
+  EXPECT_EQ(shake(*stage(1), 0.3, 6, was_crossed), shake(*stage(3), 0.3, 6, was_crossed));
+}
+
+TEST_F(NoPassageTest, WhatMeetsNothingIsLeftAlone) {
+  std::vector<Vec3> start = m_mesh.vertices;
+  std::vector<Vec3> proposed = start;
+  for (Vec3& node : proposed) node += Vec3(50, 20, -3);  // beneath the bone, and as one
+  const std::vector<Vec3> wanted = proposed;
+  const std::vector<RigidMotion> poses{m_rest};
+  const auto guard = stage();
+  (void)guard->before_bones({start, proposed, {}, poses, poses, {}});
+  EXPECT_TRUE(guard->end_substep({start, proposed, {}, poses, poses, {}}).empty());
+  EXPECT_EQ(proposed, wanted);
+}
+
+TEST_F(NoPassageTest, MusclesThatFlyThroughEachOtherStayOnTheirSides) {
+  std::vector<Vec3> start = m_mesh.vertices;
+  std::vector<Vec3> proposed = start;
+  for (std::size_t node = 0; node < start.size(); ++node) {
+    proposed[node].x() += m_bodies[0].has_node(static_cast<int>(node)) ? 100 : -100;
+  }
+  const std::vector<RigidMotion> poses{m_rest};
+  const auto guard = stage();
+  (void)guard->before_bones({start, proposed, {}, poses, poses, {}});
+  (void)guard->end_substep({start, proposed, {}, poses, poses, {}});
+  double left = 0;
+  double right = 0;
+  for (std::size_t node = 0; node < start.size(); ++node) {
+    (m_bodies[0].has_node(static_cast<int>(node)) ? left : right) += proposed[node].x();
+  }
+  EXPECT_LT(left, right);
+  EXPECT_NEAR(left + right, 0, 1e-9 * std::abs(left));  // rows and zones change no momentum
+}
+
+TEST_F(NoPassageTest, NodesThatRestOnTheBoneAreKeptOnIt) {
+  // The lowest node of a muscle touches the highest of the bone, which says nothing of the side that it is on.
+  m_rest.translation_m = Vec3(-1.2, 0, -2.0);
+  std::vector<Vec3> start = m_mesh.vertices;
+  const std::vector<RigidMotion> poses{m_rest};
+  std::vector<Vec3> proposed = start;
+  for (Vec3& node : proposed) node += Vec3(0.003, 0.002, -0.01);
+  ASSERT_GT(crossings(proposed, m_rest), 0);
+  const auto guard = stage();
+  (void)guard->before_bones({start, proposed, {}, poses, poses, {}});
+  (void)guard->end_substep({start, proposed, {}, poses, poses, {}});
+  EXPECT_EQ(crossings(proposed, m_rest), 0);
+}
+
+}  // namespace
+}  // namespace musclebench
